@@ -1,0 +1,219 @@
+"""Residual and Jacobian of a scene: the only module that knows both PETSc's vectors and the kernels."""
+
+from __future__ import annotations
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc.field import Block, FloatArray, Prescribed
+from drillpetsc.kernels import function, pointer
+from drillpetsc.layout import Layout
+
+_rates = function("condensed_rates", "ipdppippp" + "p")
+_transport = function("spin_transport", "ippppp")
+_gradient = function("spin_gradient", "ippppddp")
+
+#: weight of a replaced row, position error [m or rad] to force [N]: of the order of a pipe's stiffness, so that one norm fits both
+ROW_SCALE = 1.0e6
+
+
+class _Ready:
+    """A block with its tables in place and its kernel's arguments prepared."""
+
+    def __init__(self, block: Block, layout: Layout, where: int):
+        self.block = block
+        self.count = len(block.points)
+        self.index = layout.index(block)
+        self.width = layout.width(block)
+        self.spins = layout.spin_vertices(block)
+        self.residual = function(f"{block.kernel}_residual", "ippppppp")
+        self.jacobian = function(f"{block.kernel}_jacobian", "ipppppppppp")
+        self.span = slice(where, where + self.count * self.width**2)
+        self.event = PETSc.Log.Event(block.name)
+        rows = np.where(self.index < layout.size, self.index, -1)
+        self.rows = np.repeat(rows, self.width, axis=1).ravel()
+        self.columns = np.tile(rows, (1, self.width)).ravel()
+
+
+class _Fixed:
+    """Row replacement at one vertex held by this rank (owner or not)."""
+
+    def __init__(self, condition: Prescribed, layout: Layout, local: int, ready: list[_Ready]):
+        self.condition = condition
+        self.D = np.ascontiguousarray(condition.directions)
+        parts = [layout.place[name][local] for name in ("string.position", "string.tangent", "string.spin")]
+        self.rows = np.concatenate(parts).astype(np.int32)
+        self.owned = bool(layout.line.owned[local])
+        self.keep = np.eye(7) - self.D.T @ self.D
+        self.touching = []  # (block, element, where in the element's rows the vertex's seven stand)
+        for item in ready:
+            for e in np.flatnonzero((item.index == self.rows[0]).any(axis=1)):
+                slots = [int(np.flatnonzero(item.index[e] == row)[0]) for row in self.rows if row in item.index[e]]
+                if len(slots) not in (0, 7):
+                    raise ValueError(f"{item.block.name}: a prescribed vertex needs all of r, v, phi in the block")
+                self.touching.append((item, int(e), np.array(slots)))
+        self.reaction = np.zeros(len(self.D))
+
+
+class Assembly:
+    """Evaluates the rows of all rooms on this rank.
+
+    x, y, a: (n+1,) unknowns, rates, accelerations in condensed local numbering, the last place a stand-in for absent fields;
+    r: (n+1,) residual; values: all Jacobian entries, in the order of ``rows`` and ``columns`` (local numbers, -1: left out).
+    """
+
+    def __init__(self, layout: Layout, blocks: tuple[Block, ...], prescribed: tuple[Prescribed, ...], gauge: FloatArray):
+        self.layout = layout
+        n = layout.size
+        self.x, self.y, self.a, self.r = (np.zeros(n + 1) for _ in range(4))
+        self.x[n] = 1.0  # an absent stretch ratio is one
+        self.v0, self.v1 = np.zeros(n), np.zeros(n)
+        where, self.ready = 0, []
+        for block in blocks:
+            self.ready.append(_Ready(block, layout, where))
+            where = self.ready[-1].span.stop
+        spin = layout.place.get("string.spin")
+        self.gauge = np.ascontiguousarray(gauge)
+        self.spin_at = np.zeros((0, 2), dtype=np.int32)
+        if spin is not None:
+            self.spin_at = np.ascontiguousarray(np.column_stack([spin[:, 0], layout.place["string.tangent"][:, 0]]), dtype=np.int32)
+        self.spin_gradient = np.zeros((max(1, len(self.spin_at)), 3))
+        local = {int(v): i for i, v in enumerate(layout.line.vertices)}
+        self.fixed = [_Fixed(c, layout, local[c.vertex], self.ready) for c in prescribed if c.vertex in local]
+        size = where + 49 * sum(f.owned for f in self.fixed)
+        self.values = np.zeros(size)
+        rows, columns = [b.rows for b in self.ready], [b.columns for b in self.ready]
+        for f in self.fixed:
+            if f.owned:
+                rows.append(np.repeat(f.rows, 7))
+                columns.append(np.tile(f.rows, 7))
+        empty = [np.zeros(0, dtype=np.int32)]
+        self.rows = np.concatenate(rows + empty).astype(np.int32)
+        self.columns = np.concatenate(columns + empty).astype(np.int32)
+        self._event = {k: PETSc.Log.Event(k) for k in ("Residual", "Jacobian")}
+        self.version = 0  # counts new Jacobian values
+        self.dead: FloatArray | None = None  # (n,) constant forces at owned unknowns (imperfection)
+
+    # ------------------------------------------------------------------ state
+    def condense(self, sigma: float) -> None:
+        """Rates and accelerations of a step from ``x``: y = sigma x + v0, a = sigma y + v1, spin rates with their transport."""
+        k = len(self.spin_at)
+        _rates(self.layout.size, pointer(self.x), sigma, pointer(self.v0), pointer(self.v1), k, pointer(self.spin_at),
+               pointer(self.gauge), pointer(self.y), pointer(self.a))
+
+    def impose_rates(self, t: float, sigma: float) -> None:
+        """Prescribed components move at the given rate exactly, not at the rate of the time formula."""
+        for f in self.fixed:
+            y = self.y[f.rows]
+            y += f.D.T @ (f.condition.rate(t) - f.D @ y)
+            self.y[f.rows] = y
+            self.a[f.rows] = sigma * y + self.v1[f.rows]
+
+    def transport(self) -> FloatArray:
+        """c(v).w at each local vertex: spin rate minus rate of the spin angle [rad/s]."""
+        out = np.zeros(len(self.spin_at))
+        _transport(len(out), pointer(self.spin_at), pointer(self.gauge), pointer(self.x), pointer(self.y), pointer(out))
+        return out
+
+    # ------------------------------------------------------------------ rows
+    def residual(self, t: float) -> FloatArray:
+        """Residual of all local elements in ``r`` (not yet summed over ranks)."""
+        self._event["Residual"].begin()
+        self.r[:] = 0.0
+        if self.dead is not None:
+            self.r[:-1] -= self.dead
+        x, y, a, r = pointer(self.x), pointer(self.y), pointer(self.a), pointer(self.r)
+        for b in self.ready:
+            if b.count:
+                b.event.begin()
+                if b.block.update:
+                    b.block.update(t)
+                b.residual(b.count, pointer(b.index), pointer(b.block.params), b.block.context, x, y, a, r)
+                b.event.end()
+        self._event["Residual"].end()
+        return self.r
+
+    def replace_rows(self, t: float, owned: FloatArray, owned_place: np.ndarray) -> None:
+        """Prescribed rows of the summed residual ``owned``; what stood there are the reactions.
+
+        owned_place: (n,) position in ``owned`` of each local unknown.
+        """
+        for f in self.fixed:
+            if f.owned:
+                rows = owned_place[f.rows]
+                force = owned[rows]
+                f.reaction = f.D @ force
+                error = f.D @ self.x[f.rows] - f.condition.value(t)
+                owned[rows] = force + f.D.T @ (ROW_SCALE * error - f.reaction)
+
+    def jacobian(self, t: float, c: tuple[float, float, float], condensed: bool) -> None:
+        """All entries c0 dR/dx + c1 dR/dy + c2 dR/da into ``values``; condensed: y moves with x as in ``condense``."""
+        self._event["Jacobian"].begin()
+        if condensed and len(self.spin_at):
+            _gradient(len(self.spin_at), pointer(self.spin_at), pointer(self.gauge), pointer(self.x), pointer(self.y), c[1],
+                      1.0 / c[1] if c[1] else 0.0, pointer(self.spin_gradient))
+        else:
+            self.spin_gradient[:] = 0.0
+        weights = np.array(c)
+        x, y, a = pointer(self.x), pointer(self.y), pointer(self.a)
+        for b in self.ready:
+            if b.count:
+                b.event.begin()
+                if b.block.update:
+                    b.block.update(t)
+                b.jacobian(b.count, pointer(b.index), pointer(b.spins), pointer(b.block.params), b.block.context, pointer(weights),
+                           pointer(self.spin_gradient), x, y, a, pointer(self.values[b.span]))
+                b.event.end()
+        self._replace_jacobian_rows(1.0 if c[0] else 0.0)
+        self.version += 1
+        self._event["Jacobian"].end()
+
+    def _replace_jacobian_rows(self, by_position: float) -> None:
+        for f in self.fixed:
+            for item, e, slots in f.touching:
+                K = self.values[item.span].reshape(item.count, item.width, item.width)[e]
+                K[slots] = f.keep @ K[slots]
+        start = self.ready[-1].span.stop if self.ready else 0
+        for f in self.fixed:
+            if f.owned:
+                self.values[start : start + 49] = (by_position * ROW_SCALE * f.D.T @ f.D).ravel()
+                start += 49
+
+    def index_of(self, block: Block) -> np.ndarray:
+        """(n, d) places of a block's unknowns in x, y, a."""
+        return next(b.index for b in self.ready if b.block is block)
+
+    def block_rows(self, ready: _Ready, t: float) -> FloatArray:
+        """(n, d) rows of each element of one block at x, y, a."""
+        if ready.block.update:
+            ready.block.update(t)
+        rows = np.zeros((ready.count, ready.width))
+        everywhere = np.zeros_like(self.r)
+        for e in range(ready.count):
+            everywhere[:] = 0.0
+            ready.residual(1, pointer(ready.index[e]), pointer(ready.block.params[e]), ready.block.context, pointer(self.x),
+                           pointer(self.y), pointer(self.a), pointer(everywhere))
+            rows[e] = everywhere[ready.index[e]]
+        return rows
+
+    def power(self, block: Block, t: float) -> float:
+        """Power that the rows of ``block`` take from the motion at x, y [W], on this rank."""
+        ready = next(b for b in self.ready if b.block is block)
+        if not ready.count:
+            return 0.0
+        if block.update:
+            block.update(t)
+        rows = np.zeros_like(self.r)
+        ready.residual(ready.count, pointer(ready.index), pointer(block.params), block.context, pointer(self.x), pointer(self.y),
+                       pointer(self.a), pointer(rows))
+        return float(rows[:-1] @ self.y[:-1])
+
+
+def spin_derivatives(asm: Assembly) -> tuple[FloatArray, FloatArray]:
+    """Of c(v).w at each local vertex: by v (k, 3) and by w (k, 3), the latter being c itself."""
+    k = len(asm.spin_at)
+    by_v, both = np.zeros((max(1, k), 3)), np.zeros((max(1, k), 3))
+    arguments = (k, pointer(asm.spin_at), pointer(asm.gauge), pointer(asm.x), pointer(asm.y))
+    _gradient(*arguments, 0.0, 1.0, pointer(by_v))
+    _gradient(*arguments, 1.0, 1.0, pointer(both))
+    return by_v[:k], (both - by_v)[:k]

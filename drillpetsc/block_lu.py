@@ -1,0 +1,152 @@
+"""Block tridiagonal LU of one run of nodes on one process: the packed storage and the calls into kernels/chain.cpp."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drillpetsc.kernels import function, pointer
+
+LARGEST_BLOCK = 16  # unknowns per node; four vectors of four in chain.cpp
+_SIZE, _LD, _DIAG, _UPPER, _LOWER, _LFAC, _LEFT, _TOP, _VEC = range(9)  # columns of the table, as in chain.cpp
+
+_factor = function("chain_factor", "iippppppppdppp", int)
+_forward = function("chain_forward", "iippppp")
+_backward = function("chain_backward", "iippp")
+_solve = function("chain_solve", "ippppippppp")
+_residual = function("chain_residual", "ipppp")
+
+
+def aligned(count: int) -> np.ndarray:
+    """Zeros that start on a cache line."""
+    raw = np.zeros(count + 8)
+    start = -(pointer(raw) // 8) % 8
+    return raw[start : start + count]
+
+
+class Piece:
+    """Packed blocks of one run of nodes on one process; knows no MPI.
+
+    sizes: (n,) unknowns per node; keep: bit 0 / 1: the first / last node is a joint, left over by the elimination.
+    vec: padded vectors have ``length`` entries; node i starts at ``table[i, VEC]``.
+    """
+
+    def __init__(self, sizes: np.ndarray, keep: int):
+        n, b = len(sizes), np.asarray(sizes, dtype=np.int64)
+        ld = -(-b // 4) * 4
+        after = np.append(b, 0)[1:]  # columns of A(i,i+1)
+        before = np.append(0, b)[:-1]
+        own = np.stack([ld * b, ld * after, ld * before, ld * b], axis=1)
+        start = np.concatenate([[0], np.cumsum(own.ravel())])
+        table = np.zeros((n, 9), dtype=np.int64)
+        table[:, _SIZE], table[:, _LD] = b, ld
+        table[:, [_DIAG, _UPPER, _LOWER, _LFAC]] = start[:-1].reshape(n, 4)
+        self.matrix = end = int(start[-1])  # entries of ``store`` without the fill to node 0
+        if keep & 1:
+            for column, need in ((_LEFT, ld * b[0]), (_TOP, ld[0] * b)):
+                table[:, column] = end + np.cumsum(need) - need
+                end += int(need.sum())
+            # at node 1 the fill is the matrix itself
+            table[1:2, _LEFT], table[1:2, _TOP] = table[1:2, _LOWER], table[0, _UPPER]
+        table[:, _VEC] = np.cumsum(ld) - ld
+        self.n, self.keep, self.table, self.length = n, keep, table, int(ld.sum())
+        self.store, self.inverse = aligned(end), aligned(self.length)
+        self.pivot = np.zeros(self.length, dtype=np.int32)
+        self.stats = np.zeros(4)  # column without a pivot, smallest and largest pivot ratio, node of the smallest
+        self.saved: np.ndarray | None = None
+        self.blocks: np.ndarray | None = None
+        self._piece = (n, keep, pointer(table), pointer(self.store))
+        self._lu = (pointer(self.inverse), pointer(self.pivot))
+
+    def place_entries(self, row_node, row_at, column_node, column_at, source) -> None:
+        """values[source] goes to (component row_at of row_node, component column_at of column_node); all (m,) int."""
+        t, step = self.table, column_node - row_node
+        if np.any(np.abs(step) > 1):
+            k = int(np.flatnonzero(np.abs(step) > 1)[0])
+            raise ValueError(f"an entry couples local nodes {row_node[k]} and {column_node[k]}: not neighbours")
+        block = np.choose(step + 1, [t[row_node, _LOWER], t[row_node, _DIAG], t[row_node, _UPPER]])
+        by_node = np.argsort(row_node, kind="stable")
+        self.slot = (block + column_at * t[row_node, _LD] + row_at)[by_node].astype(np.int32)
+        self.source = np.asarray(source)[by_node].astype(np.int32)
+        self.start = np.searchsorted(row_node[by_node], np.arange(self.n + 1)).astype(np.int32)
+        self._entries = (pointer(self.start), pointer(self.slot), pointer(self.source))
+
+    def joints(self) -> list[np.ndarray]:
+        """Places in ``store`` of the blocks that the elimination leaves, the rows of the first kept node first."""
+        t, last, b = self.table, self.n - 1, self.table[:, _SIZE]
+        ends = self.kept()
+        out = []
+        for i in ends:
+            for j in ends:
+                start = t[i, _DIAG] if i == j else t[last, _TOP] if i == 0 else t[last, _LEFT]
+                out.append((start + np.arange(b[j])[:, None] * t[i, _LD] + np.arange(b[i])).ravel())
+        return out
+
+    def factor(self, values: np.ndarray, tolerance: float) -> int:
+        """Assemble values and eliminate; -1, or the local node without a pivot (stats[0]: its column)."""
+        saved = 0 if self.saved is None else pointer(self.saved)
+        blocks = 0 if self.blocks is None else pointer(self.blocks)
+        stats = pointer(self.stats)
+        return _factor(*self._piece, *self._entries, pointer(values), *self._lu, tolerance, stats, saved, blocks)
+
+    def forward(self, vec: np.ndarray) -> None:
+        """Towards the joints: eliminated nodes get D^-1 (...), joints what is left of their right-hand side."""
+        _forward(*self._piece, *self._lu, pointer(vec))
+
+    def backward(self, vec: np.ndarray) -> None:
+        """From the joints, which hold their solution, to all nodes."""
+        _backward(*self._piece, pointer(vec))
+
+    def solve(self, source: np.ndarray, b: np.ndarray, vec: np.ndarray, target: np.ndarray, x: np.ndarray) -> None:
+        """x[target] = solution for b[source], without joints; source, target: (length,), -1 where there is nothing."""
+        n, _, table, store = self._piece
+        arrays = [pointer(a) for a in (source, b, vec, target, x)]
+        _solve(n, table, store, *self._lu, self.length, *arrays)
+
+    def subtract_matrix(self, x: np.ndarray, r: np.ndarray) -> None:
+        """r -= A x for padded vectors, with the matrix in ``saved``."""
+        assert self.saved is not None
+        _residual(self.n, pointer(self.table), pointer(self.saved), pointer(x), pointer(r))
+
+    def kept(self) -> list[int]:
+        """Nodes left over by the elimination."""
+        return [i for i, bit in ((0, 1), (self.n - 1, 2)) if self.keep & bit]
+
+    def places(self, node: int) -> np.ndarray:
+        """Places of a node's unknowns in a padded vector."""
+        return self.table[node, _VEC] + np.arange(self.table[node, _SIZE])
+
+    def components(self) -> np.ndarray:
+        """(unknowns,) number of each unknown within its node, node after node."""
+        b = self.table[:, _SIZE]
+        return np.arange(b.sum()) - np.repeat(np.cumsum(b) - b, b)
+
+    def positions(self) -> np.ndarray:
+        """(unknowns,) place of each unknown in a padded vector, node after node."""
+        b = self.table[:, _SIZE]
+        return np.repeat(self.table[:, _VEC], b) + self.components()
+
+    def flops(self) -> tuple[int, int]:
+        """Multiplications and additions of a factorisation and of a solve, padding not counted."""
+        b = self.table[:, _SIZE]
+        first, last = self.keep & 1, self.n - (self.keep >> 1)
+        fill = int(b[0]) if first else 0
+        factor = solve = 0
+        for i in range(first, last):
+            m, after = int(b[i]), int(b[i + 1]) if i + 1 < self.n else 0
+            factor += sum((m - k - 1) * (2 * (m - k - 1) + 1) for k in range(m)) + 2 * m * m * (after + fill)
+            factor += 2 * m * (after + fill) ** 2
+            solve += 2 * m * m + 4 * m * (after + fill)
+        return factor, solve
+
+    def negative(self) -> int:
+        """Negative eigenvalues of the symmetrised pivot blocks of the last factorisation with ``blocks``."""
+        assert self.blocks is not None
+        count = 0
+        for t in self.table[self.keep & 1 : self.n - (self.keep >> 1)]:
+            b, ld = t[_SIZE], t[_LD]
+            S = self.blocks[t[_DIAG] : t[_DIAG] + b * ld].reshape(b, ld)[:, :b]
+            S = 0.5 * (S + S.T)
+            size = np.abs(S).max(axis=1)
+            scale = np.exp2(-np.round(0.5 * np.log2(np.where(size > 0, size, 1.0))))  # a congruence: signs stay
+            count += int(np.sum(np.linalg.eigvalsh(scale[:, None] * S * scale) < 0))
+        return count

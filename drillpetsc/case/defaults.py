@@ -1,0 +1,66 @@
+"""Defaults that follow from other keys: materials of items, masses and inertias of rigid items, output intervals."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, TypeVar
+
+from drillpetsc.case.base import Model
+from drillpetsc.case.items import Beam, Inertia, Item, Material, Pipe, Rigid
+
+if TYPE_CHECKING:
+    from drillpetsc.case.scene import Case
+
+Block = TypeVar("Block", bound=Model)
+
+
+def settle_scene(case: Case) -> None:
+    """Fill in what the case leaves to its other keys."""
+    case.settle(string=tuple(_settled(item, case.material) for item in case.string))
+    if case.time is not None:
+        case.settle(output=case.output.settled(case.time.end))
+
+
+def _settled(item: Item, material: Material) -> Item:
+    """A copy of the item with its material and, when rigid, its mass and inertia."""
+    if isinstance(item, Pipe):
+        return item.model_copy(update={"material": overlaid(material, item.material)})
+    if isinstance(item, Beam):
+        return item.model_copy(update={"damping": overlaid(material.damping, item.damping)})
+    if isinstance(item, Rigid):
+        own = overlaid(material, item.material)
+        mass = tube_mass(item, own.density) if item.mass is None else item.mass
+        return item.model_copy(update={"material": own, "mass": mass, "inertia": tube_inertia(item, mass)})
+    return item
+
+
+def overlaid(below: Block, above: Block | None) -> Block:
+    """The block `below` with the keys that `above` gives in its stead, blocks inside blocks likewise."""
+    if above is None:
+        return below
+    given = {key: getattr(above, key) for key in above.model_fields_set}
+    for key, value in given.items():
+        if isinstance(value, Model):
+            given[key] = overlaid(getattr(below, key), value)
+    return below.model_copy(update=given)
+
+
+def tube_mass(item: Rigid, density: float) -> float:
+    """Mass of a tube of the item's size [kg]: density pi/4 (od^2 - id^2) length."""
+    outer = item.od or 0.0  # Rigid demands a mass where there is no diameter
+    return density * math.pi / 4 * (outer**2 - item.id**2) * item.length
+
+
+def tube_inertia(item: Rigid, mass: float) -> Inertia:
+    """Given moments of inertia, else those of a thick-walled tube about its centre [kg m2]; a rod's without a diameter.
+
+    axial m (od^2 + id^2)/8; transverse m (3 (ro^2 + ri^2) + length^2)/12 (any table of moments of inertia).
+    """
+    squares = 0.0 if item.od is None else (item.od**2 + item.id**2) / 4
+    axial = mass * squares / 2
+    transverse = mass * (3 * squares + item.length**2) / 12
+    given = item.inertia
+    return Inertia(
+        axial=axial if given.axial is None else given.axial,
+        transverse=transverse if given.transverse is None else given.transverse,
+    )

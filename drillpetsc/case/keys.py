@@ -1,0 +1,88 @@
+"""Key paths such as `string[3].od`, and the one way in which a model refuses a value."""
+
+from __future__ import annotations
+
+import copy
+import difflib
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from pydantic_core import PydanticCustomError
+
+from drillpetsc.errors import CaseError
+
+Path = tuple[str | int, ...]
+
+_STEP = re.compile(r"\.?([^.\[\]]+)|\[(\d+)\]")
+
+
+def written(path: Path) -> str:
+    """("string", 3, "od") -> `string[3].od`."""
+    text = ""
+    for step in path:
+        if isinstance(step, int):
+            text += f"[{step}]"
+        else:
+            text += f".{step}" if text else step
+    return text
+
+
+def parsed(text: str) -> Path:
+    """`string[3].od` -> ("string", 3, "od")."""
+    steps: list[str | int] = []
+    position = 0
+    while position < len(text):
+        match = _STEP.match(text, position)
+        if not match:
+            raise CaseError(at=text, want="a key path such as top.rotation or string[1].od")
+        steps.append(match.group(1) if match.group(1) is not None else int(match.group(2)))
+        position = match.end()
+    return tuple(steps)
+
+
+def near(word: object, known: Iterable[str]) -> str:
+    """`did you mean ...?`, or nothing."""
+    matches = difflib.get_close_matches(str(word), list(known), 1, 0.6)
+    return f"did you mean '{matches[0]}'?" if matches else ""
+
+
+def refuse(*at: str | int, got: object = None, want: str, hint: str = "") -> PydanticCustomError:
+    """The error to raise in a validator; `at` is the path below the model whose validator it is."""
+    return PydanticCustomError("case", "wrong value", {"at": at, "got": got, "want": want, "hint": hint})
+
+
+def later(*at: str | int, got: object = None, what: str) -> PydanticCustomError:
+    """The error for a key of the case format that this version cannot honour."""
+    return refuse(*at, got=got, want=f"{what} is not available in this version", hint="leave the key out")
+
+
+def override(data: Mapping[str, Any], change: str) -> dict[str, Any]:
+    """A copy of case data with one value replaced: `override(data, "string[1].od=8 in")`.
+
+    The value is read as YAML, so `contact=none`, `top={kind: clamped}` and `output.probes=[1 m, 2 m]` work too.
+    """
+    from drillpetsc.case.reader import read_value
+
+    key, separator, value = change.partition("=")
+    if not separator:
+        raise CaseError(got=change, want="KEY=VALUE, such as top.rotation=90 rpm")
+    result = copy.deepcopy(dict(data))
+    *parents, last = parsed(key.strip())
+    target: Any = result
+    for step in parents:
+        if isinstance(step, str) and isinstance(target, dict):
+            target = target.setdefault(step, {})
+        elif isinstance(step, int) and isinstance(target, list) and step < len(target):
+            target = target[step]
+        else:
+            raise CaseError(at=key.strip(), want="a place that the case has")
+    if isinstance(last, int):
+        if not isinstance(target, list) or last >= len(target):
+            raise CaseError(at=key.strip(), want="a place that the case has")
+        target[last] = read_value(value)
+    elif isinstance(target, dict):
+        target[last] = read_value(value)
+    else:
+        raise CaseError(at=key.strip(), want="a place that the case has")
+    return result

@@ -1,0 +1,98 @@
+"""pydantic's errors -> CaseError."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from pydantic import ValidationError
+
+from drillpetsc.case.keys import Path, near, written
+from drillpetsc.errors import CaseError, shown
+
+_MISSING = object()
+
+_WANT = {
+    "missing": "this key; it has no default",
+    "model_type": "a mapping of keys",
+    "model_attributes_type": "a mapping of keys",
+    "dict_type": "a mapping of keys",
+    "tuple_type": "a list",
+    "list_type": "a list",
+    "string_type": "text",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "int_parsing": "a whole number",
+    "bool_type": "true or false",
+    "none_required": "nothing",
+}
+
+
+def case_error(error: ValidationError, given: Mapping[str, Any]) -> CaseError:
+    """All that pydantic found, the first in front; `given` is the data as the user wrote it."""
+    found: dict[str, CaseError] = {}
+    for details in error.errors(include_url=False):
+        one = _one(details, given)
+        found.setdefault(one.at, one)
+    # a list whose only entry is wrong is also "too short" for pydantic: what stands inside says more
+    first, *others = (one for at, one in found.items() if not any(at and _is_inside(other, at) for other in found))
+    first.also = tuple(others)
+    return first
+
+
+def _is_inside(inner: str, outer: str) -> bool:
+    return inner != outer and inner.startswith(outer) and inner[len(outer)] in ".["
+
+
+def _one(details: Mapping[str, Any], given: Mapping[str, Any]) -> CaseError:
+    context = details.get("ctx", {})
+    kind = details["type"]
+    location = (*details["loc"], *(context.get("at", ()) if kind == "case" else ()))
+    path = _keys_only(location)
+    value = _at(given, path)
+    if kind == "case":
+        got = context["got"] if value is _MISSING else value
+        return CaseError(at=written(path), got=_brief(got), want=context["want"], hint=context["hint"])
+    got = None if kind == "missing" or value is _MISSING else value
+    want, hint = _words(details, got)
+    return CaseError(at=written(path), got=_brief(got), want=want, hint=hint)
+
+
+def _words(details: Mapping[str, Any], got: Any) -> tuple[str, str]:
+    kind, context = details["type"], details.get("ctx", {})
+    if kind in ("literal_error", "enum"):
+        words = [word.strip("'") for word in context["expected"].replace(" or ", ", ").split(", ")]
+        return f"one of {', '.join(words)}" if len(words) > 1 else words[0], near(got, words)
+    if kind == "too_short":
+        return f"at least {context['min_length']} entries" if context["min_length"] > 1 else "at least 1 entry", ""
+    bounds = {"greater_than_equal": ("at least", "ge"), "less_than_equal": ("at most", "le")}
+    if kind in bounds:
+        word, key = bounds[kind]
+        return f"{word} {context[key]:g}", ""
+    return _WANT.get(kind, details["msg"]), ""
+
+
+def _keys_only(location: Path) -> Path:
+    """Drops the steps that pydantic adds for members of a union."""
+    return tuple(step for step in location if isinstance(step, int) or ":" not in step and "[" not in step)
+
+
+def _at(given: Any, path: Path) -> Any:
+    """What the user wrote at a path; _MISSING when nothing stands there."""
+    for step in path:
+        if isinstance(given, Mapping) and step in given:
+            given = given[step]
+        elif isinstance(step, int) and isinstance(given, Sequence) and not isinstance(given, str) and step < len(given):
+            given = given[step]
+        else:
+            return _MISSING
+    return given
+
+
+def _brief(value: Any) -> Any:
+    """Values as YAML would show them, without the insides of blocks."""
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{key}: {_brief(part)}" for key, part in value.items()) + "}"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(str(_brief(part)) for part in value) + "]"
+    return shown(value) if isinstance(value, bool) else value

@@ -1,0 +1,181 @@
+"""Types of the values in a case: numbers with a unit, vectors, values over time.
+
+Used as `Annotated[float, Quantity("m", above=0, at_most=20e3)]`; bounds are in SI, and part of messages and schema.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+from drillpetsc.case.keys import near, refuse
+from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp, TimeFunction
+from drillpetsc.units import DIMENSIONS, UnitError, to_si, wanted
+
+_EXAMPLE_UNITS = {"m": "mm", "Pa": "GPa", "rad": "deg", "rad/s": "rpm", "kg/m^3": "g/cm3", "s": "ms"}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number in the SI unit `unit` within bounds (SI); text with any unit of the same dimension is converted."""
+
+    unit: str
+    above: float | None = None
+    at_least: float | None = None
+    below: float | None = None
+    at_most: float | None = None
+
+    def allowed(self) -> str:
+        """The range in words, empty when unbounded."""
+        parts = []
+        if self.above is not None:
+            parts.append(f"above {self.above:g}")
+        if self.at_least is not None:
+            parts.append(f"at least {self.at_least:g}")
+        if self.below is not None:
+            parts.append(f"below {self.below:g}")
+        if self.at_most is not None:
+            parts.append(f"at most {self.at_most:g}")
+        return (", ".join(parts) + (f" {self.unit}" if self.unit else "")) if parts else ""
+
+    def inside(self, number: float) -> bool:
+        return not (
+            (self.above is not None and number <= self.above)
+            or (self.at_least is not None and number < self.at_least)
+            or (self.below is not None and number >= self.below)
+            or (self.at_most is not None and number > self.at_most)
+        )
+
+    def read(self, value: object, *at: str | int) -> float:
+        """value in SI; refuses other dimensions and values out of range."""
+        try:
+            number = to_si(value, self.unit)
+        except UnitError as error:
+            raise refuse(*at, got=value, want=error.want, hint=error.hint) from None
+        if not self.inside(number):
+            hint = ""
+            if not isinstance(value, str) and self.unit in _EXAMPLE_UNITS:
+                hint = f"a bare number is in {self.unit}; was '{value} {_EXAMPLE_UNITS[self.unit]}' meant?"
+            want = f"{DIMENSIONS.get(self.unit, ('a value', ''))[0]}, {self.allowed()}"
+            raise refuse(*at, got=value, want=want, hint=hint)
+        return number
+
+    def json(self) -> dict[str, Any]:
+        """JSON schema of the value: a number in SI, or text with a unit."""
+        number: dict[str, Any] = {"type": "number"}
+        bounds = {
+            "exclusiveMinimum": self.above,
+            "minimum": self.at_least,
+            "exclusiveMaximum": self.below,
+            "maximum": self.at_most,
+        }
+        number.update({key: bound for key, bound in bounds.items() if bound is not None})
+        return {"anyOf": [number, {"type": "string"}]} if self.unit else number
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return self.json()
+
+
+@dataclass(frozen=True)
+class Vector:
+    """Three numbers in the SI unit `unit`; `along_z` also takes one number, meant along the third axis."""
+
+    unit: str
+    along_z: bool = False
+    along_x: bool = False
+
+    def read(self, value: object) -> tuple[float, float, float]:
+        component = Quantity(self.unit)
+        if hasattr(value, "tolist"):
+            value = value.tolist()
+        if isinstance(value, (list, tuple)):
+            if len(value) != 3:
+                raise refuse(got=value, want=f"three components, each {wanted(self.unit)}")
+            x, y, z = (component.read(part, i) for i, part in enumerate(value))
+            return x, y, z
+        if isinstance(value, Mapping) or not (self.along_x or self.along_z):
+            raise refuse(got=value, want=f"a list of three components, each {wanted(self.unit)}")
+        number = component.read(value)
+        return (number, 0.0, 0.0) if self.along_x else (0.0, 0.0, number)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        number = Quantity(self.unit).json()
+        row = {"type": "array", "items": number, "minItems": 3, "maxItems": 3}
+        return {"anyOf": [row, *number["anyOf"]]} if self.along_x or self.along_z else row
+
+
+@dataclass(frozen=True)
+class OverTime:
+    """A value over time in the SI unit `unit`: constant, {time, value} or {ramp, value}."""
+
+    unit: str
+
+    def read(self, value: object) -> TimeFunction:
+        if isinstance(value, (Constant, PiecewiseLinear, Ramp)):
+            return value
+        if not isinstance(value, Mapping):
+            return Constant(Quantity(self.unit).read(value))
+        forms = "a constant, {time: [...], value: [...]} or {ramp: 2 s, value: ...}"
+        for key in value:
+            if key not in ("time", "ramp", "value"):
+                raise refuse(key, got=value[key], want=forms, hint=near(key, ("time", "ramp", "value")))
+        if "value" not in value or ("time" in value) == ("ramp" in value):
+            raise refuse(got=dict(value), want=forms)
+        if "ramp" in value:
+            duration = Quantity("s", above=0).read(value["ramp"], "ramp")
+            return Ramp(duration, Quantity(self.unit).read(value["value"], "value"))
+        return self._table(value["time"], value["value"])
+
+    def _table(self, times: object, values: object) -> PiecewiseLinear:
+        columns = []
+        for key, column, unit in (("time", times, "s"), ("value", values, self.unit)):
+            if hasattr(column, "tolist"):
+                column = column.tolist()
+            if not isinstance(column, (list, tuple)) or not column:
+                raise refuse(key, got=column, want=f"a list, each {wanted(unit)}")
+            columns.append(tuple(Quantity(unit).read(cell, key, i) for i, cell in enumerate(column)))
+        if len(columns[0]) != len(columns[1]):
+            count = f"{len(columns[0])} times and {len(columns[1])} values"
+            raise refuse("value", got=count, want="as many values as times")
+        try:
+            return PiecewiseLinear(columns[0], columns[1])
+        except ValueError as error:
+            want = "times that never fall; one that stands twice is a jump"
+            raise refuse("time", got=times, want=want, hint=str(error)) from None
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        plain = core_schema.plain_serializer_function_ser_schema(dump_time_function)
+        return core_schema.no_info_plain_validator_function(self.read, serialization=plain)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        number, time = Quantity(self.unit).json(), Quantity("s").json()
+
+        def mapping(**properties: Any) -> dict[str, Any]:
+            return {
+                "type": "object",
+                "properties": properties,
+                "required": list(properties),
+                "additionalProperties": False,
+            }
+
+        table = mapping(time={"type": "array", "items": time}, value={"type": "array", "items": number})
+        return {"anyOf": [*number.get("anyOf", [number]), table, mapping(ramp=time, value=number)]}
+
+
+def dump_time_function(function: TimeFunction) -> float | dict[str, Any]:
+    """The inverse of OverTime.read, in SI."""
+    if isinstance(function, Constant):
+        return function.constant
+    if isinstance(function, Ramp):
+        return {"ramp": function.duration, "value": function.final}
+    return {"time": list(function.times), "value": list(function.values)}

@@ -1,0 +1,118 @@
+"""The straightened string in its hole as a shaded picture, by pyvista off screen.
+
+Measured depth runs downward and straight; lateral lengths are drawn `scale` times larger than depths. The camera is parallel and
+looks a little from above, so heights in the picture stay proportional to depth and the picture fits a depth axis.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+import subprocess
+import sys
+
+import numpy as np
+
+from drillpetsc.draw.shape import Shape
+
+ELEVATION = np.deg2rad(8.0)  # of the camera above the horizontal
+AZIMUTH = np.deg2rad(35.0)  # of the camera, from the first lateral axis
+SIDES = 20
+
+_PROBE = """
+import sys, pyvista
+plotter = pyvista.Plotter(off_screen=True, window_size=(32, 32))
+plotter.add_mesh(pyvista.Sphere())
+image = plotter.screenshot(return_img=True)
+print(plotter.render_window.GetClassName() if plotter.render_window else "")
+sys.exit(0 if image.std() > 0 else 3)
+"""
+
+
+@functools.cache
+def why_no_rendering() -> str:
+    """Empty when pyvista can draw on this machine, otherwise the reason.
+
+    Asked of a process of its own, because VTK without a usable OpenGL may end the process that asks.
+    """
+    try:
+        asked = subprocess.run([sys.executable, "-c", _PROBE], capture_output=True, text=True, timeout=120, check=False)
+    except subprocess.TimeoutExpired:
+        return "a first off-screen picture took longer than two minutes"
+    if asked.returncode != 0:
+        last = (asked.stderr.strip().splitlines() or ["no message"])[-1]
+        return f"a first off-screen picture failed (status {asked.returncode}: {last})"
+    window = asked.stdout.strip()
+    if window:
+        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", window)  # spares VTK the search and its warnings
+    return ""
+
+
+def loft(md: np.ndarray, offset: np.ndarray, radius: np.ndarray, scale: float) -> np.ndarray:
+    """Points (n * SIDES, 3) of rings around the centre line, in depth metres: x, y lateral, z up.
+
+    A ring stays level: a circle across the string is a level circle when lateral lengths are drawn far larger than depths.
+    """
+    angle = 2 * np.pi * np.arange(SIDES) / SIDES
+    lateral = offset[:, None, :] + radius[:, None, None] * np.column_stack((np.cos(angle), np.sin(angle)))[None]
+    depth = np.broadcast_to(-md[:, None, None], (len(md), SIDES, 1))
+    return np.concatenate((scale * lateral, depth), axis=2).reshape(-1, 3)
+
+
+def loft_faces(count: int) -> np.ndarray:
+    """Quadrilaterals between `count` rings, as pyvista wants them: (4, a, b, c, d) each, flat."""
+    ring, corner = np.meshgrid(np.arange(count - 1) * SIDES, np.arange(SIDES), indexing="ij")
+    beside = (corner + 1) % SIDES
+    four = np.full_like(ring, 4)
+    faces = np.stack((four, ring + corner, ring + beside, ring + SIDES + beside, ring + SIDES + corner), axis=-1)
+    return faces.reshape(-1)
+
+
+class Rendering:
+    """One pyvista scene that is drawn again for each time: hole built once, string moved and coloured.
+
+    pixels: (width, height) of the picture. span: (upper, lower) measured depth [m] at its upper and lower edge, for the hole's
+    axis. The middle of the picture's width is the hole's axis. Draws in one picture pixel as many metres sideways as down.
+    """
+
+    def __init__(self, shape: Shape, scale: float, span: tuple[float, float], pixels: tuple[int, int]) -> None:
+        import pyvista
+
+        self.scale = scale
+        self.plotter = pyvista.Plotter(off_screen=True, window_size=list(pixels), lighting="light kit")
+        body = shape.outer_radius if shape.outer_radius is not None else np.full(len(shape.md), 0.0)
+        width = (span[1] - span[0]) * pixels[0] / pixels[1]
+        self.body = np.maximum(body, 0.006 * width / scale)  # a thin string keeps a few pixels
+        if shape.hole_radius is not None:
+            center = np.zeros((len(shape.md), 2))
+            hole = pyvista.PolyData(loft(shape.md, center, shape.hole_radius, scale), loft_faces(len(shape.md)))
+            self.plotter.add_mesh(hole, color="#b79f7d", opacity=0.22, smooth_shading=True, culling="front")
+            self.plotter.add_mesh(hole, color="#b79f7d", opacity=0.10, smooth_shading=True, culling="back")
+        self.string = pyvista.PolyData(loft(shape.md, shape.offset, self.body, scale), loft_faces(len(shape.md)))
+        self.string.point_data["rgb"] = np.zeros((self.string.n_points, 3), dtype=np.uint8)
+        self.plotter.add_mesh(self.string, scalars="rgb", rgb=True, smooth_shading=False, specular=0.25)
+        self._aim(span)
+
+    def _aim(self, span: tuple[float, float]) -> None:
+        camera, height = self.plotter.camera, span[1] - span[0]
+        focus = np.array([0.0, 0.0, -0.5 * (span[0] + span[1])])
+        away = np.array([np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)])
+        camera.focal_point, camera.position, camera.up = focus, focus + 4 * height * away, (0.0, 0.0, 1.0)
+        self.plotter.enable_parallel_projection()
+        camera.parallel_scale = 0.5 * height * np.cos(ELEVATION)  # depths are foreshortened by the camera's elevation
+        self.plotter.reset_camera_clipping_range()
+
+    def image(self, shape: Shape, colors: np.ndarray) -> np.ndarray:
+        """The picture (h, w, 4) uint8, transparent where nothing is. colors: (n, 3) in 0..1 at the nodes of shape."""
+        self.string.points = loft(shape.md, shape.offset, self.body, self.scale)
+        self.string.point_data["rgb"] = np.repeat((255 * colors).astype(np.uint8), SIDES, axis=0)
+        return self.plotter.screenshot(return_img=True, transparent_background=True)
+
+    def close(self) -> None:
+        self.plotter.close()
+
+
+def project(md: np.ndarray, offset: np.ndarray) -> np.ndarray:
+    """Where the same camera sees the string, sideways: (n,) lateral position in the picture [m, true size]. For the picture
+    without pyvista."""
+    return -np.sin(AZIMUTH) * offset[:, 0] + np.cos(AZIMUTH) * offset[:, 1]

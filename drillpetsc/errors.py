@@ -1,0 +1,135 @@
+"""What can go wrong, in words for the person who wrote the case.
+
+A `CaseError` is bad input (exit status 2, nothing was written); a `SolveError` is a run that could not go on
+(exit status 1, what was written up to then is kept).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+
+def shown(value: object, longest: int = 60) -> str:
+    """A value as its author would recognise it, on one line."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float):
+        return f"{float(value):g}" if float(f"{value:g}") == value else repr(float(value))
+    text = " ".join(str(value).split())
+    return text if len(text) <= longest else text[: longest - 3] + "..."
+
+
+def _rebuild(kind: type[DrillError], state: dict[str, object]) -> DrillError:
+    error = kind.__new__(kind)
+    error.__dict__.update(state)
+    return error
+
+
+class DrillError(Exception):
+    """Base of every error that is ours to explain."""
+
+    exit_status = 1
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Errors travel between ranks, so they must survive pickling with their named parts."""
+        return _rebuild, (type(self), self.__dict__)
+
+
+class CaseError(DrillError):
+    """Bad input: place, what was given, what is allowed, and a cure.
+
+    at    key path as in the case file, `string[3].od`; empty when the file as a whole is meant
+    got   the value as given; None when there is none
+    want  what is allowed
+    hint  a likely cause or cure
+    file, line   where it stands (line counts from 1)
+    also  further errors found in the same file
+    """
+
+    exit_status = 2
+
+    def __init__(
+        self,
+        at: str = "",
+        got: object = None,
+        want: str = "",
+        hint: str = "",
+        file: str | Path | None = None,
+        line: int | None = None,
+        also: Sequence[CaseError] = (),
+    ) -> None:
+        super().__init__()
+        self.at = at
+        self.got = got
+        self.want = want
+        self.hint = hint
+        self.file = None if file is None else str(file)
+        self.line = line
+        self.also = tuple(also)
+
+    def place(self) -> str:
+        """`file, line 12: string[3].od`, as much of it as is known."""
+        where = self.file or ""
+        if self.line is not None:
+            where += f", line {self.line}" if where else f"line {self.line}"
+        if where and self.at:
+            return f"{where}: {self.at}"
+        return where or self.at or "case"
+
+    def __str__(self) -> str:
+        lines = [self.place()]
+        if self.got is not None:
+            lines.append(f"  given:   {shown(self.got)}")
+        if self.want:
+            lines.append(f"  allowed: {self.want}")
+        if self.hint:
+            lines.append(f"  hint:    {self.hint}")
+        for error in self.also:
+            lines.extend(str(error).splitlines())
+        return "\n".join(lines)
+
+
+class SolveError(DrillError):
+    """A computation that could not go on: what happened, when and where.
+
+    time [s], room and element name the part of the model, measured_depth [m] the place on the string.
+    """
+
+    exit_status = 1
+
+    def __init__(
+        self,
+        what: str,
+        time: float | None = None,
+        room: str = "",
+        element: int | None = None,
+        measured_depth: float | None = None,
+        hint: str = "",
+    ) -> None:
+        super().__init__()
+        self.what = what
+        self.time = time
+        self.room = room
+        self.element = element
+        self.measured_depth = measured_depth
+        self.hint = hint
+
+    def __str__(self) -> str:
+        where = []
+        if self.time is not None:
+            where.append(f"time {self.time:.6g} s")
+        if self.room:
+            where.append(f"room {self.room}")
+        if self.element is not None:
+            where.append(f"element {self.element}")
+        if self.measured_depth is not None:
+            where.append(f"measured depth {self.measured_depth:.6g} m")
+        lines = [self.what]
+        if where:
+            lines.append("  where:   " + ", ".join(where))
+        if self.hint:
+            lines.append(f"  hint:    {self.hint}")
+        return "\n".join(lines)

@@ -1,0 +1,128 @@
+// Number types of the kernels: double, Pack (four elements side by side) and Dual<N> (forward derivatives).
+//
+// A kernel is one template over its number type T.  T = Pack evaluates four elements at once; T = Dual<N> carries the N
+// directional derivatives of the element's unknowns, so the Jacobian is exact to rounding and never out of step with the residual.
+#pragma once
+#include <cmath>
+
+namespace dp {
+
+typedef double V4 __attribute__((vector_size(32)));
+
+inline V4 splat(double s) { return V4{s, s, s, s}; }
+
+// ---------------------------------------------------------------- four elements side by side
+struct Pack {
+    V4 v;
+    Pack() = default;
+    Pack(double s) : v(splat(s)) {}
+    explicit Pack(V4 w) : v(w) {}
+    Pack& operator+=(const Pack& b) { v += b.v; return *this; }
+    Pack& operator-=(const Pack& b) { v -= b.v; return *this; }
+};
+inline Pack operator+(const Pack& a, const Pack& b) { return Pack(a.v + b.v); }
+inline Pack operator-(const Pack& a, const Pack& b) { return Pack(a.v - b.v); }
+inline Pack operator*(const Pack& a, const Pack& b) { return Pack(a.v * b.v); }
+inline Pack operator/(const Pack& a, const Pack& b) { return Pack(a.v / b.v); }
+inline Pack operator-(const Pack& a) { return Pack(-a.v); }
+inline Pack sqrt(const Pack& a) {
+    V4 r;
+    for (int i = 0; i < 4; ++i) r[i] = std::sqrt(a.v[i]);
+    return Pack(r);
+}
+inline Pack atan2(const Pack& a, const Pack& b) {
+    V4 r;
+    for (int i = 0; i < 4; ++i) r[i] = std::atan2(a.v[i], b.v[i]);
+    return Pack(r);
+}
+inline Pack sin(const Pack& a) { V4 r; for (int i = 0; i < 4; ++i) r[i] = std::sin(a.v[i]); return Pack(r); }
+inline Pack cos(const Pack& a) { V4 r; for (int i = 0; i < 4; ++i) r[i] = std::cos(a.v[i]); return Pack(r); }
+
+// ---------------------------------------------------------------- forward derivatives
+template <int N>
+struct Dual {
+    static_assert(N % 4 == 0, "the derivative part is stored in groups of four");
+    static constexpr int G = N / 4;
+    double v;
+    V4 g[G];
+    Dual() = default;
+    Dual(double s) : v(s) { for (int i = 0; i < G; ++i) g[i] = splat(0.0); }
+    double d(int i) const { return g[i / 4][i % 4]; }
+    void set(int i, double s) { g[i / 4][i % 4] = s; }
+    Dual& operator+=(const Dual& b) { v += b.v; for (int i = 0; i < G; ++i) g[i] += b.g[i]; return *this; }
+    Dual& operator-=(const Dual& b) { v -= b.v; for (int i = 0; i < G; ++i) g[i] -= b.g[i]; return *this; }
+    Dual& operator+=(double b) { v += b; return *this; }
+    Dual& operator-=(double b) { v -= b; return *this; }
+};
+#define DP_D template <int N> inline Dual<N>
+// value f and the derivatives fa, fb by the operands
+template <int N> inline Dual<N> chain(double f, double fa, const Dual<N>& a) {
+    Dual<N> r; r.v = f; const V4 s = splat(fa);
+    for (int i = 0; i < Dual<N>::G; ++i) r.g[i] = s * a.g[i];
+    return r;
+}
+template <int N> inline Dual<N> chain(double f, double fa, const Dual<N>& a, double fb, const Dual<N>& b) {
+    Dual<N> r; r.v = f; const V4 s = splat(fa), t = splat(fb);
+    for (int i = 0; i < Dual<N>::G; ++i) r.g[i] = s * a.g[i] + t * b.g[i];
+    return r;
+}
+DP_D operator+(const Dual<N>& a, const Dual<N>& b) { Dual<N> r = a; r += b; return r; }
+DP_D operator-(const Dual<N>& a, const Dual<N>& b) { Dual<N> r = a; r -= b; return r; }
+DP_D operator*(const Dual<N>& a, const Dual<N>& b) { return chain(a.v * b.v, b.v, a, a.v, b); }
+DP_D operator/(const Dual<N>& a, const Dual<N>& b) {
+    const double q = 1.0 / b.v, f = a.v * q;
+    return chain(f, q, a, -f * q, b);
+}
+DP_D operator-(const Dual<N>& a) { return chain(-a.v, -1.0, a); }
+DP_D operator+(const Dual<N>& a, double s) { Dual<N> r = a; r.v += s; return r; }
+DP_D operator+(double s, const Dual<N>& a) { return a + s; }
+DP_D operator-(const Dual<N>& a, double s) { return a + (-s); }
+DP_D operator-(double s, const Dual<N>& a) { return chain(s - a.v, -1.0, a); }
+DP_D operator*(const Dual<N>& a, double s) { return chain(a.v * s, s, a); }
+DP_D operator*(double s, const Dual<N>& a) { return a * s; }
+DP_D operator/(const Dual<N>& a, double s) { return a * (1.0 / s); }
+DP_D operator/(double s, const Dual<N>& b) { const double f = s / b.v; return chain(f, -f / b.v, b); }
+DP_D sqrt(const Dual<N>& a) { const double f = std::sqrt(a.v); return chain(f, f > 0 ? 0.5 / f : 0.0, a); }
+DP_D exp(const Dual<N>& a) { const double f = std::exp(a.v); return chain(f, f, a); }
+DP_D log(const Dual<N>& a) { return chain(std::log(a.v), 1.0 / a.v, a); }
+DP_D sin(const Dual<N>& a) { return chain(std::sin(a.v), std::cos(a.v), a); }
+DP_D cos(const Dual<N>& a) { return chain(std::cos(a.v), -std::sin(a.v), a); }
+DP_D pow(const Dual<N>& a, double p) { const double f = std::pow(a.v, p); return chain(f, p * std::pow(a.v, p - 1), a); }
+DP_D atan2(const Dual<N>& y, const Dual<N>& x) {
+    const double q = 1.0 / (x.v * x.v + y.v * y.v);
+    return chain(std::atan2(y.v, x.v), x.v * q, y, -y.v * q, x);
+}
+#undef DP_D
+
+inline double val(double a) { return a; }
+template <int N> inline double val(const Dual<N>& a) { return a.v; }
+using std::atan2; using std::cos; using std::exp; using std::log; using std::pow; using std::sin; using std::sqrt;
+
+#define DP_CMP(op)                                                                               \
+    template <int N> inline bool operator op(const Dual<N>& a, const Dual<N>& b) { return a.v op b.v; } \
+    template <int N> inline bool operator op(const Dual<N>& a, double b) { return a.v op b; }    \
+    template <int N> inline bool operator op(double a, const Dual<N>& b) { return a op b.v; }
+DP_CMP(<) DP_CMP(>) DP_CMP(<=) DP_CMP(>=)
+#undef DP_CMP
+
+// ---------------------------------------------------------------- vectors in space
+template <class T>
+struct Vec {
+    T x, y, z;
+    Vec& operator+=(const Vec& b) { x += b.x; y += b.y; z += b.z; return *this; }
+    Vec& operator-=(const Vec& b) { x -= b.x; y -= b.y; z -= b.z; return *this; }
+};
+template <class T, class U> inline auto operator+(const Vec<T>& a, const Vec<U>& b) -> Vec<decltype(a.x + b.x)> { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+template <class T, class U> inline auto operator-(const Vec<T>& a, const Vec<U>& b) -> Vec<decltype(a.x - b.x)> { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+template <class T> inline Vec<T> operator-(const Vec<T>& a) { return {-a.x, -a.y, -a.z}; }
+template <class T, class S> inline auto operator*(const S& s, const Vec<T>& a) -> Vec<decltype(s * a.x)> { return {s * a.x, s * a.y, s * a.z}; }
+template <class T, class S> inline auto operator*(const Vec<T>& a, const S& s) -> Vec<decltype(s * a.x)> { return s * a; }
+template <class T, class S> inline auto operator/(const Vec<T>& a, const S& s) -> Vec<decltype(a.x / s)> { return {a.x / s, a.y / s, a.z / s}; }
+template <class T, class U> inline auto dot(const Vec<T>& a, const Vec<U>& b) -> decltype(a.x * b.x) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+template <class T, class U> inline auto cross(const Vec<T>& a, const Vec<U>& b) -> Vec<decltype(a.x * b.x)> {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+template <class T> inline T norm(const Vec<T>& a) { return sqrt(dot(a, a)); }
+template <class T> inline Vec<T> vec(const T* p) { return {p[0], p[1], p[2]}; }
+
+}  // namespace dp

@@ -1,0 +1,375 @@
+// Block tridiagonal LU of one piece of a chain (block Thomas, partial pivoting inside the pivot block).
+//
+// Storage.  A block (i, j) of b_i rows and b_j columns is column-major, each column padded with zeros to ld_i = 4 ceil(b_i / 4)
+// doubles, so that a column is V = ld_i / 4 vectors of 4 and every inner loop runs over whole vectors.  Rows are never moved:
+// the pivot row of step k is remembered (pivot[k]) and a lane mask says which rows are still active.  After a factorisation of
+// D = P^T L U the columns of L (unit diagonal left out) and of U (each divided by its pivot, which is left out) stand in two blocks,
+// rows in their original places.
+//
+// table: (n, COLUMNS) int64, one line per node of the piece, offsets into `store` [doubles].
+//   SIZE b_i;  LD;  DIAG A(i,i) -> U;  UPPER A(i,i+1) -> W_i = D_i^-1 A(i,i+1);  LOWER A(i,i-1);  LFAC L of D_i (these four in a row);
+//   LEFT  fill F_i = coupling of node i to node 0 -> V_i = D_i^-1 F_i    (only pieces that keep node 0)
+//   TOP   fill G_i = coupling of node 0 to node i                        (only pieces that keep node 0)
+//   VEC   offset of the node in a padded vector; also in `inverse` and `pivot`.
+// keep: bit 0 node 0 is not eliminated, bit 1 the last node is not eliminated.
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+
+namespace {
+
+enum { SIZE, LD, DIAG, UPPER, LOWER, LFAC, LEFT, TOP, VEC, COLUMNS };
+enum { FAILED_COLUMN, SMALLEST, LARGEST, SMALLEST_NODE };  // entries of `stats`
+
+using d4 = double __attribute__((vector_size(32), aligned(8), may_alias));
+using i4 = std::int64_t __attribute__((vector_size(32), aligned(8), may_alias));
+using Row = const std::int64_t*;
+constexpr int MAX_LD = 16;
+
+inline d4 load(const double* p) { return *reinterpret_cast<const d4*>(p); }
+inline void store4(double* p, d4 v) { *reinterpret_cast<d4*>(p) = v; }
+inline d4 masked(d4 v, i4 m) { return reinterpret_cast<d4>(reinterpret_cast<i4>(v) & m); }
+
+// Row of the largest |entry| among the active rows: the row number replaces the last four bits of the entry, and the
+// largest 64-bit pattern wins (for positive doubles the order of the patterns is the order of the numbers; NaN is largest).
+template <int V>
+inline int largest_row(const d4* column, const i4* active) {
+    i4 best = {0, 0, 0, 0};
+    for (int v = 0; v < V; v++) {
+        const i4 rows = {4 * v, 4 * v + 1, 4 * v + 2, 4 * v + 3};
+        const i4 key = ((reinterpret_cast<i4>(column[v]) & 0x7FFFFFFFFFFFFFF0) | rows) & active[v];
+        best = key > best ? key : best;
+    }
+    const std::int64_t a = best[0] > best[1] ? best[0] : best[1], b = best[2] > best[3] ? best[2] : best[3];
+    return static_cast<int>((a > b ? a : b) & 15);
+}
+
+// scale[k] = max |D(:, k)|
+template <int V>
+inline void column_scales(int b, const double* D, double* scale) {
+    const i4 sign_off = i4{} + 0x7FFFFFFFFFFFFFFF;
+    for (int k = 0; k < b; k++) {
+        d4 m = masked(load(D + 4 * V * k), sign_off);
+        for (int v = 1; v < V; v++) {
+            const d4 c = masked(load(D + 4 * V * k + 4 * v), sign_off);
+            m = c > m ? c : m;
+        }
+        const double p = m[0] > m[1] ? m[0] : m[1], q = m[2] > m[3] ? m[2] : m[3];
+        scale[k] = p > q ? p : q;
+    }
+}
+
+// D -> L, U with pivots; R (m columns) -> L^-1 P R on the way.  Returns -1, or the column without a usable pivot.
+template <int V, int B>
+int eliminate(int b_, double* D, double* L, double* R, int m, int* pivot, double* inverse, const double* scale,
+              double tolerance, double* stats) {
+    const int b = B ? B : b_;
+    constexpr int ld = 4 * V;
+    i4 active[V], number[V];
+    for (int v = 0; v < V; v++) {
+        number[v] = i4{4 * v, 4 * v + 1, 4 * v + 2, 4 * v + 3};
+        active[v] = number[v] < b;
+    }
+    double smallest = stats[SMALLEST], largest = stats[LARGEST];
+    d4 c[V], l[V];
+    for (int v = 0; v < V; v++) c[v] = load(D + 4 * v);
+    for (int k = 0; k < b; k++) {
+        const int p = largest_row<V>(c, active);
+        const double value = D[ld * k + p], size = std::fabs(value);
+        if (!(size > tolerance * scale[k] && size < INFINITY)) return k;
+        const double ratio = size / scale[k], r = 1 / value;  // scale 0 (a column of pure fill) gives inf: not counted
+        smallest = ratio < smallest ? ratio : smallest;
+        largest = ratio > largest && ratio < INFINITY ? ratio : largest;
+        pivot[k] = p;
+        inverse[k] = r;
+        for (int v = 0; v < V; v++) {
+            store4(D + ld * k + 4 * v, masked(c[v] * r, ~active[v]));  // U: rows that were pivots before
+            active[v] &= number[v] != p;
+            l[v] = masked(c[v] / value, active[v]);
+            store4(L + ld * k + 4 * v, l[v]);
+        }
+        if (k + 1 < b) {  // the next pivot column stays in registers
+            const double f = D[ld * (k + 1) + p];
+            for (int v = 0; v < V; v++) c[v] = load(D + ld * (k + 1) + 4 * v) - l[v] * f;
+            for (int v = 0; v < V; v++) store4(D + ld * (k + 1) + 4 * v, c[v]);
+        }
+        for (int j = k + 2; j < b; j++) {
+            const double f = D[ld * j + p];
+            for (int v = 0; v < V; v++) store4(D + ld * j + 4 * v, load(D + ld * j + 4 * v) - l[v] * f);
+        }
+        for (int j = 0; j < m; j++) {
+            const double f = R[ld * j + p];
+            for (int v = 0; v < V; v++) store4(R + ld * j + 4 * v, load(R + ld * j + 4 * v) - l[v] * f);
+        }
+    }
+    stats[SMALLEST] = smallest;
+    stats[LARGEST] = largest;
+    return -1;
+}
+
+// X = U^-1 R, rows of X in natural order; R is destroyed.
+template <int V, int B>
+inline void back_substitute(int b_, const double* U, double* R, double* X, int m, const int* pivot, const double* inverse) {
+    const int b = B ? B : b_;
+    constexpr int ld = 4 * V;
+    for (int k = b - 1; k >= 0; k--) {
+        const int p = pivot[k];
+        const double r = inverse[k];
+        d4 u[V];
+        for (int v = 0; v < V; v++) u[v] = load(U + ld * k + 4 * v);
+        for (int j = 0; j < m; j++) {
+            const double f = R[ld * j + p];
+            for (int v = 0; v < V; v++) store4(R + ld * j + 4 * v, load(R + ld * j + 4 * v) - u[v] * f);
+            X[ld * j + k] = f * r;
+        }
+    }
+}
+
+// x = D^-1 x for one vector.
+template <int V, int B>
+inline void solve_block(int b_, const double* U, const double* L, double* x, const int* pivot, const double* inverse) {
+    const int b = B ? B : b_;
+    constexpr int ld = 4 * V;
+    alignas(32) double y[ld];
+    d4 now[V];
+    for (int v = 0; v < V; v++) store4(y + 4 * v, now[v] = load(x + 4 * v));
+    for (int k = 0; k < b - 1; k++) {
+        const double f = y[pivot[k]];
+        for (int v = 0; v < V; v++) store4(y + 4 * v, now[v] -= load(L + ld * k + 4 * v) * f);
+    }
+    for (int k = b - 1; k >= 0; k--) {
+        const double f = y[pivot[k]];
+        for (int v = 0; v < V; v++) store4(y + 4 * v, now[v] -= load(U + ld * k + 4 * v) * f);
+        x[k] = f * inverse[k];
+    }
+}
+
+// NJ columns of C (-)= A B; K inner size.
+template <int V, int NJ>
+inline void strip(double* C, const double* A, const double* B, int ldb, int K, bool add) {
+    constexpr int ld = 4 * V;
+    d4 acc[NJ][V];
+    for (int j = 0; j < NJ; j++)
+        for (int v = 0; v < V; v++) acc[j][v] = add ? load(C + ld * j + 4 * v) : d4{0, 0, 0, 0};
+    for (int k = 0; k < K; k++) {
+        d4 a[V];
+        for (int v = 0; v < V; v++) a[v] = load(A + ld * k + 4 * v);
+        for (int j = 0; j < NJ; j++)
+            for (int v = 0; v < V; v++) acc[j][v] -= a[v] * B[ldb * j + k];
+    }
+    for (int j = 0; j < NJ; j++)
+        for (int v = 0; v < V; v++) store4(C + ld * j + 4 * v, acc[j][v]);
+}
+
+// C = [C] - A B:  C (4V, m), A (4V, K), B (ldb, m).
+template <int V>
+void subtract_product(double* C, const double* A, const double* B, int ldb, int K, int m, bool add) {
+    constexpr int NJ = V <= 2 ? 4 : 2, ld = 4 * V;
+    int j = 0;
+    for (; j + NJ <= m; j += NJ) strip<V, NJ>(C + ld * j, A, B + ldb * j, ldb, K, add);
+    if (NJ == 4 && j + 3 == m) return strip<V, 3>(C + ld * j, A, B + ldb * j, ldb, K, add);
+    for (; j < m; j++) strip<V, 1>(C + ld * j, A, B + ldb * j, ldb, K, add);
+}
+
+// y -= A x, two chains of sums to hide the latency of the multiply-add.
+template <int V>
+inline void subtract_matvec(double* y, const double* A, const double* x, int K) {
+    constexpr int ld = 4 * V;
+    d4 even[V], odd[V];
+    for (int v = 0; v < V; v++) even[v] = load(y + 4 * v), odd[v] = d4{0, 0, 0, 0};
+    int k = 0;
+    for (; k + 2 <= K; k += 2)
+        for (int v = 0; v < V; v++) {
+            even[v] -= load(A + ld * k + 4 * v) * x[k];
+            odd[v] -= load(A + ld * (k + 1) + 4 * v) * x[k + 1];
+        }
+    if (k < K)
+        for (int v = 0; v < V; v++) even[v] -= load(A + ld * k + 4 * v) * x[k];
+    for (int v = 0; v < V; v++) store4(y + 4 * v, even[v] + odd[v]);
+}
+
+// Call f(V, B) with constants that fit a block: sizes 7 and 8 are fixed (B), else B = 0 and the size rounded up to vectors.
+template <class F>
+inline auto dispatch(std::int64_t size, F&& f) {
+    using std::integral_constant;
+    using Any = integral_constant<int, 0>;
+    if (size == 7) return f(integral_constant<int, 2>{}, integral_constant<int, 7>{});
+    if (size == 8) return f(integral_constant<int, 2>{}, integral_constant<int, 8>{});
+    switch ((size + 3) / 4) {
+        case 1: return f(integral_constant<int, 1>{}, Any{});
+        case 2: return f(integral_constant<int, 2>{}, Any{});
+        case 3: return f(integral_constant<int, 3>{}, Any{});
+        default: return f(integral_constant<int, 4>{}, Any{});
+    }
+}
+
+// C (rows of node `c`) = [C] - A B, inner size K, m columns, B with columns of length ldb.
+inline void subtract(Row c, double* C, const double* A, const double* B, Row inner, std::int64_t m, bool add = true) {
+    const int K = inner[SIZE], ldb = inner[LD];
+    switch (c[LD] / 4) {
+        case 1: return subtract_product<1>(C, A, B, ldb, K, m, add);
+        case 2: return subtract_product<2>(C, A, B, ldb, K, m, add);
+        case 3: return subtract_product<3>(C, A, B, ldb, K, m, add);
+        default: return subtract_product<4>(C, A, B, ldb, K, m, add);
+    }
+}
+
+// y (node `row`) -= A x (node `column`)
+inline void subtract_vector(Row row, double* y, const double* A, Row column, const double* x) {
+    const int K = column[SIZE];
+    switch (row[LD] / 4) {
+        case 1: return subtract_matvec<1>(y, A, x, K);
+        case 2: return subtract_matvec<2>(y, A, x, K);
+        case 3: return subtract_matvec<3>(y, A, x, K);
+        default: return subtract_matvec<4>(y, A, x, K);
+    }
+}
+
+// Eliminate node t, with the m1 columns of `right` and the m2 columns of `left` as right-hand sides (either may be null).
+int eliminate_node(Row t, double* store, double* right, int m1, double* left, int m2, double* inverse, int* pivot,
+                   const double* scale, double tolerance, double* stats) {
+    return dispatch(t[SIZE], [&](auto V, auto B) {
+        alignas(64) double work[2 * MAX_LD * MAX_LD];
+        const int b = t[SIZE], ld = t[LD];
+        double* D = store + t[DIAG];
+        if (m1) std::memcpy(work, right, sizeof(double) * ld * m1);
+        if (m2) std::memcpy(work + ld * m1, left, sizeof(double) * ld * m2);
+        double* r = inverse + t[VEC];
+        int* p = pivot + t[VEC];
+        const int bad = eliminate<V(), B()>(b, D, store + t[LFAC], work, m1 + m2, p, r, scale, tolerance, stats);
+        if (bad >= 0) return bad;
+        if (m1) back_substitute<V(), B()>(b, D, work, right, m1, p, r);
+        if (m2) back_substitute<V(), B()>(b, D, work + ld * m1, left, m2, p, r);
+        return -1;
+    });
+}
+
+inline void scales(Row t, const double* D, double* scale) {
+    dispatch(t[SIZE], [&](auto V, auto) { column_scales<V()>(t[SIZE], D, scale); });
+}
+
+inline void solve_node(Row t, const double* store, double* x, const double* inverse, const int* pivot) {
+    dispatch(t[SIZE], [&](auto V, auto B) {
+        solve_block<V(), B()>(t[SIZE], store + t[DIAG], store + t[LFAC], x, pivot + t[VEC], inverse + t[VEC]);
+    });
+}
+
+}  // namespace
+
+extern "C" {
+
+// target[index[k]] += values[k]; index < 0 is left out.
+void chain_scatter_add(int n, const int* index, const double* values, double* target) {
+    for (int k = 0; k < n; k++)
+        if (index[k] >= 0) target[index[k]] += values[k];
+}
+
+// Assemble and eliminate, a node at a time so that its blocks stay in the cache.  Entry k of the lists adds values[source[k]]
+// at store[slot[k]]; start (n+1): where each node's part of the lists begins.  saved: null, or receives the assembled blocks;
+// blocks: null, or receives the pivot blocks S_i = A(i,i) - A(i,i-1) S_(i-1)^-1 A(i-1,i) before their LU, at the offsets DIAG.
+// tolerance: a pivot must exceed tolerance x the largest entry of its column of A(i,i).  Returns -1 or the node without a pivot
+// (stats[FAILED_COLUMN]: its column).
+int chain_factor(int n, int keep, const std::int64_t* table, double* store, const int* start, const int* slot, const int* source,
+                 const double* values, double* inverse, int* pivot, double tolerance, double* stats, double* saved,
+                 double* blocks) {
+    int assembled = 0;
+    const auto assemble_up_to = [&](int node) {
+        for (; assembled <= node && assembled < n; assembled++) {
+            const Row t = table + assembled * COLUMNS;
+            const std::size_t bytes = sizeof(double) * (t[LFAC] - t[DIAG]);
+            std::memset(store + t[DIAG], 0, bytes);
+            for (int k = start[assembled]; k < start[assembled + 1]; k++) store[slot[k]] += values[source[k]];
+            if (saved) std::memcpy(saved + t[DIAG], store + t[DIAG], bytes);
+        }
+    };
+    stats[FAILED_COLUMN] = -1, stats[SMALLEST] = INFINITY, stats[LARGEST] = 0, stats[SMALLEST_NODE] = -1;
+    const int first = keep & 1 ? 1 : 0, last = keep & 2 ? n - 1 : n;
+    const Row top = table;
+    double scale[MAX_LD];
+    assemble_up_to(first);
+    if (first < last) scales(table + first * COLUMNS, store + table[first * COLUMNS + DIAG], scale);
+    for (int i = first; i < last; i++) {
+        const Row t = table + i * COLUMNS, next = i + 1 < n ? t + COLUMNS : nullptr;
+        const double smallest = stats[SMALLEST];
+        assemble_up_to(i + 1);
+        double* W = next ? store + t[UPPER] : nullptr;
+        double* fill = first ? store + t[LEFT] : nullptr;
+        if (blocks) std::memcpy(blocks + t[DIAG], store + t[DIAG], sizeof(double) * t[LD] * t[SIZE]);
+        const int bad = eliminate_node(t, store, W, next ? next[SIZE] : 0, fill, first ? top[SIZE] : 0, inverse, pivot, scale,
+                                       tolerance, stats);
+        if (bad >= 0) {
+            stats[FAILED_COLUMN] = bad;
+            return i;
+        }
+        if (stats[SMALLEST] < smallest) stats[SMALLEST_NODE] = i;
+        if (next) {
+            double *D = store + next[DIAG], *lower = store + next[LOWER];
+            if (i + 1 < last) scales(next, D, scale);
+            subtract(next, D, lower, W, t, next[SIZE]);
+            if (first) {
+                const double* G = store + t[TOP];
+                subtract(next, store + next[LEFT], lower, fill, t, top[SIZE], false);
+                subtract(top, store + next[TOP], G, W, t, next[SIZE], false);
+                subtract(top, store + top[DIAG], G, fill, t, top[SIZE]);
+            }
+        }
+    }
+    assemble_up_to(n - 1);
+    return -1;
+}
+
+// vec[k] = b[index[k]], 0 where index < 0.
+void chain_gather(int n, const int* index, const double* b, double* vec) {
+    for (int k = 0; k < n; k++) vec[k] = index[k] >= 0 ? b[index[k]] : 0.0;
+}
+
+// x[index[k]] = vec[k]; index < 0 is left out.
+void chain_scatter(int n, const int* index, const double* vec, double* x) {
+    for (int k = 0; k < n; k++)
+        if (index[k] >= 0) x[index[k]] = vec[k];
+}
+
+// Forward sweep in place on a padded vector: eliminated nodes get D_i^-1 (...), kept nodes their reduced right-hand side.
+void chain_forward(int n, int keep, const std::int64_t* table, const double* store, const double* inverse, const int* pivot,
+                   double* vec) {
+    const int first = keep & 1 ? 1 : 0, last = keep & 2 ? n - 1 : n;
+    for (int i = first; i < n; i++) {
+        const Row t = table + i * COLUMNS, previous = t - COLUMNS;
+        double* y = vec + t[VEC];
+        if (i > first) subtract_vector(t, y, store + t[LOWER], previous, vec + previous[VEC]);
+        if (i == last) break;
+        solve_node(t, store, y, inverse, pivot);
+        if (first) subtract_vector(table, vec + table[VEC], store + t[TOP], t, y);
+    }
+}
+
+// Backward sweep: x_i = y_i - W_i x_(i+1) - V_i x_0; kept nodes hold their solution already.
+void chain_backward(int n, int keep, const std::int64_t* table, const double* store, double* vec) {
+    const int first = keep & 1 ? 1 : 0, last = keep & 2 ? n - 1 : n;
+    for (int i = last - 1; i >= first; i--) {
+        const Row t = table + i * COLUMNS, next = t + COLUMNS;
+        if (i + 1 < n) subtract_vector(t, vec + t[VEC], store + t[UPPER], next, vec + next[VEC]);
+        if (first) subtract_vector(t, vec + t[VEC], store + t[LEFT], table, vec + table[VEC]);
+    }
+}
+
+// All at once for a piece without joints: x = A^-1 b, with source and target as in chain_gather and chain_scatter.
+void chain_solve(int n, const std::int64_t* table, const double* store, const double* inverse, const int* pivot, int length,
+                 const int* source, const double* b, double* vec, const int* target, double* x) {
+    chain_gather(length, source, b, vec);
+    chain_forward(n, 0, table, store, inverse, pivot, vec);
+    chain_backward(n, 0, table, store, vec);
+    chain_scatter(length, target, vec, x);
+}
+
+// r -= A x with the assembled blocks kept by chain_factor.
+void chain_residual(int n, const std::int64_t* table, const double* saved, const double* x, double* r) {
+    for (int i = 0; i < n; i++) {
+        const Row t = table + i * COLUMNS, next = t + COLUMNS, previous = t - COLUMNS;
+        subtract_vector(t, r + t[VEC], saved + t[DIAG], t, x + t[VEC]);
+        if (i > 0) subtract_vector(t, r + t[VEC], saved + t[LOWER], previous, x + previous[VEC]);
+        if (i + 1 < n) subtract_vector(t, r + t[VEC], saved + t[UPPER], next, x + next[VEC]);
+    }
+}
+}

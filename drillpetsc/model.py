@@ -1,0 +1,173 @@
+"""A scene given memory: line, layout, assembly, and the way between PETSc's vectors and the kernels' arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc.assembly import Assembly
+from drillpetsc.field import Energies, FloatArray, Powers, Room
+from drillpetsc.frames import Frames
+from drillpetsc.layout import build_layout
+from drillpetsc.line import build_line
+from drillpetsc.tubulars import StringMesh
+
+
+class Model:
+    """The discrete scene on this rank.
+
+    rooms: in the order in which they add rows; frames: shared with the beam room; ``comm`` a PETSc or mpi4py communicator.
+    """
+
+    def __init__(self, mesh: StringMesh, frames: Frames, rooms: Sequence[Room], comm: PETSc.Comm | None = None):
+        self.mesh, self.frames, self.rooms = mesh, frames, tuple(rooms)
+        self.line = build_line(mesh.node_depth, comm or PETSc.COMM_WORLD)
+        self.comm = self.line.plex.comm
+        junction = mesh.junction if len(mesh.junction) else np.zeros(mesh.nodes, dtype=bool)
+        regions = {"string": np.ones(mesh.nodes, dtype=bool), "junction": junction}
+        fields = tuple(f for room in self.rooms for f in room.fields())
+        self.layout = build_layout(self.line, fields, regions)
+        blocks = tuple(b for room in self.rooms for b in room.blocks(self.line))
+        prescribed = tuple(p for room in self.rooms for p in room.prescribed())
+        self.assembly = Assembly(self.layout, blocks, prescribed, frames.gauge[self.line.vertices])
+        layout, asm = self.layout, self.assembly
+        self._x = PETSc.Vec().createWithArray(asm.x[:-1], comm=PETSc.COMM_SELF)
+        self._r = PETSc.Vec().createWithArray(asm.r[:-1], comm=PETSc.COMM_SELF)
+        self._state = layout.state_dm.createLocalVec()
+        self.owned_place = np.full(layout.size, -1, dtype=np.int32)
+        self.owned_place[layout.local_of_owned] = np.arange(len(layout.local_of_owned))
+        self._alone = self.comm.size == 1
+        scale = np.array([f.scale for f in layout.fields])
+        self.scale = scale[layout.field_of]  # (n,) usual magnitude of each local unknown
+        self._rated = layout.y_local >= 0
+
+    def signature(self) -> int:
+        """A number that changes when contacts open or close (rooms with ``signature``): the Jacobian is then rebuilt."""
+        return hash(tuple(room.signature() for room in self.rooms if hasattr(room, "signature")))
+
+    # ------------------------------------------------------------------ vectors
+    def new_state(self) -> PETSc.Vec:
+        return self.layout.state_dm.createGlobalVec()
+
+    def new_condensed(self) -> PETSc.Vec:
+        return self.layout.condensed_dm.createGlobalVec()
+
+    def load_unknowns(self, q: PETSc.Vec) -> None:
+        """Condensed global vector into ``assembly.x``, ghosts included."""
+        self.layout.condensed_dm.globalToLocal(q, self._x)
+
+    def load_state(self, state: PETSc.Vec, rate: PETSc.Vec | None = None) -> None:
+        """State (and its rate) into the assembly's x, y (and a)."""
+        layout, asm = self.layout, self.assembly
+        layout.state_dm.globalToLocal(state, self._state)
+        s = self._state.getArray(readonly=1)
+        asm.x[:-1] = s[layout.x_local]
+        asm.y[:-1] = np.where(self._rated, s[layout.y_local], 0.0)
+        if rate is not None:
+            layout.state_dm.globalToLocal(rate, self._state)
+            s = self._state.getArray(readonly=1)
+            asm.y[:-1] = np.where(self._rated, asm.y[:-1], s[layout.x_local])
+            asm.a[:-1] = np.where(self._rated, s[layout.y_local], 0.0)
+
+    def load_history(self, constant: PETSc.Vec) -> None:
+        """Constant part of the rates, Ydot = shift Y + constant, into v0 and v1."""
+        layout, asm = self.layout, self.assembly
+        layout.state_dm.globalToLocal(constant, self._state)
+        s = self._state.getArray(readonly=1)
+        asm.v0[:] = s[layout.x_local]
+        asm.v1[:] = np.where(self._rated, s[layout.y_local], 0.0)
+
+    def store_state(self, state: PETSc.Vec) -> None:
+        """The assembly's x and y into the owned part of ``state``."""
+        layout, asm = self.layout, self.assembly
+        out = state.getArray()
+        out[layout.x_owned] = asm.x[layout.local_of_owned]
+        has = layout.y_owned >= 0
+        out[layout.y_owned[has]] = asm.y[layout.local_of_owned[has]]
+
+    def store_unknowns(self, q: PETSc.Vec) -> None:
+        q.getArray()[:] = self.assembly.x[self.layout.local_of_owned]
+
+    def sum_residual(self, t: float, out: PETSc.Vec) -> None:
+        """Residual of all rooms at the assembly's x, y, a, summed over ranks, prescribed rows replaced."""
+        self.assembly.residual(t)
+        if self._alone:
+            out.getArray()[:] = self.assembly.r[self.layout.local_of_owned]
+        else:
+            out.set(0.0)
+            self.layout.condensed_dm.localToGlobal(self._r, out, addv=PETSc.InsertMode.ADD_VALUES)
+        if self.assembly.fixed:
+            self.assembly.replace_rows(t, out.getArray(), self.owned_place)
+
+    def worst_place(self, t: float) -> dict[str, object]:
+        """Where the rows are worst: room, element and measured depth of the largest (or first non-finite) residual."""
+        asm, worst = self.assembly, (-1.0, "", -1, 0.0)
+        for b in asm.ready:
+            if not b.count:
+                continue
+            rows = asm.block_rows(b, t)
+            bad = ~np.isfinite(rows)
+            size = np.where(bad, np.inf, np.abs(rows)).max(axis=1)
+            e = int(size.argmax())
+            if size[e] > worst[0]:
+                number = self.line.cells[b.block.points[e]] if b.block.on == "cell" else self.line.vertices[b.block.points[e]]
+                worst = (float(size[e]), b.block.name, int(number), float(self.mesh.node_depth[number]))
+        if not self._alone:
+            worst = max(self.comm.tompi4py().allgather(worst))
+        return {"room": worst[1], "element": worst[2], "measured_depth": worst[3]}
+
+    # ------------------------------------------------------------------ figures
+    def energies(self, t: float) -> Energies:
+        """Stored energies at the assembly's x, y, summed over ranks."""
+        parts = np.array([room.energies(t, self.assembly) for room in self.rooms]).sum(axis=0)
+        return Energies(*(parts if self._alone else self.comm.tompi4py().allreduce(parts)))
+
+    def powers(self, t: float) -> Powers:
+        """Dissipated and supplied power at the assembly's x, y, a, summed over ranks; the reactions of the last residual supply."""
+        parts = np.array([room.powers(t, self.assembly) for room in self.rooms]).sum(axis=0)
+        parts[1] += sum(float(f.reaction @ f.condition.rate(t)) for f in self.assembly.fixed if f.owned)
+        if self.assembly.dead is not None:
+            parts[1] += self.assembly.dead @ self.assembly.y[:-1]
+        return Powers(*(parts if self._alone else self.comm.tompi4py().allreduce(parts)))
+
+    def reaction(self, name: str) -> float:
+        """Reaction that the prescribed component ``name`` needs (0 where there is none), the same on all ranks [N or N m]."""
+        value = 0.0
+        for f in self.assembly.fixed:
+            if f.owned and name in f.condition.names:
+                value += float(f.reaction[f.condition.names.index(name)])
+        return value if self._alone else float(self.comm.tompi4py().allreduce(value))
+
+    def gather(self, values: FloatArray, on: str = "vertex") -> FloatArray | None:
+        """Values (nv, k) at local vertices, or (nc, k) at local cells, collected on rank 0 in depth order; None elsewhere."""
+        line = self.line
+        if on == "vertex":
+            numbers, values, size = line.vertices[line.owned], values[line.owned], line.size
+        else:
+            numbers, size = line.cells, line.size - 1
+        if self._alone:
+            out = np.empty((size, *values.shape[1:]))
+            out[numbers] = values
+            return out
+        pieces = self.comm.tompi4py().gather((numbers, values))
+        if pieces is None:
+            return None
+        out = np.empty((size, *values.shape[1:]))
+        for number, piece in pieces:
+            out[number] = piece
+        return out
+
+    def field(self, name: str, what: str = "x") -> FloatArray:
+        """(nv, size) values of a field at local vertices: what = x, y or a; absent places give the field's value at rest."""
+        place = self.layout.place[name]
+        values = getattr(self.assembly, what)[np.maximum(place, 0)]
+        rest = next(f.at_rest for f in self.layout.fields if f.name == name) if what == "x" else 0.0
+        return np.where(place >= 0, values, rest)
+
+    def set_field(self, name: str, values: FloatArray, what: str = "x") -> None:
+        """Set a field's local values from (n_nodes, size) values over the whole string."""
+        place = self.layout.place[name]
+        has = place >= 0
+        getattr(self.assembly, what)[place[has]] = values[self.line.vertices][has]

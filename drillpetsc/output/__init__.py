@@ -1,0 +1,27 @@
+"""What a run leaves on disk: the run folder, its tables, the string over time, the summary.
+
+Plain numpy arrays and dictionaries in, files out. Nothing here knows PETSc, MPI or the case; rank 0 calls it with
+gathered arrays.
+meshio is imported by the first function that writes or reads a .vtu, not before.
+"""
+
+from drillpetsc.output.fields import FieldWriter, Frame, read_frame, read_series, write_well
+from drillpetsc.output.folder import RunFolder, RunFolderExists, RunFolderMissing
+from drillpetsc.output.summary import read_summary, write_summary
+from drillpetsc.output.tables import Table, read_table, write_table
+
+__all__ = [
+    "FieldWriter",
+    "Frame",
+    "RunFolder",
+    "RunFolderExists",
+    "RunFolderMissing",
+    "Table",
+    "read_frame",
+    "read_series",
+    "read_summary",
+    "read_table",
+    "write_summary",
+    "write_table",
+    "write_well",
+]

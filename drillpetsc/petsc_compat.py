@@ -1,0 +1,54 @@
+"""What differs between petsc4py 3.18 and 3.26, in one place."""
+
+from __future__ import annotations
+
+import ctypes
+
+import numpy as np
+from petsc4py import PETSc
+
+VERSION = PETSc.Sys.getVersion()
+
+
+def _library() -> ctypes.CDLL:
+    return ctypes.CDLL(PETSc.__file__)
+
+
+def set_section(dm: PETSc.DM, section: PETSc.Section) -> None:
+    """Make ``section`` the local section of ``dm``."""
+    (dm.setLocalSection if hasattr(dm, "setLocalSection") else dm.setSection)(section)
+
+
+def get_section(dm: PETSc.DM) -> PETSc.Section:
+    """The local section of ``dm``."""
+    return (dm.getLocalSection if hasattr(dm, "getLocalSection") else dm.getSection)()
+
+
+def preallocate_coo(matrix: PETSc.Mat, rows: np.ndarray, columns: np.ndarray) -> None:
+    """Tell ``matrix`` where its values will go; rows, columns: global numbers, negative ones are left out."""
+    rows, columns = np.array(rows, dtype=PETSc.IntType), np.array(columns, dtype=PETSc.IntType)  # PETSc overwrites them
+    if hasattr(matrix, "setPreallocationCOO"):
+        matrix.setPreallocationCOO(rows, columns)
+        return
+    call = _library().MatSetPreallocationCOO  # in the C library of 3.18, not in its petsc4py
+    call.argtypes = [ctypes.c_void_p, ctypes.c_ssize_t, ctypes.c_void_p, ctypes.c_void_p]
+    code = call(matrix.handle, len(rows), rows.ctypes.data, columns.ctypes.data)
+    if code:
+        raise PETSc.Error(code)
+
+
+def set_values_coo(matrix: PETSc.Mat, values: np.ndarray) -> None:
+    """Replace the values of ``matrix``; duplicates of a place add up."""
+    if hasattr(matrix, "setValuesCOO"):
+        matrix.setValuesCOO(values, PETSc.InsertMode.INSERT_VALUES)
+        return
+    call = _library().MatSetValuesCOO
+    call.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int]
+    code = call(matrix.handle, np.ascontiguousarray(values).ctypes.data, int(PETSc.InsertMode.INSERT_VALUES))
+    if code:
+        raise PETSc.Error(code)
+
+
+def max_rejections_option() -> str:
+    """The option that bounds rejected steps was renamed in 3.25."""
+    return "ts_max_step_rejections" if VERSION >= (3, 25, 0) else "ts_max_reject"

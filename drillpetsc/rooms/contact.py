@@ -1,0 +1,195 @@
+"""The string in its hole: contact and friction along the pipe, of rigid items, and of the bit on the bottom."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from drillpetsc.field import Block, Energies, FloatArray, Powers
+from drillpetsc.kernels import function, pointer
+from drillpetsc.rooms.beam import SLOTS, SPLIT_SLOTS
+from drillpetsc.rooms.bodies import VERTEX_SLOTS, Passive, local_vertices
+from drillpetsc.tubulars import StringMesh
+from drillpetsc.well import Well
+
+_report = function("contact_report", "iipppppp")
+_bit_report = function("bit_report", "ppppp")
+REPORT = ("normal", "stored", "damping_power", "friction_power", "penetration", "axial", "torque")
+
+
+class _Law(ctypes.Structure):
+    """ContactLaw of kernels/contact.hpp."""
+
+    _fields_ = [("well", ctypes.c_void_p)] + [(n, ctypes.c_double) for n in ("stiffness", "exponent", "damping", "slip", "extra", "decay",
+                "imposed", "axial", "around")] + [("per_point", ctypes.c_int), ("points", ctypes.c_int)] + \
+               [(n, ctypes.c_void_p) for n in ("at", "normal", "segment", "touching")]
+
+
+@dataclass(frozen=True)
+class ContactLaw:
+    """Constants of the wall contact.
+
+    stiffness per unit length [N/m^2] (``linear``), [N/m^2.5] (``hertz``), or per point [N/m^1.5] (``hertz_point``); restitution at
+    ``restitution_speed`` [m/s]; slip_velocity [m/s] rounds off Coulomb's law; static_ratio = mu_static / mu, stribeck_speed [m/s].
+    """
+
+    stiffness: float = 1.0e8
+    law: str = "linear"
+    restitution: float = 0.5
+    restitution_speed: float = 1.0
+    slip_velocity: float = 0.01
+    static_ratio: float = 1.0
+    stribeck_speed: float = 1.0
+    points: int = 2
+
+
+def damping_factor(restitution: float, speed: float) -> float:
+    """c [s/m] of the factor 1 + c * penetration rate that returns ``restitution`` of an impact at ``speed`` [m/s].
+
+    With d = c speed the rebound is exact for any exponent: d (1 + e) = ln((1 + d) / (1 - d e)) (from m u du = -k (1 + c u) f dx).
+    """
+    e = restitution
+    if e >= 1.0:
+        return 0.0
+    if e <= 0.0:
+        raise ValueError("restitution must be above 0: a perfectly plastic impact needs an infinite damping factor")
+
+    def miss(d: float) -> float:
+        return np.log((1 + d) / (1 - d * e)) - d * (1 + e)
+
+    high = (1 - 1e-14) / e
+    low = 1e-9
+    return float(brentq(miss, low, high, xtol=1e-14, rtol=1e-14)) / speed if miss(low) * miss(high) < 0 else low / speed
+
+
+class Contact(Passive):
+    """Contact of pipes and rigid items with the wall."""
+
+    name = "contact"
+
+    def __init__(self, mesh: StringMesh, well: Well, law: ContactLaw):
+        self.mesh, self.well, self.law = mesh, well, law
+        gauss, weight = np.polynomial.legendre.leggauss(law.points)
+        self._at = np.ascontiguousarray(np.column_stack([(gauss + 1) / 2, weight / 2]))
+        self._packed = np.ascontiguousarray(well.packed())
+        self._laws: list[_Law] = []
+        self._keep: list[np.ndarray] = [self._at, self._packed]
+
+    def _context(self, count: int) -> int:
+        law, n = self.law, count * self.law.points
+        normal, segment, touching = np.zeros(n), np.full(n, -1, dtype=np.int32), np.zeros(n, dtype=np.int8)
+        record = _Law(pointer(self._packed), law.stiffness, 1.0 if law.law == "linear" else 1.5,
+                      damping_factor(law.restitution, law.restitution_speed), law.slip_velocity, law.static_ratio - 1.0,
+                      law.stribeck_speed, 0.0, 0.0, 0.0, int(law.law == "hertz_point"), law.points, pointer(self._at),
+                      pointer(normal), pointer(segment), pointer(touching))
+        self._laws.append(record)
+        self._keep += [normal, segment]
+        self._touching.append(touching)
+        return ctypes.addressof(record)
+
+    def blocks(self, part) -> tuple[Block, ...]:
+        m = self.mesh
+        self._part, self._touching, self._blocks = part, [], []
+        junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
+        friction = np.where(np.isnan(m.friction), -1.0, m.friction)
+        for split in (False, True):
+            if split and not junction[:-1].any():
+                continue
+            chosen = np.flatnonzero((junction[part.cells] == split) & (m.outer_diameter[part.cells] > 0)).astype(np.int32)
+            e = part.cells[chosen]
+            params = np.ascontiguousarray(np.column_stack([m.length[e], m.rigid_above[e], 0.5 * m.outer_diameter[e], friction[e]]))
+            self._blocks.append(Block("contact_junction" if split else "contact", "contact_split" if split else "contact", "cell", chosen,
+                                      SPLIT_SLOTS if split else SLOTS, (0, 1), params, context=self._context(len(chosen))))
+        items = [b for b in m.bodies if b.radius > 0]
+        if items:
+            picked, vertices = local_vertices(part, np.array([b.node for b in items]))
+            mine = [items[k] for k in picked]
+            params = np.array([[b.above, b.length, b.radius, -1.0 if b.friction is None else b.friction] for b in mine]).reshape(-1, 4)
+            self._blocks.append(Block("contact_bodies", "body_contact", "vertex", vertices, VERTEX_SLOTS, (0,),
+                                      np.ascontiguousarray(params), context=self._context(len(mine))))
+        return tuple(self._blocks)
+
+    def impose_sliding(self, axial: float, around: float) -> None:
+        """Statics: friction acts against this direction of the pipe's surface (unit vector, or zero for none)."""
+        for record in self._laws:
+            record.imposed, record.axial, record.around = 1.0, axial, around
+
+    def free_sliding(self) -> None:
+        """Dynamics: friction follows the motion."""
+        for record in self._laws:
+            record.imposed = 0.0
+
+    def set_stiffness(self, factor: float) -> None:
+        """Scale the stiffness (continuation in statics)."""
+        for record in self._laws:
+            record.stiffness = self.law.stiffness * factor
+
+    def signature(self) -> int:
+        """Changes whenever a contact opens or closes on this rank."""
+        return hash(tuple(t.tobytes() for t in self._touching))
+
+    def report(self, state) -> tuple[FloatArray, FloatArray]:
+        """(nc, 7) per local cell and (nb, 7) per rigid item of this rank: the columns of ``REPORT``."""
+        cells, bodies = np.zeros((len(self._part.cells), len(REPORT))), np.zeros((0, len(REPORT)))
+        for b in self._blocks:
+            out = np.zeros((len(b.points), len(REPORT)))
+            kind = {"contact": 0, "contact_split": 1, "body_contact": 2}[b.kernel]
+            _report(len(out), kind, pointer(state.index_of(b)), pointer(b.params), b.context, pointer(state.x), pointer(state.y), pointer(out))
+            if kind == 2:
+                bodies = out
+            else:
+                cells[b.points] = out
+        return cells, bodies
+
+    def energies(self, t: float, state) -> Energies:
+        cells, bodies = self.report(state)
+        return Energies(strain=float(cells[:, 1].sum() + bodies[:, 1].sum()))
+
+    def powers(self, t: float, state) -> Powers:
+        cells, bodies = self.report(state)
+        return Powers(float(cells[:, 2:4].sum() + bodies[:, 2:4].sum()))
+
+
+class BitOnBottom(Passive):
+    """The bit stands on the end of the hole: a spring along its axis, and a friction torque."""
+
+    name = "bit"
+
+    def __init__(self, node: int, face: float, radius: float, stiffness: float, friction: float, end: FloatArray, axis: FloatArray,
+                 slip_velocity: float = 0.01):
+        self.node = node
+        self._row = [face, radius, stiffness, friction, *end, *axis, slip_velocity, -3.0]
+        self._length = face
+
+    def blocks(self, part) -> tuple[Block, ...]:
+        _, vertices = local_vertices(part, np.array([self.node]))
+        params = np.ascontiguousarray(np.tile(self._row, (len(vertices), 1)))
+        self._block = Block("bit_bottom", "bit_contact", "vertex", vertices, VERTEX_SLOTS, (0,), params)
+        return (self._block,)
+
+    def impose_sliding(self, axial: float, around: float) -> None:
+        self._block.params[:, 11] = np.sign(around)
+
+    def free_sliding(self) -> None:
+        self._block.params[:, 11] = -3.0
+
+    def weight_and_torque(self, state) -> tuple[float, float]:
+        """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
+        if not len(self._block.points):
+            return 0.0, 0.0
+        out = np.zeros(2)
+        _bit_report(pointer(state.index_of(self._block)), pointer(self._block.params), pointer(state.x), pointer(state.y), pointer(out))
+        return float(out[0]), float(out[1])
+
+    def energies(self, t: float, state) -> Energies:
+        weight, _ = self.weight_and_torque(state)
+        return Energies(strain=0.5 * weight**2 / self._row[2])
+
+    def powers(self, t: float, state) -> Powers:
+        if not len(self._block.points):
+            return Powers()
+        _, torque = self.weight_and_torque(state)
+        return Powers(float(torque * state.y[state.index_of(self._block)[0, 6]]))

@@ -1,0 +1,1 @@
+"""Solvers: the condensed Newton of a time step, statics, dynamics."""

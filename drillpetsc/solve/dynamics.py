@@ -1,0 +1,167 @@
+"""Motion in time: PETSc's TS around the condensed Newton, or around a plain assembled system when options ask for one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc import petsc_compat
+from drillpetsc.errors import SolveError
+from drillpetsc.model import Model
+from drillpetsc.solve.newton import CondensedNewton
+from drillpetsc.solve.plain import PlainSystem
+
+MASKED = 1.0e20  # tolerance of a row that the error control leaves out
+DEFAULTS = {
+    "ts_type": "bdf",
+    "ts_bdf_order": 2,
+    "ts_adapt_type": "basic",
+    "ts_adapt_clip": "0.2,2.0",
+    "ts_exact_final_time": "matchstep",
+    "ts_max_snes_failures": -1,  # counted here, consecutive ones; PETSc's count is over the whole run
+}
+TOLERANCE = 1.0e-4  # default of -ts_rtol
+CONSECUTIVE_FAILURES = 25
+
+
+@dataclass
+class Counters:
+    steps: int = 0
+    rejected: int = 0
+    newton: int = 0
+    jacobians: int = 0
+    failures: int = 0
+
+
+@dataclass
+class Dynamics:
+    """Integrates a model from the state in its assembly.
+
+    after_step(t, dt) is called after every accepted step, with x, y, a of the assembly at t.  first_step [s].
+    """
+
+    model: Model
+    after_step: list[Callable[[float, float], None]] = field(default_factory=list)
+    first_step: float = 1.0e-4
+
+    def __post_init__(self) -> None:
+        options = PETSc.Options()
+        for key, value in {**DEFAULTS, petsc_compat.max_rejections_option(): 60}.items():
+            if not options.hasName(key):
+                options.setValue(key, value)
+        self.first_step = options.getReal("ts_dt", self.first_step)
+        self.tolerance = options.getReal("ts_rtol", TOLERANCE)
+        self.condensed = options.getString("ts_type", "bdf") == "bdf" and options.getString("snes_type", "python") == "python"
+        self.counters, self._in_a_row = Counters(), 0
+        self._make(options)
+
+    def _make(self, options: PETSc.Options) -> None:
+        model = self.model
+        self.state = model.new_state()
+        self.ts = PETSc.TS().create(comm=model.comm)
+        self.ts.setProblemType(PETSc.TS.ProblemType.NONLINEAR)
+        self._f = model.new_state()
+        if self.condensed:
+            if not options.hasName("snes_type"):
+                options.setValue("snes_type", "python")
+            self.newton = CondensedNewton(model, tolerance=0.02 * self.tolerance)
+            matrix = PETSc.Mat().createPython((self.state.getSizes(), self.state.getSizes()), context=self, comm=model.comm)
+            matrix.setUp()
+            self._xdot = model.new_state()
+            self.ts.setIFunction(self._catch_rate, self._f)
+            self.ts.setIJacobian(self._catch_shift, matrix)
+            self._matrix = matrix
+            snes = self.ts.getSNES()
+            snes.setType("python")
+            snes.setPythonContext(self)
+        else:
+            self.plain = PlainSystem(model)
+            self.ts.setIFunction(self.plain.function, self._f)
+            self.ts.setIJacobian(self.plain.jacobian, self.plain.matrix)
+        self.ts.setFromOptions()
+        tolerance = self.tolerance_vector()
+        nothing = tolerance.duplicate()
+        self.ts.setTolerances(rtol=nothing, atol=tolerance)
+        self.ts.setPostStep(self._post_step)
+
+    def tolerance_vector(self) -> PETSc.Vec:
+        """Absolute tolerance per row of the state: -ts_rtol times the field's scale; rates and algebraic rows are masked."""
+        layout, vector = self.model.layout, self.model.new_state()
+        differential = np.array([f.differential for f in layout.fields])[layout.field_of[layout.local_of_owned]]
+        values = vector.getArray()
+        values[:] = MASKED
+        values[layout.x_owned] = np.where(differential, self.tolerance * self.model.scale[layout.local_of_owned], MASKED)
+        vector.assemble()
+        return vector
+
+    # ------------------------------------------------------------------ condensed step, called by the outer SNES
+    def _catch_rate(self, ts, t, x, xdot, f) -> None:
+        self._t = t
+        xdot.copy(self._xdot)
+
+    def _catch_shift(self, ts, t, x, xdot, shift, J, P) -> None:
+        self._shift = shift
+
+    def solve(self, snes, b, x) -> None:
+        """Solve of the outer python SNES: its unknown is the whole state, of which the condensed Newton finds the positions."""
+        snes.computeFunction(x, self._f)
+        snes.computeJacobian(x, self._matrix)
+        self._xdot.axpy(-self._shift, x)  # constant part of the time formula
+        self.model.load_history(self._xdot)
+        self.model.load_state(x)
+        reason = self.newton.solve(self._t, self._shift)
+        self.model.store_state(x)
+        snes.setIterationNumber(self.newton.snes.getIterationNumber())
+        snes.setConvergedReason(reason)
+        self._in_a_row = self._in_a_row + 1 if reason < 0 else 0
+        if self._in_a_row > CONSECUTIVE_FAILURES:
+            raise self.collapse(f"Newton's method failed {self._in_a_row} times in a row (last reason {reason})")
+
+    def collapse(self, what: str) -> SolveError:
+        """The error that ends a run, with the place where the rows are worst."""
+        place = self.model.worst_place(self._t if self.condensed else self.ts.getTime())
+        return SolveError(what, time=self.ts.getTime(), hint="look at the inputs at this time and place; a smaller -ts_rtol, softer contact "
+                          "or -q_snes_linesearch_type bt may help", **place)
+
+    # ------------------------------------------------------------------ run
+    def _post_step(self, ts) -> None:
+        if not self.condensed:
+            self.plain.accept(ts)
+        dt = ts.getTime() - self._last
+        self._last = ts.getTime()
+        self.counters.steps += 1
+        for call in self.after_step:
+            call(self._last, dt)
+
+    def run(self, start: float, end: float, breaks: tuple[float, ...] = ()) -> None:
+        """From ``start`` to ``end`` [s], landing on every break and starting the formula afresh there.
+
+        Raises SolveError when no step can be taken; everything up to the last accepted step stands in the assembly.
+        """
+        model, ts = self.model, self.ts
+        model.store_state(self.state)
+        stops = sorted({b for b in breaks if start < b < end} | {end})
+        ts.setTime(start)
+        ts.setTimeStep(self.first_step)
+        ts.setMaxSteps(2**31 - 1)
+        self._last = start
+        for stop in stops:
+            ts.setMaxTime(stop)
+            ts.restartStep()
+            step = ts.getTimeStep()
+            ts.setTimeStep(min(step, self.first_step) if ts.getTime() > start else self.first_step)
+            ts.solve(self.state)
+            if ts.getConvergedReason() < 0:
+                raise self.collapse(f"the time integrator stopped: {_reason(ts.getConvergedReason())}")
+            self.counters.rejected = ts.getStepRejections()
+        if self.condensed:
+            n = self.newton
+            self.counters.newton, self.counters.jacobians, self.counters.failures = n.newton, n.jacobians, n.failures
+
+
+def _reason(value: int) -> str:
+    names = {v: k for k, v in vars(PETSc.TS.ConvergedReason).items() if isinstance(v, int)}
+    return names.get(value, str(value))

@@ -1,0 +1,172 @@
+"""Newton's method on the condensed unknowns: convergence by scaled increments, a factor that is kept while it serves.
+
+The velocities of a step follow from the unknowns (y = shift x + v0), so only the unknowns are solved for: an inner PETSc SNES with
+prefix ``q_``, whose options all work.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc import petsc_compat
+from drillpetsc.linear import ChainFactor, ChainPC
+from drillpetsc.model import Model
+
+
+@dataclass
+class Lag:
+    """When a kept Jacobian still serves: same shift within ``shift_change``, contraction below ``contraction``, at most
+    ``iterations`` taken with it, contact unchanged."""
+
+    shift_change: float = 0.2
+    contraction: float = 0.25
+    iterations: int = 4
+    shift: float = 0.0
+    signature: int = 0
+    good: bool = False
+
+
+class CondensedNewton:
+    """Inner SNES of one model; ``solve(t, shift)`` starts from and ends in the assembly's x."""
+
+    def __init__(self, model: Model, prefix: str = "q_", tolerance: float = 1e-6, lag: bool = True):
+        self.model, self.tolerance = model, tolerance
+        self.t, self.shift = 0.0, 0.0
+        self.lag = Lag() if lag else None
+        self.jacobians = self.newton = self.failures = 0
+        self.eta, self._last, self._theta = 1.0, 0.0, 0.0
+        self.q, self._f = model.new_condensed(), model.new_condensed()
+        owned = model.layout.local_of_owned
+        self._weight = 1.0 / model.scale[owned]
+        self.snes = self._make_snes(prefix)
+
+    def _make_snes(self, prefix: str) -> PETSc.SNES:
+        model = self.model
+        snes = PETSc.SNES().create(comm=model.comm)
+        snes.setOptionsPrefix(prefix)
+        snes.setFunction(self._function, self._f)
+        self.matrix = model.layout.condensed_dm.createMat()
+        asm, layout = model.assembly, model.layout
+        lgm = layout.condensed_dm.getLGMap().getIndices()
+        rows = np.where(asm.rows >= 0, lgm[np.maximum(asm.rows, 0)], -1)
+        columns = np.where(asm.columns >= 0, lgm[np.maximum(asm.columns, 0)], -1)
+        self._coo = (rows, columns)
+        snes.setJacobian(self._jacobian, self.matrix)
+        snes.setConvergenceTest(self._converged)
+        snes.setType("newtonls")
+        snes.setTolerances(rtol=0.0, atol=0.0, stol=0.0, max_it=25)
+        snes.getKSP().setType("preonly")
+        pc = snes.getKSP().getPC()
+        pc.setType("python")
+        options = PETSc.Options(prefix)
+        if not options.hasName("snes_linesearch_type"):
+            options.setValue("snes_linesearch_type", "basic")
+        snes.setFromOptions()
+        self.tolerance = options.getReal("snes_stol", self.tolerance)
+        self.assembled = pc.getType() != "python" or snes.getKSP().getType() != "preonly" or \
+            options.getString("snes_linesearch_type", "basic") != "basic"
+        if self.assembled:
+            petsc_compat.preallocate_coo(self.matrix, rows, columns)
+        else:
+            self.matrix.setUp()
+            self.matrix.assemble()
+        if pc.getType() == "python":
+            self.factor = chain_factor(model)
+            self.pc = ChainPC(self.factor, asm, stop=False)
+            pc.setPythonContext(self.pc)
+        snes.setUp()
+        return snes
+
+    # ------------------------------------------------------------------ callbacks
+    def _evaluate(self) -> None:
+        asm = self.model.assembly
+        asm.condense(self.shift)
+        if asm.fixed:
+            asm.impose_rates(self.t, self.shift)
+
+    def _function(self, snes, q, f) -> None:
+        self.model.load_unknowns(q)
+        self._evaluate()
+        self.model.sum_residual(self.t, f)
+
+    def _jacobian(self, snes, q, J, P) -> None:
+        asm = self.model.assembly
+        if self.lag and self.lag.good and self._still_serves():
+            return
+        self.model.load_unknowns(q)
+        self._evaluate()
+        asm.jacobian(self.t, (1.0, self.shift, self.shift**2), condensed=True)
+        self.jacobians += 1
+        if self.assembled:
+            petsc_compat.set_values_coo(self.matrix, asm.values)
+        else:
+            J.assemble()
+        if self.lag:
+            self.lag.shift, self.lag.good, self.lag.signature = self.shift, True, self.model.signature()
+        self.eta = 1.0 if self.eta > 1.0 else max(self.eta, 1e-10) ** 0.8
+
+    def _still_serves(self) -> bool:
+        lag = self.lag
+        return (
+            abs(self.shift / lag.shift - 1.0) <= lag.shift_change
+            and self._theta <= lag.contraction
+            and self.snes.getIterationNumber() < lag.iterations
+            and self.model.signature() == lag.signature
+        )
+
+    def _converged(self, snes, its, norms) -> int:
+        fnorm = norms[2]
+        if not np.isfinite(fnorm):
+            return PETSc.SNES.ConvergedReason.DIVERGED_FNORM_NAN
+        if its == 0:
+            self._theta = 0.0
+            return 0
+        step = snes.getSolutionUpdate().getArray(readonly=1)
+        size = float(np.max(np.abs(step) * self._weight, initial=0.0))
+        if self.model.comm.size > 1:
+            size = float(self.model.comm.tompi4py().allreduce(size, op=_max()))
+        if its > 1 and self._last > 0:
+            self._theta = size / self._last
+            if self._theta >= 2.0 and its > 4:
+                return PETSc.SNES.ConvergedReason.DIVERGED_DTOL
+            self.eta = self._theta / (1.0 - self._theta) if self._theta < 1.0 else 10.0
+        self._last = size
+        if self.eta * size <= self.tolerance:
+            return PETSc.SNES.ConvergedReason.CONVERGED_SNORM_RELATIVE
+        if its >= snes.getTolerances()[3]:
+            return PETSc.SNES.ConvergedReason.DIVERGED_MAX_IT
+        return 0
+
+    # ------------------------------------------------------------------ use
+    def solve(self, t: float, shift: float) -> int:
+        """Solve at time ``t`` with rates y = shift x + v0; returns the SNES reason (negative: not converged)."""
+        self.t, self.shift = t, shift
+        if self.lag and self.lag.good:  # a factor made for another step length leaves an error of this share in each iteration
+            off = abs((shift / self.lag.shift) ** 2 - 1.0)
+            self.eta = max(self.eta, off / max(1.0 - off, 0.1))
+        self.model.store_unknowns(self.q)
+        self.snes.solve(None, self.q)
+        self.newton += self.snes.getIterationNumber()
+        reason = self.snes.getConvergedReason()
+        if reason < 0:
+            self.failures += 1
+            if self.lag:
+                self.lag.good = False
+        self.model.load_unknowns(self.q)
+        self._evaluate()
+        return reason
+
+
+def _max():
+    from mpi4py import MPI
+
+    return MPI.MAX
+
+
+def chain_factor(model: Model) -> ChainFactor:
+    """The direct solver for this model's chain of nodes."""
+    layout, asm = model.layout, model.assembly
+    return ChainFactor(model.comm, layout.line.vertices, layout.vertex_of, layout.local_of_owned, asm.rows, asm.columns)

@@ -1,0 +1,294 @@
+"""Static equilibrium: Newton on the potential energy, kept downhill by a shift where the tangent is not positive definite.
+
+The frictionless problem has an energy; its minima are the stable states.  Each step solves with K + sigma M, sigma raised until no
+pivot is negative (Sylvester), and is shortened by the slope along it, so a straight buckled string cannot be returned unless nothing
+disturbs it - then a small persistent side load is added.  Friction in the imposed sliding direction follows, by plain Newton.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from drillpetsc.assembly import ROW_SCALE
+from drillpetsc.errors import SolveError
+from drillpetsc.field import FloatArray
+from drillpetsc.linear import ZeroPivot
+from drillpetsc.model import Model
+from drillpetsc.solve.newton import chain_factor
+
+CONVERGED = 1.0e-7  # increment relative to the fields' scales
+STALLED = 1.0e-5  # good enough when rounding stops the descent
+ITERATIONS = 600
+FREE_ITERATIONS = 40
+TURN = 0.4  # largest change of a node's slope in one step
+
+
+@dataclass
+class Equilibrium:
+    """What a static solve reports; forces in N, lengths in m."""
+
+    iterations: int = 0
+    negative_pivots: int = 0
+    residual: float = 0.0
+    increment: float = 0.0
+    imperfection: float = 0.0
+    converged: bool = False
+    history: list[float] = field(default_factory=list)
+
+
+class Statics:
+    """Static solver of one model; the state is the assembly's x, rates are zero.
+
+    energy: the loads have a potential, so inertia and descent are meaningful; clearance: smallest radial room [m] (None: no well).
+    weight_on_bit: (target [N], unit) where ``unit(model)`` gives (present depth of the bit below the hole's end [m], its gradient by
+    the local unknowns (n,), depth that gives the target [m]); the top's axial position then follows.
+    """
+
+    def __init__(self, model: Model, energy: bool = True, clearance: float | None = None, t: float = 0.0):
+        self.model, self.energy, self.t = model, energy, t
+        self.limit = 0.5 * clearance if clearance else 0.2 * float(model.mesh.node_depth[-1])
+        self.factor = chain_factor(model)
+        self.f = model.new_condensed()
+        self.depth: Callable[[Model], tuple[float, FloatArray, float]] | None = None
+        self.move_top: Callable[[float], None] | None = None
+        asm, layout = model.assembly, model.layout
+        self._diagonal = np.full(layout.size, -1)
+        same = np.flatnonzero((asm.rows == asm.columns) & (asm.rows >= 0))
+        self._diagonal[asm.rows[same][::-1]] = same[::-1]
+        self._mine = (model.owned_place >= 0) & (self._diagonal >= 0)
+        self._metric = self._make_metric()
+        self._top_rows = next((f for f in asm.fixed if f.owned and f.condition.vertex == 0), None)
+
+    def _make_metric(self) -> FloatArray:
+        model, layout = self.model, self.model.layout
+        size = np.zeros(model.mesh.nodes)
+        np.add.at(size, np.arange(model.mesh.nodes - 1), 0.5 * model.mesh.length)
+        np.add.at(size, np.arange(1, model.mesh.nodes), 0.5 * model.mesh.length)
+        h = size[model.line.vertices][layout.vertex_of]
+        power = {"string.position": lambda s: s, "string.tangent": lambda s: s**3 / 100, "string.spin": lambda s: 0.01 * s}
+        names = [f.name for f in layout.fields]
+        out = np.empty(layout.size)
+        for i, name in enumerate(names):
+            here = layout.field_of == i
+            out[here] = power.get(name, lambda s: s)(h[here])
+        return out
+
+    # ------------------------------------------------------------------ pieces
+    def _sum(self, value: float) -> float:
+        return value if self.model.comm.size == 1 else float(self.model.comm.tompi4py().allreduce(value))
+
+    def _largest(self, value: float) -> float:
+        from mpi4py import MPI
+
+        return value if self.model.comm.size == 1 else float(self.model.comm.tompi4py().allreduce(value, op=MPI.MAX))
+
+    def _rows(self) -> FloatArray:
+        """Residual at rest, summed, as a ghosted local array valid at owned unknowns."""
+        model, asm = self.model, self.model.assembly
+        asm.y[:], asm.a[:] = 0.0, 0.0
+        model.sum_residual(self.t, self.f)
+        local = np.zeros(model.layout.size)
+        local[model.layout.local_of_owned] = self.f.getArray(readonly=1)
+        return local
+
+    def _gradient(self, rows: FloatArray) -> FloatArray:
+        """Derivative of the energy by (r, v, phi): rows of v get back what the spin coordinate takes; prescribed rows are zero."""
+        asm, g = self.model.assembly, rows.copy()
+        for f in asm.fixed:
+            g[f.rows] = f.keep @ g[f.rows]
+        c = self._spin_potential()
+        for j, (phi, v) in enumerate(asm.spin_at):
+            g[v : v + 3] += c[j] * g[phi]
+        return g
+
+    def _spin_potential(self) -> FloatArray:
+        asm = self.model.assembly
+        v = asm.x[asm.spin_at[:, 1:2] + np.arange(3)]
+        n = np.linalg.norm(v, axis=1, keepdims=True)
+        return np.cross(v, asm.gauge) / (n * (n + np.sum(v * asm.gauge, axis=1, keepdims=True)))
+
+    def _tangent(self) -> None:
+        """Stiffness at x into the assembly's values, symmetric where the rooms are conservative."""
+        asm = self.model.assembly
+        asm.jacobian(self.t, (1.0, 0.0, 0.0), condensed=False)
+        for f in asm.fixed:  # prescribed components do not move: their columns go, too
+            for item, e, slots in f.touching:
+                K = asm.values[item.span].reshape(item.count, item.width, item.width)[e]
+                K[:, slots] = K[:, slots] @ f.keep
+        c = self._spin_potential()
+        slot = np.full(self.model.layout.size + 1, -1)
+        for j, (phi, _) in enumerate(asm.spin_at):
+            slot[phi] = j
+        for item in asm.ready:
+            if not item.count:
+                continue
+            K = asm.values[item.span].reshape(item.count, item.width, item.width)
+            for s in range(item.width):
+                node = slot[item.index[:, s]]
+                if item.width < 7 or (node < 0).all():
+                    continue
+                K[:, s - 3 : s, :] += c[node][:, :, None] * K[:, s : s + 1, :]
+
+    def _factor(self, sigma: float) -> int:
+        """Factor K + sigma M; number of negative pivots (a missing pivot counts as one)."""
+        asm = self.model.assembly
+        values = asm.values.copy()
+        mine = np.flatnonzero(self._mine)
+        values[self._diagonal[mine]] += sigma * self._metric[mine]
+        try:
+            if self.energy:
+                return self.factor.negative_pivots(values)
+            self.factor.factor(values)
+            return 0
+        except ZeroPivot:
+            return -1
+
+    def _positive_factor(self, sigma: float) -> float:
+        """Smallest shift on a coarse scale that leaves no negative pivot; the factor is ready."""
+        first = 1e-3 * float(np.max(np.abs(self.model.assembly.values), initial=1.0)) * 1e-6
+        trial = 0.0 if sigma == 0.0 else sigma / 8
+        for _ in range(60):
+            if self._factor(trial) == 0:
+                return trial
+            trial = max(4 * trial, first)
+        raise SolveError("the static tangent could not be made positive definite", hint="is the string held anywhere?",
+                         **self.model.worst_place(self.t))
+
+    # ------------------------------------------------------------------ iteration
+    def _step_limit(self, p: FloatArray) -> float:
+        """Fraction of ``p`` that keeps side movement and turning of every node within bounds."""
+        model = self.model
+        r, v = p[model.layout.place["string.position"]], p[model.layout.place["string.tangent"]]
+        t = model.field("string.tangent")
+        t = t / np.linalg.norm(t, axis=1, keepdims=True)
+        side = np.linalg.norm(r - t * np.sum(r * t, axis=1, keepdims=True), axis=1).max(initial=0.0)
+        turn = np.linalg.norm(v, axis=1).max(initial=0.0)
+        return min(1.0, self.limit / max(self._largest(side), 1e-300), TURN / max(self._largest(turn), 1e-300))
+
+    def _search(self, x0: FloatArray, p: FloatArray, slope0: float, alpha: float) -> float:
+        """Shorten the step while the energy rises again beyond it."""
+        asm = self.model.assembly
+        for _ in range(12):
+            asm.x[:-1] = x0 + alpha * p
+            slope = self._sum(float(self._gradient(self._rows())[self._mine] @ p[self._mine]))
+            if np.isfinite(slope) and slope <= 0.8 * abs(slope0):
+                return alpha
+            good = np.isfinite(slope) and slope > 0
+            alpha *= min(0.7, max(0.1, slope0 / (slope0 - slope))) if good else 0.3
+        return alpha
+
+    def _bring_to_depth(self, p: FloatArray) -> float:
+        """Add to ``p`` the motion of the top that brings the bit to its depth; returns the top's move [m]."""
+        model, n = self.model, self.model.layout.size
+        rhs, s = np.zeros(n), np.zeros(n)
+        if self._top_rows is not None:
+            rhs[self._top_rows.rows] = ROW_SCALE * self._top_rows.D[0]
+        self.factor.solve(rhs, s)
+        depth, gradient, target = self.depth(model)  # type: ignore[misc]
+        here = self._sum(float(gradient[self._mine] @ p[self._mine]))
+        by_top = self._sum(float(gradient[self._mine] @ s[self._mine]))
+        if abs(by_top) < 1e-12:
+            raise SolveError("the top's position does not reach the bit", hint="wob needs a top with a prescribed axial position")
+        move = (target - self._sum(depth) - here) / by_top
+        p += move * s
+        return move
+
+    def _newton(self, shifted: bool, report: Equilibrium, search: bool = True, most: int = ITERATIONS) -> None:
+        asm, n = self.model.assembly, self.model.layout.size
+        sigma, last, weight = 0.0, np.inf, 1.0 / self.model.scale
+        quiet = 0
+        for _ in range(most):
+            rows = self._rows()
+            g = self._gradient(rows)
+            self._tangent()
+            if shifted:
+                sigma = self._positive_factor(sigma)
+            elif self._factor(0.0) < 0:
+                raise SolveError("the static tangent is singular", **self.model.worst_place(self.t))
+            p = np.zeros(n)
+            self.factor.solve(-self._with_constraints(g), p)
+            move = self._bring_to_depth(p) if self.depth else 0.0
+            x0 = asm.x[:-1].copy()
+            alpha = self._step_limit(p)
+            slope0 = self._sum(float(g[self._mine] @ p[self._mine]))
+            if search and shifted and abs(move) < 1e-9 and slope0 < 0:
+                alpha = self._search(x0, p, slope0, alpha)
+            asm.x[:-1] = x0 + alpha * p
+            if self.depth and self.move_top:
+                self.move_top(alpha * move)
+            size = self._largest(float(np.max(np.abs(alpha * p) * weight, initial=0.0)))
+            report.iterations += 1
+            report.history.append(size)
+            report.increment = size
+            if not np.isfinite(size):
+                raise SolveError("the static solution ran away", **self.model.worst_place(self.t))
+            quiet = quiet + 1 if size < STALLED and size > 0.3 * last else 0
+            if alpha == 1.0 and sigma == 0.0 and (size < CONVERGED or quiet >= 3) or (quiet >= 8 and size < CONVERGED):
+                report.converged = True
+                return
+            last = size
+        raise SolveError(f"statics did not converge in {most} iterations (last increment {size:.1e} of the fields' scales)",
+                         hint="a stronger initial.imperfection or a finer mesh may help", **self.model.worst_place(self.t))
+
+    def _with_constraints(self, g: FloatArray) -> FloatArray:
+        """Right-hand side: prescribed rows ask for no motion beyond what brings them to their value."""
+        out = g.copy()
+        asm = self.model.assembly
+        for f in asm.fixed:
+            if f.owned:
+                error = f.D @ asm.x[f.rows] - f.condition.value(self.t)
+                out[f.rows] += f.D.T @ (ROW_SCALE * error)
+        return out
+
+    def _start_freely(self, report: Equilibrium) -> None:
+        """Full Newton steps first: quickest where they work; given up where they do not converge to a stable state."""
+        start = self.model.assembly.x.copy()
+        try:
+            self._newton(False, report, search=False, most=FREE_ITERATIONS)
+            if not self.energy or self.negative_pivots() == 0:
+                return
+        except SolveError:
+            if not self.energy:
+                raise
+        report.converged = False
+        self.model.assembly.x[:] = start
+
+    # ------------------------------------------------------------------ use
+    def settle(self, report: Equilibrium | None = None) -> Equilibrium:
+        """Find the equilibrium from the assembly's x; friction as the rooms have it set (off or imposed).
+
+        With an energy the state is stable or ``negative_pivots`` says it is not.
+        """
+        report = report or Equilibrium()
+        report.converged = False
+        for f in self.model.assembly.fixed:
+            x = self.model.assembly.x
+            x[f.rows] += f.D.T @ (f.condition.value(self.t) - f.D @ x[f.rows])
+        self._start_freely(report)
+        if not report.converged:
+            self._newton(self.energy, report)
+        rows = self._rows()
+        report.residual = self._largest(float(np.max(np.abs(self._gradient(rows)[self._mine]), initial=0.0)))
+        return report
+
+    def negative_pivots(self) -> int:
+        """Of the tangent at x; meaningful without friction."""
+        self._tangent()
+        return self._factor(0.0)
+
+    def push_aside(self, fraction: float, weight: FloatArray, seed: int = 1) -> None:
+        """Persistent random side loads of standard deviation ``fraction`` times ``weight`` (n_nodes,) [N] at the nodes."""
+        model, asm = self.model, self.model.assembly
+        rng = np.random.default_rng(seed)
+        loads = fraction * weight[:, None] * rng.standard_normal((model.mesh.nodes, 2))
+        t = model.frames.gauge
+        second = model.frames.second
+        force = loads[:, :1] * second + loads[:, 1:] * np.cross(t, second)
+        dead = np.zeros(model.layout.size)
+        place = model.layout.place["string.position"]
+        owned = model.line.owned
+        dead[place[owned]] = force[model.line.vertices[owned]]
+        asm.dead = dead

@@ -1,0 +1,216 @@
+"""Text with a unit -> SI number. The only place that knows units other than SI.
+
+`to_si("9.625 in", "m")` is 0.244475. The second argument is the SI unit that the key wants; anything of another
+dimension is a `UnitError`. A bare number is taken as SI. Angles count as a dimension here (pint itself treats them as
+pure numbers), so `5 Hz` is not a rotation speed and `80 rpm` is not a damping rate.
+
+Besides what pint reads: fractions as on a tubing table (`9 5/8 in`), powers without a caret (`g/cm3`, `mm2`), a
+number in a denominator (`3 deg/30 m`, `25 lbf/100 ft^2`), and `s^n` of a power-law consistency (`0.5 Pa s^n`).
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any
+
+# SI unit of a key -> what it is called, and an example to show to the user
+DIMENSIONS: dict[str, tuple[str, str]] = {
+    "": ("a pure number", "0.3"),
+    "m": ("a length", "9 m or 5 in"),
+    "m^2": ("an area", "400 mm2"),
+    "m^3": ("a volume", "7 l"),
+    "s": ("a time", "20 s"),
+    "1/s": ("a rate", "0.1 1/s"),
+    "kg": ("a mass", "60 kg"),
+    "kg/m": ("a mass per length", "29.2 kg/m"),
+    "kg m": ("a mass times a length", "0.05 kg m"),
+    "kg m^2": ("a moment of inertia", "200 kg m2"),
+    "kg/m^3": ("a density", "7850 kg/m3"),
+    "m/s": ("a speed", "10 m/h"),
+    "m/s^2": ("an acceleration", "9.80665 m/s2"),
+    "m^3/s": ("a flow rate", "30 l/s or 500 gal/min"),
+    "rad": ("an angle", "30 deg"),
+    "rad/s": ("a rotation speed", "80 rpm or 8.4 rad/s"),
+    "1/m": ("a curvature", "1e-4 1/m or 3 deg/30 m"),
+    "N": ("a force", "50 kN"),
+    "N/m": ("a force per length (or stiffness)", "1e8 N/m"),
+    "N m": ("a moment", "10 kN m"),
+    "N m/m": ("a moment per length", "10 N m/m"),
+    "N m^2": ("a bending or torsional stiffness", "9.8e6 N m^2"),
+    "N m/rad": ("a rotational stiffness", "1000 N m/rad"),
+    "N m s/rad": ("a rotational damping", "500 N m s/rad"),
+    "Pa": ("a pressure, or stiffness per length", "206 GPa or 1e8 N/m^2"),
+    "N/m^2.5": ("a Hertz stiffness per length", "3e9 N/m^2.5"),
+    "N/m^1.5": ("a Hertz stiffness of a point", "1e10 N/m^1.5"),
+    "Pa s": ("a viscosity", "20 cP"),
+    "Pa s^n": ("a consistency", "0.5 Pa s^n"),
+    "K": ("a temperature", "60 degF"),
+    "m/(s N)": ("a drillability", "2.8e-8 m/(s N)"),
+}
+
+# other spellings of the same quantity: radians may be left out of a stiffness and put into a curvature
+_SAME: dict[str, tuple[str, ...]] = {"N m/rad": ("N m",), "N m s/rad": ("N m s",), "1/m": ("rad/m",)}
+
+_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?")
+_FRACTION = re.compile(r"([+-]?)(?:(\d+)[ -])?(\d+)/(\d+)(?=\s)")
+_UNIT = re.compile(r"(?:1\s*/\s*)?[A-Za-z%°µμ(][A-Za-z0-9_%°µμ²³·.^*/() -]*")
+_WORDS = re.compile(r"[A-Za-z%µμ°][A-Za-z0-9_%µμ°]*")
+_ANGLE = re.compile(r"(radian|degree|turn|gradian|arcminute|arcsecond)$|^revolutions?_per")
+_COMMON = (
+    "m mm cm km in ft s ms min hour kg g lb tonne N kN MN lbf klbf Pa kPa MPa GPa bar psi ksi rad deg rpm l".split()
+)
+_COMMON += "gal bbl ppg gpm cP degC degF K J W".split()
+
+
+class UnitError(ValueError):
+    """A value that cannot become a number in the wanted unit: `want` says what is allowed, `hint` why."""
+
+    def __init__(self, got: object, want: str, hint: str = "") -> None:
+        super().__init__(f"{got!r}: {want}" + (f" ({hint})" if hint else ""))
+        self.got = got
+        self.want = want
+        self.hint = hint
+
+
+def wanted(unit: str) -> str:
+    """What a key of this SI unit accepts, in words: `a length, such as 9 m or 5 in`."""
+    name, example = DIMENSIONS.get(unit, (f"a value in {unit}", f"1 {unit}"))
+    return f"{name}, such as {example}"
+
+
+def to_si(value: object, unit: str) -> float:
+    """value (number, or text with a unit) as a float in the SI unit `unit` (a key of DIMENSIONS, or any SI unit)."""
+    if isinstance(value, str):
+        number = _text_to_si(value.strip(), unit)
+    elif isinstance(value, (int, float)) and not isinstance(value, bool):
+        number = float(value)
+    elif hasattr(value, "__float__") and not isinstance(value, bool) and getattr(value, "ndim", 0) == 0:
+        number = float(value)  # numpy scalars
+    else:
+        raise UnitError(value, wanted(unit))
+    if not math.isfinite(number):
+        raise UnitError(value, f"{wanted(unit)}; finite")
+    return number
+
+
+@lru_cache(maxsize=8192)
+def _text_to_si(text: str, unit: str) -> float:
+    number, rest = _split(text, unit)
+    if not rest:
+        return number
+    if not _UNIT.fullmatch(rest):
+        raise UnitError(text, wanted(unit), "one number, then its unit")
+    return _neat(_convert(number, rest, unit, text))
+
+
+def _neat(number: float) -> float:
+    """number without the last-digit noise of a conversion (1199.9999999999998 is 1200), if that is all that changes."""
+    short = float(f"{number:.12g}")
+    return short if abs(short - number) <= 2 * math.ulp(number) else number
+
+
+def _split(text: str, unit: str) -> tuple[float, str]:
+    """Leading number and the unit text behind it."""
+    fraction = _FRACTION.match(text)
+    if fraction:
+        sign, whole, top, bottom = fraction.groups()
+        if int(bottom) == 0:
+            raise UnitError(text, wanted(unit))
+        number = float(int(whole or 0) + Fraction(int(top), int(bottom)))
+        return (-number if sign == "-" else number), text[fraction.end() :].strip()
+    match = _NUMBER.match(text)
+    if not match:
+        raise UnitError(text, wanted(unit), "a number comes first")
+    rest = text[match.end() :].strip()
+    if rest.startswith(","):
+        raise UnitError(text, wanted(unit), "the decimal separator is a point")
+    return float(match.group()), rest
+
+
+def _tidy(unit_text: str) -> str:
+    """Spellings that pint does not read -> spellings it does."""
+    text = unit_text.replace("·", "*").replace("²", "^2").replace("³", "^3").replace("°", "deg")
+    text = re.sub(r"\bs\s*(?:\^|\*\*)\s*n\b", "second_to_the_n", text)
+    text = re.sub(r"(?<=[A-Za-z])\.(?=[A-Za-z])", "*", text)  # Pa.s
+    text = re.sub(r"(?<=[A-Za-z])(\d)\b(?!\.)", r"^\1", text)  # cm3
+    text = re.sub(r"(?<=[A-Za-z])(-\d)\b", r"^\1", text)  # m-1
+    return re.sub(r"/\s*(\d+(?:\.\d+)?)\s*([A-Za-z]+(?:\^\d+)?)", r"/(\1 \2)", text)  # deg/30 m
+
+
+@lru_cache(maxsize=1)
+def _registry() -> Any:
+    """The pint registry with the field's own units (half a second to build, so only when a text with a unit is met)."""
+    import pint
+
+    registry: Any = pint.UnitRegistry(on_redefinition="ignore")
+    registry.define("second_to_the_n = [flow_index]")
+    registry.define("bbl = 42 * gallon")  # oil barrel; pint's own bbl is a dry barrel
+    registry.define("ppg = pound / gallon")
+    registry.define("gpm = gallon / minute")
+    registry.define("rev = 2 * pi * radian")
+    return registry
+
+
+def _parse(unit_text: str) -> tuple[Any, int]:
+    """pint quantity of one such unit, and the power of angle in it."""
+    registry = _registry()
+    text = _tidy(unit_text)
+    try:
+        quantity = registry.Quantity(1.0, registry.parse_units(text))
+    except ValueError:  # a number inside: deg/(30 m)
+        quantity = registry.parse_expression(text)
+    powers = quantity.units._units.items()
+    angle = sum(power for name, power in powers if _ANGLE.search(name) or name == "rev")
+    return quantity, round(angle)
+
+
+def _convert(number: float, unit_text: str, unit: str, text: str) -> float:
+    import pint
+
+    try:
+        quantity, angle = _parse(unit_text)
+    except Exception as error:  # pint raises a dozen kinds for unreadable text
+        raise UnitError(text, wanted(unit), _unit_hint(unit_text)) from error
+    for spelling in (unit, *_SAME.get(unit, ())):
+        target, target_angle = _parse(spelling) if spelling else (_registry().Quantity(1.0, ""), 0)
+        if target_angle != angle:
+            continue
+        try:
+            given = _registry().Quantity(number * quantity.magnitude, quantity.units)
+            return float(given.to(target.units).magnitude / target.magnitude)
+        except pint.errors.PintError:
+            continue
+    raise UnitError(text, wanted(unit), _dimension_hint(quantity, angle, unit, unit_text))
+
+
+def _is_unit(word: str) -> bool:
+    try:
+        _registry().parse_units(word)
+    except Exception:  # as in _convert
+        return False
+    return True
+
+
+def _unit_hint(unit_text: str) -> str:
+    """Names the first word that is no unit, with the nearest one that is."""
+    for word in _WORDS.findall(_tidy(unit_text)):
+        if _is_unit(word):
+            continue
+        near = difflib.get_close_matches(word, _COMMON, 1, 0.5)
+        return f"'{word}' is not a known unit" + (f"; did you mean '{near[0]}'?" if near else "")
+    return f"'{unit_text}' cannot be read as a unit"
+
+
+def _dimension_hint(quantity: Any, angle: int, unit: str, unit_text: str) -> str:
+    if unit == "rad/s" and angle == 0 and quantity.check("1/[time]"):
+        return "say what turns: rpm or rad/s, not Hz or 1/s"
+    for other, (name, _) in DIMENSIONS.items():
+        if other and other != unit:
+            target, target_angle = _parse(other)
+            if target_angle == angle and quantity.is_compatible_with(target.units):
+                return f"'{unit_text}' is {name}"
+    return f"'{unit_text}' has another dimension"

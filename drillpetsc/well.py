@@ -1,0 +1,379 @@
+"""The well: centreline, hole radius and friction along measured depth, closest point to the centreline.
+
+Axes x north, y east, z down; measured depth 0 at the origin.  The survey is turned into minimum-curvature arcs
+(Sawaryn and Thorogood, "A Compendium of Directional Calculations Based on the Minimum Curvature Method", SPE 84246,
+2005), every arc is cut into pieces of at most 10 m and 2 deg, and each piece is a cubic Hermite segment.  A `Well`
+is plain data, the same on every rank.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+MAX_STEP = 10.0  # m, longest piece of an arc
+MAX_ANGLE = np.radians(2.0)  # rad, largest turn of a piece
+STRAIGHT = 1e-12  # rad, below this a survey interval is a straight line
+SHORTEST_SECTION = 0.1  # m
+HEADER, NODE_ROW, STEP_ROW = 4, 16, 6  # doubles in the packed form, see kernels/well.hpp
+
+
+@dataclass(frozen=True)
+class ClosestPoints:
+    """Closest points of n positions on the centreline.
+
+    md (n,) [m], centre (n, 3) [m], tangent (n, 3) unit, offset (n, 3) [m] from centre to the position, radius (n,) [m],
+    friction (n,) [-], segment (n,) int32: pass it back as the warm start of the next call.
+    """
+
+    md: Array
+    centre: Array
+    tangent: Array
+    offset: Array
+    radius: Array
+    friction: Array
+    segment: NDArray[np.int32]
+
+
+@dataclass(frozen=True, eq=False)
+class Well:
+    """Centreline nodes and hole sections; make one with `from_survey`.
+
+    node_md (n,) [m], node_position (n, 3) [m], node_tangent (n, 3) unit vectors down the hole; n >= 2.
+    section_to (m,) [m] lower end of each section, section_radius (m,) [m], section_friction (m,) [-], section_kind: m
+    words.
+    """
+
+    node_md: Array
+    node_position: Array
+    node_tangent: Array
+    section_to: Array
+    section_radius: Array
+    section_friction: Array
+    section_kind: tuple[str, ...]
+
+    @classmethod
+    def from_survey(
+        cls,
+        md: ArrayLike,
+        inclination: ArrayLike,
+        azimuth: ArrayLike,
+        section_to: ArrayLike,
+        section_radius: ArrayLike,
+        section_friction: ArrayLike,
+        section_kind: Sequence[str] | None = None,
+        max_step: float = MAX_STEP,
+        max_angle: float = MAX_ANGLE,
+    ) -> Well:
+        """Well from a survey and hole sections, both from the surface down.
+
+        md [m], inclination and azimuth [rad]: stations (k,); section_to, section_radius, section_friction: see `Well`.
+        A survey that starts below md 0 is carried straight back to it along its first direction, one that ends above
+        the bottom of the last section straight on to that.  A straight line keeps no nodes between its ends.
+        Raises ValueError when stations or sections are out of order or impossible.
+        """
+        stations, tangents = _check_survey(md, inclination, azimuth)
+        to, radius, friction, kinds = _check_sections(section_to, section_radius, section_friction, section_kind)
+        if stations[0] > 0:
+            stations, tangents = np.r_[0.0, stations], np.vstack([tangents[:1], tangents])
+        if to[-1] > stations[-1]:
+            stations, tangents = np.r_[stations, to[-1]], np.vstack([tangents, tangents[-1:]])
+        node_md, position, tangent = minimum_curvature(stations, tangents, max_step, max_angle)
+        return cls(node_md, position, tangent, to, radius, friction, kinds)
+
+    # ------------------------------------------------------------------ centreline
+    @property
+    def depth(self) -> float:
+        """Measured depth of the hole bottom [m]: the lower end of the last section."""
+        return float(self.section_to[-1])
+
+    @cached_property
+    def handle(self) -> Array:
+        """Tangent length of each Hermite segment (n-1,) [m]: 4 R tan(beta/4) = chord / cos^2(beta/4).
+
+        The second form follows from chord = 2 R sin(beta/2) = 4 R sin(beta/4) cos(beta/4) and holds for straight
+        pieces too.
+        """
+        chord = np.linalg.norm(np.diff(self.node_position, axis=0), axis=1)
+        return chord / np.cos(_angle(self.node_tangent[:-1], self.node_tangent[1:]) / 4) ** 2
+
+    @cached_property
+    def cubic(self) -> tuple[Array, Array]:
+        """Coefficients a2, a3 (n-1, 3) [m] of the segments c(u) = x0 + m t0 u + a2 u^2 + a3 u^3, u from 0 to 1."""
+        t0, t1 = self.node_tangent[:-1], self.node_tangent[1:]
+        m, dx = self.handle[:, None], np.diff(self.node_position, axis=0)
+        a2, a3 = 3 * dx - m * (2 * t0 + t1), m * (t0 + t1) - 2 * dx
+        straight = _angle(t0, t1) < STRAIGHT
+        a2[straight] = 0.0  # rounding only
+        a3[straight] = 0.0
+        return a2, a3
+
+    def at(self, md: ArrayLike) -> tuple[Array, Array, Array]:
+        """Position (..., 3) [m], unit tangent (..., 3) and curvature vector dt/ds (..., 3) [1/m] at md (...) [m].
+
+        Measured depth within a segment is s(u) = s0 + u L + (m - L) u (1-u)(1-2u): the cubic with ds/du = m at both
+        ends, so that dc/ds is the unit tangent at every node (C1 in s) and s is the arc length to order beta^4 inside.
+        Beyond both ends the line goes on straight.  At a node the curvature is that of the segment below it.
+        """
+        md = np.asarray(md, dtype=float)
+        s = np.clip(md, self.node_md[0], self.node_md[-1])
+        i = np.clip(np.searchsorted(self.node_md, s, side="right") - 1, 0, len(self.node_md) - 2)
+        length, m = np.diff(self.node_md)[i], self.handle[i]
+        u = v = (s - self.node_md[i]) / length
+        k = m / length - 1
+        for _ in range(3):
+            u = u - (u + k * u * (1 - u) * (1 - 2 * u) - v) / (1 + k * (1 - 6 * u + 6 * u * u))
+        u, m = u[..., None], m[..., None]
+        a2, a3 = self.cubic[0][i], self.cubic[1][i]
+        t0 = self.node_tangent[i]
+        d1 = m * t0 + u * (2 * a2 + 3 * u * a3)
+        d2 = 2 * a2 + 6 * u * a3
+        speed2 = np.sum(d1 * d1, axis=-1, keepdims=True)
+        tangent = d1 / np.sqrt(speed2)
+        curvature = (d2 - np.sum(d2 * tangent, axis=-1, keepdims=True) * tangent) / speed2
+        beyond = (md - s)[..., None]
+        position = self.node_position[i] + u * (m * t0 + u * (a2 + u * a3)) + beyond * tangent
+        return position, tangent, np.where(beyond == 0, curvature, 0.0)
+
+    def inclination(self, md: ArrayLike) -> Array:
+        """Inclination from the vertical [rad] at md (...) [m]."""
+        t = self.at(md)[1]
+        return np.arctan2(np.hypot(t[..., 0], t[..., 1]), t[..., 2])
+
+    def azimuth(self, md: ArrayLike) -> Array:
+        """Azimuth from north over east, 0 to 2 pi [rad], at md (...) [m]; 0 in a vertical hole."""
+        t = self.at(md)[1]
+        return np.arctan2(t[..., 1], t[..., 0]) % (2 * np.pi)
+
+    # ------------------------------------------------------------------ hole
+    @cached_property
+    def transitions(self) -> Array:
+        """Where radius or friction changes: rows (start, width, radius above, its change, friction above, its change).
+
+        Each section boundary is smoothed over max(0.5 m, 10 |dR|) centred on it, or over the shorter of its two
+        neighbouring sections when that is less, so neighbouring transitions touch at most.
+        """
+        dr, df = np.diff(self.section_radius), np.diff(self.section_friction)
+        length = np.diff(np.r_[-np.inf, self.section_to[:-1], np.inf])
+        width = np.minimum(np.maximum(0.5, 10 * np.abs(dr)), np.minimum(length[:-1], length[1:]))
+        rows = np.stack(
+            [self.section_to[:-1] - width / 2, width, self.section_radius[:-1], dr, self.section_friction[:-1], df],
+            axis=1,
+        )
+        return rows[(dr != 0) | (df != 0)]
+
+    def _smoothed(self, md: ArrayLike, column: int, top: float) -> tuple[Array, Array]:
+        md, rows = np.asarray(md, dtype=float), self.transitions
+        if not len(rows):
+            return np.full(md.shape, top), np.zeros(md.shape)
+        i = np.searchsorted(rows[:, 0], md, side="right") - 1
+        row = rows[np.maximum(i, 0)]
+        u = np.clip((md - row[..., 0]) / row[..., 1], 0.0, 1.0)
+        value = row[..., column] + row[..., column + 1] * u * u * (3 - 2 * u)
+        return value, row[..., column + 1] * 6 * u * (1 - u) / row[..., 1]
+
+    def radius(self, md: ArrayLike) -> Array:
+        """Hole radius [m] at md (...) [m]."""
+        return self._smoothed(md, 2, self.section_radius[0])[0]
+
+    def radius_slope(self, md: ArrayLike) -> Array:
+        """dR/ds [-] at md (...) [m], exact."""
+        return self._smoothed(md, 2, self.section_radius[0])[1]
+
+    def friction(self, md: ArrayLike) -> Array:
+        """Friction coefficient [-] at md (...) [m]."""
+        return self._smoothed(md, 4, self.section_friction[0])[0]
+
+    def kind(self, md: float) -> str:
+        """Kind of the section that holds md [m]."""
+        return self.section_kind[min(int(np.searchsorted(self.section_to, md)), len(self.section_kind) - 1)]
+
+    # ------------------------------------------------------------------ drilling on
+    def extended(
+        self,
+        md: float,
+        position: ArrayLike,
+        tangent: ArrayLike,
+        radius: float | None = None,
+        friction: float | None = None,
+    ) -> Well:
+        """This well with one more node: md [m] below the last node, position (3,) [m], tangent (3,).
+
+        The last section is lengthened, or a new open-hole section added when radius [m] or friction differ from it.
+        """
+        if md <= self.node_md[-1]:
+            raise ValueError(f"the new node at {md} m must lie below the last one at {self.node_md[-1]} m")
+        t = np.asarray(tangent, dtype=float)
+        r = float(self.section_radius[-1]) if radius is None else radius
+        f = float(self.section_friction[-1]) if friction is None else friction
+        new = (r, f) != (self.section_radius[-1], self.section_friction[-1]) and md - self.depth >= SHORTEST_SECTION
+        to = np.r_[self.section_to, md] if new else np.r_[self.section_to[:-1], max(md, self.depth)]
+        return replace(
+            self,
+            node_md=np.r_[self.node_md, md],
+            node_position=np.vstack([self.node_position, np.asarray(position, dtype=float)]),
+            node_tangent=np.vstack([self.node_tangent, t / np.linalg.norm(t)]),
+            section_to=to,
+            section_radius=np.r_[self.section_radius, r] if new else self.section_radius,
+            section_friction=np.r_[self.section_friction, f] if new else self.section_friction,
+            section_kind=(*self.section_kind, "open_hole") if new else self.section_kind,
+        )
+
+    def cut(self, md: float) -> Well:
+        """This well ending at md [m]: a planned path cut off where the hole ends, to drill on with `extended`."""
+        if not 0 < md <= self.node_md[-1]:
+            raise ValueError(f"cannot end the well at {md} m: its centreline runs to {self.node_md[-1]} m")
+        keep = self.node_md < md - 1e-6
+        x, t, _ = self.at(md)
+        sections = min(int(np.searchsorted(self.section_to, md)) + 1, len(self.section_to))
+        return replace(
+            self,
+            node_md=np.r_[self.node_md[keep], md],
+            node_position=np.vstack([self.node_position[keep], x]),
+            node_tangent=np.vstack([self.node_tangent[keep], t]),
+            section_to=np.r_[self.section_to[: sections - 1], md],
+            section_radius=self.section_radius[:sections],
+            section_friction=self.section_friction[:sections],
+            section_kind=self.section_kind[:sections],
+        )
+
+    # ------------------------------------------------------------------ kernels
+    @cached_property
+    def _packed(self) -> Array:
+        n, steps = len(self.node_md), self.transitions
+        rows = np.zeros((n, NODE_ROW))
+        rows[:, 0] = self.node_md
+        rows[:-1, 1] = np.diff(self.node_md)
+        rows[:-1, 2] = self.handle
+        rows[:, 3:6] = self.node_position
+        rows[:, 6:9] = self.node_tangent
+        rows[:-1, 9:12], rows[:-1, 12:15] = self.cubic
+        header = [n, len(steps), self.section_radius[0], self.section_friction[0]]
+        packed = np.concatenate([header, rows.ravel(), steps.ravel()])
+        packed.flags.writeable = False
+        return packed
+
+    def packed(self) -> Array:
+        """The well as the C++ kernels read it: one float64 array, laid out as kernels/well.hpp says (read-only,
+        cached).
+        """
+        return self._packed
+
+    def project(self, points: ArrayLike, segment: NDArray[np.int32] | None = None) -> ClosestPoints:
+        """Closest centreline points of points (n, 3) [m]; segment (n,): warm start from an earlier result."""
+        from drillpetsc.kernels import function, pointer
+
+        x = np.ascontiguousarray(points, dtype=float).reshape(-1, 3)
+        n = len(x)
+        hint = np.full(n, -1, np.int32) if segment is None else np.array(segment, np.int32)
+        if hint.shape != (n,):
+            raise ValueError(f"segment has shape {hint.shape}, expected ({n},)")
+        md, radius, friction = np.empty((3, n))
+        centre, tangent, offset = np.empty((3, n, 3))
+        packed = self.packed()
+        arrays = (packed, x, hint, md, centre, tangent, offset, radius, friction)
+        p = [pointer(a) for a in arrays]
+        function("well_project", "pi" + "p" * 8)(p[0], n, *p[1:])
+        return ClosestPoints(md, centre, tangent, offset, radius, friction, hint)
+
+
+def direction(inclination: ArrayLike, azimuth: ArrayLike) -> Array:
+    """Unit tangent (..., 3), north-east-down: (sin I cos A, sin I sin A, cos I), angles in rad."""
+    i, a = np.broadcast_arrays(np.asarray(inclination, dtype=float), np.asarray(azimuth, dtype=float))
+    return np.stack([np.sin(i) * np.cos(a), np.sin(i) * np.sin(a), np.cos(i)], axis=-1)
+
+
+def _angle(t0: Array, t1: Array) -> Array:
+    """Angle between unit vectors (..., 3) [rad]; 2 atan2(|t1-t0|, |t1+t0|) is accurate for small and large
+    angles alike.
+    """
+    return 2 * np.arctan2(np.linalg.norm(t1 - t0, axis=-1), np.linalg.norm(t1 + t0, axis=-1))
+
+
+def minimum_curvature(
+    md: Array, tangents: Array, max_step: float = MAX_STEP, max_angle: float = MAX_ANGLE
+) -> tuple[Array, Array, Array]:
+    """Nodes on the minimum-curvature arcs between stations md (k,) [m] with unit tangents (k, 3); the first is md 0
+    at the origin.
+
+    Arc between stations (SPE 84246): x(f) = x1 + (ds/b)[sin(f b) e1 + (1 - cos f b) e2], e1 = t1, e2 = (t2 - cos b
+    t1)/sin b. Returns node md (n,) [m], position (n, 3) [m], tangent (n, 3).
+    """
+    nodes = [(md[0], md[0] * tangents[0], tangents[0])]
+    was_straight = False
+    turn = _angle(tangents[:-1], tangents[1:])
+    for s0, s1, t0, t1, b in zip(md[:-1], md[1:], tangents[:-1], tangents[1:], turn, strict=True):
+        x0, ds, straight = nodes[-1][1], s1 - s0, bool(b < STRAIGHT)
+        if straight:
+            if was_straight:  # one line with the interval above
+                nodes.pop()
+            nodes.append((s1, x0 + ds * t0, t1))
+        else:
+            nodes += _arc(s0, s1, x0, t0, t1, b, int(np.ceil(max(ds / max_step, b / max_angle) - 1e-9)))
+        was_straight = straight
+    s, x, t = zip(*nodes, strict=True)
+    return np.array(s), np.array(x), np.array(t)
+
+
+def _arc(
+    s0: float, s1: float, x0: Array, t0: Array, t1: Array, b: float, pieces: int
+) -> list[tuple[float, Array, Array]]:
+    """Ends (md, position, tangent) of the equal pieces of the arc of angle b [rad] from s0 to s1 [m] that
+    begins at x0 (3,).
+    """
+    e2 = t1 - np.dot(t0, t1) * t0
+    e2 /= np.linalg.norm(e2)
+    radius, ends = (s1 - s0) / b, []
+    for a in b * np.arange(1, pieces + 1) / pieces:
+        # 1 - cos = 2 sin^2(half), free of cancellation
+        x = x0 + radius * (np.sin(a) * t0 + 2 * np.sin(a / 2) ** 2 * e2)
+        ends.append((s0 + radius * a, x, np.cos(a) * t0 + np.sin(a) * e2))
+    ends[-1] = (s1, ends[-1][1], t1)  # the station as given
+    return ends
+
+
+def _check_survey(md: ArrayLike, inclination: ArrayLike, azimuth: ArrayLike) -> tuple[Array, Array]:
+    s, i, a = (np.atleast_1d(np.asarray(v, dtype=float)) for v in (md, inclination, azimuth))
+    if not (s.ndim == 1 and len(s) and s.shape == i.shape == a.shape):
+        raise ValueError(
+            f"survey md, inclination and azimuth need the same length, got {s.shape}, {i.shape}, {a.shape}"
+        )
+    if not (np.isfinite(s).all() and np.isfinite(i).all() and np.isfinite(a).all()):
+        raise ValueError("the survey holds a value that is not a number")
+    if s[0] < 0:
+        raise ValueError(f"the survey starts at {s[0]} m; measured depth counts from 0 at the rotary table")
+    if (bad := np.flatnonzero(np.diff(s) <= 0)).size:
+        raise ValueError(f"survey md must increase: station {bad[0] + 2} at {s[bad[0] + 1]} m follows {s[bad[0]]} m")
+    if (bad := np.flatnonzero((i < 0) | (i > np.pi))).size:
+        raise ValueError(f"inclination must lie in 0 to pi rad, station {bad[0] + 1} has {i[bad[0]]}")
+    t = direction(i, a)
+    if (bad := np.flatnonzero(_angle(t[:-1], t[1:]) > np.radians(170))).size:
+        where = f"between {s[bad[0]]} m and {s[bad[0] + 1]} m"
+        raise ValueError(f"the hole turns by more than 170 deg {where}: the arc is not defined")
+    return s, t
+
+
+def _check_sections(
+    to: ArrayLike, radius: ArrayLike, friction: ArrayLike, kind: Sequence[str] | None
+) -> tuple[Array, Array, Array, tuple[str, ...]]:
+    s, r, f = (np.atleast_1d(np.asarray(v, dtype=float)) for v in (to, radius, friction))
+    kinds = tuple(kind) if kind is not None else ("open_hole",) * len(s)
+    if not (len(s) and s.shape == r.shape == f.shape == (len(kinds),)):
+        got = f"{s.shape}, {r.shape}, {f.shape}, {len(kinds)}"
+        raise ValueError(f"sections: to, radius, friction, kind need the same length, got {got}")
+    length = np.diff(np.r_[0.0, s])
+    if not (length >= SHORTEST_SECTION).all():
+        i = int(np.flatnonzero(~(length >= SHORTEST_SECTION))[0])
+        rule = f"sections go down and are {SHORTEST_SECTION} m or longer"
+        raise ValueError(f"section {i + 1} (to {s[i]} m) is {length[i]:g} m long: {rule}")
+    if not (np.isfinite(r).all() and (r > 0).all()):
+        raise ValueError(f"section radii must be above 0, got {r}")
+    if not (np.isfinite(f).all() and (f >= 0).all()):
+        raise ValueError(f"section friction must be 0 or above, got {f}")
+    return s, r, f, kinds
