@@ -101,6 +101,15 @@ class Model:
         if self.assembly.fixed:
             self.assembly.replace_rows(t, out.getArray(), self.owned_place)
 
+    def sum_local(self, rows: FloatArray) -> FloatArray:
+        """Contributions (n+1,) of this rank's elements to local rows, summed over ranks; (n,) valid at owned unknowns."""
+        self.assembly.r[:] = rows
+        out = self.new_condensed()
+        self.layout.condensed_dm.localToGlobal(self._r, out, addv=PETSc.InsertMode.ADD_VALUES)
+        local = np.zeros(self.layout.size)
+        local[self.layout.local_of_owned] = out.getArray(readonly=1)
+        return local
+
     def worst_place(self, t: float) -> dict[str, object]:
         """Where the rows are worst: room, element and measured depth of the largest (or first non-finite) residual."""
         asm, worst = self.assembly, (-1.0, "", -1, 0.0)

@@ -81,7 +81,7 @@ def chosen(*models: type[BaseModel], short: tuple[str, ...] = ()) -> tuple[Calla
         if "kind" not in value:
             guess = next((near(key, ["kind"]) for key in value if near(key, ["kind"])), "")
             raise refuse("kind", want=f"a key 'kind', one of {every}", hint=guess)
-        if value["kind"] not in model_of:
+        if not isinstance(value["kind"], str) or value["kind"] not in model_of:
             raise refuse("kind", got=value["kind"], want=f"one of {every}", hint=near(value["kind"], model_of))
         return value
 

@@ -65,7 +65,7 @@ def override(data: Mapping[str, Any], change: str) -> dict[str, Any]:
     from drillpetsc.case.reader import read_value
 
     key, separator, value = change.partition("=")
-    if not separator:
+    if not separator or not key.strip():
         raise CaseError(got=change, want="KEY=VALUE, such as top.rotation=90 rpm")
     result = copy.deepcopy(dict(data))
     *parents, last = parsed(key.strip())

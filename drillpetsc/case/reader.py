@@ -66,13 +66,13 @@ def read_case_file(path: str | FilePath) -> tuple[dict[str, Any], Lines]:
         got = "a list" if isinstance(tree, list) else tree
         raise CaseError(file=path, line=1, got=got, want="a mapping of keys: string, top, well, ...")
     lines: Lines = {}
-    return _plain(tree, (), lines, path, ()), lines
+    return _plain(tree, (), lines, path), lines
 
 
 def read_value(text: str) -> Any:
     """One YAML value, as on a command line."""
     value = _parse(text, None)
-    return _plain(value, (), {}, None, ())
+    return _plain(value, (), {}, None)
 
 
 def _parse(text: str, path: FilePath | None) -> Any:
@@ -110,17 +110,14 @@ def _unreadable(error: Any, text: str, path: FilePath | None) -> CaseError:
     return CaseError(got=row.strip() or "the end of the file", want="YAML 1.2", hint=problem, file=path, line=line)
 
 
-def _plain(node: Any, at: Path, lines: Lines, file: FilePath | None, above: tuple[int, ...]) -> Any:
+def _plain(node: Any, at: Path, lines: Lines, file: FilePath | None) -> Any:
     """ruamel's tree as dicts, lists and scalars; notes lines; refuses what no case can hold."""
-    if id(node) in above:
-        want = "no alias to a block that it stands in"
-        raise CaseError(at=written(at), want=want, file=file, line=line_of(at, lines))
     if isinstance(node, dict):
-        return _plain_mapping(node, at, lines, file, above)
+        return _plain_mapping(node, at, lines, file)
     if isinstance(node, list):
         for i in range(len(node)):
             lines[(*at, i)] = _line(node, i) or line_of(at, lines)
-        return [_plain(part, (*at, i), lines, file, (*above, id(node))) for i, part in enumerate(node)]
+        return [_plain(part, (*at, i), lines, file) for i, part in enumerate(node)]
     if isinstance(node, bool):
         return node
     for kind in (int, float, str):
@@ -141,7 +138,7 @@ def _line(node: Any, key: Any) -> int | None:
     return position[0] + 1 if position else None
 
 
-def _plain_mapping(node: Any, at: Path, lines: Lines, file: FilePath | None, above: tuple[int, ...]) -> dict[str, Any]:
+def _plain_mapping(node: Any, at: Path, lines: Lines, file: FilePath | None) -> dict[str, Any]:
     plain: dict[str, Any] = {}
     for key in node:
         line = _line(node, key) or line_of(at, lines)
@@ -149,5 +146,5 @@ def _plain_mapping(node: Any, at: Path, lines: Lines, file: FilePath | None, abo
             raise CaseError(at=written(at), got=key, want="a word as key", file=file, line=line)
         path = (*at, str(key))
         lines[path] = line
-        plain[str(key)] = _plain(node[key], path, lines, file, (*above, id(node)))
+        plain[str(key)] = _plain(node[key], path, lines, file)
     return plain

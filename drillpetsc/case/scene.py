@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
 
@@ -43,7 +43,9 @@ class Case(Model):
     beam: BeamTheory = Field(default=BeamTheory(), description="unknowns of the string")
     top: Top = Field(description="what holds or drives the upper end")
     bottom: Bottom = Field(default=HeldBottom(kind="free"), description="what the lower end meets")
-    contact: Annotated[Contact | None, BeforeValidator(contact_or_none, json_schema_input_type=str | Contact)] = Field(
+    contact: Annotated[
+        Contact | None, BeforeValidator(contact_or_none, json_schema_input_type=Literal["none"] | Contact)
+    ] = Field(
         default=None,
         description="contact with the hole, or none; with a well and without this key, contact with all defaults",
     )
@@ -57,7 +59,7 @@ class Case(Model):
     output: Output = Field(default=Output(), description="what the run folder gets")
     petsc: dict[str, Option] = Field(default={}, description="PETSc options, without the leading dash")
 
-    def __init__(self, **keys: Any) -> None:
+    def __init__(self, /, **keys: Any) -> None:
         try:
             super().__init__(**keys)
         except ValidationError as error:

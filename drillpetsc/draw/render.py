@@ -1,7 +1,8 @@
 """The straightened string in its hole as a shaded picture, by pyvista off screen.
 
-Measured depth runs downward and straight; lateral lengths are drawn `scale` times larger than depths. The camera is parallel and
-looks a little from above, so heights in the picture stay proportional to depth and the picture fits a depth axis.
+Measured depth runs downward and straight; lateral lengths are drawn `scale` times larger than depths. The camera is
+parallel and looks a little from above, so heights in the picture stay proportional to depth and the picture fits a
+depth axis.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ def why_no_rendering() -> str:
 def loft(md: np.ndarray, offset: np.ndarray, radius: np.ndarray, scale: float) -> np.ndarray:
     """Points (n * SIDES, 3) of rings around the centre line, in depth metres: x, y lateral, z up.
 
-    A ring stays level: a circle across the string is a level circle when lateral lengths are drawn far larger than depths.
+    A ring stays level: so it looks when lateral lengths are drawn far larger than depths.
     """
     angle = 2 * np.pi * np.arange(SIDES) / SIDES
     lateral = offset[:, None, :] + radius[:, None, None] * np.column_stack((np.cos(angle), np.sin(angle)))[None]
@@ -71,8 +72,8 @@ def loft_faces(count: int) -> np.ndarray:
 class Rendering:
     """One pyvista scene that is drawn again for each time: hole built once, string moved and coloured.
 
-    pixels: (width, height) of the picture. span: (upper, lower) measured depth [m] at its upper and lower edge, for the hole's
-    axis. The middle of the picture's width is the hole's axis. Draws in one picture pixel as many metres sideways as down.
+    pixels: (width, height) of the picture. span: (upper, lower) measured depth [m] at its upper and lower edge, for
+    the hole's axis, which is the middle of the picture's width. A pixel is as many metres wide as it is high.
     """
 
     def __init__(self, shape: Shape, scale: float, span: tuple[float, float], pixels: tuple[int, int]) -> None:
@@ -86,11 +87,11 @@ class Rendering:
         if shape.hole_radius is not None:
             center = np.zeros((len(shape.md), 2))
             hole = pyvista.PolyData(loft(shape.md, center, shape.hole_radius, scale), loft_faces(len(shape.md)))
-            self.plotter.add_mesh(hole, color="#b79f7d", opacity=0.22, smooth_shading=True, culling="front")
-            self.plotter.add_mesh(hole, color="#b79f7d", opacity=0.10, smooth_shading=True, culling="back")
+            self.plotter.add_mesh(hole, color="#9c8058", opacity=0.40, ambient=0.35, culling="back")
+            self.plotter.add_mesh(hole, color="#9c8058", opacity=0.07, ambient=0.5, culling="front")
         self.string = pyvista.PolyData(loft(shape.md, shape.offset, self.body, scale), loft_faces(len(shape.md)))
         self.string.point_data["rgb"] = np.zeros((self.string.n_points, 3), dtype=np.uint8)
-        self.plotter.add_mesh(self.string, scalars="rgb", rgb=True, smooth_shading=False, specular=0.25)
+        self.plotter.add_mesh(self.string, scalars="rgb", rgb=True, ambient=0.38, diffuse=0.8, specular=0.15)
         self._aim(span)
 
     def _aim(self, span: tuple[float, float]) -> None:
@@ -104,15 +105,19 @@ class Rendering:
 
     def image(self, shape: Shape, colors: np.ndarray) -> np.ndarray:
         """The picture (h, w, 4) uint8, transparent where nothing is. colors: (n, 3) in 0..1 at the nodes of shape."""
-        self.string.points = loft(shape.md, shape.offset, self.body, self.scale)
-        self.string.point_data["rgb"] = np.repeat((255 * colors).astype(np.uint8), SIDES, axis=0)
+        self.string.points[:] = loft(shape.md, shape.offset, self.body, self.scale)
+        self.string.point_data["rgb"][:] = np.repeat((255 * colors).astype(np.uint8), SIDES, axis=0)
+        self.string.GetPoints().Modified()
+        self.string.point_data["rgb"].VTKObject.Modified()
+        self.string.Modified()
+        self.plotter.render()
         return self.plotter.screenshot(return_img=True, transparent_background=True)
 
     def close(self) -> None:
         self.plotter.close()
 
 
-def project(md: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """Where the same camera sees the string, sideways: (n,) lateral position in the picture [m, true size]. For the picture
+def project(offset: np.ndarray) -> np.ndarray:
+    """Where the same camera sees the string, sideways: (n,) lateral position in the picture [m]. For the picture
     without pyvista."""
     return -np.sin(AZIMUTH) * offset[:, 0] + np.cos(AZIMUTH) * offset[:, 1]

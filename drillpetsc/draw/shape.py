@@ -1,4 +1,4 @@
-"""The string at one time as the pictures need it: measured depth, offset from the hole centre, radii, the chosen field."""
+"""The string at one time as the pictures need it: depth, offset from the hole centre, radii, the chosen field."""
 
 from __future__ import annotations
 
@@ -37,8 +37,11 @@ def find_field(wanted: str, available: Iterable[str]) -> str:
         if wanted in (name, split_name(name)[0]):
             return name
     near = difflib.get_close_matches(wanted, names, n=1, cutoff=0.5)
-    raise ValueError(f"no field {wanted!r} in this run" + (f" (did you mean {near[0]!r}?)" if near else "")
-                     + f"; it has {', '.join(names)}")
+    raise ValueError(
+        f"no field {wanted!r} in this run"
+        + (f" (did you mean {near[0]!r}?)" if near else "")
+        + f"; it has {', '.join(names)}"
+    )
 
 
 def shape_of(frame: Frame, time: float, field: str) -> Shape:
@@ -69,13 +72,20 @@ def cut(shape: Shape, interval: tuple[float, float] | None) -> Shape:
     low, high = interval
     inside = np.flatnonzero((shape.md >= low) & (shape.md <= high))
     if low >= high or inside.size == 0:
-        raise ValueError(f"no node between {low:g} m and {high:g} m: the string reaches from {shape.md[0]:g} m "
-                         f"to {shape.md[-1]:g} m")
+        raise ValueError(
+            f"no node between {low:g} m and {high:g} m: the string reaches from {shape.md[0]:g} m to {shape.md[-1]:g} m"
+        )
     part = slice(max(inside[0] - 1, 0), min(inside[-1] + 2, len(shape.md)))
-    return Shape(shape.time, shape.md[part], shape.offset[part],
-                 None if shape.hole_radius is None else shape.hole_radius[part],
-                 None if shape.outer_radius is None else shape.outer_radius[part],
-                 shape.points[part], shape.values[part], shape.bent)
+    return Shape(
+        shape.time,
+        shape.md[part],
+        shape.offset[part],
+        None if shape.hole_radius is None else shape.hole_radius[part],
+        None if shape.outer_radius is None else shape.outer_radius[part],
+        shape.points[part],
+        shape.values[part],
+        shape.bent,
+    )
 
 
 def smooth(shape: Shape, pieces: int) -> Shape:
@@ -84,15 +94,25 @@ def smooth(shape: Shape, pieces: int) -> Shape:
     if pieces < 2 or len(shape.md) < 3:
         return shape
     md = shape.md
-    grown = np.concatenate([np.linspace(md[k], md[k + 1], pieces, endpoint=False) for k in range(len(md) - 1)] + [md[-1:]])
+    grown = np.concatenate(
+        [np.linspace(md[k], md[k + 1], pieces, endpoint=False) for k in range(len(md) - 1)] + [md[-1:]]
+    )
 
     def straight(values: np.ndarray | None) -> np.ndarray | None:
         return None if values is None else np.interp(grown, md, values)
 
     values = straight(shape.values)
     assert values is not None
-    return Shape(shape.time, grown, _cubic(md, shape.offset, grown), straight(shape.hole_radius),
-                 straight(shape.outer_radius), _cubic(md, shape.points, grown), values, shape.bent)
+    return Shape(
+        shape.time,
+        grown,
+        _cubic(md, shape.offset, grown),
+        straight(shape.hole_radius),
+        straight(shape.outer_radius),
+        _cubic(md, shape.points, grown),
+        values,
+        shape.bent,
+    )
 
 
 def _cubic(md: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
@@ -101,8 +121,12 @@ def _cubic(md: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
     cell = np.clip(np.searchsorted(md, at, side="right") - 1, 0, len(md) - 2)
     step = (md[cell + 1] - md[cell])[:, None]
     x = (at - md[cell])[:, None] / step
-    return ((1 + 2 * x) * (1 - x) ** 2 * values[cell] + x * (1 - x) ** 2 * step * slope[cell]
-            + x**2 * (3 - 2 * x) * values[cell + 1] + x**2 * (x - 1) * step * slope[cell + 1])
+    return (
+        (1 + 2 * x) * (1 - x) ** 2 * values[cell]
+        + x * (1 - x) ** 2 * step * slope[cell]
+        + x**2 * (3 - 2 * x) * values[cell + 1]
+        + x**2 * (x - 1) * step * slope[cell + 1]
+    )
 
 
 def half_width(shape: Shape) -> float:

@@ -61,7 +61,7 @@ def display_unit(title: str, values: Any) -> tuple[float, str]:
 
 
 def words(title: str) -> str:
-    """"surface_torque [N m]" as a label: "Surface torque"."""
+    """ "surface_torque [N m]" as a label: "Surface torque"."""
     name, _ = split_name(title)
     return WORDS.get(name, name.replace("_", " ").capitalize())
 
@@ -74,8 +74,8 @@ def label(title: str, unit: str) -> str:
 def color_scale(title: str, low: float, high: float) -> tuple[Any, Any]:
     """(norm, colormap) for values from low to high in displayed units.
 
-    A quantity that changes sign gets blue above zero and red below, white at zero, each side stretched to its own extreme:
-    100 kN of compression stays visible beside 800 kN of tension. One that does not gets a sequential map.
+    A quantity that changes sign gets blue above zero and red below, each side stretched to its own extreme: 50 kN of
+    compression stays visible beside 800 kN of tension. One that does not change sign gets a sequential map.
     """
     import matplotlib as mpl
     from matplotlib.colors import Normalize, TwoSlopeNorm

@@ -17,7 +17,8 @@ struct ContactLaw {
     double slip;                  // velocity that rounds off Coulomb friction [m/s]
     double extra, decay;          // Stribeck: mu_s/mu_k - 1 and velocity [m/s]
     double imposed;               // 1: sliding direction given (statics), 0: from the motion
-    double axial, around;         // imposed direction of the pipe's sliding, unit or zero
+    double axial, spin;           // imposed motion of the pipe: velocity along [m/s], spin [rad/s]; only the direction counts
+    double side;                  // imposed: share of the friction across the pipe that pushes it sideways (its torque always acts)
     int per_point, points;        // hertz_point; points per element
     const double* at;             // (points, 2) place in the element 0..1 and weight
     double* normal;               // (elements, points) normal force of the last evaluation [N]
@@ -72,9 +73,12 @@ inline bool touch(const ContactLaw& law, const Vec<T>& x, const Vec<T>& u, const
     const T N = elastic * factor;
     const Vec<T> around = cross(h.t, h.n);
     const T mu0 = own_friction >= 0 ? T(own_friction) : h.friction;
-    Vec<T> drag;
+    Vec<T> drag, push = {T(0.0), T(0.0), T(0.0)};
     if (law.imposed) {
-        drag = (h.t * law.axial + around * law.around) * (-(mu0 * N));
+        const double va = law.axial, vb = law.spin * R, speed = std::sqrt(va * va + vb * vb);
+        const double share = speed > 0 ? 1 / speed : 0.0;
+        drag = (h.t * (va * share) + around * (vb * share)) * (-(mu0 * N));
+        push = (h.t * (va * share) + around * (vb * share * law.side)) * (-(mu0 * N));
         if (report) report->friction_power = 0;
     } else {
         const Vec<T> surface = u + cross(turning, h.n) * R;
@@ -82,10 +86,10 @@ inline bool touch(const ContactLaw& law, const Vec<T>& x, const Vec<T>& u, const
         const T speed = sqrt(v2 + law.slip * law.slip);
         T mu = mu0;
         if (law.extra != 0) mu = mu0 * (1.0 + law.extra * exp(-v2 / (law.decay * law.decay)));
-        drag = (h.t * va + around * vb) * (-(mu * N) / speed);
+        push = drag = (h.t * va + around * vb) * (-(mu * N) / speed);
         if (report) report->friction_power = val(mu * N * v2 / speed);
     }
-    out.force = drag - gradient * N;
+    out.force = push - gradient * N;
     out.couple = cross(h.n, drag) * R;
     out.normal = N;
     if (report) {

@@ -24,7 +24,7 @@ class _Law(ctypes.Structure):
     """ContactLaw of kernels/contact.hpp."""
 
     _fields_ = [("well", ctypes.c_void_p)] + [(n, ctypes.c_double) for n in ("stiffness", "exponent", "damping", "slip", "extra", "decay",
-                "imposed", "axial", "around")] + [("per_point", ctypes.c_int), ("points", ctypes.c_int)] + \
+                "imposed", "axial", "spin", "side")] + [("per_point", ctypes.c_int), ("points", ctypes.c_int)] + \
                [(n, ctypes.c_void_p) for n in ("at", "normal", "segment", "touching")]
 
 
@@ -83,7 +83,7 @@ class Contact(Passive):
         normal, segment, touching = np.zeros(n), np.full(n, -1, dtype=np.int32), np.zeros(n, dtype=np.int8)
         record = _Law(pointer(self._packed), law.stiffness, 1.0 if law.law == "linear" else 1.5,
                       damping_factor(law.restitution, law.restitution_speed), law.slip_velocity, law.static_ratio - 1.0,
-                      law.stribeck_speed, 0.0, 0.0, 0.0, int(law.law == "hertz_point"), law.points, pointer(self._at),
+                      law.stribeck_speed, 0.0, 0.0, 0.0, 1.0, int(law.law == "hertz_point"), law.points, pointer(self._at),
                       pointer(normal), pointer(segment), pointer(touching))
         self._laws.append(record)
         self._keep += [normal, segment]
@@ -112,10 +112,13 @@ class Contact(Passive):
                                       np.ascontiguousarray(params), context=self._context(len(mine))))
         return tuple(self._blocks)
 
-    def impose_sliding(self, axial: float, around: float) -> None:
-        """Statics: friction acts against this direction of the pipe's surface (unit vector, or zero for none)."""
+    def impose_sliding(self, axial: float, spin: float, side: float = 1.0) -> None:
+        """Statics: friction acts against a rigid motion of the string, ``axial`` [m/s] downward and ``spin`` [rad/s].
+
+        side 0: friction across the pipe gives its torque but does not push it sideways.
+        """
         for record in self._laws:
-            record.imposed, record.axial, record.around = 1.0, axial, around
+            record.imposed, record.axial, record.spin, record.side = 1.0, axial, spin, side
 
     def free_sliding(self) -> None:
         """Dynamics: friction follows the motion."""
@@ -170,8 +173,8 @@ class BitOnBottom(Passive):
         self._block = Block("bit_bottom", "bit_contact", "vertex", vertices, VERTEX_SLOTS, (0,), params)
         return (self._block,)
 
-    def impose_sliding(self, axial: float, around: float) -> None:
-        self._block.params[:, 11] = np.sign(around)
+    def impose_sliding(self, axial: float, spin: float, side: float = 1.0) -> None:
+        self._block.params[:, 11] = np.sign(spin)
 
     def free_sliding(self) -> None:
         self._block.params[:, 11] = -3.0
@@ -183,6 +186,23 @@ class BitOnBottom(Passive):
         out = np.zeros(2)
         _bit_report(pointer(state.index_of(self._block)), pointer(self._block.params), pointer(state.x), pointer(state.y), pointer(out))
         return float(out[0]), float(out[1])
+
+    def depth_of_face(self, state) -> tuple[float, FloatArray]:
+        """How far the face is below the end of the hole [m], and its gradient by the local unknowns (n,); zero without the bit."""
+        gradient = np.zeros(state.layout.size)
+        if not len(self._block.points):
+            return 0.0, gradient
+        index = state.index_of(self._block)[0]
+        face, end, axis = self._row[0], np.array(self._row[4:7]), np.array(self._row[7:10])
+        v = state.x[index[3:6]]
+        n = np.linalg.norm(v)
+        gradient[index[:3]] = axis
+        gradient[index[3:6]] = face * (axis - v * (v @ axis) / n**2) / n
+        return float((state.x[index[:3]] + face * v / n - end) @ axis), gradient
+
+    def depth_for(self, weight: float) -> float:
+        """Penetration [m] at which the bit carries ``weight`` [N]."""
+        return weight / self._row[2]
 
     def energies(self, t: float, state) -> Energies:
         weight, _ = self.weight_and_torque(state)

@@ -47,12 +47,16 @@ class Held(Passive):
     def __init__(self, vertex: int, kind: str, position: FloatArray, tangent: FloatArray, spin: bool = True, angle: float = 0.0):
         axes = _axes(tangent)
         D = _rows(axes, axes[1:] if kind == "clamped" else axes[:0], spin)
-        target = D @ np.concatenate([position, tangent, [angle]])
+        self._target = target = D @ np.concatenate([position, tangent, [angle]])
         still = np.zeros(len(D))
         tilt = ("side_moment_1", "side_moment_2") if kind == "clamped" else ()
         names = ("axial_reaction", "side_reaction_1", "side_reaction_2", *tilt, *(("torque_reaction",) if spin else ()))
         where = "top" if vertex == 0 else "bottom"
         self._condition = Prescribed(vertex, D, lambda t: target, lambda t: still, tuple(f"{where}.{n}" for n in names))
+
+    def shift(self, distance: float) -> None:
+        """Move the axial position by ``distance`` [m], down positive."""
+        self._target[0] += distance
 
     def prescribed(self) -> tuple[Prescribed, ...]:
         return (self._condition,)
@@ -70,8 +74,9 @@ class TopDrive(Passive):
         axes = _axes(tangent)
         self.inputs = tuple(i for i in (rotation, lowering) if i is not None)
         D = _rows(axes if lowering is not None else axes[1:], axes[1:], rotation is not None)
-        start = D @ np.concatenate([position, tangent, [angle]])
-        axial, spin = np.zeros(len(D)), np.zeros(len(D))
+        self._start = start = D @ np.concatenate([position, tangent, [angle]])
+        self._axial = axial = np.zeros(len(D))
+        spin = np.zeros(len(D))
         if lowering is not None:
             axial[0] = 1.0
         if rotation is not None:
@@ -85,6 +90,10 @@ class TopDrive(Passive):
 
     def prescribed(self) -> tuple[Prescribed, ...]:
         return (self._condition,)
+
+    def shift(self, distance: float) -> None:
+        """Move the axial position by ``distance`` [m], down positive."""
+        self._start += distance * self._axial
 
     def breaks(self) -> tuple[float, ...]:
         return tuple(b for i in self.inputs for b in i.breaks())

@@ -54,38 +54,51 @@ class Statics:
         self.f = model.new_condensed()
         self.depth: Callable[[Model], tuple[float, FloatArray, float]] | None = None
         self.move_top: Callable[[float], None] | None = None
-        asm, layout = model.assembly, model.layout
-        self._diagonal = np.full(layout.size, -1)
-        same = np.flatnonzero((asm.rows == asm.columns) & (asm.rows >= 0))
-        self._diagonal[asm.rows[same][::-1]] = same[::-1]
-        self._mine = (model.owned_place >= 0) & (self._diagonal >= 0)
-        self._metric = self._make_metric()
-        self._top_rows = next((f for f in asm.fixed if f.owned and f.condition.vertex == 0), None)
+        self._mine = model.owned_place >= 0
+        self._entries = self._shift_entries()
+        self._top_rows = next((f for f in model.assembly.fixed if f.owned and f.condition.vertex == 0), None)
 
-    def _make_metric(self) -> FloatArray:
-        model, layout = self.model, self.model.layout
-        size = np.zeros(model.mesh.nodes)
-        np.add.at(size, np.arange(model.mesh.nodes - 1), 0.5 * model.mesh.length)
-        np.add.at(size, np.arange(1, model.mesh.nodes), 0.5 * model.mesh.length)
-        h = size[model.line.vertices][layout.vertex_of]
-        power = {"string.position": lambda s: s, "string.tangent": lambda s: s**3 / 100, "string.spin": lambda s: 0.01 * s}
-        names = [f.name for f in layout.fields]
-        out = np.empty(layout.size)
-        for i, name in enumerate(names):
-            here = layout.field_of == i
-            out[here] = power.get(name, lambda s: s)(h[here])
+    def _shift_entries(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Where the shift M goes: for position and slope, (vertices (k,), places (k, 3, 3) of a diagonal block in the values).
+
+        Only owned vertices, each once; M = h (I - t t^T) for positions and h^3/100 (I - t t^T) for slopes: side springs.
+        """
+        model, asm = self.model, self.model.assembly
+        line = model.line
+        wanted = {}
+        for name in ("string.position", "string.tangent"):
+            first = model.layout.place[name][:, 0]
+            wanted[name] = {int(p): v for v, p in enumerate(first) if p >= 0 and line.owned[v]}
+        out = []
+        for name in wanted:
+            found: dict[int, np.ndarray] = {}
+            for item in asm.ready:
+                for e in range(item.count):
+                    for slot in _slots(item.index[e], wanted[name]):
+                        vertex = wanted[name][int(item.index[e, slot])]
+                        if vertex not in found:
+                            k = slot + np.arange(3)
+                            found[vertex] = item.span.start + e * item.width**2 + k[:, None] * item.width + k
+            out.append((np.array(list(found), dtype=int), np.array(list(found.values()), dtype=int).reshape(-1, 3, 3)))
         return out
+
+    def _node_size(self) -> FloatArray:
+        mesh = self.model.mesh
+        size = np.zeros(mesh.nodes)
+        np.add.at(size, np.arange(mesh.nodes - 1), 0.5 * mesh.length)
+        np.add.at(size, np.arange(1, mesh.nodes), 0.5 * mesh.length)
+        return size[self.model.line.vertices]
 
     # ------------------------------------------------------------------ pieces
     def _sum(self, value: float) -> float:
         return value if self.model.comm.size == 1 else float(self.model.comm.tompi4py().allreduce(value))
 
-    def _largest(self, value: float) -> float:
+    def largest(self, value: float) -> float:
         from mpi4py import MPI
 
         return value if self.model.comm.size == 1 else float(self.model.comm.tompi4py().allreduce(value, op=MPI.MAX))
 
-    def _rows(self) -> FloatArray:
+    def rows(self) -> FloatArray:
         """Residual at rest, summed, as a ghosted local array valid at owned unknowns."""
         model, asm = self.model, self.model.assembly
         asm.y[:], asm.a[:] = 0.0, 0.0
@@ -114,9 +127,12 @@ class Statics:
         """Stiffness at x into the assembly's values, symmetric where the rooms are conservative."""
         asm = self.model.assembly
         asm.jacobian(self.t, (1.0, 0.0, 0.0), condensed=False)
+        self._by_top = np.zeros(self.model.layout.size + 1)  # force on the free rows when the top moves down
         for f in asm.fixed:  # prescribed components do not move: their columns go, too
             for item, e, slots in f.touching:
                 K = asm.values[item.span].reshape(item.count, item.width, item.width)[e]
+                if f is self._top_rows:
+                    np.add.at(self._by_top, item.index[e], K[:, slots] @ f.D[0])
                 K[:, slots] = K[:, slots] @ f.keep
         c = self._spin_potential()
         slot = np.full(self.model.layout.size + 1, -1)
@@ -134,10 +150,13 @@ class Statics:
 
     def _factor(self, sigma: float) -> int:
         """Factor K + sigma M; number of negative pivots (a missing pivot counts as one)."""
-        asm = self.model.assembly
-        values = asm.values.copy()
-        mine = np.flatnonzero(self._mine)
-        values[self._diagonal[mine]] += sigma * self._metric[mine]
+        values = self.model.assembly.values.copy()
+        if sigma:
+            v = self.model.field("string.tangent")
+            across = np.eye(3) - v[:, :, None] * v[:, None, :] / np.sum(v * v, axis=1)[:, None, None]
+            h = self._node_size()
+            for (vertices, places), scale in zip(self._entries, (h, h**3 / 100), strict=True):
+                values[places] += sigma * scale[vertices, None, None] * across[vertices]
         try:
             if self.energy:
                 return self.factor.negative_pivots(values)
@@ -148,7 +167,8 @@ class Statics:
 
     def _positive_factor(self, sigma: float) -> float:
         """Smallest shift on a coarse scale that leaves no negative pivot; the factor is ready."""
-        first = 1e-3 * float(np.max(np.abs(self.model.assembly.values), initial=1.0)) * 1e-6
+        mesh = self.model.mesh
+        first = 1e-3 * self.largest(float(np.max(mesh.bending_stiffness / mesh.length**4)))
         trial = 0.0 if sigma == 0.0 else sigma / 8
         for _ in range(60):
             if self._factor(trial) == 0:
@@ -166,14 +186,14 @@ class Statics:
         t = t / np.linalg.norm(t, axis=1, keepdims=True)
         side = np.linalg.norm(r - t * np.sum(r * t, axis=1, keepdims=True), axis=1).max(initial=0.0)
         turn = np.linalg.norm(v, axis=1).max(initial=0.0)
-        return min(1.0, self.limit / max(self._largest(side), 1e-300), TURN / max(self._largest(turn), 1e-300))
+        return min(1.0, self.limit / max(self.largest(side), 1e-300), TURN / max(self.largest(turn), 1e-300))
 
     def _search(self, x0: FloatArray, p: FloatArray, slope0: float, alpha: float) -> float:
         """Shorten the step while the energy rises again beyond it."""
         asm = self.model.assembly
         for _ in range(12):
             asm.x[:-1] = x0 + alpha * p
-            slope = self._sum(float(self._gradient(self._rows())[self._mine] @ p[self._mine]))
+            slope = self._sum(float(self._gradient(self.rows())[self._mine] @ p[self._mine]))
             if np.isfinite(slope) and slope <= 0.8 * abs(slope0):
                 return alpha
             good = np.isfinite(slope) and slope > 0
@@ -183,10 +203,10 @@ class Statics:
     def _bring_to_depth(self, p: FloatArray) -> float:
         """Add to ``p`` the motion of the top that brings the bit to its depth; returns the top's move [m]."""
         model, n = self.model, self.model.layout.size
-        rhs, s = np.zeros(n), np.zeros(n)
+        s = np.zeros(n)
+        self.factor.solve(-self._gradient(model.sum_local(self._by_top)), s)
         if self._top_rows is not None:
-            rhs[self._top_rows.rows] = ROW_SCALE * self._top_rows.D[0]
-        self.factor.solve(rhs, s)
+            s[self._top_rows.rows] += self._top_rows.D[0]
         depth, gradient, target = self.depth(model)  # type: ignore[misc]
         here = self._sum(float(gradient[self._mine] @ p[self._mine]))
         by_top = self._sum(float(gradient[self._mine] @ s[self._mine]))
@@ -201,7 +221,7 @@ class Statics:
         sigma, last, weight = 0.0, np.inf, 1.0 / self.model.scale
         quiet = 0
         for _ in range(most):
-            rows = self._rows()
+            rows = self.rows()
             g = self._gradient(rows)
             self._tangent()
             if shifted:
@@ -219,7 +239,7 @@ class Statics:
             asm.x[:-1] = x0 + alpha * p
             if self.depth and self.move_top:
                 self.move_top(alpha * move)
-            size = self._largest(float(np.max(np.abs(alpha * p) * weight, initial=0.0)))
+            size = self.largest(float(np.max(np.abs(alpha * p) * weight, initial=0.0)))
             report.iterations += 1
             report.history.append(size)
             report.increment = size
@@ -270,9 +290,18 @@ class Statics:
         self._start_freely(report)
         if not report.converged:
             self._newton(self.energy, report)
-        rows = self._rows()
-        report.residual = self._largest(float(np.max(np.abs(self._gradient(rows)[self._mine]), initial=0.0)))
+        rows = self.rows()
+        report.residual = self.largest(float(np.max(np.abs(self._gradient(rows)[self._mine]), initial=0.0)))
         return report
+
+    def settle_near(self, report: Equilibrium) -> None:
+        """Newton without a potential (friction) from a state close by; raises SolveError when it does not converge."""
+        energy, self.energy = self.energy, False
+        try:
+            self._newton(False, report, search=False, most=FREE_ITERATIONS)
+            report.residual = self.largest(float(np.max(np.abs(self._gradient(self.rows())[self._mine]), initial=0.0)))
+        finally:
+            self.energy = energy
 
     def negative_pivots(self) -> int:
         """Of the tangent at x; meaningful without friction."""
@@ -292,3 +321,7 @@ class Statics:
         owned = model.line.owned
         dead[place[owned]] = force[model.line.vertices[owned]]
         asm.dead = dead
+
+
+def _slots(row: np.ndarray, wanted: dict[int, int]) -> list[int]:
+    return [s for s, place in enumerate(row) if int(place) in wanted]

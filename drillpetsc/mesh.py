@@ -1,0 +1,128 @@
+"""From the case's string items to elements, nodes, rigid items: the string mesh."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drillpetsc.case.items import Beam as BeamItem
+from drillpetsc.case.items import Flexible, Pipe, Rigid
+from drillpetsc.case.scene import Case
+from drillpetsc.errors import CaseError
+from drillpetsc.tubulars import RigidItem, StringMesh, tube
+
+BEND_LENGTH = 0.5  # a bent sub's kink is spread over an element of this length [m]
+SAME_PLACE = 1e-6  # depths closer than this are one node [m]
+
+
+def build_mesh(case: Case) -> StringMesh:
+    """Mesh the string of ``case``; nodes stand at item ends, at point loads and wherever element_length asks.
+
+    Raises CaseError where nothing of the string is flexible.
+    """
+    if not any(isinstance(item, Flexible) for item in case.string):
+        raise CaseError(at="string", want="at least one flexible item (pipe or beam)", hint="rigid items alone have no element")
+    rows, rigid, pending = [], [], []
+    for number, item in enumerate(case.string):
+        top, bottom = case.item_depths[number]
+        if isinstance(item, Flexible):
+            edges = _edges(case, number, item, top, bottom)
+            above = sum(q.length for _, q in pending)
+            bent = _bend_of(item) if not pending else next((_bend_of(q) for _, q in pending if _bend_of(q)), _bend_of(item))
+            for k, (a, b) in enumerate(zip(edges, edges[1:], strict=False)):
+                rows.append((number, item, a, b, above if k == 0 else 0.0, bent if k == 0 else None))
+            pending = []
+        else:
+            rigid.append((number, item, len(rows), sum(q.length for _, q in pending)))
+            pending.append((number, item))
+    return _assemble(case, rows, rigid)
+
+
+def _bend_of(item):
+    bend = getattr(item, "bend", None)
+    return bend if bend is not None and bend.angle != 0 else None
+
+
+def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -> list[float]:
+    """Measured depths of the element ends of a flexible item."""
+    count = max(1, round(item.length / item.element_length))
+    edges = list(np.linspace(top, bottom, count + 1))
+    if _bend_of(item) and item.length > 2 * BEND_LENGTH:
+        edges.append(top + BEND_LENGTH)
+    below = case.string[number + 1] if number + 1 < len(case.string) else None
+    if isinstance(below, Rigid) and _bend_of(below) and item.length > 2 * BEND_LENGTH:
+        edges.append(bottom - BEND_LENGTH)
+    for load in case.loads:
+        at = getattr(load, "at", None)
+        if at is not None and top < at < bottom:
+            edges.append(at)
+    edges.sort()
+    kept = [edges[0]]
+    kept += [b for b in edges[1:] if b - kept[-1] > SAME_PLACE * max(1.0, b)]
+    kept[-1] = bottom
+    return kept
+
+
+def _section(item: Flexible) -> dict[str, float]:
+    if isinstance(item, Pipe):
+        m = item.material
+        values = tube(item.od, item.id, m.young, m.poisson, m.density)
+        damping = m.damping
+    else:
+        assert isinstance(item, BeamItem)
+        values = {k: getattr(item, k) for k in ("axial_stiffness", "bending_stiffness", "torsional_stiffness", "mass", "polar_inertia")}
+        damping = item.damping
+    values |= {"stiffness_damping": damping.stiffness, "mass_damping": damping.mass}
+    values |= {"outer_diameter": item.od or 0.0, "inner_diameter": item.id}
+    return values
+
+
+def _polar(size: float, angle: float) -> tuple[float, float]:
+    return size * np.cos(angle), size * np.sin(angle)
+
+
+def _curvature(case: Case, item: Flexible, a: float, b: float, bend) -> tuple[float, float]:
+    k = np.array(_polar(item.curvature, item.curvature_angle))
+    if bend:
+        k += np.array(_polar(bend.angle / (b - a), bend.tool_face))
+    return float(k[0]), float(k[1])
+
+
+def _assemble(case: Case, rows, rigid) -> StringMesh:
+    n = len(rows)
+    sections = {number: _section(item) for number, item, *_ in rows}
+    keys = ("axial_stiffness", "bending_stiffness", "torsional_stiffness", "mass", "polar_inertia", "outer_diameter", "inner_diameter",
+            "stiffness_damping", "mass_damping")
+    columns = {k: np.array([sections[number][k] for number, *_ in rows]) for k in keys}
+    upper, lower = np.array([r[2] for r in rows]), np.array([r[3] for r in rows])
+    above = np.array([r[4] for r in rows])
+    node_depth = np.append(upper - above, lower[-1])
+    bodies = tuple(_body(item, node, before) for _, item, node, before in rigid)
+    curvature = np.array([_curvature(case, item, a, b, bend) for _, item, a, b, _, bend in rows])
+    for _, item, node, _ in rigid:  # a bent rigid item kinks the end of the flexible one above it
+        if _bend_of(item) and 0 < node <= n:
+            bend = _bend_of(item)
+            curvature[node - 1] += _polar(bend.angle / (lower[node - 1] - upper[node - 1]), bend.tool_face)
+    junction = np.zeros(n + 1, dtype=bool)
+    stiffness = columns["axial_stiffness"]
+    junction[1:n] = ~np.isclose(stiffness[1:], stiffness[:-1], rtol=1e-12)
+    for body in bodies:
+        junction[body.node] = body.node < n
+    for load in case.loads:
+        at = getattr(load, "at", None)
+        if at is not None:
+            node = int(np.argmin(np.abs(node_depth - at)))
+            junction[node] |= 0 < node < n
+    junction[0] = above[0] > 0 if n else False
+    friction = np.array([np.nan if item.friction is None else item.friction for _, item, *_ in rows])
+    eccentricity = np.array([_polar(item.eccentricity, item.eccentricity_angle) for _, item, *_ in rows])
+    return StringMesh(upper=upper, lower=lower, node_depth=node_depth, rigid_above=above, eccentricity=eccentricity, curvature=curvature,
+                      item=np.array([r[0] for r in rows]), friction=friction, bodies=bodies, junction=junction, **columns)
+
+
+def _body(item: Rigid, node: int, before: float) -> RigidItem:
+    along, *across = item.center_of_gravity
+    offset = np.array(across)
+    if item.mass > 0:
+        offset = offset + np.array(_polar(item.unbalance / item.mass, item.unbalance_angle))
+    return RigidItem(item.name or item.kind, item.kind, node, before, item.length, item.mass, before + along, (float(offset[0]), float(offset[1])),
+                     item.inertia.axial, item.inertia.transverse, 0.5 * (item.od or 0.0), item.friction)

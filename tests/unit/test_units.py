@@ -1,0 +1,152 @@
+"""Units: expected values follow from the definitions in NIST SP 811 (2008), appendix B, and ISO 80000."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from drillpetsc.units import DIMENSIONS, UnitError, to_si, wanted
+
+INCH = 0.0254  # [m] exact
+POUND = 0.45359237  # [kg] exact
+GALLON = 231 * INCH**3  # [m3] exact, US
+POUND_FORCE = POUND * 9.80665  # [N] exact
+FOOT = 12 * INCH
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "expected"),
+    [
+        ("9.625 in", "m", 9.625 * INCH),
+        ("9 5/8 in", "m", 9.625 * INCH),
+        ("9-5/8 in", "m", 9.625 * INCH),
+        ("1/4 in", "m", INCH / 4),
+        ("-1/4 in", "m", -INCH / 4),
+        ("30 ft", "m", 30 * FOOT),
+        ("2000 m", "m", 2000.0),
+        ("127mm", "m", 0.127),
+        ("400 mm2", "m^2", 400e-6),
+        ("7 l", "m^3", 7e-3),
+        ("1 bbl", "m^3", 42 * GALLON),  # an oil barrel, not a dry one
+        ("80 rpm", "rad/s", 80 * 2 * math.pi / 60),
+        ("60 rev/min", "rad/s", 2 * math.pi),
+        ("8.4 rad/s", "rad/s", 8.4),
+        ("30 deg", "rad", math.pi / 6),
+        ("30 °", "rad", math.pi / 6),
+        ("12 lb/gal", "kg/m^3", 12 * POUND / GALLON),
+        ("12 ppg", "kg/m^3", 12 * POUND / GALLON),
+        ("1.2 g/cm3", "kg/m^3", 1200.0),
+        ("0.05 kg m", "kg m", 0.05),
+        ("200 kg m2", "kg m^2", 200.0),
+        ("1.0e8 N/m^2", "Pa", 1e8),
+        ("1.0e8 Pa", "Pa", 1e8),
+        ("206 GPa", "Pa", 206e9),
+        ("1 psi", "Pa", POUND_FORCE / INCH**2),
+        ("3e9 N/m^2.5", "N/m^2.5", 3e9),
+        ("0.5 Pa s^n", "Pa s^n", 0.5),
+        ("25 lbf s^n/100 ft^2", "Pa s^n", 25 * POUND_FORCE / (100 * FOOT**2)),
+        ("20 cP", "Pa s", 0.02),
+        ("1 Pa.s", "Pa s", 1.0),
+        ("1 kN", "N", 1000.0),
+        ("10 klbf", "N", 10e3 * POUND_FORCE),
+        ("1 ft lbf", "N m", FOOT * POUND_FORCE),
+        ("5 N m", "N m/rad", 5.0),
+        ("5 N m/rad", "N m/rad", 5.0),
+        ("60 degF", "K", (60 + 459.67) / 1.8),
+        ("20 degC", "K", 293.15),
+        ("500 gal/min", "m^3/s", 500 * GALLON / 60),
+        ("500 gpm", "m^3/s", 500 * GALLON / 60),
+        ("30 l/s", "m^3/s", 0.03),
+        ("10 m/h", "m/s", 10 / 3600),
+        ("3 deg/30 m", "1/m", math.radians(3) / 30),
+        ("3 deg/100 ft", "1/m", math.radians(3) / (100 * FOOT)),
+        ("3 deg/(30 m)", "1/m", math.radians(3) / 30),
+        ("1.0e-4 1/m", "1/m", 1e-4),
+        ("1e-4 m-1", "1/m", 1e-4),
+        ("2.8e-8 m/(s N)", "m/(s N)", 2.8e-8),
+        ("9.80665 m/s2", "m/s^2", 9.80665),
+        ("30 %", "", 0.3),
+        ("0.3", "", 0.3),
+        ("5", "m", 5.0),
+    ],
+)
+def test_text_with_a_unit(text: str, unit: str, expected: float) -> None:
+    assert to_si(text, unit) == pytest.approx(expected, rel=1e-14)
+
+
+def test_conversion_leaves_no_noise_in_the_last_digit() -> None:
+    assert to_si("1.2 g/cm3", "kg/m^3") == 1200.0
+    assert to_si("400 mm2", "m^2") == 0.0004
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "hint"),
+    [
+        ("80 rpm", "m", "rotation speed"),
+        ("5 Hz", "rad/s", "rpm or rad/s"),
+        ("5 1/s", "rad/s", "rpm or rad/s"),
+        ("80 rpm", "1/s", "rotation speed"),
+        ("10 kN", "N m", "force"),
+        ("10 klb", "N", "mass"),
+        ("20 C", "K", "another dimension"),
+        ("12 ppgg", "kg/m^3", "did you mean 'ppg'?"),
+        ("9,5 in", "m", "point"),
+        ("9 5 in", "m", "one number"),
+        ("9 5/0 in", "m", ""),
+        ("5 m + 3 m", "m", "one number"),
+        ("5 __import__('os')", "m", "one number"),
+        ("m", "m", "a number comes first"),
+        ("", "m", "a number comes first"),
+        ("nan m", "m", "a number comes first"),
+        ("1e400 m", "m", ""),
+        ("5 m/", "m", "cannot be read"),
+        ("5 (m", "m", "cannot be read"),
+        ("0.3 m", "", "length"),
+    ],
+)
+def test_refused_text(text: str, unit: str, hint: str) -> None:
+    with pytest.raises(UnitError) as caught:
+        to_si(text, unit)
+    assert hint in caught.value.hint
+    assert wanted(unit) in caught.value.want
+
+
+@pytest.mark.parametrize("value", [None, True, [1.0], {"a": 1}, math.nan, math.inf, np.array([1.0, 2.0])])
+def test_refused_values(value: object) -> None:
+    with pytest.raises(UnitError):
+        to_si(value, "m")
+
+
+def test_bare_numbers_are_si() -> None:
+    assert to_si(5, "m") == 5.0
+    assert to_si(np.float32(0.5), "rad/s") == 0.5
+    assert to_si(np.int64(3), "") == 3.0
+
+
+@pytest.mark.parametrize("unit", DIMENSIONS)
+def test_examples_shown_to_the_user_are_accepted(unit: str) -> None:
+    for example in DIMENSIONS[unit][1].split(" or "):
+        assert to_si(example, unit) > 0
+
+
+@given(st.floats(-1e12, 1e12), st.sampled_from([u for u in DIMENSIONS if u]))
+def test_an_si_number_with_its_own_unit_is_itself(number: float, unit: str) -> None:
+    assert to_si(f"{number!r} {unit}", unit) == pytest.approx(number, rel=1e-15, abs=0)
+
+
+@given(st.text(max_size=20), st.sampled_from(list(DIMENSIONS)))
+def test_any_text_is_a_finite_number_or_a_unit_error(text: str, unit: str) -> None:
+    try:
+        assert math.isfinite(to_si(text, unit))
+    except UnitError as error:
+        assert error.want
+
+
+@given(st.text("0123456789.e-+/ *^()mskgNradin°%²", max_size=24))
+def test_near_misses_are_a_finite_number_or_a_unit_error(text: str) -> None:
+    try:
+        assert math.isfinite(to_si("1" + text, "m"))
+    except UnitError as error:
+        assert error.want
