@@ -1,3 +1,30 @@
-"""drillpetsc: drillstring dynamics on PETSc.  Importing the package starts no MPI and draws nothing."""
+"""drillpetsc: drillstring dynamics on PETSc.  Importing the package starts no MPI and draws nothing.
+
+``Case`` describes a scene (the keys of a case file), ``load_case`` reads one, ``run`` simulates it.
+"""
+
+from typing import Any
 
 __version__ = "0.1.0"
+__all__ = ["Case", "load_case", "run"]
+
+
+def __getattr__(name: str) -> Any:  # so that the import stays quick and starts nothing
+    if name in ("Case", "load_case"):
+        from drillpetsc import case
+
+        return getattr(case, name)
+    raise AttributeError(f"module 'drillpetsc' has no attribute {name!r}")
+
+
+def run(case: Any, out: Any = None, **keywords: Any) -> Any:
+    """Simulate a Case, or the case file at a path, and write its run folder (see drillpetsc.simulate.run).
+
+    PETSc is initialised first if the caller has not done so.
+    """
+    import petsc4py
+
+    petsc4py.init()
+    from drillpetsc.simulate import run as whole_run
+
+    return whole_run(case, out, **keywords)

@@ -141,12 +141,12 @@ class Piece:
     def negative(self) -> int:
         """Negative eigenvalues of the symmetrised pivot blocks of the last factorisation with ``blocks``."""
         assert self.blocks is not None
-        count = 0
-        for t in self.table[self.keep & 1 : self.n - (self.keep >> 1)]:
-            b, ld = t[_SIZE], t[_LD]
-            S = self.blocks[t[_DIAG] : t[_DIAG] + b * ld].reshape(b, ld)[:, :b]
-            S = 0.5 * (S + S.T)
-            size = np.abs(S).max(axis=1)
+        table, count = self.table[self.keep & 1 : self.n - (self.keep >> 1)], 0
+        for b, ld in np.unique(table[:, [_SIZE, _LD]], axis=0):
+            first = table[(table[:, _SIZE] == b) & (table[:, _LD] == ld), _DIAG]
+            S = self.blocks[first[:, None, None] + (ld * np.arange(b)[:, None] + np.arange(b))]
+            S = 0.5 * (S + S.transpose(0, 2, 1))
+            size = np.abs(S).max(axis=2)
             scale = np.exp2(-np.round(0.5 * np.log2(np.where(size > 0, size, 1.0))))  # a congruence: signs stay
-            count += int(np.sum(np.linalg.eigvalsh(scale[:, None] * S * scale) < 0))
+            count += int(np.sum(np.linalg.eigvalsh(scale[:, :, None] * S * scale[:, None, :]) < 0))
         return count

@@ -57,7 +57,9 @@ def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -
             edges.append(at)
     edges.sort()
     kept = [edges[0]]
-    kept += [b for b in edges[1:] if b - kept[-1] > SAME_PLACE * max(1.0, b)]
+    for edge in edges[1:]:
+        if edge - kept[-1] > SAME_PLACE * max(1.0, edge):
+            kept.append(edge)
     kept[-1] = bottom
     return kept
 

@@ -43,6 +43,11 @@ class Model:
         self.scale = scale[layout.field_of]  # (n,) usual magnitude of each local unknown
         self._rated = layout.y_local >= 0
 
+    @property
+    def has_contact(self) -> bool:
+        """Whether a room's rows are switched by contact."""
+        return any(hasattr(room, "signature") for room in self.rooms)
+
     def signature(self) -> int:
         """A number that changes when contacts open or close (rooms with ``signature``): the Jacobian is then rebuilt."""
         return hash(tuple(room.signature() for room in self.rooms if hasattr(room, "signature")))

@@ -10,11 +10,16 @@ from drillpetsc.case.ends import DrivenTop
 from drillpetsc.case.ends import TopDrive as TopDriveCase
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.field import FloatArray
+from drillpetsc.guess import soft_string_guess
 from drillpetsc.scene import Scene
-from drillpetsc.soft_string import TorqueDrag, torque_drag
-from drillpetsc.solve.statics import Equilibrium, Statics
+from drillpetsc.soft_string import TorqueDrag
+from drillpetsc.solve.statics import ITERATIONS, Equilibrium, Statics
 
 SUBSTITUTIONS = 30
+TRIAL = 100  # descent iterations at each stiffness before a side load is added
+SPRING = 10.0  # travel of the weak spring that carries the weight on bit while the string settles [m]
+NEAR_DEPTH = 1e-6  # the bit is this near its depth when the true bit takes over [m]
+SINK = 0.1  # share of the radial room that the pipe may sink into the softest wall
 MOTIONS = {"hoist": (-1.0, 0.0), "lower": (1.0, 0.0), "rotate": (0.0, 1.0)}
 
 
@@ -78,14 +83,16 @@ def nodal_weight(scene: Scene) -> FloatArray:
     return weight
 
 
-def find_equilibrium(scene: Scene, motion: tuple[float, float] | None = None) -> StaticState:
+def find_equilibrium(scene: Scene, motion: tuple[float, float] | None = None, climb: bool = True) -> StaticState:
     """Static equilibrium of the scene, friction opposing ``motion`` (by default what the top prescribes at time 0).
 
-    First without friction, to a stable state; then friction is added at once.  Raises SolveError when no equilibrium is found.
+    First without friction, to a stable state; then friction is added at once.  climb: friction across the pipe pushes
+    it up the wall of the hole, as it does with a turning pipe at rest there; without, only its torque acts, as
+    torque-and-drag models have it. Raises SolveError when no equilibrium is found.
     """
     motion = prescribed_motion(scene) if motion is None else motion
     place_along_hole(scene)
-    soft = _guess(scene, motion) if scene.contact is not None else None
+    soft = soft_string_guess(scene, motion)
     solver = _solver(scene)
     wob = scene.case.initial.wob
     if wob is not None:
@@ -93,12 +100,14 @@ def find_equilibrium(scene: Scene, motion: tuple[float, float] | None = None) ->
     slipping = [r for r in (scene.contact, scene.bit) if r is not None]
     for room in slipping:
         room.impose_sliding(0.0, 0.0)
-    report = _stable_state(scene, solver)
+    report = _stable_state(scene, solver, soft)
     state, side = StaticState(motion, report, soft), 1.0
     if slipping and motion != (0.0, 0.0):
-        side = _add_friction(scene, solver, slipping, motion, report)
-        if not side:
-            state.warnings.append("friction across the pipe finds no rest (it would drive a whirl): its torque acts, its side push is left out")
+        side = _add_friction(scene, solver, slipping, state, climb)
+        if climb and not side:
+            state.warnings.append(
+                "friction across the pipe finds no rest (it would drive a whirl): its torque acts, its side push is left out"
+            )
     for room in slipping:  # inertia is a question to the frictionless part
         room.impose_sliding(0.0, 0.0)
     solver.energy = _conservative(scene)
@@ -111,27 +120,44 @@ def find_equilibrium(scene: Scene, motion: tuple[float, float] | None = None) ->
     return state
 
 
-def _add_friction(scene: Scene, solver: Statics, rooms, motion: tuple[float, float], report: Equilibrium) -> float:
-    """Equilibrium with friction against ``motion`` from the frictionless one; returns the share of side push that it could keep."""
-    start = scene.model.assembly.x.copy()
-    for side in (1.0, 0.0):
+def _add_friction(scene: Scene, solver: Statics, rooms, state: StaticState, climb: bool) -> float:
+    """Equilibrium with friction against the motion from the frictionless one; returns the share of side push that it
+    could keep."""
+    keep, side = _Place(scene), 1.0 if climb else 0.0
+    for room in rooms:
+        room.impose_sliding(*state.motion, side)
+    try:
+        solver.settle_near(state.equilibrium)
+        return side
+    except SolveError:
+        keep.restore()
+    _friction_by_substitution(scene, solver, rooms, state)
+    keep = _Place(scene)
+    if side and state.motion[1]:
         for room in rooms:
-            room.impose_sliding(*motion, side)
+            room.impose_sliding(*state.motion, side)
         try:
-            solver.settle_near(report)
+            solver.settle_near(state.equilibrium)
             return side
         except SolveError:
-            scene.model.assembly.x[:] = start
-    _friction_by_substitution(scene, solver, rooms, motion, report)
-    return 0.0
+            keep.restore()
+    return 0.0 if state.motion[1] else side
 
 
-def _friction_by_substitution(scene: Scene, solver: Statics, rooms, motion: tuple[float, float], report: Equilibrium) -> None:
-    """Friction as dead load, renewed until it no longer changes: slower than Newton, but every solve has a potential to descend."""
-    asm, model = scene.model.assembly, scene.model
+def _friction_by_substitution(scene: Scene, solver: Statics, rooms, state: StaticState) -> None:
+    """Friction along and about the pipe as dead load, renewed until it no longer changes: every solve has a potential
+    to descend."""
+    asm, model, motion, report, soft = (
+        scene.model.assembly,
+        scene.model,
+        state.motion,
+        state.equilibrium,
+        state.soft_string,
+    )
     imperfection = asm.dead
     fixed = 0.0 if imperfection is None else imperfection
     last, weight = np.zeros(model.layout.size), float(nodal_weight(scene).sum())
+    change, factors = np.inf, _stiffness_steps(scene, soft)
     try:
         for _ in range(SUBSTITUTIONS):
             asm.dead = None
@@ -141,15 +167,30 @@ def _friction_by_substitution(scene: Scene, solver: Statics, rooms, motion: tupl
             for room in rooms:
                 room.impose_sliding(0.0, 0.0)
             friction = solver.rows() - with_friction
-            asm.dead = fixed + friction
-            solver.settle(report)
             change = solver.largest(float(np.max(np.abs(friction - last), initial=0.0)))
-            last = friction
             if change < 1e-7 * weight:
                 return
-        raise SolveError(f"friction did not settle in {SUBSTITUTIONS} rounds (last change {change:.3g} N)", **model.worst_place(0.0))
+            asm.dead = fixed + friction
+            _newton_or_descent(scene, solver, report, factors)
+            last, factors = friction, (1.0,)
+        raise SolveError(
+            f"friction did not settle in {SUBSTITUTIONS} rounds (last change {change:.3g} N)", **model.worst_place(0.0)
+        )
     finally:
         asm.dead = imperfection
+
+
+class _Place:
+    """The state and the top's position, to come back to."""
+
+    def __init__(self, scene: Scene):
+        self.scene, self.x = scene, scene.model.assembly.x.copy()
+        self.top = None if scene.top is None else scene.top.anchor.copy()
+
+    def restore(self) -> None:
+        self.scene.model.assembly.x[:] = self.x
+        if self.scene.top is not None:
+            self.scene.top.anchor[:] = self.top
 
 
 def _solver(scene: Scene) -> Statics:
@@ -178,7 +219,11 @@ def _ask_for_weight(scene: Scene, solver: Statics, wob: float) -> None:
     if bit is None:
         raise CaseError(at="initial.wob", got=f"{wob:g} N", want="a bottom of kind bit, on which the weight can stand")
     if top is None or not hasattr(top, "shift") or getattr(scene.case.top, "force", None) is not None:
-        raise CaseError(at="initial.wob", got=f"{wob:g} N", want="a top with a prescribed axial position (top_drive, driven, clamped, pinned)")
+        raise CaseError(
+            at="initial.wob",
+            got=f"{wob:g} N",
+            want="a top with a prescribed axial position (top_drive, driven, clamped, pinned)",
+        )
     target = bit.depth_for(wob)
 
     def depth(model):
@@ -188,26 +233,110 @@ def _ask_for_weight(scene: Scene, solver: Statics, wob: float) -> None:
     solver.depth, solver.move_top = depth, top.shift
 
 
-def _stable_state(scene: Scene, solver: Statics) -> Equilibrium:
+def _stable_state(scene: Scene, solver: Statics, soft: TorqueDrag | None) -> Equilibrium:
+    """Newton where it finds a stable state, else down the energy; from a saddle a small persistent side load leads
+    away."""
     fraction = scene.case.initial.imperfection
-    report = Equilibrium()
+    report, factors = Equilibrium(), _stiffness_steps(scene, soft)
+    if not solver.energy:
+        return solver.settle(report)
     try:
-        solver.settle(report)
-        unstable = solver.energy and solver.negative_pivots() > 0
-    except SolveError:
-        unstable = True
-        if not fraction or not solver.energy:
-            raise
-    if unstable and fraction and solver.energy and not _too_coarse(scene):
-        # on the saddle of a straight column nothing points sideways: a small persistent load does
-        solver.push_aside(fraction, nodal_weight(scene))
-        report.imperfection = fraction
-        solver.settle(report)
+        _newton_or_descent(scene, solver, report, factors, TRIAL if fraction else ITERATIONS)
+        failure = SolveError("the static state is unstable") if solver.negative_pivots() else None
+    except SolveError as error:
+        failure = error
+    if failure is None:
+        return report
+    if not fraction or _too_coarse(scene):
+        if report.converged:
+            return report
+        raise failure
+    # on the saddle of a straight column nothing points sideways: a small persistent load does
+    solver.push_aside(fraction, nodal_weight(scene))
+    report.imperfection = fraction
+    _descend(scene, solver, report, factors)
     return report
 
 
+def _newton_or_descent(
+    scene: Scene, solver: Statics, report: Equilibrium, factors: tuple[float, ...], most: int = ITERATIONS
+) -> None:
+    """Full Newton steps, or descent where they do not converge; may end in an unstable state."""
+    keep = _Place(scene)
+    try:
+        solver.settle_freely(report)
+        return
+    except SolveError:
+        if report.converged:
+            return
+        keep.restore()
+    _descend(scene, solver, report, factors, most)
+
+
+def _descend(
+    scene: Scene, solver: Statics, report: Equilibrium, factors: tuple[float, ...], most: int = ITERATIONS
+) -> None:
+    """Down the energy while the contact grows stiffer; the weight on bit acts as a weak spring, long preloaded,
+    meanwhile."""
+    if solver.depth is None:
+        _harden(scene, solver, report, factors, most)
+        return
+    wob, constraint, bit = scene.case.initial.wob, solver.depth, scene.bit
+    assert bit is not None and scene.top is not None and wob is not None
+    solver.depth = None
+    try:
+        for _ in range(SUBSTITUTIONS):
+            with bit.preloaded(wob, SPRING):
+                _harden(scene, solver, report, factors, most)
+            here, _, target = constraint(scene.model)
+            error = target - solver.sum(here)
+            if abs(error) < NEAR_DEPTH:
+                break
+            factors = (1.0,)
+            scene.top.shift(error)
+    finally:
+        solver.depth = constraint
+    solver.settle_freely(report)
+
+
+def _harden(scene: Scene, solver: Statics, report: Equilibrium, factors: tuple[float, ...], most: int) -> None:
+    for factor in factors:
+        if scene.contact is not None:
+            scene.contact.set_stiffness(factor)
+        try:
+            solver.settle_down(report, most)
+        finally:
+            if scene.contact is not None:
+                scene.contact.set_stiffness(1.0)
+
+
+def _stiffness_steps(scene: Scene, soft: TorqueDrag | None) -> tuple[float, ...]:
+    """Factors on the contact stiffness, rising to 1: at the first the most loaded part sinks in by a share of its
+    radial room.
+
+    Loads: weight, side load of the soft string, and r F^2/4EI of a helix under the largest compression F (Lubinski,
+    Althouse and Logan, JPT 14(6), 1962).
+    """
+    room, contact, mesh = _clearance(scene), scene.case.contact, scene.mesh
+    if scene.contact is None:
+        return (1.0,)
+    if room is None or contact is None or contact.law != "linear":
+        return 1e-2, 1e-1, 1.0
+    load = float(np.max(mesh.mass)) * float(np.linalg.norm(scene.case.gravity))
+    force = getattr(scene.case.top, "force", None)
+    compression = 0.0 if force is None else max(0.0, -force.value(0.0))
+    if soft is not None:
+        load = max(load, float(np.max(soft.contact_force)))
+        compression = max(compression, -float(np.min(soft.axial_force)))
+    load = max(load, room * compression**2 / (4 * float(np.min(mesh.bending_stiffness))))
+    softest = min(1.0, load / (SINK * room * contact.stiffness))
+    count = int(np.ceil(np.log10(1.0 / softest))) if softest < 0.5 else 0
+    return tuple(np.geomspace(max(softest, 1e-6), 1.0, count + 1)) if count else (1.0,)
+
+
 def _too_coarse(scene: Scene) -> bool:
-    """Elements longer than their bending can hold against the axial load of their weight: L^3 > 240 EI/w (model, section 9.4)."""
+    """Elements longer than their bending can hold against the axial load of their weight: L^3 > 240 EI/w (model,
+    section 9.4)."""
     return bool(coarse_elements(scene).any())
 
 
@@ -221,45 +350,11 @@ def coarse_elements(scene: Scene) -> np.ndarray:
 def _why_unstable(scene: Scene, count: int) -> str:
     if _too_coarse(scene):
         n = int(coarse_elements(scene).sum())
-        return (f"{count} negative pivots: the mesh is too coarse ({n} elements longer than (240 EI/w)^(1/3)), which is not buckling; "
-                "shorten element_length")
+        return (
+            f"{count} negative pivots: the mesh is too coarse ({n} elements longer than (240 EI/w)^(1/3)), which is not buckling; "
+            "shorten element_length"
+        )
     return f"the static state is unstable ({count} negative pivots)"
-
-
-def _guess(scene: Scene, motion: tuple[float, float]) -> TorqueDrag | None:
-    """Soft string: stretch, twist and the side of the hole the string lies on."""
-    mesh, well, case = scene.mesh, scene.well, scene.case
-    gravity = np.array(case.gravity)
-    g = float(np.linalg.norm(gravity))
-    if gravity[0] or gravity[1] or g == 0:
-        return None
-    depth = mesh.node_depth
-    wob = case.initial.wob or 0.0
-    hung = sum(b.mass for b in mesh.bodies if b.node == mesh.nodes - 1) * g
-    force = getattr(case.top, "force", None)
-    soft = torque_drag(well, depth, mesh.mass * g, 0.5 * mesh.outer_diameter, mesh.axial_stiffness, mesh.torsional_stiffness,
-                       bottom_force=hung - wob, axial_velocity=-motion[0], rotation=motion[1])
-    clearance = np.asarray(well.radius(depth)) - 0.5 * np.append(mesh.outer_diameter, mesh.outer_diameter[-1])
-    deep = np.maximum(clearance, 0.0) + soft.contact_force / case.contact.stiffness if case.contact.law == "linear" else np.maximum(clearance, 0.0)
-    top_moves = 0.0
-    if case.initial.wob is not None and scene.bit is not None:
-        top_moves = _hole_end(scene) - (mesh.total_length + soft.stretch)
-        scene.top.shift(top_moves)
-    if force is not None:
-        top_moves = 0.0
-    centre, tangent, _ = well.at(depth + soft.elongation + top_moves)
-    strain = np.concatenate([[soft.axial_force[0] / mesh.axial_stiffness[0]],
-                             soft.axial_force[1:] / mesh.axial_stiffness])
-    m = scene.model
-    m.set_field("string.position", centre + deep[:, None] * soft.side)
-    m.set_field("string.tangent", (1 + strain)[:, None] * tangent)
-    return soft
-
-
-def _hole_end(scene: Scene) -> float:
-    from drillpetsc.scene import hole_depth
-
-    return hole_depth(scene.case)
 
 
 def _reactions(scene: Scene, solver: Statics) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,12 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.draw.shape import Shape
+
+
+def check_suffix(path: Path) -> None:
+    """Refuse, before anything is drawn, a film that nothing here can write."""
+    if path.suffix.lower() != ".gif" and importlib.util.find_spec("imageio") is None:
+        raise ValueError(f"{path.name}: only .gif can be written here; a film (.mp4) needs imageio with ffmpeg")
 
 
 def write_animation(
@@ -24,16 +31,14 @@ def write_animation(
         drawing.canvas.draw()
         images.append(np.asarray(drawing.canvas.buffer_rgba())[..., :3].copy())
     if path.suffix.lower() == ".gif":
-        from PIL import Image
+        from PIL import Image  # type: ignore[import-untyped,unused-ignore]
 
         palette = _palette(images, colormap)
         pages = [Image.fromarray(image).quantize(255, palette=palette, dither=Image.Dither.NONE) for image in images]
         pages[0].save(path, save_all=True, append_images=pages[1:], duration=round(1000 / rate), loop=0, disposal=1)
         return
-    try:
-        import imageio.v3 as imageio
-    except ImportError:
-        raise ValueError(f"{path.name}: imageio with ffmpeg is not installed; name a .gif instead") from None
+    import imageio.v3 as imageio  # type: ignore[import-not-found,unused-ignore]
+
     imageio.imwrite(path, [image[: image.shape[0] // 2 * 2, : image.shape[1] // 2 * 2] for image in images], fps=rate)
 
 
@@ -42,7 +47,7 @@ def _palette(images: list[np.ndarray], colormap: Any) -> Any:
 
     The latter from an image with each colour that occurs once, or the wide background would take them all.
     """
-    from PIL import Image
+    from PIL import Image  # type: ignore[import-untyped,unused-ignore]
 
     seen = np.zeros(0, dtype=np.int32)
     for image in images[:: max(len(images) // 8, 1)]:

@@ -106,7 +106,12 @@ def _histories(table: Table, panels: list[list[str]], title: str) -> Any:
         together = np.concatenate([table[name] for name in panel])
         size, unit = display_unit(panel[0], together)
         for name, color in zip(panel, LINE_COLORS * 3, strict=False):
-            axes.plot(time, table[name] / size, color=color, linewidth=1.1, label=words(name))
+            count = split_name(name)[0] == "newton"  # whole numbers that jump: dots, not a filled band
+            style_of = {"linestyle": "", "marker": ".", "markersize": 2.5} if count else {"linewidth": 1.1}
+            axes.plot(time, table[name] / size, color=color, label=words(name), **style_of)
+            if count:
+                axes.set_ylim(0, 1.08 * max(float(np.nanmax(table[name])), 1.0))
+                axes.yaxis.get_major_locator().set_params(integer=True)
         _level(axes, together / size)
         if len(panel) == 1:
             axes.set_ylabel(label(panel[0], unit))
@@ -135,7 +140,7 @@ def _level(axes: Any, values: np.ndarray) -> None:
     """Keep a constant from being magnified until its rounding shows, and axis numbers from hiding behind an offset."""
     axes.ticklabel_format(axis="y", useOffset=False)
     finite = values[np.isfinite(values)]
-    if finite.size and np.ptp(finite) < 1e-3 * np.abs(finite).max():
+    if finite.size and np.ptp(finite) < 1e-6 * np.abs(finite).max():
         middle, half = 0.5 * (finite.max() + finite.min()), 1e-3 * np.abs(finite).max()
         axes.set_ylim(middle - half, middle + half)
 
@@ -147,7 +152,7 @@ def probe_names(table: Table) -> list[str]:
 
 
 def _clearances(folder: RunFolder) -> tuple[np.ndarray, np.ndarray] | None:
-    """(measured depth (n,), hole radius less string radius (n,)) [m] from the last frame; None where the run has none."""
+    """(measured depth (n,), hole radius less string radius (n,)) [m] from the last frame; None where there is none."""
     series = read_series(folder.path)
     if not series:
         return None
@@ -158,7 +163,7 @@ def _clearances(folder: RunFolder) -> tuple[np.ndarray, np.ndarray] | None:
 
 
 def _orbits(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, title: str) -> Any:
-    """Path of the string's centre across the hole at each probe, late times dark, with the circle on which it touches."""
+    """Path of the string's centre in the hole at each probe, late times dark, with the circle on which it touches."""
     from matplotlib.collections import LineCollection
 
     names = [name for name in probe_names(table) if f"x_{name} [m]" in table and f"y_{name} [m]" in table]

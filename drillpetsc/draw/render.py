@@ -11,6 +11,7 @@ import functools
 import os
 import subprocess
 import sys
+import weakref
 
 import numpy as np
 
@@ -93,6 +94,7 @@ class Rendering:
         self.string.point_data["rgb"] = np.zeros((self.string.n_points, 3), dtype=np.uint8)
         self.plotter.add_mesh(self.string, scalars="rgb", rgb=True, ambient=0.38, diffuse=0.8, specular=0.15)
         self._aim(span)
+        self.close = weakref.finalize(self, self.plotter.close)  # pyvista itself keeps every plotter until it is closed
 
     def _aim(self, span: tuple[float, float]) -> None:
         camera, height = self.plotter.camera, span[1] - span[0]
@@ -112,9 +114,6 @@ class Rendering:
         self.string.Modified()
         self.plotter.render()
         return self.plotter.screenshot(return_img=True, transparent_background=True)
-
-    def close(self) -> None:
-        self.plotter.close()
 
 
 def project(offset: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ from typing import Any, Literal
 import numpy as np
 
 from drillpetsc.draw import panels, render, style
-from drillpetsc.draw.animation import write_animation
+from drillpetsc.draw.animation import check_suffix, write_animation
 from drillpetsc.draw.panels import Paint, Update
 from drillpetsc.draw.shape import Shape, cut, find_field, half_width, shape_of, smooth
 from drillpetsc.output.fields import read_frame, read_series
@@ -65,6 +65,8 @@ def view(
     if any(shape.bent for shape in shapes):
         shapes = [replace(shape, bent=True) for shape in shapes]
     path = Path(out) if out is not None else folder.plots / ("view.gif" if animate else "view.png")
+    if animate:
+        check_suffix(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     title = read_summary(folder.summary).get("title", "") if folder.summary.exists() else ""
     with style.look():

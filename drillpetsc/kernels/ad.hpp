@@ -1,13 +1,16 @@
 // Number types of the kernels: double, Pack (four elements side by side) and Dual<N> (forward derivatives).
 //
-// A kernel is one template over its number type T.  T = Pack evaluates four elements at once; T = Dual<N> carries the N
-// directional derivatives of the element's unknowns, so the Jacobian is exact to rounding and never out of step with the residual.
+// A kernel is one template over its number type T.  T = Pack evaluates four elements at once; T = Dual<N> carries N directional
+// derivatives, so a Jacobian is exact to rounding and never out of step with the residual.
 #pragma once
 #include <cmath>
 
 namespace dp {
 
+using std::atan2; using std::cos; using std::exp; using std::log; using std::pow; using std::sin; using std::sqrt;
+
 typedef double V4 __attribute__((vector_size(32)));
+typedef long long I4 __attribute__((vector_size(32)));
 
 inline V4 splat(double s) { return V4{s, s, s, s}; }
 
@@ -25,18 +28,36 @@ inline Pack operator-(const Pack& a, const Pack& b) { return Pack(a.v - b.v); }
 inline Pack operator*(const Pack& a, const Pack& b) { return Pack(a.v * b.v); }
 inline Pack operator/(const Pack& a, const Pack& b) { return Pack(a.v / b.v); }
 inline Pack operator-(const Pack& a) { return Pack(-a.v); }
-inline Pack sqrt(const Pack& a) {
-    V4 r;
-    for (int i = 0; i < 4; ++i) r[i] = std::sqrt(a.v[i]);
-    return Pack(r);
-}
-inline Pack atan2(const Pack& a, const Pack& b) {
-    V4 r;
-    for (int i = 0; i < 4; ++i) r[i] = std::atan2(a.v[i], b.v[i]);
-    return Pack(r);
-}
+inline Pack sqrt(const Pack& a) { return Pack(V4{std::sqrt(a.v[0]), std::sqrt(a.v[1]), std::sqrt(a.v[2]), std::sqrt(a.v[3])}); }
 inline Pack sin(const Pack& a) { V4 r; for (int i = 0; i < 4; ++i) r[i] = std::sin(a.v[i]); return Pack(r); }
 inline Pack cos(const Pack& a) { V4 r; for (int i = 0; i < 4; ++i) r[i] = std::cos(a.v[i]); return Pack(r); }
+
+inline void transpose(V4 (&a)[4]) {
+    const V4 p = __builtin_shufflevector(a[0], a[1], 0, 4, 2, 6), q = __builtin_shufflevector(a[0], a[1], 1, 5, 3, 7);
+    const V4 r = __builtin_shufflevector(a[2], a[3], 0, 4, 2, 6), s = __builtin_shufflevector(a[2], a[3], 1, 5, 3, 7);
+    a[0] = __builtin_shufflevector(p, r, 0, 1, 4, 5); a[1] = __builtin_shufflevector(q, s, 0, 1, 4, 5);
+    a[2] = __builtin_shufflevector(p, r, 2, 3, 6, 7); a[3] = __builtin_shufflevector(q, s, 2, 3, 6, 7);
+}
+
+// atan2 without branches: angle of the smaller over the larger side, shifted by pi/4 if beyond pi/8, by the rational approximation of
+// the Cephes library (S. L. Moshier, atan.c, relative error 2e-16), then unfolded.
+inline Pack atan2(const Pack& y, const Pack& x) {
+    const V4 zero = splat(0.0), ay = y.v < zero ? -y.v : y.v, ax = x.v < zero ? -x.v : x.v;
+    const I4 steep = ay > ax;
+    const V4 low = steep ? ax : ay, high = steep ? ay : ax;
+    const I4 upper = low > high * 0.41421356237309503;  // beyond pi/8: tan(a - pi/4) = (tan a - 1)/(tan a + 1)
+    const V4 top = upper ? low - high : low, under = upper ? low + high : high;
+    const V4 t = top / (under > zero ? under : splat(1.0)), z = t * t;
+    const V4 P = (((-8.750608600031904122785e-1 * z - 1.615753718733365076637e1) * z - 7.500855792314704667340e1) * z -
+                  1.228866684490136173410e2) * z - 6.485021904942025371773e1;
+    const V4 Q = ((((z + 2.485846490142306297962e1) * z + 1.650270098316988542046e2) * z + 4.328810604912902668951e2) * z +
+                  4.853903996359136964868e2) * z + 1.945506571482613964425e2;
+    V4 a = t + t * (z * P / Q);
+    a = upper ? a + 0.78539816339744831 : a;
+    a = steep ? 1.5707963267948966 - a : a;
+    a = x.v < zero ? 3.1415926535897931 - a : a;
+    return Pack(y.v < zero ? -a : a);
+}
 
 // ---------------------------------------------------------------- forward derivatives
 template <int N>
@@ -96,7 +117,6 @@ DP_D atan2(const Dual<N>& y, const Dual<N>& x) {
 
 inline double val(double a) { return a; }
 template <int N> inline double val(const Dual<N>& a) { return a.v; }
-using std::atan2; using std::cos; using std::exp; using std::log; using std::pow; using std::sin; using std::sqrt;
 
 #define DP_CMP(op)                                                                               \
     template <int N> inline bool operator op(const Dual<N>& a, const Dual<N>& b) { return a.v op b.v; } \
@@ -112,14 +132,14 @@ struct Vec {
     Vec& operator+=(const Vec& b) { x += b.x; y += b.y; z += b.z; return *this; }
     Vec& operator-=(const Vec& b) { x -= b.x; y -= b.y; z -= b.z; return *this; }
 };
-template <class T, class U> inline auto operator+(const Vec<T>& a, const Vec<U>& b) -> Vec<decltype(a.x + b.x)> { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-template <class T, class U> inline auto operator-(const Vec<T>& a, const Vec<U>& b) -> Vec<decltype(a.x - b.x)> { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+template <class T, class U> __attribute__((always_inline)) inline auto operator+(const Vec<T>& a, const Vec<U>& b) -> Vec<decltype(a.x + b.x)> { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+template <class T, class U> __attribute__((always_inline)) inline auto operator-(const Vec<T>& a, const Vec<U>& b) -> Vec<decltype(a.x - b.x)> { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 template <class T> inline Vec<T> operator-(const Vec<T>& a) { return {-a.x, -a.y, -a.z}; }
-template <class T, class S> inline auto operator*(const S& s, const Vec<T>& a) -> Vec<decltype(s * a.x)> { return {s * a.x, s * a.y, s * a.z}; }
-template <class T, class S> inline auto operator*(const Vec<T>& a, const S& s) -> Vec<decltype(s * a.x)> { return s * a; }
-template <class T, class S> inline auto operator/(const Vec<T>& a, const S& s) -> Vec<decltype(a.x / s)> { return {a.x / s, a.y / s, a.z / s}; }
-template <class T, class U> inline auto dot(const Vec<T>& a, const Vec<U>& b) -> decltype(a.x * b.x) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-template <class T, class U> inline auto cross(const Vec<T>& a, const Vec<U>& b) -> Vec<decltype(a.x * b.x)> {
+template <class T, class S> __attribute__((always_inline)) inline auto operator*(const S& s, const Vec<T>& a) -> Vec<decltype(s * a.x)> { return {s * a.x, s * a.y, s * a.z}; }
+template <class T, class S> __attribute__((always_inline)) inline auto operator*(const Vec<T>& a, const S& s) -> Vec<decltype(s * a.x)> { return s * a; }
+template <class T, class S> __attribute__((always_inline)) inline auto operator/(const Vec<T>& a, const S& s) -> Vec<decltype(a.x / s)> { return {a.x / s, a.y / s, a.z / s}; }
+template <class T, class U> __attribute__((always_inline)) inline auto dot(const Vec<T>& a, const Vec<U>& b) -> decltype(a.x * b.x) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+template <class T, class U> __attribute__((always_inline)) inline auto cross(const Vec<T>& a, const Vec<U>& b) -> Vec<decltype(a.x * b.x)> {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <class T> inline T norm(const Vec<T>& a) { return sqrt(dot(a, a)); }

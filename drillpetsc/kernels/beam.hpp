@@ -84,27 +84,34 @@ inline Twist<T> twist(const Vec<T>& d, const Vec<T>& v1, const Vec<T>& v2, const
     return q;
 }
 
-// Bending moment forces of one point, conjugate to r' and r''; damped: moment beta EI times the rate seen by the turning pipe.
-template <class T, class S, bool DAMPED>
-inline void bending(const Vec<T>& r1, const Vec<T>& r2, const Vec<T>& q1, const Vec<T>& q2, const T& spin, const S& stiffness, const S& beta,
-                    Vec<T>& f1, Vec<T>& f2, T& torque) {
-    const T A = dot(r1, r1), B = dot(r1, r2), C = dot(r2, r2);
-    const T iA = 1.0 / A, fB = -B * iA * iA;
-    const T fA2 = 2.0 * (B * B * iA - 0.5 * C) * iA * iA;
-    f1 = (r1 * fA2 + r2 * fB) * stiffness;
-    f2 = (r1 * fB + r2 * iA) * stiffness;
-    if constexpr (DAMPED) {
-        const T n = sqrt(A);
-        const Vec<T> t = r1 / n, t1 = (q1 - dot(t, q1) * t) / n;
-        const Vec<T> kappa = cross(r1, r2) * iA;
-        const Vec<T> rate = (cross(q1, r2) + cross(r1, q2)) * iA - kappa * (2.0 * dot(r1, q1) * iA);
-        const Vec<T> turning = cross(t, t1) + t * spin;
-        const Vec<T> M = (rate - cross(turning, kappa)) * (stiffness * beta);
-        const Vec<T> km = cross(kappa, M);
-        f1 += cross(r2, M) * iA - r1 * (2.0 * dot(M, kappa) * iA) - cross(km, t) / n;
-        f2 += cross(M, r1) * iA;
-        torque = -dot(km, t);
+// Curvature vector k = (r'' - t (t.r''))/n of a point, t = r'/n, n = |r'|, |k| = |kappa|; side = t x k.
+template <class T>
+struct Bend {
+    T along;  // t.r''
+    Vec<T> k, side;
+    Bend(const Vec<T>& t, const T& in, const Vec<T>& r2) : along(dot(t, r2)), k((r2 - t * along) * in), side(cross(t, k)) {}
+    // Rate of k across t in the frame that turns with the pipe: [P(q2 - (t.r''/n) q1) - (t.q1) k]/n - spin t x k, P = I - t t^T,
+    // q1, q2 the rates of r', r''.
+    Vec<T> rate(const Vec<T>& t, const T& in, const Vec<T>& q1, const Vec<T>& q2, const T& spin) const {
+        const Vec<T> bend = q2 - q1 * (along * in);
+        return (bend - t * dot(t, bend) - k * dot(t, q1)) * in - side * spin;
     }
+};
+
+// Bending forces of one point, conjugate to r' and r''; damped: moment beta EI times the rate seen by the turning pipe.  The power of
+// the moment m = EI (k + beta rate) is m.rate, so forces and torque are its factors of q1, q2, spin.  stiffness: EI times the length
+// of the point [N m3].
+template <class T, class S, bool DAMPED>
+inline void bending(const Vec<T>& t, const T& in, const Vec<T>& r2, const Vec<T>& q1, const Vec<T>& q2, const T& spin, const S& stiffness,
+                    const S& beta, Vec<T>& f1, Vec<T>& f2, T& torque) {
+    const Bend<T> b(t, in, r2);
+    Vec<T> m = b.k * stiffness;
+    if constexpr (DAMPED) {
+        m += b.rate(t, in, q1, q2, spin) * (stiffness * beta);
+        torque = -dot(m, b.side);
+    }
+    f2 = m * in;
+    f1 = -(f2 * b.along + t * dot(m, b.k)) * in;
 }
 
 // Elastic and Kelvin-Voigt forces of an element; w are the rates of d, v1, v2 and o1, o2 the spin rates (used when DAMPED).
@@ -119,14 +126,13 @@ inline Work<T> stiffness_forces(const Vec<T>& d, const Vec<T>& v1, const Vec<T>&
         e1 += dot(t1, w1) * beta;
         e2 += dot(t2, w2) * beta;
     }
-    Vec<T> r1[3], tg[3], f1[3], f2[3];
+    Vec<T> tg[3], f1[3], f2[3];
     T theta[3];
     for (int g = 0; g < 3; ++g) {
         const Shape<T, S> N(XI3[g], il);
-        r1[g] = N.slope(d, v1, v2);
-        const Vec<T> r2 = N.second(d, v1, v2);
-        const T n = norm(r1[g]);
-        tg[g] = r1[g] / n;
+        const Vec<T> r1 = N.slope(d, v1, v2), r2 = N.second(d, v1, v2);
+        const T n = norm(r1), in = 1.0 / n;
+        tg[g] = r1 * in;
         em += n * W3[g];
         Vec<T> q1, q2;
         T spin;
@@ -136,7 +142,7 @@ inline Work<T> stiffness_forces(const Vec<T>& d, const Vec<T>& v1, const Vec<T>&
             em += dot(tg[g], q1) * (beta * W3[g]);
             spin = o1 * (1 - XI3[g]) + o2 * XI3[g];
         }
-        bending<T, S, DAMPED>(r1[g], r2, q1, q2, spin, p[EI] * p[LENGTH] * W3[g], beta, f1[g], f2[g], theta[g]);
+        bending<T, S, DAMPED>(tg[g], in, r2, q1, q2, spin, p[EI] * p[LENGTH] * W3[g], beta, f1[g], f2[g], theta[g]);
     }
     // conjugates of the end strains and the mean strain, U = EA L/2 [2/15 (e1^2+e2^2) - e1 e2/15 - (e1+e2) em/5 + 6/5 em^2]
     const S k = p[EA] * p[LENGTH] * 0.5;

@@ -1,9 +1,11 @@
-#include "contact.hpp"
+#include "contact_jacobian.hpp"
 
 using namespace dp;
 typedef BeamContact<false> ContactPlain;
 typedef BeamContact<true> ContactSplit;
-DP_ENTRY(contact, ContactPlain)
+DP_RESIDUAL(contact, ContactPlain)
+DP_JACOBIAN(contact, run_contact_jacobian)
+DP_JACOBIAN(contact_dual, run_jacobian<ContactPlain>)  // the oracle of the tests
 DP_ENTRY(contact_split, ContactSplit)
 DP_ENTRY(body_contact, BodyContact)
 DP_ENTRY(bit_contact, BitContact)

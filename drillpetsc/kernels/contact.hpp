@@ -46,20 +46,22 @@ struct Touch {
 
 struct TouchReport { double normal, stored, damping_power, friction_power, penetration; };
 
-// Point x of the axis with velocity u, section turning with `turning`, radius R; weight: length it stands for.
-// Returns false where there is no contact.
-template <class T>
-inline bool touch(const ContactLaw& law, const Vec<T>& x, const Vec<T>& u, const Vec<T>& turning, double R, double own_friction, double weight,
-                  int& segment, Touch<T>& out, TouchReport* report = nullptr) {
-    const Well well(law.well);
-    const Vec<double> place = {val(x.x), val(x.y), val(x.z)};
-    const HolePoint<double> q = closest_point(well, place, segment);
+// Whether the section of radius R about the axis point x is in contact; foot: where on the hole's centreline.
+inline bool touches(const Well& well, const Vec<double>& x, double R, int& segment, Foot& foot) {
+    foot = locate(well, x, segment);
+    const HolePoint<double> q = hole_point(well, foot, x);
     const double room = q.radius > R ? q.radius : R;  // no clearance: a centring spring
-    if (q.rho + R - room <= -RAMP) return false;
-    const HolePoint<T> h = closest_point(well, x, segment);
+    return q.rho + R - room > -RAMP;
+}
+
+// Touching point x of the axis with velocity u, section turning with `turning`, radius R; weight: length it stands for.
+template <class T>
+inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, const Vec<T>& x, const Vec<T>& u, const Vec<T>& turning, double R,
+                  double own_friction, double weight, Touch<T>& out, TouchReport* report = nullptr) {
+    const HolePoint<T> h = hole_point(well, foot, x);
     T depth = h.rho;
     Vec<T> gradient = h.n;
-    if (q.radius > R) {
+    if (val(h.radius) > R) {
         depth = h.rho + R - h.radius;
         gradient = h.n - h.t * (h.radius_slope * h.ds_dx);
     }
@@ -99,8 +101,34 @@ inline bool touch(const ContactLaw& law, const Vec<T>& x, const Vec<T>& u, const
         report->damping_power = (val(N) - e) * val(rate);
         report->penetration = val(depth);
     }
-    return true;
 }
+
+// What a touching point of the axis gives to the centre line: force, and couple split into bending (on r') and torque.
+template <class T>
+struct PointLoad { Vec<T> force, bend; T torque, normal; Vec<T> tangent; };
+
+template <class T>
+inline PointLoad<T> point_load(const ContactLaw& law, const Well& well, const Foot& foot, const Vec<T>& place, const Vec<T>& speed, const Vec<T>& slope,
+                               const Vec<T>& slope_rate, const T& spin, double R, double own_friction, double weight, TouchReport* report) {
+    const T n = norm(slope);
+    const Vec<T> t = slope / n, t1 = (slope_rate - t * dot(t, slope_rate)) / n;
+    Touch<T> c;
+    touch(law, well, foot, place, speed, cross(t, t1) + t * spin, R, own_friction, weight, c, report);
+    return {c.force, cross(c.couple, t) / n, dot(c.couple, t), c.normal, t};
+}
+
+// Cubic interpolation at the place s (0..1) of an element: shares of r1, v1, r2, v2 in r and in r'.
+struct Interpolation {
+    double r[4], slope[4];
+    Interpolation(double s, double L) {
+        const double h = 1 - 3 * s * s + 2 * s * s * s, b = 6 * s * (1 - s) / L;
+        r[0] = h; r[1] = L * (s - 2 * s * s + s * s * s); r[2] = 1 - h; r[3] = L * (s * s * s - s * s);
+        slope[0] = -b; slope[1] = 1 - 4 * s + 3 * s * s; slope[2] = b; slope[3] = 3 * s * s - 2 * s;
+    }
+    template <class T> static Vec<T> sum(const double* c, const Vec<T>& r1, const Vec<T>& v1, const Vec<T>& r2, const Vec<T>& v2) {
+        return r1 * c[0] + v1 * c[1] + r2 * c[2] + v2 * c[3];
+    }
+};
 
 // Contact points spread along a beam element.
 template <bool SPLIT>
@@ -134,35 +162,31 @@ struct BeamContact {
         const Vec<T> zero = {T(0.0), T(0.0), T(0.0)};
         Vec<T> F1 = zero, F2 = zero, G1 = zero, G2 = zero;
         T theta1 = T(0.0), theta2 = T(0.0);
+        const Well well(law.well);
         for (int q = 0; q < law.points; ++q) {
             const double s = law.at[2 * q], w = law.at[2 * q + 1] * L;
-            const double h1 = 1 - 3 * s * s + 2 * s * s * s, h2 = L * (s - 2 * s * s + s * s * s), h3 = 1 - h1, h4 = L * (s * s * s - s * s);
-            const Vec<T> place = r1 * h1 + v1 * h2 + r2 * h3 + v2 * h4;
+            const Interpolation at(s, L);
+            const Vec<T> place = at.sum(at.r, r1, v1, r2, v2);
             const int k = e * law.points + q;
-            law.touching[k] = 0;
+            Foot foot;
+            law.touching[k] = touches(well, {val(place.x), val(place.y), val(place.z)}, p[RADIUS], law.segment[k], foot);
             law.normal[k] = 0;
-            const double b0 = 6 * s * (1 - s) / L, b1 = 1 - 4 * s + 3 * s * s, b2 = 3 * s * s - 2 * s;
-            Touch<T> c;
+            if (!law.touching[k]) continue;
             TouchReport now;
-            const Vec<T> speed = u1 * h1 + w1 * h2 + u2 * h3 + w2 * h4;
-            const Vec<T> slope = (r2 - r1) * b0 + v1 * b1 + v2 * b2, slope_rate = (u2 - u1) * b0 + w1 * b1 + w2 * b2;
-            const Tangent<T> t(slope, slope_rate, slope_rate);
-            const Vec<T> turning = cross(t.t, t.t1) + t.t * (y[6] * (1 - s) + y[13] * s);
-            if (!touch(law, place, speed, turning, p[RADIUS], p[FRICTION], w, law.segment[k], c, report ? &now : nullptr)) continue;
-            law.touching[k] = 1;
+            const PointLoad<T> c = point_load(law, well, foot, place, at.sum(at.r, u1, w1, u2, w2), at.sum(at.slope, r1, v1, r2, v2),
+                                              at.sum(at.slope, u1, w1, u2, w2), y[6] * (1 - s) + y[13] * s, p[RADIUS], p[FRICTION], w,
+                                              report ? &now : nullptr);
             law.normal[k] = val(c.normal);
-            const Vec<T> bend = cross(c.couple, t.t) / t.n;
-            const T spin = dot(c.couple, t.t);
-            F1 -= c.force * h1 - bend * b0;
-            F2 -= c.force * h3 + bend * b0;
-            G1 -= c.force * h2 + bend * b1;
-            G2 -= c.force * h4 + bend * b2;
-            theta1 -= spin * (1 - s);
-            theta2 -= spin * s;
+            F1 -= c.force * at.r[0] + c.bend * at.slope[0];
+            G1 -= c.force * at.r[1] + c.bend * at.slope[1];
+            F2 -= c.force * at.r[2] + c.bend * at.slope[2];
+            G2 -= c.force * at.r[3] + c.bend * at.slope[3];
+            theta1 -= c.torque * (1 - s);
+            theta2 -= c.torque * s;
             if (report) {
                 report[0] += now.normal; report[1] += now.stored; report[2] += now.damping_power; report[3] += now.friction_power;
                 if (now.penetration > report[4]) report[4] = now.penetration;
-                report[5] += val(dot(c.force, t.t)); report[6] += val(spin);
+                report[5] += val(dot(c.force, c.tangent)); report[6] += val(c.torque);
             }
         }
         if constexpr (SPLIT) {
@@ -192,16 +216,18 @@ struct BodyContact {
         for (int i = 0; i < D; ++i) r[i] = T(0.0);
         const Tangent<T> t(vec(x + 3), vec(y + 3), vec(y + 3));
         const Vec<T> turning = cross(t.t, t.t1) + t.t * y[6];
+        const Well well(law.well);
         for (int q = 0; q < law.points; ++q) {
             const double distance = p[ABOVE] + law.at[2 * q] * p[LENGTH], w = law.at[2 * q + 1] * p[LENGTH];
             const int k = e * law.points + q;
-            law.touching[k] = 0;
+            const Vec<T> place = vec(x) + t.t * distance;
+            Foot foot;
+            law.touching[k] = touches(well, {val(place.x), val(place.y), val(place.z)}, p[RADIUS], law.segment[k], foot);
             law.normal[k] = 0;
+            if (!law.touching[k]) continue;
             Touch<T> c;
             TouchReport now;
-            if (!touch(law, vec(x) + t.t * distance, vec(y) + t.t1 * distance, turning, p[RADIUS], p[FRICTION], w, law.segment[k], c,
-                       report ? &now : nullptr)) continue;
-            law.touching[k] = 1;
+            touch(law, well, foot, place, vec(y) + t.t1 * distance, turning, p[RADIUS], p[FRICTION], w, c, report ? &now : nullptr);
             law.normal[k] = val(c.normal);
             const Vec<T> push = c.force * distance + cross(c.couple, t.t);
             const Vec<T> row = (push - t.t * dot(t.t, push)) / t.n;

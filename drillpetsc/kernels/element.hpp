@@ -13,6 +13,31 @@ namespace dp {
 
 constexpr int round4(int n) { return (n + 3) / 4 * 4; }
 
+// Four elements side by side: entries idx of x, or row-wise parameters; beyond the n-th element the first of the four is repeated.
+typedef double Unaligned __attribute__((vector_size(32), aligned(8), may_alias));
+struct Lanes {
+    int first, count;  // element of the first lane, lanes in use
+    int at[4];         // element of each lane
+    Lanes(int e, int n) : first(e), count(n - e < 4 ? n - e : 4) {
+        for (int l = 0; l < 4; ++l) at[l] = l < count ? e + l : e;
+    }
+    void gather(int D, const int* idx, const double* x, Pack* X) const {
+        for (int i = 0; i < D; ++i)
+            X[i] = Pack(V4{x[idx[at[0] * D + i]], x[idx[at[1] * D + i]], x[idx[at[2] * D + i]], x[idx[at[3] * D + i]]});
+    }
+    void rows(int N, const double* table, Pack* P) const {
+        for (int i = 0; i < N; ++i) P[i] = Pack(V4{table[at[0] * N + i], table[at[1] * N + i], table[at[2] * N + i], table[at[3] * N + i]});
+    }
+    // the other way: N (a multiple of 4) results of each lane to its row of the table
+    void store_rows(int N, const Pack* P, double* table) const {
+        for (int i = 0; i < N; i += 4) {
+            V4 row[4] = {P[i].v, P[i + 1].v, P[i + 2].v, P[i + 3].v};
+            transpose(row);
+            for (int l = 3; l >= 0; --l) *reinterpret_cast<Unaligned*>(table + (long)at[l] * N + i) = row[l];  // unused lanes are overwritten
+        }
+    }
+};
+
 template <class Kernel>
 void run_residual(int n, const int* idx, const double* par, void* ctx, const double* x, const double* y, const double* a, double* r) {
     constexpr int D = Kernel::D, NP = Kernel::NP;
@@ -20,17 +45,13 @@ void run_residual(int n, const int* idx, const double* par, void* ctx, const dou
     if constexpr (Kernel::PACKED) {
         for (; e < n; e += 4) {
             Pack X[D], Y[D], A[D], P[NP], R[D];
-            const int lanes = n - e < 4 ? n - e : 4;
-            for (int l = 0; l < 4; ++l) {
-                const int f = e + (l < lanes ? l : 0);
-                for (int i = 0; i < D; ++i) {
-                    const int k = idx[f * D + i];
-                    X[i].v[l] = x[k]; Y[i].v[l] = y[k]; A[i].v[l] = a[k];
-                }
-                for (int i = 0; i < NP; ++i) P[i].v[l] = par[f * NP + i];
-            }
+            const Lanes lanes(e, n);
+            lanes.gather(D, idx, x, X);
+            lanes.gather(D, idx, y, Y);
+            lanes.gather(D, idx, a, A);
+            lanes.rows(NP, par, P);
             Kernel::template force<Pack, Pack>(e, X, Y, A, P, ctx, R);
-            for (int l = 0; l < lanes; ++l)
+            for (int l = 0; l < lanes.count; ++l)
                 for (int i = 0; i < D; ++i) r[idx[(e + l) * D + i]] += R[i].v[l];
         }
     } else {
@@ -73,15 +94,17 @@ void run_jacobian(int n, const int* idx, const int* nodes, const double* par, vo
     }
 }
 
-#define DP_ENTRY(name, Kernel)                                                                                       \
+#define DP_RESIDUAL(name, Kernel)                                                                                    \
     extern "C" void name##_residual(int n, const int* idx, const double* par, void* ctx, const double* x,           \
                                     const double* y, const double* a, double* r) {                                  \
         dp::run_residual<Kernel>(n, idx, par, ctx, x, y, a, r);                                                     \
-    }                                                                                                               \
+    }
+#define DP_JACOBIAN(name, run)                                                                                       \
     extern "C" void name##_jacobian(int n, const int* idx, const int* nodes, const double* par, void* ctx,          \
                                     const double* c, const double* spin, const double* x, const double* y,          \
                                     const double* a, double* K) {                                                   \
-        dp::run_jacobian<Kernel>(n, idx, nodes, par, ctx, c, spin, x, y, a, K);                                     \
+        run(n, idx, nodes, par, ctx, c, spin, x, y, a, K);                                                          \
     }
+#define DP_ENTRY(name, Kernel) DP_RESIDUAL(name, Kernel) DP_JACOBIAN(name, dp::run_jacobian<Kernel>)
 
 }  // namespace dp

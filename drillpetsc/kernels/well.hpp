@@ -163,12 +163,10 @@ inline Foot locate(const Well& w, const Vec<double>& x, int& segment) {
     }
 }
 
-// Closest point of the centreline to x.  segment: in, where to begin (any value; < 0 for none), out, where the point was found.
-// The root is found in double; one Newton step in T then carries the derivatives:  du = g(x)/slope  gives exactly
-// du/dx = c'^T/(c'.c' - e.c''), that is ds/dx = t^T/(1 - e.kappa), and the rest follows from first-order expansions about the root.
-template <class T> inline HolePoint<T> closest_point(const Well& w, const Vec<T>& x, int& segment) {
-    const Vec<double> xv{val(x.x), val(x.y), val(x.z)};
-    const Foot f = locate(w, xv, segment);
+// Closest point of the centreline to x, whose foot is known.  One Newton step in T from the foot's root carries the derivatives:
+// du = g(x)/slope  gives exactly  du/dx = c'^T/(c'.c' - e.c''), that is ds/dx = t^T/(1 - e.kappa), and the rest follows from
+// first-order expansions about the root.
+template <class T> inline HolePoint<T> hole_point(const Well& w, const Foot& f, const Vec<T>& x) {
     const double floor = 0.05 * f.speed2, slope = f.slope > floor ? f.slope : floor;
     const T du = dot(x - f.c, f.d1) * (1.0 / slope);
     const double speed = std::sqrt(f.speed2);
@@ -190,6 +188,12 @@ template <class T> inline HolePoint<T> closest_point(const Well& w, const Vec<T>
     const T speed2 = dot(d1, d1), fall = speed2 - dot(h.e, d2);
     h.ds_dx = (f.ds + f.dds * du) * sqrt(speed2) / (val(fall) > floor ? fall : T(floor));
     return h;
+}
+
+// Closest point of the centreline to x.  segment: in, where to begin (any value; < 0 for none), out, where the point was found.
+template <class T> inline HolePoint<T> closest_point(const Well& w, const Vec<T>& x, int& segment) {
+    const Vec<double> place{val(x.x), val(x.y), val(x.z)};
+    return hole_point(w, locate(w, place, segment), x);
 }
 
 }  // namespace dp

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -199,6 +200,22 @@ class BitOnBottom(Passive):
         gradient[index[:3]] = axis
         gradient[index[3:6]] = face * (axis - v * (v @ axis) / n**2) / n
         return float((state.x[index[:3]] + face * v / n - end) @ axis), gradient
+
+    def torque_for(self, weight: float) -> float:
+        """Friction torque [N m] of the turning bit under ``weight`` [N]."""
+        return weight * self._row[3] * self._row[1] * 2 / 3
+
+    @contextmanager
+    def preloaded(self, weight: float, travel: float):
+        """Meanwhile the bit stands on a weak spring that carries ``weight`` [N] after ``travel`` [m], at the depth of ``depth_for``."""
+        p = self._block.params
+        before = p.copy()
+        p[:, 2] = weight / travel
+        p[:, 4:7] -= (travel - self.depth_for(weight)) * p[:, 7:10]
+        try:
+            yield
+        finally:
+            p[:] = before
 
     def depth_for(self, weight: float) -> float:
         """Penetration [m] at which the bit carries ``weight`` [N]."""

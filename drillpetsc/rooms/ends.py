@@ -47,7 +47,7 @@ class Held(Passive):
     def __init__(self, vertex: int, kind: str, position: FloatArray, tangent: FloatArray, spin: bool = True, angle: float = 0.0):
         axes = _axes(tangent)
         D = _rows(axes, axes[1:] if kind == "clamped" else axes[:0], spin)
-        self._target = target = D @ np.concatenate([position, tangent, [angle]])
+        self.anchor = target = D @ np.concatenate([position, tangent, [angle]])
         still = np.zeros(len(D))
         tilt = ("side_moment_1", "side_moment_2") if kind == "clamped" else ()
         names = ("axial_reaction", "side_reaction_1", "side_reaction_2", *tilt, *(("torque_reaction",) if spin else ()))
@@ -56,7 +56,7 @@ class Held(Passive):
 
     def shift(self, distance: float) -> None:
         """Move the axial position by ``distance`` [m], down positive."""
-        self._target[0] += distance
+        self.anchor[0] += distance
 
     def prescribed(self) -> tuple[Prescribed, ...]:
         return (self._condition,)
@@ -74,7 +74,7 @@ class TopDrive(Passive):
         axes = _axes(tangent)
         self.inputs = tuple(i for i in (rotation, lowering) if i is not None)
         D = _rows(axes if lowering is not None else axes[1:], axes[1:], rotation is not None)
-        self._start = start = D @ np.concatenate([position, tangent, [angle]])
+        self.anchor = start = D @ np.concatenate([position, tangent, [angle]])
         self._axial = axial = np.zeros(len(D))
         spin = np.zeros(len(D))
         if lowering is not None:
@@ -93,7 +93,7 @@ class TopDrive(Passive):
 
     def shift(self, distance: float) -> None:
         """Move the axial position by ``distance`` [m], down positive."""
-        self._start += distance * self._axial
+        self.anchor += distance * self._axial
 
     def breaks(self) -> tuple[float, ...]:
         return tuple(b for i in self.inputs for b in i.breaks())

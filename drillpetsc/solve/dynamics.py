@@ -31,9 +31,6 @@ CONSECUTIVE_FAILURES = 25
 class Counters:
     steps: int = 0
     rejected: int = 0
-    newton: int = 0
-    jacobians: int = 0
-    failures: int = 0
 
 
 @dataclass
@@ -53,9 +50,10 @@ class Dynamics:
             if not options.hasName(key):
                 options.setValue(key, value)
         self.first_step = options.getReal("ts_dt", self.first_step)
+        self._fixed = options.getString("ts_adapt_type", "basic") == "none"
         self.tolerance = options.getReal("ts_rtol", TOLERANCE)
         self.condensed = options.getString("ts_type", "bdf") == "bdf" and options.getString("snes_type", "python") == "python"
-        self.counters, self._in_a_row = Counters(), 0
+        self.counters, self._in_a_row, self.last_step = Counters(), 0, 0.0
         self._make(options)
 
     def _make(self, options: PETSc.Options) -> None:
@@ -126,13 +124,28 @@ class Dynamics:
         return SolveError(what, time=self.ts.getTime(), hint="look at the inputs at this time and place; a smaller -ts_rtol, softer contact "
                           "or -q_snes_linesearch_type bt may help", **place)
 
+    def newton_iterations(self) -> int:
+        """Newton iterations so far, rejected steps included."""
+        return self.newton.newton if self.condensed else self.ts.getSNESIterations()
+
+    def jacobian_count(self) -> int:
+        return self.newton.jacobians if self.condensed else self.plain.jacobians
+
+    def failure_count(self) -> int:
+        return self.newton.failures if self.condensed else self.ts.getSNESFailures()
+
+    def linear_iterations(self) -> int:
+        return self.newton.linear if self.condensed else self.ts.getKSPIterations()
+
     # ------------------------------------------------------------------ run
     def _post_step(self, ts) -> None:
         if not self.condensed:
             self.plain.accept(ts)
-        dt = ts.getTime() - self._last
+        dt = self.last_step = ts.getTime() - self._last
         self._last = ts.getTime()
         self.counters.steps += 1
+        if self._fixed and ts.getTimeStep() < self.first_step:  # a step that was cut does not stay short
+            ts.setTimeStep(min(self.first_step, 2 * ts.getTimeStep()))
         for call in self.after_step:
             call(self._last, dt)
 
@@ -149,17 +162,20 @@ class Dynamics:
         ts.setMaxSteps(2**31 - 1)
         self._last = start
         for stop in stops:
+            self._forget()
             ts.setMaxTime(stop)
             ts.restartStep()
-            step = ts.getTimeStep()
-            ts.setTimeStep(min(step, self.first_step) if ts.getTime() > start else self.first_step)
+            ts.setTimeStep(min(self.first_step, stop - ts.getTime()))
+            rejected = ts.getStepRejections()
             ts.solve(self.state)
             if ts.getConvergedReason() < 0:
                 raise self.collapse(f"the time integrator stopped: {_reason(ts.getConvergedReason())}")
-            self.counters.rejected = ts.getStepRejections()
+            self.counters.rejected += ts.getStepRejections() - rejected
+
+    def _forget(self) -> None:
+        """Start without memory of earlier factors, so that a continued run takes the same steps as an uninterrupted one."""
         if self.condensed:
-            n = self.newton
-            self.counters.newton, self.counters.jacobians, self.counters.failures = n.newton, n.jacobians, n.failures
+            self.newton.forget()
 
 
 def _reason(value: int) -> str:

@@ -17,7 +17,7 @@ class PlainSystem:
     """TS callbacks on the state vector."""
 
     def __init__(self, model: Model):
-        self.model = model
+        self.model, self.jacobians = model, 0
         layout, asm = model.layout, model.assembly
         self._rated = layout.y_local >= 0
         self._row = np.where(self._rated, layout.y_local, layout.x_local)  # where a condensed row goes in the local state
@@ -84,6 +84,7 @@ class PlainSystem:
     def jacobian(self, ts, t, state, rate, shift, J, P) -> None:
         model, layout, asm = self.model, self.model.layout, self.model.assembly
         model.load_state(state, rate)
+        self.jacobians += 1
         values, every = self._values, self._every
         k, m = len(every), 3 * len(self._spin_nodes)
         values[:k], values[k : 2 * k] = shift, -1.0

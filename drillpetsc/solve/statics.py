@@ -1,8 +1,10 @@
-"""Static equilibrium: Newton on the potential energy, kept downhill by a shift where the tangent is not positive definite.
+"""Static equilibrium: Newton on the potential energy, kept downhill by a shift where the tangent is not positive
+definite.
 
-The frictionless problem has an energy; its minima are the stable states.  Each step solves with K + sigma M, sigma raised until no
-pivot is negative (Sylvester), and is shortened by the slope along it, so a straight buckled string cannot be returned unless nothing
-disturbs it - then a small persistent side load is added.  Friction in the imposed sliding direction follows, by plain Newton.
+The frictionless problem has an energy; its minima are the stable states.  Each step solves with K + sigma M, sigma
+raised until no pivot is negative (Sylvester), and is shortened by the slope along it, so a straight buckled string
+cannot be returned unless nothing disturbs it - then a small persistent side load is added.  Friction in the imposed
+sliding direction follows, by plain Newton.
 """
 
 from __future__ import annotations
@@ -23,6 +25,9 @@ CONVERGED = 1.0e-7  # increment relative to the fields' scales
 STALLED = 1.0e-5  # good enough when rounding stops the descent
 ITERATIONS = 600
 FREE_ITERATIONS = 40
+PATIENCE = (
+    8  # full Newton steps without a smaller increment before they are given up (contacts that open and close for ever)
+)
 TURN = 0.4  # largest change of a node's slope in one step
 
 
@@ -42,9 +47,10 @@ class Equilibrium:
 class Statics:
     """Static solver of one model; the state is the assembly's x, rates are zero.
 
-    energy: the loads have a potential, so inertia and descent are meaningful; clearance: smallest radial room [m] (None: no well).
-    weight_on_bit: (target [N], unit) where ``unit(model)`` gives (present depth of the bit below the hole's end [m], its gradient by
-    the local unknowns (n,), depth that gives the target [m]); the top's axial position then follows.
+    energy: the loads have a potential, so inertia and descent are meaningful; clearance: smallest radial room [m]
+    (None: no well). weight_on_bit: (target [N], unit) where ``unit(model)`` gives (present depth of the bit below the
+    hole's end [m], its gradient by the local unknowns (n,), depth that gives the target [m]); the top's axial
+    position then follows.
     """
 
     def __init__(self, model: Model, energy: bool = True, clearance: float | None = None, t: float = 0.0):
@@ -59,9 +65,11 @@ class Statics:
         self._top_rows = next((f for f in model.assembly.fixed if f.owned and f.condition.vertex == 0), None)
 
     def _shift_entries(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Where the shift M goes: for position and slope, (vertices (k,), places (k, 3, 3) of a diagonal block in the values).
+        """Where the shift M goes: for position and slope, (vertices (k,), places (k, 3, 3) of a diagonal block in the
+        values).
 
-        Only owned vertices, each once; M = h (I - t t^T) for positions and h^3/100 (I - t t^T) for slopes: side springs.
+        Only owned vertices, each once; M = h (I - t t^T) for positions and h^3/100 (I - t t^T) for slopes: side
+        springs.
         """
         model, asm = self.model, self.model.assembly
         line = model.line
@@ -90,7 +98,7 @@ class Statics:
         return size[self.model.line.vertices]
 
     # ------------------------------------------------------------------ pieces
-    def _sum(self, value: float) -> float:
+    def sum(self, value: float) -> float:
         return value if self.model.comm.size == 1 else float(self.model.comm.tompi4py().allreduce(value))
 
     def largest(self, value: float) -> float:
@@ -108,13 +116,13 @@ class Statics:
         return local
 
     def _gradient(self, rows: FloatArray) -> FloatArray:
-        """Derivative of the energy by (r, v, phi): rows of v get back what the spin coordinate takes; prescribed rows are zero."""
+        """Derivative of the energy by (r, v, phi): rows of v get back what the spin coordinate takes; prescribed rows
+        are zero."""
         asm, g = self.model.assembly, rows.copy()
         for f in asm.fixed:
             g[f.rows] = f.keep @ g[f.rows]
-        c = self._spin_potential()
-        for j, (phi, v) in enumerate(asm.spin_at):
-            g[v : v + 3] += c[j] * g[phi]
+        phi, v = asm.spin_at[:, 0], asm.spin_at[:, 1:2] + np.arange(3)
+        g[v] += self._spin_potential() * g[phi][:, None]
         return g
 
     def _spin_potential(self) -> FloatArray:
@@ -136,8 +144,7 @@ class Statics:
                 K[:, slots] = K[:, slots] @ f.keep
         c = self._spin_potential()
         slot = np.full(self.model.layout.size + 1, -1)
-        for j, (phi, _) in enumerate(asm.spin_at):
-            slot[phi] = j
+        slot[asm.spin_at[:, 0]] = np.arange(len(asm.spin_at))
         for item in asm.ready:
             if not item.count:
                 continue
@@ -169,36 +176,50 @@ class Statics:
         """Smallest shift on a coarse scale that leaves no negative pivot; the factor is ready."""
         mesh = self.model.mesh
         first = 1e-3 * self.largest(float(np.max(mesh.bending_stiffness / mesh.length**4)))
-        trial = 0.0 if sigma == 0.0 else sigma / 8
+        trial = sigma / 8 if sigma > 8 * first else 0.0
         for _ in range(60):
             if self._factor(trial) == 0:
                 return trial
             trial = max(4 * trial, first)
-        raise SolveError("the static tangent could not be made positive definite", hint="is the string held anywhere?",
-                         **self.model.worst_place(self.t))
+        raise SolveError(
+            "the static tangent could not be made positive definite",
+            hint="is the string held anywhere?",
+            **self.model.worst_place(self.t),
+        )
 
     # ------------------------------------------------------------------ iteration
     def _step_limit(self, p: FloatArray) -> float:
-        """Fraction of ``p`` that keeps side movement and turning of every node within bounds."""
+        """Multiple of ``p`` that keeps side movement and turning of every node within bounds."""
         model = self.model
         r, v = p[model.layout.place["string.position"]], p[model.layout.place["string.tangent"]]
         t = model.field("string.tangent")
         t = t / np.linalg.norm(t, axis=1, keepdims=True)
         side = np.linalg.norm(r - t * np.sum(r * t, axis=1, keepdims=True), axis=1).max(initial=0.0)
         turn = np.linalg.norm(v, axis=1).max(initial=0.0)
-        return min(1.0, self.limit / max(self.largest(side), 1e-300), TURN / max(self.largest(turn), 1e-300))
+        return min(self.limit / max(self.largest(side), 1e-300), TURN / max(self.largest(turn), 1e-300))
 
-    def _search(self, x0: FloatArray, p: FloatArray, slope0: float, alpha: float) -> float:
-        """Shorten the step while the energy rises again beyond it."""
-        asm = self.model.assembly
+    def _search(self, x0: FloatArray, p: FloatArray, slope0: float, alpha: float, most: float) -> float:
+        """Length of the step: shorter while the energy rises again beyond it, up to ``most`` while it still falls
+        steeply."""
+        good, shrunk = 0.0, False
         for _ in range(12):
-            asm.x[:-1] = x0 + alpha * p
-            slope = self._sum(float(self._gradient(self.rows())[self._mine] @ p[self._mine]))
+            slope = self._slope_at(x0, p, alpha)
             if np.isfinite(slope) and slope <= 0.8 * abs(slope0):
-                return alpha
-            good = np.isfinite(slope) and slope > 0
-            alpha *= min(0.7, max(0.1, slope0 / (slope0 - slope))) if good else 0.3
-        return alpha
+                good = alpha
+                if shrunk or slope > 0.5 * slope0 or alpha >= most:
+                    break
+                alpha = min(most, 3 * alpha)
+                continue
+            if good:
+                break
+            shrunk = True
+            alpha *= min(0.7, max(0.1, slope0 / (slope0 - slope))) if np.isfinite(slope) and slope > 0 else 0.3
+        return good or alpha
+
+    def _slope_at(self, x0: FloatArray, p: FloatArray, alpha: float) -> float:
+        """Slope of the energy along ``p`` at x0 + alpha p."""
+        self.model.assembly.x[:-1] = x0 + alpha * p
+        return self.sum(float(self._gradient(self.rows())[self._mine] @ p[self._mine]))
 
     def _bring_to_depth(self, p: FloatArray) -> float:
         """Add to ``p`` the motion of the top that brings the bit to its depth; returns the top's move [m]."""
@@ -208,18 +229,20 @@ class Statics:
         if self._top_rows is not None:
             s[self._top_rows.rows] += self._top_rows.D[0]
         depth, gradient, target = self.depth(model)  # type: ignore[misc]
-        here = self._sum(float(gradient[self._mine] @ p[self._mine]))
-        by_top = self._sum(float(gradient[self._mine] @ s[self._mine]))
+        here = self.sum(float(gradient[self._mine] @ p[self._mine]))
+        by_top = self.sum(float(gradient[self._mine] @ s[self._mine]))
         if abs(by_top) < 1e-12:
-            raise SolveError("the top's position does not reach the bit", hint="wob needs a top with a prescribed axial position")
-        move = (target - self._sum(depth) - here) / by_top
+            raise SolveError(
+                "the top's position does not reach the bit", hint="wob needs a top with a prescribed axial position"
+            )
+        move = (target - self.sum(depth) - here) / by_top
         p += move * s
         return move
 
     def _newton(self, shifted: bool, report: Equilibrium, search: bool = True, most: int = ITERATIONS) -> None:
         asm, n = self.model.assembly, self.model.layout.size
         sigma, last, weight = 0.0, np.inf, 1.0 / self.model.scale
-        quiet = 0
+        quiet, begun = 0, len(report.history)
         for _ in range(most):
             rows = self.rows()
             g = self._gradient(rows)
@@ -232,10 +255,11 @@ class Statics:
             self.factor.solve(-self._with_constraints(g), p)
             move = self._bring_to_depth(p) if self.depth else 0.0
             x0 = asm.x[:-1].copy()
-            alpha = self._step_limit(p)
-            slope0 = self._sum(float(g[self._mine] @ p[self._mine]))
+            longest = self._step_limit(p)
+            alpha = min(1.0, longest)
+            slope0 = self.sum(float(g[self._mine] @ p[self._mine]))
             if search and shifted and abs(move) < 1e-9 and slope0 < 0:
-                alpha = self._search(x0, p, slope0, alpha)
+                alpha = self._search(x0, p, slope0, alpha, longest if sigma else alpha)
             asm.x[:-1] = x0 + alpha * p
             if self.depth and self.move_top:
                 self.move_top(alpha * move)
@@ -250,8 +274,20 @@ class Statics:
                 report.converged = True
                 return
             last = size
-        raise SolveError(f"statics did not converge in {most} iterations (last increment {size:.1e} of the fields' scales)",
-                         hint="a stronger initial.imperfection or a finer mesh may help", **self.model.worst_place(self.t))
+            if not shifted and self._chatters(report.history[begun:], alpha):
+                break
+        raise SolveError(
+            f"statics did not converge in {len(report.history) - begun} iterations (last increment {size:.1e} of the fields' scales)",
+            hint="a stronger initial.imperfection or a finer mesh may help",
+            **self.model.worst_place(self.t),
+        )
+
+    @staticmethod
+    def _chatters(sizes: list[float], alpha: float) -> bool:
+        """Full steps that have not become smaller for a while."""
+        if alpha < 1.0 or len(sizes) <= 2 * PATIENCE:
+            return False
+        return min(sizes[-PATIENCE:]) > 0.5 * min(sizes[:-PATIENCE])
 
     def _with_constraints(self, g: FloatArray) -> FloatArray:
         """Right-hand side: prescribed rows ask for no motion beyond what brings them to their value."""
@@ -263,19 +299,6 @@ class Statics:
                 out[f.rows] += f.D.T @ (ROW_SCALE * error)
         return out
 
-    def _start_freely(self, report: Equilibrium) -> None:
-        """Full Newton steps first: quickest where they work; given up where they do not converge to a stable state."""
-        start = self.model.assembly.x.copy()
-        try:
-            self._newton(False, report, search=False, most=FREE_ITERATIONS)
-            if not self.energy or self.negative_pivots() == 0:
-                return
-        except SolveError:
-            if not self.energy:
-                raise
-        report.converged = False
-        self.model.assembly.x[:] = start
-
     # ------------------------------------------------------------------ use
     def settle(self, report: Equilibrium | None = None) -> Equilibrium:
         """Find the equilibrium from the assembly's x; friction as the rooms have it set (off or imposed).
@@ -283,23 +306,46 @@ class Statics:
         With an energy the state is stable or ``negative_pivots`` says it is not.
         """
         report = report or Equilibrium()
-        report.converged = False
-        for f in self.model.assembly.fixed:
-            x = self.model.assembly.x
-            x[f.rows] += f.D.T @ (f.condition.value(self.t) - f.D @ x[f.rows])
-        self._start_freely(report)
-        if not report.converged:
-            self._newton(self.energy, report)
-        rows = self.rows()
-        report.residual = self.largest(float(np.max(np.abs(self._gradient(rows)[self._mine]), initial=0.0)))
+        start = self.model.assembly.x.copy()
+        try:
+            self.settle_freely(report)
+        except SolveError:
+            if not self.energy:
+                raise
+            self.model.assembly.x[:] = start
+            self.settle_down(report)
         return report
+
+    def settle_freely(self, report: Equilibrium) -> None:
+        """Full Newton steps, the quickest way where they work; SolveError where they do not converge to a stable
+        state."""
+        self._begin(report)
+        self._newton(False, report, search=False, most=FREE_ITERATIONS)
+        self._end(report)
+        if self.energy and self.negative_pivots():
+            raise SolveError("the static state is unstable", **self.model.worst_place(self.t))
+
+    def settle_down(self, report: Equilibrium, most: int = ITERATIONS) -> None:
+        """Down the energy, by steps with a positive definite tangent; ends in a stable state, or on a saddle when
+        started there."""
+        self._begin(report)
+        self._newton(self.energy, report, most=most)
+        self._end(report)
+
+    def _begin(self, report: Equilibrium) -> None:
+        report.converged = False
+        x = self.model.assembly.x
+        for f in self.model.assembly.fixed:
+            x[f.rows] += f.D.T @ (f.condition.value(self.t) - f.D @ x[f.rows])
+
+    def _end(self, report: Equilibrium) -> None:
+        report.residual = self.largest(float(np.max(np.abs(self._gradient(self.rows())[self._mine]), initial=0.0)))
 
     def settle_near(self, report: Equilibrium) -> None:
         """Newton without a potential (friction) from a state close by; raises SolveError when it does not converge."""
         energy, self.energy = self.energy, False
         try:
-            self._newton(False, report, search=False, most=FREE_ITERATIONS)
-            report.residual = self.largest(float(np.max(np.abs(self._gradient(self.rows())[self._mine]), initial=0.0)))
+            self.settle_freely(report)
         finally:
             self.energy = energy
 
@@ -309,7 +355,8 @@ class Statics:
         return self._factor(0.0)
 
     def push_aside(self, fraction: float, weight: FloatArray, seed: int = 1) -> None:
-        """Persistent random side loads of standard deviation ``fraction`` times ``weight`` (n_nodes,) [N] at the nodes."""
+        """Persistent random side loads of standard deviation ``fraction`` times ``weight`` (n_nodes,) [N] at the
+        nodes."""
         model, asm = self.model, self.model.assembly
         rng = np.random.default_rng(seed)
         loads = fraction * weight[:, None] * rng.standard_normal((model.mesh.nodes, 2))

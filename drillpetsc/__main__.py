@@ -1,0 +1,5 @@
+"""``python -m drillpetsc`` is the command line."""
+
+from drillpetsc.cli import main
+
+raise SystemExit(main())

@@ -1,0 +1,222 @@
+"""The command line: drillpetsc run | check | statics | view | plot | schema."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from drillpetsc import __version__
+from drillpetsc.errors import CaseError, DrillError
+
+EPILOG = """Words that start with a dash and are PETSc options go to PETSc: -ts_rtol 1e-5 -ts_monitor -log_view ...
+The time integrator is TS BDF with the condensed Newton solver (prefix q_): -ts_rtol (default 1e-4, relative to the usual size
+of each unknown), -ts_bdf_order, -ts_dt, -ts_adapt_type none, -q_snes_stol, -q_snes_linesearch_type bt, -q_pc_type lu ...;
+-snes_type newtonls solves the whole assembled system instead, -ts_type arkimex, alpha2, theta integrate it.
+Exit status: 0 done, 1 the run failed (what was written is kept), 2 bad input (nothing written)."""
+
+
+def parser() -> argparse.ArgumentParser:
+    p = argparse.ArgumentParser(prog="drillpetsc", description="Drillstring dynamics on PETSc.", epilog=EPILOG, allow_abbrev=False,
+                                formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("--version", action="version", version=f"drillpetsc {__version__}")
+    sub = p.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    def command(name: str, text: str) -> argparse.ArgumentParser:
+        return sub.add_parser(name, help=text, description=text, epilog=EPILOG, allow_abbrev=False,
+                              formatter_class=argparse.RawDescriptionHelpFormatter)
+
+    run = command("run", "simulate one case, or several one after the other, on all ranks")
+    run.add_argument("cases", nargs="+", metavar="CASE.yaml")
+    run.add_argument("--out", metavar="DIR", help="run folder (default: results/<case>-NNN)")
+    run.add_argument("--restart", action="store_true", help="continue from the checkpoint in the run folder")
+    run.add_argument("--overwrite", action="store_true", help="replace the results in an existing --out")
+    run.add_argument("--progress", choices=("auto", "live", "log", "silent"), default="auto", help="how progress is shown")
+    check = command("check", "read and validate a case, and say what the scene contains and leaves out")
+    check.add_argument("case", metavar="CASE.yaml")
+    statics = command("statics", "static equilibrium: torque and drag, contact forces, buckling state")
+    statics.add_argument("case", metavar="CASE.yaml")
+    statics.add_argument("--motion", choices=("hoist", "lower", "rotate"), help="motion that friction opposes (default: the top's)")
+    statics.add_argument("--out", metavar="DIR", help="run folder (default: results/<case>-NNN)")
+    statics.add_argument("--overwrite", action="store_true", help="replace the results in an existing --out")
+    view = command("view", "picture or animation of the string in its hole")
+    view.add_argument("run", metavar="RUN")
+    view.add_argument("--field", default="axial_force [N]", help="what colours the string")
+    view.add_argument("--time", type=float, help="simulated time of the picture [s] (default: the last frame)")
+    view.add_argument("--animate", action="store_true", help="all frames, as an animation")
+    view.add_argument("--lateral-scale", type=float, help="exaggeration of lateral offsets (default: chosen, and stated in the picture)")
+    view.add_argument("--interval", type=float, nargs=2, metavar=("FROM", "TO"), help="measured depths to look at [m]")
+    view.add_argument("--out", metavar="FILE")
+    plot = command("plot", "time histories, probe orbits, forces along depth, as pictures")
+    plot.add_argument("run", metavar="RUN")
+    plot.add_argument("--out", metavar="DIR")
+    schema = command("schema", "write the JSON schema of case files, for editors")
+    schema.add_argument("file", nargs="?", metavar="FILE", help="default: standard output")
+    return p
+
+
+def main(words: list[str] | None = None) -> int:
+    """Run the command line; returns the exit status."""
+    words = sys.argv[1:] if words is None else words
+    ours, theirs = _split(words)
+    arguments, unknown = parser().parse_known_args(ours)
+    try:
+        if unknown:
+            raise CaseError(at=unknown[0], want="a known --option (see --help), or a PETSc option with one dash")
+        if theirs and arguments.command not in ("run", "statics", "check"):
+            raise CaseError(at=theirs[0], want=f"no PETSc options with {arguments.command}")
+        return COMMANDS[arguments.command](arguments, theirs)
+    except DrillError as error:
+        return _fail(error)
+    except KeyboardInterrupt:
+        print("drillpetsc: interrupted; what was written up to now is kept", file=sys.stderr)
+        return 1
+
+
+def _split(words: list[str]) -> tuple[list[str], list[str]]:
+    """Ours: words without a dash and with two; PETSc's: -word and the value after it (a number may be negative)."""
+    ours: list[str] = []
+    theirs: list[str] = []
+    i = 0
+    while i < len(words):
+        word = words[i]
+        if word.startswith("-") and not word.startswith("--") and word not in ("-h",) and not _is_number(word) and len(word) > 1:
+            theirs.append(word)
+            following = words[i + 1] if i + 1 < len(words) else "-"
+            if (not following.startswith("-") or _is_number(following)) and not following.endswith((".yaml", ".yml")):
+                theirs.append(following)
+                i += 1
+        else:
+            ours.append(word)
+        i += 1
+    return ours, theirs
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def _fail(error: DrillError) -> int:
+    """One message for the whole job: rank 0 speaks; errors of one rank alone come here through abort_on_one_rank."""
+    rank = _rank()
+    if rank == 0:
+        print(f"drillpetsc: {error}", file=sys.stderr)
+    sys.stderr.flush()
+    return error.exit_status
+
+
+def _rank() -> int:
+    if "petsc4py.PETSc" not in sys.modules:
+        return 0
+    from petsc4py import PETSc
+
+    return PETSc.COMM_WORLD.rank
+
+
+def _start_petsc(theirs: list[str]) -> None:
+    import petsc4py
+
+    petsc4py.init(["drillpetsc", *theirs])
+    from petsc4py import PETSc
+
+    PETSc.Log.begin()
+    if PETSc.COMM_WORLD.size > 1:
+        _abort_hook()
+
+
+def _abort_hook() -> None:
+    """An exception that is not ours to explain on one rank must not leave the others waiting."""
+    from petsc4py import PETSc
+
+    def hook(kind, value, trace) -> None:
+        sys.__excepthook__(kind, value, trace)
+        sys.stderr.flush()
+        PETSc.COMM_WORLD.tompi4py().Abort(1)
+
+    sys.excepthook = hook
+
+
+def _load(path: str):
+    from drillpetsc.case import load_case
+
+    return load_case(path)
+
+
+def _run(arguments, theirs: list[str]) -> int:
+    cases = [(Path(path).stem, _load(path)) for path in arguments.cases]
+    if len(cases) > 1 and arguments.out:
+        raise CaseError(at="--out", got=arguments.out, want="one case with --out", hint="several cases go to results/<case>-NNN")
+    _start_petsc(theirs)
+    from petsc4py import PETSc
+
+    from drillpetsc.simulate import run
+    from drillpetsc.summary import closing_lines
+
+    for name, case in cases:
+        result = run(case, arguments.out, restart=arguments.restart, overwrite=arguments.overwrite, name=name, progress=arguments.progress)
+        if PETSc.COMM_WORLD.rank == 0:
+            print("\n".join(closing_lines(result.summary, result.folder)))
+    return 0
+
+
+def _check(arguments, theirs: list[str]) -> int:
+    case = _load(arguments.case)
+    _start_petsc(theirs)
+    from drillpetsc.describe import describe
+
+    print(describe(case))
+    return 0
+
+
+def _statics(arguments, theirs: list[str]) -> int:
+    case = _load(arguments.case)
+    _start_petsc(theirs)
+    from drillpetsc.torque_drag import run_statics
+
+    lines = run_statics(case, arguments.out, arguments.motion, arguments.overwrite, Path(arguments.case).stem)
+    if _rank() == 0:
+        print("\n".join(lines))
+    return 0
+
+
+def _view(arguments, theirs: list[str]) -> int:
+    from drillpetsc.draw.view import view
+
+    interval = tuple(arguments.interval) if arguments.interval else None
+    return _drawn(lambda: [view(arguments.run, arguments.out, field=arguments.field, time=arguments.time, animate=arguments.animate,
+                                lateral_scale=arguments.lateral_scale, interval=interval, say=print)], arguments.run)
+
+
+def _plot(arguments, theirs: list[str]) -> int:
+    from drillpetsc.draw.plot import plot
+
+    return _drawn(lambda: plot(arguments.run, arguments.out), arguments.run)
+
+
+def _drawn(make, run: str) -> int:
+    try:
+        files = make()
+    except (OSError, ValueError) as error:
+        raise CaseError(got=run, want=str(error)) from None
+    for file in files:
+        print(file)
+    return 0
+
+
+def _schema(arguments, theirs: list[str]) -> int:
+    import json
+
+    from drillpetsc.case import case_json_schema, write_schema
+
+    if arguments.file:
+        write_schema(arguments.file)
+    else:
+        print(json.dumps(case_json_schema(), indent=2))
+    return 0
+
+
+COMMANDS = {"run": _run, "check": _check, "statics": _statics, "view": _view, "plot": _plot, "schema": _schema}

@@ -1,0 +1,57 @@
+"""PETSc options: case below command line, and none that nobody reads."""
+
+from __future__ import annotations
+
+import ctypes
+import difflib
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from petsc4py import PETSc
+
+from drillpetsc.errors import CaseError
+
+#: options that PETSc reads late (views, logs) or that belong to PETSc's own start
+LATE = ("view", "monitor", "log_", "malloc", "options_left", "options_table", "help", "on_error", "fp_trap", "checkstack", "reason", "debugger",
+        "no_signal_handler", "petsc", "info")
+
+
+@contextmanager
+def applied(case_options: dict[str, object]) -> Iterator[list[str]]:
+    """Put the options of a case below those of the command line while a run lasts; yields the names the user gave."""
+    database = PETSc.Options()
+    before = dict(database.getAll())
+    for name, value in case_options.items():
+        if name not in before:
+            text = str(value).lower() if isinstance(value, bool) else str(value)
+            database.setValue(name, text)
+    try:
+        yield [*before, *case_options]
+    finally:
+        for name in database.getAll():
+            if name not in before:
+                database.delValue(name)
+        for name, value in before.items():
+            database.setValue(name, value)
+
+
+def _was_read(name: str) -> bool:
+    used = ctypes.c_int(0)
+    library = ctypes.CDLL(PETSc.__file__)
+    library.PetscOptionsUsed(ctypes.c_void_p(None), ctypes.c_char_p(name.encode()), ctypes.byref(used))
+    return bool(used.value)
+
+
+def refuse_unread(names: list[str]) -> None:
+    """Raise CaseError for options that the solvers, once set up, have not read.  Options read only at the end are let pass."""
+    for name in names:
+        if any(word in name for word in LATE) or _was_read(name):
+            continue
+        near = difflib.get_close_matches(name, KNOWN, n=1)
+        raise CaseError(at=f"petsc option -{name}", want="an option that PETSc or drillpetsc reads in this scene",
+                        hint=f"did you mean -{near[0]}?" if near else "check the spelling and the prefix (-q_ for the condensed Newton)")
+
+
+KNOWN = ("ts_type", "ts_bdf_order", "ts_rtol", "ts_dt", "ts_adapt_type", "ts_adapt_clip", "ts_adapt_dt_max", "ts_adapt_dt_min", "ts_max_reject",
+         "ts_adapt_wnormtype", "ts_max_steps", "ts_max_snes_failures", "snes_type", "q_snes_stol", "q_snes_max_it", "q_snes_rtol",
+         "q_snes_linesearch_type", "q_ksp_type", "q_pc_type", "q_pc_factor_mat_ordering_type", "ksp_type", "pc_type")

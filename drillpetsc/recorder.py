@@ -1,0 +1,280 @@
+"""What a run measures: figures after every step, rows of the history and of the probes, fields along the string."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from drillpetsc.field import FloatArray
+from drillpetsc.frames import high_side
+from drillpetsc.rooms.beam import REPORT
+from drillpetsc.scene import Scene
+
+Column = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class _Probe:
+    depth: float
+    cell: int  # number of the element from the top
+    place: float  # 0..1 in the element
+
+
+class Recorder:
+    """Samples a scene; every rank calls it, rank 0 gets the values.
+
+    A sample is one vector, summed over ranks: what a rank does not own is zero.  ``columns`` are those of history.csv.
+    """
+
+    def __init__(self, scene: Scene):
+        self.scene, self.model = scene, scene.model
+        self.comm = self.model.comm.tompi4py()
+        mesh = scene.mesh
+        self.probes = [self._locate(depth) for depth in scene.case.output.probes]
+        self._face = mesh.total_length - mesh.node_depth[-1]
+        self.columns = self._columns()
+        self.probe_columns: list[Column] = [("time", "s")]
+        for p in self.probes:
+            tag = f"{p.depth:g}"
+            self.probe_columns += [(f"x_{tag}", "m"), (f"y_{tag}", "m"), (f"spin_{tag}", "rad/s")]
+            if scene.contact is not None:
+                self.probe_columns.append((f"contact_{tag}", "N"))
+        self._samples: deque[tuple[float, FloatArray]] = deque(maxlen=3)
+        self.dissipated = self.supplied = self.start_energy = 0.0
+        self._powers: tuple[float, ...] = (0.0, 0.0)
+        self.peak_exchange = 0.0
+        self._first_energies = self.energies = np.zeros(3)
+        local = {int(v): i for i, v in enumerate(self.model.line.vertices)}
+        self._last = local.get(mesh.nodes - 1, -1)
+        if self._last >= 0 and not self.model.line.owned[self._last]:
+            self._last = -1
+        self._cell = {int(c): i for i, c in enumerate(self.model.line.cells)}
+
+    def _locate(self, depth: float) -> _Probe:
+        mesh = self.scene.mesh
+        cell = int(np.clip(np.searchsorted(mesh.lower, depth), 0, len(mesh.lower) - 1))
+        return _Probe(depth, cell, float(np.clip((depth - mesh.upper[cell]) / mesh.length[cell], 0.0, 1.0)))
+
+    def _columns(self) -> list[Column]:
+        scene = self.scene
+        out: list[Column] = [("time", "s")]
+        if scene.top is not None or getattr(scene.case.top, "force", None) is not None:
+            out += [("hook_load", "N"), ("surface_torque", "N m")]
+        if scene.bit is not None:
+            out += [("wob", "N"), ("bit_torque", "N m")]
+        out += [("bit_speed", "rad/s"), ("bit_depth", "m")]
+        if scene.bit is not None:
+            out.append(("hole_depth", "m"))
+        return [*out, ("kinetic_energy", "J"), ("strain_energy", "J"), ("energy_error", "J"), ("step", "s"), ("newton", "-")]
+
+    # ------------------------------------------------------------------ sampling
+    def sample(self, t: float) -> FloatArray:
+        """All figures at the assembly's state: reactions, bit, probes, powers; (m,), the same on all ranks."""
+        scene, model = self.scene, self.model
+        asm, layout = model.assembly, model.layout
+        v = np.zeros(11 + 5 * len(self.probes))
+        for f in asm.fixed:
+            if f.owned and f.condition.vertex == 0:
+                names = f.condition.names
+                v[0] = -f.reaction[names.index("top.axial_reaction")] if "top.axial_reaction" in names else 0.0
+                v[1] = f.reaction[names.index("top.torque_reaction")] if "top.torque_reaction" in names else 0.0
+        if scene.drive is not None:
+            v[1] += scene.drive.torque(t, asm)
+        if scene.bit is not None:
+            v[2:4] = scene.bit.weight_and_torque(asm)
+        if self._last >= 0:
+            slope = asm.x[layout.place["string.tangent"][self._last]]
+            v[4] = asm.y[layout.place["string.spin"][self._last, 0]]
+            v[5:8] = asm.x[layout.place["string.position"][self._last]] + self._face * slope / np.linalg.norm(slope)
+        contact = scene.contact.report(asm) if scene.contact is not None else None
+        for k, p in enumerate(self.probes):
+            if p.cell in self._cell:
+                v[11 + 5 * k : 16 + 5 * k] = self._probe(p, contact)
+        powers = np.array([room.powers(t, asm) for room in scene.rooms]).sum(axis=0)
+        powers[1] += sum(float(f.reaction @ f.condition.rate(t)) for f in asm.fixed if f.owned)
+        if asm.dead is not None:
+            powers[1] += asm.dead @ asm.y[:-1]
+        v[8:10] = powers
+        if model.comm.size > 1:
+            v = self.comm.allreduce(v)
+        force = getattr(scene.case.top, "force", None)
+        if force is not None:
+            v[0] = force.value(t)
+        return v
+
+    def _probe(self, p: _Probe, contact) -> FloatArray:
+        model, mesh, e = self.model, self.scene.mesh, self._cell[p.cell]
+        asm, layout = model.assembly, model.layout
+        a, b = model.line.ends[e]
+        place = layout.place
+        r = [asm.x[place["string.position"][i]] for i in (a, b)]
+        v = [asm.x[place["string.tangent"][i]] for i in (a, b)]
+        if "string.ratio" in place and place["string.ratio"][a, 0] >= 0:
+            r[0] = r[0] + mesh.rigid_above[p.cell] * v[0] / np.linalg.norm(v[0])
+            v[0] = v[0] * asm.x[place["string.ratio"][a, 0]]
+        s, L = p.place, mesh.length[p.cell]
+        x = (1 - 3 * s**2 + 2 * s**3) * r[0] + L * (s - 2 * s**2 + s**3) * v[0] + (3 * s**2 - 2 * s**3) * r[1] + L * (s**3 - s**2) * v[1]
+        spin = (1 - s) * asm.y[place["string.spin"][a, 0]] + s * asm.y[place["string.spin"][b, 0]]
+        return np.array([*x, spin, contact[0][e, 0] if contact is not None else 0.0])
+
+    def begin(self, t: float) -> None:
+        """Open the books at the present state."""
+        self._samples.append((t, self.sample(t)))
+        self._powers = tuple(self._samples[-1][1][8:10])
+        self.energies = np.array(self.model.energies(t))
+        self._first_energies = self.energies.copy()
+        self.start_energy = float(self.energies.sum())
+
+    def books(self) -> FloatArray:
+        """What a continued run needs to keep counting; also forgets earlier samples, as the continued run has none."""
+        while len(self._samples) > 1:
+            self._samples.popleft()
+        t, v = self._samples[-1]
+        return np.concatenate([[self.dissipated, self.supplied, self.start_energy, self.peak_exchange], self._first_energies, [t], v])
+
+    def resume(self, books: FloatArray) -> None:
+        """Go on from the books of a checkpoint; they were opened by a scene with the same probes."""
+        self.dissipated, self.supplied, self.start_energy, self.peak_exchange = map(float, books[:4])
+        self._first_energies = np.array(books[4:7])
+        self._samples.append((float(books[7]), np.array(books[8:])))
+        self._powers = tuple(books[16:18])
+        self.energies = np.array(self.model.energies(float(books[7])))
+
+    def step(self, t: float, dt: float) -> None:
+        """Take the figures of an accepted step and add up its work."""
+        v = self.sample(t)
+        self.dissipated += 0.5 * dt * (self._powers[0] + v[8])
+        self.supplied += 0.5 * dt * (self._powers[1] + v[9])
+        self._powers = (v[8], v[9])
+        self._samples.append((t, v))
+
+    def audit(self, t: float) -> FloatArray:
+        """Energies at the present state; keeps their largest change since the start."""
+        self.energies = np.array(self.model.energies(t))
+        change = np.abs((self.energies - self._first_energies)[:2]).sum()
+        self.peak_exchange = max(self.peak_exchange, float(change))
+        return self.energies
+
+    @property
+    def energy_error(self) -> float:
+        """Stored energy gained + dissipated - supplied since the start [J]: what the time integration made or lost."""
+        return float(self.energies.sum() - self.start_energy + self.dissipated - self.supplied)
+
+    # ------------------------------------------------------------------ rows
+    def at(self, t: float) -> FloatArray:
+        """Sample at an output time within the last step: motion by a parabola through three steps, forces by a straight line."""
+        times = [q[0] for q in self._samples]
+        if len(times) == 1 or t >= times[-1]:
+            return self._samples[-1][1]
+        (t0, v0), (t1, v1) = self._samples[-2], self._samples[-1]
+        w = (t - t0) / (t1 - t0)
+        out = (1 - w) * v0 + w * v1
+        if len(times) == 3:
+            ta, va = self._samples[0]
+            second = ((v1 - v0) / (t1 - t0) - (v0 - va) / (t0 - ta)) / (t1 - ta)
+            bend = (t - t0) * (t - t1) * second
+            motion = [4, 5, 6, 7]
+            for k in range(len(self.probes)):
+                motion += [11 + 5 * k + i for i in range(4)]
+            out[motion] += bend[motion]
+        return out
+
+    def history_row(self, t: float, step: float, newton: float) -> list[float]:
+        v, scene = self.at(t), self.scene
+        row = [t]
+        names = [c[0] for c in self.columns]
+        if "hook_load" in names:
+            row += [v[0], v[1]]
+        if scene.bit is not None:
+            row += [v[2], v[3]]
+        row += [v[4], self._depth_of(v[5:8])]
+        if scene.bit is not None:
+            from drillpetsc.scene import hole_depth
+
+            row.append(hole_depth(scene.case))
+        return [*row, self.energies[0], self.energies[1], self.energy_error, step, newton]
+
+    def _depth_of(self, point: FloatArray) -> float:
+        if self.scene.well is not None:
+            return float(self.scene.well.project(point[None, :]).md[0])
+        return float((point - self.scene.position[0]) @ self.scene.tangent[0])
+
+    def probe_row(self, t: float) -> list[float]:
+        v, row = self.at(t), [t]
+        for k, p in enumerate(self.probes):
+            x = v[11 + 5 * k : 14 + 5 * k]
+            row += [*self.offset(x[None, :], p.depth)[0], v[14 + 5 * k]]
+            if self.scene.contact is not None:
+                row.append(v[15 + 5 * k])
+        return row
+
+    def offset(self, points: FloatArray, depth: float | FloatArray) -> FloatArray:
+        """(k, 2) offset of ``points`` (k, 3) from the hole's axis: towards the high side (north in a vertical hole), and to the
+        right of it looking down (east); without a hole, from the straight string."""
+        if self.scene.well is not None:
+            foot = self.scene.well.project(points)
+            tangent, offset = foot.tangent, foot.offset
+        else:
+            tangent = np.tile(self.scene.tangent[0], (len(points), 1))
+            d = points - self.scene.position[0]
+            offset = d - tangent * np.sum(d * tangent, axis=1, keepdims=True)
+        out = np.empty((len(points), 2))
+        for i in range(len(points)):
+            x = high_side(tangent[i])
+            out[i] = offset[i] @ x, offset[i] @ np.cross(tangent[i], x)
+        return out
+
+    # ------------------------------------------------------------------ fields
+    def fields(self, t: float) -> tuple[FloatArray, dict[str, FloatArray]] | None:
+        """Points (n, 3) [m] and point data of the deformed string in depth order, on rank 0; None elsewhere."""
+        model, scene, mesh = self.model, self.scene, self.scene.mesh
+        asm = model.assembly
+        nodal = np.hstack([model.field("string.position"), model.field("string.position", "y"), model.field("string.spin", "y"),
+                           model.field("string.spin")])
+        cells = scene.beam.report(model.layout, asm.x, asm.y)
+        if scene.contact is not None:
+            reports, bodies = scene.contact.report(asm)
+            cells = np.hstack([cells, reports[:, :1] / mesh.length[model.line.cells][:, None]])
+        node, cell = model.gather(nodal), model.gather(cells, "cell")
+        if node is None or cell is None:
+            return None
+        return self._point_data(node, cell)
+
+    def _point_data(self, node: FloatArray, cell: FloatArray) -> tuple[FloatArray, dict[str, FloatArray]]:
+        scene, mesh = self.scene, self.scene.mesh
+        column = {name: i for i, name in enumerate(REPORT)}
+
+        def at_nodes(upper: FloatArray, lower: FloatArray) -> FloatArray:
+            count = np.zeros(mesh.nodes)
+            total = np.zeros(mesh.nodes)
+            total[:-1] += upper
+            total[1:] += lower
+            count[:-1] += 1
+            count[1:] += 1
+            return total / count
+
+        def from_cells(name: str, other: str | None = None) -> FloatArray:
+            return at_nodes(cell[:, column[name]], cell[:, column[other or name]])
+
+        points = node[:, :3]
+        offset = self.offset(points, mesh.node_depth)
+        data = {
+            "md [m]": mesh.node_depth, "displacement [m]": points - scene.position, "velocity [m/s]": node[:, 3:6],
+            "spin [rad/s]": node[:, 6], "spin_angle [rad]": node[:, 7], "offset_x [m]": offset[:, 0], "offset_y [m]": offset[:, 1],
+            "axial_force [N]": from_cells("axial_upper", "axial_lower"), "torque [N m]": from_cells("torque"),
+            "bending_moment [N m]": from_cells("bending_upper", "bending_lower"),
+            "outer_radius [m]": at_nodes(0.5 * mesh.outer_diameter, 0.5 * mesh.outer_diameter),
+        }
+        tube = mesh.outer_diameter > 0
+        if tube.all():
+            area = np.pi / 4 * (mesh.outer_diameter**2 - mesh.inner_diameter**2)
+            modulus = np.pi / 32 * (mesh.outer_diameter**4 - mesh.inner_diameter**4) / mesh.outer_diameter
+            stress = [np.abs(cell[:, column[f"axial_{e}"]]) / area + cell[:, column[f"bending_{e}"]] / modulus for e in ("upper", "lower")]
+            data["stress [Pa]"] = at_nodes(*stress)  # largest normal stress of the section, axial and bending
+        if scene.contact is not None:
+            data["contact_force [N/m]"] = at_nodes(cell[:, len(REPORT)], cell[:, len(REPORT)])
+        if scene.well is not None:
+            data["hole_radius [m]"] = np.asarray(scene.well.radius(mesh.node_depth))
+        return points, data

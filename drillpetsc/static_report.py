@@ -1,0 +1,181 @@
+"""What a static state comes to: the table along the string (statics.csv) and the figures of its summary."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.field import FloatArray
+from drillpetsc.frames import directors
+from drillpetsc.recorder import Recorder
+from drillpetsc.rooms.beam import REPORT
+from drillpetsc.scene import Scene
+from drillpetsc.start import StaticState
+
+COLUMNS: list[tuple[str, str]] = [
+    ("md", "m"),
+    ("axial_force", "N"),
+    ("torque", "N m"),
+    ("contact_force", "N/m"),
+    ("bending_moment", "N m"),
+    ("inclination", "deg"),
+    ("offset_x", "m"),
+    ("offset_y", "m"),
+    ("curvature", "1/m"),
+    ("bending_stress", "Pa"),
+    ("buckling_load", "N"),
+    ("buckling_ratio", "-"),
+]
+
+
+def static_table(scene: Scene, state: StaticState) -> tuple[list[tuple[str, str]], FloatArray | None]:
+    """Columns (name, unit) and the values (n_nodes, columns) at the nodes on rank 0 (None elsewhere), for the model's
+    present state.
+
+    axial_force: compression negative, torque: positive as the drive turns clockwise; both, bending and contact are
+    the mean of the elements that meet at a node.  buckling_load: 2 sqrt(EI q/r) of Dawson and Paslay (SPE 11167),
+    with the side load q = |w_perp + T kappa| of the string in the hole and the radial room r (not a number where q or
+    r is zero); buckling_ratio: compression over it.
+    """
+    model, scene_mesh = scene.model, scene.mesh
+    asm = model.assembly
+    cells = scene.beam.report(model.layout, asm.x, asm.y)
+    contact = scene.contact.report(asm)[0][:, :1] if scene.contact is not None else np.zeros((len(cells), 1))
+    bend = np.linalg.norm(_curvatures(scene), axis=3).reshape(len(cells), 4)
+    nodal = model.gather(np.hstack([model.field("string.position"), model.field("string.tangent")]))
+    cell = model.gather(np.hstack([cells, contact / scene_mesh.length[model.line.cells][:, None], bend]), "cell")
+    if nodal is None or cell is None:
+        return COLUMNS, None
+    return COLUMNS, _table(scene, nodal, cell)
+
+
+def _table(scene: Scene, nodal: FloatArray, cell: FloatArray) -> FloatArray:
+    mesh, column = scene.mesh, {name: i for i, name in enumerate(REPORT)}
+    n = len(REPORT)
+    t = nodal[:, 3:] / np.linalg.norm(nodal[:, 3:], axis=1, keepdims=True)
+    offset = Recorder(scene).offset(nodal[:, :3], mesh.node_depth)
+    stiffness, radius = mesh.bending_stiffness, 0.5 * mesh.outer_diameter
+    inertia = np.pi / 64 * (mesh.outer_diameter**4 - mesh.inner_diameter**4)
+    by_moment = np.divide(radius, inertia, out=np.zeros_like(radius), where=inertia > 0)  # stress per moment
+    axial = _at_nodes(cell[:, column["axial_upper"]], cell[:, column["axial_lower"]])
+    load = _buckling_load(scene, axial)
+    moment = [stiffness * cell[:, n + 3], stiffness * cell[:, n + 4]]
+    out = [
+        mesh.node_depth,
+        axial,
+        -_linear(cell[:, column["torque"]]),
+        _at_nodes(cell[:, n], cell[:, n]),
+        _at_nodes(*moment),
+        np.degrees(np.arccos(np.clip(t[:, 2], -1, 1))),
+        *offset.T,
+        _at_nodes(cell[:, n + 1], cell[:, n + 2]),
+        _at_nodes(*(by_moment * m for m in moment)),
+        load,
+        np.maximum(-axial, 0.0) / load,
+    ]
+    return np.column_stack(out)
+
+
+def _at_nodes(upper: FloatArray, lower: FloatArray) -> FloatArray:
+    """(n+1,) means at the nodes of values at the upper and lower ends of the elements (n,)."""
+    out = np.concatenate([upper, lower[-1:]])
+    out[1:-1] = 0.5 * (upper[1:] + lower[:-1])
+    return out
+
+
+def _linear(values: FloatArray) -> FloatArray:
+    """(n+1,) at the nodes from values constant in each element (n,): means, continued linearly to the ends."""
+    out = _at_nodes(values, values)
+    if len(values) > 1:
+        out[0], out[-1] = 1.5 * values[0] - 0.5 * values[1], 1.5 * values[-1] - 0.5 * values[-2]
+    return out
+
+
+def _curvatures(scene: Scene) -> FloatArray:
+    """(nc, 2, 2, 3) [1/m] of each local element: the curvature vector r' x r''/|r'|^2, then it less the stress-free
+    one; at both ends."""
+    model, mesh, line = scene.model, scene.mesh, scene.model.line
+    r, v, phi = (model.field(f"string.{k}") for k in ("position", "tangent", "spin"))
+    a, b, e = line.ends[:, 0], line.ends[:, 1], line.cells
+    L, t = mesh.length[e][:, None], v[a] / np.linalg.norm(v[a], axis=1, keepdims=True)
+    d = r[b] - r[a] - mesh.rigid_above[e][:, None] * t
+    va, vb = v[a], v[b]
+    if "string.ratio" in model.layout.place:
+        va = va * model.field("string.ratio")[a]
+    out = np.zeros((len(e), 2, 2, 3))
+    for end, (slope, second) in enumerate(
+        ((va, 6 * d / L**2 - 4 * va / L - 2 * vb / L), (vb, -6 * d / L**2 + 2 * va / L + 4 * vb / L))
+    ):
+        node = (a, b)[end]
+        d2, d3 = directors(scene.frames, line.vertices[node], v[node], phi[node, 0])
+        kappa = np.cross(slope, second) / np.sum(slope * slope, axis=1, keepdims=True)
+        out[:, 0, end] = kappa
+        out[:, 1, end] = kappa - mesh.curvature[e][:, :1] * d2 - mesh.curvature[e][:, 1:] * d3
+    return out
+
+
+def _buckling_load(scene: Scene, axial: FloatArray) -> FloatArray:
+    """(n_nodes,) load of sinusoidal buckling [N] of a string that lies in the hole; not a number where it has no such
+    load."""
+    mesh, well = scene.mesh, scene.well
+    if well is None or scene.contact is None:
+        return np.full(mesh.nodes, np.nan)
+    _, t, kappa = well.at(mesh.node_depth)
+    weight = _at_nodes(mesh.mass, mesh.mass)[:, None] * np.array(scene.case.gravity)
+    side = np.linalg.norm(weight - t * np.sum(weight * t, axis=1, keepdims=True) + axial[:, None] * kappa, axis=1)
+    room = np.asarray(well.radius(mesh.node_depth)) - _at_nodes(0.5 * mesh.outer_diameter, 0.5 * mesh.outer_diameter)
+    inside = (room > 0) & (side > 1e-6 * np.linalg.norm(weight, axis=1))
+    square = np.divide(
+        _at_nodes(mesh.bending_stiffness, mesh.bending_stiffness) * side,
+        room,
+        out=np.full(mesh.nodes, np.nan),
+        where=inside,
+    )
+    return 2 * np.sqrt(square)
+
+
+def static_summary(scene: Scene, state: StaticState) -> dict[str, Any]:
+    """Figures of a static state, the same on all ranks; SI.
+
+    hook_load: pull of the top on the string, positive up; surface_torque: positive where the drive has to turn it
+    clockwise; stretch: elongation of the whole string by axial force; twist: angle between its ends, not negative.
+    """
+    model, mesh = scene.model, scene.mesh
+    asm, cells, report = model.assembly, model.line.cells, state.equilibrium
+    beam = scene.beam.report(model.layout, asm.x, asm.y)
+    length, column = mesh.length[cells], REPORT.index
+    mean = (beam[:, column("axial_upper")] + 4 * beam[:, column("axial_middle")] + beam[:, column("axial_lower")]) / 6
+    local = np.array(
+        [
+            np.sum(mean * length / mesh.axial_stiffness[cells]),
+            np.sum(beam[:, column("torque")] * length / mesh.torsional_stiffness[cells]),
+            *(scene.bit.weight_and_torque(asm) if scene.bit is not None else (0.0, 0.0)),
+            scene.drive.torque(0.0, asm) if scene.drive is not None else 0.0,
+        ]
+    )
+    stretch, twist, wob, bit_torque, drive = local if model.comm.size == 1 else model.comm.tompi4py().allreduce(local)
+    force = getattr(scene.case.top, "force", None)
+    soft = state.soft_string
+    out = {
+        "motion": {"lowering": state.motion[0], "rotation": state.motion[1]},
+        "hook_load": float(force.value(0.0)) if force is not None else -model.reaction("top.axial_reaction"),
+        "surface_torque": model.reaction("top.torque_reaction") + float(drive),
+        "stretch": float(stretch),
+        "twist": abs(float(twist)),
+        "wob": float(wob),
+        "bit_torque": float(bit_torque),
+        "negative_pivots": report.negative_pivots,
+        "stable": state.stable,
+        "iterations": report.iterations,
+        "residual": report.residual,
+        "imperfection": report.imperfection,
+        "warnings": list(state.warnings),
+    }
+    if soft is not None:
+        out["soft_string"] = {
+            "hook_load": soft.hook_load,
+            "surface_torque": soft.surface_torque,
+            "stretch": soft.stretch,
+        }
+    return out

@@ -1,0 +1,102 @@
+"""summary.json and the last lines of a run."""
+
+from __future__ import annotations
+
+import platform
+import time as clock
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+
+import drillpetsc
+
+PHASES = ("Residual", "Jacobian", "ChainFactor", "ChainSolve", "Output")
+
+
+def of_run(scene, recorder, dynamics, state, reached: float, start: float, began, marks, error) -> dict[str, Any]:
+    """Everything that summary.json tells; collective."""
+    model = scene.model
+    now = clock.perf_counter(), clock.process_time()
+    wall, cpu = now[0] - marks[0], now[1] - marks[1]
+    if model.comm.size > 1 and error is None:
+        cpu = model.comm.tompi4py().allreduce(cpu)
+    unknowns = sum(f.size * count for f, count in field_counts(model))
+    result: dict[str, Any] = {
+        "title": scene.case.title,
+        "status": "done" if error is None else f"failed: {error}",
+        "versions": {"drillpetsc": drillpetsc.__version__, "petsc": ".".join(map(str, PETSc.Sys.getVersion())), "numpy": np.__version__,
+                     "python": platform.python_version()},
+        "petsc_options": dict(PETSc.Options().getAll()),
+        "ranks": model.comm.size,
+        "elements": model.line.size - 1,
+        "unknowns": unknowns,
+        "simulated": reached - start,
+        "time": reached,
+        **counts(dynamics),
+        "wall_seconds": wall,
+        "cpu_seconds": cpu,
+        "start_seconds": marks[0] - began[0],
+        "real_time_factor": (reached - start) / wall if wall > 0 else None,
+        "wall_by_phase": phases(),
+    }
+    if state is not None:
+        e = state.equilibrium
+        result["statics"] = {"iterations": e.iterations, "negative_pivots": e.negative_pivots, "residual": e.residual,
+                             "imperfection": e.imperfection, "warnings": state.warnings}
+    if error is None:
+        result["energy"] = energy(recorder)
+        row = recorder.history_row(reached, 0.0, 0.0)
+        result["final"] = {f"{n} [{u}]": value for (n, u), value in zip(recorder.columns, row, strict=True) if n not in ("step", "newton")}
+    return result
+
+
+def field_counts(model) -> list[tuple[Any, int]]:
+    """Each field with the number of vertices that have it (whole string)."""
+    mesh = model.mesh
+    junction = int(mesh.junction.sum()) if len(mesh.junction) else 0
+    return [(f, junction if f.region == "junction" else mesh.nodes) for f in model.layout.fields]
+
+
+def counts(dynamics) -> dict[str, int]:
+    c = dynamics.counters
+    return {"steps": c.steps, "rejected_steps": c.rejected, "newton_iterations": dynamics.newton_iterations(),
+            "jacobians": dynamics.jacobian_count(), "failed_solves": dynamics.failure_count(),
+            "linear_iterations": dynamics.linear_iterations()}
+
+
+def energy(recorder) -> dict[str, float]:
+    """Energy balance since the start [J]; the share is relative to the larger of work supplied and peak change of stored energy."""
+    kinetic, strain, potential = map(float, recorder.energies)
+    largest = max(abs(recorder.supplied), recorder.peak_exchange, 1e-300)
+    return {"kinetic": kinetic, "strain": strain, "potential": potential, "dissipated": recorder.dissipated, "supplied": recorder.supplied,
+            "error": recorder.energy_error, "error_share": recorder.energy_error / largest}
+
+
+def phases() -> dict[str, float]:
+    """Wall seconds of this rank by phase, from PETSc's log."""
+    out = {}
+    for name in PHASES:
+        try:
+            out[name] = float(PETSc.Log.Event(name).getPerfInfo()["time"])
+        except (PETSc.Error, KeyError):
+            continue
+    return out
+
+
+def closing_lines(result: dict[str, Any], folder) -> list[str]:
+    """The few lines that end a run on the screen."""
+    e = result.get("energy", {})
+    lines = [
+        f"{result['title'] or 'case'}: {result['elements']} elements, {result['unknowns']} unknowns, {result['ranks']} rank(s)",
+        f"  simulated {result['simulated']:.6g} s in {result['wall_seconds']:.3g} s (real-time factor {result['real_time_factor']:.3g}), "
+        f"{result['steps']} steps, {result['rejected_steps']} rejected, {result['newton_iterations']} Newton iterations, "
+        f"{result['jacobians']} Jacobians",
+    ]
+    if e:
+        lines.append(f"  energy error {e['error']:.3g} J ({100 * e['error_share']:.2g} % of the energy exchanged)")
+    for warning in result.get("statics", {}).get("warnings", ()):
+        lines.append(f"  note: {warning}")
+    lines.append(f"  results: {folder}")
+    lines.append(f"  look at them: scripts/drillpetsc plot {folder}   scripts/drillpetsc view {folder}   (string.pvd opens in ParaView)")
+    return lines

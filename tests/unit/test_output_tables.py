@@ -1,0 +1,150 @@
+"""Tables: headers, exact numbers, rows that survive a kill, restart."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from drillpetsc.output import Table, read_table, write_table
+
+COLUMNS = [("time", "s"), ("hook_load", "N"), ("newton", "-")]
+
+
+def test_header_has_names_and_units_of_what_is_there_only(tmp_path: Path) -> None:
+    Table(tmp_path / "history.csv", COLUMNS).close()
+    assert (tmp_path / "history.csv").read_text() == "time [s],hook_load [N],newton [-]\n"
+    Table(tmp_path / "history.csv", COLUMNS[:2]).close()
+    assert (tmp_path / "history.csv").read_text() == "time [s],hook_load [N]\n"
+
+
+def test_two_columns_of_one_name_and_commas_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="two columns"):
+        Table(tmp_path / "a.csv", [("time", "s"), ("x", "m"), ("x", "m")])
+    with pytest.raises(ValueError, match="cannot hold"):
+        Table(tmp_path / "a.csv", [("time", "s"), ("x,y", "m")])
+    assert not (tmp_path / "a.csv").exists()
+
+
+@given(st.lists(st.floats(allow_nan=False), min_size=1, max_size=20))
+def test_a_number_reads_back_as_the_same_double(tmp_path_factory: pytest.TempPathFactory, values: list[float]) -> None:
+    path = tmp_path_factory.mktemp("table") / "a.csv"
+    with Table(path, [("time", "s"), ("x", "m")]) as table:
+        for k, value in enumerate(values):
+            table.add([k, value])
+    back = read_table(path)["x [m]"]
+    assert back.tobytes() == np.array(values).tobytes()
+
+
+def test_numpy_rows_unknown_values_and_wrong_widths(tmp_path: Path) -> None:
+    with Table(tmp_path / "a.csv", COLUMNS) as table:
+        table.add(np.array([0.5, np.nan, 3]))
+        table.add((np.float64(1.0), np.float32(2.0), np.int64(4)))
+        with pytest.raises(ValueError, match="2 values for 3 columns"):
+            table.add([1.0, 2.0])
+    assert (tmp_path / "a.csv").read_text().splitlines()[1:] == ["0.5,nan,3", "1,2,4"]
+    back = read_table(tmp_path / "a.csv")
+    assert np.isnan(back["hook_load [N]"][0]) and back["newton [-]"].tolist() == [3.0, 4.0]
+
+
+_WRITES_FOREVER = """
+import sys, time
+from drillpetsc.output import Table
+table = Table(sys.argv[1], [("time", "s"), ("x", "m")])
+for k in range(10**9):
+    table.add([0.001 * k, k / 3])
+    print(k, flush=True)
+"""
+
+
+def test_a_killed_run_has_every_row_it_added(tmp_path: Path) -> None:
+    path = tmp_path / "history.csv"
+    writer = subprocess.Popen([sys.executable, "-c", _WRITES_FOREVER, str(path)], stdout=subprocess.PIPE, text=True)
+    assert writer.stdout is not None
+    for line in writer.stdout:
+        if int(line) >= 200:
+            break
+    os.kill(writer.pid, signal.SIGKILL)
+    rest = writer.stdout.read().split()
+    writer.wait()
+    said = int(rest[-1]) if rest else 200
+    x = read_table(path)["x [m]"]
+    assert len(x) >= said + 1
+    assert np.array_equal(x, np.arange(len(x)) / 3)
+
+
+def test_restart_drops_later_rows_and_goes_on(tmp_path: Path) -> None:
+    path = tmp_path / "history.csv"
+    times = [0.1 * k for k in range(11)]
+    with Table(path, COLUMNS) as table:
+        for t in times:
+            table.add([t, 1.0, 2])
+    with Table(path, COLUMNS, restart_time=times[6]) as table:
+        table.add([0.65, 7.0, 3])
+    back = read_table(path)
+    assert back["time [s]"].tolist() == times[:7] + [0.65]
+    assert back["hook_load [N]"].tolist() == [1.0] * 7 + [7.0]
+
+
+@pytest.mark.parametrize("tail", ["0.3,1", "0.3,1.0,", "0.3,1,2"])
+def test_an_incomplete_last_row_is_not_read_and_dropped_at_restart(tmp_path: Path, tail: str) -> None:
+    path = tmp_path / "history.csv"
+    path.write_text("time [s],hook_load [N],newton [-]\n0.1,1,2\n0.2,1,2\n" + tail)
+    assert read_table(path)["time [s]"].tolist() == [0.1, 0.2]
+    with Table(path, COLUMNS, restart_time=5.0) as table:
+        table.add([0.4, 1, 2])
+    assert read_table(path)["time [s]"].tolist() == [0.1, 0.2, 0.4]
+
+
+def test_restart_with_other_columns_is_refused_and_the_table_kept(tmp_path: Path) -> None:
+    path = tmp_path / "history.csv"
+    path.write_text("time [s],hook_load [N]\n0.1,1\n")
+    with pytest.raises(ValueError, match="other columns.*hook_load.*newton"):
+        Table(path, COLUMNS, restart_time=1.0)
+    assert path.read_text() == "time [s],hook_load [N]\n0.1,1\n"
+
+
+def test_restart_without_a_table_begins_one(tmp_path: Path) -> None:
+    with Table(tmp_path / "probes.csv", COLUMNS, restart_time=3.0) as table:
+        table.add([3.1, 1, 2])
+    assert read_table(tmp_path / "probes.csv")["time [s]"].tolist() == [3.1]
+
+
+def test_whole_tables_with_numbers_and_words(tmp_path: Path) -> None:
+    path = tmp_path / "statics.csv"
+    md, state = np.array([0.0, 10.0, 1e-300]), ["straight", "helical, then sinusoidal", "straight"]
+    write_table(path, [("md", "m"), ("buckling", "-")], {"buckling": state, "md": md})
+    back = read_table(path)
+    assert list(back) == ["md [m]", "buckling [-]"]
+    assert np.array_equal(back["md [m]"], md) and back["buckling [-]"].tolist() == state
+    write_table(path, [("md", "m")], [[]])
+    assert read_table(path)["md [m]"].shape == (0,)
+
+
+def test_whole_tables_refuse_what_does_not_fit(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="one length"):
+        write_table(tmp_path / "a.csv", [("a", "m"), ("b", "m")], [np.zeros(3), np.zeros(2)])
+    with pytest.raises(ValueError, match="columns"):
+        write_table(tmp_path / "a.csv", [("a", "m")], {"b": np.zeros(3)})
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_row_costs_little(tmp_path: Path) -> None:
+    """20 us a row of 17 columns was asked for; the bound leaves room for a slow disk, not for reopening the file."""
+    row = list(np.random.default_rng(0).normal(size=17))
+    with Table(tmp_path / "history.csv", [(f"c{k}", "N") for k in range(17)]) as table:
+        best = np.inf
+        for _ in range(5):
+            start = time.perf_counter()
+            for _ in range(500):
+                table.add(row)
+            best = min(best, (time.perf_counter() - start) / 500)
+    assert best < 60e-6
