@@ -30,6 +30,9 @@ class _Ready:
         self.jacobian = function(f"{block.kernel}_jacobian", "ipppppppppp")
         self.span = slice(where, where + self.count * self.width**2)
         self.event = PETSc.Log.Event(block.name)
+        # addresses once: the arrays stay where they are, only their values change
+        self.head = (self.count, pointer(self.index), pointer(block.params), block.context)
+        self.matrix_head = (self.count, pointer(self.index), pointer(self.spins), pointer(block.params), block.context)
         rows = np.where(self.index < layout.size, self.index, -1)
         self.rows = np.repeat(rows, self.width, axis=1).ravel()
         self.columns = np.tile(rows, (1, self.width)).ravel()
@@ -91,15 +94,21 @@ class Assembly:
         self.rows = np.concatenate(rows + empty).astype(np.int32)
         self.columns = np.concatenate(columns + empty).astype(np.int32)
         self._event = {k: PETSc.Log.Event(k) for k in ("Residual", "Jacobian")}
+        self._state = tuple(map(pointer, (self.x, self.y, self.a, self.r)))
+        self._weights = np.zeros(3)
+        self._weights_at, self._spin_at = pointer(self._weights), pointer(self.spin_gradient)
+        for b in self.ready:
+            b.values_at = pointer(self.values) + 8 * b.span.start
+        self._nodes = (len(self.spin_at), pointer(self.spin_at), pointer(self.gauge))
+        self._history = pointer(self.v0), pointer(self.v1)
         self.version = 0  # counts new Jacobian values
         self.dead: FloatArray | None = None  # (n,) constant forces at owned unknowns (imperfection)
 
     # ------------------------------------------------------------------ state
     def condense(self, sigma: float) -> None:
         """Rates and accelerations of a step from ``x``: y = sigma x + v0, a = sigma y + v1, spin rates with their transport."""
-        k = len(self.spin_at)
-        _rates(self.layout.size, pointer(self.x), sigma, pointer(self.v0), pointer(self.v1), k, pointer(self.spin_at),
-               pointer(self.gauge), pointer(self.y), pointer(self.a))
+        x, y, a, _ = self._state
+        _rates(self.layout.size, x, sigma, *self._history, *self._nodes, y, a)
 
     def impose_rates(self, t: float, sigma: float) -> None:
         """Prescribed components move at the given rate exactly, not at the rate of the time formula."""
@@ -122,13 +131,13 @@ class Assembly:
         self.r[:] = 0.0
         if self.dead is not None:
             self.r[:-1] -= self.dead
-        x, y, a, r = pointer(self.x), pointer(self.y), pointer(self.a), pointer(self.r)
+        state = self._state
         for b in self.ready:
             if b.count:
                 b.event.begin()
                 if b.block.update:
                     b.block.update(t)
-                b.residual(b.count, pointer(b.index), pointer(b.block.params), b.block.context, x, y, a, r)
+                b.residual(*b.head, *state)
                 b.event.end()
         self._event["Residual"].end()
         return self.r
@@ -154,15 +163,14 @@ class Assembly:
                       1.0 / c[1] if c[1] else 0.0, pointer(self.spin_gradient))
         else:
             self.spin_gradient[:] = 0.0
-        weights = np.array(c)
-        x, y, a = pointer(self.x), pointer(self.y), pointer(self.a)
+        self._weights[:] = c
+        state = (self._weights_at, self._spin_at, *self._state[:3])
         for b in self.ready:
             if b.count:
                 b.event.begin()
                 if b.block.update:
                     b.block.update(t)
-                b.jacobian(b.count, pointer(b.index), pointer(b.spins), pointer(b.block.params), b.block.context, pointer(weights),
-                           pointer(self.spin_gradient), x, y, a, pointer(self.values[b.span]))
+                b.jacobian(*b.matrix_head, *state, b.values_at)
                 b.event.end()
         self._replace_jacobian_rows(1.0 if c[0] else 0.0)
         self.version += 1

@@ -88,10 +88,9 @@ class Recorder:
             slope = asm.x[layout.place["string.tangent"][self._last]]
             v[4] = asm.y[layout.place["string.spin"][self._last, 0]]
             v[5:8] = asm.x[layout.place["string.position"][self._last]] + self._face * slope / np.linalg.norm(slope)
-        contact = scene.contact.report(asm) if scene.contact is not None else None
         for k, p in enumerate(self.probes):
             if p.cell in self._cell:
-                v[11 + 5 * k : 16 + 5 * k] = self._probe(p, contact)
+                v[11 + 5 * k : 16 + 5 * k] = self._probe(p)
         powers = np.array([room.powers(t, asm) for room in scene.rooms]).sum(axis=0)
         powers[1] += sum(float(f.reaction @ f.condition.rate(t)) for f in asm.fixed if f.owned)
         if asm.dead is not None:
@@ -104,8 +103,8 @@ class Recorder:
             v[0] = force.value(t)
         return v
 
-    def _probe(self, p: _Probe, contact) -> FloatArray:
-        model, mesh, e = self.model, self.scene.mesh, self._cell[p.cell]
+    def _probe(self, p: _Probe) -> FloatArray:
+        model, mesh, e, contact = self.model, self.scene.mesh, self._cell[p.cell], self.scene.contact
         asm, layout = model.assembly, model.layout
         a, b = model.line.ends[e]
         place = layout.place
@@ -117,7 +116,7 @@ class Recorder:
         s, L = p.place, mesh.length[p.cell]
         x = (1 - 3 * s**2 + 2 * s**3) * r[0] + L * (s - 2 * s**2 + s**3) * v[0] + (3 * s**2 - 2 * s**3) * r[1] + L * (s**3 - s**2) * v[1]
         spin = (1 - s) * asm.y[place["string.spin"][a, 0]] + s * asm.y[place["string.spin"][b, 0]]
-        return np.array([*x, spin, contact[0][e, 0] if contact is not None else 0.0])
+        return np.array([*x, spin, contact.normal_force(e) if contact is not None else 0.0])
 
     def begin(self, t: float) -> None:
         """Open the books at the present state."""

@@ -100,13 +100,13 @@ def run(case: Case | str | Path, out: str | Path | None = None, *, restart: bool
         scene = build_scene(case, comm)
         recorder, dynamics = Recorder(scene), Dynamics(scene.model)
         options.refuse_unread(used)
-        folder = _folder(comm, name or "case", out, restart, overwrite)
+        folder = make_folder(comm, name or "case", out, restart, overwrite)
         saved = _saved(comm, folder, restart)
         state = _initial(scene, case, saved)
         return _integrate(scene, recorder, dynamics, folder, saved, state, began, progress)
 
 
-def _folder(comm, name: str, out, restart: bool, overwrite: bool) -> RunFolder:
+def make_folder(comm, name: str, out, restart: bool, overwrite: bool) -> RunFolder:
     """The run folder, made by rank 0; a refusal reaches every rank."""
     mpi, answer = comm.tompi4py(), None
     if comm.rank == 0:

@@ -100,14 +100,20 @@ def find_equilibrium(scene: Scene, motion: tuple[float, float] | None = None, cl
     slipping = [r for r in (scene.contact, scene.bit) if r is not None]
     for room in slipping:
         room.impose_sliding(0.0, 0.0)
-    report = _stable_state(scene, solver, soft)
-    state, side = StaticState(motion, report, soft), 1.0
-    if slipping and motion != (0.0, 0.0):
-        side = _add_friction(scene, solver, slipping, state, climb)
-        if climb and not side:
-            state.warnings.append(
-                "friction across the pipe finds no rest (it would drive a whirl): its torque acts, its side push is left out"
-            )
+    report = Equilibrium()
+    state, side = StaticState(motion, report, soft), 1.0 if climb else 0.0
+    moves = bool(slipping) and motion != (0.0, 0.0)
+    reached = _settle_at_once(scene, solver, slipping, state, side) if moves and soft is not None else None
+    if reached is None:
+        _stable_state(scene, solver, soft, report)
+        if moves:
+            reached = _add_friction(scene, solver, slipping, state, climb)
+    side = side if reached is None else reached
+    if climb and moves and not side:
+        state.warnings.append(
+            "friction across the pipe found no rest (a turning pipe may whirl here): "
+            "its torque acts, its side push is left out"
+        )
     for room in slipping:  # inertia is a question to the frictionless part
         room.impose_sliding(0.0, 0.0)
     solver.energy = _conservative(scene)
@@ -118,6 +124,28 @@ def find_equilibrium(scene: Scene, motion: tuple[float, float] | None = None, cl
     if report.negative_pivots:
         state.warnings.append(_why_unstable(scene, report.negative_pivots))
     return state
+
+
+def _settle_at_once(scene: Scene, solver: Statics, rooms, state: StaticState, side: float) -> float | None:
+    """Newton with friction from the soft string, which has it already, first without side push; returns the share of
+    side push that it could keep.  None, and all as before, without a stable state."""
+    keep, reached = _Place(scene), None
+    for share in sorted({side if state.motion[1] else 1.0, 0.0 if state.motion[1] else 1.0}):
+        here = _Place(scene)
+        for room in rooms:
+            room.impose_sliding(*state.motion, share)
+        try:
+            solver.settle_near(state.equilibrium)
+            reached = share
+        except SolveError:
+            here.restore()
+            break
+    for room in rooms:
+        room.impose_sliding(0.0, 0.0)
+    if reached is not None and not (solver.energy and solver.negative_pivots()):
+        return reached
+    keep.restore()
+    return None
 
 
 def _add_friction(scene: Scene, solver: Statics, rooms, state: StaticState, climb: bool) -> float:
@@ -233,29 +261,29 @@ def _ask_for_weight(scene: Scene, solver: Statics, wob: float) -> None:
     solver.depth, solver.move_top = depth, top.shift
 
 
-def _stable_state(scene: Scene, solver: Statics, soft: TorqueDrag | None) -> Equilibrium:
+def _stable_state(scene: Scene, solver: Statics, soft: TorqueDrag | None, report: Equilibrium) -> None:
     """Newton where it finds a stable state, else down the energy; from a saddle a small persistent side load leads
     away."""
     fraction = scene.case.initial.imperfection
-    report, factors = Equilibrium(), _stiffness_steps(scene, soft)
+    factors = _stiffness_steps(scene, soft)
     if not solver.energy:
-        return solver.settle(report)
+        solver.settle(report)
+        return
     try:
         _newton_or_descent(scene, solver, report, factors, TRIAL if fraction else ITERATIONS)
         failure = SolveError("the static state is unstable") if solver.negative_pivots() else None
     except SolveError as error:
         failure = error
     if failure is None:
-        return report
+        return
     if not fraction or _too_coarse(scene):
         if report.converged:
-            return report
+            return
         raise failure
     # on the saddle of a straight column nothing points sideways: a small persistent load does
     solver.push_aside(fraction, nodal_weight(scene))
     report.imperfection = fraction
     _descend(scene, solver, report, factors)
-    return report
 
 
 def _newton_or_descent(
@@ -351,7 +379,8 @@ def _why_unstable(scene: Scene, count: int) -> str:
     if _too_coarse(scene):
         n = int(coarse_elements(scene).sum())
         return (
-            f"{count} negative pivots: the mesh is too coarse ({n} elements longer than (240 EI/w)^(1/3)), which is not buckling; "
+            f"{count} negative pivots: the mesh is too coarse ({n} elements longer than (240 EI/w)^(1/3)), "
+            "which is not buckling; "
             "shorten element_length"
         )
     return f"the static state is unstable ({count} negative pivots)"

@@ -9,6 +9,7 @@
 // Rates enter through q = (c1/c0) of the change of position, so all seeds are c0 for positions and c1 for rates, c0 = 0 included.
 #pragma once
 #include "beam.hpp"
+#include "junction.hpp"
 #include "matrix.hpp"
 
 namespace dp {
@@ -319,6 +320,15 @@ inline void beam_jacobian(const Pack* x, const Pack* y, const Pack* p, const dou
     }
 }
 
+// d(omega)/dv of the two nodes of each element
+inline void gather_spin(const Lanes& lanes, const int* nodes, const double* spin, Pack* g1, Pack* g2) {
+    for (int k = 0; k < 3; ++k)
+        for (int l = 0; l < 4; ++l) {
+            g1[k].v[l] = spin[3 * nodes[2 * lanes.at[l]] + k];
+            g2[k].v[l] = spin[3 * nodes[2 * lanes.at[l] + 1] + k];
+        }
+}
+
 template <bool DAMPED>
 void run_beam_jacobian(int n, const int* idx, const int* nodes, const double* par, void*, const double* c, const double* spin,
                        const double* x, const double* y, const double*, double* K) {
@@ -328,13 +338,42 @@ void run_beam_jacobian(int n, const int* idx, const int* nodes, const double* pa
         lanes.gather(14, idx, x, X);
         lanes.gather(14, idx, y, Y);
         lanes.rows(BEAM_PARAMETERS, par, P);
-        for (int k = 0; k < 3; ++k)
-            for (int l = 0; l < 4; ++l) {
-                g1[k].v[l] = spin[3 * nodes[2 * lanes.at[l]] + k];
-                g2[k].v[l] = spin[3 * nodes[2 * lanes.at[l] + 1] + k];
-            }
+        gather_spin(lanes, nodes, spin, g1, g2);
         beam_jacobian<DAMPED>(X, Y, P, c, g1, g2, out);
         lanes.store_rows(14 * 14, out[0], K);
+    }
+}
+
+// Elements below a junction: their own Jacobians by positions, rates and accelerations, then the chain rule of junction.hpp.
+template <bool DAMPED>
+void run_beam_split_jacobian(int n, const int* idx, const int* nodes, const double* par, void*, const double* c, const double* spin,
+                             const double* x, const double* y, const double* a, double* K) {
+    constexpr double unit[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (int e = 0; e < n; e += 4) {
+        Pack X[15], Y[15], A[15], P[BEAM_PARAMETERS], g1[3], g2[3], none[3] = {0.0, 0.0, 0.0}, J[3][14][14], rows[14], out[15][15];
+        const Lanes lanes(e, n);
+        lanes.gather(15, idx, x, X);
+        lanes.gather(15, idx, y, Y);
+        lanes.gather(15, idx, a, A);
+        lanes.rows(BEAM_PARAMETERS, par, P);
+        gather_spin(lanes, nodes, spin, g1, g2);
+        JunctionSeeds<Pack> seeds;
+        for (int l = 0; l < 4; ++l) {
+            double xl[15], yl[15], al[15];
+            for (int i = 0; i < 15; ++i) { xl[i] = X[i].v[l]; yl[i] = Y[i].v[l]; al[i] = A[i].v[l]; }
+            const JunctionSeeds<double> s = junction_seeds(xl, yl, al, P[OFFSET].v[l], c);
+            for (int order = 0; order < 3; ++order)
+                for (int k = 0; k < 6; ++k)
+                    for (int j = 0; j < 4; ++j) seeds.by[order][k][j].v[l] = s.by[order][k][j];
+        }
+        const PackVec v0 = vec(X + 3);
+        below_junction(P[OFFSET], X, Y, A);
+        Beam<DAMPED, false>::template force<Pack, Pack>(e, X, Y, A, P, nullptr, rows);
+        for (int order = 0; order < 3; ++order) beam_jacobian<DAMPED>(X, Y, P, unit[order], none, none, J[order]);
+        junction_columns(J, seeds, c, g1, g2, out);
+        junction_rows(v0, X[14], P[OFFSET], vec(rows), vec(rows + 3), c[0], out);
+        for (int l = 0; l < lanes.count; ++l)
+            for (int i = 0; i < 225; ++i) K[(long)(e + l) * 225 + i] = out[i / 15][i % 15].v[l];
     }
 }
 

@@ -5,10 +5,13 @@ typedef BeamContact<false> ContactPlain;
 typedef BeamContact<true> ContactSplit;
 DP_RESIDUAL(contact, ContactPlain)
 DP_JACOBIAN(contact, run_contact_jacobian)
-DP_JACOBIAN(contact_dual, run_jacobian<ContactPlain>)  // the oracle of the tests
-DP_ENTRY(contact_split, ContactSplit)
+DP_RESIDUAL(contact_split, ContactSplit)
+DP_JACOBIAN(contact_split, run_contact_split_jacobian)
 DP_ENTRY(body_contact, BodyContact)
 DP_ENTRY(bit_contact, BitContact)
+// by differentiating all rows by all unknowns: the oracles of the tests
+DP_JACOBIAN(contact_dual, run_jacobian<ContactPlain>)
+DP_JACOBIAN(contact_split_dual, run_jacobian<ContactSplit>)
 
 namespace {
 template <class Kernel>

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "contact.hpp"
+#include "junction.hpp"
 
 namespace dp {
 
@@ -90,6 +91,30 @@ inline void run_contact_jacobian(int n, const int* idx, const int* nodes, const 
             }
             std::memcpy(out + 14 * i, R[i], 14 * sizeof(double));
         }
+    }
+}
+
+// Elements below a junction: the chain rule of junction.hpp, for those that touch.
+inline void run_contact_split_jacobian(int n, const int* idx, const int* nodes, const double* par, void* context, const double* c,
+                                       const double* spin, const double* x, const double* y, const double* a, double* K) {
+    const ContactLaw& law = *static_cast<ContactLaw*>(context);
+    typedef BeamContact<false> P;
+    for (int e = 0; e < n; ++e) {
+        double X[15], Y[15], A[15], J[3][14][16] = {}, rows[14];
+        const double* p = par + e * P::NP;
+        for (int i = 0; i < 15; ++i) { const int k = idx[e * 15 + i]; X[i] = x[k]; Y[i] = y[k]; A[i] = a[k]; }
+        double(*out)[15] = reinterpret_cast<double(*)[15]>(K + (long)e * 225);
+        const Vec<double> v0 = vec(X + 3);
+        const JunctionSeeds<double> seeds = junction_seeds(X, Y, A, p[P::RIGID], c);
+        below_junction(p[P::RIGID], X, Y, A);
+        if (!subtract_contact(e, X, Y, p, law, 1.0, 0.0, J[0])) {
+            std::memset(out, 0, 225 * sizeof(double));
+            continue;
+        }
+        subtract_contact(e, X, Y, p, law, 0.0, 1.0, J[1]);
+        P::evaluate<double>(e, X, Y, p, law, rows, nullptr);
+        junction_columns(J, seeds, c, spin + 3 * nodes[2 * e], spin + 3 * nodes[2 * e + 1], out);
+        junction_rows(v0, X[14], p[P::RIGID], vec(rows), vec(rows + 3), c[0], out);
     }
 }
 

@@ -88,12 +88,13 @@ class Contact(Passive):
                       pointer(normal), pointer(segment), pointer(touching))
         self._laws.append(record)
         self._keep += [normal, segment]
+        self._normal.append(normal.reshape(count, self.law.points))
         self._touching.append(touching)
         return ctypes.addressof(record)
 
     def blocks(self, part) -> tuple[Block, ...]:
         m = self.mesh
-        self._part, self._touching, self._blocks = part, [], []
+        self._part, self._touching, self._blocks, self._normal = part, [], [], []
         junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
         friction = np.where(np.isnan(m.friction), -1.0, m.friction)
         for split in (False, True):
@@ -134,6 +135,15 @@ class Contact(Passive):
     def signature(self) -> int:
         """Changes whenever a contact opens or closes on this rank."""
         return hash(tuple(t.tobytes() for t in self._touching))
+
+    def normal_force(self, cell: int) -> float:
+        """Normal force on a local cell in the last residual [N]."""
+        for b, normal in zip(self._blocks, self._normal, strict=True):
+            if b.on == "cell":
+                here = np.searchsorted(b.points, cell)
+                if here < len(b.points) and b.points[here] == cell:
+                    return float(normal[here].sum())
+        return 0.0
 
     def report(self, state) -> tuple[FloatArray, FloatArray]:
         """(nc, 7) per local cell and (nb, 7) per rigid item of this rank: the columns of ``REPORT``."""

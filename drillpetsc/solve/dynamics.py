@@ -10,6 +10,7 @@ from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
 from drillpetsc.errors import SolveError
+from drillpetsc.gauges import renew
 from drillpetsc.model import Model
 from drillpetsc.solve.newton import CondensedNewton
 from drillpetsc.solve.plain import PlainSystem
@@ -148,6 +149,10 @@ class Dynamics:
             ts.setTimeStep(min(self.first_step, 2 * ts.getTimeStep()))
         for call in self.after_step:
             call(self._last, dt)
+        if renew(self.model, self.model.frames):  # a tangent has turned far from its gauge: new spin angles, history starts afresh
+            self.model.store_state(ts.getSolution())
+            self._forget()
+            ts.restartStep()
 
     def run(self, start: float, end: float, breaks: tuple[float, ...] = ()) -> None:
         """From ``start`` to ``end`` [s], landing on every break and starting the formula afresh there.

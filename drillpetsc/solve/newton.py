@@ -17,7 +17,7 @@ from drillpetsc.model import Model
 
 
 ROUNDING = 64 * np.finfo(float).eps
-STALLED = 1e-9  # an increment that no longer falls below this share of the scales is rounding
+STALLED = 1e-10  # an increment that no longer falls below this share of the scales is rounding
 
 
 @dataclass
@@ -66,14 +66,19 @@ class CondensedNewton:
         pc = snes.getKSP().getPC()
         pc.setType("python")
         options = PETSc.Options(prefix)
-        if not options.hasName("snes_linesearch_type"):
+        chosen = options.hasName("snes_linesearch_type")
+        if not chosen:
             # contact and friction make Newton overshoot; "cp" finds where the rows stop pointing along the step, by residuals alone
             # (measured on the whirling 2000 m string: a third of the iterations, no failed step)
             options.setValue("snes_linesearch_type", "cp" if model.has_contact else "basic")
         snes.setFromOptions()
         self.tolerance = options.getReal("snes_stol", self.tolerance)
-        self.assembled = pc.getType() != "python" or snes.getKSP().getType() != "preonly" or \
-            options.getString("snes_linesearch_type", "basic") == "bt"
+        self.line_search = options.getString("snes_linesearch_type", "basic")
+        if not chosen:  # the next scene chooses for itself
+            options.delValue("snes_linesearch_type")
+        self.assembled = (
+            pc.getType() != "python" or snes.getKSP().getType() != "preonly" or self.line_search == "bt"
+        )
         if self.assembled:
             petsc_compat.preallocate_coo(self.matrix, rows, columns)
         else:

@@ -21,7 +21,7 @@ from drillpetsc.linear import ZeroPivot
 from drillpetsc.model import Model
 from drillpetsc.solve.newton import chain_factor
 
-CONVERGED = 1.0e-7  # increment relative to the fields' scales
+CONVERGED = 2.0e-9  # increment relative to the fields' scales
 STALLED = 1.0e-5  # good enough when rounding stops the descent
 ITERATIONS = 600
 FREE_ITERATIONS = 40
@@ -241,7 +241,7 @@ class Statics:
 
     def _newton(self, shifted: bool, report: Equilibrium, search: bool = True, most: int = ITERATIONS) -> None:
         asm, n = self.model.assembly, self.model.layout.size
-        sigma, last, weight = 0.0, np.inf, 1.0 / self.model.scale
+        sigma, best, weight = 0.0, np.inf, 1.0 / self.model.scale
         quiet, begun = 0, len(report.history)
         for _ in range(most):
             rows = self.rows()
@@ -269,15 +269,16 @@ class Statics:
             report.increment = size
             if not np.isfinite(size):
                 raise SolveError("the static solution ran away", **self.model.worst_place(self.t))
-            quiet = quiet + 1 if size < STALLED and size > 0.3 * last else 0
+            quiet += size < STALLED and size > 0.8 * best  # rounding: small, and no longer falling
             if alpha == 1.0 and sigma == 0.0 and (size < CONVERGED or quiet >= 3) or (quiet >= 8 and size < CONVERGED):
                 report.converged = True
                 return
-            last = size
+            best = min(best, size)
             if not shifted and self._chatters(report.history[begun:], alpha):
                 break
         raise SolveError(
-            f"statics did not converge in {len(report.history) - begun} iterations (last increment {size:.1e} of the fields' scales)",
+            f"statics did not converge in {len(report.history) - begun} iterations "
+            f"(last increment {size:.1e} of the fields' scales)",
             hint="a stronger initial.imperfection or a finer mesh may help",
             **self.model.worst_place(self.t),
         )

@@ -49,7 +49,7 @@ def _jacobian(name, count, index, nodes, params, context, weights, spin, x, y, a
 
 
 @pytest.mark.parametrize("triple", TRIPLES)
-@pytest.mark.parametrize("kernel", ["beam", "beam_damped"])
+@pytest.mark.parametrize("kernel", ["beam", "beam_damped", "beam_split", "beam_split_damped"])
 @pytest.mark.parametrize("count", [4, 7])
 def test_local_derivatives_give_the_derivative_of_the_rows(kernel, triple, count):
     """Equal to rounding for any combination of positions, rates and accelerations, last lanes of a pack included."""
@@ -66,21 +66,22 @@ def test_local_derivatives_give_the_derivative_of_the_rows(kernel, triple, count
 
 
 @pytest.mark.parametrize("triple", TRIPLES)
-@pytest.mark.parametrize("kind", ["contact", "contact_hertz_stribeck", "contact_imposed"])
+@pytest.mark.parametrize("kind", ["contact", "contact_hertz_stribeck", "contact_imposed", "contact_junction"])
 def test_local_derivatives_of_the_contact(kind, triple):
     """Sliding and imposed friction, on touching and open points of a curved hole with a section change."""
     weights, seen = np.array(TRIPLES[triple]), set()
-    for seed in range(8):
+    for seed in range(20):
         model = build(kind.replace("_imposed", ""), seed)
         model.assembly.condense(SIGMA)
         if "imposed" in kind:
             model.rooms[1].impose_sliding(0.3, 2.0, 0.5)
         asm = model.assembly
-        block = next(b for b in asm.ready if b.block.kernel == "contact")
+        kernel = "contact_split" if "junction" in kind else "contact"
+        block = next(b for b in asm.ready if b.block.kernel == kernel)
         spin = np.random.default_rng(seed).standard_normal(asm.spin_gradient.shape)
-        arguments = (block.count, block.index, block.spins, block.block.params, block.block.context, weights, spin, asm.x,
-                     asm.y, asm.a)
-        fast, wide = (_jacobian(name, *arguments) for name in ("contact", "contact_dual"))
+        arguments = (block.count, block.index, block.spins, block.block.params, block.block.context, weights, spin,
+                     asm.x, asm.y, asm.a)
+        fast, wide = (_jacobian(name, *arguments) for name in (kernel, kernel + "_dual"))
         scale = np.abs(wide).max(axis=(1, 2))
         assert (np.abs(fast - wide).max(axis=(1, 2)) <= 1e-13 * scale).all()
         seen |= set(scale > 0)

@@ -1,0 +1,66 @@
+"""The `check` command: what a scene contains and what it leaves out, in words."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drillpetsc.case.scene import Case
+from drillpetsc.scene import Scene, build_scene
+from drillpetsc.start import coarse_elements
+from drillpetsc.summary import field_counts
+
+#: microseconds per element and evaluation, measured on one core (scripts/benchmark prints them afresh)
+COST = {"residual": 0.3, "jacobian": 1.2, "factor": 0.6, "solve": 0.15, "step": 2.0}
+
+TERMS = (
+    ("bodies", "rigid bodies and eccentricity"),
+    ("curvature", "stress-free curvature"),
+    ("contact", "contact with the hole"),
+    ("bit", "bit on the bottom"),
+    ("loads", "loads"),
+    ("drive", "rotary drive with spring and damper"),
+)
+
+
+def describe(case: Case) -> str:
+    """Text for the user; raises CaseError where the scene cannot be built."""
+    return "\n".join(_lines(build_scene(case)))
+
+
+def _lines(scene: Scene) -> list[str]:
+    case, mesh, model = scene.case, scene.mesh, scene.model
+    lines = [f"{case.title or 'case'}: valid"]
+    lines.append(f"  string: {len(case.string)} items, {mesh.total_length:g} m, {len(mesh.upper)} elements of "
+                 f"{mesh.length.min():.3g} to {mesh.length.max():.3g} m, {mesh.nodes} nodes, {len(mesh.bodies)} rigid items")
+    if case.well is not None:
+        q = case.well
+        lines.append(f"  well: {len(q.survey.md)} survey stations to {q.survey.md[-1]:g} m, inclination up to "
+                     f"{np.degrees(max(q.survey.inclination)):.3g} deg, {len(q.sections)} sections")
+    lines.append(f"  top: {case.top.kind}; bottom: {case.bottom.kind}; start: {case.initial.from_}")
+    names = {room.name for room in scene.rooms}
+    has = ["axial, bending, torsion, inertia, gravity"]
+    if mesh.stiffness_damping.any() or mesh.mass_damping.any():
+        has.append("material damping")
+    has += [words for name, words in TERMS if name in names]
+    lacks = [words for name, words in TERMS if name not in names] + ["drilling fluid", "bit cutting rock"]
+    if not (mesh.stiffness_damping.any() or mesh.mass_damping.any()):
+        lacks.insert(0, "material damping")
+    lines.append("  contains: " + "; ".join(has))
+    lines.append("  leaves out (no unknowns, no cost): " + "; ".join(lacks))
+    counts = field_counts(model)
+    per_node = sum(f.size for f, n in counts if n == mesh.nodes)
+    unknowns = sum(f.size * n for f, n in counts)
+    lines.append(f"  unknowns: {per_node} per node and as many rates; {unknowns} solved for in a step, {2 * unknowns} in the state")
+    for f, n in counts:
+        if n != mesh.nodes:
+            lines.append(f"    {f.name}: {f.size} at {n} nodes (section changes and rigid items)")
+    e = len(mesh.upper)
+    step = (3 * COST["residual"] + COST["jacobian"] + COST["factor"] + 2 * COST["solve"] + COST["step"]) * e * 1e-3
+    lines.append(f"  expected cost: about {step:.2g} ms per step on one core"
+                 + (f"; {case.time.end:g} s to simulate" if case.time is not None else ""))
+    coarse = coarse_elements(scene)
+    if coarse.any():
+        limit = (240 * mesh.bending_stiffness / (mesh.mass * np.linalg.norm(case.gravity))) ** (1 / 3)
+        lines.append(f"  WARNING: {int(coarse.sum())} elements are longer than {limit[coarse].min():.3g} m = (240 EI/w)^(1/3): their bending cannot "
+                     "hold their own axial load, statics may report negative pivots; shorten element_length")
+    return lines
