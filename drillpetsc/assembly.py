@@ -11,6 +11,9 @@ from drillpetsc.layout import Layout
 
 _rates = function("condensed_rates", "ipdppippp" + "p")
 _transport = function("spin_transport", "ippppp")
+_fix_rates = function("constraint_rates", "ipppdppp")
+_fix_rows = function("constraint_rows", "ippppp" + "dpp")
+_fix_matrix = function("constraint_matrix", "ippppp")
 _gradient = function("spin_gradient", "ippppddp")
 
 #: weight of a replaced row, position error [m or rad] to force [N]: of the order of a pipe's stiffness, so that one norm fits both
@@ -55,7 +58,20 @@ class _Fixed:
                 if len(slots) not in (0, 7):
                     raise ValueError(f"{item.block.name}: a prescribed vertex needs all of r, v, phi in the block")
                 self.touching.append((item, int(e), np.array(slots)))
-        self.reaction = np.zeros(len(self.D))
+        self.reaction, self.value, self.rate = (np.zeros(len(self.D)) for _ in range(3))
+        self.time: float | None = None
+        self.at = np.array([item.span.start + e * item.width**2 for item, e, _ in self.touching], dtype=np.int64)
+        self.width = np.array([item.width for item, _, _ in self.touching], dtype=np.int32)
+        self.slots = np.ascontiguousarray([s for *_, s in self.touching], dtype=np.int32).reshape(-1, 7)
+        self.keep = np.ascontiguousarray(self.keep)
+        self.head = (len(self.D), pointer(self.D), pointer(self.rows))
+        self.matrix_head = (len(self.at), pointer(self.keep), pointer(self.at), pointer(self.width), pointer(self.slots))
+
+    def look_up(self, t: float) -> None:
+        """Value and rate at ``t``; kept, as all evaluations of a step ask for the same time."""
+        if t != self.time:
+            self.value[:], self.rate[:] = self.condition.value(t), self.condition.rate(t)
+            self.time = t
 
 
 class Assembly:
@@ -112,11 +128,15 @@ class Assembly:
 
     def impose_rates(self, t: float, sigma: float) -> None:
         """Prescribed components move at the given rate exactly, not at the rate of the time formula."""
+        _, y, a, _ = self._state
         for f in self.fixed:
-            y = self.y[f.rows]
-            y += f.D.T @ (f.condition.rate(t) - f.D @ y)
-            self.y[f.rows] = y
-            self.a[f.rows] = sigma * y + self.v1[f.rows]
+            f.look_up(t)
+            _fix_rates(*f.head, pointer(f.rate), sigma, self._history[1], y, a)
+
+    def forget_inputs(self) -> None:
+        """Look prescribed values up afresh: an anchor was moved while the time stood still."""
+        for f in self.fixed:
+            f.time = None
 
     def transport(self) -> FloatArray:
         """c(v).w at each local vertex: spin rate minus rate of the spin angle [rad/s]."""
@@ -149,11 +169,9 @@ class Assembly:
         """
         for f in self.fixed:
             if f.owned:
-                rows = owned_place[f.rows]
-                force = owned[rows]
-                f.reaction = f.D @ force
-                error = f.D @ self.x[f.rows] - f.condition.value(t)
-                owned[rows] = force + f.D.T @ (ROW_SCALE * error - f.reaction)
+                f.look_up(t)
+                places = owned_place[f.rows]
+                _fix_rows(*f.head, pointer(places), self._state[0], pointer(f.value), ROW_SCALE, pointer(owned), pointer(f.reaction))
 
     def jacobian(self, t: float, c: tuple[float, float, float], condensed: bool) -> None:
         """All entries c0 dR/dx + c1 dR/dy + c2 dR/da into ``values``; condensed: y moves with x as in ``condense``."""
@@ -178,9 +196,7 @@ class Assembly:
 
     def _replace_jacobian_rows(self, by_position: float) -> None:
         for f in self.fixed:
-            for item, e, slots in f.touching:
-                K = self.values[item.span].reshape(item.count, item.width, item.width)[e]
-                K[slots] = f.keep @ K[slots]
+            _fix_matrix(*f.matrix_head, pointer(self.values))
         start = self.ready[-1].span.stop if self.ready else 0
         for f in self.fixed:
             if f.owned:

@@ -29,9 +29,9 @@ def run_statics(case: Case, out: str | Path | None = None, motion: str | None = 
     with options.applied(case.petsc):
         scene = build_scene(case, comm)
         folder = make_folder(comm, name, out, False, overwrite)
-        state = find_equilibrium(scene, MOTIONS[motion] if motion else None)
+        state = find_equilibrium(scene, MOTIONS[motion] if motion else None, climb=False)
         columns, values = static_table(scene, state)
-        summary = {"title": case.title, "motion": motion or "as the top prescribes", **static_summary(scene, state)}
+        summary = {"title": case.title, **static_summary(scene, state), "motion": motion or "as the top prescribes"}
         fields = Recorder(scene).fields(0.0)
         if comm.rank == 0:
             _write(scene, folder, columns, values, summary, fields)

@@ -160,6 +160,7 @@ class Dynamics:
         Raises SolveError when no step can be taken; everything up to the last accepted step stands in the assembly.
         """
         model, ts = self.model, self.ts
+        model.assembly.forget_inputs()
         model.store_state(self.state)
         stops = sorted({b for b in breaks if start < b < end} | {end})
         ts.setTime(start)

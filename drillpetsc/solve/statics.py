@@ -110,6 +110,7 @@ class Statics:
         """Residual at rest, summed, as a ghosted local array valid at owned unknowns."""
         model, asm = self.model, self.model.assembly
         asm.y[:], asm.a[:] = 0.0, 0.0
+        asm.forget_inputs()
         model.sum_residual(self.t, self.f)
         local = np.zeros(model.layout.size)
         local[model.layout.local_of_owned] = self.f.getArray(readonly=1)
