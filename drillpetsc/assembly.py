@@ -58,6 +58,7 @@ class _Fixed:
                 if len(slots) not in (0, 7):
                     raise ValueError(f"{item.block.name}: a prescribed vertex needs all of r, v, phi in the block")
                 self.touching.append((item, int(e), np.array(slots)))
+        self.square = (self.D.T @ self.D).ravel()
         self.reaction, self.value, self.rate = (np.zeros(len(self.D)) for _ in range(3))
         self.time: float | None = None
         self.at = np.array([item.span.start + e * item.width**2 for item, e, _ in self.touching], dtype=np.int64)
@@ -65,6 +66,8 @@ class _Fixed:
         self.slots = np.ascontiguousarray([s for *_, s in self.touching], dtype=np.int32).reshape(-1, 7)
         self.keep = np.ascontiguousarray(self.keep)
         self.head = (len(self.D), pointer(self.D), pointer(self.rows))
+        self.rate_at, self.value_at, self.reaction_at = pointer(self.rate), pointer(self.value), pointer(self.reaction)
+        self.places: np.ndarray | None = None  # of the rows in the owned part of a vector
         self.matrix_head = (len(self.at), pointer(self.keep), pointer(self.at), pointer(self.width), pointer(self.slots))
 
     def look_up(self, t: float) -> None:
@@ -113,6 +116,7 @@ class Assembly:
         self._state = tuple(map(pointer, (self.x, self.y, self.a, self.r)))
         self._weights = np.zeros(3)
         self._weights_at, self._spin_at = pointer(self._weights), pointer(self.spin_gradient)
+        self._values_at = pointer(self.values)
         for b in self.ready:
             b.values_at = pointer(self.values) + 8 * b.span.start
         self._nodes = (len(self.spin_at), pointer(self.spin_at), pointer(self.gauge))
@@ -131,7 +135,7 @@ class Assembly:
         _, y, a, _ = self._state
         for f in self.fixed:
             f.look_up(t)
-            _fix_rates(*f.head, pointer(f.rate), sigma, self._history[1], y, a)
+            _fix_rates(*f.head, f.rate_at, sigma, self._history[1], y, a)
 
     def forget_inputs(self) -> None:
         """Look prescribed values up afresh: an anchor was moved while the time stood still."""
@@ -170,15 +174,16 @@ class Assembly:
         for f in self.fixed:
             if f.owned:
                 f.look_up(t)
-                places = owned_place[f.rows]
-                _fix_rows(*f.head, pointer(places), self._state[0], pointer(f.value), ROW_SCALE, pointer(owned), pointer(f.reaction))
+                if f.places is None:
+                    f.places = np.ascontiguousarray(owned_place[f.rows], dtype=np.int32)
+                    f.places_at = pointer(f.places)
+                _fix_rows(*f.head, f.places_at, self._state[0], f.value_at, ROW_SCALE, pointer(owned), f.reaction_at)
 
     def jacobian(self, t: float, c: tuple[float, float, float], condensed: bool) -> None:
         """All entries c0 dR/dx + c1 dR/dy + c2 dR/da into ``values``; condensed: y moves with x as in ``condense``."""
         self._event["Jacobian"].begin()
         if condensed and len(self.spin_at):
-            _gradient(len(self.spin_at), pointer(self.spin_at), pointer(self.gauge), pointer(self.x), pointer(self.y), c[1],
-                      1.0 / c[1] if c[1] else 0.0, pointer(self.spin_gradient))
+            _gradient(*self._nodes, *self._state[:2], c[1], 1.0 / c[1] if c[1] else 0.0, self._spin_at)
         else:
             self.spin_gradient[:] = 0.0
         self._weights[:] = c
@@ -196,11 +201,11 @@ class Assembly:
 
     def _replace_jacobian_rows(self, by_position: float) -> None:
         for f in self.fixed:
-            _fix_matrix(*f.matrix_head, pointer(self.values))
+            _fix_matrix(*f.matrix_head, self._values_at)
         start = self.ready[-1].span.stop if self.ready else 0
         for f in self.fixed:
             if f.owned:
-                self.values[start : start + 49] = (by_position * ROW_SCALE * f.D.T @ f.D).ravel()
+                np.multiply(f.square, by_position * ROW_SCALE, out=self.values[start : start + 49])
                 start += 49
 
     def index_of(self, block: Block) -> np.ndarray:

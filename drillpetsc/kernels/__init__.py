@@ -89,7 +89,7 @@ def pointer(array: np.ndarray) -> int:
     """Address of a C-contiguous array, to be passed as ``c_void_p``; the caller keeps the array alive."""
     if not array.flags.c_contiguous:
         raise ValueError("kernels take C-contiguous arrays")
-    return array.ctypes.data
+    return array.__array_interface__["data"][0]  # a third of the time of array.ctypes.data
 
 
 def function(name: str, arguments: str, result: type | None = None) -> ctypes._FuncPointer:  # type: ignore[name-defined]
