@@ -33,6 +33,7 @@ class Checkpoint:
 def take(scene: Scene, recorder: Recorder, time: float, step: float) -> Checkpoint | None:
     """Collect the state on rank 0 (None elsewhere); collective."""
     model = scene.model
+    books = recorder.books(time)
     names = [f.name for f in model.layout.fields]
     values = model.gather(np.hstack([model.field(n) for n in names] + [model.field(n, "y") for n in names]))
     dead = None
@@ -47,7 +48,7 @@ def take(scene: Scene, recorder: Recorder, time: float, step: float) -> Checkpoi
     rates = dict(zip(names, parts[len(names) :], strict=True))
     frames = {"gauge": model.frames.gauge, "second": model.frames.second, "twist0": model.frames.twist0}
     top = scene.top.anchor if scene.top is not None else None
-    return Checkpoint(time, step, fields, rates, frames, dead, top, recorder.books())
+    return Checkpoint(time, step, fields, rates, frames, dead, top, books)
 
 
 def write(path: Path, c: Checkpoint) -> None:

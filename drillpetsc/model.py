@@ -140,11 +140,16 @@ class Model:
 
     def powers(self, t: float) -> Powers:
         """Dissipated and supplied power at the assembly's x, y, a, summed over ranks; the reactions of the last residual supply."""
+        parts = self.own_powers(t)
+        return Powers(*(parts if self._alone else self.comm.tompi4py().allreduce(parts)))
+
+    def own_powers(self, t: float) -> FloatArray:
+        """(2,) this rank's share of the dissipated and the supplied power [W]."""
         parts = np.array([room.powers(t, self.assembly) for room in self.rooms]).sum(axis=0)
         parts[1] += sum(float(f.reaction @ f.condition.rate(t)) for f in self.assembly.fixed if f.owned)
         if self.assembly.dead is not None:
             parts[1] += self.assembly.dead @ self.assembly.y[:-1]
-        return Powers(*(parts if self._alone else self.comm.tompi4py().allreduce(parts)))
+        return parts
 
     def reaction(self, name: str) -> float:
         """Reaction that the prescribed component ``name`` needs (0 where there is none), the same on all ranks [N or N m]."""

@@ -91,11 +91,7 @@ class Recorder:
         for k, p in enumerate(self.probes):
             if p.cell in self._cell:
                 v[11 + 5 * k : 16 + 5 * k] = self._probe(p)
-        powers = np.array([room.powers(t, asm) for room in scene.rooms]).sum(axis=0)
-        powers[1] += sum(float(f.reaction @ f.condition.rate(t)) for f in asm.fixed if f.owned)
-        if asm.dead is not None:
-            powers[1] += asm.dead @ asm.y[:-1]
-        v[8:10] = powers
+        v[8:10] = self.model.own_powers(t)
         if model.comm.size > 1:
             v = self.comm.allreduce(v)
         force = getattr(scene.case.top, "force", None)
@@ -126,8 +122,10 @@ class Recorder:
         self._first_energies = self.energies.copy()
         self.start_energy = float(self.energies.sum())
 
-    def books(self) -> FloatArray:
+    def books(self, now: float) -> FloatArray:
         """What a continued run needs to keep counting; also forgets earlier samples, as the continued run has none."""
+        if self._samples[-1][0] != now:
+            self._samples.append((now, self.sample(now)))
         while len(self._samples) > 1:
             self._samples.popleft()
         t, v = self._samples[-1]
@@ -141,13 +139,20 @@ class Recorder:
         self._powers = tuple(books[16:18])
         self.energies = np.array(self.model.energies(float(books[7])))
 
-    def step(self, t: float, dt: float) -> None:
-        """Take the figures of an accepted step and add up its work."""
-        v = self.sample(t)
-        self.dissipated += 0.5 * dt * (self._powers[0] + v[8])
-        self.supplied += 0.5 * dt * (self._powers[1] + v[9])
-        self._powers = (v[8], v[9])
-        self._samples.append((t, v))
+    def step(self, t: float, dt: float, next_row: float) -> None:
+        """Add up the work of an accepted step; take all its figures only when a row, due at ``next_row`` [s], may need them.
+
+        The time integrator at most doubles a step, so the step before the one that passes ``next_row`` is among them.
+        """
+        if t + 3.0 * dt >= next_row:
+            v = self.sample(t)
+            powers = float(v[8]), float(v[9])
+            self._samples.append((t, v))
+        else:
+            powers = self.model.powers(t)
+        self.dissipated += 0.5 * dt * (self._powers[0] + powers[0])
+        self.supplied += 0.5 * dt * (self._powers[1] + powers[1])
+        self._powers = powers
 
     def audit(self, t: float) -> FloatArray:
         """Energies at the present state; keeps their largest change since the start."""

@@ -171,7 +171,7 @@ def _integrate(scene, recorder, dynamics, folder, saved, state, began, progress)
     last = {"t": start, "newton": 0}
 
     def after(t: float, dt: float) -> None:
-        recorder.step(t, dt)
+        recorder.step(t, dt, writer.next_row * writer.every[0])
         newton = dynamics.newton_iterations()
         writer.take(t, dt, newton - last["newton"])
         last["t"], last["newton"] = t, newton
@@ -212,7 +212,6 @@ def _checkpoint(scene, recorder, dynamics, folder, t: float) -> None:
     step = max(dynamics.first_step, 0.1 * dynamics.last_step)
     dynamics.first_step = step
     c = checkpoint.take(scene, recorder, t, step)
-    recorder.books()
     if c is not None and folder is not None:
         checkpoint.write(folder.checkpoint, c)
 
