@@ -14,6 +14,7 @@ from petsc4py import PETSc
 from drillpetsc import petsc_compat
 from drillpetsc.linear import ChainFactor, ChainPC
 from drillpetsc.model import Model
+from drillpetsc.solve.direct import DirectNewton
 
 
 ROUNDING = 64 * np.finfo(float).eps
@@ -71,7 +72,13 @@ class CondensedNewton:
             # contact and friction make Newton overshoot; "cp" finds where the rows stop pointing along the step, by residuals alone
             # (measured on the whirling 2000 m string: a third of the iterations, no failed step)
             options.setValue("snes_linesearch_type", "cp" if model.has_contact else "basic")
+        theirs = ("snes_type", "snes_linesearch_type", "ksp_type", "pc_type", "snes_monitor", "snes_converged_reason", "ksp_monitor")
+        self.direct = not any(options.hasName(name) for name in theirs if name != "snes_linesearch_type") and not chosen
+        if self.direct:
+            snes.setType("python")
+            snes.setPythonContext(DirectNewton(self))
         snes.setFromOptions()
+        self.most = snes.getTolerances()[3]
         self.tolerance = options.getReal("snes_stol", self.tolerance)
         self.line_search = options.getString("snes_linesearch_type", "basic")
         if not chosen:  # the next scene chooses for itself
@@ -103,43 +110,58 @@ class CondensedNewton:
         self._evaluate()
         self.model.sum_residual(self.t, f)
 
+    def rows(self, q: PETSc.Vec) -> np.ndarray:
+        """Residual at ``q``, owned rows; the array is the solver's own and changes with the next call."""
+        self._function(None, q, self._f)
+        return self._f.getArray(readonly=1)
+
     def _jacobian(self, snes, q, J, P) -> None:
-        asm = self.model.assembly
-        if self.lag and self.lag.good and self._still_serves():
+        if self.lag and self.lag.good and self.still_serves(snes.getIterationNumber()):
             return
         self.model.load_unknowns(q)
         self._evaluate()
-        asm.jacobian(self.t, (1.0, self.shift, self.shift**2), condensed=True)
-        self.jacobians += 1
+        self.renew_jacobian()
         if self.assembled:
-            petsc_compat.set_values_coo(self.matrix, asm.values)
+            petsc_compat.set_values_coo(self.matrix, self.model.assembly.values)
         else:
             J.assemble()
+
+    def renew_jacobian(self) -> None:
+        """New entries at the assembly's state."""
+        self.model.assembly.jacobian(self.t, (1.0, self.shift, self.shift**2), condensed=True)
+        self.jacobians += 1
         if self.lag:
             self.lag.shift, self.lag.good, self.lag.signature = self.shift, True, self.model.signature()
         self.eta = 1.0 if self.eta > 1.0 else max(self.eta, 1e-10) ** 0.8
 
-    def _still_serves(self) -> bool:
+    def agree(self, mine: bool) -> bool:
+        """Whether all ranks say yes."""
+        return bool(self.model.comm.tompi4py().allreduce(int(mine), op=_min()))
+
+    def still_serves(self, its: int) -> bool:
         """Whether the kept factor may be used again; the same answer on every rank."""
         lag = self.lag
         serves = (
             abs(self.shift / lag.shift - 1.0) <= lag.shift_change
             and self._theta <= lag.contraction
-            and self.snes.getIterationNumber() < lag.iterations
+            and its < lag.iterations
             and self.model.signature() == lag.signature
         )
         if self.model.comm.size > 1 and self.model.has_contact:  # each rank sees its own contacts only
-            serves = bool(self.model.comm.tompi4py().allreduce(int(serves), op=_min()))
+            serves = self.agree(serves)
         return serves
 
     def _converged(self, snes, its, norms) -> int:
-        fnorm = norms[2]
-        if not np.isfinite(fnorm):
+        step = snes.getSolutionUpdate().getArray(readonly=1) if its else np.zeros(0)
+        return self.judge(its, step, bool(np.isfinite(norms[2])))
+
+    def judge(self, its: int, step: np.ndarray, finite: bool) -> int:
+        """Reason after ``its`` iterations, the last of which moved the owned unknowns by ``step``; 0: go on."""
+        if not finite:
             return PETSc.SNES.ConvergedReason.DIVERGED_FNORM_NAN
         if its == 0:
             self._theta = 0.0
             return 0
-        step = snes.getSolutionUpdate().getArray(readonly=1)
         # below the spacing of numbers at the unknown's own size (a depth of 2000 m) nothing can be resolved
         floor = (ROUNDING / self.tolerance) * np.abs(self.q.getArray(readonly=1))
         size = float(np.max(np.abs(step) / np.maximum(self._scale, floor), initial=0.0))
@@ -156,7 +178,7 @@ class CondensedNewton:
         self._last = size
         if self.eta * size <= self.tolerance:
             return PETSc.SNES.ConvergedReason.CONVERGED_SNORM_RELATIVE
-        if its >= snes.getTolerances()[3]:
+        if its >= self.most:
             return PETSc.SNES.ConvergedReason.DIVERGED_MAX_IT
         return 0
 
@@ -176,7 +198,8 @@ class CondensedNewton:
         self.model.store_unknowns(self.q)
         self.snes.solve(None, self.q)
         self.newton += self.snes.getIterationNumber()
-        self.linear += self.snes.getLinearSolveIterations()
+        if not self.direct:
+            self.linear += self.snes.getLinearSolveIterations()
         reason = self.snes.getConvergedReason()
         if reason < 0:
             self.failures += 1
