@@ -37,6 +37,7 @@ class _Ready:
         self.head = (self.count, pointer(self.index), pointer(block.params), block.context)
         self.matrix_head = (self.count, pointer(self.index), pointer(self.spins), pointer(block.params), block.context)
         rows = np.where(self.index < layout.size, self.index, -1)
+        self.values_at = 0  # address of the block's entries, set by the assembly
         self.rows = np.repeat(rows, self.width, axis=1).ravel()
         self.columns = np.tile(rows, (1, self.width)).ravel()
 
@@ -67,6 +68,7 @@ class _Fixed:
         self.keep = np.ascontiguousarray(self.keep)
         self.head = (len(self.D), pointer(self.D), pointer(self.rows))
         self.rate_at, self.value_at, self.reaction_at = pointer(self.rate), pointer(self.value), pointer(self.reaction)
+        self.places_at = 0
         self.places: np.ndarray | None = None  # of the rows in the owned part of a vector
         self.matrix_head = (len(self.at), pointer(self.keep), pointer(self.at), pointer(self.width), pointer(self.slots))
 

@@ -61,6 +61,6 @@ def _lines(scene: Scene) -> list[str]:
     coarse = coarse_elements(scene)
     if coarse.any():
         limit = (240 * mesh.bending_stiffness / (mesh.mass * np.linalg.norm(case.gravity))) ** (1 / 3)
-        lines.append(f"  WARNING: {int(coarse.sum())} elements are longer than {limit[coarse].min():.3g} m = (240 EI/w)^(1/3): their bending cannot "
-                     "hold their own axial load, statics may report negative pivots; shorten element_length")
+        lines.append(f"  WARNING: {int(coarse.sum())} elements are longer than {limit[coarse].min():.3g} m = (240 EI/w)^(1/3): "
+                     "their bending cannot hold their own axial load, statics may report negative pivots; shorten element_length")
     return lines

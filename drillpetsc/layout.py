@@ -89,7 +89,7 @@ def build_layout(line: Line, fields: tuple[Field, ...], regions: dict[str, np.nd
     x_local, y_local = np.full(size, -1, dtype=np.int32), np.full(size, -1, dtype=np.int32)
     field_of, vertex_of = np.zeros(size, dtype=np.int32), np.zeros(size, dtype=np.int32)
     place = {f.name: np.full((len(line.points), f.size), -1, dtype=np.int32) for f in fields}
-    rate_number = {}
+    rate_number: dict[str, int] = {}
     for f in fields:
         if f.second_order:
             rate_number[f.name] = len(fields) + len(rate_number)

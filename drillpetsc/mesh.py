@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from drillpetsc.case.items import Beam as BeamItem
@@ -21,7 +23,9 @@ def build_mesh(case: Case) -> StringMesh:
     """
     if not any(isinstance(item, Flexible) for item in case.string):
         raise CaseError(at="string", want="at least one flexible item (pipe or beam)", hint="rigid items alone have no element")
-    rows, rigid, pending = [], [], []
+    rows: list = []
+    rigid: list = []
+    pending: list = []
     for number, item in enumerate(case.string):
         top, bottom = case.item_depths[number]
         if isinstance(item, Flexible):
@@ -94,7 +98,7 @@ def _assemble(case: Case, rows, rigid) -> StringMesh:
     sections = {number: _section(item) for number, item, *_ in rows}
     keys = ("axial_stiffness", "bending_stiffness", "torsional_stiffness", "mass", "polar_inertia", "outer_diameter", "inner_diameter",
             "stiffness_damping", "mass_damping")
-    columns = {k: np.array([sections[number][k] for number, *_ in rows]) for k in keys}
+    columns: dict[str, Any] = {k: np.array([sections[number][k] for number, *_ in rows]) for k in keys}
     upper, lower = np.array([r[2] for r in rows]), np.array([r[3] for r in rows])
     above = np.array([r[4] for r in rows])
     node_depth = np.append(upper - above, lower[-1])
@@ -121,10 +125,11 @@ def _assemble(case: Case, rows, rigid) -> StringMesh:
                       item=np.array([r[0] for r in rows]), friction=friction, bodies=bodies, junction=junction, **columns)
 
 
-def _body(item: Rigid, node: int, before: float) -> RigidItem:
+def _body(item: Any, node: int, before: float) -> RigidItem:
     along, *across = item.center_of_gravity
     offset = np.array(across)
     if item.mass > 0:
         offset = offset + np.array(_polar(item.unbalance / item.mass, item.unbalance_angle))
-    return RigidItem(item.name or item.kind, item.kind, node, before, item.length, item.mass, before + along, (float(offset[0]), float(offset[1])),
-                     item.inertia.axial, item.inertia.transverse, 0.5 * (item.od or 0.0), item.friction)
+    return RigidItem(item.name or item.kind, item.kind, node, before, item.length, item.mass, before + along,
+                     (float(offset[0]), float(offset[1])), item.inertia.axial, item.inertia.transverse,
+                     0.5 * (item.od or 0.0), item.friction)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
@@ -115,7 +116,7 @@ class Model:
         local[self.layout.local_of_owned] = out.getArray(readonly=1)
         return local
 
-    def worst_place(self, t: float) -> dict[str, object]:
+    def worst_place(self, t: float) -> dict[str, Any]:
         """Where the rows are worst: room, element and measured depth of the largest (or first non-finite) residual."""
         asm, worst = self.assembly, (-1.0, "", -1, 0.0)
         for b in asm.ready:

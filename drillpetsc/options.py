@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import difflib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 from petsc4py import PETSc
@@ -12,12 +12,13 @@ from petsc4py import PETSc
 from drillpetsc.errors import CaseError
 
 #: options that PETSc reads late (views, logs) or that belong to PETSc's own start
-LATE = ("view", "monitor", "log_", "malloc", "options_left", "options_table", "help", "on_error", "fp_trap", "checkstack", "reason", "debugger",
+LATE = ("view", "monitor", "log_", "malloc", "options_left", "options_table", "help", "on_error", "fp_trap", "checkstack", "reason",
+        "debugger",
         "no_signal_handler", "petsc", "info")
 
 
 @contextmanager
-def applied(case_options: dict[str, object]) -> Iterator[list[str]]:
+def applied(case_options: Mapping[str, object]) -> Iterator[list[str]]:
     """Put the options of a case below those of the command line while a run lasts; yields the names the user gave."""
     database = PETSc.Options()
     before = dict(database.getAll())
@@ -52,6 +53,7 @@ def refuse_unread(names: list[str]) -> None:
                         hint=f"did you mean -{near[0]}?" if near else "check the spelling and the prefix (-q_ for the condensed Newton)")
 
 
-KNOWN = ("ts_type", "ts_bdf_order", "ts_rtol", "ts_dt", "ts_adapt_type", "ts_adapt_clip", "ts_adapt_dt_max", "ts_adapt_dt_min", "ts_max_reject",
+KNOWN = ("ts_type", "ts_bdf_order", "ts_rtol", "ts_dt", "ts_adapt_type", "ts_adapt_clip", "ts_adapt_dt_max", "ts_adapt_dt_min",
+         "ts_max_reject",
          "ts_adapt_wnormtype", "ts_max_steps", "ts_max_snes_failures", "snes_type", "q_snes_stol", "q_snes_max_it", "q_snes_rtol",
          "q_snes_linesearch_type", "q_ksp_type", "q_pc_type", "q_pc_factor_mat_ordering_type", "ksp_type", "pc_type")

@@ -267,7 +267,8 @@ class Recorder:
         data = {
             "md [m]": mesh.node_depth, "displacement [m]": points - scene.position, "velocity [m/s]": node[:, 3:6],
             "spin [rad/s]": node[:, 6], "spin_angle [rad]": node[:, 7], "offset_x [m]": offset[:, 0], "offset_y [m]": offset[:, 1],
-            "axial_force [N]": from_cells("axial_upper", "axial_lower"), "torque [N m]": -from_cells("torque"),  # positive as the surface torque: the top turns the string
+            "axial_force [N]": from_cells("axial_upper", "axial_lower"),
+            "torque [N m]": -from_cells("torque"),  # positive as the surface torque: the top turns the string
             "bending_moment [N m]": from_cells("bending_upper", "bending_lower"),
             "outer_radius [m]": at_nodes(0.5 * mesh.outer_diameter, 0.5 * mesh.outer_diameter),
         }

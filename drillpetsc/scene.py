@@ -162,9 +162,9 @@ def _loads(case: Case, mesh: StringMesh, tangent: FloatArray) -> tuple[NodeLoad,
             out += _line_load(load, mesh, section, factor)
         else:
             node = int(np.argmin(np.abs(mesh.node_depth - load.at)))
-            out.append(NodeLoad(node, tuple(load.force), tuple(load.moment), section=section, factor=factor))
+            out.append(NodeLoad(node, load.force, load.moment, section=section, factor=factor))
     if isinstance(case.bottom, ForcedBottom):
-        out.append(NodeLoad(mesh.nodes - 1, tuple(case.bottom.force), tuple(case.bottom.moment)))
+        out.append(NodeLoad(mesh.nodes - 1, case.bottom.force, case.bottom.moment))
     force = getattr(case.top, "force", None)
     if force is not None:  # tension positive: the drive pulls the top node up along the axis
         out.append(NodeLoad(0, tuple(-tangent[0]), factor=force.value))

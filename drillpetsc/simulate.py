@@ -108,7 +108,8 @@ def run(case: Case | str | Path, out: str | Path | None = None, *, restart: bool
 
 def make_folder(comm, name: str, out, restart: bool, overwrite: bool) -> RunFolder:
     """The run folder, made by rank 0; a refusal reaches every rank."""
-    mpi, answer = comm.tompi4py(), None
+    mpi = comm.tompi4py()
+    answer: Any = None
     if comm.rank == 0:
         try:
             answer = RunFolder.create(name, out, restart=restart, overwrite=overwrite)
@@ -123,7 +124,7 @@ def make_folder(comm, name: str, out, restart: bool, overwrite: bool) -> RunFold
 def _saved(comm, folder: RunFolder, restart: bool) -> checkpoint.Checkpoint | None:
     if not restart:
         return None
-    answer = None
+    answer: Any = None
     if comm.rank == 0:
         try:
             answer = checkpoint.read(folder.checkpoint)

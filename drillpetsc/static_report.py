@@ -70,7 +70,7 @@ def _table(scene: Scene, nodal: FloatArray, cell: FloatArray) -> FloatArray:
         np.degrees(np.arccos(np.clip(t[:, 2], -1, 1))),
         *offset.T,
         _at_nodes(cell[:, n + 1], cell[:, n + 2]),
-        _at_nodes(by_moment * moment[0], by_moment * moment[1]),
+        _at_nodes(np.multiply(by_moment, moment[0]), np.multiply(by_moment, moment[1])),
         load,
         np.maximum(-axial, 0.0) / load,
     ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -99,8 +100,9 @@ def uniform_string(length: float, elements: int, **section: float) -> StringMesh
         return np.full(elements, float(section.get(key, default)))
 
     names = ("axial_stiffness", "bending_stiffness", "torsional_stiffness", "mass", "polar_inertia", "stiffness_damping", "mass_damping")
+    columns: dict[str, Any] = {k: full(k) for k in names}
     return StringMesh(
-        upper=depth[:-1], lower=depth[1:], node_depth=depth, **{k: full(k) for k in names},
+        upper=depth[:-1], lower=depth[1:], node_depth=depth, **columns,
         outer_diameter=full("outer_diameter"), inner_diameter=full("inner_diameter"), rigid_above=np.zeros(elements),
         eccentricity=np.zeros((elements, 2)), curvature=np.zeros((elements, 2)), item=np.zeros(elements, dtype=int),
         friction=np.full(elements, np.nan), junction=np.zeros(elements + 1, dtype=bool),

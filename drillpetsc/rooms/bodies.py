@@ -72,7 +72,8 @@ class Bodies(Passive):
         chosen, vertices = local_vertices(part, self.entries[:, 0].astype(int))
         e = self.entries[chosen]
         nodes = e[:, 0].astype(int)
-        params = np.column_stack([e[:, 1:7], np.tile(self.gravity, (len(e), 1)), self.frames.gauge[nodes], self.frames.second[nodes], e[:, 7]])
+        gravity = np.tile(self.gravity, (len(e), 1))
+        params = np.column_stack([e[:, 1:7], gravity, self.frames.gauge[nodes], self.frames.second[nodes], e[:, 7]])
         self._block = Block("bodies", "body", "vertex", vertices, VERTEX_SLOTS, (0,), np.ascontiguousarray(params))
         self._nodes = nodes
         return (self._block,)

@@ -94,7 +94,10 @@ class Contact(Passive):
 
     def blocks(self, part) -> tuple[Block, ...]:
         m = self.mesh
-        self._part, self._touching, self._blocks, self._normal = part, [], [], []
+        self._part = part
+        self._touching: list[np.ndarray] = []
+        self._normal: list[np.ndarray] = []
+        self._blocks: list[Block] = []
         junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
         friction = np.where(np.isnan(m.friction), -1.0, m.friction)
         for split in (False, True):
@@ -151,7 +154,8 @@ class Contact(Passive):
         for b in self._blocks:
             out = np.zeros((len(b.points), len(REPORT)))
             kind = {"contact": 0, "contact_split": 1, "body_contact": 2}[b.kernel]
-            _report(len(out), kind, pointer(state.index_of(b)), pointer(b.params), b.context, pointer(state.x), pointer(state.y), pointer(out))
+            _report(len(out), kind, pointer(state.index_of(b)), pointer(b.params), b.context, pointer(state.x), pointer(state.y),
+                    pointer(out))
             if kind == 2:
                 bodies = out
             else:

@@ -55,6 +55,7 @@ class Dynamics:
         self.tolerance = options.getReal("ts_rtol", TOLERANCE)
         self.condensed = options.getString("ts_type", "bdf") == "bdf" and options.getString("snes_type", "python") == "python"
         self.counters, self._in_a_row, self.last_step = Counters(), 0, 0.0
+        self._last, self._t = 0.0, 0.0
         self._make(options)
 
     def _make(self, options: PETSc.Options) -> None:
@@ -122,8 +123,8 @@ class Dynamics:
     def collapse(self, what: str) -> SolveError:
         """The error that ends a run, with the place where the rows are worst."""
         place = self.model.worst_place(self._t if self.condensed else self.ts.getTime())
-        return SolveError(what, time=self.ts.getTime(), hint="look at the inputs at this time and place; a smaller -ts_rtol, softer contact "
-                          "or -q_snes_linesearch_type bt may help", **place)
+        return SolveError(what, time=self.ts.getTime(), hint="look at the inputs at this time and place; a smaller -ts_rtol, softer "
+                          "contact or -q_snes_linesearch_type bt may help", **place)
 
     def newton_iterations(self) -> int:
         """Newton iterations so far, rejected steps included."""

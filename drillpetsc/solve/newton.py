@@ -16,7 +16,6 @@ from drillpetsc.linear import ChainFactor, ChainPC
 from drillpetsc.model import Model
 from drillpetsc.solve.direct import DirectNewton
 
-
 ROUNDING = 64 * np.finfo(float).eps
 STALLED = 1e-10  # an increment that no longer falls below this share of the scales is rounding
 
@@ -141,6 +140,7 @@ class CondensedNewton:
     def still_serves(self, its: int) -> bool:
         """Whether the kept factor may be used again; the same answer on every rank."""
         lag = self.lag
+        assert lag is not None
         serves = (
             abs(self.shift / lag.shift - 1.0) <= lag.shift_change
             and self._theta <= lag.contraction

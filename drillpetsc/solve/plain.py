@@ -1,6 +1,7 @@
 """The whole first-order system, assembled: for other integrators and solvers than the condensed default (studies, oracles).
 
 Rows of a second-order unknown: x' - y = 0 (for a spin angle phi' - omega + c(v).w = 0) and the dynamic row in place of y'.
+Of the seven rows of either kind at a prescribed vertex, those along D become D x = value and D y = rate (index 1).
 """
 
 from __future__ import annotations
@@ -10,7 +11,19 @@ from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
 from drillpetsc.assembly import spin_derivatives
+from drillpetsc.errors import CaseError
 from drillpetsc.model import Model
+
+#: integrators for implicit first-order systems with algebraic rows
+IMPLICIT = ("bdf", "beuler", "cn", "theta", "alpha", "arkimex", "dirk", "rosw")
+
+
+def refuse_integrator(kind: str) -> None:
+    """Raise CaseError for an integrator that cannot treat an implicit system with algebraic (prescribed) rows."""
+    if kind not in IMPLICIT:
+        raise CaseError(at="petsc.ts_type", got=kind, want=" | ".join(IMPLICIT),
+                        hint="prescribed motions are algebraic rows and the mass matrix is not diagonal: the integrator must be implicit "
+                        "and made for first-order systems")
 
 
 class PlainSystem:
@@ -20,119 +33,87 @@ class PlainSystem:
         self.model, self.jacobians = model, 0
         layout, asm = model.layout, model.assembly
         self._rated = layout.y_local >= 0
-        self._row = np.where(self._rated, layout.y_local, layout.x_local)  # where a condensed row goes in the local state
-        n = layout.size
-        spin = asm.spin_at
-        tangent = spin[:, 1:2] + np.arange(3)
-        self._local = model.layout.state_dm.createLocalVec()
         self._condensed = model.new_condensed()
-        # entries: kinematic rows (x'-y), their spin coupling (c_v.w by v, c by w), then the blocks by x and by y
-        every = np.flatnonzero(self._rated)
-        rows = [layout.x_local[every], layout.x_local[every], np.repeat(layout.x_local[spin[:, 0]], 3), np.repeat(layout.x_local[spin[:, 0]], 3)]
-        columns = [layout.x_local[every], layout.y_local[every], layout.x_local[tangent].ravel(), layout.y_local[tangent].ravel()]
-        owned = model.owned_place >= 0
-        mask = [owned[every], owned[every], np.repeat(owned[spin[:, 0]], 3), np.repeat(owned[spin[:, 0]], 3)]
-        self._every, self._spin_nodes = every, spin[:, 0]
-        br, bc = asm.rows, asm.columns
-        fine = (br >= 0) & (bc >= 0)
-        block_rows = np.where(fine, self._row[np.clip(br, 0, n - 1)], -1)
-        rows += [block_rows, block_rows]
-        columns += [np.where(fine, layout.x_local[np.clip(bc, 0, n - 1)], -1),
-                    np.where(fine & self._rated[np.clip(bc, 0, n - 1)], layout.y_local[np.clip(bc, 0, n - 1)], -1)]
-        mask += [fine, fine]
-        # prescribed vertices: velocity rows D y = rate
-        fixed = [f for f in asm.fixed if f.owned]
-        for f in fixed:
-            rows.append(np.repeat(layout.y_local[f.rows], 7))
-            columns.append(np.tile(layout.y_local[f.rows], 7))
-            mask.append(np.ones(49, dtype=bool))
-        self._fixed = fixed
+        self._every = np.flatnonzero(self._rated)
+        self._spin_nodes = asm.spin_at[:, 0]
+        self._fixed = [f for f in asm.fixed if f.owned]
+        rows, columns = self._places()
         lgm = layout.state_dm.getLGMap().getIndices()
-
-        def to_global(index, keep):
-            index = np.where(keep, index, -1)
-            return np.where(index >= 0, lgm[np.maximum(index, 0)], -1)
-
-        keep = np.concatenate(mask)
         self.matrix = layout.state_dm.createMat()
-        petsc_compat.preallocate_coo(self.matrix, to_global(np.concatenate(rows), keep), to_global(np.concatenate(columns), keep))
-        self._values = np.zeros(len(keep))
+        petsc_compat.preallocate_coo(self.matrix, *(np.where(i >= 0, lgm[np.maximum(i, 0)], -1) for i in (rows, columns)))
+        self._values = np.zeros(len(rows))
+        held = np.zeros(layout.size, dtype=bool)
+        for f in self._fixed:
+            held[f.rows] = True
+        self._moves = ~held[self._every], ~held[self._spin_nodes]  # kinematic rows that keep their usual form
+
+    def _places(self) -> tuple[np.ndarray, np.ndarray]:
+        """Local rows and columns of all entries (-1: left out): the kinematic rows by x and y, their spin coupling by v and w, all blocks
+        by x and by y, and three 7x7 blocks for each prescribed vertex."""
+        model, layout, asm, every = self.model, self.model.layout, self.model.assembly, self._every
+        owned = model.owned_place >= 0
+        x, y = layout.x_local, layout.y_local
+        mine = np.where(owned[every], x[every], -1)
+        turning = np.repeat(np.where(owned[self._spin_nodes], x[self._spin_nodes], -1), 3)
+        tangent = (asm.spin_at[:, 1:2] + np.arange(3)).ravel()
+        rows, columns = [mine, mine, turning, turning], [x[every], y[every], x[tangent], y[tangent]]
+        dynamic = np.where(self._rated, y, x)  # where a condensed row goes in the local state
+        here = np.where(asm.rows >= 0, dynamic[np.maximum(asm.rows, 0)], -1)
+        rows += [here, here]
+        columns += [np.where(asm.columns >= 0, place[np.maximum(asm.columns, 0)], -1) for place in (x, y)]
+        for f in self._fixed:
+            for row, column in ((x, x), (x, y), (y, y)):
+                rows.append(np.repeat(row[f.rows], 7))
+                columns.append(np.tile(column[f.rows], 7))
+        return np.concatenate(rows), np.concatenate(columns)
 
     # ------------------------------------------------------------------ callbacks
     def function(self, ts, t, state, rate, f) -> None:
         model, layout, asm = self.model, self.model.layout, self.model.assembly
         model.load_state(state, rate)
-        asm.x[-1], asm.y[-1], asm.a[-1] = 1.0, 0.0, 0.0
         model.sum_residual(t, self._condensed)
         out, r, s, v = f.getArray(), self._condensed.getArray(readonly=1), state.getArray(readonly=1), rate.getArray(readonly=1)
         has = layout.y_owned >= 0
         out[np.where(has, layout.y_owned, layout.x_owned)] = r
-        kinematic = v[layout.x_owned[has]] - s[layout.y_owned[has]]
-        out[layout.x_owned[has]] = kinematic
-        spin_owned = model.owned_place[self._spin_nodes]
-        mine = spin_owned >= 0
-        out[layout.x_owned[spin_owned[mine]]] += asm.transport()[mine]
+        out[layout.x_owned[has]] = v[layout.x_owned[has]] - s[layout.y_owned[has]]
+        place = model.owned_place[self._spin_nodes]
+        mine = place >= 0
+        out[layout.x_owned[place[mine]]] += asm.transport()[mine]
         for c in self._fixed:
-            place = model.owned_place[c.rows]
-            xs, ys = layout.x_owned[place], layout.y_owned[place]
-            # position error stands in the kinematic row, velocity error in the dynamic row
-            position = c.D @ asm.x[c.rows] - c.condition.value(t)
-            speed = c.D @ asm.y[c.rows] - c.condition.rate(t)
-            out[xs] = c.keep @ out[xs] + c.D.T @ position
-            out[ys] = c.keep @ out[ys] + c.D.T @ speed
+            here = model.owned_place[c.rows]
+            xs, ys = layout.x_owned[here], layout.y_owned[here]
+            c.look_up(t)
+            out[xs] = c.keep @ out[xs] + c.D.T @ (c.D @ asm.x[c.rows] - c.value)
+            out[ys] = c.keep @ out[ys] + c.D.T @ (c.D @ asm.y[c.rows] - c.rate)
 
     def jacobian(self, ts, t, state, rate, shift, J, P) -> None:
-        model, layout, asm = self.model, self.model.layout, self.model.assembly
+        model, asm = self.model, self.model.assembly
         model.load_state(state, rate)
         self.jacobians += 1
-        values, every = self._values, self._every
-        k, m = len(every), 3 * len(self._spin_nodes)
-        values[:k], values[k : 2 * k] = shift, -1.0
         by_v, by_w = spin_derivatives(asm)
-        values[2 * k : 2 * k + m], values[2 * k + m : 2 * k + 2 * m] = by_v.ravel(), by_w.ravel()
-        start = 2 * k + 2 * m
-        size = len(asm.values)
-        asm.jacobian(t, (1.0, 0.0, 0.0), condensed=False)
-        values[start : start + size] = asm.values
-        self._zero_fixed(values[start : start + size])
-        asm.jacobian(t, (0.0, 1.0, shift), condensed=False)
-        values[start + size : start + 2 * size] = asm.values
-        self._zero_fixed(values[start + size : start + 2 * size])
-        where = start + 2 * size
+        parts = [shift * self._moves[0], -1.0 * self._moves[0], by_v * self._moves[1][:, None], by_w * self._moves[1][:, None]]
+        for weights in ((1.0, 0.0, 0.0), (0.0, 1.0, shift)):
+            asm.jacobian(t, weights, condensed=False)
+            parts.append(self._without_fixed(asm.values))
         for c in self._fixed:
-            values[where : where + 49] = (c.D.T @ c.D).ravel()
-            where += 49
-        petsc_compat.set_values_coo(self.matrix, values)
-        self._replace_kinematic_rows(shift)
-        if J != self.matrix:
-            self.matrix.copy(J)
-
-    def _zero_fixed(self, values: np.ndarray) -> None:
-        n = 49 * len(self._fixed)
-        if n:
-            values[len(values) - n :] = 0.0
-
-    def _replace_kinematic_rows(self, shift: float) -> None:
-        """Kinematic rows of prescribed components: D x = value instead of D (x' - y) = 0."""
-        layout, asm = self.model.layout, self.model.assembly
-        touched = False
-        for c in self._fixed:
-            lgm = layout.state_dm.getLGMap().getIndices()
-            rows = lgm[layout.x_local[c.rows]].astype(PETSc.IntType)
-            rates = lgm[layout.y_local[c.rows]].astype(PETSc.IntType)
-            remove = c.D.T @ c.D
-            # before: shift I by x, -I by y (and the spin coupling, which prescribed spins replace as a whole)
+            square = c.D.T @ c.D
             kin_x, kin_y = shift * np.eye(7), -np.eye(7)
-            j = int(np.flatnonzero(self._spin_nodes == c.rows[6])[0])
-            by_v, by_w = spin_derivatives(asm)
-            kin_x[6, 3:6] += by_v[j]
-            kin_y[6, 3:6] += by_w[j]
-            self.matrix.setValues(rows, rows, c.keep @ kin_x + remove, addv=PETSc.InsertMode.INSERT_VALUES)
-            self.matrix.setValues(rows, rates, c.keep @ kin_y, addv=PETSc.InsertMode.INSERT_VALUES)
-            touched = True
-        if touched or self.model.comm.size > 1:
-            self.matrix.assemble()
+            node = int(np.flatnonzero(self._spin_nodes == c.rows[6])[0])
+            kin_x[6, 3:6], kin_y[6, 3:6] = by_v[node], by_w[node]
+            parts += [c.keep @ kin_x + square, c.keep @ kin_y, square]
+        np.concatenate([p.ravel() for p in parts], out=self._values)
+        petsc_compat.set_values_coo(self.matrix, self._values)
+        if P != self.matrix:
+            self.matrix.copy(P)
+        if J not in (P, self.matrix):
+            J.assemble()
+
+    def _without_fixed(self, values: np.ndarray) -> np.ndarray:
+        """A copy without the rows by which the condensed system prescribes positions."""
+        out, n = values.copy(), 49 * len(self._fixed)
+        out[len(out) - n :] = 0.0
+        return out
 
     def accept(self, ts) -> None:
-        """Bring the assembly to the accepted state; accelerations from the last evaluation."""
+        """Bring the assembly to the accepted state; accelerations and reactions are those of the last evaluation."""
         self.model.load_state(ts.getSolution())

@@ -29,8 +29,10 @@ output: {history_every: 0.02 s, field_every: 0.1 s, probes: [25 m], checkpoint_e
 
 def drillpetsc(*words: str, cwd: Path) -> subprocess.CompletedProcess:
     """Run the command line in ``cwd``."""
-    environment = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")])}
-    return subprocess.run([sys.executable, "-m", "drillpetsc", *words], cwd=cwd, capture_output=True, text=True, timeout=120, env=environment)
+    path = os.pathsep.join([str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")])
+    environment = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": path}
+    command = [sys.executable, "-m", "drillpetsc", *words]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=120, env=environment)
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +82,8 @@ def test_an_existing_folder_is_refused_and_untouched(finished):
 
 def test_runs_without_out_are_numbered(finished):
     short = CASE.replace("end: 0.2 s", "end: 0.002 s").replace("checkpoint_every: 0.1 s", "checkpoint_every: 1 s")
-    (finished / "short.yaml").write_text(short.replace("history_every: 0.02 s, field_every: 0.1 s", "history_every: 0.001 s, field_every: 0.002 s"))
+    short = short.replace("history_every: 0.02 s, field_every: 0.1 s", "history_every: 0.001 s, field_every: 0.002 s")
+    (finished / "short.yaml").write_text(short)
     for _ in range(2):
         assert drillpetsc("run", "short.yaml", cwd=finished).returncode == 0
     assert len(list((finished / "results").glob("short-*"))) == 2
@@ -143,15 +146,17 @@ def test_help_names_the_commands_and_petsc():
 
 
 def test_import_starts_no_mpi_and_draws_nothing():
-    code = "import sys, drillpetsc; print([m for m in ('mpi4py.MPI', 'petsc4py.PETSc', 'pyvista', 'matplotlib', 'vtk') if m in sys.modules])"
+    heavy = ("mpi4py.MPI", "petsc4py.PETSc", "pyvista", "matplotlib", "vtk")
+    code = f"import sys, drillpetsc; print([m for m in {heavy} if m in sys.modules])"
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=Path(__file__).parents[2])
     assert out.stdout.strip() == "[]", out.stdout + out.stderr
 
 
 def test_python_gives_the_same_run(finished, tmp_path):
     """drillpetsc.run(Case) from Python, PETSc already started by the tests."""
-    from drillpetsc import load_case, run
     from petsc4py import PETSc
+
+    from drillpetsc import load_case, run
 
     PETSc.Options().setValue("ts_rtol", "1e-3")
     try:

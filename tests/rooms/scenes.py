@@ -18,7 +18,8 @@ from drillpetsc.well import Well
 
 SHIFT = 2.3
 GRAVITY = np.array([1.0, 2.0, 9.0])
-SECTION = dict(axial_stiffness=1e3, bending_stiffness=10.0, torsional_stiffness=8.0, mass=2.0, polar_inertia=0.3, outer_diameter=0.4)
+SECTION = {"axial_stiffness": 1e3, "bending_stiffness": 10.0, "torsional_stiffness": 8.0, "mass": 2.0, "polar_inertia": 0.3,
+           "outer_diameter": 0.4}
 
 
 def curved_tangents(nodes: int) -> np.ndarray:

@@ -40,7 +40,8 @@ SCENES = {
                       {"beam", "bodies", "contact", "contact_bodies", "bit_bottom"}, BASE | HELD | BOTTOM,
                       {"contact_force [N/m]", "hole_radius [m]"}),
 }
-USUAL = {"md [m]", "displacement [m]", "velocity [m/s]", "spin [rad/s]", "spin_angle [rad]", "offset_x [m]", "offset_y [m]", "axial_force [N]",
+USUAL = {"md [m]", "displacement [m]", "velocity [m/s]", "spin [rad/s]", "spin_angle [rad]", "offset_x [m]", "offset_y [m]",
+         "axial_force [N]",
          "torque [N m]", "bending_moment [N m]", "outer_radius [m]", "stress [Pa]"}
 
 
