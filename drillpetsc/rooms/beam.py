@@ -34,11 +34,11 @@ class Beam:
 
     def fields(self) -> tuple[Field, ...]:
         always = (
-            Field("string.position", 3, scale=0.1),
-            Field("string.tangent", 3, scale=3e-2),
+            Field("string.position", 3, scale=0.03),
+            Field("string.tangent", 3, scale=1e-2),
             Field("string.spin", 1, scale=0.02),
         )
-        ratio = Field("string.ratio", 1, region="junction", scale=3e-2, at_rest=1.0)
+        ratio = Field("string.ratio", 1, region="junction", scale=1e-2, at_rest=1.0)
         return (*always, ratio) if self.mesh.junction.any() else always
 
     def _params(self, e: np.ndarray) -> FloatArray:

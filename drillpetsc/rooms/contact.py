@@ -59,11 +59,10 @@ def damping_factor(restitution: float, speed: float) -> float:
         raise ValueError("restitution must be above 0: a perfectly plastic impact needs an infinite damping factor")
 
     def miss(d: float) -> float:
-        return np.log((1 + d) / (1 - d * e)) - d * (1 + e)
+        return float(np.log1p(d) - np.log1p(-d * e) - d * (1 + e))
 
-    high = (1 - 1e-14) / e
-    low = 1e-9
-    return float(brentq(miss, low, high, xtol=1e-14, rtol=1e-14)) / speed if miss(low) * miss(high) < 0 else low / speed
+    # d = 0 is a root, too; near e = 1 the wanted one is 3 (1 - e) / 2 + ..., from the series of the logarithms
+    return float(brentq(miss, 0.5 * (1 - e), (1 - 1e-14) / e, xtol=1e-14, rtol=1e-14)) / speed
 
 
 class Contact(Passive):

@@ -13,7 +13,7 @@ from drillpetsc.errors import SolveError
 from drillpetsc.gauges import renew
 from drillpetsc.model import Model
 from drillpetsc.solve.newton import CondensedNewton
-from drillpetsc.solve.plain import PlainSystem
+from drillpetsc.solve.plain import PlainSystem, refuse_integrator
 
 MASKED = 1.0e20  # tolerance of a row that the error control leaves out
 DEFAULTS = {
@@ -54,6 +54,7 @@ class Dynamics:
         self._fixed = options.getString("ts_adapt_type", "basic") == "none"
         self.tolerance = options.getReal("ts_rtol", TOLERANCE)
         self.condensed = options.getString("ts_type", "bdf") == "bdf" and options.getString("snes_type", "python") == "python"
+        refuse_integrator(options.getString("ts_type", "bdf"))
         self.counters, self._in_a_row, self.last_step = Counters(), 0, 0.0
         self._last, self._t = 0.0, 0.0
         self._make(options)
@@ -79,6 +80,7 @@ class Dynamics:
             snes.setPythonContext(self)
         else:
             self.plain = PlainSystem(model)
+            self.plain.default_solver(options)
             self.ts.setIFunction(self.plain.function, self._f)
             self.ts.setIJacobian(self.plain.jacobian, self.plain.matrix)
         self.ts.setFromOptions()

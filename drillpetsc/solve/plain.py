@@ -67,6 +67,18 @@ class PlainSystem:
                 columns.append(np.tile(column[f.rows], 7))
         return np.concatenate(rows), np.concatenate(columns)
 
+    def default_solver(self, options: PETSc.Options) -> None:
+        """A direct solver where the options ask for no other: the rows of a stiff string are too far apart in size for ILU."""
+        defaults = {"ksp_type": "preonly", "pc_type": "lu", "snes_stol": 1e-12}
+        if self.model.comm.size > 1:
+            defaults["pc_factor_mat_solver_type"] = "mumps"
+        if options.hasName("ksp_type") or options.hasName("pc_type"):
+            del defaults["ksp_type"], defaults["pc_type"]
+            defaults.pop("pc_factor_mat_solver_type", None)
+        for name, value in defaults.items():
+            if not options.hasName(name):
+                options.setValue(name, value)
+
     # ------------------------------------------------------------------ callbacks
     def function(self, ts, t, state, rate, f) -> None:
         model, layout, asm = self.model, self.model.layout, self.model.assembly

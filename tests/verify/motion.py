@@ -1,0 +1,58 @@
+"""Short runs for the verification of motion: a scene or a model integrated with given options."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from drillpetsc import Case
+from drillpetsc.model import Model
+from drillpetsc.options import applied
+from drillpetsc.scene import Scene, build_scene
+from drillpetsc.solve.dynamics import Dynamics
+from drillpetsc.start import move_rigidly, place_along_hole, release
+
+
+def fixed(step: float, **more) -> dict:
+    """Options for steps of one length [s]."""
+    return {"ts_adapt_type": "none", "ts_dt": step, **more}
+
+
+def integrate(model: Model, end: float, petsc: dict | None = None, call: Callable[[float, float], None] | None = None,
+              breaks: tuple[float, ...] = (), start: float = 0.0) -> Dynamics:
+    """Run ``model`` from its present state at ``start`` to ``end`` [s]; call(t, dt) after every step."""
+    with applied({} if petsc is None else petsc):
+        dynamics = Dynamics(model)
+        if call is not None:
+            dynamics.after_step.append(call)
+        dynamics.run(start, end, breaks)
+    return dynamics
+
+
+def straight(**case) -> Scene:
+    """Scene of a case, unstrained along its axis, moving as its top prescribes."""
+    scene = build_scene(Case(**case))
+    place_along_hole(scene)
+    release(scene)
+    move_rigidly(scene)
+    return scene
+
+
+def beam(length: float, elements: int, axial: float, bending: float, torsional: float, mass: float, polar: float, **more) -> dict:
+    """A beam item of a case; SI."""
+    return {"kind": "beam", "length": length, "axial_stiffness": axial, "bending_stiffness": bending, "torsional_stiffness": torsional,
+            "mass": mass, "polar_inertia": polar, "element_length": length / elements, **more}
+
+
+def matrices(model: Model, t: float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(n, n) dR/dx, dR/dy, dR/da at the model's state (one rank); prescribed rows are zero."""
+    asm, n, out = model.assembly, model.layout.size, []
+    for weights in np.eye(3):
+        asm.jacobian(t, tuple(weights), condensed=False)
+        keep, A = (asm.rows >= 0) & (asm.columns >= 0), np.zeros((n, n))
+        last = len(asm.values) - 49 * len(asm.fixed)
+        keep[last:] = False
+        np.add.at(A, (asm.rows[keep], asm.columns[keep]), asm.values[keep])
+        out.append(A)
+    return out[0], out[1], out[2]
