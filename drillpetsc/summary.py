@@ -27,7 +27,7 @@ def of_run(scene, recorder, dynamics, state, reached: float, start: float, began
         "status": "done" if error is None else f"failed: {error}",
         "versions": {"drillpetsc": drillpetsc.__version__, "petsc": ".".join(map(str, PETSc.Sys.getVersion())), "numpy": np.__version__,
                      "python": platform.python_version()},
-        "petsc_options": dict(PETSc.Options().getAll()),
+        "petsc_options": dynamics.options,
         "ranks": model.comm.size,
         "elements": model.line.size - 1,
         "unknowns": unknowns,

@@ -2,11 +2,12 @@
 //
 // The same derivative as run_jacobian<Beam>, which differentiates the rows by all 14 unknowns, but each term is differentiated by the
 // few numbers it depends on and carried to the unknowns by the scalar shape coefficients (a congruence):
-//   bending    forces of a point by its r', r'' and spin rate (duals of width 7, or 6 undamped)
+//   bending    forces of a point by its r', r'' and spin rate, in closed form
 //   axial      N_k = D_kl e_l: rank-three product of the gradients of e_1, e_2, e_m plus N_k times their second derivatives
 //   torsion    gradient of the twist times gradient of the torque plus torque times the second derivatives of the twist (closed form)
 //   inertia    constant;  gyroscopic force: local to a node.
-// Rates enter through q = (c1/c0) of the change of position, so all seeds are c0 for positions and c1 for rates, c0 = 0 included.
+// Positions and rates are the same sums of the unknowns, so one local direction carries the seed c0 for a position and c1 for its
+// rate; nothing is divided by c0.
 #pragma once
 #include "beam.hpp"
 #include "junction.hpp"
@@ -15,7 +16,6 @@
 namespace dp {
 
 #define DP_APART inline __attribute__((noinline))  // one function of all this is slower: registers run out
-
 
 typedef Vec<Pack> PackVec;
 typedef Matrix<Pack> PackMatrix;
@@ -194,38 +194,46 @@ DP_APART void add_bending(const AxialPoint& point, const Pack& spin, const Pack&
     }
 }
 
+// Points of the centre line, and the mean strain there: value, gradient by d, v1, v2, and its change with the seeds.
+struct CentreLine { AxialPoint points[3]; Pack mean; PackVec by[3], change[3]; };
+
 template <bool DAMPED>
-DP_APART void add_axial_and_bending(const ElementMotion& e, const Pack& n1, const Pack& n2, const Pack* p, double c0, double c1,
-                                  Pack (*K)[LOCAL]) {
-    const Pack il = 1.0 / p[LENGTH], beta = p[BETA], in1 = 1.0 / n1, in2 = 1.0 / n2;
-    const PackVec t1 = e.v1 * in1, t2 = e.v2 * in2;
-    Pack strain[3] = {n1 - 1.0, n2 - 1.0, Pack(-1.0)};
-    if constexpr (DAMPED) {
-        strain[0] += dot(t1, e.w1) * beta;
-        strain[1] += dot(t2, e.w2) * beta;
-    }
-    PackVec mean[3], mean_change[3];  // gradient of the mean strain, and its change with the seeds
-    for (int a = 0; a < 3; ++a) mean[a] = mean_change[a] = {Pack(0.0), Pack(0.0), Pack(0.0)};
-    AxialPoint points[3];
+inline void centre_line(const ElementMotion& e, const Pack& il, const Pack& beta, double c0, double c1, CentreLine& line) {
+    line.mean = Pack(-1.0);
+    for (int b = 0; b < 3; ++b) line.by[b] = line.change[b] = {Pack(0.0), Pack(0.0), Pack(0.0)};
     for (int g = 0; g < 3; ++g) {
         const Shape<Pack, Pack> N(XI3[g], il);
-        AxialPoint& a = points[g];
+        AxialPoint& a = line.points[g];
         a.r1 = N.slope(e.d, e.v1, e.v2);
         a.r2 = N.second(e.d, e.v1, e.v2);
         const Pack n = norm(a.r1);
         a.in = 1.0 / n;
         a.t = a.r1 * a.in;
-        strain[2] += n * W3[g];
+        line.mean += n * W3[g];
         if constexpr (DAMPED) {
             a.q1 = N.slope(e.d_rate, e.w1, e.w2);
             a.q2 = N.second(e.d_rate, e.w1, e.w2);
-            strain[2] += dot(a.t, a.q1) * (beta * W3[g]);
+            line.mean += dot(a.t, a.q1) * (beta * W3[g]);
         }
         const PackVec t = a.t * W3[g], change = strain_change<DAMPED>(a.t, a.in, a.q1, beta, c0, c1) * W3[g];
         const Pack B[3] = {N.B0, N.B1, N.B2};
-        for (int b = 0; b < 3; ++b) { mean[b] += t * B[b]; mean_change[b] += change * B[b]; }
+        for (int b = 0; b < 3; ++b) { line.by[b] += t * B[b]; line.change[b] += change * B[b]; }
     }
-    // N = D (e1, e2, em)
+}
+
+template <bool DAMPED>
+DP_APART void add_axial_and_bending(const ElementMotion& e, const Pack& n1, const Pack& n2, const Pack* p, double c0, double c1,
+                                    Pack (*K)[LOCAL]) {
+    const Pack il = 1.0 / p[LENGTH], beta = p[BETA], in1 = 1.0 / n1, in2 = 1.0 / n2;
+    const PackVec t1 = e.v1 * in1, t2 = e.v2 * in2;
+    CentreLine line;
+    centre_line<DAMPED>(e, il, beta, c0, c1, line);
+    Pack strain[3] = {n1 - 1.0, n2 - 1.0, line.mean};
+    if constexpr (DAMPED) {
+        strain[0] += dot(t1, e.w1) * beta;
+        strain[1] += dot(t2, e.w2) * beta;
+    }
+    // forces N = D (e1, e2, em), conjugate to the strains
     const Pack k = p[EA] * p[LENGTH] * 0.5;
     const double D[3][3] = {{4.0 / 15, -1.0 / 15, -0.2}, {-1.0 / 15, 4.0 / 15, -0.2}, {-0.2, -0.2, 2.4}};
     Pack force[3];
@@ -234,12 +242,12 @@ DP_APART void add_axial_and_bending(const ElementMotion& e, const Pack& n1, cons
     for (int b = 0; b < 3; ++b) {
         PackVec row[3];  // change of N1, N2, Nm by d, v1 or v2
         for (int i = 0; i < 3; ++i) {
-            row[i] = mean_change[b] * (k * D[i][2]);
+            row[i] = line.change[b] * (k * D[i][2]);
             if (b == 1) row[i] += change1 * (k * D[i][0]);
             if (b == 2) row[i] += change2 * (k * D[i][1]);
         }
         for (int a = 0; a < 3; ++a) {
-            PackMatrix block = outer(mean[a], row[2]);
+            PackMatrix block = outer(line.by[a], row[2]);
             if (a == 1) block += outer(t1, row[0]);
             if (a == 2) block += outer(t2, row[1]);
             add(K, 3 * a, 3 * b, block);
@@ -249,8 +257,8 @@ DP_APART void add_axial_and_bending(const ElementMotion& e, const Pack& n1, cons
     add(K, AT_V2, AT_V2, (scalar_matrix(Pack(1.0)) - outer(t2, t2)) * (force[1] * in2 * c0));
     for (int g = 0; g < 3; ++g) {
         const Pack spin = e.o1 * (1 - XI3[g]) + e.o2 * XI3[g];
-        add_bending<DAMPED>(points[g], spin, p[EI] * p[LENGTH] * W3[g], beta, force[2] * W3[g], c0, c1, Shape<Pack, Pack>(XI3[g], il),
-                            XI3[g], K);
+        add_bending<DAMPED>(line.points[g], spin, p[EI] * p[LENGTH] * W3[g], beta, force[2] * W3[g], c0, c1,
+                            Shape<Pack, Pack>(XI3[g], il), XI3[g], K);
     }
 }
 

@@ -70,7 +70,8 @@ inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, con
     const T rate = dot(u, gradient);
     if (law.damping != 0 && !law.imposed) {
         const T a = 1.0 + rate * law.damping;
-        factor = 0.5 * (a + sqrt(a * a + CLIP * CLIP));
+        const T root = sqrt(a * a + CLIP * CLIP);
+        factor = val(a) > 0 ? 0.5 * (a + root) : (0.5 * CLIP * CLIP) / (root - a);  // (a + root)/2 without cancellation
     }
     const T N = elastic * factor;
     const Vec<T> around = cross(h.t, h.n);

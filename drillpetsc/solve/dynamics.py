@@ -23,9 +23,11 @@ DEFAULTS = {
     "ts_adapt_clip": "0.2,2.0",
     "ts_exact_final_time": "matchstep",
     "ts_max_snes_failures": -1,  # counted here, consecutive ones; PETSc's count is over the whole run
+    "ts_error_if_step_fails": 0,  # told in our words
 }
 TOLERANCE = 1.0e-4  # default of -ts_rtol
 CONSECUTIVE_FAILURES = 25
+SHORTEST_STEP = 1.0e-11  # a step that fails at this length fails at any [s]
 
 
 @dataclass
@@ -47,8 +49,9 @@ class Dynamics:
 
     def __post_init__(self) -> None:
         options = PETSc.Options()
+        given = set(options.getAll())
         for key, value in {**DEFAULTS, petsc_compat.max_rejections_option(): 60}.items():
-            if not options.hasName(key):
+            if key not in given:
                 options.setValue(key, value)
         self.first_step = options.getReal("ts_dt", self.first_step)
         self._fixed = options.getString("ts_adapt_type", "basic") == "none"
@@ -58,6 +61,9 @@ class Dynamics:
         self.counters, self._in_a_row, self.last_step = Counters(), 0, 0.0
         self._last, self._t = 0.0, 0.0
         self._make(options)
+        self.options = dict(options.getAll())  # in effect, defaults included
+        for key in set(self.options) - given:  # the next scene has defaults of its own
+            options.delValue(key)
 
     def _make(self, options: PETSc.Options) -> None:
         model = self.model
@@ -83,6 +89,9 @@ class Dynamics:
             self.plain.default_solver(options)
             self.ts.setIFunction(self.plain.function, self._f)
             self.ts.setIJacobian(self.plain.jacobian, self.plain.matrix)
+            # PETSc takes the mass matrix for one without this, and arkimex goes wrong in silence
+            kinds = PETSc.TS.EquationType
+            self.ts.setEquationType(kinds.DAE_IMPLICIT_INDEX1 if model.assembly.fixed else kinds.IMPLICIT)
         self.ts.setFromOptions()
         tolerance = self.tolerance_vector()
         nothing = tolerance.duplicate()
@@ -119,12 +128,13 @@ class Dynamics:
         snes.setIterationNumber(self.newton.snes.getIterationNumber())
         snes.setConvergedReason(reason)
         self._in_a_row = self._in_a_row + 1 if reason < 0 else 0
-        if self._in_a_row > CONSECUTIVE_FAILURES:
-            raise self.collapse(f"Newton's method failed {self._in_a_row} times in a row (last reason {reason})")
+        if self._in_a_row > CONSECUTIVE_FAILURES or (reason < 0 and self.ts.getTimeStep() < SHORTEST_STEP):
+            raise self.collapse(f"Newton's method failed {self._in_a_row} times in a row ({_reason(reason, PETSc.SNES)}), "
+                                f"at last with a step of {self.ts.getTimeStep():.2g} s")
 
     def collapse(self, what: str) -> SolveError:
         """The error that ends a run, with the place where the rows are worst."""
-        place = self.model.worst_place(self._t if self.condensed else self.ts.getTime())
+        place = self.model.worst_place(self._t) if self.condensed else self.plain.worst_place()
         return SolveError(what, time=self.ts.getTime(), hint="look at the inputs at this time and place; a smaller -ts_rtol, softer "
                           "contact or -q_snes_linesearch_type bt may help", **place)
 
@@ -179,7 +189,7 @@ class Dynamics:
             rejected = ts.getStepRejections()
             ts.solve(self.state)
             if ts.getConvergedReason() < 0:
-                raise self.collapse(f"the time integrator stopped: {_reason(ts.getConvergedReason())}")
+                raise self.collapse(f"the time integrator stopped: {_reason(ts.getConvergedReason(), PETSc.TS)}")
             self.counters.rejected += ts.getStepRejections() - rejected
 
     def _forget(self) -> None:
@@ -188,6 +198,6 @@ class Dynamics:
             self.newton.forget()
 
 
-def _reason(value: int) -> str:
-    names = {v: k for k, v in vars(PETSc.TS.ConvergedReason).items() if isinstance(v, int)}
+def _reason(value: int, solver: type) -> str:
+    names = {v: k for k, v in vars(solver.ConvergedReason).items() if isinstance(v, int)}
     return names.get(value, str(value))

@@ -192,6 +192,8 @@ class CondensedNewton:
     def solve(self, t: float, shift: float) -> int:
         """Solve at time ``t`` with rates y = shift x + v0; returns the SNES reason (negative: not converged)."""
         self.t, self.shift = t, shift
+        # what one step showed of the contraction is trusted less in the next (Hairer and Wanner, Solving ODEs II, IV.8)
+        self.eta = 1.0 if self.eta > 1.0 else max(self.eta, 1e-10) ** 0.8
         if self.lag and self.lag.good:  # a factor made for another step length leaves an error of this share in each iteration
             off = abs((shift / self.lag.shift) ** 2 - 1.0)
             self.eta = max(self.eta, off / max(1.0 - off, 0.1))

@@ -6,6 +6,8 @@ Of the seven rows of either kind at a prescribed vertex, those along D become D 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from petsc4py import PETSc
 
@@ -31,6 +33,9 @@ class PlainSystem:
 
     def __init__(self, model: Model):
         self.model, self.jacobians = model, 0
+        self._t = 0.0  # of the last evaluation
+        self._wrong: dict[str, Any] = {}  # where rows were last not finite, kept while the steps shrink towards that time
+        self._wrong_until = 0.0
         layout, asm = model.layout, model.assembly
         self._rated = layout.y_local >= 0
         self._condensed = model.new_condensed()
@@ -82,8 +87,11 @@ class PlainSystem:
     # ------------------------------------------------------------------ callbacks
     def function(self, ts, t, state, rate, f) -> None:
         model, layout, asm = self.model, self.model.layout, self.model.assembly
+        self._t = t
         model.load_state(state, rate)
         model.sum_residual(t, self._condensed)
+        if not np.isfinite(self._condensed.norm()):
+            self._wrong, self._wrong_until = model.worst_place(t), t + 1e-9
         out, r, s, v = f.getArray(), self._condensed.getArray(readonly=1), state.getArray(readonly=1), rate.getArray(readonly=1)
         has = layout.y_owned >= 0
         out[np.where(has, layout.y_owned, layout.x_owned)] = r
@@ -126,6 +134,12 @@ class PlainSystem:
         out[len(out) - n :] = 0.0
         return out
 
+    def worst_place(self) -> dict[str, Any]:
+        """Where the rows were last not finite, if they still are in the way, or else are largest."""
+        return self._wrong or self.model.worst_place(self._t)
+
     def accept(self, ts) -> None:
         """Bring the assembly to the accepted state; accelerations and reactions are those of the last evaluation."""
+        if ts.getTime() > self._wrong_until:
+            self._wrong = {}
         self.model.load_state(ts.getSolution())

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
 from drillpetsc import Case
 from drillpetsc.model import Model
 from drillpetsc.options import applied
@@ -43,16 +41,3 @@ def beam(length: float, elements: int, axial: float, bending: float, torsional: 
     """A beam item of a case; SI."""
     return {"kind": "beam", "length": length, "axial_stiffness": axial, "bending_stiffness": bending, "torsional_stiffness": torsional,
             "mass": mass, "polar_inertia": polar, "element_length": length / elements, **more}
-
-
-def matrices(model: Model, t: float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(n, n) dR/dx, dR/dy, dR/da at the model's state (one rank); prescribed rows are zero."""
-    asm, n, out = model.assembly, model.layout.size, []
-    for weights in np.eye(3):
-        asm.jacobian(t, tuple(weights), condensed=False)
-        keep, A = (asm.rows >= 0) & (asm.columns >= 0), np.zeros((n, n))
-        last = len(asm.values) - 49 * len(asm.fixed)
-        keep[last:] = False
-        np.add.at(A, (asm.rows[keep], asm.columns[keep]), asm.values[keep])
-        out.append(A)
-    return out[0], out[1], out[2]

@@ -26,6 +26,8 @@ def petsc_options(**options):
         for name in database.getAll():
             if name not in before:
                 database.delValue(name)
+        for name, value in before.items():
+            database.setValue(name, value)
 
 
 def straight_model(mesh, rooms=(), gravity=(0.0, 0.0, 0.0)) -> Model:

@@ -110,8 +110,8 @@ def test_order_in_time_is_two():
 
 
 def test_axial_wave_at_a_section_change():
-    """Force step on the free end of a collar below a pipe: the reflected velocity is (Z2 - Z1)/(Z1 + Z2) of the incident one, Z = sqrt(EA mu)
-    (plane waves in stepped bars); seen at the loaded end as v0 (1 + 2 r).  The stretch ratio of the junction works in dynamics."""
+    """Force step on the free end of a collar below a pipe: the reflected velocity is (Z2 - Z1)/(Z1 + Z2) of the incident one,
+    Z = sqrt(EA mu) (plane waves in stepped bars); seen at the loaded end as v0 (1 + 2 r).  The junction works in dynamics."""
     n, force = 200, 1e4
     collar = tube(0.1778, 0.0714, 206e9, 0.3, 7850.0)
     mesh = uniform_string(LENGTH, n, **PIPE)
