@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
@@ -198,6 +199,6 @@ class Dynamics:
             self.newton.forget()
 
 
-def _reason(value: int, solver: type) -> str:
+def _reason(value: int, solver: Any) -> str:
     names = {v: k for k, v in vars(solver.ConvergedReason).items() if isinstance(v, int)}
     return names.get(value, str(value))

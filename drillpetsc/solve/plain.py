@@ -90,7 +90,7 @@ class PlainSystem:
         self._t = t
         model.load_state(state, rate)
         model.sum_residual(t, self._condensed)
-        if not np.isfinite(self._condensed.norm()):
+        if not np.isfinite(self._condensed.norm()) and not self._wrong:  # steps of 1e-40 s spoil all rows later
             self._wrong, self._wrong_until = model.worst_place(t), t + 1e-9
         out, r, s, v = f.getArray(), self._condensed.getArray(readonly=1), state.getArray(readonly=1), rate.getArray(readonly=1)
         has = layout.y_owned >= 0
