@@ -281,9 +281,19 @@ def _stable_state(scene: Scene, solver: Statics, soft: TorqueDrag | None, report
             return
         raise failure
     # on the saddle of a straight column nothing points sideways: a small persistent load does
-    solver.push_aside(fraction, nodal_weight(scene))
+    solver.push_aside(fraction, nodal_weight(scene) * _own_imperfection(scene, fraction))
     report.imperfection = fraction
     _descend(scene, solver, report, factors)
+
+
+def _own_imperfection(scene: Scene, fraction: float) -> FloatArray:
+    """(n_nodes,) factor on ``fraction`` where a string item asks for an imperfection of its own."""
+    mesh, factor = scene.mesh, np.ones(scene.mesh.nodes)
+    for e, number in enumerate(mesh.item):
+        own = getattr(scene.case.string[number], "initial", None)
+        if own is not None:
+            factor[e : e + 2] = own.imperfection / fraction
+    return factor
 
 
 def _newton_or_descent(

@@ -195,3 +195,24 @@ def test_backward_whirl_rolls_without_slip():
     spins = model.field("string.spin", "y")[0, 0]
     # the contact point lies on the wall: rolling relates the rate to the orbit by the pipe's radius
     assert whirl.mean() == pytest.approx(-(spins * radius / orbit).mean(), rel=0.005)
+
+
+def test_wall_brake_stops_a_spinning_pipe():
+    """P09: J = 20 kg m2 at 15 rad/s, N = 2000 N, mu = 0.3, R = 0.0635 m: stops at 7.8740 s after 9.3989 revolutions."""
+    hole = Well.from_survey(np.array([0.0, 50.0]), np.zeros(2), np.zeros(2), [50.0], [0.0655], [0.3])
+    mesh = uniform_string(1.0, 1, axial_stiffness=1e9, bending_stiffness=1e9, torsional_stiffness=1e9, mass=25.0, polar_inertia=20.0,
+                          outer_diameter=0.127)
+    pressed = np.array([0.002 + 2000.0 / 1e8, 0.0, 0.0])
+    rooms = [
+        lambda f, p, t: Contact(mesh, hole, ContactLaw(slip_velocity=1e-4)),
+        lambda f, p, t: Held(0, "pinned", p[0] + pressed, t[0], spin=False),
+        lambda f, p, t: Held(1, "pinned", p[1] + pressed, t[1], spin=False),
+    ]
+    model = straight_model(mesh, rooms)
+    model.set_field("string.position", np.array([pressed, pressed + [0, 0, 1.0]]))
+    model.set_field("string.spin", np.full((2, 1), 15.0), "y")
+    rows = integrate(model, 8.5, lambda m: [m.field("string.spin", "y")[0, 0], m.field("string.spin")[0, 0]], ts_rtol=1e-5)
+    t, speed, angle = rows.T
+    assert 15.0 - np.interp(7.0, t, speed) == pytest.approx(1.905 * 7.0, rel=2e-3)
+    assert t[np.flatnonzero(speed > 0.02)[-1]] == pytest.approx(7.8740, rel=0.005)
+    assert angle[-1] / (2 * np.pi) == pytest.approx(9.3989, rel=0.005)

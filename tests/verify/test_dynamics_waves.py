@@ -6,11 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.linalg
 
+from drillpetsc.rooms.bodies import Bodies
 from drillpetsc.rooms.ends import Held, Loads, NodeLoad, TopDrive
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
-from drillpetsc.tubulars import tube, uniform_string
-from tests.verify.moving import integrate, straight_model
+from drillpetsc.tubulars import RigidItem, tube, uniform_string
+from tests.verify.moving import integrate, matrices, straight_model
 
 PIPE = tube(0.127, 0.1086, 206e9, 0.3, 7850.0)
 LENGTH = 2000.0
@@ -160,3 +162,17 @@ def test_a_jump_of_the_top_speed_is_landed_on():
     assert np.min(np.abs(t - 0.5)) < 1e-12
     assert np.abs(speed[t < 0.9]).max() < 0.02
     assert speed[(t > 1.3) & (t < 1.6)].mean() == pytest.approx(2.0, rel=0.02)
+
+
+def test_torsional_frequencies_with_a_bit():
+    """P24: top fixed, J = 300 kg m2 on 2000 m of pipe: 0.180895 and 0.840968 Hz, roots of x tan x = J_string / J."""
+    n = 50
+    bit = RigidItem("bit", "bit", n, 0.0, 0.0, 0.0, 0.0, (0.0, 0.0), 300.0, 0.0, 0.0)
+    mesh = replace(uniform_string(LENGTH, n, **PIPE), bodies=(bit,))
+    model = straight_model(mesh, [lambda f, p, t: Bodies(mesh, f, np.zeros(3))])
+    K, _, M = matrices(model)
+    spin = model.layout.place["string.spin"][1:, 0]  # the top is held
+    squares = scipy.linalg.eigh(K[np.ix_(spin, spin)], M[np.ix_(spin, spin)], eigvals_only=True)
+    found = np.sqrt(squares[:2]) / (2 * np.pi)
+    assert found[0] == pytest.approx(0.180895, rel=0.005)
+    assert found[1] == pytest.approx(0.840968, rel=0.01)
