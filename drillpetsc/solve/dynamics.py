@@ -60,7 +60,7 @@ class Dynamics:
         self.condensed = options.getString("ts_type", "bdf") == "bdf" and options.getString("snes_type", "python") == "python"
         refuse_integrator(options.getString("ts_type", "bdf"))
         self.counters, self._in_a_row, self.last_step = Counters(), 0, 0.0
-        self._last, self._t = 0.0, 0.0
+        self._last, self._t, self._jump = 0.0, 0.0, np.inf
         self._make(options)
         self.options = dict(options.getAll())  # in effect, defaults included
         for key in set(self.options) - given:  # the next scene has defaults of its own
@@ -88,8 +88,8 @@ class Dynamics:
         else:
             self.plain = PlainSystem(model)
             self.plain.default_solver(options)
-            self.ts.setIFunction(self.plain.function, self._f)
-            self.ts.setIJacobian(self.plain.jacobian, self.plain.matrix)
+            self.ts.setIFunction(lambda ts, t, *rest: self.plain.function(ts, self._input_time(t), *rest), self._f)
+            self.ts.setIJacobian(lambda ts, t, *rest: self.plain.jacobian(ts, self._input_time(t), *rest), self.plain.matrix)
             # PETSc takes the mass matrix for one without this, and arkimex goes wrong in silence
             kinds = PETSc.TS.EquationType
             self.ts.setEquationType(kinds.DAE_IMPLICIT_INDEX1 if model.assembly.fixed else kinds.IMPLICIT)
@@ -109,9 +109,13 @@ class Dynamics:
         vector.assemble()
         return vector
 
+    def _input_time(self, t: float) -> float:
+        """Time at which inputs are looked up: a step that ends where one jumps still sees the value before the jump."""
+        return t if t < self._jump else float(np.nextafter(self._jump, -np.inf))
+
     # ------------------------------------------------------------------ condensed step, called by the outer SNES
     def _catch_rate(self, ts, t, x, xdot, f) -> None:
-        self._t = t
+        self._t = self._input_time(t)
         xdot.copy(self._xdot)
 
     def _catch_shift(self, ts, t, x, xdot, shift, J, P) -> None:
@@ -184,6 +188,7 @@ class Dynamics:
         self._last = start
         for stop in stops:
             self._forget()
+            self._jump = stop if stop in breaks else np.inf
             ts.setMaxTime(stop)
             ts.restartStep()
             ts.setTimeStep(min(self.first_step, stop - ts.getTime()))

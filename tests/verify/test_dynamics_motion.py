@@ -36,76 +36,86 @@ def rod(model) -> tuple[np.ndarray, np.ndarray]:
 
 
 # ---------------------------------------------------------------------- free motion
+def tumble(step: float, end: float) -> tuple[float, float, float]:
+    """A stiff free string that tumbles and spins, no forces: change of momentum, relative ones of energy and angular momentum."""
+    scene = straight(string=[beam(2.0, 6, 1e7, 4e3, 30.0, 1.0, 0.05)], top="free", bottom="free", gravity=0.0)
+    m = scene.model
+    turn = np.array([1.0, 2.0, 0.0])
+    m.set_field("string.position", np.cross(turn, scene.position - [0, 0, 1.0]) + [0.3, -0.2, 0.1], "y")
+    m.set_field("string.tangent", np.cross(turn, scene.tangent), "y")
+    m.set_field("string.spin", np.full((7, 1), 5.0), "y")
+    (p, h), energy, gauge = rod(m), sum(m.energies(0.0)), m.frames.gauge.copy()
+    integrate(m, end, fixed(step, q_snes_stol=1e-10))
+    assert np.any(m.frames.gauge != gauge) == (end > 1.0)  # gauges are renewed beyond 120 degrees
+    q, k = rod(m)
+    return float(np.abs(q - p).max()), abs(sum(m.energies(end)) / energy - 1), float(np.linalg.norm(k - h) / np.linalg.norm(h))
+
+
 def test_free_tumbling_string_keeps_momentum_and_nearly_energy():
-    """No forces: momentum to rounding (a linear invariant of BDF); energy and angular momentum drift with order 2 or better."""
-    drift = []
-    for step in (0.02, 0.01, 0.005):
-        scene = straight(string=[beam(2.0, 6, 1e5, 40.0, 30.0, 1.0, 0.05)], top="free", bottom="free", gravity=0.0)
-        m = scene.model
-        r, turn = scene.position - [0, 0, 1.0], np.array([1.0, 2.0, 0.0])
-        m.set_field("string.position", np.cross(turn, r) + [0.3, -0.2, 0.1], "y")
-        m.set_field("string.tangent", np.cross(turn, scene.tangent), "y")
-        m.set_field("string.spin", np.full((7, 1), 5.0), "y")
-        before, energy = rod(m), sum(m.energies(0.0))
-        integrate(m, 3.0, fixed(step, q_snes_stol=1e-10))
-        after = rod(m)
-        assert after[0] == pytest.approx(before[0], abs=1e-9)
-        drift.append([abs(sum(m.energies(3.0)) / energy - 1), np.linalg.norm(after[1] - before[1]) / np.linalg.norm(before[1])])
-    drift = np.array(drift)
-    assert np.all(drift[-1] < 2e-4)
-    assert np.all(np.log2(drift[:-1] / drift[1:]) > 1.8)
+    """Momentum to rounding (a linear invariant of BDF); energy and angular momentum drift with order 2, also past renewals of gauges."""
+    runs = np.array([tumble(h, 0.8) for h in (0.01, 0.005, 0.0025)])
+    assert np.all(runs[:, 0] < 1e-10)
+    assert np.log2(runs[:-1, 1:] / runs[1:, 1:]) == pytest.approx(2.0, abs=0.15)
+    change, energy, turning = tumble(0.005, 3.0)
+    assert change < 1e-10 and energy < 5e-4 and turning < 5e-4
+
+
+SWING = 0.4
 
 
 def pendulum():
-    """The strip of the first benchmark with four elements, hinged, from the horizontal."""
-    return straight(string=[beam(0.5, 4, 2000.0, 6.6666667e-4, 1e-3, 0.02, 1.7333e-7)], top="pinned", gravity=9.81,
-                    initial={"inclination": np.pi / 2})
+    """The strip of the first benchmark with four elements, hinged and horizontal; its weight sets in within 0.2 s, as a half cosine, so
+    that no ringing of unresolved modes hides the order."""
+    weight = {"from": 0.0, "to": 0.5, "force": [0, 0, 0.02 * 9.81], "value_over": {"ramp": 0.2, "value": 1.0}}
+    return straight(
+        string=[beam(0.5, 4, 2000.0, 6.6666667e-4, 1e-3, 0.02, 1.7333e-7)],
+        top="pinned",
+        gravity=0.0,
+        loads=[weight],
+        initial={"inclination": np.pi / 2},
+    )
 
 
-def independent(end: float) -> np.ndarray:
-    """Tip of the pendulum at ``end`` by DOP853 on M a = -R(x, y, a = 0), written out here without the time integration of the package."""
+@pytest.fixture(scope="module")
+def independent() -> np.ndarray:
+    """Tip of the pendulum after SWING by DOP853 on M a = -R(x, y, a = 0), written out here without the time integration of the package."""
     m = pendulum().model
     asm, layout = m.assembly, m.layout
-    asm.jacobian(0.0, (0.0, 0.0, 1.0), condensed=False)
-    M = np.zeros((layout.size, layout.size))
-    keep = (asm.rows >= 0) & (asm.columns >= 0)
-    np.add.at(M, (asm.rows[keep], asm.columns[keep]), asm.values[keep])
+    M = moving.matrices(m)[2]
     held = np.concatenate([f.rows[np.any(f.D != 0, axis=0)] for f in asm.fixed])
     free = np.setdiff1d(np.arange(layout.size), held)
-    solve, n = scipy.linalg.lu_factor(M[np.ix_(free, free)]), len(free)
+    inverse, n = np.linalg.inv(M[np.ix_(free, free)]), len(free)
 
     def rate(t, z):
         asm.x[free], asm.y[free], asm.a[:] = z[:n], z[n:], 0.0
-        a = -scipy.linalg.lu_solve(solve, asm.residual(t)[free])
+        a = -inverse @ asm.residual(t)[free]
         flow = asm.y.copy()
         flow[asm.spin_at[:, 0]] -= asm.transport()
         return np.concatenate([flow[free], a])
 
     start = np.concatenate([asm.x[free], asm.y[free]])
-    asm.x[free] = solve_ivp(rate, (0.0, end), start, method="DOP853", rtol=1e-9, atol=1e-11).y[:n, -1]
+    asm.x[free] = solve_ivp(rate, (0.0, SWING), start, method="DOP853", rtol=1e-8, atol=1e-10).y[:n, -1]
     return m.field("string.position")[-1].copy()
 
 
-def test_flexible_pendulum_converges_with_order_two():
+def swing_error(exact: np.ndarray, options: dict) -> tuple[float, int]:
+    """Error of the tip over the length, and the number of steps."""
+    scene = pendulum()
+    dynamics = integrate(scene.model, SWING, options, breaks=scene.breaks)
+    return float(np.linalg.norm(scene.model.field("string.position")[-1] - exact) / 0.5), dynamics.counters.steps
+
+
+def test_flexible_pendulum_converges_with_order_two(independent):
     """Large rotation and bending: fixed steps of BDF2 against an independent integrator, order 2 +- 0.15."""
-    exact, errors = independent(0.4), []
-    for step in (1e-3, 5e-4, 2.5e-4):
-        m = pendulum().model
-        integrate(m, 0.4, fixed(step, q_snes_stol=1e-11))
-        errors.append(np.linalg.norm(m.field("string.position")[-1] - exact) / 0.5)
-    orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert orders == pytest.approx(2.0, abs=0.15)
+    errors = np.array([swing_error(independent, fixed(h, q_snes_stol=1e-11))[0] for h in (2e-3, 1e-3, 5e-4)])
+    assert np.log2(errors[:-1] / errors[1:]) == pytest.approx(2.0, abs=0.15)
     assert errors[-1] < 2e-4
 
 
-def test_tolerance_rules_the_error_of_the_pendulum():
+def test_tolerance_rules_the_error_of_the_pendulum(independent):
     """-ts_rtol a hundred times smaller: more steps, and an error at least ten times smaller, against the independent integrator."""
-    exact, errors, steps = independent(0.4), [], []
-    for tolerance in (1e-3, 1e-5):
-        m = pendulum().model
-        steps.append(integrate(m, 0.4, {"ts_rtol": tolerance}).counters.steps)
-        errors.append(np.linalg.norm(m.field("string.position")[-1] - exact) / 0.5)
-    assert steps[1] > 3 * steps[0] and errors[1] < 0.1 * errors[0]
+    (coarse, few), (fine, many) = (swing_error(independent, {"ts_rtol": tolerance}) for tolerance in (1e-3, 1e-5))
+    assert many > 3 * few and fine < 0.1 * coarse
 
 
 # ---------------------------------------------------------------------- torsion
@@ -113,8 +123,9 @@ def test_torsional_frequencies_with_a_heavy_bit():
     """P24: 2000 m of drill pipe, J = 300 kg m2 at the free end: c tan x = (string inertia)/J with x = omega L/c; .180895 and .840968 Hz."""
     pipe = {"kind": "pipe", "length": 2000.0, "od": 0.127, "id": 0.1086, "element_length": 20.0}
     bit = {"kind": "body", "length": 0.0, "mass": 1.0, "inertia": {"axial": 300.0, "transverse": 1.0}}
-    m = straight(string=[pipe, bit], top="clamped", bottom="free", gravity=0.0,
-                 material={"young": 206e9, "poisson": 0.3, "density": 7850.0}).model
+    m = straight(
+        string=[pipe, bit], top="clamped", bottom="free", gravity=0.0, material={"young": 206e9, "poisson": 0.3, "density": 7850.0}
+    ).model
     K, _, M = moving.matrices(m)
     spin = m.layout.place["string.spin"][1:, 0]
     found = np.sqrt(scipy.linalg.eigh(K[np.ix_(spin, spin)], M[np.ix_(spin, spin)], eigvals_only=True)[:2]) / 2 / np.pi
@@ -128,9 +139,15 @@ def test_a_jump_of_the_rotation_through_the_whole_program(tmp_path):
     """A time that stands twice: the surface torque is Z_t (296.371 N m s) times 2 rad/s from the jump on, and nothing before; the first
     characteristic is back after 2L/c = 1.26 s (1000 m of open-ended pipe at 0.63 s)."""
     rotation = {"time": [0.0, 0.2, 0.2, 1.0], "value": [0.0, 0.0, 2.0, 2.0]}
-    case = Case(string=[{"kind": "pipe", "length": 1000.0, "od": 0.127, "id": 0.1086}], top={"kind": "top_drive", "rotation": rotation},
-                material={"young": 206e9, "poisson": 0.3, "density": 7850.0}, gravity=0.0, initial={"from": "straight"},
-                time={"end": 0.8}, output={"history_every": 0.01, "field_every": 1.0})
+    case = Case(
+        string=[{"kind": "pipe", "length": 1000.0, "od": 0.127, "id": 0.1086}],
+        top={"kind": "top_drive", "rotation": rotation},
+        material={"young": 206e9, "poisson": 0.3, "density": 7850.0},
+        gravity=0.0,
+        initial={"from": "straight"},
+        time={"end": 0.8},
+        output={"history_every": 0.01, "field_every": 1.0},
+    )
     result = run(case, out=tmp_path / "out", progress="silent")
     with open(result.folder / "history.csv") as file:
         names = [n.split(" [")[0] for n in file.readline().strip().split(",")]
@@ -221,7 +238,7 @@ def test_internal_damping_whirl_in_a_run(share):
 @pytest.mark.parametrize("ratio", [0.5, 1.5])
 def test_synchronous_whirl_amplitude(ratio):
     """Eccentricity e sin(pi s/L), which is the first mode: started on the orbit e q/(1 - q), q = (Omega/omega)^2, the shaft stays on it."""
-    n, e, speed = 16, 1e-3, ratio * OMEGA
+    n, e, speed = 32, 1e-3, ratio * OMEGA
     q = ratio**2
     model = hinged_shaft(n, speed, e * np.sin(np.pi * (np.arange(n) + 0.5) / n))
     amplitude, watched = e * q / (1 - q), []
@@ -239,21 +256,27 @@ def hole(radius: float, friction: float) -> Well:
 
 def block(well: Well, law: ContactLaw, radius: float, rooms=(), mass: float = 25.0, polar: float = 0.1):
     """A stiff piece of 1 m in a vertical hole."""
-    mesh = uniform_string(1.0, 1, axial_stiffness=1e9, bending_stiffness=1e10, torsional_stiffness=1e8, mass=mass, polar_inertia=polar,
-                          outer_diameter=2 * radius)
+    mesh = uniform_string(
+        1.0,
+        1,
+        axial_stiffness=1e9,
+        bending_stiffness=1e10,
+        torsional_stiffness=1e8,
+        mass=mass,
+        polar_inertia=polar,
+        outer_diameter=2 * radius,
+    )
     return moving.straight_model(mesh, [*rooms, lambda f, p, t: Contact(mesh, well, law)])
 
 
 def test_three_impacts_in_a_row():
-    """P05: from 1 m/s, between the walls of a hole: .5, .33670, .25428 at the standard rtol 1e-5."""
+    """P05: from 1 m/s, between the walls of a hole: .5, .33670, .25428."""
     model = block(hole(0.102, 0.3), ContactLaw(restitution=0.5), 0.1)
     model.set_field("string.position", np.tile([1.0, 0, 0], (2, 1)), "y")
-    rows = moving.integrate(model, 0.035, lambda m: m.field("string.position", "y")[0, 0], ts_rtol=1e-5, ts_dt=1e-5)
-    speeds = []  # where the speed stands still: flights
-    for a, b in zip(rows[:-1, 1], rows[1:, 1], strict=True):
-        if a == pytest.approx(b, abs=1e-9) and (not speeds or abs(abs(a) - speeds[-1]) > 1e-3):
-            speeds.append(abs(a))
-    assert speeds == pytest.approx([1.0, 0.5, 0.33670, 0.25428], rel=0.01)
+    watch = [lambda m, w=w: m.field("string.position", w)[0, 0] for w in "xy"]
+    rows = moving.integrate(model, 0.035, lambda m: [f(m) for f in watch], ts_rtol=1e-6, ts_dt=1e-5)
+    flight = (rows[:-1, 1] * rows[1:, 1] < 0).nonzero()[0]  # steps across the middle of the hole
+    assert np.abs(rows[flight, 2]) == pytest.approx([0.5, 0.33670, 0.25428], rel=0.01)
 
 
 def test_wall_brake():
@@ -293,7 +316,7 @@ def whirl(friction: float) -> tuple[float, float]:
     model.set_field("string.position", np.tile([0, -0.5 * speed * pipe, 0], (2, 1)), "y")
     model.set_field("string.spin", np.full((2, 1), speed), "y")
     rows = moving.integrate(model, 0.8, lambda m: [*m.field("string.position")[0, :2], *m.field("string.position", "y")[0, :2]],
-                            ts_rtol=1e-5, ts_dt=1e-5)
+                            ts_rtol=1e-6, ts_dt=1e-5)
     _, x, y, u, v = rows[rows[:, 0] > 0.7].T
     radius = np.hypot(x, y)
     return float(np.mean((x * v - y * u) / radius**2)), float(radius.mean())
