@@ -74,12 +74,14 @@ class PlainSystem:
 
     def default_solver(self, options: PETSc.Options) -> None:
         """A direct solver where the options ask for no other: the rows of a stiff string are too far apart in size for ILU."""
-        defaults = {"ksp_type": "preonly", "pc_type": "lu", "snes_stol": 1e-12}
+        defaults = {"ksp_type": "preonly", "pc_type": "lu"}
         if self.model.comm.size > 1:
             defaults["pc_factor_mat_solver_type"] = "mumps"
+            if options.getString("ts_type", "") == "arkimex":  # its first step is another TS with a dense matrix, for which there is no LU
+                defaults = {"ksp_type": "gmres", "ksp_rtol": "1e-10", "pc_type": "bjacobi", "sub_pc_type": "lu"}
         if options.hasName("ksp_type") or options.hasName("pc_type"):
-            del defaults["ksp_type"], defaults["pc_type"]
-            defaults.pop("pc_factor_mat_solver_type", None)
+            defaults = {}
+        defaults["snes_stol"] = "1e-12"
         for name, value in defaults.items():
             if not options.hasName(name):
                 options.setValue(name, value)
