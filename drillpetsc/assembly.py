@@ -125,6 +125,15 @@ class Assembly:
         self._history = pointer(self.v0), pointer(self.v1)
         self.version = 0  # counts new Jacobian values
         self.dead: FloatArray | None = None  # (n,) constant forces at owned unknowns (imperfection)
+        self._frozen: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+
+    def freeze(self, mask: np.ndarray | None) -> None:
+        """Keep the unknowns of ``mask`` (n,) where they are: their rows and columns are the unit matrix's; None lets all go."""
+        if mask is None or not mask.any():
+            self._frozen = None
+            return
+        by_row, by_column = (np.append(mask, False)[i] for i in (self.rows, self.columns))  # -1 leads to the last place
+        self._frozen = np.flatnonzero(mask), np.flatnonzero(by_row | by_column), np.flatnonzero(by_row & (self.rows == self.columns))
 
     # ------------------------------------------------------------------ state
     def condense(self, sigma: float) -> None:
@@ -165,6 +174,8 @@ class Assembly:
                     b.block.update(t)
                 b.residual(*b.head, *state)
                 b.event.end()
+        if self._frozen is not None:
+            self.r[self._frozen[0]] = 0.0
         self._event["Residual"].end()
         return self.r
 
@@ -198,6 +209,8 @@ class Assembly:
                 b.jacobian(*b.matrix_head, *state, b.values_at)
                 b.event.end()
         self._replace_jacobian_rows(1.0 if c[0] else 0.0)
+        if self._frozen is not None:
+            self.values[self._frozen[1]], self.values[self._frozen[2]] = 0.0, 1.0
         self.version += 1
         self._event["Jacobian"].end()
 

@@ -25,6 +25,8 @@ def renew(model: Model, frames: Frames) -> bool:
     Call it between load steps or time steps only: an integrator that keeps earlier spin angles must be restarted
     after a change.
     """
+    if "string.tangent" not in model.layout.place:
+        return False
     changes = _far_nodes(model, frames)
     if not changes:
         return False

@@ -30,7 +30,7 @@ def soft_string_guess(scene: Scene, motion: tuple[float, float]) -> TorqueDrag |
     depth = mesh.node_depth
     wob = case.initial.wob or 0.0
     force = getattr(case.top, "force", None)
-    weight = mesh.mass * g
+    weight = scene.effective_mass * g
     for b in mesh.bodies:
         if b.node < mesh.nodes - 1:
             weight[b.node] += b.mass * g / mesh.length[b.node]

@@ -27,7 +27,8 @@ class Model:
         self.line = build_line(mesh.node_depth, comm or PETSc.COMM_WORLD)
         self.comm = self.line.plex.comm
         junction = mesh.junction if len(mesh.junction) else np.zeros(mesh.nodes, dtype=bool)
-        regions = {"string": np.ones(mesh.nodes, dtype=bool), "junction": junction}
+        order = np.arange(mesh.nodes)
+        regions = {"string": order >= 0, "junction": junction, "below_top": order > 0, "bottom": order == mesh.nodes - 1}
         fields = tuple(f for room in self.rooms for f in room.fields())
         self.layout = build_layout(self.line, fields, regions)
         blocks = tuple(b for room in self.rooms for b in room.blocks(self.line))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.field import FloatArray
+from drillpetsc.flow_record import FlowRecord
 from drillpetsc.frames import high_side
 from drillpetsc.rooms.beam import REPORT
 from drillpetsc.scene import Scene
@@ -32,7 +33,8 @@ class Recorder:
         self.scene, self.model = scene, scene.model
         self.comm = self.model.comm.tompi4py()
         mesh = scene.mesh
-        self.probes = [self._locate(depth) for depth in scene.case.output.probes]
+        self.flow = FlowRecord(scene.model, scene.fluid) if scene.fluid is not None else None
+        self.probes = [self._locate(depth) for depth in scene.case.output.probes] if scene.beam is not None else []
         self._face = mesh.total_length - mesh.node_depth[-1]
         self.columns = self._columns()
         self.probe_columns: list[Column] = [("time", "s")]
@@ -41,6 +43,7 @@ class Recorder:
             self.probe_columns += [(f"x_{tag}", "m"), (f"y_{tag}", "m"), (f"spin_{tag}", "rad/s")]
             if scene.contact is not None:
                 self.probe_columns.append((f"contact_{tag}", "N"))
+        self._width = 11 + 5 * len(self.probes) + (FlowRecord.SIZE if self.flow is not None else 0)
         self._samples: deque[tuple[float, FloatArray]] = deque(maxlen=3)
         self.dissipated = self.supplied = self.start_energy = 0.0
         self._powers: tuple[float, ...] = (0.0, 0.0)
@@ -60,13 +63,16 @@ class Recorder:
     def _columns(self) -> list[Column]:
         scene = self.scene
         out: list[Column] = [("time", "s")]
-        if scene.top is not None or getattr(scene.case.top, "force", None) is not None:
+        if scene.beam is not None and (scene.top is not None or getattr(scene.case.top, "force", None) is not None):
             out += [("hook_load", "N"), ("surface_torque", "N m")]
         if scene.bit is not None:
             out += [("wob", "N"), ("bit_torque", "N m")]
-        out += [("bit_speed", "rad/s"), ("bit_depth", "m")]
+        if scene.beam is not None:
+            out += [("bit_speed", "rad/s"), ("bit_depth", "m")]
         if scene.bit is not None:
             out.append(("hole_depth", "m"))
+        if self.flow is not None:
+            out += self.flow.columns
         return [*out, ("kinetic_energy", "J"), ("strain_energy", "J"), ("energy_error", "J"), ("step", "s"), ("newton", "-")]
 
     # ------------------------------------------------------------------ sampling
@@ -74,7 +80,7 @@ class Recorder:
         """All figures at the assembly's state: reactions, bit, probes, powers; (m,), the same on all ranks."""
         scene, model = self.scene, self.model
         asm, layout = model.assembly, model.layout
-        v = np.zeros(11 + 5 * len(self.probes))
+        v = np.zeros(self._width)
         for f in asm.fixed:
             if f.owned and f.condition.vertex == 0:
                 names = f.condition.names
@@ -84,7 +90,7 @@ class Recorder:
             v[1] += scene.drive.torque(t, asm)
         if scene.bit is not None:
             v[2:4] = scene.bit.weight_and_torque(asm)
-        if self._last >= 0:
+        if self._last >= 0 and scene.beam is not None:
             slope = asm.x[layout.place["string.tangent"][self._last]]
             v[4] = asm.y[layout.place["string.spin"][self._last, 0]]
             v[5:8] = asm.x[layout.place["string.position"][self._last]] + self._face * slope / np.linalg.norm(slope)
@@ -92,6 +98,8 @@ class Recorder:
             if p.cell in self._cell:
                 v[11 + 5 * k : 16 + 5 * k] = self._probe(p)
         v[8:10] = self.model.own_powers(t)
+        if self.flow is not None:
+            v[-FlowRecord.SIZE :] = self.flow.sample(t)
         if model.comm.size > 1:
             v = self.comm.allreduce(v)
         force = getattr(scene.case.top, "force", None)
@@ -118,6 +126,8 @@ class Recorder:
         """Open the books at the present state."""
         self._samples.append((t, self.sample(t)))
         self._powers = tuple(self._samples[-1][1][8:10])
+        if self.flow is not None:
+            self.flow.begin(self._samples[-1][1][-FlowRecord.SIZE :])
         self.energies = np.array(self.model.energies(t))
         self._first_energies = self.energies.copy()
         self.start_energy = float(self.energies.sum())
@@ -129,13 +139,16 @@ class Recorder:
         while len(self._samples) > 1:
             self._samples.popleft()
         t, v = self._samples[-1]
-        return np.concatenate([[self.dissipated, self.supplied, self.start_energy, self.peak_exchange], self._first_energies, [t], v])
+        flow = self.flow.books if self.flow is not None else np.zeros(0)
+        return np.concatenate([[self.dissipated, self.supplied, self.start_energy, self.peak_exchange], self._first_energies, [t], v, flow])
 
     def resume(self, books: FloatArray) -> None:
         """Go on from the books of a checkpoint; they were opened by a scene with the same probes."""
         self.dissipated, self.supplied, self.start_energy, self.peak_exchange = map(float, books[:4])
         self._first_energies = np.array(books[4:7])
-        self._samples.append((float(books[7]), np.array(books[8:])))
+        self._samples.append((float(books[7]), np.array(books[8 : 8 + self._width])))
+        if self.flow is not None:
+            self.flow.resume(books[8 + self._width :])
         self._powers = tuple(books[16:18])
         self.energies = np.array(self.model.energies(float(books[7])))
 
@@ -144,10 +157,12 @@ class Recorder:
 
         The time integrator at most doubles a step, so the step before the one that passes ``next_row`` is among them.
         """
-        if t + 3.0 * dt >= next_row:
+        if t + 3.0 * dt >= next_row or self.flow is not None:
             v = self.sample(t)
             powers = float(v[8]), float(v[9])
             self._samples.append((t, v))
+            if self.flow is not None:
+                self.flow.step(v[-FlowRecord.SIZE :], dt)
         else:
             powers = self.model.powers(t)
         self.dissipated += 0.5 * dt * (self._powers[0] + powers[0])
@@ -165,6 +180,11 @@ class Recorder:
     def energy_error(self) -> float:
         """Stored energy gained + dissipated - supplied since the start [J]: what the time integration made or lost."""
         return float(self.energies.sum() - self.start_energy + self.dissipated - self.supplied)
+
+    def mass_balance(self) -> dict[str, float]:
+        """Volumes of mud since the start, at the last sample (with a fluid)."""
+        assert self.flow is not None
+        return self.flow.balance(self._samples[-1][1][-FlowRecord.SIZE :])
 
     # ------------------------------------------------------------------ rows
     def at(self, t: float) -> FloatArray:
@@ -193,11 +213,14 @@ class Recorder:
             row += [v[0], v[1]]
         if scene.bit is not None:
             row += [v[2], v[3]]
-        row += [v[4], self._depth_of(v[5:8])]
+        if scene.beam is not None:
+            row += [v[4], self._depth_of(v[5:8])]
         if scene.bit is not None:
             from drillpetsc.scene import hole_depth
 
             row.append(hole_depth(scene.case))
+        if self.flow is not None:
+            row += self.flow.row(v[-FlowRecord.SIZE :])
         return [*row, self.energies[0], self.energies[1], self.energy_error, step, newton]
 
     def _depth_of(self, point: FloatArray) -> float:
@@ -235,20 +258,33 @@ class Recorder:
         """Points (n, 3) [m] and point data of the deformed string in depth order, on rank 0; None elsewhere."""
         model, scene, mesh = self.model, self.scene, self.scene.mesh
         asm = model.assembly
-        nodal = np.hstack([model.field("string.position"), model.field("string.position", "y"), model.field("string.spin", "y"),
-                           model.field("string.spin")])
-        cells = scene.beam.report(model.layout, asm.x, asm.y)
+        parts: dict[str, FloatArray] = {}
+        columns: dict[str, FloatArray] = {}
+        if scene.beam is not None:
+            which = (("position", "x"), ("position", "y"), ("spin", "y"), ("spin", "x"))
+            parts["string"] = np.hstack([model.field(f"string.{name}", what) for name, what in which])
+            columns["beam"] = scene.beam.report(model.layout, asm.x, asm.y)
         if scene.contact is not None:
-            reports, bodies = scene.contact.report(asm)
-            cells = np.hstack([cells, reports[:, :1] / mesh.length[model.line.cells][:, None]])
-        node, cell = model.gather(nodal), model.gather(cells, "cell")
+            reports, _ = scene.contact.report(asm)
+            columns["contact"] = reports[:, :1] / mesh.length[model.line.cells][:, None]
+        if self.flow is not None:
+            parts |= {name: values[:, None] for name, values in self.flow.nodal().items()}
+            columns |= {name: values[:, None] for name, values in self.flow.cellwise().items()}
+        node, cell = self._gathered(parts, "vertex"), self._gathered(columns, "cell")
         if node is None or cell is None:
             return None
         return self._point_data(node, cell)
 
-    def _point_data(self, node: FloatArray, cell: FloatArray) -> tuple[FloatArray, dict[str, FloatArray]]:
+    def _gathered(self, parts: dict[str, FloatArray], on: str) -> dict[str, FloatArray] | None:
+        """The named columns (k, m) collected in depth order on rank 0; None elsewhere."""
+        whole = self.model.gather(np.hstack(list(parts.values())), on)
+        if whole is None:
+            return None
+        ends = np.cumsum([p.shape[1] for p in parts.values()])
+        return dict(zip(parts, np.split(whole, ends[:-1], axis=1), strict=True))
+
+    def _point_data(self, node: dict[str, FloatArray], cell: dict[str, FloatArray]) -> tuple[FloatArray, dict[str, FloatArray]]:
         scene, mesh = self.scene, self.scene.mesh
-        column = {name: i for i, name in enumerate(REPORT)}
 
         def at_nodes(upper: FloatArray, lower: FloatArray) -> FloatArray:
             count = np.zeros(mesh.nodes)
@@ -259,18 +295,33 @@ class Recorder:
             count[1:] += 1
             return total / count
 
+        data = {"md [m]": mesh.node_depth, "outer_radius [m]": at_nodes(0.5 * mesh.outer_diameter, 0.5 * mesh.outer_diameter)}
+        points = scene.position
+        if "string" in node:
+            points = node["string"][:, :3]
+            data |= self._string_data(node["string"], cell["beam"], at_nodes)
+        if "contact" in cell:
+            data["contact_force [N/m]"] = at_nodes(cell["contact"][:, 0], cell["contact"][:, 0])
+        if scene.well is not None:
+            data["hole_radius [m]"] = np.asarray(scene.well.radius(mesh.node_depth))
+        data |= {name: values[:, 0] for name, values in node.items() if name != "string"}
+        data |= {name: at_nodes(values[:, 0], values[:, 0]) for name, values in cell.items() if name not in ("beam", "contact")}
+        return points, data
+
+    def _string_data(self, node: FloatArray, cell: FloatArray, at_nodes) -> dict[str, FloatArray]:
+        scene, mesh = self.scene, self.scene.mesh
+        column = {name: i for i, name in enumerate(REPORT)}
+
         def from_cells(name: str, other: str | None = None) -> FloatArray:
             return at_nodes(cell[:, column[name]], cell[:, column[other or name]])
 
-        points = node[:, :3]
-        offset = self.offset(points, mesh.node_depth)
+        offset = self.offset(node[:, :3], mesh.node_depth)
         data = {
-            "md [m]": mesh.node_depth, "displacement [m]": points - scene.position, "velocity [m/s]": node[:, 3:6],
+            "displacement [m]": node[:, :3] - scene.position, "velocity [m/s]": node[:, 3:6],
             "spin [rad/s]": node[:, 6], "spin_angle [rad]": node[:, 7], "offset_x [m]": offset[:, 0], "offset_y [m]": offset[:, 1],
             "axial_force [N]": from_cells("axial_upper", "axial_lower"),
             "torque [N m]": -from_cells("torque"),  # positive as the surface torque: the top turns the string
             "bending_moment [N m]": from_cells("bending_upper", "bending_lower"),
-            "outer_radius [m]": at_nodes(0.5 * mesh.outer_diameter, 0.5 * mesh.outer_diameter),
         }
         tube = mesh.outer_diameter > 0
         if tube.all():
@@ -278,8 +329,4 @@ class Recorder:
             modulus = np.pi / 32 * (mesh.outer_diameter**4 - mesh.inner_diameter**4) / mesh.outer_diameter
             stress = [np.abs(cell[:, column[f"axial_{e}"]]) / area + cell[:, column[f"bending_{e}"]] / modulus for e in ("upper", "lower")]
             data["stress [Pa]"] = at_nodes(*stress)  # largest normal stress of the section, axial and bending
-        if scene.contact is not None:
-            data["contact_force [N/m]"] = at_nodes(cell[:, len(REPORT)], cell[:, len(REPORT)])
-        if scene.well is not None:
-            data["hole_radius [m]"] = np.asarray(scene.well.radius(mesh.node_depth))
-        return points, data
+        return data

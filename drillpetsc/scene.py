@@ -12,6 +12,7 @@ from drillpetsc.case.ends import TopDrive as TopDriveCase
 from drillpetsc.case.scene import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.field import FloatArray
+from drillpetsc.fluid_rooms import FluidRooms, build_fluid
 from drillpetsc.frames import Frames, transported_frames
 from drillpetsc.mesh import build_mesh
 from drillpetsc.model import Model
@@ -28,7 +29,8 @@ from drillpetsc.well import Well
 class Scene:
     """The parts of a scene; ``top`` and ``bit`` and ``contact`` are the rooms of these names, None where absent.
 
-    position, tangent: (n_nodes, 3) of the string along the hole's axis, unstrained.
+    position, tangent: (n_nodes, 3) of the string along the hole's axis, unstrained.  A held string has no beam; fluid: the rooms of the
+    drilling fluid, None in a dry scene.
     """
 
     case: Case
@@ -38,12 +40,23 @@ class Scene:
     position: FloatArray
     tangent: FloatArray
     rooms: tuple
-    beam: Beam
+    beam: Beam | None
     top: TopDrive | Held | None
     drive: Drive | None
     contact: Contact | None
     bit: BitOnBottom | None
     model: Model
+    fluid: FluidRooms | None = None
+
+    @property
+    def effective_mass(self) -> FloatArray:
+        """(n,) mass per length that the string weighs with [kg/m]: steel and mud in the bore, less the mud it displaces."""
+        mass = self.mesh.mass.copy()
+        if self.fluid is not None and self.fluid.pipe is not None:
+            mass += self.fluid.constants.density * self.fluid.pipe.bore.area
+        if self.fluid is not None and self.fluid.annulus is not None:
+            mass -= self.fluid.constants.density * self.fluid.annulus.annulus.outer
+        return mass
 
     @property
     def breaks(self) -> tuple[float, ...]:
@@ -68,25 +81,36 @@ def build_scene(case: Case, comm: PETSc.Comm | None = None) -> Scene:
     mesh, well = build_mesh(case), build_well(case)
     position, tangent = _axis(case, mesh, well)
     frames = transported_frames(tangent)
-    gravity = np.array(case.gravity, dtype=float)
-    beam = Beam(mesh, frames, gravity)
-    rooms: list = [beam]
+    fluid = build_fluid(case, mesh, well, position, tangent)
+    beam, top, drive, contact, bit = None, None, None, None, None
+    rooms: list = []
+    if not case.hold_string:
+        gravity = np.array(case.gravity, dtype=float)
+        beam = Beam(mesh, frames, gravity)
+        rooms.append(beam)
+        rooms += _extras(mesh, frames, gravity)
+        top, drive = _top_rooms(case, position[0], tangent[0])
+        rooms += [r for r in (top, drive) if r is not None]
+        rooms += _bottom_held(case, position[-1], tangent[-1])
+        loads = _loads(case, mesh, tangent)
+        if loads:
+            breaks = tuple(b for q in case.loads for b in q.value_over.breaks())
+            rooms.append(Loads(loads, frames, breaks + _top_breaks(case)))
+        contact, bit = _contact(case, mesh, well), _bit(case, mesh, well)
+        rooms += [r for r in (contact, bit) if r is not None]
+    rooms += fluid.rooms if fluid is not None else ()
+    model = Model(mesh, frames, rooms, comm)
+    return Scene(case, mesh, well, frames, position, tangent, tuple(rooms), beam, top, drive, contact, bit, model, fluid)
+
+
+def _extras(mesh: StringMesh, frames: Frames, gravity: FloatArray) -> list:
+    """What a string may have besides elements: rigid bodies, eccentric mass, stress-free curvature."""
+    rooms: list = []
     if mesh.bodies or mesh.eccentricity.any():
         rooms.append(Bodies(mesh, frames, gravity))
     if mesh.curvature.any():
         rooms.append(Curvature(mesh, frames))
-    top, drive = _top_rooms(case, position[0], tangent[0])
-    rooms += [r for r in (top, drive) if r is not None]
-    rooms += _bottom_held(case, position[-1], tangent[-1])
-    loads = _loads(case, mesh, tangent)
-    if loads:
-        breaks = tuple(b for q in case.loads for b in q.value_over.breaks())
-        rooms.append(Loads(loads, frames, breaks + _top_breaks(case)))
-    contact = _contact(case, mesh, well)
-    bit = _bit(case, mesh, well)
-    rooms += [r for r in (contact, bit) if r is not None]
-    model = Model(mesh, frames, rooms, comm)
-    return Scene(case, mesh, well, frames, position, tangent, tuple(rooms), beam, top, drive, contact, bit, model)
+    return rooms
 
 
 # ---------------------------------------------------------------------- geometry

@@ -8,11 +8,13 @@ import numpy as np
 
 from drillpetsc.case.ends import DrivenTop
 from drillpetsc.case.ends import TopDrive as TopDriveCase
+from drillpetsc.coupled import agree, begin_flow, let_flow
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.field import FloatArray
 from drillpetsc.guess import soft_string_guess
 from drillpetsc.scene import Scene
 from drillpetsc.soft_string import TorqueDrag
+from drillpetsc.solve.hydraulics import place_fluid, steady_flow
 from drillpetsc.solve.statics import ITERATIONS, Equilibrium, Statics
 
 SUBSTITUTIONS = 30
@@ -52,30 +54,37 @@ def prescribed_motion(scene: Scene) -> tuple[float, float]:
 def place_along_hole(scene: Scene) -> None:
     """The unstrained string along the hole's axis (or straight, without a hole), at rest."""
     m = scene.model
-    m.set_field("string.position", scene.position)
-    m.set_field("string.tangent", scene.tangent)
-    m.set_field("string.spin", np.zeros((m.mesh.nodes, 1)))
+    if scene.beam is not None:
+        m.set_field("string.position", scene.position)
+        m.set_field("string.tangent", scene.tangent)
+        m.set_field("string.spin", np.zeros((m.mesh.nodes, 1)))
     if "string.ratio" in m.layout.place:
         m.set_field("string.ratio", np.ones((m.mesh.nodes, 1)))
     m.assembly.y[:] = 0.0
     m.assembly.a[:] = 0.0
+    if scene.fluid is not None:
+        place_fluid(m, scene.fluid)
 
 
 def move_rigidly(scene: Scene) -> None:
     """Give every node the spin and lowering that the top prescribes at time 0 (the state at rest before)."""
+    if scene.beam is None:
+        let_flow(scene)
+        return
     m = scene.model
     lowering, rotation = prescribed_motion(scene)
     tangent = scene.tangent if scene.well is None else scene.well.at(scene.mesh.node_depth)[1]
     m.set_field("string.position", lowering * np.asarray(tangent), "y")
     m.set_field("string.tangent", np.zeros((m.mesh.nodes, 3)), "y")
     m.set_field("string.spin", np.full((m.mesh.nodes, 1), rotation), "y")
+    let_flow(scene)
 
 
 def nodal_weight(scene: Scene) -> FloatArray:
     """(n_nodes,) weight that each node carries [N]."""
     mesh, g = scene.mesh, float(np.linalg.norm(scene.case.gravity))
     weight = np.zeros(mesh.nodes)
-    half = 0.5 * mesh.mass * mesh.length * g
+    half = 0.5 * scene.effective_mass * mesh.length * g
     np.add.at(weight, np.arange(mesh.nodes - 1), half)
     np.add.at(weight, np.arange(1, mesh.nodes), half)
     for b in mesh.bodies:
@@ -92,6 +101,10 @@ def find_equilibrium(scene: Scene, motion: tuple[float, float] | None = None, cl
     """
     motion = prescribed_motion(scene) if motion is None else motion
     place_along_hole(scene)
+    if scene.beam is None:
+        flow = steady_flow(scene.model)
+        return StaticState((0.0, 0.0), Equilibrium(iterations=flow.iterations, increment=flow.increment, converged=True))
+    begin_flow(scene)
     soft = soft_string_guess(scene, motion)
     solver = _solver(scene)
     wob = scene.case.initial.wob
@@ -120,7 +133,9 @@ def find_equilibrium(scene: Scene, motion: tuple[float, float] | None = None, cl
     report.negative_pivots = max(0, solver.negative_pivots()) if solver.energy else 0
     for room in slipping:
         room.impose_sliding(*motion, side)
+    agree(scene, solver, report)
     _reactions(scene, solver)
+    scene.model.assembly.freeze(None)
     if report.negative_pivots:
         state.warnings.append(_why_unstable(scene, report.negative_pivots))
     return state

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.field import FloatArray
+from drillpetsc.flow_record import FlowRecord
 from drillpetsc.frames import directors
 from drillpetsc.recorder import Recorder
 from drillpetsc.rooms.beam import REPORT
@@ -40,14 +41,59 @@ def static_table(scene: Scene, state: StaticState) -> tuple[list[tuple[str, str]
     """
     model, scene_mesh = scene.model, scene.mesh
     asm = model.assembly
+    fluid_columns, fluid = flow_table(scene)
+    if scene.beam is None:
+        return [("md", "m"), *fluid_columns], None if fluid is None else np.column_stack([scene_mesh.node_depth, fluid])
     cells = scene.beam.report(model.layout, asm.x, asm.y)
     contact = scene.contact.report(asm)[0][:, :1] if scene.contact is not None else np.zeros((len(cells), 1))
     bend = np.linalg.norm(_curvatures(scene), axis=3).reshape(len(cells), 4)
     nodal = model.gather(np.hstack([model.field("string.position"), model.field("string.tangent")]))
     cell = model.gather(np.hstack([cells, contact / scene_mesh.length[model.line.cells][:, None], bend]), "cell")
     if nodal is None or cell is None:
-        return COLUMNS, None
-    return COLUMNS, _table(scene, nodal, cell)
+        return COLUMNS + fluid_columns, None
+    table = _table(scene, nodal, cell)
+    if fluid is not None:
+        fluid[:, -1] += table[:, 1]  # what the pressures leave of the wall's tension
+        table = np.hstack([table, fluid])
+    return COLUMNS + fluid_columns, table
+
+
+def flow_table(scene: Scene) -> tuple[list[tuple[str, str]], FloatArray | None]:
+    """Columns of the drilling fluid and their values (n_nodes, columns) on rank 0: pressures and flow rates of the channels, equivalent
+    circulating density p/(g depth) where there is an annulus, and last, with a string, what effective tension has beyond the axial
+    force, -p_i A_i + p_o A_o [N] (areas the mean of the elements that meet at a node)."""
+    if scene.fluid is None:
+        return [], None
+    record, mesh, model = FlowRecord(scene.model, scene.fluid), scene.mesh, scene.model
+    nodal, cell = record.nodal(), {k: v for k, v in record.cellwise().items() if "flow" in k}
+    columns = [_name_unit(k) for k in (*nodal, *cell)]
+    if scene.fluid.annulus is not None:
+        columns.append(("ecd", "kg/m3"))
+    if scene.beam is not None:
+        columns.append(("effective_tension", "N"))
+    at_vertices = model.gather(np.column_stack(list(nodal.values())))
+    in_cells = model.gather(np.column_stack(list(cell.values())), "cell")
+    if at_vertices is None or in_cells is None:
+        return columns, None
+    out = [*at_vertices.T, *(_at_nodes(c, c) for c in in_cells.T)]
+    if scene.fluid.annulus is not None:
+        head = (scene.position - scene.position[0]) @ scene.fluid.constants.gravity
+        pressure = at_vertices[:, list(nodal).index("annulus_pressure [Pa]")]
+        out.append(np.divide(pressure, head, out=np.full(mesh.nodes, np.nan), where=head > 0))
+    if scene.beam is not None:
+        beyond = np.zeros(mesh.nodes)
+        for room, title, sign in (("pipe", "internal_pressure [Pa]", -1.0), ("annulus", "annulus_pressure [Pa]", 1.0)):
+            channel = getattr(scene.fluid, room)
+            if channel is not None:
+                area = channel.bore.area if room == "pipe" else channel.annulus.outer
+                beyond += sign * at_vertices[:, list(nodal).index(title)] * _at_nodes(area, area)
+        out.append(beyond)
+    return columns, np.column_stack(out)
+
+
+def _name_unit(title: str) -> tuple[str, str]:
+    name, unit = title.rstrip("]").split(" [")
+    return name, unit
 
 
 def _table(scene: Scene, nodal: FloatArray, cell: FloatArray) -> FloatArray:
@@ -142,6 +188,8 @@ def static_summary(scene: Scene, state: StaticState) -> dict[str, Any]:
     clockwise; stretch: elongation of the whole string by axial force; twist: angle between its ends, not negative.
     """
     model, mesh = scene.model, scene.mesh
+    if scene.beam is None:
+        return flow_summary(scene)
     asm, cells, report = model.assembly, model.line.cells, state.equilibrium
     beam = scene.beam.report(model.layout, asm.x, asm.y)
     length, column = mesh.length[cells], REPORT.index
@@ -178,4 +226,21 @@ def static_summary(scene: Scene, state: StaticState) -> dict[str, Any]:
             "surface_torque": soft.surface_torque,
             "stretch": soft.stretch,
         }
+    return out | flow_summary(scene)
+
+
+def flow_summary(scene: Scene) -> dict[str, Any]:
+    """Figures of the steady flow, the same on all ranks; SI: pressures at pump, under the bit and lost in the nozzles, flows, equivalent
+    circulating density at the bottom (also that of the mud at rest under the same outlet is the density itself, if stiff)."""
+    if scene.fluid is None:
+        return {}
+    model = scene.model
+    record = FlowRecord(model, scene.fluid)
+    sample = record.sample(0.0)
+    if model.comm.size > 1:
+        sample = model.comm.tompi4py().allreduce(sample)
+    out = {name: value for (name, _), value in zip(record.columns, record.row(sample), strict=True)}
+    head = float((scene.position[-1] - scene.position[0]) @ scene.fluid.constants.gravity)
+    if scene.fluid.annulus is not None and head > 0:
+        out["ecd"] = float(sample[1]) / head
     return out

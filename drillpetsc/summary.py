@@ -46,6 +46,8 @@ def of_run(scene, recorder, dynamics, state, reached: float, start: float, began
                              "imperfection": e.imperfection, "warnings": state.warnings}
     if error is None:
         result["energy"] = energy(recorder)
+        if recorder.flow is not None:
+            result["mass"] = recorder.mass_balance()
         row = recorder.history_row(reached, 0.0, 0.0)
         result["final"] = {f"{n} [{u}]": value for (n, u), value in zip(recorder.columns, row, strict=True) if n not in ("step", "newton")}
     return result
@@ -55,7 +57,8 @@ def field_counts(model) -> list[tuple[Any, int]]:
     """Each field with the number of vertices that have it (whole string)."""
     mesh = model.mesh
     junction = int(mesh.junction.sum()) if len(mesh.junction) else 0
-    return [(f, junction if f.region == "junction" else mesh.nodes) for f in model.layout.fields]
+    count = {"string": mesh.nodes, "junction": junction, "below_top": mesh.nodes - 1, "bottom": 1}
+    return [(f, count[f.region]) for f in model.layout.fields]
 
 
 def counts(dynamics) -> dict[str, int]:
@@ -95,6 +98,9 @@ def closing_lines(result: dict[str, Any], folder) -> list[str]:
     ]
     if e:
         lines.append(f"  energy error {e['error']:.3g} J ({100 * e['error_share']:.2g} % of the energy exchanged)")
+    if "mass" in result:
+        m = result["mass"]
+        lines.append(f"  mud: {m['pumped']:.6g} m3 pumped, {m['returned']:.6g} m3 returned, balance off by {m['error']:.2g} m3")
     for warning in result.get("statics", {}).get("warnings", ()):
         lines.append(f"  note: {warning}")
     lines.append(f"  results: {folder}")

@@ -47,6 +47,7 @@ DIMENSIONS: dict[str, tuple[str, str]] = {
     "N/m^2.5": ("a Hertz stiffness per length", "3e9 N/m^2.5"),
     "N/m^1.5": ("a Hertz stiffness of a point", "1e10 N/m^1.5"),
     "Pa s": ("a viscosity", "20 cP"),
+    "N s/m^2": ("a damping per length", "20 N s/m^2"),
     "Pa s^n": ("a consistency", "0.5 Pa s^n"),
     "K": ("a temperature", "60 degF"),
     "m/(s N)": ("a drillability", "2.8e-8 m/(s N)"),

@@ -19,11 +19,13 @@ class Model(BaseModel):
     """Keys of the case format that this version refuses."""
     later_values: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     """Values of the case format that this version refuses, by key."""
+    told_by: ClassVar[str] = "kind"
+    """The key, if it has it, that tells this block from others that may stand in its place."""
 
     @classmethod
     def keys(cls) -> list[str]:
         """The keys of this block as written in a case file."""
-        return sorted((field.alias or name for name, field in cls.model_fields.items()), key=lambda key: key != "kind")
+        return sorted((field.alias or name for name, field in cls.model_fields.items()), key=lambda key: key != cls.told_by)
 
     @model_validator(mode="before")
     @classmethod
@@ -37,7 +39,7 @@ class Model(BaseModel):
             if isinstance(value, str) and value in cls.later_values.get(key, ()):
                 raise later(key, got=value, what=f"{key} {value}")
             if key not in allowed:
-                of = f" (kind: {data['kind']})" if "kind" in data else ""
+                of = f" ({cls.told_by}: {data[cls.told_by]})" if cls.told_by in data else ""
                 hint = near(key, cls.keys())
                 raise refuse(key, got=value, want=f"one of these keys{of}: {', '.join(cls.keys())}", hint=hint)
         return data
@@ -52,18 +54,20 @@ def follows(description: str) -> Any:
     return Field(default=None, description=description)
 
 
-def kinds_of(model: type[BaseModel]) -> tuple[str, ...]:
-    """The values of `kind` that this model stands for."""
-    return get_args(model.model_fields["kind"].annotation)
+def kinds_of(model: type[BaseModel], key: str = "kind") -> tuple[str, ...]:
+    """The values of `kind` (or another key) that this model stands for."""
+    return get_args(model.model_fields[key].annotation)
 
 
-def chosen(*models: type[BaseModel], short: tuple[str, ...] = ()) -> tuple[Callable[[Any], Any], Callable[[Any], str]]:
-    """(check, tag) for a union of models that differ by `kind`.
+def chosen(
+    *models: type[BaseModel], short: tuple[str, ...] = (), key: str = "kind"
+) -> tuple[Callable[[Any], Any], Callable[[Any], str]]:
+    """(check, tag) for a union of models that differ by `kind`, or by the key named `key`.
 
     check normalises and refuses: kinds named in `short` may be written as a bare word instead of a mapping.
     tag names the model for pydantic, as `kind:<name of the model>` (the prefix is dropped from key paths in messages).
     """
-    model_of = {kind: model for model in models for kind in kinds_of(model)}
+    model_of = {kind: model for model in models for kind in kinds_of(model, key)}
     every = ", ".join(model_of)
 
     def check(value: Any) -> Any:
@@ -71,22 +75,22 @@ def chosen(*models: type[BaseModel], short: tuple[str, ...] = ()) -> tuple[Calla
             return value
         if isinstance(value, str) and short:
             if value in short:
-                return {"kind": value}
+                return {key: value}
             if value in model_of:
                 words = ", ".join(short)
-                raise refuse(got=value, want=f"a mapping {{kind: {value}, ...}}, or one of the words {words}")
+                raise refuse(got=value, want=f"a mapping {{{key}: {value}, ...}}, or one of the words {words}")
             raise refuse(got=value, want=f"one of {every}", hint=near(value, model_of))
         if not isinstance(value, Mapping):
-            raise refuse(got=value, want=f"a mapping with a kind, one of {every}")
-        if "kind" not in value:
-            guess = next((near(key, ["kind"]) for key in value if near(key, ["kind"])), "")
-            raise refuse("kind", want=f"a key 'kind', one of {every}", hint=guess)
-        if not isinstance(value["kind"], str) or value["kind"] not in model_of:
-            raise refuse("kind", got=value["kind"], want=f"one of {every}", hint=near(value["kind"], model_of))
+            raise refuse(got=value, want=f"a mapping with a {key}, one of {every}")
+        if key not in value:
+            guess = next((near(other, [key]) for other in value if near(other, [key])), "")
+            raise refuse(key, want=f"a key '{key}', one of {every}", hint=guess)
+        if not isinstance(value[key], str) or value[key] not in model_of:
+            raise refuse(key, got=value[key], want=f"one of {every}", hint=near(value[key], model_of))
         return value
 
     def tag(value: Any) -> str:
-        kind = value["kind"] if isinstance(value, Mapping) else value.kind
+        kind = value[key] if isinstance(value, Mapping) else getattr(value, key)
         return f"kind:{model_of[kind].__name__}"
 
     return check, tag

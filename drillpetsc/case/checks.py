@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from drillpetsc.case.fluid_checks import check_fluid, check_held_string
 from drillpetsc.case.items import Beam, Bit, Pipe
 from drillpetsc.case.keys import refuse
 
@@ -16,8 +17,10 @@ LENGTH_TOLERANCE = 1e-6  # [m] sums of item lengths
 
 def check_scene(case: Case) -> None:
     """Raises on the first contradiction between blocks."""
+    check_held_string(case)
     _bit_last(case)
     _well_or_none(case)
+    check_fluid(case)
     _string_in_hole(case)
     _bit_on_bottom(case)
     _start(case)
@@ -56,7 +59,7 @@ def _string_in_hole(case: Case) -> None:
             want = f"a string no longer than the hole, {end:g} m"
             hint = f"the items down to this one are {below:g} m long"
             raise refuse("string", i, "length", got=case.string[i].length, want=want, hint=hint)
-    if case.contact is None:
+    if case.contact is None and not case.has_annulus:
         return
     for i, (item, (above, below)) in enumerate(zip(case.string, case.item_depths, strict=True)):
         if isinstance(item, Beam) and item.od is None:

@@ -6,7 +6,9 @@ import math
 from typing import TYPE_CHECKING, TypeVar
 
 from drillpetsc.case.base import Model
+from drillpetsc.case.hole import Contact
 from drillpetsc.case.items import Beam, Inertia, Item, Material, Pipe, Rigid
+from drillpetsc.time_function import Constant, Ramp, TimeFunction
 
 if TYPE_CHECKING:
     from drillpetsc.case.scene import Case
@@ -14,11 +16,34 @@ if TYPE_CHECKING:
 Block = TypeVar("Block", bound=Model)
 
 
+def settle_presence(case: Case) -> None:
+    """Fill in what the presence of one block says of another: contact with a hole, an annulus in it."""
+    if case.hold_string:
+        case.settle(contact=None)
+    elif case.well is not None and "contact" not in case.model_fields_set:
+        case.settle(contact=Contact())
+    if case.fluid is not None:
+        annulus = case.well is not None if case.fluid.annulus is None else case.fluid.annulus
+        speed = case.fluid.lateral_damping_speed or largest(getattr(case.top, "rotation", None)) or 1.0
+        case.settle(fluid=case.fluid.model_copy(update={"annulus": annulus, "lateral_damping_speed": speed}))
+
+
 def settle_scene(case: Case) -> None:
     """Fill in what the case leaves to its other keys."""
     case.settle(string=tuple(_settled(item, case.material) for item in case.string))
     if case.time is not None:
         case.settle(output=case.output.settled(case.time.end))
+
+
+def largest(function: TimeFunction | None) -> float:
+    """The largest magnitude that an input reaches, in its unit; 0 without an input."""
+    if function is None:
+        return 0.0
+    if isinstance(function, Constant):
+        return abs(function.constant)
+    if isinstance(function, Ramp):
+        return abs(function.final)
+    return max(abs(value) for value in function.values)
 
 
 def _settled(item: Item, material: Material) -> Item:

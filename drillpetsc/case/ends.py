@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Strict, Tag, model_validator
 
 from drillpetsc.case.base import Model, chosen
 from drillpetsc.case.items import Friction
@@ -17,9 +17,15 @@ Moment = Annotated[tuple[float, float, float], Vector("N m")]
 RotationSpeed = Annotated[TimeFunction, OverTime("rad/s")]
 Speed = Annotated[TimeFunction, OverTime("m/s")]
 
+Plugged = Annotated[bool, Strict()]
+
 _ZERO = Constant(0.0)
 _ROTATION = "rotation speed over time [rad/s], positive clockwise seen from above"
 _LOWERING = "speed of the top over time [m/s], positive downward"
+_PLUGGED = (
+    "true: no fluid leaves the string at its lower end, and unless a pump_pressure holds fluid in it, "
+    "it is empty; false: the end is open (used by a fluid)"
+)
 
 
 class HeldTop(Model):
@@ -79,6 +85,7 @@ class HeldBottom(Model):
     kind: Literal["free", "pinned", "clamped"] = Field(
         description="free: nothing held; pinned: position held; clamped: position, direction and spin held"
     )
+    plugged: Plugged = Field(default=False, description=_PLUGGED)
 
 
 class ForcedBottom(Model):
@@ -87,16 +94,16 @@ class ForcedBottom(Model):
     kind: Literal["force"] = Field(description="a given force and moment")
     force: Force = Field(default=(0.0, 0.0, 0.0), description="force on the string [N], north, east, down")
     moment: Moment = Field(default=(0.0, 0.0, 0.0), description="moment on the string [N m], north, east, down")
+    plugged: Plugged = Field(default=False, description=_PLUGGED)
 
 
 class BitBottom(Model):
     """A bit that stands on the end of the hole."""
 
-    later_keys: ClassVar[tuple[str, ...]] = ("plugged",)
-
     kind: Literal["bit"] = Field(description="a bit on the end of the hole")
     stiffness: Annotated[float, Quantity("N/m", above=0)] = Field(default=1e8, description="contact stiffness [N/m]")
     friction: Friction = Field(default=0.3, description="friction coefficient of the face on the rock [-]")
+    plugged: Plugged = Field(default=False, description=_PLUGGED)
 
 
 _top, _top_tag = chosen(HeldTop, DrivenTop, TopDrive, short=("clamped", "pinned", "free"))

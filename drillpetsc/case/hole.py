@@ -48,10 +48,21 @@ def _survey(value: Any) -> Any:
     return read_survey(value) if isinstance(value, str) else value
 
 
+class Compliance(Model):
+    """Elastic constants of what stands around a section: it widens under the fluid's pressure."""
+
+    young: Annotated[float, Quantity("Pa", at_least=1e3, at_most=1e14)] = Field(
+        description="Young's modulus of the rock, or of casing and rock together [Pa]"
+    )
+    poisson: Annotated[float, Quantity("", above=-1, at_most=0.5)] = Field(
+        default=0.25, description="Poisson's ratio [-]"
+    )
+
+
 class Section(Model):
     """A stretch of hole of one diameter."""
 
-    later_keys: ClassVar[tuple[str, ...]] = ("roughness", "compliance", "young", "poisson")
+    later_keys: ClassVar[tuple[str, ...]] = ("roughness",)
 
     to: Annotated[float, Quantity("m", above=0, at_most=50e3)] = Field(
         description="measured depth of its lower end [m]"
@@ -59,6 +70,9 @@ class Section(Model):
     kind: Literal["casing", "open_hole"] = Field(description="cased or open hole")
     diameter: Annotated[float, Quantity("m", above=0, at_most=10)] = Field(description="inner diameter [m]")
     friction: Friction = follows("friction coefficient [-]; 0.2 in casing, 0.3 in open hole when not given")
+    compliance: Compliance | None = Field(
+        default=None, description="elasticity of the wall (used by a fluid in the annulus); rigid when not given"
+    )
 
     @model_validator(mode="after")
     def _settle_friction(self) -> Section:

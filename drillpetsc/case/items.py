@@ -140,7 +140,7 @@ class Beam(Flexible):
     polar_inertia: Annotated[float, Quantity("kg m", above=0)] = Field(
         description="polar mass moment of inertia per length [kg m]"
     )
-    od: Diameter | None = Field(default=None, description="outer diameter [m]; needed in a well")
+    od: Diameter | None = Field(default=None, description="outer diameter [m]; needed in a well and with a fluid")
     id: Bore = Field(default=0.0, description="inner diameter [m]")
     damping: Damping = follows("damping; keys left out are the case's material.damping")
 
@@ -197,7 +197,7 @@ class Bit(Rigid):
     length: RigidLength = Field(description="length [m]")
     od: Diameter = Field(description="diameter of the bit [m]")
     nozzle_area: Annotated[float, Quantity("m^2", above=0, at_most=0.1)] | None = Field(
-        default=None, description="total flow area of the nozzles [m2] (used by a fluid)"
+        default=None, description="total flow area of the nozzles [m2] (used by a fluid); the open bore when not given"
     )
 
 

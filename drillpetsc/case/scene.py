@@ -6,14 +6,24 @@ import re
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
+from pydantic import (
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    field_validator,
+    model_validator,
+)
 
 from drillpetsc.case.base import Model
 from drillpetsc.case.checks import check_scene
-from drillpetsc.case.defaults import settle_scene
-from drillpetsc.case.ends import AnyLoad, Bottom, HeldBottom, Top
+from drillpetsc.case.defaults import settle_presence, settle_scene
+from drillpetsc.case.ends import AnyLoad, Bottom, HeldBottom, HeldTop, Top
+from drillpetsc.case.fluid import Fluid
 from drillpetsc.case.hole import Contact, Well, contact_or_none
-from drillpetsc.case.items import Material, StringItem
+from drillpetsc.case.items import Flexible, Material, StringItem
 from drillpetsc.case.keys import refuse
 from drillpetsc.case.messages import case_error
 from drillpetsc.case.quantities import Vector
@@ -32,7 +42,17 @@ class Case(Model):
     Wrong input is a `CaseError`.
     """
 
-    later_keys: ClassVar[tuple[str, ...]] = ("fluid", "formation", "joints", "hold_string")
+    later_keys: ClassVar[tuple[str, ...]] = ("formation", "joints")
+
+    # a held string needs no top, so an editor must ask for the one or the other
+    model_config = ConfigDict(
+        json_schema_extra={
+            "anyOf": [
+                {"required": ["top"]},
+                {"required": ["hold_string"], "properties": {"hold_string": {"const": True}}},
+            ]
+        }
+    )
 
     title: str = Field(default="", description="title of the scene")
     well: Well | None = Field(default=None, description="the hole; without it the string is in free space")
@@ -41,7 +61,17 @@ class Case(Model):
         default=Material(), description="material of all items that name no other; steel when not given"
     )
     beam: BeamTheory = Field(default=BeamTheory(), description="unknowns of the string")
-    top: Top = Field(description="what holds or drives the upper end")
+    hold_string: bool = Field(
+        default=False,
+        strict=True,
+        description="the string stands still and has no unknowns: hydraulics alone; top may be left out, "
+        "and there is no contact",
+    )
+    top: Top = Field(
+        default=None,  # type: ignore[arg-type]  # never stays so
+        validate_default=True,
+        description="what holds or drives the upper end; needed unless hold_string is true",
+    )
     bottom: Bottom = Field(default=HeldBottom(kind="free"), description="what the lower end meets")
     contact: Annotated[
         Contact | None, BeforeValidator(contact_or_none, json_schema_input_type=Literal["none"] | Contact)
@@ -49,6 +79,7 @@ class Case(Model):
         default=None,
         description="contact with the hole, or none; with a well and without this key, contact with all defaults",
     )
+    fluid: Fluid | None = Field(default=None, description="the drilling fluid; without it the scene is dry")
     loads: tuple[AnyLoad, ...] = Field(default=(), description="point and distributed loads on the string")
     gravity: Annotated[tuple[float, float, float], Vector("m/s^2", along_z=True)] = Field(
         default=(0.0, 0.0, STANDARD_GRAVITY),
@@ -64,6 +95,15 @@ class Case(Model):
             super().__init__(**keys)
         except ValidationError as error:
             raise case_error(error, keys) from None
+
+    @field_validator("top", mode="wrap")
+    @classmethod
+    def _top_unless_held(cls, value: Any, read: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
+        if value is not None:
+            return read(value)
+        if info.data.get("hold_string"):
+            return HeldTop(kind="clamped")
+        raise refuse(want="this key; it has no default")
 
     @field_validator("petsc", mode="before")
     @classmethod
@@ -82,8 +122,7 @@ class Case(Model):
 
     @model_validator(mode="after")
     def _whole(self) -> Case:
-        if self.well is not None and "contact" not in self.model_fields_set:
-            self.settle(contact=Contact())
+        settle_presence(self)
         check_scene(self)
         settle_scene(self)
         return self
@@ -101,6 +140,18 @@ class Case(Model):
     def string_length(self) -> float:
         """Length of the string [m]."""
         return self.item_depths[-1][1]
+
+    @property
+    def has_bore(self) -> bool:
+        """Whether there is fluid in the string: not in a solid one, nor in a plugged one that no pump pressure fills."""
+        if self.fluid is None or (self.bottom.plugged and self.fluid.pump_pressure is None):
+            return False
+        return any(isinstance(item, Flexible) and getattr(item, "id", 0.0) > 0 for item in self.string)
+
+    @property
+    def has_annulus(self) -> bool:
+        """Whether there is fluid between string and hole."""
+        return self.fluid is not None and self.fluid.annulus
 
     def to_yaml(self) -> str:
         """The case as YAML, in SI numbers and with every default written out; `load_case` reads it back unchanged."""

@@ -26,7 +26,7 @@ def case_data(case: Case) -> dict[str, Any]:
 
 def _plain(value: Any) -> Any:
     if isinstance(value, dict):
-        return {key: _plain(value[key]) for key in sorted(value, key=lambda key: key != "kind")}
+        return {key: _plain(value[key]) for key in sorted(value, key=lambda key: key not in ("kind", "model"))}
     if isinstance(value, (list, tuple)):
         return [_plain(part) for part in value]
     return value

@@ -44,6 +44,28 @@ SCENES: list[dict[str, Any]] = [
         "bottom": {"kind": "bit"},
         "petsc": {"snes_monitor": None, "ts_rtol": 1e-5},
     },
+    {"fluid": {"density": 1000, "rheology": {"model": "newtonian", "viscosity": 0}, "added_mass": "none"}},
+    {
+        "well": {**WELL, "sections": [{**WELL["sections"][0], "compliance": {"young": "20 GPa"}}]},
+        "bottom": {"kind": "pinned", "plugged": True},
+        "fluid": {
+            "density": "12 lb/gal",
+            "rheology": {"model": "casson", "plastic_viscosity": "10 cP", "yield_stress": "2 Pa", "law": "exact"},
+            "pump_pressure": {"ramp": 2, "value": "100 bar"},
+            "lateral_damping": "5 N s/m^2",
+        },
+    },
+    {
+        "hold_string": True,
+        "top": None,
+        "well": WELL,
+        "contact": {"stiffness": 1e7},
+        "fluid": {
+            "density": 1200,
+            "rheology": {"model": "power_law", "consistency": "0.5 Pa s^n", "index": 0.7},
+            "flow_rate": {"time": [0, 1, 1], "value": [0, "30 l/s", 0]},
+        },
+    },
 ]
 
 

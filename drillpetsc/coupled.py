@@ -1,0 +1,51 @@
+"""Fluid and string at rest together: the steady flow in the string as it hangs, the string under the flow's forces, until both agree."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drillpetsc.errors import SolveError
+from drillpetsc.scene import Scene
+from drillpetsc.solve.hydraulics import fluid_unknowns, steady_flow
+from drillpetsc.solve.statics import Equilibrium, Statics
+
+ROUNDS = 30
+AGREED = 1e-10  # change of pressures and flows relative to their scales
+NEARLY = 1e-6  # enough when rounding stops the rounds
+
+
+def begin_flow(scene: Scene, t: float = 0.0) -> None:
+    """Steady flow in the string where it is now; the fluid then stays as it is (frozen) until ``agree`` or ``let_flow``."""
+    if scene.fluid is not None:
+        steady_flow(scene.model, t)
+        scene.model.assembly.freeze(fluid_unknowns(scene.model))
+
+
+def agree(scene: Scene, solver: Statics, report: Equilibrium) -> None:
+    """Steady flow and string in turn, from a string in equilibrium under the frozen flow; raises SolveError where they do not settle.
+
+    The rounds converge by the ratio of what the fluid and what the steel gives way, a few percent.
+    """
+    if scene.fluid is None:
+        return
+    model = scene.model
+    mine, best = fluid_unknowns(model), np.inf
+    for _ in range(ROUNDS):
+        before = model.assembly.x[:-1][mine].copy()
+        steady_flow(model, 0.0)
+        change = np.abs(model.assembly.x[:-1][mine] - before) / model.scale[mine]
+        size = solver.largest(float(change.max(initial=0.0)))
+        model.assembly.freeze(mine)
+        if size < AGREED or (size < NEARLY and size > 0.5 * best):
+            return
+        best = min(best, size)
+        solver.settle_near(report)
+    raise SolveError(f"string and fluid did not agree on a steady state in {ROUNDS} rounds (last change {size:.1e} of the scales)")
+
+
+def let_flow(scene: Scene) -> None:
+    """All unknowns free again; the flow steady in the string with the rates it has now, the reactions those of this state."""
+    if scene.fluid is not None:
+        scene.model.assembly.freeze(None)
+        steady_flow(scene.model, 0.0)
+        scene.model.sum_residual(0.0, scene.model.new_condensed())

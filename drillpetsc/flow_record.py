@@ -1,0 +1,115 @@
+"""Figures of the drilling fluid during a run: pressures, flows, what went in and came out."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.field import FloatArray
+from drillpetsc.model import Model
+
+Column = tuple[str, str]
+
+
+class FlowRecord:
+    """Samples the fluid of a scene; sums over ranks are the caller's.
+
+    A sample is (6,): pressures at the pump and at the bit [Pa], flow rates out of the flow line, of the pump and through the bit
+    [m3/s], volume at zero pressure of all fluid [m3].
+    """
+
+    SIZE = 6
+
+    def __init__(self, model: Model, fluid) -> None:
+        self.model, self.fluid = model, fluid
+        line, last = model.line, model.mesh.nodes - 1
+        here = {int(v): i for i, v in enumerate(line.vertices) if line.owned[i]}
+        self._last = here.get(last, -1)
+        self.pumped = self.returned = self.start_content = 0.0
+        self._flows: tuple[float, float] | None = None
+
+    @property
+    def columns(self) -> list[Column]:
+        """Columns of the history, those that this scene has."""
+        f = self.fluid
+        pump: list[Column] = [("pump_pressure", "Pa")] if f.pipe is not None else []
+        ends: list[Column] = [("bit_pressure", "Pa"), ("outlet_flow", "m3/s")]
+        return pump + ends + ([("pump_flow", "m3/s"), ("bit_flow", "m3/s")] if f.pipe is not None else [])
+
+    def row(self, sample: FloatArray) -> list[float]:
+        """Values of ``columns`` from a sample."""
+        has_pipe = self.fluid.pipe is not None
+        return [*([sample[0]] if has_pipe else []), sample[1], sample[2], *([sample[3], sample[4]] if has_pipe else [])]
+
+    def sample(self, t: float) -> FloatArray:
+        """(6,) this rank's share."""
+        f, asm, place = self.fluid, self.model.assembly, self.model.layout.place
+        v = np.zeros(self.SIZE)
+        for room in (f.pipe, f.annulus):
+            if room is not None:
+                v[5] += room.figures(asm)[:, 4].sum()
+        if f.bit is not None:
+            figures = f.bit.figures(asm)
+            v[4], v[5] = figures[1], v[5] + figures[4]
+        if f.pipe is not None:
+            flow = f.pipe.pumped(t, asm)
+            if flow is not None:
+                v[0], v[3] = f.pipe.upper_pressure(asm), flow
+        if f.annulus is not None:
+            out = f.annulus.outflow(asm)
+            v[2] = 0.0 if out is None else out
+        else:
+            v[2] = v[4]
+        if self._last >= 0:
+            name = "annulus.pressure" if f.annulus is not None else "pipe.pressure"
+            v[1] = asm.x[place[name][self._last, 0]]
+        return v
+
+    # ------------------------------------------------------------------ mass
+    def begin(self, total: FloatArray) -> None:
+        """Open the books at a sample summed over ranks."""
+        self.pumped = self.returned = 0.0
+        self.start_content, self._flows = float(total[5]), (float(total[3]), float(total[2]))
+
+    def step(self, total: FloatArray, dt: float) -> None:
+        """Add up what an accepted step brought in and out, by the trapezoidal rule."""
+        assert self._flows is not None
+        self.pumped += 0.5 * dt * (self._flows[0] + float(total[3]))
+        self.returned += 0.5 * dt * (self._flows[1] + float(total[2]))
+        self._flows = float(total[3]), float(total[2])
+
+    def balance(self, total: FloatArray) -> dict[str, Any]:
+        """Volumes at zero pressure since the start [m3]; the share is relative to the larger of what went in and came out."""
+        change = float(total[5]) - self.start_content
+        error = change - self.pumped + self.returned
+        largest = max(abs(self.pumped), abs(self.returned), abs(change), 1e-300)
+        return {"pumped": self.pumped, "returned": self.returned, "content_change": change, "error": error, "error_share": error / largest}
+
+    @property
+    def books(self) -> FloatArray:
+        """(5,) what a continued run needs to keep counting."""
+        flows = self._flows or (0.0, 0.0)
+        return np.array([self.pumped, self.returned, self.start_content, *flows])
+
+    def resume(self, books: FloatArray) -> None:
+        self.pumped, self.returned, self.start_content = map(float, books[:3])
+        self._flows = float(books[3]), float(books[4])
+
+    # ------------------------------------------------------------------ along the string
+    def nodal(self) -> dict[str, FloatArray]:
+        """Pressures [Pa] at the local vertices."""
+        names = {"pipe": "internal_pressure [Pa]", "annulus": "annulus_pressure [Pa]"}
+        return {title: self.model.field(f"{room}.pressure")[:, 0] for room, title in names.items()
+                if getattr(self.fluid, room) is not None}
+
+    def cellwise(self) -> dict[str, FloatArray]:
+        """Flow rates [m3/s] and speeds [m/s] in the local elements, towards the bit positive."""
+        out = {}
+        for room, title in (("pipe", "internal"), ("annulus", "annulus")):
+            channel = getattr(self.fluid, room)
+            if channel is not None:
+                lower = self.model.line.ends[:, 1]
+                out[f"{title}_flow [m3/s]"] = self.model.field(f"{room}.flow")[lower, 0]
+                out[f"{title}_speed [m/s]"] = channel.figures(self.model.assembly)[:, 7]
+        return out

@@ -1,0 +1,137 @@
+"""From a case's fluid to its rooms: bore, annulus and bit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drillpetsc.annulus_inertia import chi_confined, lateral_damping
+from drillpetsc.case.ends import DrivenTop
+from drillpetsc.case.ends import TopDrive as TopDriveCase
+from drillpetsc.case.fluid import flow_constants
+from drillpetsc.case.items import Rigid
+from drillpetsc.case.scene import Case
+from drillpetsc.channels import Annulus, build_annulus, build_bore, metal_below, poisson
+from drillpetsc.field import FloatArray
+from drillpetsc.rheology import Rheology
+from drillpetsc.rooms.annulus_flow import AnnulusFlow, Sideways
+from drillpetsc.rooms.bit_flow import BitEnd, BitFlow
+from drillpetsc.rooms.flow import FluidConstants
+from drillpetsc.rooms.pipe_flow import PipeFlow
+from drillpetsc.time_function import Constant
+from drillpetsc.tubulars import StringMesh
+from drillpetsc.well import Well
+
+
+@dataclass(frozen=True)
+class FluidRooms:
+    """Rooms of the drilling fluid; None where the scene has no such channel."""
+
+    constants: FluidConstants
+    pipe: PipeFlow | None
+    annulus: AnnulusFlow | None
+    bit: BitFlow | None
+
+    @property
+    def rooms(self) -> tuple:
+        return tuple(r for r in (self.pipe, self.annulus, self.bit) if r is not None)
+
+
+def build_rheology(case: Case) -> Rheology:
+    """Rheology of the case's fluid."""
+    assert case.fluid is not None
+    q = case.fluid.rheology
+    consistency, index, yield_stress = flow_constants(q)
+    return Rheology(q.model, law=q.law, consistency=consistency, index=index, yield_stress=yield_stress, shear_rate_eps=q.shear_rate)  # type: ignore[attr-defined]
+
+
+def build_fluid(case: Case, mesh: StringMesh, well: Well | None, position: FloatArray, tangent: FloatArray) -> FluidRooms | None:
+    """Rooms of the case's fluid, None without one; position, tangent (n+1, 3) of the nodes along the hole."""
+    f = case.fluid
+    if f is None:
+        return None
+    gravity = np.array(case.gravity, dtype=float)
+    constants = FluidConstants(f.density, f.bulk_modulus, gravity, build_rheology(case).parameters(), f.clinging)
+    narrowing, held = poisson(case, mesh), position if case.hold_string else None
+    pipe = annulus = None
+    sizes, chi = None, np.zeros(len(mesh.upper))
+    if case.has_bore:
+        flow = None if f.pump_pressure is not None else f.flow_rate
+        pipe = PipeFlow(mesh, build_bore(case, mesh), constants, narrowing, flow, f.pump_pressure, held)
+    if case.has_annulus:
+        assert well is not None
+        sizes = build_annulus(case, mesh, well)
+        chi = _added_mass(case, sizes)
+        annulus = AnnulusFlow(mesh, sizes, well, constants, narrowing, _sideways(case, sizes, chi), f.outlet_pressure, f.flow_line,
+                              _lowered(case, well), held)
+    bit = None
+    if pipe is not None and not case.bottom.plugged or annulus is not None:
+        bit = BitFlow(mesh.nodes - 1, _bit_end(case, mesh, well, sizes, chi, position, tangent), constants, held)
+    return FluidRooms(constants, pipe, annulus, bit)
+
+
+def _added_mass(case: Case, sizes: Annulus) -> FloatArray:
+    kind = case.fluid.added_mass  # type: ignore[union-attr]
+    if kind == "confined":
+        return np.asarray(chi_confined(sizes.outer_diameter, sizes.hole_diameter))
+    if kind == "paper_plug":
+        return sizes.outer / (sizes.hole - sizes.outer)
+    return np.full(len(sizes.outer), float(kind))
+
+
+def shear_viscosity(case: Case, shear_rate: FloatArray) -> FloatArray:
+    """Apparent viscosity [Pa s] of the fluid at a shear rate [1/s]."""
+    consistency, index, yield_stress = flow_constants(case.fluid.rheology)  # type: ignore[union-attr]
+    if case.fluid.rheology.model == "casson":  # type: ignore[union-attr]
+        return (np.sqrt(yield_stress) + np.sqrt(consistency * shear_rate)) ** 2 / shear_rate
+    return yield_stress / shear_rate + consistency * shear_rate ** (index - 1)
+
+
+def _sideways(case: Case, sizes: Annulus, chi: FloatArray) -> Sideways:
+    """Added mass, damping, and drag of turning; the viscosity is that at the wall of a pipe turning at the reference speed, where the
+    shear rate is 2 omega/(1 - (Do/Dw)^2) (Couette)."""
+    f = case.fluid
+    assert f is not None
+    inner, outer, speed = sizes.outer_diameter, sizes.hole_diameter, f.lateral_damping_speed
+    viscosity = shear_viscosity(case, 2 * speed / (1 - (inner / outer) ** 2))
+    if f.lateral_damping == "stokes":
+        sizes_used, where = np.unique(np.column_stack([inner, outer, viscosity]), axis=0, return_inverse=True)
+        each = np.array([lateral_damping(d, w, f.density, mu, speed) if mu > 0 else 0.0 for d, w, mu in sizes_used])
+        damping = each[np.ravel(where)]
+    else:
+        damping = np.full(len(inner), float(f.lateral_damping))
+    turning = np.zeros(len(inner))
+    if f.rotation_drag:  # 4 pi mu Ro^2 Rw^2/(Rw^2 - Ro^2) per length and spin (Couette)
+        turning = np.pi * viscosity * inner**2 * outer**2 / (outer**2 - inner**2)
+    return Sideways(chi, damping, turning)
+
+
+def _lowered(case: Case, well: Well):
+    """How far the top has let the string down at a time; None where directions of the hole stay the same all the same."""
+    lowering = getattr(case.top, "lowering", None) if isinstance(case.top, (TopDriveCase, DrivenTop)) else None
+    still = lowering is None or (isinstance(lowering, Constant) and lowering.constant == 0.0)
+    straight = np.allclose(well.node_tangent, well.node_tangent[0], atol=1e-12)
+    return None if lowering is None or still or straight or case.hold_string else lowering.integral
+
+
+def _bit_end(case: Case, mesh: StringMesh, well: Well | None, sizes: Annulus | None, chi: FloatArray, position: FloatArray,
+             tangent: FloatArray) -> BitEnd:
+    f, last = case.fluid, case.string[-1]
+    assert f is not None
+    open_end = case.has_bore and not case.bottom.plugged
+    nozzle = (getattr(last, "nozzle_area", None) or 0.0) if isinstance(last, Rigid) else 0.0
+    end, axis = position[-1], tangent[-1]
+    if sizes is not None and well is not None:
+        points, directions, _ = well.at(np.array([case.well.survey.md[-1]]))  # type: ignore[union-attr]
+        end, axis = np.asarray(points)[0], np.asarray(directions)[0]
+    rock = getattr(case.well.sections[-1], "compliance", None) if case.well is not None and f.elastic_walls else None
+    hole = (0.0, 0.0, 0.0)
+    if sizes is not None:
+        hole = float(sizes.hole[-1]), float(sizes.hole[-1] - sizes.outer[-1]), float(sizes.outer[-1])
+    return BitEnd(
+        bore=float(np.pi / 4 * mesh.inner_diameter[-1] ** 2) if open_end else 0.0, nozzle=nozzle,
+        discharge_coefficient=f.discharge_coefficient, check_valve=f.check_valve, ambient=f.outlet_pressure.value(0.0),
+        hole=hole[0], open=hole[1], outer=hole[2], elasticity=2 * (1 + rock.poisson) / rock.young if rock else 0.0,
+        volume=f.bit_volume, face=mesh.total_length - float(mesh.node_depth[-1]), added=float(chi[-1]), metal=metal_below(case, mesh),
+        end=end, axis=axis)

@@ -1,0 +1,65 @@
+#include "annulus_flow.hpp"
+#include "bit_flow.hpp"
+#include "pipe_flow.hpp"
+
+using namespace dp;
+typedef PipeFlow<false, false> PipePlain;
+typedef PipeFlow<true, false> PipeSplit;
+typedef PipeFlow<false, true> PipeHeld;
+typedef AnnulusFlow<false, false> AnnulusPlain;
+typedef AnnulusFlow<true, false> AnnulusSplit;
+typedef AnnulusFlow<false, true> AnnulusHeld;
+typedef BitFlow<true, true, false> BitNozzle;
+typedef BitFlow<true, false, false> BitJet;
+typedef BitFlow<false, true, false> BitClosed;
+typedef BitFlow<true, true, true> BitNozzleHeld;
+typedef BitFlow<true, false, true> BitJetHeld;
+typedef BitFlow<false, true, true> BitClosedHeld;
+DP_ENTRY(pipe_flow, PipePlain)
+DP_ENTRY(pipe_flow_split, PipeSplit)
+DP_ENTRY(pipe_flow_held, PipeHeld)
+DP_ENTRY(annulus_flow, AnnulusPlain)
+DP_ENTRY(annulus_flow_split, AnnulusSplit)
+DP_ENTRY(annulus_flow_held, AnnulusHeld)
+DP_ENTRY(bit_flow, BitNozzle)
+DP_ENTRY(bit_flow_jet, BitJet)
+DP_ENTRY(bit_flow_closed, BitClosed)
+DP_ENTRY(bit_flow_held, BitNozzleHeld)
+DP_ENTRY(bit_flow_jet_held, BitJetHeld)
+DP_ENTRY(bit_flow_closed_held, BitClosedHeld)
+DP_ENTRY(pump, Pump)
+
+namespace {
+constexpr int FIGURES = sizeof(FlowReport) / sizeof(double);
+
+template <class Kernel, int N, class Result>
+void report(int n, const int* idx, const double* par, const void* fluid, const double* x, const double* y, Result* out) {
+    constexpr int D = Kernel::D;
+    for (int e = 0; e < n; ++e) {
+        double X[D], Y[D], A[D], R[D];
+        for (int i = 0; i < D; ++i) { X[i] = x[idx[e * D + i]]; Y[i] = y[idx[e * D + i]]; A[i] = 0.0; }
+        Kernel::template evaluate<double, double>(X, Y, A, par + e * Kernel::NP, *static_cast<const Fluid*>(fluid), R, out + e * N);
+    }
+}
+}  // namespace
+
+#define DP_REPORT(name, Kernel)                                                                                                              \
+    extern "C" void name##_report(int n, const int* idx, const double* par, const void* fluid, const double* x, const double* y, double* out) { \
+        report<Kernel, 1>(n, idx, par, fluid, x, y, reinterpret_cast<FlowReport*>(out));                                                     \
+    }
+#define DP_BIT_REPORT(name, Kernel)                                                                                                          \
+    extern "C" void name##_report(int n, const int* idx, const double* par, const void* fluid, const double* x, const double* y, double* out) { \
+        report<Kernel, 5>(n, idx, par, fluid, x, y, out);                                                                                    \
+    }
+DP_REPORT(pipe_flow, PipePlain)
+DP_REPORT(pipe_flow_split, PipeSplit)
+DP_REPORT(pipe_flow_held, PipeHeld)
+DP_REPORT(annulus_flow, AnnulusPlain)
+DP_REPORT(annulus_flow_split, AnnulusSplit)
+DP_REPORT(annulus_flow_held, AnnulusHeld)
+DP_BIT_REPORT(bit_flow, BitNozzle)
+DP_BIT_REPORT(bit_flow_jet, BitJet)
+DP_BIT_REPORT(bit_flow_closed, BitClosed)
+DP_BIT_REPORT(bit_flow_held, BitNozzleHeld)
+DP_BIT_REPORT(bit_flow_jet_held, BitJetHeld)
+DP_BIT_REPORT(bit_flow_closed_held, BitClosedHeld)
