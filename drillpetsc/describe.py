@@ -19,7 +19,11 @@ TERMS = (
     ("bit", "bit on the bottom"),
     ("loads", "loads"),
     ("drive", "rotary drive with spring and damper"),
+    ("pipe", "drilling fluid in the string"),
+    ("annulus", "drilling fluid in the annulus"),
 )
+
+WHERE = {"junction": "section changes and rigid items", "bottom": "the lower end"}
 
 
 def describe(case: Case) -> str:
@@ -38,22 +42,22 @@ def _lines(scene: Scene) -> list[str]:
                      f"{np.degrees(max(q.survey.inclination)):.3g} deg, {len(q.sections)} sections")
     lines.append(f"  top: {case.top.kind}; bottom: {case.bottom.kind}; start: {case.initial.from_}")
     names = {room.name for room in scene.rooms}
-    has = ["axial, bending, torsion, inertia, gravity"]
-    if mesh.stiffness_damping.any() or mesh.mass_damping.any():
-        has.append("material damping")
-    has += [words for name, words in TERMS if name in names]
-    lacks = [words for name, words in TERMS if name not in names] + ["drilling fluid", "bit cutting rock"]
-    if not (mesh.stiffness_damping.any() or mesh.mass_damping.any()):
-        lacks.insert(0, "material damping")
+    damped = bool(mesh.stiffness_damping.any() or mesh.mass_damping.any())
+    parts = [(scene.beam is not None, "axial, bending, torsion, inertia, gravity"), (damped and scene.beam is not None, "material damping")]
+    parts += [(name in names, words) for name, words in TERMS] + [(False, "bit cutting rock")]
+    has, lacks = ([words for there, words in parts if there == wanted] for wanted in (True, False))
+    if case.fluid is not None:
+        mud = case.fluid
+        lines.append(f"  fluid: {mud.density:g} kg/m3, {mud.rheology.model}, law {mud.rheology.law}, bulk modulus {mud.bulk_modulus:g} Pa")
     lines.append("  contains: " + "; ".join(has))
     lines.append("  leaves out (no unknowns, no cost): " + "; ".join(lacks))
     counts = field_counts(model)
-    per_node = sum(f.size for f, n in counts if n == mesh.nodes)
-    unknowns = sum(f.size * n for f, n in counts)
-    lines.append(f"  unknowns: {per_node} per node and as many rates; {unknowns} solved for in a step, {2 * unknowns} in the state")
+    per_node = sum(f.size for f, n in counts if n >= mesh.nodes - 1)
+    unknowns, rates = sum(f.size * n for f, n in counts), sum(f.size * n for f, n in counts if f.second_order)
+    lines.append(f"  unknowns: {per_node} per node; {unknowns} solved for in a step, {unknowns + rates} in the state")
     for f, n in counts:
-        if n != mesh.nodes:
-            lines.append(f"    {f.name}: {f.size} at {n} nodes (section changes and rigid items)")
+        if f.region in WHERE:
+            lines.append(f"    {f.name}: {f.size} at {n} nodes ({WHERE[f.region]})")
     e = len(mesh.upper)
     step = (3 * COST["residual"] + COST["jacobian"] + COST["factor"] + 2 * COST["solve"] + COST["step"]) * e * 1e-3
     lines.append(f"  expected cost: about {step:.2g} ms per step on one core"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from typing import Any
 
 import numpy as np
@@ -41,6 +43,15 @@ class FlowRecord:
         """Values of ``columns`` from a sample."""
         has_pipe = self.fluid.pipe is not None
         return [*([sample[0]] if has_pipe else []), sample[1], sample[2], *([sample[3], sample[4]] if has_pipe else [])]
+
+    @contextmanager
+    def taken(self) -> Iterator[None]:
+        """Within this, figures of the channels are worked out once for all who ask; the state must not change."""
+        with ExitStack() as stack:
+            for room in (self.fluid.pipe, self.fluid.annulus):
+                if room is not None:
+                    stack.enter_context(room.taken(self.model.assembly))
+            yield
 
     def sample(self, t: float) -> FloatArray:
         """(6,) this rank's share."""

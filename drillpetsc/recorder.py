@@ -97,9 +97,12 @@ class Recorder:
         for k, p in enumerate(self.probes):
             if p.cell in self._cell:
                 v[11 + 5 * k : 16 + 5 * k] = self._probe(p)
-        v[8:10] = self.model.own_powers(t)
-        if self.flow is not None:
-            v[-FlowRecord.SIZE :] = self.flow.sample(t)
+        if self.flow is None:
+            v[8:10] = self.model.own_powers(t)
+        else:
+            with self.flow.taken():
+                v[8:10] = self.model.own_powers(t)
+                v[-FlowRecord.SIZE :] = self.flow.sample(t)
         if model.comm.size > 1:
             v = self.comm.allreduce(v)
         force = getattr(scene.case.top, "force", None)

@@ -1,6 +1,6 @@
 // The fluid at the lower end of the string: nozzles (one link with inertance), the mud under the bit, the jet's reaction.
 //
-//   nozzle   L_b q_b' + p_ub - p_i + rho0 q_b |q_b| / (2 C_d^2 A_n^2) = 0                       [Pa]
+//   nozzle   L_b q_b' + p_ub - p_i + rho0^2/rho q_b |q_b| / (2 C_d^2 A_n^2) = 0                       [Pa]
 //   chamber  (V_ub/E) p_ub' + dV_ub/dt - q_b added to the mass row of the annulus' lowest node   [m3/s]
 //   string   G v_jet, v_jet = V + w_j t; bore's exit, chamber and face of the bit as one control volume
 // PIPE: there is a bore that ends in a link; ANNULUS: it ends in the mud of the hole, else in a pressure AMBIENT.
@@ -41,15 +41,16 @@ struct BitFlow {
         if constexpr (PIPE) {
             const T q = x[QB], size = sqrt(q * q + FLOW_ROUNDING * FLOW_ROUNDING);
             const T closed = 1.0 + (VALVE_CLOSED * 0.5 * p[CHECK]) * (1.0 - q / size);
-            const T loss = q * size * closed * (p[LOSS] * f.density);
+            const T thin = exp(under * (-f.compressibility));  // rho0/rho where the flow leaves
+            const T loss = q * size * closed * thin * (p[LOSS] * f.density);
             r[QB] = (y[QB] * p[INERTANCE] + under - x[PI] + loss) * MOMENTUM_ROW;
             r[PI] = q * MASS_ROW;
             if constexpr (!HELD) {
                 const Tangent<T> t(vec(x + 3), vec(y + 3), vec(y + 3));
-                F += (vec(y) + t.t * (q / p[NOZZLE])) * (q * f.density);
+                F += (vec(y) + t.t * (q * thin / p[NOZZLE])) * (q * f.density);
             }
             // what leaves the system with the flow: loss, and the speed of the jet where it ends in the open
-            if (report) { report[0] = val(loss) * val(q); report[1] = val(q); report[2] = 0.5 * p[INERTANCE] * val(q) * val(q); }
+            if (report) { report[0] = val(loss * q) * std::exp(-0.5 * f.compressibility * val(x[PI] + under)); report[1] = val(q); report[2] = 0.5 * p[INERTANCE] * val(q) * val(q); }
         }
         if constexpr (ANNULUS) {
             const Compressed<T> c(f, x[PA], p[ELASTIC] - f.compressibility);

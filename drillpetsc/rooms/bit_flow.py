@@ -82,7 +82,7 @@ class BitFlow(Passive):
         return (self._block,)
 
     def figures(self, state) -> FloatArray:
-        """(5,) lost power / rho-ratio [W], flow [m3/s], kinetic and stored energy [J], content of the chamber [m3]; this rank's share."""
+        """(5,) lost power [W], flow [m3/s], kinetic and stored energy [J], content of the chamber [m3]; this rank's share."""
         out = np.zeros((1, 5))
         if len(self._block.points):
             self._report(1, pointer(state.index_of(self._block)), pointer(self._block.params), self._block.context, pointer(state.x),

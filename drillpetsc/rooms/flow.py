@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,6 +58,7 @@ class Channel(Passive):
     def __init__(self, mesh, fluid: FluidConstants, held: bool = False):
         self.mesh, self.fluid, self.held = mesh, fluid, held
         self._blocks: list[Block] = []
+        self._taken: FloatArray | None = None
 
     def fields(self) -> tuple[Field, ...]:
         return (Field(f"{self.name}.pressure", 1, scale=PRESSURE_SCALE, second_order=False),
@@ -93,8 +96,19 @@ class Channel(Passive):
         """Function of time that renews the block's parameters, or None."""
         return None
 
+    @contextmanager
+    def taken(self, state) -> Iterator[None]:
+        """Within this, ``figures`` are those of the state as it is now, worked out once."""
+        self._taken = self.figures(state)
+        try:
+            yield
+        finally:
+            self._taken = None
+
     def figures(self, state) -> FloatArray:
         """(nc, 9) per local element: the columns of ``FIGURES`` (content: volume at zero pressure [m3])."""
+        if self._taken is not None:
+            return self._taken
         out = np.zeros((len(self._part.cells), len(FIGURES)))
         for b, report in zip(self._blocks, self._reports, strict=True):
             if len(b.points):

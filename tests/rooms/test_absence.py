@@ -9,6 +9,7 @@ from drillpetsc.case import Case
 from drillpetsc.recorder import Recorder
 from drillpetsc.scene import build_scene
 from drillpetsc.start import place_along_hole
+from drillpetsc.summary import field_counts
 
 PIPE = {"kind": "pipe", "length": 30, "od": 0.127, "id": 0.1086}
 COLLAR = {"kind": "pipe", "length": 20, "od": 0.1778, "id": 0.0714}
@@ -40,25 +41,49 @@ SCENES = {
                       {"beam", "bodies", "contact", "contact_bodies", "bit_bottom"}, BASE | HELD | BOTTOM,
                       {"contact_force [N/m]", "hole_radius [m]"}),
 }
+MUD = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}}
+HOLE = {"contact_force [N/m]", "hole_radius [m]"}
+INSIDE, AROUND = ({f"{side}_{what}" for what in ("pressure [Pa]", "flow [m3/s]", "speed [m/s]")} for side in ("internal", "annulus"))
+PUMPED = {"pump_pressure", "bit_pressure", "outlet_flow", "pump_flow", "bit_flow"}
+# with mud: unknowns per node 7 of the string, 2 of each channel; a flow rate less than nodes, one more for the link at the bit
+WET = {
+    "pipe with flow": ({"string": [PIPE], "top": DRIVE, "fluid": MUD}, 9, 0, {"beam", "pipe_flow", "pump", "bit_flow"},
+                       BASE | HELD | PUMPED, INSIDE),
+    "coupled": ({"string": [PIPE, BIT], "top": DRIVE, "well": WELL, "bottom": "bit", "fluid": MUD}, 11, -1,
+                {"beam", "bodies", "contact", "contact_bodies", "bit_bottom", "pipe_flow", "pump", "annulus_flow", "bit_flow"},
+                BASE | HELD | BOTTOM | PUMPED, HOLE | INSIDE | AROUND),
+    "coupled, section change": ({"string": [PIPE, COLLAR], "top": DRIVE, "well": WELL, "fluid": MUD}, 11, 0,
+                                {"beam", "beam_junction", "contact", "contact_junction", "pipe_flow", "pipe_flow_junction", "pump",
+                                 "annulus_flow", "annulus_flow_junction", "bit_flow"}, BASE | HELD | PUMPED, HOLE | INSIDE | AROUND),
+    "mud in the bore only": ({"string": [PIPE], "top": DRIVE, "well": WELL, "fluid": {**MUD, "annulus": False}}, 9, 0,
+                             {"beam", "contact", "pipe_flow", "pump", "bit_flow"}, BASE | HELD | PUMPED, HOLE | INSIDE),
+    "plugged and empty": ({"string": [PIPE], "top": DRIVE, "well": WELL, "bottom": {"kind": "free", "plugged": True}, "fluid": MUD}, 9, -1,
+                          {"beam", "contact", "annulus_flow", "bit_flow"}, BASE | HELD | {"bit_pressure", "outlet_flow"}, HOLE | AROUND),
+    "held": ({"string": [PIPE], "hold_string": True, "well": WELL, "fluid": MUD}, 4, -1, {"pipe_flow", "pump", "annulus_flow", "bit_flow"},
+             (BASE - {"bit_speed", "bit_depth"}) | PUMPED, {"hole_radius [m]"} | INSIDE | AROUND),
+    "held, bore only": ({"string": [PIPE], "hold_string": True, "fluid": MUD}, 2, 0, {"pipe_flow", "pump", "bit_flow"},
+                        (BASE - {"bit_speed", "bit_depth"}) | PUMPED, INSIDE),
+}
 USUAL = {"md [m]", "displacement [m]", "velocity [m/s]", "spin [rad/s]", "spin_angle [rad]", "offset_x [m]", "offset_y [m]",
          "axial_force [N]",
          "torque [N m]", "bending_moment [N m]", "outer_radius [m]", "stress [Pa]"}
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", [*SCENES, *WET])
 def test_scene_has_what_it_needs_and_nothing_else(name):
-    keys, per_node, extra, events, columns, arrays = SCENES[name]
+    keys, per_node, extra, events, columns, arrays = (SCENES | WET)[name]
     scene = build_scene(Case(**keys))
     model, nodes = scene.model, scene.mesh.nodes
     assert model.layout.size == per_node * nodes + extra
-    assert model.new_state().getSize() == 2 * model.layout.size
+    string = 0 if "hold_string" in keys else 7 * nodes + sum(n for f, n in field_counts(model) if f.region == "junction")
+    assert model.new_state().getSize() == model.layout.size + string  # of the string, rates too
     assert {b.block.name for b in model.assembly.ready} == events
     assert len(model.assembly.values) == sum(b.count * b.width**2 for b in model.assembly.ready) + 49 * len(model.assembly.fixed)
     recorder = Recorder(scene)
     assert {c for c, _ in recorder.columns} == columns
     place_along_hole(scene)
     points, data = recorder.fields(0.0)
-    assert set(data) == USUAL | arrays
+    assert set(data) == ({"md [m]", "outer_radius [m]"} if "hold_string" in keys else USUAL) | arrays
     assert all(np.isfinite(v).all() for v in data.values()) and len(points) == nodes
 
 
