@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.annulus_inertia import chi_confined, lateral_damping
+from drillpetsc.annulus_inertia import chi_confined, chi_eccentric, lateral_damping
 from drillpetsc.case.ends import DrivenTop
 from drillpetsc.case.ends import TopDrive as TopDriveCase
 from drillpetsc.case.fluid import flow_constants
@@ -22,6 +22,8 @@ from drillpetsc.rooms.pipe_flow import PipeFlow
 from drillpetsc.time_function import Constant
 from drillpetsc.tubulars import StringMesh
 from drillpetsc.well import Well
+
+NEAREST_WALL = 0.98  # eccentricity above which the added mass stays as it is
 
 
 @dataclass(frozen=True)
@@ -73,11 +75,28 @@ def build_fluid(case: Case, mesh: StringMesh, well: Well | None, position: Float
 
 def _added_mass(case: Case, sizes: Annulus) -> FloatArray:
     kind = case.fluid.added_mass  # type: ignore[union-attr]
-    if kind == "confined":
+    if kind in ("confined", "eccentric"):
         return np.asarray(chi_confined(sizes.outer_diameter, sizes.hole_diameter))
     if kind == "paper_plug":
         return sizes.outer / (sizes.hole - sizes.outer)
     return np.full(len(sizes.outer), float(kind))
+
+
+def _added_mass_by_place(sizes: Annulus):
+    """Added mass of elements at eccentricities, from a table for every pair of diameters; it has no limit at the wall, the table ends at
+    ``NEAREST_WALL``."""
+    sizes_used, which = np.unique(np.column_stack([sizes.outer_diameter, sizes.hole_diameter]), axis=0, return_inverse=True)
+    which, places = np.ravel(which), NEAREST_WALL * np.sin(np.linspace(0, np.pi / 2, 60))  # closer towards the wall
+    tables = np.array([[chi_eccentric(inner, outer, e) for e in places] for inner, outer in sizes_used])
+
+    def chi(eccentricity: FloatArray, elements: np.ndarray) -> FloatArray:
+        out = np.empty(len(elements))
+        for k in np.unique(which[elements]):
+            mine = which[elements] == k
+            out[mine] = np.interp(eccentricity[mine], places, tables[k])
+        return out
+
+    return chi
 
 
 def shear_viscosity(case: Case, shear_rate: FloatArray) -> FloatArray:
@@ -104,7 +123,7 @@ def _sideways(case: Case, sizes: Annulus, chi: FloatArray) -> Sideways:
     turning = np.zeros(len(inner))
     if f.rotation_drag:  # 4 pi mu Ro^2 Rw^2/(Rw^2 - Ro^2) per length and spin (Couette)
         turning = np.pi * viscosity * inner**2 * outer**2 / (outer**2 - inner**2)
-    return Sideways(chi, damping, turning)
+    return Sideways(chi, damping, turning, _added_mass_by_place(sizes) if f.added_mass == "eccentric" else None)
 
 
 def _lowered(case: Case, well: Well):

@@ -140,7 +140,6 @@ class Fluid(Model):
     later_keys: ClassVar[tuple[str, ...]] = ("choke",)
     later_values: ClassVar[dict[str, tuple[str, ...]]] = {
         "formulation": ("hermite",),
-        "added_mass": ("eccentric",),
         "cuttings": ("returned",),
         "dynamics": ("quasi_steady",),
     }
@@ -185,10 +184,11 @@ class Fluid(Model):
     elastic_walls: bool = Field(
         default=True, strict=True, description="pipe and hole widen under pressure; false: rigid walls"
     )
-    added_mass: Literal["confined", "paper_plug"] | float = Field(
+    added_mass: Literal["confined", "eccentric", "paper_plug"] | float = Field(
         default="confined",
         description="mass of annulus fluid that moves sideways with the string, over the mass it displaces: "
-        "confined: (Dw^2 + Do^2)/(Dw^2 - Do^2); paper_plug: Do^2/(Dw^2 - Do^2); a number; none: 0",
+        "confined: (Dw^2 + Do^2)/(Dw^2 - Do^2); eccentric: larger the nearer the wall, by the place at the last step; "
+        "paper_plug: Do^2/(Dw^2 - Do^2); a number; none: 0",
     )
     lateral_damping: Literal["stokes"] | float = Field(
         default="stokes",
@@ -209,10 +209,10 @@ class Fluid(Model):
         default="removed", description="removed: fluid takes the place of the rock that is cut"
     )
 
-    @field_validator("added_mass", mode="plain", json_schema_input_type=Literal["confined", "paper_plug", "none"] | float)
+    @field_validator("added_mass", mode="plain", json_schema_input_type=Literal["confined", "eccentric", "paper_plug", "none"] | float)
     @classmethod
     def _added_mass(cls, value: Any) -> Any:
-        return _word_or_number(value, ("confined", "paper_plug"), ADDED_MASS)
+        return _word_or_number(value, ("confined", "eccentric", "paper_plug"), ADDED_MASS)
 
     @field_validator("lateral_damping", mode="plain", json_schema_input_type=float | str)
     @classmethod

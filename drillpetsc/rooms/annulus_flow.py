@@ -14,17 +14,18 @@ from drillpetsc.time_function import TimeFunction
 from drillpetsc.tubulars import StringMesh
 from drillpetsc.well import Well
 
-_CONTROLLED, _TANGENTS = 16, slice(18, 27)  # columns of the kernel: given pressure; hole's tangents and curvature
+_CHI, _CONTROLLED, _TANGENTS = 10, 16, slice(18, 27)  # columns of the kernel: added mass; given pressure; hole's tangents and curvature
 
 
 @dataclass(frozen=True)
 class Sideways:
     """What mud does to a string that moves across the hole: added mass over displaced mass (n,), damping (n,) [N s/m2], and torque
-    per length and spin (n,) [N s]."""
+    per length and spin (n,) [N s].  by_eccentricity gives the added mass (k,) of the elements (k,) at eccentricities (k,) from 0 to 1."""
 
     added: FloatArray
     damping: FloatArray
     turning: FloatArray
+    by_eccentricity: Callable[[FloatArray, np.ndarray], FloatArray] | None = None
 
 
 class AnnulusFlow(Channel):
@@ -83,6 +84,20 @@ class AnnulusFlow(Channel):
                 block.params[:, _TANGENTS] = self._directions(part.cells[block.points], lowered(t))
 
         return update
+
+    def accept(self, state) -> None:
+        """Renew the added mass for the string's place at an accepted state (where it depends on the place)."""
+        chi, place = self.sideways.by_eccentricity, state.layout.place
+        if chi is None:
+            return
+        line, m, a = self._part, self.mesh, self.annulus
+        r, v = (state.x[place[f"string.{name}"]] for name in ("position", "tangent"))
+        upper, lower, e = line.ends[:, 0], line.ends[:, 1], line.cells
+        middle = 0.5 * (r[upper] + r[lower]) + 0.125 * m.length[e][:, None] * (v[upper] - v[lower])
+        room = 0.5 * (a.hole_diameter[e] - a.outer_diameter[e])
+        value = chi(np.linalg.norm(self.well.project(middle).offset, axis=1) / room, e)
+        for b in self._blocks:
+            b.params[:, _CHI] = value[b.points]
 
     def breaks(self) -> tuple[float, ...]:
         return self.outlet.breaks()

@@ -165,6 +165,7 @@ class Dynamics:
         self.counters.steps += 1
         if self._fixed and ts.getTimeStep() < self.first_step:  # a step that was cut does not stay short
             ts.setTimeStep(min(self.first_step, 2 * ts.getTimeStep()))
+        self._accept()
         for call in self.after_step:
             call(self._last, dt)
         # a tangent that has turned far from its gauge gets a new one, and the history starts afresh; 60 degrees are left when it is due
@@ -173,6 +174,12 @@ class Dynamics:
             self._forget()
             ts.restartStep()
 
+    def _accept(self) -> None:
+        """Tell rooms that carry something from step to step that the state in the assembly stands."""
+        for room in self.model.rooms:
+            if hasattr(room, "accept"):
+                room.accept(self.model.assembly)
+
     def run(self, start: float, end: float, breaks: tuple[float, ...] = ()) -> None:
         """From ``start`` to ``end`` [s], landing on every break and starting the formula afresh there.
 
@@ -180,6 +187,7 @@ class Dynamics:
         """
         model, ts = self.model, self.ts
         model.assembly.forget_inputs()
+        self._accept()
         model.store_state(self.state)
         stops = sorted({b for b in breaks if start < b < end} | {end})
         ts.setTime(start)

@@ -121,3 +121,23 @@ def test_energy_balance_of_an_almost_incompressible_fluid(kind):
     size, lost = sum(np.abs(q).sum() for q in parts), room.figures(asm)[:, 3].sum()
     print(kind, sum(q.sum() for q in parts), rate + lost + ends, rate, lost, ends, size)
     assert sum(q.sum() for q in parts) == pytest.approx(rate + lost + ends, abs=0.01 * size)
+
+
+def test_added_mass_follows_the_place_in_the_hole():
+    """added_mass: eccentric takes potential flow between eccentric circles at the place of each element's middle."""
+    from drillpetsc.annulus_inertia import chi_eccentric
+    from drillpetsc.case import Case
+    from drillpetsc.scene import build_scene
+    from drillpetsc.start import place_along_hole
+
+    well = {"survey": {"md": [0, 60], "inclination": [0, 0], "azimuth": [0, 0]},
+            "sections": [{"to": 60, "kind": "casing", "diameter": 0.2159, "friction": 0.2}]}
+    scene = build_scene(Case(string=[{"kind": "pipe", "length": 40, "od": 0.127, "id": 0.1086}], top="clamped", well=well,
+                             fluid={"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}, "added_mass": "eccentric"}))
+    place_along_hole(scene)
+    room, block = scene.fluid.annulus, scene.fluid.annulus._blocks[0]
+    aside = np.array([0.0, 0.25, 0.5, 0.75, 0.9]) * 0.5 * (0.2159 - 0.127)
+    scene.model.set_field("string.position", scene.position + aside[:, None] * [0.6, 0.8, 0.0])
+    room.accept(scene.model.assembly)
+    middle = 0.5 * (aside[1:] + aside[:-1]) / (0.5 * (0.2159 - 0.127))
+    assert block.params[:, 10] == pytest.approx([chi_eccentric(0.127, 0.2159, e) for e in middle], rel=1e-3)

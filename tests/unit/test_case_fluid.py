@@ -181,7 +181,6 @@ def test_all_mistakes_are_named_also_beside_a_missing_top() -> None:
         ({"rheology": {"model": "power_law", "consistency": 1, "index": 0}}, "rheology.index"),
         ({"rheology": {"model": "power_law", "consistency": 0, "index": 1}}, "rheology.consistency"),
         ({"rheology": {"model": "bingham", "plastic_viscosity": 1}}, "rheology.yield_stress"),
-        ({"added_mass": "eccentric"}, "added_mass"),
         ({"added_mass": "2 kg"}, "added_mass"),
         ({"added_mass": True}, "added_mass"),
         ({"lateral_damping": "-1 N s/m^2"}, "lateral_damping"),
