@@ -70,6 +70,7 @@ class FlowRecord:
         if f.annulus is not None:
             out = f.annulus.outflow(asm)
             v[2] = 0.0 if out is None else out
+            v[5] += f.annulus.content_above(asm)
         else:
             v[2] = v[4]
         if self._last >= 0:

@@ -24,6 +24,16 @@ def get_section(dm: PETSc.DM) -> PETSc.Section:
     return (dm.getLocalSection if hasattr(dm, "getLocalSection") else dm.getSection)()
 
 
+def square_matrix(vector: PETSc.Vec) -> PETSc.Mat:
+    """An empty matrix for vectors like this one; what DM.createMat makes besides, the pattern of cell closures, is not needed (its
+    places come by ``preallocate_coo``) and fails in 3.18 for a section with fields on part of the vertices."""
+    matrix = PETSc.Mat().create(comm=vector.comm)
+    matrix.setSizes((vector.getSizes(), vector.getSizes()))
+    matrix.setType(PETSc.Mat.Type.AIJ)
+    matrix.setFromOptions()
+    return matrix
+
+
 def preallocate_coo(matrix: PETSc.Mat, rows: np.ndarray, columns: np.ndarray) -> None:
     """Tell ``matrix`` where its values will go; rows, columns: global numbers, negative ones are left out."""
     rows, columns = np.array(rows, dtype=PETSc.IntType), np.array(columns, dtype=PETSc.IntType)  # PETSc overwrites them

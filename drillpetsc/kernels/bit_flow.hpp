@@ -69,7 +69,14 @@ struct BitFlow {
             const T volume = p[VOLUME] + p[HOLE] * GAP_ROUNDING * softplus(gap * (1.0 / GAP_ROUNDING));
             r[PA] = (volume * c.by_p * y[PA] + c.theta * swept) * MASS_ROW;
             if constexpr (PIPE) r[PA] -= x[QB] * MASS_ROW;
-            if (report) { report[3] = 0.5 * val(volume) * val(c.by_p) * val(x[PA]) * val(x[PA]); report[4] = val(c.theta * volume); }
+            if (report) {
+                report[3] = 0.5 * val(volume) * val(c.by_p) * val(x[PA]) * val(x[PA]);
+                report[4] = val(c.theta * volume);
+                if constexpr (!HELD) {  // weight of the mud between bit and bottom, at its middle
+                    const Vec<double> end = vec(p + END), middle = end - vec(p + AXIS) * (0.5 * val(gap));
+                    report[5] = -report[4] * f.density * dot(middle, g);
+                }
+            }
         }
         if constexpr (!HELD) { r[0] += F.x; r[1] += F.y; r[2] += F.z; }
     }

@@ -49,7 +49,7 @@ void report(int n, const int* idx, const double* par, const void* fluid, const d
     }
 #define DP_BIT_REPORT(name, Kernel)                                                                                                          \
     extern "C" void name##_report(int n, const int* idx, const double* par, const void* fluid, const double* x, const double* y, double* out) { \
-        report<Kernel, 5>(n, idx, par, fluid, x, y, out);                                                                                    \
+        report<Kernel, 6>(n, idx, par, fluid, x, y, out);                                                                                    \
     }
 DP_REPORT(pipe_flow, PipePlain)
 DP_REPORT(pipe_flow_split, PipeSplit)

@@ -70,8 +70,16 @@ struct PipeFlow {
             rows.r1 += on.y.r1 * G;
             rows.r2 -= on.y.r2 * G;
             accumulate(rows, stiffness(d, on.x.v1, on.x.v2, L), -(G * G / m));
-            on.store(rows, p[ABOVE], r);
-            if constexpr (std::is_same_v<T, double>) if (report) energies(on, m, G, c, p, f, report);
+            if constexpr (SPLIT) {  // mud in the rigid item, as one piece with straight motion between its ends
+                const T half = c.density * (p[AREA_ABOVE] * p[ABOVE] * 0.5);
+                const Vec<T> turn = (on.x.r1 - on.above) * (G1 * 0.5), upper = (vec(a) - g) * half + turn + on.y.r1 * G;
+                rows.r1 += (on.a.r1 - g) * half + turn - vec(y) * G;
+                on.store(rows, p[ABOVE], r);
+                r[0] += upper.x; r[1] += upper.y; r[2] += upper.z;
+            } else {
+                on.store(rows, p[ABOVE], r);
+            }
+            if constexpr (std::is_same_v<T, double>) if (report) energies(on, m, G, c, p, f, y, report);
         }
         const T thick = c.density * (1.0 / f.density), area = thick * content * A, w = q * stretch / area;
         T resistance = shear(f, w, p[DIAMETER], 0.0) * (stretch * L * 4.0 / p[DIAMETER]);
@@ -106,7 +114,7 @@ struct PipeFlow {
 
     // kinetic energy m |V|^2/2 + G V.r_s + G^2 |r_s|^2/2m of the fluid in motion with the string
     template <class R, class T, class S>
-    static void energies(const R& on, const T& m, const T& G, const Compressed<T>&, const S* p, const Fluid& f, FlowReport* report) {
+    static void energies(const R& on, const T& m, const T& G, const Compressed<T>& c, const S* p, const Fluid& f, const T* y, FlowReport* report) {
         const S L = p[LENGTH];
         const auto pair = [](const Four<T>& u, const Four<T>& v) { return dot(u.r1, v.r1) + dot(u.v1, v.v1) + dot(u.r2, v.r2) + dot(u.v2, v.v2); };
         const Vec<T> d = on.x.r2 - on.x.r1;
@@ -116,6 +124,12 @@ struct PipeFlow {
         report->kinetic = val(speed + mixed + own);
         const Vec<T> middle = (on.x.r1 + on.x.r2) * 0.5 + (on.x.v1 - on.x.v2) * (L * (1.0 / 12));
         report->potential = -val(m * L * dot(middle, vec(f.gravity)));
+        if constexpr (SPLIT) {
+            const double line = val(c.density) * p[AREA_ABOVE], a = p[ABOVE];
+            const Vec<T> rod = on.x.r1 - on.above, V = vec(y), V1 = on.y.r1;
+            report->potential -= 0.5 * line * a * dot(on.x.r1 + on.above, vec(f.gravity));
+            report->kinetic += 0.25 * line * a * (dot(V, V) + dot(V1, V1)) + 0.5 * G * (dot(rod, V) + dot(rod, V1)) + 0.5 * G * G * a / line;
+        }
     }
 };
 

@@ -116,6 +116,14 @@ class AnnulusFlow(Channel):
             speed = float(state.y[state.index_of(block)[row, :3]] @ block.params[row, _TANGENTS][:3])
         return -flow - (self.annulus.hole[0] - self.annulus.outer[0]) * speed
 
+    def content_above(self, state) -> float:
+        """Volume between the upper node and the flow line [m3] (up to a constant); 0 where this rank has not the upper end."""
+        if self._top is None or self.held:
+            return 0.0
+        block, row = self._top
+        depth = float(state.x[state.index_of(block)[row, :3]] @ block.params[row, _TANGENTS][:3])
+        return (self.annulus.hole[0] - self.annulus.outer[0]) * depth
+
     def energies(self, t: float, state) -> Energies:
         return Energies(*map(float, self.figures(state)[:, :3].sum(axis=0)))
 

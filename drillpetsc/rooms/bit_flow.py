@@ -82,16 +82,16 @@ class BitFlow(Passive):
         return (self._block,)
 
     def figures(self, state) -> FloatArray:
-        """(5,) lost power [W], flow [m3/s], kinetic and stored energy [J], content of the chamber [m3]; this rank's share."""
-        out = np.zeros((1, 5))
+        """(6,) lost power [W], flow [m3/s], kinetic and stored energy [J], content [m3] and potential [J] of the chamber; this rank's."""
+        out = np.zeros((1, 6))
         if len(self._block.points):
             self._report(1, pointer(state.index_of(self._block)), pointer(self._block.params), self._block.context, pointer(state.x),
                          pointer(state.y), pointer(out))
         return out[0]
 
     def energies(self, t: float, state) -> Energies:
-        _, _, kinetic, stored, _ = self.figures(state)
-        return Energies(kinetic=float(kinetic), strain=float(stored))
+        _, _, kinetic, stored, _, potential = self.figures(state)
+        return Energies(float(kinetic), float(stored), float(potential))
 
     def powers(self, t: float, state) -> Powers:
         """Loss in the nozzles; without an annulus, what the jet takes away counts as work done outside."""

@@ -28,6 +28,7 @@ DEFAULTS = {
 }
 TOLERANCE = 1.0e-4  # default of -ts_rtol
 CONSECUTIVE_FAILURES = 25
+NOTHING_LEFT = 1.0e-13  # share of the time at which a run has reached its end
 SHORTEST_STEP = 1.0e-11  # a step that fails at this length fails at any [s]
 
 
@@ -60,7 +61,7 @@ class Dynamics:
         self.condensed = options.getString("ts_type", "bdf") == "bdf" and options.getString("snes_type", "python") == "python"
         refuse_integrator(options.getString("ts_type", "bdf"))
         self.counters, self._in_a_row, self.last_step = Counters(), 0, 0.0
-        self._last, self._t, self._jump = 0.0, 0.0, np.inf
+        self._last, self._t, self._jump, self._stop = 0.0, 0.0, np.inf, np.inf
         self._make(options)
         self.options = dict(options.getAll())  # in effect, defaults included
         for key in set(self.options) - given:  # the next scene has defaults of its own
@@ -162,6 +163,8 @@ class Dynamics:
             self.plain.accept(ts)
         dt = self.last_step = ts.getTime() - self._last
         self._last = ts.getTime()
+        if abs(self._stop - self._last) < NOTHING_LEFT * max(1.0, abs(self._stop)):  # a rest below rounding is no step
+            ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_TIME)
         self.counters.steps += 1
         if self._fixed and ts.getTimeStep() < self.first_step:  # a step that was cut does not stay short
             ts.setTimeStep(min(self.first_step, 2 * ts.getTimeStep()))
@@ -189,14 +192,16 @@ class Dynamics:
         model.assembly.forget_inputs()
         self._accept()
         model.store_state(self.state)
-        stops = sorted({b for b in breaks if start < b < end} | {end})
+        near = NOTHING_LEFT * max(1.0, abs(end))  # a break this near the end or the start is at it (0.1 + 0.2 and 0.3)
+        stops = sorted({b for b in breaks if start + near < b < end - near} | {end})
+        jumps = {s for s in stops if any(abs(b - s) <= near for b in breaks)}
         ts.setTime(start)
         ts.setTimeStep(self.first_step)
         ts.setMaxSteps(2**31 - 1)
         self._last = start
         for stop in stops:
             self._forget()
-            self._jump = stop if stop in breaks else np.inf
+            self._stop, self._jump = stop, stop if stop in jumps else np.inf
             ts.setMaxTime(stop)
             ts.restartStep()
             ts.setTimeStep(min(self.first_step, stop - ts.getTime()))

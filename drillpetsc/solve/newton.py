@@ -52,7 +52,7 @@ class CondensedNewton:
         snes = PETSc.SNES().create(comm=model.comm)
         snes.setOptionsPrefix(prefix)
         snes.setFunction(self._function, self._f)
-        self.matrix = model.layout.condensed_dm.createMat()
+        self.matrix = petsc_compat.square_matrix(self.q)
         asm, layout = model.assembly, model.layout
         lgm = layout.condensed_dm.getLGMap().getIndices()
         rows = np.where(asm.rows >= 0, lgm[np.maximum(asm.rows, 0)], -1)

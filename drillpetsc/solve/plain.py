@@ -44,9 +44,10 @@ class PlainSystem:
         self._fixed = [f for f in asm.fixed if f.owned]
         rows, columns = self._places()
         lgm = layout.state_dm.getLGMap().getIndices()
-        self.matrix = layout.state_dm.createMat()
+        self.matrix = petsc_compat.square_matrix(model.new_state())
         petsc_compat.preallocate_coo(self.matrix, *(np.where(i >= 0, lgm[np.maximum(i, 0)], -1) for i in (rows, columns)))
         self._values = np.zeros(len(rows))
+        self._first_order = np.flatnonzero((asm.columns >= 0) & ~self._rated[np.maximum(asm.columns, 0)])
         held = np.zeros(layout.size, dtype=bool)
         for f in self._fixed:
             held[f.rows] = True
@@ -65,7 +66,8 @@ class PlainSystem:
         dynamic = np.where(self._rated, y, x)  # where a condensed row goes in the local state
         here = np.where(asm.rows >= 0, dynamic[np.maximum(asm.rows, 0)], -1)
         rows += [here, here]
-        columns += [np.where(asm.columns >= 0, place[np.maximum(asm.columns, 0)], -1) for place in (x, y)]
+        # the rate of a first-order unknown is that of the unknown itself, and so is its column
+        columns += [np.where(asm.columns >= 0, place[np.maximum(asm.columns, 0)], -1) for place in (x, dynamic)]
         for f in self._fixed:
             for row, column in ((x, x), (x, y), (y, y)):
                 rows.append(np.repeat(row[f.rows], 7))
@@ -117,6 +119,7 @@ class PlainSystem:
         for weights in ((1.0, 0.0, 0.0), (0.0, 1.0, shift)):
             asm.jacobian(t, weights, condensed=False)
             parts.append(self._without_fixed(asm.values))
+        parts[-1][self._first_order] *= shift
         for c in self._fixed:
             square = c.D.T @ c.D
             kin_x, kin_y = shift * np.eye(7), -np.eye(7)
@@ -141,7 +144,11 @@ class PlainSystem:
         return self._wrong or self.model.worst_place(self._t)
 
     def accept(self, ts) -> None:
-        """Bring the assembly to the accepted state; accelerations and reactions are those of the last evaluation."""
+        """Bring the assembly to the accepted state; accelerations, reactions and rates of first-order unknowns are those of the last
+        evaluation."""
         if ts.getTime() > self._wrong_until:
             self._wrong = {}
+        asm, first_order = self.model.assembly, np.flatnonzero(~self._rated)
+        rates = asm.y[first_order].copy()  # of the last evaluation: the state has none of first-order unknowns
         self.model.load_state(ts.getSolution())
+        asm.y[first_order] = rates
