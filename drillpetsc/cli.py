@@ -1,4 +1,4 @@
-"""The command line: drillpetsc run | check | statics | view | plot | schema."""
+"""The command line: drillpetsc run | check | statics | modes | view | plot | schema."""
 
 from __future__ import annotations
 
@@ -39,6 +39,15 @@ def parser() -> argparse.ArgumentParser:
     statics.add_argument("--motion", choices=("hoist", "lower", "rotate"), help="motion that friction opposes (default: the top's)")
     statics.add_argument("--out", metavar="DIR", help="run folder (default: results/<case>-NNN)")
     statics.add_argument("--overwrite", action="store_true", help="replace the results in an existing --out")
+    modes = command("modes", "eigenvalues about the static or steady state: frequencies, damping, stability, mode shapes")
+    modes.add_argument("case", metavar="CASE.yaml")
+    modes.add_argument("--count", type=int, default=20, help="how many oscillating modes, the lowest (default: 20)")
+    modes.add_argument("--shift", type=float, metavar="HZ", help="the modes nearest to this frequency instead of the lowest [Hz]")
+    modes.add_argument("--kind", choices=("lateral", "axial", "torsional", "fluid"), help="modes of this kind alone (default: all)")
+    modes.add_argument("--about", choices=("steady", "rest"), default="steady",
+                       help="the state: moving as the top prescribes at time 0, or at rest without friction (default: steady)")
+    modes.add_argument("--out", metavar="DIR", help="run folder (default: results/<case>-NNN)")
+    modes.add_argument("--overwrite", action="store_true", help="replace the results in an existing --out")
     view = command("view", "picture or animation of the string in its hole")
     view.add_argument("run", metavar="RUN")
     view.add_argument("--field", default="axial_force [N]", help="what colours the string")
@@ -63,7 +72,7 @@ def main(words: list[str] | None = None) -> int:
     try:
         if unknown:
             raise CaseError(at=unknown[0], want="a known --option (see --help), or a PETSc option with one dash")
-        if theirs and arguments.command not in ("run", "statics", "check"):
+        if theirs and arguments.command not in ("run", "statics", "check", "modes"):
             raise CaseError(at=theirs[0], want=f"no PETSc options with {arguments.command}")
         return COMMANDS[arguments.command](arguments, theirs)
     except DrillError as error:
@@ -183,6 +192,18 @@ def _statics(arguments, theirs: list[str]) -> int:
     return 0
 
 
+def _modes(arguments, theirs: list[str]) -> int:
+    case = _load(arguments.case)
+    _start_petsc(theirs)
+    from drillpetsc.modes import run_modes
+
+    lines = run_modes(case, arguments.out, arguments.count, arguments.shift, arguments.kind, arguments.about, arguments.overwrite,
+                      Path(arguments.case).stem)
+    if _rank() == 0:
+        print("\n".join(lines))
+    return 0
+
+
 def _view(arguments, theirs: list[str]) -> int:
     from drillpetsc.draw.view import view
 
@@ -219,4 +240,4 @@ def _schema(arguments, theirs: list[str]) -> int:
     return 0
 
 
-COMMANDS = {"run": _run, "check": _check, "statics": _statics, "view": _view, "plot": _plot, "schema": _schema}
+COMMANDS = {"run": _run, "check": _check, "statics": _statics, "modes": _modes, "view": _view, "plot": _plot, "schema": _schema}

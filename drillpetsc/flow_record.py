@@ -115,6 +115,17 @@ class FlowRecord:
         return {title: self.model.field(f"{room}.pressure")[:, 0] for room, title in names.items()
                 if getattr(self.fluid, room) is not None}
 
+    def wall_tension(self) -> FloatArray:
+        """(nc, 2) tension [N] of the pipe's wall at both ends of the local elements beyond EA times strain: what keeps a pipe under pressure
+        from growing shorter, 2 nu (p_i A_i - p_o A_o) (Lame)."""
+        line, out = self.model.line, np.zeros((len(self.model.line.cells), 2))
+        for room, sign in ((self.fluid.pipe, 1.0), (self.fluid.annulus, -1.0)):
+            if room is not None:
+                area = (room.bore.area if room is self.fluid.pipe else room.annulus.outer)[line.cells]
+                pressure = self.model.field(f"{room.name}.pressure")[:, 0][line.ends]
+                out += sign * 2 * (room.poisson[line.cells] * area)[:, None] * pressure
+        return out
+
     def cellwise(self) -> dict[str, FloatArray]:
         """Flow rates [m3/s] and speeds [m/s] in the local elements, towards the bit positive."""
         out = {}

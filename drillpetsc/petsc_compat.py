@@ -3,11 +3,32 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 from petsc4py import PETSc
 
 VERSION = PETSc.Sys.getVersion()
+
+
+@contextmanager
+def own_errors() -> Iterator[None]:
+    """Around a call of a PETSc solver: what our callbacks raise comes out as it was raised.
+
+    From 3.22 on petsc4py answers an exception of a callback with its own PETSc.Error, with ours behind it in the chain.
+    """
+    try:
+        yield
+    except PETSc.Error as error:
+        link: BaseException | None = error
+        seen: set[int] = set()
+        while link is not None and id(link) not in seen:
+            seen.add(id(link))
+            if not isinstance(link, PETSc.Error):
+                raise link from None
+            link = link.__cause__ or link.__context__
+        raise
 
 
 def _library() -> ctypes.CDLL:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drillpetsc.bending import bending_moments
 from drillpetsc.field import FloatArray
 from drillpetsc.flow_record import FlowRecord
 from drillpetsc.frames import high_side
@@ -47,7 +48,7 @@ class Recorder:
         self._samples: deque[tuple[float, FloatArray]] = deque(maxlen=3)
         self.dissipated = self.supplied = self.start_energy = 0.0
         self._powers: tuple[float, ...] = (0.0, 0.0)
-        self.peak_exchange = 0.0
+        self.peak_exchange = self._before_jump = 0.0
         self._first_energies = self.energies = np.zeros(3)
         local = {int(v): i for i, v in enumerate(self.model.line.vertices)}
         self._last = local.get(mesh.nodes - 1, -1)
@@ -179,6 +180,19 @@ class Recorder:
         self.peak_exchange = max(self.peak_exchange, float(change))
         return self.energies
 
+    def at_jump(self, t: float) -> None:
+        """Note the books just before a prescribed motion changes its rate at once."""
+        self.audit(t)
+        self._before_jump = self.energy_error
+
+    def book_impulse(self, t: float) -> None:
+        """Book the work of the impulse that a jump of rate gives: what the energies gained in the steps whose formula reaches over it.
+
+        Neither reaction nor rate have a value of their own at the jump, so no sum over these steps stands for their product.
+        """
+        self.audit(t)
+        self.supplied += self.energy_error - self._before_jump
+
     @property
     def energy_error(self) -> float:
         """Stored energy gained + dissipated - supplied since the start [J]: what the time integration made or lost."""
@@ -267,6 +281,12 @@ class Recorder:
             which = (("position", "x"), ("position", "y"), ("spin", "y"), ("spin", "x"))
             parts["string"] = np.hstack([model.field(f"string.{name}", what) for name, what in which])
             columns["beam"] = scene.beam.report(model.layout, asm.x, asm.y)
+            if self.flow is not None:
+                ends = [REPORT.index("axial_upper"), REPORT.index("axial_lower")]
+                columns["beam"][:, ends] += self.flow.wall_tension()
+            if mesh.curvature.any():
+                first = REPORT.index("bending_upper")
+                columns["beam"][:, first : first + 2] = bending_moments(scene)
         if scene.contact is not None:
             reports, _ = scene.contact.report(asm)
             columns["contact"] = reports[:, :1] / mesh.length[model.line.cells][:, None]

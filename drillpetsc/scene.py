@@ -86,7 +86,8 @@ def build_scene(case: Case, comm: PETSc.Comm | None = None) -> Scene:
     rooms: list = []
     if not case.hold_string:
         gravity = np.array(case.gravity, dtype=float)
-        beam = Beam(mesh, frames, gravity)
+        contact, bit = _contact(case, mesh, well), _bit(case, mesh, well)
+        beam = Beam(mesh, frames, gravity, contact.impact_depth if contact is not None else np.inf)
         rooms.append(beam)
         rooms += _extras(mesh, frames, gravity)
         top, drive = _top_rooms(case, position[0], tangent[0])
@@ -96,7 +97,6 @@ def build_scene(case: Case, comm: PETSc.Comm | None = None) -> Scene:
         if loads:
             breaks = tuple(b for q in case.loads for b in q.value_over.breaks())
             rooms.append(Loads(loads, frames, breaks + _top_breaks(case)))
-        contact, bit = _contact(case, mesh, well), _bit(case, mesh, well)
         rooms += [r for r in (contact, bit) if r is not None]
     rooms += fluid.rooms if fluid is not None else ()
     model = Model(mesh, frames, rooms, comm)

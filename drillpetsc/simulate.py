@@ -173,12 +173,15 @@ def _integrate(scene, recorder, dynamics, folder, saved, state, began, progress)
 
     def after(t: float, dt: float) -> None:
         recorder.step(t, dt, writer.next_row * writer.every[0])
+        if dynamics.jumped:
+            recorder.book_impulse(t)
         newton = dynamics.newton_iterations()
         writer.take(t, dt, newton - last["newton"])
         last["t"], last["newton"] = t, newton
         bar.update(t, dynamics.counters.steps, dt)
 
     dynamics.after_step.append(after)
+    dynamics.at_jump.append(recorder.at_jump)
     if saved is None:
         writer.take(0.0, 0.0, 0)
     marks = clock.perf_counter(), clock.process_time()

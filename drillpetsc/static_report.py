@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.bending import curvatures
 from drillpetsc.field import FloatArray
 from drillpetsc.flow_record import FlowRecord
-from drillpetsc.frames import directors
 from drillpetsc.recorder import Recorder
 from drillpetsc.rooms.beam import REPORT
 from drillpetsc.scene import Scene
@@ -45,8 +45,10 @@ def static_table(scene: Scene, state: StaticState) -> tuple[list[tuple[str, str]
     if scene.beam is None:
         return [("md", "m"), *fluid_columns], None if fluid is None else np.column_stack([scene_mesh.node_depth, fluid])
     cells = scene.beam.report(model.layout, asm.x, asm.y)
+    if scene.fluid is not None:
+        cells[:, [REPORT.index("axial_upper"), REPORT.index("axial_lower")]] += FlowRecord(model, scene.fluid).wall_tension()
     contact = scene.contact.report(asm)[0][:, :1] if scene.contact is not None else np.zeros((len(cells), 1))
-    bend = np.linalg.norm(_curvatures(scene), axis=3).reshape(len(cells), 4)
+    bend = np.linalg.norm(curvatures(scene), axis=3).reshape(len(cells), 4)
     nodal = model.gather(np.hstack([model.field("string.position"), model.field("string.tangent")]))
     cell = model.gather(np.hstack([cells, contact / scene_mesh.length[model.line.cells][:, None], bend]), "cell")
     if nodal is None or cell is None:
@@ -135,29 +137,6 @@ def _linear(values: FloatArray) -> FloatArray:
     out = _at_nodes(values, values)
     if len(values) > 1:
         out[0], out[-1] = 1.5 * values[0] - 0.5 * values[1], 1.5 * values[-1] - 0.5 * values[-2]
-    return out
-
-
-def _curvatures(scene: Scene) -> FloatArray:
-    """(nc, 2, 2, 3) [1/m] of each local element: the curvature vector r' x r''/|r'|^2, then it less the stress-free
-    one; at both ends."""
-    model, mesh, line = scene.model, scene.mesh, scene.model.line
-    r, v, phi = (model.field(f"string.{k}") for k in ("position", "tangent", "spin"))
-    a, b, e = line.ends[:, 0], line.ends[:, 1], line.cells
-    L, t = mesh.length[e][:, None], v[a] / np.linalg.norm(v[a], axis=1, keepdims=True)
-    d = r[b] - r[a] - mesh.rigid_above[e][:, None] * t
-    va, vb = v[a], v[b]
-    if "string.ratio" in model.layout.place:
-        va = va * model.field("string.ratio")[a]
-    out = np.zeros((len(e), 2, 2, 3))
-    for end, (slope, second) in enumerate(
-        ((va, 6 * d / L**2 - 4 * va / L - 2 * vb / L), (vb, -6 * d / L**2 + 2 * va / L + 4 * vb / L))
-    ):
-        node = (a, b)[end]
-        d2, d3 = directors(scene.frames, line.vertices[node], v[node], phi[node, 0])
-        kappa = np.cross(slope, second) / np.sum(slope * slope, axis=1, keepdims=True)
-        out[:, 0, end] = kappa
-        out[:, 1, end] = kappa - mesh.curvature[e][:, :1] * d2 - mesh.curvature[e][:, 1:] * d3
     return out
 
 

@@ -51,7 +51,7 @@ inline bool touches(const Well& well, const Vec<double>& x, double R, int& segme
     foot = locate(well, x, segment);
     const HolePoint<double> q = hole_point(well, foot, x);
     const double room = q.radius > R ? q.radius : R;  // no clearance: a centring spring
-    return q.rho + R - room > -RAMP;
+    return !(q.rho + R - room <= -RAMP);  // what is not a number touches, and is found in the rows
 }
 
 // Touching point x of the axis with velocity u, section turning with `turning`, radius R; weight: length it stands for.
@@ -265,7 +265,7 @@ struct BitContact {
         const Tangent<T> t(vec(x + 3), vec(y + 3), vec(y + 3));
         const Vec<double> axis = vec(p + AXIS), end = vec(p + END);
         const T depth = dot(vec(x) + t.t * p[FACE] - end, axis);
-        if (val(depth) <= -RAMP) return;
+        if (val(depth) <= -RAMP) return;  // not so where depth is not a number: it goes on into the rows
         weight = onset(depth) * p[STIFFNESS];
         const double arm = p[RADIUS] * (2.0 / 3);
         const T v = y[6] * arm;

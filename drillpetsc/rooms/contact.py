@@ -47,6 +47,17 @@ class ContactLaw:
     points: int = 2
 
 
+def impact_depth(law: ContactLaw, mass: float, length: float) -> float:
+    """Depth [m] to which a piece of string of ``mass`` [kg/m] that strikes at ``restitution_speed`` v goes into the wall, undamped.
+
+    Its energy m v^2/2 is stored in k d^(p+1)/(p+1), so d = ((p+1) m v^2 / 2k)^(1/(p+1)); for a law per point m is the share of an element
+    of ``length`` [m] that its point carries.
+    """
+    power = 1.0 if law.law == "linear" else 1.5
+    share = mass * length / law.points if law.law == "hertz_point" else mass
+    return float((0.5 * (power + 1) * share * law.restitution_speed**2 / law.stiffness) ** (1 / (power + 1)))
+
+
 def damping_factor(restitution: float, speed: float) -> float:
     """c [s/m] of the factor 1 + c * penetration rate that returns ``restitution`` of an impact at ``speed`` [m/s].
 
@@ -75,6 +86,8 @@ class Contact(Passive):
         gauss, weight = np.polynomial.legendre.leggauss(law.points)
         self._at = np.ascontiguousarray(np.column_stack([(gauss + 1) / 2, weight / 2]))
         self._packed = np.ascontiguousarray(well.packed())
+        length = float(mesh.length.sum())
+        self.impact_depth = impact_depth(law, float(mesh.mass @ mesh.length) / length, length / len(mesh.length))  # of the mean string
         self._laws: list[_Law] = []
         self._keep: list[np.ndarray] = [self._at, self._packed]
 
@@ -95,6 +108,7 @@ class Contact(Passive):
         m = self.mesh
         self._part = part
         self._touching: list[np.ndarray] = []
+        self._row_of: dict[int, FloatArray] | None = None  # normal forces at the points of a local cell, once asked for
         self._normal: list[np.ndarray] = []
         self._blocks: list[Block] = []
         junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
@@ -140,34 +154,37 @@ class Contact(Passive):
 
     def normal_force(self, cell: int) -> float:
         """Normal force on a local cell in the last residual [N]."""
-        for b, normal in zip(self._blocks, self._normal, strict=True):
-            if b.on == "cell":
-                here = np.searchsorted(b.points, cell)
-                if here < len(b.points) and b.points[here] == cell:
-                    return float(normal[here].sum())
-        return 0.0
+        if self._row_of is None:
+            self._row_of = {int(c): normal[e] for b, normal in zip(self._blocks, self._normal, strict=True) if b.on == "cell"
+                            for e, c in enumerate(b.points)}
+        normal = self._row_of.get(cell)
+        return 0.0 if normal is None else float(normal.sum())
+
+    def _figures(self, state) -> list[FloatArray]:
+        """(n, 7) of each block: the columns of ``REPORT``."""
+        out = []
+        for b in self._blocks:
+            out.append(np.zeros((len(b.points), len(REPORT))))
+            kind = {"contact": 0, "contact_split": 1, "body_contact": 2}[b.kernel]
+            _report(len(out[-1]), kind, pointer(state.index_of(b)), pointer(b.params), b.context, pointer(state.x), pointer(state.y),
+                    pointer(out[-1]))
+        return out
 
     def report(self, state) -> tuple[FloatArray, FloatArray]:
         """(nc, 7) per local cell and (nb, 7) per rigid item of this rank: the columns of ``REPORT``."""
         cells, bodies = np.zeros((len(self._part.cells), len(REPORT))), np.zeros((0, len(REPORT)))
-        for b in self._blocks:
-            out = np.zeros((len(b.points), len(REPORT)))
-            kind = {"contact": 0, "contact_split": 1, "body_contact": 2}[b.kernel]
-            _report(len(out), kind, pointer(state.index_of(b)), pointer(b.params), b.context, pointer(state.x), pointer(state.y),
-                    pointer(out))
-            if kind == 2:
-                bodies = out
+        for b, figures in zip(self._blocks, self._figures(state), strict=True):
+            if b.on == "cell":
+                cells[b.points] = figures
             else:
-                cells[b.points] = out
+                bodies = figures
         return cells, bodies
 
     def energies(self, t: float, state) -> Energies:
-        cells, bodies = self.report(state)
-        return Energies(strain=float(cells[:, 1].sum() + bodies[:, 1].sum()))
+        return Energies(strain=float(sum(figures[:, 1].sum() for figures in self._figures(state))))
 
     def powers(self, t: float, state) -> Powers:
-        cells, bodies = self.report(state)
-        return Powers(float(cells[:, 2:4].sum() + bodies[:, 2:4].sum()))
+        return Powers(float(sum(figures[:, 2:4].sum() for figures in self._figures(state))))
 
 
 class BitOnBottom(Passive):

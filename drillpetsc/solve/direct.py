@@ -6,6 +6,8 @@ the two residuals per iteration that the search spends even where the full step 
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from petsc4py import PETSc
 
@@ -33,6 +35,7 @@ class DirectNewton:
 
     def _iterate(self, x) -> tuple[int, int]:
         owner, step = self.owner, self.step
+        unknowns = x.getArray()  # of the vector itself
         rows = owner.rows(x)
         reason = owner.judge(0, step, self._finite(rows))
         its = 0
@@ -44,17 +47,17 @@ class DirectNewton:
             self.log[1].end()
             np.negative(step, out=step)
             before = float(rows @ step) if self.searches else 0.0
-            x.getArray()[:] += step
+            unknowns += step
             rows = owner.rows(x)
             if self.searches:
-                rows = self._shorten(x, rows, before)
+                rows = self._shorten(x, unknowns, rows, before)
             its += 1
             owner.linear += 1
             reason = owner.judge(its, step, self._finite(rows))
         return its, reason
 
     def _finite(self, rows: np.ndarray) -> bool:
-        good = bool(np.isfinite(rows.sum()))
+        good = math.isfinite(np.add.reduce(rows))  # without the wrapping of rows.sum()
         if self.owner.model.comm.size > 1:
             good = self.owner.agree(good)
         return good
@@ -76,7 +79,7 @@ class DirectNewton:
             PETSc.Log.logFlops(owner.factor.factor_flops)
         return True
 
-    def _shorten(self, x, rows: np.ndarray, before: float) -> np.ndarray:
+    def _shorten(self, x, unknowns: np.ndarray, rows: np.ndarray, before: float) -> np.ndarray:
         """Go back along the step to where the rows no longer point along it (one secant), if it went too far."""
         owner, step = self.owner, self.step
         after = float(rows @ step)
@@ -85,6 +88,6 @@ class DirectNewton:
         if not (before < 0.0 and after > -OVERSHOOT * before):
             return rows
         share = max(SHORTEST, before / (before - after))
-        x.getArray()[:] += (share - 1.0) * step
+        unknowns += (share - 1.0) * step
         step *= share
         return owner.rows(x)

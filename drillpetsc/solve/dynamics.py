@@ -42,11 +42,14 @@ class Counters:
 class Dynamics:
     """Integrates a model from the state in its assembly.
 
-    after_step(t, dt) is called after every accepted step, with x, y, a of the assembly at t.  first_step [s].
+    after_step(t, dt) is called after every accepted step, with x, y, a of the assembly at t.  first_step [s].  at_jump(t) is called where
+    the rate of a prescribed motion jumps, before the step that follows; ``jumped`` is true while after_step is called for the steps whose
+    time formula still reaches over the jump.
     """
 
     model: Model
     after_step: list[Callable[[float, float], None]] = field(default_factory=list)
+    at_jump: list[Callable[[float], None]] = field(default_factory=list)
     first_step: float = 1.0e-4
 
     def __post_init__(self) -> None:
@@ -60,7 +63,8 @@ class Dynamics:
         self.tolerance = options.getReal("ts_rtol", TOLERANCE)
         self.condensed = options.getString("ts_type", "bdf") == "bdf" and options.getString("snes_type", "python") == "python"
         refuse_integrator(options.getString("ts_type", "bdf"))
-        self.counters, self._in_a_row, self.last_step = Counters(), 0, 0.0
+        self.counters, self._in_a_row, self.last_step, self._reach = Counters(), 0, 0.0, 0
+        self._order = options.getInt("ts_bdf_order", 2)
         self._last, self._t, self._jump, self._stop = 0.0, 0.0, np.inf, np.inf
         self._make(options)
         self.options = dict(options.getAll())  # in effect, defaults included
@@ -171,11 +175,23 @@ class Dynamics:
         self._accept()
         for call in self.after_step:
             call(self._last, dt)
+        self._reach = max(0, self._reach - 1)
         # a tangent that has turned far from its gauge gets a new one, and the history starts afresh; 60 degrees are left when it is due
         if self.counters.steps % 4 == 0 and renew(self.model, self.model.frames):
             self.model.store_state(ts.getSolution())
             self._forget()
             ts.restartStep()
+
+    @property
+    def jumped(self) -> bool:
+        return self._reach > 0
+
+    def _rates_jump(self, t: float) -> bool:
+        """Whether a prescribed motion changes its rate at once at ``t``; the same on all ranks."""
+        before = float(np.nextafter(t, -np.inf))
+        mine = any(not np.allclose(f.condition.rate(before), f.condition.rate(t), rtol=1e-9, atol=1e-12)
+                   for f in self.model.assembly.fixed if f.owned)
+        return mine if self.model.comm.size == 1 else bool(self.model.comm.tompi4py().allreduce(int(mine)))
 
     def _accept(self) -> None:
         """Tell rooms that carry something from step to step that the state in the assembly stands."""
@@ -201,12 +217,17 @@ class Dynamics:
         self._last = start
         for stop in stops:
             self._forget()
+            if self._rates_jump(ts.getTime()):
+                self._reach = 1 + self._order
+                for call in self.at_jump:
+                    call(ts.getTime())
             self._stop, self._jump = stop, stop if stop in jumps else np.inf
             ts.setMaxTime(stop)
             ts.restartStep()
             ts.setTimeStep(min(self.first_step, stop - ts.getTime()))
             rejected = ts.getStepRejections()
-            ts.solve(self.state)
+            with petsc_compat.own_errors():
+                ts.solve(self.state)
             if ts.getConvergedReason() < 0:
                 raise self.collapse(f"the time integrator stopped: {_reason(ts.getConvergedReason(), PETSc.TS)}")
             self.counters.rejected += ts.getStepRejections() - rejected

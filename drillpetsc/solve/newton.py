@@ -198,7 +198,8 @@ class CondensedNewton:
             off = abs((shift / self.lag.shift) ** 2 - 1.0)
             self.eta = max(self.eta, off / max(1.0 - off, 0.1))
         self.model.store_unknowns(self.q)
-        self.snes.solve(None, self.q)
+        with petsc_compat.own_errors():
+            self.snes.solve(None, self.q)
         self.newton += self.snes.getIterationNumber()
         if not self.direct:
             self.linear += self.snes.getLinearSolveIterations()

@@ -26,6 +26,12 @@ def refuse_integrator(kind: str) -> None:
         raise CaseError(at="petsc.ts_type", got=kind, want=" | ".join(IMPLICIT),
                         hint="prescribed motions are algebraic rows and the mass matrix is not diagonal: the integrator must be implicit "
                         "and made for first-order systems")
+    try:
+        PETSc.TS().create(comm=PETSc.COMM_SELF).setType(kind)
+    except PETSc.Error:
+        version = ".".join(map(str, PETSc.Sys.getVersion()))
+        raise CaseError(at="petsc.ts_type", got=kind, want=" | ".join(k for k in IMPLICIT if k != kind),
+                        hint=f"PETSc {version}, which is in use here, has no integrator of this name") from None
 
 
 class PlainSystem:

@@ -109,3 +109,18 @@ def test_rooms_know_no_ranks():
     for file in rooms.glob("*.py"):
         text = file.read_text()
         assert "mpi4py" not in text and "petsc4py" not in text, file.name
+
+
+@pytest.mark.parametrize("kind", [k for k in KINDS if "contact" in k])
+def test_contact_sees_a_state_that_is_not_a_number(kind):
+    """It must not pass for a string that does not touch."""
+    model = build(kind)
+    model.assembly.x[model.layout.place["string.position"][2, 0]] = np.nan
+    place = model.layout.place["string.position"][2, 0]
+    seen = 0
+    for b in model.assembly.ready:
+        if b.block.name in ("contact", "contact_junction"):
+            rows = model.assembly.block_rows(b, 0.4)[(b.index == place).any(axis=1)]
+            assert np.isnan(rows).any(axis=1).all()
+            seen += len(rows)
+    assert seen == 2

@@ -10,6 +10,7 @@ from petsc4py import PETSc
 from drillpetsc.frames import transported_frames
 from drillpetsc.model import Model
 from drillpetsc.rooms.beam import Beam
+from drillpetsc.rooms.contact import Contact
 from drillpetsc.solve.dynamics import Dynamics
 
 
@@ -35,7 +36,9 @@ def straight_model(mesh, rooms=(), gravity=(0.0, 0.0, 0.0)) -> Model:
     tangent = np.tile([0.0, 0.0, 1.0], (mesh.nodes, 1))
     frames = transported_frames(tangent)
     position = mesh.node_depth[:, None] * tangent
-    model = Model(mesh, frames, [Beam(mesh, frames, np.array(gravity)), *(room(frames, position, tangent) for room in rooms)])
+    others = [room(frames, position, tangent) for room in rooms]
+    depth = min((room.impact_depth for room in others if isinstance(room, Contact)), default=np.inf)
+    model = Model(mesh, frames, [Beam(mesh, frames, np.array(gravity), depth), *others])
     model.set_field("string.position", position)
     model.set_field("string.tangent", tangent)
     if "string.ratio" in model.layout.place:

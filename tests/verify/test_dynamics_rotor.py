@@ -115,13 +115,26 @@ def _block(law: ContactLaw, speed: float):
     return model
 
 
+@pytest.mark.parametrize("tolerance, share", [(1e-5, 0.005), (1e-4, 0.02)])
 @pytest.mark.parametrize("restitution", [0.8, 0.5, 0.2])
 @pytest.mark.parametrize("law, stiffness", [("linear", 1e8), ("hertz", 1e9)])
-def test_restitution_of_an_impact(law, stiffness, restitution):
-    """P04: 25 kg at 1 m/s against 1e8 N/m (linear) or 1e9 N/m^1.5 (Hertz) with the factor from d(1+e) = ln((1+d)/(1-de)): rebound e."""
+def test_restitution_of_an_impact(law, stiffness, restitution, tolerance, share):
+    """P04: 25 kg at 1 m/s against 1e8 N/m (linear) or 1e9 N/m^1.5 (Hertz) with the factor from d(1+e) = ln((1+d)/(1-de)): rebound e, to
+    0.5 % at -ts_rtol 1e-5; to 2 % at the default 1e-4."""
     model = _block(ContactLaw(stiffness=stiffness, law=law, restitution=restitution, slip_velocity=1e-2), 1.0)
-    rows = integrate(model, 0.0065, lambda m: m.field("string.position", "y")[0, 0], ts_rtol=1e-7, ts_dt=1e-5)
-    assert rows[-1, 1] == pytest.approx(-restitution, rel=0.005)
+    rows = integrate(model, 0.0065, lambda m: m.field("string.position", "y")[0, 0], ts_rtol=tolerance)
+    assert rows[-1, 1] == pytest.approx(-restitution, rel=share)
+
+
+@pytest.mark.parametrize("law, stiffness, depth", [("linear", 1e8, 5.0e-4), ("hertz", 1e9, 9.952679e-4), ("hertz_point", 1e9, 0.75427e-3)])
+def test_positions_are_as_exact_as_impacts_are_deep(law, stiffness, depth):
+    """P06: elastic depths of 25 kg/m at 1 m/s; a law per point has half of the mass on each of two points of a 1 m element, which makes
+    it 2^-0.4 as deep.  A soft wall leaves the usual scale of positions."""
+    model = _block(ContactLaw(stiffness=stiffness, law=law), 1.0)
+    scale = model.scale[model.layout.place["string.position"].ravel()]
+    assert scale == pytest.approx(depth, rel=1e-5)
+    soft = _block(ContactLaw(stiffness=1e3), 1.0)
+    assert soft.scale[soft.layout.place["string.position"].ravel()] == pytest.approx(0.03)
 
 
 @pytest.mark.parametrize("restitution, factor", [(0.8, 0.3731462), (0.5, 1.4327505), (0.2, 4.9191667)])

@@ -336,9 +336,9 @@ def test_weight_on_bit_in_a_vertical_hole(multiple):
 
 
 def test_vertical_string_on_bottom_with_bent_collars():
-    """cases/vertical-2000m.yaml: hook load = weight - 50 kN, torque at the bit mu W 2/3 R; the string stays within
+    """cases/vertical-2000m-dry.yaml: hook load = weight - 50 kN, torque at the bit mu W 2/3 R; the string stays within
     the hole."""
-    case = load_case(CASES.parent / "vertical-2000m.yaml")
+    case = load_case(CASES.parent / "vertical-2000m-dry.yaml")
     scene, state, figures = solved(case, (0.0, 8.4), climb=True)
     mesh = scene.mesh
     weight = 9.80665 * (float(mesh.mass @ mesh.length) + sum(body.mass for body in mesh.bodies))

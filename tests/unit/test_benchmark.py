@@ -1,0 +1,61 @@
+"""What the benchmark measures errors against, itself against closed forms."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.special import ellipk
+
+from drillpetsc import Case
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
+import benchmark_reference as reference  # noqa: E402
+
+
+def test_torsional_wave_on_its_first_way_down():
+    """The wave is at the bit after L/c, passes from pipe to collar with 2 Z1/(Z1 + Z2), Z as the polar moment, and doubles at the free
+    end; the next part of it comes 400 m later."""
+    c = np.sqrt(206e9 / 2.6 / 7850.0)
+    pipe, collar = 0.127**4 - 0.1086**4, 0.1778**4 - 0.0714**4
+    after = np.linspace(0.01, 0.12, 12)
+    top = 80 * 2 * np.pi / 60 * 0.5 * (1 - np.cos(np.pi * after / 2))
+    found = reference.exact_bit_speed(2000.0 / c + after, 1.0)
+    assert found == pytest.approx(2 * 2 * pipe / (pipe + collar) * top, rel=0.01, abs=1e-5)
+    assert np.all(reference.exact_bit_speed(np.linspace(0.0, 0.62, 20), 1.0) == 0.0)
+
+
+def test_the_independent_integration_of_a_nearly_rigid_pendulum():
+    """A hinged rod let go at 60 degrees from the vertical hangs down after K(sin 30 deg) sqrt(2 L/(3 g)) (elliptic integral)."""
+    rod = {"kind": "beam", "length": 0.5, "axial_stiffness": 2e4, "bending_stiffness": 1.0, "torsional_stiffness": 1.0, "mass": 0.02,
+           "polar_inertia": 1e-7, "element_length": 0.5}
+    case = Case(string=[rod], top="pinned", bottom="free", gravity=9.81, initial={"from": "straight", "inclination": np.pi / 3})
+    down = ellipk(0.25) * np.sqrt(2 * 0.5 / (3 * 9.81))
+    north, depth = reference.free_motion(case, 1, np.array([0.0, down]), 1e-6).T
+    assert north == pytest.approx([0.5 * np.sin(np.pi / 3), 0.0], abs=2e-3)
+    assert depth == pytest.approx([0.25, 0.5], abs=1e-3)
+
+
+def test_a_reference_is_computed_once_for_a_case(tmp_path, monkeypatch):
+    """A second call reads the file; another text of the case, or the wish for a fresh one, computes again."""
+    monkeypatch.setenv("DRILLPETSC_CACHE", str(tmp_path / "cache"))
+    case, calls = tmp_path / "some.yaml", []
+
+    def compute() -> dict:
+        calls.append(case.read_text())
+        return {"value": float(len(calls))}
+
+    case.write_text("gravity: 9.81 m/s2\n")
+    assert [reference.cached(case, "kind", compute)["value"] for _ in range(2)] == [1.0, 1.0]
+    assert reference.cached(case, "other", compute)["value"] == 2.0
+    case.write_text("gravity: 1.62 m/s2\n")
+    assert reference.cached(case, "kind", compute)["value"] == 3.0
+    assert reference.cached(case, "kind", compute, fresh=True)["value"] == 4.0
+    assert len(list((tmp_path / "cache" / "references").iterdir())) == 3  # two texts, two kinds; no scratch file is left
+
+
+def test_means_are_taken_over_the_settled_part():
+    history = {"time [s]": np.array([0.0, 1.0, 2.0, 3.0]), "hook_load [N]": np.array([100.0, 50.0, 7.0, 9.0])}
+    assert reference.mean_of(history, "hook_load [N]", 2.0) == 8.0

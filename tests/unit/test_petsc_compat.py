@@ -1,0 +1,53 @@
+"""What differs between versions of petsc4py."""
+
+from __future__ import annotations
+
+import pytest
+
+from drillpetsc import petsc_compat
+from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.solve.plain import IMPLICIT, refuse_integrator
+
+
+def raise_as_petsc(error: Exception, by_context: bool) -> None:
+    """As petsc4py 3.22 and newer do with what a callback raised."""
+    from petsc4py import PETSc
+
+    try:
+        raise error
+    except Exception as cause:
+        if by_context:
+            raise PETSc.Error(101)  # noqa: B904  the chain by context is what is tested
+        raise PETSc.Error(101) from cause
+
+
+@pytest.mark.parametrize("by_context", [False, True])
+def test_errors_of_callbacks_come_out_as_they_were_raised(by_context):
+    ours = SolveError("no pivot", time=1.5)
+    with pytest.raises(SolveError) as caught, petsc_compat.own_errors():
+        raise_as_petsc(ours, by_context)
+    assert caught.value is ours
+
+
+def test_errors_of_petsc_stay_petscs():
+    from petsc4py import PETSc
+
+    with pytest.raises(PETSc.Error), petsc_compat.own_errors():
+        raise PETSc.Error(56)
+    with pytest.raises(KeyError), petsc_compat.own_errors():
+        raise KeyError("of someone else")
+
+
+def test_integrators_that_this_petsc_lacks_are_refused():
+    """dirk came with PETSc 3.19."""
+    from petsc4py import PETSc
+
+    for kind in IMPLICIT:
+        if kind == "dirk" and PETSc.Sys.getVersion() < (3, 19, 0):
+            with pytest.raises(CaseError) as caught:
+                refuse_integrator(kind)
+            assert "dirk" in str(caught.value) and "3.18" in str(caught.value)
+        else:
+            refuse_integrator(kind)
+    with pytest.raises(CaseError):
+        refuse_integrator("rk")
