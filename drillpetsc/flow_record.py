@@ -116,8 +116,8 @@ class FlowRecord:
                 if getattr(self.fluid, room) is not None}
 
     def wall_tension(self) -> FloatArray:
-        """(nc, 2) tension [N] of the pipe's wall at both ends of the local elements beyond EA times strain: what keeps a pipe under pressure
-        from growing shorter, 2 nu (p_i A_i - p_o A_o) (Lame)."""
+        """(nc, 2) tension [N] of the pipe's wall at both ends of the local elements beyond EA times strain: what keeps a pipe
+        under pressure from growing shorter, 2 nu (p_i A_i - p_o A_o) (Lame)."""
         line, out = self.model.line, np.zeros((len(self.model.line.cells), 2))
         for room, sign in ((self.fluid.pipe, 1.0), (self.fluid.annulus, -1.0)):
             if room is not None:
