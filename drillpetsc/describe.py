@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.case.scene import Case
+from drillpetsc.descent import coarse_elements
 from drillpetsc.scene import Scene, build_scene
-from drillpetsc.start import coarse_elements
 from drillpetsc.summary import field_counts
 
 #: microseconds per element and evaluation, measured on one core (scripts/benchmark prints them afresh)

@@ -15,9 +15,11 @@ from drillpetsc.solve.newton import chain_factor  # noqa: E402
 case = load_case(sys.argv[1])
 whole = build_scene(case, PETSc.COMM_SELF)
 part = build_scene(case, PETSc.COMM_WORLD)
-print(json.dumps({
+line = json.dumps({
     "unknowns": part.model.layout.size, "all_unknowns": whole.model.layout.size,
     "elements": len(part.model.line.cells), "all_elements": len(whole.model.line.cells),
     "values": len(part.model.assembly.values), "all_values": len(whole.model.assembly.values),
     "factor_flops": chain_factor(part.model).factor_flops, "serial_flops": chain_factor(whole.model).factor_flops,
-}), flush=True)
+})
+sys.stdout.write(line + "\n")  # in one piece: the lines of two ranks must not mix
+sys.stdout.flush()
