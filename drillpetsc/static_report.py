@@ -37,7 +37,7 @@ def static_table(scene: Scene, state: StaticState) -> tuple[list[tuple[str, str]
     axial_force: compression negative, torque: positive as the drive turns clockwise; both, bending and contact are
     the mean of the elements that meet at a node.  buckling_load: 2 sqrt(EI q/r) of Dawson and Paslay (SPE 11167),
     with the side load q = |w_perp + T kappa| of the string in the hole and the radial room r (not a number where q or
-    r is zero); buckling_ratio: compression over it.
+    r is zero), T and w being effective tension and buoyed weight where there is mud; buckling_ratio: compression over it.
     """
     model, scene_mesh = scene.model, scene.mesh
     asm = model.assembly
@@ -53,7 +53,7 @@ def static_table(scene: Scene, state: StaticState) -> tuple[list[tuple[str, str]
     cell = model.gather(np.hstack([cells, contact / scene_mesh.length[model.line.cells][:, None], bend]), "cell")
     if nodal is None or cell is None:
         return COLUMNS + fluid_columns, None
-    table = _table(scene, nodal, cell)
+    table = _table(scene, nodal, cell, None if fluid is None else fluid[:, -1])
     if fluid is not None:
         fluid[:, -1] += table[:, 1]  # what the pressures leave of the wall's tension
         table = np.hstack([table, fluid])
@@ -98,7 +98,7 @@ def _name_unit(title: str) -> tuple[str, str]:
     return name, unit
 
 
-def _table(scene: Scene, nodal: FloatArray, cell: FloatArray) -> FloatArray:
+def _table(scene: Scene, nodal: FloatArray, cell: FloatArray, beyond: FloatArray | None = None) -> FloatArray:
     mesh, column = scene.mesh, {name: i for i, name in enumerate(REPORT)}
     n = len(REPORT)
     t = nodal[:, 3:] / np.linalg.norm(nodal[:, 3:], axis=1, keepdims=True)
@@ -107,7 +107,8 @@ def _table(scene: Scene, nodal: FloatArray, cell: FloatArray) -> FloatArray:
     inertia = np.pi / 64 * (mesh.outer_diameter**4 - mesh.inner_diameter**4)
     by_moment = np.divide(radius, inertia, out=np.zeros_like(radius), where=inertia > 0)  # stress per moment
     axial = _at_nodes(cell[:, column["axial_upper"]], cell[:, column["axial_lower"]])
-    load = _buckling_load(scene, axial)
+    effective = axial if beyond is None else axial + beyond  # it is effective tension that buckles
+    load = _buckling_load(scene, effective)
     moment = [stiffness * cell[:, n + 3], stiffness * cell[:, n + 4]]
     out = [
         mesh.node_depth,
@@ -120,7 +121,7 @@ def _table(scene: Scene, nodal: FloatArray, cell: FloatArray) -> FloatArray:
         _at_nodes(cell[:, n + 1], cell[:, n + 2]),
         _at_nodes(np.multiply(by_moment, moment[0]), np.multiply(by_moment, moment[1])),
         load,
-        np.maximum(-axial, 0.0) / load,
+        np.maximum(-effective, 0.0) / load,
     ]
     return np.column_stack(out)
 
@@ -147,7 +148,7 @@ def _buckling_load(scene: Scene, axial: FloatArray) -> FloatArray:
     if well is None or scene.contact is None:
         return np.full(mesh.nodes, np.nan)
     _, t, kappa = well.at(mesh.node_depth)
-    weight = _at_nodes(mesh.mass, mesh.mass)[:, None] * np.array(scene.case.gravity)
+    weight = _at_nodes(scene.effective_mass, scene.effective_mass)[:, None] * np.array(scene.case.gravity)
     side = np.linalg.norm(weight - t * np.sum(weight * t, axis=1, keepdims=True) + axial[:, None] * kappa, axis=1)
     room = np.asarray(well.radius(mesh.node_depth)) - _at_nodes(0.5 * mesh.outer_diameter, 0.5 * mesh.outer_diameter)
     inside = (room > 0) & (side > 1e-6 * np.linalg.norm(weight, axis=1))

@@ -20,7 +20,7 @@ struct AnnulusFlow {
     enum { LENGTH, ABOVE, POISSON, OUTER, HOLE, OUTER_ABOVE, WALL, DIAMETER, GAP, GAP_ABOVE, CHI, DAMPING, TURNING, STEP, LOSS, CONTROL,
            CONTROLLED, DROP, TANGENT1, TANGENT2 = TANGENT1 + 3, BEND = TANGENT2 + 3, HEAD = BEND + 3, NP };
     // OUTER, HOLE: areas A_o, A_w [m2]; DIAMETER D_o, GAP D_w - D_o [m]; CHI added mass / (rho A_o); DAMPING k_v [N s/m2]; TURNING drag torque
-    // per length and spin [N s]; CONTROL 1: the upper node has the pressure CONTROLLED + rho0 g.r [Pa]; BEND curvature of the hole [1/m]; DROP, HEAD as in pipe_flow.hpp
+    // per length and spin [N s]; CONTROL 1: the upper node has the pressure CONTROLLED + rho0 (g.t_w)(t_w.r) [Pa]; BEND curvature of the hole [1/m]; DROP, HEAD as in pipe_flow.hpp
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
@@ -34,7 +34,7 @@ struct AnnulusFlow {
         const Compressed<T> c(f, mean, p[WALL]);
         if constexpr (HELD) {
             const T content = T(1.0) * (p[HOLE] - p[OUTER]), area = c.density * content * (1.0 / f.density), w = q / area;
-            const T resistance = shear(f, w, p[GAP], 1.0) * (L * 4.0 / p[GAP]), mass = c.density * L / area;
+            const T resistance = shear(f, w, c.density, p[GAP], 1.0) * (L * 4.0 / p[GAP]), mass = c.density * L / area;
             rows(x, y, c, p, f, content * L, T(0.0), T(0.0), p[CONTROLLED], q, mass * flow - c.density * p[DROP] + resistance, r, report);
             if constexpr (std::is_same_v<T, double>) if (report) {
                 report->dissipated += val(q) * val(f.density / c.density) * val(resistance);
@@ -97,7 +97,7 @@ struct AnnulusFlow {
         const T V = dot((on.y.r1 + on.y.r2) * 0.5 + (on.y.v1 - on.y.v2) * (L * (1.0 / 12)), tw);
         const T V1 = dot((on.a.r1 + on.a.r2) * 0.5 + (on.a.v1 - on.a.v2) * (L * (1.0 / 12)), tw);
         const T wall = w + V, sheared = wall - V * f.clinging;
-        const T tau = shear(f, sheared, p[GAP], 1.0);
+        const T tau = shear(f, sheared, c.density, p[GAP], 1.0);
         T resistance = tau * (lam * L * 4.0 / p[GAP]), mass = c.density * lam * lam * L / area, volume = content * L;
         T momentum = c.density * w * dot(d_rate, tw) + c.density * lam * L * V1 - c.density * gw * dot(on.x.r2 - on.above, tw);
         const T gradient = (p2 - p1) * (S(1.0) / (L + p[ABOVE]));
@@ -105,7 +105,7 @@ struct AnnulusFlow {
         const Vec<T> side = (weight - bend) * outer;  // buoyancy across the hole, less what guides the flow round its bends
         if constexpr (SPLIT) {
             const T open = thick * (AW - p[OUTER_ABOVE]);
-            resistance += shear(f, q / open + V * (1.0 - f.clinging), p[GAP_ABOVE], 1.0) * (p[ABOVE] * 4.0 / p[GAP_ABOVE]);
+            resistance += shear(f, q / open + V * (1.0 - f.clinging), c.density, p[GAP_ABOVE], 1.0) * (p[ABOVE] * 4.0 / p[GAP_ABOVE]);
             mass += c.density * p[ABOVE] / open;
             momentum += c.density * p[ABOVE] * dot(on.a.r1, tw);
             volume += T(0.0) + (AW - p[OUTER_ABOVE]) * p[ABOVE];
@@ -132,7 +132,7 @@ struct AnnulusFlow {
         on.store(F4, p[ABOVE], r);
         r[6] = (y[6] * 2.0 + y[13]) * (p[TURNING] * L * (1.0 / 6));
         r[13] = (y[13] * 2.0 + y[6]) * (p[TURNING] * L * (1.0 / 6));
-        const T head = dot(on.above, g) * f.density;
+        const T head = dot(on.above, tw) * (gw * f.density);  // at the hole's axis, wherever in the hole the string is held
         rows(x, y, c, p, f, volume, swept1 * (c.theta * L), swept2 * (c.theta * L), head + p[CONTROLLED], q, mass * flow + momentum + resistance, r, report);
         if constexpr (std::is_same_v<T, double>) if (report) energies(on, y, c, p, f, area, M, across, w, wall, V, tau, resistance, q, drag, report);
     }

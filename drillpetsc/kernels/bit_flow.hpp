@@ -82,6 +82,20 @@ struct BitFlow {
     }
 };
 
+// Where the string leaves the annulus: no mud presses on its section from above, which the virtual work of pressure along it takes for
+// granted at both ends (an outlet under pressure pushes the string out: snubbing force p A_o).
+struct AnnulusTop {
+    static constexpr int D = 8, NP = 1, NSPIN = 0;  // r, v, phi, pressure; area A_o [m2]
+    static constexpr bool PACKED = false;
+    static constexpr int SPINS[1][2] = {{0, 0}};
+    template <class T, class S>
+    static void force(int, const T* x, const T*, const T*, const S* p, void*, T* r) {
+        const Vec<T> v = vec(x + 3), push = v * (x[7] * p[0] / norm(v));
+        r[0] = push.x; r[1] = push.y; r[2] = push.z;
+        r[3] = r[4] = r[5] = r[6] = r[7] = T(0.0);
+    }
+};
+
 // Flow rate that a pump delivers into the bore.
 struct Pump {
     static constexpr int D = 1, NP = 1, NSPIN = 0;

@@ -28,6 +28,7 @@ DP_ENTRY(bit_flow_held, BitNozzleHeld)
 DP_ENTRY(bit_flow_jet_held, BitJetHeld)
 DP_ENTRY(bit_flow_closed_held, BitClosedHeld)
 DP_ENTRY(pump, Pump)
+DP_ENTRY(annulus_top, AnnulusTop)
 
 namespace {
 constexpr int FIGURES = sizeof(FlowReport) / sizeof(double);

@@ -26,12 +26,12 @@ constexpr double MASS_ROW = 1e6, MOMENTUM_ROW = 1e-2;
 
 inline Pack exp(const Pack& a) { return Pack(V4{std::exp(a.v[0]), std::exp(a.v[1]), std::exp(a.v[2]), std::exp(a.v[3])}); }
 
-// wall shear stress, lane by lane where elements stand side by side
-inline double shear(const Fluid& f, double w, double d, double alpha) { return wall_shear<double>(f.rheology, w, d, alpha, f.density); }
-template <int N> inline Dual<N> shear(const Fluid& f, const Dual<N>& w, double d, double alpha) { return wall_shear<Dual<N>>(f.rheology, w, d, alpha, f.density); }
-inline Pack shear(const Fluid& f, const Pack& w, const Pack& d, double alpha) {
+// wall shear stress of mud of a density, lane by lane where elements stand side by side
+inline double shear(const Fluid& f, double w, double density, double d, double alpha) { return wall_shear(f.rheology, w, d, alpha, density); }
+template <int N> inline Dual<N> shear(const Fluid& f, const Dual<N>& w, const Dual<N>& density, double d, double alpha) { return wall_shear(f.rheology, w, d, alpha, density); }
+inline Pack shear(const Fluid& f, const Pack& w, const Pack& density, const Pack& d, double alpha) {
     V4 out;
-    for (int l = 0; l < 4; ++l) out[l] = shear(f, w.v[l], d.v[l], alpha);
+    for (int l = 0; l < 4; ++l) out[l] = shear(f, w.v[l], density.v[l], d.v[l], alpha);
     return Pack(out);
 }
 

@@ -82,12 +82,12 @@ struct PipeFlow {
             if constexpr (std::is_same_v<T, double>) if (report) energies(on, m, G, c, p, f, y, report);
         }
         const T thick = c.density * (1.0 / f.density), area = thick * content * A, w = q * stretch / area;
-        T resistance = shear(f, w, p[DIAMETER], 0.0) * (stretch * L * 4.0 / p[DIAMETER]);
+        T resistance = shear(f, w, c.density, p[DIAMETER], 0.0) * (stretch * L * 4.0 / p[DIAMETER]);
         T mass = c.density * stretch * stretch * L / area;
         T volume = content * (A * L);
         if constexpr (SPLIT) {
             const T open = thick * p[AREA_ABOVE];
-            resistance += shear(f, q / open, p[DIAMETER_ABOVE], 0.0) * (p[ABOVE] * 4.0 / p[DIAMETER_ABOVE]);
+            resistance += shear(f, q / open, c.density, p[DIAMETER_ABOVE], 0.0) * (p[ABOVE] * 4.0 / p[DIAMETER_ABOVE]);
             mass += c.density * p[ABOVE] / open;
             volume += T(0.0) + p[AREA_ABOVE] * p[ABOVE];
         }

@@ -1,7 +1,8 @@
 // Friction laws: laminar stress, transition and turbulence; value and derivative in plain doubles.
 //
 // Every law is  stress = drag w F(Re)  with the laminar drag(w) = stress / w and F = friction factor / laminar friction factor.  With
-// order = d ln(laminar stress) / d ln w and Re ~ w^2 / laminar stress the derivative is  drag F (order + (2 - order) d ln F / d ln Re).
+// order = d ln(laminar stress) / d ln w and Re ~ density w^2 / laminar stress the derivative is  drag F (order + (2 - order) d ln F / d ln Re),
+// that by the density  stress / density d ln F / d ln Re.
 #include "rheology.hpp"
 
 #include <algorithm>
@@ -152,11 +153,11 @@ namespace dp {
 WallShear wall_shear_and_slope(const double* p, double w, double d, double alpha, double density) {
     const bool slot = alpha > 0.5;
     const Laminar l = laminar(p, w, d, slot);
-    if (!(l.drag > 0.0)) return {0.0, 0.0};  // an inviscid fluid has no wall friction, turbulent or not
+    if (!(l.drag > 0.0)) return {0.0, 0.0, 0.0};  // an inviscid fluid has no wall friction, turbulent or not
     const double Re = std::min(8.0 * density * std::fabs(w) / l.drag, 1e100);
     const Factor F = p[RHEO_LAW] == LAW_API ? api_factor(p, slot ? 1.5 * Re : Re, slot ? 24.0 : 16.0) : blend_factor(p, Re);
     const double drag = l.drag * F.value;
-    return {drag * w, drag * (l.order + (2.0 - l.order) * F.order)};
+    return {drag * w, drag * (l.order + (2.0 - l.order) * F.order), drag * w * F.order / density};
 }
 
 }  // namespace dp

@@ -35,14 +35,16 @@ constexpr double API_ROUNDING = 40.0;  // half width in Re of the rounding of th
 struct WallShear {
     double stress;  // [Pa]
     double slope;   // d(stress)/d(speed) [Pa s/m]
+    double by_density;  // d(stress)/d(density) at the same speed [Pa m3/kg]
 };
 WallShear wall_shear_and_slope(const double* law, double w, double hydraulic_diameter, double alpha, double density);
 
 // w mean speed [m/s]; hydraulic_diameter [m]: bore, or hole minus string diameter; alpha 0 pipe, 1 annulus (slot); density [kg/m3].
-template <class T>
-inline T wall_shear(const double* law, const T& w, double hydraulic_diameter, double alpha, double density) {
-    const WallShear r = wall_shear_and_slope(law, val(w), hydraulic_diameter, alpha, density);
+template <class T, class R>
+inline T wall_shear(const double* law, const T& w, double hydraulic_diameter, double alpha, const R& density) {
+    const WallShear r = wall_shear_and_slope(law, val(w), hydraulic_diameter, alpha, val(density));
     if constexpr (std::is_same_v<T, double>) return r.stress;
+    else if constexpr (!std::is_same_v<R, double>) return chain(r.stress, r.slope, w, r.by_density, density);
     else return chain(r.stress, r.slope, w);
 }
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from drillpetsc.channels import Annulus
 from drillpetsc.field import Block, Energies, FloatArray, Powers
+from drillpetsc.rooms.bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.rooms.flow import FIGURES, Channel, FluidConstants
 from drillpetsc.time_function import TimeFunction
 from drillpetsc.tubulars import StringMesh
@@ -67,6 +68,14 @@ class AnnulusFlow(Channel):
             length, m.rigid_above[e] if self.held_at is None else zero, self.poisson[e], a.outer[e], a.hole[e], a.outer_above[e], a.wall[e],
             a.outer_diameter[e], a.gap[e], a.gap_above[e], s.added[e], s.damping[e], s.turning[e], step, zero, control, zero, drop,
             self._directions(e, 0.0), head])
+
+    def blocks(self, part) -> tuple[Block, ...]:
+        elements = super().blocks(part)
+        if self.held:
+            return elements
+        _, vertices = local_vertices(part, np.array([0]))
+        area = np.full((len(vertices), 1), self.annulus.outer[0])
+        return (*elements, Block("annulus_top", "annulus_top", "vertex", vertices, (*VERTEX_SLOTS, ("annulus.pressure", 0)), (), area))
 
     def _update_of(self, block: Block):
         has_top, part = self._top is not None and self._top[0] is block, self._part

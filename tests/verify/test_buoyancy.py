@@ -256,3 +256,12 @@ def test_weight_of_mud_in_a_rigid_item_acts_across_too():
     sides = np.array([[scene.model.reaction(f"{end}.side_reaction_{k}") for k in (1, 2)] for end in ("top", "bottom")]).sum(axis=0)
     mass = 300.0 + STEEL * METAL * 20.0
     assert np.linalg.norm(sides) == pytest.approx(mass * (1 - MUD / STEEL) * G * np.sin(np.pi / 3), rel=1e-5)
+
+
+@pytest.mark.parametrize("plugged", [False, True])
+def test_an_outlet_under_pressure_pushes_the_string_out(plugged):
+    """The string leaves the annulus at the top, where nothing presses down on its section: a back pressure p lessens the hook load by
+    what it pushes up with, p A_s on the face of an open end (and p A_i on the swivel, p A_o altogether), p A_o on a plug."""
+    end = {"kind": "free", "plugged": plugged}
+    free, under = (hung(bottom=end, fluid={"outlet_pressure": p})[2]["hook_load"] for p in (0.0, 5e6))
+    assert free - under == pytest.approx(5e6 * OUTER, rel=1e-6)
