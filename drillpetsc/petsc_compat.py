@@ -80,6 +80,31 @@ def set_values_coo(matrix: PETSc.Mat, values: np.ndarray) -> None:
         raise PETSc.Error(code)
 
 
+def not_a_number_reason() -> int:
+    """Reason of an SNES that met a residual which is not a number; renamed after 3.22."""
+    reasons = PETSc.SNES.ConvergedReason
+    return reasons.DIVERGED_FNORM_NAN if hasattr(reasons, "DIVERGED_FNORM_NAN") else reasons.DIVERGED_FUNCTION_NANORINF
+
+
+def parallel_lu() -> str | None:
+    """A direct solver for distributed matrices that this PETSc was built with; None where it has none (binaries from PyPI)."""
+    if not hasattr(PETSc.Sys, "hasExternalPackage"):
+        return "mumps"  # 3.18 cannot tell; distributions build it in
+    return next((name for name in ("mumps", "superlu_dist") if PETSc.Sys.hasExternalPackage(name)), None)
+
+
+def rename_time_step(options: PETSc.Options) -> None:
+    """-ts_dt and -ts_time_step are one option, renamed in 3.25: either is understood."""
+    old, new = ("ts_dt", "ts_time_step") if VERSION >= (3, 25, 0) else ("ts_time_step", "ts_dt")
+    if options.hasName(old):
+        options.setValue(new, options.getString(old))
+        options.delValue(old)
+
+
+def time_step_option() -> str:
+    return "ts_time_step" if VERSION >= (3, 25, 0) else "ts_dt"
+
+
 def max_rejections_option() -> str:
     """The option that bounds rejected steps was renamed in 3.25."""
     return "ts_max_step_rejections" if VERSION >= (3, 25, 0) else "ts_max_reject"

@@ -156,19 +156,22 @@ class Recorder:
         self._powers = tuple(books[16:18])
         self.energies = np.array(self.model.energies(float(books[7])))
 
-    def step(self, t: float, dt: float, next_row: float) -> None:
+    def step(self, t: float, dt: float, next_row: float, inputs_at: float | None = None, fresh: bool = False) -> None:
         """Add up the work of an accepted step; take all its figures only when a row, due at ``next_row`` [s], may need them.
 
-        The time integrator at most doubles a step, so the step before the one that passes ``next_row`` is among them.
+        inputs_at: time at which the step saw its inputs (just before a jump where it ends on one).  fresh: the first step of the time
+        formula after a start.  The time integrator at most doubles a step, so the step before the one that passes ``next_row`` is among
+        them.
         """
+        seen = t if inputs_at is None else inputs_at
         if t + 3.0 * dt >= next_row or self.flow is not None:
-            v = self.sample(t)
+            v = self.sample(seen)
             powers = float(v[8]), float(v[9])
             self._samples.append((t, v))
             if self.flow is not None:
-                self.flow.step(v[-FlowRecord.SIZE :], dt)
+                self.flow.step(v[-FlowRecord.SIZE :], dt, fresh)
         else:
-            powers = self.model.powers(t)
+            powers = self.model.powers(seen)
         self.dissipated += 0.5 * dt * (self._powers[0] + powers[0])
         self.supplied += 0.5 * dt * (self._powers[1] + powers[1])
         self._powers = powers

@@ -172,7 +172,7 @@ def _integrate(scene, recorder, dynamics, folder, saved, state, began, progress)
     last = {"t": start, "newton": 0}
 
     def after(t: float, dt: float) -> None:
-        recorder.step(t, dt, writer.next_row * writer.every[0])
+        recorder.step(t, dt, writer.next_row * writer.every[0], dynamics.input_time(t), dynamics.fresh)
         if dynamics.jumped:
             recorder.book_impulse(t)
         newton = dynamics.newton_iterations()

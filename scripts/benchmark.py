@@ -12,6 +12,7 @@ import argparse
 import json
 import statistics
 import tempfile
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -21,7 +22,8 @@ import numpy as np
 from drillpetsc.output import read_frame, read_series, read_table
 
 CASES = Path(__file__).parents[1] / "cases" / "benchmark"
-TARGETS = {"pendulum": 5.0, "hanging-string": 5.0, "hanging-string-contact": 2.0, "buckled-collar": 3.0}  # simulated per CPU seconds
+# simulated per CPU seconds
+TARGETS = {"pendulum": 5.0, "hanging-string": 5.0, "hanging-string-contact": 2.0, "buckled-collar": 3.0, "coupled-2000m": 1.0}
 PHASES = ("Residual", "Jacobian", "ChainFactor", "ChainSolve", "Output")
 SETTLED = 2.0  # [s]: means are taken after the start
 Errors = dict[str, float]
@@ -58,6 +60,12 @@ def collar_errors(folder: Path, fresh: bool) -> Errors:
     return out | _against_finer(folder, "buckled-collar", {"mean torque": "surface_torque [N m]"}, fresh)
 
 
+def coupled_errors(folder: Path, fresh: bool) -> Errors:
+    columns = {"mean hook load": "hook_load [N]", "mean torque": "surface_torque [N m]", "mean pump pressure": "pump_pressure [Pa]"}
+    balance = json.loads((folder / "summary.json").read_text())["mass"]
+    return _against_finer(folder, "coupled-2000m", columns, fresh) | {"mud balance / pumped": abs(balance["error_share"])}
+
+
 def _against_finer(folder: Path, scene: str, columns: dict[str, str], fresh: bool) -> Errors:
     history = read_table(folder / "history.csv")
     finer = reference.finer_means(CASES / f"{scene}.yaml", tuple(columns.values()), SETTLED, fresh)
@@ -69,10 +77,50 @@ ERRORS: dict[str, Callable[[Path, bool], Errors]] = {
     "hanging-string": hanging_errors,
     "hanging-string-contact": contact_errors,
     "buckled-collar": collar_errors,
+    "coupled-2000m": coupled_errors,
 }
 
 
 # ---------------------------------------------------------------------- measuring
+def call_times(case: Path, calls: int = 40) -> dict[str, float]:
+    """Shortest time [s] of one call of each phase of a Newton iteration, in the static state of a case."""
+    from drillpetsc.case import load_case
+    from drillpetsc.scene import build_scene
+    from drillpetsc.solve.newton import chain_factor
+    from drillpetsc.start import find_equilibrium, move_rigidly, release
+
+    scene = build_scene(load_case(case))
+    find_equilibrium(scene)
+    release(scene)
+    move_rigidly(scene)
+    model, shift = scene.model, 1e3
+    asm, factor = model.assembly, chain_factor(model)
+    x = np.zeros(model.layout.size)
+    phases: dict[str, Callable[[], object]] = {
+        "residual": lambda: asm.residual(0.0), "Jacobian": lambda: asm.jacobian(0.0, (1.0, shift, shift**2), True),
+        "factor": lambda: factor.factor(asm.values), "solve": lambda: factor.solve(x, x), "powers": lambda: model.powers(0.0)}
+    out = {}
+    for name, call in phases.items():
+        times = []
+        for _ in range(calls):
+            begun = time.perf_counter()
+            call()
+            times.append(time.perf_counter() - begun)
+        out[name] = min(times)
+    return out
+
+
+def fluid_cost(case: Path) -> Errors:
+    """Time of residual, Jacobian, factor and solve with the mud over that without, in one process (best of many calls)."""
+    text = case.read_text(encoding="utf-8")
+    dry = text[: text.index("fluid:")] + text[text.index("gravity:") :]
+    with tempfile.TemporaryDirectory() as scratch:
+        file = Path(scratch) / "dry.yaml"
+        file.write_text(dry, encoding="utf-8")
+        wet_times, dry_times = call_times(case), call_times(file)
+    return {f"{name}, wet / dry": wet_times[name] / dry_times[name] for name in wet_times}
+
+
 def measure(scene: str, repeat: int, fresh: bool = False) -> dict:
     """Figures of ``repeat`` runs of a scene: the one in the middle, with the median of simulated per CPU seconds."""
     runs = []
@@ -82,6 +130,8 @@ def measure(scene: str, repeat: int, fresh: bool = False) -> dict:
             summary = reference.run_case(CASES / f"{scene}.yaml", folder)
             errors = ERRORS[scene](folder, fresh and k == 0)
         errors["energy lost / exchanged"] = abs(summary["energy"]["error_share"])
+        if "coupled" in scene:
+            errors |= fluid_cost(CASES / f"{scene}.yaml")
         seconds = {p: summary["wall_by_phase"].get(p, 0.0) for p in PHASES}
         cpu = summary["cpu_seconds"] - (seconds["Output"] if scene == "pendulum" else 0.0)
         runs.append({"factor": summary["simulated"] / cpu, "cpu": cpu, "errors": errors, "steps": summary["steps"],

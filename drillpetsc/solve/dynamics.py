@@ -28,7 +28,7 @@ DEFAULTS = {
 }
 TOLERANCE = 1.0e-4  # default of -ts_rtol
 CONSECUTIVE_FAILURES = 25
-NOTHING_LEFT = 1.0e-13  # share of the time at which a run has reached its end
+NOTHING_LEFT = 1.0e-11  # share of the time at which a run has reached its end
 SHORTEST_STEP = 1.0e-11  # a step that fails at this length fails at any [s]
 
 
@@ -54,17 +54,18 @@ class Dynamics:
 
     def __post_init__(self) -> None:
         options = PETSc.Options()
+        petsc_compat.rename_time_step(options)
         given = set(options.getAll())
         for key, value in {**DEFAULTS, petsc_compat.max_rejections_option(): 60}.items():
             if key not in given:
                 options.setValue(key, value)
-        self.first_step = options.getReal("ts_dt", self.first_step)
+        self.first_step = options.getReal(petsc_compat.time_step_option(), self.first_step)
         self._fixed = options.getString("ts_adapt_type", "basic") == "none"
         self.tolerance = options.getReal("ts_rtol", TOLERANCE)
         self.condensed = options.getString("ts_type", "bdf") == "bdf" and options.getString("snes_type", "python") == "python"
         refuse_integrator(options.getString("ts_type", "bdf"))
         self.counters, self._in_a_row, self.last_step, self._reach = Counters(), 0, 0.0, 0
-        self._order = options.getInt("ts_bdf_order", 2)
+        self._order, self.fresh = options.getInt("ts_bdf_order", 2), True  # fresh: the next step is the first of its formula
         self._last, self._t, self._jump, self._stop = 0.0, 0.0, np.inf, np.inf
         self._make(options)
         self.options = dict(options.getAll())  # in effect, defaults included
@@ -93,34 +94,40 @@ class Dynamics:
         else:
             self.plain = PlainSystem(model)
             self.plain.default_solver(options)
-            self.ts.setIFunction(lambda ts, t, *rest: self.plain.function(ts, self._input_time(t), *rest), self._f)
-            self.ts.setIJacobian(lambda ts, t, *rest: self.plain.jacobian(ts, self._input_time(t), *rest), self.plain.matrix)
+            self.ts.setIFunction(lambda ts, t, *rest: self.plain.function(ts, self.input_time(t), *rest), self._f)
+            self.ts.setIJacobian(lambda ts, t, *rest: self.plain.jacobian(ts, self.input_time(t), *rest), self.plain.matrix)
             # PETSc takes the mass matrix for one without this, and arkimex goes wrong in silence
             kinds = PETSc.TS.EquationType
             self.ts.setEquationType(kinds.DAE_IMPLICIT_INDEX1 if model.assembly.fixed else kinds.IMPLICIT)
         self.ts.setFromOptions()
-        tolerance = self.tolerance_vector()
-        nothing = tolerance.duplicate()
-        self.ts.setTolerances(rtol=nothing, atol=tolerance)
+        self._nothing = model.new_state()
+        self._relax(False)
         self.ts.setPostStep(self._post_step)
 
-    def tolerance_vector(self) -> PETSc.Vec:
-        """Absolute tolerance per row of the state: -ts_rtol times the field's scale; rates and algebraic rows are masked."""
+    def _relax(self, jumped: bool) -> None:
+        """Where a prescribed motion jumps, flow relative to the pipe jumps as well: no step is short enough for its error control."""
+        self._relaxed = jumped
+        self.ts.setTolerances(rtol=self._nothing, atol=self.tolerance_vector(first_order=not jumped))
+
+    def tolerance_vector(self, first_order: bool = True) -> PETSc.Vec:
+        """Absolute tolerance per row of the state: -ts_rtol times the field's scale; rates and algebraic rows are masked (and without
+        ``first_order`` the unknowns that have no rate of their own in the state)."""
         layout, vector = self.model.layout, self.model.new_state()
-        differential = np.array([f.differential for f in layout.fields])[layout.field_of[layout.local_of_owned]]
+        controlled = np.array([f.differential and (f.second_order or first_order) for f in layout.fields])
+        differential = controlled[layout.field_of[layout.local_of_owned]]
         values = vector.getArray()
         values[:] = MASKED
         values[layout.x_owned] = np.where(differential, self.tolerance * self.model.scale[layout.local_of_owned], MASKED)
         vector.assemble()
         return vector
 
-    def _input_time(self, t: float) -> float:
+    def input_time(self, t: float) -> float:
         """Time at which inputs are looked up: a step that ends where one jumps still sees the value before the jump."""
         return t if t < self._jump else float(np.nextafter(self._jump, -np.inf))
 
     # ------------------------------------------------------------------ condensed step, called by the outer SNES
     def _catch_rate(self, ts, t, x, xdot, f) -> None:
-        self._t = self._input_time(t)
+        self._t = self.input_time(t)
         xdot.copy(self._xdot)
 
     def _catch_shift(self, ts, t, x, xdot, shift, J, P) -> None:
@@ -175,12 +182,15 @@ class Dynamics:
         self._accept()
         for call in self.after_step:
             call(self._last, dt)
-        self._reach = max(0, self._reach - 1)
+        self._reach, self.fresh = max(0, self._reach - 1), False
+        if self._relaxed and not self._reach:
+            self._relax(False)
         # a tangent that has turned far from its gauge gets a new one, and the history starts afresh; 60 degrees are left when it is due
         if self.counters.steps % 4 == 0 and renew(self.model, self.model.frames):
             self.model.store_state(ts.getSolution())
             self._forget()
             ts.restartStep()
+            self.fresh = True
 
     @property
     def jumped(self) -> bool:
@@ -219,11 +229,13 @@ class Dynamics:
             self._forget()
             if self._rates_jump(ts.getTime()):
                 self._reach = 1 + self._order
+                self._relax(True)
                 for call in self.at_jump:
                     call(ts.getTime())
             self._stop, self._jump = stop, stop if stop in jumps else np.inf
             ts.setMaxTime(stop)
             ts.restartStep()
+            self.fresh = True
             ts.setTimeStep(min(self.first_step, stop - ts.getTime()))
             rejected = ts.getStepRejections()
             with petsc_compat.own_errors():

@@ -158,7 +158,7 @@ class CondensedNewton:
     def judge(self, its: int, step: np.ndarray, finite: bool) -> int:
         """Reason after ``its`` iterations, the last of which moved the owned unknowns by ``step``; 0: go on."""
         if not finite:
-            return PETSc.SNES.ConvergedReason.DIVERGED_FNORM_NAN
+            return petsc_compat.not_a_number_reason()
         if its == 0:
             self._theta = 0.0
             return 0

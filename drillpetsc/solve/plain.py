@@ -84,7 +84,8 @@ class PlainSystem:
         """A direct solver where the options ask for no other: the rows of a stiff string are too far apart in size for ILU."""
         defaults = {"ksp_type": "preonly", "pc_type": "lu"}
         if self.model.comm.size > 1:
-            defaults["pc_factor_mat_solver_type"] = "mumps"
+            solver = petsc_compat.parallel_lu()
+            defaults |= {"pc_factor_mat_solver_type": solver} if solver else {"pc_type": "redundant", "redundant_pc_type": "lu"}
             if options.getString("ts_type", "") == "arkimex":  # its first step is another TS with a dense matrix, for which there is no LU
                 defaults = {"ksp_type": "gmres", "ksp_rtol": "1e-10", "pc_type": "bjacobi", "sub_pc_type": "lu"}
         if options.hasName("ksp_type") or options.hasName("pc_type"):
