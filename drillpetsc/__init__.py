@@ -1,12 +1,12 @@
 """drillpetsc: drillstring dynamics on PETSc.  Importing the package starts no MPI and draws nothing.
 
-``Case`` describes a scene (the keys of a case file), ``load_case`` reads one, ``run`` simulates it.
+``Case`` describes a scene (the keys of a case file), ``load_case`` reads one, ``run`` simulates it, ``sweep`` many variations of it.
 """
 
 from typing import Any
 
 __version__ = "0.1.0"
-__all__ = ["Case", "load_case", "run"]
+__all__ = ["Case", "load_case", "run", "sweep"]
 
 
 def __getattr__(name: str) -> Any:  # so that the import stays quick and starts nothing
@@ -28,3 +28,16 @@ def run(case: Any, out: Any = None, **keywords: Any) -> Any:
     from drillpetsc.simulate import run as whole_run
 
     return whole_run(case, out, **keywords)
+
+
+def sweep(case_path: Any, values: Any, out: Any = None, **keywords: Any) -> Any:
+    """Simulate every combination of ``values``, {"fluid.flow_rate": ["20 l/s", 0.03], "fluid": ["on", "off"]}, of the case file at a path.
+
+    See drillpetsc.ensemble.sweep; PETSc is initialised first if the caller has not done so.
+    """
+    import petsc4py
+
+    petsc4py.init()
+    from drillpetsc.ensemble import sweep as whole_sweep
+
+    return whole_sweep(case_path, values, out, **keywords)

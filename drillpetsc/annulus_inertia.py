@@ -100,11 +100,13 @@ def _unsteady(S: Array, R: Array) -> tuple[Array, Array]:
         return value, [s / size for s in slope]
 
     one = np.ones_like(R)
-    near, far = rows(one, decay, one + 0j), rows(R, one + 0j, np.exp(l * (1.0 - R)))
+    falling = np.asarray(np.exp(l * (1.0 - R)), dtype=complex)
+    whole = np.asarray(one, dtype=complex)
+    near, far = rows(one, np.asarray(decay, dtype=complex), whole), rows(R, whole, falling)
     matrix = np.stack([np.stack(row, axis=-1) for row in (near[0], near[1], far[0], far[1])], axis=-2)
     right = np.stack([one + 0j, one / np.abs(l), 0j * one, 0j * one], axis=-1)
     A = np.linalg.solve(matrix, right[..., None])[..., 0, 0]
-    return (2.0 * A - 1.0).real, -(2.0 * A - 1.0).imag
+    return np.asarray((2.0 * A - 1.0).real, dtype=float), np.asarray(-(2.0 * A - 1.0).imag, dtype=float)
 
 
 def lateral_damping(

@@ -1,8 +1,9 @@
-"""The command line: drillpetsc run | check | statics | modes | view | plot | schema."""
+"""The command line: drillpetsc run | sweep | check | statics | modes | view | plot | schema."""
 
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from pathlib import Path
 
@@ -16,6 +17,9 @@ of each unknown), -ts_bdf_order, -ts_dt, -ts_adapt_type none, -q_snes_stol, -q_s
 Exit status: 0 done, 1 the run failed (what was written is kept), 2 bad input (nothing written)."""
 
 
+CHANGE = re.compile(r"[A-Za-z_]\w*(\[\d+\]|\.\w+)*\s*=")  # KEY=..., which is no value of a PETSc option
+
+
 def parser() -> argparse.ArgumentParser:
     p = argparse.ArgumentParser(prog="drillpetsc", description="Drillstring dynamics on PETSc.", epilog=EPILOG, allow_abbrev=False,
                                 formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -26,12 +30,20 @@ def parser() -> argparse.ArgumentParser:
         return sub.add_parser(name, help=text, description=text, epilog=EPILOG, allow_abbrev=False,
                               formatter_class=argparse.RawDescriptionHelpFormatter)
 
-    run = command("run", "simulate one case, or several one after the other, on all ranks")
+    run = command("run", "simulate one case on all ranks, or several wells at once with the ranks shared out over them")
     run.add_argument("cases", nargs="+", metavar="CASE.yaml")
     run.add_argument("--out", metavar="DIR", help="run folder (default: results/<case>-NNN)")
     run.add_argument("--restart", action="store_true", help="continue from the checkpoint in the run folder")
     run.add_argument("--overwrite", action="store_true", help="replace the results in an existing --out")
     run.add_argument("--progress", choices=("auto", "live", "log", "silent"), default="auto", help="how progress is shown")
+    sweep = command("sweep", "simulate every combination of some values, with the ranks shared out over the combinations")
+    sweep.add_argument("case", metavar="CASE.yaml")
+    sweep.add_argument("values", nargs="+", metavar="KEY=V1,V2",
+                       help="key of the case file and its values: 'fluid.flow_rate=20 l/s,30 l/s' fluid=on,off 'output.probes=[1 m, 2 m],[3 m]'")
+    sweep.add_argument("--out", metavar="DIR", help="folder of the table and of the members' run folders (default: results/<case>-NNN)")
+    sweep.add_argument("--restart", action="store_true", help="keep members that are done, continue those with a checkpoint, run the others")
+    sweep.add_argument("--overwrite", action="store_true", help="replace the results in an existing --out")
+    sweep.add_argument("--progress", choices=("auto", "silent"), default="auto", help="one line for each member that ends, or none")
     check = command("check", "read and validate a case, and say what the scene contains and leaves out")
     check.add_argument("case", metavar="CASE.yaml")
     statics = command("statics", "static equilibrium: torque and drag, contact forces, buckling state")
@@ -72,7 +84,7 @@ def main(words: list[str] | None = None) -> int:
     try:
         if unknown:
             raise CaseError(at=unknown[0], want="a known --option (see --help), or a PETSc option with one dash")
-        if theirs and arguments.command not in ("run", "statics", "check", "modes"):
+        if theirs and arguments.command not in ("run", "sweep", "statics", "check", "modes"):
             raise CaseError(at=theirs[0], want=f"no PETSc options with {arguments.command}")
         return COMMANDS[arguments.command](arguments, theirs)
     except DrillError as error:
@@ -92,7 +104,8 @@ def _split(words: list[str]) -> tuple[list[str], list[str]]:
         if word.startswith("-") and not word.startswith("--") and word not in ("-h",) and not _is_number(word) and len(word) > 1:
             theirs.append(word)
             following = words[i + 1] if i + 1 < len(words) else "-"
-            if (not following.startswith("-") or _is_number(following)) and not following.endswith((".yaml", ".yml")):
+            if (not following.startswith("-") or _is_number(following)) and not following.endswith((".yaml", ".yml")) and not (
+                    words[0] == "sweep" and CHANGE.match(following)):
                 theirs.append(following)
                 i += 1
         else:
@@ -156,20 +169,43 @@ def _load(path: str):
 
 
 def _run(arguments, theirs: list[str]) -> int:
-    cases = [(Path(path).stem, _load(path)) for path in arguments.cases]
-    if len(cases) > 1 and arguments.out:
-        raise CaseError(at="--out", got=arguments.out, want="one case with --out", hint="several cases go to results/<case>-NNN")
+    if len(arguments.cases) > 1:
+        return _run_several(arguments, theirs)
+    name, case = Path(arguments.cases[0]).stem, _load(arguments.cases[0])
     _start_petsc(theirs)
-    from petsc4py import PETSc
-
     from drillpetsc.simulate import run
     from drillpetsc.summary import closing_lines
 
-    for name, case in cases:
-        result = run(case, arguments.out, restart=arguments.restart, overwrite=arguments.overwrite, name=name, progress=arguments.progress)
-        if PETSc.COMM_WORLD.rank == 0:
-            print("\n".join(closing_lines(result.summary, result.folder)))
+    result = run(case, arguments.out, restart=arguments.restart, overwrite=arguments.overwrite, name=name, progress=arguments.progress)
+    if _rank() == 0:
+        print("\n".join(closing_lines(result.summary, result.folder)))
     return 0
+
+
+def _run_several(arguments, theirs: list[str]) -> int:
+    _start_petsc(theirs)
+    from drillpetsc.ensemble import run_cases
+
+    return _ended(run_cases(arguments.cases, arguments.out, restart=arguments.restart, overwrite=arguments.overwrite,
+                            progress=arguments.progress))
+
+
+def _sweep(arguments, theirs: list[str]) -> int:
+    _start_petsc(theirs)
+    from drillpetsc.ensemble import sweep
+    from drillpetsc.variations import choices_of
+
+    return _ended(sweep(arguments.case, choices_of(arguments.values), arguments.out, restart=arguments.restart,
+                        overwrite=arguments.overwrite, progress=arguments.progress))
+
+
+def _ended(result) -> int:
+    """The end of a job of several members: 1 when any failed."""
+    from drillpetsc.ensemble import closing_lines
+
+    if _rank() == 0:
+        print("\n".join(closing_lines(result)))
+    return 1 if result.failed else 0
 
 
 def _check(arguments, theirs: list[str]) -> int:
@@ -240,4 +276,5 @@ def _schema(arguments, theirs: list[str]) -> int:
     return 0
 
 
-COMMANDS = {"run": _run, "check": _check, "statics": _statics, "modes": _modes, "view": _view, "plot": _plot, "schema": _schema}
+COMMANDS = {"run": _run, "sweep": _sweep, "check": _check, "statics": _statics, "modes": _modes, "view": _view, "plot": _plot,
+            "schema": _schema}

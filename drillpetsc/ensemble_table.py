@@ -31,8 +31,8 @@ NEW, AGAIN, CONTINUE, KEEP = "new", "again", "continue", "keep"
 class Member:
     """One run of an ensemble.
 
-    number: from 1; values: what tells it from the others, column -> word; numbers: column -> the same in SI, where it is a number;
-    elements: of its mesh; cost: expected, elements times simulated seconds.
+    number: from 1; name: in front of its run folder's number; values: what tells it from the others, column -> word; numbers: column ->
+    the same in SI, where it is a number; elements: of its mesh.
     """
 
     number: int
@@ -44,6 +44,7 @@ class Member:
 
     @property
     def cost(self) -> float:
+        """Expected, in elements times simulated seconds: a step costs as much as the string has elements (describe.COST)."""
         assert self.case.time is not None
         return self.elements * float(self.case.time.end)
 
@@ -62,13 +63,15 @@ class Place:
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a member ended.  status: done or failed; ranks: numbers in the whole job of the ranks that computed it; wall [s]."""
+    """How a member ended.  status: done or failed; ranks: numbers in the whole job of the ranks that computed it, none when an earlier
+    job did; wall [s]; figures: of its run folder."""
 
     number: int
     status: str
     message: str = ""
     ranks: tuple[int, ...] = ()
     wall: float = 0.0
+    figures: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -151,8 +154,7 @@ def _means(history: Path) -> dict[str, float]:
 
 def rows(plan: Plan, ended: dict[int, Outcome]) -> list[dict[str, Any]]:
     """One row a member; all have the same columns, nan where a member has no such figure."""
-    known = {m.number: figures(plan.place(m).folder) for m in plan.members if m.number in ended}
-    titles = list(dict.fromkeys(title for each in known.values() for title in each))
+    titles = list(dict.fromkeys(title for m in plan.members if m.number in ended for title in ended[m.number].figures))
     also_si = [key for key in plan.members[0].values if _in_words(plan.members, key)]
     out = []
     for m in plan.members:
@@ -163,7 +165,7 @@ def rows(plan: Plan, ended: dict[int, Outcome]) -> list[dict[str, Any]]:
         row: dict[str, Any] = {"member": m.number, **m.values, **{f"{key} (SI)": m.numbers.get(key, np.nan) for key in also_si}}
         row |= {"status": outcome.status, "folder": os.path.relpath(folder, plan.folder) if plan.folder else str(folder),
                 "ranks": len(outcome.ranks), "wall [s]": outcome.wall}
-        row |= {title: known.get(m.number, {}).get(title, np.nan) for title in titles}
+        row |= {title: outcome.figures.get(title, np.nan) for title in titles}
         out.append({**row, "message": outcome.message})
     return out
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import copy
 import itertools
 import json
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,8 +23,6 @@ ABSENT = "-"  # in place of a value whose block is switched off
 MOST_ERRORS = 5  # told at once
 WITHOUT = {"contact": "none"}  # blocks that a case has unless it says otherwise: what stands for their absence
 SETTINGS = ("material", "beam", "initial", "time", "output", "petsc", "bottom", "top", "string", "well.survey", "well.sections")
-
-_KEY = re.compile(r"[A-Za-z_]\w*(\[\d+\]|\.\w+)*\s*=")
 
 
 @dataclass(frozen=True)
@@ -51,11 +48,6 @@ class Variation:
             except (KeyError, IndexError, TypeError):
                 return None
         return float(found) if isinstance(found, (int, float)) and not isinstance(found, bool) else None
-
-
-def is_change(word: str) -> bool:
-    """Whether a word of the command line has the form KEY=..."""
-    return bool(_KEY.match(word))
 
 
 def choices_of(words: Sequence[str]) -> dict[str, list[str]]:

@@ -54,7 +54,8 @@ def _palette(images: list[np.ndarray], colormap: Any) -> Any:
         coarse = image[::2, ::2].reshape(-1, 3).astype(np.int32) & 0xFC  # steps of four: invisible, and fewer colours
         seen = np.union1d(seen, coarse[:, 0] << 16 | coarse[:, 1] << 8 | coarse[:, 2])
     once = np.stack((seen >> 16 & 255, seen >> 8 & 255, seen & 255), axis=-1).astype(np.uint8)[None]
-    others = np.array(Image.fromarray(once).quantize(158).getpalette()[: 3 * 158], dtype=np.uint8)
+    colours = Image.fromarray(once).quantize(158).getpalette() or []
+    others = np.array(colours[: 3 * 158], dtype=np.uint8)
     own = (255 * colormap(np.linspace(0, 1, 96))[:, :3]).round().astype(np.uint8)
     palette = Image.new("P", (1, 1))
     palette.putpalette(np.concatenate((others, own.ravel(), np.full(3, 255, dtype=np.uint8))).tolist())

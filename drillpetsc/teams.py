@@ -1,0 +1,102 @@
+"""Teams of ranks that compute the members of an ensemble, each on a communicator of its own.
+
+While members run, teams share nothing but files (ensemble_table): no rank ever waits for another team, so a member that fails or hangs
+holds up none but its own ranks.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from petsc4py import PETSc
+
+LEAST_ELEMENTS = 40  # per rank of a team: below, talking costs more than the second rank saves
+PATIENCE = 60.0  # how long a rank waits for the others of its team once its own part of a member has ended [s]
+NAP = 0.02  # between two looks [s]; a rank that waits leaves its core to others
+
+
+def team_sizes(costs: Sequence[float], elements: Sequence[int], ranks: int) -> list[int]:
+    """Number of ranks of each team; team k begins with member k.
+
+    costs: expected, falling; elements: of each member's mesh.  A member gets one rank, or as many as its share of the whole cost comes
+    to; with more ranks than members those left over go where most work stands per rank.  No team gets more ranks than its first member
+    has work for, so ranks may stay without a team.
+    """
+    total = sum(costs)
+    most = [max(1, n // LEAST_ELEMENTS) for n in elements]
+    sizes: list[int] = []
+    left = ranks
+    for cost, limit in zip(costs, most, strict=True):
+        if left == 0:
+            break
+        share = int(cost * ranks / total * (1 + 1e-12)) if total > 0 else 1
+        sizes.append(min(max(1, share), limit, left))
+        left -= sizes[-1]
+    while left > 0:
+        open_ = [k for k, size in enumerate(sizes) if size < most[k]]
+        if not open_:
+            break
+        sizes[max(open_, key=lambda k: costs[k] / sizes[k])] += 1
+        left -= 1
+    return sizes
+
+
+@dataclass
+class Team:
+    """The ranks that compute a member together.
+
+    number: from 0; comm: for the computation; talk: of the same ranks, for what stands beside it, so that a message of a rank that has
+    failed cannot meet one of the computation; ranks: their numbers in the whole job.
+    """
+
+    number: int
+    comm: PETSc.Comm
+    talk: Any
+    ranks: tuple[int, ...]
+    _kept: list[Any] = field(default_factory=list)
+
+    @property
+    def first(self) -> bool:
+        return self.talk.rank == 0
+
+    def gathered(self, mine: Any) -> list[Any] | None:
+        """``mine`` of each rank of the team; None when a rank has not come within PATIENCE, and never will."""
+        if self.talk.size == 1:
+            return [mine]
+        if not wait_for(self.talk.Ibarrier(), PATIENCE):
+            return None
+        return self.talk.allgather(mine)
+
+
+def split(mpi: Any, sizes: Sequence[int]) -> Team | None:
+    """This rank's team, of neighbouring ranks; None for a rank without one.  Collective over ``mpi`` (mpi4py's)."""
+    from mpi4py import MPI
+
+    teams = [number for number, size in enumerate(sizes) for _ in range(size)]
+    number = teams[mpi.rank] if mpi.rank < len(teams) else MPI.UNDEFINED
+    part = mpi.Split(number, mpi.rank)
+    if part == MPI.COMM_NULL:
+        return None
+    # PETSc's own duplicate is held as long as the team lives: freed with its last object and made anew, it could be made anew on a rank alone
+    comm = PETSc.Comm(part).duplicate()
+    return Team(number, comm, part.Dup(), tuple(part.allgather(mpi.rank)), [part])
+
+
+def wait_for(request: Any, longest: float = float("inf")) -> bool:
+    """Wait for a request of MPI without keeping a core busy; false when it is not done after ``longest`` [s]."""
+    began = clock.monotonic()
+    while not request.Test():
+        if clock.monotonic() - began > longest:
+            return False
+        clock.sleep(NAP)
+    return True
+
+
+def wait_for_files(files: Sequence[Path]) -> None:
+    """Wait until all of the files are there."""
+    while not all(file.exists() for file in files):
+        clock.sleep(0.2)
