@@ -39,9 +39,10 @@ def parser() -> argparse.ArgumentParser:
     sweep = command("sweep", "simulate every combination of some values, with the ranks shared out over the combinations")
     sweep.add_argument("case", metavar="CASE.yaml")
     sweep.add_argument("values", nargs="+", metavar="KEY=V1,V2",
-                       help="key of the case file and its values: 'fluid.flow_rate=20 l/s,30 l/s' fluid=on,off 'output.probes=[1 m, 2 m],[3 m]'")
+                       help="a key of the case file and its values: 'fluid.flow_rate=20 l/s,30 l/s'; commas inside brackets or quotes "
+                            "belong to a value; fluid=on,off leaves a block as it is, and takes it out")
     sweep.add_argument("--out", metavar="DIR", help="folder of the table and of the members' run folders (default: results/<case>-NNN)")
-    sweep.add_argument("--restart", action="store_true", help="keep members that are done, continue those with a checkpoint, run the others")
+    sweep.add_argument("--restart", action="store_true", help="keep members that are done, continue those with a checkpoint")
     sweep.add_argument("--overwrite", action="store_true", help="replace the results in an existing --out")
     sweep.add_argument("--progress", choices=("auto", "silent"), default="auto", help="one line for each member that ends, or none")
     check = command("check", "read and validate a case, and say what the scene contains and leaves out")

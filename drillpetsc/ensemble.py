@@ -164,12 +164,20 @@ class _Job:
                 if team.first:
                     mine.append(self._outcome(team, member, messages, clock.perf_counter() - began))
                     self._tell(mine[-1], member)
-                    number = next((m.number for m in self.order[len(self.sizes) :] if table.claim(self.plan, m)), 0)
+                    number = self._free(len(team.ranks))
                 number = team.talk.bcast(number)
                 member = self.plan.members[number - 1] if number else None
         if team.first:
             self._left(team.number).touch()
         return mine
+
+    def _free(self, ranks: int) -> int:
+        """Take the costliest member that nobody has, for a team of so many ranks; 0 when there is none.
+
+        A string too short for a large team is left to the smaller ones, of which there is one whenever members outnumber the teams.
+        """
+        fitting = (m for m in self.order[len(self.sizes) :] if ranks == 1 or m.elements >= 2 * ranks)
+        return next((m.number for m in fitting if table.claim(self.plan, m)), 0)
 
     def _compute(self, team: Team, member: Member) -> str:
         """Run a member on its team; what went wrong on this rank, or nothing."""
@@ -196,7 +204,7 @@ class _Job:
         folder = self.plan.place(member).folder
         if message and folder.is_dir() and not any(folder.iterdir()):
             folder.rmdir()  # made beforehand, and nothing came of it
-        return Outcome(member.number, "failed" if message else "done", "; ".join(part.strip() for part in message.splitlines()),
+        return Outcome(member.number, "failed" if message else "done", "; ".join(" ".join(part.split()) for part in message.splitlines()),
                        team.ranks, wall, table.figures(folder))
 
     def _tell(self, outcome: Outcome, member: Member) -> None:
@@ -223,7 +231,8 @@ class _Job:
         self._left(team.number).touch()
         wait_for_files([self._left(number) for number in range(len(self.sizes))])
         table.write(self.plan, {**self.facts(), "ended": True})
-        print("drillpetsc: a member failed on some of its ranks only; the job is ended, all others are complete", file=sys.stderr, flush=True)
+        print("drillpetsc: a member failed on some of its ranks alone, so the job is ended; the other teams have finished",
+              file=sys.stderr, flush=True)
         self.mpi.Abort(1)
 
 

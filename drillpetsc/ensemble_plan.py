@@ -54,13 +54,17 @@ def _state(folder: Path) -> Path:
 
 def _places(folder: Path, members: list[Member]) -> list[Place]:
     """For a restart: the folder in which the same case was run, wherever it stands; a new one for a member that has none."""
-    known = {text: path for path in sorted(folder.glob("member-*")) if (text := _case_text(path))}
-    taken = set(known.values())
+    known: dict[str, list[Path]] = {}
+    for path in sorted(folder.glob("member-*")):
+        if text := _case_text(path):
+            known.setdefault(text, []).append(path)
+    taken = {path for several in known.values() for path in several}
     places = []
     for m in members:
-        path = known.get(m.case.to_yaml())
-        if path is not None:
-            places.append(Place(path, _action(path)))
+        same = known.get(m.case.to_yaml())
+        if same:
+            places.append(Place(same[0], _action(same[0])))
+            same.pop(0)  # 1 m and 100 cm are two members
             continue
         number = m.number
         while (path := folder / f"member-{number:03d}") in taken:

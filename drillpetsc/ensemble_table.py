@@ -131,9 +131,9 @@ def figures(folder: Path) -> dict[str, float]:
         return {}
     told = read_summary(run.summary)
     out = {"time [s]": told.get("time"), "real_time_factor [-]": told.get("real_time_factor"), "steps [-]": told.get("steps"),
-           "energy_error_share [-]": told.get("energy", {}).get("error_share"), "mass_error_share [-]": told.get("mass", {}).get("error_share")}
-    if "mass" not in told:
-        del out["mass_error_share [-]"]
+           "energy_error_share [-]": told.get("energy", {}).get("error_share")}
+    if "mass" in told:
+        out["mass_error_share [-]"] = told["mass"].get("error_share")
     out |= told.get("final", {})
     out |= _means(run.history)
     return {name: np.nan if value is None else float(value) for name, value in out.items()}

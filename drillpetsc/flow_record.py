@@ -55,7 +55,7 @@ class FlowRecord:
 
     def sample(self, t: float) -> FloatArray:
         """(6,) this rank's share."""
-        f, asm, place = self.fluid, self.model.assembly, self.model.layout.place
+        f, asm = self.fluid, self.model.assembly
         v = np.zeros(self.SIZE)
         for room in (f.pipe, f.annulus):
             if room is not None:
@@ -74,8 +74,7 @@ class FlowRecord:
         else:
             v[2] = v[4]
         if self._last >= 0:
-            name = "annulus.pressure" if f.annulus is not None else "pipe.pressure"
-            v[1] = asm.x[place[name][self._last, 0]]
+            v[1] = (f.annulus or f.pipe).pressures(self.model)[self._last]
         return v
 
     # ------------------------------------------------------------------ mass
@@ -118,8 +117,8 @@ class FlowRecord:
     def nodal(self) -> dict[str, FloatArray]:
         """Pressures [Pa] at the local vertices."""
         names = {"pipe": "internal_pressure [Pa]", "annulus": "annulus_pressure [Pa]"}
-        return {title: self.model.field(f"{room}.pressure")[:, 0] for room, title in names.items()
-                if getattr(self.fluid, room) is not None}
+        rooms = {title: getattr(self.fluid, room) for room, title in names.items()}
+        return {title: room.pressures(self.model) for title, room in rooms.items() if room is not None}
 
     def wall_tension(self) -> FloatArray:
         """(nc, 2) tension [N] of the pipe's wall at both ends of the local elements beyond EA times strain: what keeps a pipe
@@ -128,8 +127,17 @@ class FlowRecord:
         for room, sign in ((self.fluid.pipe, 1.0), (self.fluid.annulus, -1.0)):
             if room is not None:
                 area = (room.bore.area if room is self.fluid.pipe else room.annulus.outer)[line.cells]
-                pressure = self.model.field(f"{room.name}.pressure")[:, 0][line.ends]
+                pressure = room.pressures(self.model)[line.ends]
                 out += sign * 2 * (room.poisson[line.cells] * area)[:, None] * pressure
+        return out
+
+    def pressure_force(self) -> FloatArray:
+        """(nc, 2) what effective tension has beyond that of the wall at both ends of the local elements, -p_i A_i + p_o A_o [N]."""
+        line, out = self.model.line, np.zeros((len(self.model.line.cells), 2))
+        for room, sign in ((self.fluid.pipe, -1.0), (self.fluid.annulus, 1.0)):
+            if room is not None:
+                area = (room.bore.area if room is self.fluid.pipe else room.annulus.outer)[line.cells]
+                out += sign * area[:, None] * room.pressures(self.model)[line.ends]
         return out
 
     def cellwise(self) -> dict[str, FloatArray]:
@@ -138,7 +146,6 @@ class FlowRecord:
         for room, title in (("pipe", "internal"), ("annulus", "annulus")):
             channel = getattr(self.fluid, room)
             if channel is not None:
-                lower = self.model.line.ends[:, 1]
-                out[f"{title}_flow [m3/s]"] = self.model.field(f"{room}.flow")[lower, 0]
+                out[f"{title}_flow [m3/s]"] = channel.flows(self.model)
                 out[f"{title}_speed [m/s]"] = channel.figures(self.model.assembly)[:, 7]
         return out

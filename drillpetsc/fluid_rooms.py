@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -18,6 +20,7 @@ from drillpetsc.rheology import Rheology
 from drillpetsc.rooms.annulus_flow import AnnulusFlow, Sideways
 from drillpetsc.rooms.bit_flow import BitEnd, BitFlow
 from drillpetsc.rooms.flow import FluidConstants
+from drillpetsc.rooms.hermite_flow import HermiteAnnulus, HermiteBit, HermitePipe, volumes_at_rest
 from drillpetsc.rooms.pipe_flow import PipeFlow
 from drillpetsc.time_function import Constant
 from drillpetsc.tubulars import StringMesh
@@ -28,12 +31,16 @@ NEAREST_WALL = 0.98  # eccentricity above which the added mass stays as it is
 
 @dataclass(frozen=True)
 class FluidRooms:
-    """Rooms of the drilling fluid; None where the scene has no such channel."""
+    """Rooms of the drilling fluid; None where the scene has no such channel.
+
+    volumes: with formulation hermite, nodal volumes (n+1,) [m3] by field for still fluid under a pressure at the top [Pa].
+    """
 
     constants: FluidConstants
     pipe: PipeFlow | None
     annulus: AnnulusFlow | None
     bit: BitFlow | None
+    volumes: Callable[[float], dict[str, FloatArray]] | None = None
 
     @property
     def rooms(self) -> tuple:
@@ -56,21 +63,36 @@ def build_fluid(case: Case, mesh: StringMesh, well: Well | None, position: Float
     gravity = np.array(case.gravity, dtype=float)
     constants = FluidConstants(f.density, f.bulk_modulus, gravity, build_rheology(case).parameters(), f.clinging)
     narrowing, held = poisson(case, mesh), position if case.hold_string else None
-    pipe = annulus = None
+    hermite = f.formulation == "hermite"
+    pipe: PipeFlow | None = None
+    annulus: AnnulusFlow | None = None
     sizes, chi = None, np.zeros(len(mesh.upper))
     if case.has_bore:
-        flow = None if f.pump_pressure is not None else f.flow_rate
-        pipe = PipeFlow(mesh, build_bore(case, mesh), constants, narrowing, flow, f.pump_pressure, held)
+        flow, bore = None if f.pump_pressure is not None else f.flow_rate, build_bore(case, mesh)
+        if hermite:
+            pipe = HermitePipe(mesh, bore, constants, narrowing, f.flow_rate, case.bottom.plugged, held)
+        else:
+            pipe = PipeFlow(mesh, bore, constants, narrowing, flow, f.pump_pressure, held)
     if case.has_annulus:
         assert well is not None
         sizes = build_annulus(case, mesh, well)
         chi = _added_mass(case, sizes)
-        annulus = AnnulusFlow(mesh, sizes, well, constants, narrowing, _sideways(case, sizes, chi), f.outlet_pressure, f.flow_line,
-                              _lowered(case, well), held)
-    bit = None
+        around = (mesh, sizes, well, constants, narrowing, _sideways(case, sizes, chi), f.outlet_pressure, f.flow_line,
+                  _lowered(case, well), held)
+        annulus = HermiteAnnulus(*around, pump=f.flow_rate) if hermite else AnnulusFlow(*around)
+    bit: BitFlow | None = None
     if pipe is not None and not case.bottom.plugged or annulus is not None:
-        bit = BitFlow(mesh.nodes - 1, _bit_end(case, mesh, well, sizes, chi, position, tangent), constants, held)
-    return FluidRooms(constants, pipe, annulus, bit)
+        end = _bit_end(case, mesh, well, sizes, chi, position, tangent)
+        bit = BitFlow(mesh.nodes - 1, end, constants, held)
+        if hermite:
+            bit = HermiteBit(mesh.nodes - 1, end, constants, f.flow_rate, pipe, annulus, position[-1], held)  # type: ignore[arg-type]
+    volumes = None
+    if hermite:
+        head = f.density * ((position - position[0]) @ gravity)
+        volumes = partial(volumes_at_rest, pipe, annulus, bit, head)  # type: ignore[arg-type]
+        if isinstance(pipe, HermitePipe) and pipe.closed:
+            pipe.kept = float(volumes(f.outlet_pressure.value(0.0) if annulus is not None else 0.0)["pipe.volume"][-1])
+    return FluidRooms(constants, pipe, annulus, bit, volumes)
 
 
 def _added_mass(case: Case, sizes: Annulus) -> FloatArray:

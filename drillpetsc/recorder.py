@@ -287,6 +287,7 @@ class Recorder:
             if self.flow is not None:
                 ends = [REPORT.index("axial_upper"), REPORT.index("axial_lower")]
                 columns["beam"][:, ends] += self.flow.wall_tension()
+                columns["pressure"] = self.flow.pressure_force()
             if mesh.curvature.any():
                 first = REPORT.index("bending_upper")
                 columns["beam"][:, first : first + 2] = bending_moments(scene)
@@ -326,12 +327,14 @@ class Recorder:
         if "string" in node:
             points = node["string"][:, :3]
             data |= self._string_data(node["string"], cell["beam"], at_nodes)
+        if "pressure" in cell:
+            data["effective_tension [N]"] = data["axial_force [N]"] + at_nodes(*cell["pressure"].T)
         if "contact" in cell:
             data["contact_force [N/m]"] = at_nodes(cell["contact"][:, 0], cell["contact"][:, 0])
         if scene.well is not None:
             data["hole_radius [m]"] = np.asarray(scene.well.radius(mesh.node_depth))
         data |= {name: values[:, 0] for name, values in node.items() if name != "string"}
-        data |= {name: at_nodes(values[:, 0], values[:, 0]) for name, values in cell.items() if name not in ("beam", "contact")}
+        data |= {name: at_nodes(values[:, 0], values[:, 0]) for name, values in cell.items() if name not in ("beam", "contact", "pressure")}
         return points, data
 
     def _string_data(self, node: FloatArray, cell: FloatArray, at_nodes) -> dict[str, FloatArray]:

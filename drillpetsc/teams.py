@@ -33,7 +33,7 @@ def team_sizes(costs: Sequence[float], elements: Sequence[int], ranks: int) -> l
     for cost, limit in zip(costs, most, strict=True):
         if left == 0:
             break
-        share = int(cost * ranks / total * (1 + 1e-12)) if total > 0 else 1
+        share = int(cost * ranks / total) if total > 0 else 1
         sizes.append(min(max(1, share), limit, left))
         left -= sizes[-1]
     while left > 0:
@@ -81,7 +81,7 @@ def split(mpi: Any, sizes: Sequence[int]) -> Team | None:
     part = mpi.Split(number, mpi.rank)
     if part == MPI.COMM_NULL:
         return None
-    # PETSc's own duplicate is held as long as the team lives: freed with its last object and made anew, it could be made anew on a rank alone
+    # PETSc's own duplicate is held as long as the team lives: freed with its last object, it could be made anew on one rank alone
     comm = PETSc.Comm(part).duplicate()
     return Team(number, comm, part.Dup(), tuple(part.allgather(mpi.rank)), [part])
 

@@ -139,7 +139,6 @@ class Fluid(Model):
 
     later_keys: ClassVar[tuple[str, ...]] = ("choke",)
     later_values: ClassVar[dict[str, tuple[str, ...]]] = {
-        "formulation": ("hermite",),
         "cuttings": ("returned",),
         "dynamics": ("quasi_steady",),
     }
@@ -177,8 +176,10 @@ class Fluid(Model):
     check_valve: bool = Field(
         default=False, strict=True, description="a valve above the bit that lets nothing back into the string"
     )
-    formulation: Literal["mixed"] = Field(
-        default="mixed", description="mixed: pressure at the nodes, flow rate in the elements"
+    formulation: Literal["mixed", "hermite"] = Field(
+        default="mixed",
+        description="mixed: pressure at the nodes, flow rate in the elements; "
+        "hermite: the paper's, the volume that has passed as a cubic between the nodes (takes a flow_rate)",
     )
     dynamics: Literal["full"] = Field(default="full", description="full: with inertia and compression of the fluid")
     elastic_walls: bool = Field(
@@ -225,6 +226,9 @@ class Fluid(Model):
             raise refuse("pump_pressure", want="a flow_rate or a pump_pressure, not both")
         if self.flow_rate is None and self.pump_pressure is None:
             self.settle(flow_rate=Constant(0.0))
+        if self.formulation == "hermite" and self.pump_pressure is not None:
+            hint = "it counts volumes from those that the pump delivers; formulation: mixed takes a pump_pressure"
+            raise refuse("pump_pressure", want="a flow_rate with formulation hermite", hint=hint)
         if self.flow_line < 0:
             want = "a depth below the rotary table, at least 0 m: the outlet cannot lie above the pump"
             raise refuse("flow_line", got=self.flow_line, want=want)

@@ -61,7 +61,7 @@ struct AnnulusFlow {
         r[F + 2] = (momentum + x[F + 1] - x[F] + heads) * MOMENTUM_ROW;
         if constexpr (std::is_same_v<T, double>) if (report) {
             const double mean = 0.5 * val(x[F] + x[F + 1]), lost = val(q) * val(f.density / c.density);
-            report->stored = 0.5 * val(volume) * val(c.by_p) * mean * mean;
+            report->stored = stored_energy(f, mean, val(p[WALL]), val(volume));
             report->dissipated = lost * val(q * size * p[LOSS]) * f.density * f.density / val(c.density);
             report->content = val(c.theta * volume); report->storage1 = val(s1); report->storage2 = val(s2); report->density = val(c.density);
         }

@@ -70,7 +70,7 @@ struct BitFlow {
             r[PA] = (volume * c.by_p * y[PA] + c.theta * swept) * MASS_ROW;
             if constexpr (PIPE) r[PA] -= x[QB] * MASS_ROW;
             if (report) {
-                report[3] = 0.5 * val(volume) * val(c.by_p) * val(x[PA]) * val(x[PA]);
+                report[3] = stored_energy(f, val(x[PA]), p[ELASTIC] - f.compressibility, val(volume));
                 report[4] = val(c.theta * volume);
                 if constexpr (!HELD) {  // weight of the mud between bit and bottom, at its middle
                     const Vec<double> end = vec(p + END), middle = end - vec(p + AXIS) * (0.5 * val(gap));

@@ -110,6 +110,14 @@ struct Compressed {
     }
 };
 
+// Energy that pressure p has stored in a channel of volume V at zero pressure [J]: in the fluid rho/rho0 int p d(-rho0/rho) =
+// rho/rho0 (1 - exp(-x)(1 + x))/beta, x = beta p; in the walls c p^2/2.
+inline double stored_energy(const Fluid& f, double p, double wall, double volume) {
+    const double x = p * f.compressibility;  // below 1e-3 by its series, which the difference would lose
+    const double share = std::fabs(x) < 1e-3 ? p * x * (0.5 - x * (1.0 / 3 - x / 8)) : (1 - std::exp(-x) * (1 + x)) / f.compressibility;
+    return volume * (std::exp(x) * (1 + p * wall) * share + 0.5 * wall * p * p);
+}
+
 struct FlowReport { double kinetic, stored, potential, dissipated, content, storage1, storage2, speed, density; };
 
 }  // namespace dp

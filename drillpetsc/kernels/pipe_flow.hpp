@@ -101,7 +101,7 @@ struct PipeFlow {
         r[F + 2] = (mass * flow + c.density * w * rate * L + inertia - c.density * drop + p2 - p1 + resistance + heads) * MOMENTUM_ROW;
         if constexpr (std::is_same_v<T, double>) if (report) {
             const double lost = val(q) * val(f.density / c.density);
-            report->stored = val(volume) * val(c.by_p) * 0.5 * val(mean) * val(mean);
+            report->stored = stored_energy(f, val(mean), val(p[WALL]), val(volume));
             report->dissipated = lost * (val(resistance) + val(q * size * p[LOSS]) * f.density * f.density / val(c.density));
             report->content = val(c.theta * volume); report->storage1 = val(s1); report->storage2 = val(s2);
             report->speed = val(w); report->density = val(c.density);

@@ -64,13 +64,22 @@ class Channel(Passive):
         return (Field(f"{self.name}.pressure", 1, scale=PRESSURE_SCALE, second_order=False),
                 Field(f"{self.name}.flow", 1, region="below_top", scale=FLOW_SCALE, second_order=False))
 
+    def own_slots(self) -> tuple[tuple[str, int], ...]:
+        """Slots of the channel's own unknowns, in the order of the kernel."""
+        return (f"{self.name}.pressure", 0), (f"{self.name}.pressure", 1), (f"{self.name}.flow", 1)
+
+    @property
+    def kernel(self) -> str:
+        """First part of the kernels' names."""
+        return f"{self.name}_flow"
+
     def parameters(self, e: np.ndarray) -> FloatArray:
         """(k, parameters) of the elements ``e`` (numbers from the top), in the order of the kernel."""
         raise NotImplementedError
 
     def blocks(self, part) -> tuple[Block, ...]:
         """Blocks of the local cells: those below a junction apart, and none of the string's unknowns when it is held."""
-        m, own = self.mesh, ((f"{self.name}.pressure", 0), (f"{self.name}.pressure", 1), (f"{self.name}.flow", 1))
+        m, own = self.mesh, self.own_slots()
         junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
         self._part, self._blocks, self._reports = part, [], []
         split = junction[part.cells] if not self.held else np.zeros(len(part.cells), dtype=bool)
@@ -78,7 +87,7 @@ class Channel(Passive):
             if kind and (self.held or not junction[:-1].any()):
                 continue
             chosen = np.flatnonzero(split == kind).astype(np.int32)
-            kernel = f"{self.name}_flow" + ("_held" if self.held else "_split" if kind else "")
+            kernel = self.kernel + ("_held" if self.held else "_split" if kind else "")
             slots = own if self.held else (SPLIT_SLOTS if kind else SLOTS) + own
             spins = () if self.held else self.spins
             block = Block(f"{self.name}_flow" + ("_junction" if kind else ""), kernel, "cell", chosen, slots, spins,
@@ -124,6 +133,14 @@ class Channel(Passive):
         block, row = self._top
         figures = self.figures(state)[int(block.points[row])]
         return float(figures[FIGURES.index("storage_upper")] + state.x[state.index_of(block)[row, -1]])
+
+    def flows(self, model) -> FloatArray:
+        """(nc,) flow rates in the local elements, towards the bit [m3/s]."""
+        return model.field(f"{self.name}.flow")[model.line.ends[:, 1], 0]
+
+    def pressures(self, model) -> FloatArray:
+        """(nv,) pressures at the local vertices [Pa]."""
+        return model.field(f"{self.name}.pressure")[:, 0]
 
     def upper_pressure(self, state) -> float:
         """Pressure at the channel's upper end [Pa] (on the rank that has it)."""

@@ -107,13 +107,13 @@ class Dynamics:
     def _relax(self, jumped: bool) -> None:
         """Where a prescribed motion jumps, flow relative to the pipe jumps as well: no step is short enough for its error control."""
         self._relaxed = jumped
-        self.ts.setTolerances(rtol=self._nothing, atol=self.tolerance_vector(first_order=not jumped))
+        self.ts.setTolerances(rtol=self._nothing, atol=self.tolerance_vector(fluid=not jumped))
 
-    def tolerance_vector(self, first_order: bool = True) -> PETSc.Vec:
-        """Absolute tolerance per row of the state: -ts_rtol times the field's scale; rates and algebraic rows are masked (and without
-        ``first_order`` the unknowns that have no rate of their own in the state)."""
+    def tolerance_vector(self, fluid: bool = True) -> PETSc.Vec:
+        """Absolute tolerance per row of the state: -ts_rtol times the field's scale; rates and algebraic rows are masked, and
+        without ``fluid`` those of the mud."""
         layout, vector = self.model.layout, self.model.new_state()
-        controlled = np.array([f.differential and (f.second_order or first_order) for f in layout.fields])
+        controlled = np.array([f.differential and (fluid or f.name.startswith("string.")) for f in layout.fields])
         differential = controlled[layout.field_of[layout.local_of_owned]]
         values = vector.getArray()
         values[:] = MASKED

@@ -27,7 +27,7 @@ class SteadyFlow:
 
 def fluid_unknowns(model: Model) -> np.ndarray:
     """(n,) mask of the local unknowns that belong to the fluid."""
-    fluid = np.array([not f.second_order for f in model.layout.fields])
+    fluid = np.array([f.name.split(".")[0] in ("pipe", "annulus") or f.name == "bit.flow" for f in model.layout.fields])
     return fluid[model.layout.field_of]
 
 
@@ -53,13 +53,16 @@ def place_fluid(model: Model, fluid: FluidRooms, t: float = 0.0) -> None:
         pump = getattr(room, "pump_pressure", None)
         base = level if pump is None else pump.value(t)
         closed = fluid.bit is None or not fluid.bit.has_link
-        pressure, rate = model.layout.place[f"{room.name}.pressure"], model.layout.place[f"{room.name}.flow"]
-        has = rate[:, 0] >= 0
-        asm.x[pressure[:, 0]] = base + head
-        asm.x[rate[has, 0]] = 0.0 if closed else sign * flow
-    if fluid.bit is not None and fluid.bit.has_link:
+        asm.x[model.layout.place[f"{room.name}.pressure"][:, 0]] = base + head
+        if f"{room.name}.flow" in model.layout.place:
+            rate = model.layout.place[f"{room.name}.flow"]
+            asm.x[rate[rate >= 0]] = 0.0 if closed else sign * flow
+    if "bit.flow" in model.layout.place:
         where = model.layout.place["bit.flow"][:, 0]
         asm.x[where[where >= 0]] = flow
+    if fluid.volumes is not None:
+        for name, values in fluid.volumes(level).items():
+            model.set_field(name, values[:, None])
 
 
 def steady_flow(model: Model, t: float = 0.0) -> SteadyFlow:
@@ -74,8 +77,9 @@ def steady_flow(model: Model, t: float = 0.0) -> SteadyFlow:
         factor, f = chain_factor(model), model.new_condensed()
         weight, place = 1.0 / model.scale, np.append(mine, False)
         best, quiet, share = np.inf, 0, 1.0
+        asm.y[place] = asm.a[place] = 0.0
+        _fill_chamber(model)
         for _ in range(ITERATIONS):
-            asm.y[place] = 0.0
             asm.forget_inputs()
             model.sum_residual(t, f)
             asm.jacobian(t, (1.0, LEVEL, 0.0), condensed=False)
@@ -102,6 +106,18 @@ def steady_flow(model: Model, t: float = 0.0) -> SteadyFlow:
         asm.freeze(None)
     raise SolveError(f"the steady flow did not converge in {ITERATIONS} iterations (last increment {report.increment:.1e} of the scales)",
                      time=t, hint="a larger fluid.rheology.shear_rate smooths a yield stress", **model.worst_place(t))
+
+
+def _fill_chamber(model: Model) -> None:
+    """With formulation hermite: volumes of the annulus and their rates, at every node alike, for the bit's chamber as it lies and moves."""
+    bits = [room for room in model.rooms if hasattr(room, "out_of_place")]
+    if not bits or "annulus.volume" not in model.layout.place:
+        return
+    lack = np.array(bits[0].out_of_place(model.assembly))
+    lack = lack if model.comm.size == 1 else model.comm.tompi4py().allreduce(lack)
+    asm, place = model.assembly, model.layout.place["annulus.volume"][:, 0]
+    asm.x[place] += lack[0]
+    asm.y[place] = lack[1]
 
 
 def _move(model: Model, step: np.ndarray) -> None:

@@ -86,7 +86,8 @@ def test_scene_has_what_it_needs_and_nothing_else(name):
     assert {c for c, _ in recorder.columns} == columns
     place_along_hole(scene)
     points, data = recorder.fields(0.0)
-    assert set(data) == ({"md [m]", "outer_radius [m]"} if "hold_string" in keys else USUAL) | arrays
+    usual = USUAL | ({"effective_tension [N]"} if "fluid" in keys else set())
+    assert set(data) == ({"md [m]", "outer_radius [m]"} if "hold_string" in keys else usual) | arrays
     assert all(np.isfinite(v).all() for v in data.values()) and len(points) == nodes
 
 

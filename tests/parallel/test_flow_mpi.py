@@ -1,0 +1,56 @@
+"""The drilling fluid on 1, 2 and 3 ranks."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drillpetsc.output import read_table
+from tests.parallel.launch import run_mpi
+from tests.verify.mud import hole, loop
+
+PUMP = {"flow_rate": {"time": [0.0, 0.02, 0.05, 9.0], "value": [0.03, 0.03, 0.01, 0.01]}, "flow_line": 2.0}
+LOWERED = {"kind": "top_drive", "rotation": 10.0, "lowering": {"time": [0.0, 0.1, 0.2], "value": [0.3, 0.3, 0.0]}}
+EXACT = ["-ts_adapt_type", "none", "-ts_dt", "2e-3", "-q_snes_stol", "1e-9"]
+FREE = {"hold_string": False, "well": hole(160.0), "top": LOWERED}
+SCENES: dict[str, dict] = {
+    "held": {"fluid": PUMP},
+    "moving": {"fluid": PUMP, "bottom": {"kind": "free"}, "contact": {"stiffness": 1e7}, **FREE},
+    "plugged": {"fluid": {"flow_line": 2.0}, "bottom": {"kind": "free", "plugged": True}, "contact": "none", **FREE},
+}
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory) -> list[Path]:
+    """Run folders on 1, 2 and 3 ranks, each with one folder a scene."""
+    cases, folders = tmp_path_factory.mktemp("cases"), []
+    for kind, scene in SCENES.items():
+        case = {"time": {"end": 0.3}, "output": {"history_every": 0.01, "field_every": 0.1}, **scene}
+        loop(case.pop("fluid"), 30, 150.0, **case).case.dump(cases / f"{kind}.yaml")
+    for n in (1, 2, 3):
+        folders.append(tmp_path_factory.mktemp(f"ranks{n}"))
+        run_mpi(n, Path(__file__).with_name("run_flow.py"), [str(cases), str(folders[-1]), *EXACT], timeout=200)
+    return folders
+
+
+@pytest.mark.parallel
+@pytest.mark.parametrize("kind", SCENES)
+def test_flow_agrees_on_1_2_and_3_ranks(kind, runs):
+    """Pump turned down; string held, turning and lowered, or plugged and lowered; fixed steps: histories agree to 1e-9
+    of each column's size, counts of steps and of Newton's iterations are the same."""
+    tables = [read_table(folder / kind / "history.csv") for folder in runs]
+    told = [json.loads((folder / kind / "summary.json").read_text()) for folder in runs]
+    assert [t["ranks"] for t in told] == [1, 2, 3]
+    flow = tables[0]["outlet_flow [m3/s]"]
+    assert np.ptp(flow) > 0.1 * np.abs(flow).max()  # something goes on
+    for other, summary in zip(tables[1:], told[1:], strict=True):
+        for column, values in tables[0].items():
+            if not column.startswith("energy_error"):  # a difference of large numbers
+                assert np.abs(other[column] - values).max() <= 1e-9 * np.abs(values).max(), column
+        for count in ("steps", "newton_iterations"):
+            assert summary[count] == told[0][count]
+        for figure in ("pumped", "returned", "content_change"):
+            assert summary["mass"][figure] == pytest.approx(told[0]["mass"][figure], rel=1e-9)
