@@ -21,15 +21,22 @@ def begin_flow(scene: Scene, t: float = 0.0) -> None:
         scene.model.assembly.freeze(fluid_unknowns(scene.model))
 
 
-def agree(scene: Scene, solver: Statics, report: Equilibrium) -> None:
+def agree(scene: Scene, solver: Statics, report: Equilibrium, lowering: float = 0.0) -> None:
     """Steady flow and string in turn, from a string in equilibrium under the frozen flow; raises SolveError where they do not settle.
 
+    lowering: speed at which the top lets the string down [m/s]; the mud then flows as it does about the moving string (surge).
     The rounds converge by the ratio of what the fluid and what the steel gives way, a few percent.
     """
     if scene.fluid is None:
         return
     model = scene.model
     mine, best = fluid_unknowns(model), np.inf
+    if lowering:
+        place = model.layout.place["string.position"]
+        tangent = scene.tangent if scene.well is None else np.asarray(scene.well.at(scene.mesh.node_depth)[1])
+        solver.rates = np.zeros_like(model.assembly.y)
+        solver.rates[place] = lowering * tangent[model.line.vertices]
+        model.assembly.y[:] = solver.rates
     for _ in range(ROUNDS):
         before = model.assembly.x[:-1][mine].copy()
         steady_flow(model, 0.0)

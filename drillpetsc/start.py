@@ -92,6 +92,7 @@ def find_equilibrium(scene: Scene, motion: tuple[float, float] | None = None, cl
     it up the wall of the hole, as it does with a turning pipe at rest there; without, only its torque acts, as
     torque-and-drag models have it. Raises SolveError when no equilibrium is found.
     """
+    lowering = prescribed_motion(scene)[0] if motion is None else 0.0
     motion = prescribed_motion(scene) if motion is None else motion
     place_along_hole(scene)
     if scene.beam is None:
@@ -126,7 +127,7 @@ def find_equilibrium(scene: Scene, motion: tuple[float, float] | None = None, cl
     report.negative_pivots = max(0, solver.negative_pivots()) if solver.energy else 0
     for room in slipping:
         room.impose_sliding(*motion, side)
-    agree(scene, solver, report)
+    agree(scene, solver, report, lowering)
     _reactions(scene, solver)
     scene.model.assembly.freeze(None)
     if report.negative_pivots:

@@ -14,7 +14,7 @@ from typing import Any
 
 from petsc4py import PETSc
 
-LEAST_ELEMENTS = 40  # per rank of a team: below, talking costs more than the second rank saves
+LEAST_ELEMENTS = 120  # per rank of a team: two ranks were slower than one with 100 elements in all, and no faster with 225
 PATIENCE = 60.0  # how long a rank waits for the others of its team once its own part of a member has ended [s]
 NAP = 0.02  # between two looks [s]; a rank that waits leaves its core to others
 

@@ -10,6 +10,7 @@
 namespace dp {
 
 constexpr double FLOW_ROUNDING = 1e-5;  // rounds off q |q| at zero [m3/s]
+constexpr double VALVE_ROUNDING = 3e-7; // flow over which a check valve opens: it must not be felt in forward flow [m3/s]
 constexpr double GAP_ROUNDING = 1e-3;   // distance over which a bit on bottom stops displacing mud [m]
 constexpr double VALVE_CLOSED = 1e4;    // factor on the resistance of a check valve to back flow
 
@@ -40,7 +41,7 @@ struct BitFlow {
         if constexpr (ANNULUS) under = x[PA];
         if constexpr (PIPE) {
             const T q = x[QB], size = sqrt(q * q + FLOW_ROUNDING * FLOW_ROUNDING);
-            const T closed = 1.0 + (VALVE_CLOSED * 0.5 * p[CHECK]) * (1.0 - q / size);
+            const T closed = 1.0 + (VALVE_CLOSED * 0.5 * p[CHECK]) * (1.0 - q / sqrt(q * q + VALVE_ROUNDING * VALVE_ROUNDING));
             const T thin = exp(under * (-f.compressibility));  // rho0/rho where the flow leaves
             const T loss = q * size * closed * thin * (p[LOSS] * f.density);
             r[QB] = (y[QB] * p[INERTANCE] + under - x[PI] + loss) * MOMENTUM_ROW;

@@ -60,6 +60,7 @@ class Statics:
         self.f = model.new_condensed()
         self.depth: Callable[[Model], tuple[float, FloatArray, float]] | None = None
         self.move_top: Callable[[float], None] | None = None
+        self.rates: FloatArray | None = None  # (n+1,) of a steady motion; at rest without it
         self._mine = model.owned_place >= 0
         self._entries = self._shift_entries()
         self._top_rows = next((f for f in model.assembly.fixed if f.owned and f.condition.vertex == 0), None)
@@ -107,9 +108,9 @@ class Statics:
         return value if self.model.comm.size == 1 else float(self.model.comm.tompi4py().allreduce(value, op=MPI.MAX))
 
     def rows(self) -> FloatArray:
-        """Residual at rest, summed, as a ghosted local array valid at owned unknowns."""
+        """Residual at rest (or in the steady motion ``rates``), summed, as a ghosted local array valid at owned unknowns."""
         model, asm = self.model, self.model.assembly
-        asm.y[:], asm.a[:] = 0.0, 0.0
+        asm.y[:], asm.a[:] = 0.0 if self.rates is None else self.rates, 0.0
         asm.forget_inputs()
         model.sum_residual(self.t, self.f)
         local = np.zeros(model.layout.size)

@@ -159,14 +159,15 @@ def test_given_pump_pressure_gives_back_the_flow(q):
 
 def test_check_valve_lets_next_to_nothing_back():
     """Inviscid mud, 50 bar on the annulus and none on the bore: back flow Cd A sqrt(2 dp/rho), a hundredth of it behind a valve of 1e4
-    times the resistance (1 %: rounded at 1e-5 m3/s).  Forward, the valve's rounding adds 1e4/4 (1e-5/q)^2 to the loss."""
+    times the resistance (1 %: q |q| is rounded at 1e-5 m3/s).  Forward, the valve's rounding adds 1e4/4 (3e-7/q)^2 to the loss, which
+    at 5 l/s is 1e-5 of it."""
     back = COEFFICIENT * NOZZLE * np.sqrt(2 * 50e5 / DENSITY)
     ends = {**INVISCID, **RIGID, "pump_pressure": 0.0, "outlet_pressure": 50e5}
     assert flows(started(loop(ends, 4)), "pipe") == pytest.approx(-back, rel=1e-5)
     shut = flows(started(loop({**ends, "check_valve": True}, 4)), "pipe")
     assert shut == pytest.approx(-0.01 * back, rel=1e-2)
     ends |= {"pump_pressure": 50e5, "outlet_pressure": 0.0, "check_valve": True}
-    assert flows(started(loop(ends, 4)), "pipe") == pytest.approx(back * (1 - 1250 * (1e-5 / back) ** 2), rel=1e-6)
+    assert flows(started(loop(ends, 4)), "pipe") == pytest.approx(back * (1 - 1250 * (3e-7 / back) ** 2), rel=1e-6)
 
 
 @pytest.mark.parametrize("with_annulus", [False, True])
