@@ -1,6 +1,6 @@
-#include "annulus_flow.hpp"
+#include "annulus_flow_jacobian.hpp"
 #include "bit_flow.hpp"
-#include "pipe_flow.hpp"
+#include "pipe_flow_jacobian.hpp"
 
 using namespace dp;
 typedef PipeFlow<false, false> PipePlain;
@@ -15,10 +15,12 @@ typedef BitFlow<false, true, false> BitClosed;
 typedef BitFlow<true, true, true> BitNozzleHeld;
 typedef BitFlow<true, false, true> BitJetHeld;
 typedef BitFlow<false, true, true> BitClosedHeld;
-DP_ENTRY(pipe_flow, PipePlain)
+DP_RESIDUAL(pipe_flow, PipePlain)
+DP_JACOBIAN(pipe_flow, run_pipe_flow_jacobian)
 DP_ENTRY(pipe_flow_split, PipeSplit)
 DP_ENTRY(pipe_flow_held, PipeHeld)
-DP_ENTRY(annulus_flow, AnnulusPlain)
+DP_RESIDUAL(annulus_flow, AnnulusPlain)
+DP_JACOBIAN(annulus_flow, run_annulus_flow_jacobian)
 DP_ENTRY(annulus_flow_split, AnnulusSplit)
 DP_ENTRY(annulus_flow_held, AnnulusHeld)
 DP_ENTRY(bit_flow, BitNozzle)
@@ -27,6 +29,9 @@ DP_ENTRY(bit_flow_closed, BitClosed)
 DP_ENTRY(bit_flow_held, BitNozzleHeld)
 DP_ENTRY(bit_flow_jet_held, BitJetHeld)
 DP_ENTRY(bit_flow_closed_held, BitClosedHeld)
+// the same by differentiating all rows by all unknowns: the oracles of the tests
+DP_JACOBIAN(pipe_flow_dual, run_jacobian<PipePlain>)
+DP_JACOBIAN(annulus_flow_dual, run_jacobian<AnnulusPlain>)
 DP_ENTRY(pump, Pump)
 DP_ENTRY(annulus_top, AnnulusTop)
 
@@ -52,6 +57,16 @@ void report(int n, const int* idx, const double* par, const void* fluid, const d
     extern "C" void name##_report(int n, const int* idx, const double* par, const void* fluid, const double* x, const double* y, double* out) { \
         report<Kernel, 6>(n, idx, par, fluid, x, y, out);                                                                                    \
     }
+// for tests: the friction of elements side by side, n values each (a multiple of four)
+extern "C" void wall_shears_of_packs(const double* law, int n, const double* w, const double* d, double alpha, const double* density, double* stress, double* slope,
+                                     double* by_density) {
+    for (int i = 0; i < n; i += 4) {
+        const auto four = [i](const double* v) { return Pack(V4{v[i], v[i + 1], v[i + 2], v[i + 3]}); };
+        const WallShears s = wall_shears(law, four(w), four(d), alpha, four(density));
+        for (int l = 0; l < 4; ++l) { stress[i + l] = s.stress.v[l]; slope[i + l] = s.slope.v[l]; by_density[i + l] = s.by_density.v[l]; }
+    }
+}
+
 DP_REPORT(pipe_flow, PipePlain)
 DP_REPORT(pipe_flow_split, PipeSplit)
 DP_REPORT(pipe_flow_held, PipeHeld)

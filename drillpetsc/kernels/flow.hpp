@@ -7,7 +7,7 @@
 #include "element.hpp"
 #include "frame.hpp"
 #include "beam.hpp"
-#include "rheology.hpp"
+#include "friction_pack.hpp"
 
 #include <type_traits>
 
@@ -24,16 +24,10 @@ struct Fluid {
 //! scale of rows of mass [N s/m3-like] and of momentum [m2], so that rows of all rooms have sizes of force
 constexpr double MASS_ROW = 1e6, MOMENTUM_ROW = 1e-2;
 
-inline Pack exp(const Pack& a) { return Pack(V4{std::exp(a.v[0]), std::exp(a.v[1]), std::exp(a.v[2]), std::exp(a.v[3])}); }
-
-// wall shear stress of mud of a density, lane by lane where elements stand side by side
+// wall shear stress of mud of a density
 inline double shear(const Fluid& f, double w, double density, double d, double alpha) { return wall_shear(f.rheology, w, d, alpha, density); }
 template <int N> inline Dual<N> shear(const Fluid& f, const Dual<N>& w, const Dual<N>& density, double d, double alpha) { return wall_shear(f.rheology, w, d, alpha, density); }
-inline Pack shear(const Fluid& f, const Pack& w, const Pack& density, const Pack& d, double alpha) {
-    V4 out;
-    for (int l = 0; l < 4; ++l) out[l] = shear(f, w.v[l], density.v[l], d.v[l], alpha);
-    return Pack(out);
-}
+inline Pack shear(const Fluid& f, const Pack& w, const Pack& density, const Pack& d, double alpha) { return wall_shears(f.rheology, w, d, alpha, density).stress; }
 
 template <class T> struct Four { Vec<T> r1, v1, r2, v2; };  // nodal vectors, or rows on them
 
