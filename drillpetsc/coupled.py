@@ -31,7 +31,8 @@ def agree(scene: Scene, solver: Statics, report: Equilibrium, lowering: float = 
         return
     model = scene.model
     mine, best = fluid_unknowns(model), np.inf
-    if lowering:
+    form = scene.case.fluid.formulation  # type: ignore[union-attr]
+    if lowering and form == "mixed":  # the flow of the other starts as the pump's
         place = model.layout.place["string.position"]
         tangent = scene.tangent if scene.well is None else np.asarray(scene.well.at(scene.mesh.node_depth)[1])
         solver.rates = np.zeros_like(model.assembly.y)

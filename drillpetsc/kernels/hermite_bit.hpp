@@ -59,7 +59,7 @@ struct HermiteBit {
         }
         if constexpr (PIPE) {
             const T q = y[VI] + p[REFERENCE], size = sqrt(q * q + FLOW_ROUNDING * FLOW_ROUNDING);
-            const T closed = 1.0 + (VALVE_CLOSED * 0.5 * p[B::CHECK]) * (1.0 - q / size);
+            const T closed = 1.0 + (VALVE_CLOSED * 0.5 * p[B::CHECK]) * (1.0 - q / sqrt(q * q + VALVE_ROUNDING * VALVE_ROUNDING));
             const T thin = exp(under * (-f.compressibility));
             const T loss = q * size * closed * thin * (p[B::LOSS] * f.density), surge = (a[VI] + p[SURGE]) * p[B::INERTANCE];
             r[VI] = (under + loss + surge + heads(f, q, T(under + loss), p[HEADS_PIPE])) * MOMENTUM_ROW;
