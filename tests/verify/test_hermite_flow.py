@@ -265,7 +265,7 @@ def test_coupled_with_a_string_that_is_lowered():
     well = {"survey": survey, "sections": [{"to": 700, "kind": "casing", "diameter": 0.2159, "friction": 0.2}]}
     string = [pipe(500, 25), {"kind": "stabilizer", "length": 1.5, "od": 0.21, "id": 0.0714, "mass": 200}, pipe(100, 25, 0.0714, 0.1778),
               {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60, "nozzle_area": 380e-6}]
-    found, lowering = {}, {"ramp": 0.1, "value": 0.5}  # from rest: hermite does not start with the surge of a moving string
+    found, lowering = {}, {"ramp": 1.0, "value": 0.5}  # from rest: hermite does not start with the surge of a moving string
     for form in BOTH:
         mud = {"density": 1200, "rheology": MUD, "flow_rate": 0.02, "formulation": form}
         case = Case(string=string, top={"kind": "top_drive", "lowering": lowering, "rotation": 1.0}, well=well, bottom="bit", fluid=mud)
@@ -277,9 +277,7 @@ def test_coupled_with_a_string_that_is_lowered():
     load, torque, (pump, bit, returned) = 0, 1, range(-6, -3)
     mixed, hermite = found["mixed"], found["hermite"]
     # at the start, then in motion, where a mesh of 25 m leaves waves of its own in both
-    for column, start, later in ((load, 1e-5, 2e-3), (torque, 1e-5, 1e-3), (pump, 1e-4, 1e-3), (bit, 1e-4, 1e-3), (returned, 2e-4, 1e-3)):
+    for column, start, later in ((load, 1e-5, 1e-3), (torque, 1e-5, 1e-3), (pump, 1e-4, 1e-3), (bit, 1e-4, 1e-3), (returned, 2e-4, 1e-3)):
         assert hermite[0, column] == pytest.approx(mixed[0, column], rel=start)
         assert hermite[1, column] == pytest.approx(mixed[1, column], rel=later)
-    # steel of the pipe at 0.5 m/s comes on top of the pump's flow, with what the full bore keeps for itself
     assert hermite[0, returned] == pytest.approx(0.02, rel=1e-6)
-    assert hermite[1, returned] > 0.02 + 0.5 * np.pi / 4 * (0.127**2 - 0.1086**2)
