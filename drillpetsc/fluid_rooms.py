@@ -79,7 +79,8 @@ def build_fluid(case: Case, mesh: StringMesh, well: Well | None, position: Float
         chi = _added_mass(case, sizes)
         around = (mesh, sizes, well, constants, narrowing, _sideways(case, sizes, chi), f.outlet_pressure, f.flow_line,
                   _lowered(case, well), held)
-        annulus = HermiteAnnulus(*around, pump=f.flow_rate) if hermite else AnnulusFlow(*around)
+        valve = 0.0 if f.choke is None else 1 / (2 * f.choke.discharge_coefficient**2 * f.choke.area**2)
+        annulus = HermiteAnnulus(*around, pump=f.flow_rate) if hermite else AnnulusFlow(*around, choke=valve)
     bit: BitFlow | None = None
     if pipe is not None and not case.bottom.plugged or annulus is not None:
         end = _bit_end(case, mesh, well, sizes, chi, position, tangent)

@@ -134,10 +134,18 @@ ADDED_MASS = Quantity("", at_least=0, at_most=1e3)
 LATERAL_DAMPING = Quantity("N s/m^2", at_least=0)
 
 
+class Choke(Model):
+    """A valve at the flow line: it holds rho q |q| / (2 Cd^2 A^2) against the outflow."""
+
+    area: Annotated[float, Quantity("m^2", above=0, at_most=1)] = Field(description="open area A [m2]")
+    discharge_coefficient: Annotated[float, Quantity("", above=0, at_most=2)] = Field(
+        default=0.95, description="discharge coefficient Cd [-]"
+    )
+
+
 class Fluid(Model):
     """The drilling fluid: down the string's bore, through the bit, up the annulus."""
 
-    later_keys: ClassVar[tuple[str, ...]] = ("choke",)
     later_values: ClassVar[dict[str, tuple[str, ...]]] = {
         "cuttings": ("returned",),
         "dynamics": ("quasi_steady",),
@@ -161,6 +169,7 @@ class Fluid(Model):
         default=Constant(0.0),
         description="gauge pressure at the flow line, or without an annulus at the string's lower end, over time [Pa]",
     )
+    choke: Choke | None = Field(default=None, description="a valve between annulus and outlet; none when not given")
     flow_line: Annotated[float, Quantity("m", at_most=50e3)] = Field(
         default=0.0, description="depth of the flow line below the rotary table, straight down [m]"
     )
@@ -226,6 +235,8 @@ class Fluid(Model):
             raise refuse("pump_pressure", want="a flow_rate or a pump_pressure, not both")
         if self.flow_rate is None and self.pump_pressure is None:
             self.settle(flow_rate=Constant(0.0))
+        if self.choke is not None and (self.formulation == "hermite" or self.annulus is False):
+            raise refuse("choke", want="an annulus and formulation mixed for a choke")
         if self.formulation == "hermite" and self.pump_pressure is not None:
             hint = "it counts volumes from those that the pump delivers; formulation: mixed takes a pump_pressure"
             raise refuse("pump_pressure", want="a flow_rate with formulation hermite", hint=hint)

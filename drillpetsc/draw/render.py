@@ -7,6 +7,7 @@ depth axis.
 
 from __future__ import annotations
 
+import ctypes
 import functools
 import os
 import subprocess
@@ -31,14 +32,43 @@ sys.exit(0 if image.std() > 0 else 3)
 """
 
 
+#: VTK's windows that need no screen, and the libraries one of which each opens when it draws
+OFFSCREEN = {
+    "vtkEGLRenderWindow": ("libEGL.so.1", "libEGL.so"),
+    "vtkOSOpenGLRenderWindow": ("libOSMesa.so", "libOSMesa.so.8", "libOSMesa.so.6"),
+}
+
+
+def _opens(library: str) -> bool:
+    try:
+        ctypes.CDLL(library)
+    except OSError:
+        return False
+    return True
+
+
+def offscreen_window() -> str | None:
+    """Value for VTK_DEFAULT_OPENGL_WINDOW: a window whose library is there; None where VTK (a screen, another system) or the user
+    chooses; empty when there is none, and VTK is better not asked, as it may end the process."""
+    if "VTK_DEFAULT_OPENGL_WINDOW" in os.environ or os.environ.get("DISPLAY") or not sys.platform.startswith("linux"):
+        return None
+    return next((window for window, libraries in OFFSCREEN.items() if any(map(_opens, libraries))), "")
+
+
 @functools.cache
 def why_no_rendering() -> str:
-    """Empty when pyvista can draw on this machine, otherwise the reason.
+    """Empty when pyvista can draw on this machine, otherwise the reason; before VTK is imported, which reads its choice of window then.
 
     Asked of a process of its own, because VTK without a usable OpenGL may end the process that asks.
     """
+    window = offscreen_window()
+    if window == "":
+        return "there is no screen, and neither libEGL nor libOSMesa to draw without one"
     try:
-        asked = subprocess.run([sys.executable, "-c", _PROBE], capture_output=True, text=True, timeout=120, check=False)
+        chosen = {} if window is None else {"VTK_DEFAULT_OPENGL_WINDOW": window}
+        asked = subprocess.run(
+            [sys.executable, "-c", _PROBE], capture_output=True, text=True, timeout=120, check=False, env={**os.environ, **chosen}
+        )
     except subprocess.TimeoutExpired:
         return "a first off-screen picture took longer than two minutes"
     if asked.returncode != 0:

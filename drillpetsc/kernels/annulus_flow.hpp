@@ -56,7 +56,7 @@ struct AnnulusFlow {
         const T stored = c.by_p * volume * (1.0 / 12);
         const T s1 = stored * (y[F] * 5.0 + y[F + 1]) + swept1, s2 = stored * (y[F + 1] * 5.0 + y[F]) + swept2;
         const S free = S(1.0) - p[CONTROL];
-        r[F] = ((s1 + q) * free + (x[F] - controlled) * (p[CONTROL] * 1e-7)) * MASS_ROW;
+        r[F] = ((s1 + q) * free + (x[F] - controlled) * (p[CONTROL] * GIVEN_PRESSURE)) * MASS_ROW;
         r[F + 1] = (s2 - q) * MASS_ROW;
         r[F + 2] = (momentum + x[F + 1] - x[F] + heads) * MOMENTUM_ROW;
         if constexpr (std::is_same_v<T, double>) if (report) {

@@ -97,6 +97,19 @@ struct AnnulusTop {
     }
 };
 
+// Pressure that a valve at the flow line holds against the outflow -q, added to the row that gives the upper node of the annulus its pressure.
+struct Choke {
+    static constexpr int D = 2, NP = 1, NSPIN = 0;  // pressure of the upper node, flow rate of the first element; 1/(2 C_d^2 A^2) [1/m4]
+    static constexpr bool PACKED = false;
+    static constexpr int SPINS[1][2] = {{0, 0}};
+    template <class T, class S>
+    static void force(int, const T* x, const T*, const T*, const S* p, void* context, T* r) {
+        const Fluid& f = *static_cast<const Fluid*>(context);
+        r[0] = x[1] * sqrt(x[1] * x[1] + FLOW_ROUNDING * FLOW_ROUNDING) * (p[0] * f.density * GIVEN_PRESSURE * MASS_ROW);
+        r[1] = T(0.0);
+    }
+};
+
 // Flow rate that a pump delivers into the bore.
 struct Pump {
     static constexpr int D = 1, NP = 1, NSPIN = 0;

@@ -34,6 +34,7 @@ DP_JACOBIAN(pipe_flow_dual, run_jacobian<PipePlain>)
 DP_JACOBIAN(annulus_flow_dual, run_jacobian<AnnulusPlain>)
 DP_ENTRY(pump, Pump)
 DP_ENTRY(annulus_top, AnnulusTop)
+DP_ENTRY(choke, Choke)
 
 namespace {
 constexpr int FIGURES = sizeof(FlowReport) / sizeof(double);

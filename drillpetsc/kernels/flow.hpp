@@ -23,6 +23,7 @@ struct Fluid {
 
 //! scale of rows of mass [N s/m3-like] and of momentum [m2], so that rows of all rooms have sizes of force
 constexpr double MASS_ROW = 1e6, MOMENTUM_ROW = 1e-2;
+constexpr double GIVEN_PRESSURE = 1e-7;  // weight of a row of mass that gives the pressure instead [m3/s/Pa]
 
 // wall shear stress of mud of a density
 inline double shear(const Fluid& f, double w, double density, double d, double alpha) { return wall_shear(f.rheology, w, d, alpha, density); }

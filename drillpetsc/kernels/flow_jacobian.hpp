@@ -145,7 +145,7 @@ inline void put_mass_rows(const Storage& s, const Compressed<Pack>& c, const Com
     const Pack common2 = half * (by.by_p * s.content * twelfth * rate2 + by.theta * L * s.swept2), held = c.by_p * twelfth;
     put_row(s.by_content * (held * rate1 * free) + s.by_swept1 * (moved * free), K[AT_P1]);
     put_row(s.by_content * (held * rate2 * MASS_ROW) + s.by_swept2 * (moved * MASS_ROW), K[AT_P2]);
-    K[AT_P1][AT_P1] = (common1 + stored * 5.0) * free + control * (1e-7 * MASS_ROW * c0);
+    K[AT_P1][AT_P1] = (common1 + stored * 5.0) * free + control * (GIVEN_PRESSURE * MASS_ROW * c0);
     K[AT_P1][AT_P2] = (common1 + stored) * free;
     K[AT_P1][AT_Q] = free * c0;
     K[AT_P2][AT_P1] = (common2 + stored) * MASS_ROW;

@@ -96,7 +96,7 @@ struct PipeFlow {
         const T s1 = stored * (y[F] * 5.0 + y[F + 1]) + c.theta * squeeze1 * (A * L);
         const T s2 = stored * (y[F + 1] * 5.0 + y[F]) + c.theta * squeeze2 * (A * L);
         const S free = S(1.0) - p[CONTROL];
-        r[F] = ((s1 + q) * free + (p1 - p[CONTROLLED]) * (p[CONTROL] * 1e-7)) * MASS_ROW;
+        r[F] = ((s1 + q) * free + (p1 - p[CONTROLLED]) * (p[CONTROL] * GIVEN_PRESSURE)) * MASS_ROW;
         r[F + 1] = (s2 - q) * MASS_ROW;
         r[F + 2] = (mass * flow + c.density * w * rate * L + inertia - c.density * drop + p2 - p1 + resistance + heads) * MOMENTUM_ROW;
         if constexpr (std::is_same_v<T, double>) if (report) {

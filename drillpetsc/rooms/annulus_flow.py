@@ -33,7 +33,8 @@ class AnnulusFlow(Channel):
     """Flow in the annulus: pressure [Pa] at the nodes, flow rate at zero pressure [m3/s] in the elements, towards the bit.
 
     outlet: gauge pressure at the flow line over time, which lies ``flow_line`` [m] below the rotary table.  lowered: how far the string
-    has been let down at a time [m] (None: it is not); hole sizes stay those at the start, directions follow.
+    has been let down at a time [m] (None: it is not); hole sizes stay those at the start, directions follow.  choke: 1/(2 C_d^2 A^2) of a
+    valve at the flow line [1/m4], 0 without one.
     """
 
     name = "annulus"
@@ -41,8 +42,9 @@ class AnnulusFlow(Channel):
 
     def __init__(self, mesh: StringMesh, annulus: Annulus, well: Well, fluid: FluidConstants, poisson: FloatArray, sideways: Sideways,
                  outlet: TimeFunction, flow_line: float = 0.0, lowered: Callable[[float], float] | None = None,
-                 held_at: FloatArray | None = None):
+                 held_at: FloatArray | None = None, choke: float = 0.0):
         super().__init__(mesh, fluid, held_at is not None)
+        self.choke = choke
         self.annulus, self.well, self.poisson, self.sideways, self.outlet = annulus, well, poisson, sideways, outlet
         self.flow_line, self.lowered, self.held_at = flow_line, lowered, held_at
         self._lowered_to = 0.0
@@ -71,6 +73,12 @@ class AnnulusFlow(Channel):
 
     def blocks(self, part) -> tuple[Block, ...]:
         elements = super().blocks(part)
+        if self.choke:
+            first = np.flatnonzero(part.cells == 0).astype(np.int32)
+            slots = (("annulus.pressure", 0), ("annulus.flow", 1))
+            valve = Block("choke", "choke", "cell", first, slots, (), np.full((len(first), 1), self.choke), context=self.fluid.address)
+            valve.keep = (self.fluid,)
+            elements = (*elements, valve)
         if self.held:
             return elements
         _, vertices = local_vertices(part, np.array([0]))

@@ -64,6 +64,9 @@ WET = {
                            HOLE | AROUND),
     "held": ({"string": [PIPE], "hold_string": True, "well": WELL, "fluid": MUD}, 4, -1, {"pipe_flow", "pump", "annulus_flow", "bit_flow"},
              (BASE - {"bit_speed", "bit_depth"}) | PUMPED, {"hole_radius [m]"} | INSIDE | AROUND),
+    "with a choke": ({"string": [PIPE], "hold_string": True, "well": WELL, "fluid": {**MUD, "choke": {"area": 3e-4}}}, 4, -1,
+                     {"pipe_flow", "pump", "annulus_flow", "choke", "bit_flow"}, (BASE - {"bit_speed", "bit_depth"}) | PUMPED,
+                     {"hole_radius [m]"} | INSIDE | AROUND),
     "held, bore only": ({"string": [PIPE], "hold_string": True, "fluid": MUD}, 2, 0, {"pipe_flow", "pump", "bit_flow"},
                         (BASE - {"bit_speed", "bit_depth"}) | PUMPED, INSIDE),
 }

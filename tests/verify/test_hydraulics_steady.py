@@ -182,3 +182,14 @@ def test_sealed_bore_under_pump_pressure(with_annulus):
     if with_annulus:
         assert pressures(scene, "annulus") == pytest.approx(-K * np.log1p(-DENSITY * GRAVITY * s / K), rel=1e-8)
         assert np.abs(flows(scene, "annulus")).max() < 1e-9
+
+
+def test_a_choke_holds_its_pressure_against_the_outflow():
+    """rho q^2/(2 Cd^2 A^2) on top of the outlet's pressure, forward and (inward) in reverse circulation; the pump pressure rises by it."""
+    drop = DENSITY * 0.03**2 / (2 * 0.9**2 * 400e-6**2)
+    valve = {"choke": {"area": 400e-6, "discharge_coefficient": 0.9}, "outlet_pressure": 2e5}
+    for q in (0.03, -0.03):
+        with_valve, without = (pressures(started(loop({**RIGID, "flow_rate": q, **more}, 20)), "pipe")[0] for more in (valve, {}))
+        top = pressures(started(loop({**RIGID, "flow_rate": q, **valve}, 20)), "annulus")[0]
+        assert top == pytest.approx(2e5 + np.sign(q) * drop, rel=1e-6)
+        assert with_valve - without == pytest.approx(2e5 + np.sign(q) * drop, rel=1e-6)
