@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -18,12 +19,13 @@ def own_errors() -> Iterator[None]:
 
     From 3.22 on petsc4py answers an exception of a callback with its own PETSc.Error, with ours behind it in the chain.
     """
+    outer = sys.exception()  # handled while the solver is called: in the chain of what it raises, but no callback's
     try:
         yield
     except PETSc.Error as error:
         link: BaseException | None = error
         seen: set[int] = set()
-        while link is not None and id(link) not in seen:
+        while link is not None and link is not outer and id(link) not in seen:
             seen.add(id(link))
             if not isinstance(link, PETSc.Error):
                 raise link from None

@@ -50,7 +50,7 @@ struct TouchReport { double normal, stored, damping_power, friction_power, penet
 inline bool touches(const Well& well, const Vec<double>& x, double R, int& segment, Foot& foot) {
     foot = locate(well, x, segment);
     const HolePoint<double> q = hole_point(well, foot, x);
-    const double room = q.radius > R ? q.radius : R;  // no clearance: a centring spring
+    const double room = q.radius <= R ? R : q.radius;  // no clearance: a centring spring
     return !(q.rho + R - room <= -RAMP);  // what is not a number touches, and is found in the rows
 }
 
@@ -61,7 +61,7 @@ inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, con
     const HolePoint<T> h = hole_point(well, foot, x);
     T depth = h.rho;
     Vec<T> gradient = h.n;
-    if (val(h.radius) > R) {
+    if (!(val(h.radius) <= R)) {  // so that a radius that is not a number is no centring spring
         depth = h.rho + R - h.radius;
         gradient = h.n - h.t * (h.radius_slope * h.ds_dx);
     }
@@ -75,7 +75,7 @@ inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, con
     }
     const T N = elastic * factor;
     const Vec<T> around = cross(h.t, h.n);
-    const T mu0 = own_friction >= 0 ? T(own_friction) : h.friction;
+    const T mu0 = own_friction < 0 ? h.friction : T(own_friction);
     Vec<T> drag, push = {T(0.0), T(0.0), T(0.0)};
     if (law.imposed) {
         const double va = law.axial, vb = law.spin * R, speed = std::sqrt(va * va + vb * vb);

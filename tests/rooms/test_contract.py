@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.assembly import ROW_SCALE
+from drillpetsc.rooms.contact import Contact
 from tests.rooms.scenes import KINDS, SHIFT, build
 
 
@@ -124,3 +125,27 @@ def test_contact_sees_a_state_that_is_not_a_number(kind):
             assert np.isnan(rows).any(axis=1).all()
             seen += len(rows)
     assert seen == 2
+
+
+@pytest.mark.parametrize("kind", [k for k in KINDS if "contact" in k])
+@pytest.mark.parametrize("what", ["radius of the pipe", "friction of the pipe", "radius of the hole", "stiffness"])
+def test_contact_passes_on_what_is_not_a_number(kind, what):
+    """No comparison may take it for "no clearance", "friction not given" or "does not touch"."""
+    model = build(kind)
+    asm, contact = model.assembly, next(r for r in model.rooms if isinstance(r, Contact))
+    blocks = [b for b in asm.ready if b.block.name.startswith("contact")]
+    before = [asm.block_rows(b, 0.4) for b in blocks]
+    touching = [(rows != 0).any(axis=1) for rows in before]
+    assert np.concatenate(touching).any() and np.isfinite(np.concatenate([rows.ravel() for rows in before])).all()
+    for b in blocks:
+        if what.endswith("of the pipe"):
+            b.block.params[:, 2 if what.startswith("radius") else 3] = np.nan
+    if what == "radius of the hole":
+        contact._packed.setflags(write=True)
+        steps = contact._packed[4 + 16 * int(contact._packed[0]) :].reshape(-1, 6)
+        contact._packed[2], steps[:, 2] = np.nan, np.nan
+    if what == "stiffness":
+        contact.set_stiffness(np.nan)
+    for b, touched in zip(blocks, touching, strict=True):
+        wrong = np.isnan(asm.block_rows(b, 0.4)).any(axis=1)
+        assert wrong[touched if what in ("stiffness", "friction of the pipe") else slice(None)].all()

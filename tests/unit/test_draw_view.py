@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from subprocess import CompletedProcess
 
 import numpy as np
 import pytest
@@ -130,6 +131,45 @@ def test_no_opengl_is_said_and_drawn_otherwise(tmp_path: Path, monkeypatch: pyte
     assert len(said) == 1 and "no libGL" in said[0]
     with pytest.raises(RuntimeError, match="no libGL"):
         view(run.path, renderer="pyvista")
+
+
+@pytest.mark.parametrize(
+    ("there", "window"),
+    [
+        (("libEGL.so.1", "libOSMesa.so.8"), "vtkEGLRenderWindow"),
+        (("libOSMesa.so.8",), "vtkOSOpenGLRenderWindow"),
+        ((), ""),
+    ],
+)
+def test_a_window_that_needs_no_screen_is_one_whose_library_is_there(
+    monkeypatch: pytest.MonkeyPatch, there: tuple[str, ...], window: str
+) -> None:
+    monkeypatch.setattr("sys.platform", "linux")
+    monkeypatch.setattr(render, "_opens", lambda library: library in there)
+    monkeypatch.delenv("VTK_DEFAULT_OPENGL_WINDOW", raising=False)
+    monkeypatch.delenv("DISPLAY", raising=False)
+    assert render.offscreen_window() == window
+    asked: list[dict[str, str]] = []
+
+    def answer(*arguments: object, env: dict[str, str], **more: object) -> CompletedProcess[str]:
+        asked.append(env)
+        return CompletedProcess([], 3, "", "a picture without colours")
+
+    monkeypatch.setattr("subprocess.run", answer)
+    reason = render.why_no_rendering.__wrapped__()
+    if window:
+        assert asked[0]["VTK_DEFAULT_OPENGL_WINDOW"] == window and "without colours" in reason
+    else:
+        assert not asked and "libEGL" in reason and "libOSMesa" in reason
+
+
+@pytest.mark.parametrize(("name", "value"), [("VTK_DEFAULT_OPENGL_WINDOW", "vtkXOpenGLRenderWindow"), ("DISPLAY", ":0")])
+def test_a_screen_or_the_users_own_window_is_left_alone(monkeypatch: pytest.MonkeyPatch, name: str, value: str) -> None:
+    for key in ("VTK_DEFAULT_OPENGL_WINDOW", "DISPLAY"):
+        monkeypatch.delenv(key, raising=False)
+    monkeypatch.setenv(name, value)
+    monkeypatch.setattr(render, "_opens", lambda library: True)
+    assert render.offscreen_window() is None
 
 
 def test_a_time_takes_the_nearest_frame_and_an_index_counts(tmp_path: Path) -> None:

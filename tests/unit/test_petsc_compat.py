@@ -36,6 +36,11 @@ def test_errors_of_petsc_stay_petscs():
         raise PETSc.Error(56)
     with pytest.raises(KeyError), petsc_compat.own_errors():
         raise KeyError("of someone else")
+    try:  # an error that is being handled when the solver is called is not the solver's
+        raise ValueError("earlier")
+    except ValueError:
+        with pytest.raises(PETSc.Error), petsc_compat.own_errors():
+            raise PETSc.Error(56)  # noqa: B904  the chain by context is what is tested
 
 
 def test_integrators_that_this_petsc_lacks_are_refused():

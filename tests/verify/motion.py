@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
 from drillpetsc import Case
 from drillpetsc.model import Model
 from drillpetsc.options import applied
@@ -26,6 +28,13 @@ def integrate(model: Model, end: float, petsc: dict | None = None, call: Callabl
             dynamics.after_step.append(call)
         dynamics.run(start, end, breaks)
     return dynamics
+
+
+def watched(model: Model, end: float, watch: Callable[[Model], object], breaks: tuple[float, ...] = (), **petsc) -> np.ndarray:
+    """Run from 0 to ``end`` [s]; rows (t, *watch(model)) of all accepted steps."""
+    rows: list[list[float]] = []
+    integrate(model, end, petsc, lambda t, dt: rows.append([t, *np.atleast_1d(watch(model))]), breaks)
+    return np.array(rows)
 
 
 def straight(**case) -> Scene:

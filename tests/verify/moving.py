@@ -1,34 +1,13 @@
-"""Small helpers of the dynamic checks."""
+"""A straight string of chosen rooms, without a case, and its matrices; ``motion`` runs it."""
 
 from __future__ import annotations
 
-from contextlib import contextmanager
-
 import numpy as np
-from petsc4py import PETSc
 
 from drillpetsc.frames import transported_frames
 from drillpetsc.model import Model
 from drillpetsc.rooms.beam import Beam
 from drillpetsc.rooms.contact import Contact
-from drillpetsc.solve.dynamics import Dynamics
-
-
-@contextmanager
-def petsc_options(**options):
-    """PETSc options for the time of a block."""
-    database = PETSc.Options()
-    before = dict(database.getAll())
-    for name, value in options.items():
-        database.setValue(name, value)
-    try:
-        yield
-    finally:
-        for name in database.getAll():
-            if name not in before:
-                database.delValue(name)
-        for name, value in before.items():
-            database.setValue(name, value)
 
 
 def straight_model(mesh, rooms=(), gravity=(0.0, 0.0, 0.0)) -> Model:
@@ -44,16 +23,6 @@ def straight_model(mesh, rooms=(), gravity=(0.0, 0.0, 0.0)) -> Model:
     if "string.ratio" in model.layout.place:
         model.set_field("string.ratio", np.ones((mesh.nodes, 1)))
     return model
-
-
-def integrate(model: Model, end: float, watch, breaks=(), **options) -> np.ndarray:
-    """Run to ``end``; returns rows (t, *watch(model)) of all accepted steps."""
-    rows = []
-    with petsc_options(**options):
-        dynamics = Dynamics(model)
-        dynamics.after_step.append(lambda t, dt: rows.append([t, *np.atleast_1d(watch(model))]))
-        dynamics.run(0.0, end, breaks)
-    return np.array(rows)
 
 
 def matrices(model: Model) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -70,6 +70,10 @@ def reference() -> np.ndarray:
     return swung(fixed(5e-5, ts_type="rosw"))[0]
 
 
+#: seen with 3.26.1: the error halves with the step as soon as an end is prescribed; a free string is exact
+NEWER_ARKIMEX = pytest.mark.xfail(PETSc.Sys.getVersion() >= (3, 19, 0), reason="arkimex of newer PETSc is of first order with prescribed rows")
+
+
 @pytest.mark.parametrize(
     ("options", "limit"),
     [
@@ -79,8 +83,8 @@ def reference() -> np.ndarray:
         ({"ts_type": "cn"}, 3e-5),
         ({"ts_type": "alpha"}, 3e-5),
         ({"ts_type": "rosw"}, 1e-5),
-        ({"ts_type": "arkimex"}, 1e-5),
-        ({"ts_type": "arkimex", "ts_arkimex_type": "2e"}, 3e-5),
+        pytest.param({"ts_type": "arkimex"}, 1e-5, marks=NEWER_ARKIMEX),
+        pytest.param({"ts_type": "arkimex", "ts_arkimex_type": "2e"}, 3e-5, marks=NEWER_ARKIMEX),
         ({"ts_type": "beuler"}, 5e-3),
     ],
     ids=lambda o: "-".join(map(str, o.values())) or "default" if isinstance(o, dict) else "",

@@ -1,20 +1,17 @@
-"""Rotating shafts, damping and contact in motion against closed forms."""
+"""Damping by the material, impacts and friction on the wall against closed forms; whirl is in test_dynamics_motion."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import numpy as np
 import pytest
 import scipy.linalg
 
-from drillpetsc.rooms.bodies import Bodies
 from drillpetsc.rooms.contact import Contact, ContactLaw, damping_factor
-from drillpetsc.rooms.ends import Held, Loads, NodeLoad, TopDrive
-from drillpetsc.time_function import Constant
+from drillpetsc.rooms.ends import Held, Loads, NodeLoad
 from drillpetsc.tubulars import uniform_string
 from drillpetsc.well import Well
-from tests.verify.moving import integrate, matrices, straight_model
+from tests.verify.motion import watched
+from tests.verify.moving import matrices, straight_model
 
 SHAFT = {"axial_stiffness": 1e7, "bending_stiffness": 1e4, "torsional_stiffness": 1e6, "mass": 10.0, "polar_inertia": 0.01}
 L = 10.0
@@ -51,56 +48,6 @@ def test_kelvin_voigt_damps_a_bending_mode_with_beta_omega_squared_over_two():
         assert abs(found) == pytest.approx(omega, rel=1e-3)
 
 
-@pytest.mark.parametrize("external", [0.0, 0.02])
-def test_internal_damping_drives_whirl_above_its_threshold(external):
-    """Damping that turns with the shaft destabilises forward whirl above Omega = omega_1 (1 + c_external / c_internal), c_internal =
-    beta omega_1^2 of the first mode (Dimentberg; any text on rotor dynamics)."""
-    beta = 5e-3
-    threshold = OMEGA1 * (1 + external / (beta * OMEGA1**2))
-    growth = []
-    for share in (0.98, 1.02):
-        model = straight_model(shaft(8, stiffness_damping=beta, mass_damping=external))
-        model.set_field("string.spin", np.full((9, 1), share * threshold), "y")
-        roots = _roots(model)
-        bending = roots[(np.abs(np.abs(roots.imag) - OMEGA1) < 0.3 * OMEGA1)]
-        growth.append(bending.real.max())
-    assert growth[0] < -1e-5 < 1e-5 < growth[1]
-
-
-def test_synchronous_whirl_of_an_eccentric_shaft():
-    """Uniform eccentricity e, hinged ends, external damping alpha: the mid-span amplitude solves
-    EI Y'''' - mu (Omega^2 - i alpha Omega) Y = mu Omega^2 e, whose first mode is the textbook e (Omega/omega)^2 / (1 - (Omega/omega)^2)."""
-    n, e, alpha = 16, 0.001, 1.5
-    speed = 0.6 * OMEGA1
-    mesh = replace(shaft(n, mass_damping=alpha), eccentricity=np.tile([e, 0.0], (n, 1)))
-    rooms = [
-        lambda f, p, t: Bodies(mesh, f, np.zeros(3)),
-        lambda f, p, t: Hinge(p[0], t[0], speed),
-        lambda f, p, t: Held(n, "pinned", p[-1], t[-1], spin=False),
-    ]
-    model = straight_model(mesh, rooms)
-    model.set_field("string.spin", np.full((n + 1, 1), speed), "y")
-    rows = integrate(model, 14.0, lambda m: np.hypot(*m.field("string.position")[n // 2, :2]), ts_adapt_type="none", ts_dt=0.01)
-    q = SHAFT["mass"] * (speed**2 - 1j * alpha * speed)
-    k = (q / SHAFT["bending_stiffness"]) ** 0.25
-    steady = -SHAFT["mass"] * speed**2 * e / q
-    middle = steady * (1 - 0.5 / np.cosh(k * L / 2) - 0.5 / np.cos(k * L / 2))
-    assert rows[-1, 1] == pytest.approx(abs(middle), rel=0.01)
-
-
-class Hinge(TopDrive):
-    """A top that turns but leaves the direction free: the rows of position and spin of a top drive only."""
-
-    def __init__(self, position, tangent, speed):
-        super().__init__(position, tangent, Constant(speed), Constant(0.0))
-        c = self._condition
-        keep = [0, 1, 2, 5]
-        self._condition = replace(
-            c, directions=c.directions[keep], value=lambda t: c.value(t)[keep], rate=lambda t: c.rate(t)[keep],
-            names=tuple(c.names[i] for i in keep),
-        )
-
-
 # ---------------------------------------------------------------------- contact
 HOLE = Well.from_survey(np.array([0.0, 50.0]), np.zeros(2), np.zeros(2), [50.0], [0.102], [0.3])
 LYING = Well.from_survey(np.array([0.0, 50.0]), np.full(2, np.pi / 2), np.zeros(2), [50.0], [0.102], [0.3])
@@ -122,7 +69,7 @@ def test_restitution_of_an_impact(law, stiffness, restitution, tolerance, share)
     """P04: 25 kg at 1 m/s against 1e8 N/m (linear) or 1e9 N/m^1.5 (Hertz) with the factor from d(1+e) = ln((1+d)/(1-de)): rebound e, to
     0.5 % at -ts_rtol 1e-5; to 2 % at the default 1e-4."""
     model = _block(ContactLaw(stiffness=stiffness, law=law, restitution=restitution, slip_velocity=1e-2), 1.0)
-    rows = integrate(model, 0.0065, lambda m: m.field("string.position", "y")[0, 0], ts_rtol=tolerance)
+    rows = watched(model, 0.0065, lambda m: m.field("string.position", "y")[0, 0], ts_rtol=tolerance)
     assert rows[-1, 1] == pytest.approx(-restitution, rel=share)
 
 
@@ -143,22 +90,13 @@ def test_damping_factor(restitution, factor):
     assert damping_factor(restitution, 1.0) == pytest.approx(factor, rel=1e-6)
 
 
-def test_later_impacts_of_the_same_factor():
-    """P05: c = 1.4327505 s/m, impacts at 1, 0.5 m/s: rebounds 0.5, 0.33670 (the piece crosses the hole in between)."""
-    model = _block(ContactLaw(restitution=0.5), 1.0)
-    rows = integrate(model, 0.025, lambda m: m.field("string.position", "y")[0, 0], ts_rtol=1e-7, ts_dt=1e-5)
-    speeds = np.abs(rows[:, 1])
-    plateaus = [s for s in (0.5, 0.33670) if np.sum(np.abs(speeds - s) < 0.005 * s) > 3]
-    assert plateaus == [0.5, 0.33670]
-
-
 @pytest.mark.parametrize(
     "law, stiffness, duration, depth", [("linear", 1e8, 1.570796e-3, 5.0e-4), ("hertz", 1e9, 2.929347e-3, 9.952679e-4)]
 )
 def test_elastic_impact_duration_and_depth(law, stiffness, duration, depth):
     """P06: elastic impact of 25 kg at 1 m/s, durations and penetrations of the linear and the Hertz spring (exact)."""
     model = _block(ContactLaw(stiffness=stiffness, law=law, restitution=1.0), 1.0)
-    rows = integrate(model, 0.007, lambda m: m.field("string.position")[0, 0] + 0.1 - 0.102, ts_rtol=1e-7, ts_dt=1e-5)
+    rows = watched(model, 0.007, lambda m: m.field("string.position")[0, 0] + 0.1 - 0.102, ts_rtol=1e-7, ts_dt=1e-5)
     t, deep = rows.T
     assert deep.max() == pytest.approx(depth, rel=0.005)
     change = np.flatnonzero(deep[:-1] * deep[1:] < 0)
@@ -182,32 +120,9 @@ def test_regularised_friction_creeps_as_it_must():
     model = Model(mesh, frames, [Beam(mesh, frames, np.array([0, 0, 9.81])), load, Contact(mesh, LYING, law)])
     model.set_field("string.position", position + np.array([0, 0, 0.002 + weight / 1e7]))
     model.set_field("string.tangent", tangent)
-    rows = integrate(model, 0.2, lambda m: m.field("string.position", "y")[0] @ tangent[0], ts_rtol=1e-7, ts_dt=1e-5)
+    rows = watched(model, 0.2, lambda m: m.field("string.position", "y")[0] @ tangent[0], ts_rtol=1e-7, ts_dt=1e-5)
     # the pipe rocks a little on its elastic bed, undamped at this size: the mean creeps
     assert rows[:, 1][rows[:, 0] > 0.1].mean() == pytest.approx(5.7735e-4, rel=2e-3)
-
-
-def test_backward_whirl_rolls_without_slip():
-    """P11: R_s 0.0857, R_h 0.108, 120 rpm, friction alone: whirl rate -omega R_s / orbit radius, on the orbit actually run, whatever mu."""
-    hole = Well.from_survey(np.array([0.0, 50.0]), np.zeros(2), np.zeros(2), [50.0], [0.108], [0.25])
-    spin, radius = 4 * np.pi, 0.0857
-    mesh = uniform_string(1.0, 1, axial_stiffness=1e9, bending_stiffness=1e8, torsional_stiffness=1e8, mass=50.0, polar_inertia=1e5,
-                          outer_diameter=2 * radius)
-    law = ContactLaw(stiffness=1e8, slip_velocity=1e-3)
-    model = straight_model(mesh, [lambda f, p, t: Contact(mesh, hole, law)])
-    start = 0.0223
-    rate = -spin * radius / start
-    model.set_field("string.position", np.array([[start, 0, 0], [start, 0, 1.0]]))
-    model.set_field("string.position", np.array([[0, start * rate, 0]] * 2), "y")
-    model.set_field("string.spin", np.full((2, 1), spin), "y")
-    rows = integrate(model, 0.3, lambda m: [*m.field("string.position")[0, :2], *m.field("string.position", "y")[0, :2]], ts_rtol=1e-5,
-                     ts_dt=1e-5)
-    t, x, y, u, v = rows[rows[:, 0] > 0.2].T
-    orbit = np.hypot(x, y)
-    whirl = (x * v - y * u) / orbit**2
-    spins = model.field("string.spin", "y")[0, 0]
-    # the contact point lies on the wall: rolling relates the rate to the orbit by the pipe's radius
-    assert whirl.mean() == pytest.approx(-(spins * radius / orbit).mean(), rel=0.005)
 
 
 def test_wall_brake_stops_a_spinning_pipe():
@@ -224,7 +139,7 @@ def test_wall_brake_stops_a_spinning_pipe():
     model = straight_model(mesh, rooms)
     model.set_field("string.position", np.array([pressed, pressed + [0, 0, 1.0]]))
     model.set_field("string.spin", np.full((2, 1), 15.0), "y")
-    rows = integrate(model, 8.5, lambda m: [m.field("string.spin", "y")[0, 0], m.field("string.spin")[0, 0]], ts_rtol=1e-5)
+    rows = watched(model, 8.5, lambda m: [m.field("string.spin", "y")[0, 0], m.field("string.spin")[0, 0]], ts_rtol=1e-5)
     t, speed, angle = rows.T
     assert 15.0 - np.interp(7.0, t, speed) == pytest.approx(1.905 * 7.0, rel=2e-3)
     assert t[np.flatnonzero(speed > 0.02)[-1]] == pytest.approx(7.8740, rel=0.005)

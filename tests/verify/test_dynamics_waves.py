@@ -6,13 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import scipy.linalg
 
-from drillpetsc.rooms.bodies import Bodies
 from drillpetsc.rooms.ends import Held, Loads, NodeLoad, TopDrive
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
-from drillpetsc.tubulars import RigidItem, tube, uniform_string
-from tests.verify.moving import integrate, matrices, straight_model
+from drillpetsc.tubulars import tube, uniform_string
+from tests.verify.motion import watched
+from tests.verify.moving import straight_model
 
 PIPE = tube(0.127, 0.1086, 206e9, 0.3, 7850.0)
 LENGTH = 2000.0
@@ -35,7 +34,7 @@ def test_torque_step_plateau_and_top_torque():
     n = 200
     mesh = uniform_string(LENGTH, n, **PIPE)
     model = straight_model(mesh, [clamp, lambda f, p, t: Loads((NodeLoad(n, moment=(0, 0, 2000.0)),), f)])
-    rows = integrate(model, 2.4, lambda m: [bit_speed(m), m.reaction("top.torque_reaction")], ts_adapt_type="none", ts_dt=2e-3)
+    rows = watched(model, 2.4, lambda m: [bit_speed(m), m.reaction("top.torque_reaction")], ts_adapt_type="none", ts_dt=2e-3)
     t, speed, torque = rows.T
     period = 2 * LENGTH / TORSION
     first = (t > 0.2 * period) & (t < 0.8 * period)
@@ -58,7 +57,7 @@ def test_arrival_of_a_wave(kind, speed):
     def watch(m):
         return m.field("string.spin", "y")[-1, 0] if kind == "torsion" else m.field("string.position", "y")[-1, 2]
 
-    t, value = integrate(model, LENGTH / speed + 0.06, watch, (0.04,), ts_adapt_type="none", ts_dt=5e-4).T
+    t, value = watched(model, LENGTH / speed + 0.06, watch, (0.04,), ts_adapt_type="none", ts_dt=5e-4).T
     half = np.interp(0.1, value, t)  # the free end doubles the wave: half of 2 x 0.1
     assert half - 0.02 == pytest.approx(LENGTH / speed, rel=0.01)
 
@@ -79,7 +78,7 @@ def test_spin_up_against_the_exact_torsional_wave():
     for dt in (0.02, 0.01, 0.005):
         model.set_field("string.spin", np.zeros((n + 1, 1)))
         model.assembly.y[:] = 0
-        t, speed = integrate(model, 5.0, bit_speed, (2.0,), ts_adapt_type="none", ts_dt=dt).T
+        t, speed = watched(model, 5.0, bit_speed, (2.0,), ts_adapt_type="none", ts_dt=dt).T
         errors.append(np.sqrt(np.mean((speed - exact(t)) ** 2)) / top)
     assert errors[-1] < 5e-4
     assert errors[0] > errors[1] > errors[2]
@@ -88,7 +87,7 @@ def test_spin_up_against_the_exact_torsional_wave():
     for tolerance in (1e-3, 1e-5):
         model.set_field("string.spin", np.zeros((n + 1, 1)))
         model.assembly.y[:] = 0
-        t, speed = integrate(model, 5.0, bit_speed, (2.0,), ts_rtol=tolerance).T
+        t, speed = watched(model, 5.0, bit_speed, (2.0,), ts_rtol=tolerance).T
         counts.append((len(t), np.sqrt(np.mean((speed - exact(t)) ** 2)) / top))
     assert counts[1][0] > 1.5 * counts[0][0] and counts[1][1] < 0.3 * counts[0][1]
 
@@ -104,7 +103,7 @@ def test_order_in_time_is_two():
     for dt in steps:
         model = straight_model(mesh, [clamp])
         model.set_field("string.spin", shape[:, None])
-        t, angle = integrate(model, 2.0, lambda m: m.field("string.spin")[-1, 0], ts_adapt_type="none", ts_dt=dt).T
+        t, angle = watched(model, 2.0, lambda m: m.field("string.spin")[-1, 0], ts_adapt_type="none", ts_dt=dt).T
         errors.append(abs(angle[-1] - np.cos(omega * t[-1])))
     rate = np.polyfit(np.log(steps[1:]), np.log(errors[1:]), 1)[0]
     assert abs(rate - 2.0) < 0.15
@@ -124,7 +123,7 @@ def test_axial_wave_at_a_section_change():
     mesh = replace(mesh, junction=junction, **columns)
     ramp = Ramp(0.05, 1.0)
     model = straight_model(mesh, [clamp, lambda f, p, t: Loads((NodeLoad(n, force=(0, 0, force), factor=ramp.value),), f)])
-    t, speed = integrate(model, 0.72, lambda m: m.field("string.position", "y")[-1, 2], (0.05,), ts_adapt_type="none", ts_dt=5e-4).T
+    t, speed = watched(model, 0.72, lambda m: m.field("string.position", "y")[-1, 2], (0.05,), ts_adapt_type="none", ts_dt=5e-4).T
     z1, z2 = (np.sqrt(q["axial_stiffness"] * q["mass"]) for q in (PIPE, collar))
     c = np.sqrt(206e9 / 7850.0)
     back = 2 * (LENGTH / 2) / c  # 0.39 s
@@ -146,7 +145,7 @@ def test_a_spinning_hung_string_keeps_its_speed_for_1000_revolutions():
     model.set_field("string.position", np.column_stack([0 * s, 0 * s, s + stretch]))
     model.set_field("string.tangent", np.column_stack([0 * s, 0 * s, 1 + strain]))
     model.set_field("string.spin", np.full((n + 1, 1), speed), "y")
-    rows = integrate(model, 750.0, lambda m: m.field("string.spin", "y")[:, 0], ts_adapt_type="none", ts_dt=0.25)
+    rows = watched(model, 750.0, lambda m: m.field("string.spin", "y")[:, 0], ts_adapt_type="none", ts_dt=0.25)
     assert np.abs(rows[-1, 1:] / speed - 1).max() < 1e-9
     angle = model.field("string.spin")[:, 0]
     assert angle == pytest.approx(speed * 750.0, rel=1e-9)
@@ -157,22 +156,8 @@ def test_a_jump_of_the_top_speed_is_landed_on():
     jump = PiecewiseLinear((0.0, 0.5, 0.5, 5.0), (0.0, 0.0, 1.0, 1.0))
     mesh = uniform_string(LENGTH, 100, **PIPE)
     model = straight_model(mesh, [lambda f, p, t: TopDrive(p[0], t[0], jump, Constant(0.0))])
-    rows = integrate(model, 1.6, bit_speed, jump.breaks(), ts_rtol=1e-4)
+    rows = watched(model, 1.6, bit_speed, jump.breaks(), ts_rtol=1e-4)
     t, speed = rows.T
     assert np.min(np.abs(t - 0.5)) < 1e-12
     assert np.abs(speed[t < 0.9]).max() < 0.02
     assert speed[(t > 1.3) & (t < 1.6)].mean() == pytest.approx(2.0, rel=0.02)
-
-
-def test_torsional_frequencies_with_a_bit():
-    """P24: top fixed, J = 300 kg m2 on 2000 m of pipe: 0.180895 and 0.840968 Hz, roots of x tan x = J_string / J."""
-    n = 50
-    bit = RigidItem("bit", "bit", n, 0.0, 0.0, 0.0, 0.0, (0.0, 0.0), 300.0, 0.0, 0.0)
-    mesh = replace(uniform_string(LENGTH, n, **PIPE), bodies=(bit,))
-    model = straight_model(mesh, [lambda f, p, t: Bodies(mesh, f, np.zeros(3))])
-    K, _, M = matrices(model)
-    spin = model.layout.place["string.spin"][1:, 0]  # the top is held
-    squares = scipy.linalg.eigh(K[np.ix_(spin, spin)], M[np.ix_(spin, spin)], eigvals_only=True)
-    found = np.sqrt(squares[:2]) / (2 * np.pi)
-    assert found[0] == pytest.approx(0.180895, rel=0.005)
-    assert found[1] == pytest.approx(0.840968, rel=0.01)
