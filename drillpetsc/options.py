@@ -45,15 +45,18 @@ def _was_read(name: str) -> bool:
 
 def refuse_unread(names: list[str]) -> None:
     """Raise CaseError for options that the solvers, once set up, have not read.  Options read only at the end are let pass."""
+    database = PETSc.Options()
     for name in names:
         if any(word in name for word in LATE) or _was_read(name):
+            continue
+        if not database.hasName(name):  # taken out under its newer name (petsc_compat); asking counts as reading, so it comes last
             continue
         near = difflib.get_close_matches(name, KNOWN, n=1)
         raise CaseError(at=f"petsc option -{name}", want="an option that PETSc or drillpetsc reads in this scene",
                         hint=f"did you mean -{near[0]}?" if near else "check the spelling and the prefix (-q_ for the condensed Newton)")
 
 
-KNOWN = ("ts_type", "ts_bdf_order", "ts_rtol", "ts_dt", "ts_adapt_type", "ts_adapt_clip", "ts_adapt_dt_max", "ts_adapt_dt_min",
-         "ts_max_reject",
+KNOWN = ("ts_type", "ts_bdf_order", "ts_rtol", "ts_dt", "ts_time_step", "ts_adapt_type", "ts_adapt_clip",
+         "ts_adapt_dt_max", "ts_adapt_dt_min", "ts_max_reject",
          "ts_adapt_wnormtype", "ts_max_steps", "ts_max_snes_failures", "snes_type", "q_snes_stol", "q_snes_max_it", "q_snes_rtol",
          "q_snes_linesearch_type", "q_ksp_type", "q_pc_type", "q_pc_factor_mat_ordering_type", "ksp_type", "pc_type")

@@ -71,7 +71,7 @@ def reference() -> np.ndarray:
 
 
 #: seen with 3.26.1: the error halves with the step as soon as an end is prescribed; a free string is exact
-NEWER_ARKIMEX = pytest.mark.xfail(PETSc.Sys.getVersion() >= (3, 19, 0), reason="arkimex of newer PETSc is of first order with prescribed rows")
+NEWER_ARKIMEX = pytest.mark.xfail(PETSc.Sys.getVersion() >= (3, 19, 0), reason="of first order with prescribed rows")
 
 
 @pytest.mark.parametrize(
