@@ -173,7 +173,7 @@ def _bit_end(case: Case, mesh: StringMesh, well: Well | None, sizes: Annulus | N
         hole = float(sizes.hole[-1]), float(sizes.hole[-1] - sizes.outer[-1]), float(sizes.outer[-1])
     return BitEnd(
         bore=float(np.pi / 4 * mesh.inner_diameter[-1] ** 2) if open_end else 0.0, nozzle=nozzle,
-        discharge_coefficient=f.discharge_coefficient, check_valve=f.check_valve, ambient=f.outlet_pressure.value(0.0),
+        discharge_coefficient=f.discharge_coefficient, check_valve=f.check_valve, ambient=f.outlet_pressure,
         hole=hole[0], open=hole[1], outer=hole[2], elasticity=2 * (1 + rock.poisson) / rock.young if rock else 0.0,
         volume=f.bit_volume, face=mesh.total_length - float(mesh.node_depth[-1]), added=float(chi[-1]), metal=metal_below(case, mesh),
         end=end, axis=axis)

@@ -10,8 +10,10 @@ from drillpetsc.field import Block, Energies, Field, FloatArray, Powers
 from drillpetsc.kernels import function, pointer
 from drillpetsc.rooms.bodies import VERTEX_SLOTS, Passive, local_vertices
 from drillpetsc.rooms.flow import FLOW_SCALE, FluidConstants
+from drillpetsc.time_function import TimeFunction
 
 END_CORRECTION = 0.61  # of an open unflanged pipe, in radii: Levine and Schwinger, Phys. Rev. 73:383, 1948
+_AMBIENT = 4  # column of the kernel
 NOZZLE_LENGTH = 0.1  # length over which mud speeds up in a nozzle [m]
 
 
@@ -20,8 +22,8 @@ class BitEnd:
     """Lower end of the string.
 
     bore: area of the last element's bore [m2] (0: no link); nozzle: flow area [m2] (0: an open end, without loss);
-    discharge coefficient; check_valve; ambient [Pa]: pressure outside where there is no annulus; hole, open, outer: areas of the hole
-    and of the last annulus and string [m2] (hole 0: no annulus); elasticity d(ln content)/dp of the chamber's walls [1/Pa]; volume
+    discharge coefficient; check_valve; ambient [Pa] over time: pressure outside where there is no annulus; hole, open, outer: areas of
+    the hole and of the last annulus and string [m2] (hole 0: no annulus); elasticity d(ln content)/dp of the chamber's walls [1/Pa]; volume
     [m3] of the chamber with the bit on bottom; face [m] below the last node; added mass ratio; metal [m3] of rigid items below the last
     node; end, axis (3,): lower end of the hole and its direction.
     """
@@ -30,7 +32,7 @@ class BitEnd:
     nozzle: float
     discharge_coefficient: float
     check_valve: bool
-    ambient: float
+    ambient: TimeFunction
     hole: float
     open: float
     outer: float
@@ -61,8 +63,9 @@ class BitFlow(Passive):
         length = NOZZLE_LENGTH if e.nozzle else END_CORRECTION * np.sqrt(e.bore / np.pi)
         loss = 1 / (2 * e.discharge_coefficient**2 * area**2) if e.nozzle else 0.0
         gap = 0.0 if self.held_at is None else float((e.end - self.held_at[-1]) @ e.axis) - e.face
-        return [f.density * length / max(area, 1e-300), max(area, 1e-300), loss, float(e.check_valve), e.ambient, e.hole, e.volume,
-                1 / f.bulk_modulus + e.elasticity, e.face, e.added * e.outer, max(e.open, 1e-300), e.metal, gap, *e.end, *e.axis, *e.axis]
+        return [f.density * length / max(area, 1e-300), max(area, 1e-300), loss, float(e.check_valve), e.ambient.value(0.0), e.hole,
+                e.volume, 1 / f.bulk_modulus + e.elasticity, e.face, e.added * e.outer, max(e.open, 1e-300), e.metal, gap, *e.end,
+                *e.axis, *e.axis]
 
     def blocks(self, part) -> tuple[Block, ...]:
         _, vertices = local_vertices(part, np.array([self.node]))
@@ -76,10 +79,18 @@ class BitFlow(Passive):
             slots += (("bit.flow", 0),)
         kernel = "bit_flow" + ("" if self.has_link and self.has_annulus else "_jet" if self.has_link else "_closed") + "_held" * held
         params = np.ascontiguousarray(np.tile(self._parameters(), (len(vertices), 1)))
-        self._block = Block("bit_flow", kernel, "vertex", vertices, slots, (), params, context=self.fluid.address)
+        update = None if self.has_annulus else lambda t: self.renew(params, t)
+        self._block = Block("bit_flow", kernel, "vertex", vertices, slots, (), params, context=self.fluid.address, update=update)
         self._block.keep = (self.fluid,)
         self._report = function(f"{kernel}_report", "ipppppp")
         return (self._block,)
+
+    def renew(self, params: FloatArray, t: float) -> None:
+        """Pressure outside at ``t`` into the block's parameters."""
+        params[:, _AMBIENT] = self.end.ambient.value(t)
+
+    def breaks(self) -> tuple[float, ...]:
+        return () if self.has_annulus else self.end.ambient.breaks()
 
     def figures(self, state) -> FloatArray:
         """(6,) lost power [W], flow [m3/s], kinetic and stored energy [J], content [m3] and potential [J] of the chamber; this rank's."""
@@ -103,4 +114,4 @@ class BitFlow(Passive):
         if self.has_annulus:  # the jet comes to rest in the chamber, the annulus starts with a speed of its own
             return Powers(float(lost + arriving - 0.5 * mass * (flow / e.open) ** 2))
         jet = 0.5 * mass * (flow / (e.nozzle or e.bore)) ** 2
-        return Powers(float(lost + arriving - jet), float(-flow * self.fluid.enthalpy(e.ambient) - jet))
+        return Powers(float(lost + arriving - jet), float(-flow * self.fluid.enthalpy(e.ambient.value(t)) - jet))

@@ -257,6 +257,7 @@ class HermiteBit(BitFlow):
 
         def update(t: float) -> None:
             params[:, -4], params[:, -3] = self.reference.value(t), self.reference.rate(t)
+            self.renew(params, t)
 
         update(0.0)
         self._block = Block("bit_flow", kernel, "vertex", vertices, slots, (), params, context=self.fluid.address, update=update)

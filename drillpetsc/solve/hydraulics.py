@@ -43,7 +43,7 @@ def place_fluid(model: Model, fluid: FluidRooms, t: float = 0.0) -> None:
         place, top = position[model.line.vertices], position[0]
     else:
         place = model.field("string.position")
-        top = model.comm.tompi4py().bcast(place[0]) if model.comm.size > 1 else place[0]
+        top = model.comm.tompi4py().bcast(place[0] if len(place) else None) if model.comm.size > 1 else place[0]
     gravity = fluid.constants.gravity
     head = fluid.constants.density * ((place - top) @ gravity)
     level = fluid.annulus.outlet.value(t) if fluid.annulus is not None else 0.0

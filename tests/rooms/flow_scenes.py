@@ -52,7 +52,7 @@ def build(kind: str, seed: int = 5, fluid: FluidConstants | None = None, noise: 
         side = Sideways(np.array([2.0, 2.0, 1.5, 1.5]), 0.3 * n, 0.2 * n)
         rooms.append(AnnulusFlow(mesh, sizes, well, fluid, poisson, side, Constant(0.4), 0.1, None, held))
     if "bit" in kind:
-        end = BitEnd(bore=0.05 if "pipe" in kind else 0.0, nozzle=0.03, discharge_coefficient=0.9, check_valve=False, ambient=0.2,
+        end = BitEnd(bore=0.05 if "pipe" in kind else 0.0, nozzle=0.03, discharge_coefficient=0.9, check_valve=False, ambient=Constant(0.2),
                      hole=0.3 if "annulus" in kind else 0.0, open=0.17, outer=0.126, elasticity=1e-3, volume=0.05, face=0.2, added=1.5,
                      metal=0.02, end=np.asarray(well.at(np.array([4.6]))[0])[0], axis=np.asarray(well.at(np.array([4.6]))[1])[0])
         rooms.append(BitFlow(4, end, fluid, held))

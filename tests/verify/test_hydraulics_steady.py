@@ -6,6 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from drillpetsc.case import Case
+from drillpetsc.scene import build_scene
+from drillpetsc.solve.dynamics import Dynamics
+from drillpetsc.start import find_equilibrium
 from tests.verify.moving import matrices
 from tests.verify.mud import (
     BORE,
@@ -193,3 +197,17 @@ def test_a_choke_holds_its_pressure_against_the_outflow():
         top = pressures(started(loop({**RIGID, "flow_rate": q, **valve}, 20)), "annulus")[0]
         assert top == pytest.approx(2e5 + np.sign(q) * drop, rel=1e-6)
         assert with_valve - without == pytest.approx(2e5 + np.sign(q) * drop, rel=1e-6)
+
+
+def test_the_pressure_outside_a_string_without_annulus_follows_its_input():
+    """Stiff mud at rest in the bore alone: the open end has the outlet's pressure, at the start and after its ramp in a run."""
+    outlet = {"time": [0, 0.01, 0.02, 1], "value": ["2 bar", "2 bar", "5 bar", "5 bar"]}
+    fluid = {"density": DENSITY, "rheology": {"model": "newtonian", "viscosity": 1.0}, "outlet_pressure": outlet}
+    case = Case(string=[{"kind": "pipe", "length": 20, "od": 0.127, "id": 0.02, "element_length": 5}], hold_string=True, fluid=fluid,
+                gravity=0.0)
+    scene = build_scene(case)
+    find_equilibrium(scene)
+    assert pressures(scene, "pipe") == pytest.approx(2e5, rel=1e-9)
+    assert scene.breaks == (0.01, 0.02)
+    Dynamics(scene.model).run(0.0, 1.0, scene.breaks)
+    assert pressures(scene, "pipe") == pytest.approx(5e5, rel=1e-3)
