@@ -91,3 +91,22 @@ def build(kind: str, seed: int = 3) -> Model:
 
 KINDS = ["beam", "beam_damped", "beam_junction", "beam_damped_junction", "bodies", "bodies_junction", "curvature", "curvature_junction",
          "loads", "drive", "topdrive", "clamped", "contact", "contact_hertz_stribeck", "contact_junction_bodies_bit"]
+
+
+def dense(model: Model) -> np.ndarray:
+    """(n, n) the assembly's entries, summed."""
+    asm, n = model.assembly, model.layout.size
+    keep = (asm.rows >= 0) & (asm.columns >= 0)
+    J = np.zeros((n, n))
+    np.add.at(J, (asm.rows[keep], asm.columns[keep]), asm.values[keep])
+    return J
+
+
+def residual(model: Model, x: np.ndarray, t: float) -> np.ndarray:
+    """(n,) condensed residual at the unknowns ``x`` and time ``t``, rates by the formula of shift SHIFT."""
+    asm, vector = model.assembly, model.new_condensed()
+    asm.x[:-1] = x
+    asm.condense(SHIFT)
+    asm.impose_rates(t, SHIFT)
+    model.sum_residual(t, vector)
+    return vector.getArray().copy()

@@ -9,24 +9,7 @@ import pytest
 
 from drillpetsc.assembly import ROW_SCALE
 from drillpetsc.rooms.contact import Contact
-from tests.rooms.scenes import KINDS, SHIFT, build
-
-
-def _dense(model) -> np.ndarray:
-    asm, n = model.assembly, model.layout.size
-    keep = (asm.rows >= 0) & (asm.columns >= 0)
-    J = np.zeros((n, n))
-    np.add.at(J, (asm.rows[keep], asm.columns[keep]), asm.values[keep])
-    return J
-
-
-def _residual(model, x, t):
-    asm, vector = model.assembly, model.new_condensed()
-    asm.x[:-1] = x
-    asm.condense(SHIFT)
-    asm.impose_rates(t, SHIFT)
-    model.sum_residual(t, vector)
-    return vector.getArray().copy()
+from tests.rooms.scenes import KINDS, SHIFT, build, dense, residual
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -39,14 +22,14 @@ def test_condensed_jacobian_matches_central_differences(kind):
         asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
         free[np.ix_(f.rows, f.rows)] = f.keep
     x0, h = asm.x[:-1].copy(), 1e-4
-    _residual(model, x0, t)
+    residual(model, x0, t)
     asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J = _dense(model)
+    J = dense(model)
     F = np.zeros((n, n))
     for j in range(n):
         e = np.zeros(n)
         e[j] = h
-        r = [_residual(model, x0 + k * e, t) for k in (-2, -1, 1, 2)]
+        r = [residual(model, x0 + k * e, t) for k in (-2, -1, 1, 2)]
         F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * h)
     scale = np.abs(J[np.abs(J) < 1e5]).max()
     assert np.abs((J - F) @ free).max() < 3e-7 * scale

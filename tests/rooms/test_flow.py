@@ -8,29 +8,12 @@ import pytest
 from drillpetsc.rheology import Rheology
 from drillpetsc.rooms.flow import FluidConstants
 from tests.rooms.flow_scenes import KINDS, build
-from tests.rooms.scenes import GRAVITY, SHIFT
+from tests.rooms.scenes import GRAVITY, SHIFT, dense, residual
 
 
 def stiff_fluid() -> FluidConstants:
     law = Rheology("newtonian", law="blend", consistency=0.1, index=1.0, yield_stress=0.0, shear_rate_eps=1.0)
     return FluidConstants(3.0, 1e7, GRAVITY, law.parameters(), 0.4)
-
-
-def _dense(model) -> np.ndarray:
-    asm, n = model.assembly, model.layout.size
-    keep = (asm.rows >= 0) & (asm.columns >= 0)
-    J = np.zeros((n, n))
-    np.add.at(J, (asm.rows[keep], asm.columns[keep]), asm.values[keep])
-    return J
-
-
-def _residual(model, x, t):
-    asm, vector = model.assembly, model.new_condensed()
-    asm.x[:-1] = x
-    asm.condense(SHIFT)
-    asm.impose_rates(t, SHIFT)
-    model.sum_residual(t, vector)
-    return vector.getArray().copy()
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -43,13 +26,13 @@ def test_condensed_jacobian_matches_central_differences(kind):
         asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
         free[np.ix_(f.rows, f.rows)] = f.keep
     x0, h = asm.x[:-1].copy(), 1e-4
-    _residual(model, x0, t)
+    residual(model, x0, t)
     asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = _dense(model), np.zeros((n, n))
+    J, F = dense(model), np.zeros((n, n))
     for j in range(n):
         e = np.zeros(n)
         e[j] = h * (0.1 if not model.layout.fields[model.layout.field_of[j]].second_order else 1.0)
-        r = [_residual(model, x0 + k * e, t) for k in (-2, -1, 1, 2)]
+        r = [residual(model, x0 + k * e, t) for k in (-2, -1, 1, 2)]
         F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * e[j])
     scale = np.abs(J).max(axis=1, keepdims=True)
     assert np.abs((J - F) @ free / scale).max() < 3e-7

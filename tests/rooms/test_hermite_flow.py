@@ -20,7 +20,7 @@ from drillpetsc.rooms.hermite_flow import WINDOW, HermiteAnnulus, HermiteBit, He
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
 from drillpetsc.tubulars import RigidItem, uniform_string
 from drillpetsc.well import Well
-from tests.rooms.scenes import GRAVITY, SECTION, SHIFT
+from tests.rooms.scenes import GRAVITY, SECTION, SHIFT, dense, residual
 
 KINDS = ("pipe", "pipe_junction", "pipe_closed", "annulus_bit", "annulus_bit_junction", "pipe_annulus_bit",
          "pipe_annulus_bit_junction_topdrive", "pipe_bit", "pipe_held", "pipe_annulus_bit_held", "pipe_bit_held", "annulus_bit_held")
@@ -54,7 +54,7 @@ def build(kind: str, seed: int = 5) -> Model:
     rooms += [r for r in (pipe, annulus) if r is not None]
     if "bit" in kind:
         end, axis, _ = map(np.asarray, well.at(np.array([4.6])))
-        lower = BitEnd(bore=0.05 if pipe else 0.0, nozzle=0.03, discharge_coefficient=0.9, check_valve=False, ambient=0.2,
+        lower = BitEnd(bore=0.05 if pipe else 0.0, nozzle=0.03, discharge_coefficient=0.9, check_valve=False, ambient=Constant(0.2),
                        hole=0.3 if annulus else 0.0, open=0.17, outer=0.126, elasticity=1e-3, volume=0.05, face=0.2, added=1.5, metal=0.02,
                        end=end[0], axis=axis[0])
         rooms.append(HermiteBit(4, lower, fluid, pump, pipe, annulus, position[-1], held))
@@ -75,23 +75,6 @@ def build(kind: str, seed: int = 5) -> Model:
     return model
 
 
-def _dense(model: Model) -> np.ndarray:
-    asm, n = model.assembly, model.layout.size
-    keep = (asm.rows >= 0) & (asm.columns >= 0)
-    J = np.zeros((n, n))
-    np.add.at(J, (asm.rows[keep], asm.columns[keep]), asm.values[keep])
-    return J
-
-
-def _residual(model: Model, x: np.ndarray, t: float) -> np.ndarray:
-    asm, vector = model.assembly, model.new_condensed()
-    asm.x[:-1] = x
-    asm.condense(SHIFT)
-    asm.impose_rates(t, SHIFT)
-    model.sum_residual(t, vector)
-    return vector.getArray().copy()
-
-
 @pytest.mark.parametrize("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
     """Every block of every kernel against fourth-order differences, relative to the largest entry of its row."""
@@ -102,14 +85,14 @@ def test_condensed_jacobian_matches_central_differences(kind):
         asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
         free[np.ix_(f.rows, f.rows)] = f.keep
     x0 = asm.x[:-1].copy()
-    _residual(model, x0, t)
+    residual(model, x0, t)
     asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = _dense(model), np.zeros((n, n))
+    J, F = dense(model), np.zeros((n, n))
     names = [model.layout.fields[k].name for k in model.layout.field_of]
     for j in range(n):
         e = np.zeros(n)
         e[j] = 1e-5 if names[j].endswith("volume") else 1e-4
-        r = [_residual(model, x0 + k * e, t) for k in (-2, -1, 1, 2)]
+        r = [residual(model, x0 + k * e, t) for k in (-2, -1, 1, 2)]
         F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * e[j])
     scale = np.abs(J).max(axis=1, keepdims=True)
     assert np.isfinite(J).all()
@@ -122,7 +105,7 @@ def test_content_changes_by_what_passes_the_ends(kind):
     model = build(kind)
     asm, rooms = model.assembly, [r for r in model.rooms if hasattr(r, "upper_flow")]
     bit = model.rooms[-1]
-    _residual(model, asm.x[:-1].copy(), 0.4)
+    residual(model, asm.x[:-1].copy(), 0.4)
     x0, y, h, content = asm.x.copy(), asm.y.copy(), 1e-5, []
     y[-1] = 0.0
     for k in (-2, -1, 1, 2):
