@@ -36,28 +36,6 @@ DP_ENTRY(pump, Pump)
 DP_ENTRY(annulus_top, AnnulusTop)
 DP_ENTRY(choke, Choke)
 
-namespace {
-constexpr int FIGURES = sizeof(FlowReport) / sizeof(double);
-
-template <class Kernel, int N, class Result>
-void report(int n, const int* idx, const double* par, const void* fluid, const double* x, const double* y, Result* out) {
-    constexpr int D = Kernel::D;
-    for (int e = 0; e < n; ++e) {
-        double X[D], Y[D], A[D], R[D];
-        for (int i = 0; i < D; ++i) { X[i] = x[idx[e * D + i]]; Y[i] = y[idx[e * D + i]]; A[i] = 0.0; }
-        Kernel::template evaluate<double, double>(X, Y, A, par + e * Kernel::NP, *static_cast<const Fluid*>(fluid), R, out + e * N);
-    }
-}
-}  // namespace
-
-#define DP_REPORT(name, Kernel)                                                                                                              \
-    extern "C" void name##_report(int n, const int* idx, const double* par, const void* fluid, const double* x, const double* y, double* out) { \
-        report<Kernel, 1>(n, idx, par, fluid, x, y, reinterpret_cast<FlowReport*>(out));                                                     \
-    }
-#define DP_BIT_REPORT(name, Kernel)                                                                                                          \
-    extern "C" void name##_report(int n, const int* idx, const double* par, const void* fluid, const double* x, const double* y, double* out) { \
-        report<Kernel, 6>(n, idx, par, fluid, x, y, out);                                                                                    \
-    }
 // for tests: the friction of elements side by side, n values each (a multiple of four)
 extern "C" void wall_shears_of_packs(const double* law, int n, const double* w, const double* d, double alpha, const double* density, double* stress, double* slope,
                                      double* by_density) {
@@ -68,15 +46,15 @@ extern "C" void wall_shears_of_packs(const double* law, int n, const double* w, 
     }
 }
 
-DP_REPORT(pipe_flow, PipePlain)
-DP_REPORT(pipe_flow_split, PipeSplit)
-DP_REPORT(pipe_flow_held, PipeHeld)
-DP_REPORT(annulus_flow, AnnulusPlain)
-DP_REPORT(annulus_flow_split, AnnulusSplit)
-DP_REPORT(annulus_flow_held, AnnulusHeld)
-DP_BIT_REPORT(bit_flow, BitNozzle)
-DP_BIT_REPORT(bit_flow_jet, BitJet)
-DP_BIT_REPORT(bit_flow_closed, BitClosed)
-DP_BIT_REPORT(bit_flow_held, BitNozzleHeld)
-DP_BIT_REPORT(bit_flow_jet_held, BitJetHeld)
-DP_BIT_REPORT(bit_flow_closed_held, BitClosedHeld)
+DP_FLOW_REPORT(pipe_flow, PipePlain, dp::FlowReport, 1)
+DP_FLOW_REPORT(pipe_flow_split, PipeSplit, dp::FlowReport, 1)
+DP_FLOW_REPORT(pipe_flow_held, PipeHeld, dp::FlowReport, 1)
+DP_FLOW_REPORT(annulus_flow, AnnulusPlain, dp::FlowReport, 1)
+DP_FLOW_REPORT(annulus_flow_split, AnnulusSplit, dp::FlowReport, 1)
+DP_FLOW_REPORT(annulus_flow_held, AnnulusHeld, dp::FlowReport, 1)
+DP_FLOW_REPORT(bit_flow, BitNozzle, double, 6)
+DP_FLOW_REPORT(bit_flow_jet, BitJet, double, 6)
+DP_FLOW_REPORT(bit_flow_closed, BitClosed, double, 6)
+DP_FLOW_REPORT(bit_flow_held, BitNozzleHeld, double, 6)
+DP_FLOW_REPORT(bit_flow_jet_held, BitJetHeld, double, 6)
+DP_FLOW_REPORT(bit_flow_closed_held, BitClosedHeld, double, 6)

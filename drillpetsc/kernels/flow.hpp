@@ -115,4 +115,21 @@ inline double stored_energy(const Fluid& f, double p, double wall, double volume
 
 struct FlowReport { double kinetic, stored, potential, dissipated, content, storage1, storage2, speed, density; };
 
+// What elements of a flow kernel tell of a state: N results of type Result each.
+template <class Kernel, int N, class Result>
+void run_report(int n, const int* idx, const double* par, const void* fluid, const double* x, const double* y, Result* out) {
+    constexpr int D = Kernel::D;
+    for (int e = 0; e < n; ++e) {
+        double X[D], Y[D], A[D], R[D];
+        for (int i = 0; i < D; ++i) { X[i] = x[idx[e * D + i]]; Y[i] = y[idx[e * D + i]]; A[i] = 0.0; }
+        Kernel::template evaluate<double, double>(X, Y, A, par + e * Kernel::NP, *static_cast<const Fluid*>(fluid), R, out + e * N);
+    }
+}
+
 }  // namespace dp
+
+#define DP_FLOW_REPORT(name, Kernel, Result, N)                                                                                    \
+    extern "C" void name##_report(int n, const int* idx, const double* par, const void* fluid, const double* x, const double* y,   \
+                                  double* out) {                                                                                   \
+        dp::run_report<Kernel, N>(n, idx, par, fluid, x, y, reinterpret_cast<Result*>(out));                                       \
+    }
