@@ -126,6 +126,7 @@ class Assembly:
         self.version = 0  # counts new Jacobian values
         self.dead: FloatArray | None = None  # (n,) constant forces at owned unknowns (imperfection)
         self._frozen: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+        self._still: tuple[np.ndarray, FloatArray, dict[int, np.ndarray]] | None = None
 
     def freeze(self, mask: np.ndarray | None) -> None:
         """Keep the unknowns of ``mask`` (n,) where they are: their rows and columns are the unit matrix's; None lets all go."""
@@ -134,6 +135,22 @@ class Assembly:
             return
         by_row, by_column = (np.append(mask, False)[i] for i in (self.rows, self.columns))  # -1 leads to the last place
         self._frozen = np.flatnonzero(mask), np.flatnonzero(by_row | by_column), np.flatnonzero(by_row & (self.rows == self.columns))
+
+    def take_rates_from(self, rates: FloatArray | None, mask: np.ndarray | None = None) -> None:
+        """Without inertia: unknowns of ``mask`` (n,) move with ``rates`` (n+1,), looked up at every evaluation, and have no acceleration,
+        whatever the time formula makes of them; the others keep their formula.  None ends it."""
+        if rates is None or mask is None or not mask.any():
+            self._still = None
+            return
+        by_column = np.append(mask, True)[self.columns]
+        kept = {b.span.start: np.flatnonzero(~by_column[b.span]) for b in self.ready}
+        self._still = np.flatnonzero(mask), rates, kept
+
+    def settle_rates(self) -> None:
+        """Put the rates of ``take_rates_from`` in the place of the formula's."""
+        if self._still is not None:
+            where, rates, _ = self._still
+            self.y[where], self.a[where] = rates[where], 0.0
 
     # ------------------------------------------------------------------ state
     def condense(self, sigma: float) -> None:
@@ -206,13 +223,30 @@ class Assembly:
                 b.event.begin()
                 if b.block.update:
                     b.block.update(t)
-                b.jacobian(*b.matrix_head, *state, b.values_at)
+                if self._still is None or not condensed:
+                    b.jacobian(*b.matrix_head, *state, b.values_at)
+                else:
+                    self._jacobian_without_rates(b, state)
                 b.event.end()
         self._replace_jacobian_rows(1.0 if c[0] else 0.0)
         if self._frozen is not None:
             self.values[self._frozen[1]], self.values[self._frozen[2]] = 0.0, 1.0
         self.version += 1
         self._event["Jacobian"].end()
+
+    def _jacobian_without_rates(self, b: _Ready, state: tuple) -> None:
+        """Entries of a block some or all of whose unknowns have given rates: their columns by the unknown alone."""
+        assert self._still is not None
+        keep = self._still[2][b.span.start]
+        if len(keep):
+            b.jacobian(*b.matrix_head, *state, b.values_at)
+            with_rates = self.values[b.span][keep]
+        weights = self._weights.copy()
+        self._weights[1:] = 0.0
+        b.jacobian(*b.matrix_head, *state, b.values_at)
+        self._weights[:] = weights
+        if len(keep):
+            self.values[b.span][keep] = with_rates
 
     def _replace_jacobian_rows(self, by_position: float) -> None:
         for f in self.fixed:

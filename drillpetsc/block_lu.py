@@ -6,7 +6,7 @@ import numpy as np
 
 from drillpetsc.kernels import function, pointer
 
-LARGEST_BLOCK = 16  # unknowns per node; four vectors of four in chain.cpp
+LARGEST_BLOCK = 32  # unknowns per node; MAX_LD of chain.cpp
 _SIZE, _LD, _DIAG, _UPPER, _LOWER, _LFAC, _LEFT, _TOP, _VEC = range(9)  # columns of the table, as in chain.cpp
 
 _factor = function("chain_factor", "iippppppppdppp", int)

@@ -134,6 +134,19 @@ class Model:
             worst = max(self.comm.tompi4py().allgather(worst))
         return {"room": worst[1], "element": worst[2], "measured_depth": worst[3]}
 
+    def accept(self) -> None:
+        """The state in the assembly stands: tell the rooms that carry something from step to step; collective.
+
+        What a room has to say to all ranks it gives as ``news``, zero where it has nothing, and is told the sum.
+        """
+        room: Any
+        for room in self.rooms:
+            if hasattr(room, "accept"):
+                room.accept(self.assembly)
+            if hasattr(room, "news"):
+                news = room.news(self.assembly)
+                room.take(news if self._alone else self.comm.tompi4py().allreduce(news))
+
     # ------------------------------------------------------------------ figures
     def energies(self, t: float) -> Energies:
         """Stored energies at the assembly's x, y, summed over ranks."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.bending import bending_moments
+from drillpetsc.errors import CaseError
 from drillpetsc.field import FloatArray
 from drillpetsc.flow_record import FlowRecord
 from drillpetsc.frames import high_side
@@ -15,6 +16,8 @@ from drillpetsc.rooms.beam import REPORT
 from drillpetsc.scene import Scene
 
 Column = tuple[str, str]
+#: in a sample: hook load, surface torque, weight on bit, bit torque, bit speed, the bit's face (3), powers (2), drilled, rate; probes
+FIRST_PROBE = 12
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,7 @@ class Recorder:
             self.probe_columns += [(f"x_{tag}", "m"), (f"y_{tag}", "m"), (f"spin_{tag}", "rad/s")]
             if scene.contact is not None:
                 self.probe_columns.append((f"contact_{tag}", "N"))
-        self._width = 11 + 5 * len(self.probes) + (FlowRecord.SIZE if self.flow is not None else 0)
+        self._width = FIRST_PROBE + 5 * len(self.probes) + (FlowRecord.SIZE if self.flow is not None else 0)
         self._samples: deque[tuple[float, FloatArray]] = deque(maxlen=3)
         self.dissipated = self.supplied = self.start_energy = 0.0
         self._powers: tuple[float, ...] = (0.0, 0.0)
@@ -72,6 +75,8 @@ class Recorder:
             out += [("bit_speed", "rad/s"), ("bit_depth", "m")]
         if scene.bit is not None:
             out.append(("hole_depth", "m"))
+        if scene.drilling is not None:
+            out.append(("rop", "m/s"))
         if self.flow is not None:
             out += self.flow.columns
         return [*out, ("kinetic_energy", "J"), ("strain_energy", "J"), ("energy_error", "J"), ("step", "s"), ("newton", "-")]
@@ -91,13 +96,15 @@ class Recorder:
             v[1] += scene.drive.torque(t, asm)
         if scene.bit is not None:
             v[2:4] = scene.bit.weight_and_torque(asm)
+        if scene.drilling is not None:
+            v[10:12] = scene.drilling.progress(asm)
         if self._last >= 0 and scene.beam is not None:
             slope = asm.x[layout.place["string.tangent"][self._last]]
             v[4] = asm.y[layout.place["string.spin"][self._last, 0]]
             v[5:8] = asm.x[layout.place["string.position"][self._last]] + self._face * slope / np.linalg.norm(slope)
         for k, p in enumerate(self.probes):
             if p.cell in self._cell:
-                v[11 + 5 * k : 16 + 5 * k] = self._probe(p)
+                v[FIRST_PROBE + 5 * k : FIRST_PROBE + 5 + 5 * k] = self._probe(p)
         if self.flow is None:
             v[8:10] = self.model.own_powers(t)
         else:
@@ -136,25 +143,23 @@ class Recorder:
         self._first_energies = self.energies.copy()
         self.start_energy = float(self.energies.sum())
 
-    def books(self, now: float) -> FloatArray:
-        """What a continued run needs to keep counting; also forgets earlier samples, as the continued run has none."""
-        if self._samples[-1][0] != now:
-            self._samples.append((now, self.sample(now)))
-        while len(self._samples) > 1:
-            self._samples.popleft()
-        t, v = self._samples[-1]
-        flow = self.flow.books if self.flow is not None else np.zeros(0)
-        return np.concatenate([[self.dissipated, self.supplied, self.start_energy, self.peak_exchange], self._first_energies, [t], v, flow])
+    def memory(self) -> dict[str, FloatArray]:
+        """What a continued run needs to keep counting; the same on all ranks."""
+        sums = [self.dissipated, self.supplied, self.start_energy, self.peak_exchange, self._before_jump, *self._powers]
+        samples = np.array([[t, *v] for t, v in self._samples])
+        flow = self.flow.memory() if self.flow is not None else {}
+        return {"sums": np.array(sums), "first_energies": self._first_energies, "energies": self.energies, "samples": samples} | flow
 
-    def resume(self, books: FloatArray) -> None:
-        """Go on from the books of a checkpoint; they were opened by a scene with the same probes."""
-        self.dissipated, self.supplied, self.start_energy, self.peak_exchange = map(float, books[:4])
-        self._first_energies = np.array(books[4:7])
-        self._samples.append((float(books[7]), np.array(books[8 : 8 + self._width])))
+    def recall(self, memory: dict[str, FloatArray]) -> None:
+        """Go on from a checkpoint's memory; raises CaseError when the run that left it had other probes."""
+        if memory["samples"].shape[1] != 1 + self._width:
+            raise CaseError(at="output.probes", want="the probes of the run that is continued")
+        self.dissipated, self.supplied, self.start_energy, self.peak_exchange, self._before_jump, *powers = map(float, memory["sums"])
+        self._powers = tuple(powers)
+        self._first_energies, self.energies = np.array(memory["first_energies"]), np.array(memory["energies"])
+        self._samples.extend((float(row[0]), np.array(row[1:])) for row in memory["samples"])
         if self.flow is not None:
-            self.flow.resume(books[8 + self._width :])
-        self._powers = tuple(books[16:18])
-        self.energies = np.array(self.model.energies(float(books[7])))
+            self.flow.recall(memory)
 
     def step(self, t: float, dt: float, next_row: float, inputs_at: float | None = None, fresh: bool = False) -> None:
         """Add up the work of an accepted step; take all its figures only when a row, due at ``next_row`` [s], may need them.
@@ -219,9 +224,9 @@ class Recorder:
             ta, va = self._samples[0]
             second = ((v1 - v0) / (t1 - t0) - (v0 - va) / (t0 - ta)) / (t1 - ta)
             bend = (t - t0) * (t - t1) * second
-            motion = [4, 5, 6, 7]
+            motion = [4, 5, 6, 7, 10]
             for k in range(len(self.probes)):
-                motion += [11 + 5 * k + i for i in range(4)]
+                motion += [FIRST_PROBE + 5 * k + i for i in range(4)]
             out[motion] += bend[motion]
         return out
 
@@ -238,7 +243,9 @@ class Recorder:
         if scene.bit is not None:
             from drillpetsc.scene import hole_depth
 
-            row.append(hole_depth(scene.case))
+            row.append(hole_depth(scene.case) + v[10])
+        if scene.drilling is not None:
+            row.append(v[11])
         if self.flow is not None:
             row += self.flow.row(v[-FlowRecord.SIZE :])
         return [*row, self.energies[0], self.energies[1], self.energy_error, step, newton]
@@ -251,10 +258,10 @@ class Recorder:
     def probe_row(self, t: float) -> list[float]:
         v, row = self.at(t), [t]
         for k, p in enumerate(self.probes):
-            x = v[11 + 5 * k : 14 + 5 * k]
-            row += [*self.offset(x[None, :], p.depth)[0], v[14 + 5 * k]]
+            x = v[FIRST_PROBE + 5 * k : FIRST_PROBE + 3 + 5 * k]
+            row += [*self.offset(x[None, :], p.depth)[0], v[FIRST_PROBE + 3 + 5 * k]]
             if self.scene.contact is not None:
-                row.append(v[15 + 5 * k])
+                row.append(v[FIRST_PROBE + 4 + 5 * k])
         return row
 
     def offset(self, points: FloatArray, depth: float | FloatArray) -> FloatArray:

@@ -10,6 +10,7 @@ from petsc4py import PETSc
 from drillpetsc.case.ends import BitBottom, DrivenTop, ForcedBottom, HeldBottom, HeldTop, LineLoad
 from drillpetsc.case.ends import TopDrive as TopDriveCase
 from drillpetsc.case.scene import Case
+from drillpetsc.drilling import build_rock_bit
 from drillpetsc.errors import CaseError
 from drillpetsc.field import FloatArray
 from drillpetsc.fluid_rooms import FluidRooms, build_fluid
@@ -17,6 +18,7 @@ from drillpetsc.frames import Frames, transported_frames
 from drillpetsc.mesh import build_mesh
 from drillpetsc.model import Model
 from drillpetsc.rooms.beam import Beam
+from drillpetsc.rooms.bit import RockBit
 from drillpetsc.rooms.bodies import Bodies, Curvature
 from drillpetsc.rooms.contact import BitOnBottom, Contact, ContactLaw
 from drillpetsc.rooms.ends import Drive, Held, Loads, NodeLoad, TopDrive
@@ -29,7 +31,8 @@ from drillpetsc.well import Well
 class Scene:
     """The parts of a scene; ``top`` and ``bit`` and ``contact`` are the rooms of these names, None where absent.
 
-    position, tangent: (n_nodes, 3) of the string along the hole's axis, unstrained.  A held string has no beam; fluid: the rooms of the
+    well: the hole as it is now, its newly drilled part included.  position, tangent: (n_nodes, 3) of the string along the hole's axis,
+    unstrained.  A held string has no beam; fluid: the rooms of the
     drilling fluid, None in a dry scene.
     """
 
@@ -44,7 +47,7 @@ class Scene:
     top: TopDrive | Held | None
     drive: Drive | None
     contact: Contact | None
-    bit: BitOnBottom | None
+    bit: BitOnBottom | RockBit | None
     model: Model
     fluid: FluidRooms | None = None
 
@@ -59,9 +62,15 @@ class Scene:
         return mass
 
     @property
+    def drilling(self) -> RockBit | None:
+        """The bit where it cuts rock."""
+        return self.bit if isinstance(self.bit, RockBit) else None
+
+    @property
     def breaks(self) -> tuple[float, ...]:
         """Times at which an input jumps or bends [s]."""
-        return tuple(sorted({b for room in self.rooms for b in room.breaks()}))
+        turning = getattr(self.case.top, "rotation", None) if is_quasi_static(self.case) else None
+        return tuple(sorted({b for room in self.rooms for b in room.breaks()} | set(turning.breaks() if turning is not None else ())))
 
 
 def build_well(case: Case) -> Well | None:
@@ -89,7 +98,7 @@ def build_scene(case: Case, comm: PETSc.Comm | None = None) -> Scene:
         contact, bit = _contact(case, mesh, well), _bit(case, mesh, well)
         beam = Beam(mesh, frames, gravity, contact.impact_depth if contact is not None else np.inf)
         rooms.append(beam)
-        rooms += _extras(mesh, frames, gravity)
+        rooms += _extras(mesh, frames, gravity, balanced=is_quasi_static(case))
         top, drive = _top_rooms(case, position[0], tangent[0])
         rooms += [r for r in (top, drive) if r is not None]
         rooms += _bottom_held(case, position[-1], tangent[-1])
@@ -100,14 +109,33 @@ def build_scene(case: Case, comm: PETSc.Comm | None = None) -> Scene:
         rooms += [r for r in (contact, bit) if r is not None]
     rooms += fluid.rooms if fluid is not None else ()
     model = Model(mesh, frames, rooms, comm)
-    return Scene(case, mesh, well, frames, position, tangent, tuple(rooms), beam, top, drive, contact, bit, model, fluid)
+    scene = Scene(case, mesh, well, frames, position, tangent, tuple(rooms), beam, top, drive, contact, bit, model, fluid)
+    if isinstance(bit, RockBit):
+        _let_hole_grow(scene, bit)
+    return scene
 
 
-def _extras(mesh: StringMesh, frames: Frames, gravity: FloatArray) -> list:
+def _let_hole_grow(scene: Scene, bit: RockBit) -> None:
+    """Whatever looks at the hole sees it as it grows."""
+
+    def take(well: Well) -> None:
+        scene.well = well
+
+    bit.hole.followers.append(take)
+    if scene.contact is not None:
+        bit.hole.followers.append(scene.contact.follow)
+
+
+def is_quasi_static(case: Case) -> bool:
+    """Whether the case's string moves without inertia."""
+    return case.time is not None and case.time.mode == "quasi_static"
+
+
+def _extras(mesh: StringMesh, frames: Frames, gravity: FloatArray, balanced: bool) -> list:
     """What a string may have besides elements: rigid bodies, eccentric mass, stress-free curvature."""
     rooms: list = []
-    if mesh.bodies or mesh.eccentricity.any():
-        rooms.append(Bodies(mesh, frames, gravity))
+    if mesh.bodies or (mesh.eccentricity.any() and not balanced):
+        rooms.append(Bodies(mesh, frames, gravity, balanced))
     if mesh.curvature.any():
         rooms.append(Curvature(mesh, frames))
     return rooms
@@ -130,7 +158,8 @@ def _top_rooms(case: Case, position: FloatArray, tangent: FloatArray):
         return (None if top.kind == "free" else Held(0, top.kind, position, tangent)), None
     if isinstance(top, TopDriveCase):
         lowering = None if top.force is not None else top.lowering
-        return TopDrive(position, tangent, top.rotation, lowering), None
+        rotation = Constant(0.0) if is_quasi_static(case) else top.rotation  # turning on the spot changes nothing there
+        return TopDrive(position, tangent, rotation, lowering), None
     assert isinstance(top, DrivenTop)
     return TopDrive(position, tangent, None, top.lowering), Drive(top.rotation, top.stiffness, top.damping, top.inertia)
 
@@ -157,13 +186,15 @@ def _contact(case: Case, mesh: StringMesh, well: Well | None) -> Contact | None:
         kinetic = max(q.friction for q in case.well.sections)  # type: ignore[union-attr]
         ratio, speed = (c.stribeck.static / kinetic if kinetic > 0 else 1.0), c.stribeck.speed
     law = ContactLaw(c.stiffness, c.law, c.restitution, c.restitution_speed, c.slip_velocity, ratio, speed, c.points_per_element)
-    return Contact(mesh, well, law)
+    return Contact(mesh, well, law, with_bit=getattr(case, "formation", None) is None)
 
 
-def _bit(case: Case, mesh: StringMesh, well: Well | None) -> BitOnBottom | None:
+def _bit(case: Case, mesh: StringMesh, well: Well | None) -> BitOnBottom | RockBit | None:
     bottom = case.bottom
     if not isinstance(bottom, BitBottom) or well is None:
         return None
+    if getattr(case, "formation", None) is not None:
+        return build_rock_bit(case, mesh, well)
     end, axis, _ = well.at(np.array([hole_depth(case)]))
     face = mesh.total_length - mesh.node_depth[-1]
     radius = next((b.radius for b in reversed(mesh.bodies) if b.kind == "bit"), 0.5 * mesh.outer_diameter[-1])

@@ -15,9 +15,11 @@ from drillpetsc.case.scene import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.output import FieldWriter, RunFolder, Table, write_summary, write_table, write_well
 from drillpetsc.progress import Progress
+from drillpetsc.quasi_static import QuasiStatic
 from drillpetsc.recorder import Recorder
-from drillpetsc.scene import Scene, build_scene
+from drillpetsc.scene import Scene, build_scene, is_quasi_static
 from drillpetsc.solve.dynamics import Dynamics
+from drillpetsc.solve.hydraulics import fluid_unknowns, is_fluid
 from drillpetsc.start import StaticState, find_equilibrium, move_rigidly, place_along_hole, release
 
 TINY = 1e-9  # output times closer than this share of the interval are one
@@ -98,12 +100,24 @@ def run(case: Case | str | Path, out: str | Path | None = None, *, restart: bool
     began = clock.perf_counter(), clock.process_time()
     with options.applied(case.petsc) as used:
         scene = build_scene(case, comm)
-        recorder, dynamics = Recorder(scene), Dynamics(scene.model)
+        quasi = QuasiStatic(scene) if is_quasi_static(case) else None
+        recorder, dynamics = Recorder(scene), make_dynamics(scene, quasi)
         options.refuse_unread(used)
         folder = make_folder(comm, name or "case", out, restart, overwrite)
         saved = _saved(comm, folder, restart)
-        state = _initial(scene, case, saved)
+        state = _initial(scene, case, saved, quasi)
         return _integrate(scene, recorder, dynamics, folder, saved, state, began, progress)
+
+
+def make_dynamics(scene: Scene, quasi: QuasiStatic | None = None) -> Dynamics:
+    """The integrator that the case asks for."""
+    if quasi is not None:
+        return quasi.dynamics()
+    model, mud = scene.model, scene.case.fluid
+    if mud is not None and mud.dynamics == "quasi_steady":  # the mud follows the string without delay
+        model.assembly.take_rates_from(np.zeros(model.layout.size + 1), fluid_unknowns(model))
+        return Dynamics(model, controlled=lambda name: not is_fluid(name))
+    return Dynamics(model)
 
 
 def make_folder(comm, name: str, out, restart: bool, overwrite: bool) -> RunFolder:
@@ -136,10 +150,12 @@ def _saved(comm, folder: RunFolder, restart: bool) -> checkpoint.Checkpoint | No
     return answer
 
 
-def _initial(scene: Scene, case: Case, saved: checkpoint.Checkpoint | None) -> StaticState | None:
+def _initial(scene: Scene, case: Case, saved: checkpoint.Checkpoint | None, quasi: QuasiStatic | None) -> StaticState | None:
     """Bring the scene to its state at the start."""
     if saved is not None:
         checkpoint.restore(scene, saved)
+        if quasi is not None:
+            quasi.begin(saved.time)
         return None
     state = None
     if case.initial.from_ == "statics":
@@ -149,8 +165,14 @@ def _initial(scene: Scene, case: Case, saved: checkpoint.Checkpoint | None) -> S
     else:
         other = checkpoint.read(Path(case.initial.from_) / "checkpoint.h5")
         checkpoint.restore(scene, other)
-        release(scene)
+        if quasi is None:
+            release(scene)
+        else:
+            quasi.begin()
         return None
+    if quasi is not None:
+        quasi.begin(share=state.side if state is not None else 1.0)
+        return state
     release(scene)
     move_rigidly(scene)
     return state
@@ -196,6 +218,8 @@ def _integrate(scene, recorder, dynamics, folder, saved, state, began, progress)
         raise
     finally:
         writer.close()
+        if first and scene.drilling is not None:
+            write_well_files(scene, folder)
         bar.finish(last["t"], dynamics.counters.steps)
         result = summary.of_run(scene, recorder, dynamics, state, last["t"], start, began, marks, error)
         if first:
@@ -230,10 +254,11 @@ def _write_scene(scene: Scene, folder: RunFolder, state: StaticState | None) -> 
 
 def write_well_files(scene: Scene, folder: RunFolder) -> None:
     """trajectory.csv and well.vtu."""
-    well = scene.well
+    well = scene.drilling.hole.whole() if scene.drilling is not None else scene.well
     assert well is not None
-    end = scene.case.well.survey.md[-1]  # type: ignore[union-attr]
-    md = np.unique(np.concatenate([np.linspace(0.0, end, max(2, int(np.ceil(end / 10)) + 1)), [q.to for q in scene.case.well.sections]]))  # type: ignore[union-attr]
+    old, end = scene.case.well.survey.md[-1], well.depth  # type: ignore[union-attr]
+    md = np.unique(np.concatenate([np.linspace(0.0, old, max(2, int(np.ceil(old / 10)) + 1)), [q.to for q in scene.case.well.sections],  # type: ignore[union-attr]
+                                   well.node_md[well.node_md > old], [end]]))
     position, _, _ = well.at(md)
     degrees = 180 / np.pi
     columns = [("md", "m"), ("inclination", "deg"), ("azimuth", "deg"), ("north", "m"), ("east", "m"), ("tvd", "m")]

@@ -34,13 +34,15 @@ MOTIONS = {"hoist": (-1.0, 0.0), "lower": (1.0, 0.0), "rotate": (0.0, 1.0)}
 class StaticState:
     """Result of ``find_equilibrium``; the state itself is in the scene's model.
 
-    motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes; stable: no negative pivot.
+    motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes; side: share of the side push of friction that
+    the state could keep; stable: no negative pivot.
     """
 
     motion: tuple[float, float]
     equilibrium: Equilibrium
     soft_string: TorqueDrag | None = None
     warnings: list[str] = field(default_factory=list)
+    side: float = 1.0
 
     @property
     def stable(self) -> bool:
@@ -82,6 +84,8 @@ def move_rigidly(scene: Scene) -> None:
     m.set_field("string.position", lowering * np.asarray(tangent), "y")
     m.set_field("string.tangent", np.zeros((m.mesh.nodes, 3)), "y")
     m.set_field("string.spin", np.full((m.mesh.nodes, 1), rotation), "y")
+    if scene.drilling is not None:
+        scene.drilling.first_cut(m.assembly)
     let_flow(scene)
 
 
@@ -115,7 +119,7 @@ def find_equilibrium(scene: Scene, motion: tuple[float, float] | None = None, cl
         stable_state(scene, solver, soft, report)
         if moves:
             reached = _add_friction(scene, solver, slipping, state, climb)
-    side = side if reached is None else reached
+    side = state.side = side if reached is None else reached
     if climb and moves and not side:
         state.warnings.append(
             "friction across the pipe found no rest (a turning pipe may whirl here): "

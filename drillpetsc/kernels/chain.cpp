@@ -25,24 +25,25 @@ enum { FAILED_COLUMN, SMALLEST, LARGEST, SMALLEST_NODE };  // entries of `stats`
 using d4 = double __attribute__((vector_size(32), aligned(8), may_alias));
 using i4 = std::int64_t __attribute__((vector_size(32), aligned(8), may_alias));
 using Row = const std::int64_t*;
-constexpr int MAX_LD = 16;
+constexpr int MAX_LD = 32;
 
 inline d4 load(const double* p) { return *reinterpret_cast<const d4*>(p); }
 inline void store4(double* p, d4 v) { *reinterpret_cast<d4*>(p) = v; }
 inline d4 masked(d4 v, i4 m) { return reinterpret_cast<d4>(reinterpret_cast<i4>(v) & m); }
 
-// Row of the largest |entry| among the active rows: the row number replaces the last four bits of the entry, and the
+// Row of the largest |entry| among the active rows: the row number replaces the last four (beyond 16 rows five) bits of the entry, and the
 // largest 64-bit pattern wins (for positive doubles the order of the patterns is the order of the numbers; NaN is largest).
 template <int V>
 inline int largest_row(const d4* column, const i4* active) {
+    constexpr std::int64_t NUMBER = V <= 4 ? 15 : 31;
     i4 best = {0, 0, 0, 0};
     for (int v = 0; v < V; v++) {
         const i4 rows = {4 * v, 4 * v + 1, 4 * v + 2, 4 * v + 3};
-        const i4 key = ((reinterpret_cast<i4>(column[v]) & 0x7FFFFFFFFFFFFFF0) | rows) & active[v];
+        const i4 key = ((reinterpret_cast<i4>(column[v]) & (0x7FFFFFFFFFFFFFFF - NUMBER)) | rows) & active[v];
         best = key > best ? key : best;
     }
     const std::int64_t a = best[0] > best[1] ? best[0] : best[1], b = best[2] > best[3] ? best[2] : best[3];
-    return static_cast<int>((a > b ? a : b) & 15);
+    return static_cast<int>((a > b ? a : b) & NUMBER);
 }
 
 // scale[k] = max |D(:, k)|
@@ -200,7 +201,11 @@ inline auto dispatch(std::int64_t size, F&& f) {
         case 1: return f(integral_constant<int, 1>{}, Any{});
         case 2: return f(integral_constant<int, 2>{}, Any{});
         case 3: return f(integral_constant<int, 3>{}, Any{});
-        default: return f(integral_constant<int, 4>{}, Any{});
+        case 4: return f(integral_constant<int, 4>{}, Any{});
+        case 5: return f(integral_constant<int, 5>{}, Any{});
+        case 6: return f(integral_constant<int, 6>{}, Any{});
+        case 7: return f(integral_constant<int, 7>{}, Any{});
+        default: return f(integral_constant<int, 8>{}, Any{});
     }
 }
 
@@ -211,7 +216,11 @@ inline void subtract(Row c, double* C, const double* A, const double* B, Row inn
         case 1: return subtract_product<1>(C, A, B, ldb, K, m, add);
         case 2: return subtract_product<2>(C, A, B, ldb, K, m, add);
         case 3: return subtract_product<3>(C, A, B, ldb, K, m, add);
-        default: return subtract_product<4>(C, A, B, ldb, K, m, add);
+        case 4: return subtract_product<4>(C, A, B, ldb, K, m, add);
+        case 5: return subtract_product<5>(C, A, B, ldb, K, m, add);
+        case 6: return subtract_product<6>(C, A, B, ldb, K, m, add);
+        case 7: return subtract_product<7>(C, A, B, ldb, K, m, add);
+        default: return subtract_product<8>(C, A, B, ldb, K, m, add);
     }
 }
 
@@ -222,7 +231,11 @@ inline void subtract_vector(Row row, double* y, const double* A, Row column, con
         case 1: return subtract_matvec<1>(y, A, x, K);
         case 2: return subtract_matvec<2>(y, A, x, K);
         case 3: return subtract_matvec<3>(y, A, x, K);
-        default: return subtract_matvec<4>(y, A, x, K);
+        case 4: return subtract_matvec<4>(y, A, x, K);
+        case 5: return subtract_matvec<5>(y, A, x, K);
+        case 6: return subtract_matvec<6>(y, A, x, K);
+        case 7: return subtract_matvec<7>(y, A, x, K);
+        default: return subtract_matvec<8>(y, A, x, K);
     }
 }
 

@@ -53,15 +53,15 @@ class Bodies(Passive):
     """Masses that ride on nodes.
 
     Each entry: (node, mass [kg], centre of gravity along the tangent and in the two directors [m], axial and transverse inertia
-    [kg m2], carried: the beam already has the mass).
+    [kg m2], carried: the beam already has the mass).  balanced: without what is off the axis, which averages out over a turn.
     """
 
     name = "bodies"
 
-    def __init__(self, mesh: StringMesh, frames: Frames, gravity: FloatArray):
+    def __init__(self, mesh: StringMesh, frames: Frames, gravity: FloatArray, balanced: bool = False):
         self.frames = frames
-        entries = [(b.node, b.mass, b.center, *b.offset, b.axial, b.transverse, 0.0) for b in mesh.bodies]
-        for e in np.flatnonzero(np.any(mesh.eccentricity != 0, axis=1)):
+        entries = [(b.node, b.mass, b.center, *((0.0, 0.0) if balanced else b.offset), b.axial, b.transverse, 0.0) for b in mesh.bodies]
+        for e in () if balanced else np.flatnonzero(np.any(mesh.eccentricity != 0, axis=1)):
             half = 0.5 * mesh.mass[e] * mesh.length[e]
             for node, center in ((e, mesh.rigid_above[e]), (e + 1, 0.0)):
                 entries.append((node, half, center, *mesh.eccentricity[e], 0.0, 0.0, 1.0))
@@ -111,6 +111,11 @@ class Curvature(Passive):
                                       chosen, SPLIT_SLOTS if split else SLOTS, (0, 1), np.ascontiguousarray(params)))
             self._cells.append(e)
         return tuple(self._blocks)
+
+    def scale(self, share: float) -> None:
+        """Take ``share`` of the curvature: nothing of it is left on average while the string turns."""
+        for b, e in zip(self._blocks, self._cells, strict=True):
+            b.params[:, 2:4] = share * self.mesh.curvature[e]
 
     def _frame_columns(self, e: np.ndarray) -> FloatArray:
         f = self.frames

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import zlib
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -77,19 +78,19 @@ def damping_factor(restitution: float, speed: float) -> float:
 
 
 class Contact(Passive):
-    """Contact of pipes and rigid items with the wall."""
+    """Contact of pipes and rigid items with the wall; with_bit False: a bit that cuts has its own contact (rooms/bit.py)."""
 
     name = "contact"
 
-    def __init__(self, mesh: StringMesh, well: Well, law: ContactLaw):
-        self.mesh, self.well, self.law = mesh, well, law
+    def __init__(self, mesh: StringMesh, well: Well, law: ContactLaw, with_bit: bool = True):
+        self.mesh, self.well, self.law, self.with_bit = mesh, well, law, with_bit
         gauss, weight = np.polynomial.legendre.leggauss(law.points)
         self._at = np.ascontiguousarray(np.column_stack([(gauss + 1) / 2, weight / 2]))
         self._packed = np.ascontiguousarray(well.packed())
         length = float(mesh.length.sum())
         self.impact_depth = impact_depth(law, float(mesh.mass @ mesh.length) / length, length / len(mesh.length))  # of the mean string
         self._laws: list[_Law] = []
-        self._keep: list[np.ndarray] = [self._at, self._packed]
+        self._keep: list[np.ndarray] = [self._at]
 
     def _context(self, count: int) -> int:
         law, n = self.law, count * self.law.points
@@ -121,7 +122,7 @@ class Contact(Passive):
             params = np.ascontiguousarray(np.column_stack([m.length[e], m.rigid_above[e], 0.5 * m.outer_diameter[e], friction[e]]))
             self._blocks.append(Block("contact_junction" if split else "contact", "contact_split" if split else "contact", "cell", chosen,
                                       SPLIT_SLOTS if split else SLOTS, (0, 1), params, context=self._context(len(chosen))))
-        items = [b for b in m.bodies if b.radius > 0]
+        items = [b for b in m.bodies if b.radius > 0 and (self.with_bit or b.kind != "bit")]
         if items:
             picked, vertices = local_vertices(part, np.array([b.node for b in items]))
             mine = [items[k] for k in picked]
@@ -129,6 +130,13 @@ class Contact(Passive):
             self._blocks.append(Block("contact_bodies", "body_contact", "vertex", vertices, VERTEX_SLOTS, (0,),
                                       np.ascontiguousarray(params), context=self._context(len(mine))))
         return tuple(self._blocks)
+
+    def follow(self, well: Well) -> None:
+        """The hole has grown: take its wall from ``well``."""
+        self.well = well
+        self._packed = np.ascontiguousarray(well.packed())
+        for record in self._laws:
+            record.well = pointer(self._packed)
 
     def impose_sliding(self, axial: float, spin: float, side: float = 1.0) -> None:
         """Statics: friction acts against a rigid motion of the string, ``axial`` [m/s] downward and ``spin`` [rad/s].
@@ -149,8 +157,8 @@ class Contact(Passive):
             record.stiffness = self.law.stiffness * factor
 
     def signature(self) -> int:
-        """Changes whenever a contact opens or closes on this rank."""
-        return hash(tuple(t.tobytes() for t in self._touching))
+        """Changes whenever a contact opens or closes on this rank; the same in another process (unlike hash)."""
+        return zlib.crc32(b"".join(t.tobytes() for t in self._touching))
 
     def normal_force(self, cell: int) -> float:
         """Normal force on a local cell in the last residual [N]."""

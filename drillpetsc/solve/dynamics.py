@@ -11,9 +11,11 @@ from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
 from drillpetsc.errors import SolveError
+from drillpetsc.field import FloatArray
 from drillpetsc.gauges import renew
 from drillpetsc.model import Model
 from drillpetsc.solve.newton import CondensedNewton
+from drillpetsc.solve.past import Past, State
 from drillpetsc.solve.plain import PlainSystem, refuse_integrator
 
 MASKED = 1.0e20  # tolerance of a row that the error control leaves out
@@ -42,21 +44,28 @@ class Counters:
 class Dynamics:
     """Integrates a model from the state in its assembly.
 
-    after_step(t, dt) is called after every accepted step, with x, y, a of the assembly at t.  first_step [s].  at_jump(t) is called where
+    after_step(t, dt) is called after every accepted step, with x, y, a of the assembly at t; before_solve(t) before a step that ends
+    at t is solved for.  first_step [s].  controlled(name): whether a field takes part in the error control; defaults: PETSc options
+    beside DEFAULTS.   at_jump(t) is called where
     the rate of a prescribed motion jumps, before the step that follows; ``jumped`` is true while after_step is called for the steps whose
-    time formula still reaches over the jump.
+    time formula still reaches over the jump.  at_rest(t) comes last of all, when nothing of the step is left to do: there ``memory`` may be
+    taken and ``stop`` called.
     """
 
     model: Model
     after_step: list[Callable[[float, float], None]] = field(default_factory=list)
     at_jump: list[Callable[[float], None]] = field(default_factory=list)
+    before_solve: list[Callable[[float], None]] = field(default_factory=list)
+    at_rest: list[Callable[[float], None]] = field(default_factory=list)
     first_step: float = 1.0e-4
+    controlled: Callable[[str], bool] = field(default=lambda name: True)
+    defaults: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         options = PETSc.Options()
         petsc_compat.rename_time_step(options)
         given = set(options.getAll())
-        for key, value in {**DEFAULTS, petsc_compat.max_rejections_option(): 60}.items():
+        for key, value in {**DEFAULTS, petsc_compat.max_rejections_option(): 60, **self.defaults}.items():
             if key not in given:
                 options.setValue(key, value)
         self.first_step = options.getReal(petsc_compat.time_step_option(), self.first_step)
@@ -67,6 +76,11 @@ class Dynamics:
         self.counters, self._in_a_row, self.last_step, self._reach = Counters(), 0, 0.0, 0
         self._order, self.fresh = options.getInt("ts_bdf_order", 2), True  # fresh: the next step is the first of its formula
         self._last, self._t, self._jump, self._stop = 0.0, 0.0, np.inf, np.inf
+        # the formulas whose history can be put back; the others start afresh at every checkpoint, also where nothing interrupts them
+        self.remembers = self.condensed and options.getString("ts_adapt_type", "basic") in ("basic", "none")
+        self.past, self.stopped, self._age, self._tried, self._next_step = Past(self._order + 1), False, 0, 0.0, 0.0
+        self._told: list[State] | None = None  # what solve hands out while a continued run steps through its past
+        self._resumed: dict[str, FloatArray] | None = None
         self._make(options)
         self.options = dict(options.getAll())  # in effect, defaults included
         for key in set(self.options) - given:  # the next scene has defaults of its own
@@ -113,7 +127,8 @@ class Dynamics:
         """Absolute tolerance per row of the state: -ts_rtol times the field's scale; rates and algebraic rows are masked, and
         without ``fluid`` those of the mud."""
         layout, vector = self.model.layout, self.model.new_state()
-        controlled = np.array([f.differential and (fluid or f.name.startswith("string.")) for f in layout.fields])
+        controlled = np.array([f.differential and self.controlled(f.name) and (fluid or f.name.startswith("string."))
+                               for f in layout.fields])
         differential = controlled[layout.field_of[layout.local_of_owned]]
         values = vector.getArray()
         values[:] = MASKED
@@ -135,15 +150,23 @@ class Dynamics:
 
     def solve(self, snes, b, x) -> None:
         """Solve of the outer python SNES: its unknown is the whole state, of which the condensed Newton finds the positions."""
+        if self._told is not None:
+            self._hand_out(snes, x)
+            return
         snes.computeFunction(x, self._f)
         snes.computeJacobian(x, self._matrix)
         self._xdot.axpy(-self._shift, x)  # constant part of the time formula
         self.model.load_history(self._xdot)
         self.model.load_state(x)
+        for call in self.before_solve:
+            call(self._t)
         reason = self.newton.solve(self._t, self._shift)
         self.model.store_state(x)
         snes.setIterationNumber(self.newton.snes.getIterationNumber())
         snes.setConvergedReason(reason)
+        self._tried = self.ts.getTimeStep()
+        if reason > 0:
+            self.past.solved(self.model.assembly.x, self.model.assembly.y)
         self._in_a_row = self._in_a_row + 1 if reason < 0 else 0
         if self._in_a_row > CONSECUTIVE_FAILURES or (reason < 0 and self.ts.getTimeStep() < SHORTEST_STEP):
             raise self.collapse(f"Newton's method failed {self._in_a_row} times in a row ({_reason(reason, PETSc.SNES)}), "
@@ -177,20 +200,29 @@ class Dynamics:
         if abs(self._stop - self._last) < NOTHING_LEFT * max(1.0, abs(self._stop)):  # a rest below rounding is no step
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_TIME)
         self.counters.steps += 1
+        self._age += 1
         if self._fixed and ts.getTimeStep() < self.first_step:  # a step that was cut does not stay short
             ts.setTimeStep(min(self.first_step, 2 * ts.getTimeStep()))
-        self._accept()
+        self.model.accept()
         for call in self.after_step:
             call(self._last, dt)
         self._reach, self.fresh = max(0, self._reach - 1), False
         if self._relaxed and not self._reach:
             self._relax(False)
         # a tangent that has turned far from its gauge gets a new one, and the history starts afresh; 60 degrees are left when it is due
-        if self.counters.steps % 4 == 0 and renew(self.model, self.model.frames):
+        asm = self.model.assembly
+        if self._age % 4 == 0 and renew(self.model, self.model.frames):
             self.model.store_state(ts.getSolution())
             self._forget()
             ts.restartStep()
             self.fresh = True
+            self.past.begin(self._last, asm.x, asm.y)
+        elif self.remembers:
+            self.past.add(self._last, self._tried, asm.x, asm.y)
+        for finish in self.at_rest:
+            finish(self._last)
+        if self.stopped:
+            ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_USER)
 
     @property
     def jumped(self) -> bool:
@@ -203,12 +235,6 @@ class Dynamics:
                    for f in self.model.assembly.fixed if f.owned)
         return mine if self.model.comm.size == 1 else bool(self.model.comm.tompi4py().allreduce(int(mine)))
 
-    def _accept(self) -> None:
-        """Tell rooms that carry something from step to step that the state in the assembly stands."""
-        for room in self.model.rooms:
-            if hasattr(room, "accept"):
-                room.accept(self.model.assembly)
-
     def run(self, start: float, end: float, breaks: tuple[float, ...] = ()) -> None:
         """From ``start`` to ``end`` [s], landing on every break and starting the formula afresh there.
 
@@ -216,7 +242,7 @@ class Dynamics:
         """
         model, ts = self.model, self.ts
         model.assembly.forget_inputs()
-        self._accept()
+        self.model.accept()
         model.store_state(self.state)
         near = NOTHING_LEFT * max(1.0, abs(end))  # a break this near the end or the start is at it (0.1 + 0.2 and 0.3)
         stops = sorted({b for b in breaks if start + near < b < end - near} | {end})
@@ -225,24 +251,100 @@ class Dynamics:
         ts.setTimeStep(self.first_step)
         ts.setMaxSteps(2**31 - 1)
         self._last = start
+        goes_on = self._resumed is not None and not any(abs(b - start) <= near for b in breaks)
         for stop in stops:
-            self._forget()
-            if self._rates_jump(ts.getTime()):
-                self._reach = 1 + self._order
-                self._relax(True)
-                for call in self.at_jump:
-                    call(ts.getTime())
             self._stop, self._jump = stop, stop if stop in jumps else np.inf
+            if goes_on:
+                self._step_through_past()
+            else:
+                self._start_formula(stop)
+            goes_on = False
             ts.setMaxTime(stop)
-            ts.restartStep()
-            self.fresh = True
-            ts.setTimeStep(min(self.first_step, stop - ts.getTime()))
             rejected = ts.getStepRejections()
             with petsc_compat.own_errors():
                 ts.solve(self.state)
             if ts.getConvergedReason() < 0:
                 raise self.collapse(f"the time integrator stopped: {_reason(ts.getConvergedReason(), PETSc.TS)}")
             self.counters.rejected += ts.getStepRejections() - rejected
+            if self.stopped:
+                return
+
+    def _start_formula(self, stop: float) -> None:
+        """Begin at a state that earlier ones say nothing about."""
+        ts, asm = self.ts, self.model.assembly
+        self._forget()
+        if self._rates_jump(ts.getTime()):
+            self._reach = 1 + self._order
+            self._relax(True)
+            for call in self.at_jump:
+                call(ts.getTime())
+        ts.restartStep()
+        self.fresh = True
+        self.past.begin(ts.getTime(), asm.x, asm.y)
+        ts.setTimeStep(min(self.first_step, stop - ts.getTime()))
+
+    def stop(self) -> None:
+        """End the run after this step; to be called from at_rest, on all ranks."""
+        self.stopped = True
+
+    # ------------------------------------------------------------------ checkpoints
+    def memory(self) -> dict[str, FloatArray]:
+        """What a continued run needs beside the state, for at_rest; whole on rank 0.  Collective."""
+        if not self.remembers:  # here and in the continued run the formula starts afresh
+            self.first_step = max(self.first_step, 0.1 * self.last_step)
+            return {"first_step": np.array(self.first_step)}
+        clock = np.array([self.ts.getTimeStep(), self._age, self._reach, self._relaxed], dtype=float)
+        return {"clock": clock} | self.past.memory(self.model) | self.newton.memory()
+
+    def recall(self, memory: dict[str, FloatArray]) -> None:
+        """Go on from a checkpoint's memory, with the next ``run``; a checkpoint of another kind of integrator leaves a fresh start."""
+        if not self.remembers:
+            self.first_step = float(memory.get("first_step", self.first_step))
+        elif "times" in memory:
+            self.past.recall(self.model, memory)
+            self._next_step, self._age, self._reach = float(memory["clock"][0]), int(memory["clock"][1]), int(memory["clock"][2])
+            self._relax(bool(memory["clock"][3]))
+            self._resumed = memory
+
+    def _step_through_past(self) -> None:
+        """Give TSBDF the history of a checkpoint: each noted step is taken again, with its result for a solution."""
+        ts, model, past = self.ts, self.model, self.past
+        assert self._resumed is not None
+        everything = model.new_state()
+        everything.set(MASKED)
+        ts.setTolerances(rtol=self._nothing, atol=everything)  # no step is refused
+        ts.setMaxTime(MASKED)  # none is cut to fit
+        self._put(past.states[0])
+        model.store_state(self.state)
+        ts.setSolution(self.state)
+        ts.setTime(past.times[0])
+        ts.restartStep()
+        self.fresh = not past.steps
+        for k, step in enumerate(past.steps):
+            self._told = [past.states[k + 1]] if k else [past.half or past.states[0], past.states[1]]
+            ts.setTimeStep(step)
+            with petsc_compat.own_errors():
+                ts.step()
+        self._told = None
+        if ts.getTime() != past.times[-1]:
+            raise SolveError(f"the history of the checkpoint leads to {ts.getTime()!r} s, not to {past.times[-1]!r} s")
+        self._put(past.states[-1])
+        ts.setTimeStep(self._next_step)
+        self._relax(self._relaxed)
+        self.newton.recall(self._resumed)
+        self._resumed = None
+
+    def _hand_out(self, snes, x) -> None:
+        """Solve of a step that is known."""
+        assert self._told
+        self._put(self._told.pop(0))
+        self.model.store_state(x)
+        snes.setIterationNumber(1)
+        snes.setConvergedReason(PETSc.SNES.ConvergedReason.CONVERGED_ITS)
+
+    def _put(self, state: State) -> None:
+        asm = self.model.assembly
+        asm.x[:], asm.y[:] = state
 
     def _forget(self) -> None:
         """Start without memory of earlier factors, so that a continued run takes the same steps as an uninterrupted one."""

@@ -25,9 +25,14 @@ class SteadyFlow:
     increment: float = 0.0
 
 
+def is_fluid(field: str) -> bool:
+    """Whether a field of this name belongs to the fluid."""
+    return field.split(".")[0] in ("pipe", "annulus") or field == "bit.flow"
+
+
 def fluid_unknowns(model: Model) -> np.ndarray:
     """(n,) mask of the local unknowns that belong to the fluid."""
-    fluid = np.array([f.name.split(".")[0] in ("pipe", "annulus") or f.name == "bit.flow" for f in model.layout.fields])
+    fluid = np.array([is_fluid(f.name) for f in model.layout.fields])
     return fluid[model.layout.field_of]
 
 

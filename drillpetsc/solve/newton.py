@@ -103,6 +103,7 @@ class CondensedNewton:
         asm.condense(self.shift)
         if asm.fixed:
             asm.impose_rates(self.t, self.shift)
+        asm.settle_rates()
 
     def _function(self, snes, q, f) -> None:
         self.model.load_unknowns(q)
@@ -188,6 +189,38 @@ class CondensedNewton:
         self.eta = 1.0
         if self.lag:
             self.lag.good = False
+
+    def memory(self) -> dict[str, np.ndarray]:
+        """The kept factor, as the entries it was made of, and what was learned about convergence; whole on rank 0.  Collective."""
+        lag, mpi = self.lag, self.model.comm.tompi4py()
+        if lag is None or not lag.good:
+            return {"newton": np.array([self.eta])}
+        mine = self.model.assembly.values
+        parts = [(mine, lag.signature)] if mpi.size == 1 else mpi.gather((mine, lag.signature))
+        if parts is None:
+            return {}
+        return {"newton": np.array([self.eta, lag.shift]), "entries": np.concatenate([p[0] for p in parts]),
+                "shares": np.array([len(p[0]) for p in parts]), "signatures": np.array([p[1] for p in parts])}
+
+    def recall(self, memory: dict[str, np.ndarray]) -> None:
+        """Take up a memory; of one left by another number of ranks only the convergence, as their entries are shared out differently."""
+        asm, mpi = self.model.assembly, self.model.comm.tompi4py()
+        self.forget()
+        self.eta = float(memory["newton"][0])
+        shares = memory.get("shares")
+        fits = shares is not None and len(shares) == mpi.size and shares[mpi.rank] == len(asm.values)
+        if self.lag is None or shares is None or not self.agree(bool(fits)):
+            return
+        start = int(shares[: mpi.rank].sum())
+        asm.values[:] = memory["entries"][start : start + len(asm.values)]
+        asm.version += 1
+        self.lag.shift, self.lag.signature, self.lag.good = float(memory["newton"][1]), int(memory["signatures"][mpi.rank]), True
+        if self.direct:
+            self.factor.factor(asm.values)
+        elif self.assembled:
+            petsc_compat.set_values_coo(self.matrix, asm.values)
+        else:
+            self.matrix.assemble()
 
     def solve(self, t: float, shift: float) -> int:
         """Solve at time ``t`` with rates y = shift x + v0; returns the SNES reason (negative: not converged)."""

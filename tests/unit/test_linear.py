@@ -19,6 +19,7 @@ SHAPES = {
     "eights": [8] * 12,
     "twelves": [12] * 9,
     "sixteens": [16] * 5,
+    "wide": [7, 8, 7, 17, 7, 24, 20, 32, 28, 7, 32],
     "scalar": [1] * 40,
     "mixed": [7, 7, 8, 7, 3, 12, 7, 1, 8, 2, 7, 7, 16, 7, 5, 4, 7, 9, 8, 13, 7],
 }
@@ -195,8 +196,8 @@ def test_refusals():
     rows = np.zeros(1, dtype=np.int32)
     with pytest.raises(ValueError, match="not neighbours"):
         ChainFactor(None, np.arange(3), np.arange(3), np.arange(3), rows, rows + 2)
-    with pytest.raises(ValueError, match="unknowns, got 17"):
-        ChainFactor(None, np.arange(1), np.zeros(17, dtype=int), np.arange(17), rows, rows)
+    with pytest.raises(ValueError, match="unknowns, got 33"):
+        ChainFactor(None, np.arange(1), np.zeros(33, dtype=int), np.arange(33), rows, rows)
     with pytest.raises(ValueError, match="follow each other"):
         ChainFactor(None, np.array([0, 2]), np.arange(2), np.arange(2), rows, rows)
     f = ChainFactor(None, np.arange(1), np.zeros(1, dtype=int), np.arange(1), rows, rows)
