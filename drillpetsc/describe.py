@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from drillpetsc.case.formation import Formation
 from drillpetsc.case.scene import Case
 from drillpetsc.descent import coarse_elements
 from drillpetsc.scene import Scene, build_scene
@@ -31,6 +32,22 @@ def describe(case: Case) -> str:
     return "\n".join(_lines(build_scene(case)))
 
 
+def _quasi_static(case: Case) -> bool:
+    return case.time is not None and case.time.mode == "quasi_static"
+
+
+def _cutting(formation: Formation | None) -> str:
+    """Bit on rock in words: law, drillabilities [m/(s N)], layers."""
+    if formation is None:
+        return "bit cutting rock"
+    values = [formation.drillability, *(layer.drillability for layer in formation.layers)]
+    least, most = f"{min(values):g}", f"{max(values):g}"
+    span = least if least == most else f"{least} to {most}"
+    count = len(formation.layers)
+    layers = f", {count} layer{'s' if count > 1 else ''}" if count else ""
+    return f"bit cutting rock (law {formation.bit_law.kind}, drillability {span} m/(s N){layers})"
+
+
 def _lines(scene: Scene) -> list[str]:
     case, mesh, model = scene.case, scene.mesh, scene.model
     lines = [f"{case.title or 'case'}: valid"]
@@ -41,10 +58,13 @@ def _lines(scene: Scene) -> list[str]:
         lines.append(f"  well: {len(q.survey.md)} survey stations to {q.survey.md[-1]:g} m, inclination up to "
                      f"{np.degrees(max(q.survey.inclination)):.3g} deg, {len(q.sections)} sections")
     lines.append(f"  top: {case.top.kind}; bottom: {case.bottom.kind}; start: {case.initial.from_}")
+    if _quasi_static(case):
+        lines.append("  time: quasi-static, every moment an equilibrium" + (", while the hole grows" if case.formation is not None else ""))
     names = {room.name for room in scene.rooms}
     damped = bool(mesh.stiffness_damping.any() or mesh.mass_damping.any())
-    parts = [(scene.beam is not None, "axial, bending, torsion, inertia, gravity"), (damped and scene.beam is not None, "material damping")]
-    parts += [(name in names, words) for name, words in TERMS] + [(False, "bit cutting rock")]
+    parts = [(scene.beam is not None, "axial, bending, torsion, gravity"), (scene.beam is not None and not _quasi_static(case), "inertia"),
+             (damped and scene.beam is not None, "material damping")]
+    parts += [(name in names, words) for name, words in TERMS] + [(case.formation is not None, _cutting(case.formation))]
     has, lacks = ([words for there, words in parts if there == wanted] for wanted in (True, False))
     if case.fluid is not None:
         mud = case.fluid

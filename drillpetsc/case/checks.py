@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from drillpetsc.case.drilling_checks import check_drilling, check_time
 from drillpetsc.case.fluid_checks import check_fluid, check_held_string
 from drillpetsc.case.items import Beam, Bit, Pipe
 from drillpetsc.case.keys import refuse
@@ -23,7 +24,9 @@ def check_scene(case: Case) -> None:
     check_fluid(case)
     _string_in_hole(case)
     _bit_on_bottom(case)
+    check_drilling(case)
     _start(case)
+    check_time(case)
     _on_string(case)
     _stribeck(case)
 

@@ -30,6 +30,8 @@ def settle_presence(case: Case) -> None:
 
 def settle_scene(case: Case) -> None:
     """Fill in what the case leaves to its other keys."""
+    if case.formation is not None and case.formation.bit_law.stiffness is not None:
+        case.settle(bottom=case.bottom.model_copy(update={"stiffness": case.formation.bit_law.stiffness}))
     case.settle(string=tuple(_settled(item, case.material) for item in case.string))
     if case.time is not None:
         case.settle(output=case.output.settled(case.time.end))

@@ -146,11 +146,6 @@ class Choke(Model):
 class Fluid(Model):
     """The drilling fluid: down the string's bore, through the bit, up the annulus."""
 
-    later_values: ClassVar[dict[str, tuple[str, ...]]] = {
-        "cuttings": ("returned",),
-        "dynamics": ("quasi_steady",),
-    }
-
     density: Annotated[float, Quantity("kg/m^3", above=0, at_most=30e3)] = Field(
         description="density at zero (gauge) pressure [kg/m3]"
     )
@@ -190,7 +185,10 @@ class Fluid(Model):
         description="mixed: pressure at the nodes, flow rate in the elements; "
         "hermite: the paper's, the volume that has passed as a cubic between the nodes (takes a flow_rate)",
     )
-    dynamics: Literal["full"] = Field(default="full", description="full: with inertia and compression of the fluid")
+    dynamics: Literal["full", "quasi_steady"] = Field(
+        default="full",
+        description="full: with inertia and compression of the fluid; quasi_steady: the steady flow at every moment",
+    )
     elastic_walls: bool = Field(
         default=True, strict=True, description="pipe and hole widen under pressure; false: rigid walls"
     )
@@ -215,8 +213,10 @@ class Fluid(Model):
     rotation_drag: bool = Field(
         default=False, strict=True, description="viscous torque of the annulus fluid on the turning string"
     )
-    cuttings: Literal["removed"] = Field(
-        default="removed", description="removed: fluid takes the place of the rock that is cut"
+    cuttings: Literal["removed", "returned"] = Field(
+        default="removed",
+        description="removed: fluid takes the place of the rock that is cut; "
+        "returned: the rock goes up with the fluid, which keeps its volume (needs a formation)",
     )
 
     @field_validator("added_mass", mode="plain", json_schema_input_type=Literal["confined", "eccentric", "paper_plug", "none"] | float)

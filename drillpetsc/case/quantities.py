@@ -28,6 +28,8 @@ class Quantity:
     at_least: float | None = None
     below: float | None = None
     at_most: float | None = None
+    why: str = ""
+    """What the number means, told to who gives one out of range."""
 
     def allowed(self) -> str:
         """The range in words, empty when unbounded."""
@@ -57,7 +59,7 @@ class Quantity:
         except UnitError as error:
             raise refuse(*at, got=value, want=error.want, hint=error.hint) from None
         if not self.inside(number):
-            hint = ""
+            hint = self.why
             if not isinstance(value, str) and self.unit in _EXAMPLE_UNITS:
                 hint = f"a bare number is in {self.unit}; was '{value} {_EXAMPLE_UNITS[self.unit]}' meant?"
             want = f"{DIMENSIONS.get(self.unit, ('a value', ''))[0]}, {self.allowed()}"

@@ -22,6 +22,7 @@ from drillpetsc.case.checks import check_scene
 from drillpetsc.case.defaults import settle_presence, settle_scene
 from drillpetsc.case.ends import AnyLoad, Bottom, HeldBottom, HeldTop, Top
 from drillpetsc.case.fluid import Fluid
+from drillpetsc.case.formation import Formation
 from drillpetsc.case.hole import Contact, Well, contact_or_none
 from drillpetsc.case.items import Flexible, Material, StringItem
 from drillpetsc.case.keys import refuse
@@ -42,7 +43,7 @@ class Case(Model):
     Wrong input is a `CaseError`.
     """
 
-    later_keys: ClassVar[tuple[str, ...]] = ("formation", "joints")
+    later_keys: ClassVar[tuple[str, ...]] = ("joints",)
 
     # a held string needs no top, so an editor must ask for the one or the other
     model_config = ConfigDict(
@@ -80,6 +81,7 @@ class Case(Model):
         description="contact with the hole, or none; with a well and without this key, contact with all defaults",
     )
     fluid: Fluid | None = Field(default=None, description="the drilling fluid; without it the scene is dry")
+    formation: Formation | None = Field(default=None, description="the rock that the bit cuts; without it the bit does not drill")
     loads: tuple[AnyLoad, ...] = Field(default=(), description="point and distributed loads on the string")
     gravity: Annotated[tuple[float, float, float], Vector("m/s^2", along_z=True)] = Field(
         default=(0.0, 0.0, STANDARD_GRAVITY),

@@ -65,12 +65,23 @@ class Initial(Model):
 
 
 class Time(Model):
-    """How long."""
-
-    later_values: ClassVar[dict[str, tuple[str, ...]]] = {"mode": ("quasi_static",)}
+    """How long, and with or without inertia."""
 
     end: Annotated[float, Quantity("s", above=0)] = Field(description="simulated time [s]")
-    mode: Literal["dynamic"] = Field(default="dynamic", description="dynamic: with inertia")
+    mode: Literal["dynamic", "quasi_static"] = Field(
+        default="dynamic",
+        description="dynamic: with inertia; quasi_static: string and fluid in equilibrium at every moment, while the hole grows",
+    )
+    step: Annotated[float, Quantity("s", above=0)] | None = Field(
+        default=None, description="first and largest step of a quasi-static run [s]; the solver's choice when not given"
+    )
+
+    @model_validator(mode="after")
+    def _step_of_a_quasi_static_run(self) -> Time:
+        if self.step is not None and self.mode == "dynamic":
+            hint = "with inertia the accuracy chooses the steps; see ts_dt, ts_rtol and ts_adapt_dt_max of the petsc block"
+            raise refuse("step", got=self.step, want="no step unless mode is quasi_static", hint=hint)
+        return self
 
 
 Interval = Annotated[float, Quantity("s", above=0)]

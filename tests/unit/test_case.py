@@ -236,7 +236,7 @@ def test_refused_loads(load: Any, at: str) -> None:
         ({"string": [{**PIPE, "bend": {"tool_face": 0}}]}, "string[0].bend.angle"),
         ({"string": PIPE}, "string"),
         ({"string": [PIPE, 5]}, "string[1]"),
-        ({"time": {"end": 1, "mode": "quasi_static"}}, "time.mode"),
+        ({"time": {"end": 1, "mode": "static"}}, "time.mode"),
         ({"time": "20 s"}, "time"),
         ({"output": {"probes": [1, 1.0]}}, "output.probes[1]"),
         ({"petsc": {"ts_type": [1]}}, "petsc.ts_type"),

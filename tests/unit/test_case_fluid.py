@@ -191,7 +191,7 @@ def test_all_mistakes_are_named_also_beside_a_missing_top() -> None:
         ({"annulus": "yes"}, "annulus"),
         ({"check_valve": 1}, "check_valve"),
         ({"cuttings": "returned"}, "cuttings"),
-        ({"dynamics": "quasi_steady"}, "dynamics"),
+        ({"dynamics": "steady"}, "dynamics"),
         ({"flow_line": 100}, "flow_line"),
     ],
 )

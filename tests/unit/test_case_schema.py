@@ -74,7 +74,8 @@ def test_ready_cases_fit_the_schema(path: Path) -> None:
     "name",
     "unknown-key misspelt-key key-of-another-kind missing-key missing-block missing-kind unknown-kind unknown-top "
     "bare-millimetres yes-for-a-number no-items contact-off short-vector quaternion half-points fluid-without-rheology "
-    "rheology-key-of-another-model unknown-rheology unknown-friction-law flow-index-out-of-range".split(),
+    "rheology-key-of-another-model unknown-rheology unknown-friction-law flow-index-out-of-range "
+    "unknown-bit-law bit-law-key-of-another half-a-blade layer-with-a-walk bit-anisotropy-above-one".split(),
 )
 def test_mistakes_that_an_editor_can_see(name: str) -> None:
     data, _ = read_case_file(CASES / "broken" / f"{name}.yaml")
