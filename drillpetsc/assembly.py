@@ -18,6 +18,8 @@ _gradient = function("spin_gradient", "ippppddp")
 
 #: weight of a replaced row, position error [m or rad] to force [N]: of the order of a pipe's stiffness, so that one norm fits both
 ROW_SCALE = 1.0e6
+#: weight of rates that are given [1/s]: where nothing is stored, a pressure would have no pivot in the block of its own node
+LEVEL = 1.0e-4
 
 
 class _Ready:
@@ -242,7 +244,7 @@ class Assembly:
             b.jacobian(*b.matrix_head, *state, b.values_at)
             with_rates = self.values[b.span][keep]
         weights = self._weights.copy()
-        self._weights[1:] = 0.0
+        self._weights[1:] = LEVEL, 0.0
         b.jacobian(*b.matrix_head, *state, b.values_at)
         self._weights[:] = weights
         if len(keep):

@@ -1,9 +1,18 @@
-"""Checkpoints: everything a run needs to go on, independent of the number of ranks, written atomically."""
+"""Checkpoints: everything a run needs to go on as if it had never stopped, in one file that is whole or not there.
+
+The file is HDF5 behind a first block of 512 bytes (a user block, which HDF5's readers pass over) with the kind, the version and the
+SHA-256 of all that follows: what is cut short or damaged is refused before anything is believed of it.  Arrays are in depth order, so
+another number of ranks can read them; only what cannot matter there is kept by ranks (solve/newton.py).
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import hashlib
+import io
+import json
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -12,28 +21,40 @@ from drillpetsc.field import FloatArray
 from drillpetsc.output.atomic import replace_file
 from drillpetsc.recorder import Recorder
 from drillpetsc.scene import Scene
+from drillpetsc.solve.dynamics import Dynamics
 
-VERSION = 1
+VERSION = 2
+BLOCK = 512  # bytes of the first block, the least that HDF5 takes
+MAGIC, OLD_MAGIC = b"drillpetsc checkpoint ", b"\x89HDF\r\n\x1a\n"  # version 1 was plain HDF5
+WANT = "the checkpoint.h5 of a run"
 
 
 @dataclass
 class Checkpoint:
-    """State of a run at ``time`` [s]; fields: name -> (n_nodes, size), unknowns and rates, in depth order."""
+    """State of a run at ``time`` [s].
+
+    fields, rates: name -> (n_nodes, size), unknowns and rates; depths: (n_nodes,) of the nodes [m]; frames: gauges; rooms: what rooms
+    carry from step to step, by name; books: of the recorder; stepper: of the integrator; notes: plain words and numbers.
+    """
 
     time: float
-    step: float
     fields: dict[str, FloatArray]
     rates: dict[str, FloatArray]
+    depths: FloatArray
     frames: dict[str, FloatArray]
-    imperfection: FloatArray | None
-    top: FloatArray | None
-    books: FloatArray
+    rooms: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
+    books: dict[str, FloatArray] = field(default_factory=dict)
+    stepper: dict[str, FloatArray] = field(default_factory=dict)
+    imperfection: FloatArray | None = None
+    top: FloatArray | None = None
+    notes: dict[str, Any] = field(default_factory=dict)
 
 
-def take(scene: Scene, recorder: Recorder, time: float, step: float) -> Checkpoint | None:
-    """Collect the state on rank 0 (None elsewhere); collective."""
+def take(scene: Scene, recorder: Recorder, dynamics: Dynamics, time: float, notes: dict[str, Any] | None = None) -> Checkpoint | None:
+    """Collect the state on rank 0 (None elsewhere), changing nothing; collective, after a step is done with (Dynamics.at_rest)."""
     model = scene.model
-    books = recorder.books(time)
+    rooms = {room.name: room.memory() for room in scene.rooms if hasattr(room, "memory")}
+    books, stepper = recorder.memory(), dynamics.memory()
     names = [f.name for f in model.layout.fields]
     values = model.gather(np.hstack([model.field(n) for n in names] + [model.field(n, "y") for n in names]))
     dead = None
@@ -48,49 +69,88 @@ def take(scene: Scene, recorder: Recorder, time: float, step: float) -> Checkpoi
     rates = dict(zip(names, parts[len(names) :], strict=True))
     frames = {"gauge": model.frames.gauge, "second": model.frames.second, "twist0": model.frames.twist0}
     top = scene.top.anchor if scene.top is not None else None
-    return Checkpoint(time, step, fields, rates, frames, dead, top, books)
+    return Checkpoint(time, fields, rates, np.asarray(scene.mesh.node_depth), frames, rooms, books, stepper, dead, top, notes or {})
 
 
+# ---------------------------------------------------------------------- files
 def write(path: Path, c: Checkpoint) -> None:
-    """Write ``c`` to an HDF5 file, whole or not at all."""
+    """Write ``c``; the file before it stays until the disk has the new one."""
     import h5py
 
-    def fill(target: Path) -> None:
-        with h5py.File(target, "w") as file:
-            file.attrs["version"], file.attrs["time"], file.attrs["step"] = VERSION, c.time, c.step
-            for group, arrays in (("fields", c.fields), ("rates", c.rates), ("frames", c.frames)):
-                for name, values in arrays.items():
-                    file[f"{group}/{name}"] = values
-            file["books"] = c.books
-            if c.imperfection is not None:
-                file["imperfection"] = c.imperfection
-            if c.top is not None:
-                file["top"] = c.top
+    tree = {"fields": c.fields, "rates": c.rates, "frames": c.frames, "books": c.books, "stepper": c.stepper,
+            **{f"rooms/{name}": memory for name, memory in c.rooms.items()}}
+    rest = {"depths": c.depths, "imperfection": c.imperfection, "top": c.top}
+    # in memory: HDF5 that meets a full disk half-way is hard to leave in good order
+    with h5py.File("checkpoint", "w", driver="core", backing_store=False, userblock_size=BLOCK) as file:
+        file.attrs["time"], file.attrs["notes"] = c.time, json.dumps(c.notes)
+        for group, arrays in tree.items():
+            file.require_group(group)
+            for name, values in arrays.items():
+                file[f"{group}/{name}"] = values
+        for name, values in rest.items():
+            if values is not None:
+                file[name] = values
+        file.flush()
+        body = file.id.get_file_image()  # without the first block
+    first = MAGIC + f"{VERSION} sha256 {hashlib.sha256(body).hexdigest()}\n".encode()
+    replace_file(path, lambda target: target.write_bytes(first.ljust(BLOCK, b"\0") + body), lasting=True)
 
-    replace_file(path, fill)
 
-
-def read(path: Path) -> Checkpoint:
-    """Read a checkpoint; raises CaseError when there is none or it is of another kind."""
+def read(path: str | Path) -> Checkpoint:
+    """Read a checkpoint; raises CaseError when there is none, or it is cut short, damaged or of another kind."""
     import h5py
 
     if not Path(path).is_file():
         raise CaseError(got=str(path), want="a run folder with a checkpoint.h5", hint="was the run stopped before its first checkpoint?")
-    with h5py.File(path, "r") as file:
-        if file.attrs.get("version") != VERSION:
-            raise CaseError(got=f"checkpoint version {file.attrs.get('version')}", want=f"version {VERSION}", file=path)
-        groups = {g: {k: np.array(v) for k, v in file[g].items()} for g in ("fields", "rates", "frames")}
-        return Checkpoint(float(file.attrs["time"]), float(file.attrs["step"]), groups["fields"], groups["rates"], groups["frames"],
-                          np.array(file["imperfection"]) if "imperfection" in file else None,
-                          np.array(file["top"]) if "top" in file else None, np.array(file["books"]))
+    try:
+        data = Path(path).read_bytes()
+    except OSError as error:
+        raise CaseError(got=str(path), want="a file that can be read", hint=str(error)) from None
+    _inspect(path, data)
+    try:
+        with h5py.File(io.BytesIO(data), "r") as file:
+            groups = {g: _arrays(file[g]) for g in ("fields", "rates", "frames", "books", "stepper")}
+            rooms = {name: _arrays(group) for name, group in file["rooms"].items()} if "rooms" in file else {}
+            rest = {name: np.array(file[name]) for name in ("imperfection", "top") if name in file}
+            notes = json.loads(file.attrs["notes"])
+            return Checkpoint(float(file.attrs["time"]), depths=np.array(file["depths"]), rooms=rooms, notes=notes, **groups, **rest)
+    except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:  # whole, and yet not what version 2 holds
+        raise CaseError(file=path, want=WANT, hint=f"it was written by another version of drillpetsc ({error})") from None
 
 
-def restore(scene: Scene, c: Checkpoint) -> None:
-    """Put a checkpoint's state into the scene's model; raises CaseError when the meshes differ."""
+def _arrays(group) -> dict[str, FloatArray]:
+    return {name: np.array(values) for name, values in group.items()}
+
+
+def _inspect(path: str | Path, data: bytes) -> None:
+    """Raise CaseError unless the file is whole and of this version."""
+    if data.startswith(OLD_MAGIC):
+        raise CaseError(file=path, got="checkpoint version 1", want=f"version {VERSION}",
+                        hint="it was written by an older drillpetsc: finish the run with that, or start it again")
+    if not data.startswith(MAGIC):
+        raise CaseError(file=path, got=f"{len(data)} bytes of something else" if data else "an empty file", want=WANT)
+    words = data[len(MAGIC) : BLOCK].split(b"\n")[0].split()
+    if len(words) != 3 or not words[0].isdigit():
+        raise CaseError(file=path, got="a damaged first block", want=WANT)
+    if int(words[0]) != VERSION:
+        raise CaseError(file=path, got=f"checkpoint version {int(words[0])}", want=f"version {VERSION}",
+                        hint="it was written by another drillpetsc: continue the run with that, or start it again")
+    if hashlib.sha256(data[BLOCK:]).hexdigest().encode() != words[2]:
+        raise CaseError(file=path, got="a file that was cut short or damaged (its checksum is wrong)", want=WANT,
+                        hint="take it from a copy of the run folder, or start the run again with --overwrite")
+
+
+# ---------------------------------------------------------------------- back into a scene
+def restore(scene: Scene, c: Checkpoint, at: str = "--restart") -> None:
+    """Put a checkpoint's state into the scene's model; raises CaseError, for the key ``at``, when it is of another string."""
     model = scene.model
     for f in model.layout.fields:
-        if f.name not in c.fields or len(c.fields[f.name]) != model.mesh.nodes:
-            raise CaseError(at="initial.from", want=f"a checkpoint of the same string ({model.mesh.nodes} nodes with {f.name})")
+        values = c.fields.get(f.name)
+        if values is None or values.shape != (model.mesh.nodes, f.size):
+            raise CaseError(at=at, want=f"a checkpoint of the same string ({model.mesh.nodes} nodes with {f.name})")
+    if not np.allclose(c.depths, scene.mesh.node_depth, rtol=0, atol=1e-6):
+        raise CaseError(at=at, want="a checkpoint of the same string", hint="its nodes are elsewhere along the string")
+    for f in model.layout.fields:
         model.set_field(f.name, c.fields[f.name])
         model.set_field(f.name, c.rates[f.name], "y")
     model.frames.gauge[:], model.frames.second[:] = c.frames["gauge"], c.frames["second"]
@@ -105,3 +165,6 @@ def restore(scene: Scene, c: Checkpoint) -> None:
         model.assembly.dead = dead
     if c.top is not None and scene.top is not None:
         scene.top.anchor[:] = c.top
+    for room in scene.rooms:
+        if room.name in c.rooms and hasattr(room, "recall"):
+            room.recall(c.rooms[room.name])

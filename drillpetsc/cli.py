@@ -1,4 +1,4 @@
-"""The command line: drillpetsc run | sweep | check | statics | modes | view | plot | schema."""
+"""The command line: drillpetsc run | sweep | study | check | statics | modes | view | plot | schema."""
 
 from __future__ import annotations
 
@@ -35,6 +35,8 @@ def parser() -> argparse.ArgumentParser:
     run.add_argument("--out", metavar="DIR", help="run folder (default: results/<case>-NNN)")
     run.add_argument("--restart", action="store_true", help="continue from the checkpoint in the run folder")
     run.add_argument("--overwrite", action="store_true", help="replace the results in an existing --out")
+    run.add_argument("--companion", action="store_true",
+                     help="run the case on elements twice as long, too, and state the differences as mesh error in summary.json (one case)")
     run.add_argument("--progress", choices=("auto", "live", "log", "silent"), default="auto", help="how progress is shown")
     sweep = command("sweep", "simulate every combination of some values, with the ranks shared out over the combinations")
     sweep.add_argument("case", metavar="CASE.yaml")
@@ -45,6 +47,22 @@ def parser() -> argparse.ArgumentParser:
     sweep.add_argument("--restart", action="store_true", help="keep members that are done, continue those with a checkpoint")
     sweep.add_argument("--overwrite", action="store_true", help="replace the results in an existing --out")
     sweep.add_argument("--progress", choices=("auto", "silent"), default="auto", help="one line for each member that ends, or none")
+    study = command("study", "error against run time: many runs of a case, a reference, a table and work-precision pictures")
+    study.add_argument("case", metavar="CASE.yaml")
+    study.add_argument("--vary", metavar="WHAT", help="time-step | tolerance | order | mesh | formulation | integrator | solver | ranks")
+    study.add_argument("--curves", nargs="?", const="", metavar="NAMES",
+                       help="instead of --vary, several named curves at once (default: BDF 1 to 3 with fixed steps, BDF2, BDF3 and "
+                            "ARKIMEX over tolerances, the quaternion element with BDF 1 and 2)")
+    study.add_argument("--values", default="", metavar="V1,V2", help="along the curve, or names of curves (default: around the case's own)")
+    study.add_argument("--outputs", default="", metavar="A,B", help="columns of history.csv and probes.csv to compare (default: up to six)")
+    study.add_argument("--repeats", type=int, default=3, help="runs of each point, for the median of their times (default: 3)")
+    study.add_argument("--reference", default="auto",
+                       help="exact, arkimex, bdf3, bdf2, or a run folder (default: a closed form if there is one, else what works)")
+    study.add_argument("--limit", type=float, default=600.0, metavar="S", help="wall seconds that one run may take (default: 600)")
+    study.add_argument("--few", action="store_true", help="three points a curve, for a quick look (with --curves)")
+    study.add_argument("--out", metavar="DIR", help="folder of table, pictures and runs (default: results/<case>-study-NNN)")
+    study.add_argument("--restart", action="store_true", help="keep points that are done, run the others, failed ones too")
+    study.add_argument("--overwrite", action="store_true", help="replace the results in an existing --out")
     check = command("check", "read and validate a case, and say what the scene contains and leaves out")
     check.add_argument("case", metavar="CASE.yaml")
     statics = command("statics", "static equilibrium: torque and drag, contact forces, buckling state")
@@ -85,7 +103,7 @@ def main(words: list[str] | None = None) -> int:
     try:
         if unknown:
             raise CaseError(at=unknown[0], want="a known --option (see --help), or a PETSc option with one dash")
-        if theirs and arguments.command not in ("run", "sweep", "statics", "check", "modes"):
+        if theirs and arguments.command not in ("run", "sweep", "study", "statics", "check", "modes"):
             raise CaseError(at=theirs[0], want=f"no PETSc options with {arguments.command}")
         return COMMANDS[arguments.command](arguments, theirs)
     except DrillError as error:
@@ -170,6 +188,8 @@ def _load(path: str):
 
 
 def _run(arguments, theirs: list[str]) -> int:
+    if len(arguments.cases) > 1 and arguments.companion:
+        raise CaseError(at="--companion", want="one case")
     if len(arguments.cases) > 1:
         return _run_several(arguments, theirs)
     name, case = Path(arguments.cases[0]).stem, _load(arguments.cases[0])
@@ -180,6 +200,12 @@ def _run(arguments, theirs: list[str]) -> int:
     result = run(case, arguments.out, restart=arguments.restart, overwrite=arguments.overwrite, name=name, progress=arguments.progress)
     if _rank() == 0:
         print("\n".join(closing_lines(result.summary, result.folder)))
+    if arguments.companion:
+        from drillpetsc.companion import add_companion, mesh_lines
+
+        told = add_companion(case, result.folder, result.summary, name, progress=arguments.progress)
+        if _rank() == 0:
+            print("\n".join(mesh_lines(told)))
     return 0
 
 
@@ -198,6 +224,22 @@ def _sweep(arguments, theirs: list[str]) -> int:
 
     return _ended(sweep(arguments.case, choices_of(arguments.values), arguments.out, restart=arguments.restart,
                         overwrite=arguments.overwrite, progress=arguments.progress))
+
+
+def _study(arguments, theirs: list[str]) -> int:
+    from drillpetsc.study import closing_lines, study
+    from drillpetsc.study_plan import options_of
+    from drillpetsc.variations import split_values
+
+    def listed(text: str | None) -> list[str]:
+        return split_values(text) if text else []
+
+    result = study(arguments.case, arguments.vary, None if arguments.curves is None else listed(arguments.curves),
+                   values=listed(arguments.values), outputs=listed(arguments.outputs), repeats=arguments.repeats,
+                   reference=arguments.reference, out=arguments.out, restart=arguments.restart, overwrite=arguments.overwrite,
+                   options=options_of(theirs), limit=arguments.limit, few=arguments.few)
+    print("\n".join(closing_lines(result)))
+    return 1 if result.useless else 0
 
 
 def _ended(result) -> int:
@@ -277,5 +319,5 @@ def _schema(arguments, theirs: list[str]) -> int:
     return 0
 
 
-COMMANDS = {"run": _run, "sweep": _sweep, "check": _check, "statics": _statics, "modes": _modes, "view": _view, "plot": _plot,
-            "schema": _schema}
+COMMANDS = {"run": _run, "sweep": _sweep, "study": _study, "check": _check, "statics": _statics, "modes": _modes, "view": _view,
+            "plot": _plot, "schema": _schema}

@@ -133,3 +133,17 @@ class SolveError(DrillError):
         if self.hint:
             lines.append(f"  hint:    {self.hint}")
         return "\n".join(lines)
+
+
+class Interrupted(DrillError):
+    """A run that was asked to end by a ``signal`` and did, at ``time`` [s], with a checkpoint in ``folder``."""
+
+    exit_status = 1
+
+    def __init__(self, signal: str, time: float, folder: str | Path) -> None:
+        super().__init__()
+        self.signal, self.time, self.folder = signal, time, str(folder)
+
+    def __str__(self) -> str:
+        return (f"stopped by {self.signal} at {self.time:.6g} s, with a checkpoint\n"
+                f"  continue: the same command with --out {self.folder} --restart")

@@ -104,14 +104,15 @@ class FlowRecord:
         largest = max(abs(self.pumped), abs(self.returned), abs(change), 1e-300)
         return {"pumped": self.pumped, "returned": self.returned, "content_change": change, "error": error, "error_share": error / largest}
 
-    @property
-    def books(self) -> FloatArray:
-        """(3,) what a continued run needs to keep counting; the formula starts anew there."""
-        self._before = None
-        return np.array([self.pumped, self.returned, self.start_content])
+    def memory(self) -> dict[str, FloatArray]:
+        """What a continued run needs to keep counting."""
+        sums, step = self._before if self._before is not None else (np.zeros(2), 0.0)
+        return {"mud": np.array([self.pumped, self.returned, self.start_content, *sums, step])}
 
-    def resume(self, books: FloatArray) -> None:
-        self.pumped, self.returned, self.start_content = map(float, books)
+    def recall(self, memory: dict[str, FloatArray]) -> None:
+        """Take up a memory."""
+        self.pumped, self.returned, self.start_content, *sums, step = map(float, memory["mud"])
+        self._before = (np.array(sums), step) if step > 0.0 else None
 
     # ------------------------------------------------------------------ along the string
     def nodal(self) -> dict[str, FloatArray]:

@@ -53,11 +53,9 @@ class GrowingHole:
         s = self.start - self.half + drilled
         tangent = self._tangent(s, place)
         self._trail = np.vstack([self._trail, [s, *place, *tangent]])
-        last = self._frozen.node_md[-1]
-        if s - last >= self.interval:  # nodes at even depths, wherever a step happened to end
-            for k in range(1, int((s - last) / self.interval) + 1):
-                self._freeze(last + k * self.interval)
-        self._trail = self._trail[self._trail[:, 0] > s - 4 * self.interval - 1.0]
+        while s >= self._frozen.node_md[-1] + 1.5 * self.interval:  # nodes at even depths, wherever a step happened to end
+            self._freeze(self._frozen.node_md[-1] + self.interval)
+        self._trail = self._trail[self._trail[:, 0] > s - 4 * self.interval - 1.0]  # enough for the slopes to come
         live = s - self._frozen.node_md[-1] > 0.04 * self.interval
         self.well = self._frozen.extended(s, place, tangent, self.radius, self.friction) if live else self._frozen
         for call in self.followers:
@@ -75,8 +73,10 @@ class GrowingHole:
         return self.well.extended(bottom, tip, self.direction, self.radius, self.friction)
 
     def _freeze(self, s: float) -> None:
-        x, t = self._at(s)
-        self._frozen = self._frozen.extended(s, x, t, self.radius, self.friction)
+        """A node at ``s``, half an interval or more behind the end, so that the path on both sides gives its direction."""
+        h = 0.5 * self.interval
+        chord = self._at(s + h)[0] - self._at(s - h)[0]
+        self._frozen = self._frozen.extended(s, self._at(s)[0], chord / np.linalg.norm(chord), self.radius, self.friction)
 
     def _at(self, s: float) -> tuple[FloatArray, FloatArray]:
         """Place and direction (3,) on the trail at ``s``: cubic between its points."""

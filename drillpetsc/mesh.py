@@ -9,6 +9,7 @@ import numpy as np
 from drillpetsc.case.items import Beam as BeamItem
 from drillpetsc.case.items import Flexible, Pipe, Rigid
 from drillpetsc.case.scene import Case
+from drillpetsc.case.size_checks import element_count
 from drillpetsc.errors import CaseError
 from drillpetsc.tubulars import RigidItem, StringMesh, tube
 
@@ -48,8 +49,7 @@ def _bend_of(item):
 
 def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -> list[float]:
     """Measured depths of the element ends of a flexible item."""
-    count = max(1, round(item.length / item.element_length))
-    edges = list(np.linspace(top, bottom, count + 1))
+    edges = list(np.linspace(top, bottom, element_count(item) + 1))
     if _bend_of(item) and item.length > 2 * BEND_LENGTH:
         edges.append(top + BEND_LENGTH)
     below = case.string[number + 1] if number + 1 < len(case.string) else None

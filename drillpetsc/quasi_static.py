@@ -41,9 +41,9 @@ class QuasiStatic:
     def __init__(self, scene: Scene):
         self.scene, self.model, self.share = scene, scene.model, 1.0
         layout = self.model.layout
-        hole = np.array([f.name.startswith("hole.") for f in layout.fields])
+        string = np.array([f.name.startswith("string.") for f in layout.fields])
         self.rates = np.zeros(layout.size + 1)
-        self._mask = ~hole[layout.field_of]
+        self._mask = string[layout.field_of]  # mud keeps its storage: at steps of seconds its waves are gone, its content adds up
         self._bends = [room for room in scene.rooms if isinstance(room, Curvature)]
 
     def dynamics(self) -> Dynamics:

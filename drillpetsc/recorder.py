@@ -13,7 +13,7 @@ from drillpetsc.field import FloatArray
 from drillpetsc.flow_record import FlowRecord
 from drillpetsc.frames import high_side
 from drillpetsc.rooms.beam import REPORT
-from drillpetsc.scene import Scene
+from drillpetsc.scene import Scene, is_quasi_static
 
 Column = tuple[str, str]
 #: in a sample: hook load, surface torque, weight on bit, bit torque, bit speed, the bit's face (3), powers (2), drilled, rate; probes
@@ -40,6 +40,7 @@ class Recorder:
         self.flow = FlowRecord(scene.model, scene.fluid) if scene.fluid is not None else None
         self.probes = [self._locate(depth) for depth in scene.case.output.probes] if scene.beam is not None else []
         self._face = mesh.total_length - mesh.node_depth[-1]
+        self.has_energies = not is_quasi_static(scene.case)  # without inertia, work goes into motion that is not computed
         self.columns = self._columns()
         self.probe_columns: list[Column] = [("time", "s")]
         for p in self.probes:
@@ -79,7 +80,8 @@ class Recorder:
             out.append(("rop", "m/s"))
         if self.flow is not None:
             out += self.flow.columns
-        return [*out, ("kinetic_energy", "J"), ("strain_energy", "J"), ("energy_error", "J"), ("step", "s"), ("newton", "-")]
+        energies: list[Column] = [("kinetic_energy", "J"), ("strain_energy", "J"), ("energy_error", "J")] if self.has_energies else []
+        return [*out, *energies, ("step", "s"), ("newton", "-")]
 
     # ------------------------------------------------------------------ sampling
     def sample(self, t: float) -> FloatArray:
@@ -248,7 +250,8 @@ class Recorder:
             row.append(v[11])
         if self.flow is not None:
             row += self.flow.row(v[-FlowRecord.SIZE :])
-        return [*row, self.energies[0], self.energies[1], self.energy_error, step, newton]
+        energies = [self.energies[0], self.energies[1], self.energy_error] if self.has_energies else []
+        return [*row, *energies, step, newton]
 
     def _depth_of(self, point: FloatArray) -> float:
         if self.scene.well is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time as clock
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,7 +13,8 @@ from petsc4py import PETSc
 
 from drillpetsc import checkpoint, options, summary
 from drillpetsc.case.scene import Case
-from drillpetsc.errors import CaseError
+from drillpetsc.error_estimate import TimeError
+from drillpetsc.errors import CaseError, Interrupted, SolveError
 from drillpetsc.output import FieldWriter, RunFolder, Table, write_summary, write_table, write_well
 from drillpetsc.progress import Progress
 from drillpetsc.quasi_static import QuasiStatic
@@ -21,6 +23,7 @@ from drillpetsc.scene import Scene, build_scene, is_quasi_static
 from drillpetsc.solve.dynamics import Dynamics
 from drillpetsc.solve.hydraulics import fluid_unknowns, is_fluid
 from drillpetsc.start import StaticState, find_equilibrium, move_rigidly, place_along_hole, release
+from drillpetsc.watch import AFTER, FAILED, NOTHING, STOP, Watch, cannot_write, first_rank_does
 
 TINY = 1e-9  # output times closer than this share of the interval are one
 
@@ -40,48 +43,69 @@ class _Writer:
         self.scene, self.recorder, self.folder = scene, recorder, folder
         out = scene.case.output
         self.every = (float(out.history_every), float(out.field_every))  # type: ignore[arg-type]
-        start = restart_time or 0.0
-        self.next_row = self._after(start, self.every[0], restart_time is None)
-        self.next_frame = self._after(start, self.every[1], restart_time is None)
+        self.next_row, self.next_frame = ((0, 0) if restart_time is None else (after(restart_time, e) for e in self.every))
         self.event = PETSc.Log.Event("Output")
         if folder is not None:
             self.history = Table(folder.history, recorder.columns, restart_time=restart_time)
             self.probes = Table(folder.probes, recorder.probe_columns, restart_time=restart_time) if recorder.probes else None
             self.frames = FieldWriter(folder.path, restart_time=restart_time)
 
-    @staticmethod
-    def _after(t: float, interval: float, here: bool) -> int:
-        """Number of the next multiple of the interval; at a fresh start the one at t itself."""
-        return round(t / interval) if here else int(np.floor(t / interval * (1 + TINY))) + 1
-
-    def take(self, t: float, dt: float, newton: int) -> None:
-        """Write all rows and the frame that are due at ``t``; collective."""
-        row_due = self.next_row * self.every[0] <= t * (1 + 1e-12) + 1e-15
-        frame_due = self.next_frame * self.every[1] <= t * (1 + 1e-12) + 1e-15
+    def take(self, t: float, dt: float, newton: int, watch: Watch) -> bool:
+        """Write all rows and the frame that are due at ``t``, and tell whether any was; collective.  ``watch`` hears what goes wrong."""
+        row_due, frame_due = passed(self.next_row * self.every[0], t), passed(self.next_frame * self.every[1], t)
         if not row_due and not frame_due:
-            return
+            return False
         self.event.begin()
         if row_due:
             self.recorder.audit(t)
-        while row_due and self.next_row * self.every[0] <= t * (1 + 1e-12) + 1e-15:
-            at = self.next_row * self.every[0]
-            if self.folder is not None:
-                self.history.add(self.recorder.history_row(at, dt, newton))
-                if self.probes is not None:
-                    self.probes.add(self.recorder.probe_row(at))
-            self.next_row += 1
+        data = self.recorder.fields(t) if frame_due else None
+        rows = range(self.next_row, after(t, self.every[0]) if row_due else self.next_row)
+        try:
+            self._write([row * self.every[0] for row in rows], t, dt, newton, data)
+        except OSError as error:
+            watch.failed(error, error.filename or str(self.folder.path))  # type: ignore[union-attr]
+        self.next_row = rows.stop
         if frame_due:
-            data = self.recorder.fields(t)
-            if data is not None and self.folder is not None:
-                self.frames.write(t, *data)
-            self.next_frame = int(np.floor(t / self.every[1] * (1 + TINY))) + 1
+            self.next_frame = after(t, self.every[1])
         self.event.end()
+        return True
+
+    def _write(self, times: list[float], t: float, dt: float, newton: int, data) -> None:
+        if self.folder is None:
+            return
+        for at in times:
+            self.history.add(self.recorder.history_row(at, dt, newton))
+            if self.probes is not None:
+                self.probes.add(self.recorder.probe_row(at))
+        if data is not None:
+            self.frames.write(t, *data)
+
+    def flush(self) -> None:
+        """Have everything on the disk, for a checkpoint that counts on it."""
+        if self.folder is not None:
+            self.history.flush()
+            if self.probes is not None:
+                self.probes.flush()
+            self.frames.flush()
 
     def close(self) -> None:
         if self.folder is not None:
             self.history.close()
             if self.probes is not None:
                 self.probes.close()
+
+
+def passed(due: float, t: float) -> bool:
+    """Whether output that is due at a time is to be written at ``t``, rounding apart."""
+    return due <= t * (1 + 1e-12) + 1e-15
+
+
+def after(t: float, interval: float) -> int:
+    """Number of the first multiple of the interval that ``t`` has not passed; the same whether a run comes from afar or starts here."""
+    k = max(0, int(t / interval) - 1)
+    while passed(k * interval, t):
+        k += 1
+    return k
 
 
 def run(case: Case | str | Path, out: str | Path | None = None, *, restart: bool = False, overwrite: bool = False, name: str | None = None,
@@ -105,8 +129,10 @@ def run(case: Case | str | Path, out: str | Path | None = None, *, restart: bool
         options.refuse_unread(used)
         folder = make_folder(comm, name or "case", out, restart, overwrite)
         saved = _saved(comm, folder, restart)
+        if restart and saved is None and comm.rank == 0 and progress != "silent":
+            print(f"{folder.path}: no checkpoint yet, so the run starts from its beginning", file=sys.stderr)
         state = _initial(scene, case, saved, quasi)
-        return _integrate(scene, recorder, dynamics, folder, saved, state, began, progress)
+        return _Run(scene, recorder, dynamics, folder, saved, state, quasi, began, progress).whole()
 
 
 def make_dynamics(scene: Scene, quasi: QuasiStatic | None = None) -> Dynamics:
@@ -136,10 +162,11 @@ def make_folder(comm, name: str, out, restart: bool, overwrite: bool) -> RunFold
 
 
 def _saved(comm, folder: RunFolder, restart: bool) -> checkpoint.Checkpoint | None:
+    """The checkpoint to go on from; None where there is none (yet)."""
     if not restart:
         return None
     answer: Any = None
-    if comm.rank == 0:
+    if comm.rank == 0 and folder.checkpoint.exists():
         try:
             answer = checkpoint.read(folder.checkpoint)
         except CaseError as error:
@@ -155,7 +182,7 @@ def _initial(scene: Scene, case: Case, saved: checkpoint.Checkpoint | None, quas
     if saved is not None:
         checkpoint.restore(scene, saved)
         if quasi is not None:
-            quasi.begin(saved.time)
+            quasi.begin(saved.time, saved.notes.get("share", 1.0))
         return None
     state = None
     if case.initial.from_ == "statics":
@@ -164,7 +191,7 @@ def _initial(scene: Scene, case: Case, saved: checkpoint.Checkpoint | None, quas
         place_along_hole(scene)
     else:
         other = checkpoint.read(Path(case.initial.from_) / "checkpoint.h5")
-        checkpoint.restore(scene, other)
+        checkpoint.restore(scene, other, at="initial.from")
         if quasi is None:
             release(scene)
         else:
@@ -178,78 +205,133 @@ def _initial(scene: Scene, case: Case, saved: checkpoint.Checkpoint | None, quas
     return state
 
 
-def _integrate(scene, recorder, dynamics, folder, saved, state, began, progress) -> RunResult:
-    case, comm = scene.case, scene.model.comm
-    first = comm.rank == 0
-    start = saved.time if saved is not None else 0.0
-    if saved is not None:
-        recorder.resume(saved.books)
-        dynamics.first_step = saved.step
-    else:
-        recorder.begin(0.0)
-    writer = _Writer(scene, recorder, folder if first else None, start if saved is not None else None)
-    if first and saved is None:
-        _write_scene(scene, folder, state)
-    bar = Progress(case.time.end, start, mode=progress if first else "silent")  # type: ignore[arg-type]
-    last = {"t": start, "newton": 0}
+class _Run:
+    """The motion from the start, or from a checkpoint, to the end, with its files."""
 
-    def after(t: float, dt: float) -> None:
+    def __init__(self, scene, recorder, dynamics, folder, saved, state, quasi, began, progress):
+        self.scene, self.recorder, self.dynamics, self.folder, self.saved = scene, recorder, dynamics, folder, saved
+        self.case, self.mpi, self.began = scene.case, scene.model.comm.tompi4py(), began
+        self.first = self.mpi.rank == 0
+        self.start = self.t = saved.time if saved is not None else 0.0
+        self.notes: dict[str, Any] = saved.notes if saved is not None else summary.notes_of(state)
+        if quasi is not None:
+            self.notes["share"] = quasi.share
+        self.newton, self.marks = 0, began
+        self.bar = Progress(self.case.time.end, self.start, mode=progress if self.first else "silent")
+        self.watch = Watch(self.mpi)
+
+    def whole(self) -> RunResult:
+        """Run it; what was written stays whatever happens."""
+        dynamics, recorder, saved = self.dynamics, self.recorder, self.saved
+        if saved is not None:
+            recorder.recall(saved.books)
+            dynamics.recall(saved.stepper)
+        else:
+            recorder.begin(0.0)
+        first_rank_does(self.mpi, str(self.folder.path), self._open)
+        if not self.first:
+            self._open()
+        dynamics.after_step.append(self._after_step)
+        dynamics.at_jump.append(recorder.at_jump)
+        dynamics.at_rest.append(self._at_rest)
+        self.marks = clock.perf_counter(), clock.process_time()
+        error: BaseException | None = None
+        try:
+            with self.watch:
+                if saved is None:
+                    self.due = self.writer.take(0.0, 0.0, 0, self.watch)
+                    self._act(self.watch.look(True))
+                    self._save(0.0)
+                self._move()
+        except BaseException as failure:
+            error = failure
+            raise
+        finally:
+            result = self._close(error)
+        return RunResult(self.folder.path, result)
+
+    def _open(self) -> None:
+        self.writer = _Writer(self.scene, self.recorder, self.folder if self.first else None, None if self.saved is None else self.start)
+        if self.first and self.saved is None:
+            _write_scene(self.scene, self.folder)
+
+    def _move(self) -> None:
+        """All steps; checkpoints are passed on the way, or landed on where the formula cannot be put back."""
+        every, end = self.case.output.checkpoint_every, self.case.time.end
+        k = after(self.start, every)
+        stops = [] if self.dynamics.remembers else [j * every for j in range(k, after(end, every)) if j * every < end * (1 - TINY)]
+        self.next_save = k
+        for stop in [*stops, end]:
+            self.dynamics.run(self.t, stop, self.scene.breaks)
+            if self.dynamics.stopped:
+                raise Interrupted(self.watch.name, self.t, self.folder.path)
+            self._save(stop)
+
+    def _after_step(self, t: float, dt: float) -> None:
+        recorder, dynamics, writer = self.recorder, self.dynamics, self.writer
         recorder.step(t, dt, writer.next_row * writer.every[0], dynamics.input_time(t), dynamics.fresh)
         if dynamics.jumped:
             recorder.book_impulse(t)
         newton = dynamics.newton_iterations()
-        writer.take(t, dt, newton - last["newton"])
-        last["t"], last["newton"] = t, newton
-        bar.update(t, dynamics.counters.steps, dt)
+        self.due = writer.take(t, dt, newton - self.newton, self.watch)
+        self.t, self.newton = t, newton
+        self.bar.update(t, dynamics.counters.steps, dt)
 
-    dynamics.after_step.append(after)
-    dynamics.at_jump.append(recorder.at_jump)
-    if saved is None:
-        writer.take(0.0, 0.0, 0)
-    marks = clock.perf_counter(), clock.process_time()
-    error: BaseException | None = None
-    try:
-        for stop in _checkpoint_times(case, start):
-            dynamics.run(last["t"], stop, scene.breaks)
-            if stop < case.time.end or case.output.checkpoint_every:
-                _checkpoint(scene, recorder, dynamics, folder if first else None, stop)
-    except BaseException as failure:
-        error = failure
-        raise
-    finally:
-        writer.close()
-        if first and scene.drilling is not None:
-            write_well_files(scene, folder)
-        bar.finish(last["t"], dynamics.counters.steps)
-        result = summary.of_run(scene, recorder, dynamics, state, last["t"], start, began, marks, error)
-        if first:
+    def _at_rest(self, t: float) -> None:
+        """The step is done with: look at what came from outside, and save what is due."""
+        every, asked = self.case.output.checkpoint_every, self.watch.look(self.due)
+        due = self.dynamics.remembers and passed(self.next_save * every, t) and t < self.case.time.end * (1 - TINY)
+        if due or asked not in (NOTHING, FAILED):
+            self._save(t)
+        if due:
+            self.next_save = after(t, every)
+        self._act(asked)
+
+    def _act(self, asked: int) -> None:
+        if asked == FAILED:
+            told = self.mpi.allreduce(self.watch.error)  # of one rank only
+            raise SolveError(told, time=self.t, hint=AFTER)
+        if asked == STOP:
+            self.dynamics.stop()
+
+    def _save(self, t: float) -> None:
+        """Write a checkpoint; collective."""
+        c = checkpoint.take(self.scene, self.recorder, self.dynamics, t, self.notes)
+
+        def put() -> None:
+            assert c is not None
+            self.writer.flush()
+            checkpoint.write(self.folder.checkpoint, c)
+
+        first_rank_does(self.mpi, str(self.folder.checkpoint), put, t)
+
+    def _close(self, error: BaseException | None) -> dict[str, Any]:
+        """Close the files and sum up."""
+        scene, folder = self.scene, self.folder
+        self.writer.close()
+        self.bar.finish(self.t, self.dynamics.counters.steps)
+        result = summary.of_run(scene, self.recorder, self.dynamics, self.notes, self.t, self.start, self.began, self.marks, error)
+
+        def put() -> None:
+            if scene.drilling is not None:
+                write_well_files(scene, folder)
             write_summary(folder.summary, result)
-    return RunResult(folder.path, result)
+
+        if error is None:
+            first_rank_does(self.mpi, str(folder.summary), put, self.t)
+        elif self.first:
+            try:
+                put()
+            except OSError as full:  # the run ends with its own message
+                self.bar.message(cannot_write(full, str(folder.summary)))
+        return result
 
 
-def _checkpoint_times(case: Case, start: float) -> list[float]:
-    every, end = case.output.checkpoint_every, case.time.end  # type: ignore[union-attr]
-    if not every:
-        return [end]
-    first = int(np.floor(start / every * (1 + TINY))) + 1
-    times = [k * every for k in range(first, int(np.ceil(end / every)) + 1) if k * every < end * (1 - TINY)]
-    return [*times, end]
-
-
-def _checkpoint(scene, recorder, dynamics, folder, t: float) -> None:
-    step = max(dynamics.first_step, 0.1 * dynamics.last_step)
-    dynamics.first_step = step
-    c = checkpoint.take(scene, recorder, t, step)
-    if c is not None and folder is not None:
-        checkpoint.write(folder.checkpoint, c)
-
-
-def _write_scene(scene: Scene, folder: RunFolder, state: StaticState | None) -> None:
+def _write_scene(scene: Scene, folder: RunFolder) -> None:
     """Files that do not change during a run."""
     scene.case.dump(folder.case)
     if scene.well is not None:
         write_well_files(scene, folder)
-    del state
 
 
 def write_well_files(scene: Scene, folder: RunFolder) -> None:

@@ -10,21 +10,24 @@ import numpy as np
 from petsc4py import PETSc
 
 import drillpetsc
+from drillpetsc.errors import Interrupted
 
 PHASES = ("Residual", "Jacobian", "ChainFactor", "ChainSolve", "Output")
 
 
-def of_run(scene, recorder, dynamics, state, reached: float, start: float, began, marks, error) -> dict[str, Any]:
-    """Everything that summary.json tells; collective."""
+def of_run(scene, recorder, dynamics, notes, reached: float, start: float, began, marks, error) -> dict[str, Any]:
+    """Everything that summary.json tells; collective unless there is an error."""
     model = scene.model
     now = clock.perf_counter(), clock.process_time()
     wall, cpu = now[0] - marks[0], now[1] - marks[1]
     if model.comm.size > 1 and error is None:
         cpu = model.comm.tompi4py().allreduce(cpu)
+    interrupted = isinstance(error, (Interrupted, KeyboardInterrupt))
     unknowns = sum(f.size * count for f, count in field_counts(model))
     result: dict[str, Any] = {
         "title": scene.case.title,
-        "status": "done" if error is None else f"failed: {error}",
+        "status": "done" if error is None else str(error) if interrupted else f"failed: {error}",
+        "interrupted": interrupted,
         "versions": {"drillpetsc": drillpetsc.__version__, "petsc": ".".join(map(str, PETSc.Sys.getVersion())), "numpy": np.__version__,
                      "python": platform.python_version()},
         "petsc_options": dynamics.options,
@@ -40,17 +43,25 @@ def of_run(scene, recorder, dynamics, state, reached: float, start: float, began
         "real_time_factor": (reached - start) / wall if wall > 0 else None,
         "wall_by_phase": phases(),
     }
-    if state is not None:
-        e = state.equilibrium
-        result["statics"] = {"iterations": e.iterations, "negative_pivots": e.negative_pivots, "residual": e.residual,
-                             "imperfection": e.imperfection, "warnings": state.warnings}
-    if error is None:
+    if "statics" in notes:
+        result["statics"] = notes["statics"]
+    if recorder.has_energies:
         result["energy"] = energy(recorder)
-        if recorder.flow is not None:
-            result["mass"] = recorder.mass_balance()
+    if recorder.flow is not None:
+        result["mass"] = recorder.mass_balance()
+    if error is None or isinstance(error, Interrupted):
         row = recorder.history_row(reached, 0.0, 0.0)
         result["final"] = {f"{n} [{u}]": value for (n, u), value in zip(recorder.columns, row, strict=True) if n not in ("step", "newton")}
     return result
+
+
+def notes_of(state) -> dict[str, Any]:
+    """What the summary tells of the static start, kept in checkpoints."""
+    if state is None:
+        return {}
+    e = state.equilibrium
+    return {"statics": {"iterations": e.iterations, "negative_pivots": e.negative_pivots, "residual": float(e.residual),
+                        "imperfection": float(e.imperfection), "warnings": list(state.warnings)}}
 
 
 def field_counts(model) -> list[tuple[Any, int]]:
@@ -74,6 +85,11 @@ def energy(recorder) -> dict[str, float]:
     largest = max(abs(recorder.supplied), recorder.peak_exchange, 1e-300)
     return {"kinetic": kinetic, "strain": strain, "potential": potential, "dissipated": recorder.dissipated, "supplied": recorder.supplied,
             "error": recorder.energy_error, "error_share": recorder.energy_error / largest}
+
+
+def residual_calls() -> int:
+    """How often this rank has evaluated the rows since PETSc's log was begun."""
+    return int(PETSc.Log.Event("Residual").getPerfInfo()["count"])
 
 
 def phases() -> dict[str, float]:

@@ -8,6 +8,7 @@ from drillpetsc.case.drilling_checks import check_drilling, check_time
 from drillpetsc.case.fluid_checks import check_fluid, check_held_string
 from drillpetsc.case.items import Beam, Bit, Pipe
 from drillpetsc.case.keys import refuse
+from drillpetsc.case.size_checks import check_size
 
 if TYPE_CHECKING:
     from drillpetsc.case.hole import Well
@@ -29,6 +30,7 @@ def check_scene(case: Case) -> None:
     check_time(case)
     _on_string(case)
     _stribeck(case)
+    check_size(case)
 
 
 def _bit_last(case: Case) -> None:

@@ -34,7 +34,7 @@ def settle_scene(case: Case) -> None:
         case.settle(bottom=case.bottom.model_copy(update={"stiffness": case.formation.bit_law.stiffness}))
     case.settle(string=tuple(_settled(item, case.material) for item in case.string))
     if case.time is not None:
-        case.settle(output=case.output.settled(case.time.end))
+        case.settle(output=case.output.settled(case.time.end, case.time.mode == "dynamic"))
 
 
 def largest(function: TimeFunction | None) -> float:

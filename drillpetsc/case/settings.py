@@ -96,7 +96,7 @@ class Output(Model):
     """What the run folder gets. Intervals are simulated time."""
 
     history_every: Interval = follows(
-        "interval of history.csv and probes.csv [s]; end/1000, between 1 ms and 0.1 s, when not given"
+        "interval of history.csv and probes.csv [s]; end/1000, between 1 ms and 0.1 s (quasi_static: without limit), when not given"
     )
     field_every: Interval = follows(
         "interval of the string's pictures [s]; end/100, not below history_every, when not given"
@@ -114,9 +114,9 @@ class Output(Model):
                 raise refuse("probes", i, got=self.probes[i], want=f"probes at different depths; {name} m stands twice")
         return self
 
-    def settled(self, end: float) -> Output:
-        """This block with its intervals filled in for a run of `end` [s]."""
-        history = self.history_every or min(max(end / 1000, 1e-3), 0.1, end)
+    def settled(self, end: float, fast: bool = True) -> Output:
+        """This block with its intervals filled in for a run of `end` [s]; fast: vibrations are to be seen."""
+        history = self.history_every or (min(max(end / 1000, 1e-3), 0.1, end) if fast else end / 1000)
         return self.model_copy(
             update={
                 "history_every": history,

@@ -3,27 +3,50 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable
 from pathlib import Path
 
+LEFTOVER = re.compile(r"\.\d+-.+")
 
-def replace_file(path: str | os.PathLike, write: Callable[[Path], object]) -> Path:
+
+def replace_file(path: str | os.PathLike, write: Callable[[Path], object], *, lasting: bool = False) -> Path:
     """Let `write` make a file beside `path`, then rename it over `path` in one step.
 
     A reader (ParaView while the run goes on) or a kill at any moment meets a whole file. The temporary name keeps
     the suffix, because some writers choose the format by it, and starts with a dot, so that no pattern like
-    string/*.vtu finds it.
+    string/*.vtu finds it. lasting: the disk has the new file before the old one goes, so that a power cut leaves one of them.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{os.getpid()}-{path.name}")
     try:
         write(temporary)
+        if lasting:
+            to_disk(temporary)
         os.replace(temporary, path)
+        if lasting:
+            to_disk(path.parent)
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
     return path
+
+
+def to_disk(path: str | os.PathLike) -> None:
+    """Wait until the disk has the file, or the names in the folder."""
+    number = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(number)
+    finally:
+        os.close(number)
+
+
+def remove_leftovers(folder: str | os.PathLike) -> None:
+    """Remove the temporary files of `replace_file` that a killed process left in the folder."""
+    for file in Path(folder).glob(".*-*"):
+        if LEFTOVER.fullmatch(file.name):
+            file.unlink(missing_ok=True)
 
 
 def replace_text(path: str | os.PathLike, text: str) -> Path:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drillpetsc.output.atomic import replace_file, replace_text
+from drillpetsc.output.atomic import replace_file, replace_text, to_disk
 
 
 @dataclass(frozen=True)
@@ -77,6 +77,7 @@ class FieldWriter:
         self.frames.mkdir(parents=True, exist_ok=True)
         self.compress = compress
         self._entries: list[tuple[float, str]] = []
+        self._new: list[Path] = []  # frames that the disk may not have yet
         if restart_time is not None and self.series.exists():
             latest = restart_time + 1e-12 * abs(restart_time)
             self._entries = [(time, f"string/{file.name}") for time, file in read_series(folder) if time <= latest]
@@ -111,9 +112,16 @@ class FieldWriter:
             self.frames / name, lambda file: _write_vtu(file, points, "line", lines, at_points, on_cells, self.compress)
         )
         self._next += 1
+        self._new.append(path)
         self._entries.append((float(time), f"string/{name}"))
         self._write_series()
         return path
+
+    def flush(self) -> None:
+        """Wait until the disk has every frame and their list (for a checkpoint; a kill of the process needs no flush)."""
+        for file in (*self._new, *([self.frames] if self._new else []), self.series, self.series.parent):
+            to_disk(file)
+        self._new = []
 
     def _write_series(self) -> None:
         sets = "".join(

@@ -7,6 +7,7 @@ trajectory.csv). A column that belongs to absent physics is simply not in the ca
 from __future__ import annotations
 
 import csv
+import errno
 import io
 import os
 from collections.abc import Iterable, Mapping, Sequence
@@ -85,8 +86,14 @@ class Table:
         if len(values) != self._width:
             raise ValueError(f"{self.path.name}: a row of {len(values)} values for {self._width} columns")
         data = (",".join([_number(value) for value in values]) + "\n").encode()
-        if os.write(self._file, data) != len(data):
-            raise OSError(f"{self.path}: the disk took only part of a row")
+        whole = os.fstat(self._file).st_size
+        try:
+            written = os.write(self._file, data)
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, str(self.path)) from None
+        if written != len(data):  # on a disk that is full: half a row is of no use
+            os.ftruncate(self._file, whole)
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self.path))
 
     def flush(self) -> None:
         """Ask the disk itself to have every row (for a checkpoint; a kill of the process needs no flush)."""

@@ -1,4 +1,4 @@
-"""What a multistep formula knows of earlier steps, so that a run continued from a checkpoint takes the very steps of one that never stopped.
+"""What a multistep formula knows of earlier steps, so that a run continued from a checkpoint takes the steps of one that never stopped.
 
 PETSc shows nobody the history of its BDF.  The accepted states are therefore noted here, and a continued run steps through them with a
 solver that only hands out what was noted: TSBDF then holds the same times and vectors, bit for bit.
@@ -56,7 +56,9 @@ class Past:
     # ------------------------------------------------------------------ checkpoints
     def memory(self, model: Model) -> dict[str, FloatArray]:
         """times (k,), steps (k - 1,), states (k or k + 1, 2, nodes, m): unknowns and rates of all fields, the half step last; on rank 0.
-        Collective."""
+        Collective.  Empty before the first start."""
+        if not self.states:
+            return {}
         states = self.states if self.half is None else [*self.states, self.half]
         columns = [_nodal(model, part) for state in states for part in state]
         whole = model.gather(np.stack(columns, axis=1))

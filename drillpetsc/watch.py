@@ -1,0 +1,97 @@
+"""What may end a run from outside: signals, and files that cannot be written.  One rank notices, all ranks act at the same step."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from drillpetsc.errors import DrillError, SolveError
+
+NOTHING, SAVE, STOP, FAILED = range(4)  # the larger one wins
+EVERY = 16  # steps between two questions to the other ranks
+
+
+class Watch:
+    """Within it SIGTERM and SIGINT ask for the end of the run after a step, SIGUSR1 for a checkpoint; a second SIGINT ends it at once.
+
+    Signals may reach one rank only; ``look`` tells all.  Outside the main thread signals are left alone.
+    """
+
+    def __init__(self, mpi: Any):
+        self.mpi, self.error = mpi, ""
+        self._mine, self._number, self._steps = NOTHING, 0, 0
+        self._before: dict[int, Any] = {}
+
+    def __enter__(self) -> Watch:
+        if threading.current_thread() is threading.main_thread():
+            for name, handler in (("SIGTERM", self._stop), ("SIGINT", self._stop), ("SIGUSR1", self._save)):
+                if hasattr(signal, name):
+                    number = getattr(signal, name)
+                    self._before[number] = signal.signal(number, handler)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler if handler is not None else signal.SIG_DFL)  # None: not set from Python
+        self._before = {}
+
+    def _stop(self, number: int, frame: object) -> None:
+        if self._mine >= STOP and number == signal.SIGINT:
+            raise KeyboardInterrupt
+        self._mine, self._number = max(self._mine, STOP), number
+
+    def _save(self, number: int, frame: object) -> None:
+        self._mine = max(self._mine, SAVE)
+
+    def failed(self, error: OSError, what: str) -> None:
+        """This rank could not write."""
+        self._mine, self.error = FAILED, cannot_write(error, what)
+
+    def look(self, now: bool) -> int:
+        """What is to be done after this step, the same on all ranks, which must all call it with the same ``now``: at once, or only if
+        the time for a question has come."""
+        self._steps += 1
+        if self.mpi.size > 1:
+            if not now and self._steps % EVERY:
+                return NOTHING
+            from mpi4py import MPI
+
+            asked, number = self.mpi.allreduce((self._mine, self._number), op=MPI.MAX)  # by the first of the two
+            self._number = number
+        else:
+            asked = self._mine
+        if asked == SAVE:
+            self._mine = NOTHING
+        return int(asked)
+
+    @property
+    def name(self) -> str:
+        """Of the signal that asked for the end."""
+        return signal.Signals(self._number).name if self._number else "a signal"
+
+
+def cannot_write(error: OSError, what: str) -> str:
+    """In words."""
+    return f"cannot write {what}: {os.strerror(error.errno) if error.errno else error}"
+
+
+def first_rank_does(mpi: Any, what: str, action: Callable[[], Any], time: float | None = None) -> None:
+    """Let rank 0 write something; what stops it there is raised on all ranks.  Collective."""
+    told: DrillError | None = None
+    if mpi.rank == 0:
+        try:
+            action()
+        except OSError as error:
+            told = SolveError(cannot_write(error, what), time=time, hint=AFTER)
+        except DrillError as error:
+            told = error
+    if mpi.size > 1:
+        told = mpi.bcast(told)
+    if told is not None:
+        raise told
+
+
+AFTER = "what was written up to now can be read; make room, then continue with --restart"
