@@ -134,7 +134,7 @@ def figures(folder: Path) -> dict[str, float]:
            "energy_error_share [-]": told.get("energy", {}).get("error_share")}
     if "mass" in told:
         out["mass_error_share [-]"] = told["mass"].get("error_share")
-    out |= told.get("final", {})
+    out |= told.get("final", {}) | told.get("new_hole", {})
     out |= _means(run.history)
     return {name: np.nan if value is None else float(value) for name, value in out.items()}
 

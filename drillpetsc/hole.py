@@ -62,15 +62,16 @@ class GrowingHole:
             call(self.well)
         return True
 
-    def whole(self) -> Well:
-        """The hole down to its deepest point."""
-        if self._drilled == 0.0:
+    def whole(self, drilled: float, place: FloatArray) -> Well:
+        """The hole down to its deepest point, its end at ``place`` (3,) after ``drilled`` metres."""
+        if drilled <= 0.0:
             return self._frozen
-        bottom = self.start + self._drilled
-        if bottom <= self.well.node_md[-1]:
-            return self.well
-        tip = self.end + self.half * self.direction
-        return self.well.extended(bottom, tip, self.direction, self.radius, self.friction)
+        s, well = self.start - self.half + drilled, self._frozen
+        tangent = self._tangent(s, place)
+        if s - well.node_md[-1] > 0.04 * self.interval:
+            well = well.extended(s, place, tangent, self.radius, self.friction)
+        bottom = self.start + drilled
+        return well.extended(bottom, place + self.half * tangent, tangent, self.radius, self.friction)
 
     def _freeze(self, s: float) -> None:
         """A node at ``s``, half an interval or more behind the end, so that the path on both sides gives its direction."""

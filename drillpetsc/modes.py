@@ -31,10 +31,11 @@ from drillpetsc.output.atomic import replace_file
 from drillpetsc.output.fields import _write_vtu
 from drillpetsc.recorder import Recorder
 from drillpetsc.scene import Scene, build_scene
-from drillpetsc.simulate import make_folder, write_well_files
+from drillpetsc.simulate import make_folder
 from drillpetsc.solve.modes import Linearised, linearise
 from drillpetsc.solve.pencil import NEUTRAL, Roots, lowest_roots, roots_near
 from drillpetsc.start import StaticState, find_equilibrium, move_rigidly, prescribed_motion, release
+from drillpetsc.well_files import write_well_files
 
 KINDS = ("lateral", "axial", "torsional", "fluid")
 STATES = ("steady", "rest")

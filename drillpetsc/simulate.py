@@ -13,9 +13,8 @@ from petsc4py import PETSc
 
 from drillpetsc import checkpoint, options, summary
 from drillpetsc.case.scene import Case
-from drillpetsc.error_estimate import TimeError
 from drillpetsc.errors import CaseError, Interrupted, SolveError
-from drillpetsc.output import FieldWriter, RunFolder, Table, write_summary, write_table, write_well
+from drillpetsc.output import FieldWriter, RunFolder, Table, write_summary
 from drillpetsc.progress import Progress
 from drillpetsc.quasi_static import QuasiStatic
 from drillpetsc.recorder import Recorder
@@ -24,6 +23,7 @@ from drillpetsc.solve.dynamics import Dynamics
 from drillpetsc.solve.hydraulics import fluid_unknowns, is_fluid
 from drillpetsc.start import StaticState, find_equilibrium, move_rigidly, place_along_hole, release
 from drillpetsc.watch import AFTER, FAILED, NOTHING, STOP, Watch, cannot_write, first_rank_does
+from drillpetsc.well_files import write_well_files
 
 TINY = 1e-9  # output times closer than this share of the interval are one
 
@@ -239,8 +239,7 @@ class _Run:
         try:
             with self.watch:
                 if saved is None:
-                    self.due = self.writer.take(0.0, 0.0, 0, self.watch)
-                    self._act(self.watch.look(True))
+                    self.writer.take(0.0, 0.0, 0, self.watch)
                     self._save(0.0)
                 self._move()
         except BaseException as failure:
@@ -264,6 +263,7 @@ class _Run:
         for stop in [*stops, end]:
             self.dynamics.run(self.t, stop, self.scene.breaks)
             if self.dynamics.stopped:
+                self.recorder.audit(self.t)
                 raise Interrupted(self.watch.name, self.t, self.folder.path)
             self._save(stop)
 
@@ -280,17 +280,14 @@ class _Run:
     def _at_rest(self, t: float) -> None:
         """The step is done with: look at what came from outside, and save what is due."""
         every, asked = self.case.output.checkpoint_every, self.watch.look(self.due)
+        if asked == FAILED:
+            told = self.mpi.allreduce(self.watch.error)  # of one rank only
+            raise SolveError(told, time=t, hint=AFTER)
         due = self.dynamics.remembers and passed(self.next_save * every, t) and t < self.case.time.end * (1 - TINY)
-        if due or asked not in (NOTHING, FAILED):
+        if due or asked != NOTHING:
             self._save(t)
         if due:
             self.next_save = after(t, every)
-        self._act(asked)
-
-    def _act(self, asked: int) -> None:
-        if asked == FAILED:
-            told = self.mpi.allreduce(self.watch.error)  # of one rank only
-            raise SolveError(told, time=self.t, hint=AFTER)
         if asked == STOP:
             self.dynamics.stop()
 
@@ -332,18 +329,3 @@ def _write_scene(scene: Scene, folder: RunFolder) -> None:
     scene.case.dump(folder.case)
     if scene.well is not None:
         write_well_files(scene, folder)
-
-
-def write_well_files(scene: Scene, folder: RunFolder) -> None:
-    """trajectory.csv and well.vtu."""
-    well = scene.drilling.hole.whole() if scene.drilling is not None else scene.well
-    assert well is not None
-    old, end = scene.case.well.survey.md[-1], well.depth  # type: ignore[union-attr]
-    md = np.unique(np.concatenate([np.linspace(0.0, old, max(2, int(np.ceil(old / 10)) + 1)), [q.to for q in scene.case.well.sections],  # type: ignore[union-attr]
-                                   well.node_md[well.node_md > old], [end]]))
-    position, _, _ = well.at(md)
-    degrees = 180 / np.pi
-    columns = [("md", "m"), ("inclination", "deg"), ("azimuth", "deg"), ("north", "m"), ("east", "m"), ("tvd", "m")]
-    write_table(folder.trajectory, columns, [md, np.asarray(well.inclination(md)) * degrees, np.asarray(well.azimuth(md)) * degrees,
-                                             *np.asarray(position).T])
-    write_well(folder.well, md, np.asarray(position), np.asarray(well.radius(md)), np.asarray(well.friction(md)))

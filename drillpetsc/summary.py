@@ -11,6 +11,7 @@ from petsc4py import PETSc
 
 import drillpetsc
 from drillpetsc.errors import Interrupted
+from drillpetsc.trajectory import new_hole, told
 
 PHASES = ("Residual", "Jacobian", "ChainFactor", "ChainSolve", "Output")
 
@@ -49,6 +50,10 @@ def of_run(scene, recorder, dynamics, notes, reached: float, start: float, began
         result["energy"] = energy(recorder)
     if recorder.flow is not None:
         result["mass"] = recorder.mass_balance()
+    if scene.drilling is not None:
+        drilled = new_hole(scene.drilling.drilled_hole(), scene.drilling.hole.start)
+        if drilled is not None:
+            result["new_hole"] = told(drilled)
     if error is None or isinstance(error, Interrupted):
         row = recorder.history_row(reached, 0.0, 0.0)
         result["final"] = {f"{n} [{u}]": value for (n, u), value in zip(recorder.columns, row, strict=True) if n not in ("step", "newton")}
@@ -117,6 +122,10 @@ def closing_lines(result: dict[str, Any], folder) -> list[str]:
     if "mass" in result:
         m = result["mass"]
         lines.append(f"  mud: {m['pumped']:.6g} m3 pumped, {m['returned']:.6g} m3 returned, balance off by {m['error']:.2g} m3")
+    if "new_hole" in result:
+        q = result["new_hole"]
+        lines.append(f"  drilled {q['drilled [m]']:.4g} m: inclination {q['inclination_start [deg]']:.4g} to {q['inclination_end [deg]']:.4g} deg, "
+                     f"build rate {q['build_rate [deg/30m]']:.3g}, turn rate {q['turn_rate [deg/30m]']:.3g} deg/30 m")
     for warning in result.get("statics", {}).get("warnings", ()):
         lines.append(f"  note: {warning}")
     lines.append(f"  results: {folder}")

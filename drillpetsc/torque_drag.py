@@ -12,9 +12,10 @@ from drillpetsc.errors import CaseError
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
 from drillpetsc.recorder import Recorder
 from drillpetsc.scene import build_scene
-from drillpetsc.simulate import make_folder, write_well_files
+from drillpetsc.simulate import make_folder
 from drillpetsc.start import MOTIONS, StaticState, find_equilibrium
 from drillpetsc.static_report import static_summary, static_table
+from drillpetsc.well_files import write_well_files
 
 
 def run_statics(case: Case, out: str | Path | None = None, motion: str | None = None, overwrite: bool = False, name: str = "case",

@@ -13,6 +13,7 @@ from drillpetsc.field import Block, Energies, Field, FloatArray, Powers
 from drillpetsc.hole import GrowingHole
 from drillpetsc.kernels import function, pointer
 from drillpetsc.rooms.bodies import VERTEX_SLOTS, Passive, local_vertices
+from drillpetsc.well import Well
 
 _report = function("bit_rock_report", "ipppppp")
 _rate = function("rock_rate", "pppddp")
@@ -308,6 +309,10 @@ class RockBit(Passive):
         self._end, self._accepted = news[:4].copy(), float(news[4])
         if self.hole.follow(news[3], self.hole.first + news[:3]):
             self._follow()
+
+    def drilled_hole(self) -> Well:
+        """The hole with its new part, as of the last accepted step."""
+        return self.hole.whole(float(self._end[3]), self.hole.first + self._end[:3])
 
     def _move(self, state) -> None:
         step = self._time - self._accepted
