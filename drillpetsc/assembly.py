@@ -42,6 +42,15 @@ class _Ready:
         self.values_at = 0  # address of the block's entries, set by the assembly
         self.rows = np.repeat(rows, self.width, axis=1).ravel()
         self.columns = np.tile(rows, (1, self.width)).ravel()
+        self._numbers = (layout.line.cells if block.on == "cell" else layout.line.vertices)[block.points]
+
+    def renew(self, t: float) -> None:
+        """Refresh what depends on time; an exception says where it comes from."""
+        try:
+            self.block.update(t)  # type: ignore[misc]
+        except Exception as error:
+            error.add_note(f"in room {self.block.name}, element {self._numbers.min()} to {self._numbers.max()} of the string, time {t:g} s")
+            raise
 
 
 class _Fixed:
@@ -190,7 +199,7 @@ class Assembly:
             if b.count:
                 b.event.begin()
                 if b.block.update:
-                    b.block.update(t)
+                    b.renew(t)
                 b.residual(*b.head, *state)
                 b.event.end()
         if self._frozen is not None:
@@ -224,7 +233,7 @@ class Assembly:
             if b.count:
                 b.event.begin()
                 if b.block.update:
-                    b.block.update(t)
+                    b.renew(t)
                 if self._still is None or not condensed:
                     b.jacobian(*b.matrix_head, *state, b.values_at)
                 else:

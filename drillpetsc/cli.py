@@ -110,6 +110,8 @@ def main(words: list[str] | None = None) -> int:
         return _fail(error)
     except KeyboardInterrupt:
         print("drillpetsc: interrupted; what was written up to now is kept", file=sys.stderr)
+        if not _all_here():
+            _TALK[0].Abort(1)
         return 1
 
 
@@ -142,12 +144,28 @@ def _is_number(word: str) -> bool:
 
 
 def _fail(error: DrillError) -> int:
-    """One message for the whole job: rank 0 speaks; errors of one rank alone come here through abort_on_one_rank."""
-    rank = _rank()
-    if rank == 0:
-        print(f"drillpetsc: {error}", file=sys.stderr)
+    """One message for the whole job: rank 0 speaks, or whoever failed alone; that one then ends the job, in which others wait for it."""
+    together = _all_here()
+    if _rank() == 0 or not together:
+        alone = "" if together else f"rank {_rank()}: "
+        print(f"drillpetsc: {alone}{error}", file=sys.stderr)
     sys.stderr.flush()
+    if not together:
+        _TALK[0].Abort(error.exit_status)
     return error.exit_status
+
+
+PATIENCE = 5.0  # how long a rank that has failed waits for the others to fail as well [s]
+_TALK: list = []  # communicator of all ranks for this alone, so that it meets no message of a computation
+
+
+def _all_here() -> bool:
+    """Whether all ranks have come to their end."""
+    if not _TALK:
+        return True
+    from drillpetsc.teams import wait_for
+
+    return wait_for(_TALK[0].Ibarrier(), PATIENCE)
 
 
 def _rank() -> int:
@@ -166,6 +184,7 @@ def _start_petsc(theirs: list[str]) -> None:
 
     PETSc.Log.begin()
     if PETSc.COMM_WORLD.size > 1:
+        _TALK[:] = [PETSc.COMM_WORLD.tompi4py().Dup()]
         _abort_hook()
 
 
@@ -175,7 +194,7 @@ def _abort_hook() -> None:
 
     def hook(kind, value, trace) -> None:
         sys.__excepthook__(kind, value, trace)
-        sys.stderr.flush()
+        print(f"drillpetsc: rank {_rank()} failed, so the job is ended", file=sys.stderr, flush=True)
         PETSc.COMM_WORLD.tompi4py().Abort(1)
 
     sys.excepthook = hook

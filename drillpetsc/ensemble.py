@@ -8,7 +8,7 @@ import sys
 import time as clock
 import traceback
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ from drillpetsc import ensemble_table as table
 from drillpetsc.case import Case, load_case
 from drillpetsc.ensemble_plan import plan_sweep, plan_wells
 from drillpetsc.ensemble_table import AGAIN, CONTINUE, KEEP, Member, Outcome, Plan
-from drillpetsc.errors import CaseError, DrillError
+from drillpetsc.errors import CaseError, DrillError, Interrupted
 from drillpetsc.mesh import build_mesh
 from drillpetsc.output import RunFolder, read_summary
 from drillpetsc.progress import duration
@@ -127,6 +127,7 @@ class _Job:
     mpi: Any
     progress: str
     began: float
+    stopped: list[str] = field(default_factory=list)  # the signal that ended a member, and with it the job
 
     def facts(self) -> dict[str, Any]:
         return {"ranks": self.mpi.size, "teams": self.sizes, "wall_seconds": clock.perf_counter() - self.began,
@@ -164,7 +165,7 @@ class _Job:
                 if team.first:
                     mine.append(self._outcome(team, member, messages, clock.perf_counter() - began))
                     self._tell(mine[-1], member)
-                    number = self._free(len(team.ranks))
+                    number = 0 if self.stopped else self._free(len(team.ranks))
                 number = team.talk.bcast(number)
                 member = self.plan.members[number - 1] if number else None
         if team.first:
@@ -190,6 +191,8 @@ class _Job:
                 comm=team.comm, progress="silent")
         except DrillError as error:
             message = str(error)
+            if isinstance(error, Interrupted):
+                self.stopped.append(error.signal)
         except Exception as error:  # whatever it is, it is this member's own
             message = f"{type(error).__name__}: {error}"
             print(f"{member.name}:\n{traceback.format_exc()}", file=sys.stderr, flush=True)

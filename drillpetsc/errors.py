@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+LONGEST = 1000  # letters of one part of a message; a word from a file may be endless
+
 
 def shown(value: object, longest: int = 60) -> str:
     """A value as its author would recognise it, on one line."""
@@ -18,8 +20,20 @@ def shown(value: object, longest: int = 60) -> str:
         return "true" if value else "false"
     if isinstance(value, float):
         return f"{float(value):g}" if float(f"{value:g}") == value else repr(float(value))
-    text = " ".join(str(value).split())
-    return text if len(text) <= longest else text[: longest - 3] + "..."
+    try:
+        text = str(value)
+    except (ValueError, RecursionError):  # a whole number of more than 4300 digits; lists in lists in lists
+        text = f"a {type(value).__name__} too large to show"
+    return plain(text, longest)
+
+
+def plain(text: str, longest: int) -> str:
+    """Text on one line, cut to a length, with what a terminal would act upon written out."""
+    text = " ".join(text[: 20 * longest].split()) if len(text) > 20 * longest else " ".join(text.split())
+    text = text if len(text) <= longest else text[: longest - 3] + "..."
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode("ascii") for c in text)
 
 
 def _rebuild(kind: type[DrillError], state: dict[str, object]) -> DrillError:
@@ -75,18 +89,19 @@ class CaseError(DrillError):
         where = self.file or ""
         if self.line is not None:
             where += f", line {self.line}" if where else f"line {self.line}"
-        if where and self.at:
-            return f"{where}: {self.at}"
-        return where or self.at or "case"
+        at = plain(self.at, LONGEST)
+        if where and at:
+            return f"{where}: {at}"
+        return where or at or "case"
 
     def __str__(self) -> str:
         lines = [self.place()]
         if self.got is not None:
             lines.append(f"  given:   {shown(self.got)}")
         if self.want:
-            lines.append(f"  allowed: {self.want}")
+            lines.append(f"  allowed: {plain(self.want, LONGEST)}")
         if self.hint:
-            lines.append(f"  hint:    {self.hint}")
+            lines.append(f"  hint:    {plain(self.hint, LONGEST)}")
         for error in self.also:
             lines.extend(str(error).splitlines())
         return "\n".join(lines)

@@ -124,8 +124,8 @@ def closing_lines(result: dict[str, Any], folder) -> list[str]:
         lines.append(f"  mud: {m['pumped']:.6g} m3 pumped, {m['returned']:.6g} m3 returned, balance off by {m['error']:.2g} m3")
     if "new_hole" in result:
         q = result["new_hole"]
-        lines.append(f"  drilled {q['drilled [m]']:.4g} m: inclination {q['inclination_start [deg]']:.4g} to {q['inclination_end [deg]']:.4g} deg, "
-                     f"build rate {q['build_rate [deg/30m]']:.3g}, turn rate {q['turn_rate [deg/30m]']:.3g} deg/30 m")
+        lines.append(f"  drilled {q['drilled [m]']:.4g} m: inclination {q['inclination_start [deg]']:.4g} to "
+                     f"{q['inclination_end [deg]']:.4g} deg, build rate {q['build_rate [deg/30m]']:.3g}, turn rate {q['turn_rate [deg/30m]']:.3g} deg/30 m")
     for warning in result.get("statics", {}).get("warnings", ()):
         lines.append(f"  note: {warning}")
     lines.append(f"  results: {folder}")

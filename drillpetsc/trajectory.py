@@ -17,7 +17,7 @@ COURSE = 30.0  # length that build rates refer to [m]
 class NewHole:
     """What was drilled: angles in rad, rates in rad per metre, lengths in m.
 
-    aside: (2,) how far its end lies from the straight continuation of the old hole: up towards the high side, and to the right looking down.
+    aside: (2,) how far its end lies from the straight continuation of the old hole: towards its high side, and to the right looking down.
     """
 
     length: float

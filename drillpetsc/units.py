@@ -59,7 +59,9 @@ _SAME: dict[str, tuple[str, ...]] = {"N m/rad": ("N m",), "N m s/rad": ("N m s",
 _NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?")
 _FRACTION = re.compile(r"([+-]?)(?:(\d+)[ -])?(\d+)/(\d+)(?=\s)")
 _UNIT = re.compile(r"(?:1\s*/\s*)?[A-Za-z%°µμ(][A-Za-z0-9_%°µμ²³·.^*/() -]*")
+_POWER_OF_NUMBER = re.compile(r"(?:(?<![A-Za-zµμ])\d[\d.]*|\))\s*(?:\^|\*\*)")  # 9^9^9 would be computed, for years
 _WORDS = re.compile(r"[A-Za-z%µμ°][A-Za-z0-9_%µμ°]*")
+LONGEST = 100  # letters of a number with its unit
 _ANGLE = re.compile(r"(radian|degree|turn|gradian|arcminute|arcsecond)$|^revolutions?_per")
 _COMMON = (
     "m mm cm km in ft s ms min hour kg g lb tonne N kN MN lbf klbf Pa kPa MPa GPa bar psi ksi rad deg rpm l".split()
@@ -71,10 +73,13 @@ class UnitError(ValueError):
     """A value that cannot become a number in the wanted unit: `want` says what is allowed, `hint` why."""
 
     def __init__(self, got: object, want: str, hint: str = "") -> None:
-        super().__init__(f"{got!r}: {want}" + (f" ({hint})" if hint else ""))
+        super().__init__()
         self.got = got
         self.want = want
         self.hint = hint
+
+    def __str__(self) -> str:
+        return f"{self.got!r}: {self.want}" + (f" ({self.hint})" if self.hint else "")
 
 
 def wanted(unit: str) -> str:
@@ -88,7 +93,10 @@ def to_si(value: object, unit: str) -> float:
     if isinstance(value, str):
         number = _text_to_si(value.strip(), unit)
     elif isinstance(value, (int, float)) and not isinstance(value, bool):
-        number = float(value)
+        try:
+            number = float(value)
+        except OverflowError:  # a whole number of more than 308 digits
+            number = math.inf
     elif hasattr(value, "__float__") and not isinstance(value, bool) and getattr(value, "ndim", 0) == 0:
         number = float(value)  # numpy scalars
     else:
@@ -100,10 +108,12 @@ def to_si(value: object, unit: str) -> float:
 
 @lru_cache(maxsize=8192)
 def _text_to_si(text: str, unit: str) -> float:
+    if len(text) > LONGEST:
+        raise UnitError(text, wanted(unit), f"at most {LONGEST} letters")
     number, rest = _split(text, unit)
     if not rest:
         return number
-    if not _UNIT.fullmatch(rest):
+    if not _UNIT.fullmatch(rest) or _POWER_OF_NUMBER.search(rest):
         raise UnitError(text, wanted(unit), "one number, then its unit")
     return _neat(_convert(number, rest, unit, text))
 
@@ -183,7 +193,7 @@ def _convert(number: float, unit_text: str, unit: str, text: str) -> float:
         try:
             given = _registry().Quantity(number * quantity.magnitude, quantity.units)
             return float(given.to(target.units).magnitude / target.magnitude)
-        except pint.errors.PintError:
+        except (pint.errors.PintError, ArithmeticError):
             continue
     raise UnitError(text, wanted(unit), _dimension_hint(quantity, angle, unit, unit_text))
 

@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from drillpetsc.errors import DrillError, SolveError
+from drillpetsc.errors import CaseError, DrillError, SolveError
 
 NOTHING, SAVE, STOP, FAILED = range(4)  # the larger one wins
 EVERY = 16  # steps between two questions to the other ranks
@@ -85,7 +85,9 @@ def first_rank_does(mpi: Any, what: str, action: Callable[[], Any], time: float 
         try:
             action()
         except OSError as error:
-            told = SolveError(cannot_write(error, what), time=time, hint=AFTER)
+            told = SolveError(cannot_write(error, error.filename or what), time=time, hint=AFTER)
+        except ValueError as error:  # a table with other columns
+            told = CaseError(at="--restart", want="the case that is continued", hint=str(error))
         except DrillError as error:
             told = error
     if mpi.size > 1:

@@ -10,7 +10,8 @@ from drillpetsc.scene import Scene
 from drillpetsc.trajectory import COURSE, angles, dogleg_severity
 from drillpetsc.well import Well
 
-COLUMNS = [("md", "m"), ("inclination", "deg"), ("azimuth", "deg"), ("north", "m"), ("east", "m"), ("tvd", "m"), ("dogleg_severity", "deg/30m")]
+COLUMNS = [("md", "m"), ("inclination", "deg"), ("azimuth", "deg"), ("north", "m"), ("east", "m"), ("tvd", "m"),
+           ("dogleg_severity", "deg/30m")]
 SPACING = 10.0  # of the stations in the old hole, at most [m]
 
 

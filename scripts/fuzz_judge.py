@@ -17,7 +17,7 @@ from drillpetsc.case.writer import case_data
 from drillpetsc.errors import CaseError
 from drillpetsc.units import DIMENSIONS, UnitError, to_si
 
-LONGEST_LINE = 400  # characters of a message
+LONGEST_LINE = 1020  # characters of a message
 VALID, REFUSED = "valid", "refused"
 
 Result = TypeVar("Result")
@@ -53,7 +53,7 @@ def guarded(work: Callable[[], Result], seconds: float = 5.0) -> Result:
         with warnings.catch_warnings(), deadline(seconds):
             warnings.simplefilter("error")
             return work()
-    except CaseError:
+    except (CaseError, Failure):
         raise
     except (Exception, Hang, SystemExit) as error:
         frames = [f for f in traceback.extract_tb(error.__traceback__) if "drillpetsc" in f.filename and "fuzz" not in f.filename]
@@ -121,6 +121,8 @@ def _dropped_by_contract(case: Case, block: tuple[str | int, ...], step: str | i
 
 def same(given: Any, held: Any) -> bool:
     """Whether the case holds what was given: a number in SI, a word, a list, a mapping with defaults beside what was given."""
+    if type(given) is type(held) and given == held:
+        return True
     if isinstance(held, dict):
         if isinstance(given, str):
             return given == held.get("kind", given)

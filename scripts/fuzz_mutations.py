@@ -62,12 +62,12 @@ EXTRAS: tuple[tuple[str, Any], ...] = (
 
 
 # ---------------------------------------------------------------------- places
-def places(data: Any, at: Path = ()) -> Iterator[Path]:
-    """Paths of all values below `data`."""
+def places(data: Any, at: Path = (), levels: int = 12) -> Iterator[Path]:
+    """Paths of all values below `data`, not endlessly deep."""
     parts = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
-    for step, part in parts:
+    for step, part in parts if levels else ():
         yield (*at, step)
-        yield from places(part, (*at, step))
+        yield from places(part, (*at, step), levels - 1)
 
 
 def value_at(data: Any, path: Path) -> Any:
@@ -130,7 +130,7 @@ def _respelt(random: Any, data: Any, old: Any) -> Any:
 
 
 def _elsewhere(random: Any, data: Any, old: Any) -> Any:
-    return copy.deepcopy(value_at(data, random.choice(list(places(data)))))
+    return value_at(data, random.choice(list(places(data))))  # not copied: nothing is changed in place
 
 
 NEW_VALUES = (_new_scalar, _new_scalar, _new_block, _scaled, _scaled, _scaled, _respelt, _respelt, _elsewhere, _deep)

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, get_args
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from drillpetsc.case.keys import later, near, refuse
+from drillpetsc.errors import shown
 
 
 class Model(BaseModel):
@@ -39,7 +40,7 @@ class Model(BaseModel):
             if isinstance(value, str) and value in cls.later_values.get(key, ()):
                 raise later(key, got=value, what=f"{key} {value}")
             if key not in allowed:
-                of = f" ({cls.told_by}: {data[cls.told_by]})" if cls.told_by in data else ""
+                of = f" ({cls.told_by}: {shown(data[cls.told_by])})" if cls.told_by in data else ""
                 hint = near(key, cls.keys())
                 raise refuse(key, got=value, want=f"one of these keys{of}: {', '.join(cls.keys())}", hint=hint)
         return data

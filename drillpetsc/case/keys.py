@@ -41,9 +41,33 @@ def parsed(text: str) -> Path:
     return tuple(steps)
 
 
+MOST_LEVELS = 40  # of blocks in blocks
+TOO_DEEP = "blocks in blocks in blocks"
+
+
+def check_plain(value: Any, at: Path = ()) -> None:
+    """Refuses, with a CaseError, data that nobody could show or write: endlessly deep, or with halves of letters (surrogates)."""
+    if len(at) > MOST_LEVELS:
+        raise CaseError(at=written(at[:3]), got=TOO_DEEP, want=f"at most {MOST_LEVELS} levels")
+    if isinstance(value, str):
+        try:
+            value.encode("utf-8")
+        except UnicodeEncodeError:
+            raise CaseError(at=written(at), got=value, want="letters of Unicode") from None
+    elif isinstance(value, Mapping):
+        for key, part in value.items():
+            check_plain(key, at)
+            check_plain(part, (*at, key))
+    elif isinstance(value, (list, tuple)):
+        for i, part in enumerate(value):
+            check_plain(part, (*at, i))
+
+
 def near(word: object, known: Iterable[str]) -> str:
     """`did you mean ...?`, or nothing."""
-    matches = difflib.get_close_matches(str(word), list(known), 1, 0.6)
+    if not isinstance(word, str) or len(word) > 100:
+        return ""
+    matches = difflib.get_close_matches(word, list(known), 1, 0.6)
     return f"did you mean '{matches[0]}'?" if matches else ""
 
 

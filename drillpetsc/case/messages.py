@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import islice
 from typing import Any
 
 from pydantic import ValidationError
@@ -89,10 +90,13 @@ def _at(given: Any, path: Path) -> Any:
     return given
 
 
-def _brief(value: Any) -> Any:
-    """Values as YAML would show them, without the insides of blocks."""
+def _brief(value: Any, levels: int = 4) -> Any:
+    """Values as YAML would show them; the message is cut, so no more than its length could show."""
+    if isinstance(value, (Mapping, list, tuple)) and not levels:
+        return "..."
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{key}: {_brief(part)}" for key, part in value.items()) + "}"
+        parts = (f"{key}: {shown(_brief(part, levels - 1))}" for key, part in islice(value.items(), 40))
+        return "{" + ", ".join(parts) + "}"
     if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(str(_brief(part)) for part in value) + "]"
+        return "[" + ", ".join(shown(_brief(part, levels - 1)) for part in value[:40]) + "]"
     return shown(value) if isinstance(value, bool) else value

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import difflib
+import re
+import warnings
 from collections.abc import Mapping
 from io import StringIO
 from pathlib import Path as FilePath
 from typing import Any
 
-from drillpetsc.case.keys import Path, override, parsed, written
+from drillpetsc.case.keys import MOST_LEVELS, TOO_DEEP, Path, override, written
 from drillpetsc.case.scene import Case
 from drillpetsc.case.survey_file import FOLDER
-from drillpetsc.errors import CaseError
+from drillpetsc.errors import CaseError, shown
 
 Lines = dict[Path, int]
 """Line (from 1) of each key and list entry, by path."""
+
+MOST_BYTES = 50_000_000  # of a case file
+MOST_VALUES = 300_000  # keys and list entries of a case
 
 
 def load_case(path: str | FilePath, changes: tuple[str, ...] | list[str] = ()) -> Case:
@@ -35,10 +40,18 @@ def case_from_data(data: Mapping[str, Any], path: FilePath, lines: Lines) -> Cas
         for each in (error, *error.also):
             if each.file is None:
                 each.file = str(path)
-                each.line = line_of(parsed(each.at), lines)
+                each.line = _line_of_text(each.at, lines)
         raise
     finally:
         FOLDER.reset(token)
+
+
+def _line_of_text(at: str, lines: Lines) -> int:
+    """The same of a path as text; keys of a wrong case may hold dots and brackets, so it is not taken apart."""
+    known = {written(path): line for path, line in lines.items()}
+    while at and at not in known:
+        at = at[: max(at.rfind("."), at.rfind("["), 0)]
+    return known.get(at, 1)
 
 
 def line_of(path: Path, lines: Lines) -> int:
@@ -52,7 +65,11 @@ def read_case_file(path: str | FilePath) -> tuple[dict[str, Any], Lines]:
     """Plain data and line numbers of a case file."""
     path = FilePath(path)
     try:
-        text = path.read_bytes().decode("utf-8-sig")
+        with path.open("rb") as file:
+            raw = file.read(MOST_BYTES + 1)  # a device may never end
+        if len(raw) > MOST_BYTES:
+            raise CaseError(file=path, line=1, got="a larger one", want=f"a file of at most {MOST_BYTES // 10**6} MB")
+        text = raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise CaseError(file=path, want="a text file in UTF-8") from None
     except OSError:
@@ -78,21 +95,52 @@ def read_value(text: str) -> Any:
 def _parse(text: str, path: FilePath | None) -> Any:
     from ruamel.yaml import YAML
     from ruamel.yaml.constructor import DuplicateKeyError
-    from ruamel.yaml.error import MarkedYAMLError, YAMLError
+    from ruamel.yaml.error import MarkedYAMLError
+    from ruamel.yaml.reader import ReaderError
 
+    directive = re.search(r"^%YAML(?!\s+1\.2\s*$).*", text, re.MULTILINE)
+    if directive:  # in YAML 1.1 yes is true, 010 is 8 and 12:30 is 750
+        line = text.count("\n", 0, directive.start()) + 1
+        raise CaseError(got=directive.group(), want="YAML 1.2", file=path, line=line)
     yaml = YAML(typ="rt", pure=True)
     yaml.allow_duplicate_keys = False
+    yaml.Scanner, read = _scanner()
     try:
-        return yaml.load(StringIO(text))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # an anchor that stands twice
+            return yaml.load(StringIO(text))
     except DuplicateKeyError as error:
         line = error.problem_mark.line + 1
         key = str(error.problem).split('"')[1] if '"' in str(error.problem) else ""
         raise CaseError(at=key, got="a key that stands twice", want="each key once", file=path, line=line) from None
     except MarkedYAMLError as error:
         raise _unreadable(error, text, path) from None
-    except (YAMLError, ValueError, RecursionError) as error:  # ReaderError: control characters
-        what = " ".join(str(error).split())
-        raise CaseError(file=path, got="text that is not YAML", want="YAML 1.2", hint=what[:200]) from None
+    except ReaderError as error:  # a control character
+        line = text.count("\n", 0, error.position) + 1
+        what = " ".join(str(error).split())[:200]
+        raise CaseError(file=path, line=line, got="text that is not YAML", want="YAML 1.2", hint=what) from None
+    except RecursionError:
+        raise _too_deep((), path, read[0]) from None
+    except Exception as error:  # whatever ruamel stumbles over
+        line = read[0]
+        what = " ".join(str(error).split())[:200]
+        raise CaseError(file=path, line=line, got="text that is not YAML", want="YAML 1.2", hint=what) from None
+
+
+def _scanner() -> tuple[Any, list[int]]:
+    """ruamel's scanner, which goes no deeper than MOST_LEVELS brackets (it would take seconds), and the line it has come to."""
+    from ruamel.yaml.scanner import RoundTripScanner
+
+    read = [1]
+
+    class Scanner(RoundTripScanner):
+        def fetch_more_tokens(self) -> Any:
+            read[0] = self.reader.line + 1
+            if self.flow_level > MOST_LEVELS:
+                raise RecursionError
+            return super().fetch_more_tokens()
+
+    return Scanner, read
 
 
 def _unreadable(error: Any, text: str, path: FilePath | None) -> CaseError:
@@ -112,14 +160,21 @@ def _unreadable(error: Any, text: str, path: FilePath | None) -> CaseError:
 
 def _plain(node: Any, at: Path, lines: Lines, file: FilePath | None) -> Any:
     """ruamel's tree as dicts, lists and scalars; notes lines; refuses what no case can hold."""
+    if len(at) > MOST_LEVELS:
+        raise _too_deep(at[:3], file, line_of(at, lines))
+    if len(lines) > MOST_VALUES:
+        want = f"at most {MOST_VALUES} values, those behind aliases counted each time"
+        raise CaseError(at=written(at[:1]), got="more values", want=want, file=file, line=line_of(at, lines))
+    if getattr(getattr(node, "tag", None), "value", None) is not None:
+        raise CaseError(at=written(at), got=node.tag.value, want="no YAML tag (!)", file=file, line=line_of(at, lines))
     if isinstance(node, dict):
         return _plain_mapping(node, at, lines, file)
     if isinstance(node, list):
         for i in range(len(node)):
             lines[(*at, i)] = _line(node, i) or line_of(at, lines)
         return [_plain(part, (*at, i), lines, file) for i, part in enumerate(node)]
-    if isinstance(node, bool):
-        return node
+    if isinstance(node, bool) or type(node).__name__ == "ScalarBoolean":  # the latter has an anchor, and is no bool for Python
+        return bool(node)
     for kind in (int, float, str):
         if isinstance(node, kind):
             return kind(node)
@@ -130,6 +185,10 @@ def _plain(node: Any, at: Path, lines: Lines, file: FilePath | None) -> Any:
         want = "a number, text, list or mapping"
         raise CaseError(at=written(at), got=node, want=want, file=file, line=line_of(at, lines))
     return None
+
+
+def _too_deep(at: Path, file: FilePath | None, line: int) -> CaseError:
+    return CaseError(at=written(at), got=TOO_DEEP, want=f"at most {MOST_LEVELS} levels", file=file, line=line)
 
 
 def _line(node: Any, key: Any) -> int | None:
@@ -143,7 +202,7 @@ def _plain_mapping(node: Any, at: Path, lines: Lines, file: FilePath | None) -> 
     for key in node:
         line = _line(node, key) or line_of(at, lines)
         if not isinstance(key, str):
-            raise CaseError(at=written(at), got=key, want="a word as key", file=file, line=line)
+            raise CaseError(at=written(at), got=shown(key), want="a word as key", file=file, line=line)
         path = (*at, str(key))
         lines[path] = line
         plain[str(key)] = _plain(node[key], path, lines, file)

@@ -25,7 +25,7 @@ from drillpetsc.case.fluid import Fluid
 from drillpetsc.case.formation import Formation
 from drillpetsc.case.hole import Contact, Well, contact_or_none
 from drillpetsc.case.items import Flexible, Material, StringItem
-from drillpetsc.case.keys import refuse
+from drillpetsc.case.keys import check_plain, refuse
 from drillpetsc.case.messages import case_error
 from drillpetsc.case.quantities import Vector
 from drillpetsc.case.settings import BeamTheory, Initial, Output, Time
@@ -93,6 +93,7 @@ class Case(Model):
     petsc: dict[str, Option] = Field(default={}, description="PETSc options, without the leading dash")
 
     def __init__(self, /, **keys: Any) -> None:
+        check_plain(keys)
         try:
             super().__init__(**keys)
         except ValidationError as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -51,7 +52,7 @@ class Initial(Model):
         if not isinstance(value, (str, Path)) or not str(value).strip():
             raise refuse(got=value, want=want)
         for folder in (FOLDER.get() / value, Path(value)):
-            if folder.is_dir():
+            if os.path.isdir(folder):  # Path.is_dir raises for a name longer than any folder's
                 if not (folder / "checkpoint.h5").is_file():
                     raise refuse(got=value, want="a run folder that holds a checkpoint.h5")
                 return str(folder.resolve())

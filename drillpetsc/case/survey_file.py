@@ -25,7 +25,11 @@ def read_survey(name: str) -> dict[str, list[float]]:
     Without a unit, md is in metres and angles are in degrees, as surveys are written. `#` starts a comment line.
     """
     path = FOLDER.get() / name
-    if not path.is_file():
+    try:
+        found = path.is_file()
+    except OSError:  # a name longer than any file's
+        found = False
+    if not found:
         folder = str(FOLDER.get())
         seen = [other.name for other in FOLDER.get().glob("*.csv")]
         hint = near(name, seen) or f"looked in {'the working directory' if folder == '.' else folder}"
@@ -35,6 +39,8 @@ def read_survey(name: str) -> dict[str, list[float]]:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError:
         raise CaseError(file=path, want="a CSV text file in UTF-8") from None
+    except OSError as error:
+        raise refuse(got=name, want="a survey file that can be read", hint=str(error)) from None
     numbered = [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
     if not numbered:
         raise CaseError(file=path, line=1, want="a header md, inclination, azimuth and at least two stations")
