@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.field import Block, FloatArray, Prescribed
+from drillpetsc.corrected import Corrected
+from drillpetsc.field import Block, Corrections, FloatArray, Prescribed
 from drillpetsc.kernels import function, pointer
 from drillpetsc.layout import Layout
 
@@ -97,7 +98,8 @@ class Assembly:
     r: (n+1,) residual; values: all Jacobian entries, in the order of ``rows`` and ``columns`` (local numbers, -1: left out).
     """
 
-    def __init__(self, layout: Layout, blocks: tuple[Block, ...], prescribed: tuple[Prescribed, ...], gauge: FloatArray):
+    def __init__(self, layout: Layout, blocks: tuple[Block, ...], prescribed: tuple[Prescribed, ...], gauge: FloatArray,
+                 corrections: tuple[Corrections, ...] = ()):
         self.layout = layout
         n = layout.size
         self.x, self.y, self.a, self.r = (np.zeros(n + 1) for _ in range(4))
@@ -116,12 +118,16 @@ class Assembly:
         local = {int(v): i for i, v in enumerate(layout.line.vertices)}
         self.fixed = [_Fixed(c, layout, local[c.vertex], self.ready) for c in prescribed if c.vertex in local]
         size = where + 49 * sum(f.owned for f in self.fixed)
-        self.values = np.zeros(size)
+        self.corrected = [Corrected(c, layout, self.ready, self.fixed) for c in corrections]
+        self._at_corrected = size  # their entries stand last
+        self.values = np.zeros(size + sum(len(c.rows) for c in self.corrected))
         rows, columns = [b.rows for b in self.ready], [b.columns for b in self.ready]
         for f in self.fixed:
             if f.owned:
                 rows.append(np.repeat(f.rows, 7))
                 columns.append(np.tile(f.rows, 7))
+        rows += [c.rows for c in self.corrected]
+        columns += [c.columns for c in self.corrected]
         empty = [np.zeros(0, dtype=np.int32)]
         self.rows = np.concatenate(rows + empty).astype(np.int32)
         self.columns = np.concatenate(columns + empty).astype(np.int32)
@@ -168,6 +174,8 @@ class Assembly:
         """Rates and accelerations of a step from ``x``: y = sigma x + v0, a = sigma y + v1, spin rates with their transport."""
         x, y, a, _ = self._state
         _rates(self.layout.size, x, sigma, *self._history, *self._nodes, y, a)
+        for c in self.corrected:
+            c.apply(self, sigma)
 
     def impose_rates(self, t: float, sigma: float) -> None:
         """Prescribed components move at the given rate exactly, not at the rate of the time formula."""
@@ -239,6 +247,10 @@ class Assembly:
                 else:
                     self._jacobian_without_rates(b, state)
                 b.event.end()
+        at = self._at_corrected
+        for q in self.corrected:
+            q.fill(self, c, self.values[at : at + len(q.rows)])
+            at += len(q.rows)
         self._replace_jacobian_rows(1.0 if c[0] else 0.0)
         if self._frozen is not None:
             self.values[self._frozen[1]], self.values[self._frozen[2]] = 0.0, 1.0

@@ -15,7 +15,7 @@ def curvatures(scene: Scene) -> FloatArray:
     model, mesh, line = scene.model, scene.mesh, scene.model.line
     r, v, phi = (model.field(f"string.{k}") for k in ("position", "tangent", "spin"))
     a, b, e = line.ends[:, 0], line.ends[:, 1], line.cells
-    L, t = mesh.length[e][:, None], v[a] / np.linalg.norm(v[a], axis=1, keepdims=True)
+    L, t = mesh.divisor[e][:, None], v[a] / np.linalg.norm(v[a], axis=1, keepdims=True)
     d = r[b] - r[a] - mesh.rigid_above[e][:, None] * t
     va, vb = v[a], v[b]
     if "string.ratio" in model.layout.place:
@@ -29,6 +29,7 @@ def curvatures(scene: Scene) -> FloatArray:
         kappa = np.cross(slope, second) / np.sum(slope * slope, axis=1, keepdims=True)
         out[:, 0, end] = kappa
         out[:, 1, end] = kappa - mesh.curvature[e][:, :1] * d2 - mesh.curvature[e][:, 1:] * d3
+    out[mesh.is_joint[e]] = 0.0
     return out
 
 

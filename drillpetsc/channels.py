@@ -16,7 +16,7 @@ from drillpetsc.field import FloatArray
 from drillpetsc.tubulars import StringMesh
 from drillpetsc.well import Well
 
-SAMPLES = (np.arange(16) + 0.5) / 16  # places in an element at which the hole's size is looked up
+_GAUSS = np.polynomial.legendre.leggauss(4)  # exact to degree 7
 
 
 @dataclass(frozen=True)
@@ -62,6 +62,10 @@ class Annulus:
     def gap_above(self) -> FloatArray:
         return self.hole_diameter - np.sqrt(4 / np.pi * self.outer_above)
 
+    def only(self, which: np.ndarray) -> Annulus:
+        """Some of the elements."""
+        return Annulus(self.outer[which], self.hole[which], self.wall[which], self.outer_above[which])
+
 
 def poisson(case: Case, mesh: StringMesh) -> FloatArray:
     """(n,) Poisson's ratio by which the section narrows under stretch; 0 for pieces given by stiffnesses, and for rigid walls."""
@@ -105,26 +109,71 @@ def build_bore(case: Case, mesh: StringMesh) -> Bore:
     return Bore(area, wall, np.where(mesh.rigid_above > 0, runs[:-1, 0], area))
 
 
-def build_annulus(case: Case, mesh: StringMesh, well: Well, shift: float = 0.0) -> Annulus:
-    """Annulus of every element, with the string ``shift`` [m] lower than at the start.
+class HoleVolume:
+    """Volume of a well's hole from measured depth 0 downwards, exact: the radius squared is a polynomial of degree 6 between the places
+    where a transition begins or ends."""
 
-    Elasticity (Lame): 2/(Rw^2 - Ro^2) {Rw^2 (1 + nu_r)/E_r + (Ro^2/E) [(Ro^2 + Ri^2)/(Ro^2 - Ri^2) - nu]}; the first term is that of
-    rock without end (left out where a section gives no compliance: a rigid wall).
-    """
+    def __init__(self, well: Well):
+        rows = well.transitions
+        self.well, self._at = well, np.unique(np.concatenate([[0.0], rows[:, 0], rows[:, 0] + rows[:, 1]]))
+        self._at = self._at[self._at >= 0]
+        self._below = np.concatenate([[0.0], np.cumsum(self._piece(self._at[:-1], self._at[1:]))])
+
+    def _piece(self, upper: FloatArray, lower: FloatArray) -> FloatArray:
+        middle, half = 0.5 * (upper + lower), 0.5 * (lower - upper)
+        return half * (self.area(middle[..., None] + half[..., None] * _GAUSS[0]) @ _GAUSS[1])
+
+    def area(self, md: FloatArray | float) -> FloatArray:
+        """Area [m2] at md (...) [m]; above the rotary table and below the last section that of the section next to it."""
+        return np.pi * np.asarray(self.well.radius(md)) ** 2
+
+    def volume(self, md: FloatArray) -> FloatArray:
+        """Volume [m3] between measured depth 0 and md (...) [m]."""
+        at = self._at[i := np.maximum(np.searchsorted(self._at, md, side="right") - 1, 0)]
+        return self._below[i] + self._piece(at, np.asarray(md, dtype=float))
+
+
+@dataclass(frozen=True)
+class AnnulusWalls:
+    """What bounds the annulus besides the hole's size: outer, inner radius (n,) [m] of the elements, their Young's modulus [Pa] and
+    Poisson's ratio, mean section of the string about their upper node (n,) [m2]; give (m,) [1/Pa] of the rock of each hole section down
+    to section_to (m,) [m]; elastic or rigid."""
+
+    outer: FloatArray
+    inner: FloatArray
+    young: FloatArray
+    poisson: FloatArray
+    outer_above: FloatArray
+    rigid_above: FloatArray
+    section_to: FloatArray
+    give: FloatArray
+    elastic: bool
+
+    def annulus(self, hole: HoleVolume, e: np.ndarray, upper: FloatArray, lower: FloatArray) -> Annulus:
+        """Annulus of the elements ``e`` (k,) with their ends at measured depths ``upper``, ``lower`` (k,) [m].
+
+        Elasticity (Lame): 2/(Rw^2 - Ro^2) {Rw^2 (1 + nu_r)/E_r + (Ro^2/E) [(Ro^2 + Ri^2)/(Ro^2 - Ri^2) - nu]}; the first term is that of
+        rock without end (left out where a section gives no compliance: a rigid wall).
+        """
+        top, outer, inner, wall = upper - self.rigid_above[e], self.outer[e] ** 2, self.inner[e] ** 2, np.zeros(len(e))
+        area = (hole.volume(lower) - hole.volume(top)) / (lower - top)
+        if self.elastic:
+            square = area / np.pi
+            section = np.minimum(np.searchsorted(self.section_to, 0.5 * (upper + lower)), len(self.section_to) - 1)
+            steel = outer / self.young[e] * ((outer + inner) / (outer - inner) - self.poisson[e])
+            wall = 2 / (square - outer) * (square * self.give[section] + steel)
+        return Annulus(np.pi * outer, area, wall, self.outer_above[e])
+
+
+def build_walls(case: Case, mesh: StringMesh) -> AnnulusWalls:
+    """What bounds the annulus of the case's string."""
     assert case.fluid is not None and case.well is not None
-    inner, outer = 0.5 * mesh.inner_diameter, 0.5 * mesh.outer_diameter
-    depth = mesh.upper[:, None] + shift + SAMPLES * mesh.length[:, None]
-    radius = np.sqrt(np.mean(np.asarray(well.radius(np.clip(depth, 0.0, well.depth))) ** 2, axis=1))
-    rock, wall = np.zeros(len(outer)), np.zeros(len(outer))
-    if case.fluid.elastic_walls:
-        young, nu = np.array([_constants(case, k) for k in mesh.item]).T
-        ends = np.array([q.to for q in case.well.sections])
-        give = np.array([_give(q) for q in case.well.sections])
-        rock = radius**2 * give[np.minimum(np.searchsorted(ends, depth.mean(axis=1)), len(ends) - 1)]
-        wall = 2 / (radius**2 - outer**2) * (rock + outer**2 / young * ((outer**2 + inner**2) / (outer**2 - inner**2) - nu))
+    outer, sections = 0.5 * mesh.outer_diameter, case.well.sections
+    young, nu = np.array([_constants(case, k) for k in mesh.item]).T
     runs, _ = _rigid_runs(case, mesh)
-    area = np.pi * outer**2
-    return Annulus(area, np.pi * radius**2, wall, np.where(mesh.rigid_above > 0, runs[:-1].sum(axis=1), area))
+    above = np.where(mesh.rigid_above > 0, runs[:-1].sum(axis=1), np.pi * outer**2)
+    return AnnulusWalls(outer, 0.5 * mesh.inner_diameter, young, nu, above, mesh.rigid_above, np.array([q.to for q in sections]),
+                        np.array([_give(q) for q in sections]), case.fluid.elastic_walls)
 
 
 def _give(section) -> float:

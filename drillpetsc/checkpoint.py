@@ -18,6 +18,7 @@ import numpy as np
 
 from drillpetsc.errors import CaseError
 from drillpetsc.field import FloatArray
+from drillpetsc.model import Model
 from drillpetsc.output.atomic import replace_file
 from drillpetsc.recorder import Recorder
 from drillpetsc.scene import Scene
@@ -34,7 +35,9 @@ class Checkpoint:
     """State of a run at ``time`` [s].
 
     fields, rates: name -> (n_nodes, size), unknowns and rates; depths: (n_nodes,) of the nodes [m]; frames: gauges; rooms: what rooms
-    carry from step to step, by name; books: of the recorder; stepper: of the integrator; notes: plain words and numbers.
+    carry from step to step, by name (``memory``, the same on all ranks); places: what they carry at each "vertex" or "cell"
+    (``local_memory``, (n_nodes, k) or (n_elements, k) here); books: of the recorder; stepper: of the integrator; notes: plain words and
+    numbers.
     """
 
     time: float
@@ -43,6 +46,7 @@ class Checkpoint:
     depths: FloatArray
     frames: dict[str, FloatArray]
     rooms: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
+    places: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
     books: dict[str, FloatArray] = field(default_factory=dict)
     stepper: dict[str, FloatArray] = field(default_factory=dict)
     imperfection: FloatArray | None = None
@@ -54,6 +58,7 @@ def take(scene: Scene, recorder: Recorder, dynamics: Dynamics, time: float, note
     """Collect the state on rank 0 (None elsewhere), changing nothing; collective, after a step is done with (Dynamics.at_rest)."""
     model = scene.model
     rooms = {room.name: room.memory() for room in scene.rooms if hasattr(room, "memory")}
+    places = {room.name: _gathered(model, room.local_memory()) for room in scene.rooms if hasattr(room, "local_memory")}
     books, stepper = recorder.memory(), dynamics.memory()
     names = [f.name for f in model.layout.fields]
     values = model.gather(np.hstack([model.field(n) for n in names] + [model.field(n, "y") for n in names]))
@@ -69,7 +74,14 @@ def take(scene: Scene, recorder: Recorder, dynamics: Dynamics, time: float, note
     rates = dict(zip(names, parts[len(names) :], strict=True))
     frames = {"gauge": model.frames.gauge, "second": model.frames.second, "twist0": model.frames.twist0}
     top = scene.top.anchor if scene.top is not None else None
-    return Checkpoint(time, fields, rates, np.asarray(scene.mesh.node_depth), frames, rooms, books, stepper, dead, top, notes or {})
+    return Checkpoint(time, fields, rates, np.asarray(scene.mesh.node_depth), frames, rooms, places, books, stepper, dead, top,
+                      notes or {})
+
+
+def _gathered(model: Model, memory: dict[str, FloatArray]) -> dict[str, FloatArray]:
+    """Values at local vertices and cells, in depth order; whole on rank 0."""
+    whole = {on: model.gather(values, on) for on, values in memory.items()}
+    return {on: values for on, values in whole.items() if values is not None}
 
 
 # ---------------------------------------------------------------------- files
@@ -78,8 +90,9 @@ def write(path: Path, c: Checkpoint) -> None:
     import h5py
 
     tree = {"fields": c.fields, "rates": c.rates, "frames": c.frames, "books": c.books, "stepper": c.stepper,
-            **{f"rooms/{name}": memory for name, memory in c.rooms.items()}}
-    rest = {"depths": c.depths, "imperfection": c.imperfection, "top": c.top}
+            **{f"rooms/{name}": memory for name, memory in c.rooms.items()},
+            **{f"places/{name}": memory for name, memory in c.places.items()}}
+    rest: dict[str, FloatArray | None] = {"depths": c.depths, "imperfection": c.imperfection, "top": c.top}
     # in memory: HDF5 that meets a full disk half-way is hard to leave in good order
     with h5py.File("checkpoint", "w", driver="core", backing_store=False, userblock_size=BLOCK) as file:
         file.attrs["time"], file.attrs["notes"] = c.time, json.dumps(c.notes)
@@ -87,9 +100,9 @@ def write(path: Path, c: Checkpoint) -> None:
             file.require_group(group)
             for name, values in arrays.items():
                 file[f"{group}/{name}"] = values
-        for name, values in rest.items():
-            if values is not None:
-                file[name] = values
+        for name, single in rest.items():
+            if single is not None:
+                file[name] = single
         file.flush()
         body = file.id.get_file_image()  # without the first block
     first = MAGIC + f"{VERSION} sha256 {hashlib.sha256(body).hexdigest()}\n".encode()
@@ -110,10 +123,11 @@ def read(path: str | Path) -> Checkpoint:
     try:
         with h5py.File(io.BytesIO(data), "r") as file:
             groups = {g: _arrays(file[g]) for g in ("fields", "rates", "frames", "books", "stepper")}
-            rooms = {name: _arrays(group) for name, group in file["rooms"].items()} if "rooms" in file else {}
-            rest = {name: np.array(file[name]) for name in ("imperfection", "top") if name in file}
-            notes = json.loads(file.attrs["notes"])
-            return Checkpoint(float(file.attrs["time"]), depths=np.array(file["depths"]), rooms=rooms, notes=notes, **groups, **rest)
+            rooms, places = ({name: _arrays(group) for name, group in file[kind].items()} if kind in file else {}
+                             for kind in ("rooms", "places"))
+            imperfection, top = (np.array(file[name]) if name in file else None for name in ("imperfection", "top"))
+            return Checkpoint(float(file.attrs["time"]), groups["fields"], groups["rates"], np.array(file["depths"]), groups["frames"],
+                              rooms, places, groups["books"], groups["stepper"], imperfection, top, json.loads(file.attrs["notes"]))
     except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:  # whole, and yet not what version 2 holds
         raise CaseError(file=path, want=WANT, hint=f"it was written by another version of drillpetsc ({error})") from None
 
@@ -168,3 +182,6 @@ def restore(scene: Scene, c: Checkpoint, at: str = "--restart") -> None:
     for room in scene.rooms:
         if room.name in c.rooms and hasattr(room, "recall"):
             room.recall(c.rooms[room.name])
+        if room.name in c.places and hasattr(room, "recall_local"):
+            here = {"vertex": model.line.vertices, "cell": model.line.cells}
+            room.recall_local({on: values[here[on]] for on, values in c.places[room.name].items()})

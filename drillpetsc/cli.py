@@ -54,11 +54,14 @@ def parser() -> argparse.ArgumentParser:
                        help="instead of --vary, several named curves at once (default: BDF 1 to 3 with fixed steps, BDF2, BDF3 and "
                             "ARKIMEX over tolerances, the quaternion element with BDF 1 and 2)")
     study.add_argument("--values", default="", metavar="V1,V2", help="along the curve, or names of curves (default: around the case's own)")
+    study.add_argument("--steps", default="", metavar="H1,H2", help="fixed steps of all curves that have them (default: around the mean)")
+    study.add_argument("--tolerances", default="", metavar="T1,T2", help="tolerances of all adaptive curves (default: around -ts_rtol)")
     study.add_argument("--outputs", default="", metavar="A,B", help="columns of history.csv and probes.csv to compare (default: up to six)")
     study.add_argument("--repeats", type=int, default=3, help="runs of each point, for the median of their times (default: 3)")
     study.add_argument("--reference", default="auto",
                        help="exact, arkimex, bdf3, bdf2, or a run folder (default: a closed form if there is one, else what works)")
-    study.add_argument("--limit", type=float, default=600.0, metavar="S", help="wall seconds that one run may take (default: 600)")
+    study.add_argument("--limit", type=float, default=600.0, metavar="S",
+                       help="wall seconds that one run may take, the reference three times as long (default: 600)")
     study.add_argument("--few", action="store_true", help="three points a curve, for a quick look (with --curves)")
     study.add_argument("--out", metavar="DIR", help="folder of table, pictures and runs (default: results/<case>-study-NNN)")
     study.add_argument("--restart", action="store_true", help="keep points that are done, run the others, failed ones too")
@@ -256,7 +259,8 @@ def _study(arguments, theirs: list[str]) -> int:
     result = study(arguments.case, arguments.vary, None if arguments.curves is None else listed(arguments.curves),
                    values=listed(arguments.values), outputs=listed(arguments.outputs), repeats=arguments.repeats,
                    reference=arguments.reference, out=arguments.out, restart=arguments.restart, overwrite=arguments.overwrite,
-                   options=options_of(theirs), limit=arguments.limit, few=arguments.few)
+                   options=options_of(theirs), limit=arguments.limit, few=arguments.few, steps=listed(arguments.steps),
+                   tolerances=listed(arguments.tolerances))
     print("\n".join(closing_lines(result)))
     return 1 if result.useless else 0
 

@@ -9,6 +9,7 @@ from drillpetsc.case.scene import Case
 from drillpetsc.descent import coarse_elements
 from drillpetsc.scene import Scene, build_scene
 from drillpetsc.summary import field_counts
+from drillpetsc.time_scales import time_scales
 
 #: microseconds per element and evaluation, measured on one core (scripts/benchmark prints them afresh)
 COST = {"residual": 0.3, "jacobian": 1.2, "factor": 0.6, "solve": 0.15, "step": 2.0}
@@ -19,12 +20,14 @@ TERMS = (
     ("contact", "contact with the hole"),
     ("bit", "bit on the bottom"),
     ("loads", "loads"),
+    ("joints", "joints"),
     ("drive", "rotary drive with spring and damper"),
     ("pipe", "drilling fluid in the string"),
     ("annulus", "drilling fluid in the annulus"),
 )
 
-WHERE = {"junction": "section changes and rigid items", "bottom": "the lower end"}
+WHERE = {"junction": "section changes and rigid items", "top": "the upper end", "bottom": "the lower end",
+         "joint": "joints", "stabilised_joint": "joints"}
 
 
 def describe(case: Case) -> str:
@@ -51,8 +54,9 @@ def _cutting(formation: Formation | None) -> str:
 def _lines(scene: Scene) -> list[str]:
     case, mesh, model = scene.case, scene.mesh, scene.model
     lines = [f"{case.title or 'case'}: valid"]
-    lines.append(f"  string: {len(case.string)} items, {mesh.total_length:g} m, {len(mesh.upper)} elements of "
-                 f"{mesh.length.min():.3g} to {mesh.length.max():.3g} m, {mesh.nodes} nodes, {len(mesh.bodies)} rigid items")
+    element = ~mesh.is_joint
+    lines.append(f"  string: {len(case.string)} items, {mesh.total_length:g} m, {int(element.sum())} elements of "
+                 f"{mesh.length[element].min():.3g} to {mesh.length.max():.3g} m, {mesh.nodes} nodes, {len(mesh.bodies)} rigid items")
     if case.well is not None:
         q = case.well
         lines.append(f"  well: {len(q.survey.md)} survey stations to {q.survey.md[-1]:g} m, inclination up to "
@@ -60,7 +64,7 @@ def _lines(scene: Scene) -> list[str]:
     lines.append(f"  top: {case.top.kind}; bottom: {case.bottom.kind}; start: {case.initial.from_}")
     if _quasi_static(case):
         lines.append("  time: quasi-static, every moment an equilibrium" + (", while the hole grows" if case.formation is not None else ""))
-    names = {room.name for room in scene.rooms}
+    names = {room.name for room in scene.rooms} | ({"curvature"} if mesh.curvature.any() else set())  # the quaternion element has its own
     damped = bool(mesh.stiffness_damping.any() or mesh.mass_damping.any())
     parts = [(scene.beam is not None, "axial, bending, torsion, gravity"), (scene.beam is not None and not _quasi_static(case), "inertia"),
              (damped and scene.beam is not None, "material damping")]
@@ -82,6 +86,7 @@ def _lines(scene: Scene) -> list[str]:
     step = (3 * COST["residual"] + COST["jacobian"] + COST["factor"] + 2 * COST["solve"] + COST["step"]) * e * 1e-3
     lines.append(f"  expected cost: about {step:.2g} ms per step on one core"
                  + (f"; {case.time.end:g} s to simulate" if case.time is not None else ""))
+    lines += [f"  {words}" for words in time_scales(scene).lines()]
     coarse = coarse_elements(scene)
     if coarse.any():
         limit = (240 * mesh.bending_stiffness / (mesh.mass * np.linalg.norm(case.gravity))) ** (1 / 3)

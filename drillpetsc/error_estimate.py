@@ -14,6 +14,7 @@ from collections import deque
 from typing import Any
 
 import numpy as np
+from petsc4py import PETSc
 
 from drillpetsc.field import FloatArray
 
@@ -23,19 +24,22 @@ MEANING = ("local errors of the time formula by unknown, largest over the string
 
 
 class TimeError:
-    """Sums of local errors of a run with BDF; ``step`` is to be called after every accepted step.  No other integrator is estimated."""
+    """Sums of local errors of a run with BDF, step by step of ``dynamics``, and its evaluations of the rows.  No other integrator is
+    estimated."""
 
-    def __init__(self, model: Any, kind: str, order: int):
-        self.model, self.order, self.estimated = model, order, 0
-        self.works = kind == "bdf"
+    def __init__(self, dynamics: Any):
+        model, options = dynamics.model, dynamics.options
+        self.model, self.order, self.estimated, self.steps = model, int(options.get("ts_bdf_order", 2)), 0, 0
+        self.works = options.get("ts_type", "bdf") == "bdf"
+        self._residuals = residual_calls()
         layout = model.layout
         keep = np.array([f.differential for f in layout.fields])
         mine = np.sort(layout.local_of_owned)
         self._rows = mine[keep[layout.field_of[mine]]]
         self._field = layout.field_of[self._rows]
-        self._past: deque[tuple[float, FloatArray]] = deque(maxlen=order + 2)
+        self._past: deque[tuple[float, FloatArray]] = deque(maxlen=self.order + 2)
         self._largest, self._sum, self._net = (np.zeros(len(self._rows)) for _ in range(3))
-        self.steps = 0
+        dynamics.after_step.append(lambda t, dt: self.step(t, dynamics.fresh))
 
     def step(self, t: float, fresh: bool) -> None:
         """The state in the assembly is that of an accepted step at ``t`` [s]; fresh: the first of its formula."""
@@ -54,8 +58,13 @@ class TimeError:
         np.maximum(self._largest, size, out=self._largest)
         self.estimated += 1
 
-    def told(self) -> dict[str, Any] | None:
-        """For summary.json: by kind of unknown; collective.  None for integrators that are not estimated."""
+    def told(self, ended: bool = True) -> dict[str, Any]:
+        """For summary.json; collective where the run has ``ended`` well."""
+        calls = {"residuals": residual_calls() - self._residuals}
+        return {**calls, "error_estimate": {"time": self._by_unknown()}} if ended else calls
+
+    def _by_unknown(self) -> dict[str, Any] | None:
+        """None for integrators that are not estimated."""
         if not self.works:
             return None
         sums = {"largest_step": self._largest, "sum": self._sum, "net": np.abs(self._net)}
@@ -72,6 +81,11 @@ class TimeError:
             unknowns[f.name] = {"unit": UNITS.get(f.name.split(".")[-1], "SI"), "usual_size": f.scale, **found}
         return {"method": f"divided differences of BDF {self.order}", "meaning": MEANING, "steps": self.estimated,
                 "steps_without": self.steps - self.estimated, "unknowns": unknowns}
+
+
+def residual_calls() -> int:
+    """How often this rank has evaluated the rows since PETSc's log was begun."""
+    return int(PETSc.Log.Event("Residual").getPerfInfo()["count"])
 
 
 def local_error(times: list[float], states: list[FloatArray], order: int) -> FloatArray:

@@ -21,7 +21,8 @@ class Field:
     """Unknowns that a room owns at each vertex of a region of the line.
 
     ``second_order`` unknowns bring their own rate as a further unknown of the time integrator (position and velocity); the others
-    are first-order states or, with ``differential=False``, algebraic.  ``scale`` is the usual magnitude [SI]: tolerances and
+    are first-order states or, with ``differential=False``, algebraic; a
+    ``multiplier`` is algebraic, and its rows are constraints.  ``scale`` is the usual magnitude [SI]: tolerances and
     error messages are relative to it.  ``at_rest`` is the value that stands in where an element refers to the field and it is absent.
     """
 
@@ -31,6 +32,7 @@ class Field:
     scale: float = 1.0
     second_order: bool = True
     differential: bool = True
+    multiplier: bool = False
     at_rest: float = 0.0
 
 
@@ -68,6 +70,18 @@ class Prescribed:
     value: Callable[[float], FloatArray]
     rate: Callable[[float], FloatArray]
     names: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Corrections:
+    """Rates that multipliers correct, y += B(x) mu (corrected.py), at the vertices ``points`` (k,), ghosts included.
+
+    field: name of mu (m) at these vertices; directions(rows, x): B (k, 7, m) at the places ``rows`` (k, 7) of (r, v, phi) in x.
+    """
+
+    field: str
+    points: IntArray
+    directions: Callable[[IntArray, FloatArray], FloatArray]
 
 
 class Energies(NamedTuple):

@@ -17,18 +17,19 @@ Column = tuple[str, str]
 class FlowRecord:
     """Samples the fluid of a scene; sums over ranks are the caller's.
 
-    A sample is (6,): pressures at the pump and at the bit [Pa], flow rates out of the flow line, of the pump and through the bit
-    [m3/s], volume at zero pressure of all fluid [m3].
+    A sample is (7,): pressures at the pump and at the bit [Pa], flow rates out of the flow line, of the pump and through the bit
+    [m3/s], volume at zero pressure of all fluid [m3], and of the rock that becomes part of it [m3/s].
     """
 
-    SIZE = 6
+    SIZE = 7
 
     def __init__(self, model: Model, fluid) -> None:
         self.model, self.fluid = model, fluid
         line, last = model.line, model.mesh.nodes - 1
         here = {int(v): i for i, v in enumerate(line.vertices) if line.owned[i]}
         self._last = here.get(last, -1)
-        self.pumped = self.returned = self.start_content = 0.0
+        self.start_content = 0.0
+        self._sums = np.zeros(3)  # volumes pumped, returned, and of cuttings taken up [m3]
         self._before: tuple[FloatArray, float] | None = None  # sums one step ago and that step [m3, s]
 
     @property
@@ -62,7 +63,7 @@ class FlowRecord:
                 v[5] += room.figures(asm)[:, 4].sum()
         if f.bit is not None:
             figures = f.bit.figures(asm)
-            v[4], v[5] = figures[1], v[5] + figures[4]
+            v[4], v[5], v[6] = figures[1], v[5] + figures[4], figures[6]
         if f.pipe is not None:
             flow = f.pipe.pumped(t, asm)
             if flow is not None:
@@ -80,13 +81,12 @@ class FlowRecord:
     # ------------------------------------------------------------------ mass
     def begin(self, total: FloatArray) -> None:
         """Open the books at a sample summed over ranks."""
-        self.pumped = self.returned = 0.0
-        self.start_content, self._before = float(total[5]), None
+        self._sums, self.start_content, self._before = np.zeros(3), float(total[5]), None
 
     def step(self, total: FloatArray, dt: float, fresh: bool) -> None:
         """Add up what an accepted step brought in and out, by the formula that the pressures took (BDF of order 2): what it makes of a wave
         front is then no loss of mud.  fresh: the formula starts anew, as PETSc does it, by a half step of order 1."""
-        now, old = np.array([float(total[3]), float(total[2])]), np.array([self.pumped, self.returned])
+        now, old = total[[3, 2, 6]], self._sums
         if fresh or self._before is None:
             before, gap = old, 0.5 * dt
             old, rest = old + gap * now, 0.5 * dt
@@ -94,25 +94,28 @@ class FlowRecord:
             (before, gap), rest = self._before, dt
         # derivative at the end of the parabola through three times: new, `rest` and `rest + gap` before it
         a0, a1, a2 = 1 / rest + 1 / (rest + gap), -(rest + gap) / (rest * gap), rest / (gap * (rest + gap))
-        self._before = np.array([self.pumped, self.returned]), dt
-        self.pumped, self.returned = map(float, (now - a1 * old - a2 * before) / a0)
+        self._before = self._sums, dt
+        self._sums = (now - a1 * old - a2 * before) / a0
 
     def balance(self, total: FloatArray) -> dict[str, Any]:
-        """Volumes at zero pressure since the start [m3]; the share is relative to the larger of what went in and came out."""
-        change = float(total[5]) - self.start_content
-        error = change - self.pumped + self.returned
-        largest = max(abs(self.pumped), abs(self.returned), abs(change), 1e-300)
-        return {"pumped": self.pumped, "returned": self.returned, "content_change": change, "error": error, "error_share": error / largest}
+        """Volumes at zero pressure since the start [m3]; the share is relative to the larger of what went in and came out.  With a hole
+        that grows, the content is that of the hole as it is; cuttings: rock that the mud carries, counted as mud."""
+        change, (pumped, returned, cuttings) = float(total[5]) - self.start_content, map(float, self._sums)
+        error = change - pumped + returned - cuttings
+        largest = max(abs(pumped), abs(returned), abs(change), 1e-300)
+        rock = {"cuttings": cuttings} if cuttings else {}
+        return {"pumped": pumped, "returned": returned, **rock, "content_change": change, "error": error, "error_share": error / largest}
 
     def memory(self) -> dict[str, FloatArray]:
         """What a continued run needs to keep counting."""
-        sums, step = self._before if self._before is not None else (np.zeros(2), 0.0)
-        return {"mud": np.array([self.pumped, self.returned, self.start_content, *sums, step])}
+        sums, step = self._before if self._before is not None else (np.zeros(3), 0.0)
+        return {"mud": np.array([*self._sums, self.start_content, *sums, step])}
 
     def recall(self, memory: dict[str, FloatArray]) -> None:
         """Take up a memory."""
-        self.pumped, self.returned, self.start_content, *sums, step = map(float, memory["mud"])
-        self._before = (np.array(sums), step) if step > 0.0 else None
+        books = np.array(memory["mud"])
+        self._sums, self.start_content = books[:3], float(books[3])
+        self._before = (books[4:7], float(books[7])) if books[7] > 0.0 else None
 
     # ------------------------------------------------------------------ along the string
     def nodal(self) -> dict[str, FloatArray]:

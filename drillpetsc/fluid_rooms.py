@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
 
 import numpy as np
 
 from drillpetsc.annulus_inertia import chi_confined, chi_eccentric, lateral_damping
-from drillpetsc.case.ends import DrivenTop
-from drillpetsc.case.ends import TopDrive as TopDriveCase
 from drillpetsc.case.fluid import flow_constants
 from drillpetsc.case.items import Rigid
 from drillpetsc.case.scene import Case
-from drillpetsc.channels import Annulus, build_annulus, build_bore, metal_below, poisson
+from drillpetsc.channels import Annulus, AnnulusWalls, HoleVolume, build_bore, build_walls, metal_below, poisson
 from drillpetsc.field import FloatArray
+from drillpetsc.hole import GrowingHole
 from drillpetsc.rheology import Rheology
-from drillpetsc.rooms.annulus_flow import AnnulusFlow, Sideways
+from drillpetsc.rooms.annulus_flow import AnnulusFlow
 from drillpetsc.rooms.bit_flow import BitEnd, BitFlow
 from drillpetsc.rooms.flow import FluidConstants
 from drillpetsc.rooms.hermite_flow import HermiteAnnulus, HermiteBit, HermitePipe, volumes_at_rest
 from drillpetsc.rooms.pipe_flow import PipeFlow
-from drillpetsc.time_function import Constant
+from drillpetsc.rooms.surroundings import Sideways, Surroundings
 from drillpetsc.tubulars import StringMesh
 from drillpetsc.well import Well
 
@@ -55,8 +54,9 @@ def build_rheology(case: Case) -> Rheology:
     return Rheology(q.model, law=q.law, consistency=consistency, index=index, yield_stress=yield_stress, shear_rate_eps=q.shear_rate)  # type: ignore[attr-defined]
 
 
-def build_fluid(case: Case, mesh: StringMesh, well: Well | None, position: FloatArray, tangent: FloatArray) -> FluidRooms | None:
-    """Rooms of the case's fluid, None without one; position, tangent (n+1, 3) of the nodes along the hole."""
+def build_fluid(case: Case, mesh: StringMesh, well: Well | None, position: FloatArray, tangent: FloatArray,
+                hole: GrowingHole | None = None) -> FluidRooms | None:
+    """Rooms of the case's fluid, None without one; position, tangent (n+1, 3) of the nodes along the hole; hole: where the bit drills."""
     f = case.fluid
     if f is None:
         return None
@@ -66,7 +66,7 @@ def build_fluid(case: Case, mesh: StringMesh, well: Well | None, position: Float
     hermite = f.formulation == "hermite"
     pipe: PipeFlow | None = None
     annulus: AnnulusFlow | None = None
-    sizes, chi = None, np.zeros(len(mesh.upper))
+    sizes, chi, surroundings = None, np.zeros(len(mesh.upper)), None
     if case.has_bore:
         flow, bore = None if f.pump_pressure is not None else f.flow_rate, build_bore(case, mesh)
         if hermite:
@@ -75,16 +75,20 @@ def build_fluid(case: Case, mesh: StringMesh, well: Well | None, position: Float
             pipe = PipeFlow(mesh, bore, constants, narrowing, flow, f.pump_pressure, held)
     if case.has_annulus:
         assert well is not None
-        sizes = build_annulus(case, mesh, well)
+        walls = build_walls(case, mesh)
+        sizes = walls.annulus(HoleVolume(well), np.arange(len(mesh.upper)), mesh.upper, mesh.lower)
         chi = _added_mass(case, sizes)
-        around = (mesh, sizes, well, constants, narrowing, _sideways(case, sizes, chi), f.outlet_pressure, f.flow_line,
-                  _lowered(case, well), held)
+        if not case.hold_string and (hole is not None or not _same_everywhere(well, walls)):
+            surroundings = Surroundings(mesh, walls, lambda: well if hole is None else hole.well, partial(_sideways, case))
+        around = (mesh, sizes, well, constants, narrowing, _sideways(case, sizes), f.outlet_pressure, f.flow_line, surroundings, held)
         valve = 0.0 if f.choke is None else 1 / (2 * f.choke.discharge_coefficient**2 * f.choke.area**2)
         annulus = HermiteAnnulus(*around, pump=f.flow_rate) if hermite else AnnulusFlow(*around, choke=valve)
     bit: BitFlow | None = None
     if pipe is not None and not case.bottom.plugged or annulus is not None:
         end = _bit_end(case, mesh, well, sizes, chi, position, tangent)
-        bit = BitFlow(mesh.nodes - 1, end, constants, held)
+        if hole is not None:
+            end = _drilled(end, hole, f.cuttings == "returned")
+        bit = BitFlow(mesh.nodes - 1, end, constants, held, surroundings, hole)
         if hermite:
             bit = HermiteBit(mesh.nodes - 1, end, constants, f.flow_rate, pipe, annulus, position[-1], held)  # type: ignore[arg-type]
     volumes = None
@@ -105,21 +109,21 @@ def _added_mass(case: Case, sizes: Annulus) -> FloatArray:
     return np.full(len(sizes.outer), float(kind))
 
 
-def _added_mass_by_place(sizes: Annulus):
-    """Added mass of elements at eccentricities, from a table for every pair of diameters; it has no limit at the wall, the table ends at
-    ``NEAREST_WALL``."""
-    sizes_used, which = np.unique(np.column_stack([sizes.outer_diameter, sizes.hole_diameter]), axis=0, return_inverse=True)
-    which, places = np.ravel(which), NEAREST_WALL * np.sin(np.linspace(0, np.pi / 2, 60))  # closer towards the wall
-    tables = np.array([[chi_eccentric(inner, outer, e) for e in places] for inner, outer in sizes_used])
+@lru_cache(maxsize=256)
+def _added_mass_table(inner: float, outer: float) -> tuple[FloatArray, FloatArray]:
+    """Eccentricities, closer towards the wall, and the added mass there for diameters of string and hole [m]; it has no limit at the wall,
+    the table ends at ``NEAREST_WALL``."""
+    places = NEAREST_WALL * np.sin(np.linspace(0, np.pi / 2, 60))
+    return places, np.array([chi_eccentric(inner, outer, e) for e in places])
 
-    def chi(eccentricity: FloatArray, elements: np.ndarray) -> FloatArray:
-        out = np.empty(len(elements))
-        for k in np.unique(which[elements]):
-            mine = which[elements] == k
-            out[mine] = np.interp(eccentricity[mine], places, tables[k])
-        return out
 
-    return chi
+def _added_mass_by_place(eccentricity: FloatArray, inner: FloatArray, outer: FloatArray) -> FloatArray:
+    """Added mass (k,) of elements of outer diameters ``inner`` in holes ``outer`` (k,) [m], to 0.1 mm, at eccentricities (k,)."""
+    sizes, which = np.unique(np.round(np.column_stack([inner, outer]), 4), axis=0, return_inverse=True)
+    out, which = np.empty(len(eccentricity)), np.ravel(which)
+    for k, (d, w) in enumerate(sizes):
+        out[which == k] = np.interp(eccentricity[which == k], *_added_mass_table(float(d), float(w)))
+    return out
 
 
 def shear_viscosity(case: Case, shear_rate: FloatArray) -> FloatArray:
@@ -130,7 +134,7 @@ def shear_viscosity(case: Case, shear_rate: FloatArray) -> FloatArray:
     return yield_stress / shear_rate + consistency * shear_rate ** (index - 1)
 
 
-def _sideways(case: Case, sizes: Annulus, chi: FloatArray) -> Sideways:
+def _sideways(case: Case, sizes: Annulus) -> Sideways:
     """Added mass, damping, and drag of turning; the viscosity is that at the wall of a pipe turning at the reference speed, where the
     shear rate is 2 omega/(1 - (Do/Dw)^2) (Couette)."""
     f = case.fluid
@@ -146,15 +150,13 @@ def _sideways(case: Case, sizes: Annulus, chi: FloatArray) -> Sideways:
     turning = np.zeros(len(inner))
     if f.rotation_drag:  # 4 pi mu Ro^2 Rw^2/(Rw^2 - Ro^2) per length and spin (Couette)
         turning = np.pi * viscosity * inner**2 * outer**2 / (outer**2 - inner**2)
-    return Sideways(chi, damping, turning, _added_mass_by_place(sizes) if f.added_mass == "eccentric" else None)
+    return Sideways(_added_mass(case, sizes), damping, turning, _added_mass_by_place if f.added_mass == "eccentric" else None)
 
 
-def _lowered(case: Case, well: Well):
-    """How far the top has let the string down at a time; None where directions of the hole stay the same all the same."""
-    lowering = getattr(case.top, "lowering", None) if isinstance(case.top, (TopDriveCase, DrivenTop)) else None
-    still = lowering is None or (isinstance(lowering, Constant) and lowering.constant == 0.0)
+def _same_everywhere(well: Well, walls: AnnulusWalls) -> bool:
+    """Whether size, direction and wall of the hole are the same all the way down."""
     straight = np.allclose(well.node_tangent, well.node_tangent[0], atol=1e-12)
-    return None if lowering is None or still or straight or case.hold_string else lowering.integral
+    return bool(straight) and not len(well.transitions) and len(set(walls.give)) == 1
 
 
 def _bit_end(case: Case, mesh: StringMesh, well: Well | None, sizes: Annulus | None, chi: FloatArray, position: FloatArray,
@@ -176,4 +178,9 @@ def _bit_end(case: Case, mesh: StringMesh, well: Well | None, sizes: Annulus | N
         discharge_coefficient=f.discharge_coefficient, check_valve=f.check_valve, ambient=f.outlet_pressure,
         hole=hole[0], open=hole[1], outer=hole[2], elasticity=2 * (1 + rock.poisson) / rock.young if rock else 0.0,
         volume=f.bit_volume, face=mesh.total_length - float(mesh.node_depth[-1]), added=float(chi[-1]), metal=metal_below(case, mesh),
-        end=end, axis=axis)
+        end=end, axis=axis, tangent=tangent[-1])
+
+
+def _drilled(end: BitEnd, hole: GrowingHole, returned: bool) -> BitEnd:
+    """The same in a hole that is drilled on: its end is where the bit's centre is on bottom."""
+    return replace(end, end=hole.first, axis=hole.direction, face=end.face - hole.half, cut=np.pi * hole.radius**2 if returned else 0.0)

@@ -33,21 +33,25 @@ def soft_string_guess(scene: Scene, motion: tuple[float, float]) -> TorqueDrag |
     weight = scene.effective_mass * g
     for b in mesh.bodies:
         if b.node < mesh.nodes - 1:
-            weight[b.node] += b.mass * g / mesh.length[b.node]
+            cell = b.node - 1 if mesh.is_joint[b.node] and b.node else b.node  # at a joint there is no element below
+            weight[cell] += b.mass * g / mesh.divisor[cell]
+    # a joint between two nodes at one depth has no length: left out, and its lower node takes what the upper one gets
+    keep = np.diff(depth) > 0
+    at = np.concatenate([[0], np.cumsum(keep)])  # place of each node among those that are left
     soft = torque_drag(
         well,
-        depth,
-        weight,
-        0.5 * mesh.outer_diameter,
-        mesh.axial_stiffness,
-        mesh.torsional_stiffness,
+        depth[np.append(True, keep)],
+        weight[keep],
+        0.5 * mesh.outer_diameter[keep],
+        mesh.axial_stiffness[keep],
+        mesh.torsional_stiffness[keep],
         bottom_force=_pull_below(scene, g) - wob,
         bottom_torque=scene.bit.torque_for(wob) * np.sign(motion[1]) if scene.bit else 0.0,
         axial_velocity=-motion[0],
         rotation=motion[1],
     )
     clearance = np.asarray(well.radius(depth)) - 0.5 * np.append(mesh.outer_diameter, mesh.outer_diameter[-1])
-    deep = np.maximum(clearance, 0.0) + _penetration(soft.contact_force, case.contact)
+    deep = np.maximum(clearance, 0.0) + _penetration(soft.contact_force[at], case.contact)
     top_moves = 0.0
     if case.initial.wob is not None and scene.bit is not None:
         top_moves = hole_depth(scene.case) - (mesh.total_length + soft.stretch)
@@ -55,14 +59,14 @@ def soft_string_guess(scene: Scene, motion: tuple[float, float]) -> TorqueDrag |
             scene.top.shift(top_moves)
     if force is not None:
         top_moves = 0.0
-    centre, tangent, _ = well.at(depth + soft.elongation + top_moves)
+    centre, tangent, _ = well.at(depth + soft.elongation[at] + top_moves)
     strain = np.concatenate(
-        [[soft.axial_force[0] / mesh.axial_stiffness[0]], soft.axial_force[1:] / mesh.axial_stiffness]
+        [[soft.axial_force[0] / mesh.axial_stiffness[0]], soft.axial_force[at[1:]] / mesh.axial_stiffness]
     )
     m = scene.model
     if scene.top is not None and soft.contact_force[0] > LYING * weight[0]:
         _hold_aside(scene.top, deep[0] * soft.side[0])
-    m.set_field("string.position", centre + deep[:, None] * soft.side)
+    m.set_field("string.position", centre + deep[:, None] * soft.side[at])
     m.set_field("string.tangent", (1 + strain)[:, None] * tangent)
     return soft
 

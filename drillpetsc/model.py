@@ -24,16 +24,25 @@ class Model:
 
     def __init__(self, mesh: StringMesh, frames: Frames, rooms: Sequence[Room], comm: PETSc.Comm | None = None):
         self.mesh, self.frames, self.rooms = mesh, frames, tuple(rooms)
-        self.line = build_line(mesh.node_depth, comm or PETSc.COMM_WORLD)
+        # the two nodes of a joint stand at one depth: there the line counts nodes instead
+        self.line = build_line(np.arange(mesh.nodes, dtype=float) if mesh.joints else mesh.node_depth, comm or PETSc.COMM_WORLD)
         self.comm = self.line.plex.comm
         junction = mesh.junction if len(mesh.junction) else np.zeros(mesh.nodes, dtype=bool)
         order = np.arange(mesh.nodes)
         regions = {"string": order >= 0, "junction": junction, "below_top": order > 0, "bottom": order == mesh.nodes - 1}
+        for room in self.rooms:
+            regions |= room.regions() if hasattr(room, "regions") else {}
+        self.regions = regions
+        #: constraint rows with multipliers, whole string: so many negative eigenvalues has the tangent of a stable state
+        self.multipliers = sum(getattr(room, "multipliers", 0) for room in self.rooms)
+        #: whether the equations are a DAE of index 2 or 3
+        self.constrained = self.multipliers > 0 or any(hasattr(room, "restore_constraints") for room in self.rooms)
         fields = tuple(f for room in self.rooms for f in room.fields())
         self.layout = build_layout(self.line, fields, regions)
         blocks = tuple(b for room in self.rooms for b in room.blocks(self.line))
         prescribed = tuple(p for room in self.rooms for p in room.prescribed())
-        self.assembly = Assembly(self.layout, blocks, prescribed, frames.gauge[self.line.vertices])
+        corrections = tuple(room.corrections(self.line) for room in self.rooms if hasattr(room, "corrections"))
+        self.assembly = Assembly(self.layout, blocks, prescribed, frames.gauge[self.line.vertices], tuple(c for c in corrections if c))
         layout, asm = self.layout, self.assembly
         self._x = PETSc.Vec().createWithArray(asm.x[:-1], comm=PETSc.COMM_SELF)
         self._r = PETSc.Vec().createWithArray(asm.r[:-1], comm=PETSc.COMM_SELF)
@@ -172,6 +181,7 @@ class Model:
         for f in self.assembly.fixed:
             if f.owned and name in f.condition.names:
                 value += float(f.reaction[f.condition.names.index(name)])
+        value += sum(room.own_reaction(name, self.assembly) for room in self.rooms if hasattr(room, "own_reaction"))
         return value if self._alone else float(self.comm.tompi4py().allreduce(value))
 
     def gather(self, values: FloatArray, on: str = "vertex") -> FloatArray | None:

@@ -22,6 +22,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc import options
+from drillpetsc.case.quaternion_checks import refuse_quaternion
 from drillpetsc.case.scene import Case
 from drillpetsc.coupled import let_flow
 from drillpetsc.errors import CaseError, DrillError
@@ -35,6 +36,7 @@ from drillpetsc.simulate import make_folder
 from drillpetsc.solve.modes import Linearised, linearise
 from drillpetsc.solve.pencil import NEUTRAL, Roots, lowest_roots, roots_near
 from drillpetsc.start import StaticState, find_equilibrium, move_rigidly, prescribed_motion, release
+from drillpetsc.time_scales import time_scales
 from drillpetsc.well_files import write_well_files
 
 KINDS = ("lateral", "axial", "torsional", "fluid")
@@ -248,6 +250,7 @@ def run_modes(case: Case, out: str | Path | None = None, count: int = 20, shift:
               kind: str | None = None, about: str = "steady", overwrite: bool = False, name: str = "case",
               comm: PETSc.Comm | None = None) -> list[str]:
     """Find the modes of a case, write modes.csv, modes/mode_NN.vtu, string.pvd and summary.json; returns the lines to show.  Collective."""
+    refuse_quaternion(case, "modes")
     comm = comm or PETSc.COMM_WORLD
     if count < 1:
         raise CaseError(at="--count", got=count, want="a number of modes, at least 1")
@@ -260,7 +263,7 @@ def run_modes(case: Case, out: str | Path | None = None, count: int = 20, shift:
         fields = Recorder(scene).fields(0.0)
         found = modes(scene, count, shift, kind)
         searched = f"{count} lowest{' ' + kind if kind else ''}" if shift is None else f"{count} nearest to {shift:g} Hz"
-        summary = {"title": case.title, "searched": searched, **mode_summary(found, state)}
+        summary = {"title": case.title, "searched": searched, **mode_summary(found, state), "time_scales": time_scales(scene).lines()}
         if comm.rank == 0:
             _write(scene, folder, found, summary, fields)
     return _lines(case, folder, found, summary)
@@ -345,6 +348,7 @@ def _lines(case: Case, folder: RunFolder, found: Modes, summary: dict[str, Any])
     lines.append(f"  {words}; largest growth {found.margin:.4g} 1/s, smallest |s| {found.smallest:.4g} rad/s")
     if found.imbalance > UNBALANCED:
         lines.append(f"  note: forces up to {found.imbalance:.3g} N are left over: this motion is steady but for them")
+    lines += [f"  {words}" for words in summary["time_scales"]]
     lines += [f"  note: {w}" for w in summary["warnings"]]
     lines.append(f"  results: {folder.path}")
     return lines

@@ -12,12 +12,18 @@ from drillpetsc.errors import CaseError
 from drillpetsc.field import FloatArray
 from drillpetsc.flow_record import FlowRecord
 from drillpetsc.frames import high_side
-from drillpetsc.rooms.beam import REPORT
+from drillpetsc.rooms.beam import REPORT, Beam
+from drillpetsc.rooms.joints import REPORT as JOINT_REPORT
+from drillpetsc.rooms.joints import Joints
+from drillpetsc.rooms.quaternion_ends import Guided
 from drillpetsc.scene import Scene, is_quasi_static
 
 Column = tuple[str, str]
 #: in a sample: hook load, surface torque, weight on bit, bit torque, bit speed, the bit's face (3), powers (2), drilled, rate; probes
 FIRST_PROBE = 12
+#: what history.csv tells of each joint: name, unit, column of the room's report
+JOINT_COLUMNS = (("force", "N", "tension"), ("side_force", "N", "side_force"), ("torque", "N m", "torque"),
+                 ("bending_moment", "N m", "bending"), ("angle", "rad", "angle"), ("travel", "m", "travel"))
 
 
 @dataclass(frozen=True)
@@ -39,6 +45,7 @@ class Recorder:
         mesh = scene.mesh
         self.flow = FlowRecord(scene.model, scene.fluid) if scene.fluid is not None else None
         self.probes = [self._locate(depth) for depth in scene.case.output.probes] if scene.beam is not None else []
+        self.joints = mesh.joints if scene.beam is not None else ()
         self._face = mesh.total_length - mesh.node_depth[-1]
         self.has_energies = not is_quasi_static(scene.case)  # without inertia, work goes into motion that is not computed
         self.columns = self._columns()
@@ -48,11 +55,13 @@ class Recorder:
             self.probe_columns += [(f"x_{tag}", "m"), (f"y_{tag}", "m"), (f"spin_{tag}", "rad/s")]
             if scene.contact is not None:
                 self.probe_columns.append((f"contact_{tag}", "N"))
-        self._width = FIRST_PROBE + 5 * len(self.probes) + (FlowRecord.SIZE if self.flow is not None else 0)
+        self._joints_at = FIRST_PROBE + 5 * len(self.probes)
+        self._width = self._joints_at + len(JOINT_COLUMNS) * len(self.joints) + (FlowRecord.SIZE if self.flow is not None else 0)
         self._samples: deque[tuple[float, FloatArray]] = deque(maxlen=3)
         self.dissipated = self.supplied = self.start_energy = 0.0
         self._powers: tuple[float, ...] = (0.0, 0.0)
         self.peak_exchange = self._before_jump = 0.0
+        self.audited_error = self.gained = 0.0  # energy error at the last audit, and its largest value since the start [J]
         self._first_energies = self.energies = np.zeros(3)
         local = {int(v): i for i, v in enumerate(self.model.line.vertices)}
         self._last = local.get(mesh.nodes - 1, -1)
@@ -63,6 +72,8 @@ class Recorder:
     def _locate(self, depth: float) -> _Probe:
         mesh = self.scene.mesh
         cell = int(np.clip(np.searchsorted(mesh.lower, depth), 0, len(mesh.lower) - 1))
+        if mesh.is_joint[cell]:  # in a rigid item above a joint
+            return _Probe(depth, cell - 1, 1.0) if cell else _Probe(depth, 1, 0.0)
         return _Probe(depth, cell, float(np.clip((depth - mesh.upper[cell]) / mesh.length[cell], 0.0, 1.0)))
 
     def _columns(self) -> list[Column]:
@@ -80,6 +91,7 @@ class Recorder:
             out.append(("rop", "m/s"))
         if self.flow is not None:
             out += self.flow.columns
+        out += [(f"joint_{j.depth:g}_{name}", unit) for j in self.joints for name, unit, _ in JOINT_COLUMNS]
         energies: list[Column] = [("kinetic_energy", "J"), ("strain_energy", "J"), ("energy_error", "J")] if self.has_energies else []
         return [*out, *energies, ("step", "s"), ("newton", "-")]
 
@@ -87,13 +99,16 @@ class Recorder:
     def sample(self, t: float) -> FloatArray:
         """All figures at the assembly's state: reactions, bit, probes, powers; (m,), the same on all ranks."""
         scene, model = self.scene, self.model
-        asm, layout = model.assembly, model.layout
+        asm = model.assembly
         v = np.zeros(self._width)
         for f in asm.fixed:
             if f.owned and f.condition.vertex == 0:
                 names = f.condition.names
                 v[0] = -f.reaction[names.index("top.axial_reaction")] if "top.axial_reaction" in names else 0.0
                 v[1] = f.reaction[names.index("top.torque_reaction")] if "top.torque_reaction" in names else 0.0
+        if isinstance(scene.top, Guided):
+            v[0] = -scene.top.own_reaction("top.axial_reaction", asm)
+            v[1] = scene.top.own_reaction("top.torque_reaction", asm)
         if scene.drive is not None:
             v[1] += scene.drive.torque(t, asm)
         if scene.bit is not None:
@@ -101,12 +116,15 @@ class Recorder:
         if scene.drilling is not None:
             v[10:12] = scene.drilling.progress(asm)
         if self._last >= 0 and scene.beam is not None:
-            slope = asm.x[layout.place["string.tangent"][self._last]]
-            v[4] = asm.y[layout.place["string.spin"][self._last, 0]]
-            v[5:8] = asm.x[layout.place["string.position"][self._last]] + self._face * slope / np.linalg.norm(slope)
+            end, slope, v[4] = scene.beam.section(asm, self._last)
+            v[5:8] = end + self._face * slope / np.linalg.norm(slope)
         for k, p in enumerate(self.probes):
             if p.cell in self._cell:
                 v[FIRST_PROBE + 5 * k : FIRST_PROBE + 5 + 5 * k] = self._probe(p)
+        if self.joints:
+            figures = next(room for room in scene.rooms if isinstance(room, Joints)).report(asm)
+            chosen = figures[:, [JOINT_REPORT.index(name) for _, _, name in JOINT_COLUMNS]].ravel()
+            v[self._joints_at : self._joints_at + len(chosen)] = chosen
         if self.flow is None:
             v[8:10] = self.model.own_powers(t)
         else:
@@ -125,14 +143,14 @@ class Recorder:
         asm, layout = model.assembly, model.layout
         a, b = model.line.ends[e]
         place = layout.place
-        r = [asm.x[place["string.position"][i]] for i in (a, b)]
-        v = [asm.x[place["string.tangent"][i]] for i in (a, b)]
+        assert self.scene.beam is not None
+        r, v, spins = map(list, zip(*(self.scene.beam.section(asm, i) for i in (a, b)), strict=True))
         if "string.ratio" in place and place["string.ratio"][a, 0] >= 0:
             r[0] = r[0] + mesh.rigid_above[p.cell] * v[0] / np.linalg.norm(v[0])
             v[0] = v[0] * asm.x[place["string.ratio"][a, 0]]
         s, L = p.place, mesh.length[p.cell]
         x = (1 - 3 * s**2 + 2 * s**3) * r[0] + L * (s - 2 * s**2 + s**3) * v[0] + (3 * s**2 - 2 * s**3) * r[1] + L * (s**3 - s**2) * v[1]
-        spin = (1 - s) * asm.y[place["string.spin"][a, 0]] + s * asm.y[place["string.spin"][b, 0]]
+        spin = (1 - s) * spins[0] + s * spins[1]
         return np.array([*x, spin, contact.normal_force(e) if contact is not None else 0.0])
 
     def begin(self, t: float) -> None:
@@ -147,7 +165,8 @@ class Recorder:
 
     def memory(self) -> dict[str, FloatArray]:
         """What a continued run needs to keep counting; the same on all ranks."""
-        sums = [self.dissipated, self.supplied, self.start_energy, self.peak_exchange, self._before_jump, *self._powers]
+        sums = [self.dissipated, self.supplied, self.start_energy, self.peak_exchange, self._before_jump, self.gained,
+                self.audited_error, *self._powers]
         samples = np.array([[t, *v] for t, v in self._samples])
         flow = self.flow.memory() if self.flow is not None else {}
         return {"sums": np.array(sums), "first_energies": self._first_energies, "energies": self.energies, "samples": samples} | flow
@@ -156,8 +175,9 @@ class Recorder:
         """Go on from a checkpoint's memory; raises CaseError when the run that left it had other probes."""
         if memory["samples"].shape[1] != 1 + self._width:
             raise CaseError(at="output.probes", want="the probes of the run that is continued")
-        self.dissipated, self.supplied, self.start_energy, self.peak_exchange, self._before_jump, *powers = map(float, memory["sums"])
-        self._powers = tuple(powers)
+        sums = list(map(float, memory["sums"]))
+        self.dissipated, self.supplied, self.start_energy, self.peak_exchange, self._before_jump, self.gained, self.audited_error = sums[:7]
+        self._powers = tuple(sums[7:])
         self._first_energies, self.energies = np.array(memory["first_energies"]), np.array(memory["energies"])
         self._samples.extend((float(row[0]), np.array(row[1:])) for row in memory["samples"])
         if self.flow is not None:
@@ -188,6 +208,8 @@ class Recorder:
         self.energies = np.array(self.model.energies(t))
         change = np.abs((self.energies - self._first_energies)[:2]).sum()
         self.peak_exchange = max(self.peak_exchange, float(change))
+        self.audited_error = self.energy_error
+        self.gained = max(self.gained, self.audited_error)
         return self.energies
 
     def at_jump(self, t: float) -> None:
@@ -202,6 +224,12 @@ class Recorder:
         """
         self.audit(t)
         self.supplied += self.energy_error - self._before_jump
+
+    @property
+    def exchanged(self) -> float:
+        """What an energy error is measured by [J]: the larger of work supplied and peak change of kinetic and strain energy, and never so
+        little that rounding would count."""
+        return max(abs(self.supplied), self.peak_exchange, 1e-9 * float(np.abs(self.energies).sum()), 1e-300)
 
     @property
     def energy_error(self) -> float:
@@ -250,6 +278,7 @@ class Recorder:
             row.append(v[11])
         if self.flow is not None:
             row += self.flow.row(v[-FlowRecord.SIZE :])
+        row += v[self._joints_at : self._joints_at + len(JOINT_COLUMNS) * len(self.joints)].tolist()
         energies = [self.energies[0], self.energies[1], self.energy_error] if self.has_energies else []
         return [*row, *energies, step, newton]
 
@@ -291,19 +320,18 @@ class Recorder:
         parts: dict[str, FloatArray] = {}
         columns: dict[str, FloatArray] = {}
         if scene.beam is not None:
-            which = (("position", "x"), ("position", "y"), ("spin", "y"), ("spin", "x"))
-            parts["string"] = np.hstack([model.field(f"string.{name}", what) for name, what in which])
+            parts["string"] = scene.beam.columns(asm)
             columns["beam"] = scene.beam.report(model.layout, asm.x, asm.y)
             if self.flow is not None:
                 ends = [REPORT.index("axial_upper"), REPORT.index("axial_lower")]
                 columns["beam"][:, ends] += self.flow.wall_tension()
                 columns["pressure"] = self.flow.pressure_force()
-            if mesh.curvature.any():
+            if mesh.curvature.any() and isinstance(scene.beam, Beam):
                 first = REPORT.index("bending_upper")
                 columns["beam"][:, first : first + 2] = bending_moments(scene)
         if scene.contact is not None:
             reports, _ = scene.contact.report(asm)
-            columns["contact"] = reports[:, :1] / mesh.length[model.line.cells][:, None]
+            columns["contact"] = reports[:, :1] / mesh.divisor[model.line.cells][:, None]
         if self.flow is not None:
             parts |= {name: values[:, None] for name, values in self.flow.nodal().items()}
             columns |= {name: values[:, None] for name, values in self.flow.cellwise().items()}
@@ -322,15 +350,16 @@ class Recorder:
 
     def _point_data(self, node: dict[str, FloatArray], cell: dict[str, FloatArray]) -> tuple[FloatArray, dict[str, FloatArray]]:
         scene, mesh = self.scene, self.scene.mesh
+        element = ~mesh.is_joint
 
         def at_nodes(upper: FloatArray, lower: FloatArray) -> FloatArray:
             count = np.zeros(mesh.nodes)
             total = np.zeros(mesh.nodes)
-            total[:-1] += upper
-            total[1:] += lower
-            count[:-1] += 1
-            count[1:] += 1
-            return total / count
+            total[:-1] += upper * element
+            total[1:] += lower * element
+            count[:-1] += element
+            count[1:] += element
+            return total / np.maximum(count, 1)  # no element at all meets a rigid item between joints
 
         data = {"md [m]": mesh.node_depth, "outer_radius [m]": at_nodes(0.5 * mesh.outer_diameter, 0.5 * mesh.outer_diameter)}
         points = scene.position

@@ -17,11 +17,16 @@ from drillpetsc.fluid_rooms import FluidRooms, build_fluid
 from drillpetsc.frames import Frames, transported_frames
 from drillpetsc.mesh import build_mesh
 from drillpetsc.model import Model
+from drillpetsc.quaternion_scene import quaternion_rooms
 from drillpetsc.rooms.beam import Beam
 from drillpetsc.rooms.bit import RockBit
 from drillpetsc.rooms.bodies import Bodies, Curvature
 from drillpetsc.rooms.contact import BitOnBottom, Contact, ContactLaw
 from drillpetsc.rooms.ends import Drive, Held, Loads, NodeLoad, TopDrive
+from drillpetsc.rooms.joints import Joints
+from drillpetsc.rooms.quaternion_beam import QuaternionBeam
+from drillpetsc.rooms.quaternion_contact import QuaternionContact
+from drillpetsc.rooms.quaternion_ends import Guided
 from drillpetsc.time_function import Constant
 from drillpetsc.tubulars import StringMesh
 from drillpetsc.well import Well
@@ -43,8 +48,8 @@ class Scene:
     position: FloatArray
     tangent: FloatArray
     rooms: tuple
-    beam: Beam | None
-    top: TopDrive | Held | None
+    beam: Beam | QuaternionBeam | None
+    top: TopDrive | Held | Guided | None
     drive: Drive | None
     contact: Contact | None
     bit: BitOnBottom | RockBit | None
@@ -90,10 +95,15 @@ def build_scene(case: Case, comm: PETSc.Comm | None = None) -> Scene:
     mesh, well = build_mesh(case), build_well(case)
     position, tangent = _axis(case, mesh, well)
     frames = transported_frames(tangent)
-    fluid = build_fluid(case, mesh, well, position, tangent)
-    beam, top, drive, contact, bit = None, None, None, None, None
+    beam: Beam | QuaternionBeam | None = None
+    top: TopDrive | Held | Guided | None = None
+    drive, contact, bit = None, None, None
     rooms: list = []
-    if not case.hold_string:
+    if case.beam.formulation == "quaternion":
+        breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
+        contact = _contact(case, mesh, well, QuaternionContact)
+        beam, top, rooms = quaternion_rooms(case, mesh, frames, position, tangent, _loads(case, mesh, tangent), breaks, contact)
+    elif not case.hold_string:
         gravity = np.array(case.gravity, dtype=float)
         contact, bit = _contact(case, mesh, well), _bit(case, mesh, well)
         beam = Beam(mesh, frames, gravity, contact.impact_depth if contact is not None else np.inf)
@@ -107,6 +117,7 @@ def build_scene(case: Case, comm: PETSc.Comm | None = None) -> Scene:
             breaks = tuple(b for q in case.loads for b in q.value_over.breaks())
             rooms.append(Loads(loads, frames, breaks + _top_breaks(case)))
         rooms += [r for r in (contact, bit) if r is not None]
+    fluid = build_fluid(case, mesh, well, position, tangent, bit.hole if isinstance(bit, RockBit) else None)
     rooms += fluid.rooms if fluid is not None else ()
     model = Model(mesh, frames, rooms, comm)
     scene = Scene(case, mesh, well, frames, position, tangent, tuple(rooms), beam, top, drive, contact, bit, model, fluid)
@@ -138,6 +149,8 @@ def _extras(mesh: StringMesh, frames: Frames, gravity: FloatArray, balanced: boo
         rooms.append(Bodies(mesh, frames, gravity, balanced))
     if mesh.curvature.any():
         rooms.append(Curvature(mesh, frames))
+    if mesh.joints:
+        rooms.append(Joints(mesh, frames))
     return rooms
 
 
@@ -177,7 +190,7 @@ def _bottom_held(case: Case, position: FloatArray, tangent: FloatArray) -> list[
     return [Held(node, bottom.kind, position, tangent, spin=bottom.kind == "clamped")]
 
 
-def _contact(case: Case, mesh: StringMesh, well: Well | None) -> Contact | None:
+def _contact(case: Case, mesh: StringMesh, well: Well | None, kind: type[Contact] = Contact) -> Contact | None:
     c = case.contact
     if c is None or well is None:
         return None
@@ -186,7 +199,7 @@ def _contact(case: Case, mesh: StringMesh, well: Well | None) -> Contact | None:
         kinetic = max(q.friction for q in case.well.sections)  # type: ignore[union-attr]
         ratio, speed = (c.stribeck.static / kinetic if kinetic > 0 else 1.0), c.stribeck.speed
     law = ContactLaw(c.stiffness, c.law, c.restitution, c.restitution_speed, c.slip_velocity, ratio, speed, c.points_per_element)
-    return Contact(mesh, well, law, with_bit=getattr(case, "formation", None) is None)
+    return kind(mesh, well, law, with_bit=getattr(case, "formation", None) is None)
 
 
 def _bit(case: Case, mesh: StringMesh, well: Well | None) -> BitOnBottom | RockBit | None:

@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc import checkpoint, options, summary
+from drillpetsc import checkpoint, options, petsc_compat, summary
 from drillpetsc.case.scene import Case
+from drillpetsc.energy_watch import Gain
+from drillpetsc.error_estimate import TimeError
 from drillpetsc.errors import CaseError, Interrupted, SolveError
 from drillpetsc.output import FieldWriter, RunFolder, Table, write_summary
 from drillpetsc.progress import Progress
@@ -22,6 +24,7 @@ from drillpetsc.scene import Scene, build_scene, is_quasi_static
 from drillpetsc.solve.dynamics import Dynamics
 from drillpetsc.solve.hydraulics import fluid_unknowns, is_fluid
 from drillpetsc.start import StaticState, find_equilibrium, move_rigidly, place_along_hole, release
+from drillpetsc.time_scales import longest_strict_step, step_warnings
 from drillpetsc.watch import AFTER, FAILED, NOTHING, STOP, Watch, cannot_write, first_rank_does
 from drillpetsc.well_files import write_well_files
 
@@ -126,13 +129,14 @@ def run(case: Case | str | Path, out: str | Path | None = None, *, restart: bool
         scene = build_scene(case, comm)
         quasi = QuasiStatic(scene) if is_quasi_static(case) else None
         recorder, dynamics = Recorder(scene), make_dynamics(scene, quasi)
+        gain = Gain(recorder)
         options.refuse_unread(used)
         folder = make_folder(comm, name or "case", out, restart, overwrite)
         saved = _saved(comm, folder, restart)
         if restart and saved is None and comm.rank == 0 and progress != "silent":
             print(f"{folder.path}: no checkpoint yet, so the run starts from its beginning", file=sys.stderr)
         state = _initial(scene, case, saved, quasi)
-        return _Run(scene, recorder, dynamics, folder, saved, state, quasi, began, progress).whole()
+        return _Run(scene, recorder, dynamics, folder, saved, state, quasi, gain, began, progress).whole()
 
 
 def make_dynamics(scene: Scene, quasi: QuasiStatic | None = None) -> Dynamics:
@@ -140,10 +144,25 @@ def make_dynamics(scene: Scene, quasi: QuasiStatic | None = None) -> Dynamics:
     if quasi is not None:
         return quasi.dynamics()
     model, mud = scene.model, scene.case.fluid
+    kept = _step_limits(scene)
     if mud is not None and mud.dynamics == "quasi_steady":  # the mud follows the string without delay
         model.assembly.take_rates_from(np.zeros(model.layout.size + 1), fluid_unknowns(model))
-        return Dynamics(model, controlled=lambda name: not is_fluid(name))
-    return Dynamics(model)
+        return Dynamics(model, controlled=lambda name: not is_fluid(name), defaults=kept)
+    return Dynamics(model, defaults=kept)
+
+
+def _step_limits(scene: Scene) -> dict[str, Any]:
+    """PETSc options that cap the step where contact.energy_strict (or -drillpetsc_energy_strict) asks for it."""
+    options, contact = PETSc.Options(), scene.case.contact
+    strict = options.getBool("drillpetsc_energy_strict", contact is not None and contact.energy_strict)
+    longest = longest_strict_step(scene) if strict else np.inf
+    if not np.isfinite(longest):
+        return {}
+    fixed = options.getReal(petsc_compat.time_step_option(), 0.0) if options.getString("ts_adapt_type", "basic") == "none" else 0.0
+    if fixed > longest:
+        raise CaseError(at="petsc.ts_dt", got=f"{fixed:g} s", want=f"at most {longest:.3g} s, half the shortest impact",
+                        hint="contact.energy_strict asks for it")
+    return {"ts_adapt_dt_max": longest}
 
 
 def make_folder(comm, name: str, out, restart: bool, overwrite: bool) -> RunFolder:
@@ -208,7 +227,7 @@ def _initial(scene: Scene, case: Case, saved: checkpoint.Checkpoint | None, quas
 class _Run:
     """The motion from the start, or from a checkpoint, to the end, with its files."""
 
-    def __init__(self, scene, recorder, dynamics, folder, saved, state, quasi, began, progress):
+    def __init__(self, scene, recorder, dynamics, folder, saved, state, quasi, gain, began, progress):
         self.scene, self.recorder, self.dynamics, self.folder, self.saved = scene, recorder, dynamics, folder, saved
         self.case, self.mpi, self.began = scene.case, scene.model.comm.tompi4py(), began
         self.first = self.mpi.rank == 0
@@ -216,7 +235,10 @@ class _Run:
         self.notes: dict[str, Any] = saved.notes if saved is not None else summary.notes_of(state)
         if quasi is not None:
             self.notes["share"] = quasi.share
-        self.newton, self.marks = 0, began
+        fixed = dynamics.first_step if dynamics.options.get("ts_adapt_type") == "none" and quasi is None else None
+        self.notes["warnings"] = step_warnings(scene, fixed)
+        self.gain = gain
+        self.newton, self.marks, self.progress = 0, began, progress
         self.bar = Progress(self.case.time.end, self.start, mode=progress if self.first else "silent")
         self.watch = Watch(self.mpi)
 
@@ -234,6 +256,8 @@ class _Run:
         dynamics.after_step.append(self._after_step)
         dynamics.at_jump.append(recorder.at_jump)
         dynamics.at_rest.append(self._at_rest)
+        self.estimate = TimeError(dynamics)
+        self._warn(self.notes["warnings"])
         self.marks = clock.perf_counter(), clock.process_time()
         error: BaseException | None = None
         try:
@@ -249,6 +273,11 @@ class _Run:
             result = self._close(error)
         return RunResult(self.folder.path, result)
 
+    def _warn(self, warnings: list[str]) -> None:
+        if self.first and self.progress != "silent":
+            for words in warnings:
+                self.bar.message(f"warning: {words}")
+
     def _open(self) -> None:
         self.writer = _Writer(self.scene, self.recorder, self.folder if self.first else None, None if self.saved is None else self.start)
         if self.first and self.saved is None:
@@ -257,6 +286,8 @@ class _Run:
     def _move(self) -> None:
         """All steps; checkpoints are passed on the way, or landed on where the formula cannot be put back."""
         every, end = self.case.output.checkpoint_every, self.case.time.end
+        if self.start >= end * (1 - TINY):  # nothing is left to do
+            return
         k = after(self.start, every)
         stops = [] if self.dynamics.remembers else [j * every for j in range(k, after(end, every)) if j * every < end * (1 - TINY)]
         self.next_save = k
@@ -288,6 +319,8 @@ class _Run:
             self._save(t)
         if due:
             self.next_save = after(t, every)
+        if self.due:
+            self.gain.judge(t)
         if asked == STOP:
             self.dynamics.stop()
 
@@ -308,6 +341,12 @@ class _Run:
         self.writer.close()
         self.bar.finish(self.t, self.dynamics.counters.steps)
         result = summary.of_run(scene, self.recorder, self.dynamics, self.notes, self.t, self.start, self.began, self.marks, error)
+        result |= self.estimate.told(error is None)
+        if "energy" in result:
+            result["energy"] |= self.gain.summary()
+            if result["energy"]["flag"]:
+                result["warnings"] = [*result["warnings"], self.gain.words()]
+                self._warn(result["warnings"][-1:])
 
         def put() -> None:
             if scene.drilling is not None:

@@ -22,6 +22,8 @@ from drillpetsc.descent import (
 )
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.guess import soft_string_guess
+from drillpetsc.quaternion_scene import equilibrium, move, place
+from drillpetsc.rooms.quaternion_beam import QuaternionBeam
 from drillpetsc.scene import Scene
 from drillpetsc.soft_string import TorqueDrag
 from drillpetsc.solve.hydraulics import place_fluid, steady_flow
@@ -61,12 +63,17 @@ def prescribed_motion(scene: Scene) -> tuple[float, float]:
 def place_along_hole(scene: Scene) -> None:
     """The unstrained string along the hole's axis (or straight, without a hole), at rest."""
     m = scene.model
+    if isinstance(scene.beam, QuaternionBeam):
+        return place(scene)
     if scene.beam is not None:
         m.set_field("string.position", scene.position)
         m.set_field("string.tangent", scene.tangent)
         m.set_field("string.spin", np.zeros((m.mesh.nodes, 1)))
     if "string.ratio" in m.layout.place:
         m.set_field("string.ratio", np.ones((m.mesh.nodes, 1)))
+    for name in ("joint.load", "joint.correction"):
+        if name in m.layout.place:
+            m.set_field(name, np.zeros((m.mesh.nodes, 6)))
     m.assembly.y[:] = 0.0
     m.assembly.a[:] = 0.0
     if scene.fluid is not None:
@@ -80,6 +87,8 @@ def move_rigidly(scene: Scene) -> None:
         return
     m = scene.model
     lowering, rotation = prescribed_motion(scene)
+    if isinstance(scene.beam, QuaternionBeam):
+        return move(scene, lowering, rotation)
     tangent = scene.tangent if scene.well is None else scene.well.at(scene.mesh.node_depth)[1]
     m.set_field("string.position", lowering * np.asarray(tangent), "y")
     m.set_field("string.tangent", np.zeros((m.mesh.nodes, 3)), "y")
@@ -96,6 +105,8 @@ def find_equilibrium(scene: Scene, motion: tuple[float, float] | None = None, cl
     it up the wall of the hole, as it does with a turning pipe at rest there; without, only its torque acts, as
     torque-and-drag models have it. Raises SolveError when no equilibrium is found.
     """
+    if isinstance(scene.beam, QuaternionBeam):
+        return equilibrium(scene, motion, climb)
     lowering = prescribed_motion(scene)[0] if motion is None else 0.0
     motion = prescribed_motion(scene) if motion is None else motion
     place_along_hole(scene)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -50,7 +51,7 @@ def static_table(scene: Scene, state: StaticState) -> tuple[list[tuple[str, str]
     contact = scene.contact.report(asm)[0][:, :1] if scene.contact is not None else np.zeros((len(cells), 1))
     bend = np.linalg.norm(curvatures(scene), axis=3).reshape(len(cells), 4)
     nodal = model.gather(np.hstack([model.field("string.position"), model.field("string.tangent")]))
-    cell = model.gather(np.hstack([cells, contact / scene_mesh.length[model.line.cells][:, None], bend]), "cell")
+    cell = model.gather(np.hstack([cells, contact / scene_mesh.divisor[model.line.cells][:, None], bend]), "cell")
     if nodal is None or cell is None:
         return COLUMNS + fluid_columns, None
     table = _table(scene, nodal, cell, None if fluid is None else fluid[:, -1])
@@ -99,6 +100,7 @@ def _name_unit(title: str) -> tuple[str, str]:
 
 
 def _table(scene: Scene, nodal: FloatArray, cell: FloatArray, beyond: FloatArray | None = None) -> FloatArray:
+    at_nodes = partial(_at_nodes, element=~scene.mesh.is_joint)
     mesh, column = scene.mesh, {name: i for i, name in enumerate(REPORT)}
     n = len(REPORT)
     t = nodal[:, 3:] / np.linalg.norm(nodal[:, 3:], axis=1, keepdims=True)
@@ -106,36 +108,41 @@ def _table(scene: Scene, nodal: FloatArray, cell: FloatArray, beyond: FloatArray
     stiffness, radius = mesh.bending_stiffness, 0.5 * mesh.outer_diameter
     inertia = np.pi / 64 * (mesh.outer_diameter**4 - mesh.inner_diameter**4)
     by_moment = np.divide(radius, inertia, out=np.zeros_like(radius), where=inertia > 0)  # stress per moment
-    axial = _at_nodes(cell[:, column["axial_upper"]], cell[:, column["axial_lower"]])
+    axial = at_nodes(cell[:, column["axial_upper"]], cell[:, column["axial_lower"]])
     effective = axial if beyond is None else axial + beyond  # it is effective tension that buckles
     load = _buckling_load(scene, effective)
     moment = [stiffness * cell[:, n + 3], stiffness * cell[:, n + 4]]
     out = [
         mesh.node_depth,
         axial,
-        -_linear(cell[:, column["torque"]]),
-        _at_nodes(cell[:, n], cell[:, n]),
-        _at_nodes(*moment),
+        -_linear(cell[:, column["torque"]], ~mesh.is_joint),
+        at_nodes(cell[:, n], cell[:, n]),
+        at_nodes(*moment),
         np.degrees(np.arccos(np.clip(t[:, 2], -1, 1))),
         *offset.T,
-        _at_nodes(cell[:, n + 1], cell[:, n + 2]),
-        _at_nodes(np.multiply(by_moment, moment[0]), np.multiply(by_moment, moment[1])),
+        at_nodes(cell[:, n + 1], cell[:, n + 2]),
+        at_nodes(np.multiply(by_moment, moment[0]), np.multiply(by_moment, moment[1])),
         load,
         np.maximum(-effective, 0.0) / load,
     ]
     return np.column_stack(out)
 
 
-def _at_nodes(upper: FloatArray, lower: FloatArray) -> FloatArray:
-    """(n+1,) means at the nodes of values at the upper and lower ends of the elements (n,)."""
+def _at_nodes(upper: FloatArray, lower: FloatArray, element: np.ndarray | None = None) -> FloatArray:
+    """(n+1,) means at the nodes of values at the upper and lower ends of the elements (n,); ``element`` (n,): false for joints."""
     out = np.concatenate([upper, lower[-1:]])
     out[1:-1] = 0.5 * (upper[1:] + lower[:-1])
+    if element is None:
+        return out
+    for cell in np.flatnonzero(~element):  # either part has its own end at a joint
+        out[cell] = lower[cell - 1] if cell and element[cell - 1] else 0.0
+        out[cell + 1] = upper[cell + 1] if cell + 1 < len(upper) and element[cell + 1] else 0.0
     return out
 
 
-def _linear(values: FloatArray) -> FloatArray:
+def _linear(values: FloatArray, element: np.ndarray) -> FloatArray:
     """(n+1,) at the nodes from values constant in each element (n,): means, continued linearly to the ends."""
-    out = _at_nodes(values, values)
+    out = _at_nodes(values, values, element)
     if len(values) > 1:
         out[0], out[-1] = 1.5 * values[0] - 0.5 * values[1], 1.5 * values[-1] - 0.5 * values[-2]
     return out

@@ -26,6 +26,7 @@ from drillpetsc.study_plan import (
     Base,
     Options,
     Point,
+    as_options,
     case_of,
     plan_curves,
     plan_of,
@@ -61,17 +62,18 @@ class StudyResult:
 def study(case: str | Path, vary: str | None = None, curves: Sequence[str] | None = None, *, values: Sequence[str | float] = (),
           outputs: Sequence[str] = (), repeats: int = REPEATS, reference: str = "auto", out: str | Path | None = None,
           restart: bool = False, overwrite: bool = False, options: Mapping[str, Any] | None = None, limit: float = LIMIT, few: bool = False,
-          changes: Sequence[str] = (), run: Runner = run_process, exact: Exact | None = None,
-          say: Callable[[str], None] | None = None) -> StudyResult:
+          steps: Sequence[str | float] = (), tolerances: Sequence[str | float] = (), changes: Sequence[str] = (),
+          run: Runner = run_process, exact: Exact | None = None, say: Callable[[str], None] | None = None) -> StudyResult:
     """Run a study of a case file: ``vary`` one thing (VARIED), or the named ``curves``; values along the curve, or names of curves.
 
     reference: auto | exact | arkimex | bdf3 | bdf2 | a run folder; exact: a closed form of the caller's; options: PETSc's, for every run;
-    changes: `key=value` of the case file, for every run; limit: wall seconds of one run; few: three points a curve.
+    changes: `key=value` of the case file, for every run; limit: wall seconds of one run; few: three points a curve; steps, tolerances: of
+    all curves that need them, in place of those around the case's own.
     Raises CaseError for bad input, before anything is written; a run that fails is a point marked failed.
     """
     tell = say or (lambda line: print(line, file=sys.stderr, flush=True))
     words = [str(v) for v in values]
-    base = read_base(case, {k: str(v) for k, v in (options or {}).items()}, changes)
+    base = read_base(case, as_options(options or {}), changes, [str(v) for v in steps], [str(v) for v in tolerances])
     _refuse_nonsense(base, vary, curves, words, repeats, reference)
     folder = _folder(Path(case).stem, out, restart, overwrite)
     bench = Bench(base, folder, limit, run, restart, tell)

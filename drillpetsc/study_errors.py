@@ -13,6 +13,7 @@ FloatArray = npt.NDArray[np.float64]
 NORMS = ("max", "rms", "end", "mean")
 UNRESOLVED = 0.3  # of the range: above it a run has little to do with the reference, and no order shows
 CLEAR = 3.0  # an error is the run's own where it is so many times larger than that of the reference
+FURTHER, FLAT = 4.0, 0.4  # how far a curve of error over time is continued beyond its last point, and how steep it must be
 SAME = 1e-9  # a range below this share of the size is rounding: the output stands still
 
 
@@ -83,7 +84,8 @@ class Cost:
 def cost_of(target: float, errors: FloatArray, seconds: FloatArray) -> Cost | None:
     """What an error of ``target`` costs on a curve of errors (n,) and seconds (n,) [s]: straight lines between points in logarithms.
 
-    Only points that no cheaper point beats count.  `beyond` is at most a decade of error away; None where the curve tells nothing.
+    Only points that no cheaper point beats count.  `beyond` is at most FURTHER away in error, on a curve that still falls by more than
+    time^-FLAT; None where the curve tells nothing.
     """
     errors, seconds = np.asarray(errors, dtype=float), np.asarray(seconds, dtype=float)
     good = np.isfinite(errors) & np.isfinite(seconds) & (errors > 0) & (seconds > 0)
@@ -99,9 +101,11 @@ def cost_of(target: float, errors: FloatArray, seconds: FloatArray) -> Cost | No
     for (s0, e0), (s1, e1) in zip(best, best[1:], strict=False):
         if e1 <= target:
             return Cost(_log_line(target, e0, s0, e1, s1), "between")
-    if len(best) < 2 or best[-1][1] > 10 * target:
+    if len(best) < 2 or best[-1][1] > FURTHER * target:
         return None
     (s0, e0), (s1, e1) = best[-2:]
+    if np.log(e0 / e1) < FLAT * np.log(s1 / s0):
+        return None
     return Cost(_log_line(target, e0, s0, e1, s1), "beyond")
 
 

@@ -84,7 +84,8 @@ class Point:
 class Base:
     """The case of a study: its file, its data, options of the command line, and the scales that points are chosen by.
 
-    tolerance: -ts_rtol of the case; history_every: interval of the rows [s]; step: mean step of the pilot [s] (0: not known).
+    tolerance: -ts_rtol of the case; history_every: interval of the rows [s]; step: mean step of the pilot [s] (0: not known);
+    steps [s], tolerances: of all curves, where they are given.
     """
 
     path: Path
@@ -95,6 +96,8 @@ class Base:
     tolerance: float
     history_every: float
     step: float = 0.0
+    steps: tuple[float, ...] = ()
+    tolerances: tuple[float, ...] = ()
 
     @property
     def own_options(self) -> dict[str, Any]:
@@ -102,7 +105,8 @@ class Base:
         return {**(self.data.get("petsc") or {}), **self.options}
 
 
-def read_base(path: str | Path, options: Options, changes: Sequence[str] = ()) -> Base:
+def read_base(path: str | Path, options: Options, changes: Sequence[str] = (), steps: Sequence[str] = (),
+              tolerances: Sequence[str] = ()) -> Base:
     """The case file of a study; raises CaseError where it cannot run."""
     path = Path(path)
     data, lines = read_case_file(path)
@@ -113,7 +117,8 @@ def read_base(path: str | Path, options: Options, changes: Sequence[str] = ()) -
         raise CaseError(at="time", want="a block {end: ...}", file=path)
     every = float(case.output.settled(case.time.end).history_every)  # type: ignore[arg-type]
     petsc = {**case.petsc, **options}
-    return Base(path, data, lines, options, case.time.end, float(petsc.get("ts_rtol", TOLERANCE)), min(every, case.time.end / FEWEST_ROWS))
+    return Base(path, data, lines, options, case.time.end, float(petsc.get("ts_rtol", TOLERANCE)), min(every, case.time.end / FEWEST_ROWS),
+                steps=tuple(numbers("time-step", steps, "--steps")), tolerances=tuple(numbers("tolerance", tolerances, "--tolerances")))
 
 
 def case_of(base: Base, point: Point) -> Case:
@@ -150,6 +155,8 @@ def mesh_changes(base: Base, factor: float) -> tuple[str, ...]:
 # ---------------------------------------------------------------------- values along a curve
 def default_steps(base: Base) -> list[float]:
     """Fixed steps [s] around the pilot's mean step, snapped to binary parts or multiples of the rows' interval: steps end on rows."""
+    if base.steps:
+        return list(base.steps)
     mean = base.step or base.history_every
     power = round(float(np.log2(mean / base.history_every)))
     return [base.history_every * 2.0**power * f for f in STEP_FACTORS if base.history_every * 2.0**power * f <= base.end / 4]
@@ -157,6 +164,8 @@ def default_steps(base: Base) -> list[float]:
 
 def default_tolerances(base: Base) -> list[float]:
     """Tolerances around that of the case, four decades of them, none above LOOSEST."""
+    if base.tolerances:
+        return list(base.tolerances)
     top = min(TOLERANCE_FACTORS[0] * base.tolerance, LOOSEST)
     return [float(f"{top * f / TOLERANCE_FACTORS[0]:.4g}") for f in TOLERANCE_FACTORS]
 
@@ -247,7 +256,7 @@ def _one_of(word: str, allowed: Sequence[str], what: str) -> None:
         raise CaseError(at=f"--{'curves' if what == 'curves' else 'values'}", got=word, want=" | ".join(allowed))
 
 
-def numbers(vary: str, words: Sequence[str]) -> list[float]:
+def numbers(vary: str, words: Sequence[str], option: str = "--values") -> list[float]:
     """Values as numbers above 0; time steps may carry a unit."""
     found = []
     for word in words:
@@ -257,7 +266,7 @@ def numbers(vary: str, words: Sequence[str]) -> list[float]:
             value = float("nan")
         if not value > 0 or (vary == "ranks" and value != int(value)):
             kind = {"time-step": "times above 0, such as 1 ms", "ranks": "whole numbers above 0"}.get(vary, "numbers above 0")
-            raise CaseError(at="--values", got=word, want=kind)
+            raise CaseError(at=option, got=word, want=kind)
         found.append(value)
     return found
 
@@ -293,8 +302,12 @@ def _is_number(word: str) -> bool:
 
 
 def finest_tolerance(points: Sequence[Point], base: Base) -> float:
-    """Smallest -ts_rtol among the points: the reference has to do better."""
-    return min((float(p.petsc.get("ts_rtol", base.tolerance)) for p in points), default=base.tolerance)
+    """Smallest -ts_rtol among the points with error control, for the reference to do better; without such points what would lead to the
+    shortest of the fixed steps, by the local error of order 3 of the default formula."""
+    controlled = [float(p.petsc.get("ts_rtol", base.tolerance)) for p in points if p.petsc.get("ts_adapt_type") != "none"]
+    if controlled:
+        return min(controlled)
+    return min((newton_tolerance(base, p.value, 2) for p in points), default=base.tolerance)
 
 
 def as_options(mapping: Mapping[str, Any]) -> Options:

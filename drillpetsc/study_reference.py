@@ -22,6 +22,7 @@ FloatArray = npt.NDArray[np.float64]
 Exact = Callable[[Case, FloatArray], dict[str, FloatArray] | None]
 
 FINER = 0.1  # tolerance of the reference over the finest of the points
+PATIENCE = 3.0  # a run of the reference may take so many times longer than a point's
 LOOSER = 10.0  # of the run by which the reference's own error is estimated
 ROWS_PER_STEP = 0.25  # longest step of the reference over the interval of the rows, which lie between steps
 CANDIDATES = ("arkimex", "bdf3", "bdf2")  # the first that can treat the scene within the time limit
@@ -119,8 +120,8 @@ def _integrated(bench: Bench, points: Sequence[Point], candidates: Sequence[str]
         both = LOOSER * tolerance, tolerance
         pair = [Point("reference", f"{name}-{tol:.3g}", tol, petsc={**petsc, "ts_rtol": repr(tol)}) for tol in both]
         bench.say(f"reference by {name} at a tolerance of {tolerance:.3g} ...")
-        loose = _of_run(bench, pair[0], f"{name}, tolerance {LOOSER * tolerance:.3g}", 0.5 * bench.limit)
-        tight = _of_run(bench, pair[1], f"{name}, tolerance {tolerance:.3g}") if loose is not None else None
+        loose = _of_run(bench, pair[0], f"{name}, tolerance {LOOSER * tolerance:.3g}", 0.5 * PATIENCE * bench.limit)
+        tight = _of_run(bench, pair[1], f"{name}, tolerance {tolerance:.3g}", PATIENCE * bench.limit) if loose is not None else None
         if loose is None or tight is None:
             refused.append(name)
             continue
@@ -150,7 +151,7 @@ def _extrapolated(bench: Bench, points: Sequence[Point], integrator: str) -> Ref
         petsc = {**INTEGRATORS[integrator][0], "ts_adapt_type": "basic", "ts_rtol": repr(tolerance)}
         point = Point("reference", f"mesh-{part * finest:g}", part * finest, mesh_changes(bench.base, part * finest), petsc)
         bench.say(f"reference on elements of {part * finest:g} times the case's length ...")
-        made = _of_run(bench, point, f"{integrator}, tolerance {tolerance:.3g}")
+        made = _of_run(bench, point, f"{integrator}, tolerance {tolerance:.3g}", PATIENCE * bench.limit)
         if made is None:
             return None
         runs.append(made)

@@ -22,6 +22,7 @@ Row = dict[str, Any]
 MOST_OUTPUTS = 6
 FIRST = ("bit_speed", "wob", "hook_load", "pump_pressure", "bit_depth", "surface_torque", "bit_torque", "rop", "bit_pressure",
          "outlet_flow")
+DIVERGED = 10.0  # rms error over range of a run that came to its end, but not to a result
 PLATEAU = 1.5  # errors within this ratio are one level, steps beyond it are different
 TARGETS = (0.1, 0.01, 0.001)  # errors whose cost is told
 COLUMNS = (("curve", "-"), ("point", "-"), ("value", "-"), ("ranks", "-"), ("status", "-"), ("step", "s"), ("elements", "-"),
@@ -34,7 +35,14 @@ def chosen_outputs(reference: Reference, outputs: Sequence[str]) -> list[str]:
     if outputs:
         return [name for name in outputs if extent(reference.values[name]) > 0]
     moving = [name for name, v in reference.values.items() if name not in NUMERICS and np.isfinite(v).all() and moves(v)]
-    return sorted(moving, key=lambda name: FIRST.index(name) if name in FIRST else len(FIRST))[:MOST_OUTPUTS]
+    return sorted(moving, key=_rank)[:MOST_OUTPUTS]
+
+
+def _rank(name: str) -> int:
+    """Place in the queue: what is named in FIRST, then offsets at probes, then the rest (contact forces at probes last)."""
+    if name in FIRST:
+        return FIRST.index(name)
+    return len(FIRST) + (0 if name[:2] in ("x_", "y_") else 2 if name.startswith("contact") else 1)
 
 
 def table_rows(measured: Sequence[Measured], found: Mapping[int, Mapping[str, np.ndarray]], reference: Reference | None,
@@ -55,6 +63,8 @@ def table_rows(measured: Sequence[Measured], found: Mapping[int, Mapping[str, np
                 row.update(status="failed", message=f"{name} is not a number")
                 fits = False
             told = errors_of(values, reference.values[name]) if fits else dict.fromkeys(NORMS, math.nan)  # type: ignore[arg-type]
+            if told["rms"] > DIVERGED:
+                row.update(status="failed", message=f"diverged: {name} is off by {told['rms']:.2g} times its range")
             row |= {f"error_{name}_{norm}": told[norm] for norm in NORMS}
         rows.append(row)
     return rows
@@ -77,7 +87,7 @@ def findings(vary: str, measured: Sequence[Measured], rows: Sequence[Row], refer
             by_norm = {norm: np.array([row[f"error_{name}_{norm}"] for row in mine], dtype=float) for norm in NORMS}
             orders[curve][name] = {norm: plain_order(observed_order(steps, e, floor)) for norm, e in by_norm.items()}
             if vary != "ranks":
-                found = {f"{target:g}": cost_of(target, by_norm["rms"], cpu) for target in TARGETS}
+                found = {f"{target:g}": cost_of(target, by_norm["rms"], cpu) for target in TARGETS if target > floor}
                 costs[curve][name] = {key: {"seconds": c.seconds, "how": c.how} for key, c in found.items() if c is not None}
     about = None
     if reference is not None:

@@ -33,7 +33,7 @@ def of_run(scene, recorder, dynamics, notes, reached: float, start: float, began
                      "python": platform.python_version()},
         "petsc_options": dynamics.options,
         "ranks": model.comm.size,
-        "elements": model.line.size - 1,
+        "elements": model.line.size - 1 - len(model.mesh.joints),
         "unknowns": unknowns,
         "simulated": reached - start,
         "time": reached,
@@ -44,6 +44,7 @@ def of_run(scene, recorder, dynamics, notes, reached: float, start: float, began
         "real_time_factor": (reached - start) / wall if wall > 0 else None,
         "wall_by_phase": phases(),
     }
+    result["warnings"] = list(notes.get("warnings", ()))
     if "statics" in notes:
         result["statics"] = notes["statics"]
     if recorder.has_energies:
@@ -71,10 +72,7 @@ def notes_of(state) -> dict[str, Any]:
 
 def field_counts(model) -> list[tuple[Any, int]]:
     """Each field with the number of vertices that have it (whole string)."""
-    mesh = model.mesh
-    junction = int(mesh.junction.sum()) if len(mesh.junction) else 0
-    count = {"string": mesh.nodes, "junction": junction, "below_top": mesh.nodes - 1, "bottom": 1}
-    return [(f, count[f.region]) for f in model.layout.fields]
+    return [(f, int(model.regions[f.region].sum())) for f in model.layout.fields]
 
 
 def counts(dynamics) -> dict[str, int]:
@@ -85,16 +83,12 @@ def counts(dynamics) -> dict[str, int]:
 
 
 def energy(recorder) -> dict[str, float]:
-    """Energy balance since the start [J]; the share is relative to the larger of work supplied and peak change of stored energy."""
+    """Energy balance since the start [J], at the last audit (a run that failed has no later one); the share is relative to the larger of
+    work supplied and peak change of stored energy."""
     kinetic, strain, potential = map(float, recorder.energies)
-    largest = max(abs(recorder.supplied), recorder.peak_exchange, 1e-300)
+    error = recorder.audited_error
     return {"kinetic": kinetic, "strain": strain, "potential": potential, "dissipated": recorder.dissipated, "supplied": recorder.supplied,
-            "error": recorder.energy_error, "error_share": recorder.energy_error / largest}
-
-
-def residual_calls() -> int:
-    """How often this rank has evaluated the rows since PETSc's log was begun."""
-    return int(PETSc.Log.Event("Residual").getPerfInfo()["count"])
+            "error": error, "error_share": error / recorder.exchanged}
 
 
 def phases() -> dict[str, float]:
@@ -126,7 +120,7 @@ def closing_lines(result: dict[str, Any], folder) -> list[str]:
         q = result["new_hole"]
         lines.append(f"  drilled {q['drilled [m]']:.4g} m: inclination {q['inclination_start [deg]']:.4g} to "
                      f"{q['inclination_end [deg]']:.4g} deg, build rate {q['build_rate [deg/30m]']:.3g}, turn rate {q['turn_rate [deg/30m]']:.3g} deg/30 m")
-    for warning in result.get("statics", {}).get("warnings", ()):
+    for warning in (*result.get("statics", {}).get("warnings", ()), *result.get("warnings", ())):
         lines.append(f"  note: {warning}")
     lines.append(f"  results: {folder}")
     lines.append(f"  look at them: scripts/drillpetsc plot {folder}   scripts/drillpetsc view {folder}   (string.pvd opens in ParaView)")

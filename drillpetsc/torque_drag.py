@@ -7,6 +7,7 @@ from pathlib import Path
 from petsc4py import PETSc
 
 from drillpetsc import options
+from drillpetsc.case.quaternion_checks import refuse_quaternion
 from drillpetsc.case.scene import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
@@ -24,6 +25,7 @@ def run_statics(case: Case, out: str | Path | None = None, motion: str | None = 
 
     motion: hoist, lower or rotate; None takes the motion that the top prescribes at time 0.  Collective.
     """
+    refuse_quaternion(case, "statics")
     comm = comm or PETSc.COMM_WORLD
     if motion is not None and case.well is None:
         raise CaseError(at="--motion", got=motion, want="a case with a well: without a hole there is no friction")

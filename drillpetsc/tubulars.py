@@ -34,6 +34,25 @@ class RigidItem:
 
 
 @dataclass(frozen=True)
+class StringJoint:
+    """A joint: a cell without length between two nodes at the same place.
+
+    depth: measured depth [m]; axes: (3, 3) orthonormal rows, the joint's axes in (tangent, director 2, director 3); spring [N/m], damping
+    [N s/m] along a slider, stroke: the least and largest travel [m] between its stops, of stop_stiffness [N/m].
+    """
+
+    depth: float
+    kind: str
+    cell: int
+    axes: tuple[tuple[float, float, float], ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    stabilised: bool = False
+    spring: float = 0.0
+    damping: float = 0.0
+    stroke: tuple[float, float] | None = None
+    stop_stiffness: float = 0.0
+
+
+@dataclass(frozen=True)
 class StringMesh:
     """Elements from the top down; all arrays (n,) in SI unless said otherwise.
 
@@ -61,11 +80,33 @@ class StringMesh:
     bodies: tuple[RigidItem, ...] = ()
     bends: tuple[tuple[int, float, float], ...] = ()  # (node, angle, tool face): kink of a bent sub
     junction: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))  # (n+1,) nodes with a stretch ratio
+    joints: tuple[StringJoint, ...] = ()  # their cells have no length and no element
 
     @property
     def length(self) -> FloatArray:
         """(n,) element lengths [m]."""
         return self.lower - self.upper
+
+    @property
+    def is_joint(self) -> np.ndarray:
+        """(n,) cells that are joints, not elements."""
+        mask = np.zeros(len(self.upper), dtype=bool)
+        mask[[j.cell for j in self.joints]] = True
+        return mask
+
+    @property
+    def divisor(self) -> FloatArray:
+        """(n,) element lengths [m], one for joints: what is zero there stays zero per length."""
+        return np.where(self.is_joint, 1.0, self.length) if self.joints else self.length
+
+    @property
+    def loose_slopes(self) -> np.ndarray:
+        """Nodes beside a joint whose slope no element holds at a length: only rigid items hang on them, or a stretch ratio takes it."""
+        joint = np.concatenate([[False], self.is_joint, [False]])  # joint[i], joint[i + 1]: the cells above and below node i
+        there = np.concatenate([[False], ~self.is_joint, [False]])
+        ratio = self.junction if len(self.junction) else np.zeros(self.nodes, dtype=bool)
+        held = there[:-1] | (there[1:] & ~ratio)
+        return np.flatnonzero((joint[:-1] | joint[1:]) & ~held)
 
     @property
     def nodes(self) -> int:

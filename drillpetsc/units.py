@@ -166,6 +166,7 @@ def _registry() -> Any:
     return registry
 
 
+@lru_cache(maxsize=4096)
 def _parse(unit_text: str) -> tuple[Any, int]:
     """pint quantity of one such unit, and the power of angle in it."""
     registry = _registry()

@@ -28,8 +28,8 @@ class Watch:
     def __enter__(self) -> Watch:
         if threading.current_thread() is threading.main_thread():
             for name, handler in (("SIGTERM", self._stop), ("SIGINT", self._stop), ("SIGUSR1", self._save)):
-                if hasattr(signal, name):
-                    number = getattr(signal, name)
+                number = getattr(signal, name, None)
+                if number is not None and signal.getsignal(number) != signal.SIG_IGN:  # who starts us may have had it ignored
                     self._before[number] = signal.signal(number, handler)
         return self
 

@@ -32,7 +32,7 @@ from drillpetsc.errors import CaseError
 ROOT = Path(__file__).parents[1]
 MEMORY = 6 << 30  # bytes of address space: what asks for more is a failure, and this machine goes on
 LARGEST_BUILT = 700  # elements: building takes milliseconds
-BUILT_PART, WRITTEN_PART, COMMAND_PART = 25, 25, 400  # one in so many of the accepted is built, written and read, given to the command
+BUILT_PART, WRITTEN_PART, COMMAND_PART = 10, 10, 200  # one in so many of the accepted is built, written and read, given to the command
 
 
 @dataclass(frozen=True)
@@ -96,13 +96,13 @@ def mutant(number: int, seed: int, known: list[Seed], folder: Path) -> Mutant:
     r = random.Random(f"{seed} {number}")
     file = folder / "case.yaml"
     kind = r.random()
-    if kind < 0.8:
-        base = r.choice(known).data if r.random() < 0.5 else valid_case(r)
+    if kind < 0.9:
+        base = r.choice(known).data if r.random() < 0.4 else valid_case(r)
         data, path = mutate_data(r, base)
         if r.random() < 0.2:
             data, path = mutate_data(r, data)
         return Mutant("data", file, data=data, path=path)
-    if kind < 0.97:
+    if kind < 0.98:
         text = r.choice(known).text if r.random() < 0.5 else written(valid_case(r))
         return Mutant("text", file, text=mutate_text(r, text))
     data = valid_case(r)
@@ -237,8 +237,8 @@ def as_text(m: Mutant) -> bytes:
 
 
 # ---------------------------------------------------------------------- all
-def run(count: int, seed: int, seconds: float, start: int, keep: Path, say: Any) -> Tally:
-    """Judge mutants from number `start` on; the files of failures go to the folder `keep`."""
+def run(count: int, seed: int, seconds: float, start: int, keep: Path, say: Any, thorough: bool = False) -> Tally:
+    """Judge mutants from number `start` on; the files of failures go to the folder `keep`. thorough: all stages of all that are valid."""
     known, tally, began = seeds(), Tally(), time.monotonic()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -246,7 +246,7 @@ def run(count: int, seed: int, seconds: float, start: int, keep: Path, say: Any)
             if seconds and time.monotonic() - began > seconds:
                 break
             m = mutant(number, seed, known, folder)
-            end = verdict(m, number, tally)
+            end = verdict(m, number, tally, thorough)
             failed = end not in ("valid", "refused")
             tally.outcomes[m.how, "FAILED" if failed else end] += 1
             if failed:
@@ -292,13 +292,15 @@ def main() -> int:
     p.add_argument("--seconds", type=float, default=0.0, help="stop after so many seconds (default: never)")
     p.add_argument("--start", type=int, default=0, help="number of the first mutant, to go on or to look at one again (default: 0)")
     p.add_argument("--keep", type=Path, default=ROOT / "results" / "fuzz", help="folder for the files of failures (default: results/fuzz)")
+    p.add_argument("--thorough", action="store_true", help="build, write and check all that stay valid, not one in ten")
     given = p.parse_args()
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     import petsc4py
 
     petsc4py.init(["fuzz"])
     began = time.monotonic()
-    tally = run(given.count, given.seed, given.seconds, given.start, given.keep, lambda line: print(line, file=sys.stderr, flush=True))
+    tally = run(given.count, given.seed, given.seconds, given.start, given.keep,
+                lambda line: print(line, file=sys.stderr, flush=True), given.thorough)
     print("\n".join(table(tally)))
     done, took = sum(tally.outcomes.values()), time.monotonic() - began
     print(f"\n{done} mutants of {len(case_files())} case files and of random cases in {took:.0f} s, seed {given.seed}: "

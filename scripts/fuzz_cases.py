@@ -65,8 +65,10 @@ def valid_case(random: Any) -> Data:
             data["contact"] = _contact(random)
     if has_fluid:
         data["fluid"] = _fluid(random, has_well)
-    if bit and maybe(random, 0.6):
+    if bit and maybe(random, 0.6) and data.get("fluid", {}).get("formulation") != "hermite":
         data["formation"] = _formation(random)
+    if not has_fluid and maybe(random):
+        data |= random.choice([{"joints": _joints(random)}, {} if _knows_gauge_alone(data) else {"beam": {"formulation": "quaternion"}}])
     return data | _settings(random, has_well, length)
 
 
@@ -97,6 +99,17 @@ def _string(random: Any, bit: bool) -> list[Data]:
     if bit:
         items.append({"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0, "nozzle_area": "400 mm2"})
     return items
+
+
+def _joints(random: Any) -> list[Data]:
+    hinge = {"at": 15.0, "kind": random.choice(["revolute", "universal", "fixed"])}
+    return [hinge, {"at": "20 m", "kind": "slider", "spring": "1 kN/m", "damping": 10.0, "stroke": [-0.1, "1 cm"]}][: random.randint(1, 2)]
+
+
+def _knows_gauge_alone(data: Data) -> bool:
+    """Whether the quaternion element does not know all of the scene."""
+    rigid = any(item["kind"] in ("stabilizer", "body", "bit") or "eccentricity" in item for item in data["string"])
+    return rigid or data["top"] == "driven" or isinstance(data["top"], dict) and data["top"]["kind"] == "driven"
 
 
 def _well(random: Any, end: float) -> Data:
@@ -199,6 +212,4 @@ def _settings(random: Any, has_well: bool, length: float) -> Data:
         data["output"] = {"history_every": "10 ms", "field_every": 0.1, "probes": [3.0, f"{length - 1} m"], "checkpoint_every": 1.0}
     if maybe(random):
         data["petsc"] = {"ts_type": "bdf", "ts_bdf_order": 2, "ts_rtol": 1e-4, "ts_monitor": None, "q_flag": True}
-    if maybe(random, 0.2):
-        data["beam"] = {"formulation": "gauge"}
     return data

@@ -86,10 +86,15 @@ def check_message(error: CaseError, files: tuple[Path, ...], lines: int | None) 
 
 
 # ---------------------------------------------------------------------- what was given is in the case
-def check_visible(case: Case, path: tuple[str | int, ...], given: Any) -> None:
-    """Failure unless the value given at the path stands in the validated case, in SI: nothing is replaced or dropped in silence."""
-    data: Any = case_data(case)
-    if not path or path[-1] in ("survey", "from") and isinstance(given, str):  # names of files and folders
+def check_visible(case: Case, path: tuple[str | int, ...], given: Any, held: Any = None) -> None:
+    """Failure unless the value given at the path stands in the validated case, in SI: nothing is replaced or dropped in silence.
+
+    held: case_data(case), where it is at hand.
+    """
+    data: Any = case_data(case) if held is None else held
+    if not path or path[-1] in ("survey", "from") and isinstance(given, str) or path[-1] == "name" and given == "":  # of files; none
+        return
+    if path[0] == "contact" and case.hold_string:  # which says that there is none
         return
     for depth, step in enumerate(path):
         if isinstance(data, (dict, list)) and (step in data if isinstance(data, dict) else int(step) < len(data)):
@@ -111,7 +116,7 @@ def _dropped_by_contract(case: Case, block: tuple[str | int, ...], step: str | i
     if step in ("from_", "to_"):  # the Python name of the key
         return True
     if (block or (step,))[0] == "contact":
-        return case.hold_string or given == "none" or (case.well is None and step == "contact")
+        return given == "none" or (case.well is None and step == "contact")
     if len(block) >= 2 and block[0] == "string" and "material" in (*block, step):
         return getattr(case.string[int(block[1])], "material", None) == case.material
     if given in ({}, []):
@@ -143,13 +148,20 @@ def same(given: Any, held: Any) -> bool:
 
 
 def _same_number(given: Any, held: float) -> bool:
-    for unit in DIMENSIONS:
+    if not isinstance(given, str):
+        return isinstance(given, (int, float)) and math.isclose(given, held, rel_tol=1e-12)
+    for unit in list(_UNITS):
         try:
             if math.isclose(to_si(given, unit), held, rel_tol=1e-12):
+                _UNITS.remove(unit)  # the usual ones come to the front: trying all takes milliseconds
+                _UNITS.insert(0, unit)
                 return True
         except UnitError:
             continue
     return False
+
+
+_UNITS = list(DIMENSIONS)
 
 
 def check_round_trip(case: Case, load: Callable[[str], Case]) -> None:

@@ -38,27 +38,56 @@ BLOCKS: tuple[Any, ...] = (
     [0] * 300, {str(i): i for i in range(300)},
 )  # fmt: skip
 
-#: keys with a value each that a block may get beside what it has
-EXTRAS: tuple[tuple[str, Any], ...] = (
-    ("element_length", 3.0), ("element_length", 1e-9), ("friction", 0.1), ("stiffness", 1e7), ("damping", 1.0), ("name", "x"), ("id", 0.01), ("od", 0.1),
-    ("material", {"young": 2e11}), ("material", {"damping": {"mass": 1.0}}), ("bend", {"angle": 0.02}), ("bend", {"angle": 0}), ("inertia", {"axial": 2.0}),
-    ("center_of_gravity", 0.3), ("unbalance", 0.1), ("unbalance_angle", 1.0), ("curvature", 1e-3), ("curvature_angle", 1.0), ("eccentricity", 1e-3),
-    ("nozzle_area", 3e-4), ("mass", 50.0), ("lowering", 0.1), ("force", 1e4), ("force", [1, 2, 3]), ("moment", [1, 2, 3]), ("rotation", "60 rpm"),
-    ("restitution_speed", 2.0), ("stribeck", {"static": 0.9, "speed": 0.5}), ("points_per_element", 4), ("compliance", {"young": 1e10}),
-    ("plugged", True), ("value_over", 2.0), ("frame", "section"), ("wob", "1 kN"), ("imperfection", 0.02), ("inclination", 0.4), ("azimuth", 0.4),
-    ("mode", "quasi_static"), ("step", 0.5), ("probes", [1.5]), ("checkpoint_every", 0.3), ("annulus", False), ("annulus", True), ("bit_volume", 1e-2),
-    ("choke", {"area": 1e-3}), ("flow_line", 0.5), ("pump_pressure", 1e5), ("outlet_pressure", 1e5), ("shear_rate", 3.0), ("clinging", 0.3),
-    ("added_mass", 2.0), ("lateral_damping", 3.0), ("lateral_damping_speed", 3.0), ("rotation_drag", True), ("cuttings", "returned"), ("to", 3.0),
-    ("growth", "post_step"), ("direction", "bit_axis"), ("overgauge", 1e-3), ("walk", 0.1), ("freeze_interval", 0.2), ("threshold", 10.0),
-    ("layers", [{"from": 3}]), ("bit_law", "drag_bit"), ("rock_anisotropy", {"dip": 0.2}), ("reference_speed", 9.0), ("reference_weight", 9e4),
-    ("rotary_exponent", 0.5), ("weight_exponent", 1.2), ("drillability", 1e-8), ("hold_string", True), ("gravity", 5.0), ("title", "t"),
-    ("initial", {"from": "rest"}), ("output", {"history_every": 0.5}), ("output", {"history_every": 1e-12}), ("output", {"checkpoint_every": 1e-12}),
-    ("fluid", {"density": 1000, "rheology": {"model": "newtonian", "viscosity": 1e-3}}), ("formation", {"drillability": 1e-8}), ("contact", "none"),
-    ("contact", {"stiffness": 1e7}), ("loads", [{"at": 1, "force": [1, 0, 0]}]), ("petsc", {"ts_dt": 0.1}), ("time", {"end": 3}), ("joints", []),
-    ("roughness", 1e-3), ("well", {"survey": {"md": [0, 100], "inclination": [0, 0], "azimuth": [0, 0]},
-                                   "sections": [{"to": 100, "kind": "open_hole", "diameter": 0.3}]}),
-    ("bottom", "bit"), ("top", "pinned"), ("angle", 0.1), ("speed", 2.0), ("static", 0.9), ("dynamic", 0.1), ("blades", 3), ("poisson", 0.2),
-)  # fmt: skip
+#: keys with values that a block may get beside what it has; the names of the blocks are paths without list numbers
+EXTRAS: dict[str, tuple[tuple[str, Any], ...]] = {
+    "": (
+        ("hold_string", True), ("hold_string", False), ("gravity", 5.0), ("title", "t"), ("initial", {"from": "rest"}), ("contact", "none"),
+        ("output", {"history_every": 0.5}), ("output", {"history_every": 1e-12}), ("output", {"checkpoint_every": 1e-12}), ("top", "pinned"),
+        ("fluid", {"density": 1000, "rheology": {"model": "newtonian", "viscosity": 1e-3}}), ("formation", {"drillability": 1e-8}),
+        ("contact", {"stiffness": 1e7}), ("loads", [{"at": 1, "force": [1, 0, 0]}]), ("petsc", {"ts_dt": 0.1}), ("time", {"end": 3}),
+        ("well", {"survey": {"md": [0, 100], "inclination": [0, 0], "azimuth": [0, 0]},
+                  "sections": [{"to": 100, "kind": "open_hole", "diameter": 0.3}]}),
+        ("bottom", "bit"), ("bottom", "pinned"), ("material", {"young": 7e10}), ("beam", {"formulation": "gauge"}), ("beam", {"formulation": "quaternion"}),
+        ("joints", []), ("joints", [{"at": 4, "kind": "universal"}]), ("joints", [{"at": 30, "kind": "slider"}]),
+    ),
+    "string": (
+        ("element_length", 3.0), ("element_length", 1e-9), ("friction", 0.1), ("name", "x"), ("id", 0.01), ("od", 0.1), ("mass", 50.0),
+        ("material", {"young": 2e11}), ("material", {"damping": {"mass": 1.0}}), ("bend", {"angle": 0.02}), ("bend", {"angle": 0}),
+        ("inertia", {"axial": 2.0}), ("center_of_gravity", 0.3), ("unbalance", 0.1), ("unbalance_angle", 1.0), ("curvature", 1e-3),
+        ("curvature_angle", 1.0), ("eccentricity", 1e-3), ("eccentricity_angle", 1.0), ("nozzle_area", 3e-4), ("initial", {"imperfection": 0.02}),
+        ("damping", {"mass": 1.0}),
+    ),
+    "well.sections": (("friction", 0.1), ("compliance", {"young": 1e10}), ("to", 3.0), ("roughness", 1e-3)),
+    "top": (("lowering", 0.1), ("rotation", "60 rpm"), ("force", 1e4), ("stiffness", 1e7), ("damping", 1.0), ("inertia", 3.0)),
+    "bottom": (("stiffness", 1e7), ("friction", 0.1), ("plugged", True), ("force", [1, 2, 3]), ("moment", [1, 2, 3])),
+    "loads": (("value_over", 2.0), ("frame", "section"), ("force", [1, 2, 3]), ("moment", [1, 2, 3]), ("to", 3.0), ("at", 3.0)),
+    "contact": (
+        ("restitution_speed", 2.0), ("stribeck", {"static": 0.9, "speed": 0.5}), ("points_per_element", 4), ("law", "hertz"), ("stiffness", 1e7),
+        ("slip_velocity", 0.1), ("restitution", 1),
+    ),
+    "fluid": (
+        ("annulus", False), ("annulus", True), ("bit_volume", 1e-2), ("choke", {"area": 1e-3}), ("flow_line", 0.5), ("pump_pressure", 1e5),
+        ("outlet_pressure", 1e5), ("clinging", 0.3), ("added_mass", 2.0), ("lateral_damping", 3.0), ("lateral_damping_speed", 3.0),
+        ("rotation_drag", True), ("cuttings", "returned"), ("formulation", "hermite"), ("dynamics", "quasi_steady"), ("elastic_walls", False),
+        ("check_valve", True), ("bulk_modulus", 1e12), ("flow_rate", 0.01), ("discharge_coefficient", 0.8),
+    ),
+    "fluid.rheology": (("shear_rate", 3.0), ("law", "exact"), ("law", "api")),
+    "formation": (
+        ("growth", "post_step"), ("direction", "bit_axis"), ("overgauge", 1e-3), ("walk", 0.1), ("freeze_interval", 0.2), ("threshold", 10.0),
+        ("layers", [{"from": 3}]), ("layers", [{"from": 3, "to": 4}]), ("bit_law", "drag_bit"), ("rock_anisotropy", {"dip": 0.2}),
+        ("reference_speed", 9.0), ("reference_weight", 9e4), ("rotary_exponent", 0.5), ("weight_exponent", 1.2), ("drillability", 1e-8),
+    ),
+    "formation.layers": (("threshold", 10.0), ("rock_anisotropy", {"dip": 0.2}), ("bit_anisotropy", 0.4), ("to", 7.0), ("weight_exponent", 1.2)),
+    "formation.bit_law": (("stiffness", 1e8), ("stiffness", 2e8), ("blades", 3), ("static", 0.9), ("dynamic", 0.1), ("speed", 2.0)),
+    "joints": (("axis", [0, 0, 1]), ("constraint", "stabilised"), ("spring", 1.0), ("damping", 1.0), ("stroke", [-1, 1]), ("stop_stiffness", 1e6)),
+    "beam": (("formulation", "quaternion"), ("constraint", "index2")),
+    "initial": (("wob", "1 kN"), ("imperfection", 0.02), ("inclination", 0.4), ("azimuth", 0.4), ("from", "straight")),
+    "time": (("mode", "quasi_static"), ("mode", "dynamic"), ("step", 0.5)),
+    "output": (("probes", [1.5]), ("checkpoint_every", 0.3), ("field_every", 0.3), ("history_every", 0.3)),
+    "petsc": (("ts_dt", 0.1), ("x", None), ("y", True)),
+    "material": (("poisson", 0.2), ("density", 7000.0), ("damping", {"mass": 0.2}), ("young", "100 GPa")),
+}  # fmt: skip
+ALL_EXTRAS = tuple(pair for pairs in EXTRAS.values() for pair in pairs)
 
 
 # ---------------------------------------------------------------------- places
@@ -102,13 +131,13 @@ def _new_block(random: Any, data: Any, old: Any) -> Any:
 
 
 def _deep(random: Any, data: Any, old: Any) -> Any:
-    for _ in range(random.choice([3, 30, 300, 3000])):
+    for _ in range(random.choice([1, 1, 2, 3, 30, 300])):
         old = [old] if random.randint(0, 1) else {"kind": old}
     return old
 
 
 def _scaled(random: Any, data: Any, old: Any) -> Any:
-    factor = random.choice([0, -1, 0.1, 10, 0.5, 1.01, 1e3, 1e-3, 1e6, 1e-6, 1e12, 1e-12, 1e100, 1e-100])
+    factor = random.choice([0, -1, 0.1, 10, 0.5, 2, 0.9, 1.1, 0.99, 1.01, 0.3, 3, 1e3, 1e-3, 1e6, 1e-6, 1e12, 1e-12, 1e100, 1e-100])
     if isinstance(old, str):
         match = re.match(r"[-+\d.eE]+", old)
         try:
@@ -133,7 +162,7 @@ def _elsewhere(random: Any, data: Any, old: Any) -> Any:
     return value_at(data, random.choice(list(places(data))))  # not copied: nothing is changed in place
 
 
-NEW_VALUES = (_new_scalar, _new_scalar, _new_block, _scaled, _scaled, _scaled, _respelt, _respelt, _elsewhere, _deep)
+NEW_VALUES = (_new_scalar, _new_scalar, _new_block, *[_scaled] * 9, *[_respelt] * 3, _elsewhere, _elsewhere, _deep)
 
 
 def mutate_data(random: Any, data: dict[str, Any]) -> tuple[dict[str, Any], Path]:
@@ -154,7 +183,8 @@ def mutate_data(random: Any, data: dict[str, Any]) -> tuple[dict[str, Any], Path
         return _repeated(data, path), ()
     blocks = [(), *(p for p in spots if isinstance(value_at(data, p), dict))]
     block = random.choice(blocks)
-    key, value = random.choice(EXTRAS)
+    name = ".".join(step for step in block if isinstance(step, str))
+    key, value = random.choice(EXTRAS[name] if name in EXTRAS and random.randint(0, 9) else ALL_EXTRAS)
     path = (*block, key)
     return replaced(data, path, copy.deepcopy(value)) if block else {**data, key: copy.deepcopy(value)}, path
 

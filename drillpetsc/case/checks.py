@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 from drillpetsc.case.drilling_checks import check_drilling, check_time
 from drillpetsc.case.fluid_checks import check_fluid, check_held_string
 from drillpetsc.case.items import Beam, Bit, Pipe
+from drillpetsc.case.joints import check_joints
 from drillpetsc.case.keys import refuse
+from drillpetsc.case.quaternion_checks import check_quaternion
 from drillpetsc.case.size_checks import check_size
 
 if TYPE_CHECKING:
@@ -20,6 +22,7 @@ LENGTH_TOLERANCE = 1e-6  # [m] sums of item lengths
 def check_scene(case: Case) -> None:
     """Raises on the first contradiction between blocks."""
     check_held_string(case)
+    check_quaternion(case)
     _bit_last(case)
     _well_or_none(case)
     check_fluid(case)
@@ -28,6 +31,7 @@ def check_scene(case: Case) -> None:
     check_drilling(case)
     _start(case)
     check_time(case)
+    check_joints(case)
     _on_string(case)
     _stribeck(case)
     check_size(case)

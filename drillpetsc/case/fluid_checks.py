@@ -40,6 +40,9 @@ def check_fluid(case: Case) -> None:
     if case.fluid is None:
         return
     _annulus(case)
+    if case.formation is not None and case.fluid.formulation == "hermite":
+        hint = "it counts volumes in a hole that keeps its size; formulation: mixed lets the hole grow"
+        raise refuse("fluid", "formulation", got="hermite", want="mixed with a formation", hint=hint)
     for i, item in enumerate(case.string):
         if isinstance(item, Beam) and item.od is None:
             raise refuse("string", i, "od", want="an outer diameter (and id): the scene has a fluid")

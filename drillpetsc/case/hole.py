@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, WrapValidator, field_validator, model_validator
 
 from drillpetsc.case.base import Model, follows
 from drillpetsc.case.items import Friction
@@ -59,13 +60,18 @@ class Compliance(Model):
     )
 
 
+def _depth_or_end(value: Any, depth: Callable[[Any], float]) -> float | None:
+    """None for the end of the survey, which the section does not know."""
+    return None if value is None or (isinstance(value, str) and value == "end") else depth(value)
+
+
 class Section(Model):
     """A stretch of hole of one diameter."""
 
     later_keys: ClassVar[tuple[str, ...]] = ("roughness",)
 
-    to: Annotated[float, Quantity("m", above=0, at_most=50e3)] = Field(
-        description="measured depth of its lower end [m]"
+    to: Annotated[float, Quantity("m", above=0, at_most=50e3), WrapValidator(_depth_or_end)] = follows(
+        "measured depth of its lower end [m]; for the last section `end`, or nothing: the last station of the survey"
     )
     kind: Literal["casing", "open_hole"] = Field(description="cased or open hole")
     diameter: Annotated[float, Quantity("m", above=0, at_most=10)] = Field(description="inner diameter [m]")
@@ -85,22 +91,26 @@ class Well(Model):
     """The hole."""
 
     survey: Annotated[Survey, BeforeValidator(_survey, json_schema_input_type=str | Survey)] = Field(
-        description="stations md, inclination, azimuth; or the name of a CSV file with these columns"
+        description="stations md, inclination, azimuth; or the name of a CSV file with these columns, or of a run folder: its hole, as drilled"
     )
     sections: tuple[Section, ...] = Field(min_length=1, description="casing and open hole, from the surface down")
 
     @model_validator(mode="after")
     def _covered(self) -> Well:
-        above = 0.0
+        above, last = 0.0, len(self.sections) - 1
+        if self.sections[last].to is None:
+            self.settle(sections=(*self.sections[:last], self.sections[last].model_copy(update={"to": self.survey.md[-1]})))
         for i, section in enumerate(self.sections):
+            if section.to is None:
+                hint = "only the last section may leave it to the survey"
+                raise refuse("sections", i, "to", want="the measured depth of the section's lower end", hint=hint)
             if section.to <= above:
                 want = f"rising depths: below the section above, {above:g} m"
                 raise refuse("sections", i, "to", got=section.to, want=want)
             above = section.to
         end = self.survey.md[-1]
         if abs(above - end) > 1e-3:
-            last = len(self.sections) - 1
-            hint = "the survey ends there; add a station, or change the section"
+            hint = "the survey ends there; add a station, or write `to: end`"
             want = f"sections down to the last station, {end:g} m"
             raise refuse("sections", last, "to", got=above, want=want, hint=hint)
         return self
@@ -144,6 +154,10 @@ class Contact(Model):
     )
     stribeck: Stribeck | None = Field(default=None, description="static friction; none when not given")
     points_per_element: int = Field(default=2, ge=1, le=16, strict=True, description="contact points per element [-]")
+    energy_strict: bool = Field(
+        default=False, strict=True,
+        description="true: no step longer than half the shortest impact, so that impacts keep their books of energy",
+    )
 
     @field_validator("stiffness", mode="plain", json_schema_input_type=float | str)
     @classmethod

@@ -11,7 +11,7 @@ from drillpetsc.case.base import Model, chosen, follows
 from drillpetsc.case.keys import refuse
 from drillpetsc.case.quantities import Quantity, Vector
 
-Length = Annotated[float, Quantity("m", above=0, at_most=50e3)]
+Length = Annotated[float, Quantity("m", at_least=1e-3, at_most=50e3)]
 RigidLength = Annotated[float, Quantity("m", at_least=0, at_most=200)]
 Diameter = Annotated[float, Quantity("m", above=0, at_most=2)]
 Bore = Annotated[float, Quantity("m", at_least=0, at_most=2)]

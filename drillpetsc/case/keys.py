@@ -46,7 +46,7 @@ TOO_DEEP = "blocks in blocks in blocks"
 
 
 def check_plain(value: Any, at: Path = ()) -> None:
-    """Refuses, with a CaseError, data that nobody could show or write: endlessly deep, or with halves of letters (surrogates)."""
+    """Refuses, with a CaseError, data that nobody could show or write: endlessly deep, with halves of letters (surrogates) or endless numbers."""
     if len(at) > MOST_LEVELS:
         raise CaseError(at=written(at[:3]), got=TOO_DEEP, want=f"at most {MOST_LEVELS} levels")
     if isinstance(value, str):
@@ -54,6 +54,8 @@ def check_plain(value: Any, at: Path = ()) -> None:
             value.encode("utf-8")
         except UnicodeEncodeError:
             raise CaseError(at=written(at), got=value, want="letters of Unicode") from None
+    elif isinstance(value, int) and value.bit_length() > 1024:
+        raise CaseError(at=written(at), got="a larger one", want="a number of at most 308 digits")
     elif isinstance(value, Mapping):
         for key, part in value.items():
             check_plain(key, at)

@@ -49,7 +49,7 @@ def _one(details: Mapping[str, Any], given: Mapping[str, Any]) -> CaseError:
     context = details.get("ctx", {})
     kind = details["type"]
     location = (*details["loc"], *(context.get("at", ()) if kind == "case" else ()))
-    path = _keys_only(location)
+    path = _keys_only(location, given)
     value = _at(given, path)
     if kind == "case":
         got = context["got"] if value is _MISSING else value
@@ -73,9 +73,15 @@ def _words(details: Mapping[str, Any], got: Any) -> tuple[str, str]:
     return _WANT.get(kind, details["msg"]), ""
 
 
-def _keys_only(location: Path) -> Path:
-    """Drops the steps that pydantic adds for members of a union."""
-    return tuple(step for step in location if isinstance(step, int) or ":" not in step and "[" not in step)
+def _keys_only(location: Path, given: Any) -> Path:
+    """Drops the steps that pydantic adds for members of a union, but no key that the user wrote."""
+    path: list[str | int] = []
+    for step in location:
+        value = _at(given, (step,))
+        if value is not _MISSING or isinstance(step, int) or ":" not in step and "[" not in step:
+            path.append(step)
+            given = value
+    return tuple(path)
 
 
 def _at(given: Any, path: Path) -> Any:

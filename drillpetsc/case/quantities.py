@@ -5,6 +5,7 @@ Used as `Annotated[float, Quantity("m", above=0, at_most=20e3)]`; bounds are in 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -116,6 +117,9 @@ class Vector:
         return {"anyOf": [row, *number["anyOf"]]} if self.along_x or self.along_z else row
 
 
+_SLOWER = "values that do not grow faster, or further, than a computer can count (1e308)"
+
+
 @dataclass(frozen=True)
 class OverTime:
     """A value over time in the SI unit `unit`: constant, {time, value} or {ramp, value}."""
@@ -135,7 +139,10 @@ class OverTime:
             raise refuse(got=dict(value), want=forms)
         if "ramp" in value:
             duration = Quantity("s", above=0).read(value["ramp"], "ramp")
-            return Ramp(duration, Quantity(self.unit).read(value["value"], "value"))
+            ramp = Ramp(duration, Quantity(self.unit).read(value["value"], "value"))
+            if not math.isfinite(math.pi * ramp.final / ramp.duration):
+                raise refuse(got=dict(value), want=_SLOWER)
+            return ramp
         return self._table(value["time"], value["value"])
 
     def _table(self, times: object, values: object) -> PiecewiseLinear:
@@ -150,10 +157,13 @@ class OverTime:
             count = f"{len(columns[0])} times and {len(columns[1])} values"
             raise refuse("value", got=count, want="as many values as times")
         try:
-            return PiecewiseLinear(columns[0], columns[1])
+            table = PiecewiseLinear(columns[0], columns[1])
         except ValueError as error:
             want = "times that never fall; one that stands twice is a jump"
             raise refuse("time", got=times, want=want, hint=str(error)) from None
+        if not all(math.isfinite(table.rate(t)) and math.isfinite(table.integral(t)) for t in table.times):
+            raise refuse("value", got=values, want=_SLOWER)
+        return table
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         plain = core_schema.plain_serializer_function_ser_schema(dump_time_function)

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import difflib
-import re
-import warnings
 from collections.abc import Mapping
-from io import StringIO
 from pathlib import Path as FilePath
 from typing import Any
 
-from drillpetsc.case.keys import MOST_LEVELS, TOO_DEEP, Path, override, written
+from drillpetsc.case.keys import MOST_LEVELS, Path, override, written
 from drillpetsc.case.scene import Case
 from drillpetsc.case.survey_file import FOLDER
+from drillpetsc.case.yaml_text import parse, too_deep
 from drillpetsc.errors import CaseError, shown
 
 Lines = dict[Path, int]
@@ -76,7 +74,7 @@ def read_case_file(path: str | FilePath) -> tuple[dict[str, Any], Lines]:
         near = difflib.get_close_matches(path.name, [other.name for other in path.parent.glob("*.y*ml")], 1)
         hint = f"did you mean {path.parent / near[0]}?" if near else ""
         raise CaseError(got=path, want="a case file that exists and can be read", hint=hint) from None
-    tree = _parse(text, path)
+    tree = parse(text, path)
     if tree is None:
         raise CaseError(file=path, line=1, got="an empty file", want="a mapping of keys: string, top, well, ...")
     if not isinstance(tree, dict):
@@ -88,83 +86,17 @@ def read_case_file(path: str | FilePath) -> tuple[dict[str, Any], Lines]:
 
 def read_value(text: str) -> Any:
     """One YAML value, as on a command line."""
-    value = _parse(text, None)
+    value = parse(text, None)
     return _plain(value, (), {}, None)
-
-
-def _parse(text: str, path: FilePath | None) -> Any:
-    from ruamel.yaml import YAML
-    from ruamel.yaml.constructor import DuplicateKeyError
-    from ruamel.yaml.error import MarkedYAMLError
-    from ruamel.yaml.reader import ReaderError
-
-    directive = re.search(r"^%YAML(?!\s+1\.2\s*$).*", text, re.MULTILINE)
-    if directive:  # in YAML 1.1 yes is true, 010 is 8 and 12:30 is 750
-        line = text.count("\n", 0, directive.start()) + 1
-        raise CaseError(got=directive.group(), want="YAML 1.2", file=path, line=line)
-    yaml = YAML(typ="rt", pure=True)
-    yaml.allow_duplicate_keys = False
-    yaml.Scanner, read = _scanner()
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # an anchor that stands twice
-            return yaml.load(StringIO(text))
-    except DuplicateKeyError as error:
-        line = error.problem_mark.line + 1
-        key = str(error.problem).split('"')[1] if '"' in str(error.problem) else ""
-        raise CaseError(at=key, got="a key that stands twice", want="each key once", file=path, line=line) from None
-    except MarkedYAMLError as error:
-        raise _unreadable(error, text, path) from None
-    except ReaderError as error:  # a control character
-        line = text.count("\n", 0, error.position) + 1
-        what = " ".join(str(error).split())[:200]
-        raise CaseError(file=path, line=line, got="text that is not YAML", want="YAML 1.2", hint=what) from None
-    except RecursionError:
-        raise _too_deep((), path, read[0]) from None
-    except Exception as error:  # whatever ruamel stumbles over
-        line = read[0]
-        what = " ".join(str(error).split())[:200]
-        raise CaseError(file=path, line=line, got="text that is not YAML", want="YAML 1.2", hint=what) from None
-
-
-def _scanner() -> tuple[Any, list[int]]:
-    """ruamel's scanner, which goes no deeper than MOST_LEVELS brackets (it would take seconds), and the line it has come to."""
-    from ruamel.yaml.scanner import RoundTripScanner
-
-    read = [1]
-
-    class Scanner(RoundTripScanner):
-        def fetch_more_tokens(self) -> Any:
-            read[0] = self.reader.line + 1
-            if self.flow_level > MOST_LEVELS:
-                raise RecursionError
-            return super().fetch_more_tokens()
-
-    return Scanner, read
-
-
-def _unreadable(error: Any, text: str, path: FilePath | None) -> CaseError:
-    """A YAML error in the words of its place."""
-    mark = error.problem_mark or error.context_mark
-    line = mark.line + 1 if mark else 1
-    rows = text.splitlines()
-    row = rows[line - 1] if line <= len(rows) else ""
-    indent = row[: len(row) - len(row.lstrip())]
-    if "\t" in indent or "\\t" in str(error.problem) or "tab" in str(error.problem).lower():
-        return CaseError(got="a tab", want="spaces for indentation", file=path, line=line)
-    if "single document" in str(error):
-        return CaseError(got="several documents (---)", want="one case in a file", file=path, line=line)
-    problem = " ".join(str(error.problem or error.context or "").split())
-    return CaseError(got=row.strip() or "the end of the file", want="YAML 1.2", hint=problem, file=path, line=line)
 
 
 def _plain(node: Any, at: Path, lines: Lines, file: FilePath | None) -> Any:
     """ruamel's tree as dicts, lists and scalars; notes lines; refuses what no case can hold."""
     if len(at) > MOST_LEVELS:
-        raise _too_deep(at[:3], file, line_of(at, lines))
+        raise too_deep(at[:3], file, line_of(at, lines))
     if len(lines) > MOST_VALUES:
         want = f"at most {MOST_VALUES} values, those behind aliases counted each time"
-        raise CaseError(at=written(at[:1]), got="more values", want=want, file=file, line=line_of(at, lines))
+        raise CaseError(at=written(at[:1]), got="more values", want=want, file=file, line=line_of(at[:1], lines))
     if getattr(getattr(node, "tag", None), "value", None) is not None:
         raise CaseError(at=written(at), got=node.tag.value, want="no YAML tag (!)", file=file, line=line_of(at, lines))
     if isinstance(node, dict):
@@ -185,10 +117,6 @@ def _plain(node: Any, at: Path, lines: Lines, file: FilePath | None) -> Any:
         want = "a number, text, list or mapping"
         raise CaseError(at=written(at), got=node, want=want, file=file, line=line_of(at, lines))
     return None
-
-
-def _too_deep(at: Path, file: FilePath | None, line: int) -> CaseError:
-    return CaseError(at=written(at), got=TOO_DEEP, want=f"at most {MOST_LEVELS} levels", file=file, line=line)
 
 
 def _line(node: Any, key: Any) -> int | None:

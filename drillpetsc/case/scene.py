@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import (
     BeforeValidator,
@@ -25,6 +25,7 @@ from drillpetsc.case.fluid import Fluid
 from drillpetsc.case.formation import Formation
 from drillpetsc.case.hole import Contact, Well, contact_or_none
 from drillpetsc.case.items import Flexible, Material, StringItem
+from drillpetsc.case.joints import Joint
 from drillpetsc.case.keys import check_plain, refuse
 from drillpetsc.case.messages import case_error
 from drillpetsc.case.quantities import Vector
@@ -43,8 +44,6 @@ class Case(Model):
     Wrong input is a `CaseError`.
     """
 
-    later_keys: ClassVar[tuple[str, ...]] = ("joints",)
-
     # a held string needs no top, so an editor must ask for the one or the other
     model_config = ConfigDict(
         json_schema_extra={
@@ -58,6 +57,7 @@ class Case(Model):
     title: str = Field(default="", description="title of the scene")
     well: Well | None = Field(default=None, description="the hole; without it the string is in free space")
     string: tuple[StringItem, ...] = Field(min_length=1, description="from the top down; the last item ends at the bit")
+    joints: tuple[Joint, ...] = Field(default=(), description="joints in the string, at measured depths")
     material: Material = Field(
         default=Material(), description="material of all items that name no other; steel when not given"
     )
@@ -118,7 +118,7 @@ class Case(Model):
             if not re.fullmatch(r"[A-Za-z]\w*", str(key)):
                 hint = f"write {str(key).lstrip('-')}" if str(key).startswith("-") else ""
                 raise refuse(key, want="an option name without the leading dash", hint=hint)
-            if option is not None and not isinstance(option, (bool, int, float, str)):
+            if option is not None and not isinstance(option, (bool, int, float, str)) or option != option:
                 raise refuse(key, got=option, want="a number, a word, true or false")
             options[str(key)] = "" if option is None else option
         return options

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
@@ -20,9 +20,23 @@ STARTS = ("statics", "rest", "straight")
 class BeamTheory(Model):
     """Unknowns of the string."""
 
-    later_values: ClassVar[dict[str, tuple[str, ...]]] = {"formulation": ("quaternion",)}
+    formulation: Literal["gauge", "quaternion"] = Field(
+        default="gauge",
+        description="gauge: tangent and spin angle at each node; quaternion: strain and Euler parameters, the paper's element",
+    )
+    constraint: Literal["index3", "index2", "stabilized"] | None = Field(
+        default=None,
+        description="how the quaternion element meets its constraints: index3 (when not given): on positions; index2: on velocities, "
+        "positions drift; stabilized: on velocities, positions restored after each step",
+    )
 
-    formulation: Literal["gauge"] = Field(default="gauge", description="gauge: tangent and spin angle at each node")
+    @model_validator(mode="after")
+    def _settled(self) -> BeamTheory:
+        if self.formulation == "gauge" and self.constraint is not None:
+            raise refuse("constraint", got=self.constraint, want="no constraint unless formulation is quaternion")
+        if self.formulation == "quaternion" and self.constraint is None:
+            self.settle(constraint="index3")
+        return self
 
 
 class Initial(Model):

@@ -32,6 +32,10 @@ def check_size(case: Case) -> None:
         return
     output = case.output.settled(case.time.end)
     for key, most in MOST_WRITINGS.items():
-        if case.time.end > most * getattr(output, key):
-            want = f"at least {case.time.end / most:g} s: a run of {case.time.end:g} s would write more than {most:g} times"
-            raise refuse("output", key, got=getattr(output, key), want=want)
+        every, end = getattr(output, key), case.time.end
+        if end <= most * every:
+            continue
+        if getattr(case.output, key) is None:
+            raise refuse("time", "end", got=end, want=f"at most {most * every:g} s with output.{key} {every:g} s", hint=f"give output.{key}")
+        want = f"at least {end / most:g} s: a run of {end:g} s would write more than {most:g} times"
+        raise refuse("output", key, got=every, want=want)

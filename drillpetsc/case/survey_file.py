@@ -1,8 +1,9 @@
-"""Survey from a CSV file: columns md, inclination, azimuth in any order, others ignored."""
+"""Survey from a CSV file: columns md, inclination, azimuth in any order, others ignored; such a file is a run's trajectory.csv."""
 
 from __future__ import annotations
 
 import csv
+import os
 import re
 from contextvars import ContextVar
 from pathlib import Path
@@ -19,22 +20,12 @@ _HEADER = re.compile(r"\s*([A-Za-z_ ]+?)\s*(?:[\[(]\s*([^\])]+?)\s*[\])])?\s*")
 
 
 def read_survey(name: str) -> dict[str, list[float]]:
-    """{md: [m], inclination: [rad], azimuth: [rad]} from a CSV file.
+    """{md: [m], inclination: [rad], azimuth: [rad]} from a CSV file, or from the trajectory.csv of a run folder.
 
     The first line names the columns, with a unit in brackets if wanted: `md [ft], inclination [deg], azimuth [deg]`.
     Without a unit, md is in metres and angles are in degrees, as surveys are written. `#` starts a comment line.
     """
-    path = FOLDER.get() / name
-    try:
-        found = path.is_file()
-    except OSError:  # a name longer than any file's
-        found = False
-    if not found:
-        folder = str(FOLDER.get())
-        seen = [other.name for other in FOLDER.get().glob("*.csv")]
-        hint = near(name, seen) or f"looked in {'the working directory' if folder == '.' else folder}"
-        want = "a survey file that exists, or {md: [...], inclination: [...], azimuth: [...]}"
-        raise refuse(got=name, want=want, hint=hint)
+    path = _file(name)
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError:
@@ -46,16 +37,39 @@ def read_survey(name: str) -> dict[str, list[float]]:
         raise CaseError(file=path, line=1, want="a header md, inclination, azimuth and at least two stations")
     head_line, head = numbered[0]
     delimiter = next((mark for mark in (";", "\t") if mark in head), ",")
-    columns = _columns(path, head_line, next(csv.reader([head], delimiter=delimiter)))
+    columns = _columns(path, head_line, _cells(path, head_line, head, delimiter))
     survey: dict[str, list[float]] = {key: [] for key in _COLUMNS}
     for line, text in numbered[1:]:
-        cells = next(csv.reader([text], delimiter=delimiter))
+        cells = _cells(path, line, text, delimiter)
         for key, (column, unit) in columns.items():
             survey[key].append(_cell(path, line, key, cells, column, unit))
         _rising(path, line, survey["md"])
     if len(survey["md"]) < 2:
         raise CaseError(file=path, line=head_line, want="at least two stations")
     return survey
+
+
+def _file(name: str) -> Path:
+    """The survey file; what is not found beside the case is looked for in the working directory, as run folders are."""
+    folder = FOLDER.get()
+    for path in (folder / name, Path(name)):
+        if name.strip() and os.path.isdir(path):  # Path.is_dir raises for a name longer than any file's
+            run = path / "trajectory.csv"
+            if not run.is_file():
+                raise refuse(got=name, want="a survey file, or a run folder that holds a trajectory.csv")
+            return run
+        if os.path.isfile(path):
+            return path
+    hint = near(name, [other.name for other in folder.glob("*.csv")])
+    hint = hint or f"looked in {'' if str(folder) == '.' else f'{folder} and '}the working directory"
+    raise refuse(got=name, want="a survey file that exists, a run folder, or {md: [...], inclination: [...], azimuth: [...]}", hint=hint)
+
+
+def _cells(path: Path, line: int, text: str, delimiter: str) -> list[str]:
+    try:
+        return next(csv.reader([text], delimiter=delimiter))
+    except csv.Error as error:  # a cell of more than 131072 letters
+        raise CaseError(got=text, want="cells with a number each", hint=str(error), file=path, line=line) from None
 
 
 def _columns(path: Path, line: int, head: list[str]) -> dict[str, tuple[int, str]]:
@@ -65,6 +79,8 @@ def _columns(path: Path, line: int, head: list[str]) -> dict[str, tuple[int, str
         match = _HEADER.fullmatch(title)
         name = match.group(1).lower() if match else ""
         if match and name in _COLUMNS:
+            if name in columns:
+                raise CaseError(at=name, got=", ".join(head), want="each of md, inclination, azimuth once", file=path, line=line)
             unit = match.group(2) or _COLUMNS[name][1]
             try:
                 to_si(f"1 {unit}", _COLUMNS[name][0])
@@ -81,7 +97,7 @@ def _columns(path: Path, line: int, head: list[str]) -> dict[str, tuple[int, str
 def _cell(path: Path, line: int, key: str, cells: list[str], column: int, unit: str) -> float:
     text = cells[column].strip() if column < len(cells) else ""
     try:
-        return to_si(f"{float(text)!r} {unit}", _COLUMNS[key][0])
+        return to_si(f"{float(text.replace('_', ' '))!r} {unit}", _COLUMNS[key][0])  # Python would read 1_0 as 10
     except ValueError as error:
         want = error.want if isinstance(error, UnitError) else f"a number in {unit}"
         raise CaseError(at=key, got=text or "an empty cell", want=want, file=path, line=line) from None

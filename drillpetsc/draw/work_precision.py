@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,42 +15,51 @@ COLORS = (*style.LINE_COLORS, "#4a4a4a", "#2aa198", "#e0a030", "#6c3b1f")
 NORM = "rms"
 
 
-def draw_study(told: Mapping[str, Any], into: Path, norm: str = NORM) -> list[Path]:
-    """work_precision.png and orders.png (speed_up.png where ranks vary); nothing where no point has an error."""
+def draw_study(told: Mapping[str, Any], into: Path, norm: str = NORM, name: str = "", dpi: float = 100) -> list[Path]:
+    """work_precision.png and orders.png (speed_up.png where ranks vary), ``name`` in front; nothing where no point has an error."""
     if told["vary"] == "ranks":
-        return [_speed_up(told, into)] if told["speed_up"] else []
+        return [_speed_up(told, into / f"{name}speed_up.png", dpi)] if told["speed_up"] else []
     if not told["outputs"]:
         return []
     files = []
-    for name, abscissa, label in (("work_precision", "cpu", "CPU time [s]"), ("orders", "abscissa", told["abscissa"])):
-        drawing = _panels(told, abscissa, label, norm)
-        files.append(into / f"{name}.png")
+    for kind, abscissa, label in (("work_precision", "cpu", "CPU time [s]"), ("orders", "abscissa", told["abscissa"])):
+        drawing = _panels(told, abscissa, label, norm, dpi)
+        files.append(into / f"{name}{kind}.png")
         drawing.savefig(files[-1])
     return files
 
 
-def _panels(told: Mapping[str, Any], abscissa: str, label: str, norm: str) -> Any:
+def _panels(told: Mapping[str, Any], abscissa: str, label: str, norm: str, dpi: float) -> Any:
     """A panel per output, a line per curve."""
     outputs = list(told["outputs"])
     columns = min(len(outputs), 3)
     rows = -(-len(outputs) // columns)
     curves = list(dict.fromkeys(p["curve"] for p in told["points"]))
     with style.look():
-        drawing = style.figure(4.6 * columns + 2.6, 3.9 * rows + 0.9, dpi=100)
+        drawing = style.figure(4.6 * columns + 2.6, 3.9 * rows + 0.9, dpi=dpi)
         grid = drawing.subplots(rows, columns, squeeze=False)
         what = "error over CPU time" if abscissa == "cpu" else f"error over {label.split(' [')[0]}"
         drawing.suptitle(f"{told['title']}: {what}", x=0.02, ha="left", fontweight="bold", fontsize=12)
         drawing.text(0.02, 0.008, _note(told), fontsize=7.5, color="0.3", ha="left", va="bottom", wrap=True)
         for axes, name in zip(grid.reshape(-1), outputs, strict=False):
             _panel(axes, told, name, curves, abscissa, norm)
-            axes.set(xlabel=label, ylabel=f"{norm} error / range", title=style.words(f"{name} [{told['outputs'][name]['unit']}]"))
+            axes.set(xlabel=label, ylabel=f"{norm} error / range", title=_title(name))
         for axes in grid.reshape(-1)[len(outputs) :]:
             axes.remove()
         handles, labels = grid[0, 0].get_legend_handles_labels()
-        side = 1.9 / (4.6 * columns + 2.6)
+        side = 2.5 / (4.6 * columns + 2.6)
         drawing.legend(handles, labels, loc="center right", frameon=False, fontsize=8.5)
         drawing.tight_layout(rect=(0, 0.045 / rows + 0.015, 1 - side, 0.985))
     return drawing
+
+
+def _title(name: str) -> str:
+    """ "x_10" is the offset x of the probe at 10 m."""
+    probe = re.fullmatch(r"(x|y|spin|contact)_([\d.]+)", name)
+    if probe is None:
+        return style.words(name)
+    kind = {"x": "Offset x", "y": "Offset y"}.get(probe[1], probe[1].capitalize())
+    return f"{kind} at {probe[2]} m"
 
 
 def _note(told: Mapping[str, Any]) -> str:
@@ -117,9 +127,9 @@ def _guides(axes: Any, drawn: Sequence[tuple[float, float]]) -> None:
         axes.annotate(str(slope), (end, high * (end / right) ** slope), fontsize=7.5, color="0.5")
 
 
-def _speed_up(told: Mapping[str, Any], into: Path) -> Path:
+def _speed_up(told: Mapping[str, Any], file: Path, dpi: float) -> Path:
     with style.look():
-        drawing = style.figure(5.6, 4.2, dpi=100)
+        drawing = style.figure(5.6, 4.2, dpi=dpi)
         axes = drawing.subplots()
         ranks = sorted(int(n) for n in told["speed_up"])
         axes.plot(ranks, [told["speed_up"][str(n)] for n in ranks], "o-", color=COLORS[0], label="measured")
@@ -127,7 +137,6 @@ def _speed_up(told: Mapping[str, Any], into: Path) -> Path:
         axes.set(xlabel="ranks", ylabel="wall time on 1 rank / wall time", title=f"{told['title']}: speed-up", xticks=ranks)
         axes.legend(frameon=False)
         drawing.tight_layout()
-        file = into / "speed_up.png"
         drawing.savefig(file)
     return file
 

@@ -18,9 +18,10 @@ struct AnnulusFlow {
     static constexpr bool PACKED = true;
     static constexpr int SPINS[2][2] = {{6, 3}, {13, 10}};  // the drag on the turning string
     enum { LENGTH, ABOVE, POISSON, OUTER, HOLE, OUTER_ABOVE, WALL, DIAMETER, GAP, GAP_ABOVE, CHI, DAMPING, TURNING, STEP, LOSS, CONTROL,
-           CONTROLLED, DROP, TANGENT1, TANGENT2 = TANGENT1 + 3, BEND = TANGENT2 + 3, HEAD = BEND + 3, NP };
+           CONTROLLED, DROP, TANGENT1, TANGENT2 = TANGENT1 + 3, BEND = TANGENT2 + 3, HEAD = BEND + 3, WIDENING, NP };
     // OUTER, HOLE: areas A_o, A_w [m2]; DIAMETER D_o, GAP D_w - D_o [m]; CHI added mass / (rho A_o); DAMPING k_v [N s/m2]; TURNING drag torque
-    // per length and spin [N s]; CONTROL 1: the upper node has the pressure CONTROLLED + rho0 (g.t_w)(t_w.r) [Pa]; BEND curvature of the hole [1/m]; DROP, HEAD as in pipe_flow.hpp
+    // per length and spin [N s]; CONTROL 1: the upper node has the pressure CONTROLLED + rho0 (g.t_w)(t_w.r) [Pa]; BEND curvature of the hole [1/m]; DROP, HEAD as in pipe_flow.hpp;
+    // WIDENING dA_w per metre that the element moves down the hole [m]: HOLE is the area where it is at the start of the step
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
@@ -96,6 +97,10 @@ struct AnnulusFlow {
         // speed and acceleration of the string along the hole, mean over the element
         const T V = dot((on.y.r1 + on.y.r2) * 0.5 + (on.y.v1 - on.y.v2) * (L * (1.0 / 12)), tw);
         const T V1 = dot((on.a.r1 + on.a.r2) * 0.5 + (on.a.v1 - on.a.v2) * (L * (1.0 / 12)), tw);
+        T widens = V * lam * (p[WIDENING] * 0.5);
+        if constexpr (SPLIT) widens += V * (p[WIDENING] * p[ABOVE] * il * 0.5);
+        swept1 += widens;
+        swept2 += widens;
         const T wall = w + V, sheared = wall - V * f.clinging;
         const T tau = shear(f, sheared, c.density, p[GAP], 1.0);
         T resistance = tau * (lam * L * 4.0 / p[GAP]), mass = c.density * lam * lam * L / area, volume = content * L;

@@ -14,7 +14,7 @@ struct AnnulusState {
     PackVec tw1, tw2, tw, g;
     PackFour x, y, a;
     Walls walls;
-    Pack L, gw, lam, content, outer, density, thin, w, across, wall, sheared, kept, tau, tau_speed, tau_density;  // thin: 1/area; kept: d(sheared)/dV
+    Pack L, gw, lam, content, outer, density, thin, w, across, speed, wall, sheared, kept, tau, tau_speed, tau_density;  // thin: 1/area; speed: of the string, V; kept: d(sheared)/dV
     Gradient by_content, by_outer;
     AnnulusState(const Pack* X, const Pack* Y, const Pack* A, const Pack* p, const Fluid& f, const Pack& rho, const double* c)
         : tw1(vec(p + At::TANGENT1)), tw2(vec(p + At::TANGENT2)), x(nodal(X)), y(nodal(Y)), a(nodal(A)), L(p[At::LENGTH]), density(rho) {
@@ -32,10 +32,10 @@ struct AnnulusState {
         thin = f.density / (density * content);
         across = X[AT_Q] * thin;
         w = across * lam;
-        const Pack V = mean_along(y);
-        wall = w + V;
+        speed = mean_along(y);
+        wall = w + speed;
         kept = Pack(1.0 - f.clinging);
-        sheared = wall - V * f.clinging;
+        sheared = wall - speed * f.clinging;
         const WallShears s = wall_shears(f.rheology, sheared, p[At::GAP], 1.0, density);
         tau = s.stress; tau_speed = s.slope; tau_density = s.by_density;
     }
@@ -116,9 +116,13 @@ DP_APART void annulus_along(const AnnulusState& s, const Pack* X, const Pack* Y,
     const PackVec d_rate = s.y.r2 - s.y.r1;
     const Pack opened = dot(d_rate, s.tw), chord = opened * 0.5 / L, tilt = dot(s.y.v1 - s.y.v2, s.tw) * (1.0 / 12);
     const PackVec way = s.tw * (AW * (0.5 * c[1]) / L), lever = s.tw * (AW * (c[1] / 12));
-    const Storage storage = {s.content, (chord + tilt) * AW - s.walls.squeeze1 * AO, (chord - tilt) * AW - s.walls.squeeze2 * AO, on_nodes(s.by_content),
-                             on_nodes(s.walls.by_squeeze1 * -AO + Gradient{way, lever, -lever}),
-                             on_nodes(s.walls.by_squeeze2 * -AO + Gradient{way, -lever, lever})};
+    // the hole's area where the element comes to
+    const Pack widening = p[At::WIDENING] * 0.5, widens = s.speed * s.lam * widening, moved = s.lam * widening * c[1];
+    const PackVec deeper = s.tw * (moved * 0.5), turned = s.tw * (moved * L * (1.0 / 12)), longer = s.tw * (s.speed * widening * c[0] / L);
+    const PackFour by_widens = {deeper - longer, turned, deeper + longer, -turned};
+    const Storage storage = {s.content, (chord + tilt) * AW - s.walls.squeeze1 * AO + widens, (chord - tilt) * AW - s.walls.squeeze2 * AO + widens,
+                             on_nodes(s.by_content), on_nodes(s.walls.by_squeeze1 * -AO + Gradient{way, lever, -lever}) + by_widens,
+                             on_nodes(s.walls.by_squeeze2 * -AO + Gradient{way, -lever, lever}) + by_widens};
     put_mass_rows(storage, fluid, by, L, Y[AT_P1], Y[AT_P2], p[At::CONTROL], c[0], c[1], K);
     const PackVec head = s.tw * (s.gw * p[At::CONTROL] * (f.density * 1e-7 * MASS_ROW * c[0]));
     K[AT_P1][0] -= head.x; K[AT_P1][1] -= head.y; K[AT_P1][2] -= head.z;

@@ -4,6 +4,9 @@
 //   chamber  (V_ub/E) p_ub' + dV_ub/dt - q_b added to the mass row of the annulus' lowest node   [m3/s]
 //   string   G v_jet, v_jet = V + w_j t; bore's exit, chamber and face of the bit as one control volume
 // PIPE: there is a bore that ends in a link; ANNULUS: it ends in the mud of the hole, else in a pressure AMBIENT.
+// GROW: the hole's end moves as it is drilled (its displacement and the metres drilled are unknowns of another room).  The chamber keeps
+// volume V_0 + A_w gap about a bit that follows; rock of volume CUT per metre drilled goes into the mud, as if it were mud under its
+// pressure: CUT = 0 where cuttings are removed, the hole's area where they are returned (then they fill just what they leave).
 #pragma once
 #include "flow.hpp"
 
@@ -16,16 +19,18 @@ constexpr double VALVE_CLOSED = 1e4;    // factor on the resistance of a check v
 
 template <class T> inline T softplus(const T& g) { return val(g) > 40 ? g : log(1.0 + exp(g)); }
 
-template <bool PIPE, bool ANNULUS, bool HELD>
+template <bool PIPE, bool ANNULUS, bool HELD, bool GROW = false>
 struct BitFlow {
-    static constexpr int B = HELD ? 0 : 7, PI = B, PA = PI + (PIPE ? 1 : 0), QA = PA + 1, QB = PA + (ANNULUS ? (HELD ? 1 : 2) : 0), D = QB + (PIPE ? 1 : 0);
+    static constexpr int B = HELD ? 0 : 7, PI = B, PA = PI + (PIPE ? 1 : 0), QA = PA + 1, QB = PA + (ANNULUS ? (HELD ? 1 : 2) : 0);
+    static constexpr int MOVED = QB + (PIPE ? 1 : 0), DRILLED = MOVED + 3, D = MOVED + (GROW ? 4 : 0);
     static constexpr int NSPIN = 0;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{0, 0}};
     enum { INERTANCE, NOZZLE, LOSS, CHECK, AMBIENT, HOLE, VOLUME, ELASTIC, FACE, ADDED, OPEN, BUOYANT, HELD_GAP, END, AXIS = END + 3, TANGENT = AXIS + 3,
-           NP = TANGENT + 3 };
+           CUT = TANGENT + 3, NP };
     // INERTANCE L_b [kg/m4]; NOZZLE A_n [m2]; LOSS 1/(2 C_d^2 A_n^2) [1/m4]; VOLUME V_0 [m3]; ELASTIC 1/E [1/Pa]; FACE distance from the node to
-    // the face [m]; ADDED chi A_o, OPEN area of the annulus [m2]; BUOYANT volume of rigid items below the node [m3]
+    // the face [m]; ADDED chi A_o, OPEN area of the annulus [m2]; BUOYANT volume of rigid items below the node [m3]; END, AXIS
+    // the hole's end (at the start, where it grows) and direction; TANGENT of the hole at the node; CUT [m2]
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
@@ -59,9 +64,15 @@ struct BitFlow {
             if constexpr (!HELD) {
                 const Tangent<T> t(vec(x + 3), vec(y + 3), vec(y + 3));
                 const Vec<double> end = vec(p + END), axis = vec(p + AXIS);
-                gap = dot(end - vec(x) - t.t * p[FACE], axis);
+                Vec<T> apart = end - vec(x) - t.t * p[FACE], parting = vec(y) + t.t1 * p[FACE];
+                if constexpr (GROW) { apart += vec(x + MOVED); parting = parting - vec(y + MOVED); }
+                gap = dot(apart, axis);
                 const T open = 1.0 / (1.0 + exp(gap * (-1.0 / GAP_ROUNDING)));
-                swept = dot(vec(y) + t.t1 * p[FACE], axis) * open * (-p[HOLE]);
+                swept = dot(parting, axis) * open * (-p[HOLE]);
+                if constexpr (GROW) {
+                    if (report) report[6] = val(c.theta) * p[CUT] * val(y[DRILLED]);
+                    swept -= y[DRILLED] * p[CUT];
+                }
                 const Vec<double> tw = vec(p + TANGENT);
                 const T rate = x[QA] * f.density / (c.density * p[OPEN]), M = c.density * p[ADDED] * rate;
                 const Vec<T> carried = (vec(y) + vec(x + 3) * rate) * M;
@@ -74,7 +85,9 @@ struct BitFlow {
                 report[3] = stored_energy(f, val(x[PA]), p[ELASTIC] - f.compressibility, val(volume));
                 report[4] = val(c.theta * volume);
                 if constexpr (!HELD) {  // weight of the mud between bit and bottom, at its middle
-                    const Vec<double> end = vec(p + END), middle = end - vec(p + AXIS) * (0.5 * val(gap));
+                    Vec<double> end = vec(p + END);
+                    if constexpr (GROW) end += Vec<double>{val(x[MOVED]), val(x[MOVED + 1]), val(x[MOVED + 2])};
+                    const Vec<double> middle = end - vec(p + AXIS) * (0.5 * val(gap));
                     report[5] = -report[4] * f.density * dot(middle, g);
                 }
             }

@@ -12,6 +12,8 @@ typedef AnnulusFlow<false, true> AnnulusHeld;
 typedef BitFlow<true, true, false> BitNozzle;
 typedef BitFlow<true, false, false> BitJet;
 typedef BitFlow<false, true, false> BitClosed;
+typedef BitFlow<true, true, false, true> BitNozzleGrow;
+typedef BitFlow<false, true, false, true> BitClosedGrow;
 typedef BitFlow<true, true, true> BitNozzleHeld;
 typedef BitFlow<true, false, true> BitJetHeld;
 typedef BitFlow<false, true, true> BitClosedHeld;
@@ -26,6 +28,8 @@ DP_ENTRY(annulus_flow_held, AnnulusHeld)
 DP_ENTRY(bit_flow, BitNozzle)
 DP_ENTRY(bit_flow_jet, BitJet)
 DP_ENTRY(bit_flow_closed, BitClosed)
+DP_ENTRY(bit_flow_grow, BitNozzleGrow)
+DP_ENTRY(bit_flow_closed_grow, BitClosedGrow)
 DP_ENTRY(bit_flow_held, BitNozzleHeld)
 DP_ENTRY(bit_flow_jet_held, BitJetHeld)
 DP_ENTRY(bit_flow_closed_held, BitClosedHeld)
@@ -52,9 +56,11 @@ DP_FLOW_REPORT(pipe_flow_held, PipeHeld, dp::FlowReport, 1)
 DP_FLOW_REPORT(annulus_flow, AnnulusPlain, dp::FlowReport, 1)
 DP_FLOW_REPORT(annulus_flow_split, AnnulusSplit, dp::FlowReport, 1)
 DP_FLOW_REPORT(annulus_flow_held, AnnulusHeld, dp::FlowReport, 1)
-DP_FLOW_REPORT(bit_flow, BitNozzle, double, 6)
-DP_FLOW_REPORT(bit_flow_jet, BitJet, double, 6)
-DP_FLOW_REPORT(bit_flow_closed, BitClosed, double, 6)
-DP_FLOW_REPORT(bit_flow_held, BitNozzleHeld, double, 6)
-DP_FLOW_REPORT(bit_flow_jet_held, BitJetHeld, double, 6)
-DP_FLOW_REPORT(bit_flow_closed_held, BitClosedHeld, double, 6)
+DP_FLOW_REPORT(bit_flow, BitNozzle, double, 7)
+DP_FLOW_REPORT(bit_flow_jet, BitJet, double, 7)
+DP_FLOW_REPORT(bit_flow_closed, BitClosed, double, 7)
+DP_FLOW_REPORT(bit_flow_grow, BitNozzleGrow, double, 7)
+DP_FLOW_REPORT(bit_flow_closed_grow, BitClosedGrow, double, 7)
+DP_FLOW_REPORT(bit_flow_held, BitNozzleHeld, double, 7)
+DP_FLOW_REPORT(bit_flow_jet_held, BitJetHeld, double, 7)
+DP_FLOW_REPORT(bit_flow_closed_held, BitClosedHeld, double, 7)

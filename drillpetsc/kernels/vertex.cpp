@@ -10,9 +10,9 @@ struct VertexKernel {
     static constexpr int SPINS[1][2] = {{6, 3}};
 };
 
-// Rigid body carried by the node's frame; CARRIED = 1: its mass moves with the beam already and only the offset counts.
+// Rigid body carried by the node's frame.
 struct Body : VertexKernel {
-    enum { MASS, CENTER, OFFSET2, OFFSET3, AXIAL, TRANSVERSE, GRAVITY, GAUGE = GRAVITY + 3, SECOND = GAUGE + 3, CARRIED = SECOND + 3, NP };
+    enum { MASS, CENTER, OFFSET2, OFFSET3, AXIAL, TRANSVERSE, GRAVITY, GAUGE = GRAVITY + 3, SECOND = GAUGE + 3, NP = SECOND + 3 };
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T* a, const S* p, void*, T* r) {
@@ -28,12 +28,10 @@ struct Body : VertexKernel {
         }
         const Vec<T> turning = cross(t.t, t.t1) + t.t * spin;
         const Vec<T> turning_rate = cross(t.t, t.t2) + t.t * spin_rate + t.t1 * spin;
-        const Vec<T> extra = (cross(turning_rate, offset) + cross(turning, cross(turning, offset))) * p[MASS];
-        const Vec<T> push = (acceleration - g) * p[MASS] + extra;
+        const Vec<T> push = (acceleration - g + cross(turning_rate, offset) + cross(turning, cross(turning, offset))) * p[MASS];
         const Vec<T> moment = turning_rate * p[TRANSVERSE] + (t.t * spin_rate + t.t1 * spin) * (p[AXIAL] - p[TRANSVERSE]) + cross(offset, push);
-        const Vec<T> row = p[CARRIED] != 0 ? extra : push;
         const Vec<T> bend = cross(moment, t.t) / t.n;
-        r[0] = row.x; r[1] = row.y; r[2] = row.z; r[3] = bend.x; r[4] = bend.y; r[5] = bend.z;
+        r[0] = push.x; r[1] = push.y; r[2] = push.z; r[3] = bend.x; r[4] = bend.y; r[5] = bend.z;
         r[6] = dot(moment, t.t);
     }
 };
@@ -91,11 +89,8 @@ extern "C" void body_energy(int n, const int* idx, const double* par, const doub
         Vec<double> d2, d3;
         directors(vec(p + Body::GAUGE), vec(p + Body::SECOND), t.t, X[6], d2, d3);
         const Vec<double> offset = t.t * p[Body::CENTER] + d2 * p[Body::OFFSET2] + d3 * p[Body::OFFSET3];
-        const Vec<double> turning = cross(t.t, t.t1) + t.t * Y[6], speed = vec(Y) + cross(turning, offset), u = vec(Y);
-        const bool carried = p[Body::CARRIED] != 0;
-        const double own = carried ? dot(u, u) : 0.0;
-        out[2 * e] = 0.5 * (p[Body::MASS] * (dot(speed, speed) - own) + p[Body::TRANSVERSE] * dot(t.t1, t.t1) + p[Body::AXIAL] * Y[6] * Y[6]);
-        const Vec<double> place = (carried ? zero : vec(X)) + offset;
-        out[2 * e + 1] = -p[Body::MASS] * dot(vec(p + Body::GRAVITY), place);
+        const Vec<double> turning = cross(t.t, t.t1) + t.t * Y[6], speed = vec(Y) + cross(turning, offset);
+        out[2 * e] = 0.5 * (p[Body::MASS] * dot(speed, speed) + p[Body::TRANSVERSE] * dot(t.t1, t.t1) + p[Body::AXIAL] * Y[6] * Y[6]);
+        out[2 * e + 1] = -p[Body::MASS] * dot(vec(p + Body::GRAVITY), vec(X) + offset);
     }
 }

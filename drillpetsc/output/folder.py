@@ -8,6 +8,8 @@ import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
+from drillpetsc.output.atomic import remove_leftovers
+
 
 class RunFolderExists(FileExistsError):
     """An explicit output folder exists and nobody said restart or overwrite."""
@@ -88,11 +90,13 @@ class RunFolder:
         """
         if restart and overwrite:
             raise ValueError("restart and overwrite exclude each other: one keeps what the other removes")
-        if out is None:
-            return cls.latest(case_name, results) if restart else cls(_make_next(case_name, Path(results)))
-        path = Path(out)
         if restart:
-            return cls.open(path)
+            found = cls.latest(case_name, results) if out is None else cls.open(out)
+            found.tidy()
+            return found
+        if out is None:
+            return cls(_make_next(case_name, Path(results)))
+        path = Path(out)
         try:
             path.mkdir(parents=True)
         except FileExistsError:
@@ -121,8 +125,14 @@ class RunFolder:
             raise RunFolderMissing(f"no run folder {Path(results) / case_name}-NNN exists")
         return cls(numbers[max(numbers)])
 
+    def tidy(self) -> None:
+        """Remove half-written files that a killed run left."""
+        remove_leftovers(self.path)
+        remove_leftovers(self.string_frames)
+
     def clear(self) -> None:
         """Remove the files of the contract, and nothing else that may lie in the folder."""
+        self.tidy()
         for file in (
             self.history,
             self.probes,

@@ -62,12 +62,13 @@ class Beam:
         split = self.mesh.junction[e] if len(self.mesh.junction) else np.zeros(len(e), dtype=bool)
         any_damped = ((self.mesh.stiffness_damping != 0) | (self.mesh.mass_damping != 0)).any()
         all_damped = ((self.mesh.stiffness_damping != 0) | (self.mesh.mass_damping != 0)).all()
+        element = ~self.mesh.is_joint[e]
         blocks = []
         for is_split in (False, True):
             for is_damped in (False, True):
                 if (is_split and not self.mesh.junction[:-1].any()) or (is_damped and not any_damped) or (not is_damped and all_damped):
                     continue  # the same decision on every rank
-                chosen = np.flatnonzero((split == is_split) & (damped == is_damped)).astype(np.int32)
+                chosen = np.flatnonzero((split == is_split) & (damped == is_damped) & element).astype(np.int32)
                 kernel = "beam" + "_split" * is_split + "_damped" * is_damped
                 blocks.append(Block(kernel.replace("split", "junction"), kernel, "cell", chosen, SPLIT_SLOTS if is_split else SLOTS,
                                     (0, 1), self._params(e[chosen])))
@@ -87,6 +88,16 @@ class Beam:
             e = self._part.cells[b.points]
             b.params[:, _GAUGE1], b.params[:, _GAUGE2] = self.frames.gauge[e], self.frames.gauge[e + 1]
             b.params[:, _TWIST0] = self.frames.twist0[e]
+
+    def section(self, state, vertex: int) -> tuple[FloatArray, FloatArray, float]:
+        """Position [m], slope and spin rate [rad/s] of a local vertex."""
+        place = state.layout.place
+        return state.x[place["string.position"][vertex]], state.x[place["string.tangent"][vertex]], state.y[place["string.spin"][vertex, 0]]
+
+    def columns(self, state) -> FloatArray:
+        """(nv, 8) at the local vertices: position [m] and velocity [m/s], spin rate [rad/s], spin angle [rad]."""
+        r, spin = state.layout.place["string.position"], state.layout.place["string.spin"]
+        return np.hstack([state.x[r], state.y[r], state.y[spin], state.x[spin]])
 
     def report(self, layout: Layout, x: FloatArray, y: FloatArray) -> FloatArray:
         """(nc, 9) per local cell in depth order: the columns of ``REPORT`` [J, J, J, N, N, N, N m, N m, N m]."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -32,10 +31,10 @@ MOTION, STATICS, QUASI_STATIC = 0.0, 1.0, 2.0
 class _Law(ctypes.Structure):
     """BitLaw of kernels/bit.hpp."""
 
-    _fields_: ClassVar = [(n, ctypes.c_double) for n in (
+    _fields_ = [(n, ctypes.c_double) for n in (
         "kind", "bit_axis", "walk_cos", "walk_sin", "reference_speed", "reference_weight", "width", "cut", "contact", "torque_cut",
         "torque_contact", "blades", "onset", "rest", "static_torque", "dynamic_torque", "speed", "by_weight", "turn_rounding",
-    )] + [("layers", ctypes.c_void_p), ("count", ctypes.c_int), ("derivative", ctypes.c_void_p), ("touching", ctypes.c_int)]
+    )] + [("layers", ctypes.c_void_p)] + [("count", ctypes.c_int)] + [("derivative", ctypes.c_void_p)] + [("touching", ctypes.c_int)]
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from drillpetsc.rooms.beam import SLOTS, SPLIT_SLOTS
 from drillpetsc.tubulars import StringMesh
 
 _body_energy = function("body_energy", "ippppp")
+_eccentric_energy = function("eccentric_energy", "iippppp")
 _curved_energy = function("curved_energy", "iipppp")
 VERTEX_SLOTS = (("string.position", 0), ("string.tangent", 0), ("string.spin", 0))
 
@@ -50,43 +51,72 @@ def local_vertices(part, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 class Bodies(Passive):
-    """Masses that ride on nodes.
+    """Masses off the axis or beside the pipe's own: rigid items on nodes, and pipes whose mass centre lies beside their axis.
 
-    Each entry: (node, mass [kg], centre of gravity along the tangent and in the two directors [m], axial and transverse inertia
-    [kg m2], carried: the beam already has the mass).  balanced: without what is off the axis, which averages out over a turn.
+    balanced: without what is off the axis, which averages out over a turn.
     """
 
     name = "bodies"
 
     def __init__(self, mesh: StringMesh, frames: Frames, gravity: FloatArray, balanced: bool = False):
-        self.frames = frames
-        entries = [(b.node, b.mass, b.center, *((0.0, 0.0) if balanced else b.offset), b.axial, b.transverse, 0.0) for b in mesh.bodies]
-        for e in () if balanced else np.flatnonzero(np.any(mesh.eccentricity != 0, axis=1)):
-            half = 0.5 * mesh.mass[e] * mesh.length[e]
-            for node, center in ((e, mesh.rigid_above[e]), (e + 1, 0.0)):
-                entries.append((node, half, center, *mesh.eccentricity[e], 0.0, 0.0, 1.0))
-        self.entries = np.array(entries, dtype=float).reshape(-1, 8)
+        self.mesh, self.frames = mesh, frames
         self.gravity = np.asarray(gravity, dtype=float)
+        # node, mass [kg], centre of gravity along the tangent and in the two directors [m], axial and transverse inertia [kg m2]
+        entries = [(b.node, b.mass, b.center, *((0.0, 0.0) if balanced else b.offset), b.axial, b.transverse) for b in mesh.bodies]
+        self.entries = np.array(entries, dtype=float).reshape(-1, 7)
+        self.eccentric = np.any(mesh.eccentricity != 0, axis=1) & (not balanced)  # (n,) elements
 
     def blocks(self, part) -> tuple[Block, ...]:
+        self._nodes, self._blocks, self._cells = np.zeros(0, dtype=int), [], []
+        out: tuple[Block, ...] = ()
+        if len(self.entries):
+            out += (self._on_nodes(part),)
+        m = self.mesh
+        junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
+        for split in (False, True):
+            if not (self.eccentric & (junction[:-1] == split)).any():
+                continue  # the same decision on every rank
+            chosen = np.flatnonzero(self.eccentric[part.cells] & (junction[part.cells] == split)).astype(np.int32)
+            e = part.cells[chosen]
+            gravity = np.tile(self.gravity, (len(e), 1))
+            params = np.column_stack([m.length[e], m.mass[e], m.eccentricity[e], m.rigid_above[e], gravity, frame_columns(self.frames, e)])
+            self._blocks.append(Block("eccentric_junction" if split else "eccentric", "eccentric_split" if split else "eccentric", "cell",
+                                      chosen, SPLIT_SLOTS if split else SLOTS, (0, 1), np.ascontiguousarray(params)))
+            self._cells.append(e)
+        return out + tuple(self._blocks)
+
+    def _on_nodes(self, part) -> Block:
         chosen, vertices = local_vertices(part, self.entries[:, 0].astype(int))
         e = self.entries[chosen]
-        nodes = e[:, 0].astype(int)
+        self._nodes = e[:, 0].astype(int)
         gravity = np.tile(self.gravity, (len(e), 1))
-        params = np.column_stack([e[:, 1:7], gravity, self.frames.gauge[nodes], self.frames.second[nodes], e[:, 7]])
+        params = np.column_stack([e[:, 1:7], gravity, self.frames.gauge[self._nodes], self.frames.second[self._nodes]])
         self._block = Block("bodies", "body", "vertex", vertices, VERTEX_SLOTS, (0,), np.ascontiguousarray(params))
-        self._nodes = nodes
-        return (self._block,)
+        return self._block
 
     def refresh_gauges(self) -> None:
-        self._block.params[:, 9:12] = self.frames.gauge[self._nodes]
-        self._block.params[:, 12:15] = self.frames.second[self._nodes]
+        if len(self._nodes):
+            self._block.params[:, 9:12] = self.frames.gauge[self._nodes]
+            self._block.params[:, 12:15] = self.frames.second[self._nodes]
+        for b, e in zip(self._blocks, self._cells, strict=True):
+            b.params[:, 8:20] = frame_columns(self.frames, e)
 
     def energies(self, t: float, state) -> Energies:
-        out = np.zeros((len(self._nodes), 2))
-        index = state.layout.index(self._block)
-        _body_energy(len(out), pointer(index), pointer(self._block.params), pointer(state.x), pointer(state.y), pointer(out))
-        return Energies(kinetic=float(out[:, 0].sum()), potential=float(out[:, 1].sum()))
+        total = np.zeros(2)
+        if len(self._nodes):
+            out, index = np.zeros((len(self._nodes), 2)), state.layout.index(self._block)
+            _body_energy(len(out), pointer(index), pointer(self._block.params), pointer(state.x), pointer(state.y), pointer(out))
+            total += out.sum(axis=0)
+        for b in self._blocks:
+            out, index = np.zeros((len(b.points), 2)), state.layout.index(b)
+            _eccentric_energy(len(out), index.shape[1], pointer(index), pointer(b.params), pointer(state.x), pointer(state.y), pointer(out))
+            total += out.sum(axis=0)
+        return Energies(kinetic=float(total[0]), potential=float(total[1]))
+
+
+def frame_columns(frames: Frames, e: np.ndarray) -> FloatArray:
+    """(k, 12) gauge and second director of the upper and the lower node of elements ``e`` (k,)."""
+    return np.hstack([frames.gauge[e], frames.second[e], frames.gauge[e + 1], frames.second[e + 1]])
 
 
 class Curvature(Passive):
@@ -106,7 +136,7 @@ class Curvature(Passive):
                 continue
             chosen = np.flatnonzero(bent[part.cells] & (junction[part.cells] == split)).astype(np.int32)
             e = part.cells[chosen]
-            params = np.column_stack([m.length[e], m.bending_stiffness[e], m.curvature[e], m.rigid_above[e], self._frame_columns(e)])
+            params = np.column_stack([m.length[e], m.bending_stiffness[e], m.curvature[e], m.rigid_above[e], frame_columns(self.frames, e)])
             self._blocks.append(Block("curvature_junction" if split else "curvature", "curved_split" if split else "curved", "cell",
                                       chosen, SPLIT_SLOTS if split else SLOTS, (0, 1), np.ascontiguousarray(params)))
             self._cells.append(e)
@@ -117,13 +147,9 @@ class Curvature(Passive):
         for b, e in zip(self._blocks, self._cells, strict=True):
             b.params[:, 2:4] = share * self.mesh.curvature[e]
 
-    def _frame_columns(self, e: np.ndarray) -> FloatArray:
-        f = self.frames
-        return np.hstack([f.gauge[e], f.second[e], f.gauge[e + 1], f.second[e + 1]])
-
     def refresh_gauges(self) -> None:
         for b, e in zip(self._blocks, self._cells, strict=True):
-            b.params[:, 5:17] = self._frame_columns(e)
+            b.params[:, 5:17] = frame_columns(self.frames, e)
 
     def energies(self, t: float, state) -> Energies:
         total = 0.0

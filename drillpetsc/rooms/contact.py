@@ -117,7 +117,8 @@ class Contact(Passive):
         for split in (False, True):
             if split and not junction[:-1].any():
                 continue
-            chosen = np.flatnonzero((junction[part.cells] == split) & (m.outer_diameter[part.cells] > 0)).astype(np.int32)
+            touches = (m.outer_diameter > 0) & ~m.is_joint
+            chosen = np.flatnonzero((junction[part.cells] == split) & touches[part.cells]).astype(np.int32)
             e = part.cells[chosen]
             params = np.ascontiguousarray(np.column_stack([m.length[e], m.rigid_above[e], 0.5 * m.outer_diameter[e], friction[e]]))
             self._blocks.append(Block("contact_junction" if split else "contact", "contact_split" if split else "contact", "cell", chosen,
@@ -203,6 +204,7 @@ class BitOnBottom(Passive):
     def __init__(self, node: int, face: float, radius: float, stiffness: float, friction: float, end: FloatArray, axis: FloatArray,
                  slip_velocity: float = 0.01):
         self.node = node
+        self.stiffness = stiffness
         self._row = [face, radius, stiffness, friction, *end, *axis, slip_velocity, -3.0]
         self._length = face
 

@@ -16,14 +16,13 @@ from drillpetsc.channels import Bore
 from drillpetsc.field import Block, Field, FloatArray
 from drillpetsc.kernels import function
 from drillpetsc.rooms.annulus_flow import AnnulusFlow
-from drillpetsc.rooms.bit_flow import BitFlow
+from drillpetsc.rooms.bit_flow import GAP_ROUNDING, BitFlow
 from drillpetsc.rooms.bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.rooms.flow import PRESSURE_SCALE, Channel
 from drillpetsc.rooms.pipe_flow import PipeFlow
 from drillpetsc.time_function import TimeFunction
 
 VOLUME_SCALE = 1.0e-2  # [m3]
-GAP_ROUNDING = 1e-3  # as in kernels/bit_flow.hpp [m]
 SMALLEST = 1e-4  # chamber that is left under a bit on bottom where the case gives less [m3]
 _REST_GAP = 12  # column of kernels/bit_flow.hpp
 WINDOW = 1.0  # time over which the reference follows a jump of the pump [s]
@@ -172,7 +171,10 @@ class HermitePipe(PipeFlow):
 
 
 class HermiteAnnulus(AnnulusFlow):
-    """Annulus whose reference flow is the pump's upwards."""
+    """Annulus whose reference flow is the pump's upwards.  Its sizes stay those at the start: the pressure follows from the volume that an
+    element holds, and would jump with it."""
+
+    resizes = False
 
     def __init__(self, *arguments, pump: TimeFunction):
         super().__init__(*arguments)
@@ -192,7 +194,7 @@ class HermiteAnnulus(AnnulusFlow):
 
     def parameters(self, e: np.ndarray) -> FloatArray:
         steps = np.diff(self.heads, prepend=0.0)
-        table = np.column_stack([super().parameters(e), np.zeros(len(e)), steps[e]])
+        table = np.column_stack([super().parameters(e)[:, :-1], np.zeros(len(e)), steps[e]])  # no change of area
         table[:, _ANNULUS["heads"]] = self.heads[e]
         return table
 

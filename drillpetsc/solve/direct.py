@@ -24,6 +24,9 @@ class DirectNewton:
     def __init__(self, owner):
         self.owner = owner
         self.searches = owner.model.has_contact
+        layout = owner.model.layout
+        constraint = np.array([f.multiplier for f in layout.fields])[layout.field_of[layout.local_of_owned]]
+        self.forces = np.flatnonzero(~constraint) if owner.model.multipliers else None
         self.step = np.zeros(len(owner.model.layout.local_of_owned))
         self.log = PETSc.Log.Event("ChainFactor"), PETSc.Log.Event("ChainSolve")
 
@@ -46,7 +49,7 @@ class DirectNewton:
             owner.factor.solve_owned(rows, step)
             self.log[1].end()
             np.negative(step, out=step)
-            before = float(rows @ step) if self.searches else 0.0
+            before = self._along(rows) if self.searches else 0.0
             unknowns += step
             rows = owner.rows(x)
             if self.searches:
@@ -79,10 +82,16 @@ class DirectNewton:
             PETSc.Log.logFlops(owner.factor.factor_flops)
         return True
 
+    def _along(self, rows: np.ndarray) -> float:
+        """Work of the rows along the step; constraints and their multipliers have no part in it."""
+        if self.forces is None:
+            return float(rows @ self.step)
+        return float(rows[self.forces] @ self.step[self.forces])
+
     def _shorten(self, x, unknowns: np.ndarray, rows: np.ndarray, before: float) -> np.ndarray:
         """Go back along the step to where the rows no longer point along it (one secant), if it went too far."""
         owner, step = self.owner, self.step
-        after = float(rows @ step)
+        after = self._along(rows)
         if owner.model.comm.size > 1:
             before, after = owner.model.comm.tompi4py().allreduce(np.array([before, after]))
         if not (before < 0.0 and after > -OVERSHOOT * before):

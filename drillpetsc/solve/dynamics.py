@@ -30,6 +30,7 @@ DEFAULTS = {
 }
 TOLERANCE = 1.0e-4  # default of -ts_rtol
 CONSECUTIVE_FAILURES = 25
+CONSTRAINED = 1.0e-3  # with multipliers Newton's tolerance is this much smaller: what it leaves of a constraint is a misfit of the parts
 NOTHING_LEFT = 1.0e-11  # share of the time at which a run has reached its end
 SHORTEST_STEP = 1.0e-11  # a step that fails at this length fails at any [s]
 
@@ -72,7 +73,7 @@ class Dynamics:
         self._fixed = options.getString("ts_adapt_type", "basic") == "none"
         self.tolerance = options.getReal("ts_rtol", TOLERANCE)
         self.condensed = options.getString("ts_type", "bdf") == "bdf" and options.getString("snes_type", "python") == "python"
-        refuse_integrator(options.getString("ts_type", "bdf"))
+        refuse_integrator(options.getString("ts_type", "bdf"), self.model.constrained)
         self.counters, self._in_a_row, self.last_step, self._reach = Counters(), 0, 0.0, 0
         self._order, self.fresh = options.getInt("ts_bdf_order", 2), True  # fresh: the next step is the first of its formula
         self._last, self._t, self._jump, self._stop = 0.0, 0.0, np.inf, np.inf
@@ -95,7 +96,10 @@ class Dynamics:
         if self.condensed:
             if not options.hasName("snes_type"):
                 options.setValue("snes_type", "python")
-            self.newton = CondensedNewton(model, tolerance=0.02 * self.tolerance)
+            share = CONSTRAINED if model.multipliers else 1.0
+            self.newton = CondensedNewton(model, tolerance=0.02 * self.tolerance * share)
+            # not after the step: PETSc starts the formula afresh where a solution was changed by another than its solver
+            self._restoring: list[Any] = [room for room in model.rooms if getattr(room, "restores", False)]
             matrix = PETSc.Mat().createPython((self.state.getSizes(), self.state.getSizes()), context=self, comm=model.comm)
             matrix.setUp()
             self._xdot = model.new_state()
@@ -112,7 +116,8 @@ class Dynamics:
             self.ts.setIJacobian(lambda ts, t, *rest: self.plain.jacobian(ts, self.input_time(t), *rest), self.plain.matrix)
             # PETSc takes the mass matrix for one without this, and arkimex goes wrong in silence
             kinds = PETSc.TS.EquationType
-            self.ts.setEquationType(kinds.DAE_IMPLICIT_INDEX1 if model.assembly.fixed else kinds.IMPLICIT)
+            constrained = kinds.DAE_IMPLICIT_INDEXHI if model.constrained else kinds.DAE_IMPLICIT_INDEX1
+            self.ts.setEquationType(constrained if model.assembly.fixed or model.constrained else kinds.IMPLICIT)
         self.ts.setFromOptions()
         self._nothing = model.new_state()
         self._relax(False)
@@ -161,6 +166,8 @@ class Dynamics:
         for call in self.before_solve:
             call(self._t)
         reason = self.newton.solve(self._t, self._shift)
+        for room in self._restoring:
+            room.restore_constraints(self.model.assembly)
         self.model.store_state(x)
         snes.setIterationNumber(self.newton.snes.getIterationNumber())
         snes.setConvergedReason(reason)
@@ -202,7 +209,7 @@ class Dynamics:
         self.counters.steps += 1
         self._age += 1
         if self._fixed and ts.getTimeStep() < self.first_step:  # a step that was cut does not stay short
-            ts.setTimeStep(min(self.first_step, 2 * ts.getTimeStep()))
+            ts.setTimeStep(min(self.first_step, 2 * ts.getTimeStep(), max(self._stop - self._last, SHORTEST_STEP)))
         self.model.accept()
         for call in self.after_step:
             call(self._last, dt)

@@ -77,6 +77,9 @@ def steady_flow(model: Model, t: float = 0.0) -> SteadyFlow:
     """
     asm, report = model.assembly, SteadyFlow()
     mine = fluid_unknowns(model)
+    for room in model.rooms:  # size and direction of the hole where the string is now
+        if hasattr(room, "find_hole"):
+            room.find_hole(asm)
     asm.freeze(~mine)
     try:
         factor, f = chain_factor(model), model.new_condensed()

@@ -40,6 +40,7 @@ class CondensedNewton:
         self.model, self.tolerance = model, tolerance
         self.t, self.shift = 0.0, 0.0
         self.lag = Lag() if lag else None
+        self._turning = any(getattr(room, "turning", False) for room in model.rooms)
         self.jacobians = self.newton = self.linear = self.failures = 0
         self.eta, self._last, self._first, self._theta = 1.0, 0.0, 0.0, 0.0
         self.q, self._f = model.new_condensed(), model.new_condensed()
@@ -225,6 +226,8 @@ class CondensedNewton:
     def solve(self, t: float, shift: float) -> int:
         """Solve at time ``t`` with rates y = shift x + v0; returns the SNES reason (negative: not converged)."""
         self.t, self.shift = t, shift
+        if self.lag and self._turning:  # unknowns that turn with the string take the Jacobian along
+            self.lag.good = False
         # what one step showed of the contraction is trusted less in the next (Hairer and Wanner, Solving ODEs II, IV.8)
         self.eta = 1.0 if self.eta > 1.0 else max(self.eta, 1e-10) ** 0.8
         if self.lag and self.lag.good:  # a factor made for another step length leaves an error of this share in each iteration
@@ -261,4 +264,7 @@ def _min():
 def chain_factor(model: Model) -> ChainFactor:
     """The direct solver for this model's chain of nodes."""
     layout, asm = model.layout, model.assembly
-    return ChainFactor(model.comm, layout.line.vertices, layout.vertex_of, layout.local_of_owned, asm.rows, asm.columns)
+    # a constraint's pivot is of the order of the step's square, without cancellation: small is no sign of a singular matrix there
+    smallest = 1e-25 if model.multipliers else 1e-15
+    return ChainFactor(model.comm, layout.line.vertices, layout.vertex_of, layout.local_of_owned, asm.rows, asm.columns,
+                       pivot_tolerance=smallest)

@@ -18,10 +18,17 @@ from drillpetsc.model import Model
 
 #: integrators for implicit first-order systems with algebraic rows
 IMPLICIT = ("bdf", "beuler", "cn", "theta", "alpha", "arkimex", "dirk", "rosw")
+#: those that keep their order with constraints on places (Brenan, Campbell and Petzold, Numerical Solution of IVPs in DAEs, section 3.2)
+HIGH_INDEX = ("bdf", "beuler")
 
 
-def refuse_integrator(kind: str) -> None:
-    """Raise CaseError for an integrator that cannot treat an implicit system with algebraic (prescribed) rows."""
+def refuse_integrator(kind: str, multipliers: bool = False) -> None:
+    """Raise CaseError for an integrator that cannot treat an implicit system with algebraic (prescribed) rows, or one whose constraints
+    have multipliers (index 3)."""
+    if multipliers and kind not in HIGH_INDEX:
+        raise CaseError(at="petsc.ts_type", got=kind, want=" | ".join(HIGH_INDEX),
+                        hint="joints and the quaternion element keep constraints (index 3 or 2): stages of other integrators lose their "
+                        "order or fail there")
     if kind not in IMPLICIT:
         raise CaseError(at="petsc.ts_type", got=kind, want=" | ".join(IMPLICIT),
                         hint="prescribed motions are algebraic rows and the mass matrix is not diagonal: the integrator must be implicit "
@@ -39,6 +46,12 @@ class PlainSystem:
 
     def __init__(self, model: Model):
         self.model, self.jacobians = model, 0
+        if any(getattr(room, "restores", False) for room in model.rooms):
+            raise CaseError(at="beam.constraint", got="stabilized", want="index3 or index2",
+                            hint="ts_type or snes_type in petsc ask for the whole system, whose solutions nobody restores")
+        if model.assembly.corrected:
+            raise CaseError(at="joints", got="constraint: stabilised", want="constraint: position",
+                            hint="ts_type or snes_type in petsc ask for the whole system, which knows no corrected velocities")
         self._t = 0.0  # of the last evaluation
         self._wrong: dict[str, Any] = {}  # where rows were last not finite, kept while the steps shrink towards that time
         self._wrong_until = 0.0
@@ -83,9 +96,15 @@ class PlainSystem:
     def default_solver(self, options: PETSc.Options) -> None:
         """A direct solver where the options ask for no other: the rows of a stiff string are too far apart in size for ILU."""
         defaults = {"ksp_type": "preonly", "pc_type": "lu"}
-        if self.model.comm.size > 1:
+        if self.model.comm.size > 1 or self.model.constrained:  # PETSc's own LU does not pivot, and a multiplier has no diagonal
             solver = petsc_compat.parallel_lu()
-            defaults |= {"pc_factor_mat_solver_type": solver} if solver else {"pc_type": "redundant", "redundant_pc_type": "lu"}
+            if solver:
+                defaults |= {"pc_factor_mat_solver_type": solver}
+            elif self.model.constrained:
+                defaults |= {"ksp_type": "gmres", "ksp_rtol": "1e-10", "pc_type": "redundant", "redundant_pc_type": "lu",
+                             "redundant_pc_factor_shift_type": "nonzero"}
+            else:
+                defaults |= {"pc_type": "redundant", "redundant_pc_type": "lu"}
             if options.getString("ts_type", "") == "arkimex":  # its first step is another TS with a dense matrix, for which there is no LU
                 defaults = {"ksp_type": "gmres", "ksp_rtol": "1e-10", "pc_type": "bjacobi", "sub_pc_type": "lu"}
         if options.hasName("ksp_type") or options.hasName("pc_type"):

@@ -167,8 +167,8 @@ class Statics:
             for (vertices, places), scale in zip(self._entries, (h, h**3 / 100), strict=True):
                 values[places] += sigma * scale[vertices, None, None] * across[vertices]
         try:
-            if self.energy:
-                return self.factor.negative_pivots(values)
+            if self.energy:  # each multiplier is a negative eigenvalue, whatever the state (saddle point)
+                return self.factor.negative_pivots(values) - self.model.multipliers
             self.factor.factor(values)
             return 0
         except ZeroPivot:
@@ -177,7 +177,7 @@ class Statics:
     def _positive_factor(self, sigma: float) -> float:
         """Smallest shift on a coarse scale that leaves no negative pivot; the factor is ready."""
         mesh = self.model.mesh
-        first = 1e-3 * self.largest(float(np.max(mesh.bending_stiffness / mesh.length**4)))
+        first = 1e-3 * self.largest(float(np.max((mesh.bending_stiffness / mesh.divisor**4)[~mesh.is_joint])))
         trial = sigma / 8 if sigma > 8 * first else 0.0
         for _ in range(60):
             if self._factor(trial) == 0:

@@ -28,11 +28,10 @@ def have_mpi() -> bool:
     return _mpirun() is not None
 
 
-def run_mpi(n: int, script: str | Path, args: tuple[str, ...] | list[str] = (), timeout: float = 120.0) -> str:
-    """Run ``python script *args`` on n ranks; returns what was printed, or raises AssertionError with all output.
+def start_mpi(n: int, script: str | Path, args: tuple[str, ...] | list[str] = ()) -> subprocess.Popen:
+    """Start ``python script *args`` on n ranks.
 
-    Ranks that wait give the processor away (both MPI libraries spin by default, and the ranks may outnumber the cores);
-    after ``timeout`` [s] the whole job is ended: a deadlock is a failed test, not a hanging one.
+    Ranks that wait give the processor away (both MPI libraries spin by default, and the ranks may outnumber the cores).
     """
     found = _mpirun()
     assert found is not None, "no mpirun found"
@@ -46,9 +45,17 @@ def run_mpi(n: int, script: str | Path, args: tuple[str, ...] | list[str] = (), 
         env.update(MPIR_CVAR_POLLS_BEFORE_YIELD="1")  # 0 would never yield
         options = []
     line = [command, *options, "-n", str(n), sys.executable, str(script), *args]
-    job = subprocess.Popen(
+    return subprocess.Popen(
         line, env=env, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
     )
+
+
+def run_mpi(n: int, script: str | Path, args: tuple[str, ...] | list[str] = (), timeout: float = 120.0) -> str:
+    """Run ``python script *args`` on n ranks; returns what was printed, or raises AssertionError with all output.
+
+    After ``timeout`` [s] the whole job is ended: a deadlock is a failed test, not a hanging one.
+    """
+    job = start_mpi(n, script, args)
     try:
         out, err = job.communicate(timeout=timeout)
     except subprocess.TimeoutExpired:

@@ -5,12 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.channels import Annulus, Bore
+from drillpetsc.field import Field
 from drillpetsc.frames import transported_frames
+from drillpetsc.hole import GrowingHole
 from drillpetsc.model import Model
 from drillpetsc.rheology import Rheology
 from drillpetsc.rooms.annulus_flow import AnnulusFlow, Sideways
 from drillpetsc.rooms.beam import Beam
 from drillpetsc.rooms.bit_flow import BitEnd, BitFlow
+from drillpetsc.rooms.bodies import Passive
 from drillpetsc.rooms.ends import TopDrive
 from drillpetsc.rooms.flow import FluidConstants
 from drillpetsc.rooms.pipe_flow import PipeFlow
@@ -19,12 +22,24 @@ from drillpetsc.tubulars import RigidItem, uniform_string
 from drillpetsc.well import Well
 from tests.rooms.scenes import GRAVITY, SECTION
 
+WIDENING = 28  # column of kernels/annulus_flow.hpp
 KINDS = ("pipe", "pipe_junction", "annulus", "annulus_junction", "pipe_annulus_bit", "pipe_annulus_bit_junction_topdrive", "pipe_bit",
-         "annulus_bit", "pipe_pump", "pipe_annulus_bit_held", "pipe_bit_held", "annulus_bit_held")
+         "annulus_bit", "pipe_pump", "pipe_annulus_bit_held", "pipe_bit_held", "annulus_bit_held", "annulus_widening",
+         "annulus_junction_widening", "pipe_annulus_bit_drilled", "annulus_bit_drilled")
+
+
+class Drilled(Passive):
+    """The unknowns of a hole that grows, without a bit that drills it."""
+
+    def fields(self) -> tuple[Field, ...]:
+        return tuple(Field(f"hole.{name}", size, region="bottom", second_order=False) for name, size in (("end", 3), ("drilled", 1)))
 
 
 def build(kind: str, seed: int = 5, fluid: FluidConstants | None = None, noise: float = 0.05) -> Model:
-    """Model of ``kind`` (words joined by _): fluid of density 3, bulk modulus 60, power law, in a curved hole."""
+    """Model of ``kind`` (words joined by _): fluid of density 3, bulk modulus 60, power law, in a curved hole.
+
+    widening: its elements come into parts of other areas; drilled: the hole's end moves, cuttings returned.
+    """
     from dataclasses import replace
 
     rng = np.random.default_rng(seed)
@@ -54,9 +69,15 @@ def build(kind: str, seed: int = 5, fluid: FluidConstants | None = None, noise: 
     if "bit" in kind:
         end = BitEnd(bore=0.05 if "pipe" in kind else 0.0, nozzle=0.03, discharge_coefficient=0.9, check_valve=False, ambient=Constant(0.2),
                      hole=0.3 if "annulus" in kind else 0.0, open=0.17, outer=0.126, elasticity=1e-3, volume=0.05, face=0.2, added=1.5,
-                     metal=0.02, end=np.asarray(well.at(np.array([4.6]))[0])[0], axis=np.asarray(well.at(np.array([4.6]))[1])[0])
-        rooms.append(BitFlow(4, end, fluid, held))
+                     metal=0.02, end=np.asarray(well.at(np.array([4.6]))[0])[0], axis=np.asarray(well.at(np.array([4.6]))[1])[0],
+                     cut=0.29 if "drilled" in kind else 0.0)
+        hole = GrowingHole(well.cut(4.6), 0.1, 0.3, 0.3) if "drilled" in kind else None
+        rooms += [Drilled()] if hole is not None else []
+        rooms.append(BitFlow(4, end, fluid, held, None, hole))
     model = Model(mesh, frames, rooms)
+    if "widening" in kind:
+        for block in rooms[-1]._blocks:
+            block.params[:, WIDENING] = np.linspace(0.1, -0.2, len(block.points))
     asm, size = model.assembly, model.layout.size
     if held is None:
         model.set_field("string.position", position + noise * rng.standard_normal((5, 3)))
@@ -64,9 +85,10 @@ def build(kind: str, seed: int = 5, fluid: FluidConstants | None = None, noise: 
         model.set_field("string.spin", rng.standard_normal((5, 1)))
         if "junction" in kind:
             model.set_field("string.ratio", np.full((5, 1), 1.05))
-    for name in [f.name for f in model.layout.fields if not f.second_order]:
-        scale = 0.02 if name.endswith("flow") else 2.0
-        model.set_field(name, scale * rng.standard_normal((5, 1)))
+    for f in model.layout.fields:
+        if not f.second_order:
+            scale = 0.02 if f.name.endswith("flow") or f.name.startswith("hole") else 2.0
+            model.set_field(f.name, scale * rng.standard_normal((5, f.size)))
     asm.y[:-1] = 0.2 * rng.standard_normal(size)
     asm.v0[:] = asm.y[:-1] - 2.3 * asm.x[:-1]
     asm.v1[:] = 0.3 * rng.standard_normal(size)

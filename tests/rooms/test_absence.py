@@ -29,7 +29,7 @@ SCENES = {
     "hung pipe": ({"string": [PIPE], "top": DRIVE}, 7, 0, {"beam"}, BASE | HELD, set()),
     "damped": ({"string": [PIPE], "top": DRIVE, "material": DAMPED}, 7, 0, {"beam_damped"}, BASE | HELD, set()),
     "section change": ({"string": [PIPE, COLLAR], "top": DRIVE}, 7, 1, {"beam", "beam_junction"}, BASE | HELD, set()),
-    "unbalanced": ({"string": [{**PIPE, "eccentricity": 0.002}], "top": DRIVE}, 7, 0, {"beam", "bodies"}, BASE | HELD, set()),
+    "unbalanced": ({"string": [{**PIPE, "eccentricity": 0.002}], "top": DRIVE}, 7, 0, {"beam", "eccentric"}, BASE | HELD, set()),
     "bent": ({"string": [{**PIPE, "curvature": 1e-4}], "top": DRIVE}, 7, 0, {"beam", "curvature"}, BASE | HELD, set()),
     "loaded": ({"string": [PIPE], "top": DRIVE, "loads": [{"at": 30, "force": [1, 0, 0]}]}, 7, 0, {"beam", "loads"}, BASE | HELD, set()),
     "driven": ({"string": [PIPE], "top": {"kind": "driven", "stiffness": 1e3}}, 7, 0, {"beam", "drive"}, BASE | HELD, set()),

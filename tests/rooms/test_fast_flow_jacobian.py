@@ -8,7 +8,7 @@ import pytest
 from drillpetsc.kernels import function, pointer
 from drillpetsc.rheology import Rheology
 from drillpetsc.rooms.flow import FluidConstants
-from tests.rooms.flow_scenes import build
+from tests.rooms.flow_scenes import WIDENING, build
 from tests.rooms.scenes import GRAVITY
 from tests.rooms.test_fast_jacobian import SIGMA, TRIPLES, _jacobian
 
@@ -41,6 +41,8 @@ def _elements(kernel: str, law: str, seed: int, count: int, turbulent: bool, wei
     params, step = np.ascontiguousarray(block.block.params[chosen]), STEP[kernel]
     params[:, step : step + 2] = rng.uniform(-2.0, 2.0, (count, 2))
     params[0, step + 2 : step + 4] = 1.0, 0.7
+    if kernel == "annulus_flow":
+        params[:, WIDENING] = rng.uniform(-0.5, 0.5, count)
     if seed % 2:
         params[:, POISSON] = 0.0
     spin, a = rng.standard_normal(asm.spin_gradient.shape), asm.a + 0.3 * rng.standard_normal(asm.a.size)

@@ -7,8 +7,10 @@ import pytest
 
 from drillpetsc.rheology import Rheology
 from drillpetsc.rooms.flow import FluidConstants
-from tests.rooms.flow_scenes import KINDS, build
+from tests.rooms.flow_scenes import KINDS, WIDENING, build
 from tests.rooms.scenes import GRAVITY, SHIFT, dense, residual
+
+HOLE = 4  # column of kernels/annulus_flow.hpp
 
 
 def stiff_fluid() -> FluidConstants:
@@ -31,25 +33,48 @@ def test_condensed_jacobian_matches_central_differences(kind):
     J, F = dense(model), np.zeros((n, n))
     for j in range(n):
         e = np.zeros(n)
-        e[j] = h * (0.1 if not model.layout.fields[model.layout.field_of[j]].second_order else 1.0)
+        e[j] = h * (0.04 if not model.layout.fields[model.layout.field_of[j]].second_order else 1.0)
         r = [residual(model, x0 + k * e, t) for k in (-2, -1, 1, 2)]
         F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * e[j])
     scale = np.abs(J).max(axis=1, keepdims=True)
+    scale[scale == 0] = 1.0  # rows of another room's unknowns
     assert np.abs((J - F) @ free / scale).max() < 3e-7
 
 
-@pytest.mark.parametrize("kind", [k for k in KINDS if "held" not in k and "bit" not in k and "pump" not in k])
+def mean_speeds(model) -> np.ndarray:
+    """(4,) mean speed of the elements along the hole (int of the cubic shapes), from the lower end of a rigid item above on."""
+    mesh, room = model.mesh, model.rooms[-1]
+    u, v, w = model.field("string.position", "y"), model.field("string.tangent"), model.field("string.tangent", "y")
+    ratio, rate = np.ones(5), np.zeros(5)
+    if len(mesh.junction) and mesh.junction.any():
+        ratio, rate = model.field("string.ratio")[:, 0], model.field("string.ratio", "y")[:, 0]
+    size = np.linalg.norm(v, axis=1, keepdims=True)
+    turning = (w - v * np.sum(v * w, axis=1, keepdims=True) / size**2) / size
+    upper = u[:-1] + mesh.rigid_above[:, None] * turning[:-1]
+    slope = np.where(mesh.junction[:-1, None], w[:-1] * ratio[:-1, None] + v[:-1] * rate[:-1, None], w[:-1])
+    mean = (upper + u[1:]) / 2 + (slope - w[1:]) * mesh.length[:, None] / 12
+    tangents = room._directions(room.well, mesh.upper, mesh.lower)[:, :6].reshape(4, 2, 3).sum(axis=1)
+    return np.sum(mean * tangents, axis=1) / np.linalg.norm(tangents, axis=1)
+
+
+@pytest.mark.parametrize("kind", [k for k in KINDS if not {"held", "bit", "pump"} & set(k.split("_"))])
 def test_mass_rows_add_up_to_the_change_of_content(kind):
-    """Sum of the storage of all elements = d(content)/dt by central differences of the content along the motion."""
+    """Sum of the storage of all elements = d(content)/dt by central differences of the content along the motion, the hole's area that of
+    the place where an element's mean point along the hole comes to."""
     model = build(kind)
     room = model.rooms[-1]
     asm, h = model.assembly, 1e-5
     x0, y = asm.x.copy(), asm.y.copy()
     y[-1] = 0.0
-    content = []
+    content, areas = [], [b.params[:, HOLE].copy() for b in room._blocks]
+    speed = mean_speeds(model) if "widening" in kind else np.zeros(4)
     for k in (-2, -1, 1, 2):
         asm.x[:] = x0 + k * h * y
+        for b, area in zip(room._blocks, areas, strict=True):
+            b.params[:, HOLE] = area + (k * h * speed[b.points] * b.params[:, WIDENING] if "widening" in kind else 0.0)
         content.append(room.figures(asm)[:, 4].sum())
+    for b, area in zip(room._blocks, areas, strict=True):
+        b.params[:, HOLE] = area
     asm.x[:] = x0
     rate = (content[0] - 8 * content[1] + 8 * content[2] - content[3]) / (12 * h)
     storage = room.figures(asm)[:, 5:7].sum()
@@ -95,7 +120,7 @@ def test_energy_balance_of_an_almost_incompressible_fluid(kind):
     speed, ends = np.zeros(4), 0.0
     if kind == "annulus":
         u, w = model.field("string.position", "y"), model.field("string.tangent", "y")
-        t = np.array([room._directions(np.array([k]), 0.0)[0, :6].reshape(2, 3).sum(axis=0) for k in range(4)])
+        t = np.array([room._directions(room.well, np.array([k]), np.array([k + 1.0]))[0, :6].reshape(2, 3).sum(axis=0) for k in range(4)])
         t /= np.linalg.norm(t, axis=1, keepdims=True)
         speed = np.sum(((u[:-1] + u[1:]) / 2 + (w[:-1] - w[1:]) / 12) * t, axis=1)
         ends = 0.3 * (x[pressure[-1]] * u[-1] @ t[-1] - x[pressure[0]] * u[0] @ t[0])

@@ -243,7 +243,6 @@ def test_refused_loads(load: Any, at: str) -> None:
         ({"petsc": [1]}, "petsc"),
         ({"hold_string": 1}, "hold_string"),
         ({"top": None}, "top"),
-        ({"joints": []}, "joints"),
         ({"initial": {"from": "rest", "wob": 1}}, "initial.wob"),
         ({"material": {"young": 206}}, "material.young"),
         ({"material": {"poisson": 0.6}}, "material.poisson"),

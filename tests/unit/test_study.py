@@ -95,6 +95,7 @@ def test_cost_of_an_error():
     beyond = cost_of(1e-3, 1 / seconds, seconds)
     assert beyond is not None
     assert (beyond.seconds, beyond.how) == (pytest.approx(1000.0), "beyond")
+    assert cost_of(1e-3, np.array([0.1, 0.0031, 0.003]), seconds) is None  # has come to a plateau
     below = cost_of(0.5, 1 / seconds, seconds)
     assert below is not None
     assert (below.seconds, below.how) == (10.0, "below")
@@ -272,3 +273,13 @@ def test_all_failed_is_useless_and_still_told(case_file, tmp_path):
     assert result.failed == 3
     assert {f.name for f in result.files} >= {"work_precision.png"}  # a picture of crosses
     assert (tmp_path / "out" / "study.csv").is_file()
+
+
+def test_reference_is_finer_than_the_points(case_file):
+    """Tolerances 1e-3 and 1e-5 among the points: 1e-5 is the finest; steps alone of 5 ms, half the rows' 10 ms that stand in for the mean
+    step: 1e-3/2^3."""
+    from drillpetsc.study_plan import finest_tolerance
+
+    base = read_base(case_file, {})
+    assert finest_tolerance(plan_of("tolerance", base, ["1e-3", "1e-5"]) + plan_of("time-step", base, ["1 ms"]), base) == 1e-5
+    assert finest_tolerance(plan_of("time-step", base, ["0.02", "5 ms"]), base) == pytest.approx(1e-3 / 8)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drillpetsc.recorder import Recorder
 from drillpetsc.scene import Scene
 from tests.verify.motion import fixed, integrate
 from tests.verify.mud import (
@@ -98,6 +99,31 @@ def test_open_string_lowered_while_pumping():
     """The pump rides with the string, whose bore stays as full as it is: 20 l/s and A_o V come back."""
     scene = tripping(0.5, {"flow_rate": 0.02}, plugged=False)
     assert returned(scene) == pytest.approx(0.02 + 0.5 * SOLID, rel=1e-6)
+
+
+def test_return_past_a_casing_shoe():
+    """From casing of 244.5 mm into the open hole, 10 m above the shoe to 10 m below: the return is what enters at the top, A_o V, all the
+    way (1e-6), the mud in the hole A_o V t less, and the chamber under the bit its old self."""
+    section = {"to": 600.0, "kind": "casing", "diameter": 0.2445, "friction": 0.2}
+    well = {**hole(1100.0), "sections": [section, *hole(1100.0)["sections"]]}
+    top, bottom = {"kind": "top_drive", "lowering": 0.5}, {"kind": "free", "plugged": True}
+    scene, seen = started(loop(RIGID, hold_string=False, top=top, bottom=bottom, contact="none", well=well, string=[pipe(590.0, 12)])), []
+    chamber, books = scene.fluid.bit, Recorder(scene)  # type: ignore[union-attr]
+    books.begin(0.0)
+    first = chamber.figures(scene.model.assembly)[4]  # type: ignore[union-attr]
+
+    def after(t: float, dt: float) -> None:
+        books.step(t, dt, t, None, not seen)
+        seen.append(returned(scene))
+
+    integrate(scene.model, 40.0, fixed(0.05), after)
+    assert np.array(seen) == pytest.approx(0.5 * SOLID, rel=1e-6)
+    mass, narrow = books.mass_balance(), 0.25 * np.pi * HOLE**2
+    assert mass["content_change"] == pytest.approx(-20.0 * SOLID, rel=1e-6)
+    assert abs(mass["error"]) < 1e-9 * 20.0 * SOLID
+    # 510 m of hole below at first, 490 m in the end; the transition at the shoe lies half above it, half below
+    assert chamber.figures(scene.model.assembly)[4] == pytest.approx(7e-3 + narrow * 490.0, rel=1e-6)  # type: ignore[union-attr]
+    assert first == pytest.approx(7e-3 + narrow * 500.0 + 0.25 * np.pi * 0.2445**2 * 10.0, rel=1e-5)
 
 
 def test_motion_at_one_speed_is_steady_from_the_start():

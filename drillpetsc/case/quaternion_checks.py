@@ -1,0 +1,50 @@
+"""What a scene with the quaternion element cannot have."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from pydantic_core import PydanticCustomError
+
+from drillpetsc.case.ends import DrivenTop
+from drillpetsc.case.items import Rigid
+from drillpetsc.case.keys import refuse
+from drillpetsc.errors import CaseError
+
+if TYPE_CHECKING:
+    from drillpetsc.case.scene import Case
+
+
+def check_quaternion(case: Case) -> None:
+    """Raises on the first part of the scene that the quaternion element does not know."""
+    if case.beam.formulation != "quaternion":
+        return
+    if case.hold_string:
+        raise _not_yet("hold_string", got=True, what="hold_string (there is no string to compute)")
+    if case.fluid is not None:
+        raise _not_yet("fluid", what="drilling fluid")
+    if isinstance(case.top, DrivenTop):
+        raise _not_yet("top", "kind", got="driven", what="a driven top")
+    if case.bottom.kind == "bit":
+        raise _not_yet("bottom", "kind", got="bit", what="a bit on the bottom")
+    for i, item in enumerate(case.string):
+        if isinstance(item, Rigid):
+            raise _not_yet("string", i, "kind", got=item.kind, what="rigid items")
+        if getattr(item, "eccentricity", 0.0):
+            raise _not_yet("string", i, "eccentricity", got=item.eccentricity, what="eccentricity")
+    if getattr(case, "joints", ()):
+        raise _not_yet("joints", what="joints")
+    mode = getattr(case.time, "mode", "dynamic")
+    if mode != "dynamic":
+        raise _not_yet("time", "mode", got=mode, what=f"time.mode {mode}")
+
+
+def refuse_quaternion(case: Case, command: str) -> None:
+    """Raises CaseError where a command knows the gauge element only."""
+    if case.beam.formulation == "quaternion":
+        raise CaseError(at="beam.formulation", got="quaternion", want=f"gauge with {command}: not with quaternion yet",
+                        hint="the string is the same, in other unknowns")
+
+
+def _not_yet(*at: str | int, got: Any = None, what: str, hint: str = "") -> PydanticCustomError:
+    return refuse(*at, got=got, want=f"not with quaternion yet: {what}", hint=hint or "leave it out, or take beam.formulation gauge")

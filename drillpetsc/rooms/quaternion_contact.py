@@ -1,0 +1,40 @@
+"""Contact of the quaternion string with the wall: pipes only (kernels/quaternion_contact.cpp)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drillpetsc.field import Block, FloatArray
+from drillpetsc.kernels import function, pointer
+from drillpetsc.rooms.contact import REPORT, Contact
+from drillpetsc.rooms.quaternion_beam import SLOTS
+
+_report = function("quaternion_contact_report", "ipppppp")
+
+
+class QuaternionContact(Contact):
+    """The wall contact of ``Contact`` on the quaternion element's unknowns."""
+
+    def blocks(self, part) -> tuple[Block, ...]:
+        m, e = self.mesh, part.cells
+        self._part, self._touching, self._normal, self._row_of = part, [], [], None
+        chosen = np.flatnonzero(m.outer_diameter[e] > 0).astype(np.int32)
+        e = e[chosen]
+        friction = np.where(np.isnan(m.friction[e]), -1.0, m.friction[e])
+        params = np.ascontiguousarray(np.column_stack([m.length[e], np.zeros(len(e)), 0.5 * m.outer_diameter[e], friction]))
+        self._blocks = [Block("contact", "quaternion_contact", "cell", chosen, SLOTS, (), params, context=self._context(len(chosen)))]
+        return tuple(self._blocks)
+
+    def slide_as(self, other: Contact) -> None:
+        """Take over the sliding direction that statics imposed on another contact."""
+        imposed = next((record for record in other._laws if record.imposed), None)
+        if imposed is None:
+            self.free_sliding()
+        else:
+            self.impose_sliding(imposed.axial, imposed.spin, imposed.side)
+
+    def _figures(self, state) -> list[FloatArray]:
+        b = self._blocks[0]
+        out = np.zeros((len(b.points), len(REPORT)))
+        _report(len(out), pointer(state.index_of(b)), pointer(b.params), b.context, pointer(state.x), pointer(state.y), pointer(out))
+        return [out]

@@ -1,0 +1,70 @@
+"""The scenes of the report: which studies each gets, and what there is to know about its orders."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+FIXED = ("bdf1-fixed", "bdf2-fixed", "bdf3-fixed")
+QUATERNION = ("quaternion-bdf1-fixed", "quaternion-bdf2-fixed")
+ADAPTIVE = ("bdf2", "bdf3")
+
+
+@dataclass(frozen=True)
+class Scene:
+    """file: below cases/verification; main: the output by which it is judged; outputs: those that are drawn.
+
+    steps [s]: of the curves with fixed steps, tolerances: of the others (empty: around the case's own).  mesh: factors on the element
+    lengths (empty: no study of the mesh).  limit: wall seconds of one run.  note: what a reader of its orders should know.
+    """
+
+    file: str
+    main: str
+    outputs: tuple[str, ...]
+    curves: tuple[str, ...] = (*FIXED, *ADAPTIVE, "arkimex", *QUATERNION)
+    steps: tuple[float, ...] = ()
+    tolerances: tuple[float, ...] = ()
+    mesh: tuple[float, ...] = ()
+    solver: bool = False
+    ranks: bool = False
+    limit: float = 60.0
+    note: str = ""
+
+
+def halved(longest: float, count: int) -> tuple[float, ...]:
+    return tuple(longest / 2**k for k in range(count))
+
+
+SCENES: dict[str, Scene] = {
+    "pendulum": Scene(
+        "study-pendulum.yaml", "x_0.5", ("bit_depth", "x_0.5"), steps=halved(5e-3, 6), mesh=(4, 2.6, 2, 1.6, 1),
+        note="BDF3 is not stable for undamped motion: modes that the mesh has but nothing excites grow out of rounding, the faster the "
+        "shorter the step."),
+    "hanging-string": Scene(
+        "study-hanging-string.yaml", "bit_speed", ("bit_speed",), steps=halved(0.08, 7), tolerances=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6),
+        mesh=(10, 5, 3.4, 2, 1), curves=(*FIXED, *ADAPTIVE, *QUATERNION), solver=True, ranks=True,
+        note="The second derivative of the top's speed jumps at both ends of its half cosine, which keeps the order at 2 in time for BDF3 "
+        "and below 4 in space."),
+    "flying-beam": Scene(
+        "study-flying-beam.yaml", "x_10", ("bit_depth", "x_10"), steps=halved(0.05, 6), mesh=(4, 2.6, 2, 1.6, 1),
+        note="BDF1 damps the free motion so much that its longer steps show no order yet."),
+    "water-hammer": Scene(
+        "study-water-hammer.yaml", "pump_pressure", ("pump_pressure",), steps=halved(0.02, 6), tolerances=(1e-3, 1e-4, 1e-5, 1e-6, 1e-7),
+        mesh=(10, 5, 3.4, 2, 1), curves=(*FIXED, *ADAPTIVE, "arkimex"),
+        note="The wave goes to and fro without any loss; the second derivative of the pump's flow jumps at both ends of its half cosine.  "
+        "The quaternion element plays no part: the string is held."),
+    "flutter": Scene(
+        "study-flutter.yaml", "x_10", ("x_10",), steps=halved(0.1, 6), mesh=(4, 2.6, 2, 1.6, 1), curves=(*FIXED, *ADAPTIVE, *QUATERNION),
+        note="Flutter grows, and errors with it."),
+    "impact": Scene(
+        "study-impact.yaml", "x_5", ("x_5", "contact_5"), steps=halved(2e-3, 7), curves=(*FIXED, *ADAPTIVE, "arkimex", *QUATERNION),
+        note="An impact lasts some milliseconds and begins with a corner of the force: no formula keeps an order above 2 over it, and the "
+        "peak of the contact force is met only by steps much shorter than the impact.  Error control puts short steps only there."),
+    "stick-slip": Scene(
+        "study-stick-slip.yaml", "bit_speed", ("bit_speed", "surface_torque"), steps=halved(0.02, 6),
+        curves=(*FIXED, *ADAPTIVE, *QUATERNION),
+        note="The torque on the bit falls by half within 0.02 rad/s when it breaks loose: what remains of an error is a shift in time."),
+    "coupled": Scene(
+        "study-coupled.yaml", "wob", ("wob", "hook_load", "pump_pressure"), steps=halved(0.016, 6), curves=(*FIXED, *ADAPTIVE, *QUATERNION),
+        tolerances=(3e-3, 1e-3, 3e-4, 1e-4, 3e-5), mesh=(4, 3, 2, 1.5, 1), solver=True, ranks=True, limit=120.0,
+        note="The whole string in the whole hole, with contact: neighbouring motions part, so errors shrink only while the time is short."),
+}

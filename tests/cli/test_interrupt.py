@@ -1,0 +1,147 @@
+"""Runs that are stopped from outside: by signals, and by a disk that is full."""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from drillpetsc.output import read_frame, read_series, read_table
+from drillpetsc.watch import NOTHING, SAVE, STOP, Watch
+
+ROOT = Path(__file__).parents[2]
+CASE = """
+title: for interruption
+well:
+  survey: {md: [0 m, 60 m], inclination: [60 deg, 60 deg], azimuth: [0 deg, 0 deg]}
+  sections: [{to: 60 m, kind: casing, diameter: 215.9 mm, friction: 0.2}]
+string:
+  - {kind: pipe, length: 30 m, od: 127 mm, id: 108.6 mm}
+  - {kind: pipe, length: 20 m, od: 171.5 mm, id: 71.4 mm}
+top: {kind: top_drive, rotation: {ramp: 0.1 s, value: 60 rpm}}
+time: {end: 1 s}
+output: {history_every: 0.01 s, field_every: 0.05 s, probes: [25 m], checkpoint_every: 100 s}
+"""
+FILES = ("history.csv", "probes.csv", "string.pvd", "trajectory.csv")
+
+
+def start(folder: Path, *words: str) -> subprocess.Popen:
+    """drillpetsc run ... in ``folder``."""
+    environment = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
+    command = [sys.executable, "-m", "drillpetsc", "run", *words, "--progress", "silent"]
+    return subprocess.Popen(command, cwd=folder, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+
+def wait_for_rows(file: Path, rows: int, job: subprocess.Popen) -> None:
+    """Until the table has so many rows."""
+    end = time.monotonic() + 60
+    while time.monotonic() < end and job.poll() is None:
+        if file.exists() and file.read_text().count("\n") > rows:
+            return
+        time.sleep(0.002)
+    raise AssertionError(f"no {rows} rows in {file}: {job.communicate()}")
+
+
+def same(one: Path, other: Path) -> None:
+    for name in FILES:
+        assert (one / name).read_bytes() == (other / name).read_bytes(), name
+    frames = sorted(p.name for p in (one / "string").iterdir())
+    assert frames == sorted(p.name for p in (other / "string").iterdir())
+    for name in frames:
+        assert (one / "string" / name).read_bytes() == (other / "string" / name).read_bytes(), name
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory) -> Path:
+    """A folder with the case and its uninterrupted run, in run/."""
+    folder = tmp_path_factory.mktemp("interrupt")
+    (folder / "case.yaml").write_text(CASE)
+    out, err = (job := start(folder, "case.yaml", "--out", "run")).communicate(timeout=120)
+    assert job.returncode == 0, err
+    return folder
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_ends_the_run_with_a_checkpoint_that_goes_on_identically(whole, number):
+    """Stopped at any step (not at a time of output): exit status 1, the words to continue with, and every file in the end the same."""
+    name = f"stopped-{number}"
+    job = start(whole, "case.yaml", "--out", name)
+    wait_for_rows(whole / name / "history.csv", 15, job)
+    job.send_signal(number)
+    _, err = job.communicate(timeout=60)
+    assert job.returncode == 1, err
+    assert signal.Signals(number).name in err and "--restart" in err and f"--out {name}" in err and "Traceback" not in err
+    summary = json.loads((whole / name / "summary.json").read_text())
+    assert summary["interrupted"] and 0 < summary["time"] < 1
+    assert abs(summary["energy"]["error_share"]) < 0.05 and "hook_load [N]" in summary["final"]
+    rows = len(read_table(whole / name / "history.csv")["time [s]"])
+    assert rows >= 15
+    _, err = (job := start(whole, "case.yaml", "--out", name, "--restart")).communicate(timeout=60)
+    assert job.returncode == 0, err
+    same(whole / "run", whole / name)
+    assert json.loads((whole / name / "summary.json").read_text())["interrupted"] is False
+
+
+def test_sigusr1_asks_for_a_checkpoint_and_the_run_goes_on(whole):
+    job = start(whole, "case.yaml", "--out", "saved")
+    wait_for_rows(whole / "saved" / "history.csv", 5, job)
+    first = (whole / "saved" / "checkpoint.h5").stat().st_mtime_ns  # the one of time 0
+    job.send_signal(signal.SIGUSR1)
+    end = time.monotonic() + 20
+    while (whole / "saved" / "checkpoint.h5").stat().st_mtime_ns == first and job.poll() is None and time.monotonic() < end:
+        time.sleep(0.002)
+    assert job.poll() is None, "the run ended before it could be seen to write"
+    assert (whole / "saved" / "checkpoint.h5").stat().st_mtime_ns != first
+    _, err = job.communicate(timeout=60)
+    assert job.returncode == 0, err
+    same(whole / "run", whole / "saved")
+
+
+def test_a_full_disk_ends_the_run_in_order_and_it_can_go_on(whole):
+    """No file may grow beyond a limit (half a row is taken there, as on a disk that is full), which the history meets in the middle
+    of a row: a message, exit status 1, whole rows and frames; with room again the run goes on to the same files."""
+    (whole / "fine.yaml").write_text(CASE.replace("history_every: 0.01 s", "history_every: 0.5 ms").replace("100 s", "0.2 s"))
+    _, err = (job := start(whole, "fine.yaml", "--out", "fine")).communicate(timeout=120)
+    assert job.returncode == 0, err
+    limit = (whole / "fine" / "checkpoint.h5").stat().st_size + 4000
+    assert (whole / "fine" / "history.csv").stat().st_size > 1.5 * limit
+    job = start(whole, "fine.yaml", "--out", "full")
+    wait_for_rows(whole / "full" / "history.csv", 1, job)
+    resource.prlimit(job.pid, resource.RLIMIT_FSIZE, (limit, limit))
+    _, err = job.communicate(timeout=120)
+    assert job.returncode == 1 and "cannot write full/history.csv: No space left on device" in err and "--restart" in err, err
+    assert "Traceback" not in err
+    text = (whole / "full" / "history.csv").read_text()
+    assert text.endswith("\n") and limit - 300 < len(text) <= limit
+    assert len(read_table(whole / "full" / "history.csv")["time [s]"]) == text.count("\n") - 1
+    assert all(len(read_frame(file).points) > 2 for _, file in read_series(whole / "full"))
+    assert "failed: cannot write" in json.loads((whole / "full" / "summary.json").read_text())["status"]
+    _, err = (job := start(whole, "fine.yaml", "--out", "full", "--restart")).communicate(timeout=120)
+    assert job.returncode == 0, err
+    same(whole / "fine", whole / "full")
+
+
+def test_a_signal_reaches_the_watch_once():
+    """NOTHING before, STOP and the signal's name after; handlers are put back; a request to save is answered once."""
+
+    class Alone:
+        size, rank = 1, 0
+
+    before = signal.getsignal(signal.SIGTERM)
+    with Watch(Alone()) as watch:
+        assert watch.look(False) == NOTHING
+        os.kill(os.getpid(), signal.SIGUSR1)
+        assert watch.look(False) == SAVE and watch.look(False) == NOTHING
+        os.kill(os.getpid(), signal.SIGTERM)
+        assert watch.look(False) == STOP and watch.name == "SIGTERM"
+    assert signal.getsignal(signal.SIGTERM) == before
+    with Watch(Alone()) as watch, pytest.raises(KeyboardInterrupt):
+        os.kill(os.getpid(), signal.SIGINT)
+        os.kill(os.getpid(), signal.SIGINT)

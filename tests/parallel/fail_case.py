@@ -1,0 +1,37 @@
+"""Run a case in which something goes wrong on rank 1 alone: fail_case.py nan|exception|error CASE OUT CLOCK.
+
+CLOCK gets the time of the day at which it went wrong [s].
+"""
+
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from drillpetsc.assembly import Assembly
+from drillpetsc.cli import main
+from drillpetsc.errors import SolveError
+
+KIND, CASE, OUT, CLOCK = sys.argv[1:]
+residual = Assembly.residual
+
+
+def spoiled(self: Assembly, t: float):
+    from petsc4py import PETSc
+
+    if PETSc.COMM_WORLD.rank == 1 and t > 0.02:
+        if not Path(CLOCK).exists():
+            Path(CLOCK).write_text(repr(time.time()))
+        if KIND == "exception":
+            next(b for b in self.ready if b.block.name == "contact").block.update = lambda t: 1 / 0
+        elif KIND == "error":
+            raise SolveError("spoiled on purpose", time=t, room="contact")
+        else:
+            contact = next(b for b in self.ready if b.block.name == "contact")
+            contact.block.params[-1, 2] = np.nan  # the radius of this rank's last element
+    return residual(self, t)
+
+
+Assembly.residual = spoiled  # type: ignore[method-assign]
+raise SystemExit(main(["run", CASE, "--out", OUT, "--progress", "silent"]))

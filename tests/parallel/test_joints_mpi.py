@@ -1,0 +1,53 @@
+"""A string with joints on 1, 2 and 3 ranks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drillpetsc.output import read_table
+from tests.parallel.launch import run_mpi
+
+ROOT = Path(__file__).parents[2]
+CASE = """
+well: {survey: {md: [0, 40], inclination: [0.5, 0.5], azimuth: [0, 0]},
+       sections: [{to: 40, kind: casing, diameter: 0.2, friction: 0.2}]}
+string:
+  - {kind: pipe, length: 9, od: 0.127, id: 0.1, element_length: 3}
+  - {kind: stabilizer, length: 0.4, od: 0.19, mass: 40, unbalance: 0.05}
+  - {kind: pipe, length: 9, od: 0.127, id: 0.1, element_length: 3}
+  - {kind: body, length: 0.5, mass: 30, od: 0.15}
+  - {kind: pipe, length: 6, od: 0.127, id: 0.1, element_length: 3}
+joints:
+  - {at: 3, kind: revolute, axis: [0, 1, 1], constraint: stabilised}
+  - {at: 9.4, kind: universal, constraint: stabilised}
+  - {at: 15.4, kind: slider, spring: 1e6, damping: 1e3}
+  - {at: 18.4, kind: universal}
+material: {damping: {stiffness: 1.0e-3}}
+top: {kind: top_drive, rotation: 6}
+time: {end: 0.04}
+output: {history_every: 0.02}
+"""
+EXACT = ["-ts_adapt_type", "none", "-ts_dt", "1e-3", "-q_snes_stol", "1e-12"]
+
+
+@pytest.mark.parallel
+def test_joints_agree_on_1_2_and_3_ranks(tmp_path):
+    """Statics, then fixed steps with Newton to rounding: histories, reactions of the joints among them, agree to 1e-7 of each column.
+
+    Three ranks meet at the node above a stabilised joint and at the one below another."""
+    case = tmp_path / "joints.yaml"
+    case.write_text(CASE)
+    runs = []
+    for n in (1, 2, 3):
+        out = tmp_path / f"ranks{n}"
+        run_mpi(n, ROOT / "tests" / "parallel" / "run_case.py", [str(case), str(out), *EXACT], timeout=120)
+        runs.append(read_table(out / "history.csv"))
+    one = runs[0]
+    assert np.abs(one["joint_15.4_force [N]"]).min() > 100.0
+    for other in runs[1:]:
+        for column, values in one.items():
+            if not column.startswith(("energy_error", "newton", "step")):
+                assert np.abs(other[column] - values).max() <= 1e-7 * max(np.abs(values).max(), 1e-3), column

@@ -1,0 +1,26 @@
+"""The quaternion string on several ranks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.parallel.launch import run_mpi
+
+SCRIPT = Path(__file__).with_name("run_quaternion.py")
+
+
+@pytest.mark.parallel
+def test_a_quaternion_string_agrees_on_1_2_and_3_ranks():
+    """Static start and 20 steps in contact, both forms of the constraints: motion, multipliers, reactions and energies agree to 1e-8 of
+    their sizes (systems solved to rounding; friction of 0.01 m/s slip velocity multiplies it)."""
+    runs = []
+    for n in (1, 2, 3):
+        lines = [line.split() for line in run_mpi(n, SCRIPT).splitlines() if line.startswith("END")]
+        runs.append(np.array([[float(w) for w in line[2:]] for line in lines]))
+    one = runs[0]
+    assert one.shape == (2, 13)
+    for other in runs[1:]:
+        assert np.all(np.abs(other - one) <= 1e-8 * np.maximum(np.abs(one), 1e-3))

@@ -1,0 +1,254 @@
+"""Checkpoints: what is continued from them is what would have been, whatever the file went through."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from petsc4py import PETSc
+
+from drillpetsc import checkpoint
+from drillpetsc.case import load_case
+from drillpetsc.errors import CaseError
+from drillpetsc.output import read_table
+from drillpetsc.output.atomic import remove_leftovers, replace_file
+from drillpetsc.recorder import Recorder
+from drillpetsc.scene import build_scene
+from drillpetsc.simulate import after, run
+from drillpetsc.solve.dynamics import Dynamics
+from drillpetsc.start import place_along_hole
+
+# a whirling string in contact, with a bend of the rotation at 40 ms and a jump of the lowering at 60 ms, and mud
+CASE = """
+well:
+  survey: {md: [0 m, 60 m], inclination: [40 deg, 70 deg], azimuth: [0 deg, 10 deg]}
+  sections: [{to: 60 m, kind: casing, diameter: 215.9 mm, friction: 0.2}]
+string:
+  - {kind: pipe, length: 30 m, od: 127 mm, id: 108.6 mm}
+  - {kind: pipe, length: 20 m, od: 171.5 mm, id: 71.4 mm, eccentricity: 3 mm}
+top:
+  kind: top_drive
+  rotation: {time: [0 s, 40 ms, 1 s], value: [60 rpm, 80 rpm, 80 rpm]}
+  lowering: {time: [0 s, 60 ms, 60 ms, 1 s], value: [0 m/s, 0 m/s, 0.1 m/s, 0.1 m/s]}
+bottom: free
+fluid: {density: 1200 kg/m3, rheology: {model: newtonian, viscosity: 20 mPa s}, bulk_modulus: 2 GPa, flow_rate: 20 l/s}
+time: {end: 0.1 s}
+output: {history_every: 5 ms, field_every: 20 ms, probes: [40 m], checkpoint_every: 3 ms}
+"""
+
+
+@pytest.fixture
+def options():
+    """PETSc options for one test."""
+    database, given = PETSc.Options(), []
+
+    def give(**values: object) -> None:
+        for name, value in values.items():
+            database.setValue(name, value)
+            given.append(name)
+
+    yield give
+    for name in given:
+        database.delValue(name)
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    """All files of a run that hold no wall time."""
+    return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*"))
+            if p.is_file() and p.name not in ("summary.json", "checkpoint.h5")}
+
+
+def run_with_copies(case: Path, out: Path, monkeypatch) -> list[Path]:
+    """Run a case; copies of its folder as it stood after each checkpoint."""
+    write, copies = checkpoint.write, []
+
+    def write_and_copy(path: Path, c: checkpoint.Checkpoint) -> None:
+        write(path, c)
+        copies.append(out.with_name(f"{out.name}-at-{len(copies)}"))
+        shutil.copytree(out, copies[-1])
+
+    with monkeypatch.context() as patch:
+        patch.setattr(checkpoint, "write", write_and_copy)
+        run(load_case(case), out, progress="silent")
+    return copies
+
+
+KINDS = {
+    "bdf2": {},
+    "bdf3": {"ts_bdf_order": 3},
+    "bdf1 with fixed steps": {"ts_bdf_order": 1, "ts_adapt_type": "none", "ts_dt": 2e-3},
+    "cut fixed steps": {"ts_adapt_type": "none", "ts_dt": 1e-2},
+    "assembled newton": {"q_pc_type": "lu"},
+    "plain system": {"snes_type": "newtonls"},
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_run_continued_from_any_checkpoint_is_the_same_to_the_last_bit(kind, tmp_path, monkeypatch, options):
+    """Every file, from checkpoints in the start of the formula, in full order, at a bend, after a jump, and at the end."""
+    options(**KINDS[kind])
+    (tmp_path / "case.yaml").write_text(CASE)
+    copies = run_with_copies(tmp_path / "case.yaml", tmp_path / "run", monkeypatch)
+    assert len(copies) >= 8
+    whole = files(tmp_path / "run")
+    for copy in copies[:: max(1, len(copies) // 8)]:
+        run(load_case(tmp_path / "case.yaml"), copy, restart=True, progress="silent")
+        for name, content in files(copy).items():
+            assert content == whole[name], (copy, name)
+
+
+def test_checkpoints_change_no_number(tmp_path):
+    """With a checkpoint every 3 ms and with none but the first and the last."""
+    results = []
+    for every in ("3 ms", "10 s"):
+        (tmp_path / "case.yaml").write_text(CASE.replace("checkpoint_every: 3 ms", f"checkpoint_every: {every}"))
+        results.append(files(run(load_case(tmp_path / "case.yaml"), tmp_path / every[:2].strip(), progress="silent").folder))
+    for name in results[0].keys() - {"case.yaml"}:
+        assert results[0][name] == results[1][name], name
+
+
+@pytest.mark.parametrize("interval", [0.1, 0.01, 1e-3, 1 / 3])
+def test_the_next_output_is_the_same_for_a_run_that_starts_there(interval):
+    """Counting on from time to time and asking at a time alone agree, also where steps land beside multiples by rounding."""
+    counted, t = 0, 0.0
+    for k in range(1, 200):
+        for t in (k * interval * (1 - 3e-10), k * interval * (1 + 2e-16), k * interval + 0.3 * interval):
+            while counted * interval <= t * (1 + 1e-12) + 1e-15:
+                counted += 1
+            assert after(t, interval) == counted
+
+
+# ---------------------------------------------------------------------- the file
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory) -> Path:
+    """A short run with its checkpoint."""
+    folder = tmp_path_factory.mktemp("saved")
+    (folder / "case.yaml").write_text(CASE.replace("end: 0.1 s", "end: 2 ms"))
+    return run(load_case(folder / "case.yaml"), folder / "run", progress="silent").folder
+
+
+def _cut(share: float):
+    return lambda data: data[: int(share * len(data))]
+
+
+def _flip(share: float):
+    def change(data: bytes) -> bytes:
+        i = int(share * len(data))
+        return data[:i] + bytes([data[i] ^ 1]) + data[i + 1 :]
+
+    return change
+
+
+DAMAGE = {
+    "empty": (lambda data: b"", "an empty file"),
+    "first bytes only": (lambda data: data[:100], "cut short or damaged"),
+    "half": (_cut(0.5), "cut short or damaged"),
+    "last byte missing": (lambda data: data[:-1], "cut short or damaged"),
+    "one bit in the middle": (_flip(0.5), "cut short or damaged"),
+    "one bit at the end": (_flip(0.9999), "cut short or damaged"),
+    "one bit of the checksum": (lambda data: data[:40] + bytes([data[40] ^ 1]) + data[41:], "cut short or damaged"),
+    "no checksum": (lambda data: data[:22] + b"\n" * 490 + data[512:], "a damaged first block"),
+    "longer": (lambda data: data + b"\0", "cut short or damaged"),
+    "text": (lambda data: b"time,hook_load\n0,1\n", "something else"),
+    "version 1": (lambda data: b"\x89HDF\r\n\x1a\n" + data, "version 1"),
+    "version 99": (lambda data: data.replace(b"checkpoint 2", b"checkpoint 99", 1), "version 99"),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGE)
+def test_a_damaged_checkpoint_is_refused_in_words(damage, saved, tmp_path):
+    change, words = DAMAGE[damage]
+    file = tmp_path / "checkpoint.h5"
+    file.write_bytes(change((saved / "checkpoint.h5").read_bytes()))
+    with pytest.raises(CaseError) as refusal:
+        checkpoint.read(file)
+    assert words in str(refusal.value) and str(file) in str(refusal.value)
+
+
+def test_a_checkpoint_of_another_string_is_refused(saved, tmp_path):
+    """Of as many nodes elsewhere, and of more nodes."""
+    for change in (("length: 30 m", "length: 29 m"), ("length: 20 m", "length: 29 m")):
+        (tmp_path / "other.yaml").write_text(CASE.replace(*change))
+        shutil.copytree(saved, tmp_path / "run", dirs_exist_ok=True)
+        before = files(tmp_path / "run")
+        with pytest.raises(CaseError, match="a checkpoint of the same string"):
+            run(load_case(tmp_path / "other.yaml"), tmp_path / "run", restart=True, progress="silent")
+        assert files(tmp_path / "run") == before
+
+
+def test_without_a_checkpoint_a_restart_is_a_start(saved, tmp_path):
+    """Killed before its first checkpoint, a run starts from the beginning."""
+    shutil.copytree(saved, tmp_path / "run")
+    (tmp_path / "run" / "checkpoint.h5").unlink()
+    run(load_case(saved.parent / "case.yaml"), tmp_path / "run", restart=True, progress="silent")
+    assert files(tmp_path / "run") == files(saved)
+
+
+def test_rows_and_frames_cut_in_the_middle_are_made_again(tmp_path, monkeypatch):
+    """Half a row, rows after the checkpoint, a frame that the list does not name, temporary files: all gone in the end."""
+    (tmp_path / "case.yaml").write_text(CASE)
+    copies = run_with_copies(tmp_path / "case.yaml", tmp_path / "run", monkeypatch)
+    copy, whole = copies[len(copies) // 2], files(tmp_path / "run")
+    for name in ("history.csv", "probes.csv"):
+        written = len((copy / name).read_bytes())
+        (copy / name).write_bytes(whole[name][: written + 150])  # the run went on: one row more, and part of the next
+    (copy / "string" / "000099.vtu").write_bytes(b"half a frame")
+    (copy / "string" / ".123-000100.vtu").write_bytes(b"half a frame")
+    (copy / ".123-checkpoint.h5").write_bytes(b"half a checkpoint")
+    (copy / ".notes-of-mine").write_text("kept")
+    run(load_case(tmp_path / "case.yaml"), copy, restart=True, progress="silent")
+    continued = files(copy)
+    assert continued.pop(".notes-of-mine") == b"kept"
+    assert continued == whole
+
+
+def test_the_old_checkpoint_stays_until_the_new_one_is_whole(tmp_path):
+    file = tmp_path / "checkpoint.h5"
+    replace_file(file, lambda target: target.write_bytes(b"old"), lasting=True)
+
+    def fail(target: Path) -> None:
+        target.write_bytes(b"ne")
+        raise OSError(28, "No space left on device")
+
+    with pytest.raises(OSError):
+        replace_file(file, fail, lasting=True)
+    assert [p.name for p in tmp_path.iterdir()] == ["checkpoint.h5"] and file.read_bytes() == b"old"
+    (tmp_path / ".77-checkpoint.h5").write_bytes(b"ne")
+    remove_leftovers(tmp_path)
+    assert [p.name for p in tmp_path.iterdir()] == ["checkpoint.h5"]
+
+
+def test_a_room_keeps_what_it_remembers(tmp_path):
+    """A room with memory() gets it back through recall(), by its name."""
+    (tmp_path / "case.yaml").write_text(CASE)
+    scenes = [build_scene(load_case(tmp_path / "case.yaml")) for _ in range(2)]
+    for scene in scenes:
+        place_along_hole(scene)
+    told: dict[str, np.ndarray] = {}
+    scenes[0].contact.memory = lambda: {"worn": np.array([1.0, 2.5]), "count": np.array(3)}
+    scenes[1].contact.recall = told.update
+    recorder, dynamics = Recorder(scenes[0]), Dynamics(scenes[0].model)
+    recorder.begin(0.0)
+    c = checkpoint.take(scenes[0], recorder, dynamics, 0.0, {"share": 0.5})
+    assert c is not None
+    checkpoint.write(tmp_path / "checkpoint.h5", c)
+    back = checkpoint.read(tmp_path / "checkpoint.h5")
+    checkpoint.restore(scenes[1], back)
+    assert np.array_equal(told["worn"], [1.0, 2.5]) and int(told["count"]) == 3
+    assert back.notes == {"share": 0.5}
+    assert np.array_equal(scenes[1].model.assembly.x, scenes[0].model.assembly.x)
+
+
+def test_conservation_stands_in_the_summary_of_every_run(saved):
+    """Energy and mud close; the figures are those that the history and the flow rates give."""
+    import json
+
+    told = json.loads((saved / "summary.json").read_text())
+    history = read_table(saved / "history.csv")
+    assert set(told["energy"]) >= {"kinetic", "strain", "potential", "dissipated", "supplied", "error", "error_share", "gained", "flag"}
+    assert told["energy"]["error"] == history["energy_error [J]"][-1] or told["time"] > history["time [s]"][-1]
+    assert abs(told["energy"]["error_share"]) < 0.05 and not told["energy"]["flag"]
+    assert told["mass"]["pumped"] == pytest.approx(0.02 * 2e-3, rel=1e-6)  # 20 l/s for 2 ms
+    assert abs(told["mass"]["error_share"]) < 5e-3  # 0.1 ml in a start of 40 ml: the jump from flow at rest to flow in motion

@@ -1,0 +1,105 @@
+"""Checkpoints on several ranks, signals that reach one of them, and what goes wrong on one of them."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drillpetsc.output import read_table
+from tests.parallel.launch import ROOT, run_mpi, start_mpi
+from tests.parallel.test_restart import CASE, files
+
+RUN = ROOT / "tests" / "parallel" / "run_case.py"
+LONG = CASE.replace("time: {end: 0.1 s}", "time: {end: 0.3 s}").replace("checkpoint_every: 3 ms", "checkpoint_every: 50 ms")
+
+
+def children(number: int) -> list[int]:
+    """Processes that a process has started."""
+    return [int(word) for word in Path(f"/proc/{number}/task/{number}/children").read_text().split()]
+
+
+def rank_processes(job) -> list[int]:
+    """The ranks of a job: the Python processes under the launcher."""
+    found, open_ = [], [job.pid]
+    while open_:
+        for child in children(open_.pop()):
+            open_.append(child)
+            if b"run_case.py" in Path(f"/proc/{child}/cmdline").read_bytes():
+                found.append(child)
+    return found
+
+
+def wait_for_rows(file: Path, rows: int, job) -> None:
+    end = time.monotonic() + 100
+    while time.monotonic() < end and job.poll() is None:
+        if file.exists() and file.read_text().count("\n") > rows:
+            return
+        time.sleep(0.005)
+    raise AssertionError(f"no {rows} rows in {file}: {job.communicate()}")
+
+
+@pytest.mark.parallel
+@pytest.mark.parametrize("reached", [0, 1])
+def test_a_signal_to_one_of_two_ranks_stops_both_and_the_run_goes_on_identically(reached, tmp_path):
+    """SIGTERM to one rank alone: both stop at the same step, with a checkpoint; continued on 2 ranks, every file is the same."""
+    (tmp_path / "case.yaml").write_text(LONG)
+    run_mpi(2, RUN, [str(tmp_path / "case.yaml"), str(tmp_path / "whole")], timeout=200)
+    job = start_mpi(2, RUN, [str(tmp_path / "case.yaml"), str(tmp_path / "stopped")])
+    wait_for_rows(tmp_path / "stopped" / "history.csv", 10, job)
+    ranks = rank_processes(job)
+    assert len(ranks) == 2
+    os.kill(ranks[reached], signal.SIGTERM)
+    _, err = job.communicate(timeout=60)
+    assert job.returncode == 1 and err.count("stopped by SIGTERM") == 1, err
+    assert json.loads((tmp_path / "stopped" / "summary.json").read_text())["interrupted"]
+    run_mpi(2, RUN, [str(tmp_path / "case.yaml"), str(tmp_path / "stopped"), "--restart"], timeout=200)
+    whole = files(tmp_path / "whole")
+    for name, content in files(tmp_path / "stopped").items():
+        assert content == whole[name], name
+
+
+@pytest.mark.parallel
+def test_another_number_of_ranks_goes_on_the_same_way(tmp_path):
+    """From one checkpoint on 1 and on 2 ranks, Newton to 1e-12: all columns agree to 1e-8 of their size over the 0.2 s after it (issue 6)."""
+    half = CASE.replace("time: {end: 0.1 s}", "time: {end: 0.05 s}")
+    (tmp_path / "half.yaml").write_text(half)
+    (tmp_path / "case.yaml").write_text(CASE.replace("time: {end: 0.1 s}", "time: {end: 0.25 s}"))
+    exact = ["-q_snes_stol", "1e-12"]
+    run_mpi(1, RUN, [str(tmp_path / "half.yaml"), str(tmp_path / "ranks1"), *exact])
+    shutil.copytree(tmp_path / "ranks1", tmp_path / "ranks2")
+    for n in (1, 2):
+        run_mpi(n, RUN, [str(tmp_path / "case.yaml"), str(tmp_path / f"ranks{n}"), "--restart", *exact], timeout=200)
+    one, two = (read_table(tmp_path / f"ranks{n}" / "history.csv") for n in (1, 2))
+    assert one["time [s]"][-1] == 0.25
+    for column, values in one.items():
+        if column.startswith(("energy_error", "newton", "step")):
+            continue
+        assert np.abs(two[column] - values).max() <= 1e-8 * np.abs(values).max(), column
+
+
+@pytest.mark.parallel
+@pytest.mark.parametrize("kind, words", [
+    ("nan", ("room contact", "element 4", "Newton")),
+    ("exception", ("ZeroDivisionError", "in room contact, element", "rank 1")),
+    ("error", ("rank 1: spoiled on purpose", "room contact")),
+])
+def test_what_goes_wrong_on_one_rank_ends_the_job_in_words(kind, words, tmp_path):
+    """Not a number, an exception, an error of one rank alone: within 10 s the job is over, with a status and the place."""
+    (tmp_path / "case.yaml").write_text(LONG)
+    clock = tmp_path / "clock"
+    arguments = [kind, str(tmp_path / "case.yaml"), str(tmp_path / "run"), str(clock)]
+    job = start_mpi(2, ROOT / "tests" / "parallel" / "fail_case.py", arguments)
+    _, err = job.communicate(timeout=100)
+    took = time.time() - float(clock.read_text())
+    assert job.returncode not in (0, None)
+    for word in words:
+        assert word in err, err
+    assert took < 10.0, f"{took:.1f} s"
+    read_table(tmp_path / "run" / "history.csv")  # what was written can be read
