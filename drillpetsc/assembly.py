@@ -141,6 +141,7 @@ class Assembly:
         self._nodes = (len(self.spin_at), pointer(self.spin_at), pointer(self.gauge))
         self._history = pointer(self.v0), pointer(self.v1)
         self.version = 0  # counts new Jacobian values
+        self.evaluations = 0  # of the rows
         self.dead: FloatArray | None = None  # (n,) constant forces at owned unknowns (imperfection)
         self._frozen: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
         self._still: tuple[np.ndarray, FloatArray, dict[int, np.ndarray]] | None = None
@@ -199,6 +200,7 @@ class Assembly:
     def residual(self, t: float) -> FloatArray:
         """Residual of all local elements in ``r`` (not yet summed over ranks)."""
         self._event["Residual"].begin()
+        self.evaluations += 1
         self.r[:] = 0.0
         if self.dead is not None:
             self.r[:-1] -= self.dead

@@ -185,3 +185,12 @@ def restore(scene: Scene, c: Checkpoint, at: str = "--restart") -> None:
         if room.name in c.places and hasattr(room, "recall_local"):
             here = {"vertex": model.line.vertices, "cell": model.line.cells}
             room.recall_local({on: values[here[on]] for on, values in c.places[room.name].items()})
+
+
+def start_clock_anew(scene: Scene, c: Checkpoint) -> None:
+    """Time begins at 0 again with the state of ``c``: the top goes on from the place and the angle that it has there."""
+    if scene.top is None:
+        return
+    (condition,) = scene.top.prescribed()
+    fields = ("string.position", "string.tangent", "string.spin")
+    scene.top.anchor[:] = condition.directions @ np.concatenate([c.fields[name][0] for name in fields])

@@ -14,6 +14,7 @@ SUBSTITUTIONS = 30  # rounds of anything that is solved by substitution
 TRIAL = 100  # descent iterations at each stiffness before a side load is added
 SPRING = 10.0  # travel of the weak spring that carries the weight on bit while the string settles [m]
 NEAR_DEPTH = 1e-6  # the bit is this near its depth when the true bit takes over [m]
+STRONGER = 10.0  # side load that is taken where the asked one does not lead to a stable state, over the asked one
 SINK = 0.1  # share of the radial room that the pipe may sink into the softest wall
 
 
@@ -70,9 +71,17 @@ def stable_state(scene: Scene, solver: Statics, soft: TorqueDrag | None, report:
             return
         raise failure
     # on the saddle of a straight column nothing points sideways: a small persistent load does
-    solver.push_aside(fraction, nodal_weight(scene) * _own_imperfection(scene, fraction))
-    report.imperfection = fraction
-    _descend(scene, solver, report, factors)
+    load, keep = nodal_weight(scene) * _own_imperfection(scene, fraction), Place(scene)
+    for strength in (fraction, STRONGER * fraction):
+        solver.push_aside(strength, load)
+        report.imperfection = strength
+        try:
+            _descend(scene, solver, report, factors)
+            return
+        except SolveError:  # far above its critical load a long string has too flat a way down for so weak a load
+            if strength > fraction:
+                raise
+            keep.restore()
 
 
 def _own_imperfection(scene: Scene, fraction: float) -> FloatArray:

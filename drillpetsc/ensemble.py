@@ -148,6 +148,8 @@ class _Job:
     def end(self, told: dict[int, Outcome]) -> list[dict[str, Any]]:
         rows = table.write(self.plan, {**self.facts(), "ended": True}, told)
         shutil.rmtree(self.plan.state, ignore_errors=True)
+        if self.plan.folder is not None:
+            RunFolder(self.plan.folder).release()
         return rows
 
     def work(self, team: Team) -> list[Outcome]:

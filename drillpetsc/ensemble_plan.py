@@ -19,8 +19,10 @@ Out = str | Path | None
 def plan_sweep(title: str, name: str, members: list[Member], out: Out, restart: bool, overwrite: bool) -> Plan:
     if restart and out is None:
         out = _latest_sweep(name)
-    folder = RunFolder.create(name, out, restart=restart, overwrite=overwrite).path
+    found = RunFolder.create(name, out, restart=restart, overwrite=overwrite)  # held until the job ends (ensemble._Job.end)
+    folder = found.path
     if restart and not (folder / SWEEP).is_file():
+        found.release()
         raise CaseError(at="--out", got=str(folder), want=f"the folder of a sweep, with a {SWEEP}", hint="--restart continues a sweep")
     if overwrite:
         _clear(folder)
@@ -93,7 +95,9 @@ def plan_wells(members: list[Member], out: Out, restart: bool, overwrite: bool) 
     for m in members:
         path = folder / m.name if folder is not None else _latest(m.name) if restart else None
         if path is None:
-            places.append(Place(RunFolder.create(m.name).path, AGAIN))
+            made = RunFolder.create(m.name)
+            made.release()  # to the rank that will compute it
+            places.append(Place(made.path, AGAIN))
         elif restart and path.is_dir():
             places.append(_again(path, m))
         else:

@@ -14,7 +14,6 @@ from collections import deque
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 
 from drillpetsc.field import FloatArray
 
@@ -31,7 +30,7 @@ class TimeError:
         model, options = dynamics.model, dynamics.options
         self.model, self.order, self.estimated, self.steps = model, int(options.get("ts_bdf_order", 2)), 0, 0
         self.works = options.get("ts_type", "bdf") == "bdf"
-        self._residuals = residual_calls()
+        self._residuals = self.model.assembly.evaluations
         layout = model.layout
         keep = np.array([f.differential for f in layout.fields])
         mine = np.sort(layout.local_of_owned)
@@ -60,7 +59,7 @@ class TimeError:
 
     def told(self, ended: bool = True) -> dict[str, Any]:
         """For summary.json; collective where the run has ``ended`` well."""
-        calls = {"residuals": residual_calls() - self._residuals}
+        calls = {"residuals": self.model.assembly.evaluations - self._residuals}
         return {**calls, "error_estimate": {"time": self._by_unknown()}} if ended else calls
 
     def _by_unknown(self) -> dict[str, Any] | None:
@@ -81,11 +80,6 @@ class TimeError:
             unknowns[f.name] = {"unit": UNITS.get(f.name.split(".")[-1], "SI"), "usual_size": f.scale, **found}
         return {"method": f"divided differences of BDF {self.order}", "meaning": MEANING, "steps": self.estimated,
                 "steps_without": self.steps - self.estimated, "unknowns": unknowns}
-
-
-def residual_calls() -> int:
-    """How often this rank has evaluated the rows since PETSc's log was begun."""
-    return int(PETSc.Log.Event("Residual").getPerfInfo()["count"])
 
 
 def local_error(times: list[float], states: list[FloatArray], order: int) -> FloatArray:

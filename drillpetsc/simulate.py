@@ -132,11 +132,14 @@ def run(case: Case | str | Path, out: str | Path | None = None, *, restart: bool
         gain = Gain(recorder)
         options.refuse_unread(used)
         folder = make_folder(comm, name or "case", out, restart, overwrite)
-        saved = _saved(comm, folder, restart)
-        if restart and saved is None and comm.rank == 0 and progress != "silent":
-            print(f"{folder.path}: no checkpoint yet, so the run starts from its beginning", file=sys.stderr)
-        state = _initial(scene, case, saved, quasi)
-        return _Run(scene, recorder, dynamics, folder, saved, state, quasi, gain, began, progress).whole()
+        try:
+            saved = _saved(comm, folder, restart)
+            if restart and saved is None and comm.rank == 0 and progress != "silent":
+                print(f"{folder.path}: no checkpoint yet, so the run starts from its beginning", file=sys.stderr)
+            state = _initial(scene, case, saved, quasi)
+            return _Run(scene, recorder, dynamics, folder, saved, state, quasi, gain, began, progress).whole()
+        finally:
+            folder.release()
 
 
 def make_dynamics(scene: Scene, quasi: QuasiStatic | None = None) -> Dynamics:
@@ -211,6 +214,7 @@ def _initial(scene: Scene, case: Case, saved: checkpoint.Checkpoint | None, quas
     else:
         other = checkpoint.read(Path(case.initial.from_) / "checkpoint.h5")
         checkpoint.restore(scene, other, at="initial.from")
+        checkpoint.start_clock_anew(scene, other)
         if quasi is None:
             release(scene)
         else:

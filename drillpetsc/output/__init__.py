@@ -7,6 +7,7 @@ meshio is imported by the first function that writes or reads a .vtu, not before
 
 from drillpetsc.output.fields import FieldWriter, Frame, read_frame, read_series, write_well
 from drillpetsc.output.folder import RunFolder, RunFolderExists, RunFolderMissing
+from drillpetsc.output.lock import RunFolderBusy
 from drillpetsc.output.summary import read_summary, write_summary
 from drillpetsc.output.tables import Table, read_table, write_table
 
@@ -14,6 +15,7 @@ __all__ = [
     "FieldWriter",
     "Frame",
     "RunFolder",
+    "RunFolderBusy",
     "RunFolderExists",
     "RunFolderMissing",
     "Table",

@@ -8,6 +8,7 @@ import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
+from drillpetsc.output import lock
 from drillpetsc.output.atomic import remove_leftovers
 
 
@@ -87,15 +88,20 @@ class RunFolder:
         out, exists         RunFolderExists, unless restart (kept as it is) or overwrite (the files of the contract
                             are removed, others kept)
         restart, not there  RunFolderMissing
+        another process     RunFolderBusy, before anything is removed; the folder is this process's until `release` or its
+        writes there        end (output/lock.py)
         """
         if restart and overwrite:
             raise ValueError("restart and overwrite exclude each other: one keeps what the other removes")
         if restart:
             found = cls.latest(case_name, results) if out is None else cls.open(out)
+            lock.take(found.path)
             found.tidy()
             return found
         if out is None:
-            return cls(_make_next(case_name, Path(results)))
+            found = cls(_make_next(case_name, Path(results)))
+            lock.take(found.path)
+            return found
         path = Path(out)
         try:
             path.mkdir(parents=True)
@@ -107,7 +113,9 @@ class RunFolder:
                     f"output folder {path} exists: give another --out, "
                     "or --restart to continue it, or --overwrite to replace it"
                 ) from None
+            lock.take(path)
             cls(path).clear()
+        lock.take(path)
         return cls(path)
 
     @classmethod
@@ -124,6 +132,10 @@ class RunFolder:
         if not numbers:
             raise RunFolderMissing(f"no run folder {Path(results) / case_name}-NNN exists")
         return cls(numbers[max(numbers)])
+
+    def release(self) -> None:
+        """Let other processes write here: nothing more is written by this one. Without effect in one that does not hold the folder."""
+        lock.release(self.path)
 
     def tidy(self) -> None:
         """Remove half-written files that a killed run left."""

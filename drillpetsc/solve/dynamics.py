@@ -209,7 +209,8 @@ class Dynamics:
         self.counters.steps += 1
         self._age += 1
         if self._fixed and ts.getTimeStep() < self.first_step:  # a step that was cut does not stay short
-            ts.setTimeStep(min(self.first_step, 2 * ts.getTimeStep(), max(self._stop - self._last, SHORTEST_STEP)))
+            left = self._stop - self._last
+            ts.setTimeStep(min(self.first_step, 2 * ts.getTimeStep(), left if left > SHORTEST_STEP else np.inf))
         self.model.accept()
         for call in self.after_step:
             call(self._last, dt)

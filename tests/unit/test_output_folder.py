@@ -63,7 +63,7 @@ def test_overwrite_removes_the_contract_and_nothing_else(tmp_path: Path) -> None
         file.write_text("old")
     run.string_frames.mkdir()
     (run.string_frames / "000000.vtu").write_text("old")
-    RunFolder.create("a", out=run.path, overwrite=True)
+    RunFolder.create("a", out=run.path, overwrite=True).release()
     assert [entry.name for entry in run.path.iterdir()] == ["notes.txt"]
 
 

@@ -1,0 +1,129 @@
+"""One job at a time in a run folder: a file that says which process writes there."""
+
+from __future__ import annotations
+
+import atexit
+import fcntl
+import json
+import os
+import socket
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+NAME = ".lock"
+
+_held: dict[Path, int] = {}
+"""Lock files that this process holds, and by which process id (a fork is another process)."""
+
+
+class RunFolderBusy(FileExistsError):
+    """Another process writes into the folder."""
+
+
+def take(folder: Path) -> None:
+    """Hold the folder for this process; RunFolderBusy when another one that is alive has it.
+
+    A lock of a process that has ended (on this host) is taken over; of one on another host nobody here can know, so it counts as alive.
+    What is asked and written meanwhile is guarded by a lock of the operating system on the file, so that only one of two can win.
+    """
+    file = (folder / NAME).absolute()
+    with _guarded(file) as number:
+        owner = _read(number)
+        if owner is not None and not _is_me(owner) and _is_alive(owner):
+            raise RunFolderBusy(
+                f"{folder} is in use by process {owner['pid']} on {owner['host']} since {owner['since']}: wait for it, or give another --out"
+                + ("" if owner["host"] == socket.gethostname() else f" (if that run is over, remove {file})")
+            )
+        _write(number, {"host": socket.gethostname(), "pid": os.getpid(), "started": _started(os.getpid()), "since": time.strftime("%F %T")})
+    _held[file] = os.getpid()
+
+
+def release(folder: Path) -> None:
+    """Let go of the folder, if this process holds it."""
+    _release((folder / NAME).absolute())
+
+
+def _release(file: Path) -> None:
+    if _held.pop(file, None) != os.getpid() or not file.exists():
+        return
+    with _guarded(file) as number:
+        owner = _read(number)
+        if owner is not None and _is_me(owner):
+            file.unlink(missing_ok=True)
+
+
+@atexit.register
+def _release_all() -> None:
+    for file in list(_held):
+        try:
+            _release(file)
+        except OSError:  # the folder is gone
+            pass
+
+
+@contextmanager
+def _guarded(file: Path) -> Iterator[int]:
+    """The open lock file (descriptor), while no other process looks at it."""
+    while True:
+        number = os.open(file, os.O_RDWR | os.O_CREAT, 0o644)
+        try:
+            try:
+                fcntl.flock(number, fcntl.LOCK_EX)
+            except OSError:  # some network file systems have none: then two that start within a millisecond may both win
+                pass
+            if _is_at(number, file):
+                yield number
+                return
+        finally:
+            os.close(number)  # gives the guard back, too
+
+
+def _is_at(number: int, file: Path) -> bool:
+    """Whether the open file still has its name: its owner may have removed it before the guard was ours."""
+    try:
+        return os.path.samestat(os.fstat(number), os.stat(file))
+    except FileNotFoundError:
+        return False
+
+
+def _read(number: int) -> dict[str, Any] | None:
+    """The owner as written; None in a new file, or one that was cut short by a kill."""
+    try:
+        owner = json.loads(os.pread(number, 4096, 0) or b"null")
+        return owner if isinstance(owner, dict) and {"host", "pid", "since"} <= set(owner) and isinstance(owner["pid"], int) else None
+    except ValueError:
+        return None
+
+
+def _write(number: int, owner: dict[str, Any]) -> None:
+    text = json.dumps(owner).encode()
+    os.ftruncate(number, 0)
+    os.pwrite(number, text, 0)
+
+
+def _is_me(owner: dict[str, Any]) -> bool:
+    return (owner["host"], owner["pid"], owner.get("started")) == (socket.gethostname(), os.getpid(), _started(os.getpid()))
+
+
+def _is_alive(owner: dict[str, Any]) -> bool:
+    if owner["host"] != socket.gethostname():
+        return True
+    try:
+        os.kill(owner["pid"], 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except PermissionError:  # somebody else's process
+        pass
+    return owner.get("started") in (None, _started(owner["pid"]))  # else its number has gone to another process
+
+
+def _started(pid: int) -> int | None:
+    """When a process began, in the system's own count; None where that cannot be told."""
+    try:
+        text = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace")
+        return int(text.rpartition(")")[2].split()[19])  # field 22 of proc(5)
+    except (OSError, ValueError, IndexError):
+        return None
