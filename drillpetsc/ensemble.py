@@ -17,6 +17,7 @@ from petsc4py import PETSc
 import drillpetsc
 from drillpetsc import ensemble_table as table
 from drillpetsc.case import Case, load_case
+from drillpetsc.ensemble_options import refuse_misspelt
 from drillpetsc.ensemble_plan import plan_sweep, plan_wells
 from drillpetsc.ensemble_table import AGAIN, CONTINUE, KEEP, Member, Outcome, Plan
 from drillpetsc.errors import CaseError, DrillError, Interrupted
@@ -54,6 +55,7 @@ def sweep(case: str | Path, values: Mapping[str, Iterable[Any]], out: str | Path
     for number, v in enumerate(variations(case, choices_from(values)), 1):
         numbers = {key: x for key in v.values if (x := v.number_of(key)) is not None}
         members.append(Member(number, f"member-{number:03d}", v.values, v.case, _elements(v.case), numbers))
+    refuse_misspelt(comm, [m.case for m in members])
     title, name = members[0].case.title, Path(case).stem
     return _run_all(comm, progress, lambda: plan_sweep(title, name, members, out, restart, overwrite))
 
@@ -74,6 +76,7 @@ def run_cases(paths: Sequence[str | Path], out: str | Path | None = None, *, res
             name = f"{stem}-{again}"
         names.append(name)
         members.append(Member(number, name, {"case": str(path)}, case, _elements(case)))
+    refuse_misspelt(comm, [m.case for m in members])
     return _run_all(comm, progress, lambda: plan_wells(members, out, restart, overwrite))
 
 

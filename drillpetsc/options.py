@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import difflib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 
 from petsc4py import PETSc
@@ -43,17 +43,22 @@ def _was_read(name: str) -> bool:
     return bool(used.value)
 
 
-def refuse_unread(names: list[str]) -> None:
-    """Raise CaseError for options that the solvers, once set up, have not read.  Options read only at the end are let pass."""
-    database = PETSc.Options()
-    for name in names:
-        if any(word in name for word in LATE) or _was_read(name):
-            continue
-        if not database.hasName(name):  # taken out under its newer name (petsc_compat); asking counts as reading, so it comes last
-            continue
-        near = difflib.get_close_matches(name, KNOWN, n=1)
-        raise CaseError(at=f"petsc option -{name}", want="an option that PETSc or drillpetsc reads in this scene",
-                        hint=f"did you mean -{near[0]}?" if near else "check the spelling and the prefix (-q_ for the condensed Newton)")
+def unread(names: Iterable[str]) -> list[str]:
+    """Options that the solvers, once set up, have not read.  Those read only at the end are none of them."""
+    there = PETSc.Options().getAll()  # one that is not was taken out under its newer name (petsc_compat)
+    return [name for name in names if name in there and not any(word in name for word in LATE) and not _was_read(name)]
+
+
+def refuse_unread(names: Iterable[str]) -> None:
+    """Raise CaseError for options that the solvers, once set up, have not read."""
+    for name in unread(names):
+        raise not_an_option(name, "this scene")
+
+
+def not_an_option(name: str, where: str) -> CaseError:
+    near = difflib.get_close_matches(name, KNOWN, n=1)
+    return CaseError(at=f"petsc option -{name}", want=f"an option that PETSc or drillpetsc reads in {where}",
+                     hint=f"did you mean -{near[0]}?" if near else "check the spelling and the prefix (-q_ for the condensed Newton)")
 
 
 KNOWN = ("ts_type", "ts_bdf_order", "ts_rtol", "ts_dt", "ts_time_step", "ts_adapt_type", "ts_adapt_clip",

@@ -69,6 +69,8 @@ def find_reference(bench: Bench, vary: str, points: Sequence[Point], choice: str
 
     times: (k,) [s] of the history's rows.
     """
+    if vary == "ranks" and choice == "auto":  # what is asked is whether the results agree
+        return _of_run(bench, Point("reference", "one-rank", 1.0), "a separate run on one rank")
     if choice in ("auto", "exact"):
         found = _closed_form(bench, times, exact)
         if found is not None:
@@ -77,8 +79,6 @@ def find_reference(bench: Bench, vary: str, points: Sequence[Point], choice: str
             raise CaseError(at="--reference", got="exact", want="a scene with a closed form", hint="auto takes a fine run instead")
     if choice not in ("auto", *CANDIDATES):
         return _of_folder(Path(choice))
-    if vary == "ranks":
-        return _of_run(bench, Point("reference", "one-rank", 1.0), "a separate run on one rank")
     if vary == "mesh":
         return _extrapolated(bench, points, "bdf2" if choice == "auto" else choice)
     return _integrated(bench, points, CANDIDATES if choice == "auto" else (choice,))

@@ -119,7 +119,8 @@ def closing_lines(result: dict[str, Any], folder) -> list[str]:
     if "new_hole" in result:
         q = result["new_hole"]
         lines.append(f"  drilled {q['drilled [m]']:.4g} m: inclination {q['inclination_start [deg]']:.4g} to "
-                     f"{q['inclination_end [deg]']:.4g} deg, build rate {q['build_rate [deg/30m]']:.3g}, turn rate {q['turn_rate [deg/30m]']:.3g} deg/30 m")
+                     f"{q['inclination_end [deg]']:.4g} deg, build rate {q['build_rate [deg/30m]']:.3g}, turn rate "
+                     f"{q['turn_rate [deg/30m]']:.3g} deg/30 m")
     for warning in (*result.get("statics", {}).get("warnings", ()), *result.get("warnings", ())):
         lines.append(f"  note: {warning}")
     lines.append(f"  results: {folder}")

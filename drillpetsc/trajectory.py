@@ -11,6 +11,7 @@ from drillpetsc.field import FloatArray
 from drillpetsc.well import Well
 
 COURSE = 30.0  # length that build rates refer to [m]
+FAITHFUL = 1e-4  # how far a survey may miss the hole from one station to the next [m]
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,22 @@ def dogleg_severity(md: ArrayLike, tangent: ArrayLike, course: float = COURSE) -
         above = min(i - 1, int(np.searchsorted(s, s[i] - course - 1e-9)))
         out[i] = float(dogleg(t[above], t[i])) / (s[i] - s[above])
     return out
+
+
+def faithful(well: Well, md: ArrayLike, within: float = FAITHFUL) -> FloatArray:
+    """Stations md (n,) [m], and more of them where minimum curvature would miss the way from one to the next by more than ``within`` [m].
+
+    The arc between stations h apart is the trapezoidal rule for the directions, but exact where the curvature does not change; so it misses
+    by h^2/12 times the change of curvature, and k equal pieces miss by 1/k^2 of that.
+    """
+    s = np.asarray(md, dtype=float)
+    x, t, _ = well.at(s)
+    half = np.maximum(0.5 * dogleg(t[:-1], t[1:]), 1e-9)  # tan(x)/x is 1 from there down
+    arc = 0.5 * (np.diff(s) * np.tan(half) / half)[:, None] * (t[:-1] + t[1:])
+    missed = np.linalg.norm(np.diff(x, axis=0) - arc, axis=1)
+    pieces = np.maximum(np.ceil(np.sqrt(missed / within)), 1).astype(int)
+    between = [np.linspace(a, b, k, endpoint=False) for a, b, k in zip(s[:-1], s[1:], pieces, strict=True)]
+    return np.concatenate([*between, s[-1:]])
 
 
 def new_hole(well: Well, start: float) -> NewHole | None:

@@ -7,7 +7,7 @@ import numpy as np
 from drillpetsc.field import FloatArray
 from drillpetsc.output import RunFolder, write_table, write_well
 from drillpetsc.scene import Scene
-from drillpetsc.trajectory import COURSE, angles, dogleg_severity
+from drillpetsc.trajectory import COURSE, angles, dogleg_severity, faithful
 from drillpetsc.well import Well
 
 COLUMNS = [("md", "m"), ("inclination", "deg"), ("azimuth", "deg"), ("north", "m"), ("east", "m"), ("tvd", "m"),
@@ -21,13 +21,14 @@ def present_hole(scene: Scene) -> Well | None:
 
 
 def stations(scene: Scene, well: Well) -> FloatArray:
-    """(n,) measured depths [m]: every ten metres, survey stations and ends of sections in the old hole; all nodes of the new one."""
+    """(n,) measured depths [m]: every ten metres, survey stations and ends of sections in the old hole; all nodes of the new one, and more
+    where it needs them to be the survey of the next case."""
     q = scene.case.well
     assert q is not None
     old = float(q.survey.md[-1])
     even = np.linspace(0.0, old, max(2, int(np.ceil(old / SPACING)) + 1))
     md = np.sort(np.concatenate([even, q.survey.md, [s.to for s in q.sections], well.node_md[well.node_md > old], [well.depth]]))
-    return md[np.append(True, np.diff(md) > 1e-6)]
+    return faithful(well, md[np.append(True, np.diff(md) > 1e-6)])
 
 
 def write_well_files(scene: Scene, folder: RunFolder) -> None:

@@ -59,6 +59,8 @@ def _annulus(case: Case) -> None:
     if fluid.flow_line > 0 and not fluid.annulus:
         want = "no flow_line without an annulus: the fluid leaves at the string's lower end"
         raise refuse("fluid", "flow_line", got=fluid.flow_line, want=want)
+    if fluid.choke is not None and not fluid.annulus:
+        raise refuse("fluid", "choke", want="no choke without an annulus: it is a valve at the flow line")
     if case.well is not None and fluid.flow_line >= case.well.survey.md[-1]:
         want = f"above the end of the hole, {case.well.survey.md[-1]:g} m"
         raise refuse("fluid", "flow_line", got=fluid.flow_line, want=want)

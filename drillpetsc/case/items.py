@@ -13,11 +13,15 @@ from drillpetsc.case.quantities import Quantity, Vector
 
 Length = Annotated[float, Quantity("m", at_least=1e-3, at_most=50e3)]
 RigidLength = Annotated[float, Quantity("m", at_least=0, at_most=200)]
-Diameter = Annotated[float, Quantity("m", above=0, at_most=2)]
+Diameter = Annotated[float, Quantity("m", at_least=1e-4, at_most=2)]
 Bore = Annotated[float, Quantity("m", at_least=0, at_most=2)]
 Offset = Annotated[float, Quantity("m", at_least=0, at_most=1)]
 Angle = Annotated[float, Quantity("rad")]
 Friction = Annotated[float, Quantity("", at_least=0, at_most=10)]
+
+
+THINNEST = 1e-4  # walls on both sides over the outer diameter [-]
+NARROWEST = 1e-4  # inner diameter [m]
 
 
 class Damping(Model):
@@ -87,6 +91,10 @@ class Item(Model):
         outer, inner = getattr(self, "od", None), getattr(self, "id", 0.0)
         if outer is not None and inner >= outer:
             raise refuse("id", got=inner, want=f"an inner diameter below the outer, {outer:g} m")
+        if outer is not None and inner > outer * (1 - THINNEST):
+            raise refuse("id", got=inner, want=f"a wall of at least {THINNEST / 2 * outer:g} m inside the outer diameter, {outer:g} m")
+        if 0 < inner < NARROWEST:
+            raise refuse("id", got=inner, want=f"0 (solid), or an inner diameter of at least {NARROWEST:g} m")
         if outer is None and inner:
             raise refuse("id", got=inner, want="an inner diameter together with an outer one (od)")
         if not self.name:

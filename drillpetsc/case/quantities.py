@@ -5,7 +5,6 @@ Used as `Annotated[float, Quantity("m", above=0, at_most=20e3)]`; bounds are in 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +16,7 @@ from drillpetsc.case.keys import near, refuse
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp, TimeFunction
 from drillpetsc.units import DIMENSIONS, UnitError, to_si, wanted
 
+SMALLEST, LARGEST = 1e-60, 1e30  # magnitudes in SI: with these no formula of the scene overflows or divides by zero
 _EXAMPLE_UNITS = {"m": "mm", "Pa": "GPa", "rad": "deg", "rad/s": "rpm", "kg/m^3": "g/cm3", "s": "ms"}
 
 
@@ -65,6 +65,9 @@ class Quantity:
                 hint = f"a bare number is in {self.unit}; was '{value} {_EXAMPLE_UNITS[self.unit]}' meant?"
             want = f"{DIMENSIONS.get(self.unit, ('a value', ''))[0]}, {self.allowed()}"
             raise refuse(*at, got=value, want=want, hint=hint)
+        if number != 0 and not SMALLEST <= abs(number) <= LARGEST:
+            want = f"{DIMENSIONS.get(self.unit, ('a value', ''))[0]} of {SMALLEST:g} to {LARGEST:g} {self.unit}".rstrip()
+            raise refuse(*at, got=value, want=f"{want}, or 0", hint="beyond it, products and quotients are no numbers any more")
         return number
 
     def json(self) -> dict[str, Any]:
@@ -117,9 +120,6 @@ class Vector:
         return {"anyOf": [row, *number["anyOf"]]} if self.along_x or self.along_z else row
 
 
-_SLOWER = "values that do not grow faster, or further, than a computer can count (1e308)"
-
-
 @dataclass(frozen=True)
 class OverTime:
     """A value over time in the SI unit `unit`: constant, {time, value} or {ramp, value}."""
@@ -139,10 +139,7 @@ class OverTime:
             raise refuse(got=dict(value), want=forms)
         if "ramp" in value:
             duration = Quantity("s", above=0).read(value["ramp"], "ramp")
-            ramp = Ramp(duration, Quantity(self.unit).read(value["value"], "value"))
-            if not math.isfinite(math.pi * ramp.final / ramp.duration):
-                raise refuse(got=dict(value), want=_SLOWER)
-            return ramp
+            return Ramp(duration, Quantity(self.unit).read(value["value"], "value"))
         return self._table(value["time"], value["value"])
 
     def _table(self, times: object, values: object) -> PiecewiseLinear:
@@ -157,13 +154,10 @@ class OverTime:
             count = f"{len(columns[0])} times and {len(columns[1])} values"
             raise refuse("value", got=count, want="as many values as times")
         try:
-            table = PiecewiseLinear(columns[0], columns[1])
+            return PiecewiseLinear(columns[0], columns[1])
         except ValueError as error:
             want = "times that never fall; one that stands twice is a jump"
             raise refuse("time", got=times, want=want, hint=str(error)) from None
-        if not all(math.isfinite(table.rate(t)) and math.isfinite(table.integral(t)) for t in table.times):
-            raise refuse("value", got=values, want=_SLOWER)
-        return table
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         plain = core_schema.plain_serializer_function_ser_schema(dump_time_function)

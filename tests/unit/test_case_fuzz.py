@@ -197,7 +197,7 @@ START = "top: clamped\nstring:\n- {kind: pipe, od: 0.1, length: 9}\n"
         (START + "petsc: {x: .nan}", 4, "a number, a word"),
         (START + "top: free", 4, "each key once"),
         (START + "well: {survey: " + "f" * 300 + "}", 4, "survey file that exists"),
-        (START + "well: {survey: .}", 4, "survey file that exists"),
+        (START + "well: {survey: .}", 4, "survey file"),
         (START + "initial: {from: " + "f" * 300 + "}", 4, "run folder"),
         (START + "'a[b': 1", 4, "one of these keys"),
         (START + "? [a]\n: 1", 4, "word as key"),
@@ -208,8 +208,8 @@ START = "top: clamped\nstring:\n- {kind: pipe, od: 0.1, length: 9}\n"
         (START + "time: {end: 1e9}\noutput: {history_every: 1e-3}", 5, "at least 100 s"),
         (START + "time: {end: 1e9}\noutput: {history_every: 1e4, field_every: 1e4, checkpoint_every: 1e-3}", 5, "at least 1000 s"),
         (START + "time: {end: 1e9}", 4, "at most 1e+06 s"),
-        (START + "loads: [{at: 1, force: [1, 0, 0], value_over: {ramp: 1e-300, value: 1e300}}]", 4, "faster"),
-        (START + "loads: [{at: 1, force: [1, 0, 0], value_over: {time: [0, 1e-300], value: [0, 1e300]}}]", 4, "faster"),
+        (START + "loads: [{at: 1, force: [1, 0, 0], value_over: {ramp: 1 s, value: 1e300}}]", 4, "1e+30, or 0"),
+        (START + "loads: [{at: 1, force: [1, 0, 0], value_over: {time: [0, 1e-300], value: [0, 1]}}]", 4, "1e+30 s, or 0"),
     ],
 )  # fmt: skip
 def test_told_within_a_second_and_with_its_line(tmp_path: Path, text: str, line: int, fragment: str) -> None:
@@ -290,7 +290,7 @@ def inputs_over_time(draw: st.DrawFn) -> Any:
     if form == 1:
         return {"ramp": draw(st.floats(1e-6, 1e6)), "value": draw(numbers)}
     steps = draw(st.lists(st.floats(1e-6, 1e5), max_size=5))
-    times = [draw(st.floats(-1e3, 1e3))]
+    times = [draw(st.floats(-1e3, 1e3).map(lambda t: round(t, 9)))]
     for step in steps:
         times += [times[-1] + step] * draw(st.integers(1, 2))
     assume(all(c > a for a, c in zip(times, times[2:], strict=False)))

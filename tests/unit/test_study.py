@@ -206,26 +206,31 @@ def test_nonsense_is_refused_before_anything_is_written(case_file, tmp_path, var
 
 # ---------------------------------------------------------------------- runs by a stub
 class Stub:
-    """In place of a run: bit speed t + h^2 t, h the fixed step, so that errors are known; counts its calls, fails where told to."""
+    """In place of a run: bit speed (1 + h^2 + mesh (L/n)^4) t, h the fixed step, L/n the element length, so that errors are known; notes
+    its calls, fails where told to."""
 
-    def __init__(self, fails: str = "never"):
+    def __init__(self, fails: str = "never", mesh: float = 0.0):
         self.calls: list[str] = []
-        self.fails = fails
+        self.ranks: list[int] = []
+        self.fails, self.mesh = fails, mesh
 
     def __call__(self, job: Job) -> str:
         from drillpetsc.case import load_case
 
         self.calls.append(str(job.folder))
+        self.ranks.append(job.ranks)
         if self.fails in str(job.folder):
             return "Newton's method failed\n  where:   time 0.5 s"
-        petsc = load_case(job.case).petsc
-        h = float(petsc.get("ts_dt", 1e-3))
+        case = load_case(job.case)
+        h = float(case.petsc.get("ts_dt", 0.0))
+        element = case.string[0].element_length
         t = 0.01 * np.arange(101)
         job.folder.mkdir(parents=True)
-        rows = "".join(f"{float(a)!r},{float(a * (1 + h**2))!r}\n" for a in t)
+        rows = "".join(f"{float(a)!r},{float(a * (1 + h**2 + self.mesh * element**4))!r}\n" for a in t)
         (job.folder / "history.csv").write_text("time [s],bit_speed [rad/s]\n" + rows, encoding="utf-8")
-        steps = round(1 / h)
-        told = {"wall_seconds": 2.0 * steps, "cpu_seconds": float(steps), "steps": steps, "simulated": 1.0, "elements": 4}
+        steps = round(1 / (h or 1e-3))
+        told = {"wall_seconds": 2.0 * steps, "cpu_seconds": float(steps), "steps": steps, "simulated": 1.0,
+                "elements": round(2 / element)}
         (job.folder / "summary.json").write_text(json.dumps(told), encoding="utf-8")
         return ""
 
@@ -248,6 +253,25 @@ def test_a_study_by_a_stub(case_file, tmp_path):
     assert {f.name for f in result.files} == {"study.csv", "study.json", "work_precision.png", "orders.png"}
     assert all(f.stat().st_size > 0 for f in result.files)
     assert not result.useless
+
+
+def test_a_mesh_study_by_a_stub(case_file, tmp_path):
+    """Errors C h^4, elements of 2 m to 0.5 m; Richardson from separate runs at 0.5, 0.25 and 0.125 m finds the limit and the order."""
+    result = study(case_file, "mesh", values=[4, 2, 1], repeats=1, out=tmp_path / "out", run=(stub := Stub(mesh=1e-3)), reference="bdf2",
+                   say=lambda text: None)
+    assert "Richardson" in result.findings["reference"]["what"]
+    assert result.findings["reference"]["mesh_order"]["bit_speed"] == pytest.approx(4.0, abs=1e-6)
+    assert [row["error_bit_speed_max"] for row in result.rows] == pytest.approx([16e-3, 1e-3, 1e-3 / 16], rel=1e-6)
+    assert result.findings["orders"]["mesh"]["bit_speed"]["max"]["order"] == pytest.approx(4.0, abs=1e-6)
+    assert sum("reference" in folder for folder in stub.calls) == 3  # none of the points stands for the reference
+
+
+def test_ranks_are_compared_with_a_separate_run_on_one(case_file, tmp_path):
+    result = study(case_file, "ranks", values=[1, 2], repeats=1, out=tmp_path / "out", run=(stub := Stub()), say=lambda text: None)
+    assert stub.ranks == [1, 1, 1, 2]  # pilot, reference, points
+    assert result.findings["speed_up"] == {"1": 1.0, "2": 1.0}
+    assert [row["error_bit_speed_max"] for row in result.rows] == [0.0, 0.0]
+    assert [f.name for f in result.files] == ["study.csv", "study.json", "speed_up.png"]
 
 
 def test_a_restart_keeps_what_is_there(case_file, tmp_path):
