@@ -18,7 +18,7 @@ import drillpetsc
 from drillpetsc import ensemble_table as table
 from drillpetsc.case import Case, load_case
 from drillpetsc.ensemble_options import refuse_misspelt
-from drillpetsc.ensemble_plan import plan_sweep, plan_wells
+from drillpetsc.ensemble_plan import SWEEP, plan_sweep, plan_wells
 from drillpetsc.ensemble_table import AGAIN, CONTINUE, KEEP, Member, Outcome, Plan
 from drillpetsc.errors import CaseError, DrillError, Interrupted
 from drillpetsc.mesh import build_mesh
@@ -31,11 +31,13 @@ from drillpetsc.variations import choices_from, variations
 
 @dataclass(frozen=True)
 class EnsembleResult:
-    """folder: of table and summary (None: there are none); table: its file; rows: one a member; the same on all ranks."""
+    """folder: of table and summary (None: there are none); table: its file; rows: one a member; pictures: of what was drilled; the same on
+    all ranks."""
 
     folder: Path | None
     table: Path | None
     rows: tuple[dict[str, Any], ...]
+    pictures: tuple[Path, ...] = ()
 
     @property
     def failed(self) -> int:
@@ -114,10 +116,26 @@ def _run_all(comm: PETSc.Comm, progress: str, make_plan: Callable[[], Plan]) -> 
     mine = job.work(team) if team is not None else []
     wait_for(mpi.Ibarrier())
     told = mpi.gather(mine)
-    rows = None
+    rows: list[dict[str, Any]] = []
+    pictures: list[Path] = []
     if mpi.rank == 0:
         rows = job.end({o.number: o for each in told for o in each})
-    return EnsembleResult(plan.folder, plan.folder / plan.table if plan.folder is not None else None, tuple(mpi.bcast(rows)))
+        pictures = _pictures(plan, rows)
+    rows, pictures = mpi.bcast((rows, pictures))
+    return EnsembleResult(plan.folder, plan.folder / plan.table if plan.folder is not None else None, tuple(rows), tuple(pictures))
+
+
+def _pictures(plan: Plan, rows: list[dict[str, Any]]) -> list[Path]:
+    """Pictures of what the members of a sweep drilled; none, and nothing is imported for them, when they drilled nothing."""
+    if plan.folder is None or plan.table != SWEEP or not any(row.get("drilled [m]", 0.0) > 0 for row in rows):
+        return []
+    try:
+        from drillpetsc.draw.sweep import draw_sweep
+
+        return draw_sweep(plan.folder)
+    except Exception as error:  # the results are there, whatever happens to their pictures
+        print(f"drillpetsc: no pictures of the sweep: {type(error).__name__}: {error}", file=sys.stderr, flush=True)
+        return []
 
 
 @dataclass(frozen=True)
@@ -252,4 +270,5 @@ def closing_lines(result: EnsembleResult) -> list[str]:
             lines.append(f"  member {row['member']} {row['status']}: {row['message']}")
     if result.folder is None:
         return lines + [f"  results: {row['folder']}" for row in result.rows]
-    return [*lines, f"  table: {result.table}", f"  results: {result.folder}"]
+    pictures = [f"  pictures: {', '.join(file.name for file in result.pictures)}"] if result.pictures else []
+    return [*lines, f"  table: {result.table}", f"  results: {result.folder}", *pictures]

@@ -12,6 +12,7 @@ from drillpetsc.output import RunFolder, read_summary
 
 SWEEP, WELLS = "sweep.csv", "wells.csv"
 STATE = ".members"
+PICTURES = ("trajectory.png", "inclination.png", "build_rate.png")  # of what the members of a sweep drilled
 
 Out = str | Path | None
 
@@ -39,7 +40,8 @@ def _latest_sweep(name: str) -> Path:
 
 def _clear(folder: Path) -> None:
     """Remove the members of an earlier sweep, but nothing that is not theirs."""
-    (folder / SWEEP).unlink(missing_ok=True)
+    for name in (SWEEP, *PICTURES):
+        (folder / name).unlink(missing_ok=True)
     for old in folder.glob("member-*"):
         if old.is_dir():
             RunFolder(old).clear()

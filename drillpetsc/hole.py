@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from drillpetsc.field import FloatArray
-from drillpetsc.well import Well
+from drillpetsc.well import SHORTEST_SECTION, Well
 
 NOTICED = 1e-3  # growth after which the hole's wall follows its end [m]; the wall shifts by this times a small angle
 
@@ -21,7 +22,7 @@ class GrowingHole:
     """
 
     def __init__(self, well: Well, half: float, radius: float, friction: float, interval: float = 0.5):
-        self.well = self._frozen = well
+        self.well = self._frozen = self._old = well
         self.start, self.half = well.depth, half
         self.radius, self.friction, self.interval = radius, friction, interval
         self.followers: list[Callable[[Well], None]] = []
@@ -57,7 +58,7 @@ class GrowingHole:
             self._freeze(self._frozen.node_md[-1] + self.interval)
         self._trail = self._trail[self._trail[:, 0] > s - 4 * self.interval - 1.0]  # enough for the slopes to come
         live = s - self._frozen.node_md[-1] > 0.04 * self.interval
-        self.well = self._frozen.extended(s, place, tangent, self.radius, self.friction) if live else self._frozen
+        self.well = self._longer(self._frozen, s, place, tangent) if live else self._frozen
         for call in self.followers:
             call(self.well)
         return True
@@ -69,15 +70,24 @@ class GrowingHole:
         s, well = self.start - self.half + drilled, self._frozen
         tangent = self._tangent(s, place)
         if s - well.node_md[-1] > 0.04 * self.interval:
-            well = well.extended(s, place, tangent, self.radius, self.friction)
+            well = self._longer(well, s, place, tangent)
         bottom = self.start + drilled
-        return well.extended(bottom, place + self.half * tangent, tangent, self.radius, self.friction)
+        return self._longer(well, bottom, place + self.half * tangent, tangent)
+
+    def _longer(self, well: Well, s: float, place: FloatArray, tangent: FloatArray) -> Well:
+        """``well`` with one more node; the new hole is a section of its own as soon as its radius can go over into the old one's."""
+        longer, old = well.extended(s, place, tangent), self._old
+        same = (self.radius, self.friction) == (old.section_radius[-1], old.section_friction[-1])
+        if same or s - old.depth < SHORTEST_SECTION:
+            return longer
+        return replace(longer, section_to=np.r_[old.section_to, s], section_radius=np.r_[old.section_radius, self.radius],
+                       section_friction=np.r_[old.section_friction, self.friction], section_kind=(*old.section_kind, "open_hole"))
 
     def _freeze(self, s: float) -> None:
         """A node at ``s``, half an interval or more behind the end, so that the path on both sides gives its direction."""
         h = 0.5 * self.interval
         chord = self._at(s + h)[0] - self._at(s - h)[0]
-        self._frozen = self._frozen.extended(s, self._at(s)[0], chord / np.linalg.norm(chord), self.radius, self.friction)
+        self._frozen = self._longer(self._frozen, s, self._at(s)[0], chord / np.linalg.norm(chord))
 
     def _at(self, s: float) -> tuple[FloatArray, FloatArray]:
         """Place and direction (3,) on the trail at ``s``: cubic between its points."""
@@ -117,6 +127,6 @@ class GrowingHole:
         self._trail, self._drilled, self.first = np.array(memory["trail"]), float(memory["drilled"][0]), np.array(memory["first"])
         s, end = self._trail[-1, 0], self._trail[-1]
         live = s - self._frozen.node_md[-1] > 0.04 * self.interval
-        self.well = self._frozen.extended(s, end[1:4], end[4:7], self.radius, self.friction) if live else self._frozen
+        self.well = self._longer(self._frozen, s, end[1:4], end[4:7]) if live else self._frozen
         for call in self.followers:
             call(self.well)

@@ -371,7 +371,7 @@ class Recorder:
         if "contact" in cell:
             data["contact_force [N/m]"] = at_nodes(cell["contact"][:, 0], cell["contact"][:, 0])
         if scene.well is not None:
-            data["hole_radius [m]"] = np.asarray(scene.well.radius(mesh.node_depth))
+            data["hole_radius [m]"] = scene.well.project(points).radius  # where the node is now
         data |= {name: values[:, 0] for name, values in node.items() if name != "string"}
         data |= {name: at_nodes(values[:, 0], values[:, 0]) for name, values in cell.items() if name not in ("beam", "contact", "pressure")}
         return points, data

@@ -29,6 +29,7 @@ FloatArray = npt.NDArray[np.float64]
 NUMERICS = ("time", "step", "newton", "energy_error", "kinetic_energy", "strain_energy")  # no outputs by default
 COUNTS = ("elements", "steps", "rejected_steps", "newton_iterations", "linear_iterations", "jacobians", "residuals", "failed_solves")
 NEEDED = ("summary.json", "history.csv", "probes.csv", "case.yaml")  # of a run folder, afterwards
+OURS = "drillpetsc: "  # in front of the program's own messages
 DONE, FAILED = "done", "failed"
 
 
@@ -181,7 +182,8 @@ def run_process(job: Job) -> str:
         raise
     if process.returncode == 0:
         return ""
-    return complaint.strip() or f"ended with status {process.returncode}"
+    start = complaint.find(OURS)  # warnings of libraries may stand before
+    return complaint[max(start, 0) :].removeprefix(OURS).strip() or f"ended with status {process.returncode}"
 
 
 def find_launcher() -> list[str] | None:

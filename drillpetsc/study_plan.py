@@ -23,6 +23,7 @@ TOLERANCE = 1e-4  # that of a case which names none
 STEP_FACTORS = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25)  # of the pilot's mean step
 TOLERANCE_FACTORS = (100.0, 10.0, 1.0, 0.1, 0.01)
 MESH_FACTORS = (4.0, 3.0, 2.0, 1.5, 1.0)  # of the case's element lengths
+MESH_TOLERANCE = 0.01  # of a study of the mesh, over that of the case
 LOOSEST = 0.1
 TIGHTEST = 1e-10  # of a Newton iteration in double precision
 FEWEST_ROWS = 50  # of the history, for norms over time
@@ -205,7 +206,7 @@ def _one_curve(vary: str, base: Base, values: Sequence[float]) -> list[Point]:
     if vary == "tolerance":
         return adaptive_points(name, values or default_tolerances(base), {})
     if vary == "mesh":  # the time error is the same everywhere, and small
-        petsc = {"ts_rtol": repr(max(0.1 * base.tolerance, TIGHTEST))}
+        petsc = {"ts_rtol": repr(max(MESH_TOLERANCE * base.tolerance, TIGHTEST))}
         return [Point("mesh", f"{f:g}", f, mesh_changes(base, f), petsc) for f in values or MESH_FACTORS]
     ranks = [int(v) for v in values or (1, 2)]
     return [Point("ranks", str(n), float(n), ranks=n) for n in ranks]

@@ -83,7 +83,7 @@ def findings(vary: str, measured: Sequence[Measured], rows: Sequence[Row], refer
         cpu = np.array([row["cpu"] for row in mine], dtype=float)
         orders[curve], costs[curve] = {}, {}
         for name in names:
-            floor = _floor(reference, rows, name)
+            floor = _floor(reference, rows, name, vary, length)
             by_norm = {norm: np.array([row[f"error_{name}_{norm}"] for row in mine], dtype=float) for norm in NORMS}
             orders[curve][name] = {norm: plain_order(observed_order(steps, e, floor)) for norm, e in by_norm.items()}
             if vary != "ranks":
@@ -110,14 +110,15 @@ def abscissa(vary: str, row: Row, length: float) -> float:
     return length / row["elements"] if vary == "mesh" and row["elements"] else row["step"]
 
 
-def _floor(reference: Reference | None, rows: Sequence[Row], name: str) -> float:
-    """Error below which a curve says nothing of its own: that of the reference; with a closed form the level, the mesh's, at which points
-    of quite different steps end up, if they do."""
+def _floor(reference: Reference | None, rows: Sequence[Row], name: str, vary: str, length: float) -> float:
+    """Error below which a curve says nothing of its own: that of the reference; with a closed form the level, the mesh's or the time's, at
+    which points of quite different steps or elements end up, if they do."""
     if reference is None:
         return 0.0
     if not reference.exact:
         return reference.floor(name)
-    errors = [(row[f"error_{name}_rms"], row["step"]) for row in rows if row["status"] == "done" and row[f"error_{name}_rms"] > 0]
+    done = [row for row in rows if row["status"] == "done" and row[f"error_{name}_rms"] > 0]
+    errors = [(row[f"error_{name}_rms"], abscissa(vary, row, length)) for row in done]
     lowest = min((e for e, _ in errors), default=0.0)
     steps = [h for e, h in errors if e < PLATEAU * lowest]
     return lowest if steps and max(steps) > PLATEAU * min(steps) else 0.0

@@ -195,7 +195,10 @@ def _switched(data: dict[str, Any], key: str, on: bool) -> dict[str, Any]:
 
 def _explained(error: CaseError, values: dict[str, str]) -> CaseError:
     """The error in terms of the values that were varied: key and value as given, and in which combination."""
-    where = parsed(error.at) if error.at else ()
+    try:
+        where = parsed(error.at)
+    except CaseError:  # a key of the file that is no path: the error says so itself
+        where = ()
     guilty = None
     for key in values:
         path = parsed(key)

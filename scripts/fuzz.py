@@ -127,13 +127,15 @@ def judge(m: Mutant, r: Any, tally: Tally | None) -> str:
     try:
         case = guarded(lambda: load_case(m.file) if m.data is None else case_from_data(m.data, m.file, {}))
     except CaseError as error:
-        guarded(lambda: check_message(error, (m.file, m.file.parent / "survey.csv"), lines))
+        refusal = error
+        guarded(lambda: check_message(refusal, (m.file, m.file.parent / "survey.csv"), lines))
         return "refused"
     if m.data is not None and m.path:
         given = value_at(m.data, m.path)
         guarded(lambda: check_visible(case, m.path, given))
     elements = sum(element_count(item) for item in case.string if isinstance(item, Flexible))
-    for name, part, stage in (("written and read", WRITTEN_PART, _write_and_read), ("built", BUILT_PART, _build), ("command", COMMAND_PART, _command)):
+    for name, part, stage in (("written and read", WRITTEN_PART, _write_and_read), ("built", BUILT_PART, _build),
+    ("command", COMMAND_PART, _command)):
         if r.randint(1, part) == 1 and (name == "written and read" or elements <= LARGEST_BUILT):
             end = stage(case, m)
             if tally is not None:
@@ -251,8 +253,9 @@ def run(count: int, seed: int, seconds: float, start: int, keep: Path, say: Any,
             tally.outcomes[m.how, "FAILED" if failed else end] += 1
             if failed:
                 _keep(tally, m, number, end, keep, say)
-            if (number - start + 1) % 10000 == 0:
-                say(f"{number - start + 1} mutants, {(number - start + 1) / (time.monotonic() - began):.0f} a second, {len(tally.failures)} distinct failures")
+            done = number - start + 1
+            if done % 10000 == 0:
+                say(f"{done} mutants, {done / (time.monotonic() - began):.0f} a second, {len(tally.failures)} distinct failures")
     return tally
 
 

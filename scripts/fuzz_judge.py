@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from drillpetsc.case import Case
-from drillpetsc.case.keys import parsed
 from drillpetsc.case.writer import case_data
 from drillpetsc.errors import CaseError
 from drillpetsc.units import DIMENSIONS, UnitError, to_si
@@ -33,18 +32,18 @@ class Failure(Exception):
 
 @contextmanager
 def deadline(seconds: float) -> Iterator[None]:
-    """Raise Hang inside when it takes longer (main thread only)."""
+    """Raise Hang inside when it takes more processor time, which a busy machine does not change (main thread only)."""
 
     def ring(number: int, frame: Any) -> None:
         raise Hang(f"longer than {seconds:g} s")
 
-    before = signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    before = signal.signal(signal.SIGPROF, ring)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, before)
 
 
 def guarded(work: Callable[[], Result], seconds: float = 5.0) -> Result:

@@ -18,23 +18,33 @@ DEEP = "[" * 3000 + "]" * 3000
 #: scalars that have broken readers of numbers, of units, of text, of YAML
 SCALARS: tuple[Any, ...] = (
     True, False, 0, -0.0, 1, -1, 2, 0.5, 1e300, -1e300, 1e-300, 5e-324, 1e9, 1e-9, math.nan, math.inf, -math.inf, 10**400, 2**63, -(2**64),
-    "", " ", "nan", "inf m", "-inf", "1e400 m", "1e-400 m", "1 furlong", "1 m m", "12:30:45", "0x1F", "0o17", "1_000", "yes", "no", "on", "off",
-    "none", "null", "~", "２ m", "é", "日本 🛢", "\u2028", "\x00", "\x1b[31m", "\ud800", "a" * 5000, "1 " + "m" * 5000, "9" * 5000, "9" * 5000 + " m",
-    "1" + " m" * 400, "1/0 in", "1/3 in", f"1/{'9' * 400} in", "1 m^9**9**9", "1 m**99999999", "1 9**9**9**9", "1 m^0.5", "1 (((m", "1 m)", "%", "1 %",
-    "1 m*9**9**9", "1 deg/9**9**9 m", "1 m^n", "1 s^n", "1 lambda", "1 __import__('os')", "1 degC", "20 degF", "1 m/0", "1 0 m", "1e999999999 m",
-    "../", "/", ".", "..", "/dev/null", "/dev/zero", "/proc/self/mem", "cases", "a/" * 3000, "f" * 300, "statics", "clamped", "bit", "free", "pipe",
-    "2001-01-01", "1,5 m", "1.5.5 m", "+-1 m", "1 rpm", "80 Hz", "5 kg", "3 Pa", "1 deg/30 m", "25 lbf/100 ft^2", "- 1", "1 µm", "1 m²", "1e3", "&a", "*a",
+    "", " ", "nan", "inf m", "-inf", "1e400 m", "1e-400 m", "1 furlong", "1 m m", "12:30:45", "0x1F", "0o17", "1_000", "yes", "no", "on",
+    "off",
+    "none", "null", "~", "２ m", "é", "日本 🛢", "\u2028", "\x00", "\x1b[31m", "\ud800", "a" * 5000, "1 " + "m" * 5000, "9" * 5000,
+    "9" * 5000 + " m",
+    "1" + " m" * 400, "1/0 in", "1/3 in", f"1/{'9' * 400} in", "1 m^9**9**9", "1 m**99999999", "1 9**9**9**9", "1 m^0.5", "1 (((m",
+    "1 m)", "%", "1 %",
+    "1 m*9**9**9", "1 deg/9**9**9 m", "1 m^n", "1 s^n", "1 lambda", "1 __import__('os')", "1 degC", "20 degF", "1 m/0", "1 0 m",
+    "1e999999999 m",
+    "../", "/", ".", "..", "/dev/null", "/dev/zero", "/proc/self/mem", "cases", "a/" * 3000, "f" * 300, "statics", "clamped", "bit",
+    "free", "pipe",
+    "2001-01-01", "1,5 m", "1.5.5 m", "+-1 m", "1 rpm", "80 Hz", "5 kg", "3 Pa", "1 deg/30 m", "25 lbf/100 ft^2", "- 1", "1 µm", "1 m²",
+    "1e3", "&a", "*a",
     "{a: b}", "9 5/8 in", "-9 5/8 in", "!!python/object:os.system x",
 )  # fmt: skip
 
 BLOCKS: tuple[Any, ...] = (
-    [], {}, [[]], [None], [1], [1, 2], [1, 2, 3], ["1 m", True, {}], {"a": 1}, {"kind": []}, {"kind": {}}, {"kind": "pipe"}, {"kind": "bit"},
+    [], {}, [[]], [None], [1], [1, 2], [1, 2, 3], ["1 m", True, {}], {"a": 1}, {"kind": []}, {"kind": {}}, {"kind": "pipe"},
+    {"kind": "bit"},
     {"kind": "clamped"}, {"kind": None}, {"model": "newtonian"}, {"time": [], "value": []}, {"time": [0, 1], "value": [0, 1]},
     {"time": [0, 1], "value": [0]}, {"time": [1, 0], "value": [0, 1]}, {"time": [0, 0, 0], "value": [0, 1, 2]}, {"time": 0, "value": 1},
-    {"time": [0, math.nan], "value": [0, 1]}, {"time": [0, 1e-300], "value": [0, 1e300]}, {"time": [-1e300, 1e300], "value": [-1e300, 1e300]},
+    {"time": [0, math.nan], "value": [0, 1]}, {"time": [0, 1e-300], "value": [0, 1e300]},
+    {"time": [-1e300, 1e300], "value": [-1e300, 1e300]},
     {"ramp": 1, "value": 1}, {"ramp": 0, "value": 1}, {"ramp": -1, "value": 1}, {"ramp": 1e-300, "value": 1e300}, {"ramp": {}, "value": []},
-    {"ramp": 1, "time": [0], "value": 1}, {"ramp": 1}, {"": 1}, {"a.b": 1}, {"a[b": 1}, {"[0]": 1}, {"a:b": 1}, {"[": 1, "]": 2}, {"x" * 5000: 1},
-    {"é": 1}, {"\x00": 1}, {"\ud800": 1}, {"from": 1}, {"from_": 1}, {"self": 1}, {"__class__": 1}, {"model_config": 1}, {"data": 1}, {"-ts_dt": 1},
+    {"ramp": 1, "time": [0], "value": 1}, {"ramp": 1}, {"": 1}, {"a.b": 1}, {"a[b": 1}, {"[0]": 1}, {"a:b": 1}, {"[": 1, "]": 2},
+    {"x" * 5000: 1},
+    {"é": 1}, {"\x00": 1}, {"\ud800": 1}, {"from": 1}, {"from_": 1}, {"self": 1}, {"__class__": 1}, {"model_config": 1}, {"data": 1},
+    {"-ts_dt": 1},
     [0] * 300, {str(i): i for i in range(300)},
 )  # fmt: skip
 
@@ -42,19 +52,22 @@ BLOCKS: tuple[Any, ...] = (
 EXTRAS: dict[str, tuple[tuple[str, Any], ...]] = {
     "": (
         ("hold_string", True), ("hold_string", False), ("gravity", 5.0), ("title", "t"), ("initial", {"from": "rest"}), ("contact", "none"),
-        ("output", {"history_every": 0.5}), ("output", {"history_every": 1e-12}), ("output", {"checkpoint_every": 1e-12}), ("top", "pinned"),
+        ("output", {"history_every": 0.5}), ("output", {"history_every": 1e-12}), ("output", {"checkpoint_every": 1e-12}),
+        ("top", "pinned"),
         ("fluid", {"density": 1000, "rheology": {"model": "newtonian", "viscosity": 1e-3}}), ("formation", {"drillability": 1e-8}),
         ("contact", {"stiffness": 1e7}), ("loads", [{"at": 1, "force": [1, 0, 0]}]), ("petsc", {"ts_dt": 0.1}), ("time", {"end": 3}),
         ("well", {"survey": {"md": [0, 100], "inclination": [0, 0], "azimuth": [0, 0]},
                   "sections": [{"to": 100, "kind": "open_hole", "diameter": 0.3}]}),
-        ("bottom", "bit"), ("bottom", "pinned"), ("material", {"young": 7e10}), ("beam", {"formulation": "gauge"}), ("beam", {"formulation": "quaternion"}),
+        ("bottom", "bit"), ("bottom", "pinned"), ("material", {"young": 7e10}), ("beam", {"formulation": "gauge"}),
+        ("beam", {"formulation": "quaternion"}),
         ("joints", []), ("joints", [{"at": 4, "kind": "universal"}]), ("joints", [{"at": 30, "kind": "slider"}]),
     ),
     "string": (
         ("element_length", 3.0), ("element_length", 1e-9), ("friction", 0.1), ("name", "x"), ("id", 0.01), ("od", 0.1), ("mass", 50.0),
         ("material", {"young": 2e11}), ("material", {"damping": {"mass": 1.0}}), ("bend", {"angle": 0.02}), ("bend", {"angle": 0}),
         ("inertia", {"axial": 2.0}), ("center_of_gravity", 0.3), ("unbalance", 0.1), ("unbalance_angle", 1.0), ("curvature", 1e-3),
-        ("curvature_angle", 1.0), ("eccentricity", 1e-3), ("eccentricity_angle", 1.0), ("nozzle_area", 3e-4), ("initial", {"imperfection": 0.02}),
+        ("curvature_angle", 1.0), ("eccentricity", 1e-3), ("eccentricity_angle", 1.0), ("nozzle_area", 3e-4),
+        ("initial", {"imperfection": 0.02}),
         ("damping", {"mass": 1.0}),
     ),
     "well.sections": (("friction", 0.1), ("compliance", {"young": 1e10}), ("to", 3.0), ("roughness", 1e-3)),
@@ -62,24 +75,29 @@ EXTRAS: dict[str, tuple[tuple[str, Any], ...]] = {
     "bottom": (("stiffness", 1e7), ("friction", 0.1), ("plugged", True), ("force", [1, 2, 3]), ("moment", [1, 2, 3])),
     "loads": (("value_over", 2.0), ("frame", "section"), ("force", [1, 2, 3]), ("moment", [1, 2, 3]), ("to", 3.0), ("at", 3.0)),
     "contact": (
-        ("restitution_speed", 2.0), ("stribeck", {"static": 0.9, "speed": 0.5}), ("points_per_element", 4), ("law", "hertz"), ("stiffness", 1e7),
+        ("restitution_speed", 2.0), ("stribeck", {"static": 0.9, "speed": 0.5}), ("points_per_element", 4), ("law", "hertz"),
+        ("stiffness", 1e7),
         ("slip_velocity", 0.1), ("restitution", 1),
     ),
     "fluid": (
         ("annulus", False), ("annulus", True), ("bit_volume", 1e-2), ("choke", {"area": 1e-3}), ("flow_line", 0.5), ("pump_pressure", 1e5),
         ("outlet_pressure", 1e5), ("clinging", 0.3), ("added_mass", 2.0), ("lateral_damping", 3.0), ("lateral_damping_speed", 3.0),
-        ("rotation_drag", True), ("cuttings", "returned"), ("formulation", "hermite"), ("dynamics", "quasi_steady"), ("elastic_walls", False),
+        ("rotation_drag", True), ("cuttings", "returned"), ("formulation", "hermite"), ("dynamics", "quasi_steady"),
+        ("elastic_walls", False),
         ("check_valve", True), ("bulk_modulus", 1e12), ("flow_rate", 0.01), ("discharge_coefficient", 0.8),
     ),
     "fluid.rheology": (("shear_rate", 3.0), ("law", "exact"), ("law", "api")),
     "formation": (
-        ("growth", "post_step"), ("direction", "bit_axis"), ("overgauge", 1e-3), ("walk", 0.1), ("freeze_interval", 0.2), ("threshold", 10.0),
+        ("growth", "post_step"), ("direction", "bit_axis"), ("overgauge", 1e-3), ("walk", 0.1), ("freeze_interval", 0.2),
+        ("threshold", 10.0),
         ("layers", [{"from": 3}]), ("layers", [{"from": 3, "to": 4}]), ("bit_law", "drag_bit"), ("rock_anisotropy", {"dip": 0.2}),
         ("reference_speed", 9.0), ("reference_weight", 9e4), ("rotary_exponent", 0.5), ("weight_exponent", 1.2), ("drillability", 1e-8),
     ),
-    "formation.layers": (("threshold", 10.0), ("rock_anisotropy", {"dip": 0.2}), ("bit_anisotropy", 0.4), ("to", 7.0), ("weight_exponent", 1.2)),
+    "formation.layers": (("threshold", 10.0), ("rock_anisotropy", {"dip": 0.2}), ("bit_anisotropy", 0.4), ("to", 7.0),
+    ("weight_exponent", 1.2)),
     "formation.bit_law": (("stiffness", 1e8), ("stiffness", 2e8), ("blades", 3), ("static", 0.9), ("dynamic", 0.1), ("speed", 2.0)),
-    "joints": (("axis", [0, 0, 1]), ("constraint", "stabilised"), ("spring", 1.0), ("damping", 1.0), ("stroke", [-1, 1]), ("stop_stiffness", 1e6)),
+    "joints": (("axis", [0, 0, 1]), ("constraint", "stabilised"), ("spring", 1.0), ("damping", 1.0), ("stroke", [-1, 1]),
+    ("stop_stiffness", 1e6)),
     "beam": (("formulation", "quaternion"), ("constraint", "index2")),
     "initial": (("wob", "1 kN"), ("imperfection", 0.02), ("inclination", 0.4), ("azimuth", 0.4), ("from", "straight")),
     "time": (("mode", "quasi_static"), ("mode", "dynamic"), ("step", 0.5)),
@@ -137,7 +155,7 @@ def _deep(random: Any, data: Any, old: Any) -> Any:
 
 
 def _scaled(random: Any, data: Any, old: Any) -> Any:
-    factor = random.choice([0, -1, 0.1, 10, 0.5, 2, 0.9, 1.1, 0.99, 1.01, 0.3, 3, 1e3, 1e-3, 1e6, 1e-6, 1e12, 1e-12, 1e100, 1e-100])
+    factor = random.choice([0, -1, 1e20, 1e-20, 1e-40, 0.1, 10, 0.5, 2, 0.9, 1.1, 0.99, 1.01, 0.3, 3, 1e3, 1e-3, 1e6, 1e-6, 1e12, 1e-12, 1e100, 1e-100])
     if isinstance(old, str):
         match = re.match(r"[-+\d.eE]+", old)
         try:
@@ -194,7 +212,8 @@ def _renamed(random: Any, data: Any, path: Path) -> Any:
     if not isinstance(holder, dict):
         return without(data, path)
     old = str(path[-1])
-    new = random.choice([old + "s", old.upper(), old[1:], old[::-1], old + "_", "-" + old, "", old + "." + old, old + "[0]", "π", "a" * 2000])
+    new = random.choice([old + "s", old.upper(), old[1:], old[::-1], old + "_", "-" + old, "", old + "." + old, old + "[0]", "π",
+    "a" * 2000])
     twin = {new if key == path[-1] else key: value for key, value in holder.items()}
     return replaced(data, path[:-1], twin) if len(path) > 1 else twin
 
@@ -210,17 +229,24 @@ def _repeated(data: Any, path: Path) -> Any:
 
 # ---------------------------------------------------------------------- text
 PIECES: tuple[str, ...] = (
-    "!!python/object/apply:os.system [ls]", "!!binary aGFsbG8=", "!!set {a, b}", "!!omap [a: 1]", "!!timestamp 2001-01-01", "!!float 1", "!!int '3'",
-    "!!str 5", "!mine x", "!<tag:yaml.org,2002:str> 5", "&a", "*a", "*nowhere", "<<: *a", "<<: {a: 1}", "<<: 5", "<<: [1]", "? [a]\n: b", "? a", ": b", "? ",
-    "---", "...", "%YAML 1.1\n---", "%YAML 9.9\n---", "%TAG ! tag:x,2000:\n---", "%", "12:30:45", "0o17", "017", "0b101", "0x1F", "1_000", "yes", "no", "on", "off", "Yes",
-    "~", "null", ".inf", "-.inf", ".nan", ".NaN", "2001-01-01", "2001-01-01T10:00:00Z", "2001-99-99", "1e400", "9" * 5000, "0x" + "F" * 5000, "1e99999999999", "|", ">",
-    "|\n  x", ">-", "|99", "'", '"', '"\\q"', '"\\ud800"', '"\\x00"', '"\\u0000"', "\x00", "\x07", "\x1b", "\x85", "\u2028", "\ufeff", "\ufffe", "\t", "\r", "\r\n", "\n\n", "#", " #", "{",
-    "}", "[", "]", ",", ":", "{{", "[[[[", DEEP, "{a: " * 400, "- " * 400, "? " * 400, "a" * 20000, "k: 1\n" * 50, "title: x\ntitle: y", "string: []", "é", "日本", "🛢",
+    "!!python/object/apply:os.system [ls]", "!!binary aGFsbG8=", "!!set {a, b}", "!!omap [a: 1]", "!!timestamp 2001-01-01", "!!float 1",
+    "!!int '3'",
+    "!!str 5", "!mine x", "!<tag:yaml.org,2002:str> 5", "&a", "*a", "*nowhere", "<<: *a", "<<: {a: 1}", "<<: 5", "<<: [1]", "? [a]\n: b",
+    "? a", ": b", "? ",
+    "---", "...", "%YAML 1.1\n---", "%YAML 9.9\n---", "%TAG ! tag:x,2000:\n---", "%", "12:30:45", "0o17", "017", "0b101", "0x1F", "1_000",
+    "yes", "no", "on", "off", "Yes",
+    "~", "null", ".inf", "-.inf", ".nan", ".NaN", "2001-01-01", "2001-01-01T10:00:00Z", "2001-99-99", "1e400", "9" * 5000,
+    "0x" + "F" * 5000, "1e99999999999", "|", ">",
+    "|\n  x", ">-", "|99", "'", '"', '"\\q"', '"\\ud800"', '"\\x00"', '"\\u0000"', "\x00", "\x07", "\x1b", "\x85", "\u2028", "\ufeff",
+    "\ufffe", "\t", "\r", "\r\n", "\n\n", "#", " #", "{",
+    "}", "[", "]", ",", ":", "{{", "[[[[", DEEP, "{a: " * 400, "- " * 400, "? " * 400, "a" * 20000, "k: 1\n" * 50, "title: x\ntitle: y",
+    "string: []", "é", "日本", "🛢",
     "x: &x [*x]", "x: &x {a: *x}",
     "a: &a [1,1,1,1,1,1,1,1,1,1]\nb: &b [*a,*a,*a,*a,*a,*a,*a,*a,*a,*a]\nc: &c [*b,*b,*b,*b,*b,*b,*b,*b,*b,*b]\n"
     "d: &d [*c,*c,*c,*c,*c,*c,*c,*c,*c,*c]\ne: &e [*d,*d,*d,*d,*d,*d,*d,*d,*d,*d]\nf: &f [*e,*e,*e,*e,*e,*e,*e,*e,*e,*e]\n"
     "g: &g [*f,*f,*f,*f,*f,*f,*f,*f,*f,*f]\nh: &h [*g,*g,*g,*g,*g,*g,*g,*g,*g,*g]\ni: &i [*h,*h,*h,*h,*h,*h,*h,*h,*h,*h]",
-    "x: &x {a: 1}\ny: {<<: *x, <<: *x}", "x: &x {a: 1}\ny: {<<: [*x, *x], a: 2}", "1: 2", "1.5: 2", "true: 2", "null: 2", "[a]: 2", "{a: b}: 2", "'': 2", "2001-01-01: 2",
+    "x: &x {a: 1}\ny: {<<: *x, <<: *x}", "x: &x {a: 1}\ny: {<<: [*x, *x], a: 2}", "1: 2", "1.5: 2", "true: 2", "null: 2", "[a]: 2",
+    "{a: b}: 2", "'': 2", "2001-01-01: 2",
 )  # fmt: skip
 
 
@@ -284,7 +310,8 @@ TEXT_CHANGES = (_insert, _insert_line, _insert_value, _insert_value, _delete, _l
 
 
 # ---------------------------------------------------------------------- surveys
-CELLS = ("", " ", "nan", "inf", "-1", "1e400", "1e300", "1e-300", "abc", "1,5", "1_0", "９", "0x10", "1 m", "'0'", '"', "=1+1", "\x00", "9" * 5000, "-0.0", "360", "181", "1e5")
+CELLS = ("", " ", "nan", "inf", "-1", "1e400", "1e300", "1e-300", "abc", "1,5", "1_0", "９", "0x10", "1 m", "'0'", '"', "=1+1", "\x00",
+"9" * 5000, "-0.0", "360", "181", "1e5")
 
 
 def mutate_survey(random: Any, text: str) -> bytes:
@@ -295,7 +322,8 @@ def mutate_survey(random: Any, text: str) -> bytes:
     if what < 4:
         rows[k][random.randint(0, len(rows[k]) - 1)] = random.choice(CELLS)
     elif what == 4:
-        rows[0] = random.choice([["MD", "Incl", "Az"], ["md [kg]", "inclination", "azimuth"], ["md [", "inclination", "azimuth"], ["md (ft)", "inclination [rad]", "azimuth"],
+        rows[0] = random.choice([["MD", "Incl", "Az"], ["md [kg]", "inclination", "azimuth"], ["md [", "inclination", "azimuth"],
+        ["md (ft)", "inclination [rad]", "azimuth"],
                                  ["md", "md", "inclination", "azimuth"], ["md [9**9**9]", "inclination", "azimuth"], [""]])  # fmt: skip
     elif what == 5:
         rows.insert(k, random.choice([["# note"], ["\t"], ["x" * 200000], rows[k], ['"' + "x" * 200000], []]))

@@ -143,7 +143,7 @@ class Contact(Model):
         description="contact stiffness: per length [Pa = N/m2] (linear) or [N/m^2.5] (hertz), "
         "of a point [N/m^1.5] (hertz_point); a default only for linear",
     )
-    restitution: Annotated[float, Quantity("", above=0, at_most=1)] = Field(
+    restitution: Annotated[float, Quantity("", at_least=1e-3, at_most=1)] = Field(
         default=0.5, description="speed after over speed before an impact [-]"
     )
     restitution_speed: Annotated[float, Quantity("m/s", above=0)] = Field(

@@ -46,7 +46,7 @@ TOO_DEEP = "blocks in blocks in blocks"
 
 
 def check_plain(value: Any, at: Path = ()) -> None:
-    """Refuses, with a CaseError, data that nobody could show or write: endlessly deep, with halves of letters (surrogates) or endless numbers."""
+    """Refuses, with a CaseError, data that nobody could show or write: endlessly deep, half letters (surrogates), endless numbers."""
     if len(at) > MOST_LEVELS:
         raise CaseError(at=written(at[:3]), got=TOO_DEEP, want=f"at most {MOST_LEVELS} levels")
     if isinstance(value, str):

@@ -36,6 +36,7 @@ def check_size(case: Case) -> None:
         if end <= most * every:
             continue
         if getattr(case.output, key) is None:
-            raise refuse("time", "end", got=end, want=f"at most {most * every:g} s with output.{key} {every:g} s", hint=f"give output.{key}")
+            want = f"at most {most * every:g} s with output.{key} {every:g} s"
+            raise refuse("time", "end", got=end, want=want, hint=f"give output.{key}")
         want = f"at least {end / most:g} s: a run of {end:g} s would write more than {most:g} times"
         raise refuse("output", key, got=every, want=want)

@@ -13,7 +13,10 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.draw import style
+from drillpetsc.draw.hole_path import new_hole, well_path
 from drillpetsc.draw.style import GROUND, LINE_COLORS, WALL, display_unit, label, words
+from drillpetsc.draw.sweep import draw_sweep
+from drillpetsc.ensemble_plan import SWEEP
 from drillpetsc.output.fields import read_frame, read_series
 from drillpetsc.output.folder import RunFolder
 from drillpetsc.output.summary import read_summary
@@ -41,12 +44,20 @@ NUMERICS: tuple[tuple[str, ...], ...] = (
 
 
 def plot(run: str | os.PathLike, out: str | os.PathLike | None = None) -> list[Path]:
-    """Draw all that the run folder holds; returns the files written, in `out` or the run's plots folder."""
+    """Draw all that the run folder holds; returns the files written, in `out` or the run's plots folder.
+
+    Of a sweep's folder: what its members drilled.
+    """
     folder = RunFolder.open(run)
+    if (folder.path / SWEEP).is_file():
+        pictures = draw_sweep(folder.path, out)
+        if not pictures:
+            raise FileNotFoundError(f"no member of the sweep {folder.path} drilled new hole: plot the members")
+        return pictures
     into = Path(out) if out is not None else folder.plots
     into.mkdir(parents=True, exist_ok=True)
-    title = read_summary(folder.summary).get("title") if folder.summary.exists() else None
-    title = str(title or folder.path.name)
+    told = read_summary(folder.summary) if folder.summary.exists() else {}
+    title = str(told.get("title") or folder.path.name)
     drawings: dict[str, Any] = {}
     with style.look():
         if folder.history.exists():
@@ -61,7 +72,9 @@ def plot(run: str | os.PathLike, out: str | os.PathLike | None = None) -> list[P
         if folder.statics.exists():
             drawings["along_depth"] = _along_depth(read_table(folder.statics), title)
         if folder.trajectory.exists():
-            drawings["trajectory"] = _trajectory(read_table(folder.trajectory), title)
+            path, drilled = read_table(folder.trajectory), told.get("new_hole", {}).get("drilled [m]", 0.0)
+            drawings["trajectory"] = well_path(path, title, drilled)
+            drawings["new_hole"] = new_hole(path, title, drilled)
         files = []
         for name, drawing in drawings.items():
             if drawing is not None:
@@ -286,38 +299,4 @@ def _along_depth(table: Table, title: str) -> Any:
         axes.set_ylabel(f"{words(depth_title)} [m]")
     grid[0, 0].set_ylim(depth.max(), depth.min())
     drawing.tight_layout(rect=(0, 0, 1, 0.975))
-    return drawing
-
-
-def _trajectory(table: Table, title: str) -> Any:
-    """The hole as drilled: plan, and depth against horizontal distance from the well head, both true to scale."""
-    if len(table["md [m]"]) < 2:
-        return None
-    north, east, depth = table["north [m]"], table["east [m]"], table["tvd [m]"]
-    away = np.hypot(north - north[0], east - east[0])
-    drawing = style.figure(11.0, 6.2, dpi=110)
-    drawing.suptitle(f"{title}: well path", x=0.02, ha="left", fontweight="bold", fontsize=12)
-    section, plan = drawing.subplots(1, 2)
-    section.plot(away, depth, color=LINE_COLORS[0], linewidth=2)
-    section.set(xlabel="horizontal distance from the well head [m]", ylabel="True vertical depth [m]", title="Section")
-    span = max(float(np.ptp(depth)), float(np.ptp(away)), 1e-9)
-    section.set(
-        ylim=(depth.max() + 0.04 * span, depth.min() - 0.04 * span),
-        xlim=(-0.06 * span, max(away.max(), 0.3 * span) * 1.06),
-    )
-    section.set_aspect("equal")
-    plan.plot(east, north, color=LINE_COLORS[0], linewidth=2)
-    plan.plot(east[0], north[0], "o", color="black", markersize=5, label="well head")
-    half = 0.55 * max(float(np.ptp(east)), float(np.ptp(north)), 0.02 * span)
-    middle = 0.5 * (east.max() + east.min()), 0.5 * (north.max() + north.min())
-    plan.set(
-        xlim=(middle[0] - half, middle[0] + half),
-        ylim=(middle[1] - half, middle[1] + half),
-        xlabel="east [m]",
-        ylabel="north [m]",
-        title="Plan",
-    )
-    plan.set_aspect("equal")
-    plan.legend(frameon=False)
-    drawing.tight_layout(rect=(0, 0, 1, 0.97))
     return drawing

@@ -33,11 +33,11 @@ def take(folder: Path) -> None:
     with _guarded(file) as number:
         owner = _read(number)
         if owner is not None and not _is_me(owner) and _is_alive(owner):
-            raise RunFolderBusy(
-                f"{folder} is in use by process {owner['pid']} on {owner['host']} since {owner['since']}: wait for it, or give another --out"
-                + ("" if owner["host"] == socket.gethostname() else f" (if that run is over, remove {file})")
-            )
-        _write(number, {"host": socket.gethostname(), "pid": os.getpid(), "started": _started(os.getpid()), "since": time.strftime("%F %T")})
+            told = f"{folder} is in use by process {owner['pid']} on {owner['host']} since {owner['since']}"
+            elsewhere = "" if owner["host"] == socket.gethostname() else f" (if that run is over, remove {file})"
+            raise RunFolderBusy(f"{told}: wait for it, or give another --out{elsewhere}")
+        me = {"host": socket.gethostname(), "pid": os.getpid(), "started": _started(os.getpid()), "since": time.strftime("%F %T")}
+        _write(number, me)
     _held[file] = os.getpid()
 
 

@@ -73,7 +73,11 @@ def damping_factor(restitution: float, speed: float) -> float:
     def miss(d: float) -> float:
         return float(np.log1p(d) - np.log1p(-d * e) - d * (1 + e))
 
-    # d = 0 is a root, too; near e = 1 the wanted one is 3 (1 - e) / 2 + ..., from the series of the logarithms
+    if miss((1 - 1e-14) / e) < 0:  # below e = 0.027: 1 - d e = (1 + d) exp(-d (1 + e)) is less than rounding
+        return 1 / e / speed
+    # d = 0 is a root, too; near e = 1 the wanted one is 3/2 (1 - e) (1 + (1 - e) + ...), from the series of the logarithms
+    if 1 - e < 1e-4:
+        return 1.5 * (1 - e) * (2 - e) / speed
     return float(brentq(miss, 0.5 * (1 - e), (1 - 1e-14) / e, xtol=1e-14, rtol=1e-14)) / speed
 
 

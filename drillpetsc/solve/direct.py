@@ -11,11 +11,18 @@ import math
 import numpy as np
 from petsc4py import PETSc
 
+from drillpetsc.field import Field
 from drillpetsc.linear import ZeroPivot
 
 OVERSHOOT = 0.1  # a step is shortened when the rows afterwards point back along it by more than this share
 SHORTEST = 0.05
 Reason = PETSc.SNES.ConvergedReason
+
+
+def does_work(field: Field) -> bool:
+    """Whether the rows of a field are forces along its unknowns: those of the string, not constraints, and not the balances of mud, whose
+    product with a step has no sign to search by."""
+    return not field.multiplier and field.name.split(".")[0] not in ("pipe", "annulus") and field.name != "bit.flow"
 
 
 class DirectNewton:
@@ -25,8 +32,8 @@ class DirectNewton:
         self.owner = owner
         self.searches = owner.model.has_contact
         layout = owner.model.layout
-        constraint = np.array([f.multiplier for f in layout.fields])[layout.field_of[layout.local_of_owned]]
-        self.forces = np.flatnonzero(~constraint) if owner.model.multipliers else None
+        forces = np.array([does_work(f) for f in layout.fields])[layout.field_of[layout.local_of_owned]]
+        self.forces = None if forces.all() else np.flatnonzero(forces)
         self.step = np.zeros(len(owner.model.layout.local_of_owned))
         self.log = PETSc.Log.Event("ChainFactor"), PETSc.Log.Event("ChainSolve")
 
@@ -83,7 +90,7 @@ class DirectNewton:
         return True
 
     def _along(self, rows: np.ndarray) -> float:
-        """Work of the rows along the step; constraints and their multipliers have no part in it."""
+        """Work of the rows along the step, of those that are forces."""
         if self.forces is None:
             return float(rows @ self.step)
         return float(rows[self.forces] @ self.step[self.forces])

@@ -14,7 +14,7 @@ from petsc4py import PETSc
 from drillpetsc import petsc_compat
 from drillpetsc.linear import ChainFactor, ChainPC
 from drillpetsc.model import Model
-from drillpetsc.solve.direct import DirectNewton
+from drillpetsc.solve.direct import DirectNewton, does_work
 
 ROUNDING = 64 * np.finfo(float).eps
 STALLED = 1e-10  # an increment that no longer falls below this share of the scales is rounding
@@ -71,7 +71,9 @@ class CondensedNewton:
         if not chosen:
             # contact and friction make Newton overshoot; "cp" finds where the rows stop pointing along the step, by residuals alone
             # (measured on the whirling 2000 m string: a third of the iterations, no failed step)
-            options.setValue("snes_linesearch_type", "cp" if model.has_contact else "basic")
+            # mixed with the balances of mud, rows along the step have no meaning: after a jump the search stands still
+            forces = all(does_work(f) for f in model.layout.fields)
+            options.setValue("snes_linesearch_type", "cp" if model.has_contact and forces else "basic")
         theirs = ("snes_type", "snes_linesearch_type", "ksp_type", "pc_type", "snes_monitor", "snes_converged_reason", "ksp_monitor")
         self.direct = not any(options.hasName(name) for name in theirs if name != "snes_linesearch_type") and not chosen
         if self.direct:

@@ -32,11 +32,11 @@ output: {history_every: 0.01 s, field_every: 0.05 s, probes: [25 m], checkpoint_
 FILES = ("history.csv", "probes.csv", "string.pvd", "trajectory.csv")
 
 
-def start(folder: Path, *words: str) -> subprocess.Popen:
+def start(folder: Path, *words: str, command: str = "run") -> subprocess.Popen:
     """drillpetsc run ... in ``folder``."""
     environment = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
-    command = [sys.executable, "-m", "drillpetsc", "run", *words, "--progress", "silent"]
-    return subprocess.Popen(command, cwd=folder, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    line = [sys.executable, "-m", "drillpetsc", command, *words, "--progress", "silent"]
+    return subprocess.Popen(line, cwd=folder, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
 
 def wait_for_rows(file: Path, rows: int, job: subprocess.Popen) -> None:
@@ -102,6 +102,36 @@ def test_sigusr1_asks_for_a_checkpoint_and_the_run_goes_on(whole):
     _, err = job.communicate(timeout=60)
     assert job.returncode == 0, err
     same(whole / "run", whole / "saved")
+
+
+def test_a_killed_run_goes_on_identically(whole):
+    """SIGKILL after a third and after two thirds of the rows; scripts/kill-test does it at 50 random moments."""
+    (whole / "often.yaml").write_text(CASE.replace("100 s", "50 ms"))
+    for share in (1 / 3, 2 / 3):
+        name = f"killed-{share:.2f}"
+        job = start(whole, "often.yaml", "--out", name)
+        wait_for_rows(whole / name / "history.csv", int(100 * share), job)
+        job.kill()
+        job.communicate()
+        assert not (whole / name / "summary.json").exists()
+        _, err = (job := start(whole, "often.yaml", "--out", name, "--restart")).communicate(timeout=60)
+        assert job.returncode == 0, err
+        same(whole / "run", whole / name)
+
+
+def test_a_stopped_sweep_starts_no_further_member_and_goes_on_later(whole):
+    """SIGTERM in the first of two members: that one is saved, the second has not begun; --restart does both."""
+    values = ["case.yaml", "contact.stiffness=1e8,1.1e8", "--out", "sweep"]
+    job = start(whole, *values, command="sweep")
+    first, second = (whole / "sweep" / f"member-{k:03d}" for k in (1, 2))
+    wait_for_rows(first / "history.csv", 10, job)
+    job.send_signal(signal.SIGTERM)
+    out, err = job.communicate(timeout=60)
+    assert job.returncode == 1 and "stopped by SIGTERM" in out + err, out + err
+    assert json.loads((first / "summary.json").read_text())["interrupted"] and not (second / "history.csv").exists()
+    out, err = (job := start(whole, *values, "--restart", command="sweep")).communicate(timeout=120)
+    assert job.returncode == 0 and "2 of 2 members done" in out, out + err
+    same(whole / "run", first)  # 1e8 is the default
 
 
 def test_a_full_disk_ends_the_run_in_order_and_it_can_go_on(whole):

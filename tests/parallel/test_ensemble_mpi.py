@@ -55,11 +55,17 @@ def test_four_equal_members_on_two_ranks_are_two_each(small):
 
 
 def test_a_failing_member_leaves_the_others_complete(small):
-    words = (f"petsc={{ts_rtol: 1e-3}},{HOPELESS},{{ts_rtoll: 1}}", "top.rotation=60 rpm,90 rpm")
+    words = (f"petsc={{ts_rtol: 1e-3}},{HOPELESS}", "top.rotation=60 rpm,90 rpm")
     assert "exit status 1" in job(2, "plain", "sweep", str(small / "small.yaml"), *words, "--out", str(small / "out"))
     table = read_table(small / "out" / "sweep.csv")
-    assert table["status"].tolist() == ["done"] * 2 + ["failed"] * 4
+    assert table["status"].tolist() == ["done"] * 2 + ["failed"] * 2
     assert np.all(table["time [s]"][:2] == 0.05)
+
+
+def test_an_option_that_no_member_reads_is_refused_on_all_ranks(small):
+    words = ("petsc={ts_rtol: 1e-3},{ts_rtoll: 1}", "top.rotation=60 rpm,90 rpm")
+    assert "exit status 2" in job(2, "plain", "sweep", str(small / "small.yaml"), *words, "--out", str(small / "out"))
+    assert not (small / "out").exists()
 
 
 def test_a_team_of_two_ranks_survives_a_member_that_fails_on_both(small):

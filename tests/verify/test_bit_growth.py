@@ -153,15 +153,15 @@ def test_rejected_steps_leave_no_trace(law):
     rtol = 1e-5
     runs = []
     for every in (0, 7):
-        formation = {"bit_law": law, "freeze_interval": 0.02, "drillability": 1e-6, "rock_anisotropy": BEDS}
-        scene = drilling(formation, lowered(0.08), axial=1e9, bending=1e5, inclination=0.3)
-        states, dynamics = go(scene, np.array([1.0, 2.0, 3.0]), every, ts_rtol=rtol)
+        formation = {"bit_law": law, "freeze_interval": 0.01, "drillability": 1e-6, "rock_anisotropy": BEDS}
+        scene = drilling(formation, lowered(0.08), axial=1e9, bending=1e5, damping=1e-2, stiffness=1e7, inclination=0.3)
+        states, dynamics = go(scene, np.array([0.5, 1.0, 1.5]), every, ts_rtol=rtol)
         runs.append((states, bit_of(scene).hole, dynamics))
     (one, hole, quiet), (other, beside, noisy) = runs
     assert noisy.counters.rejected > 10 + quiet.counters.rejected
-    assert one[-1, 0] > 0.2 and abs(one[-1, 2]) > 1e-3  # new hole, and it walks
+    assert one[-1, 0] > 0.1 and abs(one[-1, 2]) > 1e-3  # new hole, and it walks
     assert other == pytest.approx(one, abs=10 * rtol * one[-1, 0])
     a, b = hole.memory()["nodes"], beside.memory()["nodes"]
     assert len(a) == len(b) > 6
     assert b[:, :4] == pytest.approx(a[:, :4], abs=10 * rtol * one[-1, 0])
-    assert b[:, 4:] == pytest.approx(a[:, 4:], abs=10 * rtol * one[-1, 0] / 0.01)  # slopes over half an interval
+    assert b[:, 4:] == pytest.approx(a[:, 4:], abs=10 * rtol * one[-1, 0] / 0.005)  # slopes over half an interval
