@@ -46,7 +46,11 @@ def _was_read(name: str) -> bool:
 def unread(names: Iterable[str]) -> list[str]:
     """Options that the solvers, once set up, have not read.  Those read only at the end are none of them."""
     there = PETSc.Options().getAll()  # one that is not was taken out under its newer name (petsc_compat)
-    return [name for name in names if name in there and not any(word in name for word in LATE) and not _was_read(name)]
+    return [name for name in names if name in there and not _is_late(name) and not _was_read(name)]
+
+
+def _is_late(name: str) -> bool:
+    return not name.startswith("drillpetsc_") and any(word in name for word in LATE)
 
 
 def refuse_unread(names: Iterable[str]) -> None:
@@ -64,4 +68,5 @@ def not_an_option(name: str, where: str) -> CaseError:
 KNOWN = ("ts_type", "ts_bdf_order", "ts_rtol", "ts_dt", "ts_time_step", "ts_adapt_type", "ts_adapt_clip",
          "ts_adapt_dt_max", "ts_adapt_dt_min", "ts_max_reject",
          "ts_adapt_wnormtype", "ts_max_steps", "ts_max_snes_failures", "snes_type", "q_snes_stol", "q_snes_max_it", "q_snes_rtol",
-         "q_snes_linesearch_type", "q_ksp_type", "q_pc_type", "q_pc_factor_mat_ordering_type", "ksp_type", "pc_type")
+         "q_snes_linesearch_type", "q_ksp_type", "q_pc_type", "q_pc_factor_mat_ordering_type", "ksp_type", "pc_type",
+         "drillpetsc_energy_strict", "drillpetsc_stop_on_gain", "drillpetsc_gain_limit")
