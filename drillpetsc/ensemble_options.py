@@ -9,6 +9,7 @@ from petsc4py import PETSc
 
 from drillpetsc import options
 from drillpetsc.case import Case
+from drillpetsc.energy_watch import Gain
 from drillpetsc.errors import CaseError, DrillError
 from drillpetsc.quasi_static import QuasiStatic
 from drillpetsc.recorder import Recorder
@@ -71,6 +72,7 @@ def _read(case: Case) -> list[str]:
         scene = build_scene(case, PETSc.COMM_SELF)
         dynamics = make_dynamics(scene, QuasiStatic(scene) if is_quasi_static(case) else None)
         recorder = Recorder(scene)
+        Gain(recorder)
         unread = options.unread(used)
         del scene, dynamics, recorder
         gc.collect()

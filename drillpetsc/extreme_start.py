@@ -19,8 +19,8 @@ BENT = 12.0  # length over which the string comes from the axis, where the top h
 
 
 def press_into_wall(scene: Scene, depth: float = DEPTH, speed: float = SPEED) -> None:
-    """The straight string moved down into the low side of a level hole, ``depth`` [m] beyond its wall, with ``speed`` [m/s] into it; near the
-    top, which holds it, less, by a smooth step (cubic, so that the slopes are consistent)."""
+    """The straight string moved down into the low side of a level hole, ``depth`` [m] beyond its wall, with ``speed`` [m/s] into it; near
+    the top, which holds it, less, by a smooth step (cubic, so that the slopes are consistent)."""
     place_along_hole(scene)
     mesh, well = scene.mesh, scene.well
     assert well is not None

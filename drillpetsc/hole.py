@@ -105,7 +105,7 @@ class GrowingHole:
 
         Exact on an arc to second order; the bit's own wandering within a turn is averaged over half an interval.
         """
-        h = 0.5 * self.interval
+        h = max(0.5 * self.interval, s - self._trail[-1, 0])  # where the trail has been, or long steps feed on themselves
         one, two = self._at(s - h)[0], self._at(s - 2 * h)[0]
         t = 3 * place - 4 * one + two
         return t / np.linalg.norm(t)

@@ -45,6 +45,7 @@ class QuasiStatic:
         self.rates = np.zeros(layout.size + 1)
         self._mask = string[layout.field_of]  # mud keeps its storage: at steps of seconds its waves are gone, its content adds up
         self._bends = [room for room in scene.rooms if isinstance(room, Curvature)]
+        self._average_bends(self.motion(0.0)[1])  # also in the static state it starts from
 
     def dynamics(self) -> Dynamics:
         """The integrator of the hole's end, with the string following."""
@@ -81,11 +82,15 @@ class QuasiStatic:
         self.rates[layout.place["string.position"]] = lowering * v / np.linalg.norm(v, axis=1, keepdims=True)
         self.rates[layout.place["string.spin"][:, 0]] = rotation
         scene = self.scene
-        for room in self._bends:
-            room.scale(0.0 if rotation else 1.0)
+        self._average_bends(rotation)
         if scene.contact is not None:
             scene.contact.impose_sliding(lowering, rotation, self.share)
         if isinstance(scene.bit, RockBit):
             scene.bit.drill_quasi_static(lowering, rotation, self.share)
         elif scene.bit is not None:
             scene.bit.impose_sliding(lowering, rotation)
+
+    def _average_bends(self, rotation: float) -> None:
+        """Leave a bent item its bend, or nothing where it turns."""
+        for room in self._bends:
+            room.scale(0.0 if rotation else 1.0)

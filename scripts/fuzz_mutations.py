@@ -155,7 +155,8 @@ def _deep(random: Any, data: Any, old: Any) -> Any:
 
 
 def _scaled(random: Any, data: Any, old: Any) -> Any:
-    factor = random.choice([0, -1, 1e20, 1e-20, 1e-40, 0.1, 10, 0.5, 2, 0.9, 1.1, 0.99, 1.01, 0.3, 3, 1e3, 1e-3, 1e6, 1e-6, 1e12, 1e-12, 1e100, 1e-100])
+    near = [0.1, 10, 0.5, 2, 0.9, 1.1, 0.99, 1.01, 0.3, 3, 0, -1]
+    factor = random.choice([*near, *near, 1e3, 1e-3, 1e6, 1e-6, 1e12, 1e-12, 1e20, 1e-20, 1e-40, 1e100, 1e-100])
     if isinstance(old, str):
         match = re.match(r"[-+\d.eE]+", old)
         try:

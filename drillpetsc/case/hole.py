@@ -91,7 +91,8 @@ class Well(Model):
     """The hole."""
 
     survey: Annotated[Survey, BeforeValidator(_survey, json_schema_input_type=str | Survey)] = Field(
-        description="stations md, inclination, azimuth; or the name of a CSV file with these columns, or of a run folder: its hole, as drilled"
+        description="stations md, inclination, azimuth; or the name of a CSV file with these columns, or of a run folder: its hole, "
+        "as drilled"
     )
     sections: tuple[Section, ...] = Field(min_length=1, description="casing and open hole, from the surface down")
 

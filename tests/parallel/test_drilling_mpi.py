@@ -16,7 +16,7 @@ SCRIPT = Path(__file__).parent / "run_case.py"
 EXACT = ["-ts_adapt_type", "none", "-ts_dt", "2e-3", "-q_snes_stol", "1e-12"]
 FORMATIONS = {
     "rop": {"drillability": 2e-6, "freeze_interval": 0.005},
-    "drag_bit": {"bit_law": "drag_bit", "freeze_interval": 0.005},
+    "drag_bit": {"bit_law": {"kind": "drag_bit", "specific_energy": 3e6, "contact_stress": 3e6}, "freeze_interval": 0.005},
     "post_step": {"drillability": 2e-6, "growth": "post_step", "freeze_interval": 0.005},
 }
 
@@ -24,8 +24,8 @@ FORMATIONS = {
 @pytest.mark.parallel
 @pytest.mark.parametrize("law", list(FORMATIONS))
 def test_new_hole_agrees_on_1_2_and_3_ranks(law, tmp_path):
-    """0.12 s of turning and cutting in an inclined hole with walls: histories and the path of the hole agree to rounding, all ranks freeze the
-    same stations (issue: 1, 2 and 3 ranks)."""
+    """0.12 s of turning and cutting in an inclined hole with walls: histories and the path of the hole agree to rounding, all ranks freeze
+    the same stations (issue: 1, 2 and 3 ranks)."""
     well = {"survey": {"md": [0, 40.2], "inclination": [0.5, 0.5], "azimuth": [1, 1]},
             "sections": [{"to": 40.2, "kind": "open_hole", "diameter": 0.216, "friction": 0.25}]}
     pipe = {"kind": "pipe", "length": 40.0, "od": 0.127, "id": 0.1086, "element_length": 10}

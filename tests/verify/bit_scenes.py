@@ -21,8 +21,8 @@ def drilling(formation: dict[str, Any], top: Any, *, length: float = 1.0, elemen
              damping: float = 0.0, stiffness: float = 1e8, friction: float = 0.3, room: float = 0.0, **more) -> Scene:
     """A straight string in a straight hole of its own length, the bit (radius RADIUS) on bottom, in weightless surroundings.
 
-    length [m]; stiffnesses EA [N], EI, GJ [N m2]; mass [kg/m]; polar [kg m]; damping: Kelvin-Voigt [s]; stiffness of the bottom [N/m] and its friction; room:
-    clearance of the hole in which the string stands [m].
+    length [m]; stiffnesses EA [N], EI, GJ [N m2]; mass [kg/m]; polar [kg m]; damping: Kelvin-Voigt [s]; stiffness of the bottom [N/m]
+    and its friction; room: clearance of the hole in which the string stands [m].
     """
     item = beam(length, elements, axial, bending, torsional, mass, polar, od=2 * RADIUS, damping={"stiffness": damping})
     well = {"survey": {"md": [0, length], "inclination": [inclination] * 2, "azimuth": [azimuth] * 2},

@@ -72,7 +72,8 @@ def test_three_indices_along_dip_and_strike():
     dip = np.cross(normal, strike)
     force = np.array([4e3, -7e3, 9e4])
     v = bit.rate_under(force, DOWN, 3.0) / D
-    assert [v @ q for q in (normal, dip, strike)] == pytest.approx([force @ normal, 0.9 * (force @ dip), 1.07 * (force @ strike)], rel=1e-11)
+    expected = [force @ normal, 0.9 * (force @ dip), 1.07 * (force @ strike)]
+    assert [v @ q for q in (normal, dip, strike)] == pytest.approx(expected, rel=1e-11)
     assert dip @ [np.cos(1.1), np.sin(1.1), 0] != 0 and abs(dip[2]) == pytest.approx(np.sin(0.4))
 
 
@@ -125,7 +126,7 @@ def test_exponent_of_the_weight(exponent):
 
 
 def test_threshold():
-    """Only the weight beyond the threshold cuts; rounded off within 5 % of it, continuous with its slope; nothing below, nothing in pull."""
+    """Only the weight beyond the threshold cuts; rounded off within 5 % of it, continuous with its slope; none below or in pull."""
     bit = rock_bit(threshold=2e4, rotary_exponent=0.0, weight_exponent=1.3)
 
     def rate(weight):

@@ -41,7 +41,8 @@ def drilled(tmp_path_factory):
 
 
 def test_the_centreline_is_that_of_the_drilled_hole(drilled):
-    """Between two nodes the survey misses at most FAITHFUL, whatever the bit did there (closed form: tests/unit/test_hole_as_survey.py), and
+    """Between two nodes the survey misses at most FAITHFUL, whatever the bit did there (closed form: tests/unit/test_hole_as_survey.py),
+    and
     the old hole's arcs are exact; so at no station the two are further apart than FAITHFUL for each node of the new hole."""
     table = read_table(drilled / "trajectory.csv")
     md, place = table["md [m]"], np.column_stack([table[f"{name} [m]"] for name in ("north", "east", "tvd")])
