@@ -88,9 +88,10 @@ def test_direction_of_the_hole(way, sideways):
 @pytest.mark.parametrize("interval", [0.5, 0.1, 0.05])
 @pytest.mark.parametrize("overgauge", [2e-3, -1e-3])
 def test_radius_of_the_new_hole(overgauge, interval):
-    """Radius = the bit's plus overgauge, once past the smooth change of section; a bit in a tight hole has no clearance, in a wide
-    one leans
-    on its wall only after that much (side depth = offset - clearance, its force the given one)."""
+    """Radius = the bit's plus overgauge, once past the smooth change of section.
+
+    A bit in a tight hole has no clearance; in a wide one it leans on the wall only after that much: offset = clearance + force/stiffness.
+    """
     scene = drilled({"overgauge": overgauge, "freeze_interval": interval}, 1e3, 10.0, bending=1e8)
     bit = bit_of(scene)
     well = bit.hole.well
