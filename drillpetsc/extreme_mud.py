@@ -170,3 +170,24 @@ def tiny_elements(runs: Runs) -> list[Row]:
         *common("Y05", run),
         holds("Y05", "torque over that of the whole weight on the wall", torque / most, "0.5 to 1", 0.5 <= torque / most <= 1.0),
     ]
+
+
+def hour(runs: Runs) -> list[Row]:
+    """Y06: after 7200 turns the books still balance, the string is twisted as it was, and no memory was taken.
+
+    Twist: angle turned at the top less that at the bit; orientation that crept away by so much as a ten-thousandth of a turn an hour would
+    show beside the first ten minutes' mean (the first minute is left to the start).
+    """
+    run = runs["y06-hour"]
+    times, data = run.frames
+    spun, memory, energy = data["spin_angle"], run.summary["memory"], run.summary["energy"]
+    twist, turned = spun[:, 0] - spun[:, -1], float(spun[-1, 0]) / (2 * np.pi)
+    early, late = twist[(times >= 60.0) & (times <= 660.0)].mean(), twist[times >= times[-1] - 600.0].mean()
+    return [
+        *common("Y06", run),
+        _balance("Y06", run),
+        at_most("Y06", "error of the energy balance over energy exchanged", abs(energy["error_share"]), 0.01),
+        near("Y06", "turns of the top drive, 2 a second", turned, 2.0 * float(times[-1]), 1e-9),
+        at_most("Y06", "drift of the twist, turns", float(abs(late - early)) / (2 * np.pi), 1e-4),
+        at_most("Y06", "memory taken after the first tenth, share of the peak", 1 - memory["after_a_tenth"] / memory["peak"], 0.01),
+    ]

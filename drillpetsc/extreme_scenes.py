@@ -8,7 +8,7 @@ from typing import Literal
 from drillpetsc.extreme import Check
 from drillpetsc.extreme_contact import clearance, fixed_steps, friction, in_the_wall, stiff_contact, unbalance, washout
 from drillpetsc.extreme_drilling import off_bottom, reverse, rock_extremes, stick_slip
-from drillpetsc.extreme_mud import deep_mud, pump_trip, soft_mud, stiff_mud, surge, thick_and_thin, tiny_elements
+from drillpetsc.extreme_mud import deep_mud, hour, pump_trip, soft_mud, stiff_mud, surge, thick_and_thin, tiny_elements
 from drillpetsc.extreme_string import deep_well, dogleg, dropped_bit, few_elements, helix, inextensible, lock_up, pull_free, tripping
 
 
@@ -98,6 +98,7 @@ SCENES: tuple[ExtremeScene, ...] = (
     ExtremeScene("Y03", "bulk modulus 1e12 Pa", _runs("y03-incompressible-mud"), stiff_mud),
     ExtremeScene("Y04", "bulk modulus 1e7 Pa", _runs("y04-gas-like-mud"), soft_mud),
     ExtremeScene("Y05", "3000 elements on 30 m", _runs("y05-3000-elements-on-30m"), tiny_elements),
+    ExtremeScene("Y06", "an hour at 120 rpm", _runs("y06-hour"), hour),
 )
 
 

@@ -16,6 +16,7 @@ from drillpetsc.case.scene import Case
 from drillpetsc.energy_watch import Gain
 from drillpetsc.error_estimate import TimeError
 from drillpetsc.errors import CaseError, Interrupted, SolveError
+from drillpetsc.memory import Memory
 from drillpetsc.output import FieldWriter, RunFolder, Table, write_summary
 from drillpetsc.progress import Progress
 from drillpetsc.quasi_static import QuasiStatic
@@ -260,7 +261,7 @@ class _Run:
         dynamics.after_step.append(self._after_step)
         dynamics.at_jump.append(recorder.at_jump)
         dynamics.at_rest.append(self._at_rest)
-        self.estimate = TimeError(dynamics)
+        self.estimate, self.memory = TimeError(dynamics), Memory(self.mpi, self.start, self.case.time.end)
         self._warn(self.notes["warnings"])
         self.marks = clock.perf_counter(), clock.process_time()
         error: BaseException | None = None
@@ -310,6 +311,7 @@ class _Run:
         newton = dynamics.newton_iterations()
         self.due = writer.take(t, dt, newton - self.newton, self.watch)
         self.t, self.newton = t, newton
+        self.memory.look(t)
         self.bar.update(t, dynamics.counters.steps, dt)
 
     def _at_rest(self, t: float) -> None:
@@ -345,7 +347,7 @@ class _Run:
         self.writer.close()
         self.bar.finish(self.t, self.dynamics.counters.steps)
         result = summary.of_run(scene, self.recorder, self.dynamics, self.notes, self.t, self.start, self.began, self.marks, error)
-        result |= self.estimate.told(error is None)
+        result |= self.estimate.told(error is None) | {"memory": self.memory.told(error is None)}
         if "energy" in result:
             result["energy"] |= self.gain.summary()
             if result["energy"]["flag"]:
