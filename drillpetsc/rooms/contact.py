@@ -6,12 +6,14 @@ import ctypes
 import zlib
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from scipy.optimize import brentq
 
 from drillpetsc.field import Block, Energies, FloatArray, Powers
 from drillpetsc.kernels import function, pointer
+from drillpetsc.quadrature import corners, rule
 from drillpetsc.rooms.beam import SLOTS, SPLIT_SLOTS
 from drillpetsc.rooms.bodies import VERTEX_SLOTS, Passive, local_vertices
 from drillpetsc.tubulars import StringMesh
@@ -88,24 +90,24 @@ class Contact(Passive):
 
     def __init__(self, mesh: StringMesh, well: Well, law: ContactLaw, with_bit: bool = True):
         self.mesh, self.well, self.law, self.with_bit = mesh, well, law, with_bit
-        gauss, weight = np.polynomial.legendre.leggauss(law.points)
-        self._at = np.ascontiguousarray(np.column_stack([(gauss + 1) / 2, weight / 2]))
         self._packed = np.ascontiguousarray(well.packed())
         length = float(mesh.length.sum())
         self.impact_depth = impact_depth(law, float(mesh.mass @ mesh.length) / length, length / len(mesh.length))  # of the mean string
         self._laws: list[_Law] = []
-        self._keep: list[np.ndarray] = [self._at]
+        self._keep: list[np.ndarray] = []
 
-    def _context(self, count: int) -> int:
-        law, n = self.law, count * self.law.points
+    def _context(self, count: int, ends: tuple[bool, bool]) -> int:
+        """Record for a block; ends: whether the upper and the lower ends of its elements stand out."""
+        law, at = self.law, rule(self.law.points, *ends)
+        n = count * len(at)
         normal, segment, touching = np.zeros(n), np.full(n, -1, dtype=np.int32), np.zeros(n, dtype=np.int8)
         record = _Law(pointer(self._packed), law.stiffness, 1.0 if law.law == "linear" else 1.5,
                       damping_factor(law.restitution, law.restitution_speed), law.slip_velocity, law.static_ratio - 1.0,
-                      law.stribeck_speed, 0.0, 0.0, 0.0, 1.0, int(law.law == "hertz_point"), law.points, pointer(self._at),
+                      law.stribeck_speed, 0.0, 0.0, 0.0, 1.0, int(law.law == "hertz_point"), len(at), pointer(at),
                       pointer(normal), pointer(segment), pointer(touching))
         self._laws.append(record)
-        self._keep += [normal, segment]
-        self._normal.append(normal.reshape(count, self.law.points))
+        self._keep += [at, normal, segment]
+        self._normal.append(normal.reshape(count, len(at)))
         self._touching.append(touching)
         return ctypes.addressof(record)
 
@@ -118,23 +120,40 @@ class Contact(Passive):
         self._blocks: list[Block] = []
         junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
         friction = np.where(np.isnan(m.friction), -1.0, m.friction)
-        for split in (False, True):
-            if split and not junction[:-1].any():
+        touches = (m.outer_diameter > 0) & ~m.is_joint
+        for split, (name, mask, ends) in product((False, True), self._groups()):
+            mine = (junction[:-1] == split) & touches & mask
+            if not mine.any():
                 continue
-            touches = (m.outer_diameter > 0) & ~m.is_joint
-            chosen = np.flatnonzero((junction[part.cells] == split) & touches[part.cells]).astype(np.int32)
+            chosen = np.flatnonzero(mine[part.cells]).astype(np.int32)
             e = part.cells[chosen]
             params = np.ascontiguousarray(np.column_stack([m.length[e], m.rigid_above[e], 0.5 * m.outer_diameter[e], friction[e]]))
-            self._blocks.append(Block("contact_junction" if split else "contact", "contact_split" if split else "contact", "cell", chosen,
-                                      SPLIT_SLOTS if split else SLOTS, (0, 1), params, context=self._context(len(chosen))))
+            self._blocks.append(Block(f"contact_junction{name}" if split else f"contact{name}", "contact_split" if split else "contact",
+                                      "cell", chosen, SPLIT_SLOTS if split else SLOTS, (0, 1), params,
+                                      context=self._context(len(chosen), ends)))
         items = [b for b in m.bodies if b.radius > 0 and (self.with_bit or b.kind != "bit")]
         if items:
             picked, vertices = local_vertices(part, np.array([b.node for b in items]))
-            mine = [items[k] for k in picked]
-            params = np.array([[b.above, b.length, b.radius, -1.0 if b.friction is None else b.friction] for b in mine]).reshape(-1, 4)
+            here = [items[k] for k in picked]
+            params = np.array([[b.above, b.length, b.radius, -1.0 if b.friction is None else b.friction] for b in here]).reshape(-1, 4)
             self._blocks.append(Block("contact_bodies", "body_contact", "vertex", vertices, VERTEX_SLOTS, (0,),
-                                      np.ascontiguousarray(params), context=self._context(len(mine))))
+                                      np.ascontiguousarray(params), context=self._context(len(here), self._item_ends)))
         return tuple(self._blocks)
+
+    @property
+    def _item_ends(self) -> tuple[bool, bool]:
+        """The ends of rigid items stand out, but for a law per point, whose points stand for so many tool joints."""
+        stands = self.law.law != "hertz_point"
+        return stands, stands
+
+    def _groups(self) -> list[tuple[str, np.ndarray, tuple[bool, bool]]]:
+        """Name, (n,) mask and ends that stand out, of the elements whose contact is integrated alike; those without such ends first."""
+        upper, lower = corners(self.mesh)
+        if self.law.law == "hertz_point":
+            upper, lower = np.zeros_like(upper), np.zeros_like(lower)
+        found = [(name, (upper == a) & (lower == b), (a, b)) for name, a, b in
+                 (("", False, False), ("_below", False, True), ("_above", True, False), ("_ends", True, True))]
+        return [group for group in found if group[1].any()]
 
     def follow(self, well: Well) -> None:
         """The hole has grown: take its wall from ``well``."""

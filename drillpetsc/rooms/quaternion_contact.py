@@ -16,13 +16,16 @@ class QuaternionContact(Contact):
     """The wall contact of ``Contact`` on the quaternion element's unknowns."""
 
     def blocks(self, part) -> tuple[Block, ...]:
-        m, e = self.mesh, part.cells
+        m = self.mesh
         self._part, self._touching, self._normal, self._row_of = part, [], [], None
-        chosen = np.flatnonzero(m.outer_diameter[e] > 0).astype(np.int32)
-        e = e[chosen]
-        friction = np.where(np.isnan(m.friction[e]), -1.0, m.friction[e])
-        params = np.ascontiguousarray(np.column_stack([m.length[e], np.zeros(len(e)), 0.5 * m.outer_diameter[e], friction]))
-        self._blocks = [Block("contact", "quaternion_contact", "cell", chosen, SLOTS, (), params, context=self._context(len(chosen)))]
+        self._blocks = []
+        for name, mask, ends in self._groups():
+            chosen = np.flatnonzero((mask & (m.outer_diameter > 0))[part.cells]).astype(np.int32)
+            e = part.cells[chosen]
+            friction = np.where(np.isnan(m.friction[e]), -1.0, m.friction[e])
+            params = np.ascontiguousarray(np.column_stack([m.length[e], np.zeros(len(e)), 0.5 * m.outer_diameter[e], friction]))
+            self._blocks.append(Block(f"contact{name}", "quaternion_contact", "cell", chosen, SLOTS, (), params,
+                                      context=self._context(len(chosen), ends)))
         return tuple(self._blocks)
 
     def slide_as(self, other: Contact) -> None:
@@ -34,7 +37,7 @@ class QuaternionContact(Contact):
             self.impose_sliding(imposed.axial, imposed.spin, imposed.side)
 
     def _figures(self, state) -> list[FloatArray]:
-        b = self._blocks[0]
-        out = np.zeros((len(b.points), len(REPORT)))
-        _report(len(out), pointer(state.index_of(b)), pointer(b.params), b.context, pointer(state.x), pointer(state.y), pointer(out))
-        return [out]
+        tables = [np.zeros((len(b.points), len(REPORT))) for b in self._blocks]
+        for b, out in zip(self._blocks, tables, strict=True):
+            _report(len(out), pointer(state.index_of(b)), pointer(b.params), b.context, pointer(state.x), pointer(state.y), pointer(out))
+        return tables

@@ -11,11 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drillpetsc import Case
+from drillpetsc import Case, run
 from drillpetsc.case import load_case
 from drillpetsc.errors import SolveError
 from drillpetsc.field import Prescribed
 from drillpetsc.model import Model
+from drillpetsc.output import read_frame, read_series
 from drillpetsc.rooms.ends import Held, Loads, NodeLoad
 from drillpetsc.scene import build_scene
 from drillpetsc.solve.statics import Equilibrium, Statics
@@ -63,6 +64,32 @@ def test_penetration_does_not_depend_on_the_number_of_points(points):
     cells, _ = scene.contact.report(scene.model.assembly)
     assert cells[3:7, 4] == pytest.approx(WEIGHT / 1e6, rel=1e-3)
     assert cells[3:7, 0] / 10 == pytest.approx(WEIGHT, rel=1e-3)
+
+
+@pytest.mark.parametrize("elements", [2, 4])
+@pytest.mark.parametrize("points", [1, 2, 4])
+def test_tip_that_rests_on_the_wall(elements, points, tmp_path):
+    """Collar of 10 m held along the axis of a level hole: its tip hangs down to the wall, c = 54.25 mm below the axis, with a force of
+    R = 3 EI/L^3 (w L^4/8EI - c) (propped cantilever; Gere and Goodno, Mechanics of Materials, appendix on deflections).
+
+    With c > w L^4/72EI = 24 mm the tip is its lowest place and alone touches, of weight 1/m^2 in Radau's rule of m places, so it goes in
+    by m^2 R/(k' l), l the element.
+    """
+    od, bore, length = 0.1715, 0.0714, 10.0
+    area, second = np.pi / 4 * (od**2 - bore**2), np.pi / 64 * (od**4 - bore**4)
+    bending, load, room = 206e9 * second, 7850 * area * 9.81, 0.5 * (0.28 - od)
+    collar = {"kind": "pipe", "length": length, "od": od, "id": bore, "element_length": length / elements}
+    well = hole([0.0, 20.0], [90.0, 90.0])
+    well["sections"][0]["diameter"] = 0.28
+    case = Case(well=well, string=[collar], top={"kind": "clamped"}, bottom="free", gravity=9.81,
+                material={"young": 206e9, "density": 7850.0, "damping": {"mass": 20.0}}, contact={"points_per_element": points},
+                initial={"from": "straight"}, time={"end": 3.0}, output={"field_every": 3.0})
+    frame = read_frame(read_series(run(case, tmp_path / "run", progress="silent").folder)[-1][1])
+    down, contact = -frame.point_data["offset_x [m]"], frame.point_data["contact_force [N/m]"]
+    force = 3 * bending / length**3 * (load * length**4 / (8 * bending) - room)
+    assert abs(down[0]) < 1e-12
+    assert down[-1] - room == pytest.approx((points + 1) ** 2 * force / (1e8 * length / elements), abs=2e-5)
+    assert contact[-1] * length / elements == pytest.approx(force, rel=0.01)
 
 
 @pytest.mark.parametrize("friction", [0.1, 0.3])
