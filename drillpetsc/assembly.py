@@ -50,7 +50,7 @@ class _Ready:
         try:
             self.block.update(t)  # type: ignore[misc]
         except Exception as error:
-            error.add_note(f"in room {self.block.name}, element {self._numbers.min()} to {self._numbers.max()} of the string, time {t:g} s")
+            error.add_note(f"in room {self.block.room}, element {self._numbers.min()} to {self._numbers.max()} of the string, time {t:g} s")
             raise
 
 

@@ -42,7 +42,8 @@ class Block:
 
     cells/vertices: ``points`` are local numbers of the line; ``slots`` lists (field, end) in the kernel's order, end 0 the upper
     vertex, 1 the lower one; ``spins`` the ends whose spin angle the kernel uses, in the kernel's order.  ``params``: (n, p) constants.
-    ``update(t)`` refreshes time-dependent parameters before an evaluation; ``context`` is an address handed to the kernel.
+    ``update(t)`` refreshes time-dependent parameters before an evaluation; ``context`` is an address handed to the kernel.  ``room``:
+    what messages call it, the name unless given.
     """
 
     name: str
@@ -55,6 +56,10 @@ class Block:
     context: int = 0
     update: Callable[[float], None] | None = None
     keep: tuple[object, ...] = field(default=(), repr=False)  # arrays that ``context`` points to
+    room: str = ""
+
+    def __post_init__(self) -> None:
+        self.room = self.room or self.name
 
 
 @dataclass(frozen=True)

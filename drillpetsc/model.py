@@ -138,7 +138,7 @@ class Model:
             e = int(size.argmax())
             if size[e] > worst[0]:
                 number = self.line.cells[b.block.points[e]] if b.block.on == "cell" else self.line.vertices[b.block.points[e]]
-                worst = (float(size[e]), b.block.name, int(number), float(self.mesh.node_depth[number]))
+                worst = (float(size[e]), b.block.room, int(number), float(self.mesh.node_depth[number]))
         if not self._alone:
             worst = max(self.comm.tompi4py().allgather(worst))
         return {"room": worst[1], "element": worst[2], "measured_depth": worst[3]}

@@ -130,14 +130,14 @@ class Contact(Passive):
             params = np.ascontiguousarray(np.column_stack([m.length[e], m.rigid_above[e], 0.5 * m.outer_diameter[e], friction[e]]))
             self._blocks.append(Block(f"contact_junction{name}" if split else f"contact{name}", "contact_split" if split else "contact",
                                       "cell", chosen, SPLIT_SLOTS if split else SLOTS, (0, 1), params,
-                                      context=self._context(len(chosen), ends)))
+                                      context=self._context(len(chosen), ends), room="contact"))
         items = [b for b in m.bodies if b.radius > 0 and (self.with_bit or b.kind != "bit")]
         if items:
             picked, vertices = local_vertices(part, np.array([b.node for b in items]))
             here = [items[k] for k in picked]
             params = np.array([[b.above, b.length, b.radius, -1.0 if b.friction is None else b.friction] for b in here]).reshape(-1, 4)
             self._blocks.append(Block("contact_bodies", "body_contact", "vertex", vertices, VERTEX_SLOTS, (0,),
-                                      np.ascontiguousarray(params), context=self._context(len(here), self._item_ends)))
+                                      np.ascontiguousarray(params), context=self._context(len(here), self._item_ends), room="contact"))
         return tuple(self._blocks)
 
     @property

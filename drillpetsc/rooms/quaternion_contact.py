@@ -25,7 +25,7 @@ class QuaternionContact(Contact):
             friction = np.where(np.isnan(m.friction[e]), -1.0, m.friction[e])
             params = np.ascontiguousarray(np.column_stack([m.length[e], np.zeros(len(e)), 0.5 * m.outer_diameter[e], friction]))
             self._blocks.append(Block(f"contact{name}", "quaternion_contact", "cell", chosen, SLOTS, (), params,
-                                      context=self._context(len(chosen), ends)))
+                                      context=self._context(len(chosen), ends), room="contact"))
         return tuple(self._blocks)
 
     def slide_as(self, other: Contact) -> None:
