@@ -11,6 +11,7 @@ import json
 import math
 import re
 import shutil
+import statistics
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -246,10 +247,41 @@ the step, so that it does not cover the order.  Names: `bdf2-fixed` fixed steps 
 element.  `<`: the cheapest point is better already; `~`: beyond the last point.
 """
 
-DEFAULTS = """The defaults follow from this table: the gauge element, BDF of order 2 with error control (`-ts_type bdf -ts_bdf_order 2
--ts_adapt_type basic`), `-ts_rtol 1e-4`, the condensed Newton solver with the direct solver for chains.  Order 1 needs many times the
-steps for an error of 1 %; order 3 is cheaper where it is stable, which it is not for undamped motion; ARKIMEX, of order 4, pays at small
-errors in smooth scenes of few elements, and takes too long for long strings, as it assembles the whole system."""
+def over_all(all_told: Mapping[str, dict[str, Told]]) -> list[str]:
+    """What speaks for the defaults: each curve over all scenes, and which the figures choose."""
+    seen: dict[str, list[tuple[float | None, float | None, int, int]]] = {}
+    for name, told in all_told.items():
+        main = told["curves"]
+        if main["reference"] is None:
+            continue
+        ours = seconds_at(main, DEFAULT, SCENES[name].main)
+        for curve in main["orders"]:
+            points = [p for p in main["points"] if p["curve"] == curve]
+            failed = sum(p["status"] != "done" for p in points)
+            seen.setdefault(curve, []).append((seconds_at(main, curve, SCENES[name].main), ours, failed, len(points)))
+    if not seen:
+        return []
+    rows, rank = [], {}
+    for curve, found in seen.items():
+        reached = sum(cost is not None for cost, *_ in found)
+        failed, points = sum(f for *_, f, _ in found), sum(n for *_, n in found)
+        ratios = [cost / ours for cost, ours, *_ in found if cost and ours]
+        ratio = statistics.median(ratios) if ratios else None
+        rows.append([curve, f"{reached} of {len(found)}", f"{failed} of {points}", number(ratio, 3)])
+        if not curve.endswith("-fixed"):
+            rank[curve] = (reached / len(found), -failed / points, -(ratio or math.inf))
+    best = max(rank, key=lambda curve: rank[curve])
+    words = "which is the default" if best == DEFAULT else f"which is NOT the default, {DEFAULT}"
+    text = (f"Of the curves whose steps follow an error, which need no knowledge of the scene, `{best}` reaches {100 * GOOD:g} % in most "
+            f"scenes and fails least: {words}.  {DEFAULTS}")
+    head = ["curve", f"scenes with an error of {100 * GOOD:g} %", "points failed", f"median CPU for it over that of `{DEFAULT}`"]
+    return [*table(head, rows), text, ""]
+
+
+DEFAULTS = """The default settings of the package are those of this report's `bdf2`: the gauge element, BDF of order 2 with error
+control (`-ts_type bdf -ts_bdf_order 2 -ts_adapt_type basic -ts_rtol 1e-4`), the condensed Newton solver with the direct solver for chains.
+BDF3 is not stable where nothing damps; ARKIMEX, of order 4, pays at small errors in smooth scenes of few elements, and assembles the whole
+system, which takes long strings too long."""
 
 
 def write_report(all_told: Mapping[str, dict[str, Told]], repeats: int) -> Path:
@@ -265,8 +297,8 @@ def write_report(all_told: Mapping[str, dict[str, Told]], repeats: int) -> Path:
     processor = next(iter(all_told.values()))["curves"]["machine"]["processor"] if all_told else "?"
     missing = [name for name in SCENES if name not in all_told]
     end = [f"Not run yet: {', '.join(missing)}.", ""] if missing else []
-    text = [HEAD.format(repeats=repeats, processor=processor), "## What to choose", "", *choices(all_told), *ratio_text(all_told), DEFAULTS,
-            "", *end, *lines]
+    text = [HEAD.format(repeats=repeats, processor=processor), "## What to choose", "", *choices(all_told), *ratio_text(all_told),
+            *over_all(all_told), *end, *lines]
     file = CASES / "REPORT.md"
     file.write_text("\n".join(text).rstrip() + "\n", encoding="utf-8")
     return file
