@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from petsc4py import PETSc
 
@@ -94,15 +96,18 @@ class _Fixed:
 class Assembly:
     """Evaluates the rows of all rooms on this rank.
 
-    x, y, a: (n+1,) unknowns, rates, accelerations in condensed local numbering, the last place a stand-in for absent fields;
-    r: (n+1,) residual; values: all Jacobian entries, in the order of ``rows`` and ``columns`` (local numbers, -1: left out).
+    x, y, a: (n+1,) unknowns, rates, accelerations in condensed local numbering, the last place a stand-in for absent fields, behind it
+    what follows from the unknowns (``look`` fills it; Layout.view); r: the residual; values: all Jacobian entries, in the order of ``rows``
+    and ``columns`` (local numbers, -1: left out).
     """
 
     def __init__(self, layout: Layout, blocks: tuple[Block, ...], prescribed: tuple[Prescribed, ...], gauge: FloatArray,
                  corrections: tuple[Corrections, ...] = ()):
         self.layout = layout
         n = layout.size
-        self.x, self.y, self.a, self.r = (np.zeros(n + 1) for _ in range(4))
+        self.x, self.y, self.a, self.r = (np.zeros(layout.reach) for _ in range(4))
+        self.look: Callable[[Assembly], None] | None = None
+        self._seen: dict[int, np.ndarray] = {}  # places of blocks that look at the view
         self.x[n] = 1.0  # an absent stretch ratio is one
         self.v0, self.v1 = np.zeros(n), np.zeros(n)
         where, self.ready = 0, []
@@ -203,7 +208,7 @@ class Assembly:
         self.evaluations += 1
         self.r[:] = 0.0
         if self.dead is not None:
-            self.r[:-1] -= self.dead
+            self.r[: self.layout.size] -= self.dead
         state = self._state
         for b in self.ready:
             if b.count:
@@ -283,20 +288,30 @@ class Assembly:
                 start += 49
 
     def index_of(self, block: Block) -> np.ndarray:
-        """(n, d) places of a block's unknowns in x, y, a."""
-        return next(b.index for b in self.ready if b.block is block)
+        """(n, d) places of a block's unknowns in x, y, a; of what it sees instead, as it is now, for a room of another element."""
+        found = next((b.index for b in self.ready if b.block is block), None)
+        if found is not None:
+            return found
+        if self.look is not None:
+            self.look(self)
+        if id(block) not in self._seen:
+            self._seen[id(block)] = self.layout.index(block)
+        return self._seen[id(block)]
+
+    def where(self, name: str) -> np.ndarray:
+        """(nv, size) places of a field in x and y, or of what is seen in its stead, as it is now."""
+        if name not in self.layout.place and self.look is not None:
+            self.look(self)
+        return self.layout.where(name)
 
     def block_rows(self, ready: _Ready, t: float) -> FloatArray:
         """(n, d) rows of each element of one block at x, y, a."""
         if ready.block.update:
             ready.block.update(t)
         rows = np.zeros((ready.count, ready.width))
-        everywhere = np.zeros_like(self.r)
-        for e in range(ready.count):
-            everywhere[:] = 0.0
-            ready.residual(1, pointer(ready.index[e]), pointer(ready.block.params[e]), ready.block.context, pointer(self.x),
-                           pointer(self.y), pointer(self.a), pointer(everywhere))
-            rows[e] = everywhere[ready.index[e]]
+        apart = np.arange(rows.size, dtype=np.int32)  # every element on unknowns of its own
+        state = [np.ascontiguousarray(values[ready.index]) for values in (self.x, self.y, self.a)]
+        ready.residual(ready.count, pointer(apart), *ready.head[2:], *map(pointer, state), pointer(rows))
         return rows
 
     def power(self, block: Block, t: float) -> float:
@@ -309,7 +324,7 @@ class Assembly:
         rows = np.zeros_like(self.r)
         ready.residual(ready.count, pointer(ready.index), pointer(block.params), block.context, pointer(self.x), pointer(self.y),
                        pointer(self.a), pointer(rows))
-        return float(rows[:-1] @ self.y[:-1])
+        return float(rows[: self.layout.size] @ self.y[: self.layout.size])
 
 
 def spin_derivatives(asm: Assembly) -> tuple[FloatArray, FloatArray]:

@@ -39,9 +39,9 @@ def agree(scene: Scene, solver: Statics, report: Equilibrium, lowering: float = 
         solver.rates[place] = lowering * tangent[model.line.vertices]
         model.assembly.y[:] = solver.rates
     for _ in range(ROUNDS):
-        before = model.assembly.x[:-1][mine].copy()
+        before = model.assembly.x[: model.layout.size][mine].copy()
         steady_flow(model, 0.0)
-        change = np.abs(model.assembly.x[:-1][mine] - before) / model.scale[mine]
+        change = np.abs(model.assembly.x[: model.layout.size][mine] - before) / model.scale[mine]
         size = solver.largest(float(change.max(initial=0.0)))
         model.assembly.freeze(mine)
         if size < AGREED or (size < NEARLY and size > 0.5 * best):

@@ -6,7 +6,7 @@ second-order ones.  The *condensed* vector has the unknowns only; the rates foll
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from petsc4py import PETSc
@@ -37,6 +37,16 @@ class Layout:
     x_owned: IntArray
     y_owned: IntArray
     local_of_owned: IntArray
+    view: dict[str, IntArray] = field(default_factory=dict)  # places behind the unknowns of what follows from them
+
+    @property
+    def reach(self) -> int:
+        """Length of the assembly's arrays: unknowns, the dummy place, the view."""
+        return self.size + 1 + sum(int(places.size) for places in self.view.values())
+
+    def where(self, name: str) -> IntArray:
+        """(nv, size) places of a field, or of what is seen in its stead."""
+        return self.place[name] if name in self.place else self.view[name]
 
     @property
     def size(self) -> int:
@@ -46,13 +56,12 @@ class Layout:
     def index(self, block: Block) -> IntArray:
         """(n, d) local positions for a block's slots; absent fields lead to the dummy place behind the end."""
         rows = self.line.ends[block.points] if block.on == "cell" else block.points[:, None]
-        columns = [self.place[name][rows[:, end]] for name, end in block.slots]
+        columns = [self.where(name)[rows[:, end]] for name, end in block.slots]
         table = np.hstack(columns) if len(block.points) else np.zeros((0, self.width(block)), dtype=np.int32)
         return np.ascontiguousarray(np.where(table < 0, self.size, table), dtype=np.int32)
 
     def width(self, block: Block) -> int:
-        sizes = {f.name: f.size for f in self.fields}
-        return sum(sizes[name] for name, _ in block.slots)
+        return sum(self.where(name).shape[1] for name, _ in block.slots)
 
     def spin_vertices(self, block: Block) -> IntArray:
         """(n, spins) local vertex of each spin angle of a block."""
@@ -81,8 +90,11 @@ def _section(line: Line, fields: tuple[Field, ...], regions: dict[str, np.ndarra
     return dm
 
 
-def build_layout(line: Line, fields: tuple[Field, ...], regions: dict[str, np.ndarray]) -> Layout:
-    """Lay out ``fields``; ``regions[name]`` is a boolean mask over all vertices of the string (replicated)."""
+def build_layout(line: Line, fields: tuple[Field, ...], regions: dict[str, np.ndarray], viewed: dict[str, int] | None = None) -> Layout:
+    """Lay out ``fields``; ``regions[name]`` is a boolean mask over all vertices of the string (replicated).
+
+    viewed: components of what is not unknown but follows from unknowns at every vertex, and is looked up like a field.
+    """
     state, condensed = _section(line, fields, regions, True), _section(line, fields, regions, False)
     s_sec, c_sec = petsc_compat.get_section(state), petsc_compat.get_section(condensed)
     size = c_sec.getStorageSize()
@@ -104,10 +116,15 @@ def build_layout(line: Line, fields: tuple[Field, ...], regions: dict[str, np.nd
             if f.second_order:
                 y_local[here] = s_sec.getFieldOffset(point, rate_number[f.name]) + np.arange(f.size)
     owned = _owned_tables(line, state, condensed, x_local, y_local)
-    return Layout(line, fields, state, condensed, place, field_of, vertex_of, x_local, y_local, *owned)
+    view, behind = {}, size + 1
+    for name, components in (viewed or {}).items():
+        count = len(line.points) * components
+        view[name] = np.arange(behind, behind + count, dtype=np.int32).reshape(-1, components)
+        behind += count
+    return Layout(line, fields, state, condensed, place, field_of, vertex_of, x_local, y_local, *owned, view=view)
 
 
-def _owned_tables(line: Line, state: PETSc.DM, condensed: PETSc.DM, x_local, y_local):
+def _owned_tables(line: Line, state: PETSc.DM, condensed: PETSc.DM, x_local, y_local) -> tuple[IntArray, IntArray, IntArray]:
     """Positions in the owned parts of the global vectors, by sending local numbers through the sections' maps."""
     lgm_c = condensed.getLGMap().getIndices()
     lgm_s = state.getLGMap().getIndices()

@@ -38,14 +38,19 @@ class Model:
         #: whether the equations are a DAE of index 2 or 3
         self.constrained = self.multipliers > 0 or any(hasattr(room, "restore_constraints") for room in self.rooms)
         fields = tuple(f for room in self.rooms for f in room.fields())
-        self.layout = build_layout(self.line, fields, regions)
+        # a string with other unknowns than position, slope and spin shows these to the rooms that know them only
+        other = next((room for room in self.rooms if hasattr(room, "translate")), None)
+        self.layout = build_layout(self.line, fields, regions, getattr(other, "viewed", None))
         blocks = tuple(b for room in self.rooms for b in room.blocks(self.line))
+        if other is not None:
+            blocks = tuple(map(other.translate, blocks))  # type: ignore[attr-defined]
         prescribed = tuple(p for room in self.rooms for p in room.prescribed())
         corrections = tuple(room.corrections(self.line) for room in self.rooms if hasattr(room, "corrections"))
         self.assembly = Assembly(self.layout, blocks, prescribed, frames.gauge[self.line.vertices], tuple(c for c in corrections if c))
         layout, asm = self.layout, self.assembly
-        self._x = PETSc.Vec().createWithArray(asm.x[:-1], comm=PETSc.COMM_SELF)
-        self._r = PETSc.Vec().createWithArray(asm.r[:-1], comm=PETSc.COMM_SELF)
+        asm.look = getattr(other, "look", None)
+        self._x = PETSc.Vec().createWithArray(asm.x[: layout.size], comm=PETSc.COMM_SELF)
+        self._r = PETSc.Vec().createWithArray(asm.r[: layout.size], comm=PETSc.COMM_SELF)
         self._state = layout.state_dm.createLocalVec()
         self.owned_place = np.full(layout.size, -1, dtype=np.int32)
         self.owned_place[layout.local_of_owned] = np.arange(len(layout.local_of_owned))
@@ -79,13 +84,13 @@ class Model:
         layout, asm = self.layout, self.assembly
         layout.state_dm.globalToLocal(state, self._state)
         s = self._state.getArray(readonly=1)
-        asm.x[:-1] = s[layout.x_local]
-        asm.y[:-1] = np.where(self._rated, s[layout.y_local], 0.0)
+        asm.x[: layout.size] = s[layout.x_local]
+        asm.y[: layout.size] = np.where(self._rated, s[layout.y_local], 0.0)
         if rate is not None:
             layout.state_dm.globalToLocal(rate, self._state)
             s = self._state.getArray(readonly=1)
-            asm.y[:-1] = np.where(self._rated, asm.y[:-1], s[layout.x_local])
-            asm.a[:-1] = np.where(self._rated, s[layout.y_local], 0.0)
+            asm.y[: layout.size] = np.where(self._rated, asm.y[: layout.size], s[layout.x_local])
+            asm.a[: layout.size] = np.where(self._rated, s[layout.y_local], 0.0)
 
     def load_history(self, constant: PETSc.Vec) -> None:
         """Constant part of the rates, Ydot = shift Y + constant, into v0 and v1."""
@@ -172,7 +177,7 @@ class Model:
         parts = np.array([room.powers(t, self.assembly) for room in self.rooms]).sum(axis=0)
         parts[1] += sum(float(f.reaction @ f.condition.rate(t)) for f in self.assembly.fixed if f.owned)
         if self.assembly.dead is not None:
-            parts[1] += self.assembly.dead @ self.assembly.y[:-1]
+            parts[1] += self.assembly.dead @ self.assembly.y[: self.layout.size]
         return parts
 
     def reaction(self, name: str) -> float:

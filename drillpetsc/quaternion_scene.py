@@ -20,6 +20,7 @@ from drillpetsc.rooms.ends import NodeLoad
 from drillpetsc.rooms.quaternion_beam import QuaternionBeam, quaternions, spun, turned
 from drillpetsc.rooms.quaternion_contact import QuaternionContact
 from drillpetsc.rooms.quaternion_ends import Guided, QuaternionLoads
+from drillpetsc.solve.hydraulics import fluid_unknowns
 from drillpetsc.solve.newton import chain_factor
 from drillpetsc.tubulars import StringMesh
 
@@ -101,7 +102,14 @@ def equilibrium(scene: Scene, motion: tuple[float, float] | None, climb: bool) -
         scene.top.anchor[: scene.top.places] = twin.top.anchor[: scene.top.places]
     if isinstance(scene.contact, QuaternionContact) and twin.contact is not None:
         scene.contact.slide_as(twin.contact)
+    if scene.bit is not None and twin.bit is not None:
+        scene.bit.slide_as(twin.bit)  # type: ignore[arg-type]
+    for room in scene.model.rooms:  # size and direction of the hole where the string is now
+        if hasattr(room, "find_hole"):
+            room.find_hole(scene.model.assembly)
+    scene.model.assembly.freeze(fluid_unknowns(scene.model))  # the mud is as about the twin
     state.equilibrium.iterations += settle(scene.model)
+    scene.model.assembly.freeze(None)
     return state
 
 
@@ -117,6 +125,10 @@ def take_over(gauge: Model, model: Model) -> None:
     q = np.column_stack([w[:, 0] * f[:, 0] - np.sum(u * f[:, 1:], axis=1), w * f[:, 1:] + f[:, :1] * u + np.cross(u, f[:, 1:])])
     for name, values in (("position", gauge.field("string.position")), ("strain", length[:, None] - 1.0), ("quaternion", q)):
         model.assembly.x[model.layout.place[f"string.{name}"]] = values
+    for own in model.layout.fields:  # mud, hole, bit
+        if not own.name.startswith("string."):
+            here, there = model.layout.place[own.name], gauge.layout.place[own.name]
+            model.assembly.x[here[here >= 0]] = gauge.assembly.x[there[there >= 0]]
     if gauge.assembly.dead is not None:
         dead, name = np.zeros(model.layout.size), "string.position"
         dead[model.layout.place[name]] = gauge.assembly.dead[gauge.layout.place[name]]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from petsc4py import PETSc
@@ -101,8 +101,12 @@ def build_scene(case: Case, comm: PETSc.Comm | None = None) -> Scene:
     rooms: list = []
     if case.beam.formulation == "quaternion":
         breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
-        contact = _contact(case, mesh, well, QuaternionContact)
+        mesh = replace(mesh, junction=np.zeros(0, dtype=bool))  # one strain at each node, on both sides of a change of section
+        contact, bit = _contact(case, mesh, well, QuaternionContact), _bit(case, mesh, well)
         beam, top, rooms = quaternion_rooms(case, mesh, frames, position, tangent, _loads(case, mesh, tangent), breaks, contact)
+        if mesh.bodies or mesh.eccentricity.any():
+            rooms.append(Bodies(mesh, frames, np.array(case.gravity, dtype=float)))
+        rooms += [bit] if bit is not None else []
     elif not case.hold_string:
         gravity = np.array(case.gravity, dtype=float)
         contact, bit = _contact(case, mesh, well), _bit(case, mesh, well)

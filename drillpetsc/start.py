@@ -64,8 +64,8 @@ def place_along_hole(scene: Scene) -> None:
     """The unstrained string along the hole's axis (or straight, without a hole), at rest."""
     m = scene.model
     if isinstance(scene.beam, QuaternionBeam):
-        return place(scene)
-    if scene.beam is not None:
+        place(scene)
+    elif scene.beam is not None:
         m.set_field("string.position", scene.position)
         m.set_field("string.tangent", scene.tangent)
         m.set_field("string.spin", np.zeros((m.mesh.nodes, 1)))
@@ -88,11 +88,12 @@ def move_rigidly(scene: Scene) -> None:
     m = scene.model
     lowering, rotation = prescribed_motion(scene)
     if isinstance(scene.beam, QuaternionBeam):
-        return move(scene, lowering, rotation)
-    tangent = scene.tangent if scene.well is None else scene.well.at(scene.mesh.node_depth)[1]
-    m.set_field("string.position", lowering * np.asarray(tangent), "y")
-    m.set_field("string.tangent", np.zeros((m.mesh.nodes, 3)), "y")
-    m.set_field("string.spin", np.full((m.mesh.nodes, 1), rotation), "y")
+        move(scene, lowering, rotation)
+    else:
+        tangent = scene.tangent if scene.well is None else scene.well.at(scene.mesh.node_depth)[1]
+        m.set_field("string.position", lowering * np.asarray(tangent), "y")
+        m.set_field("string.tangent", np.zeros((m.mesh.nodes, 3)), "y")
+        m.set_field("string.spin", np.full((m.mesh.nodes, 1), rotation), "y")
     if scene.drilling is not None:
         scene.drilling.first_cut(m.assembly)
     let_flow(scene)

@@ -21,17 +21,14 @@ def check_quaternion(case: Case) -> None:
         return
     if case.hold_string:
         raise _not_yet("hold_string", got=True, what="hold_string (there is no string to compute)")
-    if case.fluid is not None:
-        raise _not_yet("fluid", what="drilling fluid")
+    if case.fluid is not None and case.fluid.formulation == "hermite":
+        raise _not_yet("fluid", "formulation", got="hermite", what="hermite mud")
     if isinstance(case.top, DrivenTop):
         raise _not_yet("top", "kind", got="driven", what="a driven top")
-    if case.bottom.kind == "bit":
-        raise _not_yet("bottom", "kind", got="bit", what="a bit on the bottom")
-    for i, item in enumerate(case.string):
+    last = max(i for i, item in enumerate(case.string) if not isinstance(item, Rigid))
+    for i, item in enumerate(case.string[:last]):
         if isinstance(item, Rigid):
-            raise _not_yet("string", i, "kind", got=item.kind, what="rigid items")
-        if getattr(item, "eccentricity", 0.0):
-            raise _not_yet("string", i, "eccentricity", got=item.eccentricity, what="eccentricity")
+            raise _not_yet("string", i, "kind", got=item.kind, what="rigid items above other pipe")
     if getattr(case, "joints", ()):
         raise _not_yet("joints", what="joints")
     mode = getattr(case.time, "mode", "dynamic")

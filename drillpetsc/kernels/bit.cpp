@@ -1,10 +1,13 @@
 #include "bit.hpp"
+#include "on_quaternion.hpp"
 
 using namespace dp;
 typedef Bit<0> PlainBit;
 typedef Bit<12> ProfileBit;
 DP_ENTRY(bit_rock, PlainBit)
 DP_ENTRY(bit_rock_profile, ProfileBit)
+DP_ON_QUATERNION(bit_rock, PlainBit, 1)
+DP_ON_QUATERNION(bit_rock_profile, ProfileBit, 1)
 
 namespace {
 template <class Kernel>

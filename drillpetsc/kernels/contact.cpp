@@ -1,4 +1,5 @@
 #include "contact_jacobian.hpp"
+#include "on_quaternion.hpp"
 
 using namespace dp;
 typedef BeamContact<false> ContactPlain;
@@ -9,6 +10,8 @@ DP_RESIDUAL(contact_split, ContactSplit)
 DP_JACOBIAN(contact_split, run_contact_split_jacobian)
 DP_ENTRY(body_contact, BodyContact)
 DP_ENTRY(bit_contact, BitContact)
+DP_ON_QUATERNION(body_contact, BodyContact, 1)
+DP_ON_QUATERNION(bit_contact, BitContact, 1)
 // by differentiating all rows by all unknowns: the oracles of the tests
 DP_JACOBIAN(contact_dual, run_jacobian<ContactPlain>)
 DP_JACOBIAN(contact_split_dual, run_jacobian<ContactSplit>)

@@ -3,6 +3,7 @@
 // beam's consistent mass the kinetic energy is int m |r' + c'|^2/2 ds: never negative, however large the offset.
 //   virtual work   m int dr.c'' + dc.(r'' - g + c'') ds,   ' the rate
 #include "flow.hpp"
+#include "on_quaternion.hpp"
 
 namespace dp {
 
@@ -87,6 +88,7 @@ typedef dp::Eccentric<false> EccentricPlain;
 typedef dp::Eccentric<true> EccentricSplit;
 DP_ENTRY(eccentric, EccentricPlain)
 DP_ENTRY(eccentric_split, EccentricSplit)
+DP_ON_QUATERNION(eccentric, EccentricPlain, 2)
 
 // kinetic and potential energy of n elements (D unknowns each): out (n, 2) [J]
 extern "C" void eccentric_energy(int n, int D, const int* idx, const double* par, const double* x, const double* y, double* out) {

@@ -94,3 +94,15 @@ extern "C" void quaternion_motion(int n, const int* at, const double* frame, con
         o[7] = 2 * std::atan2(dot(times_e1(f), node.q), dot(f, node.q));
     }
 }
+
+// (n, 8) what kernels of the gauge element see of n nodes: slope (3), angle about the tangent [rad], rates of both; at, frame as above
+extern "C" void quaternion_view(int n, const int* at, const double* frame, const double* x, const double* y, double* out) {
+    for (int k = 0; k < n; ++k) {
+        const Element e = [&] { int idx[16]; for (int i = 0; i < 16; ++i) idx[i] = at[8 * k + i % 8]; return Element(idx, x, y); }();
+        const Node<R> node(e.X, e.Y, e.Y);
+        const Quat<R> f = quat(frame + 4 * k);
+        const double angle = 2 * std::atan2(dot(times_e1(f), node.q), dot(f, node.q));
+        const double row[8] = {node.v.x, node.v.y, node.v.z, angle, node.w.x, node.w.y, node.w.z, node.spin / (node.length * node.length)};
+        for (int i = 0; i < 8; ++i) out[8 * k + i] = row[i];
+    }
+}

@@ -1,6 +1,7 @@
 // Kernels that live on one node: rigid body or unbalance, load, rotary drive.  Unknowns r, v, phi.
 #include "element.hpp"
 #include "frame.hpp"
+#include "on_quaternion.hpp"
 
 namespace dp {
 
@@ -76,6 +77,7 @@ struct Drive : VertexKernel {
 DP_ENTRY(body, dp::Body)
 DP_ENTRY(load, dp::Load)
 DP_ENTRY(drive, dp::Drive)
+DP_ON_QUATERNION(body, dp::Body, 1)
 
 // kinetic and potential energy of n bodies: out (n, 2) [J]
 extern "C" void body_energy(int n, const int* idx, const double* par, const double* x, const double* y, double* out) {

@@ -134,10 +134,10 @@ class AnnulusFlow(Channel):
             params[rows[new], _SIDEWAYS] = np.column_stack([s.added, s.damping, s.turning])
 
     def _renew_added_mass(self, state) -> None:
-        chi, place = self.sideways.by_eccentricity, state.layout.place
+        chi = self.sideways.by_eccentricity
         assert chi is not None
         line, m = self._part, self.mesh
-        r, v = (state.x[place[f"string.{name}"]] for name in ("position", "tangent"))
+        r, v = (state.x[state.where(f"string.{name}")] for name in ("position", "tangent"))
         upper, lower, e = line.ends[:, 0], line.ends[:, 1], line.cells
         middle = 0.5 * (r[upper] + r[lower]) + 0.125 * m.length[e][:, None] * (v[upper] - v[lower])
         well, outer, hole = self.well if self.surroundings is None else self.surroundings.current_well(), self._outer[e], self._hole[e]

@@ -231,6 +231,10 @@ class RockBit(Passive):
         self.params[:, _MODE] = MOTION
         self.params[:, _TORQUE0], self.params[:, _TORQUE1] = self._torque
 
+    def slide_as(self, other: RockBit) -> None:
+        """Take over the motion that statics imposed on another room."""
+        self.params[:] = other.params
+
     def _torque_line(self, spin: float) -> tuple[float, float]:
         """Torque on bit = first + second * weight, at a rotation ``spin`` [rad/s]."""
         if not isinstance(self.law, Weakening):
@@ -249,9 +253,9 @@ class RockBit(Passive):
 
     def depth_of_face(self, state) -> tuple[float, FloatArray]:
         """How far the bit is below the end of the hole [m], and its gradient by the local unknowns (n,); zero without the bit."""
-        gradient = np.zeros(state.layout.size)
+        gradient = np.zeros(len(state.x))
         if not self._mine:
-            return 0.0, gradient
+            return 0.0, gradient[: state.layout.size]
         i, p, s = state.index_of(self._block)[0], self.params[0], self.shape
         v = state.x[i[3:6]]
         n = float(np.linalg.norm(v))
@@ -261,7 +265,7 @@ class RockBit(Passive):
         gradient[i[:3]] = axis
         gradient[i[3:6]] = (p[_CENTRE] + squeeze * tilt / reach) * (axis - t * tilt) / n
         centre = state.x[i[:3]] + p[_CENTRE] * t - p[_END : _END + 3] - state.x[i[7:10]]
-        return float(centre @ axis + reach - s.half), gradient
+        return float(centre @ axis + reach - s.half), gradient[: state.layout.size]
 
     @contextmanager
     def preloaded(self, weight: float, travel: float):

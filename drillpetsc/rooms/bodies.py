@@ -104,11 +104,11 @@ class Bodies(Passive):
     def energies(self, t: float, state) -> Energies:
         total = np.zeros(2)
         if len(self._nodes):
-            out, index = np.zeros((len(self._nodes), 2)), state.layout.index(self._block)
+            out, index = np.zeros((len(self._nodes), 2)), state.index_of(self._block)
             _body_energy(len(out), pointer(index), pointer(self._block.params), pointer(state.x), pointer(state.y), pointer(out))
             total += out.sum(axis=0)
         for b in self._blocks:
-            out, index = np.zeros((len(b.points), 2)), state.layout.index(b)
+            out, index = np.zeros((len(b.points), 2)), state.index_of(b)
             _eccentric_energy(len(out), index.shape[1], pointer(index), pointer(b.params), pointer(state.x), pointer(state.y), pointer(out))
             total += out.sum(axis=0)
         return Energies(kinetic=float(total[0]), potential=float(total[1]))

@@ -21,6 +21,7 @@ from drillpetsc.well import Well
 
 _report = function("contact_report", "iipppppp")
 _bit_report = function("bit_report", "ppppp")
+KINDS = {"contact": 0, "contact_split": 1, "body_contact": 2}  # of kernels, as contact_report numbers them
 REPORT = ("normal", "stored", "damping_power", "friction_power", "penetration", "axial", "torque")
 
 
@@ -131,14 +132,19 @@ class Contact(Passive):
             self._blocks.append(Block(f"contact_junction{name}" if split else f"contact{name}", "contact_split" if split else "contact",
                                       "cell", chosen, SPLIT_SLOTS if split else SLOTS, (0, 1), params,
                                       context=self._context(len(chosen), ends), room="contact"))
-        items = [b for b in m.bodies if b.radius > 0 and (self.with_bit or b.kind != "bit")]
-        if items:
-            picked, vertices = local_vertices(part, np.array([b.node for b in items]))
-            here = [items[k] for k in picked]
-            params = np.array([[b.above, b.length, b.radius, -1.0 if b.friction is None else b.friction] for b in here]).reshape(-1, 4)
-            self._blocks.append(Block("contact_bodies", "body_contact", "vertex", vertices, VERTEX_SLOTS, (0,),
-                                      np.ascontiguousarray(params), context=self._context(len(here), self._item_ends), room="contact"))
+        self._blocks += self._on_items(part)
         return tuple(self._blocks)
+
+    def _on_items(self, part) -> list[Block]:
+        """The block of the rigid items."""
+        items = [b for b in self.mesh.bodies if b.radius > 0 and (self.with_bit or b.kind != "bit")]
+        if not items:
+            return []
+        picked, vertices = local_vertices(part, np.array([b.node for b in items]))
+        here = [items[k] for k in picked]
+        params = np.array([[b.above, b.length, b.radius, -1.0 if b.friction is None else b.friction] for b in here]).reshape(-1, 4)
+        return [Block("contact_bodies", "body_contact", "vertex", vertices, VERTEX_SLOTS, (0,), np.ascontiguousarray(params),
+                      context=self._context(len(here), self._item_ends), room="contact")]
 
     @property
     def _item_ends(self) -> tuple[bool, bool]:
@@ -197,9 +203,8 @@ class Contact(Passive):
         out = []
         for b in self._blocks:
             out.append(np.zeros((len(b.points), len(REPORT))))
-            kind = {"contact": 0, "contact_split": 1, "body_contact": 2}[b.kernel]
-            _report(len(out[-1]), kind, pointer(state.index_of(b)), pointer(b.params), b.context, pointer(state.x), pointer(state.y),
-                    pointer(out[-1]))
+            _report(len(out[-1]), KINDS[b.kernel], pointer(state.index_of(b)), pointer(b.params), b.context, pointer(state.x),
+                    pointer(state.y), pointer(out[-1]))
         return out
 
     def report(self, state) -> tuple[FloatArray, FloatArray]:
@@ -243,6 +248,10 @@ class BitOnBottom(Passive):
     def free_sliding(self) -> None:
         self._block.params[:, 11] = -3.0
 
+    def slide_as(self, other: BitOnBottom) -> None:
+        """Take over the sliding that statics imposed on another room."""
+        self._block.params[:] = other._block.params
+
     def weight_and_torque(self, state) -> tuple[float, float]:
         """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
         if not len(self._block.points):
@@ -253,16 +262,16 @@ class BitOnBottom(Passive):
 
     def depth_of_face(self, state) -> tuple[float, FloatArray]:
         """How far the face is below the end of the hole [m], and its gradient by the local unknowns (n,); zero without the bit."""
-        gradient = np.zeros(state.layout.size)
+        gradient = np.zeros(len(state.x))
         if not len(self._block.points):
-            return 0.0, gradient
+            return 0.0, gradient[: state.layout.size]
         index = state.index_of(self._block)[0]
         face, end, axis = self._row[0], np.array(self._row[4:7]), np.array(self._row[7:10])
         v = state.x[index[3:6]]
         n = np.linalg.norm(v)
         gradient[index[:3]] = axis
         gradient[index[3:6]] = face * (axis - v * (v @ axis) / n**2) / n
-        return float((state.x[index[:3]] + face * v / n - end) @ axis), gradient
+        return float((state.x[index[:3]] + face * v / n - end) @ axis), gradient[: state.layout.size]
 
     def torque_for(self, weight: float) -> float:
         """Friction torque [N m] of the turning bit under ``weight`` [N]."""

@@ -8,6 +8,7 @@ SIAM J. Numer. Anal. 30, 1993).
 from __future__ import annotations
 
 import ctypes
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,9 +24,11 @@ from drillpetsc.tubulars import StringMesh
 _report = function("quaternion_report", "ippppp")
 _dissipation = function("quaternion_dissipation", "ipppp", ctypes.c_double)
 _motion = function("quaternion_motion", "ippppp")
+_view = function("quaternion_view", "ippppp")
 NODE = ("string.position", "string.strain", "string.quaternion")
 SLOTS = tuple((name, end) for end in (0, 1) for name in NODE)
 NODE_SLOTS = tuple((name, 0) for name in NODE)
+GAUGE_NODE = ("string.position", "string.tangent", "string.spin")
 LEVELS = {"index3": 3.0, "index2": 2.0, "stabilized": 2.0}
 ROW_SCALE = 1.0e6  # of constraint rows, so that one norm fits them and the forces
 UNJUDGED = 1.0e30  # scale of a multiplier: it is linear in the rows and right where the motion is; its own rounding grows as 1/step^2
@@ -57,11 +60,18 @@ def spun(q: FloatArray) -> FloatArray:
     return np.stack([-x, w, z, -y], axis=-1)
 
 
+class _StartFrames(ctypes.Structure):
+    """StartFrames of kernels/on_quaternion.hpp."""
+
+    _fields_ = [("inner", ctypes.c_void_p), ("frames", ctypes.c_void_p)]
+
+
 class QuaternionBeam:
     """Elements of the string with unknowns r [m], eps [-], q [-] and the multiplier of |q| = 1 [N m] at every node."""
 
     name = "beam"
     turning = True  # its unknowns turn with the string, and so do its Jacobian's entries
+    viewed = {"string.tangent": 3, "string.spin": 1}  # what rooms of the gauge element see: slope, spin angle, and their rates
 
     def __init__(self, mesh: StringMesh, frames: Frames, gravity: FloatArray, constraint: str = "index3", finest_motion: float = np.inf):
         self.mesh, self.frames, self.constraint = mesh, frames, constraint
@@ -100,6 +110,31 @@ class QuaternionBeam:
                    m.stiffness_damping[e], m.mass_damping[e], m.curvature[e], np.tile(self.gravity, (len(e), 1))]
         return np.ascontiguousarray(np.column_stack(columns))
 
+    def translate(self, block: Block) -> Block:
+        """A block of the gauge element's unknowns on those of this one (kernels/on_quaternion.hpp); others as they are.
+
+        Constants are shared, so that a room that renews its own renews these; Assembly.index_of leads it to the view.
+        """
+        if not any(name in self.viewed for name, _ in block.slots):
+            return block
+        nodes = sum(name == "string.position" for name, _ in block.slots)
+        assert block.slots[: 3 * nodes] == tuple((name, end) for end in range(nodes) for name in GAUGE_NODE)
+        line = self._part
+        frames = self.start[line.vertices[line.ends[block.points] if block.on == "cell" else block.points[:, None]]]
+        frames = np.ascontiguousarray(frames, dtype=float)
+        record = _StartFrames(block.context, pointer(frames))
+        slots = tuple((name, end) for end in range(nodes) for name in NODE) + block.slots[3 * nodes :]
+        return replace(block, kernel=f"quaternion_{block.kernel}", slots=slots, spins=(), context=ctypes.addressof(record),
+                       keep=(*block.keep, frames, record))
+
+    def look(self, state) -> None:
+        """Fill the state's view."""
+        at, frame = self._places(state.layout)
+        out, view = np.zeros((len(at), 8)), state.layout.view
+        _view(len(at), pointer(at), pointer(frame), pointer(state.x), pointer(state.y), pointer(out))
+        for array, columns in ((state.x, out[:, :4]), (state.y, out[:, 4:])):
+            array[view["string.tangent"]], array[view["string.spin"]] = columns[:, :3], columns[:, 3:]
+
     def hold_positions(self, hold: bool) -> None:
         """The constraint on positions whatever its form in motion: statics knows no velocities."""
         self._length.params[:, 0] = 3.0 if hold else LEVELS[self.constraint]
@@ -123,13 +158,18 @@ class QuaternionBeam:
     # ------------------------------------------------------------------ figures
     def motion(self, state) -> FloatArray:
         """(nv, 8) at the local vertices: slope r' (3), tangent (3), spin rate [rad/s], spin angle from the frame at the start [rad]."""
-        if self._layout is not state.layout:
-            self._layout = state.layout
-            self._at = np.ascontiguousarray(np.hstack([state.layout.place[name] for name in NODE]), dtype=np.int32)
-            self._frame = np.ascontiguousarray(self.start[state.layout.line.vertices])
-        out = np.zeros((len(self._at), 8))
-        _motion(len(out), pointer(self._at), pointer(self._frame), pointer(state.x), pointer(state.y), pointer(out))
+        at, frame = self._places(state.layout)
+        out = np.zeros((len(at), 8))
+        _motion(len(out), pointer(at), pointer(frame), pointer(state.x), pointer(state.y), pointer(out))
         return out
+
+    def _places(self, layout: Layout) -> tuple[np.ndarray, FloatArray]:
+        """(nv, 8) places of the nodes' unknowns and (nv, 4) frames at the start."""
+        if self._layout is not layout:
+            self._layout = layout
+            self._at = np.ascontiguousarray(np.hstack([layout.place[name] for name in NODE]), dtype=np.int32)
+            self._frame = np.ascontiguousarray(self.start[layout.line.vertices])
+        return self._at, self._frame
 
     def section(self, state, vertex: int) -> tuple[FloatArray, FloatArray, float]:
         """Position [m], slope and spin rate [rad/s] of a local vertex."""

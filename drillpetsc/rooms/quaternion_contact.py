@@ -1,4 +1,4 @@
-"""Contact of the quaternion string with the wall: pipes only (kernels/quaternion_contact.cpp)."""
+"""Contact of the quaternion string with the wall (kernels/quaternion_contact.cpp)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ import numpy as np
 
 from drillpetsc.field import Block, FloatArray
 from drillpetsc.kernels import function, pointer
-from drillpetsc.rooms.contact import REPORT, Contact
+from drillpetsc.rooms.contact import KINDS, REPORT, Contact
+from drillpetsc.rooms.contact import _report as item_report
 from drillpetsc.rooms.quaternion_beam import SLOTS
 
 _report = function("quaternion_contact_report", "ipppppp")
@@ -26,6 +27,7 @@ class QuaternionContact(Contact):
             params = np.ascontiguousarray(np.column_stack([m.length[e], np.zeros(len(e)), 0.5 * m.outer_diameter[e], friction]))
             self._blocks.append(Block(f"contact{name}", "quaternion_contact", "cell", chosen, SLOTS, (), params,
                                       context=self._context(len(chosen), ends), room="contact"))
+        self._blocks += self._on_items(part)
         return tuple(self._blocks)
 
     def slide_as(self, other: Contact) -> None:
@@ -39,5 +41,9 @@ class QuaternionContact(Contact):
     def _figures(self, state) -> list[FloatArray]:
         tables = [np.zeros((len(b.points), len(REPORT))) for b in self._blocks]
         for b, out in zip(self._blocks, tables, strict=True):
-            _report(len(out), pointer(state.index_of(b)), pointer(b.params), b.context, pointer(state.x), pointer(state.y), pointer(out))
+            given = pointer(state.index_of(b)), pointer(b.params), b.context, pointer(state.x), pointer(state.y), pointer(out)
+            if b.on == "cell":
+                _report(len(out), *given)
+            else:
+                item_report(len(out), KINDS["body_contact"], *given)
         return tables

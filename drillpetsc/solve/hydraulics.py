@@ -83,7 +83,7 @@ def steady_flow(model: Model, t: float = 0.0) -> SteadyFlow:
     asm.freeze(~mine)
     try:
         factor, f = chain_factor(model), model.new_condensed()
-        weight, place = 1.0 / model.scale, np.append(mine, False)
+        weight, place = 1.0 / model.scale, np.flatnonzero(mine)
         best, quiet, share = np.inf, 0, 1.0
         asm.y[place] = asm.a[place] = 0.0
         _fill_chamber(model)

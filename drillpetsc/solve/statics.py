@@ -220,7 +220,7 @@ class Statics:
 
     def _slope_at(self, x0: FloatArray, p: FloatArray, alpha: float) -> float:
         """Slope of the energy along ``p`` at x0 + alpha p."""
-        self.model.assembly.x[:-1] = x0 + alpha * p
+        self.model.assembly.x[: self.model.layout.size] = x0 + alpha * p
         return self.sum(float(self._gradient(self.rows())[self._mine] @ p[self._mine]))
 
     def _bring_to_depth(self, p: FloatArray) -> float:
@@ -256,13 +256,13 @@ class Statics:
             p = np.zeros(n)
             self.factor.solve(-self._with_constraints(g), p)
             move = self._bring_to_depth(p) if self.depth else 0.0
-            x0 = asm.x[:-1].copy()
+            x0 = asm.x[:n].copy()
             longest = self._step_limit(p)
             alpha = min(1.0, longest)
             slope0 = self.sum(float(g[self._mine] @ p[self._mine]))
             if search and shifted and abs(move) < 1e-9 and slope0 < 0:
                 alpha = self._search(x0, p, slope0, alpha, longest if sigma else alpha)
-            asm.x[:-1] = x0 + alpha * p
+            asm.x[:n] = x0 + alpha * p
             if self.depth and self.move_top:
                 self.move_top(alpha * move)
             size = self.largest(float(np.max(np.abs(alpha * p) * weight, initial=0.0)))

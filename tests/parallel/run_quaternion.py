@@ -1,4 +1,4 @@
-"""A lying, turning quaternion string, fixed steps: prints the motion of its lower end and the reactions at its top (rank 0)."""
+"""A lying, turning quaternion string, and one with mud and a bit, fixed steps: prints its motion and reactions (rank 0)."""
 
 import sys
 
@@ -8,10 +8,12 @@ petsc4py.init([sys.argv[0]])
 
 import numpy as np  # noqa: E402
 
+from drillpetsc.recorder import Recorder  # noqa: E402
 from drillpetsc.scene import build_scene  # noqa: E402
 from drillpetsc.start import find_equilibrium, move_rigidly, release  # noqa: E402
 from tests.verify.motion import fixed, integrate  # noqa: E402
 from tests.verify.test_quaternion_contact import lying  # noqa: E402
+from tests.verify.test_quaternion_scenes import scene as with_everything  # noqa: E402
 
 for constraint in ("index3", "stabilized"):
     top = {"kind": "top_drive", "rotation": {"ramp": 0.02, "value": 6.0}, "lowering": 0.1}
@@ -27,3 +29,17 @@ for constraint in ("index3", "stabilized"):
     end = m.gather(np.hstack([scene.beam.columns(m.assembly), m.field("string.multiplier")]))
     if end is not None:
         print("END", constraint, *map(repr, [*end[-1].tolist(), *reactions, energies.kinetic, energies.strain]), flush=True)
+
+scene = build_scene(with_everything("quaternion"))
+find_equilibrium(scene)
+release(scene)
+move_rigidly(scene)
+recorder = Recorder(scene)
+recorder.begin(0.0)
+integrate(scene.model, 0.04, fixed(2e-3, q_snes_stol=1e-11), breaks=scene.breaks)
+figures = recorder.sample(0.04)
+names = ["hook_load", "surface_torque", "wob", "bit_torque", "pump_pressure", "bit_pressure", "hole_depth", "bit_speed"]
+row = recorder.history_row(0.04, 0.0, 0.0)
+if scene.model.comm.rank == 0:
+    place = [name for name, _ in recorder.columns]
+    print("MUD", *(repr(float(row[place.index(name)])) for name in names), flush=True)

@@ -16,11 +16,15 @@ SCRIPT = Path(__file__).with_name("run_quaternion.py")
 def test_a_quaternion_string_agrees_on_1_2_and_3_ranks():
     """Static start and 20 steps in contact, both forms of the constraints: motion, multipliers, reactions and energies agree to 1e-8 of
     their sizes (systems solved to rounding; friction of 0.01 m/s slip velocity multiplies it)."""
-    runs = []
+    runs, muddy = [], []
     for n in (1, 2, 3):
-        lines = [line.split() for line in run_mpi(n, SCRIPT).splitlines() if line.startswith("END")]
-        runs.append(np.array([[float(w) for w in line[2:]] for line in lines]))
+        told = run_mpi(n, SCRIPT).splitlines()
+        runs.append(np.array([[float(w) for w in line.split()[2:]] for line in told if line.startswith("END")]))
+        muddy += [np.array([float(w) for w in line.split()[1:]]) for line in told if line.startswith("MUD")]
     one = runs[0]
     assert one.shape == (2, 13)
+    assert [len(row) for row in muddy] == [8, 8, 8] and (muddy[0] != 0).all()
+    for row in muddy[1:]:  # with mud, unbalance and a bit that drills
+        assert row == pytest.approx(muddy[0], rel=1e-7)
     for other in runs[1:]:
         assert np.all(np.abs(other - one) <= 1e-8 * np.maximum(np.abs(one), 1e-3))

@@ -105,7 +105,7 @@ def dense(model: Model) -> np.ndarray:
 def residual(model: Model, x: np.ndarray, t: float) -> np.ndarray:
     """(n,) condensed residual at the unknowns ``x`` and time ``t``, rates by the formula of shift SHIFT."""
     asm, vector = model.assembly, model.new_condensed()
-    asm.x[:-1] = x
+    asm.x[: model.layout.size] = x
     asm.condense(SHIFT)
     asm.impose_rates(t, SHIFT)
     model.sum_residual(t, vector)
