@@ -124,7 +124,7 @@ class Model:
 
     def sum_local(self, rows: FloatArray) -> FloatArray:
         """Contributions (n+1,) of this rank's elements to local rows, summed over ranks; (n,) valid at owned unknowns."""
-        self.assembly.r[:] = rows
+        self.assembly.r[: len(rows)] = rows
         out = self.new_condensed()
         self.layout.condensed_dm.localToGlobal(self._r, out, addv=PETSc.InsertMode.ADD_VALUES)
         local = np.zeros(self.layout.size)

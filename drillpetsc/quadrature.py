@@ -25,14 +25,18 @@ def rule(points: int, upper: bool = False, lower: bool = False) -> FloatArray:
     return np.ascontiguousarray(np.column_stack([(x + 1) / 2, w / 2]))
 
 
-def corners(mesh: StringMesh) -> tuple[np.ndarray, np.ndarray]:
-    """(n,) elements whose upper end, and whose lower end, stands out: free, or beside a thinner item.  The drive holds the first."""
+def corners(mesh: StringMesh, free_top: bool = False) -> tuple[np.ndarray, np.ndarray]:
+    """(n,) elements whose upper end, and whose lower end, stands out: free, or beside a thinner item.
+
+    free_top: nothing holds the first.
+    """
     radius = 0.5 * mesh.outer_diameter
     beside = np.where(mesh.is_joint, np.inf, radius)
-    hanging = np.zeros(mesh.nodes)
-    for body in mesh.bodies:
-        hanging[body.node] = max(hanging[body.node], body.radius)
-    upper, lower = np.zeros(len(radius), dtype=bool), np.zeros(len(radius), dtype=bool)
-    upper[1:] = radius[1:] > np.maximum(beside[:-1], hanging[1:-1])
-    lower[:] = radius > np.maximum(np.append(beside[1:], 0.0), hanging[1:])
-    return upper, lower
+    above, below = np.append(0.0 if free_top else np.inf, beside[:-1]), np.append(beside[1:], 0.0)  # beside an element's two ends
+    for body in mesh.bodies:  # from the top down: the first of a stack lies under the element above, the last over the one below
+        if body.node < len(above):
+            above[body.node] = body.radius
+    for body in reversed(mesh.bodies):
+        if body.node:
+            below[body.node - 1] = body.radius
+    return radius > above, radius > below

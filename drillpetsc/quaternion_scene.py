@@ -107,10 +107,24 @@ def equilibrium(scene: Scene, motion: tuple[float, float] | None, climb: bool) -
     for room in scene.model.rooms:  # size and direction of the hole where the string is now
         if hasattr(room, "find_hole"):
             room.find_hole(scene.model.assembly)
-    scene.model.assembly.freeze(fluid_unknowns(scene.model))  # the mud is as about the twin
-    state.equilibrium.iterations += settle(scene.model)
-    scene.model.assembly.freeze(None)
+    asm = scene.model.assembly
+    asm.freeze(fluid_unknowns(scene.model))  # the mud is as about the twin, and flows as about a string that moves as the top has it
+    try:
+        state.equilibrium.iterations += settle(scene.model, velocity=_lowered(scene) if motion is None else None)
+    finally:
+        asm.freeze(None)
     return state
+
+
+def _lowered(scene: Scene) -> FloatArray | None:
+    """(nv, 3) velocity [m/s] of the local nodes with which the top lowers the string at time 0, where there is mud to feel it."""
+    from drillpetsc.start import prescribed_motion
+
+    lowering = prescribed_motion(scene)[0]
+    if scene.fluid is None or not lowering:
+        return None
+    tangent = scene.tangent if scene.well is None else np.asarray(scene.well.at(scene.mesh.node_depth)[1])
+    return lowering * tangent[scene.model.line.vertices]
 
 
 def take_over(gauge: Model, model: Model) -> None:
@@ -135,24 +149,29 @@ def take_over(gauge: Model, model: Model) -> None:
         model.assembly.dead = dead
 
 
-def settle(model: Model, t: float = 0.0) -> int:
-    """Newton's method on the rows at rest from the assembly's x, inputs as at ``t`` [s]; returns the iterations.  Raises SolveError."""
+def settle(model: Model, t: float = 0.0, velocity: FloatArray | None = None) -> int:
+    """Newton's method on the rows at rest from the assembly's x, inputs as at ``t`` [s]; returns the iterations.  Raises SolveError.
+
+    velocity: (nv, 3) of the local nodes [m/s], for the drag of mud; none by default.
+    """
     rooms = [room for room in model.rooms if hasattr(room, "hold_positions")]
     for room in rooms:
         room.hold_positions(True)
     try:
-        return _newton(model, t)
+        return _newton(model, t, velocity)
     finally:
         for room in rooms:
             room.hold_positions(False)
 
 
-def _newton(model: Model, t: float) -> int:
+def _newton(model: Model, t: float, velocity: FloatArray | None) -> int:
     asm, factor, q = model.assembly, chain_factor(model), model.new_condensed()
     rows, owned = model.new_condensed(), model.layout.local_of_owned
     step, before, mpi = np.zeros(len(owned)), np.inf, model.comm.tompi4py()
     for iteration in range(1, ITERATIONS + 1):
         asm.y[:], asm.a[:] = 0.0, 0.0
+        if velocity is not None:
+            asm.y[model.layout.place["string.position"]] = velocity
         model.sum_residual(t, rows)
         asm.jacobian(t, (1.0, 0.0, 0.0), condensed=False)
         try:

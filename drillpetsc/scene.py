@@ -203,7 +203,7 @@ def _contact(case: Case, mesh: StringMesh, well: Well | None, kind: type[Contact
         kinetic = max(q.friction for q in case.well.sections)  # type: ignore[union-attr]
         ratio, speed = (c.stribeck.static / kinetic if kinetic > 0 else 1.0), c.stribeck.speed
     law = ContactLaw(c.stiffness, c.law, c.restitution, c.restitution_speed, c.slip_velocity, ratio, speed, c.points_per_element)
-    return kind(mesh, well, law, with_bit=getattr(case, "formation", None) is None)
+    return kind(mesh, well, law, getattr(case, "formation", None) is None, case.top.kind == "free")
 
 
 def _bit(case: Case, mesh: StringMesh, well: Well | None) -> BitOnBottom | RockBit | None:

@@ -25,10 +25,12 @@ def check_quaternion(case: Case) -> None:
         raise _not_yet("fluid", "formulation", got="hermite", what="hermite mud")
     if isinstance(case.top, DrivenTop):
         raise _not_yet("top", "kind", got="driven", what="a driven top")
-    last = max(i for i, item in enumerate(case.string) if not isinstance(item, Rigid))
+    last = max((i for i, item in enumerate(case.string) if not isinstance(item, Rigid)), default=0)
     for i, item in enumerate(case.string[:last]):
         if isinstance(item, Rigid):
             raise _not_yet("string", i, "kind", got=item.kind, what="rigid items above other pipe")
+    if case.initial.from_ not in ("statics", "rest", "straight"):
+        raise _not_yet("initial", "from", got=case.initial.from_, what="the end of another run")
     if getattr(case, "joints", ()):
         raise _not_yet("joints", what="joints")
     mode = getattr(case.time, "mode", "dynamic")

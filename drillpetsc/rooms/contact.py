@@ -85,12 +85,15 @@ def damping_factor(restitution: float, speed: float) -> float:
 
 
 class Contact(Passive):
-    """Contact of pipes and rigid items with the wall; with_bit False: a bit that cuts has its own contact (rooms/bit.py)."""
+    """Contact of pipes and rigid items with the wall.
+
+    with_bit False: a bit that cuts has its own contact (rooms/bit.py); free_top: nothing holds the string's upper end.
+    """
 
     name = "contact"
 
-    def __init__(self, mesh: StringMesh, well: Well, law: ContactLaw, with_bit: bool = True):
-        self.mesh, self.well, self.law, self.with_bit = mesh, well, law, with_bit
+    def __init__(self, mesh: StringMesh, well: Well, law: ContactLaw, with_bit: bool = True, free_top: bool = False):
+        self.mesh, self.well, self.law, self.with_bit, self.free_top = mesh, well, law, with_bit, free_top
         self._packed = np.ascontiguousarray(well.packed())
         length = float(mesh.length.sum())
         self.impact_depth = impact_depth(law, float(mesh.mass @ mesh.length) / length, length / len(mesh.length))  # of the mean string
@@ -154,7 +157,7 @@ class Contact(Passive):
 
     def _groups(self) -> list[tuple[str, np.ndarray, tuple[bool, bool]]]:
         """Name, (n,) mask and ends that stand out, of the elements whose contact is integrated alike; those without such ends first."""
-        upper, lower = corners(self.mesh)
+        upper, lower = corners(self.mesh, self.free_top)
         if self.law.law == "hertz_point":
             upper, lower = np.zeros_like(upper), np.zeros_like(lower)
         found = [(name, (upper == a) & (lower == b), (a, b)) for name, a, b in

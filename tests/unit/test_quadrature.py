@@ -43,3 +43,7 @@ def test_ends_that_stand_out():
     bit = replace(body, node=6, radius=0.11)
     upper, lower = corners(replace(mesh, bodies=(body, bit)))
     assert np.flatnonzero(upper).tolist() == [2] and not lower.any()
+    crossover = replace(body, radius=0.05)  # a thin item between the pipe above and the stabilizer
+    _, lower = corners(replace(mesh, bodies=(crossover, body, bit)))
+    assert np.flatnonzero(lower).tolist() == [3]
+    assert corners(mesh, free_top=True)[0][0] and not corners(mesh)[0][0]

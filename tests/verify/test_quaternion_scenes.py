@@ -92,3 +92,22 @@ def test_a_restart_goes_on_alike(tmp_path):
     late = one["time [s]"] > 0.1
     for column in ("wob [N]", "hook_load [N]", "pump_pressure [Pa]"):
         assert one[column][late] == pytest.approx(two[column][late], rel=2e-3)
+
+
+def test_lowered_in_mud_it_starts_in_equilibrium(tmp_path):
+    """Let down at 1 m/s through circulating mud: hook load at the start that of the gauge element, drag of the mud included."""
+    pipe = {"kind": "pipe", "length": 600, "od": 0.127, "id": 0.1086, "element_length": 20}
+    well = {"survey": {"md": [0, 700], "inclination": [0, 0], "azimuth": [0, 0]},
+            "sections": [{"to": 700, "kind": "casing", "diameter": 0.2159, "friction": 0.2}]}
+    mud = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.1}, "flow_rate": 0.02}
+    loads = []
+    for element in ("gauge", "quaternion"):
+        for speed in (0.0, 1.0):
+            case = Case(well=well, string=[pipe], top={"kind": "top_drive", "lowering": speed}, bottom="free", fluid=mud,
+                        beam={"formulation": element}, time={"end": 0.02}, output={"history_every": 0.01})
+            folder = run(case, tmp_path / f"{element}{speed}", progress="silent").folder
+            loads.append(read_table(folder / "history.csv")["hook_load [N]"])
+    still, lowered, *other = loads
+    assert still[0] - lowered[0] > 1000.0  # the drag is felt
+    assert [q[0] for q in other] == pytest.approx([still[0], lowered[0]], rel=1e-5)
+    assert other[1] == pytest.approx(lowered, rel=1e-4)
