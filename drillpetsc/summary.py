@@ -13,6 +13,7 @@ import drillpetsc
 from drillpetsc.errors import Interrupted
 from drillpetsc.trajectory import new_hole, told
 
+FOR_RATES = 5.0  # [m] of new hole below which its waviness, tenths of a degree, says more than its build rate
 PHASES = ("Residual", "Jacobian", "ChainFactor", "ChainSolve", "Output")
 
 
@@ -118,9 +119,10 @@ def closing_lines(result: dict[str, Any], folder) -> list[str]:
         lines.append(f"  mud: {m['pumped']:.6g} m3 pumped, {m['returned']:.6g} m3 returned, balance off by {m['error']:.2g} m3")
     if "new_hole" in result:
         q = result["new_hole"]
+        rates = (f", build rate {q['build_rate [deg/30m]']:.3g}, turn rate {q['turn_rate [deg/30m]']:.3g} deg/30 m"
+                 if q["drilled [m]"] >= FOR_RATES else " (too short for rates)")
         lines.append(f"  drilled {q['drilled [m]']:.4g} m: inclination {q['inclination_start [deg]']:.4g} to "
-                     f"{q['inclination_end [deg]']:.4g} deg, build rate {q['build_rate [deg/30m]']:.3g}, turn rate "
-                     f"{q['turn_rate [deg/30m]']:.3g} deg/30 m")
+                     f"{q['inclination_end [deg]']:.4g} deg{rates}")
     for warning in (*result.get("statics", {}).get("warnings", ()), *result.get("warnings", ())):
         lines.append(f"  note: {warning}")
     lines.append(f"  results: {folder}")
