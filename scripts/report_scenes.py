@@ -70,6 +70,7 @@ SCENES: dict[str, Scene] = {
         note="The torque on the bit falls by half within 0.02 rad/s when it breaks loose: what remains of an error is a shift in time."),
     "coupled": Scene(
         "study-coupled.yaml", "wob", ("wob", "hook_load", "pump_pressure"), steps=halved(0.016, 6), curves=(*FIXED, *ADAPTIVE, *QUATERNION),
-        tolerances=(3e-3, 1e-3, 3e-4, 1e-4, 3e-5), mesh=(4, 3, 2, 1.5, 1), solver=True, ranks=True, limit=120.0,
-        note="The whole string in the whole hole, with contact: neighbouring motions part, so errors shrink only while the time is short."),
+        tolerances=(3e-3, 1e-3, 3e-4, 1e-4, 3e-5), solver=True, ranks=True,
+        note="The whole string in the whole hole, with contact: neighbouring motions part, so errors shrink only while the time is short; "
+        "on another mesh the string whirls otherwise, so there is no study of the mesh."),
 }
