@@ -40,7 +40,7 @@ SCENES: dict[str, Scene] = {
     "pendulum": Scene(
         "study-pendulum.yaml", "x_0.5", ("bit_depth", "x_0.5"), steps=halved(5e-3, 6), mesh=(4, 2.6, 2, 1.6, 1),
         note="BDF3 is not stable for undamped motion: modes that the mesh has but nothing excites grow out of rounding, the faster the "
-        "shorter the step."),
+        "shorter the step.  The quaternion element's error levels off at that of its mesh."),
     "hanging-string": Scene(
         "study-hanging-string.yaml", "bit_speed", ("bit_speed",), steps=halved(0.08, 7), tolerances=(1e-2, 1e-3, 1e-4, 1e-5, 1e-6),
         mesh=(10, 5, 3.4, 2, 1), curves=(*FIXED, *ADAPTIVE, *QUATERNION), solver=True, ranks=True, paper_steps=halved(1e-3, 3),
@@ -69,8 +69,8 @@ SCENES: dict[str, Scene] = {
         "study-stick-slip.yaml", "bit_speed", ("bit_speed", "surface_torque"), steps=halved(0.02, 6),
         curves=(*FIXED, *ADAPTIVE, *QUATERNION),
         note="The torque on the bit falls by half within 0.02 rad/s when it breaks loose: what remains of an error is a shift in time, "
-        "by a part of the step in which it happens, so that orders below 2 are observed.  The quaternion element's error levels off at that of "
-        "its mesh (0.6 rad of twist on an element)."),
+        "by a part of the step in which it happens, so that orders below 2 are observed.  The quaternion element's error levels off at "
+        "that of its mesh (0.6 rad of twist on an element)."),
     "coupled": Scene(
         "study-coupled.yaml", "wob", ("wob", "hook_load", "pump_pressure"), steps=halved(0.016, 6), curves=(*FIXED, *ADAPTIVE, *QUATERNION),
         tolerances=(3e-3, 1e-3, 3e-4, 1e-4, 3e-5), solver=True, ranks=True,
