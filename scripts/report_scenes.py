@@ -72,8 +72,9 @@ SCENES: dict[str, Scene] = {
         "by a part of the step in which it happens, so that orders below 2 are observed.  The quaternion element's error levels off at "
         "that of its mesh (0.6 rad of twist on an element)."),
     "coupled": Scene(
-        "study-coupled.yaml", "hook_load", ("hook_load", "wob", "pump_pressure"), steps=halved(0.016, 6), solver=True, ranks=True,
-        curves=(*FIXED, *ADAPTIVE, *QUATERNION), tolerances=(3e-3, 1e-3, 3e-4, 1e-4, 3e-5),
+        "study-coupled.yaml", "hook_load", ("hook_load", "wob", "pump_pressure"), steps=halved(0.032, 6), solver=True, ranks=True,
+        curves=(*FIXED, *ADAPTIVE, *QUATERNION), tolerances=(1e-2, 3e-3, 1e-3, 3e-4, 1e-4), limit=25.0,
         note="The whole string in the whole hole, while the pump is turned down; with contact neighbouring motions part, so errors shrink "
-        "only while the time is short; on another mesh the string whirls otherwise, so there is no study of the mesh."),
+        "only while the time is short and tolerances are not too small: at 3e-6 the motion is another one than at 1e-5.  On another mesh "
+        "the string whirls otherwise, so there is no study of the mesh."),
 }
