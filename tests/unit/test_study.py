@@ -307,3 +307,25 @@ def test_reference_is_finer_than_the_points(case_file):
     base = read_base(case_file, {})
     assert finest_tolerance(plan_of("tolerance", base, ["1e-3", "1e-5"]) + plan_of("time-step", base, ["1 ms"]), base) == 1e-5
     assert finest_tolerance(plan_of("time-step", base, ["0.02", "5 ms"]), base) == pytest.approx(1e-3 / 8)
+
+
+@pytest.mark.parametrize("far, expected", [({"arkimex"}, "bdf3"), ({"arkimex", "bdf3", "bdf2"}, "bdf2"), (set(), "arkimex")])
+def test_a_reference_is_sure_of_itself(far, expected, monkeypatch):
+    """One that is far from itself at a looser tolerance is passed over; where all are, the nearest is taken (bdf2 here)."""
+    from types import SimpleNamespace
+
+    from drillpetsc import study_reference
+    from drillpetsc.study_reference import LOOSER, Reference, _integrated
+
+    t = np.linspace(0.0, 1.0, 11)
+    off = {"arkimex": 0.5, "bdf3": 0.4, "bdf2": 0.3}
+
+    def of_run(bench, point, words, limit=None):
+        name, loose = words.split(",")[0], words.endswith(f"{LOOSER * 1e-5:.3g}")
+        return Reference(t, {"wob": t + (off[name] * loose if name in far else 0.0)}, words)
+
+    monkeypatch.setattr(study_reference, "_of_run", of_run)
+    monkeypatch.setattr(study_reference, "finest_tolerance", lambda points, base: 1e-5 / study_reference.FINER)
+    bench = SimpleNamespace(base=SimpleNamespace(history_every=0.1, own_options={}), say=lambda words: None, limit=1.0)
+    found = _integrated(bench, [], ("arkimex", "bdf3", "bdf2"))
+    assert found is not None and found.words.startswith(f"separate run by {expected}")
