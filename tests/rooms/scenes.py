@@ -110,3 +110,14 @@ def residual(model: Model, x: np.ndarray, t: float) -> np.ndarray:
     asm.impose_rates(t, SHIFT)
     model.sum_residual(t, vector)
     return vector.getArray().copy()
+
+
+def differences(model: Model, x0: np.ndarray, t: float, h: float) -> np.ndarray:
+    """(n, n) derivatives of ``residual`` at ``x0``, by differences of fourth order with steps ``h``."""
+    F = np.zeros((len(x0), len(x0)))
+    for j in range(len(x0)):
+        e = np.zeros(len(x0))
+        e[j] = h
+        r = [residual(model, x0 + k * e, t) for k in (-2, -1, 1, 2)]
+        F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * h)
+    return F

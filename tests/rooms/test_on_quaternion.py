@@ -12,7 +12,7 @@ from drillpetsc.rooms.contact import Contact
 from drillpetsc.rooms.ends import TopDrive
 from drillpetsc.rooms.quaternion_beam import QuaternionBeam
 from tests.rooms import flow_scenes, scenes, test_bit
-from tests.rooms.scenes import GRAVITY, SHIFT, dense, residual
+from tests.rooms.scenes import GRAVITY, SHIFT, dense, differences, residual
 from tests.rooms.test_quaternion_beam import on_the_manifold
 
 T = 0.4
@@ -87,12 +87,7 @@ def test_jacobian_matches_central_differences(kind):
     x0 = model.assembly.x[:n].copy()
     residual(model, x0, T)
     model.assembly.jacobian(T, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(model), np.zeros((n, n))
-    for j in range(n):
-        e = np.zeros(n)
-        e[j] = h
-        r = [residual(model, x0 + k * e, T) for k in (-2, -1, 1, 2)]
-        F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * h)
+    J, F = dense(model), differences(model, x0, T, h)
     names = np.array([f.name for f in model.layout.fields])[model.layout.field_of]
     length = names == "string.multiplier"
     for rows in (length, ~length):
