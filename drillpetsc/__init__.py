@@ -18,14 +18,14 @@ def __getattr__(name: str) -> Any:  # so that the import stays quick and starts 
 
 
 def run(case: Any, out: Any = None, **keywords: Any) -> Any:
-    """Simulate a Case, or the case file at a path, and write its run folder (see drillpetsc.simulate.run).
+    """Simulate a Case, or the case file at a path, and write its run folder (see drillpetsc.analysis.transient.run).
 
     PETSc is initialised first if the caller has not done so.
     """
     import petsc4py
 
     petsc4py.init()
-    from drillpetsc.simulate import run as whole_run
+    from drillpetsc.analysis.transient import run as whole_run
 
     return whole_run(case, out, **keywords)
 
@@ -33,11 +33,11 @@ def run(case: Any, out: Any = None, **keywords: Any) -> Any:
 def sweep(case_path: Any, values: Any, out: Any = None, **keywords: Any) -> Any:
     """Simulate every combination of ``values``, {"fluid.flow_rate": ["20 l/s", 0.03], "fluid": ["on", "off"]}, of the case file at a path.
 
-    See drillpetsc.ensemble.sweep; PETSc is initialised first if the caller has not done so.
+    See drillpetsc.studies.sweep.sweep.sweep; PETSc is initialised first if the caller has not done so.
     """
     import petsc4py
 
     petsc4py.init()
-    from drillpetsc.ensemble import sweep as whole_sweep
+    from drillpetsc.studies.sweep.sweep import sweep as whole_sweep
 
     return whole_sweep(case_path, values, out, **keywords)

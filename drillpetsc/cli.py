@@ -166,7 +166,7 @@ def _all_here() -> bool:
     """Whether all ranks have come to their end."""
     if not _TALK:
         return True
-    from drillpetsc.teams import wait_for
+    from drillpetsc.studies.sweep.worker_groups import wait_for
 
     return wait_for(_TALK[0].Ibarrier(), PATIENCE)
 
@@ -216,14 +216,14 @@ def _run(arguments, theirs: list[str]) -> int:
         return _run_several(arguments, theirs)
     name, case = Path(arguments.cases[0]).stem, _load(arguments.cases[0])
     _start_petsc(theirs)
-    from drillpetsc.simulate import run
-    from drillpetsc.summary import closing_lines
+    from drillpetsc.analysis.summary import closing_lines
+    from drillpetsc.analysis.transient import run
 
     result = run(case, arguments.out, restart=arguments.restart, overwrite=arguments.overwrite, name=name, progress=arguments.progress)
     if _rank() == 0:
         print("\n".join(closing_lines(result.summary, result.folder)))
     if arguments.companion:
-        from drillpetsc.companion import add_companion, mesh_lines
+        from drillpetsc.studies.convergence.coarse_mesh import add_companion, mesh_lines
 
         told = add_companion(case, result.folder, result.summary, name, progress=arguments.progress)
         if _rank() == 0:
@@ -233,7 +233,7 @@ def _run(arguments, theirs: list[str]) -> int:
 
 def _run_several(arguments, theirs: list[str]) -> int:
     _start_petsc(theirs)
-    from drillpetsc.ensemble import run_cases
+    from drillpetsc.studies.sweep.sweep import run_cases
 
     return _ended(run_cases(arguments.cases, arguments.out, restart=arguments.restart, overwrite=arguments.overwrite,
                             progress=arguments.progress))
@@ -241,17 +241,17 @@ def _run_several(arguments, theirs: list[str]) -> int:
 
 def _sweep(arguments, theirs: list[str]) -> int:
     _start_petsc(theirs)
-    from drillpetsc.ensemble import sweep
-    from drillpetsc.variations import choices_of
+    from drillpetsc.studies.sweep.sweep import sweep
+    from drillpetsc.studies.sweep.variations import choices_of
 
     return _ended(sweep(arguments.case, choices_of(arguments.values), arguments.out, restart=arguments.restart,
                         overwrite=arguments.overwrite, progress=arguments.progress))
 
 
 def _study(arguments, theirs: list[str]) -> int:
-    from drillpetsc.study import closing_lines, study
-    from drillpetsc.study_plan import options_of
-    from drillpetsc.variations import split_values
+    from drillpetsc.studies.convergence.plan import options_of
+    from drillpetsc.studies.convergence.study import closing_lines, study
+    from drillpetsc.studies.sweep.variations import split_values
 
     def listed(text: str | None) -> list[str]:
         return split_values(text) if text else []
@@ -267,7 +267,7 @@ def _study(arguments, theirs: list[str]) -> int:
 
 def _ended(result) -> int:
     """The end of a job of several members: 1 when any failed."""
-    from drillpetsc.ensemble import closing_lines
+    from drillpetsc.studies.sweep.sweep import closing_lines
 
     if _rank() == 0:
         print("\n".join(closing_lines(result)))
@@ -277,7 +277,7 @@ def _ended(result) -> int:
 def _check(arguments, theirs: list[str]) -> int:
     case = _load(arguments.case)
     _start_petsc(theirs)
-    from drillpetsc.describe import describe
+    from drillpetsc.analysis.check import describe
 
     print(describe(case))
     return 0
@@ -286,7 +286,7 @@ def _check(arguments, theirs: list[str]) -> int:
 def _statics(arguments, theirs: list[str]) -> int:
     case = _load(arguments.case)
     _start_petsc(theirs)
-    from drillpetsc.torque_drag import run_statics
+    from drillpetsc.analysis.statics import run_statics
 
     lines = run_statics(case, arguments.out, arguments.motion, arguments.overwrite, Path(arguments.case).stem)
     if _rank() == 0:
@@ -297,7 +297,7 @@ def _statics(arguments, theirs: list[str]) -> int:
 def _modes(arguments, theirs: list[str]) -> int:
     case = _load(arguments.case)
     _start_petsc(theirs)
-    from drillpetsc.modes import run_modes
+    from drillpetsc.analysis.modal import run_modes
 
     lines = run_modes(case, arguments.out, arguments.count, arguments.shift, arguments.kind, arguments.about, arguments.overwrite,
                       Path(arguments.case).stem)
@@ -307,7 +307,7 @@ def _modes(arguments, theirs: list[str]) -> int:
 
 
 def _view(arguments, theirs: list[str]) -> int:
-    from drillpetsc.draw.view import view
+    from drillpetsc.plotting.view import view
 
     interval = tuple(arguments.interval) if arguments.interval else None
     return _drawn(lambda: [view(arguments.run, arguments.out, field=arguments.field, time=arguments.time, animate=arguments.animate,
@@ -315,7 +315,7 @@ def _view(arguments, theirs: list[str]) -> int:
 
 
 def _plot(arguments, theirs: list[str]) -> int:
-    from drillpetsc.draw.plot import plot
+    from drillpetsc.plotting.plot import plot
 
     return _drawn(lambda: plot(arguments.run, arguments.out), arguments.run)
 

@@ -84,10 +84,10 @@ ERRORS: dict[str, Callable[[Path, bool], Errors]] = {
 # ---------------------------------------------------------------------- measuring
 def call_times(case: Path, calls: int = 40) -> dict[str, float]:
     """Shortest time [s] of one call of each phase of a Newton iteration, in the static state of a case."""
+    from drillpetsc.analysis.equilibrium import find_equilibrium, move_rigidly, release
     from drillpetsc.case import load_case
-    from drillpetsc.scene import build_scene
-    from drillpetsc.solve.newton import chain_factor
-    from drillpetsc.start import find_equilibrium, move_rigidly, release
+    from drillpetsc.model.drilling_model import build_scene
+    from drillpetsc.solvers.newton import chain_factor
 
     scene = build_scene(load_case(case))
     find_equilibrium(scene)

@@ -85,8 +85,8 @@ def free_motion(case, elements: int, times: np.ndarray, tolerance: float) -> np.
     """
     from scipy.integrate import solve_ivp
 
-    from drillpetsc.scene import build_scene
-    from drillpetsc.start import move_rigidly, place_along_hole, release
+    from drillpetsc.analysis.equilibrium import move_rigidly, place_along_hole, release
+    from drillpetsc.model.drilling_model import build_scene
 
     item = case.string[0]
     refined = item.model_copy(update={"element_length": item.length / elements})

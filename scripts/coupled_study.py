@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
+from drillpetsc.analysis.transient import run
 from drillpetsc.case import load_case
 from drillpetsc.output import read_frame, read_series, read_table
-from drillpetsc.simulate import run
 
 ROOT = Path(__file__).parents[1]
 COUPLED, DRY = ROOT / "cases" / "vertical-2000m.yaml", ROOT / "cases" / "vertical-2000m-dry.yaml"

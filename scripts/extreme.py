@@ -45,9 +45,9 @@ def compute(part, out: Path) -> None:
     from petsc4py import PETSc
 
     PETSc.Log.begin()
-    from drillpetsc import extreme_run
+    from tests.robustness import run as robustness_run
 
-    extreme_run.compute(part, CASES, out)
+    robustness_run.compute(part, CASES, out)
 
 
 def start(part, out: Path) -> str:
@@ -71,7 +71,7 @@ def start(part, out: Path) -> str:
 # ---------------------------------------------------------------------- judging
 def judged(scene, out: Path, budgets: dict[str, float]) -> list:
     """Rows of a scene; a run that is missing or that cannot be judged is a row that does not pass."""
-    from drillpetsc.extreme import Run, holds, in_time
+    from tests.robustness.criteria import Run, holds, in_time
 
     runs = {part.name: Run(out / part.name) for part in scene.parts}
     missing = [name for name, run in runs.items() if not (run.folder / "summary.json").is_file()]
@@ -125,7 +125,7 @@ def report(rows: list, scenes) -> str:
 
 def main() -> int:
     asked = words()
-    from drillpetsc.extreme_scenes import SCENES, chosen
+    from tests.robustness.scenes import SCENES, chosen
 
     asked.out = asked.out.resolve()
     if asked.part:

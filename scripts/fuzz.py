@@ -25,8 +25,8 @@ from fuzz_mutations import mutate_data, mutate_survey, mutate_text, places, repl
 from ruamel.yaml import YAML
 
 from drillpetsc.case import Case, case_from_data, load_case, read_case_file
-from drillpetsc.case.items import Flexible
-from drillpetsc.case.size_checks import element_count
+from drillpetsc.case.blocks.string import Flexible
+from drillpetsc.case.checks.size import element_count
 from drillpetsc.errors import CaseError
 
 ROOT = Path(__file__).parents[1]
@@ -155,7 +155,7 @@ def _write_and_read(case: Case, m: Mutant) -> str:
 
 
 def _build(case: Case, m: Mutant) -> str:
-    from drillpetsc.scene import build_scene
+    from drillpetsc.model.drilling_model import build_scene
 
     try:
         guarded(lambda: build_scene(case), 20.0)

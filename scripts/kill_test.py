@@ -110,7 +110,7 @@ def last_row(out: Path) -> float | None:
 
 def saved_time(out: Path) -> float | None:
     """Of the checkpoint [s]."""
-    from drillpetsc import checkpoint
+    from drillpetsc.analysis import checkpoint
 
     return checkpoint.read(out / "checkpoint.h5").time if (out / "checkpoint.h5").exists() else None
 

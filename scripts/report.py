@@ -18,8 +18,8 @@ from typing import Any
 
 from report_scenes import SCENES, Scene
 
-from drillpetsc.draw.work_precision import draw_study
-from drillpetsc.study import study
+from drillpetsc.plotting.work_precision import draw_study
+from drillpetsc.studies.convergence.study import study
 
 ROOT = Path(__file__).parents[1]
 CASES, RUNS = ROOT / "cases" / "verification", ROOT / "results" / "report"

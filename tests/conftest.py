@@ -1,7 +1,6 @@
 """PETSc starts once for the whole test run, without reading pytest's own words."""
 
-import sys
 
 import petsc4py
 
-petsc4py.init([sys.argv[0]])
+petsc4py.init(["pytest"])

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, TypeVar
 
-from drillpetsc.case.base import Model
-from drillpetsc.case.hole import Contact
-from drillpetsc.case.items import Beam, Inertia, Item, Material, Pipe, Rigid
+from drillpetsc.case.block import Model
+from drillpetsc.case.blocks.string import Beam, Inertia, Item, Material, Pipe, Rigid
+from drillpetsc.case.blocks.well import Contact
 from drillpetsc.time_function import Constant, Ramp, TimeFunction
 
 if TYPE_CHECKING:
-    from drillpetsc.case.scene import Case
+    from drillpetsc.case.case import Case
 
 Block = TypeVar("Block", bound=Model)
 

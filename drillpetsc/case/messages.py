@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from drillpetsc.case.keys import Path, near, written
+from drillpetsc.case.key_paths import Path, near, written
 from drillpetsc.errors import CaseError, shown
 
 _MISSING = object()

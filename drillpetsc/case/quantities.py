@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-from drillpetsc.case.keys import near, refuse
+from drillpetsc.case.key_paths import near, refuse
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp, TimeFunction
 from drillpetsc.units import DIMENSIONS, UnitError, to_si, wanted
 

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path as FilePath
 from typing import Any
 
-from drillpetsc.case.keys import MOST_LEVELS, Path, override, written
-from drillpetsc.case.scene import Case
+from drillpetsc.case.case import Case
+from drillpetsc.case.key_paths import MOST_LEVELS, Path, override, written
 from drillpetsc.case.survey_file import FOLDER
 from drillpetsc.case.yaml_text import parse, too_deep
 from drillpetsc.errors import CaseError, shown

@@ -7,8 +7,8 @@ import re
 from pathlib import Path
 from typing import Any
 
-from drillpetsc.case.keys import parsed
-from drillpetsc.case.scene import Case
+from drillpetsc.case.case import Case
+from drillpetsc.case.key_paths import parsed
 
 
 def case_json_schema() -> dict[str, Any]:

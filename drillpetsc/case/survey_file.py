@@ -8,7 +8,7 @@ import re
 from contextvars import ContextVar
 from pathlib import Path
 
-from drillpetsc.case.keys import near, refuse
+from drillpetsc.case.key_paths import near, refuse
 from drillpetsc.errors import CaseError
 from drillpetsc.units import UnitError, to_si
 

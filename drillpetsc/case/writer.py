@@ -6,7 +6,7 @@ from io import StringIO
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from drillpetsc.case.scene import Case
+    from drillpetsc.case.case import Case
 
 
 def case_data(case: Case) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from io import StringIO
 from pathlib import Path as FilePath
 from typing import Any
 
-from drillpetsc.case.keys import MOST_LEVELS, TOO_DEEP, Path, written
+from drillpetsc.case.key_paths import MOST_LEVELS, TOO_DEEP, Path, written
 from drillpetsc.errors import CaseError
 
 

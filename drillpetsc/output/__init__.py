@@ -5,11 +5,11 @@ gathered arrays.
 meshio is imported by the first function that writes or reads a .vtu, not before.
 """
 
-from drillpetsc.output.fields import FieldWriter, Frame, read_frame, read_series, write_well
-from drillpetsc.output.folder import RunFolder, RunFolderExists, RunFolderMissing
-from drillpetsc.output.lock import RunFolderBusy
-from drillpetsc.output.summary import read_summary, write_summary
-from drillpetsc.output.tables import Table, read_table, write_table
+from drillpetsc.output.files.fields import FieldWriter, Frame, read_frame, read_series, write_well
+from drillpetsc.output.files.json_file import read_summary, write_summary
+from drillpetsc.output.files.lock import RunFolderBusy
+from drillpetsc.output.files.run_folder import RunFolder, RunFolderExists, RunFolderMissing
+from drillpetsc.output.files.tables import Table, read_table, write_table
 
 __all__ = [
     "FieldWriter",

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from drillpetsc.analysis.run_control import NOTHING, SAVE, STOP, Watch
 from drillpetsc.output import read_frame, read_series, read_table
-from drillpetsc.watch import NOTHING, SAVE, STOP, Watch
 
 ROOT = Path(__file__).parents[2]
 CASE = """

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.output import read_frame, read_table
-from tests.parallel.launch import have_mpi, run_mpi
+from tests.helpers.mpi import have_mpi, run_mpi
 
 CASE = """
 title: Hanging collar in mud

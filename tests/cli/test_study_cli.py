@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.output import read_table
-from drillpetsc.study import study
+from drillpetsc.studies.convergence.study import study
 
 INERTIA, STIFFNESS, SPEED, RAMP = 2.0, 800.0, 3.0, 2.0  # [kg m2], [N m/rad], [rad/s], [s]
 #: a disc of inertia J on a shaft of stiffness k, almost without inertia, turned from above

@@ -101,7 +101,7 @@ def test_an_option_that_no_member_reads_is_refused_before_any_runs(swept):
 
 def test_a_second_job_in_the_folder_is_refused(swept):
     """Another process, which holds the folder as long as it lives, as a job does."""
-    code = "import sys; from pathlib import Path; from drillpetsc.output import lock; lock.take(Path('sweep'))"
+    code = "import sys; from pathlib import Path; from drillpetsc.output.files import lock; lock.take(Path('sweep'))"
     code += "; print('held', flush=True); sys.stdin.read()"
     with subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=swept) as other:
         assert other.stdout is not None and other.stdout.readline() == "held\n"

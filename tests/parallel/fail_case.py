@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from drillpetsc.assembly import Assembly
 from drillpetsc.cli import main
 from drillpetsc.errors import SolveError
+from drillpetsc.fem.assembly import Assembly
 
 KIND, CASE, OUT, CLOCK = sys.argv[1:]
 residual = Assembly.residual

@@ -9,8 +9,8 @@ petsc4py.init(["local_sizes"])
 from petsc4py import PETSc  # noqa: E402
 
 from drillpetsc.case import load_case  # noqa: E402
-from drillpetsc.scene import build_scene  # noqa: E402
-from drillpetsc.solve.newton import chain_factor  # noqa: E402
+from drillpetsc.model.drilling_model import build_scene  # noqa: E402
+from drillpetsc.solvers.newton import chain_factor  # noqa: E402
 
 case = load_case(sys.argv[1])
 whole = build_scene(case, PETSc.COMM_SELF)

@@ -13,9 +13,9 @@ import petsc4py
 
 petsc4py.init()
 
-import drillpetsc.ensemble as ensemble  # noqa: E402
-from drillpetsc import teams  # noqa: E402
+import drillpetsc.studies.sweep.sweep as ensemble  # noqa: E402
 from drillpetsc.cli import main  # noqa: E402
+from drillpetsc.studies.sweep import worker_groups as teams  # noqa: E402
 
 what, *words = sys.argv[1:]
 real = ensemble.run

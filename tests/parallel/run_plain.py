@@ -8,7 +8,7 @@ petsc4py.init([sys.argv[0]])
 
 import numpy as np  # noqa: E402
 
-from tests.verify.motion import beam, fixed, integrate, straight  # noqa: E402
+from tests.helpers.motion import beam, fixed, integrate, straight  # noqa: E402
 
 for kind in sys.argv[1:]:
     scene = straight(

@@ -8,12 +8,12 @@ petsc4py.init([sys.argv[0]])
 
 import numpy as np  # noqa: E402
 
-from drillpetsc.recorder import Recorder  # noqa: E402
-from drillpetsc.scene import build_scene  # noqa: E402
-from drillpetsc.start import find_equilibrium, move_rigidly, release  # noqa: E402
-from tests.verify.motion import fixed, integrate  # noqa: E402
-from tests.verify.test_quaternion_contact import lying  # noqa: E402
-from tests.verify.test_quaternion_scenes import scene as with_everything  # noqa: E402
+from drillpetsc.analysis.equilibrium import find_equilibrium, move_rigidly, release  # noqa: E402
+from drillpetsc.model.drilling_model import build_scene  # noqa: E402
+from drillpetsc.output.recorder import Recorder  # noqa: E402
+from tests.helpers.motion import fixed, integrate  # noqa: E402
+from tests.verification.test_quaternion_contact import lying  # noqa: E402
+from tests.verification.test_quaternion_scenes import scene as with_everything  # noqa: E402
 
 for constraint in ("index3", "stabilized"):
     top = {"kind": "top_drive", "rotation": {"ramp": 0.02, "value": 6.0}, "lowering": 0.1}

@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from drillpetsc.output import read_table
-from tests.parallel.launch import run_mpi
+from tests.helpers.mpi import run_mpi
 
 SCRIPT = Path(__file__).parent / "run_case.py"
 EXACT = ["-ts_adapt_type", "none", "-ts_dt", "2e-3", "-q_snes_stol", "1e-12"]

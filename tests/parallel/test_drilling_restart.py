@@ -10,9 +10,9 @@ import pytest
 import yaml
 
 from drillpetsc import load_case
+from drillpetsc.analysis.transient import run
 from drillpetsc.output import read_table
-from drillpetsc.simulate import run
-from tests.parallel.launch import run_mpi
+from tests.helpers.mpi import run_mpi
 from tests.parallel.test_restart import files, run_with_copies
 
 SCRIPT = Path(__file__).parent / "run_case.py"

@@ -10,7 +10,7 @@ import pytest
 
 from drillpetsc.output import read_table
 from tests.cli.test_sweep_cli import CASE, HOPELESS, WORDS
-from tests.parallel.launch import run_mpi
+from tests.helpers.mpi import run_mpi
 
 SCRIPT = Path(__file__).parent / "run_ensemble.py"
 MACHINE = ("wall [s]", "real_time_factor [-]", "ranks")

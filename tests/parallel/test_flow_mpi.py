@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from drillpetsc.output import read_table
-from tests.parallel.launch import run_mpi
-from tests.verify.mud import hole, loop
+from tests.helpers.mpi import run_mpi
+from tests.helpers.mud import hole, loop
 
 PUMP = {"flow_rate": {"time": [0.0, 0.02, 0.05, 9.0], "value": [0.03, 0.03, 0.01, 0.01]}, "flow_line": 2.0}
 LOWERED = {"kind": "top_drive", "rotation": 10.0, "lowering": {"time": [0.0, 0.1, 0.2], "value": [0.3, 0.3, 0.0]}}

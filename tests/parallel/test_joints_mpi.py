@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.output import read_table
-from tests.parallel.launch import run_mpi
+from tests.helpers.mpi import run_mpi
 
 ROOT = Path(__file__).parents[2]
 CASE = """

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.parallel.launch import have_mpi, run_mpi
+from tests.helpers.mpi import have_mpi, run_mpi
 
 pytestmark = [pytest.mark.parallel, pytest.mark.skipif(not have_mpi(), reason="no mpirun")]
 RANKS = (1, 2, 3)
@@ -70,7 +70,7 @@ def test_two_ranks_share_the_work():
 
 
 def test_price_of_a_piece_between_two_joints():
-    """Leading terms 38/3 against 14/3 b^3 (derivation in drillpetsc.linear): 2.71 for large blocks, less for b = 7."""
+    """Leading terms 38/3 against 14/3 b^3 (derivation in drillpetsc.solvers.chain_lu): 2.71 for large blocks, less for b = 7."""
     first, inner, last = report(3)["factor_flops"]
     assert first == last
     assert 2.4 < inner / first < 38 / 14

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import petsc_compat
-from tests.parallel.launch import run_mpi
+from tests.helpers.mpi import run_mpi
 
 SCRIPT = Path(__file__).with_name("run_plain.py")
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.parallel.launch import run_mpi
+from tests.helpers.mpi import run_mpi
 
 SCRIPT = Path(__file__).with_name("run_quaternion.py")
 

@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from petsc4py import PETSc
 
-from drillpetsc import checkpoint
+from drillpetsc.analysis import checkpoint
+from drillpetsc.analysis.equilibrium import place_along_hole
+from drillpetsc.analysis.transient import after, run
 from drillpetsc.case import load_case
 from drillpetsc.errors import CaseError
+from drillpetsc.model.drilling_model import build_scene
 from drillpetsc.output import read_table
-from drillpetsc.output.atomic import remove_leftovers, replace_file
-from drillpetsc.recorder import Recorder
-from drillpetsc.scene import build_scene
-from drillpetsc.simulate import after, run
-from drillpetsc.solve.dynamics import Dynamics
-from drillpetsc.start import place_along_hole
+from drillpetsc.output.files.atomic import remove_leftovers, replace_file
+from drillpetsc.output.recorder import Recorder
+from drillpetsc.solvers.time_integrator import Dynamics
 
 # a whirling string in contact, with a bend of the rotation at 40 ms and a jump of the lowering at 60 ms, and mud
 CASE = """

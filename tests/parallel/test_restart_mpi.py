@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.output import read_table
-from tests.parallel.launch import ROOT, run_mpi, start_mpi
+from tests.helpers.mpi import ROOT, run_mpi, start_mpi
 from tests.parallel.test_restart import CASE, files
 
 RUN = ROOT / "tests" / "parallel" / "run_case.py"

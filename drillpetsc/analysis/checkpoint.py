@@ -1,0 +1,196 @@
+"""Checkpoints: everything a run needs to go on as if it had never stopped, in one file that is whole or not there.
+
+The file is HDF5 behind a first block of 512 bytes (a user block, which HDF5's readers pass over) with the kind, the version and the
+SHA-256 of all that follows: what is cut short or damaged is refused before anything is believed of it.  Arrays are in depth order, so
+another number of ranks can read them; only what cannot matter there is kept by ranks (solvers/newton.py).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.errors import CaseError
+from drillpetsc.fem.component import FloatArray
+from drillpetsc.fem.discrete_system import Model
+from drillpetsc.model.drilling_model import Scene
+from drillpetsc.output.files.atomic import replace_file
+from drillpetsc.output.recorder import Recorder
+from drillpetsc.solvers.time_integrator import Dynamics
+
+VERSION = 2
+BLOCK = 512  # bytes of the first block, the least that HDF5 takes
+MAGIC, OLD_MAGIC = b"drillpetsc checkpoint ", b"\x89HDF\r\n\x1a\n"  # version 1 was plain HDF5
+WANT = "the checkpoint.h5 of a run"
+
+
+@dataclass
+class Checkpoint:
+    """State of a run at ``time`` [s].
+
+    fields, rates: name -> (n_nodes, size), unknowns and rates; depths: (n_nodes,) of the nodes [m]; frames: gauges; rooms: what rooms
+    carry from step to step, by name (``memory``, the same on all ranks); places: what they carry at each "vertex" or "cell"
+    (``local_memory``, (n_nodes, k) or (n_elements, k) here); books: of the recorder; stepper: of the integrator; notes: plain words and
+    numbers.
+    """
+
+    time: float
+    fields: dict[str, FloatArray]
+    rates: dict[str, FloatArray]
+    depths: FloatArray
+    frames: dict[str, FloatArray]
+    rooms: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
+    places: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
+    books: dict[str, FloatArray] = field(default_factory=dict)
+    stepper: dict[str, FloatArray] = field(default_factory=dict)
+    imperfection: FloatArray | None = None
+    top: FloatArray | None = None
+    notes: dict[str, Any] = field(default_factory=dict)
+
+
+def take(scene: Scene, recorder: Recorder, dynamics: Dynamics, time: float, notes: dict[str, Any] | None = None) -> Checkpoint | None:
+    """Collect the state on rank 0 (None elsewhere), changing nothing; collective, after a step is done with (Dynamics.at_rest)."""
+    model = scene.model
+    rooms = {room.name: room.memory() for room in scene.rooms if hasattr(room, "memory")}
+    places = {room.name: _gathered(model, room.local_memory()) for room in scene.rooms if hasattr(room, "local_memory")}
+    books, stepper = recorder.memory(), dynamics.memory()
+    names = [f.name for f in model.layout.fields]
+    values = model.gather(np.hstack([model.field(n) for n in names] + [model.field(n, "y") for n in names]))
+    dead = None
+    if model.assembly.dead is not None:
+        place = model.layout.place["string.position"]
+        dead = model.gather(model.assembly.dead[place])
+    if values is None:
+        return None
+    sizes = [f.size for f in model.layout.fields]
+    parts = np.split(values, np.cumsum(sizes + sizes)[:-1], axis=1)
+    fields = dict(zip(names, parts[: len(names)], strict=True))
+    rates = dict(zip(names, parts[len(names) :], strict=True))
+    frames = {"gauge": model.frames.gauge, "second": model.frames.second, "twist0": model.frames.twist0}
+    top = scene.top.anchor if scene.top is not None else None
+    return Checkpoint(time, fields, rates, np.asarray(scene.mesh.node_depth), frames, rooms, places, books, stepper, dead, top,
+                      notes or {})
+
+
+def _gathered(model: Model, memory: dict[str, FloatArray]) -> dict[str, FloatArray]:
+    """Values at local vertices and cells, in depth order; whole on rank 0."""
+    whole = {on: model.gather(values, on) for on, values in memory.items()}
+    return {on: values for on, values in whole.items() if values is not None}
+
+
+# ---------------------------------------------------------------------- files
+def write(path: Path, c: Checkpoint) -> None:
+    """Write ``c``; the file before it stays until the disk has the new one."""
+    import h5py
+
+    tree = {"fields": c.fields, "rates": c.rates, "frames": c.frames, "books": c.books, "stepper": c.stepper,
+            **{f"rooms/{name}": memory for name, memory in c.rooms.items()},
+            **{f"places/{name}": memory for name, memory in c.places.items()}}
+    rest: dict[str, FloatArray | None] = {"depths": c.depths, "imperfection": c.imperfection, "top": c.top}
+    # in memory: HDF5 that meets a full disk half-way is hard to leave in good order
+    with h5py.File("checkpoint", "w", driver="core", backing_store=False, userblock_size=BLOCK) as file:
+        file.attrs["time"], file.attrs["notes"] = c.time, json.dumps(c.notes)
+        for group, arrays in tree.items():
+            file.require_group(group)
+            for name, values in arrays.items():
+                file[f"{group}/{name}"] = values
+        for name, single in rest.items():
+            if single is not None:
+                file[name] = single
+        file.flush()
+        body = file.id.get_file_image()  # without the first block
+    first = MAGIC + f"{VERSION} sha256 {hashlib.sha256(body).hexdigest()}\n".encode()
+    replace_file(path, lambda target: target.write_bytes(first.ljust(BLOCK, b"\0") + body), lasting=True)
+
+
+def read(path: str | Path) -> Checkpoint:
+    """Read a checkpoint; raises CaseError when there is none, or it is cut short, damaged or of another kind."""
+    import h5py
+
+    if not Path(path).is_file():
+        raise CaseError(got=str(path), want="a run folder with a checkpoint.h5", hint="was the run stopped before its first checkpoint?")
+    try:
+        data = Path(path).read_bytes()
+    except OSError as error:
+        raise CaseError(got=str(path), want="a file that can be read", hint=str(error)) from None
+    _inspect(path, data)
+    try:
+        with h5py.File(io.BytesIO(data), "r") as file:
+            groups = {g: _arrays(file[g]) for g in ("fields", "rates", "frames", "books", "stepper")}
+            rooms, places = ({name: _arrays(group) for name, group in file[kind].items()} if kind in file else {}
+                             for kind in ("rooms", "places"))
+            imperfection, top = (np.array(file[name]) if name in file else None for name in ("imperfection", "top"))
+            return Checkpoint(float(file.attrs["time"]), groups["fields"], groups["rates"], np.array(file["depths"]), groups["frames"],
+                              rooms, places, groups["books"], groups["stepper"], imperfection, top, json.loads(file.attrs["notes"]))
+    except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:  # whole, and yet not what version 2 holds
+        raise CaseError(file=path, want=WANT, hint=f"it was written by another version of drillpetsc ({error})") from None
+
+
+def _arrays(group) -> dict[str, FloatArray]:
+    return {name: np.array(values) for name, values in group.items()}
+
+
+def _inspect(path: str | Path, data: bytes) -> None:
+    """Raise CaseError unless the file is whole and of this version."""
+    if data.startswith(OLD_MAGIC):
+        raise CaseError(file=path, got="checkpoint version 1", want=f"version {VERSION}",
+                        hint="it was written by an older drillpetsc: finish the run with that, or start it again")
+    if not data.startswith(MAGIC):
+        raise CaseError(file=path, got=f"{len(data)} bytes of something else" if data else "an empty file", want=WANT)
+    words = data[len(MAGIC) : BLOCK].split(b"\n")[0].split()
+    if len(words) != 3 or not words[0].isdigit():
+        raise CaseError(file=path, got="a damaged first block", want=WANT)
+    if int(words[0]) != VERSION:
+        raise CaseError(file=path, got=f"checkpoint version {int(words[0])}", want=f"version {VERSION}",
+                        hint="it was written by another drillpetsc: continue the run with that, or start it again")
+    if hashlib.sha256(data[BLOCK:]).hexdigest().encode() != words[2]:
+        raise CaseError(file=path, got="a file that was cut short or damaged (its checksum is wrong)", want=WANT,
+                        hint="take it from a copy of the run folder, or start the run again with --overwrite")
+
+
+# ---------------------------------------------------------------------- back into a scene
+def restore(scene: Scene, c: Checkpoint, at: str = "--restart") -> None:
+    """Put a checkpoint's state into the scene's model; raises CaseError, for the key ``at``, when it is of another string."""
+    model = scene.model
+    for f in model.layout.fields:
+        values = c.fields.get(f.name)
+        if values is None or values.shape != (model.mesh.nodes, f.size):
+            raise CaseError(at=at, want=f"a checkpoint of the same string ({model.mesh.nodes} nodes with {f.name})")
+    if not np.allclose(c.depths, scene.mesh.node_depth, rtol=0, atol=1e-6):
+        raise CaseError(at=at, want="a checkpoint of the same string", hint="its nodes are elsewhere along the string")
+    for f in model.layout.fields:
+        model.set_field(f.name, c.fields[f.name])
+        model.set_field(f.name, c.rates[f.name], "y")
+    model.frames.gauge[:], model.frames.second[:] = c.frames["gauge"], c.frames["second"]
+    model.frames.twist0[:] = c.frames["twist0"]
+    model.assembly.gauge[:] = model.frames.gauge[model.line.vertices]
+    for room in model.rooms:
+        room.refresh_gauges()
+    if c.imperfection is not None:
+        dead, place = np.zeros(model.layout.size), model.layout.place["string.position"]
+        owned = model.line.owned
+        dead[place[owned]] = c.imperfection[model.line.vertices[owned]]
+        model.assembly.dead = dead
+    if c.top is not None and scene.top is not None:
+        scene.top.anchor[:] = c.top
+    for room in scene.rooms:
+        if room.name in c.rooms and hasattr(room, "recall"):
+            room.recall(c.rooms[room.name])
+        if room.name in c.places and hasattr(room, "recall_local"):
+            here = {"vertex": model.line.vertices, "cell": model.line.cells}
+            room.recall_local({on: values[here[on]] for on, values in c.places[room.name].items()})
+
+
+def start_clock_anew(scene: Scene, c: Checkpoint) -> None:
+    """Time begins at 0 again with the state of ``c``: the top goes on from the place and the angle that it has there."""
+    if scene.top is None:
+        return
+    (condition,) = scene.top.prescribed()
+    fields = ("string.position", "string.tangent", "string.spin")
+    scene.top.anchor[:] = condition.directions @ np.concatenate([c.fields[name][0] for name in fields])

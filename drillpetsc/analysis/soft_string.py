@@ -1,0 +1,217 @@
+"""Torque and drag of a string that lies on the wall and has no bending stiffness.
+
+Johancsik, Friesen and Dawson, "Torque and Drag in Directional Wells - Prediction and Measurement", JPT 36(6), 1984
+(SPE 11380), in the form of a differential equation (Sheppard, Wick and Burgess, SPEDE 1987, SPE 15463).  With T the
+axial force (compression negative), M the torque, t the tangent of the hole, kappa = dt/ds, w the buoyed weight per
+length, and md counted downwards:
+
+    dT/ds = -(w cos I + a mu N)      dM/ds = -c mu N R_o      N = |T kappa + w_perp|      w_perp = w (z - (z.t) t)
+
+(a, c) = (v, omega R_o) / |(v, omega R_o)| is the slip direction, v positive when hoisting.  Without motion there is
+no friction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drillpetsc.geometry.well import Well
+
+Array = NDArray[np.float64]
+
+MAX_STEP = 5.0  # m, longest step of the integration
+_GAUSS = np.array([0.5 - np.sqrt(3) / 6, 0.5 + np.sqrt(3) / 6])
+# two-stage Gauss collocation, order 4 (Hairer, Norsett and Wanner,
+# Solving Ordinary Differential Equations I, section II.7)
+_A11, _A12, _A21, _A22 = 0.25, 0.25 - np.sqrt(3) / 6, 0.25 + np.sqrt(3) / 6, 0.25
+
+
+@dataclass(frozen=True)
+class TorqueDrag:
+    """Result along the string; n + 1 boundaries from the top down, n intervals between them.
+
+    md (n+1,) [m]; axial_force (n+1,) [N], compression negative; torque (n+1,) [N m]; contact_force (n+1,) [N/m] and
+    side (n+1, 3), the unit direction from the hole axis to the wall the string is pressed to (zero where it is
+    not), both from the mean of the two sides of a boundary; mean_contact_force (n,) [N/m] over each interval, the
+    one that friction sums to; elongation (n+1,) [m] and twist (n+1,) [rad] counted from the top down to each
+    boundary.
+    """
+
+    md: Array
+    axial_force: Array
+    torque: Array
+    contact_force: Array
+    side: Array
+    mean_contact_force: Array
+    elongation: Array
+    twist: Array
+
+    @property
+    def hook_load(self) -> float:
+        """Axial force at the top [N]."""
+        return float(self.axial_force[0])
+
+    @property
+    def surface_torque(self) -> float:
+        """Torque at the top [N m]."""
+        return float(self.torque[0])
+
+    @property
+    def stretch(self) -> float:
+        """Elongation of the whole string [m]."""
+        return float(self.elongation[-1])
+
+
+def slip_shares(axial_velocity: float, rotation: float, contact_radius: ArrayLike) -> tuple[Array, Array]:
+    """Axial and circumferential share of the friction, (v, omega R_o)/|(v, omega R_o)|; both zero without motion.
+
+    axial_velocity [m/s] positive when hoisting, rotation [rad/s], contact_radius (n,) [m].
+    """
+    around = rotation * np.asarray(contact_radius, dtype=float)
+    speed = np.hypot(axial_velocity, around)
+    scale = np.divide(1.0, speed, out=np.zeros_like(speed), where=speed > 0)
+    return axial_velocity * scale, around * scale
+
+
+def torque_drag(
+    well: Well,
+    md: ArrayLike,
+    weight: ArrayLike,
+    contact_radius: ArrayLike,
+    axial_stiffness: ArrayLike,
+    torsional_stiffness: ArrayLike,
+    *,
+    bottom_force: float = 0.0,
+    bottom_torque: float = 0.0,
+    axial_velocity: float = 0.0,
+    rotation: float = 0.0,
+    friction: ArrayLike | None = None,
+) -> TorqueDrag:
+    """Integrates the soft string from the bottom up.
+
+    md (n+1,) [m] interval boundaries, increasing; per interval (n,) or one number for all: weight [N/m] (buoyed,
+    positive down), contact_radius [m], axial_stiffness EA [N], torsional_stiffness GJ [N m2], friction [-] (None:
+    the well's).  bottom_force [N] at md[-1], compression negative; bottom_torque [N m] that the rock takes;
+    axial_velocity [m/s], positive when hoisting; rotation [rad/s].
+    """
+    md = np.asarray(md, dtype=float)
+    n = len(md) - 1
+    if n < 1 or not (np.diff(md) > 0).all():
+        raise ValueError("md needs two or more increasing interval boundaries")
+    weight, contact_radius, ea, gj = (
+        np.broadcast_to(np.asarray(v, dtype=float), (n,))
+        for v in (weight, contact_radius, axial_stiffness, torsional_stiffness)
+    )
+    edges, owner = _steps(well, md)
+    h = np.diff(edges)
+    points = edges[:-1, None] + h[:, None] * _GAUSS  # (k, 2)
+    _, tangent, curvature = well.at(points)
+    if friction is None:
+        mu = well.friction(points)
+    else:
+        mu = np.broadcast_to(np.broadcast_to(np.asarray(friction, dtype=float), (n,))[owner][:, None], points.shape)
+    along, around = slip_shares(axial_velocity, rotation, contact_radius)
+    w = weight[owner][:, None]
+    down = w * tangent[..., 2]
+    across = -down[..., None] * tangent  # w_perp
+    across[..., 2] += w
+
+    tension, at_points = _integrate(h, down, along[owner][:, None] * mu, curvature, across, bottom_force)
+    contact = np.linalg.norm(at_points[..., None] * curvature + across, axis=-1)
+    share = 0.5 * h  # weight of each Gauss point
+    torque_step = share * around[owner] * contact_radius[owner] * (mu * contact).sum(axis=1)
+    torque = bottom_torque + _sum_up(torque_step)
+    # M is linear in a step to the order of the scheme, T is known at the Gauss points
+    stretch_step = share * at_points.sum(axis=1) / ea[owner]
+    twist_step = share * (torque[:-1] + torque[1:]) / gj[owner]
+
+    at = np.searchsorted(edges, md)
+    force, side = _at_boundaries(well, md, tension[at], weight)
+    return TorqueDrag(
+        md=md,
+        axial_force=tension[at],
+        torque=torque[at],
+        contact_force=force,
+        side=side,
+        mean_contact_force=np.bincount(owner, share * contact.sum(axis=1), n) / np.diff(md),
+        elongation=np.r_[0.0, np.cumsum(stretch_step)][at],
+        twist=np.r_[0.0, np.cumsum(twist_step)][at],
+    )
+
+
+def _steps(well: Well, md: Array) -> tuple[Array, NDArray[np.int64]]:
+    """Edges of the integration steps (k+1,) [m] and the interval of each step (k,).
+
+    Steps end at every interval boundary, well node and end of a radius or friction transition, so nothing jumps
+    inside one.
+    """
+    rows = well.transitions
+    marks = np.concatenate([well.node_md, rows[:, 0], rows[:, 0] + rows[:, 1]])
+    marks = marks[(marks > md[0]) & (marks < md[-1])]
+    after = np.searchsorted(md, marks)
+    apart = np.minimum(marks - md[after - 1], md[after] - marks) > 1e-6  # rounding must not make a tiny step
+    coarse = np.unique(np.concatenate([md, marks[apart]]))
+    pieces = np.ceil(np.diff(coarse) / MAX_STEP).astype(int)
+    first = np.repeat(np.cumsum(pieces) - pieces, pieces)
+    fraction = (np.arange(pieces.sum()) - first) / np.repeat(pieces, pieces)
+    edges = np.append(np.repeat(coarse[:-1], pieces) + fraction * np.repeat(np.diff(coarse), pieces), md[-1])
+    owner = np.searchsorted(md, 0.5 * (edges[:-1] + edges[1:])) - 1
+    return edges, owner
+
+
+def _integrate(
+    h: Array, down: Array, drag: Array, curvature: Array, across: Array, bottom: float
+) -> tuple[Array, Array]:
+    """Axial force at the step edges (k+1,) and at the Gauss points (k, 2) [N], from the bottom up.
+
+    h (k,) [m]; at the Gauss points (k, 2): down = w cos I [N/m], drag = a mu [-], curvature and across = w_perp (k,
+    2, 3). N^2 = T^2 |kappa|^2 + 2 T kappa.w_perp + |w_perp|^2; the stage equations are solved by fixed-point
+    iteration (drag kappa h << 1).
+    """
+    kk = (curvature * curvature).sum(axis=-1)
+    kw = (curvature * across).sum(axis=-1)
+    ww = (across * across).sum(axis=-1)
+    tension, inner = np.empty(len(h) + 1), np.empty((len(h), 2))
+    tension[-1] = t = bottom
+    table = np.column_stack([h, down, drag, kk, kw, ww]).tolist()
+    for i in range(len(h) - 1, -1, -1):
+        step, g1, g2, m1, m2, k1, k2, c1, c2, w1, w2 = table[i]
+        # going up: the first stage is the lower Gauss point (index 2)
+        lower = upper = t
+        for _ in range(50):
+            n2 = max(lower * lower * k2 + 2 * lower * c2 + w2, 0.0) ** 0.5
+            n1 = max(upper * upper * k1 + 2 * upper * c1 + w1, 0.0) ** 0.5
+            f2, f1 = g2 + m2 * n2, g1 + m1 * n1
+            new_lower, new_upper = t + step * (_A11 * f2 + _A12 * f1), t + step * (_A21 * f2 + _A22 * f1)
+            change = abs(new_lower - lower) + abs(new_upper - upper)
+            lower, upper = new_lower, new_upper
+            if change <= 1e-12 * (abs(t) + step * (abs(f1) + abs(f2))):
+                break
+        inner[i] = upper, lower
+        t += 0.5 * step * (f1 + f2)
+        tension[i] = t
+    return tension, inner
+
+
+def _sum_up(step: Array) -> Array:
+    """Sum of the steps (k,) below each edge (k+1,)."""
+    return np.append(np.cumsum(step[::-1])[::-1], 0.0)
+
+
+def _at_boundaries(well: Well, md: Array, tension: Array, weight: Array) -> tuple[Array, Array]:
+    """Contact force (n+1,) [N/m] and side (n+1, 3) at the boundaries, mean of above and below inside the string."""
+    load = np.zeros((len(md), 3))
+    beside = min(1e-6 * max(1.0, float(md[-1] - md[0]) / 1e3), 0.5 * float(np.diff(md).min()))
+    above, below = np.arange(1, len(md)), np.arange(len(md) - 1)  # boundaries with an interval above, below
+    for i, shift in ((above, -beside), (below, beside)):
+        _, t, kappa = well.at(md[i] + shift)
+        across = -(weight * t[:, 2])[:, None] * t
+        across[:, 2] += weight
+        load[i] += tension[i, None] * kappa + across
+    load[1:-1] *= 0.5
+    force = np.linalg.norm(load, axis=1)
+    small = force <= 1e-9 * np.abs(weight).max()
+    return force, np.divide(load, force[:, None], out=np.zeros_like(load), where=~small[:, None])

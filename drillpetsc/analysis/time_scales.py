@@ -1,0 +1,136 @@
+"""The shortest times of a scene: impacts, waves across one element; and what they ask of the time step.
+
+Waves across an element: the highest frequency of one free element, which bounds that of any mesh of them (Irons and Treharne, 1971).
+BDF up to order 2 is stable at any step, so these limit no run; they say what a step can resolve, and what an explicit method would need.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import gamma, pi, sqrt
+
+import numpy as np
+
+from drillpetsc.fem.component import FloatArray
+from drillpetsc.model.drilling_model import Scene
+from drillpetsc.physics.contact import BitOnBottom, ContactLaw
+
+RESOLVED = 0.3  # share of an impact's duration within which a step may be: beyond, BDF2 makes or loses energy there
+STRICT = 0.5  # share that contact.energy_strict caps adaptive steps at
+#: omega^2 of the highest mode of a free element, times (L/c)^2: cubic along its axis with its consistent mass (the larger root of
+#: l^2 - 45 l + 105 = 0 for half the length, times 4), cubic bending (times L^4 mu/EI); torsion, and pressure at the nodes with flow in the
+#: element, are linear with the mean of consistent and lumped mass (storage), [5 1; 1 5]/12, which has the least dispersion
+AXIAL, BENDING, TORSIONAL, MUD = 4 * (45 + sqrt(1605)) / 2, 8400.0, 6.0, 6.0
+
+
+@dataclass(frozen=True)
+class TimeScales:
+    """Shortest times [s], infinite where the scene has no such thing.
+
+    impact: of a piece of the string on the wall; bit: half a period of the bit on the bottom; axial, torsional, bending, mud: periods of
+    the fastest element.
+    """
+
+    impact: float = np.inf
+    bit: float = np.inf
+    axial: float = np.inf
+    torsional: float = np.inf
+    bending: float = np.inf
+    mud: float = np.inf
+
+    @property
+    def explicit_step(self) -> float:
+        """Longest step of an explicit method of order 2 (leapfrog), 2/omega [s]."""
+        return min(self.axial, self.torsional, self.bending, self.mud, 2 * self.impact) / pi
+
+    def lines(self) -> list[str]:
+        """In words."""
+        parts = [(self.impact, "impact on the wall"), (self.bit, "bit on the bottom"), (self.axial, "axial wave"),
+                 (self.torsional, "torsional wave"), (self.bending, "bending wave"), (self.mud, "pressure wave")]
+        named = [f"{words} {told(value)}" for value, words in parts if np.isfinite(value)]
+        if not named:
+            return []
+        out = ["time scales (waves: period of the fastest element): " + ", ".join(named)]
+        if np.isfinite(self.impact):
+            out.append(f"steps: impacts are resolved below {told(RESOLVED * self.impact)}; contact.energy_strict caps them at "
+                       f"{told(STRICT * self.impact)}; an explicit method would need {told(self.explicit_step)}")
+        else:
+            out.append(f"steps: of any length (BDF 1 and 2); an explicit method would need {told(self.explicit_step)}")
+        return out
+
+
+def told(seconds: float) -> str:
+    """0.0017 -> "1.7 ms"."""
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
+        if seconds >= size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds:.3g} s"
+
+
+def impact_time(law: ContactLaw, mass: FloatArray, length: FloatArray) -> FloatArray:
+    """(n,) duration [s] of the undamped impact of pieces of ``mass`` [kg/m] and ``length`` [m] at the law's ``restitution_speed`` v.
+
+    From m u'' = -k u^p: t = 2 d/v int_0^1 dx / sqrt(1 - x^(p+1)) = 2 d/v sqrt(pi) G(1 + q)/G(1/2 + q), q = 1/(p + 1), with the depth
+    d = ((p + 1) m v^2 / 2k)^q; pi sqrt(m/k) at p = 1, 2.943 d/v at p = 3/2 (Hertz: Timoshenko and Goodier, Theory of Elasticity, 142).
+    """
+    p = 1.0 if law.law == "linear" else 1.5
+    share = mass * length / law.points if law.law == "hertz_point" else mass
+    q, v = 1 / (p + 1), law.restitution_speed
+    depth = (0.5 * (p + 1) * share * v**2 / law.stiffness) ** q
+    return 2 * depth / v * sqrt(pi) * gamma(1 + q) / gamma(0.5 + q)
+
+
+def time_scales(scene: Scene) -> TimeScales:
+    """Of a scene; steel alone carries the waves and impacts (mud that moves along makes them slower)."""
+    mesh, found = scene.mesh, {}
+    if scene.beam is not None:
+        e = ~mesh.is_joint
+        L, mass = mesh.length[e], mesh.mass[e]
+        found["axial"] = _period(AXIAL * mesh.axial_stiffness[e] / (mass * L**2))
+        found["torsional"] = _period(TORSIONAL * mesh.torsional_stiffness[e] / (mesh.polar_inertia[e] * L**2))
+        found["bending"] = _period(BENDING * mesh.bending_stiffness[e] / (mass * L**4))
+    if scene.contact is not None:
+        touching = (mesh.outer_diameter > 0) & ~mesh.is_joint
+        masses, lengths = list(mesh.mass[touching]), list(mesh.length[touching])
+        for item in mesh.bodies:
+            if item.radius > 0 and item.mass > 0 and item.length > 0:
+                masses.append(item.mass / item.length)
+                lengths.append(item.length)
+        if masses:
+            found["impact"] = float(impact_time(scene.contact.law, np.array(masses), np.array(lengths)).min())
+    if scene.bit is not None:
+        stiffness = scene.bit.stiffness if isinstance(scene.bit, BitOnBottom) else scene.bit.contact.stiffness
+        end = sum(b.mass for b in mesh.bodies if b.node == mesh.nodes - 1) + 0.5 * mesh.mass[-1] * mesh.length[-1]
+        found["bit"] = pi * sqrt(float(end) / stiffness)
+    if scene.fluid is not None:
+        found["mud"] = _mud(scene)
+    return TimeScales(**found)
+
+
+def _period(squares: FloatArray) -> float:
+    """Shortest period [s] of frequencies given as squares [1/s2]."""
+    good = squares[np.isfinite(squares) & (squares > 0)]
+    return 2 * pi / sqrt(float(good.max())) if good.size else np.inf
+
+
+def _mud(scene: Scene) -> float:
+    """Fastest element of both channels; wave speed a = (rho (1/K + wall))^(-1/2) (Korteweg)."""
+    assert scene.fluid is not None
+    f, L = scene.fluid.constants, scene.mesh.length
+    walls = [room.bore.wall for room in (scene.fluid.pipe,) if room is not None]
+    walls += [room.annulus.wall for room in (scene.fluid.annulus,) if room is not None]
+    return min(_period(MUD / (f.density * (1 / f.bulk_modulus + wall) * L**2)) for wall in walls)
+
+
+def longest_strict_step(scene: Scene) -> float:
+    """Cap of the step under contact.energy_strict [s]; infinite without contact."""
+    return STRICT * time_scales(scene).impact
+
+
+def step_warnings(scene: Scene, fixed_step: float | None) -> list[str]:
+    """What steps of fixed length [s] are too long for."""
+    impact = time_scales(scene).impact
+    if fixed_step is None or fixed_step <= RESOLVED * impact:
+        return []
+    return [f"fixed steps of {told(fixed_step)} do not resolve impacts of {told(impact)}: rebounds and the energy they keep are not to be "
+            f"trusted (below {told(RESOLVED * impact)} they are; or leave the step to -ts_rtol)"]

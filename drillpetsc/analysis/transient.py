@@ -1,0 +1,378 @@
+"""A whole run: from a case to a run folder."""
+
+from __future__ import annotations
+
+import sys
+import time as clock
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc import petsc_compat
+from drillpetsc.analysis import checkpoint, summary
+from drillpetsc.analysis.equilibrium import StaticState, find_equilibrium, move_rigidly, place_along_hole, release
+from drillpetsc.analysis.memory import Memory
+from drillpetsc.analysis.quasi_static import QuasiStatic
+from drillpetsc.analysis.run_control import AFTER, FAILED, NOTHING, STOP, Watch, cannot_write, first_rank_does
+from drillpetsc.analysis.steady_flow import fluid_unknowns, is_fluid
+from drillpetsc.analysis.time_scales import longest_strict_step, step_warnings
+from drillpetsc.case.case import Case
+from drillpetsc.errors import CaseError, Interrupted, SolveError
+from drillpetsc.model.drilling_model import Scene, build_scene, is_quasi_static
+from drillpetsc.output import FieldWriter, RunFolder, Table, write_summary
+from drillpetsc.output.energy_balance import Gain
+from drillpetsc.output.progress import Progress
+from drillpetsc.output.recorder import Recorder
+from drillpetsc.output.well_files import write_well_files
+from drillpetsc.solvers import petsc_options as options
+from drillpetsc.solvers.local_error import TimeError
+from drillpetsc.solvers.time_integrator import Dynamics
+
+TINY = 1e-9  # output times closer than this share of the interval are one
+
+
+@dataclass
+class RunResult:
+    """Where the results lie and what they come to; the same on all ranks."""
+
+    folder: Path
+    summary: dict[str, Any] = field(default_factory=dict)
+
+
+class _Writer:
+    """Files of a run, on rank 0; silent elsewhere.  Rows and frames are taken as their times are passed."""
+
+    def __init__(self, scene: Scene, recorder: Recorder, folder: RunFolder | None, restart_time: float | None):
+        self.scene, self.recorder, self.folder = scene, recorder, folder
+        out = scene.case.output
+        self.every = (float(out.history_every), float(out.field_every))  # type: ignore[arg-type]
+        self.next_row, self.next_frame = ((0, 0) if restart_time is None else (after(restart_time, e) for e in self.every))
+        self.event = PETSc.Log.Event("Output")
+        if folder is not None:
+            self.history = Table(folder.history, recorder.columns, restart_time=restart_time)
+            self.probes = Table(folder.probes, recorder.probe_columns, restart_time=restart_time) if recorder.probes else None
+            self.frames = FieldWriter(folder.path, restart_time=restart_time)
+
+    def take(self, t: float, dt: float, newton: int, watch: Watch) -> bool:
+        """Write all rows and the frame that are due at ``t``, and tell whether any was; collective.  ``watch`` hears what goes wrong."""
+        row_due, frame_due = passed(self.next_row * self.every[0], t), passed(self.next_frame * self.every[1], t)
+        if not row_due and not frame_due:
+            return False
+        self.event.begin()
+        if row_due:
+            self.recorder.audit(t)
+        data = self.recorder.fields(t) if frame_due else None
+        rows = range(self.next_row, after(t, self.every[0]) if row_due else self.next_row)
+        try:
+            self._write([row * self.every[0] for row in rows], t, dt, newton, data)
+        except OSError as error:
+            watch.failed(error, error.filename or str(self.folder.path))  # type: ignore[union-attr]
+        self.next_row = rows.stop
+        if frame_due:
+            self.next_frame = after(t, self.every[1])
+        self.event.end()
+        return True
+
+    def _write(self, times: list[float], t: float, dt: float, newton: int, data) -> None:
+        if self.folder is None:
+            return
+        for at in times:
+            self.history.add(self.recorder.history_row(at, dt, newton))
+            if self.probes is not None:
+                self.probes.add(self.recorder.probe_row(at))
+        if data is not None:
+            self.frames.write(t, *data)
+
+    def flush(self) -> None:
+        """Have everything on the disk, for a checkpoint that counts on it."""
+        if self.folder is not None:
+            self.history.flush()
+            if self.probes is not None:
+                self.probes.flush()
+            self.frames.flush()
+
+    def close(self) -> None:
+        if self.folder is not None:
+            self.history.close()
+            if self.probes is not None:
+                self.probes.close()
+
+
+def passed(due: float, t: float) -> bool:
+    """Whether output that is due at a time is to be written at ``t``, rounding apart."""
+    return due <= t * (1 + 1e-12) + 1e-15
+
+
+def after(t: float, interval: float) -> int:
+    """Number of the first multiple of the interval that ``t`` has not passed; the same whether a run comes from afar or starts here."""
+    k = max(0, int(t / interval) - 1)
+    while passed(k * interval, t):
+        k += 1
+    return k
+
+
+def run(case: Case | str | Path, out: str | Path | None = None, *, restart: bool = False, overwrite: bool = False, name: str | None = None,
+        comm: PETSc.Comm | None = None, progress: str = "auto") -> RunResult:
+    """Simulate ``case`` (a Case or the path of a case file) and write its run folder; collective over ``comm``.
+
+    Raises CaseError for bad input (nothing is written) and SolveError when the run cannot go on (what was written stays).
+    """
+    comm = comm or PETSc.COMM_WORLD
+    if not isinstance(case, Case):
+        from drillpetsc.case import load_case
+
+        name, case = name or Path(case).stem, load_case(case)
+    if case.time is None:
+        raise CaseError(at="time", want="a block {end: ...}", hint="for the static state alone use: drillpetsc statics")
+    began = clock.perf_counter(), clock.process_time()
+    with options.applied(case.petsc) as used:
+        scene = build_scene(case, comm)
+        quasi = QuasiStatic(scene) if is_quasi_static(case) else None
+        recorder, dynamics = Recorder(scene), make_dynamics(scene, quasi)
+        gain = Gain(recorder)
+        options.refuse_unread(used)
+        folder = make_folder(comm, name or "case", out, restart, overwrite)
+        try:
+            saved = _saved(comm, folder, restart)
+            if restart and saved is None and comm.rank == 0 and progress != "silent":
+                print(f"{folder.path}: no checkpoint yet, so the run starts from its beginning", file=sys.stderr)
+            state = _initial(scene, case, saved, quasi)
+            return _Run(scene, recorder, dynamics, folder, saved, state, quasi, gain, began, progress).whole()
+        finally:
+            folder.release()
+
+
+def make_dynamics(scene: Scene, quasi: QuasiStatic | None = None) -> Dynamics:
+    """The integrator that the case asks for."""
+    if quasi is not None:
+        return quasi.dynamics()
+    model, mud = scene.model, scene.case.fluid
+    kept = _step_limits(scene)
+    if mud is not None and mud.dynamics == "quasi_steady":  # the mud follows the string without delay
+        model.assembly.take_rates_from(np.zeros(model.layout.size + 1), fluid_unknowns(model))
+        return Dynamics(model, controlled=lambda name: not is_fluid(name), defaults=kept)
+    return Dynamics(model, defaults=kept)
+
+
+def _step_limits(scene: Scene) -> dict[str, Any]:
+    """PETSc options that cap the step where contact.energy_strict (or -drillpetsc_energy_strict) asks for it."""
+    options, contact = PETSc.Options(), scene.case.contact
+    strict = options.getBool("drillpetsc_energy_strict", contact is not None and contact.energy_strict)
+    longest = longest_strict_step(scene) if strict else np.inf
+    if not np.isfinite(longest):
+        return {}
+    fixed = options.getReal(petsc_compat.time_step_option(), 0.0) if options.getString("ts_adapt_type", "basic") == "none" else 0.0
+    if fixed > longest:
+        raise CaseError(at="petsc.ts_dt", got=f"{fixed:g} s", want=f"at most {longest:.3g} s, half the shortest impact",
+                        hint="contact.energy_strict asks for it")
+    return {"ts_adapt_dt_max": longest}
+
+
+def make_folder(comm, name: str, out, restart: bool, overwrite: bool) -> RunFolder:
+    """The run folder, made by rank 0; a refusal reaches every rank."""
+    mpi = comm.tompi4py()
+    answer: Any = None
+    if comm.rank == 0:
+        try:
+            answer = RunFolder.create(name, out, restart=restart, overwrite=overwrite)
+        except OSError as error:
+            answer = CaseError(at="--out", got=str(out) if out else "", want=str(error))
+    answer = mpi.bcast(answer)
+    if isinstance(answer, CaseError):
+        raise answer
+    return answer
+
+
+def _saved(comm, folder: RunFolder, restart: bool) -> checkpoint.Checkpoint | None:
+    """The checkpoint to go on from; None where there is none (yet)."""
+    if not restart:
+        return None
+    answer: Any = None
+    if comm.rank == 0 and folder.checkpoint.exists():
+        try:
+            answer = checkpoint.read(folder.checkpoint)
+        except CaseError as error:
+            answer = error
+    answer = comm.tompi4py().bcast(answer)
+    if isinstance(answer, CaseError):
+        raise answer
+    return answer
+
+
+def _initial(scene: Scene, case: Case, saved: checkpoint.Checkpoint | None, quasi: QuasiStatic | None) -> StaticState | None:
+    """Bring the scene to its state at the start."""
+    if saved is not None:
+        checkpoint.restore(scene, saved)
+        if quasi is not None:
+            quasi.begin(saved.time, saved.notes.get("share", 1.0))
+        return None
+    state = None
+    if case.initial.from_ == "statics":
+        state = find_equilibrium(scene)
+    elif case.initial.from_ in ("rest", "straight"):
+        place_along_hole(scene)
+    else:
+        other = checkpoint.read(Path(case.initial.from_) / "checkpoint.h5")
+        checkpoint.restore(scene, other, at="initial.from")
+        checkpoint.start_clock_anew(scene, other)
+        if quasi is None:
+            release(scene)
+        else:
+            quasi.begin()
+        return None
+    if quasi is not None:
+        quasi.begin(share=state.side if state is not None else 1.0)
+        return state
+    release(scene)
+    move_rigidly(scene)
+    return state
+
+
+class _Run:
+    """The motion from the start, or from a checkpoint, to the end, with its files."""
+
+    def __init__(self, scene, recorder, dynamics, folder, saved, state, quasi, gain, began, progress):
+        self.scene, self.recorder, self.dynamics, self.folder, self.saved = scene, recorder, dynamics, folder, saved
+        self.case, self.mpi, self.began = scene.case, scene.model.comm.tompi4py(), began
+        self.first = self.mpi.rank == 0
+        self.start = self.t = saved.time if saved is not None else 0.0
+        self.notes: dict[str, Any] = saved.notes if saved is not None else summary.notes_of(state)
+        if quasi is not None:
+            self.notes["share"] = quasi.share
+        fixed = dynamics.first_step if dynamics.options.get("ts_adapt_type") == "none" and quasi is None else None
+        self.notes["warnings"] = step_warnings(scene, fixed)
+        self.gain = gain
+        self.newton, self.marks, self.progress = 0, began, progress
+        self.bar = Progress(self.case.time.end, self.start, mode=progress if self.first else "silent")
+        self.watch = Watch(self.mpi)
+
+    def whole(self) -> RunResult:
+        """Run it; what was written stays whatever happens."""
+        dynamics, recorder, saved = self.dynamics, self.recorder, self.saved
+        if saved is not None:
+            recorder.recall(saved.books)
+            dynamics.recall(saved.stepper)
+        else:
+            recorder.begin(0.0)
+        first_rank_does(self.mpi, str(self.folder.path), self._open)
+        if not self.first:
+            self._open()
+        dynamics.after_step.append(self._after_step)
+        dynamics.at_jump.append(recorder.at_jump)
+        dynamics.at_rest.append(self._at_rest)
+        self.estimate, self.memory = TimeError(dynamics), Memory(self.mpi, self.start, self.case.time.end)
+        self._warn(self.notes["warnings"])
+        self.marks = clock.perf_counter(), clock.process_time()
+        error: BaseException | None = None
+        try:
+            with self.watch:
+                if saved is None:
+                    self.writer.take(0.0, 0.0, 0, self.watch)
+                    self._save(0.0)
+                self._move()
+        except BaseException as failure:
+            error = failure
+            raise
+        finally:
+            result = self._close(error)
+        return RunResult(self.folder.path, result)
+
+    def _warn(self, warnings: list[str]) -> None:
+        if self.first and self.progress != "silent":
+            for words in warnings:
+                self.bar.message(f"warning: {words}")
+
+    def _open(self) -> None:
+        self.writer = _Writer(self.scene, self.recorder, self.folder if self.first else None, None if self.saved is None else self.start)
+        if self.first and self.saved is None:
+            _write_scene(self.scene, self.folder)
+
+    def _move(self) -> None:
+        """All steps; checkpoints are passed on the way, or landed on where the formula cannot be put back."""
+        every, end = self.case.output.checkpoint_every, self.case.time.end
+        if self.start >= end * (1 - TINY):  # nothing is left to do
+            return
+        k = after(self.start, every)
+        stops = [] if self.dynamics.remembers else [j * every for j in range(k, after(end, every)) if j * every < end * (1 - TINY)]
+        self.next_save = k
+        for stop in [*stops, end]:
+            self.dynamics.run(self.t, stop, self.scene.breaks)
+            if self.dynamics.stopped:
+                self.recorder.audit(self.t)
+                raise Interrupted(self.watch.name, self.t, self.folder.path)
+            self._save(stop)
+
+    def _after_step(self, t: float, dt: float) -> None:
+        recorder, dynamics, writer = self.recorder, self.dynamics, self.writer
+        recorder.step(t, dt, writer.next_row * writer.every[0], dynamics.input_time(t), dynamics.fresh)
+        if dynamics.jumped:
+            recorder.book_impulse(t)
+        newton = dynamics.newton_iterations()
+        self.due = writer.take(t, dt, newton - self.newton, self.watch)
+        self.t, self.newton = t, newton
+        self.memory.look(t)
+        self.bar.update(t, dynamics.counters.steps, dt)
+
+    def _at_rest(self, t: float) -> None:
+        """The step is done with: look at what came from outside, and save what is due."""
+        every, asked = self.case.output.checkpoint_every, self.watch.look(self.due)
+        if asked == FAILED:
+            told = self.mpi.allreduce(self.watch.error)  # of one rank only
+            raise SolveError(told, time=t, hint=AFTER)
+        due = self.dynamics.remembers and passed(self.next_save * every, t) and t < self.case.time.end * (1 - TINY)
+        if due or asked != NOTHING:
+            self._save(t)
+        if due:
+            self.next_save = after(t, every)
+        if self.due:
+            self.gain.judge(t)
+        if asked == STOP:
+            self.dynamics.stop()
+
+    def _save(self, t: float) -> None:
+        """Write a checkpoint; collective."""
+        c = checkpoint.take(self.scene, self.recorder, self.dynamics, t, self.notes)
+
+        def put() -> None:
+            assert c is not None
+            self.writer.flush()
+            checkpoint.write(self.folder.checkpoint, c)
+
+        first_rank_does(self.mpi, str(self.folder.checkpoint), put, t)
+
+    def _close(self, error: BaseException | None) -> dict[str, Any]:
+        """Close the files and sum up."""
+        scene, folder = self.scene, self.folder
+        self.writer.close()
+        self.bar.finish(self.t, self.dynamics.counters.steps)
+        result = summary.of_run(scene, self.recorder, self.dynamics, self.notes, self.t, self.start, self.began, self.marks, error)
+        result |= self.estimate.told(error is None) | {"memory": self.memory.told(error is None)}
+        if "energy" in result:
+            result["energy"] |= self.gain.summary()
+            if result["energy"]["flag"]:
+                result["warnings"] = [*result["warnings"], self.gain.words()]
+                self._warn(result["warnings"][-1:])
+
+        def put() -> None:
+            if scene.drilling is not None:
+                write_well_files(scene, folder)
+            write_summary(folder.summary, result)
+
+        if error is None:
+            first_rank_does(self.mpi, str(folder.summary), put, self.t)
+        elif self.first:
+            try:
+                put()
+            except OSError as full:  # the run ends with its own message
+                self.bar.message(cannot_write(full, str(folder.summary)))
+        return result
+
+
+def _write_scene(scene: Scene, folder: RunFolder) -> None:
+    """Files that do not change during a run."""
+    scene.case.dump(folder.case)
+    if scene.well is not None:
+        write_well_files(scene, folder)

@@ -1,0 +1,200 @@
+"""`top`, `bottom` and `loads`: what holds, drives and loads the string."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, Strict, Tag, model_validator
+
+from drillpetsc.case.block import Model, chosen
+from drillpetsc.case.blocks.string import Friction
+from drillpetsc.case.key_paths import refuse
+from drillpetsc.case.quantities import OverTime, Quantity, Vector
+from drillpetsc.time_function import Constant, TimeFunction
+
+Force = Annotated[tuple[float, float, float], Vector("N")]
+Moment = Annotated[tuple[float, float, float], Vector("N m")]
+RotationSpeed = Annotated[TimeFunction, OverTime("rad/s")]
+Speed = Annotated[TimeFunction, OverTime("m/s")]
+
+Plugged = Annotated[bool, Strict()]
+
+_ZERO = Constant(0.0)
+_ROTATION = "rotation speed over time [rad/s], positive clockwise seen from above"
+_LOWERING = "speed of the top over time [m/s], positive downward"
+_PLUGGED = (
+    "true: no fluid leaves the string at its lower end, and unless a pump_pressure holds fluid in it, "
+    "it is empty; false: the end is open (used by a fluid)"
+)
+
+
+class HeldTop(Model):
+    """A top end without a drive."""
+
+    kind: Literal["clamped", "pinned", "free"] = Field(
+        description="clamped: position, direction and spin held; pinned: position held; free: nothing held"
+    )
+
+
+class DrivenTop(Model):
+    """A rotary drive with its own inertia, held at `rotation` by a spring and a damper (PI control); clamped otherwise.
+
+    torque on the drive = stiffness * (prescribed angle - angle) + damping * (prescribed speed - speed).
+    """
+
+    kind: Literal["driven"] = Field(description="drive with inertia behind a spring and a damper")
+    rotation: RotationSpeed = Field(default=_ZERO, description=_ROTATION)
+    lowering: Speed = Field(default=_ZERO, description=_LOWERING)
+    stiffness: Annotated[float, Quantity("N m/rad", at_least=0)] = Field(
+        default=0.0, description="rotational stiffness [N m/rad]"
+    )
+    damping: Annotated[float, Quantity("N m s/rad", at_least=0)] = Field(
+        default=0.0, description="rotational damping [N m s/rad]"
+    )
+    inertia: Annotated[float, Quantity("kg m^2", at_least=0)] = Field(
+        default=0.0, description="inertia of the drive [kg m2]"
+    )
+
+    @model_validator(mode="after")
+    def _drives(self) -> DrivenTop:
+        if self.stiffness == 0 and self.damping == 0:
+            raise refuse("stiffness", want="a stiffness or a damping above 0, or the drive turns nothing")
+        return self
+
+
+class TopDrive(Model):
+    """A top drive: prescribed rotation; prescribed lowering, or an axial force."""
+
+    kind: Literal["top_drive"] = Field(description="prescribed rotation, and lowering or axial force")
+    rotation: RotationSpeed = Field(default=_ZERO, description=_ROTATION)
+    lowering: Speed = Field(default=_ZERO, description=_LOWERING)
+    force: Annotated[TimeFunction, OverTime("N")] | None = Field(
+        default=None, description="axial force at the top over time [N], positive in pull, instead of a lowering"
+    )
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> TopDrive:
+        if self.force is not None and "lowering" in self.model_fields_set:
+            raise refuse("force", want="a lowering or a force, not both")
+        return self
+
+
+class HeldBottom(Model):
+    """A bottom end that is free or held."""
+
+    kind: Literal["free", "pinned", "clamped"] = Field(
+        description="free: nothing held; pinned: position held; clamped: position, direction and spin held"
+    )
+    plugged: Plugged = Field(default=False, description=_PLUGGED)
+
+
+class ForcedBottom(Model):
+    """A dead force and moment at the lower end."""
+
+    kind: Literal["force"] = Field(description="a given force and moment")
+    force: Force = Field(default=(0.0, 0.0, 0.0), description="force on the string [N], north, east, down")
+    moment: Moment = Field(default=(0.0, 0.0, 0.0), description="moment on the string [N m], north, east, down")
+    plugged: Plugged = Field(default=False, description=_PLUGGED)
+
+
+class BitBottom(Model):
+    """A bit that stands on the end of the hole."""
+
+    kind: Literal["bit"] = Field(description="a bit on the end of the hole")
+    stiffness: Annotated[float, Quantity("N/m", above=0)] = Field(default=1e8, description="contact stiffness [N/m]")
+    friction: Friction = Field(default=0.3, description="friction coefficient of the face on the rock [-]")
+    plugged: Plugged = Field(default=False, description=_PLUGGED)
+
+
+_top, _top_tag = chosen(HeldTop, DrivenTop, TopDrive, short=("clamped", "pinned", "free"))
+_bottom, _bottom_tag = chosen(HeldBottom, ForcedBottom, BitBottom, short=("free", "pinned", "clamped", "bit"))
+
+Top = Annotated[
+    Annotated[HeldTop, Tag("kind:HeldTop")]
+    | Annotated[DrivenTop, Tag("kind:DrivenTop")]
+    | Annotated[TopDrive, Tag("kind:TopDrive")],
+    Discriminator(_top_tag),
+    BeforeValidator(_top, json_schema_input_type=Literal["clamped", "pinned", "free"] | HeldTop | DrivenTop | TopDrive),
+]
+
+Bottom = Annotated[
+    Annotated[HeldBottom, Tag("kind:HeldBottom")]
+    | Annotated[ForcedBottom, Tag("kind:ForcedBottom")]
+    | Annotated[BitBottom, Tag("kind:BitBottom")],
+    Discriminator(_bottom_tag),
+    BeforeValidator(
+        _bottom,
+        json_schema_input_type=Literal["free", "pinned", "clamped", "bit"] | HeldBottom | ForcedBottom | BitBottom,
+    ),
+]
+
+
+class Load(Model):
+    """What point and distributed loads share."""
+
+    frame: Literal["global", "section"] = Field(
+        default="global",
+        description="global: north, east, down; section: along the string, then two across, turning with it",
+    )
+    value_over: Annotated[TimeFunction, OverTime("")] = Field(
+        default=Constant(1.0), description="factor over time on force and moment [-]"
+    )
+
+    @model_validator(mode="after")
+    def _loads_something(self) -> Load:
+        if not {"force", "moment"} & self.model_fields_set:
+            raise refuse("force", want="a force, a moment or both")
+        return self
+
+
+class PointLoad(Load):
+    """A force and a moment at one measured depth."""
+
+    at: Annotated[float, Quantity("m", at_least=0)] = Field(description="measured depth [m]")
+    force: Force = Field(default=(0.0, 0.0, 0.0), description="force [N]")
+    moment: Moment = Field(default=(0.0, 0.0, 0.0), description="moment [N m]")
+
+
+class LineLoad(Load):
+    """A force and a moment per length between two measured depths."""
+
+    from_: Annotated[float, Quantity("m", at_least=0)] = Field(
+        alias="from", description="measured depth of its upper end [m]"
+    )
+    to: Annotated[float, Quantity("m", at_least=0)] = Field(description="measured depth of its lower end [m]")
+    force: Annotated[tuple[float, float, float], Vector("N/m")] = Field(
+        default=(0.0, 0.0, 0.0), description="force per length [N/m]"
+    )
+    moment: Annotated[tuple[float, float, float], Vector("N m/m")] = Field(
+        default=(0.0, 0.0, 0.0), description="moment per length [N m/m]"
+    )
+
+    @model_validator(mode="after")
+    def _downward(self) -> LineLoad:
+        if self.to <= self.from_:
+            raise refuse("to", got=self.to, want=f"below from, {self.from_:g} m")
+        return self
+
+
+def _load(value: Any) -> Any:
+    if isinstance(value, Load):
+        return value
+    if not isinstance(value, dict):
+        raise refuse(got=value, want="a mapping {at: ..., force: [...]} or {from: ..., to: ..., force: [...]}")
+    if "at" in value and ("from" in value or "to" in value):
+        raise refuse("at", got=value["at"], want="either at (a point) or from and to (distributed)")
+    if not {"at", "from", "from_", "to"} & set(value):
+        raise refuse("at", want="a place: at (a point) or from and to (distributed)")
+    return value
+
+
+def _load_tag(value: Any) -> str:
+    point = "at" in value if isinstance(value, dict) else isinstance(value, PointLoad)
+    return "kind:PointLoad" if point else "kind:LineLoad"
+
+
+AnyLoad = Annotated[
+    Annotated[PointLoad, Tag("kind:PointLoad")] | Annotated[LineLoad, Tag("kind:LineLoad")],
+    Discriminator(_load_tag),
+    BeforeValidator(_load),
+]

@@ -1,0 +1,269 @@
+"""`formation`: the rock, in layers, and how the bit cuts it."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+
+from drillpetsc.case.block import Model, chosen, follows
+from drillpetsc.case.blocks.string import Friction
+from drillpetsc.case.defaults import overlaid
+from drillpetsc.case.key_paths import refuse
+from drillpetsc.case.quantities import Quantity
+
+Drillability = Annotated[float, Quantity("m/(s N)", at_least=0, at_most=1e-3)]
+BitAnisotropy = Annotated[
+    float, Quantity("", above=0, at_most=1, why="drillability sideways of the bit over that ahead of it; at 1 it cuts all ways alike")
+]
+RotaryExponent = Annotated[float, Quantity("", at_least=0, at_most=3)]
+WeightExponent = Annotated[float, Quantity("", at_least=0.1, at_most=4)]
+Threshold = Annotated[float, Quantity("N", at_least=0)]
+Index = Annotated[float, Quantity("", above=0, at_most=2, why="drillability along the bedding over that across it; mostly 0.9 to 1.1")]
+Depth = Annotated[float, Quantity("m", at_least=0, at_most=50e3)]
+Stiffness = Annotated[float, Quantity("N/m", above=0)] | None
+
+SAME_DEPTH = 1e-6  # [m] between the end of a layer and the beginning of the next
+OF_A_LAYER = ("drillability", "bit_anisotropy", "rock_anisotropy", "rotary_exponent", "weight_exponent", "threshold")
+
+_DRILLABILITY = "rate of penetration over force, at reference_speed and reference_weight [m/(s N)]; 0 cannot be drilled"
+_BIT = "drillability sideways of the bit over that ahead of it [-]"
+_ROCK = "bedding of the rock"
+_ROTARY = "exponent of the rotation speed over reference_speed [-]"
+_WEIGHT = "exponent of the weight on bit over reference_weight in the rate of penetration [-]"
+_THRESHOLD = "weight on bit below which nothing is cut [N]"
+_STIFFNESS = "contact stiffness of bit on rock [N/m]; the same thing as bottom.stiffness, which takes this value"
+
+
+class RockAnisotropy(Model):
+    """Rock in beds: M_r = n n^T + index_dip d d^T + index_strike s s^T, n across the bedding, d down dip, s along strike."""
+
+    dip: Annotated[float, Quantity("rad", at_least=0, at_most=math.pi / 2)] = Field(
+        default=0.0, description="angle of the bedding from the horizontal [rad]"
+    )
+    dip_azimuth: Annotated[float, Quantity("rad", at_least=-2 * math.pi, at_most=2 * math.pi)] = Field(
+        default=0.0, description="azimuth, from north over east, in which the bedding goes down [rad]"
+    )
+    index_dip: Index = Field(default=1.0, description="drillability down dip over that across the bedding [-]")
+    index_strike: Index = Field(default=1.0, description="drillability along strike over that across the bedding [-]")
+
+
+class Layer(Model):
+    """A stretch of other rock; what it leaves out is the formation's own."""
+
+    from_: Depth = Field(alias="from", description="measured depth of its upper end [m]")
+    to: Depth = follows(
+        "measured depth of its lower end [m], where the next layer begins, or below the last the formation's own values "
+        "hold again; when not given, the next layer's from, and the last goes on for ever"
+    )
+    drillability: Drillability = follows(_DRILLABILITY)
+    bit_anisotropy: BitAnisotropy = follows(_BIT)
+    rock_anisotropy: RockAnisotropy = follows(_ROCK + "; keys left out are the formation's")
+    rotary_exponent: RotaryExponent = follows(_ROTARY)
+    weight_exponent: WeightExponent = follows(_WEIGHT)
+    threshold: Threshold = follows(_THRESHOLD)
+
+
+class RopLaw(Model):
+    """Rate of penetration from force and rotation speed; the torque is that of friction (bottom.friction)."""
+
+    kind: Literal["rop"] = Field(description="rate of penetration from force and rotation speed")
+    stiffness: Stiffness = Field(default=None, description=_STIFFNESS)
+
+
+class DragBit(Model):
+    """Blades that cut and rub (Detournay and Defourny), each in the groove that the blade before it has left."""
+
+    kind: Literal["drag_bit"] = Field(description="blades that cut and rub")
+    blades: int = Field(default=4, ge=1, le=20, strict=True, description="number of blades [-]")
+    specific_energy: Annotated[float, Quantity("Pa", above=0)] = Field(
+        default=60e6, description="intrinsic specific energy: work of cutting per volume of rock [Pa = J/m3]"
+    )
+    inclination_ratio: Annotated[float, Quantity("", above=0, at_most=10)] = Field(
+        default=0.6, description="vertical over horizontal force of a cutter [-]"
+    )
+    contact_stress: Annotated[float, Quantity("Pa", at_least=0)] = Field(
+        default=60e6, description="largest stress between wear flats and rock [Pa]"
+    )
+    wear_flat: Annotated[float, Quantity("m", at_least=0, at_most=1)] = Field(
+        default=1.2e-3, description="width of all wear flats together [m]; 0 for a sharp bit"
+    )
+    friction: Friction = Field(
+        default=0.6, description="friction of the wear flats times the factor of the bit's shape, mu gamma [-]"
+    )
+    stiffness: Stiffness = Field(default=None, description=_STIFFNESS)
+
+
+class VelocityWeakening(Model):
+    """A torque that falls from a static to a dynamic value as the bit turns faster: stick-slip."""
+
+    kind: Literal["velocity_weakening"] = Field(description="torque that falls with the rotation speed")
+    static: Annotated[float, Quantity("N m", at_least=0)] | None = Field(
+        default=None, description="torque at which the bit breaks loose [N m]"
+    )
+    dynamic: Annotated[float, Quantity("N m", at_least=0)] | None = Field(
+        default=None, description="torque at high speed [N m]"
+    )
+    static_friction: Friction | None = Field(
+        default=None, description="instead of static: that torque over weight on bit times 2/3 of the bit's radius [-]"
+    )
+    dynamic_friction: Friction | None = Field(
+        default=None, description="instead of dynamic: that torque over weight on bit times 2/3 of the bit's radius [-]"
+    )
+    speed: Annotated[float, Quantity("rad/s", above=0)] = Field(
+        description="rotation speed over which the torque falls [rad/s]"
+    )
+    stiffness: Stiffness = Field(default=None, description=_STIFFNESS)
+
+    @model_validator(mode="after")
+    def _one_pair(self) -> VelocityWeakening:
+        torques, frictions = ("static", "dynamic"), ("static_friction", "dynamic_friction")
+        of_torques, of_frictions = ([key for key in keys if getattr(self, key) is not None] for keys in (torques, frictions))
+        want = "static and dynamic (torques), or static_friction and dynamic_friction (over the weight on bit): one of the two pairs"
+        if of_torques and of_frictions:
+            raise refuse(of_frictions[0], got=getattr(self, of_frictions[0]), want=want)
+        high_key, low_key = pair = frictions if of_frictions else torques
+        for key in pair:
+            if getattr(self, key) is None:
+                raise refuse(key, want=want)
+        high, low = getattr(self, high_key), getattr(self, low_key)
+        if low > high:
+            want = f"at most {high_key}, {high:g}{' N m' if pair is torques else ''}: the torque falls as the bit turns faster"
+            raise refuse(low_key, got=low, want=want)
+        return self
+
+
+_law, _law_tag = chosen(RopLaw, DragBit, VelocityWeakening, short=("rop", "drag_bit"))
+
+BitLaw = Annotated[
+    Annotated[RopLaw, Tag("kind:RopLaw")]
+    | Annotated[DragBit, Tag("kind:DragBit")]
+    | Annotated[VelocityWeakening, Tag("kind:VelocityWeakening")],
+    Discriminator(_law_tag),
+    BeforeValidator(_law, json_schema_input_type=Literal["rop", "drag_bit"] | RopLaw | DragBit | VelocityWeakening),
+]
+
+
+class Formation(Model):
+    """The rock below the bit. velocity = D (speed/reference)^a (weight/reference)^(b-1) M_r M_b force."""
+
+    drillability: Drillability = Field(default=2.8e-8, description=_DRILLABILITY)
+    bit_anisotropy: BitAnisotropy = Field(default=0.2, description=_BIT)
+    rock_anisotropy: RockAnisotropy = Field(default=RockAnisotropy(), description=_ROCK)
+    rotary_exponent: RotaryExponent = Field(default=1.0, description=_ROTARY)
+    weight_exponent: WeightExponent = Field(default=1.0, description=_WEIGHT)
+    threshold: Threshold = Field(default=0.0, description=_THRESHOLD)
+    reference_speed: Annotated[float, Quantity("rad/s", above=0)] = Field(
+        default=4 * math.pi, description="rotation speed of the drillability [rad/s]"
+    )
+    reference_weight: Annotated[float, Quantity("N", above=0)] = Field(
+        default=1e5, description="weight on bit of the drillability [N]"
+    )
+    walk: Annotated[float, Quantity("rad", at_least=-math.pi / 4, at_most=math.pi / 4)] = Field(
+        default=0.0, description="angle about the bit's axis by which the bit moves beside the side force [rad]"
+    )
+    overgauge: Annotated[float, Quantity("m")] = Field(
+        default=0.0, description="radius of the new hole less that of the bit [m]; negative for an under-gauge hole"
+    )
+    growth: Literal["state", "post_step"] = Field(
+        default="state",
+        description="state: the hole's end is integrated with the string; post_step: moved after each step (for comparison)",
+    )
+    direction: Literal["rop_vector", "bit_axis"] = Field(
+        default="rop_vector",
+        description="the hole grows along the velocity of penetration (rop_vector), or along the bit's axis at the part of it there",
+    )
+    freeze_interval: Annotated[float, Quantity("m", above=0, at_most=10)] = Field(
+        default=0.5, description="distance between stations of the new hole [m]"
+    )
+    layers: tuple[Layer, ...] = Field(
+        default=(), description="other rock, from the first layer down; above it the values of this block hold"
+    )
+    bit_law: BitLaw = Field(default=RopLaw(kind="rop"), description="torque and weight of the bit as it cuts")
+
+    @model_validator(mode="after")
+    def _rock(self) -> Formation:
+        check_turning(self.bit_anisotropy, self.rock_anisotropy, self.walk, ("rock_anisotropy",))
+        _check_depths(self.layers)
+        self.settle(layers=self._settled_layers())
+        return self
+
+    def _settled_layers(self) -> tuple[Layer, ...]:
+        """The layers with all values filled in; below a last one that ends, one more with the formation's own values."""
+        whole: list[Layer] = []
+        for i, layer in enumerate(self.layers):
+            end = self.layers[i + 1].from_ if i + 1 < len(self.layers) else layer.to
+            values = {key: getattr(self if getattr(layer, key) is None else layer, key) for key in OF_A_LAYER}
+            values["rock_anisotropy"] = overlaid(self.rock_anisotropy, layer.rock_anisotropy)
+            key = "bit_anisotropy" if layer.rock_anisotropy is None else "rock_anisotropy"
+            check_turning(values["bit_anisotropy"], values["rock_anisotropy"], self.walk, ("layers", i, key))
+            whole.append(layer.model_copy(update={"to": end, **values}))
+        if whole and whole[-1].to is not None:
+            own = {key: getattr(self, key) for key in OF_A_LAYER}
+            whole.append(whole[-1].model_copy(update={"from_": whole[-1].to, "to": None, **own}))
+        return tuple(whole)
+
+    def rock_at(self, md: float) -> Formation | Layer:
+        """What holds the drillability, the anisotropies, the exponents and the threshold at the measured depth md [m]."""
+        return next((layer for layer in reversed(self.layers) if md >= layer.from_), self)
+
+
+def _check_depths(layers: tuple[Layer, ...]) -> None:
+    """Layers follow one another downward, without a gap or an overlap."""
+    for i, layer in enumerate(layers):
+        if i and layer.from_ <= layers[i - 1].from_:
+            want = f"rising depths: below the layer above, which begins at {layers[i - 1].from_:g} m"
+            raise refuse("layers", i, "from", got=layer.from_, want=want)
+        if layer.to is not None and layer.to <= layer.from_:
+            raise refuse("layers", i, "to", got=layer.to, want=f"below from, {layer.from_:g} m")
+    for i, (layer, below) in enumerate(zip(layers, layers[1:], strict=False), 1):
+        if layer.to is None or abs(below.from_ - layer.to) <= SAME_DEPTH:
+            continue
+        ends = f"{min(layer.to, below.from_):g} m to {max(layer.to, below.from_):g} m"
+        gap = f"formation gap: no rock from {ends}" if below.from_ > layer.to else f"formation overlap: two layers from {ends}"
+        raise refuse("layers", i, "from", got=below.from_, want=f"{layer.to:g} m, where the layer above ends", hint=gap)
+
+
+def largest_turn_of_rock(rock: RockAnisotropy) -> float:
+    """Largest angle [rad] between a vector x and M_r x.
+
+    For a symmetric positive definite matrix of condition number k it is arcsin((k - 1)/(k + 1)), in the plane of the
+    extreme eigenvectors (Gustafson and Rao, Numerical Range, 1997: the antieigenvalue).
+    """
+    indices = (1.0, rock.index_dip, rock.index_strike)
+    ratio = max(indices) / min(indices)
+    return math.asin((ratio - 1) / (ratio + 1))
+
+
+def largest_turn_of_bit(sideways: float, walk: float) -> float:
+    """Largest angle [rad] between x and M_b x, M_b = e e^T + I W (1 - e e^T), W turning by the walk about e; I in (0, 1].
+
+    With u = (part of x across e)^2 / (part along e)^2 and c = cos(walk) the cosine of the angle is
+    (1 + I c u) / sqrt((1 + u)(1 + I^2 u)). Its one stationary point is the minimum
+    u = (1 + I^2 - 2 I c) / (I (c (1 + I^2) - 2 I)); where that is not positive, the cosine falls to c at u = infinity.
+    """
+    c, square = math.cos(walk), sideways**2
+    slope = c * (1 + square) - 2 * sideways
+    if slope <= 0:
+        return abs(walk)
+    u = (1 + square - 2 * sideways * c) / (sideways * slope)
+    return math.acos(min(1.0, (1 + sideways * c * u) / math.sqrt((1 + u) * (1 + square * u))))
+
+
+def check_turning(sideways: float, rock: RockAnisotropy, walk: float, at: tuple[str | int, ...]) -> None:
+    """Refuses rock and bit of which the symmetric part of M_r M_b is not positive definite for every axis of the bit.
+
+    x . M_r M_b x = (M_r x) . (M_b x) is positive for all x as long as M_r x and M_b x are less than a right angle apart.
+    As the bit's axis may have any direction, both largest turns can happen to one x in one plane, away from each other:
+    so their sum must be below a right angle.
+    """
+    bit = largest_turn_of_bit(sideways, walk)
+    if largest_turn_of_rock(rock) + bit < math.pi / 2:
+        return
+    most = (1 + math.cos(bit)) / (1 - math.cos(bit))
+    beside = f" and walk {math.degrees(walk):g} deg" if walk else ""
+    want = (f"indices of the rock, 1 (across the bedding), {rock.index_dip:g} (dip) and {rock.index_strike:g} (strike), whose "
+            f"largest is below {most:.4g} times the smallest, with bit_anisotropy {sideways:g}{beside}")  # fmt: skip
+    hint = "with these the bit could move against the force on it: take a larger bit_anisotropy, or indices nearer 1"
+    raise refuse(*at, want=want, hint=hint)

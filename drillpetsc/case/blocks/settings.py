@@ -1,0 +1,141 @@
+"""`beam`, `initial`, `time` and `output`: how the scene is computed and what is kept."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, field_validator, model_validator
+
+from drillpetsc.case.block import Model, follows
+from drillpetsc.case.blocks.string import Angle
+from drillpetsc.case.key_paths import near, refuse
+from drillpetsc.case.quantities import Quantity
+from drillpetsc.case.survey_file import FOLDER
+
+STARTS = ("statics", "rest", "straight")
+
+
+class BeamTheory(Model):
+    """Unknowns of the string."""
+
+    formulation: Literal["gauge", "quaternion"] = Field(
+        default="gauge",
+        description="gauge: tangent and spin angle at each node; quaternion: strain and Euler parameters, the paper's element",
+    )
+    constraint: Literal["index3", "index2", "stabilized"] | None = Field(
+        default=None,
+        description="how the quaternion element meets its constraints: index3 (when not given): on positions; index2: on velocities, "
+        "positions drift; stabilized: on velocities, positions restored after each step",
+    )
+
+    @model_validator(mode="after")
+    def _settled(self) -> BeamTheory:
+        if self.formulation == "gauge" and self.constraint is not None:
+            raise refuse("constraint", got=self.constraint, want="no constraint unless formulation is quaternion")
+        if self.formulation == "quaternion" and self.constraint is None:
+            self.settle(constraint="index3")
+        return self
+
+
+class Initial(Model):
+    """The state at time 0."""
+
+    from_: str = Field(
+        default="statics",
+        alias="from",
+        description="statics: the static equilibrium; rest: along the hole's axis, not yet strained by loads; "
+        "straight: straight and without strain; or a run folder to continue from",
+    )
+    wob: Annotated[float, Quantity("N", at_least=0)] | None = Field(
+        default=None, description="weight on bit [N] that the static start meets by the top's axial position"
+    )
+    inclination: Angle = Field(default=0.0, description="inclination of a string without a well [rad]")
+    azimuth: Angle = Field(default=0.0, description="azimuth of a string without a well [rad]")
+    imperfection: Annotated[float, Quantity("", at_least=0, at_most=1)] = Field(
+        default=1e-3, description="sideways load as a fraction of the weight [-], to leave an unstable equilibrium"
+    )
+
+    @field_validator("from_", mode="before")
+    @classmethod
+    def _start(cls, value: Any) -> Any:
+        if value in STARTS:
+            return value
+        want = f"{', '.join(STARTS)}, or a run folder that exists"
+        if not isinstance(value, (str, Path)) or not str(value).strip():
+            raise refuse(got=value, want=want)
+        for folder in (FOLDER.get() / value, Path(value)):
+            if os.path.isdir(folder):  # Path.is_dir raises for a name longer than any folder's
+                if not (folder / "checkpoint.h5").is_file():
+                    raise refuse(got=value, want="a run folder that holds a checkpoint.h5")
+                return str(folder.resolve())
+        raise refuse(got=value, want=want, hint=near(value, STARTS))
+
+    @model_validator(mode="after")
+    def _wob_needs_statics(self) -> Initial:
+        if self.wob is not None and self.from_ != "statics":
+            raise refuse("wob", got=self.wob, want="no wob unless initial.from is statics, which sets it")
+        return self
+
+
+class Time(Model):
+    """How long, and with or without inertia."""
+
+    end: Annotated[float, Quantity("s", above=0)] = Field(description="simulated time [s]")
+    mode: Literal["dynamic", "quasi_static"] = Field(
+        default="dynamic",
+        description="dynamic: with inertia; quasi_static: string and fluid in equilibrium at every moment, while the hole grows",
+    )
+    step: Annotated[float, Quantity("s", above=0)] | None = Field(
+        default=None, description="first and largest step of a quasi-static run [s]; the solver's choice when not given"
+    )
+
+    @model_validator(mode="after")
+    def _step_of_a_quasi_static_run(self) -> Time:
+        if self.step is not None and self.mode == "dynamic":
+            hint = "with inertia the accuracy chooses the steps; see ts_dt, ts_rtol and ts_adapt_dt_max of the petsc block"
+            raise refuse("step", got=self.step, want="no step unless mode is quasi_static", hint=hint)
+        return self
+
+
+Interval = Annotated[float, Quantity("s", above=0)]
+
+
+def as_list(value: Any) -> Any:
+    """numpy arrays as lists."""
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+class Output(Model):
+    """What the run folder gets. Intervals are simulated time."""
+
+    history_every: Interval = follows(
+        "interval of history.csv and probes.csv [s]; end/1000, between 1 ms and 0.1 s (quasi_static: without limit), when not given"
+    )
+    field_every: Interval = follows(
+        "interval of the string's pictures [s]; end/100, not below history_every, when not given"
+    )
+    probes: Annotated[tuple[Annotated[float, Quantity("m", at_least=0)], ...], BeforeValidator(as_list)] = Field(
+        default=(), description="measured depths along the string [m] that get their own columns in probes.csv"
+    )
+    checkpoint_every: Interval = follows("interval of checkpoint.h5 [s]; end/10 when not given")
+
+    @model_validator(mode="after")
+    def _named_apart(self) -> Output:
+        names = [f"{probe:g}" for probe in self.probes]
+        for i, name in enumerate(names):
+            if name in names[:i]:
+                raise refuse("probes", i, got=self.probes[i], want=f"probes at different depths; {name} m stands twice")
+        return self
+
+    def settled(self, end: float, fast: bool = True) -> Output:
+        """This block with its intervals filled in for a run of `end` [s]; fast: vibrations are to be seen."""
+        history = self.history_every or (min(max(end / 1000, 1e-3), 0.1, end) if fast else end / 1000)
+        return self.model_copy(
+            update={
+                "history_every": history,
+                "field_every": self.field_every or max(end / 100, history),
+                "checkpoint_every": self.checkpoint_every or end / 10,
+            }
+        )

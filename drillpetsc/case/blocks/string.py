@@ -1,0 +1,222 @@
+"""`string`: what hangs from the top drive, from the surface down; and `material`."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+
+from drillpetsc.case.block import Model, chosen, follows
+from drillpetsc.case.key_paths import refuse
+from drillpetsc.case.quantities import Quantity, Vector
+
+Length = Annotated[float, Quantity("m", at_least=1e-3, at_most=50e3)]
+RigidLength = Annotated[float, Quantity("m", at_least=0, at_most=200)]
+Diameter = Annotated[float, Quantity("m", at_least=1e-4, at_most=2)]
+Bore = Annotated[float, Quantity("m", at_least=0, at_most=2)]
+Offset = Annotated[float, Quantity("m", at_least=0, at_most=1)]
+Angle = Annotated[float, Quantity("rad")]
+Friction = Annotated[float, Quantity("", at_least=0, at_most=10)]
+
+
+THINNEST = 1e-4  # walls on both sides over the outer diameter [-]
+NARROWEST = 1e-4  # inner diameter [m]
+
+
+class Damping(Model):
+    """Damping of the pipe: Kelvin-Voigt (rotates with the pipe) and proportional to the mass (external)."""
+
+    stiffness: Annotated[float, Quantity("s", at_least=0)] = Field(
+        default=0.0, description="Kelvin-Voigt time constant [s]: stress E (strain + stiffness * strain rate)"
+    )
+    mass: Annotated[float, Quantity("1/s", at_least=0)] = Field(
+        default=0.0, description="external damping rate [1/s]: force per mass over velocity"
+    )
+
+
+class Material(Model):
+    """Elastic constants and density; steel when not given. In a string item, keys left out are the case's."""
+
+    young: Annotated[float, Quantity("Pa", at_least=1e3, at_most=1e14)] = Field(
+        default=206e9, description="Young's modulus [Pa]"
+    )
+    poisson: Annotated[float, Quantity("", above=-1, at_most=0.5)] = Field(
+        default=0.3, description="Poisson's ratio [-]"
+    )
+    density: Annotated[float, Quantity("kg/m^3", above=0, at_most=30e3)] = Field(
+        default=7850.0, description="density [kg/m3]"
+    )
+    damping: Damping = Field(default=Damping(), description="damping of the string")
+
+
+class Bend(Model):
+    """A kink at the upper end of an item (bent sub)."""
+
+    angle: Annotated[float, Quantity("rad", at_least=0, at_most=math.pi / 2)] = Field(description="bend angle [rad]")
+    tool_face: Angle = Field(
+        default=0.0, description="direction of the bend about the axis, in the item's section [rad]"
+    )
+
+
+class ItemInitial(Model):
+    """Imperfection of one item."""
+
+    imperfection: Annotated[float, Quantity("", at_least=0, at_most=1)] = Field(
+        description="sideways load as a fraction of the item's weight [-], instead of the case's initial.imperfection"
+    )
+
+
+class Inertia(Model):
+    """Moments of inertia of a rigid item about its centre of gravity; a hollow cylinder's when not given."""
+
+    axial: Annotated[float, Quantity("kg m^2", at_least=0)] = follows("about the string's axis [kg m2]")
+    transverse: Annotated[float, Quantity("kg m^2", at_least=0)] = follows(
+        "about an axis across the string through the centre of gravity [kg m2]"
+    )
+
+
+class Item(Model):
+    """What every string item may have."""
+
+    later_keys: ClassVar[tuple[str, ...]] = ("joints",)
+
+    name: str = Field(default="", description="name in reports; the kind when not given")
+    friction: Friction | None = Field(
+        default=None, description="friction coefficient of this item [-], instead of the hole section's"
+    )
+
+    @model_validator(mode="after")
+    def _bore_inside(self) -> Item:
+        outer, inner = getattr(self, "od", None), getattr(self, "id", 0.0)
+        if outer is not None and inner >= outer:
+            raise refuse("id", got=inner, want=f"an inner diameter below the outer, {outer:g} m")
+        if outer is not None and inner > outer * (1 - THINNEST):
+            raise refuse("id", got=inner, want=f"a wall of at least {THINNEST / 2 * outer:g} m inside the outer diameter, {outer:g} m")
+        if 0 < inner < NARROWEST:
+            raise refuse("id", got=inner, want=f"0 (solid), or an inner diameter of at least {NARROWEST:g} m")
+        if outer is None and inner:
+            raise refuse("id", got=inner, want="an inner diameter together with an outer one (od)")
+        if not self.name:
+            self.settle(name=getattr(self, "kind", ""))
+        return self
+
+
+class Flexible(Item):
+    """Items that are meshed with beam elements."""
+
+    length: Length = Field(description="length [m]")
+    element_length: Annotated[float, Quantity("m", above=0)] = Field(
+        default=10.0, description="aimed length of an element [m]; rounded so that elements fit the item"
+    )
+    eccentricity: Offset = Field(default=0.0, description="offset of the mass centre from the axis [m]")
+    eccentricity_angle: Angle = Field(default=0.0, description="direction of the eccentricity in the section [rad]")
+    curvature: Annotated[float, Quantity("1/m", at_least=0, at_most=100)] = Field(
+        default=0.0, description="stress-free curvature [1/m]"
+    )
+    curvature_angle: Angle = Field(
+        default=0.0, description="direction of the stress-free curvature in the section [rad]"
+    )
+    bend: Bend | None = Field(default=None, description="bent sub: kink at the item's upper end")
+    initial: ItemInitial | None = Field(default=None, description="imperfection of this item")
+
+    @model_validator(mode="after")
+    def _mass_centre_inside(self) -> Flexible:
+        outer = getattr(self, "od", None)
+        if outer is not None and self.eccentricity > outer / 2:
+            raise refuse("eccentricity", got=self.eccentricity, want=f"at most the outer radius, {outer / 2:g} m")
+        return self
+
+
+class Pipe(Flexible):
+    """A round tube: drill pipe, collar, casing, coiled tubing."""
+
+    kind: Literal["pipe"] = Field(description="round tube")
+    od: Diameter = Field(description="outer diameter [m]")
+    id: Bore = Field(default=0.0, description="inner diameter [m]")
+    material: Material = follows("material of this item; keys left out are the case's")
+
+
+class Beam(Flexible):
+    """A piece given by its stiffnesses, for anything that is not a round tube."""
+
+    kind: Literal["beam"] = Field(description="piece given by its stiffnesses")
+    axial_stiffness: Annotated[float, Quantity("N", above=0)] = Field(description="EA [N]")
+    bending_stiffness: Annotated[float, Quantity("N m^2", above=0)] = Field(description="EI [N m2]")
+    torsional_stiffness: Annotated[float, Quantity("N m^2", above=0)] = Field(description="GJ [N m2]")
+    mass: Annotated[float, Quantity("kg/m", above=0)] = Field(description="mass per length [kg/m]")
+    polar_inertia: Annotated[float, Quantity("kg m", above=0)] = Field(
+        description="polar mass moment of inertia per length [kg m]"
+    )
+    od: Diameter | None = Field(default=None, description="outer diameter [m]; needed in a well and with a fluid")
+    id: Bore = Field(default=0.0, description="inner diameter [m]")
+    damping: Damping = follows("damping; keys left out are the case's material.damping")
+
+
+class Rigid(Item):
+    """A stiff piece: its lower end follows its upper end."""
+
+    length: RigidLength = Field(default=0.0, description="length [m]")
+    od: Diameter | None = Field(default=None, description="outer diameter [m]")
+    id: Bore = Field(default=0.0, description="inner diameter [m]")
+    mass: Annotated[float, Quantity("kg", at_least=0)] = follows(
+        "mass [kg]; the tube's from od, id, length and density when not given"
+    )
+    unbalance: Annotated[float, Quantity("kg m", at_least=0)] = Field(
+        default=0.0, description="mass times offset of the mass centre from the axis [kg m]"
+    )
+    unbalance_angle: Angle = Field(default=0.0, description="direction of the unbalance in the section [rad]")
+    inertia: Inertia = Field(default=Inertia(), description="moments of inertia about the centre of gravity")
+    center_of_gravity: Annotated[tuple[float, float, float], Vector("m", along_x=True)] = follows(
+        "[m] below the item's upper end along the axis, or [along the axis, two offsets across it]; "
+        "half the length when not given"
+    )
+    material: Material = follows("material of this item (for its density); keys left out are the case's")
+
+    @model_validator(mode="after")
+    def _mass_known(self) -> Rigid:
+        if self.mass is None and self.od is None:
+            raise refuse("mass", want="a mass, or an outer diameter (od) and a length to compute it from")
+        if self.center_of_gravity is None:
+            self.settle(center_of_gravity=(0.5 * self.length, 0.0, 0.0))
+        return self
+
+
+class Stabilizer(Rigid):
+    """A stabilizer: touches the hole over its length."""
+
+    kind: Literal["stabilizer"] = Field(description="stabilizer")
+    length: RigidLength = Field(description="length [m]")
+    od: Diameter = Field(description="outer diameter over the blades [m]")
+    bend: Bend | None = Field(default=None, description="bent sub: kink at the item's upper end")
+
+
+class Body(Rigid):
+    """Any other rigid piece; touches the hole when it has an outer diameter."""
+
+    kind: Literal["body"] = Field(description="rigid body")
+    bend: Bend | None = Field(default=None, description="bent sub: kink at the item's upper end")
+
+
+class Bit(Rigid):
+    """The bit: the last item."""
+
+    kind: Literal["bit"] = Field(description="bit")
+    length: RigidLength = Field(description="length [m]")
+    od: Diameter = Field(description="diameter of the bit [m]")
+    nozzle_area: Annotated[float, Quantity("m^2", above=0, at_most=0.1)] | None = Field(
+        default=None, description="total flow area of the nozzles [m2] (used by a fluid); the open bore when not given"
+    )
+
+
+_check, _tag = chosen(Pipe, Beam, Stabilizer, Body, Bit)
+
+StringItem = Annotated[
+    Annotated[Pipe, Tag("kind:Pipe")]
+    | Annotated[Beam, Tag("kind:Beam")]
+    | Annotated[Stabilizer, Tag("kind:Stabilizer")]
+    | Annotated[Body, Tag("kind:Body")]
+    | Annotated[Bit, Tag("kind:Bit")],
+    Discriminator(_tag),
+    BeforeValidator(_check),
+]

@@ -1,0 +1,90 @@
+"""What a formation demands of hole, bit and ends, and a quasi-static run of the whole scene."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from drillpetsc.case.blocks.ends import BitBottom, DrivenTop
+from drillpetsc.case.blocks.string import Bit, Flexible
+from drillpetsc.case.key_paths import refuse
+
+if TYPE_CHECKING:
+    from drillpetsc.case.case import Case
+
+SAME_LENGTH = 1e-6  # [m] diameters and depths that are closer are meant to be the same
+
+
+def check_drilling(case: Case) -> None:
+    """Raises where the bit has nothing to cut, or cannot be where it cuts."""
+    _bit_passes(case)
+    if case.fluid is not None and case.fluid.cuttings == "returned" and case.formation is None:
+        hint = "without a formation nothing is cut"
+        raise refuse("fluid", "cuttings", got="returned", want="removed, or a formation", hint=hint)
+    if case.formation is None:
+        return
+    if case.well is None:
+        raise refuse("formation", want="no formation without a well", hint="the bit drills on from the end of the hole; give a well")
+    if case.hold_string:
+        raise refuse("formation", want="no formation with a held string", hint="a bit that is held cuts nothing; leave hold_string out")
+    if not isinstance(case.bottom, BitBottom):
+        want = f"no formation with bottom {case.bottom.kind}"
+        raise refuse("formation", want=want, hint="a bit cuts the rock: bottom: {kind: bit}")
+    _one_stiffness(case, case.bottom)
+    _new_hole(case)
+
+
+def _bit_passes(case: Case) -> None:
+    """A bit has come down through every section above it, so none of them is narrower."""
+    bit = case.string[-1]
+    if case.well is None or not isinstance(bit, Bit):
+        return
+    top = 0.0
+    for section in case.well.sections:
+        if bit.od > section.diameter + SAME_LENGTH and top < case.string_length - SAME_LENGTH:
+            place = f"the {section.kind.replace('_', ' ')} from {top:g} m to {section.to:g} m"
+            want = f"at most the diameter of {place}, {section.diameter:g} m"
+            raise refuse("string", len(case.string) - 1, "od", got=bit.od, want=want, hint="the bit is larger than the hole above it")
+        top = section.to
+
+
+def _one_stiffness(case: Case, bottom: BitBottom) -> None:
+    """`bottom.stiffness` and that of the bit law are one and the same."""
+    assert case.formation is not None
+    given = case.formation.bit_law.stiffness
+    if given is not None and "stiffness" in bottom.model_fields_set and given != bottom.stiffness:
+        want = f"the same as bottom.stiffness, {bottom.stiffness:g} N/m"
+        hint = "both are the contact stiffness of the bit on the rock; give one of them"
+        raise refuse("formation", "bit_law", "stiffness", got=given, want=want, hint=hint)
+
+
+def _new_hole(case: Case) -> None:
+    """The new hole is about as wide as the bit, and wide enough for the string that follows."""
+    assert case.formation is not None
+    bit, wider = case.string[-1], case.formation.overgauge
+    diameter = bit.od
+    assert diameter is not None  # checked with the bottom
+    if abs(wider) >= diameter / 10:
+        want = f"between {-diameter / 10:g} m and {diameter / 10:g} m, a tenth of the bit's diameter"
+        raise refuse("formation", "overgauge", got=wider, want=want, hint="it is added to the radius of the new hole")
+    if not isinstance(bit, Bit) or (case.contact is None and not case.has_annulus):
+        return
+    for i, item in enumerate(case.string[:-1]):
+        outer = getattr(item, "od", None)
+        if isinstance(item, Flexible) and outer is not None and outer >= diameter + 2 * wider:
+            want = f"less than the diameter of the hole that the bit makes, {diameter + 2 * wider:g} m"
+            raise refuse("string", i, "od", got=outer, want=want, hint="it has to follow the bit")
+
+
+def check_time(case: Case) -> None:
+    """A quasi-static run goes from equilibrium to equilibrium."""
+    if case.time is None or case.time.mode != "quasi_static":
+        return
+    if case.hold_string:
+        hint = "a held string has no equilibrium to follow; fluid: {dynamics: quasi_steady} takes the inertia from the fluid"
+        raise refuse("time", "mode", got="quasi_static", want="dynamic with a held string", hint=hint)
+    if isinstance(case.top, DrivenTop):
+        hint = "a drive has inertia only; kind: top_drive turns the string at the rotation given"
+        raise refuse("top", "kind", got="driven", want="no drive in a quasi-static run", hint=hint)
+    if case.initial.from_ in ("rest", "straight"):
+        want = "statics, or a run folder, with time.mode quasi_static"
+        raise refuse("initial", "from", got=case.initial.from_, want=want, hint="every moment of such a run is an equilibrium")

@@ -1,0 +1,97 @@
+"""What the drilling fluid demands of string, hole and ends, and a held string of the other blocks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from drillpetsc.case.blocks.ends import DrivenTop, ForcedBottom
+from drillpetsc.case.blocks.string import Beam, Flexible
+from drillpetsc.case.defaults import largest
+from drillpetsc.case.key_paths import refuse
+
+if TYPE_CHECKING:
+    from drillpetsc.case.case import Case
+
+
+def check_held_string(case: Case) -> None:
+    """A string that is held has no unknowns: nothing may move or load it, and a fluid must be there to flow."""
+    if not case.hold_string:
+        return
+    if case.fluid is None:
+        want = "hold_string only with a fluid"
+        raise refuse("hold_string", got=True, want=want, hint="without it the scene has no unknowns")
+    hint = "hold_string leaves the geometry of the string, without its motion"
+    if isinstance(case.top, DrivenTop):
+        raise refuse("top", "kind", got="driven", want="no drive of a held string: clamped", hint=hint)
+    for key in ("rotation", "lowering", "force"):
+        value = getattr(case.top, key, None)
+        if value is not None and (key == "force" or largest(value) > 0):
+            raise refuse("top", key, want=f"no {key} of a held string", hint=hint)
+    if isinstance(case.bottom, ForcedBottom):
+        raise refuse("bottom", "kind", got="force", want="no force on a held string: free", hint=hint)
+    if case.loads:
+        raise refuse("loads", want="no loads on a held string", hint=hint)
+    if case.initial.wob is not None:
+        raise refuse("initial", "wob", got=case.initial.wob, want="no wob with a held string", hint=hint)
+
+
+def check_fluid(case: Case) -> None:
+    """Raises where the fluid has no way in, through or out."""
+    if case.fluid is None:
+        return
+    _annulus(case)
+    if case.formation is not None and case.fluid.formulation == "hermite":
+        hint = "it counts volumes in a hole that keeps its size; formulation: mixed lets the hole grow"
+        raise refuse("fluid", "formulation", got="hermite", want="mixed with a formation", hint=hint)
+    for i, item in enumerate(case.string):
+        if isinstance(item, Beam) and item.od is None:
+            raise refuse("string", i, "od", want="an outer diameter (and id): the scene has a fluid")
+    _lower_end(case)
+    _bore(case)
+
+
+def _annulus(case: Case) -> None:
+    fluid = case.fluid
+    assert fluid is not None
+    if fluid.annulus and case.well is None:
+        hint = "give a well, or annulus: false"
+        raise refuse("fluid", "annulus", got=True, want="no annulus without a well", hint=hint)
+    if fluid.flow_line > 0 and not fluid.annulus:
+        want = "no flow_line without an annulus: the fluid leaves at the string's lower end"
+        raise refuse("fluid", "flow_line", got=fluid.flow_line, want=want)
+    if fluid.choke is not None and not fluid.annulus:
+        raise refuse("fluid", "choke", want="no choke without an annulus: it is a valve at the flow line")
+    if case.well is not None and fluid.flow_line >= case.well.survey.md[-1]:
+        want = f"above the end of the hole, {case.well.survey.md[-1]:g} m"
+        raise refuse("fluid", "flow_line", got=fluid.flow_line, want=want)
+
+
+def _lower_end(case: Case) -> None:
+    """A plugged string takes no flow; one that nothing fills from above either is empty, and wants an annulus."""
+    fluid = case.fluid
+    assert fluid is not None
+    if not case.bottom.plugged or fluid.pump_pressure is not None:
+        return
+    if largest(fluid.flow_rate) > 0:
+        hint = "plugged: false, or flow_rate 0, or a pump_pressure instead of a flow_rate"
+        raise refuse("bottom", "plugged", got=True, want="an open lower end where the pump has a flow rate", hint=hint)
+    if not fluid.annulus:
+        hint = "plugged: false, or an annulus, or a pump_pressure"
+        want = "a string that is not sealed at both ends: no fluid would be left in this scene"
+        raise refuse("bottom", "plugged", got=True, want=want, hint=hint)
+
+
+def _bore(case: Case) -> None:
+    """The bore goes through: all flexible items have one, or none has and nothing is pumped."""
+    fluid = case.fluid
+    assert fluid is not None
+    solid = [i for i, item in enumerate(case.string) if isinstance(item, Flexible) and getattr(item, "id", 0.0) == 0]
+    if not solid:
+        return
+    want = "an inner diameter above 0"
+    if case.has_bore:
+        raise refuse("string", solid[0], "id", got=0.0, want=f"{want}: fluid flows through the whole string")
+    if fluid.pump_pressure is not None or largest(fluid.flow_rate) > 0:
+        raise refuse("string", solid[0], "id", got=0.0, want=f"{want}: the pump feeds the string")
+    if not fluid.annulus:
+        raise refuse("string", solid[0], "id", got=0.0, want=f"{want}, or an annulus: the fluid has no room")

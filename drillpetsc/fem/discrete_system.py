@@ -1,0 +1,222 @@
+"""A scene given memory: line, layout, assembly, and the way between PETSc's vectors and the kernels' arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc.fem.assembly import Assembly
+from drillpetsc.fem.chain import build_line
+from drillpetsc.fem.component import Energies, FloatArray, Powers, Room
+from drillpetsc.fem.dof_layout import build_layout
+from drillpetsc.fem.string_mesh import StringMesh
+from drillpetsc.geometry.frames import Frames
+
+
+class Model:
+    """The discrete scene on this rank.
+
+    rooms: in the order in which they add rows; frames: shared with the beam room; ``comm`` a PETSc or mpi4py communicator.
+    """
+
+    def __init__(self, mesh: StringMesh, frames: Frames, rooms: Sequence[Room], comm: PETSc.Comm | None = None):
+        self.mesh, self.frames, self.rooms = mesh, frames, tuple(rooms)
+        # the two nodes of a joint stand at one depth: there the line counts nodes instead
+        self.line = build_line(np.arange(mesh.nodes, dtype=float) if mesh.joints else mesh.node_depth, comm or PETSc.COMM_WORLD)
+        self.comm = self.line.plex.comm
+        junction = mesh.junction if len(mesh.junction) else np.zeros(mesh.nodes, dtype=bool)
+        order = np.arange(mesh.nodes)
+        regions = {"string": order >= 0, "junction": junction, "below_top": order > 0, "bottom": order == mesh.nodes - 1}
+        for room in self.rooms:
+            regions |= room.regions() if hasattr(room, "regions") else {}
+        self.regions = regions
+        #: constraint rows with multipliers, whole string: so many negative eigenvalues has the tangent of a stable state
+        self.multipliers = sum(getattr(room, "multipliers", 0) for room in self.rooms)
+        #: whether the equations are a DAE of index 2 or 3
+        self.constrained = self.multipliers > 0 or any(hasattr(room, "restore_constraints") for room in self.rooms)
+        fields = tuple(f for room in self.rooms for f in room.fields())
+        # a string with other unknowns than position, slope and spin shows these to the rooms that know them only
+        other = next((room for room in self.rooms if hasattr(room, "translate")), None)
+        self.layout = build_layout(self.line, fields, regions, getattr(other, "viewed", None))
+        blocks = tuple(b for room in self.rooms for b in room.blocks(self.line))
+        if other is not None:
+            blocks = tuple(map(other.translate, blocks))  # type: ignore[attr-defined]
+        prescribed = tuple(p for room in self.rooms for p in room.prescribed())
+        corrections = tuple(room.corrections(self.line) for room in self.rooms if hasattr(room, "corrections"))
+        self.assembly = Assembly(self.layout, blocks, prescribed, frames.gauge[self.line.vertices], tuple(c for c in corrections if c))
+        layout, asm = self.layout, self.assembly
+        asm.look = getattr(other, "look", None)
+        self._x = PETSc.Vec().createWithArray(asm.x[: layout.size], comm=PETSc.COMM_SELF)
+        self._r = PETSc.Vec().createWithArray(asm.r[: layout.size], comm=PETSc.COMM_SELF)
+        self._state = layout.state_dm.createLocalVec()
+        self.owned_place = np.full(layout.size, -1, dtype=np.int32)
+        self.owned_place[layout.local_of_owned] = np.arange(len(layout.local_of_owned))
+        self._alone = self.comm.size == 1
+        scale = np.array([f.scale for f in layout.fields])
+        self.scale = scale[layout.field_of]  # (n,) usual magnitude of each local unknown
+        self._rated = layout.y_local >= 0
+
+    @property
+    def has_contact(self) -> bool:
+        """Whether a room's rows are switched by contact."""
+        return any(hasattr(room, "signature") for room in self.rooms)
+
+    def signature(self) -> int:
+        """A number that changes when contacts open or close (rooms with ``signature``): the Jacobian is then rebuilt."""
+        return hash(tuple(room.signature() for room in self.rooms if hasattr(room, "signature")))
+
+    # ------------------------------------------------------------------ vectors
+    def new_state(self) -> PETSc.Vec:
+        return self.layout.state_dm.createGlobalVec()
+
+    def new_condensed(self) -> PETSc.Vec:
+        return self.layout.condensed_dm.createGlobalVec()
+
+    def load_unknowns(self, q: PETSc.Vec) -> None:
+        """Condensed global vector into ``assembly.x``, ghosts included."""
+        self.layout.condensed_dm.globalToLocal(q, self._x)
+
+    def load_state(self, state: PETSc.Vec, rate: PETSc.Vec | None = None) -> None:
+        """State (and its rate) into the assembly's x, y (and a)."""
+        layout, asm = self.layout, self.assembly
+        layout.state_dm.globalToLocal(state, self._state)
+        s = self._state.getArray(readonly=1)
+        asm.x[: layout.size] = s[layout.x_local]
+        asm.y[: layout.size] = np.where(self._rated, s[layout.y_local], 0.0)
+        if rate is not None:
+            layout.state_dm.globalToLocal(rate, self._state)
+            s = self._state.getArray(readonly=1)
+            asm.y[: layout.size] = np.where(self._rated, asm.y[: layout.size], s[layout.x_local])
+            asm.a[: layout.size] = np.where(self._rated, s[layout.y_local], 0.0)
+
+    def load_history(self, constant: PETSc.Vec) -> None:
+        """Constant part of the rates, Ydot = shift Y + constant, into v0 and v1."""
+        layout, asm = self.layout, self.assembly
+        layout.state_dm.globalToLocal(constant, self._state)
+        s = self._state.getArray(readonly=1)
+        asm.v0[:] = s[layout.x_local]
+        asm.v1[:] = np.where(self._rated, s[layout.y_local], 0.0)
+
+    def store_state(self, state: PETSc.Vec) -> None:
+        """The assembly's x and y into the owned part of ``state``."""
+        layout, asm = self.layout, self.assembly
+        out = state.getArray()
+        out[layout.x_owned] = asm.x[layout.local_of_owned]
+        has = layout.y_owned >= 0
+        out[layout.y_owned[has]] = asm.y[layout.local_of_owned[has]]
+
+    def store_unknowns(self, q: PETSc.Vec) -> None:
+        q.getArray()[:] = self.assembly.x[self.layout.local_of_owned]
+
+    def sum_residual(self, t: float, out: PETSc.Vec) -> None:
+        """Residual of all rooms at the assembly's x, y, a, summed over ranks, prescribed rows replaced."""
+        self.assembly.residual(t)
+        if self._alone:
+            out.getArray()[:] = self.assembly.r[self.layout.local_of_owned]
+        else:
+            out.set(0.0)
+            self.layout.condensed_dm.localToGlobal(self._r, out, addv=PETSc.InsertMode.ADD_VALUES)
+        if self.assembly.fixed:
+            self.assembly.replace_rows(t, out.getArray(), self.owned_place)
+
+    def sum_local(self, rows: FloatArray) -> FloatArray:
+        """Contributions (n+1,) of this rank's elements to local rows, summed over ranks; (n,) valid at owned unknowns."""
+        self.assembly.r[: len(rows)] = rows
+        out = self.new_condensed()
+        self.layout.condensed_dm.localToGlobal(self._r, out, addv=PETSc.InsertMode.ADD_VALUES)
+        local = np.zeros(self.layout.size)
+        local[self.layout.local_of_owned] = out.getArray(readonly=1)
+        return local
+
+    def worst_place(self, t: float) -> dict[str, Any]:
+        """Where the rows are worst: room, element and measured depth of the largest (or first non-finite) residual."""
+        asm, worst = self.assembly, (-1.0, "", -1, 0.0)
+        for b in asm.ready:
+            if not b.count:
+                continue
+            rows = asm.block_rows(b, t)
+            bad = ~np.isfinite(rows)
+            size = np.where(bad, np.inf, np.abs(rows)).max(axis=1)
+            e = int(size.argmax())
+            if size[e] > worst[0]:
+                number = self.line.cells[b.block.points[e]] if b.block.on == "cell" else self.line.vertices[b.block.points[e]]
+                worst = (float(size[e]), b.block.room, int(number), float(self.mesh.node_depth[number]))
+        if not self._alone:
+            worst = max(self.comm.tompi4py().allgather(worst))
+        return {"room": worst[1], "element": worst[2], "measured_depth": worst[3]}
+
+    def accept(self) -> None:
+        """The state in the assembly stands: tell the rooms that carry something from step to step; collective.
+
+        What a room has to say to all ranks it gives as ``news``, zero where it has nothing, and is told the sum.
+        """
+        room: Any
+        for room in self.rooms:
+            if hasattr(room, "accept"):
+                room.accept(self.assembly)
+            if hasattr(room, "news"):
+                news = room.news(self.assembly)
+                room.take(news if self._alone else self.comm.tompi4py().allreduce(news))
+
+    # ------------------------------------------------------------------ figures
+    def energies(self, t: float) -> Energies:
+        """Stored energies at the assembly's x, y, summed over ranks."""
+        parts = np.array([room.energies(t, self.assembly) for room in self.rooms]).sum(axis=0)
+        return Energies(*(parts if self._alone else self.comm.tompi4py().allreduce(parts)))
+
+    def powers(self, t: float) -> Powers:
+        """Dissipated and supplied power at the assembly's x, y, a, summed over ranks; the reactions of the last residual supply."""
+        parts = self.own_powers(t)
+        return Powers(*(parts if self._alone else self.comm.tompi4py().allreduce(parts)))
+
+    def own_powers(self, t: float) -> FloatArray:
+        """(2,) this rank's share of the dissipated and the supplied power [W]."""
+        parts = np.array([room.powers(t, self.assembly) for room in self.rooms]).sum(axis=0)
+        parts[1] += sum(float(f.reaction @ f.condition.rate(t)) for f in self.assembly.fixed if f.owned)
+        if self.assembly.dead is not None:
+            parts[1] += self.assembly.dead @ self.assembly.y[: self.layout.size]
+        return parts
+
+    def reaction(self, name: str) -> float:
+        """Reaction that the prescribed component ``name`` needs (0 where there is none), the same on all ranks [N or N m]."""
+        value = 0.0
+        for f in self.assembly.fixed:
+            if f.owned and name in f.condition.names:
+                value += float(f.reaction[f.condition.names.index(name)])
+        value += sum(room.own_reaction(name, self.assembly) for room in self.rooms if hasattr(room, "own_reaction"))
+        return value if self._alone else float(self.comm.tompi4py().allreduce(value))
+
+    def gather(self, values: FloatArray, on: str = "vertex") -> FloatArray | None:
+        """Values (nv, k) at local vertices, or (nc, k) at local cells, collected on rank 0 in depth order; None elsewhere."""
+        line = self.line
+        if on == "vertex":
+            numbers, values, size = line.vertices[line.owned], values[line.owned], line.size
+        else:
+            numbers, size = line.cells, line.size - 1
+        if self._alone:
+            out = np.empty((size, *values.shape[1:]))
+            out[numbers] = values
+            return out
+        pieces = self.comm.tompi4py().gather((numbers, values))
+        if pieces is None:
+            return None
+        out = np.empty((size, *values.shape[1:]))
+        for number, piece in pieces:
+            out[number] = piece
+        return out
+
+    def field(self, name: str, what: str = "x") -> FloatArray:
+        """(nv, size) values of a field at local vertices: what = x, y or a; absent places give the field's value at rest."""
+        place = self.layout.place[name]
+        values = getattr(self.assembly, what)[np.maximum(place, 0)]
+        rest = next(f.at_rest for f in self.layout.fields if f.name == name) if what == "x" else 0.0
+        return np.where(place >= 0, values, rest)
+
+    def set_field(self, name: str, values: FloatArray, what: str = "x") -> None:
+        """Set a field's local values from (n_nodes, size) values over the whole string."""
+        place = self.layout.place[name]
+        has = place >= 0
+        getattr(self.assembly, what)[place[has]] = values[self.line.vertices][has]

@@ -1,0 +1,267 @@
+"""A case made ready to compute: mesh, hole, rooms, model; and the string's place at the start."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc.analysis.quaternion_statics import quaternion_rooms
+from drillpetsc.case.blocks.ends import BitBottom, DrivenTop, ForcedBottom, HeldBottom, HeldTop, LineLoad
+from drillpetsc.case.blocks.ends import TopDrive as TopDriveCase
+from drillpetsc.case.case import Case
+from drillpetsc.errors import CaseError
+from drillpetsc.fem.component import FloatArray
+from drillpetsc.fem.discrete_system import Model
+from drillpetsc.fem.string_mesh import StringMesh
+from drillpetsc.geometry.frames import Frames, transported_frames
+from drillpetsc.geometry.well import Well
+from drillpetsc.model.fluid import FluidRooms, build_fluid
+from drillpetsc.model.mesh import build_mesh
+from drillpetsc.model.rock_bit import build_rock_bit
+from drillpetsc.physics.beam import Beam
+from drillpetsc.physics.contact import BitOnBottom, Contact, ContactLaw
+from drillpetsc.physics.end_conditions import Drive, Held, Loads, NodeLoad, TopDrive
+from drillpetsc.physics.joints import Joints
+from drillpetsc.physics.quaternion.beam import QuaternionBeam
+from drillpetsc.physics.quaternion.contact import QuaternionContact
+from drillpetsc.physics.quaternion.ends import Guided
+from drillpetsc.physics.rigid_bodies import Bodies, Curvature
+from drillpetsc.physics.rock_bit import RockBit
+from drillpetsc.time_function import Constant
+
+
+@dataclass
+class Scene:
+    """The parts of a scene; ``top`` and ``bit`` and ``contact`` are the rooms of these names, None where absent.
+
+    well: the hole as it is now, its newly drilled part included.  position, tangent: (n_nodes, 3) of the string along the hole's axis,
+    unstrained.  A held string has no beam; fluid: the rooms of the
+    drilling fluid, None in a dry scene.
+    """
+
+    case: Case
+    mesh: StringMesh
+    well: Well | None
+    frames: Frames
+    position: FloatArray
+    tangent: FloatArray
+    rooms: tuple
+    beam: Beam | QuaternionBeam | None
+    top: TopDrive | Held | Guided | None
+    drive: Drive | None
+    contact: Contact | None
+    bit: BitOnBottom | RockBit | None
+    model: Model
+    fluid: FluidRooms | None = None
+
+    @property
+    def effective_mass(self) -> FloatArray:
+        """(n,) mass per length that the string weighs with [kg/m]: steel and mud in the bore, less the mud it displaces."""
+        mass = self.mesh.mass.copy()
+        if self.fluid is not None and self.fluid.pipe is not None:
+            mass += self.fluid.constants.density * self.fluid.pipe.bore.area
+        if self.fluid is not None and self.fluid.annulus is not None:
+            mass -= self.fluid.constants.density * self.fluid.annulus.annulus.outer
+        return mass
+
+    @property
+    def drilling(self) -> RockBit | None:
+        """The bit where it cuts rock."""
+        return self.bit if isinstance(self.bit, RockBit) else None
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Times at which an input jumps or bends [s]."""
+        turning = getattr(self.case.top, "rotation", None) if is_quasi_static(self.case) else None
+        return tuple(sorted({b for room in self.rooms for b in room.breaks()} | set(turning.breaks() if turning is not None else ())))
+
+
+def build_well(case: Case) -> Well | None:
+    """The hole of the case, or None.  Raises CaseError with what the geometry refuses."""
+    if case.well is None:
+        return None
+    survey, sections = case.well.survey, case.well.sections
+    try:
+        return Well.from_survey(np.array(survey.md), np.array(survey.inclination), np.array(survey.azimuth), [q.to for q in sections],
+                                [0.5 * q.diameter for q in sections], [q.friction for q in sections], [q.kind for q in sections])
+    except ValueError as error:
+        raise CaseError(at="well", want=str(error)) from None
+
+
+def build_scene(case: Case, comm: PETSc.Comm | None = None) -> Scene:
+    """Assemble the scene of ``case`` on a communicator."""
+    mesh, well = build_mesh(case), build_well(case)
+    position, tangent = _axis(case, mesh, well)
+    frames = transported_frames(tangent)
+    beam: Beam | QuaternionBeam | None = None
+    top: TopDrive | Held | Guided | None = None
+    drive, contact, bit = None, None, None
+    rooms: list = []
+    if case.beam.formulation == "quaternion":
+        breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
+        mesh = replace(mesh, junction=np.zeros(0, dtype=bool))  # one strain at each node, on both sides of a change of section
+        contact, bit = _contact(case, mesh, well, QuaternionContact), _bit(case, mesh, well)
+        beam, top, rooms = quaternion_rooms(case, mesh, frames, position, tangent, _loads(case, mesh, tangent), breaks, contact)
+        if mesh.bodies or mesh.eccentricity.any():
+            rooms.append(Bodies(mesh, frames, np.array(case.gravity, dtype=float)))
+        rooms += [bit] if bit is not None else []
+    elif not case.hold_string:
+        gravity = np.array(case.gravity, dtype=float)
+        contact, bit = _contact(case, mesh, well), _bit(case, mesh, well)
+        beam = Beam(mesh, frames, gravity, contact.impact_depth if contact is not None else np.inf)
+        rooms.append(beam)
+        rooms += _extras(mesh, frames, gravity, balanced=is_quasi_static(case))
+        top, drive = _top_rooms(case, position[0], tangent[0])
+        rooms += [r for r in (top, drive) if r is not None]
+        rooms += _bottom_held(case, position[-1], tangent[-1])
+        loads = _loads(case, mesh, tangent)
+        if loads:
+            breaks = tuple(b for q in case.loads for b in q.value_over.breaks())
+            rooms.append(Loads(loads, frames, breaks + _top_breaks(case)))
+        rooms += [r for r in (contact, bit) if r is not None]
+    fluid = build_fluid(case, mesh, well, position, tangent, bit.hole if isinstance(bit, RockBit) else None)
+    rooms += fluid.rooms if fluid is not None else ()
+    model = Model(mesh, frames, rooms, comm)
+    scene = Scene(case, mesh, well, frames, position, tangent, tuple(rooms), beam, top, drive, contact, bit, model, fluid)
+    if isinstance(bit, RockBit):
+        _let_hole_grow(scene, bit)
+    return scene
+
+
+def _let_hole_grow(scene: Scene, bit: RockBit) -> None:
+    """Whatever looks at the hole sees it as it grows."""
+
+    def take(well: Well) -> None:
+        scene.well = well
+
+    bit.hole.followers.append(take)
+    if scene.contact is not None:
+        bit.hole.followers.append(scene.contact.follow)
+
+
+def is_quasi_static(case: Case) -> bool:
+    """Whether the case's string moves without inertia."""
+    return case.time is not None and case.time.mode == "quasi_static"
+
+
+def _extras(mesh: StringMesh, frames: Frames, gravity: FloatArray, balanced: bool) -> list:
+    """What a string may have besides elements: rigid bodies, eccentric mass, stress-free curvature."""
+    rooms: list = []
+    if mesh.bodies or (mesh.eccentricity.any() and not balanced):
+        rooms.append(Bodies(mesh, frames, gravity, balanced))
+    if mesh.curvature.any():
+        rooms.append(Curvature(mesh, frames))
+    if mesh.joints:
+        rooms.append(Joints(mesh, frames))
+    return rooms
+
+
+# ---------------------------------------------------------------------- geometry
+def _axis(case: Case, mesh: StringMesh, well: Well | None) -> tuple[FloatArray, FloatArray]:
+    if well is not None:
+        position, tangent, _ = well.at(mesh.node_depth)
+        return np.asarray(position), np.asarray(tangent)
+    i, a = case.initial.inclination, case.initial.azimuth
+    direction = np.array([np.sin(i) * np.cos(a), np.sin(i) * np.sin(a), np.cos(i)])
+    return mesh.node_depth[:, None] * direction, np.tile(direction, (mesh.nodes, 1))
+
+
+# ---------------------------------------------------------------------- ends
+def _top_rooms(case: Case, position: FloatArray, tangent: FloatArray):
+    top = case.top
+    if isinstance(top, HeldTop):
+        return (None if top.kind == "free" else Held(0, top.kind, position, tangent)), None
+    if isinstance(top, TopDriveCase):
+        lowering = None if top.force is not None else top.lowering
+        rotation = Constant(0.0) if is_quasi_static(case) else top.rotation  # turning on the spot changes nothing there
+        return TopDrive(position, tangent, rotation, lowering), None
+    assert isinstance(top, DrivenTop)
+    return TopDrive(position, tangent, None, top.lowering), Drive(top.rotation, top.stiffness, top.damping, top.inertia)
+
+
+def _top_breaks(case: Case) -> tuple[float, ...]:
+    force = getattr(case.top, "force", None)
+    return force.breaks() if force is not None else ()
+
+
+def _bottom_held(case: Case, position: FloatArray, tangent: FloatArray) -> list[Held]:
+    bottom = case.bottom
+    if not isinstance(bottom, HeldBottom) or bottom.kind == "free":
+        return []
+    node = build_mesh(case).nodes - 1
+    return [Held(node, bottom.kind, position, tangent, spin=bottom.kind == "clamped")]
+
+
+def _contact(case: Case, mesh: StringMesh, well: Well | None, kind: type[Contact] = Contact) -> Contact | None:
+    c = case.contact
+    if c is None or well is None:
+        return None
+    ratio, speed = 1.0, 1.0
+    if c.stribeck is not None:
+        kinetic = max(q.friction for q in case.well.sections)  # type: ignore[union-attr]
+        ratio, speed = (c.stribeck.static / kinetic if kinetic > 0 else 1.0), c.stribeck.speed
+    law = ContactLaw(c.stiffness, c.law, c.restitution, c.restitution_speed, c.slip_velocity, ratio, speed, c.points_per_element)
+    return kind(mesh, well, law, getattr(case, "formation", None) is None, case.top.kind == "free")
+
+
+def _bit(case: Case, mesh: StringMesh, well: Well | None) -> BitOnBottom | RockBit | None:
+    bottom = case.bottom
+    if not isinstance(bottom, BitBottom) or well is None:
+        return None
+    if getattr(case, "formation", None) is not None:
+        return build_rock_bit(case, mesh, well)
+    end, axis, _ = well.at(np.array([hole_depth(case)]))
+    face = mesh.total_length - mesh.node_depth[-1]
+    radius = next((b.radius for b in reversed(mesh.bodies) if b.kind == "bit"), 0.5 * mesh.outer_diameter[-1])
+    slip = case.contact.slip_velocity if case.contact else 0.01
+    return BitOnBottom(mesh.nodes - 1, face, radius, bottom.stiffness, bottom.friction, np.asarray(end)[0], np.asarray(axis)[0], slip)
+
+
+def hole_depth(case: Case) -> float:
+    """Measured depth of the end of the hole [m]: the last survey station."""
+    return float(case.well.survey.md[-1])  # type: ignore[union-attr]
+
+
+# ---------------------------------------------------------------------- loads
+def _loads(case: Case, mesh: StringMesh, tangent: FloatArray) -> tuple[NodeLoad, ...]:
+    out: list[NodeLoad] = []
+    for load in case.loads:
+        factor = None if isinstance(load.value_over, Constant) and load.value_over.constant == 1.0 else load.value_over.value
+        section = load.frame == "section"
+        if isinstance(load, LineLoad):
+            out += _line_load(load, mesh, section, factor)
+        else:
+            node = int(np.argmin(np.abs(mesh.node_depth - load.at)))
+            out.append(NodeLoad(node, load.force, load.moment, section=section, factor=factor))
+    if isinstance(case.bottom, ForcedBottom):
+        out.append(NodeLoad(mesh.nodes - 1, case.bottom.force, case.bottom.moment))
+    force = getattr(case.top, "force", None)
+    if force is not None:  # tension positive: the drive pulls the top node up along the axis
+        out.append(NodeLoad(0, tuple(-tangent[0]), factor=force.value))
+    return tuple(out)
+
+
+def _line_load(load: LineLoad, mesh: StringMesh, section: bool, factor) -> list[NodeLoad]:
+    """Consistent nodal loads of a uniform load between two depths: integrals of the cubic shape functions over the covered part.
+
+    In section axes (which turn with the pipe) force and moment are shared out linearly between an element's nodes instead.
+    """
+    f, m, out = np.array(load.force), np.array(load.moment), []
+    for e in range(len(mesh.upper)):
+        a, b, L = max(load.from_, mesh.upper[e]), min(load.to, mesh.lower[e]), mesh.length[e]
+        if b <= a:
+            continue
+        x, w = np.polynomial.legendre.leggauss(4)
+        x = ((b - a) * x / 2 + (a + b) / 2 - mesh.upper[e]) / L
+        w = w * (b - a) / 2
+        if section:
+            shares, slopes = (w @ (1 - x), w @ x), (0.0, 0.0)
+        else:
+            shares = (w @ (1 - 3 * x**2 + 2 * x**3), w @ (3 * x**2 - 2 * x**3))
+            slopes = (L * (w @ (x - 2 * x**2 + x**3)), L * (w @ (x**3 - x**2)))
+        linear = (w @ (1 - x), w @ x)
+        for end in (0, 1):
+            out.append(NodeLoad(e + end, tuple(shares[end] * f), tuple(linear[end] * m), tuple(slopes[end] * f), section, factor))
+    return out

@@ -1,0 +1,186 @@
+"""From a case's fluid to its rooms: bore, annulus and bit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
+
+import numpy as np
+
+from drillpetsc.case.blocks.fluid import flow_constants
+from drillpetsc.case.blocks.string import Rigid
+from drillpetsc.case.case import Case
+from drillpetsc.fem.component import FloatArray
+from drillpetsc.fem.string_mesh import StringMesh
+from drillpetsc.geometry.growing_hole import GrowingHole
+from drillpetsc.geometry.well import Well
+from drillpetsc.physics.fluid.added_mass import chi_confined, chi_eccentric, lateral_damping
+from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
+from drillpetsc.physics.fluid.bit_flow import BitEnd, BitFlow
+from drillpetsc.physics.fluid.bore_flow import PipeFlow
+from drillpetsc.physics.fluid.channel_flow import FluidConstants
+from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, HoleVolume, build_bore, build_walls, metal_below, poisson
+from drillpetsc.physics.fluid.hermite_flow import HermiteAnnulus, HermiteBit, HermitePipe, volumes_at_rest
+from drillpetsc.physics.fluid.moving_hole import Sideways, Surroundings
+from drillpetsc.physics.fluid.rheology import Rheology
+
+NEAREST_WALL = 0.98  # eccentricity above which the added mass stays as it is
+
+
+@dataclass(frozen=True)
+class FluidRooms:
+    """Rooms of the drilling fluid; None where the scene has no such channel.
+
+    volumes: with formulation hermite, nodal volumes (n+1,) [m3] by field for still fluid under a pressure at the top [Pa].
+    """
+
+    constants: FluidConstants
+    pipe: PipeFlow | None
+    annulus: AnnulusFlow | None
+    bit: BitFlow | None
+    volumes: Callable[[float], dict[str, FloatArray]] | None = None
+
+    @property
+    def rooms(self) -> tuple:
+        return tuple(r for r in (self.pipe, self.annulus, self.bit) if r is not None)
+
+
+def build_rheology(case: Case) -> Rheology:
+    """Rheology of the case's fluid."""
+    assert case.fluid is not None
+    q = case.fluid.rheology
+    consistency, index, yield_stress = flow_constants(q)
+    return Rheology(q.model, law=q.law, consistency=consistency, index=index, yield_stress=yield_stress, shear_rate_eps=q.shear_rate)  # type: ignore[attr-defined]
+
+
+def build_fluid(case: Case, mesh: StringMesh, well: Well | None, position: FloatArray, tangent: FloatArray,
+                hole: GrowingHole | None = None) -> FluidRooms | None:
+    """Rooms of the case's fluid, None without one; position, tangent (n+1, 3) of the nodes along the hole; hole: where the bit drills."""
+    f = case.fluid
+    if f is None:
+        return None
+    gravity = np.array(case.gravity, dtype=float)
+    constants = FluidConstants(f.density, f.bulk_modulus, gravity, build_rheology(case).parameters(), f.clinging)
+    narrowing, held = poisson(case, mesh), position if case.hold_string else None
+    hermite = f.formulation == "hermite"
+    pipe: PipeFlow | None = None
+    annulus: AnnulusFlow | None = None
+    sizes, chi, surroundings = None, np.zeros(len(mesh.upper)), None
+    if case.has_bore:
+        flow, bore = None if f.pump_pressure is not None else f.flow_rate, build_bore(case, mesh)
+        if hermite:
+            pipe = HermitePipe(mesh, bore, constants, narrowing, f.flow_rate, case.bottom.plugged, held)
+        else:
+            pipe = PipeFlow(mesh, bore, constants, narrowing, flow, f.pump_pressure, held)
+    if case.has_annulus:
+        assert well is not None
+        walls = build_walls(case, mesh)
+        sizes = walls.annulus(HoleVolume(well), np.arange(len(mesh.upper)), mesh.upper, mesh.lower)
+        chi = _added_mass(case, sizes)
+        if not case.hold_string and (hole is not None or not _same_everywhere(well, walls)):
+            surroundings = Surroundings(mesh, walls, lambda: well if hole is None else hole.well, partial(_sideways, case))
+        around = (mesh, sizes, well, constants, narrowing, _sideways(case, sizes), f.outlet_pressure, f.flow_line, surroundings, held)
+        valve = 0.0 if f.choke is None else 1 / (2 * f.choke.discharge_coefficient**2 * f.choke.area**2)
+        annulus = HermiteAnnulus(*around, pump=f.flow_rate) if hermite else AnnulusFlow(*around, choke=valve)
+    bit: BitFlow | None = None
+    if pipe is not None and not case.bottom.plugged or annulus is not None:
+        end = _bit_end(case, mesh, well, sizes, chi, position, tangent)
+        if hole is not None:
+            end = _drilled(end, hole, f.cuttings == "returned")
+        bit = BitFlow(mesh.nodes - 1, end, constants, held, surroundings, hole)
+        if hermite:
+            bit = HermiteBit(mesh.nodes - 1, end, constants, f.flow_rate, pipe, annulus, position[-1], held)  # type: ignore[arg-type]
+    volumes = None
+    if hermite:
+        head = f.density * ((position - position[0]) @ gravity)
+        volumes = partial(volumes_at_rest, pipe, annulus, bit, head)  # type: ignore[arg-type]
+        if isinstance(pipe, HermitePipe) and pipe.closed:
+            pipe.kept = float(volumes(f.outlet_pressure.value(0.0) if annulus is not None else 0.0)["pipe.volume"][-1])
+    return FluidRooms(constants, pipe, annulus, bit, volumes)
+
+
+def _added_mass(case: Case, sizes: Annulus) -> FloatArray:
+    kind = case.fluid.added_mass  # type: ignore[union-attr]
+    if kind in ("confined", "eccentric"):
+        return np.asarray(chi_confined(sizes.outer_diameter, sizes.hole_diameter))
+    if kind == "paper_plug":
+        return sizes.outer / (sizes.hole - sizes.outer)
+    return np.full(len(sizes.outer), float(kind))
+
+
+@lru_cache(maxsize=256)
+def _added_mass_table(inner: float, outer: float) -> tuple[FloatArray, FloatArray]:
+    """Eccentricities, closer towards the wall, and the added mass there for diameters of string and hole [m]; it has no limit at the wall,
+    the table ends at ``NEAREST_WALL``."""
+    places = NEAREST_WALL * np.sin(np.linspace(0, np.pi / 2, 60))
+    return places, np.array([chi_eccentric(inner, outer, e) for e in places])
+
+
+def _added_mass_by_place(eccentricity: FloatArray, inner: FloatArray, outer: FloatArray) -> FloatArray:
+    """Added mass (k,) of elements of outer diameters ``inner`` in holes ``outer`` (k,) [m], to 0.1 mm, at eccentricities (k,)."""
+    sizes, which = np.unique(np.round(np.column_stack([inner, outer]), 4), axis=0, return_inverse=True)
+    out, which = np.empty(len(eccentricity)), np.ravel(which)
+    for k, (d, w) in enumerate(sizes):
+        out[which == k] = np.interp(eccentricity[which == k], *_added_mass_table(float(d), float(w)))
+    return out
+
+
+def shear_viscosity(case: Case, shear_rate: FloatArray) -> FloatArray:
+    """Apparent viscosity [Pa s] of the fluid at a shear rate [1/s]."""
+    consistency, index, yield_stress = flow_constants(case.fluid.rheology)  # type: ignore[union-attr]
+    if case.fluid.rheology.model == "casson":  # type: ignore[union-attr]
+        return (np.sqrt(yield_stress) + np.sqrt(consistency * shear_rate)) ** 2 / shear_rate
+    return yield_stress / shear_rate + consistency * shear_rate ** (index - 1)
+
+
+def _sideways(case: Case, sizes: Annulus) -> Sideways:
+    """Added mass, damping, and drag of turning; the viscosity is that at the wall of a pipe turning at the reference speed, where the
+    shear rate is 2 omega/(1 - (Do/Dw)^2) (Couette)."""
+    f = case.fluid
+    assert f is not None
+    inner, outer, speed = sizes.outer_diameter, sizes.hole_diameter, f.lateral_damping_speed
+    viscosity = shear_viscosity(case, 2 * speed / (1 - (inner / outer) ** 2))
+    if f.lateral_damping == "stokes":
+        sizes_used, where = np.unique(np.column_stack([inner, outer, viscosity]), axis=0, return_inverse=True)
+        each = np.array([lateral_damping(d, w, f.density, mu, speed) if mu > 0 else 0.0 for d, w, mu in sizes_used])
+        damping = each[np.ravel(where)]
+    else:
+        damping = np.full(len(inner), float(f.lateral_damping))
+    turning = np.zeros(len(inner))
+    if f.rotation_drag:  # 4 pi mu Ro^2 Rw^2/(Rw^2 - Ro^2) per length and spin (Couette)
+        turning = np.pi * viscosity * inner**2 * outer**2 / (outer**2 - inner**2)
+    return Sideways(_added_mass(case, sizes), damping, turning, _added_mass_by_place if f.added_mass == "eccentric" else None)
+
+
+def _same_everywhere(well: Well, walls: AnnulusWalls) -> bool:
+    """Whether size, direction and wall of the hole are the same all the way down."""
+    straight = np.allclose(well.node_tangent, well.node_tangent[0], atol=1e-12)
+    return bool(straight) and not len(well.transitions) and len(set(walls.give)) == 1
+
+
+def _bit_end(case: Case, mesh: StringMesh, well: Well | None, sizes: Annulus | None, chi: FloatArray, position: FloatArray,
+             tangent: FloatArray) -> BitEnd:
+    f, last = case.fluid, case.string[-1]
+    assert f is not None
+    open_end = case.has_bore and not case.bottom.plugged
+    nozzle = (getattr(last, "nozzle_area", None) or 0.0) if isinstance(last, Rigid) else 0.0
+    end, axis = position[-1], tangent[-1]
+    if sizes is not None and well is not None:
+        points, directions, _ = well.at(np.array([case.well.survey.md[-1]]))  # type: ignore[union-attr]
+        end, axis = np.asarray(points)[0], np.asarray(directions)[0]
+    rock = getattr(case.well.sections[-1], "compliance", None) if case.well is not None and f.elastic_walls else None
+    hole = (0.0, 0.0, 0.0)
+    if sizes is not None:
+        hole = float(sizes.hole[-1]), float(sizes.hole[-1] - sizes.outer[-1]), float(sizes.outer[-1])
+    return BitEnd(
+        bore=float(np.pi / 4 * mesh.inner_diameter[-1] ** 2) if open_end else 0.0, nozzle=nozzle,
+        discharge_coefficient=f.discharge_coefficient, check_valve=f.check_valve, ambient=f.outlet_pressure,
+        hole=hole[0], open=hole[1], outer=hole[2], elasticity=2 * (1 + rock.poisson) / rock.young if rock else 0.0,
+        volume=f.bit_volume, face=mesh.total_length - float(mesh.node_depth[-1]), added=float(chi[-1]), metal=metal_below(case, mesh),
+        end=end, axis=axis, tangent=tangent[-1])
+
+
+def _drilled(end: BitEnd, hole: GrowingHole, returned: bool) -> BitEnd:
+    """The same in a hole that is drilled on: its end is where the bit's centre is on bottom."""
+    return replace(end, end=hole.first, axis=hole.direction, face=end.face - hole.half, cut=np.pi * hole.radius**2 if returned else 0.0)

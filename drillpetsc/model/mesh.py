@@ -1,0 +1,176 @@
+"""From the case's string items to elements, nodes, rigid items: the string mesh."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.case.blocks.joints import Joint
+from drillpetsc.case.blocks.string import Beam as BeamItem
+from drillpetsc.case.blocks.string import Flexible, Pipe, Rigid
+from drillpetsc.case.case import Case
+from drillpetsc.case.checks.size import element_count
+from drillpetsc.errors import CaseError
+from drillpetsc.fem.string_mesh import RigidItem, StringJoint, StringMesh, tube
+
+BEND_LENGTH = 0.5  # a bent sub's kink is spread over an element of this length [m]
+SAME_PLACE = 1e-6  # depths closer than this are one node [m]
+
+
+def build_mesh(case: Case) -> StringMesh:
+    """Mesh the string of ``case``; nodes stand at item ends, at point loads and wherever element_length asks.
+
+    Raises CaseError where nothing of the string is flexible.
+    """
+    if not any(isinstance(item, Flexible) for item in case.string):
+        raise CaseError(at="string", want="at least one flexible item (pipe or beam)", hint="rigid items alone have no element")
+    rows: list = []
+    rigid: list = []
+    pending: list = []
+    joints: list[StringJoint] = []
+    waiting = sorted(case.joints, key=lambda j: j.at)
+
+    def place_joint(item, depth: float) -> None:
+        """The joint at ``depth``, if there is one, as a row without length below what hangs so far."""
+        if waiting and abs(waiting[0].at - depth) <= SAME_PLACE * max(1.0, depth):
+            joint = waiting.pop(0)
+            joints.append(_joint(joint, len(rows)))
+            rows.append((-1, item, depth, depth, sum(q.length for _, q in pending), None))
+            pending.clear()
+
+    for number, item in enumerate(case.string):
+        top, bottom = case.item_depths[number]
+        place_joint(item, top)
+        if isinstance(item, Flexible):
+            edges = _edges(case, number, item, top, bottom)
+            above = sum(q.length for _, q in pending)
+            bent = _bend_of(item) if not pending else next((_bend_of(q) for _, q in pending if _bend_of(q)), _bend_of(item))
+            for k, (a, b) in enumerate(zip(edges, edges[1:], strict=False)):
+                if k:
+                    place_joint(item, a)
+                rows.append((number, item, a, b, above if k == 0 else 0.0, bent if k == 0 else None))
+            pending.clear()
+        else:
+            rigid.append((number, item, len(rows), sum(q.length for _, q in pending)))
+            pending.append((number, item))
+    return _assemble(case, rows, rigid, tuple(joints))
+
+
+def _joint(joint: Joint, cell: int) -> StringJoint:
+    return StringJoint(joint.at, joint.kind, cell, joint.axes, joint.constraint == "stabilised", joint.spring, joint.damping, joint.stroke,
+                       joint.stop_stiffness)
+
+
+def _bend_of(item):
+    bend = getattr(item, "bend", None)
+    return bend if bend is not None and bend.angle != 0 else None
+
+
+def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -> list[float]:
+    """Measured depths of the element ends of a flexible item."""
+    edges = list(np.linspace(top, bottom, element_count(item) + 1))
+    extra: list[float] = []
+    if _bend_of(item) and item.length > 2 * BEND_LENGTH:
+        extra.append(top + BEND_LENGTH)
+    below = case.string[number + 1] if number + 1 < len(case.string) else None
+    if isinstance(below, Rigid) and _bend_of(below) and item.length > 2 * BEND_LENGTH:
+        extra.append(bottom - BEND_LENGTH)
+    for load in case.loads:
+        at = getattr(load, "at", None)
+        if at is not None and top < at < bottom:
+            extra.append(at)
+    extra += [joint.at for joint in case.joints if top < joint.at < bottom]
+    for at in extra:  # elements as short as the case asks for are kept; what lies on one of their ends is not another
+        k = bisect_left(edges, at)
+        if min(at - edges[k - 1], edges[k] - at) > SAME_PLACE * max(1.0, at):
+            edges.insert(k, at)
+    return edges
+
+
+def _with_sections(rows: list) -> list:
+    """Rows of joints take number and item of the element above (below the first): their section counts nowhere, but must be a number."""
+    out, last = [], next((row for row in rows if row[0] >= 0), None)
+    for row in rows:
+        if row[0] >= 0:
+            last = row
+        out.append(row if row[0] >= 0 or last is None else (last[0], last[1], *row[2:]))
+    return out
+
+
+def _section(item: Flexible) -> dict[str, float]:
+    if isinstance(item, Pipe):
+        m = item.material
+        values = tube(item.od, item.id, m.young, m.poisson, m.density)
+        damping = m.damping
+    else:
+        assert isinstance(item, BeamItem)
+        values = {k: getattr(item, k) for k in ("axial_stiffness", "bending_stiffness", "torsional_stiffness", "mass", "polar_inertia")}
+        damping = item.damping
+    values |= {"stiffness_damping": damping.stiffness, "mass_damping": damping.mass}
+    values |= {"outer_diameter": item.od or 0.0, "inner_diameter": item.id}
+    return values
+
+
+def _polar(size: float, angle: float) -> tuple[float, float]:
+    return size * np.cos(angle), size * np.sin(angle)
+
+
+def _curvature(case: Case, item: Flexible, a: float, b: float, bend) -> tuple[float, float]:
+    k = np.array(_polar(item.curvature, item.curvature_angle))
+    if bend:
+        k += np.array(_polar(bend.angle / (b - a), bend.tool_face))
+    return float(k[0]), float(k[1])
+
+
+def _assemble(case: Case, rows, rigid, joints: tuple[StringJoint, ...]) -> StringMesh:
+    n = len(rows)
+    rows = _with_sections(rows)
+    is_joint = np.zeros(n + 2, dtype=bool)  # one more at either end
+    is_joint[[1 + j.cell for j in joints]] = True
+    sections = {number: _section(item) for number, item, *_ in rows}
+    keys = ("axial_stiffness", "bending_stiffness", "torsional_stiffness", "mass", "polar_inertia", "outer_diameter", "inner_diameter",
+            "stiffness_damping", "mass_damping")
+    columns: dict[str, Any] = {k: np.array([sections[number][k] for number, *_ in rows]) for k in keys}
+    upper, lower = np.array([r[2] for r in rows]), np.array([r[3] for r in rows])
+    above = np.array([r[4] for r in rows])
+    node_depth = np.append(upper - above, lower[-1])
+    bodies = tuple(_body(item, node, before) for _, item, node, before in rigid)
+    curvature = np.array([_curvature(case, item, a, b, bend) for _, item, a, b, _, bend in rows])
+    curvature[is_joint[1:-1]] = 0.0
+    for _, item, node, _ in rigid:  # a bent rigid item kinks the end of the flexible one above it
+        if _bend_of(item) and 0 < node <= n:
+            if is_joint[node]:
+                raise CaseError(at="string", got=f"a bend of {item.kind}", want="no bend right below a joint", hint="put a pipe between")
+            bend = _bend_of(item)
+            curvature[node - 1] += _polar(bend.angle / (lower[node - 1] - upper[node - 1]), bend.tool_face)
+    junction = np.zeros(n + 1, dtype=bool)
+    stiffness = columns["axial_stiffness"]
+    junction[1:n] = ~np.isclose(stiffness[1:], stiffness[:-1], rtol=1e-12)
+    for body in bodies:
+        junction[body.node] = body.node < n and not is_joint[body.node + 1]
+    for load in case.loads:
+        at = getattr(load, "at", None)
+        if at is not None:
+            node = int(np.argmin(np.abs(node_depth - at)))
+            junction[node] |= 0 < node < n
+    for node in np.flatnonzero(is_joint[:-1] | is_joint[1:]):  # no strain is common to the parts at a joint, the bar between it and
+        junction[node] = node < n and not is_joint[node + 1] and above[node] > 0  # the element below is what a ratio stands for
+    junction[0] = above[0] > 0 and not is_joint[1] if n else False
+    friction = np.array([np.nan if item.friction is None else item.friction for _, item, *_ in rows])
+    eccentricity = np.array([_polar(item.eccentricity, item.eccentricity_angle) for _, item, *_ in rows])
+    eccentricity[is_joint[1:-1]] = 0.0
+    return StringMesh(upper=upper, lower=lower, node_depth=node_depth, rigid_above=above, eccentricity=eccentricity, curvature=curvature,
+                      item=np.array([r[0] for r in rows]), friction=friction, bodies=bodies, junction=junction,
+                      joints=joints, **columns)
+
+
+def _body(item: Any, node: int, before: float) -> RigidItem:
+    along, *across = item.center_of_gravity
+    offset = np.array(across)
+    if item.mass > 0:
+        offset = offset + np.array(_polar(item.unbalance / item.mass, item.unbalance_angle))
+    return RigidItem(item.name or item.kind, item.kind, node, before, item.length, item.mass, before + along,
+                     (float(offset[0]), float(offset[1])), item.inertia.axial, item.inertia.transverse,
+                     0.5 * (item.od or 0.0), item.friction)

@@ -1,0 +1,54 @@
+"""summary.json: plain JSON that any reader takes, written whole or not at all."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import os
+from collections.abc import Mapping
+from enum import Enum
+from pathlib import Path
+
+import numpy as np
+
+from drillpetsc.output.files.atomic import replace_text
+
+
+def plain(value: object) -> object:
+    """The value in JSON's own types.
+
+    numpy scalars and arrays become numbers and lists, NaN and infinity (which JSON does not have) null, complex numbers
+    [real, imaginary], dataclasses and mappings objects, paths and anything unknown text: a summary must never fail
+    a finished run.
+    """
+    if value is None or isinstance(value, str | bool):
+        return value
+    if isinstance(value, Enum):
+        return plain(value.value)
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, int):
+        return int(value)
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, complex):
+        return [plain(value.real), plain(value.imag)]
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {field.name: plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | set | frozenset):
+        return [plain(item) for item in value]
+    return str(value)
+
+
+def write_summary(path: str | os.PathLike, summary: Mapping[str, object]) -> Path:
+    """Write the summary, in the order of its keys."""
+    return replace_text(path, json.dumps(plain(summary), indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def read_summary(path: str | os.PathLike) -> dict:
+    return json.loads(Path(path).read_text(encoding="utf-8"))

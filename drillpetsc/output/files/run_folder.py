@@ -1,0 +1,189 @@
+"""The run folder: where it lies, how it is made, and the names of the files in it."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+from drillpetsc.output.files import lock
+from drillpetsc.output.files.atomic import remove_leftovers
+
+
+class RunFolderExists(FileExistsError):
+    """An explicit output folder exists and nobody said restart or overwrite."""
+
+
+class RunFolderMissing(FileNotFoundError):
+    """A run that should be continued or looked at is not there."""
+
+
+@dataclass(frozen=True)
+class RunFolder:
+    """One run's folder; the properties are the paths of the contract, whether or not the files exist yet."""
+
+    path: Path
+
+    @property
+    def history(self) -> Path:
+        return self.path / "history.csv"
+
+    @property
+    def probes(self) -> Path:
+        return self.path / "probes.csv"
+
+    @property
+    def statics(self) -> Path:
+        return self.path / "statics.csv"
+
+    @property
+    def trajectory(self) -> Path:
+        return self.path / "trajectory.csv"
+
+    @property
+    def string_series(self) -> Path:
+        return self.path / "string.pvd"
+
+    @property
+    def string_frames(self) -> Path:
+        return self.path / "string"
+
+    @property
+    def well(self) -> Path:
+        return self.path / "well.vtu"
+
+    @property
+    def summary(self) -> Path:
+        return self.path / "summary.json"
+
+    @property
+    def checkpoint(self) -> Path:
+        return self.path / "checkpoint.h5"
+
+    @property
+    def case(self) -> Path:
+        return self.path / "case.yaml"
+
+    @property
+    def plots(self) -> Path:
+        return self.path / "plots"
+
+    @classmethod
+    def create(
+        cls,
+        case_name: str,
+        out: str | os.PathLike | None = None,
+        *,
+        restart: bool = False,
+        overwrite: bool = False,
+        results: str | os.PathLike = "results",
+    ) -> RunFolder:
+        """Make, or for a restart find, the folder of a run.
+
+        without out         results/<case_name>-NNN, the next number above those that exist; made by one mkdir, so
+                            two runs that start together get two folders. With restart: the latest such folder.
+        out, new            made, with its parents
+        out, exists         RunFolderExists, unless restart (kept as it is) or overwrite (the files of the contract
+                            are removed, others kept)
+        restart, not there  RunFolderMissing
+        another process     RunFolderBusy, before anything is removed; the folder is this process's until `release` or its
+        writes there        end (output/files/lock.py)
+        """
+        if restart and overwrite:
+            raise ValueError("restart and overwrite exclude each other: one keeps what the other removes")
+        if restart:
+            found = cls.latest(case_name, results) if out is None else cls.open(out)
+            lock.take(found.path)
+            found.tidy()
+            return found
+        if out is None:
+            found = cls(_make_next(case_name, Path(results)))
+            lock.take(found.path)
+            return found
+        path = Path(out)
+        try:
+            path.mkdir(parents=True)
+        except FileExistsError:
+            if not path.is_dir():
+                raise RunFolderExists(f"output folder {path} exists and is not a folder: give another --out") from None
+            if not overwrite:
+                raise RunFolderExists(
+                    f"output folder {path} exists: give another --out, "
+                    "or --restart to continue it, or --overwrite to replace it"
+                ) from None
+            lock.take(path)
+            cls(path).clear()
+        lock.take(path)
+        return cls(path)
+
+    @classmethod
+    def open(cls, path: str | os.PathLike) -> RunFolder:
+        """An existing run folder; RunFolderMissing when there is none."""
+        if not Path(path).is_dir():
+            raise RunFolderMissing(f"run folder {path} does not exist")
+        return cls(Path(path))
+
+    @classmethod
+    def latest(cls, case_name: str, results: str | os.PathLike = "results") -> RunFolder:
+        """The folder with the highest number of this case; RunFolderMissing when there is none."""
+        numbers = _numbers(case_name, Path(results))
+        if not numbers:
+            raise RunFolderMissing(f"no run folder {Path(results) / case_name}-NNN exists")
+        return cls(numbers[max(numbers)])
+
+    def release(self) -> None:
+        """Let other processes write here: nothing more is written by this one. Without effect in one that does not hold the folder."""
+        lock.release(self.path)
+
+    def tidy(self) -> None:
+        """Remove half-written files that a killed run left."""
+        remove_leftovers(self.path)
+        remove_leftovers(self.string_frames)
+
+    def clear(self) -> None:
+        """Remove the files of the contract, and nothing else that may lie in the folder."""
+        self.tidy()
+        for file in (
+            self.history,
+            self.probes,
+            self.statics,
+            self.trajectory,
+            self.string_series,
+            self.well,
+            self.summary,
+            self.checkpoint,
+            self.case,
+        ):
+            file.unlink(missing_ok=True)
+        for frame in self.string_frames.glob("*.vtu"):
+            frame.unlink()
+        if self.string_frames.is_dir() and not any(self.string_frames.iterdir()):
+            shutil.rmtree(self.string_frames)
+
+
+def _numbers(case_name: str, results: Path) -> dict[int, Path]:
+    """Existing numbered folders of a case: number -> path."""
+    pattern = re.compile(re.escape(case_name) + r"-(\d{3,})")
+    found = {}
+    if results.is_dir():
+        for entry in results.iterdir():
+            match = pattern.fullmatch(entry.name)
+            if match:
+                found[int(match.group(1))] = entry
+    return found
+
+
+def _make_next(case_name: str, results: Path) -> Path:
+    if not case_name or "/" in case_name or case_name in (".", ".."):
+        raise ValueError(f"a case name that makes no folder name: {case_name!r}")
+    results.mkdir(parents=True, exist_ok=True)
+    number = max(_numbers(case_name, results), default=0) + 1
+    while True:
+        path = results / f"{case_name}-{number:03d}"
+        try:
+            path.mkdir()
+            return path
+        except FileExistsError:
+            number += 1

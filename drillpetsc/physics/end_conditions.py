@@ -1,0 +1,204 @@
+"""The string's ends: clamped, pinned, free, top drive, driven; and loads at points or along the string."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from drillpetsc.fem.component import Block, Energies, FloatArray, Powers, Prescribed
+from drillpetsc.geometry.frames import Frames, high_side
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, Passive, local_vertices
+
+
+class Input(Protocol):
+    """A quantity over time (drillpetsc.time_function)."""
+
+    def value(self, t: float) -> float: ...
+    def rate(self, t: float) -> float: ...
+    def integral(self, t: float) -> float: ...
+    def breaks(self) -> tuple[float, ...]: ...
+
+
+def _axes(tangent: FloatArray) -> FloatArray:
+    """(3, 3) rows: tangent and two unit vectors across it."""
+    side = high_side(tangent)
+    return np.array([tangent, side, np.cross(tangent, side)])
+
+
+def _rows(position: FloatArray, tangent: FloatArray, spin: bool) -> FloatArray:
+    """(m, 7) directions: rows of ``position`` act on r, of ``tangent`` on v, and the spin angle last."""
+    m = len(position) + len(tangent) + spin
+    D = np.zeros((m, 7))
+    D[: len(position), :3] = position
+    D[len(position) : len(position) + len(tangent), 3:6] = tangent
+    if spin:
+        D[-1, 6] = 1.0
+    return D
+
+
+class Held(Passive):
+    """An end that does not move: clamped (position, direction, spin), pinned (position; spin where ``spin``)."""
+
+    name = "held_end"
+
+    def __init__(self, vertex: int, kind: str, position: FloatArray, tangent: FloatArray, spin: bool = True, angle: float = 0.0):
+        axes = _axes(tangent)
+        D = _rows(axes, axes[1:] if kind == "clamped" else axes[:0], spin)
+        self.anchor = target = D @ np.concatenate([position, tangent, [angle]])
+        still = np.zeros(len(D))
+        tilt = ("side_moment_1", "side_moment_2") if kind == "clamped" else ()
+        names = ("axial_reaction", "side_reaction_1", "side_reaction_2", *tilt, *(("torque_reaction",) if spin else ()))
+        where = "top" if vertex == 0 else "bottom"
+        self._condition = Prescribed(vertex, D, lambda t: target, lambda t: still, tuple(f"{where}.{n}" for n in names))
+
+    def shift(self, distance: float) -> None:
+        """Move the axial position by ``distance`` [m], down positive."""
+        self.anchor[0] += distance
+
+    def prescribed(self) -> tuple[Prescribed, ...]:
+        return (self._condition,)
+
+
+class TopDrive(Passive):
+    """Prescribed rotation [rad/s] and lowering [m/s] of the top node; the replaced rows are hook load and surface torque.
+
+    lowering None: the axial row stays free (a force is prescribed by a load).  rotation None: the spin stays free (``driven``).
+    """
+
+    name = "top_drive"
+
+    def __init__(self, position: FloatArray, tangent: FloatArray, rotation: Input | None, lowering: Input | None, angle: float = 0.0):
+        axes = _axes(tangent)
+        self.inputs = tuple(i for i in (rotation, lowering) if i is not None)
+        D = _rows(axes if lowering is not None else axes[1:], axes[1:], rotation is not None)
+        self.anchor = start = D @ np.concatenate([position, tangent, [angle]])
+        self._axial = axial = np.zeros(len(D))
+        spin = np.zeros(len(D))
+        if lowering is not None:
+            axial[0] = 1.0
+        if rotation is not None:
+            spin[-1] = 1.0
+        zero = _Zero()
+        down, turn = lowering or zero, rotation or zero
+        names = ["top.axial_reaction"] * (lowering is not None) + ["top.side_reaction_1", "top.side_reaction_2", "top.side_moment_1",
+                 "top.side_moment_2"] + ["top.torque_reaction"] * (rotation is not None)
+        self._condition = Prescribed(0, D, lambda t: start + axial * down.integral(t) + spin * turn.integral(t),
+                                     lambda t: axial * down.value(t) + spin * turn.value(t), tuple(names))
+
+    def prescribed(self) -> tuple[Prescribed, ...]:
+        return (self._condition,)
+
+    def shift(self, distance: float) -> None:
+        """Move the axial position by ``distance`` [m], down positive."""
+        self.anchor += distance * self._axial
+
+    def breaks(self) -> tuple[float, ...]:
+        return tuple(b for i in self.inputs for b in i.breaks())
+
+
+class _Zero:
+    def value(self, t: float) -> float:
+        return 0.0
+
+    rate = integral = value
+
+
+class Drive(Passive):
+    """Rotary drive with spring [N m/rad], damper [N m s/rad] and rotor inertia [kg m2] at the top node."""
+
+    name = "drive"
+
+    def __init__(self, rotation: Input, stiffness: float, damping: float, inertia: float, angle: float = 0.0):
+        self.rotation, self.angle = rotation, angle
+        self.constants = (stiffness, damping, inertia)
+
+    def blocks(self, part) -> tuple[Block, ...]:
+        _, vertices = local_vertices(part, np.array([0]))
+        params = np.ascontiguousarray(np.tile([*self.constants, 0.0, 0.0], (len(vertices), 1)))
+
+        def update(t: float) -> None:
+            params[:, 3] = self.angle + self.rotation.integral(t)
+            params[:, 4] = self.rotation.value(t)
+
+        self._block = Block("drive", "drive", "vertex", vertices, VERTEX_SLOTS, (0,), params, update=update)
+        return (self._block,)
+
+    def breaks(self) -> tuple[float, ...]:
+        return self.rotation.breaks()
+
+    def torque(self, t: float, state) -> float:
+        """Torque of the drive on the string [N m] (this rank's share)."""
+        if not len(self._block.points):
+            return 0.0
+        here = state.layout.index(self._block)[0, 6]
+        k, c, _ = self.constants
+        error = self.angle + self.rotation.integral(t) - state.x[here]
+        return float(k * error + c * (self.rotation.value(t) - state.y[here]))
+
+    def energies(self, t: float, state) -> Energies:
+        if not len(self._block.points):
+            return Energies()
+        here = state.layout.index(self._block)[0, 6]
+        k, c, inertia = self.constants
+        error = self.angle + self.rotation.integral(t) - state.x[here]
+        return Energies(kinetic=0.5 * inertia * state.y[here] ** 2, strain=0.5 * k * error**2)
+
+    def powers(self, t: float, state) -> Powers:
+        if not len(self._block.points):
+            return Powers()
+        slip = self.rotation.value(t) - state.y[state.layout.index(self._block)[0, 6]]
+        return Powers(self.constants[1] * slip**2, self.torque(t, state) * self.rotation.value(t))
+
+
+@dataclass(frozen=True)
+class NodeLoad:
+    """Force [N] and moment [N m] at a node; ``slope``: dead force on the slope [N m], from a load spread along the elements.
+
+    section: components are along (tangent, director 2, director 3) instead of global axes; factor: over time.
+    """
+
+    node: int
+    force: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    moment: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    slope: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    section: bool = False
+    factor: Callable[[float], float] | None = None
+
+
+class Loads(Passive):
+    """Forces and moments on nodes."""
+
+    name = "loads"
+
+    def __init__(self, loads: tuple[NodeLoad, ...], frames: Frames, breaks: tuple[float, ...] = ()):
+        self.loads, self.frames, self._breaks = loads, frames, breaks
+
+    def blocks(self, part) -> tuple[Block, ...]:
+        chosen, vertices = local_vertices(part, np.array([q.node for q in self.loads]))
+        mine = [self.loads[k] for k in chosen]
+        nodes = np.array([q.node for q in mine], dtype=int)
+        rows = [[*q.force, *q.moment, *q.slope, float(q.section)] for q in mine]
+        params = np.ascontiguousarray(np.hstack([np.array(rows).reshape(-1, 10), self.frames.gauge[nodes], self.frames.second[nodes],
+                                                 np.ones((len(mine), 1))]))
+        timed = [(i, q.factor) for i, q in enumerate(mine) if q.factor is not None]
+
+        def update(t: float) -> None:
+            for i, factor in timed:
+                params[i, 16] = factor(t)
+
+        self._block = Block("loads", "load", "vertex", vertices, VERTEX_SLOTS, (0,), params, update=update if timed else None)
+        self._nodes = nodes
+        return (self._block,)
+
+    def refresh_gauges(self) -> None:
+        self._block.params[:, 10:13] = self.frames.gauge[self._nodes]
+        self._block.params[:, 13:16] = self.frames.second[self._nodes]
+
+    def breaks(self) -> tuple[float, ...]:
+        return self._breaks
+
+    def powers(self, t: float, state) -> Powers:
+        return Powers(supplied=-state.power(self._block, t))

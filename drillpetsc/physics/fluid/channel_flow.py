@@ -1,0 +1,148 @@
+"""What the rooms of the drilling fluid share: constants of the fluid, fields, element blocks, figures."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+
+from drillpetsc.fem.component import Block, Field, FloatArray
+from drillpetsc.kernels import function, pointer
+from drillpetsc.physics.beam import SLOTS, SPLIT_SLOTS
+from drillpetsc.physics.rigid_bodies import Passive
+
+FIGURES = ("kinetic", "stored", "potential", "dissipated", "content", "storage_upper", "storage_lower", "speed", "density")
+PRESSURE_SCALE, FLOW_SCALE = 1.0e7, 1.0e-2  # usual magnitudes [Pa], [m3/s]
+
+
+class _Fluid(ctypes.Structure):
+    """Fluid of kernels/flow.hpp."""
+
+    _fields_ = [("density", ctypes.c_double), ("compressibility", ctypes.c_double), ("gravity", ctypes.c_double * 3),
+                ("clinging", ctypes.c_double), ("rheology", ctypes.c_void_p)]
+
+
+@dataclass
+class FluidConstants:
+    """Density at zero gauge pressure [kg/m3], bulk modulus [Pa], gravity (3,) [m/s2], rheology as kernels/rheology.hpp wants it.
+
+    ``address`` is what the kernels are given; the object must outlive them.
+    """
+
+    density: float
+    bulk_modulus: float
+    gravity: FloatArray
+    rheology: FloatArray
+    clinging: float = 0.45
+
+    def __post_init__(self) -> None:
+        self.rheology = np.ascontiguousarray(self.rheology, dtype=float)
+        record = _Fluid(self.density, 1.0 / self.bulk_modulus, (ctypes.c_double * 3)(*self.gravity), self.clinging, pointer(self.rheology))
+        self._record = record
+        self.address = ctypes.addressof(record)
+
+    def enthalpy(self, pressure: FloatArray | float) -> FloatArray | float:
+        """Flow work of pressure [Pa], per volume at zero pressure [J/m3]: int dp rho0/rho = K (1 - exp(-p/K))."""
+        return -self.bulk_modulus * np.expm1(-np.asarray(pressure) / self.bulk_modulus)
+
+
+class Channel(Passive):
+    """Elements of one channel; the subclass gives its name, kernel and the columns of its parameters."""
+
+    name = ""
+    spins: tuple[int, ...] = ()  # ends whose spin the kernel uses
+
+    def __init__(self, mesh, fluid: FluidConstants, held: bool = False):
+        self.mesh, self.fluid, self.held = mesh, fluid, held
+        self._blocks: list[Block] = []
+        self._taken: FloatArray | None = None
+
+    def fields(self) -> tuple[Field, ...]:
+        return (Field(f"{self.name}.pressure", 1, scale=PRESSURE_SCALE, second_order=False),
+                Field(f"{self.name}.flow", 1, region="below_top", scale=FLOW_SCALE, second_order=False))
+
+    def own_slots(self) -> tuple[tuple[str, int], ...]:
+        """Slots of the channel's own unknowns, in the order of the kernel."""
+        return (f"{self.name}.pressure", 0), (f"{self.name}.pressure", 1), (f"{self.name}.flow", 1)
+
+    @property
+    def kernel(self) -> str:
+        """First part of the kernels' names."""
+        return f"{self.name}_flow"
+
+    def parameters(self, e: np.ndarray) -> FloatArray:
+        """(k, parameters) of the elements ``e`` (numbers from the top), in the order of the kernel."""
+        raise NotImplementedError
+
+    def blocks(self, part) -> tuple[Block, ...]:
+        """Blocks of the local cells: those below a junction apart, and none of the string's unknowns when it is held."""
+        m, own = self.mesh, self.own_slots()
+        junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
+        self._part, self._blocks, self._reports = part, [], []
+        split = junction[part.cells] if not self.held else np.zeros(len(part.cells), dtype=bool)
+        for kind in (False, True):
+            if kind and (self.held or not junction[:-1].any()):
+                continue
+            chosen = np.flatnonzero(split == kind).astype(np.int32)
+            kernel = self.kernel + ("_held" if self.held else "_split" if kind else "")
+            slots = own if self.held else (SPLIT_SLOTS if kind else SLOTS) + own
+            spins = () if self.held else self.spins
+            block = Block(f"{self.name}_flow" + ("_junction" if kind else ""), kernel, "cell", chosen, slots, spins,
+                          np.ascontiguousarray(self.parameters(part.cells[chosen])), context=self.fluid.address)
+            block.keep = (self.fluid,)
+            self._blocks.append(block)
+            self._reports.append(function(f"{kernel}_report", "ipppppp"))
+        top = [(b, i) for b in self._blocks for i in np.flatnonzero(part.cells[b.points] == 0)]
+        self._top = top[0] if top else None  # block and row of the uppermost element, where this rank has it
+        for b in self._blocks:
+            b.update = self._update_of(b)
+        return tuple(self._blocks)
+
+    def _update_of(self, block: Block):
+        """Function of time that renews the block's parameters, or None."""
+        return None
+
+    @contextmanager
+    def taken(self, state) -> Iterator[None]:
+        """Within this, ``figures`` are those of the state as it is now, worked out once."""
+        self._taken = self.figures(state)
+        try:
+            yield
+        finally:
+            self._taken = None
+
+    def figures(self, state) -> FloatArray:
+        """(nc, 9) per local element: the columns of ``FIGURES`` (content: volume at zero pressure [m3])."""
+        if self._taken is not None:
+            return self._taken
+        out = np.zeros((len(self._part.cells), len(FIGURES)))
+        for b, report in zip(self._blocks, self._reports, strict=True):
+            if len(b.points):
+                index, part = state.index_of(b), np.zeros((len(b.points), len(FIGURES)))
+                report(len(b.points), pointer(index), pointer(b.params), b.context, pointer(state.x), pointer(state.y), pointer(part))
+                out[b.points] = part
+        return out
+
+    def upper_flow(self, state) -> float | None:
+        """Flow rate into the channel's upper end as mass conservation has it [m3/s]; None where this rank has not the end."""
+        if self._top is None:
+            return None
+        block, row = self._top
+        figures = self.figures(state)[int(block.points[row])]
+        return float(figures[FIGURES.index("storage_upper")] + state.x[state.index_of(block)[row, -1]])
+
+    def flows(self, model) -> FloatArray:
+        """(nc,) flow rates in the local elements, towards the bit [m3/s]."""
+        return model.field(f"{self.name}.flow")[model.line.ends[:, 1], 0]
+
+    def pressures(self, model) -> FloatArray:
+        """(nv,) pressures at the local vertices [Pa]."""
+        return model.field(f"{self.name}.pressure")[:, 0]
+
+    def upper_pressure(self, state) -> float:
+        """Pressure at the channel's upper end [Pa] (on the rank that has it)."""
+        block, row = self._top  # type: ignore[misc]
+        return float(state.x[state.index_of(block)[row, -3]])

@@ -1,0 +1,291 @@
+"""The channels by the volume that has passed, as the paper has them (``formulation: hermite``; kernels/hermite_flow.hpp).
+
+Unknowns at every node: the volume that has passed it beyond a reference flow Q(t), and the pressure (with the heads of the flow's speed
+since the channel's uppermost element).  Any Q does for which volumes stay small; here it is the pump's flow, its jumps drawn out over
+a second, in the annulus with the other sign, so that steady circulation is a state of rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from drillpetsc.fem.component import Block, Field, FloatArray
+from drillpetsc.kernels import function
+from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
+from drillpetsc.physics.fluid.bit_flow import GAP_ROUNDING, BitFlow
+from drillpetsc.physics.fluid.bore_flow import PipeFlow
+from drillpetsc.physics.fluid.channel_flow import PRESSURE_SCALE, Channel
+from drillpetsc.physics.fluid.channels import Bore
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
+from drillpetsc.time_function import TimeFunction
+
+VOLUME_SCALE = 1.0e-2  # [m3]
+SMALLEST = 1e-4  # chamber that is left under a bit on bottom where the case gives less [m3]
+_REST_GAP = 12  # column of kernels/bit_flow.hpp
+WINDOW = 1.0  # time over which the reference follows a jump of the pump [s]
+# columns of kernels/hermite_pipe.hpp and kernels/hermite_annulus.hpp
+_PIPE = {"heads": 8, "reference": 9, "given": 10, "flow": 11, "surge": 14, "closed": 15, "pumped": 16, "kept": 17}
+_ANNULUS = {"heads": 13, "reference": 14, "controlled": 16, "surge": 28}
+_TANGENTS = slice(18, 24)
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The pump's flow [m3/s] without jumps: q(t) - sum of D_k (1 + cos(pi (t - t_k)/W))/2 over the jumps D_k of the last W = ``WINDOW``."""
+
+    flow: TimeFunction
+
+    @cached_property
+    def _jumps(self) -> tuple[tuple[float, float], ...]:
+        return tuple((t, self.flow.value(t) - self.flow.value(t, before=True)) for t in self.flow.jumps() if t > 0)
+
+    def value(self, t: float) -> float:
+        late = sum(0.5 * d * (1 + np.cos(np.pi * (t - at) / WINDOW)) for at, d in self._jumps if 0 <= t - at < WINDOW)
+        return float(self.flow.value(t) - late)
+
+    def behind(self, t: float) -> float:
+        """Integral of the pump's flow less this one, from 0 to t [m3]."""
+        passed = [(min(t - at, WINDOW), d) for at, d in self._jumps if t >= at]
+        return float(sum(0.5 * d * (s + WINDOW / np.pi * np.sin(np.pi * s / WINDOW)) for s, d in passed))
+
+    def rate(self, t: float) -> float:
+        """Rate just before ``t``: that of the step which ends there."""
+        late = sum(0.5 * d * np.pi / WINDOW * np.sin(np.pi * (t - at) / WINDOW) for at, d in self._jumps if 0 <= t - at < WINDOW)
+        return float(self.flow.rate(t, before=True) + late)
+
+
+def _fields(name: str) -> tuple[Field, ...]:
+    return Field(f"{name}.volume", 1, scale=VOLUME_SCALE), Field(f"{name}.pressure", 1, scale=PRESSURE_SCALE)
+
+
+def _slots(name: str) -> tuple[tuple[str, int], ...]:
+    return tuple((f"{name}.{what}", end) for what in ("volume", "pressure") for end in (0, 1))
+
+
+def _heads(area: FloatArray) -> FloatArray:
+    """(n,) (1/A^2 - 1/A_0^2)/2 of each element [1/m4]."""
+    return 0.5 * (1 / area**2 - 1 / area[0] ** 2)
+
+
+def _flows(room: Channel, model, reference: float) -> FloatArray:
+    """(nc,) mean of the flow rates at both ends of the local elements [m3/s]."""
+    rate = model.field(f"{room.name}.volume", "y")[:, 0]
+    return rate[model.line.ends].mean(axis=1) + reference
+
+
+def _pressures(room: Channel, model, reference: float, heads: FloatArray) -> FloatArray:
+    """(nv,) pressure above the node [Pa]: the unknown less the heads (n,) of the element above."""
+    flow = model.field(f"{room.name}.volume", "y")[:, 0] + reference
+    total = model.field(f"{room.name}.pressure")[:, 0]
+    return total - room.fluid.density * (1 - total / room.fluid.bulk_modulus) * heads[np.maximum(model.line.vertices - 1, 0)] * flow**2
+
+
+def volumes_at_rest(pipe: HermitePipe | None, annulus: HermiteAnnulus | None, bit: HermiteBit | None, head: FloatArray,
+                    level: float) -> dict[str, FloatArray]:
+    """Nodal volumes (n+1,) [m3] by field under the pressures level + ``head`` (n+1,) [Pa]: none at the pump, then less by what each element
+    and the chamber have taken up; pressure straight between the nodes."""
+    out, passed = {}, 0.0
+    pressure = level + head
+    if pipe is not None:
+        taken = _taken_up(pipe, pipe.bore.wall, pressure)
+        out["pipe.volume"] = -np.concatenate([[0.0], np.cumsum(taken)])
+        passed = float(out["pipe.volume"][-1]) if not pipe.closed else 0.0
+    if annulus is not None:
+        assert bit is not None
+        taken = _taken_up(annulus, annulus.annulus.wall, pressure)
+        give = 1 / bit.fluid.bulk_modulus + bit.end.elasticity
+        below = bit.chamber_volume(bit.rest_gap) * float(np.expm1(pressure[-1] * give)) - passed
+        out["annulus.volume"] = below + np.concatenate([np.cumsum(taken[::-1])[::-1], [0.0]])
+    return out
+
+
+def _taken_up(room: HermitePipe | HermiteAnnulus, wall: FloatArray, pressure: FloatArray) -> FloatArray:
+    """(n,) volume at zero pressure that each element holds beyond its own at zero pressure [m3]."""
+    m = room.mesh
+    length = m.length + m.rigid_above
+    ends = [np.expm1(p / room.fluid.bulk_modulus) * (1 + wall * p) + wall * p for p in (pressure[:-1], pressure[1:])]
+    return room.content * length * 0.5 * (ends[0] + ends[1])
+
+
+class HermitePipe(PipeFlow):
+    """Bore fed by a pump of given flow.  closed: nothing leaves at its lower end, where the volume then stays at ``kept`` [m3]."""
+
+    def __init__(self, mesh, bore: Bore, fluid, poisson: FloatArray, flow_rate: TimeFunction, closed: bool,
+                 held_at: FloatArray | None = None):
+        super().__init__(mesh, bore, fluid, poisson, flow_rate, None, held_at)
+        self.closed, self.reference, self.heads = closed, Reference(flow_rate), _heads(bore.area)
+        self._now, self.kept = self.reference.value(0.0), 0.0
+        self.content = bore.area  # (n,) section at rest [m2]
+
+    def fields(self) -> tuple[Field, ...]:
+        return _fields(self.name)
+
+    def own_slots(self) -> tuple[tuple[str, int], ...]:
+        return _slots(self.name)
+
+    @property
+    def kernel(self) -> str:
+        return "hermite_pipe"
+
+    def parameters(self, e: np.ndarray) -> FloatArray:
+        table = np.hstack([super().parameters(e), np.zeros((len(e), 4))])
+        table[:, _PIPE["heads"]], table[:, _PIPE["given"]] = self.heads[e], e == 0
+        table[:, _PIPE["closed"]], table[:, _PIPE["kept"]] = self.closed * (e == len(self.mesh.upper) - 1), self.kept
+        return table
+
+    def blocks(self, part) -> tuple[Block, ...]:
+        self._is_top = bool(len(local_vertices(part, np.array([0]))[1]))
+        return Channel.blocks(self, part)
+
+    def _update_of(self, block: Block):
+        def update(t: float) -> None:
+            self._now = self.reference.value(t)
+            block.params[:, _PIPE["reference"]], block.params[:, _PIPE["surge"]] = self._now, self.reference.rate(t)
+            block.params[:, _PIPE["flow"]] = self.flow_rate.value(t)  # type: ignore[union-attr]
+            block.params[:, _PIPE["pumped"]] = self.reference.behind(t)
+
+        return update
+
+    def upper_flow(self, state) -> float | None:
+        if self._top is None:
+            return None
+        block, row = self._top
+        return float(state.y[state.index_of(block)[row, -4]]) + self._now
+
+    def pumped(self, t: float, state) -> float | None:
+        """What has entered by the formula of the time integrator [m3/s], so that the books of mass close."""
+        return self.upper_flow(state)
+
+    def upper_pressure(self, state) -> float:
+        block, row = self._top  # type: ignore[misc]
+        return float(state.x[state.index_of(block)[row, -2]])
+
+    def flows(self, model) -> FloatArray:
+        return _flows(self, model, self._now)
+
+    def pressures(self, model) -> FloatArray:
+        return _pressures(self, model, self._now, self.heads)
+
+
+class HermiteAnnulus(AnnulusFlow):
+    """Annulus whose reference flow is the pump's upwards.  Its sizes stay those at the start: the pressure follows from the volume that an
+    element holds, and would jump with it."""
+
+    resizes = False
+
+    def __init__(self, *arguments, pump: TimeFunction):
+        super().__init__(*arguments)
+        self.reference, self._now = Reference(pump), -pump.value(0.0)
+        self.content = self.annulus.hole - self.annulus.outer  # (n,) section at rest [m2]
+        self.heads = _heads(self.content)
+
+    def fields(self) -> tuple[Field, ...]:
+        return _fields(self.name)
+
+    def own_slots(self) -> tuple[tuple[str, int], ...]:
+        return _slots(self.name)
+
+    @property
+    def kernel(self) -> str:
+        return "hermite_annulus"
+
+    def parameters(self, e: np.ndarray) -> FloatArray:
+        steps = np.diff(self.heads, prepend=0.0)
+        table = np.column_stack([super().parameters(e)[:, :-1], np.zeros(len(e)), steps[e]])  # no change of area
+        table[:, _ANNULUS["heads"]] = self.heads[e]
+        return table
+
+    def _update_of(self, block: Block):
+        others = super()._update_of(block)
+
+        def update(t: float) -> None:
+            if others is not None:
+                others(t)
+            self._now = -self.reference.value(t)
+            block.params[:, _ANNULUS["reference"]], block.params[:, _ANNULUS["surge"]] = self._now, -self.reference.rate(t)
+
+        return update
+
+    def upper_flow(self, state) -> float | None:
+        if self._top is None:
+            return None
+        block, row = self._top
+        return float(state.y[state.index_of(block)[row, -4]]) + self._now
+
+    def upper_pressure(self, state) -> float:
+        """The pressure that is given there, which the unknown at the node meets in the mean only [Pa]."""
+        block, row = self._top  # type: ignore[misc]
+        pressure = float(block.params[row, _ANNULUS["controlled"]])
+        if not self.held:
+            along = block.params[row, _TANGENTS].reshape(2, 3).sum(axis=0)
+            along = along / np.linalg.norm(along)
+            pressure += self.fluid.density * float(self.fluid.gravity @ along) * float(along @ state.x[state.index_of(block)[row, :3]])
+        return pressure
+
+    def flows(self, model) -> FloatArray:
+        return _flows(self, model, self._now)
+
+    def pressures(self, model) -> FloatArray:
+        return _pressures(self, model, self._now, self.heads)
+
+
+class HermiteBit(BitFlow):
+    """Nozzles and chamber without unknowns of their own (kernels/hermite_bit.hpp).
+
+    rest_at: (3,) place of the lowest node at which the volumes count from; heads of the channels' lowest elements are theirs.
+    """
+
+    def __init__(self, node: int, end, fluid, pump: TimeFunction, pipe: HermitePipe | None, annulus: HermiteAnnulus | None,
+                 rest_at: FloatArray, held_at: FloatArray | None = None):
+        super().__init__(node, replace(end, volume=max(end.volume, SMALLEST)), fluid, held_at)
+        self.reference, self.rest_gap = Reference(pump), float((end.end - rest_at) @ end.axis) - end.face
+        self.last_heads = [0.0 if room is None else float(room.heads[-1]) for room in (pipe, annulus)]
+
+    def fields(self) -> tuple[Field, ...]:
+        return ()
+
+    def blocks(self, part) -> tuple[Block, ...]:
+        _, vertices = local_vertices(part, np.array([self.node]))
+        held = self.held_at is not None
+        slots: tuple = () if held else VERTEX_SLOTS
+        slots += (("pipe.volume", 0),) * self.has_link + (("annulus.volume", 0), ("annulus.pressure", 0)) * self.has_annulus
+        kernel = "hermite_bit" + ("" if self.has_link and self.has_annulus else "_jet" if self.has_link else "_closed") + "_held" * held
+        row = [*self._parameters(), 0.0, 0.0, *self.last_heads]
+        row[_REST_GAP] = self.rest_gap
+        params = np.ascontiguousarray(np.tile(row, (len(vertices), 1)))
+
+        def update(t: float) -> None:
+            params[:, -4], params[:, -3] = self.reference.value(t), self.reference.rate(t)
+            self.renew(params, t)
+
+        update(0.0)
+        self._block = Block("bit_flow", kernel, "vertex", vertices, slots, (), params, context=self.fluid.address, update=update)
+        self._block.keep = (self.fluid,)
+        self._report = function(f"{kernel}_report", "ipppppp")
+        return (self._block,)
+
+    def chamber_volume(self, gap: float) -> float:
+        """Volume [m3] about the bit at a distance between its face and the hole's end [m]."""
+        return self.end.volume + self.end.hole * GAP_ROUNDING * float(np.logaddexp(0.0, gap / GAP_ROUNDING))
+
+    def out_of_place(self, state) -> tuple[float, float]:
+        """(volume [m3], volume rate [m3/s]) at zero pressure that the annulus' volumes lack: for the chamber to have the annulus' lowest
+        pressure, and for it to keep it in the motion of the bit; this rank's share."""
+        index, e = state.index_of(self._block), self.end
+        if not self.has_annulus or not len(index):
+            return 0.0, 0.0
+        gap, widens = self.rest_gap, 0.0
+        if self.held_at is None:
+            (r, v), (rate, turn) = ([which[index[0, a : a + 3]] for a in (0, 3)] for which in (state.x, state.y))
+            size = np.linalg.norm(v)
+            t, t1 = v / size, (turn - v * (v @ turn) / size**2) / size
+            gap = float((e.end - r - t * e.face) @ e.axis)
+            widens = -e.hole / (1 + np.exp(-np.clip(gap / GAP_ROUNDING, -700.0, 700.0))) * float((rate + t1 * e.face) @ e.axis)
+        pressure = state.x[index[0, -1]]
+        theta = np.exp(pressure / self.fluid.bulk_modulus) * (1 + pressure * e.elasticity)
+        passed = state.x[index[0, -2]] + (state.x[index[0, -3]] if self.has_link else 0.0)
+        volume = self.chamber_volume(gap)
+        return float((volume - self.chamber_volume(self.rest_gap)) + volume * (theta - 1) - passed), float(theta * widens)

@@ -1,0 +1,128 @@
+"""Joints in the string: constraints with multipliers between the two nodes of a cell without length (kernels/joints.hpp)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drillpetsc.fem.component import Block, Corrections, Energies, Field, FloatArray, IntArray, Powers
+from drillpetsc.fem.string_mesh import StringJoint, StringMesh
+from drillpetsc.geometry.frames import Frames
+from drillpetsc.kernels import function, pointer
+from drillpetsc.physics.beam import SLOTS
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, Passive, local_vertices
+
+_report = function("joint_report", "iippppp")
+_directions = function("joint_directions", "ipppp")
+
+KINDS = ("fixed", "revolute", "universal", "slider")
+REPORT = ("tension", "side_force", "torque", "bending", "angle", "travel", "place_error", "angle_error", "stored", "damping_power")
+SCALE = 1.0e6  # multipliers are in units of this [N, N m], so that their rows and columns are of the size of a pipe's stiffness
+STOP_ROUNDING = 1.0e-4  # a stop takes hold over this way [m]
+
+
+class Joints(Passive):
+    """All joints of a string.
+
+    Fields: ``joint.load`` (6) at the node below, the multipliers in units of SCALE: force and moment that the joint carries; a
+    stabilised joint has ``joint.correction`` (6) [m/s, rad/s] at the node above.
+    """
+
+    name = "joints"
+
+    def __init__(self, mesh: StringMesh, frames: Frames):
+        self.mesh, self.frames, self.joints = mesh, frames, mesh.joints
+        self._stabilised = np.array([j.stabilised for j in self.joints], dtype=bool)
+        self._cells = np.array([j.cell for j in self.joints], dtype=int)
+        #: multipliers: so many negative eigenvalues has the tangent of a stable state
+        self.multipliers = 6 * len(self.joints) + 6 * int(self._stabilised.sum())
+
+    def regions(self) -> dict[str, np.ndarray]:
+        """Nodes that have the fields of this room."""
+        below, above = np.zeros(self.mesh.nodes, dtype=bool), np.zeros(self.mesh.nodes, dtype=bool)
+        below[self._cells + 1] = True
+        above[self._cells[self._stabilised]] = True
+        return {"joint": below, "stabilised_joint": above}
+
+    def fields(self) -> tuple[Field, ...]:
+        load, correction = (Field(name, 6, region=region, second_order=False, differential=False, multiplier=True)
+                            for name, region in (("joint.load", "joint"), ("joint.correction", "stabilised_joint")))
+        return (load, correction) if self._stabilised.any() else (load,)
+
+    # ------------------------------------------------------------------ blocks
+    def _frame_columns(self, cells: np.ndarray) -> FloatArray:
+        f = self.frames
+        return np.hstack([f.gauge[cells], f.second[cells], f.gauge[cells + 1], f.second[cells + 1]])
+
+    @staticmethod
+    def _row(j: StringJoint) -> list[float]:
+        stops = (*j.stroke, j.stop_stiffness) if j.stroke is not None else (0.0, 0.0, 0.0)
+        return [*np.ravel(j.axes), j.spring, j.damping, *stops, STOP_ROUNDING, SCALE]
+
+    def blocks(self, part) -> tuple[Block, ...]:
+        self._blocks: list[Block] = []
+        self._chosen: list[np.ndarray] = []
+        self._part = part
+        place = {int(c): i for i, c in enumerate(part.cells)}
+        for stabilised in (False, True):
+            if not (self._stabilised == stabilised).any():
+                continue
+            chosen = np.array([k for k, j in enumerate(self.joints) if j.stabilised == stabilised and j.cell in place], dtype=int)
+            cells = self._cells[chosen]
+            kinds = np.array([KINDS.index(self.joints[k].kind) for k in chosen], dtype=float)
+            tail = np.array([self._row(self.joints[k]) for k in chosen]).reshape(len(chosen), 16)
+            params = np.hstack([kinds[:, None], self.mesh.rigid_above[cells][:, None], self._frame_columns(cells), tail])
+            slots = (*SLOTS, ("joint.load", 1), *((("joint.correction", 0),) if stabilised else ()))
+            points = np.array([place[int(c)] for c in cells], dtype=np.int32)
+            name, kernel = ("joints_stabilised", "joint_stabilised") if stabilised else ("joints", "joint")
+            self._blocks.append(Block(name, kernel, "cell", points, slots, (0, 1), np.ascontiguousarray(params)))
+            self._chosen.append(chosen)
+        loose = self.mesh.loose_slopes
+        extra: tuple[Block, ...] = ()
+        if len(loose):
+            _, vertices = local_vertices(part, loose)
+            extra = (Block("rigid_nodes", "unit_slope", "vertex", vertices, VERTEX_SLOTS, (0,), np.full((len(vertices), 1), SCALE)),)
+        return (*self._blocks, *extra)
+
+    def corrections(self, part) -> Corrections | None:
+        """What corrects the velocities of the stabilised joints, on every rank that holds a node above one."""
+        if not self._stabilised.any():
+            return None
+        local = {int(v): i for i, v in enumerate(part.vertices)}
+        self._corrected = [k for k in np.flatnonzero(self._stabilised) if int(self._cells[k]) in local]
+        points = np.array([local[int(self._cells[k])] for k in self._corrected], dtype=np.int32)
+        self._correction_params = self._correction_rows()
+        return Corrections("joint.correction", points, self._directions)
+
+    def _directions(self, rows: IntArray, x: FloatArray) -> FloatArray:
+        out = np.zeros((len(rows), 7, 6))
+        _directions(len(out), pointer(rows), pointer(self._correction_params), pointer(x), pointer(out))
+        return out
+
+    def _correction_rows(self) -> FloatArray:
+        nodes = self._cells[self._corrected]
+        head = np.array([KINDS.index(self.joints[k].kind) for k in self._corrected], dtype=float).reshape(-1, 1)
+        axes = np.array([np.ravel(self.joints[k].axes) for k in self._corrected]).reshape(-1, 9)
+        return np.ascontiguousarray(np.hstack([head, self.frames.gauge[nodes], self.frames.second[nodes], axes]))
+
+    def refresh_gauges(self) -> None:
+        for b, chosen in zip(self._blocks, self._chosen, strict=True):
+            b.params[:, 2:14] = self._frame_columns(self._cells[chosen])
+        if self._stabilised.any():
+            self._correction_params[:] = self._correction_rows()
+
+    # ------------------------------------------------------------------ figures
+    def report(self, state) -> FloatArray:
+        """(joints, 10) figures of all joints, zero where another rank has the joint: the columns of ``REPORT``."""
+        out = np.zeros((len(self.joints), len(REPORT)))
+        for b, chosen in zip(self._blocks, self._chosen, strict=True):
+            if len(chosen):
+                index, part = state.layout.index(b), np.zeros((len(chosen), len(REPORT)))
+                _report(len(chosen), index.shape[1], pointer(index), pointer(b.params), pointer(state.x), pointer(state.y), pointer(part))
+                out[chosen] = part
+        return out
+
+    def energies(self, t: float, state) -> Energies:
+        return Energies(strain=float(self.report(state)[:, REPORT.index("stored")].sum()))
+
+    def powers(self, t: float, state) -> Powers:
+        return Powers(dissipated=float(self.report(state)[:, REPORT.index("damping_power")].sum()))

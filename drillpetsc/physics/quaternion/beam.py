@@ -1,0 +1,202 @@
+"""The paper's string element: position, normal strain and Euler parameters at each node (kernels/quaternion_beam.hpp).
+
+The Euler parameters have unit length by a multiplier, which makes the equations a DAE.  The constraint may stand on positions (index 3), on
+velocities (index 2, the length drifts), or on velocities with the length restored after each step (stabilized: coordinate projection, Eich,
+SIAM J. Numer. Anal. 30, 1993).
+"""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.fem.component import Block, Energies, Field, FloatArray, Powers, Prescribed
+from drillpetsc.fem.dof_layout import Layout
+from drillpetsc.fem.string_mesh import StringMesh
+from drillpetsc.geometry.frames import Frames
+from drillpetsc.kernels import function, pointer
+from drillpetsc.physics.beam import POSITION_SCALE, REPORT
+from drillpetsc.physics.rigid_bodies import local_vertices
+
+_report = function("quaternion_report", "ippppp")
+_dissipation = function("quaternion_dissipation", "ipppp", ctypes.c_double)
+_motion = function("quaternion_motion", "ippppp")
+_view = function("quaternion_view", "ippppp")
+NODE = ("string.position", "string.strain", "string.quaternion")
+SLOTS = tuple((name, end) for end in (0, 1) for name in NODE)
+NODE_SLOTS = tuple((name, 0) for name in NODE)
+GAUGE_NODE = ("string.position", "string.tangent", "string.spin")
+LEVELS = {"index3": 3.0, "index2": 2.0, "stabilized": 2.0}
+ROW_SCALE = 1.0e6  # of constraint rows, so that one norm fits them and the forces
+UNJUDGED = 1.0e30  # scale of a multiplier: it is linear in the rows and right where the motion is; its own rounding grows as 1/step^2
+
+
+def quaternions(frames: Frames) -> FloatArray:
+    """(n, 4) Euler parameters of the node frames (tangent, second director, third), scalar first; neighbours on one side."""
+    out = np.empty((len(frames.gauge), 4))
+    for i, (a, b) in enumerate(zip(frames.gauge, frames.second, strict=True)):
+        R = np.column_stack([a, b, np.cross(a, b)])
+        # the largest of the four squares keeps the division safe (Shepperd, J. Guid. Control 1, 1978)
+        w = np.array([[R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]]).T
+        K = np.block([[np.array([[1 + np.trace(R)]]), w.T], [w, R + R.T + (1 - np.trace(R)) * np.eye(3)]])
+        q = K[int(np.argmax(np.diag(K)))]
+        q = q / np.linalg.norm(q)
+        out[i] = -q if (i and q @ out[i - 1] < 0) or (not i and q[0] < 0) else q
+    return out
+
+
+def turned(q: FloatArray, angle: FloatArray | float) -> FloatArray:
+    """(n, 4) orientations ``q`` turned by ``angle`` (n,) [rad] about their own first axis."""
+    half = 0.5 * np.asarray(angle, dtype=float)[..., None]
+    return q * np.cos(half) + spun(q) * np.sin(half)
+
+
+def spun(q: FloatArray) -> FloatArray:
+    """(n, 4) product q e1: half of it per rad/s is the rate of q that spins about its first axis."""
+    w, x, y, z = np.moveaxis(q, -1, 0)
+    return np.stack([-x, w, z, -y], axis=-1)
+
+
+class _StartFrames(ctypes.Structure):
+    """StartFrames of kernels/on_quaternion.hpp."""
+
+    _fields_ = [("inner", ctypes.c_void_p), ("frames", ctypes.c_void_p)]
+
+
+class QuaternionBeam:
+    """Elements of the string with unknowns r [m], eps [-], q [-] and the multiplier of |q| = 1 [N m] at every node."""
+
+    name = "beam"
+    turning = True  # its unknowns turn with the string, and so do its Jacobian's entries
+    viewed = {"string.tangent": 3, "string.spin": 1}  # what rooms of the gauge element see: slope, spin angle, and their rates
+
+    def __init__(self, mesh: StringMesh, frames: Frames, gravity: FloatArray, constraint: str = "index3", finest_motion: float = np.inf):
+        self.mesh, self.frames, self.constraint = mesh, frames, constraint
+        self.position_scale = min(POSITION_SCALE, finest_motion)
+        self.gravity = np.asarray(gravity, dtype=float)
+        self.start, self.restores = quaternions(frames), constraint == "stabilized"
+        self._layout: Layout | None = None
+
+    def fields(self) -> tuple[Field, ...]:
+        return (
+            Field("string.position", 3, scale=self.position_scale),
+            Field("string.strain", 1, scale=1e-2),
+            Field("string.quaternion", 4, scale=5e-3),
+            Field("string.multiplier", 1, scale=UNJUDGED, second_order=False, differential=False),
+        )
+
+    def blocks(self, part) -> tuple[Block, ...]:
+        """Elements of the local cells of ``part`` (a Line), damped ones apart, and the unit lengths of this rank's nodes."""
+        m, e, self._part = self.mesh, part.cells, part
+        damped = (m.stiffness_damping != 0) | (m.mass_damping != 0)
+        self._elements = []
+        for is_damped in (False, True):
+            if (damped == is_damped).any():
+                chosen = np.flatnonzero(damped[e] == is_damped).astype(np.int32)
+                kernel = "quaternion_beam" + "_damped" * is_damped
+                self._elements.append(Block("beam" + "_damped" * is_damped, kernel, "cell", chosen, SLOTS, (), self._params(e[chosen])))
+        _, vertices = local_vertices(part, np.arange(m.nodes))
+        length = np.tile([LEVELS[self.constraint], ROW_SCALE], (len(vertices), 1))
+        slots = (("string.quaternion", 0), ("string.multiplier", 0))
+        self._length = Block("unit_length", "unit_length", "vertex", vertices, slots, (), np.ascontiguousarray(length))
+        return (*self._elements, self._length)
+
+    def _params(self, e: np.ndarray) -> FloatArray:
+        m = self.mesh
+        columns = [m.length[e], m.axial_stiffness[e], m.bending_stiffness[e], m.torsional_stiffness[e], m.mass[e], m.polar_inertia[e],
+                   m.stiffness_damping[e], m.mass_damping[e], m.curvature[e], np.tile(self.gravity, (len(e), 1))]
+        return np.ascontiguousarray(np.column_stack(columns))
+
+    def translate(self, block: Block) -> Block:
+        """A block of the gauge element's unknowns on those of this one (kernels/on_quaternion.hpp); others as they are.
+
+        Constants are shared, so that a room that renews its own renews these; Assembly.index_of leads it to the view.
+        """
+        if not any(name in self.viewed for name, _ in block.slots):
+            return block
+        nodes = sum(name == "string.position" for name, _ in block.slots)
+        assert block.slots[: 3 * nodes] == tuple((name, end) for end in range(nodes) for name in GAUGE_NODE)
+        line = self._part
+        frames = self.start[line.vertices[line.ends[block.points] if block.on == "cell" else block.points[:, None]]]
+        frames = np.ascontiguousarray(frames, dtype=float)
+        record = _StartFrames(block.context, pointer(frames))
+        slots = tuple((name, end) for end in range(nodes) for name in NODE) + block.slots[3 * nodes :]
+        return replace(block, kernel=f"quaternion_{block.kernel}", slots=slots, spins=(), context=ctypes.addressof(record),
+                       keep=(*block.keep, frames, record))
+
+    def look(self, state) -> None:
+        """Fill the state's view."""
+        at, frame = self._places(state.layout)
+        out, view = np.zeros((len(at), 8)), state.layout.view
+        _view(len(at), pointer(at), pointer(frame), pointer(state.x), pointer(state.y), pointer(out))
+        for array, columns in ((state.x, out[:, :4]), (state.y, out[:, 4:])):
+            array[view["string.tangent"]], array[view["string.spin"]] = columns[:, :3], columns[:, 3:]
+
+    def hold_positions(self, hold: bool) -> None:
+        """The constraint on positions whatever its form in motion: statics knows no velocities."""
+        self._length.params[:, 0] = 3.0 if hold else LEVELS[self.constraint]
+
+    def restore_constraints(self, state) -> None:
+        """At the end of a solve in the stabilized form: unit length, and no rate along it."""
+        at = state.layout.place["string.quaternion"]
+        q, rate = state.x[at], state.y[at]
+        q = q / np.linalg.norm(q, axis=1, keepdims=True)
+        state.x[at], state.y[at] = q, rate - q * np.sum(q * rate, axis=1, keepdims=True)
+
+    def prescribed(self) -> tuple[Prescribed, ...]:
+        return ()
+
+    def breaks(self) -> tuple[float, ...]:
+        return ()
+
+    def refresh_gauges(self) -> None:
+        """There are none."""
+
+    # ------------------------------------------------------------------ figures
+    def motion(self, state) -> FloatArray:
+        """(nv, 8) at the local vertices: slope r' (3), tangent (3), spin rate [rad/s], spin angle from the frame at the start [rad]."""
+        at, frame = self._places(state.layout)
+        out = np.zeros((len(at), 8))
+        _motion(len(out), pointer(at), pointer(frame), pointer(state.x), pointer(state.y), pointer(out))
+        return out
+
+    def _places(self, layout: Layout) -> tuple[np.ndarray, FloatArray]:
+        """(nv, 8) places of the nodes' unknowns and (nv, 4) frames at the start."""
+        if self._layout is not layout:
+            self._layout = layout
+            self._at = np.ascontiguousarray(np.hstack([layout.place[name] for name in NODE]), dtype=np.int32)
+            self._frame = np.ascontiguousarray(self.start[layout.line.vertices])
+        return self._at, self._frame
+
+    def section(self, state, vertex: int) -> tuple[FloatArray, FloatArray, float]:
+        """Position [m], slope and spin rate [rad/s] of a local vertex."""
+        motion = self.motion(state)[vertex]
+        return state.x[state.layout.place["string.position"][vertex]], motion[:3], float(motion[6])
+
+    def columns(self, state) -> FloatArray:
+        """(nv, 8) at the local vertices: position [m] and velocity [m/s], spin rate [rad/s], spin angle [rad]."""
+        place, motion = state.layout.place["string.position"], self.motion(state)
+        return np.hstack([state.x[place], state.y[place], motion[:, 6:]])
+
+    def report(self, layout: Layout, x: FloatArray, y: FloatArray) -> FloatArray:
+        """(nc, 9) per local cell in depth order: the columns of ``rooms.beam.REPORT``; bending is that beyond the stress-free shape."""
+        out = np.zeros((len(self._part.cells), len(REPORT)))
+        for b in self._elements:
+            if len(b.points):
+                part, index = np.zeros((len(b.points), len(REPORT))), layout.index(b)
+                _report(len(b.points), pointer(index), pointer(b.params), pointer(x), pointer(y), pointer(part))
+                out[b.points] = part
+        return out
+
+    def energies(self, t: float, state) -> Energies:
+        return Energies(*map(float, self.report(state.layout, state.x, state.y)[:, :3].sum(axis=0)))
+
+    def powers(self, t: float, state: Any) -> Powers:
+        lost = 0.0
+        for b in self._elements:
+            if "damped" in b.kernel and len(b.points):
+                lost += _dissipation(len(b.points), pointer(state.index_of(b)), pointer(b.params), pointer(state.x), pointer(state.y))
+        return Powers(lost)

@@ -1,0 +1,164 @@
+"""Rigid bodies on nodes (stabiliser, bit, drive), unbalance and distributed eccentricity, stress-free curvature."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drillpetsc.fem.component import Block, Energies, FloatArray, Powers, Prescribed
+from drillpetsc.fem.string_mesh import StringMesh
+from drillpetsc.geometry.frames import Frames
+from drillpetsc.kernels import function, pointer
+from drillpetsc.physics.beam import SLOTS, SPLIT_SLOTS
+
+_body_energy = function("body_energy", "ippppp")
+_eccentric_energy = function("eccentric_energy", "iippppp")
+_curved_energy = function("curved_energy", "iipppp")
+VERTEX_SLOTS = (("string.position", 0), ("string.tangent", 0), ("string.spin", 0))
+
+
+class Passive:
+    """Defaults of a room that adds rows to the string's unknowns and owns none."""
+
+    name = ""
+
+    def fields(self):
+        return ()
+
+    def blocks(self, part) -> tuple[Block, ...]:
+        return ()
+
+    def prescribed(self) -> tuple[Prescribed, ...]:
+        return ()
+
+    def breaks(self) -> tuple[float, ...]:
+        return ()
+
+    def energies(self, t: float, state) -> Energies:
+        return Energies()
+
+    def powers(self, t: float, state) -> Powers:
+        return Powers()
+
+    def refresh_gauges(self) -> None:
+        """Nothing to renew."""
+
+
+def local_vertices(part, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Which of ``nodes`` (k,) this rank owns: (positions in ``nodes``, local vertex numbers)."""
+    local = {int(v): i for i, v in enumerate(part.vertices) if part.owned[i]}
+    chosen = [k for k, node in enumerate(nodes) if int(node) in local]
+    return np.array(chosen, dtype=int), np.array([local[int(nodes[k])] for k in chosen], dtype=np.int32)
+
+
+class Bodies(Passive):
+    """Masses off the axis or beside the pipe's own: rigid items on nodes, and pipes whose mass centre lies beside their axis.
+
+    balanced: without what is off the axis, which averages out over a turn.
+    """
+
+    name = "bodies"
+
+    def __init__(self, mesh: StringMesh, frames: Frames, gravity: FloatArray, balanced: bool = False):
+        self.mesh, self.frames = mesh, frames
+        self.gravity = np.asarray(gravity, dtype=float)
+        # node, mass [kg], centre of gravity along the tangent and in the two directors [m], axial and transverse inertia [kg m2]
+        entries = [(b.node, b.mass, b.center, *((0.0, 0.0) if balanced else b.offset), b.axial, b.transverse) for b in mesh.bodies]
+        self.entries = np.array(entries, dtype=float).reshape(-1, 7)
+        self.eccentric = np.any(mesh.eccentricity != 0, axis=1) & (not balanced)  # (n,) elements
+
+    def blocks(self, part) -> tuple[Block, ...]:
+        self._nodes, self._blocks, self._cells = np.zeros(0, dtype=int), [], []
+        out: tuple[Block, ...] = ()
+        if len(self.entries):
+            out += (self._on_nodes(part),)
+        m = self.mesh
+        junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
+        for split in (False, True):
+            if not (self.eccentric & (junction[:-1] == split)).any():
+                continue  # the same decision on every rank
+            chosen = np.flatnonzero(self.eccentric[part.cells] & (junction[part.cells] == split)).astype(np.int32)
+            e = part.cells[chosen]
+            gravity = np.tile(self.gravity, (len(e), 1))
+            params = np.column_stack([m.length[e], m.mass[e], m.eccentricity[e], m.rigid_above[e], gravity, frame_columns(self.frames, e)])
+            self._blocks.append(Block("eccentric_junction" if split else "eccentric", "eccentric_split" if split else "eccentric", "cell",
+                                      chosen, SPLIT_SLOTS if split else SLOTS, (0, 1), np.ascontiguousarray(params)))
+            self._cells.append(e)
+        return out + tuple(self._blocks)
+
+    def _on_nodes(self, part) -> Block:
+        chosen, vertices = local_vertices(part, self.entries[:, 0].astype(int))
+        e = self.entries[chosen]
+        self._nodes = e[:, 0].astype(int)
+        gravity = np.tile(self.gravity, (len(e), 1))
+        params = np.column_stack([e[:, 1:7], gravity, self.frames.gauge[self._nodes], self.frames.second[self._nodes]])
+        self._block = Block("bodies", "body", "vertex", vertices, VERTEX_SLOTS, (0,), np.ascontiguousarray(params))
+        return self._block
+
+    def refresh_gauges(self) -> None:
+        if len(self._nodes):
+            self._block.params[:, 9:12] = self.frames.gauge[self._nodes]
+            self._block.params[:, 12:15] = self.frames.second[self._nodes]
+        for b, e in zip(self._blocks, self._cells, strict=True):
+            b.params[:, 8:20] = frame_columns(self.frames, e)
+
+    def energies(self, t: float, state) -> Energies:
+        total = np.zeros(2)
+        if len(self._nodes):
+            out, index = np.zeros((len(self._nodes), 2)), state.index_of(self._block)
+            _body_energy(len(out), pointer(index), pointer(self._block.params), pointer(state.x), pointer(state.y), pointer(out))
+            total += out.sum(axis=0)
+        for b in self._blocks:
+            out, index = np.zeros((len(b.points), 2)), state.index_of(b)
+            _eccentric_energy(len(out), index.shape[1], pointer(index), pointer(b.params), pointer(state.x), pointer(state.y), pointer(out))
+            total += out.sum(axis=0)
+        return Energies(kinetic=float(total[0]), potential=float(total[1]))
+
+
+def frame_columns(frames: Frames, e: np.ndarray) -> FloatArray:
+    """(k, 12) gauge and second director of the upper and the lower node of elements ``e`` (k,)."""
+    return np.hstack([frames.gauge[e], frames.second[e], frames.gauge[e + 1], frames.second[e + 1]])
+
+
+class Curvature(Passive):
+    """Pipe that is bent when free of stress: curvature (2,) [1/m] in the node directors, element by element."""
+
+    name = "curvature"
+
+    def __init__(self, mesh: StringMesh, frames: Frames):
+        self.mesh, self.frames = mesh, frames
+
+    def blocks(self, part) -> tuple[Block, ...]:
+        m, bent = self.mesh, np.any(self.mesh.curvature != 0, axis=1)
+        junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
+        self._blocks, self._cells = [], []
+        for split in (False, True):
+            if not (bent & (junction[:-1] == split)).any():
+                continue
+            chosen = np.flatnonzero(bent[part.cells] & (junction[part.cells] == split)).astype(np.int32)
+            e = part.cells[chosen]
+            params = np.column_stack([m.length[e], m.bending_stiffness[e], m.curvature[e], m.rigid_above[e], frame_columns(self.frames, e)])
+            self._blocks.append(Block("curvature_junction" if split else "curvature", "curved_split" if split else "curved", "cell",
+                                      chosen, SPLIT_SLOTS if split else SLOTS, (0, 1), np.ascontiguousarray(params)))
+            self._cells.append(e)
+        return tuple(self._blocks)
+
+    def scale(self, share: float) -> None:
+        """Take ``share`` of the curvature: nothing of it is left on average while the string turns."""
+        for b, e in zip(self._blocks, self._cells, strict=True):
+            b.params[:, 2:4] = share * self.mesh.curvature[e]
+
+    def refresh_gauges(self) -> None:
+        for b, e in zip(self._blocks, self._cells, strict=True):
+            b.params[:, 5:17] = frame_columns(self.frames, e)
+
+    def energies(self, t: float, state) -> Energies:
+        total = 0.0
+        for b in self._blocks:
+            index, out = state.layout.index(b), np.zeros(len(b.points))
+            _curved_energy(len(out), index.shape[1], pointer(index), pointer(b.params), pointer(state.x), pointer(out))
+            total += out.sum()
+        # the constant EI kappa0^2/2 makes the energy of the free shape zero
+        for e in self._cells:
+            m = self.mesh
+            total += float(np.sum(0.5 * m.bending_stiffness[e] * m.length[e] * np.sum(m.curvature[e] ** 2, axis=1)))
+        return Energies(strain=float(total))

@@ -1,0 +1,394 @@
+"""A bit that cuts rock: contact with bottom and side of its own hole, laws of bit and rock, the hole's end as states (kernels/bit.hpp)."""
+
+from __future__ import annotations
+
+import ctypes
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+
+from drillpetsc.fem.component import Block, Energies, Field, FloatArray, Powers
+from drillpetsc.geometry.growing_hole import GrowingHole
+from drillpetsc.geometry.well import Well
+from drillpetsc.kernels import function, pointer
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, Passive, local_vertices
+
+_report = function("bit_rock_report", "ipppppp")
+_rate = function("rock_rate", "pppddp")
+
+CHIPS = 12  # states of the rock's profile ahead of a blade (ProfileBit of kernels/bit.cpp)
+RING_DAMPING = 4.0  # of the shortest wave of that profile, by its length; 3 to 6 keep every wave of a ring from growing
+LAYER_WIDTH = 0.1  # length over which one layer goes over into the next [m]
+ON_ROCK = -1e-5  # depth from which the bit touches: RAMP of kernels/contact.hpp [m]
+KINDS = {"rop": 0.0, "drag_bit": 1.0, "velocity_weakening": 2.0}
+# columns of the kernel's parameters
+_FACE, _CENTRE, _RADIUS, _HALF, _STIFFNESS, _SIDE, _ROOM, _FRICTION, _WALL, _SLIP, _DAMPING, _END = range(12)
+_AXIS, _MODE, _AXIAL, _SPIN, _SHARE, _TORQUE0, _TORQUE1, _HELD, _HOLD = 14, *range(17, 25)
+_PARAMETERS = 28
+MOTION, STATICS, QUASI_STATIC = 0.0, 1.0, 2.0
+
+
+class _Law(ctypes.Structure):
+    """BitLaw of kernels/bit.hpp."""
+
+    _fields_ = [(n, ctypes.c_double) for n in (
+        "kind", "bit_axis", "walk_cos", "walk_sin", "reference_speed", "reference_weight", "width", "cut", "contact", "torque_cut",
+        "torque_contact", "blades", "onset", "rest", "static_torque", "dynamic_torque", "speed", "by_weight", "turn_rounding",
+    )] + [("layers", ctypes.c_void_p)] + [("count", ctypes.c_int)] + [("derivative", ctypes.c_void_p)] + [("touching", ctypes.c_int)]
+
+
+@dataclass(frozen=True)
+class Layer:
+    """Rock from ``start`` [m] of new hole on.
+
+    drillability D [m/(s N)]; exponents of rotary speed and weight; threshold [N]; anisotropy of the bit I_b; rock (3, 3): M_r, symmetric.
+    """
+
+    start: float
+    drillability: float
+    rotary_exponent: float
+    weight_exponent: float
+    threshold: float
+    bit_anisotropy: float
+    rock: FloatArray
+
+
+@dataclass(frozen=True)
+class DragBit:
+    """Drag bit (Detournay and Defourny, Int. J. Rock Mech. Min. Sci. 29(1):13, 1992).
+
+    blades; specific_energy eps [Pa]; inclination_ratio zeta [-]; contact_stress sigma [Pa]; wear_flat l [m]; friction mu gamma [-].
+    W = zeta eps a d + sigma a l, T = eps a^2 d/2 + mu gamma sigma a^2 l/2 with the bit's radius a and the depth of cut d per turn.
+    """
+
+    blades: int = 4
+    specific_energy: float = 60e6
+    inclination_ratio: float = 0.6
+    contact_stress: float = 60e6
+    wear_flat: float = 1.2e-3
+    friction: float = 0.6
+
+
+@dataclass(frozen=True)
+class Weakening:
+    """Torque that falls from ``static`` to ``dynamic`` over ``speed`` [rad/s]; torques [N m], or lever arms [m] of the weight on bit."""
+
+    static: float
+    dynamic: float
+    speed: float
+    by_weight: bool = False
+
+
+@dataclass(frozen=True)
+class Rock:
+    """Formation and how the hole grows in it.
+
+    layers from the start on; reference_speed [rad/s], reference_weight [N]; walk [rad]; bit_axis: the hole goes along the bit's axis,
+    else along the rate of penetration; post_step: the end is moved between the steps (the paper's rule), else it is a state.
+    """
+
+    layers: tuple[Layer, ...]
+    reference_speed: float = 4 * np.pi
+    reference_weight: float = 1e5
+    walk: float = 0.0
+    bit_axis: bool = False
+    post_step: bool = False
+
+
+@dataclass(frozen=True)
+class BitShape:
+    """face: distance of the face below the node [m]; radius a and half height c of the ellipsoid [m]."""
+
+    face: float
+    radius: float
+    half: float
+
+
+@dataclass(frozen=True)
+class BitContact:
+    """stiffness of bottom and side [N/m]; friction of the bottom and of the side (wall); slip [m/s] rounds off both; damping c [s/m]."""
+
+    stiffness: float
+    side: float
+    friction: float
+    wall: float
+    slip: float = 0.01
+    damping: float = 0.0
+
+
+def profile_derivative(states: int, length: float) -> FloatArray:
+    """(n, n+1) derivative of a profile by its place at Chebyshev points 0 .. ``length``, the last of which is the inflow.
+
+    Points x_k = (1 - cos(pi k/n)) length/2; entries from the barycentric weights (Trefethen, Spectral Methods in MATLAB, chapter 6).
+    The Chebyshev modes above two thirds of n are damped besides (spectral viscosity, Tadmor 1989): off bottom the inflow is what flows
+    out, a ring, on which the bare derivative lets one mode grow by 5e-4 per radian.  With the damping none grows; a smooth profile's
+    derivative is as it was (polynomials of degree <= 2 n/3 stay exact, a sine's way through a quarter turn is within 1e-4).
+    """
+    k = np.arange(states + 1)
+    x = 0.5 * length * (1 - np.cos(np.pi * k / states))
+    weight = np.where((k == 0) | (k == states), 2.0, 1.0) * (-1.0) ** k
+    difference = x[:, None] - x[None, :] + np.eye(states + 1)
+    d = weight[:, None] / weight[None, :] / difference
+    d -= np.diag(d.sum(axis=1))
+    kept = 2 * states // 3
+    modes = np.polynomial.chebyshev.chebvander(2 * x / length - 1, states)
+    damping = RING_DAMPING / length * np.clip((k - kept) / (states - kept), 0.0, None) ** 2
+    d -= modes @ (damping[:, None] * np.linalg.inv(modes))
+    return np.ascontiguousarray(d[:states])
+
+
+class RockBit(Passive):
+    """The bit at the lower end of the string; unknowns hole.end (3) [m] and hole.drilled [m], and a drag bit's profile bit.chips [m].
+
+    inertia False: the string moves quasi-statically, a drag bit cuts steadily and needs no profile.
+    """
+
+    name = "bit"
+
+    def __init__(self, node: int, shape: BitShape, contact: BitContact, law: DragBit | Weakening | None, rock: Rock, hole: GrowingHole,
+                 inertia: bool = True):
+        self.node, self.shape, self.contact, self.law, self.rock, self.hole = node, shape, contact, law, rock, hole
+        self.profiled = isinstance(law, DragBit) and inertia
+        self._made = self._law_record()
+        self._time = self._accepted = 0.0
+        self._end = np.zeros(4)  # displacement of the hole's end (3) and metres drilled at the last accepted step
+
+    # ------------------------------------------------------------------ constants
+    def _law_record(self) -> _Law:
+        rock, law, a = self.rock, self.law, self.shape.radius
+        rows = [[q.start, q.drillability, q.rotary_exponent, q.weight_exponent, q.threshold, q.bit_anisotropy, *np.ravel(q.rock)]
+                for q in rock.layers]
+        self._layers = np.ascontiguousarray(rows, dtype=float)
+        r = _Law(bit_axis=float(rock.bit_axis), walk_cos=np.cos(rock.walk), walk_sin=np.sin(rock.walk),
+                 reference_speed=rock.reference_speed, reference_weight=rock.reference_weight, width=LAYER_WIDTH,
+                 layers=pointer(self._layers), count=len(self._layers),
+                 turn_rounding=self.contact.slip / (2 / 3 * a), rest=1e-4, kind=KINDS["rop"])
+        self._torque = 0.0, self.contact.friction * a * 2 / 3
+        if isinstance(law, DragBit):
+            r.kind, r.blades = KINDS["drag_bit"], law.blades
+            r.cut, r.contact = law.inclination_ratio * law.specific_energy * a, law.contact_stress * a * law.wear_flat
+            r.torque_cut, r.torque_contact = 0.5 * law.specific_energy * a**2, 0.5 * law.friction * a * r.contact
+            r.onset = max(r.contact / self.contact.stiffness, 1e-6)  # the wear flat comes into contact as stiffly as a bit on the bottom
+            self._derivative = profile_derivative(CHIPS, 2 * np.pi / law.blades)
+            r.derivative = pointer(self._derivative)
+            share = r.torque_cut / r.cut
+            self._torque = r.torque_contact - share * r.contact, share
+        elif isinstance(law, Weakening):
+            r.kind, r.by_weight = KINDS["velocity_weakening"], float(law.by_weight)
+            r.static_torque, r.dynamic_torque, r.speed = law.static, law.dynamic, law.speed
+            r.turn_rounding = min(r.turn_rounding, law.speed / 100)  # so that the static peak is kept
+        return r
+
+    def fields(self) -> tuple[Field, ...]:
+        free = not self.rock.post_step
+        scale = 1e-3
+        out: tuple[Field, ...] = (Field("hole.end", 3, region="bottom", scale=scale, second_order=False, differential=free),
+                                  Field("hole.drilled", 1, region="bottom", scale=scale, second_order=False, differential=free))
+        if self.profiled:
+            out += (Field("bit.chips", CHIPS, region="bottom", scale=1e-4, second_order=False),)
+        return out
+
+    def blocks(self, part) -> tuple[Block, ...]:
+        _, vertices = local_vertices(part, np.array([self.node]))
+        self._mine = bool(len(vertices))
+        slots: tuple[tuple[str, int], ...] = (*VERTEX_SLOTS, ("hole.end", 0), ("hole.drilled", 0))
+        if self.profiled:
+            slots += (("bit.chips", 0),)
+        row = np.zeros(_PARAMETERS)
+        s, c = self.shape, self.contact
+        row[: _END] = [s.face, s.face - s.half, s.radius, s.half, c.stiffness, c.side, 0.0, c.friction, c.wall, c.slip, c.damping]
+        row[_END : _END + 3] = self.hole.end
+        row[_HELD] = float(self.rock.post_step)
+        self.params = np.ascontiguousarray(np.tile(row, (len(vertices), 1)))
+        self._block = Block("bit_rock", "bit_rock_profile" if self.profiled else "bit_rock", "vertex", vertices, slots, (0,), self.params,
+                            context=ctypes.addressof(self._made), update=self._note)
+        self._follow()
+        return (self._block,)
+
+    def _note(self, t: float) -> None:
+        self._time = t
+
+    def _follow(self) -> None:
+        self.params[:, _AXIS : _AXIS + 3] = self.hole.direction
+        self.params[:, _ROOM] = self.hole.room(self.shape.radius)
+
+    # ------------------------------------------------------------------ statics and motion
+    def impose_sliding(self, axial: float, spin: float, side: float = 1.0) -> None:
+        """Statics: the hole stays; friction acts against an imposed motion (physics/contact.py)."""
+        self._impose(STATICS, axial, spin, side)
+
+    def drill_quasi_static(self, axial: float, spin: float, side: float = 1.0) -> None:
+        """The hole grows under a bit that turns with ``spin`` [rad/s]; inertia and impacts are left out."""
+        self._impose(QUASI_STATIC, axial, spin, side)
+
+    def _impose(self, mode: float, axial: float, spin: float, side: float) -> None:
+        p = self.params
+        p[:, _MODE], p[:, _AXIAL], p[:, _SPIN], p[:, _SHARE] = mode, axial, spin, side
+        p[:, _TORQUE0], p[:, _TORQUE1] = self._torque_line(spin)
+
+    def free_sliding(self) -> None:
+        self.params[:, _MODE] = MOTION
+        self.params[:, _TORQUE0], self.params[:, _TORQUE1] = self._torque
+
+    def slide_as(self, other: RockBit) -> None:
+        """Take over the motion that statics imposed on another room."""
+        self.params[:] = other.params
+
+    def _torque_line(self, spin: float) -> tuple[float, float]:
+        """Torque on bit = first + second * weight, at a rotation ``spin`` [rad/s]."""
+        if not isinstance(self.law, Weakening):
+            return self._torque
+        size = self.law.dynamic + (self.law.static - self.law.dynamic) * float(np.exp(-((spin / self.law.speed) ** 2)))
+        return (0.0, size) if self.law.by_weight else (size, 0.0)
+
+    def torque_for(self, weight: float) -> float:
+        """Torque [N m] of the turning bit under ``weight`` [N]."""
+        first, second = self._torque_line(self.rock.reference_speed)
+        return first + second * weight if weight > 0 else 0.0
+
+    def depth_for(self, weight: float) -> float:
+        """Depth [m] at which the bit carries ``weight`` [N] at rest."""
+        return weight / self.contact.stiffness
+
+    def depth_of_face(self, state) -> tuple[float, FloatArray]:
+        """How far the bit is below the end of the hole [m], and its gradient by the local unknowns (n,); zero without the bit."""
+        gradient = np.zeros(len(state.x))
+        if not self._mine:
+            return 0.0, gradient[: state.layout.size]
+        i, p, s = state.index_of(self._block)[0], self.params[0], self.shape
+        v = state.x[i[3:6]]
+        n = float(np.linalg.norm(v))
+        t, axis = v / n, p[_AXIS : _AXIS + 3]
+        tilt, squeeze = float(t @ axis), s.half**2 - s.radius**2
+        reach = np.sqrt(s.radius**2 + squeeze * tilt**2)
+        gradient[i[:3]] = axis
+        gradient[i[3:6]] = (p[_CENTRE] + squeeze * tilt / reach) * (axis - t * tilt) / n
+        centre = state.x[i[:3]] + p[_CENTRE] * t - p[_END : _END + 3] - state.x[i[7:10]]
+        return float(centre @ axis + reach - s.half), gradient[: state.layout.size]
+
+    @contextmanager
+    def preloaded(self, weight: float, travel: float):
+        """Meanwhile the bit stands on a weak spring that carries ``weight`` [N] after ``travel`` [m], at the depth of ``depth_for``."""
+        p = self.params
+        before = p.copy()
+        p[:, _STIFFNESS] = weight / travel
+        p[:, _END : _END + 3] -= (travel - self.depth_for(weight)) * p[:, _AXIS : _AXIS + 3]
+        try:
+            yield
+        finally:
+            p[:] = before
+
+    def first_cut(self, state) -> None:
+        """Drilling as the string moves at the start; a drag bit's profile carries the weight on bit: steady cutting if the bit turns,
+        else a flat indentation."""
+        if not self._mine:
+            return
+        i = state.index_of(self._block)[0]
+        if self.profiled:
+            self._indent(state, i)
+        rate = self.figures(state)[8:11]
+        state.y[i[7:10]], state.y[i[10]] = rate, np.linalg.norm(rate)
+
+    def _indent(self, state, i: np.ndarray) -> None:
+        depth, _ = self.depth_of_face(state)
+        weight = max(0.0, depth) * self.contact.stiffness
+        down, axis, r = float(state.y[i[:3]] @ self.params[0, _AXIS : _AXIS + 3]), state.y[i[6]], self._made
+        flat = 0.5 * r.contact * (1 + down / np.hypot(down, r.rest))
+        chip = _chip_for(weight, r.cut * r.blades, flat, r.onset)
+        place = np.arange(CHIPS) / CHIPS
+        ahead = 0.5 * (1 - np.cos(np.pi * place)) if axis > 0 else np.zeros(CHIPS)
+        state.x[i[11:]] = (depth - chip + chip * ahead) if weight > 0 else 0.0
+
+    # ------------------------------------------------------------------ growth
+    def news(self, state) -> FloatArray:
+        """(6,) after an accepted step, zero without the bit: place of the end (3) and metres drilled since the start, time, number of bits.
+
+        By the paper's rule the end is moved now.
+        """
+        now = np.zeros(6)
+        if self._mine:
+            if self.rock.post_step:
+                self._move(state)
+            i = state.index_of(self._block)[0]
+            now[:4] = self.params[0, _HOLD : _HOLD + 4] if self.rock.post_step else state.x[i[7:11]]
+            now[4:] = self._time, 1.0
+        return now
+
+    def take(self, news: FloatArray) -> None:
+        """All ranks learn what ``news`` said; the wall follows the end."""
+        self._end, self._accepted = news[:4].copy(), float(news[4])
+        if self.hole.follow(news[3], self.hole.first + news[:3]):
+            self._follow()
+
+    def drilled_hole(self) -> Well:
+        """The hole with its new part, as of the last accepted step."""
+        return self.hole.whole(float(self._end[3]), self.hole.first + self._end[:3])
+
+    def _move(self, state) -> None:
+        step = self._time - self._accepted
+        if step > 0 and self.params[0, _MODE] != STATICS:
+            rate = self.figures(state)[8:11]
+            self.params[:, _HOLD : _HOLD + 3] += rate * step
+            self.params[:, _HOLD + 3] += np.linalg.norm(rate) * step
+
+    def memory(self) -> dict[str, FloatArray]:
+        """For a checkpoint; the same on all ranks."""
+        return {"hold": self._end, "accepted": np.array([self._accepted])} | self.hole.memory()
+
+    def recall(self, memory: dict[str, FloatArray]) -> None:
+        """Go on from a checkpoint's ``memory``."""
+        self.hole.recall(memory)
+        self.params[:, _HOLD:] = self._end = np.array(memory["hold"])
+        self.params[:, _END : _END + 3] = memory["first"]
+        self._accepted = self._time = float(memory["accepted"][0])
+        self._follow()
+
+    def signature(self) -> int:
+        """Changes whenever the bit leaves the bottom or comes back to it, on the bit's rank."""
+        return int(self._made.touching)
+
+    # ------------------------------------------------------------------ figures
+    def figures(self, state) -> FloatArray:
+        """(11,) weight [N], torque [N m], rate [m/s], side force [N], stored energy [J], power into the rock [W], depth [m], offset of the
+        bit's centre from the hole's axis [m], rate of penetration in space (3) [m/s]; zero without the bit."""
+        out = np.zeros(11)
+        if self._mine:
+            _report(int(self.profiled), pointer(state.index_of(self._block)), pointer(self.params), ctypes.addressof(self._made),
+                    pointer(state.x), pointer(state.y), pointer(out))
+        return out
+
+    def weight_and_torque(self, state) -> tuple[float, float]:
+        """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
+        figures = self.figures(state)
+        return float(figures[0]), float(figures[1])
+
+    def progress(self, state) -> tuple[float, float]:
+        """Metres drilled since the start and rate of penetration [m/s], zero on ranks without the bit."""
+        if not self._mine:
+            return 0.0, 0.0
+        drilled = self.params[0, _HOLD + 3] if self.rock.post_step else state.x[state.index_of(self._block)[0, 10]]
+        return float(drilled), float(self.figures(state)[2])
+
+    def rate_under(self, force: FloatArray, axis: FloatArray, omega: float, drilled: float = 0.0) -> FloatArray:
+        """(3,) rate of penetration [m/s] under a ``force`` (3,) of the bit on the rock [N], bit axis (3,), rotation [rad/s]."""
+        out, F, e = np.zeros(3), np.array(force, dtype=float), np.array(axis, dtype=float)
+        _rate(ctypes.addressof(self._made), pointer(F), pointer(e), omega, drilled, pointer(out))
+        return out
+
+    def energies(self, t: float, state) -> Energies:
+        return Energies(strain=float(self.figures(state)[4]))
+
+    def powers(self, t: float, state) -> Powers:
+        return Powers(float(self.figures(state)[5]))
+
+
+def _chip_for(weight: float, cut: float, flat: float, onset: float) -> float:
+    """Chip per blade [m] that carries ``weight`` [N]: cut d + flat e(d/onset) with the smooth onset e of kernels/bit.hpp."""
+    from scipy.optimize import brentq
+
+    def miss(d: float) -> float:
+        u = np.clip(d / onset, 0.0, 1.0)
+        return cut * d + flat * u * u * (3 - 2 * u) - weight
+
+    return float(brentq(miss, 0.0, weight / cut)) if weight > 0 else 0.0

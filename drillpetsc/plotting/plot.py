@@ -1,0 +1,302 @@
+"""`drillpetsc plot RUN`: histories, probes, orbits, forces along depth and the well path as PNG files.
+
+What a run does not have (no fluid, no probes, no well) is not drawn: the columns of the tables decide.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.output.files.fields import read_frame, read_series
+from drillpetsc.output.files.json_file import read_summary
+from drillpetsc.output.files.run_folder import RunFolder
+from drillpetsc.output.files.tables import read_table, split_name
+from drillpetsc.plotting import style
+from drillpetsc.plotting.hole_path import new_hole, well_path
+from drillpetsc.plotting.style import GROUND, LINE_COLORS, WALL, display_unit, label, words
+from drillpetsc.plotting.sweep import draw_sweep
+from drillpetsc.studies.sweep.plan import SWEEP
+
+Table = dict[str, np.ndarray]
+
+# columns that a driller compares share a panel, in this order; every other column joins those of its unit after them
+TOGETHER: tuple[tuple[str, ...], ...] = (
+    ("hook_load",),
+    ("wob",),
+    ("surface_torque", "bit_torque"),
+    ("surface_speed", "bit_speed"),
+    ("bit_depth", "hole_depth"),
+    ("rop",),
+    ("pump_pressure", "bit_pressure"),
+    ("pump_flow", "outlet_flow"),
+)
+NUMERICS: tuple[tuple[str, ...], ...] = (
+    ("kinetic_energy", "strain_energy"),
+    ("energy_error",),
+    ("step",),
+    ("newton",),
+)
+
+
+def plot(run: str | os.PathLike, out: str | os.PathLike | None = None) -> list[Path]:
+    """Draw all that the run folder holds; returns the files written, in `out` or the run's plots folder.
+
+    Of a sweep's folder: what its members drilled.
+    """
+    folder = RunFolder.open(run)
+    if (folder.path / SWEEP).is_file():
+        pictures = draw_sweep(folder.path, out)
+        if not pictures:
+            raise FileNotFoundError(f"no member of the sweep {folder.path} drilled new hole: plot the members")
+        return pictures
+    into = Path(out) if out is not None else folder.plots
+    into.mkdir(parents=True, exist_ok=True)
+    told = read_summary(folder.summary) if folder.summary.exists() else {}
+    title = str(told.get("title") or folder.path.name)
+    drawings: dict[str, Any] = {}
+    with style.look():
+        if folder.history.exists():
+            table = read_table(folder.history)
+            operation, numerics = grouped(list(table))
+            drawings["history"] = _histories(table, operation, f"{title}: histories")
+            drawings["numerics"] = _histories(table, numerics, f"{title}: energy and time steps")
+        if folder.probes.exists():
+            probes, clearances = read_table(folder.probes), _clearances(folder)
+            drawings["orbits"] = _orbits(probes, clearances, title)
+            drawings["probes"] = _probes(probes, clearances, title)
+        if folder.statics.exists():
+            drawings["along_depth"] = _along_depth(read_table(folder.statics), title)
+        if folder.trajectory.exists():
+            path, drilled = read_table(folder.trajectory), told.get("new_hole", {}).get("drilled [m]", 0.0)
+            drawings["trajectory"] = well_path(path, title, drilled)
+            drawings["new_hole"] = new_hole(path, title, drilled)
+        files = []
+        for name, drawing in drawings.items():
+            if drawing is not None:
+                files.append(into / f"{name}.png")
+                drawing.savefig(files[-1])
+    if not files:
+        raise FileNotFoundError(f"{folder.path} holds no table with rows: nothing to plot")
+    return files
+
+
+def grouped(titles: list[str]) -> tuple[list[list[str]], list[list[str]]]:
+    """Columns as panels: (those of the operation, those of the numerics). The first column is the time."""
+    by_name = {split_name(title)[0]: title for title in titles[1:]}
+
+    def take(groups: tuple[tuple[str, ...], ...]) -> list[list[str]]:
+        panels = [[by_name[name] for name in group if name in by_name] for group in groups]
+        return [panel for panel in panels if panel]
+
+    operation, numerics = take(TOGETHER), take(NUMERICS)
+    used = {title for panel in operation + numerics for title in panel}
+    by_unit: dict[str, list[str]] = {}
+    for title in titles[1:]:
+        if title not in used:
+            by_unit.setdefault(split_name(title)[1], []).append(title)
+    return operation + list(by_unit.values()), numerics
+
+
+def _histories(table: Table, panels: list[list[str]], title: str) -> Any:
+    """One panel per group of columns, two beside each other, over a common time axis."""
+    time_title, *_ = table
+    time = table[time_title]
+    panels = [kept for panel in panels if (kept := [c for c in panel if np.isfinite(table[c]).any()])]
+    if not panels or len(time) < 2:
+        return None
+    columns = 1 if len(panels) == 1 else 2
+    rows = -(-len(panels) // columns)
+    drawing = style.figure(13.0, 0.9 + 2.15 * rows, dpi=110)
+    drawing.suptitle(title, x=0.02, ha="left", fontweight="bold", fontsize=12)
+    grid = drawing.subplots(rows, columns, squeeze=False, sharex=True)
+    places = list(grid.T.reshape(-1))
+    for axes, panel in zip(places, panels, strict=False):
+        together = np.concatenate([table[name] for name in panel])
+        size, unit = display_unit(panel[0], together)
+        for name, color in zip(panel, LINE_COLORS * 3, strict=False):
+            count = split_name(name)[0] == "newton"  # whole numbers that jump: dots, not a filled band
+            style_of = {"linestyle": "", "marker": ".", "markersize": 2.5} if count else {"linewidth": 1.1}
+            axes.plot(time, table[name] / size, color=color, label=words(name), **style_of)
+            if count:
+                axes.set_ylim(0, 1.08 * max(float(np.nanmax(table[name])), 1.0))
+                axes.yaxis.get_major_locator().set_params(integer=True)
+        _level(axes, together / size)
+        if len(panel) == 1:
+            axes.set_ylabel(label(panel[0], unit))
+        else:
+            axes.set_ylabel(f"[{unit}]" if unit else "")
+            axes.legend(
+                loc="upper left",
+                bbox_to_anchor=(0.0, 1.17),
+                ncols=len(panel),
+                frameon=False,
+                fontsize=8.5,
+                borderaxespad=0.0,
+            )
+        axes.margins(x=0.0)
+    for axes in places[len(panels) :]:
+        axes.remove()
+    for column in range(columns):
+        last = [axes for axes in grid[:, column] if axes.figure is not None][-1]
+        last.set_xlabel("time [s]")
+        last.tick_params(labelbottom=True)
+    drawing.tight_layout(rect=(0, 0, 1, 0.985), h_pad=1.1)
+    return drawing
+
+
+def _level(axes: Any, values: np.ndarray) -> None:
+    """Keep a constant from being magnified until its rounding shows, and axis numbers from hiding behind an offset."""
+    axes.ticklabel_format(axis="y", useOffset=False)
+    finite = values[np.isfinite(values)]
+    if finite.size and np.ptp(finite) < 1e-6 * np.abs(finite).max():
+        middle, half = 0.5 * (finite.max() + finite.min()), 1e-3 * np.abs(finite).max()
+        axes.set_ylim(middle - half, middle + half)
+
+
+def probe_names(table: Table) -> list[str]:
+    """The measured depths NNN of the probes, as they stand in the headers, in order."""
+    found = [match.group(1) for title in table if (match := re.fullmatch(r"(?:x|spin)_([\d.]+)", split_name(title)[0]))]
+    return list(dict.fromkeys(found))
+
+
+def _clearances(folder: RunFolder) -> tuple[np.ndarray, np.ndarray] | None:
+    """(measured depth (n,), hole radius less string radius (n,)) [m] from the last frame; None where there is none."""
+    series = read_series(folder.path)
+    if not series:
+        return None
+    data = read_frame(series[-1][1]).point_data
+    if not {"md [m]", "hole_radius [m]", "outer_radius [m]"} <= set(data):
+        return None
+    return data["md [m]"], data["hole_radius [m]"] - data["outer_radius [m]"]
+
+
+def _orbits(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, title: str) -> Any:
+    """Path of the string's centre in the hole at each probe, late times dark, with the circle on which it touches."""
+    from matplotlib.collections import LineCollection
+
+    names = [name for name in probe_names(table) if f"x_{name} [m]" in table and f"y_{name} [m]" in table]
+    time = next(iter(table.values()))
+    if not names or len(time) < 2:
+        return None
+    columns = min(len(names), 4)
+    rows = -(-len(names) // columns)
+    drawing = style.figure(max(3.9 * columns, 6.5), 0.7 + 4.1 * rows, dpi=110)
+    drawing.suptitle(f"{title}: orbits of the string's centre", x=0.02, ha="left", fontweight="bold", fontsize=12)
+    lines = None
+    grid = drawing.subplots(rows, columns, squeeze=False)
+    for axes, name in zip(grid.reshape(-1), names, strict=False):
+        x, y = 1e3 * table[f"x_{name} [m]"], 1e3 * table[f"y_{name} [m]"]
+        circle = None if clearances is None else 1e3 * float(np.interp(float(name), *clearances))
+        _clearance_circle(axes, circle, float(np.nanmax(np.hypot(x, y))))
+        points = np.column_stack((x, y))
+        lines = LineCollection(
+            list(np.stack((points[:-1], points[1:]), axis=1)), cmap="viridis_r", linewidths=0.8, zorder=3
+        )
+        lines.set_array(time[1:])
+        axes.add_collection(lines, autolim=False)
+        axes.plot(x[-1], y[-1], "o", color="#b03060", markersize=4.5, zorder=4)
+        axes.set_aspect("equal")
+        axes.set(
+            xlabel="offset x [mm]",
+            ylabel="offset y [mm]",
+            title=f"{float(name):g} m" + (f", clearance {circle:.1f} mm" if circle is not None else ""),
+        )
+    for axes in grid.reshape(-1)[len(names) :]:
+        axes.remove()
+    drawing.tight_layout(rect=(0, 0, 0.93, 0.97))
+    bar = drawing.add_axes((0.94, 0.18, 0.011, 0.62))
+    drawing.colorbar(lines, cax=bar)
+    bar.set_title("time [s]", fontsize=9)
+    return drawing
+
+
+def _clearance_circle(axes: Any, clearance: float | None, reach: float) -> None:
+    """Rock outside the circle that the centre cannot leave; clearance, reach of the orbit: [mm]."""
+    half = 1.15 * max(reach, clearance or 0.0, 1e-6)
+    if clearance is not None and clearance > 0:
+        angle = np.linspace(0, 2 * np.pi, 181)
+        axes.set_facecolor(GROUND)
+        axes.fill(
+            clearance * np.cos(angle),
+            clearance * np.sin(angle),
+            facecolor="white",
+            edgecolor=WALL,
+            linewidth=1.3,
+            zorder=1,
+        )
+    axes.plot(0, 0, "+", color=WALL, markersize=9, zorder=2)
+    axes.set(xlim=(-half, half), ylim=(-half, half))
+
+
+def _probes(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, title: str) -> Any:
+    """Spin, distance from the hole's centre and contact force over time, the probes together."""
+    names = probe_names(table)
+    shown: dict[str, Table] = {"spin [rad/s]": {}, "distance_from_centre [m]": {}, "contact [N]": {}}
+    for name in names:
+        for kind, unit in (("spin", "rad/s"), ("contact", "N")):
+            if f"{kind}_{name} [{unit}]" in table:
+                shown[f"{kind} [{unit}]"][name] = table[f"{kind}_{name} [{unit}]"]
+        if f"x_{name} [m]" in table and f"y_{name} [m]" in table:
+            shown["distance_from_centre [m]"][name] = np.hypot(table[f"x_{name} [m]"], table[f"y_{name} [m]"])
+    kept = {name: group for name, group in shown.items() if group}
+    time = next(iter(table.values()))
+    if not kept or len(time) < 2:
+        return None
+    drawing = style.figure(13.0, 0.9 + 2.4 * len(kept), dpi=110)
+    drawing.suptitle(f"{title}: probes", x=0.02, ha="left", fontweight="bold", fontsize=12)
+    for axes, (column, group) in zip(
+        drawing.subplots(len(kept), 1, squeeze=False, sharex=True)[:, 0], kept.items(), strict=True
+    ):
+        size, unit = display_unit(column, np.concatenate(list(group.values())))
+        for (name, values), color in zip(group.items(), LINE_COLORS * 3, strict=False):
+            axes.plot(time, values / size, color=color, linewidth=1.0, label=f"{float(name):g} m")
+            if column.startswith("distance") and clearances is not None:
+                axes.axhline(
+                    np.interp(float(name), *clearances) / size, color=color, linewidth=0.9, linestyle=(0, (6, 3))
+                )
+        axes.set_ylabel(
+            label(column, unit) + (("\n(dashed: on the wall)") if column.startswith("distance") and clearances else "")
+        )
+        axes.margins(x=0.0)
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8.5)
+        axes.ticklabel_format(axis="y", useOffset=False)
+    axes.set_xlabel("time [s]")
+    drawing.tight_layout(rect=(0, 0, 1, 0.98))
+    return drawing
+
+
+def _along_depth(table: Table, title: str) -> Any:
+    """Every column of statics.csv as a track beside the depth axis."""
+    depth_title, *rest = table
+    depth = table[depth_title]
+    numbers = [name for name in rest if table[name].dtype.kind == "f" and np.isfinite(table[name]).any()]
+    if not numbers or len(depth) < 2:
+        return None
+    per_row = min(len(numbers), 6)
+    rows = -(-len(numbers) // per_row)
+    drawing = style.figure(max(1.2 + 2.3 * per_row, 6.0), 0.9 + 7.2 * rows, dpi=110)
+    drawing.suptitle(f"{title}: static equilibrium along the string", x=0.02, ha="left", fontweight="bold", fontsize=12)
+    grid = drawing.subplots(rows, per_row, squeeze=False, sharey=True)
+    for axes, name in zip(grid.reshape(-1), numbers, strict=False):
+        size, unit = display_unit(name, table[name])
+        values = table[name] / size
+        axes.plot(values, depth, color=LINE_COLORS[0], linewidth=1.4)
+        if values.min() < 0 < values.max() or values.min() == 0 or values.max() == 0:
+            axes.axvline(0.0, color="0.35", linewidth=0.8)
+        if split_name(name)[0] == "axial_force":
+            axes.fill_betweenx(depth, np.minimum(values, 0.0), 0.0, color=LINE_COLORS[1], alpha=0.35, linewidth=0)
+            axes.set_title("compression shaded", fontsize=8.5, color=LINE_COLORS[1])
+        axes.set_xlabel(label(name, unit))
+        axes.locator_params(axis="x", nbins=4)
+    for axes in grid.reshape(-1)[len(numbers) :]:
+        axes.remove()
+    for axes in grid[:, 0]:
+        axes.set_ylabel(f"{words(depth_title)} [m]")
+    grid[0, 0].set_ylim(depth.max(), depth.min())
+    drawing.tight_layout(rect=(0, 0, 1, 0.975))
+    return drawing

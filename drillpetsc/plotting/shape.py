@@ -1,0 +1,137 @@
+"""The string at one time as the pictures need it: depth, offset from the hole centre, radii, the chosen field."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from drillpetsc.output.files.fields import Frame, cross_section_axes
+from drillpetsc.output.files.tables import split_name
+
+LARGE = 0.02  # lateral displacement over length above which a string without a hole is drawn in its true shape
+
+
+@dataclass(frozen=True)
+class Shape:
+    """md: (n,) measured depth [m]. offset: (n, 2) string centre from the hole centre (without a hole: from where the
+    string was at rest) [m]. hole_radius, outer_radius: (n,) [m] or None. points: (n, 3) [m]. values: (n,) [SI].
+    bent: the string has no hole and has left its first line so far that only its true shape says something."""
+
+    time: float
+    md: np.ndarray
+    offset: np.ndarray
+    hole_radius: np.ndarray | None
+    outer_radius: np.ndarray | None
+    points: np.ndarray
+    values: np.ndarray
+    bent: bool
+
+
+def find_field(wanted: str, available: Iterable[str]) -> str:
+    """The full name of a field given with or without its unit; ValueError with the names there are."""
+    names = sorted(available)
+    for name in names:
+        if wanted in (name, split_name(name)[0]):
+            return name
+    near = difflib.get_close_matches(wanted, names, n=1, cutoff=0.5)
+    raise ValueError(
+        f"no field {wanted!r} in this run"
+        + (f" (did you mean {near[0]!r}?)" if near else "")
+        + f"; it has {', '.join(names)}"
+    )
+
+
+def shape_of(frame: Frame, time: float, field: str) -> Shape:
+    """What to draw of a frame; field as in the file. A vector field is shown by its magnitude."""
+    data, points = frame.point_data, np.asarray(frame.points, dtype=float)
+    values = np.asarray(data[field], dtype=float)
+    values = np.linalg.norm(values, axis=1) if values.ndim == 2 else values
+    hole, outer = data.get("hole_radius [m]"), data.get("outer_radius [m]")
+    moved = np.asarray(data.get("displacement [m]", np.zeros_like(points)), dtype=float)
+    rest = points - moved
+    md = data.get("md [m]")
+    if md is None:
+        md = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(rest, axis=0), axis=1))))
+    if "offset_x [m]" in data and "offset_y [m]" in data:
+        offset = np.column_stack((data["offset_x [m]"], data["offset_y [m]"]))
+    else:
+        first, second = cross_section_axes(rest)
+        offset = np.column_stack((np.sum(moved * first, axis=1), np.sum(moved * second, axis=1)))
+    length = max(float(md[-1] - md[0]), 1e-12)
+    bent = hole is None and float(np.abs(offset).max()) > LARGE * length
+    return Shape(time, np.asarray(md, dtype=float), offset, hole, outer, points, values, bent)
+
+
+def cut(shape: Shape, interval: tuple[float, float] | None) -> Shape:
+    """The nodes with a measured depth in the interval [m], and one more on each side."""
+    if interval is None:
+        return shape
+    low, high = interval
+    inside = np.flatnonzero((shape.md >= low) & (shape.md <= high))
+    if low >= high or inside.size == 0:
+        raise ValueError(
+            f"no node between {low:g} m and {high:g} m: the string reaches from {shape.md[0]:g} m to {shape.md[-1]:g} m"
+        )
+    part = slice(max(inside[0] - 1, 0), min(inside[-1] + 2, len(shape.md)))
+    return Shape(
+        shape.time,
+        shape.md[part],
+        shape.offset[part],
+        None if shape.hole_radius is None else shape.hole_radius[part],
+        None if shape.outer_radius is None else shape.outer_radius[part],
+        shape.points[part],
+        shape.values[part],
+        shape.bent,
+    )
+
+
+def smooth(shape: Shape, pieces: int) -> Shape:
+    """The same string with `pieces` parts between two nodes: cubic through the nodes with the slopes that central
+    differences give, the field and the radii straight between them. For the eye only: values at nodes do not change."""
+    if pieces < 2 or len(shape.md) < 3:
+        return shape
+    md = shape.md
+    grown = np.concatenate(
+        [np.linspace(md[k], md[k + 1], pieces, endpoint=False) for k in range(len(md) - 1)] + [md[-1:]]
+    )
+
+    def straight(values: np.ndarray | None) -> np.ndarray | None:
+        return None if values is None else np.interp(grown, md, values)
+
+    values = straight(shape.values)
+    assert values is not None
+    return Shape(
+        shape.time,
+        grown,
+        _cubic(md, shape.offset, grown),
+        straight(shape.hole_radius),
+        straight(shape.outer_radius),
+        _cubic(md, shape.points, grown),
+        values,
+        shape.bent,
+    )
+
+
+def _cubic(md: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Cubic Hermite interpolation of values (n, k) at depths md (n,), slopes from central differences."""
+    slope = np.gradient(values, md, axis=0)
+    cell = np.clip(np.searchsorted(md, at, side="right") - 1, 0, len(md) - 2)
+    step = (md[cell + 1] - md[cell])[:, None]
+    x = (at - md[cell])[:, None] / step
+    return (
+        (1 + 2 * x) * (1 - x) ** 2 * values[cell]
+        + x * (1 - x) ** 2 * step * slope[cell]
+        + x**2 * (3 - 2 * x) * values[cell + 1]
+        + x**2 * (x - 1) * step * slope[cell + 1]
+    )
+
+
+def half_width(shape: Shape) -> float:
+    """The lateral distance that a picture must show on each side [m]: the hole, or the largest excursion."""
+    body = 0.0 if shape.outer_radius is None else float(np.max(shape.outer_radius))
+    reach = float(np.abs(shape.offset).max()) + body
+    hole = 0.0 if shape.hole_radius is None else float(np.max(shape.hole_radius))
+    return max(reach, hole, 1e-6)

@@ -1,0 +1,118 @@
+"""Names, units and colours that a drilling engineer reads at a glance. No plotting package is imported at the top."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.output.files.tables import split_name
+
+WORDS = {
+    "wob": "WOB",
+    "rop": "ROP",
+    "md": "Measured depth",
+    "tvd": "True vertical depth",
+    "newton": "Newton iterations",
+    "step": "Time step",
+}
+
+# unit -> displayed units from the smallest: (text, size in the SI unit); taken is the last that is not above the values
+STEPS: dict[str, list[tuple[str, float]]] = {
+    "N": [("N", 1.0), ("kN", 1e3), ("MN", 1e6)],
+    "N m": [("N m", 1.0), ("kN m", 1e3)],
+    "N/m": [("N/m", 1.0), ("kN/m", 1e3)],
+    "Pa": [("Pa", 1.0), ("kPa", 1e3), ("MPa", 1e6)],
+    "J": [("J", 1.0), ("kJ", 1e3), ("MJ", 1e6)],
+    "W": [("W", 1.0), ("kW", 1e3)],
+    "m": [("mm", 1e-3), ("m", 1.0)],
+    "s": [("ms", 1e-3), ("s", 1.0)],
+    "rad/s": [("rpm", math.pi / 30)],
+    "m3/s": [("l/min", 1e-3 / 60)],
+    "m/s": [("mm/s", 1e-3), ("m/s", 1.0)],
+    "-": [("", 1.0)],
+}
+FIXED = {"rop": ("m/h", 1 / 3600), "step": ("ms", 1e-3)}
+DEPTHS = ("md", "tvd", "bit_depth", "hole_depth", "north", "east", "time")  # never in mm or ms
+
+LINE_COLORS = ("#1f5fa8", "#c8501e", "#3a8a4d", "#7d4fa0", "#8a6d1f", "#b03060")
+GROUND = "#e9e3d8"
+WALL = "#6b5b45"
+
+
+def display_unit(title: str, values: Any) -> tuple[float, str]:
+    """How to show a column: (divide by, unit text). title: "wob [N]"; values: array [SI]."""
+    name, unit = split_name(title)
+    if name in FIXED:
+        text, size = FIXED[name]
+        return size, text
+    if name in DEPTHS or unit not in STEPS:
+        return 1.0, "" if unit == "-" else unit
+    finite = np.abs(np.asarray(values, dtype=float))
+    finite = finite[np.isfinite(finite)]
+    largest = float(finite.max()) if finite.size else 0.0
+    steps = STEPS[unit]
+    if largest == 0.0:
+        text, size = next((step for step in steps if step[1] == 1.0), steps[0])
+        return size, text
+    fitting = [step for step in steps if step[1] <= largest * 1.0000001] or steps[:1]
+    return fitting[-1][1], fitting[-1][0]
+
+
+def words(title: str) -> str:
+    """ "surface_torque [N m]" as a label: "Surface torque"."""
+    name, _ = split_name(title)
+    return WORDS.get(name, name.replace("_", " ").capitalize())
+
+
+def label(title: str, unit: str) -> str:
+    """Words and the displayed unit: "Hook load [kN]"."""
+    return f"{words(title)} [{unit}]" if unit else words(title)
+
+
+def color_scale(title: str, low: float, high: float) -> tuple[Any, Any]:
+    """(norm, colormap) for values from low to high in displayed units.
+
+    A quantity that changes sign gets blue above zero and red below, each side stretched to its own extreme: 50 kN of
+    compression stays visible beside 800 kN of tension. One that does not change sign gets a sequential map.
+    """
+    import matplotlib as mpl
+    from matplotlib.colors import Normalize, TwoSlopeNorm
+
+    if not (math.isfinite(low) and math.isfinite(high)):
+        low, high = 0.0, 1.0
+    span = high - low
+    if low < 0 < high and min(-low, high) > 1e-3 * span:
+        return TwoSlopeNorm(0.0, low, high), mpl.colormaps["coolwarm_r"]
+    if span <= 1e-12 * max(abs(low), abs(high), 1e-300):
+        low, high = low - 0.5 * max(abs(low), 1.0), high + 0.5 * max(abs(high), 1.0)
+    return Normalize(low, high), mpl.colormaps["viridis"]
+
+
+LOOK = {
+    "font.size": 9,
+    "axes.titlesize": 10,
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+    "grid.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+}
+
+
+def look() -> Any:
+    """A context in which figures get this package's look; the caller's own settings come back after it."""
+    import matplotlib as mpl
+
+    return mpl.rc_context(LOOK)
+
+
+def figure(width: float, height: float, dpi: float) -> Any:
+    """A figure on the Agg canvas (no display, no pyplot state). Inches, dots per inch."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    drawing = Figure(figsize=(width, height), dpi=dpi)
+    FigureCanvasAgg(drawing)
+    return drawing

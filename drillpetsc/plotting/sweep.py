@@ -1,0 +1,320 @@
+"""Pictures of a sweep whose members drilled new hole: paths, inclination and build rate. Drawn from sweep.csv and each trajectory.csv.
+
+Colour tells the first varied key, the marker the second; a member without fluid is dashed black.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.case.schema import unit_of
+from drillpetsc.geometry.frames import high_side
+from drillpetsc.geometry.well import direction
+from drillpetsc.output.files.json_file import read_summary
+from drillpetsc.output.files.run_folder import RunFolder
+from drillpetsc.output.files.tables import read_table
+from drillpetsc.plotting import style
+from drillpetsc.plotting.style import LINE_COLORS
+from drillpetsc.studies.sweep.plan import PICTURES, SWEEP
+from drillpetsc.studies.sweep.variations import ABSENT
+
+MARKERS = "osD^vP*X"
+BEHIND = 0.15  # of the length of new hole: so much of the old hole's straight line is shown above it
+EXAGGERATED = 0.35  # share of the length of new hole that the largest offset is drawn as
+NEAR_VERTICAL = np.radians(3.0)  # below it the plan view is across the hole, not along it [rad]
+STRAIGHT: dict[str, Any] = {"color": "0.55", "linewidth": 1.0, "linestyle": (0, (6, 3))}
+
+DRY: dict[str, Any] = {"color": "black", "linewidth": 1.7, "linestyle": (0, (5, 2))}
+
+
+@dataclass(frozen=True)
+class Path3:
+    """New hole of a member.  values: key -> word; md (n,) [m], inclination (n,) [deg]; along, up, right (n,) [m]: in the direction of the
+    old hole's end, from its straight continuation towards the high side, and to the right of that; tilt [rad]: inclination of the end of
+    the old hole, azimuth [deg] of that; build [deg/30 m]: average build rate."""
+
+    values: dict[str, str]
+    numbers: dict[str, float]
+    md: np.ndarray
+    inclination: np.ndarray
+    along: np.ndarray
+    up: np.ndarray
+    right: np.ndarray
+    tilt: float
+    azimuth: float
+    build: float
+
+    @property
+    def dry(self) -> bool:
+        return self.values.get("fluid") == "off"
+
+
+def draw_sweep(sweep: str | os.PathLike, out: str | os.PathLike | None = None) -> list[Path]:
+    """Draw what the members drilled, into ``out`` or the sweep's folder; returns the files written, none where nobody drilled."""
+    folder = Path(sweep)
+    paths = drilled_paths(folder)
+    if not paths:
+        return []
+    into = folder if out is None else Path(out)
+    into.mkdir(parents=True, exist_ok=True)
+    told = read_summary(folder / "summary.json") if (folder / "summary.json").is_file() else {}
+    title = str(told.get("title") or folder.name)
+    with style.look():
+        files = []
+        for name, draw in zip(PICTURES, (trajectories, inclinations, build_rates), strict=True):
+            drawing = draw(paths, title)
+            if drawing is not None:
+                files.append(into / name)
+                drawing.savefig(files[-1])
+    return files
+
+
+# ---------------------------------------------------------------------- what the folder tells
+def drilled_paths(folder: Path) -> list[Path3]:
+    """The new hole of every member that is done and has one; the rate of one that was broken off would not compare."""
+    table = read_table(folder / SWEEP)
+    titles = list(table)
+    keys = [title for title in titles[1 : titles.index("status")] if not title.endswith(" (SI)")]
+    units = {key: unit_of(key) for key in keys}
+    found = []
+    for i, length in enumerate(table.get("drilled [m]", ())):
+        file = RunFolder(folder / str(table["folder"][i])).trajectory
+        if table["status"][i] != "done" or not length > 0 or not file.is_file():
+            continue
+        words = {key: _word(table[key][i], units[key]) for key in keys}
+        numbers = {key: x for key in keys if np.isfinite(x := _number(table.get(f"{key} (SI)", table[key])[i]))}
+        found.append(_new_part(words, numbers, read_table(file), float(length), float(table["build_rate [deg/30m]"][i])))
+    return found
+
+
+def _word(value: Any, unit: str) -> str:
+    """As given; a bare number with its SI unit."""
+    number = _number(value)
+    return f"{number:.6g} {unit}".strip() if np.isfinite(number) else str(value)
+
+
+def _number(word: Any) -> float:
+    """In SI; nan for a word."""
+    try:
+        return float(word)
+    except ValueError:
+        return np.nan
+
+
+def _new_part(values: dict[str, str], numbers: dict[str, float], table: dict[str, np.ndarray], length: float, build: float) -> Path3:
+    md, inclination, azimuth = table["md [m]"], table["inclination [deg]"], table["azimuth [deg]"]
+    first = int(np.argmin(np.abs(md - (md[-1] - length))))
+    place = np.column_stack([table[f"{name} [m]"] for name in ("north", "east", "tvd")])[first:]
+    ahead = direction(np.radians(inclination[first]), np.radians(azimuth[first]))
+    above = high_side(ahead)
+    away = place - place[0]
+    return Path3(values, numbers, md[first:], inclination[first:], away @ ahead, away @ above, away @ np.cross(ahead, above),
+                 float(np.radians(inclination[first])), float(azimuth[first]), build)
+
+
+# ---------------------------------------------------------------------- who is who
+def varied(paths: list[Path3]) -> list[str]:
+    """Keys that differ between members with fluid; on and off say nothing more about those."""
+    wet = [p for p in paths if not p.dry] or paths
+    return [key for key in wet[0].values if len({p.values[key] for p in wet}) > 1]
+
+
+def _looks(paths: list[Path3]) -> list[dict[str, Any]]:
+    """Colour, marker and name of each member's line."""
+    import matplotlib as mpl
+
+    keys = varied(paths)
+    ranks = {key: list(dict.fromkeys(p.values[key] for p in paths if not p.dry)) for key in keys}
+    colors: Any = LINE_COLORS
+    if keys and len(ranks[keys[0]]) > len(LINE_COLORS):
+        colors = [mpl.colormaps["viridis"](x) for x in np.linspace(0.0, 0.92, len(ranks[keys[0]]))]
+    looks = []
+    for p in paths:
+        if p.dry:
+            others = [p.values[key] for key in keys if p.values[key] != ABSENT]
+            looks.append({**DRY, "zorder": 5, "label": ", ".join(["no fluid", *others])})
+            continue
+        color = colors[ranks[keys[0]].index(p.values[keys[0]])] if keys else LINE_COLORS[0]
+        look = {"color": color, "linewidth": 1.3, "label": ", ".join(p.values[key] for key in keys) or "new hole"}
+        if len(keys) > 1:
+            marker = MARKERS[ranks[keys[1]].index(p.values[keys[1]]) % len(MARKERS)]
+            look |= {"marker": marker, "markersize": 5, "markerfacecolor": "white"}
+        looks.append(look)
+    return looks
+
+
+def _markers(look: dict[str, Any], count: int, number: int) -> dict[str, Any]:
+    """The look with markers at some of the ``count`` points only, others for each member, so that none hides another."""
+    if "marker" not in look:
+        return look
+    step = max(count // 6, 1)
+    return {**look, "markevery": (min(number % 9 * max(step // 9, 1), count - 1), step)}
+
+
+def _legend(drawing: Any, axes: Any, paths: list[Path3]) -> None:
+    """Names of the lines to the right of everything, headed by the keys."""
+    keys = varied(paths)
+    handles, labels = axes.get_legend_handles_labels()
+    drawing.legend(handles, labels, title=",\n".join(keys) if keys else None, loc="outside right center", frameon=False, fontsize=9,
+                   ncols=1 + len(labels) // 30)
+
+
+def _figure(width: float, height: float, title: str) -> Any:
+    """[in]"""
+    drawing = style.figure(width, height, dpi=110)
+    drawing.set_layout_engine("constrained", h_pad=0.12, w_pad=0.12)
+    drawing.suptitle(title, x=0.01, ha="left", fontweight="bold", fontsize=12)
+    return drawing
+
+
+# ---------------------------------------------------------------------- pictures
+def trajectories(paths: list[Path3], title: str) -> Any:
+    """Vertical section along the hole's azimuth, plan view, and where the holes end; offsets exaggerated as stated."""
+    length = max(float(p.along[-1]) for p in paths)
+    drawing = _figure(15.0, 6.2, f"{title}: new hole, {length:.4g} m")
+    section, plan, ends = drawing.subplots(1, 3, width_ratios=(1.5, 1, 1))
+    _section(section, paths, length)
+    _plan(plan, paths)
+    _ends(ends, paths)
+    _legend(drawing, section, paths)
+    return drawing
+
+
+def round_scale(wanted: float) -> float:
+    """The largest of 1, 2, 5, 10, 20, ... that is not above ``wanted``; 1 for less."""
+    if not wanted > 1:
+        return 1.0
+    power = 10.0 ** np.floor(np.log10(wanted) + 1e-9)
+    return float(power * max(m for m in (1, 2, 5) if m * power <= wanted * (1 + 1e-9)))
+
+
+def _section(axes: Any, paths: list[Path3], length: float) -> None:
+    largest = max(float(np.abs(p.up).max()) for p in paths)
+    scale = round_scale(EXAGGERATED * length / max(largest, 1e-9))
+    for number, (p, look) in enumerate(zip(paths, _looks(paths), strict=True)):
+        away, down = _in_section(p, p.along, scale * p.up)
+        axes.plot(away, down, **_markers(look, len(away), number))
+    p = paths[0]
+    away, down = _in_section(p, np.array([-BEHIND * length, 0.0]), np.zeros(2))
+    axes.plot(away, down, color="0.45", linewidth=5, solid_capstyle="butt", zorder=1)
+    away, down = _in_section(p, np.array([0.0, length]), np.zeros(2))
+    axes.plot(away, down, zorder=1, **STRAIGHT)
+    sign = 1.0 if sum(float(q.up[-1]) for q in paths) >= 0 else -1.0
+    _offset_scale(axes, p, length, largest, sign * scale)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.invert_yaxis()
+    where = f"azimuth {p.azimuth:.4g} deg" if np.ptp([q.azimuth for q in paths]) < 1e-3 else "the old hole's azimuth"
+    axes.set(xlabel=f"departure along {where} [m]", ylabel="depth below the start of new hole [m]",
+             title=f"Vertical section: offsets from the straight continuation {scale:g} times")
+
+
+def _in_section(p: Path3, along: np.ndarray, up: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Departure and depth (n,) [m] of points along the old hole's direction and up from it (both (n,) [m])."""
+    s, c = np.sin(p.tilt), np.cos(p.tilt)
+    return along * s + up * c, along * c - up * s
+
+
+def _offset_scale(axes: Any, p: Path3, length: float, largest: float, scale: float) -> None:
+    """A ruler for the offsets across the end of the straight continuation."""
+    step = round_scale(1e3 * largest / 2) * 1e-3 if largest > 2e-3 else max(largest, 1e-6)
+    marks = step * np.arange(int(1.2 * largest / step) + 1)
+    beyond = np.full(len(marks), 1.03 * length)
+    away, down = _in_section(p, beyond, scale * marks)
+    axes.plot(away, down, color="0.35", linewidth=0.9, marker="|" if p.tilt < np.pi / 4 else "_", markersize=7)
+    aside = 11 * np.sin(p.tilt), -11 * np.cos(p.tilt)  # further down the hole
+    for i in (0, -1):
+        axes.annotate(f"{1e3 * marks[i]:.4g} mm", (away[i], down[i]), aside, textcoords="offset points", va="center",
+                      ha="center" if p.tilt < np.pi / 6 else "left", fontsize=8, color="0.25")
+
+
+def _plan(axes: Any, paths: list[Path3]) -> None:
+    """From above: along the hole's azimuth true, to the right of it exaggerated; across the hole where it is nearly vertical."""
+    leaning = paths[0].tilt > NEAR_VERTICAL
+    across = [p.along * np.sin(p.tilt) + p.up * np.cos(p.tilt) if leaning else p.up for p in paths]
+    widest = max(float(np.abs(p.right).max()) for p in paths)
+    reach = max(float(np.ptp(a)) for a in across)
+    scale = round_scale(EXAGGERATED * reach / max(widest, 1e-9)) if leaning else 1.0
+    for number, (p, a, look) in enumerate(zip(paths, across, _looks(paths), strict=True)):
+        axes.plot(1e3 * p.right if scale > 1 else p.right, a, **_markers(look, len(a), number))
+    axes.axvline(0.0, zorder=1, **STRAIGHT)
+    axes.locator_params(axis="x", nbins=6)
+    unit = 1e3 if scale > 1 else 1.0
+    axes.set_aspect(unit / scale, adjustable="datalim")
+    aim = "departure along the hole's azimuth [m]" if leaning else "north [m]"
+    axes.set(xlabel=f"to the right of the straight continuation [{'mm' if scale > 1 else 'm'}]" if leaning else "east [m]", ylabel=aim,
+             title=f"Plan view: offsets to the right {scale:g} times" if leaning else "Plan view")
+
+
+def _ends(axes: Any, paths: list[Path3]) -> None:
+    """The ends of the new holes, looking down the old one."""
+    for p, look in zip(paths, _looks(paths), strict=True):
+        spot = {"marker": "x", "markeredgewidth": 2} if p.dry else {"marker": look.get("marker", "o")}
+        axes.plot(1e3 * p.right[-1], 1e3 * p.up[-1], linestyle="", color=look["color"], markersize=8, markerfacecolor="white", **spot)
+    axes.margins(0.15)
+    axes.ticklabel_format(useOffset=False)
+    vertical = paths[0].tilt < 1e-6
+    axes.set(xlabel="east [mm]" if vertical else "to the right [mm]", ylabel="north [mm]" if vertical else "to the high side [mm]",
+             title="Ends, off the straight continuation")
+
+
+def inclinations(paths: list[Path3], title: str) -> Any:
+    """Inclination over measured depth."""
+    drawing = _figure(10.5, 6.4, f"{title}: inclination of the new hole")
+    axes = drawing.subplots()
+    for number, (p, look) in enumerate(zip(paths, _looks(paths), strict=True)):
+        axes.plot(p.md, p.inclination, **_markers(look, len(p.md), number))
+    axes.set(xlabel="Measured depth [m]", ylabel="Inclination [deg]")
+    axes.ticklabel_format(useOffset=False)
+    axes.margins(x=0.01)
+    _legend(drawing, axes, paths)
+    return drawing
+
+
+def build_rates(paths: list[Path3], title: str) -> Any:
+    """Average build rate over the first numeric key, a line for each value of the others; without fluid: level and dashed."""
+    keys = varied(paths)
+    numeric = [key for key in keys if all(key in p.numbers for p in paths if p.values[key] != ABSENT)]
+    if len(numeric) < 2:
+        return None
+    first = numeric[0]
+    others = [key for key in keys if key != first]
+    groups: dict[tuple[str, ...], list[Path3]] = {}
+    for p in paths:
+        if first in p.numbers:
+            groups.setdefault(tuple(p.values[key] for key in others), []).append(p)
+    drawing = _figure(9.0, 6.0, f"{title}: average build rate")
+    axes = drawing.subplots()
+    unit, size = shown_unit(first, paths)
+    for number, (words, members) in enumerate(groups.items()):
+        members = sorted(members, key=lambda p: p.numbers[first])
+        axes.plot([p.numbers[first] / size for p in members], [p.build for p in members], color=LINE_COLORS[number % len(LINE_COLORS)],
+                  marker=MARKERS[number % len(MARKERS)], markersize=6, linewidth=1.5, label=", ".join(words))
+    for p in paths:
+        if first not in p.numbers:
+            axes.axhline(p.build, **DRY, label="no fluid" if p.dry else ", ".join(p.values.values()))
+    axes.set(xlabel=f"{first} [{unit}]" if unit else first, ylabel="Average build rate [deg/30 m]")
+    axes.ticklabel_format(useOffset=False)
+    ticks = sorted({p.numbers[first] / size for p in paths if first in p.numbers})
+    if len(ticks) <= 8:
+        axes.set_xticks(ticks)
+    axes.legend(title=", ".join(others), frameon=False, loc="best")
+    return drawing
+
+
+def shown_unit(key: str, paths: list[Path3]) -> tuple[str, float]:
+    """Unit in which all values of a key were given and its size in SI; the SI unit when they were given in several."""
+    units, size = set(), 1.0
+    for p in paths:
+        if key in p.numbers:
+            number, _, unit = p.values[key].strip().partition(" ")
+            units.add(unit.strip())
+            try:
+                size = p.numbers[key] / float(number) if float(number) else size
+            except ValueError:
+                return unit_of(key), 1.0
+    return (units.pop(), size) if len(units) == 1 else (unit_of(key), 1.0)

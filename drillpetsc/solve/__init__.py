@@ -1,1 +1,0 @@
-"""Solvers: the condensed Newton of a time step, statics, dynamics."""

@@ -1,0 +1,97 @@
+"""Error of a run, estimated while it runs: what the time formula left out in every step, summed up by unknown.
+
+A step of BDF k solves p'(t_n) = f, p the polynomial through x_n and the k states before it.  With D the divided difference of order k + 1
+of the last k + 2 states, x'(t_n) - p'(t_n) = D prod_i (t_n - t_(n-i)), i = 1..k, and x_n enters p'(t_n) with the coefficient
+sum_i 1/(t_n - t_(n-i)); so the local error is e = D prod_i (t_n - t_(n-i)) / sum_i 1/(t_n - t_(n-i)), at a fixed step h and k = 2
+2/9 h^3 x''' (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, III.2).
+
+Sums of e are not the error at the end: motion may damp what was left out, or let it grow.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.fem.component import FloatArray
+
+UNITS = {"position": "m", "tangent": "-", "spin": "rad", "ratio": "-", "pressure": "Pa", "flow": "m3/s"}
+MEANING = ("local errors of the time formula by unknown, largest over the string: of one step; sum: of their sizes over all steps (nothing "
+           "cancels); net: of their sum with signs.  Not damped, not amplified by the motion")
+
+
+class TimeError:
+    """Sums of local errors of a run with BDF, step by step of ``dynamics``, and its evaluations of the rows.  No other integrator is
+    estimated."""
+
+    def __init__(self, dynamics: Any):
+        model, options = dynamics.model, dynamics.options
+        self.model, self.order, self.estimated, self.steps = model, int(options.get("ts_bdf_order", 2)), 0, 0
+        self.works = options.get("ts_type", "bdf") == "bdf"
+        self._residuals = self.model.assembly.evaluations
+        layout = model.layout
+        keep = np.array([f.differential for f in layout.fields])
+        mine = np.sort(layout.local_of_owned)
+        self._rows = mine[keep[layout.field_of[mine]]]
+        self._field = layout.field_of[self._rows]
+        self._past: deque[tuple[float, FloatArray]] = deque(maxlen=self.order + 2)
+        self._largest, self._sum, self._net = (np.zeros(len(self._rows)) for _ in range(3))
+        dynamics.after_step.append(lambda t, dt: self.step(t, dynamics.fresh))
+
+    def step(self, t: float, fresh: bool) -> None:
+        """The state in the assembly is that of an accepted step at ``t`` [s]; fresh: the first of its formula."""
+        if not self.works:
+            return
+        self.steps += 1
+        if fresh:
+            self._past.clear()
+        self._past.append((t, self.model.assembly.x[self._rows]))
+        if len(self._past) < self.order + 2:
+            return
+        e = local_error([q for q, _ in self._past], [x for _, x in self._past], self.order)
+        self._net += e
+        size = np.abs(e, out=e)
+        self._sum += size
+        np.maximum(self._largest, size, out=self._largest)
+        self.estimated += 1
+
+    def told(self, ended: bool = True) -> dict[str, Any]:
+        """For summary.json; collective where the run has ``ended`` well."""
+        calls = {"residuals": self.model.assembly.evaluations - self._residuals}
+        return {**calls, "error_estimate": {"time": self._by_unknown()}} if ended else calls
+
+    def _by_unknown(self) -> dict[str, Any] | None:
+        """None for integrators that are not estimated."""
+        if not self.works:
+            return None
+        sums = {"largest_step": self._largest, "sum": self._sum, "net": np.abs(self._net)}
+        comm = self.model.comm.tompi4py() if self.model.comm.size > 1 else None
+        unknowns: dict[str, Any] = {}
+        for number, f in enumerate(self.model.layout.fields):
+            if not f.differential:
+                continue
+            found = {key: float(v[self._field == number].max(initial=0.0)) for key, v in sums.items()}
+            if comm is not None:
+                from mpi4py import MPI
+
+                found = {key: comm.allreduce(value, op=MPI.MAX) for key, value in found.items()}
+            unknowns[f.name] = {"unit": UNITS.get(f.name.split(".")[-1], "SI"), "usual_size": f.scale, **found}
+        return {"method": f"divided differences of BDF {self.order}", "meaning": MEANING, "steps": self.estimated,
+                "steps_without": self.steps - self.estimated, "unknowns": unknowns}
+
+
+def local_error(times: list[float], states: list[FloatArray], order: int) -> FloatArray:
+    """Local error (n,) of the last of ``order + 2`` states (n,) at ``times`` [s], rising; see the head of this file."""
+    now = times[-1]
+    gaps = [now - t for t in times[-2 : -order - 2 : -1]]
+    scale = float(np.prod(gaps)) / sum(1 / g for g in gaps)
+    out = np.zeros_like(states[-1])
+    for i, x in enumerate(states):
+        weight = 1.0
+        for j, t in enumerate(times):
+            if j != i:
+                weight /= times[i] - t
+        out += scale * weight * x
+    return out

@@ -1,0 +1,272 @@
+"""Newton's method on the condensed unknowns: convergence by scaled increments, a factor that is kept while it serves.
+
+The velocities of a step follow from the unknowns (y = shift x + v0), so only the unknowns are solved for: an inner PETSc SNES with
+prefix ``q_``, whose options all work.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc import petsc_compat
+from drillpetsc.fem.discrete_system import Model
+from drillpetsc.solvers.chain_lu import ChainFactor, ChainPC
+from drillpetsc.solvers.direct import DirectNewton, does_work
+
+ROUNDING = 64 * np.finfo(float).eps
+STALLED = 1e-10  # an increment that no longer falls below this share of the scales is rounding
+
+
+@dataclass
+class Lag:
+    """When a kept Jacobian still serves: same shift within ``shift_change``, contraction below ``contraction``, at most
+    ``iterations`` taken with it, contact unchanged."""
+
+    shift_change: float = 0.2
+    contraction: float = 0.25
+    iterations: int = 4
+    shift: float = 0.0
+    signature: int = 0
+    good: bool = False
+
+
+class CondensedNewton:
+    """Inner SNES of one model; ``solve(t, shift)`` starts from and ends in the assembly's x."""
+
+    def __init__(self, model: Model, prefix: str = "q_", tolerance: float = 1e-6, lag: bool = True):
+        self.model, self.tolerance = model, tolerance
+        self.t, self.shift = 0.0, 0.0
+        self.lag = Lag() if lag else None
+        self._turning = any(getattr(room, "turning", False) for room in model.rooms)
+        self.jacobians = self.newton = self.linear = self.failures = 0
+        self.eta, self._last, self._first, self._theta = 1.0, 0.0, 0.0, 0.0
+        self.q, self._f = model.new_condensed(), model.new_condensed()
+        owned = model.layout.local_of_owned
+        self._scale = model.scale[owned]
+        self.snes = self._make_snes(prefix)
+
+    def _make_snes(self, prefix: str) -> PETSc.SNES:
+        model = self.model
+        snes = PETSc.SNES().create(comm=model.comm)
+        snes.setOptionsPrefix(prefix)
+        snes.setFunction(self._function, self._f)
+        self.matrix = petsc_compat.square_matrix(self.q)
+        asm, layout = model.assembly, model.layout
+        lgm = layout.condensed_dm.getLGMap().getIndices()
+        rows = np.where(asm.rows >= 0, lgm[np.maximum(asm.rows, 0)], -1)
+        columns = np.where(asm.columns >= 0, lgm[np.maximum(asm.columns, 0)], -1)
+        self._coo = (rows, columns)
+        snes.setJacobian(self._jacobian, self.matrix)
+        snes.setConvergenceTest(self._converged)
+        snes.setType("newtonls")
+        snes.setTolerances(rtol=0.0, atol=0.0, stol=0.0, max_it=25)
+        snes.getKSP().setType("preonly")
+        pc = snes.getKSP().getPC()
+        pc.setType("python")
+        options = PETSc.Options(prefix)
+        chosen = options.hasName("snes_linesearch_type")
+        if not chosen:
+            # contact and friction make Newton overshoot; "cp" finds where the rows stop pointing along the step, by residuals alone
+            # (measured on the whirling 2000 m string: a third of the iterations, no failed step)
+            # mixed with the balances of mud, rows along the step have no meaning: after a jump the search stands still
+            forces = all(does_work(f) for f in model.layout.fields)
+            options.setValue("snes_linesearch_type", "cp" if model.has_contact and forces else "basic")
+        theirs = ("snes_type", "snes_linesearch_type", "ksp_type", "pc_type", "snes_monitor", "snes_converged_reason", "ksp_monitor")
+        self.direct = not any(options.hasName(name) for name in theirs if name != "snes_linesearch_type") and not chosen
+        if self.direct:
+            snes.setType("python")
+            snes.setPythonContext(DirectNewton(self))
+        snes.setFromOptions()
+        self.most = snes.getTolerances()[3]
+        self.tolerance = options.getReal("snes_stol", self.tolerance)
+        self.line_search = options.getString("snes_linesearch_type", "basic")
+        if not chosen:  # the next scene chooses for itself
+            options.delValue("snes_linesearch_type")
+        self.assembled = (
+            pc.getType() != "python" or snes.getKSP().getType() != "preonly" or self.line_search == "bt"
+        )
+        if self.assembled:
+            petsc_compat.preallocate_coo(self.matrix, rows, columns)
+        else:
+            self.matrix.setUp()
+            self.matrix.assemble()
+        if pc.getType() == "python":
+            self.factor = chain_factor(model)
+            self.pc = ChainPC(self.factor, asm, stop=False)
+            pc.setPythonContext(self.pc)
+        snes.setUp()
+        return snes
+
+    # ------------------------------------------------------------------ callbacks
+    def _evaluate(self) -> None:
+        asm = self.model.assembly
+        asm.condense(self.shift)
+        if asm.fixed:
+            asm.impose_rates(self.t, self.shift)
+        asm.settle_rates()
+
+    def _function(self, snes, q, f) -> None:
+        self.model.load_unknowns(q)
+        self._evaluate()
+        self.model.sum_residual(self.t, f)
+
+    def rows(self, q: PETSc.Vec) -> np.ndarray:
+        """Residual at ``q``, owned rows; the array is the solver's own and changes with the next call."""
+        self._function(None, q, self._f)
+        return self._f.getArray(readonly=1)
+
+    def _jacobian(self, snes, q, J, P) -> None:
+        if self.lag and self.lag.good and self.still_serves(snes.getIterationNumber()):
+            return
+        self.model.load_unknowns(q)
+        self._evaluate()
+        self.renew_jacobian()
+        if self.assembled:
+            petsc_compat.set_values_coo(self.matrix, self.model.assembly.values)
+        else:
+            J.assemble()
+
+    def renew_jacobian(self) -> None:
+        """New entries at the assembly's state."""
+        self.model.assembly.jacobian(self.t, (1.0, self.shift, self.shift**2), condensed=True)
+        self.jacobians += 1
+        if self.lag:
+            self.lag.shift, self.lag.good, self.lag.signature = self.shift, True, self.model.signature()
+        self.eta = 1.0 if self.eta > 1.0 else max(self.eta, 1e-10) ** 0.8
+
+    def agree(self, mine: bool) -> bool:
+        """Whether all ranks say yes."""
+        return bool(self.model.comm.tompi4py().allreduce(int(mine), op=_min()))
+
+    def still_serves(self, its: int) -> bool:
+        """Whether the kept factor may be used again; the same answer on every rank."""
+        lag = self.lag
+        assert lag is not None
+        serves = (
+            abs(self.shift / lag.shift - 1.0) <= lag.shift_change
+            and self._theta <= lag.contraction
+            and its < lag.iterations
+            and self.model.signature() == lag.signature
+        )
+        if self.model.comm.size > 1 and self.model.has_contact:  # each rank sees its own contacts only
+            serves = self.agree(serves)
+        return serves
+
+    def _converged(self, snes, its, norms) -> int:
+        step = snes.getSolutionUpdate().getArray(readonly=1) if its else np.zeros(0)
+        return self.judge(its, step, bool(np.isfinite(norms[2])))
+
+    def judge(self, its: int, step: np.ndarray, finite: bool) -> int:
+        """Reason after ``its`` iterations, the last of which moved the owned unknowns by ``step``; 0: go on."""
+        if not finite:
+            return petsc_compat.not_a_number_reason()
+        if its == 0:
+            self._theta = 0.0
+            return 0
+        # below the spacing of numbers at the unknown's own size (a depth of 2000 m) nothing can be resolved
+        floor = (ROUNDING / self.tolerance) * np.abs(self.q.getArray(readonly=1))
+        size = float(np.max(np.abs(step) / np.maximum(self._scale, floor), initial=0.0))
+        if self.model.comm.size > 1:
+            size = float(self.model.comm.tompi4py().allreduce(size, op=_max()))
+        if its > 1 and self._last > 0:
+            self._theta = size / self._last
+            if self._theta >= 2.0 and its > 4 and size > self._first:
+                return PETSc.SNES.ConvergedReason.DIVERGED_DTOL
+            if self._theta > 0.5 and size < STALLED:
+                return PETSc.SNES.ConvergedReason.CONVERGED_SNORM_RELATIVE
+            self.eta = self._theta / (1.0 - self._theta) if self._theta < 1.0 else 10.0
+        self._first = size if its == 1 else self._first
+        self._last = size
+        if self.eta * size <= self.tolerance:
+            return PETSc.SNES.ConvergedReason.CONVERGED_SNORM_RELATIVE
+        if its >= self.most:
+            return PETSc.SNES.ConvergedReason.DIVERGED_MAX_IT
+        return 0
+
+    # ------------------------------------------------------------------ use
+    def forget(self) -> None:
+        """Drop the kept factor and what was learned about convergence."""
+        self.eta = 1.0
+        if self.lag:
+            self.lag.good = False
+
+    def memory(self) -> dict[str, np.ndarray]:
+        """The kept factor, as the entries it was made of, and what was learned about convergence; whole on rank 0.  Collective."""
+        lag, mpi = self.lag, self.model.comm.tompi4py()
+        if lag is None or not lag.good:
+            return {"newton": np.array([self.eta])}
+        mine = self.model.assembly.values
+        parts = [(mine, lag.signature)] if mpi.size == 1 else mpi.gather((mine, lag.signature))
+        if parts is None:
+            return {}
+        return {"newton": np.array([self.eta, lag.shift]), "entries": np.concatenate([p[0] for p in parts]),
+                "shares": np.array([len(p[0]) for p in parts]), "signatures": np.array([p[1] for p in parts])}
+
+    def recall(self, memory: dict[str, np.ndarray]) -> None:
+        """Take up a memory; of one left by another number of ranks only the convergence, as their entries are shared out differently."""
+        asm, mpi = self.model.assembly, self.model.comm.tompi4py()
+        self.forget()
+        self.eta = float(memory["newton"][0])
+        shares = memory.get("shares")
+        fits = shares is not None and len(shares) == mpi.size and shares[mpi.rank] == len(asm.values)
+        if self.lag is None or shares is None or not self.agree(bool(fits)):
+            return
+        start = int(shares[: mpi.rank].sum())
+        asm.values[:] = memory["entries"][start : start + len(asm.values)]
+        asm.version += 1
+        self.lag.shift, self.lag.signature, self.lag.good = float(memory["newton"][1]), int(memory["signatures"][mpi.rank]), True
+        if self.direct:
+            self.factor.factor(asm.values)
+        elif self.assembled:
+            petsc_compat.set_values_coo(self.matrix, asm.values)
+        else:
+            self.matrix.assemble()
+
+    def solve(self, t: float, shift: float) -> int:
+        """Solve at time ``t`` with rates y = shift x + v0; returns the SNES reason (negative: not converged)."""
+        self.t, self.shift = t, shift
+        if self.lag and self._turning:  # unknowns that turn with the string take the Jacobian along
+            self.lag.good = False
+        # what one step showed of the contraction is trusted less in the next (Hairer and Wanner, Solving ODEs II, IV.8)
+        self.eta = 1.0 if self.eta > 1.0 else max(self.eta, 1e-10) ** 0.8
+        if self.lag and self.lag.good:  # a factor made for another step length leaves an error of this share in each iteration
+            off = abs((shift / self.lag.shift) ** 2 - 1.0)
+            self.eta = max(self.eta, off / max(1.0 - off, 0.1))
+        self.model.store_unknowns(self.q)
+        with petsc_compat.own_errors():
+            self.snes.solve(None, self.q)
+        self.newton += self.snes.getIterationNumber()
+        if not self.direct:
+            self.linear += self.snes.getLinearSolveIterations()
+        reason = self.snes.getConvergedReason()
+        if reason < 0:
+            self.failures += 1
+            if self.lag:
+                self.lag.good = False
+        self.model.load_unknowns(self.q)
+        self._evaluate()
+        return reason
+
+
+def _max():
+    from mpi4py import MPI
+
+    return MPI.MAX
+
+
+def _min():
+    from mpi4py import MPI
+
+    return MPI.MIN
+
+
+def chain_factor(model: Model) -> ChainFactor:
+    """The direct solver for this model's chain of nodes."""
+    layout, asm = model.layout, model.assembly
+    # a constraint's pivot is of the order of the step's square, without cancellation: small is no sign of a singular matrix there
+    smallest = 1e-25 if model.multipliers else 1e-15
+    return ChainFactor(model.comm, layout.line.vertices, layout.vertex_of, layout.local_of_owned, asm.rows, asm.columns,
+                       pivot_tolerance=smallest)

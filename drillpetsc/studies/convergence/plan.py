@@ -1,0 +1,315 @@
+"""What a study runs: curves of points, each point a case with some keys and PETSc options changed.
+
+Steps and tolerances follow the case: around the mean step of a run as it stands (the pilot), and around its tolerance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.case import Case, case_from_data, override, read_case_file
+from drillpetsc.case.blocks.string import Flexible
+from drillpetsc.errors import CaseError
+
+Options = dict[str, str]
+
+VARIED = ("time-step", "tolerance", "order", "mesh", "formulation", "integrator", "solver", "ranks")
+TOLERANCE = 1e-4  # that of a case which names none
+STEP_FACTORS = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25)  # of the pilot's mean step
+TOLERANCE_FACTORS = (100.0, 10.0, 1.0, 0.1, 0.01)
+MESH_FACTORS = (4.0, 3.0, 2.0, 1.5, 1.0)  # of the case's element lengths
+MESH_TOLERANCE = 0.01  # of a study of the mesh, over that of the case
+LOOSEST = 0.1
+TIGHTEST = 1e-10  # of a Newton iteration in double precision
+FEWEST_ROWS = 50  # of the history, for norms over time
+
+#: integrators, and whether they choose their steps
+INTEGRATORS: dict[str, tuple[Options, bool]] = {
+    "bdf1": ({"ts_type": "bdf", "ts_bdf_order": "1"}, True),
+    "bdf2": ({"ts_type": "bdf", "ts_bdf_order": "2"}, True),
+    "bdf3": ({"ts_type": "bdf", "ts_bdf_order": "3", "ts_adapt_clip": "0.2,1.5"}, True),  # zero-stable while the steps grow
+    "arkimex": ({"ts_type": "arkimex", "ts_arkimex_type": "4", "ts_arkimex_fully_implicit": "true"}, True),
+    "arkimex3": ({"ts_type": "arkimex", "ts_arkimex_type": "3", "ts_arkimex_fully_implicit": "true"}, True),
+    "rosw": ({"ts_type": "rosw"}, True),
+    "cn": ({"ts_type": "cn"}, False),
+    "beuler": ({"ts_type": "beuler"}, False),
+    "alpha": ({"ts_type": "alpha"}, False),
+    "alpha2": ({"ts_type": "alpha2"}, False),
+}
+SOLVERS: dict[str, Options] = {
+    "condensed": {},
+    "petsc-lu": {"q_pc_type": "lu"},
+    "line-search-bt": {"q_snes_linesearch_type": "bt"},
+    "line-search-basic": {"q_snes_linesearch_type": "basic"},
+    "assembled": {"snes_type": "newtonls"},
+}
+DEFAULT_SOLVERS = ("condensed", "petsc-lu", "line-search-bt", "assembled")
+DEFAULT_INTEGRATORS = ("bdf1", "bdf2", "bdf3", "arkimex", "cn")
+FORMULATIONS = ("gauge", "quaternion")
+#: curves of --curves: name -> (integrator, steps chosen by itself, formulation; the last is the case's own where it is empty)
+CURVES: dict[str, tuple[str, bool, str]] = {
+    "bdf1-fixed": ("bdf1", False, ""),
+    "bdf2-fixed": ("bdf2", False, ""),
+    "bdf3-fixed": ("bdf3", False, ""),
+    "bdf2": ("bdf2", True, ""),
+    "bdf3": ("bdf3", True, ""),
+    "arkimex": ("arkimex", True, ""),
+    "quaternion-bdf1-fixed": ("bdf1", False, "quaternion"),
+    "quaternion-bdf2-fixed": ("bdf2", False, "quaternion"),
+    "quaternion-bdf2": ("bdf2", True, "quaternion"),
+}
+DEFAULT_CURVES = tuple(CURVES)[:-1]
+
+
+@dataclass(frozen=True)
+class Point:
+    """One point: changes of the case's keys (`key=value`), PETSc options on top of the case's, and on how many ranks it runs.
+
+    value: what varies along the curve (step [s], tolerance, factor on the element lengths, ranks).
+    """
+
+    curve: str
+    label: str
+    value: float
+    changes: tuple[str, ...] = ()
+    petsc: Options = field(default_factory=dict)
+    ranks: int = 1
+
+
+@dataclass(frozen=True)
+class Base:
+    """The case of a study: its file, its data, options of the command line, and the scales that points are chosen by.
+
+    tolerance: -ts_rtol of the case; history_every: interval of the rows [s]; step: mean step of the pilot [s] (0: not known);
+    steps [s], tolerances: of all curves, where they are given.
+    """
+
+    path: Path
+    data: dict[str, Any]
+    lines: Any
+    options: Options
+    end: float
+    tolerance: float
+    history_every: float
+    step: float = 0.0
+    steps: tuple[float, ...] = ()
+    tolerances: tuple[float, ...] = ()
+
+    @property
+    def own_options(self) -> dict[str, Any]:
+        """Of the case and of the command line, which beats it."""
+        return {**(self.data.get("petsc") or {}), **self.options}
+
+
+def read_base(path: str | Path, options: Options, changes: Sequence[str] = (), steps: Sequence[str] = (),
+              tolerances: Sequence[str] = ()) -> Base:
+    """The case file of a study; raises CaseError where it cannot run."""
+    path = Path(path)
+    data, lines = read_case_file(path)
+    for change in changes:
+        data = override(data, change)
+    case = case_from_data(data, path, lines)
+    if case.time is None:
+        raise CaseError(at="time", want="a block {end: ...}", file=path)
+    every = float(case.output.settled(case.time.end).history_every)  # type: ignore[arg-type]
+    petsc = {**case.petsc, **options}
+    return Base(path, data, lines, options, case.time.end, float(petsc.get("ts_rtol", TOLERANCE)), min(every, case.time.end / FEWEST_ROWS),
+                steps=tuple(numbers("time-step", steps, "--steps")), tolerances=tuple(numbers("tolerance", tolerances, "--tolerances")))
+
+
+def case_of(base: Base, point: Point) -> Case:
+    """The case of a point, with all its options in its own `petsc` block; raises CaseError for what is not allowed."""
+    data = base.data
+    every = {"output.history_every": base.history_every, "output.field_every": base.end, "output.checkpoint_every": base.end}
+    for change in (*(f"{key}={value!r}" for key, value in every.items()), *point.changes):
+        data = override(data, change)
+    return case_from_data({**data, "petsc": _fitting({**base.own_options, **point.petsc})}, base.path, base.lines)
+
+
+def _fitting(petsc: dict[str, Any]) -> dict[str, Any]:
+    """Options without those that only integrators or solvers other than the chosen ones read (the run would refuse them)."""
+    kind = str(petsc.get("ts_type", "bdf"))
+    condensed = kind == "bdf" and str(petsc.get("snes_type", "python")) == "python"
+
+    def fits(name: str) -> bool:
+        if name.startswith("q_"):
+            return condensed
+        if name.startswith("ts_bdf_"):
+            return kind == "bdf"
+        return not (name == "ts_adapt_clip" and petsc.get("ts_adapt_type") == "none")
+
+    return {name: value for name, value in petsc.items() if fits(name)}
+
+
+def mesh_changes(base: Base, factor: float) -> tuple[str, ...]:
+    """Changes that make every element ``factor`` times as long (an item keeps at least one)."""
+    case = case_from_data(base.data, base.path, base.lines)
+    return tuple(f"string[{i}].element_length={min(factor * item.element_length, item.length)!r}"
+                 for i, item in enumerate(case.string) if isinstance(item, Flexible))
+
+
+# ---------------------------------------------------------------------- values along a curve
+def default_steps(base: Base) -> list[float]:
+    """Fixed steps [s] around the pilot's mean step, snapped to binary parts or multiples of the rows' interval: steps end on rows."""
+    if base.steps:
+        return list(base.steps)
+    mean = base.step or base.history_every
+    power = round(float(np.log2(mean / base.history_every)))
+    return [base.history_every * 2.0**power * f for f in STEP_FACTORS if base.history_every * 2.0**power * f <= base.end / 4]
+
+
+def default_tolerances(base: Base) -> list[float]:
+    """Tolerances around that of the case, four decades of them, none above LOOSEST."""
+    if base.tolerances:
+        return list(base.tolerances)
+    top = min(TOLERANCE_FACTORS[0] * base.tolerance, LOOSEST)
+    return [float(f"{top * f / TOLERANCE_FACTORS[0]:.4g}") for f in TOLERANCE_FACTORS]
+
+
+def newton_tolerance(base: Base, step: float, order: int) -> float:
+    """-ts_rtol of a run with fixed steps, which there only rules Newton's iteration: as small as the local error of such a step is expected
+    to be, tolerance (step/mean step)^(order + 1), and never above the case's; a looser one would cover the order."""
+    mean = base.step or base.history_every
+    return float(np.clip(base.tolerance * (step / mean) ** (order + 1), TIGHTEST, base.tolerance))
+
+
+def fixed_points(curve: str, base: Base, steps: Sequence[float], petsc: Options, changes: tuple[str, ...] = ()) -> list[Point]:
+    order = int(petsc.get("ts_bdf_order", 4 if "arkimex" in petsc.get("ts_type", "") else 2))
+    return [Point(curve, f"{h:.6g}s", h, changes, {**petsc, "ts_adapt_type": "none", "ts_dt": repr(float(h)),
+                                                   "ts_rtol": repr(newton_tolerance(base, h, order))}) for h in steps]
+
+
+def adaptive_points(curve: str, tolerances: Sequence[float], petsc: Options, changes: tuple[str, ...] = ()) -> list[Point]:
+    petsc = {**petsc, "ts_adapt_type": "basic"}
+    return [Point(curve, f"{tol:.6g}", tol, changes, {**petsc, "ts_rtol": repr(float(tol))}) for tol in tolerances]
+
+
+# ---------------------------------------------------------------------- plans
+def plan_of(vary: str, base: Base, values: Sequence[str] = ()) -> list[Point]:
+    """The points of ``--vary``; values: along the curve, or for order, formulation, integrator and solver the curves."""
+    if vary in ("time-step", "tolerance", "mesh", "ranks"):
+        return _one_curve(vary, base, numbers(vary, values))
+    return _several_curves(vary, base, values)
+
+
+def _one_curve(vary: str, base: Base, values: Sequence[float]) -> list[Point]:
+    own = base.own_options
+    name = f"bdf{own.get('ts_bdf_order', 2)}" if own.get("ts_type", "bdf") == "bdf" else str(own["ts_type"])
+    if vary == "time-step":
+        petsc: Options = {k: str(v) for k, v in own.items() if k in ("ts_type", "ts_bdf_order")}
+        return fixed_points(f"{name}-fixed", base, values or default_steps(base), petsc)
+    if vary == "tolerance":
+        return adaptive_points(name, values or default_tolerances(base), {})
+    if vary == "mesh":  # the time error is the same everywhere, and small
+        petsc = {"ts_rtol": repr(max(MESH_TOLERANCE * base.tolerance, TIGHTEST))}
+        return [Point("mesh", f"{f:g}", f, mesh_changes(base, f), petsc) for f in values or MESH_FACTORS]
+    ranks = [int(v) for v in values or (1, 2)]
+    return [Point("ranks", str(n), float(n), ranks=n) for n in ranks]
+
+
+def _several_curves(vary: str, base: Base, values: Sequence[str]) -> list[Point]:
+    steps, tolerances = default_steps(base), default_tolerances(base)
+    points: list[Point] = []
+    if vary == "order":
+        for word in values or ("1", "2", "3"):
+            _one_of(word, [str(k) for k in range(1, 7)], vary)
+            points += fixed_points(f"bdf{word}-fixed", base, steps, {"ts_type": "bdf", "ts_bdf_order": word})
+    elif vary == "formulation":
+        for word in values or FORMULATIONS:
+            _one_of(word, FORMULATIONS, vary)
+            points += fixed_points(f"{word}-bdf2-fixed", base, steps, INTEGRATORS["bdf2"][0], (f"beam.formulation={word}",))
+    elif vary == "integrator":
+        for word in values or DEFAULT_INTEGRATORS:
+            _one_of(word, tuple(INTEGRATORS), vary)
+            petsc, adaptive = INTEGRATORS[word]
+            points += adaptive_points(word, tolerances, petsc) if adaptive else fixed_points(f"{word}-fixed", base, steps, petsc)
+    else:
+        for word in values or DEFAULT_SOLVERS:
+            if not word.startswith("-"):
+                _one_of(word, tuple(SOLVERS), vary)
+            petsc = options_of(word.split()) if word.startswith("-") else SOLVERS[word]
+            points += adaptive_points(word.replace(" ", "_"), tolerances, petsc)
+    return points
+
+
+def plan_curves(names: Sequence[str], base: Base, few: bool = False) -> list[Point]:
+    """The points of ``--curves``; few: three points a curve, for a quick look."""
+    steps, tolerances = default_steps(base), default_tolerances(base)
+    if few:
+        steps, tolerances = steps[:3], tolerances[:3]
+    points: list[Point] = []
+    for name in names:
+        _one_of(name, tuple(CURVES), "curves")
+        integrator, adaptive, formulation = CURVES[name]
+        petsc = dict(INTEGRATORS[integrator][0])
+        changes = (f"beam.formulation={formulation}",) if formulation else ()
+        points += adaptive_points(name, tolerances, petsc, changes) if adaptive else fixed_points(name, base, steps, petsc, changes)
+    return points
+
+
+def _one_of(word: str, allowed: Sequence[str], what: str) -> None:
+    if word not in allowed:
+        raise CaseError(at=f"--{'curves' if what == 'curves' else 'values'}", got=word, want=" | ".join(allowed))
+
+
+def numbers(vary: str, words: Sequence[str], option: str = "--values") -> list[float]:
+    """Values as numbers above 0; time steps may carry a unit."""
+    found = []
+    for word in words:
+        try:
+            value = _seconds(word) if vary == "time-step" else float(word)
+        except (ValueError, CaseError):
+            value = float("nan")
+        if not value > 0 or (vary == "ranks" and value != int(value)):
+            kind = {"time-step": "times above 0, such as 1 ms", "ranks": "whole numbers above 0"}.get(vary, "numbers above 0")
+            raise CaseError(at=option, got=word, want=kind)
+        found.append(value)
+    return found
+
+
+def _seconds(word: str) -> float:
+    try:
+        return float(word)
+    except ValueError:
+        from drillpetsc.units import to_si
+
+        return float(to_si(word, "s"))
+
+
+def options_of(words: Sequence[str]) -> Options:
+    """PETSc's words -name [value] as a mapping."""
+    found: Options = {}
+    name = ""
+    for word in words:
+        if word.startswith("-") and not _is_number(word):
+            name = word[1:]
+            found[name] = ""
+        elif name:
+            found[name] = word
+    return found
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def finest_tolerance(points: Sequence[Point], base: Base) -> float:
+    """Smallest -ts_rtol among the points with error control, for the reference to do better; without such points what would lead to the
+    shortest of the fixed steps, by the local error of order 3 of the default formula."""
+    controlled = [float(p.petsc.get("ts_rtol", base.tolerance)) for p in points if p.petsc.get("ts_adapt_type") != "none"]
+    if controlled:
+        return min(controlled)
+    return min((newton_tolerance(base, p.value, 2) for p in points), default=base.tolerance)
+
+
+def as_options(mapping: Mapping[str, Any]) -> Options:
+    return {str(k): str(v) for k, v in mapping.items()}

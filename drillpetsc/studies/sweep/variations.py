@@ -1,0 +1,212 @@
+"""Variations of a case: `KEY=V1,V2` words, or lists of Python values, become cases, all of them checked before any runs.
+
+A value is written as in the case file (`20 l/s`, `none`, `{kind: clamped}`); commas inside brackets or quotes belong to the value.
+`on` and `off` switch a block: off takes it out of the case, on leaves it as the file has it.
+"""
+
+from __future__ import annotations
+
+import copy
+import itertools
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from drillpetsc.case import Case, case_from_data, override, read_case_file
+from drillpetsc.case.key_paths import Path as KeyPath
+from drillpetsc.case.key_paths import parsed, written
+from drillpetsc.errors import CaseError
+
+ABSENT = "-"  # in place of a value whose block is switched off
+MOST_ERRORS = 5  # told at once
+WITHOUT = {"contact": "none"}  # blocks that a case has unless it says otherwise: what stands for their absence
+SETTINGS = ("material", "beam", "initial", "time", "output", "petsc", "bottom", "top", "string", "well.survey", "well.sections")
+
+
+@dataclass(frozen=True)
+class Variation:
+    """One member of a sweep; values: key -> word as given, ABSENT where the key lies in a block that is off."""
+
+    values: dict[str, str]
+    case: Case
+
+    @property
+    def label(self) -> str:
+        """`fluid.density=1000 kg/m3, fluid.flow_rate=20 l/s`."""
+        return ", ".join(f"{key}={word}" for key, word in self.values.items())
+
+    def number_of(self, key: str) -> float | None:
+        """The value of ``key`` as the case holds it, in SI; None where it is no number."""
+        from drillpetsc.case.writer import case_data
+
+        found: Any = case_data(self.case)
+        for step in parsed(key):
+            try:
+                found = found[step]
+            except (KeyError, IndexError, TypeError):
+                return None
+        return float(found) if isinstance(found, (int, float)) and not isinstance(found, bool) else None
+
+
+def choices_of(words: Sequence[str]) -> dict[str, list[str]]:
+    """Keys and their values from words such as `fluid.flow_rate=20 l/s,30 l/s`; raises CaseError for anything else."""
+    choices: dict[str, list[str]] = {}
+    for word in words:
+        key, separator, text = word.partition("=")
+        if not separator or not key.strip():
+            raise CaseError(got=word, want="KEY=V1,V2 with a key of the case file, such as fluid.flow_rate=20 l/s,30 l/s")
+        if key.strip() in choices:
+            raise CaseError(at=key.strip(), got=text, want="each key once, with all its values in one list")
+        choices[key.strip()] = split_values(text)
+    return checked_choices(choices)
+
+
+def choices_from(values: Mapping[str, Iterable[Any]]) -> dict[str, list[str]]:
+    """The same from Python: key -> values, each a number, a text as in the case file, a list or a mapping."""
+    for key, several in values.items():
+        if isinstance(several, (str, Mapping)) or not isinstance(several, Iterable):
+            raise CaseError(at=key, got=several, want="a list of values")
+    return checked_choices({key: [_word(value) for value in several] for key, several in values.items()})
+
+
+def _word(value: Any) -> str:
+    return value if isinstance(value, str) else json.dumps(value, default=lambda v: v.tolist() if hasattr(v, "tolist") else str(v))
+
+
+def checked_choices(choices: dict[str, list[str]]) -> dict[str, list[str]]:
+    """The choices themselves; raises CaseError where one is empty or stands twice."""
+    if not choices:
+        raise CaseError(want="at least one KEY=V1,V2 to vary")
+    paths: dict[KeyPath, str] = {}
+    for key, words in choices.items():
+        path = parsed(key)
+        if path in paths:
+            raise CaseError(at=key, want=f"each key once; {paths[path]} is the same")
+        paths[path] = key
+        if not words or not all(words):
+            raise CaseError(at=key, got=",".join(words), want="one value or more, none of them empty", hint="commas separate values")
+        twice = next((word for i, word in enumerate(words) if word in words[:i]), None)
+        if twice is not None:
+            raise CaseError(at=key, got=twice, want="each value once")
+    return choices
+
+
+def split_values(text: str) -> list[str]:
+    """Parts of a list at its commas, but not at those inside brackets or quotes."""
+    parts, depth, quote = [""], 0, ""
+    for letter in text:
+        if quote:
+            quote = "" if letter == quote else quote
+        elif letter in "\"'" and not parts[-1].strip():
+            quote = letter
+        elif letter in "([{":
+            depth += 1
+        elif letter in ")]}":
+            depth -= 1
+        if letter == "," and depth <= 0 and not quote:
+            parts.append("")
+        else:
+            parts[-1] += letter
+    return [part.strip() for part in parts]
+
+
+def variations(path: str | Path, choices: dict[str, list[str]]) -> list[Variation]:
+    """All combinations, the last key varying fastest; those that differ only inside a block that is off are one.
+
+    Raises one CaseError that names the keys and values of everything that is wrong.
+    """
+    path = Path(path)
+    data, lines = read_case_file(path)
+    found: list[Variation] = []
+    errors: dict[str, CaseError] = {}
+    seen: set[tuple[str, ...]] = set()
+    for words in itertools.product(*choices.values()):
+        values = _present(dict(zip(choices, words, strict=True)))
+        if tuple(values.values()) in seen:
+            continue
+        seen.add(tuple(values.values()))
+        try:
+            case = case_from_data(_changed(data, values), path, lines)
+            if case.time is None:
+                raise CaseError(at="time", want="a block {end: ...}", file=path)
+            found.append(Variation(values, case))
+        except CaseError as error:
+            for each in (error, *error.also):
+                told = _explained(each, values)
+                errors.setdefault(f"{told.at} {told.got} {told.want}", told)
+    if errors:
+        first, *others = list(errors.values())[:MOST_ERRORS]
+        first.also = tuple(others)
+        raise first
+    return found
+
+
+def _present(values: dict[str, str]) -> dict[str, str]:
+    """The values with ABSENT for keys inside a block that is off."""
+    off = [parsed(key) for key, word in values.items() if word == "off"]
+
+    def gone(path: KeyPath) -> bool:
+        return any(len(path) > len(block) and path[: len(block)] == block for block in off)
+
+    return {key: ABSENT if gone(parsed(key)) else word for key, word in values.items()}
+
+
+def _changed(data: dict[str, Any], values: dict[str, str]) -> dict[str, Any]:
+    """Case data with the values put in; blocks are put in before the keys inside them."""
+    for key, word in sorted(values.items(), key=lambda each: len(parsed(each[0]))):
+        if word == ABSENT:
+            continue
+        try:
+            data = _switched(data, key, word == "on") if word in ("on", "off") else override(data, f"{key}={word}")
+        except CaseError as error:
+            raise CaseError(at=key, got=word, want=error.want, hint=error.hint) from None
+    return data
+
+
+def _switched(data: dict[str, Any], key: str, on: bool) -> dict[str, Any]:
+    """Case data with a block left as it is, or taken out."""
+    *above, last = parsed(key)
+    holder: Any = data
+    for step in above:
+        holder = holder.get(step) if isinstance(holder, dict) else None
+    there = isinstance(holder, dict) and last in holder
+    if there and isinstance(holder[last], bool):
+        return override(data, f"{key}={'true' if on else 'false'}")
+    if not on and key in WITHOUT:
+        return override(data, f"{key}={WITHOUT[key]}")
+    if key in SETTINGS or isinstance(last, int) or (above and not there):
+        raise CaseError(want="on and off only for a block of physics that the file has, such as fluid", hint="give its values instead")
+    if on and not there and key not in WITHOUT:
+        raise CaseError(want="on and off only for a block of physics that the file has",
+                        hint=f"write the block {key} into the case file; off leaves it out")
+    if on:
+        return data
+    if not there:
+        raise CaseError(want="on and off only for a block of physics that the file has")
+    data = copy.deepcopy(data)
+    holder = data
+    for step in above:
+        holder = holder[step]
+    del holder[last]
+    return data
+
+
+def _explained(error: CaseError, values: dict[str, str]) -> CaseError:
+    """The error in terms of the values that were varied: key and value as given, and in which combination."""
+    try:
+        where = parsed(error.at)
+    except CaseError:  # a key of the file that is no path: the error says so itself
+        where = ()
+    guilty = None
+    for key in values:
+        path = parsed(key)
+        if values[key] != ABSENT and where and (path[: len(where)] == where or where[: len(path)] == path):
+            guilty = key
+    label = ", ".join(f"{key}={word}" for key, word in values.items())
+    inner = f"{written(where)}: " if guilty is not None and written(where) != guilty else ""
+    hint = "; ".join(filter(None, [error.hint, f"in the member {label}"]))
+    if guilty is None:
+        return CaseError(error.at, error.got, error.want, hint, error.file, error.line)
+    return CaseError(at=guilty, got=values[guilty], want=inner + error.want, hint=hint)

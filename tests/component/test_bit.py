@@ -1,0 +1,113 @@
+"""The bit that cuts rock: exact Jacobian, energy balance, closed forms of its laws, growth of the hole."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from drillpetsc.fem.discrete_system import Model
+from drillpetsc.fem.string_mesh import uniform_string
+from drillpetsc.geometry.frames import transported_frames
+from drillpetsc.geometry.growing_hole import GrowingHole
+from drillpetsc.geometry.well import Well
+from drillpetsc.physics.beam import Beam
+from drillpetsc.physics.rock_bit import CHIPS, BitContact, BitShape, DragBit, Layer, Rock, RockBit, Weakening
+from tests.helpers.scenes import GRAVITY, SECTION, SHIFT, curved_tangents, dense, residual
+
+ANISOTROPIC = np.array([[1.0, 0.05, 0.02], [0.05, 0.9, -0.03], [0.02, -0.03, 1.1]])
+KINDS = ["rop", "rop_layers", "rop_bitaxis", "rop_loose", "drag", "drag_backwards", "weakening", "weakening_byweight", "rop_poststep",
+         "drag_statics", "rop_statics", "rop_quasi", "drag_quasi"]
+
+
+def bit(kind: str, hole: GrowingHole) -> RockBit:
+    words = kind.split("_")
+    layers = (Layer(-1.0, 2e-4, 1.3, 1.4, 3.0, 0.3, ANISOTROPIC),)
+    if "layers" in words:
+        layers += (Layer(0.25, 6e-4, 0.7, 1.0, 0.0, 0.5, np.eye(3)),)
+    rock = Rock(layers, reference_speed=2.0, reference_weight=40.0, walk=0.2, bit_axis="bitaxis" in words, post_step="poststep" in words)
+    law = {"drag": DragBit(3, 2e3, 0.6, 400.0, 0.05, 0.5), "weakening": Weakening(0.8, 0.3, 2.0, "byweight" in words)}.get(words[0])
+    contact = BitContact(800.0, 500.0, 0.4, 0.3, 0.5, 0.0 if "statics" in words or "quasi" in words else 0.2)
+    return RockBit(4, BitShape(0.3, 0.2, 0.15), contact, law, rock, hole, inertia="quasi" not in words)
+
+
+def build(kind: str, seed: int = 7) -> tuple[Model, RockBit]:
+    rng = np.random.default_rng(seed)
+    mesh, tangents = uniform_string(4.0, 4, **SECTION), curved_tangents(6)
+    frames = transported_frames(tangents[:5])
+    well = Well.from_survey(np.arange(6.0), np.arccos(tangents[:, 2]), np.arctan2(tangents[:, 1], tangents[:, 0]), [5.0], [0.2], [0.3],
+                            max_step=1.0).cut(4.3)
+    hole = GrowingHole(well, 0.15, 0.26 if "loose" in kind else 0.2, 0.3)
+    room = bit(kind, hole)
+    model = Model(mesh, frames, [Beam(mesh, frames, GRAVITY), room])
+    position, tangent, _ = well.at(np.arange(5.0))
+    place = position + 0.02 * rng.standard_normal((5, 3))
+    lean = tangent + 0.05 * rng.standard_normal((5, 3))
+    if "loose" not in kind:
+        place[4] = position[4] + [0.04, 0.03, 0.08]  # on the bottom and on the side
+    model.set_field("string.position", place)
+    model.set_field("string.tangent", lean)
+    model.set_field("string.spin", 2 * rng.standard_normal((5, 1)))
+    asm, where = model.assembly, model.layout.place
+    asm.v0[:], asm.v1[:] = 0.3 * rng.standard_normal(len(asm.v0)), rng.standard_normal(len(asm.v1))
+    spin = where["string.spin"][4]
+    turning = -3.0 if "backwards" in kind else 3.0
+    asm.v0[spin] = turning - SHIFT * asm.x[spin]
+    last = where["string.position"][4]
+    asm.v0[last] = tangent[4] * 0.4 + [0.1, 0, 0] - SHIFT * asm.x[last]  # on its way down
+    drilled = where["hole.drilled"][4]
+    asm.x[drilled], asm.x[where["hole.end"][4]] = 0.29, [0.01, -0.02, 0.03]
+    ends = where["hole.end"][4]
+    asm.v0[ends] = [0.1, 0.02, 0.05] - SHIFT * asm.x[ends]
+    if "bit.chips" in where:
+        asm.x[where["bit.chips"][4]] = 0.29 + 0.01 * rng.standard_normal(CHIPS)
+    for word, impose in (("statics", room.impose_sliding), ("quasi", room.drill_quasi_static)):
+        if word in kind:
+            impose(0.2, 3.0, 0.7)
+    return model, room
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_jacobian_matches_central_differences(kind):
+    model, room = build(kind)
+    asm, n = model.assembly, model.layout.size
+    x0, h = asm.x[:-1].copy(), 1e-5
+    residual(model, x0, 0.4)
+    figures = room.figures(asm)
+    assert figures[0] > 0 or "loose" in kind
+    assert figures[3] > 0 or "loose" in kind
+    asm.jacobian(0.4, (1.0, SHIFT, SHIFT**2), condensed=True)
+    J, F = dense(model), np.zeros((n, n))
+    for j in range(n):
+        e = np.zeros(n)
+        e[j] = h
+        r = [residual(model, x0 + k * e, 0.4) for k in (-2, -1, 1, 2)]
+        F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * h)
+    size = np.abs(J).max(axis=1)
+    assert np.abs(J - F).max(axis=1) == pytest.approx(np.zeros(n), abs=1e-6 * max(1.0, float(np.median(size)))) or \
+        (np.abs(J - F).max(axis=1) <= 2e-7 * np.maximum(size, np.median(size))).all()
+
+
+@pytest.mark.parametrize("kind", [k for k in KINDS if "statics" not in k and "quasi" not in k and "poststep" not in k])
+def test_power_of_the_bit_is_stored_or_goes_into_the_rock(kind):
+    """Rows of the string times its velocity = change of the springs' energy along the motion + what the room reports as dissipated."""
+    model, room = build(kind)
+    asm = model.assembly
+    residual(model, asm.x[:-1].copy(), 0.4)
+    rows = np.zeros_like(asm.r)
+    ready = next(b for b in asm.ready if b.block.name == "bit_rock")
+    rows[ready.index[0]] = asm.block_rows(ready, 0.4)[0]
+    string = ready.index[0][:7]
+    power = float(rows[string] @ asm.y[string])
+    x0, flow = asm.x.copy(), asm.y.copy()
+    flow[asm.spin_at[:, 0]] -= asm.transport()
+
+    def stored(h):
+        asm.x[:] = x0 + h * flow
+        return float(room.figures(asm)[4])
+
+    h = 1e-4
+    rate = (stored(-2 * h) - 8 * stored(-h) + 8 * stored(h) - stored(2 * h)) / (12 * h)
+    asm.x[:] = x0
+    heat = room.powers(0.4, asm).dissipated
+    assert power == pytest.approx(rate + heat, rel=2e-2 if rate else 1e-9)
+    assert heat > 0

@@ -1,0 +1,89 @@
+"""Jacobians by local derivatives against those that differentiate all rows by all unknowns (kernels/element.hpp)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from drillpetsc.kernels import function, pointer
+from tests.helpers.scenes import build
+
+LENGTH, BETA, ALPHA, GAUGE1, GAUGE2, OFFSET, PARAMETERS = 0, 6, 7, 12, 15, 18, 19
+SIGMA = 7.3
+TRIPLES = {"condensed": (1.0, SIGMA, SIGMA**2), "stiffness": (1.0, 0.0, 0.0), "rates": (0.0, 1.0, SIGMA),
+           "mass": (0.0, 0.0, 1.0)}
+
+
+def _elements(count: int, unknowns: int, rng: np.random.Generator):
+    """Bent, stretched, moving elements with own nodes: index, nodes, params, x, y, a; d(omega)/dv of each node."""
+    n = count * unknowns
+    index = rng.permutation(n).astype(np.int32).reshape(count, unknowns)
+    nodes = rng.permutation(2 * count).astype(np.int32).reshape(count, 2)
+    params = rng.uniform(0.5, 2.0, (count, PARAMETERS))
+    params[:, LENGTH] *= 3.0
+    params[:, [BETA, ALPHA]] = rng.uniform(0.05, 0.2, (count, 2))
+    tangent = rng.standard_normal((count, 3))
+    tangent /= np.linalg.norm(tangent, axis=1)[:, None]
+    for at in (GAUGE1, GAUGE2):
+        gauge = tangent + 0.3 * rng.standard_normal((count, 3))
+        params[:, at : at + 3] = gauge / np.linalg.norm(gauge, axis=1)[:, None]
+    state = rng.standard_normal((count, unknowns))
+    state[:, 7:10] = state[:, :3] + params[:, :1] * (tangent + 0.1 * rng.standard_normal((count, 3)))
+    for at in (3, 10):
+        state[:, at : at + 3] = 1.1 * tangent + 0.3 * rng.standard_normal((count, 3))
+    if unknowns == 15:
+        state[:, 14] = rng.uniform(0.8, 1.2, count)
+    x = np.zeros(n)
+    x[index] = state
+    y, a, spin = rng.standard_normal(n), rng.standard_normal(n), rng.standard_normal((2 * count, 3))
+    return index, nodes, params, x, y, a, spin
+
+
+def _jacobian(name, count, index, nodes, params, context, weights, spin, x, y, a) -> np.ndarray:
+    """(count, d, d) of the entry ``name``, from memory that holds something else before."""
+    K = np.full((count, index.shape[1], index.shape[1]), np.nan)
+    jacobian = function(f"{name}_jacobian", "ipppppppppp")
+    tables = map(pointer, (weights, spin, x, y, a, K))
+    jacobian(count, pointer(index), pointer(nodes), pointer(params), context, *tables)
+    return K
+
+
+@pytest.mark.parametrize("triple", TRIPLES)
+@pytest.mark.parametrize("kernel", ["beam", "beam_damped", "beam_split", "beam_split_damped"])
+@pytest.mark.parametrize("count", [4, 7])
+def test_local_derivatives_give_the_derivative_of_the_rows(kernel, triple, count):
+    """Equal to rounding for any combination of positions, rates and accelerations, last lanes of a pack included."""
+    unknowns = 15 if "split" in kernel else 14
+    rng = np.random.default_rng(5)
+    for _ in range(20):
+        index, nodes, params, x, y, a, spin = _elements(count, unknowns, rng)
+        weights = np.array(TRIPLES[triple])
+        fast, wide = (_jacobian(name, count, index, nodes, params, None, weights, spin, x, y, a)
+                      for name in (kernel, kernel + "_dual"))
+        assert np.abs(wide).max() > 1e-2
+        error = np.abs(fast - wide).max(axis=(1, 2)) / np.abs(wide).max(axis=(1, 2))
+        assert error.max() < 1e-13
+
+
+@pytest.mark.parametrize("triple", TRIPLES)
+@pytest.mark.parametrize("kind", ["contact", "contact_hertz_stribeck", "contact_imposed", "contact_junction"])
+def test_local_derivatives_of_the_contact(kind, triple):
+    """Sliding and imposed friction, on touching and open points of a curved hole with a section change."""
+    weights, seen = np.array(TRIPLES[triple]), set()
+    for seed in range(20):
+        model = build(kind.replace("_imposed", ""), seed)
+        model.assembly.condense(SIGMA)
+        if "imposed" in kind:
+            model.rooms[1].impose_sliding(0.3, 2.0, 0.5)
+        asm = model.assembly
+        kernel = "contact_split" if "junction" in kind else "contact"
+        block = next(b for b in asm.ready if b.block.kernel == kernel)
+        spin = np.random.default_rng(seed).standard_normal(asm.spin_gradient.shape)
+        arguments = (block.count, block.index, block.spins, block.block.params, block.block.context, weights, spin,
+                     asm.x, asm.y, asm.a)
+        fast, wide = (_jacobian(name, *arguments) for name in (kernel, kernel + "_dual"))
+        scale = np.abs(wide).max(axis=(1, 2))
+        assert (np.abs(fast - wide).max(axis=(1, 2)) <= 1e-13 * scale).all()
+        seen |= set(scale > 0)
+    expected = {"condensed", "stiffness"} if "imposed" in kind else {"condensed", "stiffness", "rates"}
+    assert (True in seen) == (triple in expected)  # imposed friction knows no rates, contact no mass

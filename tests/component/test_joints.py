@@ -1,0 +1,109 @@
+"""Joints and rolling as rooms: exact Jacobian, workless constraints, action and reaction; nothing where there are none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from drillpetsc.physics.joints import KINDS, SCALE
+from tests.helpers.joint_scenes import joint_room, random_state, rolling_state
+from tests.helpers.scenes import SHIFT, dense, residual
+
+STATES = {**{f"{kind}{' stabilised' * s}": (lambda k=kind, s=s: random_state(k, s)) for kind in KINDS for s in (False, True)},
+          "universal stabilised beside a held node": lambda: random_state("universal", True, held=True),
+          "rolling on a plane": lambda: rolling_state(False), "rolling in a hole": lambda: rolling_state(True)}
+MECHANICAL = ("string.position", "string.tangent", "string.spin")
+
+
+def scaled(model) -> np.ndarray:
+    """(n,) unit of each unknown's row and column: multipliers and their rows count in units of SCALE."""
+    names = np.array([f.name for f in model.layout.fields])[model.layout.field_of]
+    return np.where(np.char.startswith(names, "string."), 1.0, 1.0 / SCALE)
+
+
+@pytest.mark.parametrize("name", STATES)
+def test_condensed_jacobian_matches_central_differences(name):
+    """Fourth-order differences of all rows by all unknowns; the corrections' own change with the place (of order mu) is left out on
+    purpose, so they are zero here."""
+    model, t = STATES[name](), 0.0
+    if "joint.correction" in model.layout.place:
+        model.set_field("joint.correction", np.zeros((5, 6)))
+    asm, n, unit = model.assembly, model.layout.size, scaled(model)
+    free = np.eye(n)  # of a held node the columns say nothing: its rows fix it
+    for f in asm.fixed:
+        asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
+        free[np.ix_(f.rows, f.rows)] = f.keep
+    x0, h = asm.x[:-1].copy(), 1e-4
+    residual(model, x0, t)
+    asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
+    J, F = dense(model), np.zeros((n, n))
+    for j in range(n):
+        e = np.zeros(n)
+        e[j] = h
+        r = [residual(model, x0 + k * e, t) for k in (-2, -1, 1, 2)]
+        F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * h)
+    J, F = (unit[:, None] * A * unit for A in (J, F))
+    size = np.abs(J[np.abs(J) < 1e5]).max()  # rows that hold a node are larger
+    assert np.abs((J - F) @ free).max() < 3e-7 * size
+
+
+@pytest.mark.parametrize("name", [n for n in STATES if "stabilised" not in n])
+def test_multipliers_do_the_work_of_their_constraints(name):
+    """Rows times velocity = sum of multiplier times rate of its (holonomic) constraint row: forces are the transposed derivative of the
+    constraints; a spring's, a stop's and a damper's part apart."""
+    model, t = STATES[name](), 0.0
+    asm = model.assembly
+    asm.condense(SHIFT)
+    which = "rolling" if "rolling" in name else "joints"
+    ready = next(b for b in asm.ready if b.block.name == which)
+    field = "rolling.force" if which == "rolling" else "joint.load"
+    slot = model.layout.place[field]
+    free = slot[slot >= 0]
+    if which == "rolling":  # only the gap is a function of place
+        asm.x[free[1:]] = 0.0
+        free = free[:1]
+
+    def rows() -> np.ndarray:
+        out = np.zeros_like(asm.r)
+        for e in range(ready.count):
+            ready.residual(1, *(a.ctypes.data for a in (ready.index[e], ready.block.params[e])), ready.block.context,
+                           *(a.ctypes.data for a in (asm.x, asm.y, asm.a, out)))
+        return out
+
+    here = rows()
+    mechanical = np.concatenate([model.layout.place[f].ravel() for f in MECHANICAL])
+    power = float(here[mechanical] @ asm.y[mechanical])
+    flow = np.zeros_like(asm.y)
+    flow[mechanical] = asm.y[mechanical]
+    flow[asm.spin_at[:, 0]] -= asm.transport()
+    x0, lam = asm.x.copy(), asm.x[free].copy()
+    constraint, stored = [], []
+    h = 1e-4
+    for k in (-2, -1, 1, 2):
+        asm.x[:] = x0 + k * h * flow
+        constraint.append(rows()[free])
+        stored.append(joint_room(model).energies(t, asm).strain)
+    rate, spring = ((q[0] - 8 * q[1] + 8 * q[2] - q[3]) / (12 * h) for q in (constraint, stored))
+    asm.x[:] = x0
+    lost = joint_room(model).powers(t, asm).dissipated
+    assert ("slider" in name) == (lost > 0.0)
+    # the row of a direction that is left free is -SCALE lambda and has no rate
+    assert power == pytest.approx(float(lam @ rate) + spring + lost, rel=1e-7, abs=1e-9)
+    assert abs(power) > 1e-3
+
+
+def test_slider_forces_balance_on_the_way_between_its_parts():
+    """Forces of a slider sum to zero, and so do their moments, though its parts are apart; its arm included."""
+    model = random_state("slider")
+    asm = model.assembly
+    asm.condense(SHIFT)
+    rows = asm.block_rows(next(b for b in asm.ready if b.block.name == "joints"), 0.0)[0]
+    index = next(b for b in asm.ready if b.block.name == "joints").index[0]
+    moment, force = np.zeros(3), np.zeros(3)
+    for at in (0, 7):
+        r, v = asm.x[index[at : at + 3]], asm.x[index[at + 3 : at + 6]]
+        F, G, m = rows[at : at + 3], rows[at + 3 : at + 6], rows[at + 6]
+        force += F
+        moment += np.cross(r, F) + np.cross(v, G) + m * v / np.linalg.norm(v)
+    assert np.abs(force).max() < 1e-13 * np.abs(rows[:14]).max()
+    assert np.abs(moment).max() < 1e-13 * np.abs(rows[:14]).max()

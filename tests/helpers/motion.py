@@ -1,0 +1,52 @@
+"""Short runs for the verification of motion: a scene or a model integrated with given options."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from drillpetsc import Case
+from drillpetsc.analysis.equilibrium import move_rigidly, place_along_hole, release
+from drillpetsc.fem.discrete_system import Model
+from drillpetsc.model.drilling_model import Scene, build_scene
+from drillpetsc.solvers.petsc_options import applied
+from drillpetsc.solvers.time_integrator import Dynamics
+
+
+def fixed(step: float, **more) -> dict:
+    """Options for steps of one length [s]."""
+    return {"ts_adapt_type": "none", "ts_dt": step, **more}
+
+
+def integrate(model: Model, end: float, petsc: dict | None = None, call: Callable[[float, float], None] | None = None,
+              breaks: tuple[float, ...] = (), start: float = 0.0) -> Dynamics:
+    """Run ``model`` from its present state at ``start`` to ``end`` [s]; call(t, dt) after every step."""
+    with applied({} if petsc is None else petsc):
+        dynamics = Dynamics(model)
+        if call is not None:
+            dynamics.after_step.append(call)
+        dynamics.run(start, end, breaks)
+    return dynamics
+
+
+def watched(model: Model, end: float, watch: Callable[[Model], object], breaks: tuple[float, ...] = (), **petsc) -> np.ndarray:
+    """Run from 0 to ``end`` [s]; rows (t, *watch(model)) of all accepted steps."""
+    rows: list[list[float]] = []
+    integrate(model, end, petsc, lambda t, dt: rows.append([t, *np.atleast_1d(watch(model))]), breaks)
+    return np.array(rows)
+
+
+def straight(**case) -> Scene:
+    """Scene of a case, unstrained along its axis, moving as its top prescribes."""
+    scene = build_scene(Case(**case))
+    place_along_hole(scene)
+    release(scene)
+    move_rigidly(scene)
+    return scene
+
+
+def beam(length: float, elements: int, axial: float, bending: float, torsional: float, mass: float, polar: float, **more) -> dict:
+    """A beam item of a case; SI."""
+    return {"kind": "beam", "length": length, "axial_stiffness": axial, "bending_stiffness": bending, "torsional_stiffness": torsional,
+            "mass": mass, "polar_inertia": polar, "element_length": length / elements, **more}

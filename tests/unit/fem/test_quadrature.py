@@ -1,0 +1,49 @@
+"""Places of contact along an element: exactness of the rules, and which ends stand out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drillpetsc.fem.quadrature import corners, rule
+from drillpetsc.fem.string_mesh import RigidItem, uniform_string
+
+
+@pytest.mark.parametrize("points", [1, 2, 3, 8])
+@pytest.mark.parametrize("upper", [False, True])
+@pytest.mark.parametrize("lower", [False, True])
+def test_rules_integrate_polynomials(points, upper, lower):
+    """Integral of s^k over 0..1 is 1/(k + 1) up to k = 2 points - 1; with an end it is a place."""
+    s, w = rule(points, upper, lower).T
+    assert len(s) == points + (upper or lower)
+    for k in range(2 * points):
+        assert w @ s**k == pytest.approx(1 / (k + 1), rel=1e-12)
+    assert (s.min() == 0.0, s.max() == 1.0) == (upper, lower)
+    assert (np.diff(s) > 0).all() and (w > 0).all()
+
+
+def test_known_rules():
+    """Abramowitz and Stegun table 25.6 (Lobatto, three points: Simpson's rule); Radau of two points: 1/3 and 1 with 3/4 and 1/4."""
+    assert rule(2, True, True) == pytest.approx(np.array([[0, 1 / 6], [0.5, 4 / 6], [1, 1 / 6]]), abs=1e-14)
+    assert rule(1, False, True) == pytest.approx(np.array([[1 / 3, 0.75], [1, 0.25]]), abs=1e-14)
+    assert rule(1, True, False) == pytest.approx(np.array([[0, 0.25], [2 / 3, 0.75]]), abs=1e-14)
+
+
+def test_ends_that_stand_out():
+    """Thick pieces beside thin ones, the free end; not the end that the drive holds, nor beside a thicker rigid item."""
+    mesh = uniform_string(60.0, 6, outer_diameter=0.127)
+    thick = mesh.outer_diameter.copy()
+    thick[2:4] = 0.17
+    mesh = replace(mesh, outer_diameter=thick)
+    upper, lower = corners(mesh)
+    assert np.flatnonzero(upper).tolist() == [2] and np.flatnonzero(lower).tolist() == [3, 5]
+    body = RigidItem("stabilizer", "stabilizer", 4, 0.0, 1.0, 100.0, 0.5, (0.0, 0.0), 1.0, 1.0, 0.1)
+    bit = replace(body, node=6, radius=0.11)
+    upper, lower = corners(replace(mesh, bodies=(body, bit)))
+    assert np.flatnonzero(upper).tolist() == [2] and not lower.any()
+    crossover = replace(body, radius=0.05)  # a thin item between the pipe above and the stabilizer
+    _, lower = corners(replace(mesh, bodies=(crossover, body, bit)))
+    assert np.flatnonzero(lower).tolist() == [3]
+    assert corners(mesh, free_top=True)[0][0] and not corners(mesh)[0][0]

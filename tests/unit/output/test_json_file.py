@@ -1,0 +1,84 @@
+"""summary.json: JSON's own types only, whole or not at all; and what importing the output layer costs."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drillpetsc.output import read_summary, write_summary
+from drillpetsc.output.files import json_file as module
+
+
+@dataclass(frozen=True)
+class Balance:
+    error: float
+    steps: np.int64
+
+
+def test_numpy_and_odd_values_become_json(tmp_path: Path) -> None:
+    path = write_summary(
+        tmp_path / "summary.json",
+        {
+            "factor": np.float32(2.5),
+            "steps": np.int32(7),
+            "ok": np.bool_(True),
+            "nan": np.float64("nan"),
+            "inf": -np.inf,
+            "array": np.array([[1.0, np.nan]]),
+            "complex": 1 + 2j,
+            "balance": Balance(1e-9, np.int64(3)),
+            "path": Path("a/b"),
+            "none": None,
+            5: (1, 2),
+            "words": "θ",
+        },
+    )
+
+    def strict(word: str) -> float:
+        raise AssertionError(f"{word} is not JSON")
+
+    assert json.loads(path.read_text(encoding="utf-8"), parse_constant=strict) == {
+        "factor": 2.5,
+        "steps": 7,
+        "ok": True,
+        "nan": None,
+        "inf": None,
+        "array": [[1.0, None]],
+        "complex": [1.0, 2.0],
+        "balance": {"error": 1e-9, "steps": 3},
+        "path": "a/b",
+        "none": None,
+        "5": [1, 2],
+        "words": "θ",
+    }
+
+
+def test_a_failing_write_keeps_the_old_summary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write_summary(tmp_path / "summary.json", {"steps": 1})
+
+    def fails(*_: object) -> None:
+        raise OSError("disk full")
+
+    monkeypatch.setattr("os.replace", fails)
+    with pytest.raises(OSError, match="disk full"):
+        module.write_summary(path, {"steps": 2})
+    assert read_summary(path) == {"steps": 1}
+    assert [file.name for file in tmp_path.iterdir()] == ["summary.json"]
+
+
+@pytest.mark.parametrize(
+    "name", ["drillpetsc.output", "drillpetsc.output.progress", "drillpetsc.plotting.view", "drillpetsc.plotting.plot"]
+)
+def test_importing_brings_no_drawing_package_and_no_mpi(name: str) -> None:
+    code = f"import sys, {name}; print(*sys.modules)"
+    loaded = set(
+        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    )
+    assert name in loaded
+    assert not loaded & {"pyvista", "vtk", "vtkmodules", "matplotlib", "meshio", "PIL", "mpi4py", "petsc4py", "rich"}

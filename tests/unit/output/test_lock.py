@@ -1,0 +1,132 @@
+"""Two jobs never write into one run folder: the second is refused while the first is alive, wherever it was killed."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import os
+import signal
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from drillpetsc.output import RunFolder, RunFolderBusy
+from drillpetsc.output.files import lock
+
+fork = multiprocessing.get_context("fork")
+
+
+def holder(folder: Path) -> subprocess.Popen[str]:
+    """A process that holds the folder until it is killed or its input ends."""
+    code = "import sys; from pathlib import Path; from drillpetsc.output.files import lock; lock.take(Path(sys.argv[1]))"
+    code += "; print('held', flush=True); sys.stdin.read()"
+    process = subprocess.Popen([sys.executable, "-c", code, str(folder)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None and process.stdout.readline() == "held\n"
+    return process
+
+
+def refused(folder: Path) -> str:
+    with pytest.raises(RunFolderBusy) as caught:
+        lock.take(folder)
+    return str(caught.value)
+
+
+def test_the_second_is_refused_until_the_first_ends(tmp_path: Path) -> None:
+    run = RunFolder.create("a", out=tmp_path / "run")
+    run.history.write_text("kept")
+    run.release()
+    first = holder(run.path)
+    told = refused(run.path)
+    assert f"process {first.pid} on {socket.gethostname()}" in told and str(run.path) in told
+    for way in ({"restart": True}, {"overwrite": True}):
+        with pytest.raises(RunFolderBusy):
+            RunFolder.create("a", out=run.path, **way)
+    assert run.history.read_text() == "kept"  # refused before anything was removed
+    first.communicate("")
+    RunFolder.create("a", out=run.path, restart=True).release()
+    assert sorted(p.name for p in run.path.iterdir()) == ["history.csv"]
+
+
+def test_the_lock_of_a_killed_process_is_taken_over(tmp_path: Path) -> None:
+    first = holder(tmp_path)
+    first.send_signal(signal.SIGKILL)
+    first.communicate()
+    assert (tmp_path / lock.NAME).is_file()
+    lock.take(tmp_path)
+    assert json.loads((tmp_path / lock.NAME).read_text())["pid"] == os.getpid()
+    lock.release(tmp_path)
+
+
+def test_a_number_that_has_gone_to_another_process_is_not_the_owner(tmp_path: Path) -> None:
+    """Process 1 lives as long as the machine, but did not begin at that moment."""
+    owner = {"host": socket.gethostname(), "pid": 1, "started": -5, "since": "2001-01-01 10:00:00"}
+    (tmp_path / lock.NAME).write_text(json.dumps(owner))
+    lock.take(tmp_path)
+    lock.release(tmp_path)
+
+
+def test_nobody_here_knows_whether_a_process_elsewhere_is_alive(tmp_path: Path) -> None:
+    owner = {"host": "elsewhere", "pid": 2**22 + 1, "started": 1, "since": "2001-01-01 10:00:00"}
+    (tmp_path / lock.NAME).write_text(json.dumps(owner))
+    assert "elsewhere" in (told := refused(tmp_path)) and f"remove {tmp_path / lock.NAME}" in told
+    lock.release(tmp_path)
+    assert (tmp_path / lock.NAME).is_file()  # not ours to remove
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"pid": 1}', '{"host": "x", "pid": "y", "since": ""}', "\x00" * 9])
+def test_a_lock_cut_short_is_nobodys(tmp_path: Path, text: str) -> None:
+    (tmp_path / lock.NAME).write_text(text)
+    lock.take(tmp_path)
+    lock.release(tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_one_process_may_run_in_its_folder_again(tmp_path: Path) -> None:
+    first = RunFolder.create("a", out=tmp_path / "run")
+    RunFolder.create("a", out=first.path, overwrite=True).release()
+    first.release()
+    assert not (first.path / lock.NAME).exists()
+
+
+def _try(arguments: tuple[Path, object]) -> bool:
+    folder, all_have_tried = arguments
+    try:
+        lock.take(folder)
+    except RunFolderBusy:
+        won = False
+    else:
+        won = True
+    all_have_tried.wait(20)  # type: ignore[attr-defined]
+    os._exit(10 if won else 11)
+
+
+@pytest.mark.parametrize("stale", [False, True])
+def test_one_of_many_that_start_together_wins(tmp_path: Path, stale: bool) -> None:
+    """Also when all find the lock of a process that is dead."""
+    for round_ in range(5):
+        folder = tmp_path / str(round_)
+        folder.mkdir()
+        if stale:
+            dead = holder(folder)
+            dead.kill()
+            dead.communicate()
+        barrier = fork.Barrier(8)
+        rivals = [fork.Process(target=_try, args=((folder, barrier),)) for _ in range(8)]
+        for rival in rivals:
+            rival.start()
+        for rival in rivals:
+            rival.join()
+        assert sorted(rival.exitcode or 0 for rival in rivals) == [10] + [11] * 7
+
+
+def test_a_run_lets_go_of_its_folder(tmp_path: Path) -> None:
+    from drillpetsc import Case
+    from drillpetsc.analysis.transient import run
+
+    pipe = {"kind": "pipe", "length": 9, "od": 0.1, "element_length": 9}
+    case = Case(top="clamped", string=[pipe], time={"end": 1e-3}, initial={"from": "rest"})
+    result = run(case, tmp_path / "run", progress="silent")
+    assert not (result.folder / lock.NAME).exists() and (result.folder / "summary.json").is_file()

@@ -1,0 +1,283 @@
+"""Formulation hermite against closed forms and against formulation mixed.
+
+Numbers of the wave tests: shared model page on the fluid, section 8.1 (frequencies of the form with cubic volumes) and check C12.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+
+from drillpetsc.analysis.equilibrium import find_equilibrium, move_rigidly, release
+from drillpetsc.case import Case
+from drillpetsc.fem.discrete_system import Model
+from drillpetsc.fem.string_mesh import uniform_string
+from drillpetsc.geometry.frames import transported_frames
+from drillpetsc.model.drilling_model import build_scene
+from drillpetsc.output.flow_recorder import FlowRecord
+from drillpetsc.output.recorder import Recorder
+from drillpetsc.physics.fluid.channel_flow import FluidConstants
+from drillpetsc.physics.fluid.channels import Bore
+from drillpetsc.physics.fluid.hermite_flow import HermitePipe
+from drillpetsc.physics.fluid.rheology import Rheology
+from drillpetsc.solvers import petsc_options as options
+from drillpetsc.solvers.time_integrator import Dynamics
+from drillpetsc.time_function import Constant
+
+BOTH = ("mixed", "hermite")
+MUD = {"model": "herschel_bulkley", "yield_stress": 3, "consistency": 0.3, "index": 0.75}
+WATER = {"model": "newtonian", "viscosity": 0}
+HOLE = {"survey": {"md": [0, 2000], "inclination": [0, 0], "azimuth": [0, 0]},
+        "sections": [{"to": 2000, "kind": "casing", "diameter": 0.2159, "friction": 0.2}]}
+
+
+def pipe(length: float, element: float, bore: float = 0.1086, outer: float = 0.127) -> dict:
+    return {"kind": "pipe", "length": length, "od": outer, "id": bore, "element_length": element}
+
+
+def loop(formulation: str, element: float = 50.0, **fluid) -> Case:
+    """2000 m of pipe, collars and nozzles in a hole of 215.9 mm."""
+    string = [pipe(1800, element), pipe(199, element, 0.0714, 0.1778),
+              {"kind": "bit", "length": 1, "od": 0.2159, "mass": 60, "nozzle_area": 380e-6}]
+    mud = {"density": 1200, "rheology": MUD, "bulk_modulus": 2.5e9, "flow_rate": 0.03, "formulation": formulation}
+    return Case(string=string, hold_string=True, well=HOLE, bottom="bit", fluid=mud | fluid)
+
+
+def begun(case: Case, **settings):
+    """(scene at its start, integrator) of a case."""
+    with options.applied({name: str(value) for name, value in settings.items()}):
+        scene = build_scene(case)
+        dynamics = Dynamics(scene.model)
+    find_equilibrium(scene)
+    release(scene)
+    move_rigidly(scene)
+    return scene, dynamics
+
+
+def history(case: Case, dt: float, end: float):
+    """Times (k,), samples (k, 6) of ``FlowRecord`` and the scene, with steps of ``dt`` [s]."""
+    scene, dynamics = begun(case, ts_adapt_type="none", ts_dt=dt)
+    record = FlowRecord(scene.model, scene.fluid)
+    rows = [(0.0, record.sample(0.0))]
+    dynamics.after_step.append(lambda t, h: rows.append((t, record.sample(t))))
+    run(dynamics, scene, end)
+    return np.array([t for t, _ in rows]), np.array([v for _, v in rows]), scene
+
+
+def run(dynamics: Dynamics, scene, end: float) -> None:
+    dynamics.run(0.0, end, scene.breaks)
+
+
+def half_cosine(start: float, duration: float, flow: float) -> dict:
+    """The pump's way from ``flow`` to nothing."""
+    t = np.linspace(0, duration, 41)
+    return {"time": [0, *(start + t)], "value": [flow, *(0.5 * flow * (1 + np.cos(np.pi * t / duration)))]}
+
+
+# ---------------------------------------------------------------------- steady
+def test_steady_pressures_of_an_almost_incompressible_mud():
+    """At a bulk modulus of 1e14 Pa and with rigid walls both forms have the exact sum of losses, also across the change of section."""
+    found = {}
+    for form in BOTH:
+        scene = build_scene(loop(form, bulk_modulus=1e14, elastic_walls=False))
+        find_equilibrium(scene)
+        found[form] = np.concatenate([room.pressures(scene.model) for room in (scene.fluid.pipe, scene.fluid.annulus)])
+    assert found["mixed"][0] > 1e7
+    assert np.abs(found["hermite"] - found["mixed"]).max() < 1e-10 * np.abs(found["mixed"]).max()
+
+
+def test_steady_circulation_by_the_sum_of_losses():
+    """The mud's own bulk modulus, both forms on two meshes: pump pressures agree to 1e-4, and the closer the finer."""
+    gap = []
+    for element in (100.0, 50.0):
+        found = []
+        for form in BOTH:
+            scene = build_scene(loop(form, element))
+            find_equilibrium(scene)
+            found.append(scene.fluid.pipe.pressures(scene.model)[0])
+        gap.append(abs(found[1] / found[0] - 1))
+    assert gap[1] < 1e-4
+    assert gap[1] < 1.2 * gap[0]
+
+
+# ---------------------------------------------------------------------- waves
+def frequencies(elements: int) -> np.ndarray:
+    """Angular frequencies over the exact a (k - 1/2) pi/L of a frictionless pipe, shut at its upper end and open at the lower."""
+    length, bulk, density, area = 2000.0, 2e9, 1200.0, np.full(elements, 0.0093)
+    mesh = uniform_string(length, elements, outer_diameter=0.127, inner_diameter=0.1086)
+    straight = np.linspace(0, length, elements + 1)[:, None] * [0, 0, 1.0]
+    law = Rheology("newtonian", law="blend", consistency=1e-9, index=1.0, yield_stress=0.0, shear_rate_eps=1.0)
+    fluid = FluidConstants(density, bulk, np.zeros(3), law.parameters())
+    room = HermitePipe(mesh, Bore(area, 0 * area, area), fluid, 0 * area, Constant(0.0), False, straight)
+    model = Model(mesh, transported_frames(np.tile([0, 0, 1.0], (elements + 1, 1))), [room])
+    asm, place, n = model.assembly, model.layout.place, model.layout.size
+
+    def matrix(*weights: float) -> np.ndarray:
+        asm.residual(0.0)
+        asm.jacobian(0.0, weights, condensed=False)
+        out, keep = np.zeros((n, n)), (asm.rows >= 0) & (asm.columns >= 0)
+        np.add.at(out, (asm.rows[keep], asm.columns[keep]), asm.values[keep])
+        return out
+
+    pressure, free = place["pipe.pressure"][:, 0], np.setdiff1d(np.arange(n), place["pipe.volume"][:1, 0])
+    right, left = np.ones(n), np.ones(n)  # rows of pressures are those of slopes times -bulk modulus: symmetric without it
+    right[pressure], left[pressure] = bulk / length, -1 / length
+    K, M = ((left[:, None] * A * right)[np.ix_(free, free)] for A in (matrix(1, 0, 0), matrix(0, 0, 1)))
+    for A in (K, M):
+        assert np.abs(A - A.T).max() < 1e-12 * np.abs(A).max()
+    found = np.sqrt(np.abs(eigh(0.5 * (K + K.T), 0.5 * (M + M.T), eigvals_only=True)))
+    return found / (np.sqrt(bulk / density) * np.pi / length * (np.arange(len(found)) + 0.5))
+
+
+def test_frequencies_are_of_sixth_order():
+    """Table 8.1: errors +9.1e-10, +4.1e-6, +1.5e-4 of modes 3, 11, 21 with 40 elements, order 5.8; largest frequency 3.1 of mode 40's."""
+    coarse, fine, finer = frequencies(20) - 1, frequencies(40) - 1, frequencies(80) - 1
+    assert fine[[2, 10, 20]] == pytest.approx([9.1e-10, 4.1e-6, 1.5e-4], rel=0.03)
+    assert (fine[-1] + 1) * (len(fine) - 0.5) / 39.5 == pytest.approx(3.1, rel=0.02)
+    assert np.log2(coarse[2] / fine[2]) == pytest.approx(5.9, abs=0.15)
+    assert np.log2(fine[10] / finer[10]) == pytest.approx(5.8, abs=0.15)
+
+
+def water(string: list, flow: dict, formulation: str = "hermite") -> Case:
+    """A frictionless pipe that ends open, without weight."""
+    fluid = {"density": 1200, "rheology": WATER, "bulk_modulus": 2e9, "elastic_walls": False, "flow_rate": flow, "formulation": formulation}
+    return Case(string=string, hold_string=True, gravity=[0, 0, 0], fluid=fluid)
+
+
+def test_joukowsky_plateau_and_its_arrival():
+    """A pump that stops at once: pressure falls by rho a dV at the pump, in the mean to 0.5 %; half of it reaches 1000 m after 1000 m/a."""
+    flow, area, stop = 0.02, np.pi / 4 * 0.1086**2, 0.1
+    a = np.sqrt(2e9 / 1200)
+    scene, dynamics = begun(water([pipe(2000, 2000 / 60)], {"time": [0, stop, stop], "value": [flow, flow, 0.0]}), ts_adapt_type="none",
+                            ts_dt=0.005)
+    rows = []
+    dynamics.after_step.append(lambda t, h: rows.append((t, *scene.fluid.pipe.pressures(scene.model)[[0, 30]])))
+    run(dynamics, scene, 2.5)
+    t, top, middle = np.array(rows).T
+    plateau = 1200 * a * flow / area
+    late = (t > 1.0) & (t < 2.4)
+    assert -top[late].mean() == pytest.approx(plateau, rel=5e-3)
+    first = int(np.argmax(-middle > 0.5 * plateau))
+    arrival = np.interp(0.5 * plateau, -middle[first - 1 : first + 1], t[first - 1 : first + 1]) - stop
+    assert arrival == pytest.approx(1000 / a, rel=0.03)
+
+
+def test_a_wave_through_an_area_step():
+    """C7: a smooth front of pressure p goes on with 2 A1/(A1 + A2) p; both nodes beside the step are there within 0.1 %."""
+    flow, bores = 0.02, (0.1086, 0.0714)
+    stop = half_cosine(0.05, 0.4, flow)
+    scene, dynamics = begun(water([pipe(1000, 25), pipe(1000, 25, bores[1])], stop), ts_adapt_type="none", ts_dt=0.002)
+    before = scene.fluid.pipe.pressures(scene.model).copy()
+    rows = []
+    dynamics.after_step.append(lambda t, h: rows.append(scene.fluid.pipe.pressures(scene.model)) if 1.5 < t < 1.7 else None)
+    run(dynamics, scene, 1.7)
+    change = np.array(rows).mean(axis=0) - before
+    a, (one, two) = np.sqrt(2e9 / 1200), np.pi / 4 * np.array(bores) ** 2
+    through = -1200 * a * flow / one * 2 * one / (one + two)
+    after = flow + through * two / (1200 * a)  # the flow that goes on
+    speed = 600 * (1 / two**2 - 1 / one**2) * (after**2 - flow**2)  # heads that the narrow part no longer costs (Bernoulli)
+    assert change[39:42] == pytest.approx(through - np.array([0, 0, speed]), rel=1e-3)
+
+
+# ---------------------------------------------------------------------- against the mixed form
+def test_pump_stop_in_both_forms():
+    """C12: pump pressure after a half-cosine stop of 0.5 s, within 0.5 % of the swing in the mean square; contents change alike."""
+    (t, mixed, _), (other, hermite, _) = (history(loop(form, flow_rate=half_cosine(0.2, 0.5, 0.03)), 0.01, 4.0) for form in BOTH)
+    swing = np.ptp(mixed[:, 0])
+    assert swing > 5e6
+    gap = np.interp(t, other, hermite[:, 0]) - mixed[:, 0]
+    assert np.sqrt(np.mean(gap**2)) < 5e-3 * swing
+    content = [rows[-1, 5] - rows[0, 5] for rows in (mixed, hermite)]
+    assert content[1] == pytest.approx(content[0], rel=1e-3)
+
+
+def test_a_pump_that_stops_at_once():
+    """The reference flow follows a jump slowly; the flow that enters jumps all the same; the books of volume close (but for restarts)."""
+    stop = {"time": [0, 0.1, 0.1], "value": [0.03, 0.03, 0.0]}
+    scene, dynamics = begun(loop("hermite", flow_rate=stop), ts_adapt_type="none", ts_dt=0.01)
+    record, rows = FlowRecord(scene.model, scene.fluid), []
+    record.begin(record.sample(0.0))
+
+    def after(t: float, dt: float) -> None:
+        rows.append((t, *record.sample(t)))
+        record.step(np.array(rows[-1][1:]), dt, dynamics.fresh)
+
+    dynamics.after_step.append(after)
+    run(dynamics, scene, 2.0)
+    table = np.array(rows)
+    assert table[:, 4] == pytest.approx(np.where(table[:, 0] < 0.1 + 1e-9, 0.03, 0.0), abs=3e-5)
+    balance = record.balance(table[-1, 1:])
+    assert balance["content_change"] < -0.01
+    assert abs(balance["error"]) < 1e-6 * abs(balance["content_change"])
+    assert scene.model.field("pipe.volume")[0, 0] == pytest.approx(-0.015, rel=1e-6)  # half a window of the jump
+
+
+def test_volumes_stay_bounded_over_hours_of_pumping():
+    """Ten hours at 30 l/s are 1080 m3 through the bit; what the nodes count stays what it was."""
+    case = loop("hermite", 200.0)
+    scene, dynamics = begun(case, ts_adapt_type="none", ts_dt=600.0)
+    start = [scene.model.field(f"{name}.volume").copy() for name in ("pipe", "annulus")]
+    run(dynamics, scene, 36000.0)
+    for name, before in zip(("pipe", "annulus"), start, strict=True):
+        now = scene.model.field(f"{name}.volume")
+        assert np.abs(now).max() < 0.5
+        assert np.abs(now - before).max() < 1e-8
+    record = FlowRecord(scene.model, scene.fluid)
+    assert record.sample(36000.0)[2:5] == pytest.approx([0.03] * 3, rel=1e-9)
+
+
+@pytest.mark.parametrize("held", [True, False], ids=["held", "hanging"])
+@pytest.mark.parametrize("kind", ["reverse", "bore only", "annulus only", "plugged", "no chamber", "check valve", "back pressure"])
+def test_steady_states_of_other_scenes(kind, held):
+    """Pressures at both ends and the load on the hook as with formulation mixed."""
+    nozzles = {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60, "nozzle_area": 380e-6}
+    well = {"survey": {"md": [0, 320], "inclination": [0.2, 0.4], "azimuth": [0, 0]},
+            "sections": [{"to": 320, "kind": "casing", "diameter": 0.2159, "friction": 0.2}]}
+    mud = {"density": 1200, "rheology": MUD, "flow_rate": 0.02}
+    more: dict = {"bottom": "bit", "string": [pipe(200, 20), pipe(100, 20, 0.0714, 0.1778), nozzles]}
+    if kind == "reverse":
+        mud["flow_rate"] = -0.02
+    elif kind == "bore only":
+        mud["annulus"] = False
+    elif kind in ("annulus only", "plugged"):
+        mud["flow_rate"] = 0.0
+        bore = 0.0 if kind == "annulus only" else 0.1
+        more = {"bottom": {"kind": "free", "plugged": True}, "string": [pipe(300, 20, bore)]}
+    elif kind == "no chamber":
+        mud["bit_volume"] = 0.0
+    elif kind == "check valve":
+        mud["check_valve"] = True
+    elif kind == "back pressure":
+        mud["outlet_pressure"] = 5e6
+    found = []
+    for form in BOTH:
+        scene = build_scene(Case(top="clamped", hold_string=held, well=well, fluid=mud | {"formulation": form}, **more))
+        find_equilibrium(scene)
+        sample = Recorder(scene).sample(0.0)
+        found.append(np.concatenate([sample[:1], sample[-6:-4], [r.pressures(scene.model)[0] for r in scene.fluid.rooms[:-1]]]))
+    assert found[1] == pytest.approx(found[0], rel=2e-4, abs=500.0)
+
+
+def test_coupled_with_a_string_that_is_lowered():
+    """Inclined, with collars and a stabilizer between: hook load and pressures at the start, returned flow, the first tenth of a second."""
+    survey = {"md": [0, 700], "inclination": [0.1, 0.6], "azimuth": [0, 0]}
+    well = {"survey": survey, "sections": [{"to": 700, "kind": "casing", "diameter": 0.2159, "friction": 0.2}]}
+    string = [pipe(500, 25), {"kind": "stabilizer", "length": 1.5, "od": 0.21, "id": 0.0714, "mass": 200}, pipe(100, 25, 0.0714, 0.1778),
+              {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60, "nozzle_area": 380e-6}]
+    found, lowering = {}, {"ramp": 1.0, "value": 0.5}  # from rest: hermite does not start with the surge of a moving string
+    for form in BOTH:
+        mud = {"density": 1200, "rheology": MUD, "flow_rate": 0.02, "formulation": form}
+        case = Case(string=string, top={"kind": "top_drive", "lowering": lowering, "rotation": 1.0}, well=well, bottom="bit", fluid=mud)
+        scene, dynamics = begun(case)
+        recorder = Recorder(scene)
+        start = recorder.sample(0.0)
+        run(dynamics, scene, 0.1)
+        found[form] = np.array([start, recorder.sample(0.1)])
+    load, torque, (pump, bit, returned) = 0, 1, range(-6, -3)
+    mixed, hermite = found["mixed"], found["hermite"]
+    # at the start, then in motion, where a mesh of 25 m leaves waves of its own in both
+    for column, start, later in ((load, 1e-5, 1e-3), (torque, 1e-5, 1e-3), (pump, 1e-4, 1e-3), (bit, 1e-4, 1e-3), (returned, 2e-4, 1e-3)):
+        assert hermite[0, column] == pytest.approx(mixed[0, column], rel=start)
+        assert hermite[1, column] == pytest.approx(mixed[1, column], rel=later)
+    assert hermite[0, returned] == pytest.approx(0.02, rel=1e-6)

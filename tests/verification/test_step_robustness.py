@@ -1,0 +1,136 @@
+"""What a time step may not do: pass over a failed Newton, over an impact that is to be resolved, over a break; and make energy."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import yaml
+from petsc4py import PETSc
+
+from drillpetsc.analysis.transient import run
+from drillpetsc.case.reader import load_case
+from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.output import read_table
+from drillpetsc.solvers.newton import CondensedNewton
+
+WELL = {"survey": {"md": [0, 60], "inclination": ["60 deg", "60 deg"], "azimuth": [0, 0]},
+        "sections": [{"to": 60, "kind": "casing", "diameter": "215.9 mm", "friction": 0.2}]}
+LYING = {"well": WELL, "string": [{"kind": "pipe", "length": "50 m", "od": "127 mm", "id": "108.6 mm"}],
+         "top": {"kind": "top_drive", "rotation": "60 rpm"}, "bottom": "free", "time": {"end": "60 ms"},
+         "output": {"history_every": "1 ms", "field_every": "1 s"}}
+IMPACT = np.pi * np.sqrt(7850 * np.pi / 4 * (0.127**2 - 0.1086**2) / 1e8)  # t_c = pi sqrt(m'/k')
+
+
+@pytest.fixture
+def options():
+    """PETSc options for one test."""
+    database, given = PETSc.Options(), []
+
+    def give(**values: object) -> None:
+        for name, value in values.items():
+            database.setValue(name, value)
+            given.append(name)
+
+    yield give
+    for name in given:
+        database.delValue(name)
+
+
+def computed(tmp_path, case: dict, name: str = "run"):
+    """History and summary of a run."""
+    (tmp_path / "case.yaml").write_text(yaml.safe_dump(case))
+    folder = run(load_case(tmp_path / "case.yaml"), tmp_path / name, progress="silent").folder
+    return read_table(folder / "history.csv"), json.loads((folder / "summary.json").read_text())
+
+
+def test_energy_strict_caps_steps_at_half_an_impact(tmp_path, options):
+    """By the case and by the option alike; without it steps are longer."""
+    free, _ = computed(tmp_path, LYING)
+    assert free["step [s]"].max() > 0.6 * IMPACT
+    capped, told = computed(tmp_path, LYING | {"contact": {"energy_strict": True}}, "capped")
+    assert 0.3 * IMPACT < capped["step [s]"].max() <= 0.5 * IMPACT * (1 + 1e-9)
+    assert told["petsc_options"]["ts_adapt_dt_max"]
+    options(drillpetsc_energy_strict=True)
+    by_option, _ = computed(tmp_path, LYING, "option")
+    assert np.array_equal(by_option["hook_load [N]"], capped["hook_load [N]"])
+    options(ts_adapt_type="none", ts_dt=0.6 * IMPACT)
+    with pytest.raises(CaseError, match="half the shortest impact"):
+        computed(tmp_path, LYING, "refused")
+
+
+def test_fixed_steps_too_long_for_impacts_are_told(tmp_path, options):
+    options(ts_adapt_type="none", ts_dt=0.5 * IMPACT)
+    _, told = computed(tmp_path, LYING)
+    assert len(told["warnings"]) == 1 and "do not resolve impacts" in told["warnings"][0]
+    options(ts_dt=0.25 * IMPACT)
+    _, told = computed(tmp_path, LYING, "short")
+    assert told["warnings"] == []
+
+
+@pytest.mark.parametrize("fixed", [True, False])
+def test_a_failed_newton_is_never_accepted(fixed, tmp_path, options, monkeypatch):
+    """Newton that fails on every step longer than 0.4 ms: all accepted ones are shorter, and the run is done."""
+    solve, failed = CondensedNewton.solve, []
+
+    def stubborn(self, t, shift):
+        reason = solve(self, t, shift)
+        if shift < 1.0 / 4e-4:  # 1/dt at least, for any order and any step before
+            failed.append(shift)
+            self.lag.good = False
+            return PETSc.SNES.ConvergedReason.DIVERGED_MAX_IT
+        return reason
+
+    monkeypatch.setattr(CondensedNewton, "solve", stubborn)
+    if fixed:
+        options(ts_adapt_type="none", ts_dt=2e-3)
+    history, told = computed(tmp_path, LYING | {"time": {"end": "20 ms"}})
+    assert failed and told["status"] == "done"
+    assert history["step [s]"].max() <= 1.5 * 4e-4  # BDF2: shift is 1.5/dt at equal steps
+    assert told["rejected_steps"] >= len(failed) > 0
+
+
+def test_fixed_steps_land_on_breaks(tmp_path, options):
+    """Steps of 7 ms and a rotation that changes its slope at 10 ms: the speed of the top there is exact in every row around it, which it
+    is not when a step reaches over the break."""
+    options(ts_adapt_type="none", ts_dt=7e-3)
+    rotation = {"time": ["0 s", "10 ms", "1 s"], "value": ["60 rpm", "90 rpm", "90 rpm"]}
+    case = {"string": [{"kind": "pipe", "length": "30 m", "od": "127 mm", "id": "108.6 mm"}], "top": {"kind": "top_drive",
+            "rotation": rotation}, "bottom": "free", "time": {"end": "31 ms"}, "output": {"history_every": "1 ms", "field_every": "1 s"}}
+    (tmp_path / "case.yaml").write_text(yaml.safe_dump(case))
+    steps = []
+    from drillpetsc.solvers import time_integrator as dynamics
+
+    original = dynamics.Dynamics._post_step
+
+    def noted(self, ts):
+        steps.append(ts.getTime())
+        original(self, ts)
+
+    dynamics.Dynamics._post_step = noted  # type: ignore[method-assign]
+    try:
+        run(load_case(tmp_path / "case.yaml"), tmp_path / "run", progress="silent")
+    finally:
+        dynamics.Dynamics._post_step = original  # type: ignore[method-assign]
+    assert np.allclose(steps, [0.007, 0.010, 0.017, 0.024, 0.031], atol=1e-12), steps
+
+
+def test_energy_out_of_nothing_is_flagged_and_can_stop_the_run(tmp_path, options):
+    """BDF of order 3 is not stable for all undamped waves (its stability region leaves out part of the imaginary axis: Hairer and Wanner,
+    Solving ODEs II, V.1): a string that swings in its own axial waves gains energy.  BDF of order 1 only loses."""
+    case = {"string": [{"kind": "pipe", "length": "100 m", "od": "127 mm", "id": "108.6 mm"}], "top": "clamped",
+            "bottom": {"kind": "force", "force": [0, 0, 1e5]}, "initial": {"from": "rest"}, "time": {"end": "0.3 s"},
+            "output": {"history_every": "5 ms", "field_every": "1 s"}}
+    options(ts_adapt_type="none", ts_dt=3e-3, ts_bdf_order=1)
+    _, told = computed(tmp_path, case)
+    assert not told["energy"]["flag"] and told["energy"]["gained_share"] < 1e-6 and told["warnings"] == []
+    options(ts_bdf_order=3)
+    history, told = computed(tmp_path, case, "order3")
+    assert told["energy"]["flag"] and told["energy"]["gained_share"] > 0.01 and "gained" in told["warnings"][0]
+    assert told["energy"]["gained"] == pytest.approx(history["energy_error [J]"].max())
+    options(drillpetsc_stop_on_gain=True)
+    with pytest.raises(SolveError, match="gained"):
+        computed(tmp_path, case, "stopped")
+    stopped = json.loads((tmp_path / "stopped" / "summary.json").read_text())
+    assert 0 < stopped["time"] < 0.3 and stopped["status"].startswith("failed") and stopped["energy"]["flag"]
