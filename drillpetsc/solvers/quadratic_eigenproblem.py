@@ -34,6 +34,7 @@ WRONG = 1e-6  # backward error above which a root is none
 NEUTRAL = 1e-6  # growth below this share of |s| is rounding (measured up to 1.2e-7 on 12 km)
 SLOW = 4  # one slow real root is shown for so many oscillating ones
 CHECKED = 4  # roots of the deflated operator that are looked at for one that was missed
+RESOLVED = 1e-11  # eigenvalues of the operator below this share of the largest are rounding of a zero: infinite roots
 ROUNDS = 40
 DISCS = 200
 
@@ -238,7 +239,7 @@ def roots_near(pencil: Pencil, shift: complex, count: int, engine: str = "auto")
         values, vectors = np.linalg.eig(apply(np.eye(size)))
     else:
         values, vectors, edge = _leading(apply, size, count, real, engine)
-    finite = np.abs(values) > 1e-13 * np.abs(values).max()
+    finite = np.abs(values) > RESOLVED * np.abs(values).max()
     values, u = values[finite], vectors[: scaled.n, finite]
     size_of = np.abs(u).max(axis=0)
     values, u = values[size_of > 0], u[:, size_of > 0] / size_of[size_of > 0]

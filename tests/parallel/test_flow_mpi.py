@@ -43,8 +43,8 @@ def runs(tmp_path_factory) -> list[Path]:
 @pytest.mark.parametrize("kind", SCENES)
 def test_flow_agrees_on_1_2_and_3_ranks(kind, runs):
     """Pump turned down; string held, turning and lowered, drilling, or plugged and lowered; fixed steps: histories agree to 1e-9 of
-    each column's size, counts of steps and of Newton's iterations are the same (at a bit on bottom some steps may ask for
-    one more)."""
+    each column's size, counts of steps are the same.  Newton's tolerance lies at rounding here: where contact switches, or a bit
+    stands on bottom, a step in a hundred may take one iteration more or less."""
     tables = [read_table(folder / kind / "history.csv") for folder in runs]
     told = [json.loads((folder / kind / "summary.json").read_text()) for folder in runs]
     assert [t["ranks"] for t in told] == [1, 2, 3]
@@ -54,7 +54,7 @@ def test_flow_agrees_on_1_2_and_3_ranks(kind, runs):
         for column, values in tables[0].items():
             if not column.startswith(("energy_error", "newton")):  # a difference of large numbers; counts see below
                 assert np.abs(other[column] - values).max() <= 1e-9 * max(np.abs(values).max(), SMALL.get(column, 0.0)), column
-        for count in ("steps", "newton_iterations"):
-            assert abs(summary[count] - told[0][count]) <= (4 if kind == "drilling" else 0)
+        assert summary["steps"] == told[0]["steps"]
+        assert abs(summary["newton_iterations"] - told[0]["newton_iterations"]) <= (6 if kind in ("drilling", "moving") else 0)
         for figure in ("pumped", "returned", "content_change"):
             assert summary["mass"][figure] == pytest.approx(told[0]["mass"][figure], rel=1e-9)
