@@ -101,14 +101,14 @@ def parser() -> argparse.ArgumentParser:
 def main(words: list[str] | None = None) -> int:
     """Run the command line; returns the exit status."""
     words = sys.argv[1:] if words is None else words
-    ours, theirs = _split(words)
+    ours, petsc_names = _split(words)
     arguments, unknown = parser().parse_known_args(ours)
     try:
         if unknown:
             raise CaseError(at=unknown[0], want="a known --option (see --help), or a PETSc option with one dash")
-        if theirs and arguments.command not in ("run", "sweep", "study", "statics", "check", "modes"):
-            raise CaseError(at=theirs[0], want=f"no PETSc options with {arguments.command}")
-        return COMMANDS[arguments.command](arguments, theirs)
+        if petsc_names and arguments.command not in ("run", "sweep", "study", "statics", "check", "modes"):
+            raise CaseError(at=petsc_names[0], want=f"no PETSc options with {arguments.command}")
+        return COMMANDS[arguments.command](arguments, petsc_names)
     except DrillError as error:
         return _fail(error)
     except KeyboardInterrupt:
@@ -121,21 +121,21 @@ def main(words: list[str] | None = None) -> int:
 def _split(words: list[str]) -> tuple[list[str], list[str]]:
     """Ours: words without a dash and with two; PETSc's: -word and the value after it (a number may be negative)."""
     ours: list[str] = []
-    theirs: list[str] = []
+    petsc_names: list[str] = []
     i = 0
     while i < len(words):
         word = words[i]
         if word.startswith("-") and not word.startswith("--") and word not in ("-h",) and not _is_number(word) and len(word) > 1:
-            theirs.append(word)
+            petsc_names.append(word)
             following = words[i + 1] if i + 1 < len(words) else "-"
             if (not following.startswith("-") or _is_number(following)) and not following.endswith((".yaml", ".yml")) and not (
                     words[0] == "sweep" and CHANGE.match(following)):
-                theirs.append(following)
+                petsc_names.append(following)
                 i += 1
         else:
             ours.append(word)
         i += 1
-    return ours, theirs
+    return ours, petsc_names
 
 
 def _is_number(word: str) -> bool:
@@ -158,7 +158,7 @@ def _fail(error: DrillError) -> int:
     return error.exit_status
 
 
-PATIENCE = 5.0  # how long a rank that has failed waits for the others to fail as well [s]
+RANK_TIMEOUT = 5.0  # how long a rank that has failed waits for the others to fail as well [s]
 _TALK: list = []  # communicator of all ranks for this alone, so that it meets no message of a computation
 
 
@@ -168,7 +168,7 @@ def _all_here() -> bool:
         return True
     from drillpetsc.studies.sweep.worker_groups import wait_for
 
-    return wait_for(_TALK[0].Ibarrier(), PATIENCE)
+    return wait_for(_TALK[0].Ibarrier(), RANK_TIMEOUT)
 
 
 def _rank() -> int:
@@ -179,10 +179,10 @@ def _rank() -> int:
     return PETSc.COMM_WORLD.rank
 
 
-def _start_petsc(theirs: list[str]) -> None:
+def _start_petsc(petsc_names: list[str]) -> None:
     import petsc4py
 
-    petsc4py.init(["drillpetsc", *theirs])
+    petsc4py.init(["drillpetsc", *petsc_names])
     from petsc4py import PETSc
 
     PETSc.Log.begin()
@@ -209,13 +209,13 @@ def _load(path: str):
     return load_case(path)
 
 
-def _run(arguments, theirs: list[str]) -> int:
+def _run(arguments, petsc_names: list[str]) -> int:
     if len(arguments.cases) > 1 and arguments.companion:
         raise CaseError(at="--companion", want="one case")
     if len(arguments.cases) > 1:
-        return _run_several(arguments, theirs)
+        return _run_several(arguments, petsc_names)
     name, case = Path(arguments.cases[0]).stem, _load(arguments.cases[0])
-    _start_petsc(theirs)
+    _start_petsc(petsc_names)
     from drillpetsc.analysis.summary import closing_lines
     from drillpetsc.analysis.transient import run
 
@@ -225,22 +225,22 @@ def _run(arguments, theirs: list[str]) -> int:
     if arguments.companion:
         from drillpetsc.studies.convergence.coarse_mesh import add_companion, mesh_lines
 
-        told = add_companion(case, result.folder, result.summary, name, progress=arguments.progress)
+        reported = add_companion(case, result.folder, result.summary, name, progress=arguments.progress)
         if _rank() == 0:
-            print("\n".join(mesh_lines(told)))
+            print("\n".join(mesh_lines(reported)))
     return 0
 
 
-def _run_several(arguments, theirs: list[str]) -> int:
-    _start_petsc(theirs)
+def _run_several(arguments, petsc_names: list[str]) -> int:
+    _start_petsc(petsc_names)
     from drillpetsc.studies.sweep.sweep import run_cases
 
     return _ended(run_cases(arguments.cases, arguments.out, restart=arguments.restart, overwrite=arguments.overwrite,
                             progress=arguments.progress))
 
 
-def _sweep(arguments, theirs: list[str]) -> int:
-    _start_petsc(theirs)
+def _sweep(arguments, petsc_names: list[str]) -> int:
+    _start_petsc(petsc_names)
     from drillpetsc.studies.sweep.sweep import sweep
     from drillpetsc.studies.sweep.variations import choices_of
 
@@ -248,7 +248,7 @@ def _sweep(arguments, theirs: list[str]) -> int:
                         overwrite=arguments.overwrite, progress=arguments.progress))
 
 
-def _study(arguments, theirs: list[str]) -> int:
+def _study(arguments, petsc_names: list[str]) -> int:
     from drillpetsc.studies.convergence.plan import options_of
     from drillpetsc.studies.convergence.study import closing_lines, study
     from drillpetsc.studies.sweep.variations import split_values
@@ -259,7 +259,7 @@ def _study(arguments, theirs: list[str]) -> int:
     result = study(arguments.case, arguments.vary, None if arguments.curves is None else listed(arguments.curves),
                    values=listed(arguments.values), outputs=listed(arguments.outputs), repeats=arguments.repeats,
                    reference=arguments.reference, out=arguments.out, restart=arguments.restart, overwrite=arguments.overwrite,
-                   options=options_of(theirs), limit=arguments.limit, few=arguments.few, steps=listed(arguments.steps),
+                   options=options_of(petsc_names), limit=arguments.limit, few=arguments.few, steps=listed(arguments.steps),
                    tolerances=listed(arguments.tolerances))
     print("\n".join(closing_lines(result)))
     return 1 if result.useless else 0
@@ -274,18 +274,18 @@ def _ended(result) -> int:
     return 1 if result.failed else 0
 
 
-def _check(arguments, theirs: list[str]) -> int:
+def _check(arguments, petsc_names: list[str]) -> int:
     case = _load(arguments.case)
-    _start_petsc(theirs)
+    _start_petsc(petsc_names)
     from drillpetsc.analysis.check import describe
 
     print(describe(case))
     return 0
 
 
-def _statics(arguments, theirs: list[str]) -> int:
+def _statics(arguments, petsc_names: list[str]) -> int:
     case = _load(arguments.case)
-    _start_petsc(theirs)
+    _start_petsc(petsc_names)
     from drillpetsc.analysis.statics import run_statics
 
     lines = run_statics(case, arguments.out, arguments.motion, arguments.overwrite, Path(arguments.case).stem)
@@ -294,9 +294,9 @@ def _statics(arguments, theirs: list[str]) -> int:
     return 0
 
 
-def _modes(arguments, theirs: list[str]) -> int:
+def _modes(arguments, petsc_names: list[str]) -> int:
     case = _load(arguments.case)
-    _start_petsc(theirs)
+    _start_petsc(petsc_names)
     from drillpetsc.analysis.modal import run_modes
 
     lines = run_modes(case, arguments.out, arguments.count, arguments.shift, arguments.kind, arguments.about, arguments.overwrite,
@@ -306,7 +306,7 @@ def _modes(arguments, theirs: list[str]) -> int:
     return 0
 
 
-def _view(arguments, theirs: list[str]) -> int:
+def _view(arguments, petsc_names: list[str]) -> int:
     from drillpetsc.plotting.view import view
 
     interval = tuple(arguments.interval) if arguments.interval else None
@@ -314,7 +314,7 @@ def _view(arguments, theirs: list[str]) -> int:
                                 lateral_scale=arguments.lateral_scale, interval=interval, say=print)], arguments.run)
 
 
-def _plot(arguments, theirs: list[str]) -> int:
+def _plot(arguments, petsc_names: list[str]) -> int:
     from drillpetsc.plotting.plot import plot
 
     return _drawn(lambda: plot(arguments.run, arguments.out), arguments.run)
@@ -330,7 +330,7 @@ def _drawn(make, run: str) -> int:
     return 0
 
 
-def _schema(arguments, theirs: list[str]) -> int:
+def _schema(arguments, petsc_names: list[str]) -> int:
     import json
 
     from drillpetsc.case import case_json_schema, write_schema

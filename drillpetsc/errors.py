@@ -110,7 +110,7 @@ class CaseError(DrillError):
 class SolveError(DrillError):
     """A computation that could not go on: what happened, when and where.
 
-    time [s], room and element name the part of the model, measured_depth [m] the place on the string.
+    time [s], component and element name the part of the model, measured_depth [m] the place on the string.
     """
 
     exit_status = 1
@@ -119,7 +119,7 @@ class SolveError(DrillError):
         self,
         what: str,
         time: float | None = None,
-        room: str = "",
+        component: str = "",
         element: int | None = None,
         measured_depth: float | None = None,
         hint: str = "",
@@ -127,7 +127,7 @@ class SolveError(DrillError):
         super().__init__()
         self.what = what
         self.time = time
-        self.room = room
+        self.component = component
         self.element = element
         self.measured_depth = measured_depth
         self.hint = hint
@@ -136,8 +136,8 @@ class SolveError(DrillError):
         where = []
         if self.time is not None:
             where.append(f"time {self.time:.6g} s")
-        if self.room:
-            where.append(f"room {self.room}")
+        if self.component:
+            where.append(f"component {self.component}")
         if self.element is not None:
             where.append(f"element {self.element}")
         if self.measured_depth is not None:

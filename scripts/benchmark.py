@@ -66,9 +66,9 @@ def coupled_errors(folder: Path, fresh: bool) -> Errors:
     return _against_finer(folder, "coupled-2000m", columns, fresh) | {"mud balance / pumped": abs(balance["error_share"])}
 
 
-def _against_finer(folder: Path, scene: str, columns: dict[str, str], fresh: bool) -> Errors:
+def _against_finer(folder: Path, model: str, columns: dict[str, str], fresh: bool) -> Errors:
     history = read_table(folder / "history.csv")
-    finer = reference.finer_means(CASES / f"{scene}.yaml", tuple(columns.values()), SETTLED, fresh)
+    finer = reference.finer_means(CASES / f"{model}.yaml", tuple(columns.values()), SETTLED, fresh)
     return {name: abs(reference.mean_of(history, c, SETTLED) / finer[c] - 1) for name, c in columns.items()}
 
 
@@ -86,19 +86,19 @@ def call_times(case: Path, calls: int = 40) -> dict[str, float]:
     """Shortest time [s] of one call of each phase of a Newton iteration, in the static state of a case."""
     from drillpetsc.analysis.equilibrium import find_equilibrium, move_rigidly, release
     from drillpetsc.case import load_case
-    from drillpetsc.model.drilling_model import build_scene
+    from drillpetsc.model.drilling_model import build_model
     from drillpetsc.solvers.newton import chain_factor
 
-    scene = build_scene(load_case(case))
-    find_equilibrium(scene)
-    release(scene)
-    move_rigidly(scene)
-    model, shift = scene.model, 1e3
-    asm, factor = model.assembly, chain_factor(model)
-    x = np.zeros(model.layout.size)
+    model = build_model(load_case(case))
+    find_equilibrium(model)
+    release(model)
+    move_rigidly(model)
+    system, shift = model.system, 1e3
+    asm, factor = system.assembly, chain_factor(system)
+    x = np.zeros(system.layout.size)
     phases: dict[str, Callable[[], object]] = {
         "residual": lambda: asm.residual(0.0), "Jacobian": lambda: asm.jacobian(0.0, (1.0, shift, shift**2), True),
-        "factor": lambda: factor.factor(asm.values), "solve": lambda: factor.solve(x, x), "powers": lambda: model.powers(0.0)}
+        "factor": lambda: factor.factor(asm.values), "solve": lambda: factor.solve(x, x), "powers": lambda: system.powers(0.0)}
     out = {}
     for name, call in phases.items():
         times = []
@@ -121,24 +121,24 @@ def fluid_cost(case: Path) -> Errors:
     return {f"{name}, wet / dry": wet_times[name] / dry_times[name] for name in wet_times}
 
 
-def measure(scene: str, repeat: int, fresh: bool = False) -> dict:
+def measure(model: str, repeat: int, fresh: bool = False) -> dict:
     """Figures of ``repeat`` runs of a scene: the one in the middle, with the median of simulated per CPU seconds."""
     runs = []
     for k in range(repeat):
         with tempfile.TemporaryDirectory() as scratch:
             folder = Path(scratch) / "run"
-            summary = reference.run_case(CASES / f"{scene}.yaml", folder)
-            errors = ERRORS[scene](folder, fresh and k == 0)
+            summary = reference.run_case(CASES / f"{model}.yaml", folder)
+            errors = ERRORS[model](folder, fresh and k == 0)
         errors["energy lost / exchanged"] = abs(summary["energy"]["error_share"])
-        if "coupled" in scene:
-            errors |= fluid_cost(CASES / f"{scene}.yaml")
+        if "coupled" in model:
+            errors |= fluid_cost(CASES / f"{model}.yaml")
         seconds = {p: summary["wall_by_phase"].get(p, 0.0) for p in PHASES}
-        cpu = summary["cpu_seconds"] - (seconds["Output"] if scene == "pendulum" else 0.0)
+        cpu = summary["cpu_seconds"] - (seconds["Output"] if model == "pendulum" else 0.0)
         runs.append({"factor": summary["simulated"] / cpu, "cpu": cpu, "errors": errors, "steps": summary["steps"],
                      "newton": summary["newton_iterations"], "jacobians": summary["jacobians"],
                      "phases": {p: s / summary["wall_seconds"] for p, s in seconds.items()}})
     middle = sorted(runs, key=lambda r: r["factor"])[len(runs) // 2]
-    return {**middle, "factor": statistics.median(r["factor"] for r in runs), "scene": scene, "target": TARGETS[scene]}
+    return {**middle, "factor": statistics.median(r["factor"] for r in runs), "scene": model, "target": TARGETS[model]}
 
 
 def main() -> None:
@@ -153,11 +153,11 @@ def main() -> None:
         parser.error(f"unknown scene {', '.join(sorted(unknown))}: allowed are {', '.join(TARGETS)}")
     rows = []
     print(f"{'scene':24} {'simulated/CPU':>13} {'target':>6}  {'steps':>6} {'Newton':>6} {'Jac.':>5}  shares of the time")
-    for scene in arguments.scenes or TARGETS:
-        r = measure(scene, arguments.repeat, arguments.fresh)
+    for model in arguments.scenes or TARGETS:
+        r = measure(model, arguments.repeat, arguments.fresh)
         rows.append(r)
         shares = " ".join(f"{p} {100 * v:.0f}%" for p, v in r["phases"].items())
-        print(f"{scene:24} {r['factor']:13.2f} {r['target']:6.1f}  {r['steps']:6d} {r['newton']:6d} {r['jacobians']:5d}  {shares}")
+        print(f"{model:24} {r['factor']:13.2f} {r['target']:6.1f}  {r['steps']:6d} {r['newton']:6d} {r['jacobians']:5d}  {shares}")
         print(" " * 26 + ", ".join(f"{name} {value:.2e}" for name, value in r["errors"].items()), flush=True)
     if arguments.json:
         Path(arguments.json).write_text(json.dumps(rows, indent=2))

@@ -86,17 +86,17 @@ def free_motion(case, elements: int, times: np.ndarray, tolerance: float) -> np.
     from scipy.integrate import solve_ivp
 
     from drillpetsc.analysis.equilibrium import move_rigidly, place_along_hole, release
-    from drillpetsc.model.drilling_model import build_scene
+    from drillpetsc.model.drilling_model import build_model
 
     item = case.string[0]
     refined = item.model_copy(update={"element_length": item.length / elements})
-    scene = build_scene(case.model_copy(update={"string": type(case.string)([refined])}))
-    place_along_hole(scene)
-    release(scene)
-    move_rigidly(scene)
-    asm, layout = scene.model.assembly, scene.model.layout
-    held = np.concatenate([f.rows[np.any(f.D != 0, axis=0)] for f in asm.fixed])
-    plane = np.concatenate([layout.place[f"string.{name}"][:, [0, 2]].ravel() for name in ("position", "tangent")])
+    model = build_model(case.model_copy(update={"string": type(case.string)([refined])}))
+    place_along_hole(model)
+    release(model)
+    move_rigidly(model)
+    asm, layout = model.system.assembly, model.system.layout
+    held = np.concatenate([f.rows[np.any(f.D != 0, axis=0)] for f in asm.row_replacements])
+    plane = np.concatenate([layout.dofs[f"string.{name}"][:, [0, 2]].ravel() for name in ("position", "tangent")])
     free = np.setdiff1d(plane, held)
     inverse, n = np.linalg.inv(_mass(asm, layout.size)[np.ix_(free, free)]), len(free)
 
@@ -108,7 +108,7 @@ def free_motion(case, elements: int, times: np.ndarray, tolerance: float) -> np.
     found = solve_ivp(rate, (0.0, float(times[-1])), start, method="DOP853", rtol=tolerance, atol=1e-2 * tolerance, t_eval=times)
     if found.status != 0:
         raise RuntimeError(f"the reference integration stopped: {found.message}")
-    end = layout.place["string.position"][-1, [0, 2]]
+    end = layout.dofs["string.position"][-1, [0, 2]]
     return found.y[np.searchsorted(free, end)].T
 
 

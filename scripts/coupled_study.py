@@ -64,12 +64,12 @@ def orbits(folders: dict[str, Path], out: Path) -> None:
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(len(folders), 3, figsize=(9, 3.1 * len(folders)), layout="constrained", squeeze=False)
-    room = {600: (224.4 - 127) / 2, 1200: (215.9 - 127) / 2, 1900: (215.9 - 177.8) / 2}
+    component = {600: (224.4 - 127) / 2, 1200: (215.9 - 127) / 2, 1900: (215.9 - 177.8) / 2}
     turn = np.linspace(0, 2 * np.pi, 200)
     for row, (name, folder) in zip(axes, folders.items(), strict=True):
         p = read_table(folder / "probes.csv")
         for axis, depth in zip(row, PROBES, strict=True):
-            axis.plot(room[depth] * np.cos(turn), room[depth] * np.sin(turn), color="#6b5b45", lw=1)
+            axis.plot(component[depth] * np.cos(turn), component[depth] * np.sin(turn), color="#6b5b45", lw=1)
             axis.plot(1e3 * p[f"x_{depth} [m]"], 1e3 * p[f"y_{depth} [m]"], lw=0.5)
             axis.set(aspect="equal", title=f"{name}, {depth} m", xlabel="north [mm]", ylabel="east [mm]")
     figure.savefig(out / "orbits.png", dpi=130)

@@ -69,23 +69,23 @@ def start(part, out: Path) -> str:
 
 
 # ---------------------------------------------------------------------- judging
-def judged(scene, out: Path, budgets: dict[str, float]) -> list:
+def judged(model, out: Path, budgets: dict[str, float]) -> list:
     """Rows of a scene; a run that is missing or that cannot be judged is a row that does not pass."""
     from tests.robustness.criteria import Run, holds, in_time
 
-    runs = {part.name: Run(out / part.name) for part in scene.parts}
+    runs = {part.name: Run(out / part.name) for part in model.parts}
     missing = [name for name, run in runs.items() if not (run.folder / "summary.json").is_file()]
     if missing:
-        return [holds(scene.number, f"{name}: run", "missing", "done", False) for name in missing]
+        return [holds(model.number, f"{name}: run", "missing", "done", False) for name in missing]
     failed = [(name, str(q.summary["status"])) for name, q in runs.items() if q.summary.get("status", "done") != "done"]
     if failed:
-        return [holds(scene.number, f"{name}: run", status.splitlines()[0], "done", False) for name, status in failed]
-    rows = scene.check(runs)
-    for part in scene.parts:
+        return [holds(model.number, f"{name}: run", status.splitlines()[0], "done", False) for name, status in failed]
+    rows = model.check(runs)
+    for part in model.parts:
         if part.kind != "statics":
-            rows += in_time(scene.number, runs[part.name], budgets.get(part.name))
+            rows += in_time(model.number, runs[part.name], budgets.get(part.name))
     if all(row.passed for row in rows):
-        for part in scene.parts:
+        for part in model.parts:
             if part.kind != "statics":
                 budgets.setdefault(part.name, round(runs[part.name].summary["cpu_seconds"], 2))
     return rows
@@ -95,7 +95,7 @@ def lines(rows: list) -> list[str]:
     """The table as text in columns."""
     cells = [("scene", "criterion", "measured", "allowed", "pass")]
     cells += [
-        (r.scene, r.criterion, r.measured if isinstance(r.measured, str) else f"{r.measured:.4g}", r.allowed, "yes" if r.passed else "NO")
+        (r.model, r.criterion, r.measured if isinstance(r.measured, str) else f"{r.measured:.4g}", r.allowed, "yes" if r.passed else "NO")
         for r in rows
     ]
     width = [max(len(row[k]) for row in cells) for k in range(5)]
@@ -116,7 +116,7 @@ def report(rows: list, scenes) -> str:
     for number, title in titles.items():
         out += [f"## {number}: {title}", "", "| criterion | measured | allowed | pass |", "| --- | --- | --- | --- |"]
         for r in rows:
-            if r.scene == number:
+            if r.model == number:
                 measured = r.measured if isinstance(r.measured, str) else f"{r.measured:.4g}"
                 out.append(f"| {r.criterion} | {measured} | {r.allowed} | {'yes' if r.passed else '**NO**'} |".replace("|speed|", "speed"))
         out.append("")
@@ -138,14 +138,14 @@ def main() -> int:
         return 2
     asked.out.mkdir(parents=True, exist_ok=True)
     if not asked.judge:
-        parts = [part for scene in scenes for part in scene.parts]
+        parts = [part for model in scenes for part in model.parts]
         with ThreadPoolExecutor(max(1, asked.jobs)) as pool:
-            for told in pool.map(lambda part: start(part, asked.out), parts):
-                if told:
-                    print(told, file=sys.stderr)
+            for reported in pool.map(lambda part: start(part, asked.out), parts):
+                if reported:
+                    print(reported, file=sys.stderr)
     budgets = json.loads(BUDGETS.read_text()) if BUDGETS.is_file() else {}
     known = dict(budgets)
-    rows = [row for scene in scenes for row in judged(scene, asked.out, budgets)]
+    rows = [row for model in scenes for row in judged(model, asked.out, budgets)]
     print("\n".join(lines(rows)))
     failed = [r for r in rows if not r.passed]
     print(f"{len(rows) - len(failed)} of {len(rows)} criteria met in {len(scenes)} scenes")

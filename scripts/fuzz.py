@@ -155,10 +155,10 @@ def _write_and_read(case: Case, m: Mutant) -> str:
 
 
 def _build(case: Case, m: Mutant) -> str:
-    from drillpetsc.model.drilling_model import build_scene
+    from drillpetsc.model.drilling_model import build_model
 
     try:
-        guarded(lambda: build_scene(case), 20.0)
+        guarded(lambda: build_model(case), 20.0)
     except CaseError as error:
         if not (error.want and error.at):
             raise Failure(f"building refused without key or what is allowed: {str(error)[:60]}") from error
@@ -171,9 +171,9 @@ def _command(case: Case, m: Mutant) -> str:
 
     if m.how != "text":
         m.file.write_text(case.to_yaml(), encoding="utf-8")
-    with contextlib.redirect_stdout(io.StringIO()) as told, contextlib.redirect_stderr(io.StringIO()) as refused:
+    with contextlib.redirect_stdout(io.StringIO()) as reported, contextlib.redirect_stderr(io.StringIO()) as refused:
         status = guarded(lambda: main(["check", str(m.file)]), 20.0)
-    if status not in (0, 2) or bool(told.getvalue()) != (status == 0) or bool(refused.getvalue()) != (status == 2):
+    if status not in (0, 2) or bool(reported.getvalue()) != (status == 0) or bool(refused.getvalue()) != (status == 2):
         raise Failure(f"drillpetsc check ended with {status}")
     return f"status {status}"
 

@@ -68,7 +68,7 @@ def valid_case(random: Any) -> Data:
     if bit and maybe(random, 0.6) and data.get("fluid", {}).get("formulation") != "hermite":
         data["formation"] = _formation(random)
     if not has_fluid and maybe(random):
-        data |= random.choice([{"joints": _joints(random)}, {} if _knows_gauge_alone(data) else {"beam": {"formulation": "quaternion"}}])
+        data |= random.choice([{"joints": _joints(random)}, {} if _knows_ancf_alone(data) else {"beam": {"formulation": "quaternion"}}])
     return data | _settings(random, has_well, length)
 
 
@@ -106,7 +106,7 @@ def _joints(random: Any) -> list[Data]:
     return [hinge, {"at": "20 m", "kind": "slider", "spring": "1 kN/m", "damping": 10.0, "stroke": [-0.1, "1 cm"]}][: random.randint(1, 2)]
 
 
-def _knows_gauge_alone(data: Data) -> bool:
+def _knows_ancf_alone(data: Data) -> bool:
     """Whether the quaternion element does not know all of the scene."""
     rigid = any(item["kind"] in ("stabilizer", "body", "bit") or "eccentricity" in item for item in data["string"])
     return rigid or data["top"] == "driven" or isinstance(data["top"], dict) and data["top"]["kind"] == "driven"

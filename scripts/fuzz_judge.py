@@ -67,7 +67,7 @@ def check_message(error: CaseError, files: tuple[Path, ...], lines: int | None) 
     files: in which it may lie; lines: how many the case file has, None where it was never a file.
     """
     for each in (error, *error.also):
-        told = str(each)
+        reported = str(each)
         if not each.want:
             raise Failure("message without what is allowed")
         if each.file is None or Path(each.file) not in files:
@@ -78,9 +78,9 @@ def check_message(error: CaseError, files: tuple[Path, ...], lines: int | None) 
             raise Failure(f"message without a line: want {each.want[:40]}")
         if not each.at and each.got is None and "UTF-8" not in each.want and "header" not in each.want and "stations" not in each.want:
             raise Failure(f"message without key or value: want {each.want[:40]}")
-        if any(len(row) > LONGEST_LINE + len(each.file) for row in told.split("\n")):
+        if any(len(row) > LONGEST_LINE + len(each.file) for row in reported.split("\n")):
             raise Failure(f"message with an endless line: want {each.want[:40]}")
-        if any(not letter.isprintable() and letter != "\n" for letter in told):
+        if any(not letter.isprintable() and letter != "\n" for letter in reported):
             raise Failure("message with unprintable letters")
 
 

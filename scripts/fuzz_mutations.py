@@ -58,7 +58,7 @@ EXTRAS: dict[str, tuple[tuple[str, Any], ...]] = {
         ("contact", {"stiffness": 1e7}), ("loads", [{"at": 1, "force": [1, 0, 0]}]), ("petsc", {"ts_dt": 0.1}), ("time", {"end": 3}),
         ("well", {"survey": {"md": [0, 100], "inclination": [0, 0], "azimuth": [0, 0]},
                   "sections": [{"to": 100, "kind": "open_hole", "diameter": 0.3}]}),
-        ("bottom", "bit"), ("bottom", "pinned"), ("material", {"young": 7e10}), ("beam", {"formulation": "gauge"}),
+        ("bottom", "bit"), ("bottom", "pinned"), ("material", {"young": 7e10}), ("beam", {"formulation": "ancf"}),
         ("beam", {"formulation": "quaternion"}),
         ("joints", []), ("joints", [{"at": 4, "kind": "universal"}]), ("joints", [{"at": 30, "kind": "slider"}]),
     ),

@@ -41,8 +41,8 @@ def command(words: list[str], ranks: int) -> list[str]:
     if ranks == 1:
         return alone
     mpirun = shutil.which("mpirun") or "mpirun"
-    told = subprocess.run([mpirun, "--version"], capture_output=True, text=True).stdout
-    return [mpirun, *(["--oversubscribe", "--bind-to", "none"] if "Open" in told else []), "-n", str(ranks), *alone]
+    reported = subprocess.run([mpirun, "--version"], capture_output=True, text=True).stdout
+    return [mpirun, *(["--oversubscribe", "--bind-to", "none"] if "Open" in reported else []), "-n", str(ranks), *alone]
 
 
 def start(words: list[str], ranks: int) -> subprocess.Popen:
@@ -55,9 +55,9 @@ def start(words: list[str], ranks: int) -> subprocess.Popen:
 def finish(words: list[str], ranks: int) -> None:
     """Run to the end."""
     job = start(words, ranks)
-    _, told = job.communicate()
+    _, reported = job.communicate()
     if job.returncode:
-        raise SystemExit(f"kill-test: a run that nobody killed failed with status {job.returncode}:\n{told}")
+        raise SystemExit(f"kill-test: a run that nobody killed failed with status {job.returncode}:\n{reported}")
 
 
 def end_all(job: subprocess.Popen) -> None:
@@ -78,9 +78,9 @@ def duration(case: Path, out: Path, ranks: int) -> float:
     while not out.exists() and job.poll() is None:
         time.sleep(0.001)
     began = time.monotonic()
-    _, told = job.communicate()
+    _, reported = job.communicate()
     if job.returncode:
-        raise SystemExit(f"kill-test: the run itself fails with status {job.returncode}:\n{told}")
+        raise SystemExit(f"kill-test: the run itself fails with status {job.returncode}:\n{reported}")
     return time.monotonic() - began
 
 

@@ -9,7 +9,7 @@ from drillpetsc.analysis.summary import field_counts
 from drillpetsc.analysis.time_scales import time_scales
 from drillpetsc.case.blocks.formation import Formation
 from drillpetsc.case.case import Case
-from drillpetsc.model.drilling_model import Scene, build_scene
+from drillpetsc.model.drilling_model import DrillingModel, build_model
 
 #: microseconds per element and evaluation, measured on one core (scripts/benchmark prints them afresh)
 COST = {"residual": 0.3, "jacobian": 1.2, "factor": 0.6, "solve": 0.15, "step": 2.0}
@@ -22,7 +22,7 @@ TERMS = (
     ("loads", "loads"),
     ("joints", "joints"),
     ("drive", "rotary drive with spring and damper"),
-    ("pipe", "drilling fluid in the string"),
+    ("bore", "drilling fluid in the string"),
     ("annulus", "drilling fluid in the annulus"),
 )
 
@@ -32,7 +32,7 @@ WHERE = {"junction": "section changes and rigid items", "top": "the upper end", 
 
 def describe(case: Case) -> str:
     """Text for the user; raises CaseError where the scene cannot be built."""
-    return "\n".join(_lines(build_scene(case)))
+    return "\n".join(_lines(build_model(case)))
 
 
 def _quasi_static(case: Case) -> bool:
@@ -51,8 +51,8 @@ def _cutting(formation: Formation | None) -> str:
     return f"bit cutting rock (law {formation.bit_law.kind}, drillability {span} m/(s N){layers})"
 
 
-def _lines(scene: Scene) -> list[str]:
-    case, mesh, model = scene.case, scene.mesh, scene.model
+def _lines(model: DrillingModel) -> list[str]:
+    case, mesh, system = model.case, model.mesh, model.system
     lines = [f"{case.title or 'case'}: valid"]
     element = ~mesh.is_joint
     lines.append(f"  string: {len(case.string)} items, {mesh.total_length:g} m, {int(element.sum())} elements of "
@@ -64,10 +64,10 @@ def _lines(scene: Scene) -> list[str]:
     lines.append(f"  top: {case.top.kind}; bottom: {case.bottom.kind}; start: {case.initial.from_}")
     if _quasi_static(case):
         lines.append("  time: quasi-static, every moment an equilibrium" + (", while the hole grows" if case.formation is not None else ""))
-    names = {room.name for room in scene.rooms} | ({"curvature"} if mesh.curvature.any() else set())  # the quaternion element has its own
+    names = {component.name for component in model.components} | ({"curvature"} if mesh.curvature.any() else set())  # the quaternion element has its own
     damped = bool(mesh.stiffness_damping.any() or mesh.mass_damping.any())
-    parts = [(scene.beam is not None, "axial, bending, torsion, gravity"), (scene.beam is not None and not _quasi_static(case), "inertia"),
-             (damped and scene.beam is not None, "material damping")]
+    parts = [(model.beam is not None, "axial, bending, torsion, gravity"), (model.beam is not None and not _quasi_static(case), "inertia"),
+             (damped and model.beam is not None, "material damping")]
     parts += [(name in names, words) for name, words in TERMS] + [(case.formation is not None, _cutting(case.formation))]
     has, lacks = ([words for there, words in parts if there == wanted] for wanted in (True, False))
     if case.fluid is not None:
@@ -75,7 +75,7 @@ def _lines(scene: Scene) -> list[str]:
         lines.append(f"  fluid: {mud.density:g} kg/m3, {mud.rheology.model}, law {mud.rheology.law}, bulk modulus {mud.bulk_modulus:g} Pa")
     lines.append("  contains: " + "; ".join(has))
     lines.append("  leaves out (no unknowns, no cost): " + "; ".join(lacks))
-    counts = field_counts(model)
+    counts = field_counts(system)
     per_node = sum(f.size for f, n in counts if n >= mesh.nodes - 1)
     unknowns, rates = sum(f.size * n for f, n in counts), sum(f.size * n for f, n in counts if f.second_order)
     lines.append(f"  unknowns: {per_node} per node; {unknowns} solved for in a step, {unknowns + rates} in the state")
@@ -86,8 +86,8 @@ def _lines(scene: Scene) -> list[str]:
     step = (3 * COST["residual"] + COST["jacobian"] + COST["factor"] + 2 * COST["solve"] + COST["step"]) * e * 1e-3
     lines.append(f"  expected cost: about {step:.2g} ms per step on one core"
                  + (f"; {case.time.end:g} s to simulate" if case.time is not None else ""))
-    lines += [f"  {words}" for words in time_scales(scene).lines()]
-    coarse = coarse_elements(scene)
+    lines += [f"  {words}" for words in time_scales(model).lines()]
+    coarse = coarse_elements(model)
     if coarse.any():
         limit = (240 * mesh.bending_stiffness / (mesh.mass * np.linalg.norm(case.gravity))) ** (1 / 3)
         lines.append(f"  WARNING: {int(coarse.sum())} elements are longer than {limit[coarse].min():.3g} m = (240 EI/w)^(1/3): "

@@ -18,11 +18,11 @@ import numpy as np
 
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.fem.discrete_system import Model
-from drillpetsc.model.drilling_model import Scene
+from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.recorder import Recorder
-from drillpetsc.solvers.time_integrator import Dynamics
+from drillpetsc.solvers.time_integrator import TimeIntegrator
 
 VERSION = 2
 BLOCK = 512  # bytes of the first block, the least that HDF5 takes
@@ -34,9 +34,9 @@ WANT = "the checkpoint.h5 of a run"
 class Checkpoint:
     """State of a run at ``time`` [s].
 
-    fields, rates: name -> (n_nodes, size), unknowns and rates; depths: (n_nodes,) of the nodes [m]; frames: gauges; rooms: what rooms
+    fields, rates: name -> (n_nodes, size), unknowns and rates; depths: (n_nodes,) of the nodes [m]; frames: reference frames; rooms: what rooms
     carry from step to step, by name (``memory``, the same on all ranks); places: what they carry at each "vertex" or "cell"
-    (``local_memory``, (n_nodes, k) or (n_elements, k) here); books: of the recorder; stepper: of the integrator; notes: plain words and
+    (``get_local_state``, (n_nodes, k) or (n_elements, k) here); books: of the recorder; stepper: of the integrator; notes: plain words and
     numbers.
     """
 
@@ -45,7 +45,7 @@ class Checkpoint:
     rates: dict[str, FloatArray]
     depths: FloatArray
     frames: dict[str, FloatArray]
-    rooms: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
+    components: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
     places: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
     books: dict[str, FloatArray] = field(default_factory=dict)
     stepper: dict[str, FloatArray] = field(default_factory=dict)
@@ -54,33 +54,33 @@ class Checkpoint:
     notes: dict[str, Any] = field(default_factory=dict)
 
 
-def take(scene: Scene, recorder: Recorder, dynamics: Dynamics, time: float, notes: dict[str, Any] | None = None) -> Checkpoint | None:
-    """Collect the state on rank 0 (None elsewhere), changing nothing; collective, after a step is done with (Dynamics.at_rest)."""
-    model = scene.model
-    rooms = {room.name: room.memory() for room in scene.rooms if hasattr(room, "memory")}
-    places = {room.name: _gathered(model, room.local_memory()) for room in scene.rooms if hasattr(room, "local_memory")}
-    books, stepper = recorder.memory(), dynamics.memory()
-    names = [f.name for f in model.layout.fields]
-    values = model.gather(np.hstack([model.field(n) for n in names] + [model.field(n, "y") for n in names]))
+def take(model: DrillingModel, recorder: Recorder, integrator: TimeIntegrator, time: float, notes: dict[str, Any] | None = None) -> Checkpoint | None:
+    """Collect the state on rank 0 (None elsewhere), changing nothing; collective, after a step is done with (TimeIntegrator.at_rest)."""
+    system = model.system
+    components = {component.name: component.get_state() for component in model.components if hasattr(component, "get_state")}
+    places = {component.name: _gathered(system, component.get_local_state()) for component in model.components if hasattr(component, "get_local_state")}
+    books, stepper = recorder.get_state(), integrator.get_state()
+    names = [f.name for f in system.layout.fields]
+    values = system.gather(np.hstack([system.field(n) for n in names] + [system.field(n, "y") for n in names]))
     dead = None
-    if model.assembly.dead is not None:
-        place = model.layout.place["string.position"]
-        dead = model.gather(model.assembly.dead[place])
+    if system.assembly.dead_load is not None:
+        place = system.layout.dofs["string.position"]
+        dead = system.gather(system.assembly.dead_load[place])
     if values is None:
         return None
-    sizes = [f.size for f in model.layout.fields]
+    sizes = [f.size for f in system.layout.fields]
     parts = np.split(values, np.cumsum(sizes + sizes)[:-1], axis=1)
     fields = dict(zip(names, parts[: len(names)], strict=True))
     rates = dict(zip(names, parts[len(names) :], strict=True))
-    frames = {"gauge": model.frames.gauge, "second": model.frames.second, "twist0": model.frames.twist0}
-    top = scene.top.anchor if scene.top is not None else None
-    return Checkpoint(time, fields, rates, np.asarray(scene.mesh.node_depth), frames, rooms, places, books, stepper, dead, top,
+    frames = {"ancf": system.frames.reference, "second": system.frames.second, "twist0": system.frames.twist0}
+    top = model.top.anchor if model.top is not None else None
+    return Checkpoint(time, fields, rates, np.asarray(model.mesh.node_depth), frames, components, places, books, stepper, dead, top,
                       notes or {})
 
 
-def _gathered(model: Model, memory: dict[str, FloatArray]) -> dict[str, FloatArray]:
+def _gathered(system: DiscreteSystem, memory: dict[str, FloatArray]) -> dict[str, FloatArray]:
     """Values at local vertices and cells, in depth order; whole on rank 0."""
-    whole = {on: model.gather(values, on) for on, values in memory.items()}
+    whole = {on: system.gather(values, on) for on, values in memory.items()}
     return {on: values for on, values in whole.items() if values is not None}
 
 
@@ -90,7 +90,7 @@ def write(path: Path, c: Checkpoint) -> None:
     import h5py
 
     tree = {"fields": c.fields, "rates": c.rates, "frames": c.frames, "books": c.books, "stepper": c.stepper,
-            **{f"rooms/{name}": memory for name, memory in c.rooms.items()},
+            **{f"rooms/{name}": memory for name, memory in c.components.items()},
             **{f"places/{name}": memory for name, memory in c.places.items()}}
     rest: dict[str, FloatArray | None] = {"depths": c.depths, "imperfection": c.imperfection, "top": c.top}
     # in memory: HDF5 that meets a full disk half-way is hard to leave in good order
@@ -123,11 +123,11 @@ def read(path: str | Path) -> Checkpoint:
     try:
         with h5py.File(io.BytesIO(data), "r") as file:
             groups = {g: _arrays(file[g]) for g in ("fields", "rates", "frames", "books", "stepper")}
-            rooms, places = ({name: _arrays(group) for name, group in file[kind].items()} if kind in file else {}
+            components, places = ({name: _arrays(group) for name, group in file[kind].items()} if kind in file else {}
                              for kind in ("rooms", "places"))
             imperfection, top = (np.array(file[name]) if name in file else None for name in ("imperfection", "top"))
             return Checkpoint(float(file.attrs["time"]), groups["fields"], groups["rates"], np.array(file["depths"]), groups["frames"],
-                              rooms, places, groups["books"], groups["stepper"], imperfection, top, json.loads(file.attrs["notes"]))
+                              components, places, groups["books"], groups["stepper"], imperfection, top, json.loads(file.attrs["notes"]))
     except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:  # whole, and yet not what version 2 holds
         raise CaseError(file=path, want=WANT, hint=f"it was written by another version of drillpetsc ({error})") from None
 
@@ -155,42 +155,42 @@ def _inspect(path: str | Path, data: bytes) -> None:
 
 
 # ---------------------------------------------------------------------- back into a scene
-def restore(scene: Scene, c: Checkpoint, at: str = "--restart") -> None:
+def restore(model: DrillingModel, c: Checkpoint, at: str = "--restart") -> None:
     """Put a checkpoint's state into the scene's model; raises CaseError, for the key ``at``, when it is of another string."""
-    model = scene.model
-    for f in model.layout.fields:
+    system = model.system
+    for f in system.layout.fields:
         values = c.fields.get(f.name)
-        if values is None or values.shape != (model.mesh.nodes, f.size):
-            raise CaseError(at=at, want=f"a checkpoint of the same string ({model.mesh.nodes} nodes with {f.name})")
-    if not np.allclose(c.depths, scene.mesh.node_depth, rtol=0, atol=1e-6):
+        if values is None or values.shape != (system.mesh.nodes, f.size):
+            raise CaseError(at=at, want=f"a checkpoint of the same string ({system.mesh.nodes} nodes with {f.name})")
+    if not np.allclose(c.depths, model.mesh.node_depth, rtol=0, atol=1e-6):
         raise CaseError(at=at, want="a checkpoint of the same string", hint="its nodes are elsewhere along the string")
-    for f in model.layout.fields:
-        model.set_field(f.name, c.fields[f.name])
-        model.set_field(f.name, c.rates[f.name], "y")
-    model.frames.gauge[:], model.frames.second[:] = c.frames["gauge"], c.frames["second"]
-    model.frames.twist0[:] = c.frames["twist0"]
-    model.assembly.gauge[:] = model.frames.gauge[model.line.vertices]
-    for room in model.rooms:
-        room.refresh_gauges()
+    for f in system.layout.fields:
+        system.set_field(f.name, c.fields[f.name])
+        system.set_field(f.name, c.rates[f.name], "y")
+    system.frames.reference[:], system.frames.second[:] = c.frames["ancf"], c.frames["second"]
+    system.frames.twist0[:] = c.frames["twist0"]
+    system.assembly.reference[:] = system.frames.reference[system.chain.vertices]
+    for component in system.components:
+        component.update_reference_frames()
     if c.imperfection is not None:
-        dead, place = np.zeros(model.layout.size), model.layout.place["string.position"]
-        owned = model.line.owned
-        dead[place[owned]] = c.imperfection[model.line.vertices[owned]]
-        model.assembly.dead = dead
-    if c.top is not None and scene.top is not None:
-        scene.top.anchor[:] = c.top
-    for room in scene.rooms:
-        if room.name in c.rooms and hasattr(room, "recall"):
-            room.recall(c.rooms[room.name])
-        if room.name in c.places and hasattr(room, "recall_local"):
-            here = {"vertex": model.line.vertices, "cell": model.line.cells}
-            room.recall_local({on: values[here[on]] for on, values in c.places[room.name].items()})
+        dead, place = np.zeros(system.layout.size), system.layout.dofs["string.position"]
+        owned = system.chain.owned
+        dead[place[owned]] = c.imperfection[system.chain.vertices[owned]]
+        system.assembly.dead_load = dead
+    if c.top is not None and model.top is not None:
+        model.top.anchor[:] = c.top
+    for component in model.components:
+        if component.name in c.components and hasattr(component, "set_state"):
+            component.set_state(c.components[component.name])
+        if component.name in c.places and hasattr(component, "set_local_state"):
+            here = {"vertex": system.chain.vertices, "cell": system.chain.cells}
+            component.set_local_state({on: values[here[on]] for on, values in c.places[component.name].items()})
 
 
-def start_clock_anew(scene: Scene, c: Checkpoint) -> None:
+def start_clock_anew(model: DrillingModel, c: Checkpoint) -> None:
     """Time begins at 0 again with the state of ``c``: the top goes on from the place and the angle that it has there."""
-    if scene.top is None:
+    if model.top is None:
         return
-    (condition,) = scene.top.prescribed()
+    (condition,) = model.top.prescribed()
     fields = ("string.position", "string.tangent", "string.spin")
-    scene.top.anchor[:] = condition.directions @ np.concatenate([c.fields[name][0] for name in fields])
+    model.top.anchor[:] = condition.directions @ np.concatenate([c.fields[name][0] for name in fields])

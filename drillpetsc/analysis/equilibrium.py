@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from drillpetsc.analysis.coupled import agree, begin_flow, let_flow
+from drillpetsc.analysis.coupled import couple_flow_and_string, freeze_flow, release_flow
 from drillpetsc.analysis.energy_descent import (
     SUBSTITUTIONS,
-    Place,
+    Snapshot,
     clearance,
     coarse_elements,
     newton_or_descent,
@@ -20,14 +20,14 @@ from drillpetsc.analysis.energy_descent import (
 )
 from drillpetsc.analysis.quaternion_statics import equilibrium, move, place
 from drillpetsc.analysis.soft_string import TorqueDrag
-from drillpetsc.analysis.soft_string_start import soft_string_guess
+from drillpetsc.analysis.soft_string_start import soft_string_start
 from drillpetsc.analysis.steady_flow import place_fluid, steady_flow
 from drillpetsc.case.blocks.ends import DrivenTop
 from drillpetsc.case.blocks.ends import TopDrive as TopDriveCase
 from drillpetsc.errors import CaseError, SolveError
-from drillpetsc.model.drilling_model import Scene
+from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.quaternion.beam import QuaternionBeam
-from drillpetsc.solvers.static_newton import Equilibrium, Statics
+from drillpetsc.solvers.static_newton import Equilibrium, StaticNewton
 
 MOTIONS = {"hoist": (-1.0, 0.0), "lower": (1.0, 0.0), "rotate": (0.0, 1.0)}
 
@@ -51,206 +51,206 @@ class StaticState:
         return self.equilibrium.negative_pivots == 0
 
 
-def prescribed_motion(scene: Scene) -> tuple[float, float]:
+def prescribed_motion(model: DrillingModel) -> tuple[float, float]:
     """Axial velocity (down positive) and rotation that the top prescribes at time 0."""
-    top = scene.case.top
+    top = model.case.top
     if isinstance(top, (TopDriveCase, DrivenTop)):
         lowering = 0.0 if getattr(top, "force", None) is not None else top.lowering.value(0.0)
         return lowering, top.rotation.value(0.0)
     return 0.0, 0.0
 
 
-def place_along_hole(scene: Scene) -> None:
+def place_along_hole(model: DrillingModel) -> None:
     """The unstrained string along the hole's axis (or straight, without a hole), at rest."""
-    m = scene.model
-    if isinstance(scene.beam, QuaternionBeam):
-        place(scene)
-    elif scene.beam is not None:
-        m.set_field("string.position", scene.position)
-        m.set_field("string.tangent", scene.tangent)
+    m = model.system
+    if isinstance(model.beam, QuaternionBeam):
+        place(model)
+    elif model.beam is not None:
+        m.set_field("string.position", model.position)
+        m.set_field("string.tangent", model.tangent)
         m.set_field("string.spin", np.zeros((m.mesh.nodes, 1)))
-    if "string.ratio" in m.layout.place:
+    if "string.ratio" in m.layout.dofs:
         m.set_field("string.ratio", np.ones((m.mesh.nodes, 1)))
     for name in ("joint.load", "joint.correction"):
-        if name in m.layout.place:
+        if name in m.layout.dofs:
             m.set_field(name, np.zeros((m.mesh.nodes, 6)))
     m.assembly.y[:] = 0.0
     m.assembly.a[:] = 0.0
-    if scene.fluid is not None:
-        place_fluid(m, scene.fluid)
+    if model.fluid is not None:
+        place_fluid(m, model.fluid)
 
 
-def move_rigidly(scene: Scene) -> None:
+def move_rigidly(model: DrillingModel) -> None:
     """Give every node the spin and lowering that the top prescribes at time 0 (the state at rest before)."""
-    if scene.beam is None:
-        let_flow(scene)
+    if model.beam is None:
+        release_flow(model)
         return
-    m = scene.model
-    lowering, rotation = prescribed_motion(scene)
-    if isinstance(scene.beam, QuaternionBeam):
-        move(scene, lowering, rotation)
+    m = model.system
+    lowering, rotation = prescribed_motion(model)
+    if isinstance(model.beam, QuaternionBeam):
+        move(model, lowering, rotation)
     else:
-        tangent = scene.tangent if scene.well is None else scene.well.at(scene.mesh.node_depth)[1]
+        tangent = model.tangent if model.well is None else model.well.at(model.mesh.node_depth)[1]
         m.set_field("string.position", lowering * np.asarray(tangent), "y")
         m.set_field("string.tangent", np.zeros((m.mesh.nodes, 3)), "y")
         m.set_field("string.spin", np.full((m.mesh.nodes, 1), rotation), "y")
-    if scene.drilling is not None:
-        scene.drilling.first_cut(m.assembly)
-    let_flow(scene)
+    if model.drilling is not None:
+        model.drilling.first_cut(m.assembly)
+    release_flow(model)
 
 
-def find_equilibrium(scene: Scene, motion: tuple[float, float] | None = None, climb: bool = True) -> StaticState:
+def find_equilibrium(model: DrillingModel, motion: tuple[float, float] | None = None, climb: bool = True) -> StaticState:
     """Static equilibrium of the scene, friction opposing ``motion`` (by default what the top prescribes at time 0).
 
     First without friction, to a stable state; then friction is added at once.  climb: friction across the pipe pushes
     it up the wall of the hole, as it does with a turning pipe at rest there; without, only its torque acts, as
     torque-and-drag models have it. Raises SolveError when no equilibrium is found.
     """
-    if isinstance(scene.beam, QuaternionBeam):
-        return equilibrium(scene, motion, climb)
-    lowering = prescribed_motion(scene)[0] if motion is None else 0.0
-    motion = prescribed_motion(scene) if motion is None else motion
-    place_along_hole(scene)
-    if scene.beam is None:
-        flow = steady_flow(scene.model)
+    if isinstance(model.beam, QuaternionBeam):
+        return equilibrium(model, motion, climb)
+    lowering = prescribed_motion(model)[0] if motion is None else 0.0
+    motion = prescribed_motion(model) if motion is None else motion
+    place_along_hole(model)
+    if model.beam is None:
+        flow = steady_flow(model.system)
         return StaticState((0.0, 0.0), Equilibrium(iterations=flow.iterations, increment=flow.increment, converged=True))
-    begin_flow(scene)
-    soft = soft_string_guess(scene, motion)
-    solver = _solver(scene)
-    wob = scene.case.initial.wob
+    freeze_flow(model)
+    soft = soft_string_start(model, motion)
+    solver = _solver(model)
+    wob = model.case.initial.wob
     if wob is not None:
-        _ask_for_weight(scene, solver, wob)
-    slipping = [r for r in (scene.contact, scene.bit) if r is not None]
-    for room in slipping:
-        room.impose_sliding(0.0, 0.0)
+        _ask_for_weight(model, solver, wob)
+    slipping = [r for r in (model.contact, model.bit) if r is not None]
+    for component in slipping:
+        component.impose_sliding_direction(0.0, 0.0)
     report = Equilibrium()
     state, side = StaticState(motion, report, soft), 1.0 if climb else 0.0
     moves = bool(slipping) and motion != (0.0, 0.0)
-    reached = _settle_at_once(scene, solver, slipping, state, side) if moves and soft is not None else None
+    reached = _settle_at_once(model, solver, slipping, state, side) if moves and soft is not None else None
     if reached is None:
-        stable_state(scene, solver, soft, report)
+        stable_state(model, solver, soft, report)
         if moves:
-            reached = _add_friction(scene, solver, slipping, state, climb)
+            reached = _add_friction(model, solver, slipping, state, climb)
     side = state.side = side if reached is None else reached
     if climb and moves and not side:
         state.warnings.append(
             "friction across the pipe found no rest (a turning pipe may whirl here): "
             "its torque acts, its side push is left out"
         )
-    for room in slipping:  # inertia is a question to the frictionless part
-        room.impose_sliding(0.0, 0.0)
-    solver.energy = _conservative(scene)
+    for component in slipping:  # inertia is a question to the frictionless part
+        component.impose_sliding_direction(0.0, 0.0)
+    solver.energy = _conservative(model)
     report.negative_pivots = max(0, solver.negative_pivots()) if solver.energy else 0
-    for room in slipping:
-        room.impose_sliding(*motion, side)
-    agree(scene, solver, report, lowering)
-    _reactions(scene, solver)
-    scene.model.assembly.freeze(None)
+    for component in slipping:
+        component.impose_sliding_direction(*motion, side)
+    couple_flow_and_string(model, solver, report, lowering)
+    _reactions(model, solver)
+    model.system.assembly.freeze(None)
     if report.negative_pivots:
-        state.warnings.append(_why_unstable(scene, report.negative_pivots))
+        state.warnings.append(_why_unstable(model, report.negative_pivots))
     return state
 
 
-def _settle_at_once(scene: Scene, solver: Statics, rooms, state: StaticState, side: float) -> float | None:
+def _settle_at_once(model: DrillingModel, solver: StaticNewton, components, state: StaticState, side: float) -> float | None:
     """Newton with friction from the soft string, which has it already, first without side push; returns the share of
     side push that it could keep.  None, and all as before, without a stable state."""
-    keep, reached = Place(scene), None
+    keep, reached = Snapshot(model), None
     for share in sorted({side if state.motion[1] else 1.0, 0.0 if state.motion[1] else 1.0}):
-        here = Place(scene)
-        for room in rooms:
-            room.impose_sliding(*state.motion, share)
+        here = Snapshot(model)
+        for component in components:
+            component.impose_sliding_direction(*state.motion, share)
         try:
-            solver.settle_near(state.equilibrium)
+            solver.newton_damped(state.equilibrium)
             reached = share
         except SolveError:
             here.restore()
             break
-    for room in rooms:
-        room.impose_sliding(0.0, 0.0)
+    for component in components:
+        component.impose_sliding_direction(0.0, 0.0)
     if reached is not None and not (solver.energy and solver.negative_pivots()):
         return reached
     keep.restore()
     return None
 
 
-def _add_friction(scene: Scene, solver: Statics, rooms, state: StaticState, climb: bool) -> float:
+def _add_friction(model: DrillingModel, solver: StaticNewton, components, state: StaticState, climb: bool) -> float:
     """Equilibrium with friction against the motion from the frictionless one; returns the share of side push that it
     could keep."""
-    keep, side = Place(scene), 1.0 if climb else 0.0
-    for room in rooms:
-        room.impose_sliding(*state.motion, side)
+    keep, side = Snapshot(model), 1.0 if climb else 0.0
+    for component in components:
+        component.impose_sliding_direction(*state.motion, side)
     try:
-        solver.settle_near(state.equilibrium)
+        solver.newton_damped(state.equilibrium)
         return side
     except SolveError:
         keep.restore()
-    _friction_by_substitution(scene, solver, rooms, state)
-    keep = Place(scene)
+    _friction_by_substitution(model, solver, components, state)
+    keep = Snapshot(model)
     if side and state.motion[1]:
-        for room in rooms:
-            room.impose_sliding(*state.motion, side)
+        for component in components:
+            component.impose_sliding_direction(*state.motion, side)
         try:
-            solver.settle_near(state.equilibrium)
+            solver.newton_damped(state.equilibrium)
             return side
         except SolveError:
             keep.restore()
     return 0.0 if state.motion[1] else side
 
 
-def _friction_by_substitution(scene: Scene, solver: Statics, rooms, state: StaticState) -> None:
+def _friction_by_substitution(model: DrillingModel, solver: StaticNewton, components, state: StaticState) -> None:
     """Friction along and about the pipe as dead load, renewed until it no longer changes: every solve has a potential
     to descend."""
-    asm, model, motion, report, soft = (
-        scene.model.assembly,
-        scene.model,
+    asm, system, motion, report, soft = (
+        model.system.assembly,
+        model.system,
         state.motion,
         state.equilibrium,
         state.soft_string,
     )
-    imperfection = asm.dead
+    imperfection = asm.dead_load
     fixed = 0.0 if imperfection is None else imperfection
-    last, weight = np.zeros(model.layout.size), float(nodal_weight(scene).sum())
-    change, factors = np.inf, stiffness_steps(scene, soft)
+    last, weight = np.zeros(system.layout.size), float(nodal_weight(model).sum())
+    change, factors = np.inf, stiffness_steps(model, soft)
     try:
         for _ in range(SUBSTITUTIONS):
-            asm.dead = None
-            for room in rooms:
-                room.impose_sliding(*motion, 0.0)
+            asm.dead_load = None
+            for component in components:
+                component.impose_sliding_direction(*motion, 0.0)
             with_friction = solver.rows()
-            for room in rooms:
-                room.impose_sliding(0.0, 0.0)
+            for component in components:
+                component.impose_sliding_direction(0.0, 0.0)
             friction = solver.rows() - with_friction
             change = solver.largest(float(np.max(np.abs(friction - last), initial=0.0)))
             if change < 1e-7 * weight:
                 return
-            asm.dead = fixed + friction
-            newton_or_descent(scene, solver, report, factors)
+            asm.dead_load = fixed + friction
+            newton_or_descent(model, solver, report, factors)
             last, factors = friction, (1.0,)
         raise SolveError(
-            f"friction did not settle in {SUBSTITUTIONS} rounds (last change {change:.3g} N)", **model.worst_place(0.0)
+            f"friction did not settle in {SUBSTITUTIONS} rounds (last change {change:.3g} N)", **system.locate_largest_residual(0.0)
         )
     finally:
-        asm.dead = imperfection
+        asm.dead_load = imperfection
 
 
-def _solver(scene: Scene) -> Statics:
-    return Statics(scene.model, energy=_conservative(scene), clearance=clearance(scene))
+def _solver(model: DrillingModel) -> StaticNewton:
+    return StaticNewton(model.system, energy=_conservative(model), clearance=clearance(model))
 
 
-def _conservative(scene: Scene) -> bool:
+def _conservative(model: DrillingModel) -> bool:
     """Whether all loads have a potential: moments in space and loads that turn with the section have none."""
-    for room in scene.rooms:
-        for load in getattr(room, "loads", ()):
+    for component in model.components:
+        for load in getattr(component, "loads", ()):
             if load.section or any(load.moment):
                 return False
     return True
 
 
-def _ask_for_weight(scene: Scene, solver: Statics, wob: float) -> None:
-    bit, top = scene.bit, scene.top
+def _ask_for_weight(model: DrillingModel, solver: StaticNewton, wob: float) -> None:
+    bit, top = model.bit, model.top
     if bit is None:
         raise CaseError(at="initial.wob", got=f"{wob:g} N", want="a bottom of kind bit, on which the weight can stand")
-    if top is None or not hasattr(top, "shift") or getattr(scene.case.top, "force", None) is not None:
+    if top is None or not hasattr(top, "shift") or getattr(model.case.top, "force", None) is not None:
         raise CaseError(
             at="initial.wob",
             got=f"{wob:g} N",
@@ -258,16 +258,16 @@ def _ask_for_weight(scene: Scene, solver: Statics, wob: float) -> None:
         )
     target = bit.depth_for(wob)
 
-    def depth(model):
-        here, gradient = bit.depth_of_face(model.assembly)
+    def depth(system):
+        here, gradient = bit.depth_of_face(system.assembly)
         return here, gradient, target
 
     solver.depth, solver.move_top = depth, top.shift
 
 
-def _why_unstable(scene: Scene, count: int) -> str:
-    if too_coarse(scene):
-        n = int(coarse_elements(scene).sum())
+def _why_unstable(model: DrillingModel, count: int) -> str:
+    if too_coarse(model):
+        n = int(coarse_elements(model).sum())
         return (
             f"{count} negative pivots: the mesh is too coarse ({n} elements longer than (240 EI/w)^(1/3)), "
             "which is not buckling; "
@@ -276,13 +276,13 @@ def _why_unstable(scene: Scene, count: int) -> str:
     return f"the static state is unstable ({count} negative pivots)"
 
 
-def _reactions(scene: Scene, solver: Statics) -> None:
+def _reactions(model: DrillingModel, solver: StaticNewton) -> None:
     """One residual at the final state, so that reactions stand in the assembly."""
     solver.rows()
 
 
-def release(scene: Scene) -> None:
+def release(model: DrillingModel) -> None:
     """From statics to motion: friction follows the motion from now on."""
-    for room in (scene.contact, scene.bit):
-        if room is not None:
-            room.free_sliding()
+    for component in (model.contact, model.bit):
+        if component is not None:
+            component.release_sliding_direction()

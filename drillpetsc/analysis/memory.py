@@ -28,7 +28,7 @@ class Memory:
         if not self.settled and t >= self.at:
             self.settled = peak()
 
-    def told(self, together: bool) -> dict[str, int]:
+    def as_dict(self, together: bool) -> dict[str, int]:
         """For summary.json [bytes], the sum over ranks when they are ``together`` (collective then)."""
-        mine = {"start": self.started, "after_a_tenth": self.settled or peak(), "peak": peak()}
-        return {name: self.mpi.allreduce(value) if together else value for name, value in mine.items()}
+        on_rank = {"start": self.started, "after_a_tenth": self.settled or peak(), "peak": peak()}
+        return {name: self.mpi.allreduce(value) if together else value for name, value in on_rank.items()}

@@ -1,6 +1,6 @@
 """The `modes` command: natural frequencies, damping and stability of a scene about its static or steadily turning state.
 
-    scene = build_scene(case)
+    scene = build_model(case)
     settle(scene)                  # equilibrium, then the steady motion that the top prescribes
     found = modes(scene, count=20)
 
@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.analysis.coupled import let_flow
+from drillpetsc.analysis.coupled import release_flow
 from drillpetsc.analysis.equilibrium import StaticState, find_equilibrium, move_rigidly, prescribed_motion, release
 from drillpetsc.analysis.time_scales import time_scales
 from drillpetsc.analysis.transient import make_folder
@@ -29,7 +29,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError, DrillError
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.model.drilling_model import Scene, build_scene
+from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
 from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.files.fields import _write_vtu
@@ -37,12 +37,12 @@ from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.linearization import Linearised, linearise
-from drillpetsc.solvers.quadratic_eigenproblem import NEUTRAL, Roots, lowest_roots, roots_near
+from drillpetsc.solvers.quadratic_eigenproblem import NEUTRAL, Eigenvalues, eigenvalues_near, lowest_eigenvalues
 
 KINDS = ("lateral", "axial", "torsional", "fluid")
 STATES = ("steady", "rest")
 ZERO = 1e-3  # roots below this share of the reference rate are zero: what nothing holds
-ROW_WEIGHT = {"pressure": 1e6, "flow": 1e-2}  # of the fluid's rows [per m3/s] and [per Pa] (kernels/flow.hpp)
+ROW_WEIGHT = {"pressure": 1e6, "flow": 1e-2}  # of the fluid's rows [per m3/s] and [per Pa] (kernels/fluid/flow.hpp)
 UNBALANCED = 1.0  # force that is worth a note [N]
 PRESSURE = 1e5  # largest pressure in the shape of a mode of the fluid [Pa]
 
@@ -100,7 +100,7 @@ class Modes:
 
     @property
     def zeros(self) -> int:
-        """Roots that are zero: motions that nothing holds, or a load at which the string just buckles."""
+        """Eigenvalues that are zero: motions that nothing holds, or a load at which the string just buckles."""
         return int((np.abs(self.eigenvalue) <= self.zero).sum())
 
     @property
@@ -110,125 +110,125 @@ class Modes:
 
 
 # ---------------------------------------------------------------------- state
-def settle(scene: Scene, about: str = "steady") -> StaticState:
+def settle(model: DrillingModel, about: str = "steady") -> StaticState:
     """Bring the scene to the state to linearise about; collective.
 
     steady: as a run starts, in equilibrium under friction against the motion that the top prescribes at time 0, and in that motion.
     rest: in equilibrium without friction, at rest.
     """
-    if about == "steady" and prescribed_motion(scene) != (0.0, 0.0):
-        state = find_equilibrium(scene)
-        release(scene)
-        move_rigidly(scene)
+    if about == "steady" and prescribed_motion(model) != (0.0, 0.0):
+        state = find_equilibrium(model)
+        release(model)
+        move_rigidly(model)
         return state
-    state = find_equilibrium(scene, (0.0, 0.0))
-    release(scene)
-    scene.model.assembly.y[:] = 0.0
-    let_flow(scene)
+    state = find_equilibrium(model, (0.0, 0.0))
+    release(model)
+    model.system.assembly.y[:] = 0.0
+    release_flow(model)
     return state
 
 
-def reference_rate(scene: Scene) -> float:
+def reference_rate(model: DrillingModel) -> float:
     """A slow rate of the scene [1/s]: lowest bending of the whole string between hinges and its swing as a pendulum; the passage of
     sound along it where the string is held."""
-    mesh, length = scene.mesh, scene.mesh.total_length
-    if scene.beam is None and scene.fluid is not None:
-        fluid = scene.fluid.constants
+    mesh, length = model.mesh, model.mesh.total_length
+    if model.beam is None and model.fluid is not None:
+        fluid = model.fluid.constants
         return float(np.sqrt(fluid.bulk_modulus / fluid.density) / length)
     mass = float(mesh.mass @ mesh.length + sum(b.mass for b in mesh.bodies)) / length
     bending = np.pi**4 * float(mesh.bending_stiffness.min()) / (length**4 * mass)
-    return float(np.sqrt(bending + np.linalg.norm(scene.case.gravity) / length))
+    return float(np.sqrt(bending + np.linalg.norm(model.case.gravity) / length))
 
 
-def _imbalance(scene: Scene) -> float:
+def _imbalance(model: DrillingModel) -> float:
     """Largest force on an unknown position that the rows leave over [N]; 0 without a string."""
-    model = scene.model
-    rows = model.new_condensed()
-    model.sum_residual(0.0, rows)
-    mine = model.layout.local_of_owned
-    position = np.array([f.name == "string.position" for f in model.layout.fields])[model.layout.field_of[mine]]
+    system = model.system
+    rows = system.new_condensed()
+    system.sum_residual(0.0, rows)
+    on_rank = system.layout.local_of_owned
+    position = np.array([f.name == "string.position" for f in system.layout.fields])[system.layout.field_of[on_rank]]
     largest = float(np.abs(rows.getArray(readonly=1)[position]).max(initial=0.0))
-    return max(model.comm.tompi4py().allgather(largest))
+    return max(system.comm.tompi4py().allgather(largest))
 
 
 # ---------------------------------------------------------------------- modes
-def modes(scene: Scene, count: int = 20, shift: float | None = None, kind: str | None = None, engine: str = "auto") -> Modes:
+def modes(model: DrillingModel, count: int = 20, shift: float | None = None, kind: str | None = None, engine: str = "auto") -> Modes:
     """Modes of the scene about the state it is in (see ``settle``), the same on all ranks; collective.
 
     Without a shift: the ``count`` lowest oscillating ones, all growing ones found beside them, and a few of the slowest that do not
     oscillate.  kind: of one of ``KINDS`` alone, so that stability is known for that kind only.  shift [Hz]: the ``count`` nearest to
-    that frequency.  engine: as in solve.pencil.roots_near.
+    that frequency.  engine: as in solve.pencil.eigenvalues_near.
     """
-    model, reference = scene.model, reference_rate(scene)
-    imbalance, system = _imbalance(scene), linearise(model)
+    system, reference = model.system, reference_rate(model)
+    imbalance, linearised = _imbalance(model), linearise(system)
     answer: Any = None
-    if system is not None:
+    if linearised is not None:
         try:
-            pencil = system.pencil(reference)
+            pencil = linearised.pencil(reference)
             if shift is None:
-                roots = lowest_roots(pencil, count, engine, _of_kind(scene, system, kind) if kind else None)
+                roots = lowest_eigenvalues(pencil, count, engine, _of_kind(model, linearised, kind) if kind else None)
             else:
-                roots = _nearest(roots_near(pencil, 2j * np.pi * shift, 2 * count, engine), shift, count)
-            answer = _describe(scene, system, roots)
+                roots = _nearest(eigenvalues_near(pencil, 2j * np.pi * shift, 2 * count, engine), shift, count)
+            answer = _describe(model, linearised, roots)
         except DrillError as failure:
             answer = failure
-    if model.comm.size > 1:
-        answer = model.comm.tompi4py().bcast(answer)
+    if system.comm.size > 1:
+        answer = system.comm.tompi4py().bcast(answer)
     if isinstance(answer, DrillError):
         raise answer
     s, share, error, shapes = answer
     size = np.abs(s)
     ratio = np.divide(-s.real, size, out=np.full(len(s), np.nan), where=size > 0)
     kinds = tuple(KINDS[i] for i in share.argmax(axis=1))
-    motion = prescribed_motion(scene) if model.assembly.y.any() else (0.0, 0.0)  # a rigid motion: seen by every rank
+    motion = prescribed_motion(model) if system.assembly.y.any() else (0.0, 0.0)  # a rigid motion: seen by every rank
     return Modes(s, s.imag / (2 * np.pi), s.real, ratio, kinds, share, error, shapes, imbalance, ZERO * reference, *motion)
 
 
-def _of_kind(scene: Scene, system: Linearised, kind: str):
+def _of_kind(model: DrillingModel, linearised: Linearised, kind: str):
     """Function that says which roots are of a kind."""
-    def wanted(roots: Roots) -> np.ndarray:
-        return _shares(scene, system, roots.s, system.T @ roots.u).argmax(axis=1) == KINDS.index(kind)
+    def wanted(roots: Eigenvalues) -> np.ndarray:
+        return _shares(model, linearised, roots.s, linearised.T @ roots.u).argmax(axis=1) == KINDS.index(kind)
 
     return wanted
 
 
-def _nearest(roots: Roots, shift: float, count: int) -> Roots:
+def _nearest(roots: Eigenvalues, shift: float, count: int) -> Eigenvalues:
     near = np.argsort(np.abs(roots.s - 2j * np.pi * shift), kind="stable")[:count]
     return roots.chosen(near[np.lexsort((-roots.s.real[near], roots.s.imag[near]))])
 
 
-def _describe(scene: Scene, system: Linearised, roots: Roots):
-    """Roots, energy shares, errors and shapes, on the rank that has the system."""
-    u = system.T @ roots.u
-    fields, nodes = scene.model.layout.fields, scene.mesh.nodes
-    shapes = {f.name: system.of_field(i, u, nodes, f.size) for i, f in enumerate(fields)}
-    share = _shares(scene, system, roots.s, u)
+def _describe(model: DrillingModel, linearised: Linearised, roots: Eigenvalues):
+    """Eigenvalues, energy shares, errors and shapes, on the rank that has the system."""
+    u = linearised.T @ roots.u
+    fields, nodes = model.system.layout.fields, model.mesh.nodes
+    shapes = {f.name: linearised.of_field(i, u, nodes, f.size) for i, f in enumerate(fields)}
+    share = _shares(model, linearised, roots.s, u)
     factor = np.array([_factor(shapes, m, KINDS[share[m].argmax()]) for m in range(len(roots.s))])
     return roots.s, share, roots.error, {name: values * factor[:, None, None] for name, values in shapes.items()}
 
 
-def _shares(scene: Scene, system: Linearised, s: np.ndarray, u: np.ndarray) -> FloatArray:
+def _shares(model: DrillingModel, linearised: Linearised, s: np.ndarray, u: np.ndarray) -> FloatArray:
     """(m, 4) share of the kinds in the energy of each mode: (|s|^2 u*Mu + |u*Ku|)/2 of the string's motion across and along its
     tangent and about it, c |u|^2/2 summed over the fluid's pressures and flows (c: what they store, from the diagonal of C)."""
-    names = [f.name for f in scene.model.layout.fields]
+    names = [f.name for f in model.system.layout.fields]
     parts = np.zeros((len(KINDS), *u.shape), dtype=complex)
     for i, name in enumerate(names):
-        mine = np.flatnonzero(system.field == i)
+        on_rank = np.flatnonzero(linearised.field == i)
         if name in ("string.position", "string.tangent"):
-            values, t = system.of_field(i, u, scene.mesh.nodes, 3), scene.tangent
+            values, t = linearised.of_field(i, u, model.mesh.nodes, 3), model.tangent
             along = np.sum(values * t, axis=2, keepdims=True) * t
-            parts[1][mine] = along[:, system.node[mine], system.component[mine]].T
-            parts[0][mine] = u[mine] - parts[1][mine]
+            parts[1][on_rank] = along[:, linearised.node[on_rank], linearised.component[on_rank]].T
+            parts[0][on_rank] = u[on_rank] - parts[1][on_rank]
         elif name.startswith("string."):
-            parts[2 if name == "string.spin" else 1][mine] = u[mine]
+            parts[2 if name == "string.spin" else 1][on_rank] = u[on_rank]
     energy = np.zeros((u.shape[1], len(KINDS)))
     for k in range(3):
-        kinetic, strain = (np.abs(np.sum(parts[k].conj() * (A @ parts[k]), axis=0)) for A in (system.M, system.K))
-        energy[:, k] = 0.5 * (np.maximum(np.abs(s), ZERO * reference_rate(scene)) ** 2 * kinetic + strain)
-    stored = np.abs(system.C.diagonal())
+        kinetic, strain = (np.abs(np.sum(parts[k].conj() * (A @ parts[k]), axis=0)) for A in (linearised.M, linearised.K))
+        energy[:, k] = 0.5 * (np.maximum(np.abs(s), ZERO * reference_rate(model)) ** 2 * kinetic + strain)
+    stored = np.abs(linearised.C.diagonal())
     for i, name in enumerate(names):
-        mine = np.flatnonzero((system.field == i) & ~system.second)
-        energy[:, 3] += 0.5 * (stored[mine] / ROW_WEIGHT.get(name.split(".")[-1], 1.0)) @ np.abs(u[mine]) ** 2
+        on_rank = np.flatnonzero((linearised.field == i) & ~linearised.second)
+        energy[:, 3] += 0.5 * (stored[on_rank] / ROW_WEIGHT.get(name.split(".")[-1], 1.0)) @ np.abs(u[on_rank]) ** 2
     return energy / np.maximum(energy.sum(axis=1, keepdims=True), 1e-300)
 
 
@@ -257,15 +257,15 @@ def run_modes(case: Case, out: str | Path | None = None, count: int = 20, shift:
     if shift is not None and (kind or shift < 0):
         raise CaseError(at="--shift", got=shift, want="a frequency in Hz, at least 0, and not together with --kind")
     with options.applied(case.petsc):
-        scene = build_scene(case, comm)
+        model = build_model(case, comm)
         folder = make_folder(comm, name, out, False, overwrite)
-        state = settle(scene, about)
-        fields = Recorder(scene).fields(0.0)
-        found = modes(scene, count, shift, kind)
+        state = settle(model, about)
+        fields = Recorder(model).fields(0.0)
+        found = modes(model, count, shift, kind)
         searched = f"{count} lowest{' ' + kind if kind else ''}" if shift is None else f"{count} nearest to {shift:g} Hz"
-        summary = {"title": case.title, "searched": searched, **mode_summary(found, state), "time_scales": time_scales(scene).lines()}
+        summary = {"title": case.title, "searched": searched, **mode_summary(found, state), "time_scales": time_scales(model).lines()}
         if comm.rank == 0:
-            _write(scene, folder, found, summary, fields)
+            _write(model, folder, found, summary, fields)
     return _lines(case, folder, found, summary)
 
 
@@ -296,8 +296,8 @@ def mode_summary(found: Modes, state: StaticState) -> dict[str, Any]:
     }
 
 
-def _write(scene: Scene, folder: RunFolder, found: Modes, summary: dict[str, Any], fields) -> None:
-    scene.case.dump(folder.case)
+def _write(model: DrillingModel, folder: RunFolder, found: Modes, summary: dict[str, Any], fields) -> None:
+    model.case.dump(folder.case)
     columns = [("mode", "-"), ("frequency", "Hz"), ("speed", "rpm"), ("damping_ratio", "-"), ("growth", "1/s"), ("kind", "-"),
                *((f"{kind}_share", "-") for kind in KINDS), ("backward_error", "-")]
     numbers = np.arange(1, found.count + 1)
@@ -312,10 +312,10 @@ def _write(scene: Scene, folder: RunFolder, found: Modes, summary: dict[str, Any
         FieldWriter(folder.path).write(0.0, *fields)
         lines = np.column_stack([np.arange(len(points) - 1), np.arange(1, len(points))])
         for m in range(found.count):
-            data = _point_data(scene, found, m)
+            data = _point_data(model, found, m)
             replace_file(shapes / f"mode_{m + 1:02d}.vtu", partial(_write_shape, points, lines, data))
-    if scene.well is not None:
-        write_well_files(scene, folder)
+    if model.well is not None:
+        write_well_files(model, folder)
     write_summary(folder.summary, summary)
 
 
@@ -323,11 +323,11 @@ def _write_shape(points: FloatArray, lines: np.ndarray, data: dict[str, FloatArr
     _write_vtu(file, points, "line", lines, data, {}, False)
 
 
-def _point_data(scene: Scene, found: Modes, m: int) -> dict[str, FloatArray]:
+def _point_data(model: DrillingModel, found: Modes, m: int) -> dict[str, FloatArray]:
     """Real and imaginary part of a mode's shape: the motion is real cos(wt) - imaginary sin(wt), growing with the mode."""
-    names = {"string.position": ("displacement", "m"), "string.spin": ("spin_angle", "rad"), "pipe.pressure": ("bore_pressure", "Pa"),
-             "pipe.flow": ("bore_flow", "m3/s"), "annulus.pressure": ("annulus_pressure", "Pa"), "annulus.flow": ("annulus_flow", "m3/s")}
-    data = {"md [m]": np.ascontiguousarray(scene.mesh.node_depth)}
+    names = {"string.position": ("displacement", "m"), "string.spin": ("spin_angle", "rad"), "bore.pressure": ("bore_pressure", "Pa"),
+             "bore.flow": ("bore_flow", "m3/s"), "annulus.pressure": ("annulus_pressure", "Pa"), "annulus.flow": ("annulus_flow", "m3/s")}
+    data = {"md [m]": np.ascontiguousarray(model.mesh.node_depth)}
     for field, (name, unit) in names.items():
         if field in found.shapes:
             values = found.shapes[field][m]

@@ -7,19 +7,19 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.errors import CaseError
-from drillpetsc.model.drilling_model import Scene
-from drillpetsc.physics.rigid_bodies import Curvature
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.physics.rigid_bodies import Precurvature
 from drillpetsc.physics.rock_bit import RockBit
-from drillpetsc.solvers.time_integrator import Dynamics
+from drillpetsc.solvers.time_integrator import TimeIntegrator
 
 FIRST_STEP = 1.0  # [s]
 ADVANCE = 0.1  # metres that the top may come down in a step: the wall stands still meanwhile
 LONGEST_STEP = 60.0  # [s]
 
 
-def longest_step(scene: Scene) -> float:
+def longest_step(model: DrillingModel) -> float:
     """Step that the error control may not exceed [s]: what the hole's shape asks for where the string slides down it."""
-    case = scene.case
+    case = model.case
     assert case.time is not None
     if case.time.step is not None:
         return case.time.step
@@ -38,20 +38,20 @@ class QuasiStatic:
     top does not turn; while it turns its bend averages out).
     """
 
-    def __init__(self, scene: Scene):
-        self.scene, self.model, self.share = scene, scene.model, 1.0
-        layout = self.model.layout
+    def __init__(self, model: DrillingModel):
+        self.model, self.system, self.share = model, model.system, 1.0
+        layout = self.system.layout
         string = np.array([f.name.startswith("string.") for f in layout.fields])
         self.rates = np.zeros(layout.size + 1)
         self._mask = string[layout.field_of]  # mud keeps its storage: at steps of seconds its waves are gone, its content adds up
-        self._bends = [room for room in scene.rooms if isinstance(room, Curvature)]
+        self._bends = [component for component in model.components if isinstance(component, Precurvature)]
         self._average_bends(self.motion(0.0)[1])  # also in the static state it starts from
 
-    def dynamics(self) -> Dynamics:
+    def integrator(self) -> TimeIntegrator:
         """The integrator of the hole's end, with the string following."""
-        longest = longest_step(self.scene)
+        longest = longest_step(self.model)
         options: dict[str, Any] = {"ts_adapt_dt_max": longest}
-        d = Dynamics(self.model, first_step=min(FIRST_STEP, longest), controlled=lambda name: name.startswith("hole."), defaults=options)
+        d = TimeIntegrator(self.system, first_step=min(FIRST_STEP, longest), controlled=lambda name: name.startswith("hole."), defaults=options)
         if not d.condensed:
             raise CaseError(at="time.mode", got="quasi_static", want="the condensed BDF integrator: no -ts_type and no -snes_type")
         d.before_solve.append(self.move)
@@ -59,16 +59,16 @@ class QuasiStatic:
 
     def begin(self, t: float = 0.0, share: float = 1.0) -> None:
         """From the static state to quasi-static motion; share of the side push of friction, as the static state could keep it."""
-        asm, self.share = self.model.assembly, share
+        asm, self.share = self.system.assembly, share
         asm.take_rates_from(self.rates, self._mask)
         asm.y[:] = asm.a[:] = 0.0
         self.move(t)
         asm.settle_rates()
-        self.model.sum_residual(t, self.model.new_condensed())  # so that reactions stand in the assembly
+        self.system.sum_residual(t, self.system.new_condensed())  # so that reactions stand in the assembly
 
     def motion(self, t: float) -> tuple[float, float]:
         """Lowering [m/s] and rotation [rad/s] of the top at ``t``."""
-        top = self.scene.case.top
+        top = self.model.case.top
         lowering = getattr(top, "lowering", None) if getattr(top, "force", None) is None else None
         rotation = getattr(top, "rotation", None)
         return (lowering.value(t) if lowering is not None else 0.0), (rotation.value(t) if rotation is not None else 0.0)
@@ -76,21 +76,21 @@ class QuasiStatic:
     def move(self, t: float) -> None:
         """Rates of all nodes and the sliding that friction opposes, at ``t``."""
         lowering, rotation = self.motion(t)
-        layout, asm = self.model.layout, self.model.assembly
-        slope = layout.place["string.tangent"]
+        layout, asm = self.system.layout, self.system.assembly
+        slope = layout.dofs["string.tangent"]
         v = asm.x[slope]
-        self.rates[layout.place["string.position"]] = lowering * v / np.linalg.norm(v, axis=1, keepdims=True)
-        self.rates[layout.place["string.spin"][:, 0]] = rotation
-        scene = self.scene
+        self.rates[layout.dofs["string.position"]] = lowering * v / np.linalg.norm(v, axis=1, keepdims=True)
+        self.rates[layout.dofs["string.spin"][:, 0]] = rotation
+        model = self.model
         self._average_bends(rotation)
-        if scene.contact is not None:
-            scene.contact.impose_sliding(lowering, rotation, self.share)
-        if isinstance(scene.bit, RockBit):
-            scene.bit.drill_quasi_static(lowering, rotation, self.share)
-        elif scene.bit is not None:
-            scene.bit.impose_sliding(lowering, rotation)
+        if model.contact is not None:
+            model.contact.impose_sliding_direction(lowering, rotation, self.share)
+        if isinstance(model.bit, RockBit):
+            model.bit.drill_quasi_static(lowering, rotation, self.share)
+        elif model.bit is not None:
+            model.bit.impose_sliding_direction(lowering, rotation)
 
     def _average_bends(self, rotation: float) -> None:
         """Leave a bent item its bend, or nothing where it turns."""
-        for room in self._bends:
-            room.scale(0.0 if rotation else 1.0)
+        for component in self._bends:
+            component.scale(0.0 if rotation else 1.0)

@@ -14,7 +14,7 @@ NOTHING, SAVE, STOP, FAILED = range(4)  # the larger one wins
 EVERY = 16  # steps between two questions to the other ranks
 
 
-class Watch:
+class RunControl:
     """Within it SIGTERM and SIGINT ask for the end of the run after a step, SIGUSR1 for a checkpoint; a second SIGINT ends it at once.
 
     Signals may reach one rank only; ``look`` tells all.  Outside the main thread signals are left alone.
@@ -25,7 +25,7 @@ class Watch:
         self._mine, self._number, self._steps = NOTHING, 0, 0
         self._before: dict[int, Any] = {}
 
-    def __enter__(self) -> Watch:
+    def __enter__(self) -> RunControl:
         if threading.current_thread() is threading.main_thread():
             for name, handler in (("SIGTERM", self._stop), ("SIGINT", self._stop), ("SIGUSR1", self._save)):
                 number = getattr(signal, name, None)
@@ -46,11 +46,11 @@ class Watch:
     def _save(self, number: int, frame: object) -> None:
         self._mine = max(self._mine, SAVE)
 
-    def failed(self, error: OSError, what: str) -> None:
+    def report_write_error(self, error: OSError, what: str) -> None:
         """This rank could not write."""
         self._mine, self.error = FAILED, cannot_write(error, what)
 
-    def look(self, now: bool) -> int:
+    def poll(self, now: bool) -> int:
         """What is to be done after this step, the same on all ranks, which must all call it with the same ``now``: at once, or only if
         the time for a question has come."""
         self._steps += 1
@@ -80,20 +80,20 @@ def cannot_write(error: OSError, what: str) -> str:
 
 def first_rank_does(mpi: Any, what: str, action: Callable[[], Any], time: float | None = None) -> None:
     """Let rank 0 write something; what stops it there is raised on all ranks.  Collective."""
-    told: DrillError | None = None
+    reported: DrillError | None = None
     if mpi.rank == 0:
         try:
             action()
         except OSError as error:
-            told = SolveError(cannot_write(error, error.filename or what), time=time, hint=AFTER)
+            reported = SolveError(cannot_write(error, error.filename or what), time=time, hint=RESTART_HINT)
         except ValueError as error:  # a table with other columns
-            told = CaseError(at="--restart", want="the case that is continued", hint=str(error))
+            reported = CaseError(at="--restart", want="the case that is continued", hint=str(error))
         except DrillError as error:
-            told = error
+            reported = error
     if mpi.size > 1:
-        told = mpi.bcast(told)
-    if told is not None:
-        raise told
+        reported = mpi.bcast(reported)
+    if reported is not None:
+        raise reported
 
 
-AFTER = "what was written up to now can be read; make room, then continue with --restart"
+RESTART_HINT = "what was written up to now can be read; make room, then continue with --restart"

@@ -7,21 +7,21 @@ import numpy as np
 from drillpetsc.analysis.soft_string import TorqueDrag, torque_drag
 from drillpetsc.case.blocks.ends import ForcedBottom
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.model.drilling_model import Scene, hole_depth
+from drillpetsc.model.drilling_model import DrillingModel, hole_depth
 
-ONSET = 1e-5  # half width of the contact's onset [m], RAMP of kernels/contact.hpp
-LYING = 0.1  # side load at the top, as a share of the weight, above which the string lies on the wall there
+ONSET = 1e-5  # half width of the contact's onset [m], RAMP of kernels/contact/contact.hpp
+SIDE_LOAD_THRESHOLD = 0.1  # side load at the top, as a share of the weight, above which the string lies on the wall there
 
 
-def soft_string_guess(scene: Scene, motion: tuple[float, float]) -> TorqueDrag | None:
+def soft_string_start(model: DrillingModel, motion: tuple[float, float]) -> TorqueDrag | None:
     """Place the string as a soft string with friction against ``motion`` would lie: its stretch and the side of the
     hole.
 
     None, and nothing is placed, without contact or where gravity is not vertical.  The top is moved to where it meets
     the asked weight on bit, and aside where the string lies on the wall there.
     """
-    mesh, well, case = scene.mesh, scene.well, scene.case
-    if scene.contact is None or well is None:
+    mesh, well, case = model.mesh, model.well, model.case
+    if model.contact is None or well is None:
         return None
     gravity = np.array(case.gravity)
     g = float(np.linalg.norm(gravity))
@@ -30,7 +30,7 @@ def soft_string_guess(scene: Scene, motion: tuple[float, float]) -> TorqueDrag |
     depth = mesh.node_depth
     wob = case.initial.wob or 0.0
     force = getattr(case.top, "force", None)
-    weight = scene.effective_mass * g
+    weight = model.effective_mass * g
     for b in mesh.bodies:
         if b.node < mesh.nodes - 1:
             cell = b.node - 1 if mesh.is_joint[b.node] and b.node else b.node  # at a joint there is no element below
@@ -45,27 +45,27 @@ def soft_string_guess(scene: Scene, motion: tuple[float, float]) -> TorqueDrag |
         0.5 * mesh.outer_diameter[keep],
         mesh.axial_stiffness[keep],
         mesh.torsional_stiffness[keep],
-        bottom_force=_pull_below(scene, g) - wob,
-        bottom_torque=scene.bit.torque_for(wob) * np.sign(motion[1]) if scene.bit else 0.0,
+        bottom_force=_pull_below(model, g) - wob,
+        bottom_torque=model.bit.torque_for(wob) * np.sign(motion[1]) if model.bit else 0.0,
         axial_velocity=-motion[0],
         rotation=motion[1],
     )
     clearance = np.asarray(well.radius(depth)) - 0.5 * np.append(mesh.outer_diameter, mesh.outer_diameter[-1])
     deep = np.maximum(clearance, 0.0) + _penetration(soft.contact_force[at], case.contact)
     top_moves = 0.0
-    if case.initial.wob is not None and scene.bit is not None:
-        top_moves = hole_depth(scene.case) - (mesh.total_length + soft.stretch)
-        if scene.top is not None:
-            scene.top.shift(top_moves)
+    if case.initial.wob is not None and model.bit is not None:
+        top_moves = hole_depth(model.case) - (mesh.total_length + soft.stretch)
+        if model.top is not None:
+            model.top.shift(top_moves)
     if force is not None:
         top_moves = 0.0
     centre, tangent, _ = well.at(depth + soft.elongation[at] + top_moves)
     strain = np.concatenate(
         [[soft.axial_force[0] / mesh.axial_stiffness[0]], soft.axial_force[at[1:]] / mesh.axial_stiffness]
     )
-    m = scene.model
-    if scene.top is not None and soft.contact_force[0] > LYING * weight[0]:
-        _hold_aside(scene.top, deep[0] * soft.side[0])
+    m = model.system
+    if model.top is not None and soft.contact_force[0] > SIDE_LOAD_THRESHOLD * weight[0]:
+        _hold_aside(model.top, deep[0] * soft.side[0])
     m.set_field("string.position", centre + deep[:, None] * soft.side[at])
     m.set_field("string.tangent", (1 + strain)[:, None] * tangent)
     return soft
@@ -87,10 +87,10 @@ def _hold_aside(top, offset: FloatArray) -> None:
     top.anchor += D[:, :3] @ offset
 
 
-def _pull_below(scene: Scene, g: float) -> float:
+def _pull_below(model: DrillingModel, g: float) -> float:
     """Axial force on the lowest node from the rigid items that hang on it and from a given force there [N]."""
-    mesh, bottom = scene.mesh, scene.case.bottom
+    mesh, bottom = model.mesh, model.case.bottom
     force = np.array([0.0, 0.0, g * sum(b.mass for b in mesh.bodies if b.node == mesh.nodes - 1)])
     if isinstance(bottom, ForcedBottom):
         force += bottom.force
-    return float(force @ scene.tangent[-1])
+    return float(force @ model.tangent[-1])

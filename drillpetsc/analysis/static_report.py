@@ -9,9 +9,9 @@ import numpy as np
 
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.model.drilling_model import Scene
+from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.bending import curvatures
-from drillpetsc.output.flow_recorder import FlowRecord
+from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.physics.beam import REPORT
 
@@ -31,64 +31,64 @@ COLUMNS: list[tuple[str, str]] = [
 ]
 
 
-def static_table(scene: Scene, state: StaticState) -> tuple[list[tuple[str, str]], FloatArray | None]:
+def static_table(model: DrillingModel, state: StaticState) -> tuple[list[tuple[str, str]], FloatArray | None]:
     """Columns (name, unit) and the values (n_nodes, columns) at the nodes on rank 0 (None elsewhere), for the model's
     present state.
 
     axial_force: compression negative, torque: positive as the drive turns clockwise; both, bending and contact are
     the mean of the elements that meet at a node.  buckling_load: 2 sqrt(EI q/r) of Dawson and Paslay (SPE 11167),
-    with the side load q = |w_perp + T kappa| of the string in the hole and the radial room r (not a number where q or
+    with the side load q = |w_perp + T kappa| of the string in the hole and the radial clearance r (not a number where q or
     r is zero), T and w being effective tension and buoyed weight where there is mud; buckling_ratio: compression over it.
     """
-    model, scene_mesh = scene.model, scene.mesh
-    asm = model.assembly
-    fluid_columns, fluid = flow_table(scene)
-    if scene.beam is None:
+    system, scene_mesh = model.system, model.mesh
+    asm = system.assembly
+    fluid_columns, fluid = flow_table(model)
+    if model.beam is None:
         return [("md", "m"), *fluid_columns], None if fluid is None else np.column_stack([scene_mesh.node_depth, fluid])
-    cells = scene.beam.report(model.layout, asm.x, asm.y)
-    if scene.fluid is not None:
-        cells[:, [REPORT.index("axial_upper"), REPORT.index("axial_lower")]] += FlowRecord(model, scene.fluid).wall_tension()
-    contact = scene.contact.report(asm)[0][:, :1] if scene.contact is not None else np.zeros((len(cells), 1))
-    bend = np.linalg.norm(curvatures(scene), axis=3).reshape(len(cells), 4)
-    nodal = model.gather(np.hstack([model.field("string.position"), model.field("string.tangent")]))
-    cell = model.gather(np.hstack([cells, contact / scene_mesh.divisor[model.line.cells][:, None], bend]), "cell")
+    cells = model.beam.report(system.layout, asm.x, asm.y)
+    if model.fluid is not None:
+        cells[:, [REPORT.index("axial_upper"), REPORT.index("axial_lower")]] += FlowRecorder(system, model.fluid).wall_tension()
+    contact = model.contact.report(asm)[0][:, :1] if model.contact is not None else np.zeros((len(cells), 1))
+    bend = np.linalg.norm(curvatures(model), axis=3).reshape(len(cells), 4)
+    nodal = system.gather(np.hstack([system.field("string.position"), system.field("string.tangent")]))
+    cell = system.gather(np.hstack([cells, contact / scene_mesh.divisor[system.chain.cells][:, None], bend]), "cell")
     if nodal is None or cell is None:
         return COLUMNS + fluid_columns, None
-    table = _table(scene, nodal, cell, None if fluid is None else fluid[:, -1])
+    table = _table(model, nodal, cell, None if fluid is None else fluid[:, -1])
     if fluid is not None:
         fluid[:, -1] += table[:, 1]  # what the pressures leave of the wall's tension
         table = np.hstack([table, fluid])
     return COLUMNS + fluid_columns, table
 
 
-def flow_table(scene: Scene) -> tuple[list[tuple[str, str]], FloatArray | None]:
+def flow_table(model: DrillingModel) -> tuple[list[tuple[str, str]], FloatArray | None]:
     """Columns of the drilling fluid and their values (n_nodes, columns) on rank 0: pressures and flow rates of the channels, equivalent
     circulating density p/(g depth) where there is an annulus, and last, with a string, what effective tension has beyond the axial
     force, -p_i A_i + p_o A_o [N] (areas the mean of the elements that meet at a node)."""
-    if scene.fluid is None:
+    if model.fluid is None:
         return [], None
-    record, mesh, model = FlowRecord(scene.model, scene.fluid), scene.mesh, scene.model
+    record, mesh, system = FlowRecorder(model.system, model.fluid), model.mesh, model.system
     nodal, cell = record.nodal(), {k: v for k, v in record.cellwise().items() if "flow" in k}
     columns = [_name_unit(k) for k in (*nodal, *cell)]
-    if scene.fluid.annulus is not None:
+    if model.fluid.annulus is not None:
         columns.append(("ecd", "kg/m3"))
-    if scene.beam is not None:
+    if model.beam is not None:
         columns.append(("effective_tension", "N"))
-    at_vertices = model.gather(np.column_stack(list(nodal.values())))
-    in_cells = model.gather(np.column_stack(list(cell.values())), "cell")
+    at_vertices = system.gather(np.column_stack(list(nodal.values())))
+    in_cells = system.gather(np.column_stack(list(cell.values())), "cell")
     if at_vertices is None or in_cells is None:
         return columns, None
     out = [*at_vertices.T, *(_at_nodes(c, c) for c in in_cells.T)]
-    if scene.fluid.annulus is not None:
-        head = (scene.position - scene.position[0]) @ scene.fluid.constants.gravity
+    if model.fluid.annulus is not None:
+        head = (model.position - model.position[0]) @ model.fluid.constants.gravity
         pressure = at_vertices[:, list(nodal).index("annulus_pressure [Pa]")]
         out.append(np.divide(pressure, head, out=np.full(mesh.nodes, np.nan), where=head > 0))
-    if scene.beam is not None:
+    if model.beam is not None:
         beyond = np.zeros(mesh.nodes)
-        for room, title, sign in (("pipe", "internal_pressure [Pa]", -1.0), ("annulus", "annulus_pressure [Pa]", 1.0)):
-            channel = getattr(scene.fluid, room)
+        for component, title, sign in (("bore", "internal_pressure [Pa]", -1.0), ("annulus", "annulus_pressure [Pa]", 1.0)):
+            channel = getattr(model.fluid, component)
             if channel is not None:
-                area = channel.bore.area if room == "pipe" else channel.annulus.outer
+                area = channel.bore.area if component == "bore" else channel.annulus.outer
                 beyond += sign * at_vertices[:, list(nodal).index(title)] * _at_nodes(area, area)
         out.append(beyond)
     return columns, np.column_stack(out)
@@ -99,18 +99,18 @@ def _name_unit(title: str) -> tuple[str, str]:
     return name, unit
 
 
-def _table(scene: Scene, nodal: FloatArray, cell: FloatArray, beyond: FloatArray | None = None) -> FloatArray:
-    at_nodes = partial(_at_nodes, element=~scene.mesh.is_joint)
-    mesh, column = scene.mesh, {name: i for i, name in enumerate(REPORT)}
+def _table(model: DrillingModel, nodal: FloatArray, cell: FloatArray, beyond: FloatArray | None = None) -> FloatArray:
+    at_nodes = partial(_at_nodes, element=~model.mesh.is_joint)
+    mesh, column = model.mesh, {name: i for i, name in enumerate(REPORT)}
     n = len(REPORT)
     t = nodal[:, 3:] / np.linalg.norm(nodal[:, 3:], axis=1, keepdims=True)
-    offset = Recorder(scene).offset(nodal[:, :3], mesh.node_depth)
+    offset = Recorder(model).offset(nodal[:, :3], mesh.node_depth)
     stiffness, radius = mesh.bending_stiffness, 0.5 * mesh.outer_diameter
     inertia = np.pi / 64 * (mesh.outer_diameter**4 - mesh.inner_diameter**4)
     by_moment = np.divide(radius, inertia, out=np.zeros_like(radius), where=inertia > 0)  # stress per moment
     axial = at_nodes(cell[:, column["axial_upper"]], cell[:, column["axial_lower"]])
     effective = axial if beyond is None else axial + beyond  # it is effective tension that buckles
-    load = _buckling_load(scene, effective)
+    load = _buckling_load(model, effective)
     moment = [stiffness * cell[:, n + 3], stiffness * cell[:, n + 4]]
     out = [
         mesh.node_depth,
@@ -148,54 +148,54 @@ def _linear(values: FloatArray, element: np.ndarray) -> FloatArray:
     return out
 
 
-def _buckling_load(scene: Scene, axial: FloatArray) -> FloatArray:
+def _buckling_load(model: DrillingModel, axial: FloatArray) -> FloatArray:
     """(n_nodes,) load of sinusoidal buckling [N] of a string that lies in the hole; not a number where it has no such
     load."""
-    mesh, well = scene.mesh, scene.well
-    if well is None or scene.contact is None:
+    mesh, well = model.mesh, model.well
+    if well is None or model.contact is None:
         return np.full(mesh.nodes, np.nan)
     _, t, kappa = well.at(mesh.node_depth)
-    weight = _at_nodes(scene.effective_mass, scene.effective_mass)[:, None] * np.array(scene.case.gravity)
+    weight = _at_nodes(model.effective_mass, model.effective_mass)[:, None] * np.array(model.case.gravity)
     side = np.linalg.norm(weight - t * np.sum(weight * t, axis=1, keepdims=True) + axial[:, None] * kappa, axis=1)
-    room = np.asarray(well.radius(mesh.node_depth)) - _at_nodes(0.5 * mesh.outer_diameter, 0.5 * mesh.outer_diameter)
-    inside = (room > 0) & (side > 1e-6 * np.linalg.norm(weight, axis=1))
+    component = np.asarray(well.radius(mesh.node_depth)) - _at_nodes(0.5 * mesh.outer_diameter, 0.5 * mesh.outer_diameter)
+    inside = (component > 0) & (side > 1e-6 * np.linalg.norm(weight, axis=1))
     square = np.divide(
         _at_nodes(mesh.bending_stiffness, mesh.bending_stiffness) * side,
-        room,
+        component,
         out=np.full(mesh.nodes, np.nan),
         where=inside,
     )
     return 2 * np.sqrt(square)
 
 
-def static_summary(scene: Scene, state: StaticState) -> dict[str, Any]:
+def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
     """Figures of a static state, the same on all ranks; SI.
 
     hook_load: pull of the top on the string, positive up; surface_torque: positive where the drive has to turn it
     clockwise; stretch: elongation of the whole string by axial force; twist: angle between its ends, not negative.
     """
-    model, mesh = scene.model, scene.mesh
-    if scene.beam is None:
-        return flow_summary(scene)
-    asm, cells, report = model.assembly, model.line.cells, state.equilibrium
-    beam = scene.beam.report(model.layout, asm.x, asm.y)
+    system, mesh = model.system, model.mesh
+    if model.beam is None:
+        return flow_summary(model)
+    asm, cells, report = system.assembly, system.chain.cells, state.equilibrium
+    beam = model.beam.report(system.layout, asm.x, asm.y)
     length, column = mesh.length[cells], REPORT.index
     mean = (beam[:, column("axial_upper")] + 4 * beam[:, column("axial_middle")] + beam[:, column("axial_lower")]) / 6
     local = np.array(
         [
             np.sum(mean * length / mesh.axial_stiffness[cells]),
             np.sum(beam[:, column("torque")] * length / mesh.torsional_stiffness[cells]),
-            *(scene.bit.weight_and_torque(asm) if scene.bit is not None else (0.0, 0.0)),
-            scene.drive.torque(0.0, asm) if scene.drive is not None else 0.0,
+            *(model.bit.weight_and_torque(asm) if model.bit is not None else (0.0, 0.0)),
+            model.drive.torque(0.0, asm) if model.drive is not None else 0.0,
         ]
     )
-    stretch, twist, wob, bit_torque, drive = local if model.comm.size == 1 else model.comm.tompi4py().allreduce(local)
-    force = getattr(scene.case.top, "force", None)
+    stretch, twist, wob, bit_torque, drive = local if system.comm.size == 1 else system.comm.tompi4py().allreduce(local)
+    force = getattr(model.case.top, "force", None)
     soft = state.soft_string
     out = {
         "motion": {"lowering": state.motion[0], "rotation": state.motion[1]},
-        "hook_load": float(force.value(0.0)) if force is not None else -model.reaction("top.axial_reaction"),
-        "surface_torque": model.reaction("top.torque_reaction") + float(drive),
+        "hook_load": float(force.value(0.0)) if force is not None else -system.reaction("top.axial_reaction"),
+        "surface_torque": system.reaction("top.torque_reaction") + float(drive),
         "stretch": float(stretch),
         "twist": abs(float(twist)),
         "wob": float(wob),
@@ -213,21 +213,21 @@ def static_summary(scene: Scene, state: StaticState) -> dict[str, Any]:
             "surface_torque": soft.surface_torque,
             "stretch": soft.stretch,
         }
-    return out | flow_summary(scene)
+    return out | flow_summary(model)
 
 
-def flow_summary(scene: Scene) -> dict[str, Any]:
+def flow_summary(model: DrillingModel) -> dict[str, Any]:
     """Figures of the steady flow, the same on all ranks; SI: pressures at pump, under the bit and lost in the nozzles, flows, equivalent
     circulating density at the bottom (also that of the mud at rest under the same outlet is the density itself, if stiff)."""
-    if scene.fluid is None:
+    if model.fluid is None:
         return {}
-    model = scene.model
-    record = FlowRecord(model, scene.fluid)
+    system = model.system
+    record = FlowRecorder(system, model.fluid)
     sample = record.sample(0.0)
-    if model.comm.size > 1:
-        sample = model.comm.tompi4py().allreduce(sample)
+    if system.comm.size > 1:
+        sample = system.comm.tompi4py().allreduce(sample)
     out = {name: value for (name, _), value in zip(record.columns, record.row(sample), strict=True)}
-    head = float((scene.position[-1] - scene.position[0]) @ scene.fluid.constants.gravity)
-    if scene.fluid.annulus is not None and head > 0:
+    head = float((model.position[-1] - model.position[0]) @ model.fluid.constants.gravity)
+    if model.fluid.annulus is not None and head > 0:
         out["ecd"] = float(sample[1]) / head
     return out

@@ -12,7 +12,7 @@ from drillpetsc.analysis.transient import make_folder
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError
-from drillpetsc.model.drilling_model import build_scene
+from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.well_files import write_well_files
@@ -30,25 +30,25 @@ def run_statics(case: Case, out: str | Path | None = None, motion: str | None = 
     if motion is not None and case.well is None:
         raise CaseError(at="--motion", got=motion, want="a case with a well: without a hole there is no friction")
     with options.applied(case.petsc):
-        scene = build_scene(case, comm)
+        model = build_model(case, comm)
         folder = make_folder(comm, name, out, False, overwrite)
-        state = find_equilibrium(scene, MOTIONS[motion] if motion else None, climb=False)
-        columns, values = static_table(scene, state)
-        summary = {"title": case.title, **static_summary(scene, state), "motion": motion or "as the top prescribes"}
-        fields = Recorder(scene).fields(0.0)
+        state = find_equilibrium(model, MOTIONS[motion] if motion else None, climb=False)
+        columns, values = static_table(model, state)
+        summary = {"title": case.title, **static_summary(model, state), "motion": motion or "as the top prescribes"}
+        fields = Recorder(model).fields(0.0)
         if comm.rank == 0:
-            _write(scene, folder, columns, values, summary, fields)
+            _write(model, folder, columns, values, summary, fields)
     return _lines(case, folder, state, summary)
 
 
-def _write(scene, folder: RunFolder, columns, values, summary, fields) -> None:
-    scene.case.dump(folder.case)
+def _write(model, folder: RunFolder, columns, values, summary, fields) -> None:
+    model.case.dump(folder.case)
     if values is not None:
         write_table(folder.statics, columns, list(values.T))
     if fields is not None:
         FieldWriter(folder.path).write(0.0, *fields)
-    if scene.well is not None:
-        write_well_files(scene, folder)
+    if model.well is not None:
+        write_well_files(model, folder)
     write_summary(folder.summary, summary)
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.errors import SolveError
-from drillpetsc.fem.discrete_system import Model
-from drillpetsc.model.fluid import FluidRooms
+from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.model.fluid import FluidComponents
 from drillpetsc.solvers.chain_lu import ZeroPivot
 from drillpetsc.solvers.newton import chain_factor
 
@@ -27,83 +27,83 @@ class SteadyFlow:
 
 def is_fluid(field: str) -> bool:
     """Whether a field of this name belongs to the fluid."""
-    return field.split(".")[0] in ("pipe", "annulus") or field == "bit.flow"
+    return field.split(".")[0] in ("bore", "annulus") or field == "bit.flow"
 
 
-def fluid_unknowns(model: Model) -> np.ndarray:
+def fluid_unknowns(system: DiscreteSystem) -> np.ndarray:
     """(n,) mask of the local unknowns that belong to the fluid."""
-    fluid = np.array([is_fluid(f.name) for f in model.layout.fields])
-    return fluid[model.layout.field_of]
+    fluid = np.array([is_fluid(f.name) for f in system.layout.fields])
+    return fluid[system.layout.field_of]
 
 
-def place_fluid(model: Model, fluid: FluidRooms, t: float = 0.0) -> None:
+def place_fluid(system: DiscreteSystem, fluid: FluidComponents, t: float = 0.0) -> None:
     """Hydrostatic pressure under the outlet's (or nothing), flow rates those of the pump at ``t``."""
-    asm, held = model.assembly, "string.position" not in model.layout.place
+    asm, held = system.assembly, "string.position" not in system.layout.dofs
     flow = 0.0
-    if fluid.pipe is not None and fluid.pipe.flow_rate is not None:
-        flow = fluid.pipe.flow_rate.value(t)
+    if fluid.bore is not None and fluid.bore.flow_rate is not None:
+        flow = fluid.bore.flow_rate.value(t)
     if held:
-        position = next(r.held_at for r in (fluid.pipe, fluid.annulus) if r is not None)
+        position = next(r.held_at for r in (fluid.bore, fluid.annulus) if r is not None)
         assert position is not None
-        place, top = position[model.line.vertices], position[0]
+        place, top = position[system.chain.vertices], position[0]
     else:
-        place = model.field("string.position")
-        top = model.comm.tompi4py().bcast(place[0] if len(place) else None) if model.comm.size > 1 else place[0]
+        place = system.field("string.position")
+        top = system.comm.tompi4py().bcast(place[0] if len(place) else None) if system.comm.size > 1 else place[0]
     gravity = fluid.constants.gravity
     head = fluid.constants.density * ((place - top) @ gravity)
     level = fluid.annulus.outlet.value(t) if fluid.annulus is not None else 0.0
-    for room, sign in ((fluid.pipe, 1.0), (fluid.annulus, -1.0)):
-        if room is None:
+    for component, sign in ((fluid.bore, 1.0), (fluid.annulus, -1.0)):
+        if component is None:
             continue
-        pump = getattr(room, "pump_pressure", None)
+        pump = getattr(component, "pump_pressure", None)
         base = level if pump is None else pump.value(t)
         closed = fluid.bit is None or not fluid.bit.has_link
-        asm.x[model.layout.place[f"{room.name}.pressure"][:, 0]] = base + head
-        if f"{room.name}.flow" in model.layout.place:
-            rate = model.layout.place[f"{room.name}.flow"]
+        asm.x[system.layout.dofs[f"{component.name}.pressure"][:, 0]] = base + head
+        if f"{component.name}.flow" in system.layout.dofs:
+            rate = system.layout.dofs[f"{component.name}.flow"]
             asm.x[rate[rate >= 0]] = 0.0 if closed else sign * flow
-    if "bit.flow" in model.layout.place:
-        where = model.layout.place["bit.flow"][:, 0]
+    if "bit.flow" in system.layout.dofs:
+        where = system.layout.dofs["bit.flow"][:, 0]
         asm.x[where[where >= 0]] = flow
     if fluid.volumes is not None:
         for name, values in fluid.volumes(level).items():
-            model.set_field(name, values[:, None])
+            system.set_field(name, values[:, None])
 
 
-def steady_flow(model: Model, t: float = 0.0) -> SteadyFlow:
+def steady_flow(system: DiscreteSystem, t: float = 0.0) -> SteadyFlow:
     """Solve for pressures and flow rates with the string's place and rates as they are in the assembly; collective.
 
     Raises SolveError where no steady flow is found.
     """
-    asm, report = model.assembly, SteadyFlow()
-    mine = fluid_unknowns(model)
-    for room in model.rooms:  # size and direction of the hole where the string is now
-        if hasattr(room, "find_hole"):
-            room.find_hole(asm)
-    asm.freeze(~mine)
+    asm, report = system.assembly, SteadyFlow()
+    on_rank = fluid_unknowns(system)
+    for component in system.components:  # size and direction of the hole where the string is now
+        if hasattr(component, "find_hole"):
+            component.find_hole(asm)
+    asm.freeze(~on_rank)
     try:
-        factor, f = chain_factor(model), model.new_condensed()
-        weight, place = 1.0 / model.scale, np.flatnonzero(mine)
+        factor, f = chain_factor(system), system.new_condensed()
+        weight, place = 1.0 / system.scale, np.flatnonzero(on_rank)
         best, quiet, share = np.inf, 0, 1.0
         asm.y[place] = asm.a[place] = 0.0
-        _fill_chamber(model)
+        _fill_chamber(system)
         for _ in range(ITERATIONS):
             asm.forget_inputs()
-            model.sum_residual(t, f)
+            system.sum_residual(t, f)
             asm.jacobian(t, (1.0, LEVEL, 0.0), condensed=False)
-            step = np.zeros(len(model.layout.local_of_owned))
-            f.getArray()[~mine[model.layout.local_of_owned]] = 0.0  # the string stays: not even its ends' rounding errors are put right
+            step = np.zeros(len(system.layout.local_of_owned))
+            f.getArray()[~on_rank[system.layout.local_of_owned]] = 0.0  # the string stays: not even its ends' rounding errors are put right
             try:
                 factor.factor(asm.values)
             except ZeroPivot as error:
-                raise SolveError("the steady flow is not determined", time=t, **model.worst_place(t)) from error
+                raise SolveError("the steady flow is not determined", time=t, **system.locate_largest_residual(t)) from error
             factor.solve_owned(-f.getArray(readonly=1), step)
-            owned = model.layout.local_of_owned
-            size = _largest(model, float(np.max(np.abs(step[mine[owned]]) * weight[owned][mine[owned]], initial=0.0)))
+            owned = system.layout.local_of_owned
+            size = _largest(system, float(np.max(np.abs(step[on_rank[owned]]) * weight[owned][on_rank[owned]], initial=0.0)))
             if not np.isfinite(size):
-                raise SolveError("the steady flow ran away", time=t, **model.worst_place(t))
+                raise SolveError("the steady flow ran away", time=t, **system.locate_largest_residual(t))
             share = min(1.0, 2 * share) if size < best else max(0.1, 0.5 * share)  # yield stress makes full steps overshoot
-            _move(model, step * share)
+            _move(system, step * share)
             report.iterations += 1
             report.increment = size
             quiet += size < NEARLY and size > 0.5 * best
@@ -113,29 +113,29 @@ def steady_flow(model: Model, t: float = 0.0) -> SteadyFlow:
     finally:
         asm.freeze(None)
     raise SolveError(f"the steady flow did not converge in {ITERATIONS} iterations (last increment {report.increment:.1e} of the scales)",
-                     time=t, hint="a larger fluid.rheology.shear_rate smooths a yield stress", **model.worst_place(t))
+                     time=t, hint="a larger fluid.rheology.shear_rate smooths a yield stress", **system.locate_largest_residual(t))
 
 
-def _fill_chamber(model: Model) -> None:
+def _fill_chamber(system: DiscreteSystem) -> None:
     """With formulation hermite: volumes of the annulus and their rates, at every node alike, for the bit's chamber as it lies and moves."""
-    bits = [room for room in model.rooms if hasattr(room, "out_of_place")]
-    if not bits or "annulus.volume" not in model.layout.place:
+    bits = [component for component in system.components if hasattr(component, "out_of_place")]
+    if not bits or "annulus.volume" not in system.layout.dofs:
         return
-    lack = np.array(bits[0].out_of_place(model.assembly))
-    lack = lack if model.comm.size == 1 else model.comm.tompi4py().allreduce(lack)
-    asm, place = model.assembly, model.layout.place["annulus.volume"][:, 0]
+    lack = np.array(bits[0].out_of_place(system.assembly))
+    lack = lack if system.comm.size == 1 else system.comm.tompi4py().allreduce(lack)
+    asm, place = system.assembly, system.layout.dofs["annulus.volume"][:, 0]
     asm.x[place] += lack[0]
     asm.y[place] = lack[1]
 
 
-def _move(model: Model, step: np.ndarray) -> None:
-    q = model.new_condensed()
-    model.store_unknowns(q)
+def _move(system: DiscreteSystem, step: np.ndarray) -> None:
+    q = system.new_condensed()
+    system.store_unknowns(q)
     q.getArray()[:] += step
-    model.load_unknowns(q)
+    system.load_unknowns(q)
 
 
-def _largest(model: Model, value: float) -> float:
+def _largest(system: DiscreteSystem, value: float) -> float:
     from mpi4py import MPI
 
-    return value if model.comm.size == 1 else float(model.comm.tompi4py().allreduce(value, op=MPI.MAX))
+    return value if system.comm.size == 1 else float(system.comm.tompi4py().allreduce(value, op=MPI.MAX))

@@ -11,34 +11,34 @@ from petsc4py import PETSc
 
 import drillpetsc
 from drillpetsc.errors import Interrupted
-from drillpetsc.geometry.trajectory import new_hole, told
+from drillpetsc.geometry.trajectory import as_dict, new_hole
 
 FOR_RATES = 5.0  # [m] of new hole below which its waviness, tenths of a degree, says more than its build rate
 PHASES = ("Residual", "Jacobian", "ChainFactor", "ChainSolve", "Output")
 
 
-def of_run(scene, recorder, dynamics, notes, reached: float, start: float, began, marks, error) -> dict[str, Any]:
+def of_run(model, recorder, integrator, notes, reached: float, start: float, began, marks, error) -> dict[str, Any]:
     """Everything that summary.json tells; collective unless there is an error."""
-    model = scene.model
+    system = model.system
     now = clock.perf_counter(), clock.process_time()
     wall, cpu = now[0] - marks[0], now[1] - marks[1]
-    if model.comm.size > 1 and error is None:
-        cpu = model.comm.tompi4py().allreduce(cpu)
+    if system.comm.size > 1 and error is None:
+        cpu = system.comm.tompi4py().allreduce(cpu)
     interrupted = isinstance(error, (Interrupted, KeyboardInterrupt))
-    unknowns = sum(f.size * count for f, count in field_counts(model))
+    unknowns = sum(f.size * count for f, count in field_counts(system))
     result: dict[str, Any] = {
-        "title": scene.case.title,
+        "title": model.case.title,
         "status": "done" if error is None else str(error) if interrupted else f"failed: {error}",
         "interrupted": interrupted,
         "versions": {"drillpetsc": drillpetsc.__version__, "petsc": ".".join(map(str, PETSc.Sys.getVersion())), "numpy": np.__version__,
                      "python": platform.python_version()},
-        "petsc_options": dynamics.options,
-        "ranks": model.comm.size,
-        "elements": model.line.size - 1 - len(model.mesh.joints),
+        "petsc_options": integrator.options,
+        "ranks": system.comm.size,
+        "elements": system.chain.size - 1 - len(system.mesh.joints),
         "unknowns": unknowns,
         "simulated": reached - start,
         "time": reached,
-        **counts(dynamics),
+        **counts(integrator),
         "wall_seconds": wall,
         "cpu_seconds": cpu,
         "start_seconds": marks[0] - began[0],
@@ -52,10 +52,10 @@ def of_run(scene, recorder, dynamics, notes, reached: float, start: float, began
         result["energy"] = energy(recorder)
     if recorder.flow is not None:
         result["mass"] = recorder.mass_balance()
-    if scene.drilling is not None:
-        drilled = new_hole(scene.drilling.drilled_hole(), scene.drilling.hole.start)
+    if model.drilling is not None:
+        drilled = new_hole(model.drilling.drilled_hole(), model.drilling.hole.start)
         if drilled is not None:
-            result["new_hole"] = told(drilled)
+            result["new_hole"] = as_dict(drilled)
     if error is None or isinstance(error, Interrupted):
         row = recorder.history_row(reached, 0.0, 0.0)
         result["final"] = {f"{n} [{u}]": value for (n, u), value in zip(recorder.columns, row, strict=True) if n not in ("step", "newton")}
@@ -71,16 +71,16 @@ def notes_of(state) -> dict[str, Any]:
                         "imperfection": float(e.imperfection), "warnings": list(state.warnings)}}
 
 
-def field_counts(model) -> list[tuple[Any, int]]:
+def field_counts(system) -> list[tuple[Any, int]]:
     """Each field with the number of vertices that have it (whole string)."""
-    return [(f, int(model.regions[f.region].sum())) for f in model.layout.fields]
+    return [(f, int(system.regions[f.region].sum())) for f in system.layout.fields]
 
 
-def counts(dynamics) -> dict[str, int]:
-    c = dynamics.counters
-    return {"steps": c.steps, "rejected_steps": c.rejected, "newton_iterations": dynamics.newton_iterations(),
-            "jacobians": dynamics.jacobian_count(), "failed_solves": dynamics.failure_count(),
-            "linear_iterations": dynamics.linear_iterations()}
+def counts(integrator) -> dict[str, int]:
+    c = integrator.counters
+    return {"steps": c.steps, "rejected_steps": c.rejected, "newton_iterations": integrator.newton_iterations(),
+            "jacobians": integrator.jacobian_count(), "failed_solves": integrator.failure_count(),
+            "linear_iterations": integrator.linear_iterations()}
 
 
 def energy(recorder) -> dict[str, float]:

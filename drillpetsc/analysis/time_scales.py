@@ -12,7 +12,7 @@ from math import gamma, pi, sqrt
 import numpy as np
 
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.model.drilling_model import Scene
+from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.contact import BitOnBottom, ContactLaw
 
 RESOLVED = 0.3  # share of an impact's duration within which a step may be: beyond, BDF2 makes or loses energy there
@@ -47,19 +47,19 @@ class TimeScales:
         """In words."""
         parts = [(self.impact, "impact on the wall"), (self.bit, "bit on the bottom"), (self.axial, "axial wave"),
                  (self.torsional, "torsional wave"), (self.bending, "bending wave"), (self.mud, "pressure wave")]
-        named = [f"{words} {told(value)}" for value, words in parts if np.isfinite(value)]
+        named = [f"{words} {format_time(value)}" for value, words in parts if np.isfinite(value)]
         if not named:
             return []
         out = ["time scales (waves: period of the fastest element): " + ", ".join(named)]
         if np.isfinite(self.impact):
-            out.append(f"steps: impacts are resolved below {told(RESOLVED * self.impact)}; contact.energy_strict caps them at "
-                       f"{told(STRICT * self.impact)}; an explicit method would need {told(self.explicit_step)}")
+            out.append(f"steps: impacts are resolved below {format_time(RESOLVED * self.impact)}; contact.energy_strict caps them at "
+                       f"{format_time(STRICT * self.impact)}; an explicit method would need {format_time(self.explicit_step)}")
         else:
-            out.append(f"steps: of any length (BDF 1 and 2); an explicit method would need {told(self.explicit_step)}")
+            out.append(f"steps: of any length (BDF 1 and 2); an explicit method would need {format_time(self.explicit_step)}")
         return out
 
 
-def told(seconds: float) -> str:
+def format_time(seconds: float) -> str:
     """0.0017 -> "1.7 ms"."""
     for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
         if seconds >= size:
@@ -80,16 +80,16 @@ def impact_time(law: ContactLaw, mass: FloatArray, length: FloatArray) -> FloatA
     return 2 * depth / v * sqrt(pi) * gamma(1 + q) / gamma(0.5 + q)
 
 
-def time_scales(scene: Scene) -> TimeScales:
+def time_scales(model: DrillingModel) -> TimeScales:
     """Of a scene; steel alone carries the waves and impacts (mud that moves along makes them slower)."""
-    mesh, found = scene.mesh, {}
-    if scene.beam is not None:
+    mesh, found = model.mesh, {}
+    if model.beam is not None:
         e = ~mesh.is_joint
         L, mass = mesh.length[e], mesh.mass[e]
         found["axial"] = _period(AXIAL * mesh.axial_stiffness[e] / (mass * L**2))
         found["torsional"] = _period(TORSIONAL * mesh.torsional_stiffness[e] / (mesh.polar_inertia[e] * L**2))
         found["bending"] = _period(BENDING * mesh.bending_stiffness[e] / (mass * L**4))
-    if scene.contact is not None:
+    if model.contact is not None:
         touching = (mesh.outer_diameter > 0) & ~mesh.is_joint
         masses, lengths = list(mesh.mass[touching]), list(mesh.length[touching])
         for item in mesh.bodies:
@@ -97,13 +97,13 @@ def time_scales(scene: Scene) -> TimeScales:
                 masses.append(item.mass / item.length)
                 lengths.append(item.length)
         if masses:
-            found["impact"] = float(impact_time(scene.contact.law, np.array(masses), np.array(lengths)).min())
-    if scene.bit is not None:
-        stiffness = scene.bit.stiffness if isinstance(scene.bit, BitOnBottom) else scene.bit.contact.stiffness
+            found["impact"] = float(impact_time(model.contact.law, np.array(masses), np.array(lengths)).min())
+    if model.bit is not None:
+        stiffness = model.bit.stiffness if isinstance(model.bit, BitOnBottom) else model.bit.contact.stiffness
         end = sum(b.mass for b in mesh.bodies if b.node == mesh.nodes - 1) + 0.5 * mesh.mass[-1] * mesh.length[-1]
         found["bit"] = pi * sqrt(float(end) / stiffness)
-    if scene.fluid is not None:
-        found["mud"] = _mud(scene)
+    if model.fluid is not None:
+        found["mud"] = _mud(model)
     return TimeScales(**found)
 
 
@@ -113,24 +113,24 @@ def _period(squares: FloatArray) -> float:
     return 2 * pi / sqrt(float(good.max())) if good.size else np.inf
 
 
-def _mud(scene: Scene) -> float:
+def _mud(model: DrillingModel) -> float:
     """Fastest element of both channels; wave speed a = (rho (1/K + wall))^(-1/2) (Korteweg)."""
-    assert scene.fluid is not None
-    f, L = scene.fluid.constants, scene.mesh.length
-    walls = [room.bore.wall for room in (scene.fluid.pipe,) if room is not None]
-    walls += [room.annulus.wall for room in (scene.fluid.annulus,) if room is not None]
+    assert model.fluid is not None
+    f, L = model.fluid.constants, model.mesh.length
+    walls = [component.bore.wall for component in (model.fluid.bore,) if component is not None]
+    walls += [component.annulus.wall for component in (model.fluid.annulus,) if component is not None]
     return min(_period(MUD / (f.density * (1 / f.bulk_modulus + wall) * L**2)) for wall in walls)
 
 
-def longest_strict_step(scene: Scene) -> float:
+def longest_strict_step(model: DrillingModel) -> float:
     """Cap of the step under contact.energy_strict [s]; infinite without contact."""
-    return STRICT * time_scales(scene).impact
+    return STRICT * time_scales(model).impact
 
 
-def step_warnings(scene: Scene, fixed_step: float | None) -> list[str]:
+def step_warnings(model: DrillingModel, fixed_step: float | None) -> list[str]:
     """What steps of fixed length [s] are too long for."""
-    impact = time_scales(scene).impact
+    impact = time_scales(model).impact
     if fixed_step is None or fixed_step <= RESOLVED * impact:
         return []
-    return [f"fixed steps of {told(fixed_step)} do not resolve impacts of {told(impact)}: rebounds and the energy they keep are not to be "
-            f"trusted (below {told(RESOLVED * impact)} they are; or leave the step to -ts_rtol)"]
+    return [f"fixed steps of {format_time(fixed_step)} do not resolve impacts of {format_time(impact)}: rebounds and the energy they keep are not to be "
+            f"trusted (below {format_time(RESOLVED * impact)} they are; or leave the step to -ts_rtol)"]

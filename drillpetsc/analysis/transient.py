@@ -16,20 +16,20 @@ from drillpetsc.analysis import checkpoint, summary
 from drillpetsc.analysis.equilibrium import StaticState, find_equilibrium, move_rigidly, place_along_hole, release
 from drillpetsc.analysis.memory import Memory
 from drillpetsc.analysis.quasi_static import QuasiStatic
-from drillpetsc.analysis.run_control import AFTER, FAILED, NOTHING, STOP, Watch, cannot_write, first_rank_does
+from drillpetsc.analysis.run_control import FAILED, NOTHING, RESTART_HINT, STOP, RunControl, cannot_write, first_rank_does
 from drillpetsc.analysis.steady_flow import fluid_unknowns, is_fluid
 from drillpetsc.analysis.time_scales import longest_strict_step, step_warnings
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, Interrupted, SolveError
-from drillpetsc.model.drilling_model import Scene, build_scene, is_quasi_static
+from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.output import FieldWriter, RunFolder, Table, write_summary
-from drillpetsc.output.energy_balance import Gain
+from drillpetsc.output.energy_balance import EnergyGainMonitor
 from drillpetsc.output.progress import Progress
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.solvers import petsc_options as options
-from drillpetsc.solvers.local_error import TimeError
-from drillpetsc.solvers.time_integrator import Dynamics
+from drillpetsc.solvers.local_error import LocalErrorEstimate
+from drillpetsc.solvers.time_integrator import TimeIntegrator
 
 TINY = 1e-9  # output times closer than this share of the interval are one
 
@@ -45,9 +45,9 @@ class RunResult:
 class _Writer:
     """Files of a run, on rank 0; silent elsewhere.  Rows and frames are taken as their times are passed."""
 
-    def __init__(self, scene: Scene, recorder: Recorder, folder: RunFolder | None, restart_time: float | None):
-        self.scene, self.recorder, self.folder = scene, recorder, folder
-        out = scene.case.output
+    def __init__(self, model: DrillingModel, recorder: Recorder, folder: RunFolder | None, restart_time: float | None):
+        self.model, self.recorder, self.folder = model, recorder, folder
+        out = model.case.output
         self.every = (float(out.history_every), float(out.field_every))  # type: ignore[arg-type]
         self.next_row, self.next_frame = ((0, 0) if restart_time is None else (after(restart_time, e) for e in self.every))
         self.event = PETSc.Log.Event("Output")
@@ -56,8 +56,8 @@ class _Writer:
             self.probes = Table(folder.probes, recorder.probe_columns, restart_time=restart_time) if recorder.probes else None
             self.frames = FieldWriter(folder.path, restart_time=restart_time)
 
-    def take(self, t: float, dt: float, newton: int, watch: Watch) -> bool:
-        """Write all rows and the frame that are due at ``t``, and tell whether any was; collective.  ``watch`` hears what goes wrong."""
+    def take(self, t: float, dt: float, newton: int, control: RunControl) -> bool:
+        """Write all rows and the frame that are due at ``t``, and tell whether any was; collective.  ``control`` hears what goes wrong."""
         row_due, frame_due = passed(self.next_row * self.every[0], t), passed(self.next_frame * self.every[1], t)
         if not row_due and not frame_due:
             return False
@@ -69,7 +69,7 @@ class _Writer:
         try:
             self._write([row * self.every[0] for row in rows], t, dt, newton, data)
         except OSError as error:
-            watch.failed(error, error.filename or str(self.folder.path))  # type: ignore[union-attr]
+            control.report_write_error(error, error.filename or str(self.folder.path))  # type: ignore[union-attr]
         self.next_row = rows.stop
         if frame_due:
             self.next_frame = after(t, self.every[1])
@@ -129,39 +129,39 @@ def run(case: Case | str | Path, out: str | Path | None = None, *, restart: bool
         raise CaseError(at="time", want="a block {end: ...}", hint="for the static state alone use: drillpetsc statics")
     began = clock.perf_counter(), clock.process_time()
     with options.applied(case.petsc) as used:
-        scene = build_scene(case, comm)
-        quasi = QuasiStatic(scene) if is_quasi_static(case) else None
-        recorder, dynamics = Recorder(scene), make_dynamics(scene, quasi)
-        gain = Gain(recorder)
+        model = build_model(case, comm)
+        quasi = QuasiStatic(model) if is_quasi_static(case) else None
+        recorder, integrator = Recorder(model), make_integrator(model, quasi)
+        gain = EnergyGainMonitor(recorder)
         options.refuse_unread(used)
         folder = make_folder(comm, name or "case", out, restart, overwrite)
         try:
             saved = _saved(comm, folder, restart)
             if restart and saved is None and comm.rank == 0 and progress != "silent":
                 print(f"{folder.path}: no checkpoint yet, so the run starts from its beginning", file=sys.stderr)
-            state = _initial(scene, case, saved, quasi)
-            return _Run(scene, recorder, dynamics, folder, saved, state, quasi, gain, began, progress).whole()
+            state = _initial(model, case, saved, quasi)
+            return _Run(model, recorder, integrator, folder, saved, state, quasi, gain, began, progress).whole()
         finally:
             folder.release()
 
 
-def make_dynamics(scene: Scene, quasi: QuasiStatic | None = None) -> Dynamics:
+def make_integrator(model: DrillingModel, quasi: QuasiStatic | None = None) -> TimeIntegrator:
     """The integrator that the case asks for."""
     if quasi is not None:
-        return quasi.dynamics()
-    model, mud = scene.model, scene.case.fluid
-    kept = _step_limits(scene)
+        return quasi.integrator()
+    system, mud = model.system, model.case.fluid
+    kept = _step_limits(model)
     if mud is not None and mud.dynamics == "quasi_steady":  # the mud follows the string without delay
-        model.assembly.take_rates_from(np.zeros(model.layout.size + 1), fluid_unknowns(model))
-        return Dynamics(model, controlled=lambda name: not is_fluid(name), defaults=kept)
-    return Dynamics(model, defaults=kept)
+        system.assembly.take_rates_from(np.zeros(system.layout.size + 1), fluid_unknowns(system))
+        return TimeIntegrator(system, controlled=lambda name: not is_fluid(name), defaults=kept)
+    return TimeIntegrator(system, defaults=kept)
 
 
-def _step_limits(scene: Scene) -> dict[str, Any]:
+def _step_limits(model: DrillingModel) -> dict[str, Any]:
     """PETSc options that cap the step where contact.energy_strict (or -drillpetsc_energy_strict) asks for it."""
-    options, contact = PETSc.Options(), scene.case.contact
+    options, contact = PETSc.Options(), model.case.contact
     strict = options.getBool("drillpetsc_energy_strict", contact is not None and contact.energy_strict)
-    longest = longest_strict_step(scene) if strict else np.inf
+    longest = longest_strict_step(model) if strict else np.inf
     if not np.isfinite(longest):
         return {}
     fixed = options.getReal(petsc_compat.time_step_option(), 0.0) if options.getString("ts_adapt_type", "basic") == "none" else 0.0
@@ -202,75 +202,75 @@ def _saved(comm, folder: RunFolder, restart: bool) -> checkpoint.Checkpoint | No
     return answer
 
 
-def _initial(scene: Scene, case: Case, saved: checkpoint.Checkpoint | None, quasi: QuasiStatic | None) -> StaticState | None:
+def _initial(model: DrillingModel, case: Case, saved: checkpoint.Checkpoint | None, quasi: QuasiStatic | None) -> StaticState | None:
     """Bring the scene to its state at the start."""
     if saved is not None:
-        checkpoint.restore(scene, saved)
+        checkpoint.restore(model, saved)
         if quasi is not None:
             quasi.begin(saved.time, saved.notes.get("share", 1.0))
         return None
     state = None
     if case.initial.from_ == "statics":
-        state = find_equilibrium(scene)
+        state = find_equilibrium(model)
     elif case.initial.from_ in ("rest", "straight"):
-        place_along_hole(scene)
+        place_along_hole(model)
     else:
         other = checkpoint.read(Path(case.initial.from_) / "checkpoint.h5")
-        checkpoint.restore(scene, other, at="initial.from")
-        checkpoint.start_clock_anew(scene, other)
+        checkpoint.restore(model, other, at="initial.from")
+        checkpoint.start_clock_anew(model, other)
         if quasi is None:
-            release(scene)
+            release(model)
         else:
             quasi.begin()
         return None
     if quasi is not None:
         quasi.begin(share=state.side if state is not None else 1.0)
         return state
-    release(scene)
-    move_rigidly(scene)
+    release(model)
+    move_rigidly(model)
     return state
 
 
 class _Run:
     """The motion from the start, or from a checkpoint, to the end, with its files."""
 
-    def __init__(self, scene, recorder, dynamics, folder, saved, state, quasi, gain, began, progress):
-        self.scene, self.recorder, self.dynamics, self.folder, self.saved = scene, recorder, dynamics, folder, saved
-        self.case, self.mpi, self.began = scene.case, scene.model.comm.tompi4py(), began
+    def __init__(self, model, recorder, integrator, folder, saved, state, quasi, gain, began, progress):
+        self.model, self.recorder, self.integrator, self.folder, self.saved = model, recorder, integrator, folder, saved
+        self.case, self.mpi, self.began = model.case, model.system.comm.tompi4py(), began
         self.first = self.mpi.rank == 0
         self.start = self.t = saved.time if saved is not None else 0.0
         self.notes: dict[str, Any] = saved.notes if saved is not None else summary.notes_of(state)
         if quasi is not None:
             self.notes["share"] = quasi.share
-        fixed = dynamics.first_step if dynamics.options.get("ts_adapt_type") == "none" and quasi is None else None
-        self.notes["warnings"] = step_warnings(scene, fixed)
+        fixed = integrator.first_step if integrator.options.get("ts_adapt_type") == "none" and quasi is None else None
+        self.notes["warnings"] = step_warnings(model, fixed)
         self.gain = gain
         self.newton, self.marks, self.progress = 0, began, progress
         self.bar = Progress(self.case.time.end, self.start, mode=progress if self.first else "silent")
-        self.watch = Watch(self.mpi)
+        self.control = RunControl(self.mpi)
 
     def whole(self) -> RunResult:
         """Run it; what was written stays whatever happens."""
-        dynamics, recorder, saved = self.dynamics, self.recorder, self.saved
+        integrator, recorder, saved = self.integrator, self.recorder, self.saved
         if saved is not None:
-            recorder.recall(saved.books)
-            dynamics.recall(saved.stepper)
+            recorder.set_state(saved.books)
+            integrator.set_state(saved.stepper)
         else:
             recorder.begin(0.0)
         first_rank_does(self.mpi, str(self.folder.path), self._open)
         if not self.first:
             self._open()
-        dynamics.after_step.append(self._after_step)
-        dynamics.at_jump.append(recorder.at_jump)
-        dynamics.at_rest.append(self._at_rest)
-        self.estimate, self.memory = TimeError(dynamics), Memory(self.mpi, self.start, self.case.time.end)
+        integrator.after_step.append(self._after_step)
+        integrator.at_jump.append(recorder.at_jump)
+        integrator.at_rest.append(self._at_rest)
+        self.estimate, self.memory = LocalErrorEstimate(integrator), Memory(self.mpi, self.start, self.case.time.end)
         self._warn(self.notes["warnings"])
         self.marks = clock.perf_counter(), clock.process_time()
         error: BaseException | None = None
         try:
-            with self.watch:
+            with self.control:
                 if saved is None:
-                    self.writer.take(0.0, 0.0, 0, self.watch)
+                    self.writer.take(0.0, 0.0, 0, self.control)
                     self._save(0.0)
                 self._move()
         except BaseException as failure:
@@ -286,9 +286,9 @@ class _Run:
                 self.bar.message(f"warning: {words}")
 
     def _open(self) -> None:
-        self.writer = _Writer(self.scene, self.recorder, self.folder if self.first else None, None if self.saved is None else self.start)
+        self.writer = _Writer(self.model, self.recorder, self.folder if self.first else None, None if self.saved is None else self.start)
         if self.first and self.saved is None:
-            _write_scene(self.scene, self.folder)
+            _write_scene(self.model, self.folder)
 
     def _move(self) -> None:
         """All steps; checkpoints are passed on the way, or landed on where the formula cannot be put back."""
@@ -296,45 +296,45 @@ class _Run:
         if self.start >= end * (1 - TINY):  # nothing is left to do
             return
         k = after(self.start, every)
-        stops = [] if self.dynamics.remembers else [j * every for j in range(k, after(end, every)) if j * every < end * (1 - TINY)]
+        stops = [] if self.integrator.remembers else [j * every for j in range(k, after(end, every)) if j * every < end * (1 - TINY)]
         self.next_save = k
         for stop in [*stops, end]:
-            self.dynamics.run(self.t, stop, self.scene.breaks)
-            if self.dynamics.stopped:
+            self.integrator.run(self.t, stop, self.model.breaks)
+            if self.integrator.stopped:
                 self.recorder.audit(self.t)
-                raise Interrupted(self.watch.name, self.t, self.folder.path)
+                raise Interrupted(self.control.name, self.t, self.folder.path)
             self._save(stop)
 
     def _after_step(self, t: float, dt: float) -> None:
-        recorder, dynamics, writer = self.recorder, self.dynamics, self.writer
-        recorder.step(t, dt, writer.next_row * writer.every[0], dynamics.input_time(t), dynamics.fresh)
-        if dynamics.jumped:
-            recorder.book_impulse(t)
-        newton = dynamics.newton_iterations()
-        self.due = writer.take(t, dt, newton - self.newton, self.watch)
+        recorder, integrator, writer = self.recorder, self.integrator, self.writer
+        recorder.step(t, dt, writer.next_row * writer.every[0], integrator.input_time(t), integrator.fresh)
+        if integrator.jumped:
+            recorder.add_impulse_work(t)
+        newton = integrator.newton_iterations()
+        self.due = writer.take(t, dt, newton - self.newton, self.control)
         self.t, self.newton = t, newton
         self.memory.look(t)
-        self.bar.update(t, dynamics.counters.steps, dt)
+        self.bar.update(t, integrator.counters.steps, dt)
 
     def _at_rest(self, t: float) -> None:
         """The step is done with: look at what came from outside, and save what is due."""
-        every, asked = self.case.output.checkpoint_every, self.watch.look(self.due)
+        every, asked = self.case.output.checkpoint_every, self.control.poll(self.due)
         if asked == FAILED:
-            told = self.mpi.allreduce(self.watch.error)  # of one rank only
-            raise SolveError(told, time=t, hint=AFTER)
-        due = self.dynamics.remembers and passed(self.next_save * every, t) and t < self.case.time.end * (1 - TINY)
+            reported = self.mpi.allreduce(self.control.error)  # of one rank only
+            raise SolveError(reported, time=t, hint=RESTART_HINT)
+        due = self.integrator.remembers and passed(self.next_save * every, t) and t < self.case.time.end * (1 - TINY)
         if due or asked != NOTHING:
             self._save(t)
         if due:
             self.next_save = after(t, every)
         if self.due:
-            self.gain.judge(t)
+            self.gain.check(t)
         if asked == STOP:
-            self.dynamics.stop()
+            self.integrator.stop()
 
     def _save(self, t: float) -> None:
         """Write a checkpoint; collective."""
-        c = checkpoint.take(self.scene, self.recorder, self.dynamics, t, self.notes)
+        c = checkpoint.take(self.model, self.recorder, self.integrator, t, self.notes)
 
         def put() -> None:
             assert c is not None
@@ -345,20 +345,20 @@ class _Run:
 
     def _close(self, error: BaseException | None) -> dict[str, Any]:
         """Close the files and sum up."""
-        scene, folder = self.scene, self.folder
+        model, folder = self.model, self.folder
         self.writer.close()
-        self.bar.finish(self.t, self.dynamics.counters.steps)
-        result = summary.of_run(scene, self.recorder, self.dynamics, self.notes, self.t, self.start, self.began, self.marks, error)
-        result |= self.estimate.told(error is None) | {"memory": self.memory.told(error is None)}
+        self.bar.finish(self.t, self.integrator.counters.steps)
+        result = summary.of_run(model, self.recorder, self.integrator, self.notes, self.t, self.start, self.began, self.marks, error)
+        result |= self.estimate.as_dict(error is None) | {"memory": self.memory.as_dict(error is None)}
         if "energy" in result:
             result["energy"] |= self.gain.summary()
             if result["energy"]["flag"]:
-                result["warnings"] = [*result["warnings"], self.gain.words()]
+                result["warnings"] = [*result["warnings"], self.gain.message()]
                 self._warn(result["warnings"][-1:])
 
         def put() -> None:
-            if scene.drilling is not None:
-                write_well_files(scene, folder)
+            if model.drilling is not None:
+                write_well_files(model, folder)
             write_summary(folder.summary, result)
 
         if error is None:
@@ -371,8 +371,8 @@ class _Run:
         return result
 
 
-def _write_scene(scene: Scene, folder: RunFolder) -> None:
+def _write_scene(model: DrillingModel, folder: RunFolder) -> None:
     """Files that do not change during a run."""
-    scene.case.dump(folder.case)
-    if scene.well is not None:
-        write_well_files(scene, folder)
+    model.case.dump(folder.case)
+    if model.well is not None:
+        write_well_files(model, folder)

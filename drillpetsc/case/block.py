@@ -7,11 +7,11 @@ from typing import Any, ClassVar, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from drillpetsc.case.key_paths import later, near, refuse
+from drillpetsc.case.key_paths import refuse, suggestion, unsupported
 from drillpetsc.errors import shown
 
 
-class Model(BaseModel):
+class Block(BaseModel):
     """A block of the case file. Attribute names are the keys (`from` is `from_`)."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True, use_attribute_docstrings=False)
@@ -36,21 +36,21 @@ class Model(BaseModel):
         allowed = set(cls.keys()) | set(cls.model_fields)
         for key, value in data.items():
             if key in cls.later_keys:
-                raise later(key, got=value, what=key)
+                raise unsupported(key, got=value, what=key)
             if isinstance(value, str) and value in cls.later_values.get(key, ()):
-                raise later(key, got=value, what=f"{key} {value}")
+                raise unsupported(key, got=value, what=f"{key} {value}")
             if key not in allowed:
                 of = f" ({cls.told_by}: {shown(data[cls.told_by])})" if cls.told_by in data else ""
-                hint = near(key, cls.keys())
+                hint = suggestion(key, cls.keys())
                 raise refuse(key, got=value, want=f"one of these keys{of}: {', '.join(cls.keys())}", hint=hint)
         return data
 
-    def settle(self, **values: Any) -> None:
+    def fill_defaults(self, **values: Any) -> None:
         """Fill in defaults that depend on other keys, while the model is being validated."""
         self.__dict__.update(values)
 
 
-def follows(description: str) -> Any:
+def derived_default(description: str) -> Any:
     """A key whose default follows from other keys: None until the model is settled, a value afterwards."""
     return Field(default=None, description=description)
 
@@ -60,7 +60,7 @@ def kinds_of(model: type[BaseModel], key: str = "kind") -> tuple[str, ...]:
     return get_args(model.model_fields[key].annotation)
 
 
-def chosen(
+def tagged_union(
     *models: type[BaseModel], short: tuple[str, ...] = (), key: str = "kind"
 ) -> tuple[Callable[[Any], Any], Callable[[Any], str]]:
     """(check, tag) for a union of models that differ by `kind`, or by the key named `key`.
@@ -80,14 +80,14 @@ def chosen(
             if value in model_of:
                 words = ", ".join(short)
                 raise refuse(got=value, want=f"a mapping {{{key}: {value}, ...}}, or one of the words {words}")
-            raise refuse(got=value, want=f"one of {every}", hint=near(value, model_of))
+            raise refuse(got=value, want=f"one of {every}", hint=suggestion(value, model_of))
         if not isinstance(value, Mapping):
             raise refuse(got=value, want=f"a mapping with a {key}, one of {every}")
         if key not in value:
-            guess = next((near(other, [key]) for other in value if near(other, [key])), "")
+            guess = next((suggestion(other, [key]) for other in value if suggestion(other, [key])), "")
             raise refuse(key, want=f"a key '{key}', one of {every}", hint=guess)
         if not isinstance(value[key], str) or value[key] not in model_of:
-            raise refuse(key, got=value[key], want=f"one of {every}", hint=near(value[key], model_of))
+            raise refuse(key, got=value[key], want=f"one of {every}", hint=suggestion(value[key], model_of))
         return value
 
     def tag(value: Any) -> str:

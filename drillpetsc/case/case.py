@@ -17,7 +17,7 @@ from pydantic import (
     model_validator,
 )
 
-from drillpetsc.case.block import Model
+from drillpetsc.case.block import Block
 from drillpetsc.case.blocks.ends import AnyLoad, Bottom, HeldBottom, HeldTop, Top
 from drillpetsc.case.blocks.fluid import Fluid
 from drillpetsc.case.blocks.formation import Formation
@@ -36,7 +36,7 @@ Option = bool | int | float | str
 STANDARD_GRAVITY = 9.80665  # [m/s2], ISO 80000-3
 
 
-class Case(Model):
+class Case(Block):
     """A scene: what hangs in which hole, what drives it, and for how long. A block that is absent is absent physics.
 
     Built from the keys of a case file: `Case(string=[{"kind": "pipe", "length": "9 m", "od": "5 in"}], top="clamped")`.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, TypeVar
 
-from drillpetsc.case.block import Model
+from drillpetsc.case.block import Block
 from drillpetsc.case.blocks.string import Beam, Inertia, Item, Material, Pipe, Rigid
 from drillpetsc.case.blocks.well import Contact
 from drillpetsc.time_function import Constant, Ramp, TimeFunction
@@ -13,28 +13,28 @@ from drillpetsc.time_function import Constant, Ramp, TimeFunction
 if TYPE_CHECKING:
     from drillpetsc.case.case import Case
 
-Block = TypeVar("Block", bound=Model)
+AnyBlock = TypeVar("AnyBlock", bound=Block)
 
 
 def settle_presence(case: Case) -> None:
     """Fill in what the presence of one block says of another: contact with a hole, an annulus in it."""
     if case.hold_string:
-        case.settle(contact=None)
+        case.fill_defaults(contact=None)
     elif case.well is not None and "contact" not in case.model_fields_set:
-        case.settle(contact=Contact())
+        case.fill_defaults(contact=Contact())
     if case.fluid is not None:
         annulus = case.well is not None if case.fluid.annulus is None else case.fluid.annulus
         speed = case.fluid.lateral_damping_speed or largest(getattr(case.top, "rotation", None)) or 1.0
-        case.settle(fluid=case.fluid.model_copy(update={"annulus": annulus, "lateral_damping_speed": speed}))
+        case.fill_defaults(fluid=case.fluid.model_copy(update={"annulus": annulus, "lateral_damping_speed": speed}))
 
 
 def settle_scene(case: Case) -> None:
     """Fill in what the case leaves to its other keys."""
     if case.formation is not None and case.formation.bit_law.stiffness is not None:
-        case.settle(bottom=case.bottom.model_copy(update={"stiffness": case.formation.bit_law.stiffness}))
-    case.settle(string=tuple(_settled(item, case.material) for item in case.string))
+        case.fill_defaults(bottom=case.bottom.model_copy(update={"stiffness": case.formation.bit_law.stiffness}))
+    case.fill_defaults(string=tuple(_settled(item, case.material) for item in case.string))
     if case.time is not None:
-        case.settle(output=case.output.settled(case.time.end, case.time.mode == "dynamic"))
+        case.fill_defaults(output=case.output.settled(case.time.end, case.time.mode == "dynamic"))
 
 
 def largest(function: TimeFunction | None) -> float:
@@ -61,13 +61,13 @@ def _settled(item: Item, material: Material) -> Item:
     return item
 
 
-def overlaid(below: Block, above: Block | None) -> Block:
+def overlaid(below: AnyBlock, above: AnyBlock | None) -> AnyBlock:
     """The block `below` with the keys that `above` gives in its stead, blocks inside blocks likewise."""
     if above is None:
         return below
     given = {key: getattr(above, key) for key in above.model_fields_set}
     for key, value in given.items():
-        if isinstance(value, Model):
+        if isinstance(value, Block):
             given[key] = overlaid(getattr(below, key), value)
     return below.model_copy(update=given)
 

@@ -65,7 +65,7 @@ def check_plain(value: Any, at: Path = ()) -> None:
             check_plain(part, (*at, i))
 
 
-def near(word: object, known: Iterable[str]) -> str:
+def suggestion(word: object, known: Iterable[str]) -> str:
     """`did you mean ...?`, or nothing."""
     if not isinstance(word, str) or len(word) > 100:
         return ""
@@ -78,7 +78,7 @@ def refuse(*at: str | int, got: object = None, want: str, hint: str = "") -> Pyd
     return PydanticCustomError("case", "wrong value", {"at": at, "got": got, "want": want, "hint": hint})
 
 
-def later(*at: str | int, got: object = None, what: str) -> PydanticCustomError:
+def unsupported(*at: str | int, got: object = None, what: str) -> PydanticCustomError:
     """The error for a key of the case format that this version cannot honour."""
     return refuse(*at, got=got, want=f"{what} is not available in this version", hint="leave the key out")
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from drillpetsc.case.key_paths import Path, near, written
+from drillpetsc.case.key_paths import Path, suggestion, written
 from drillpetsc.errors import CaseError, shown
 
 _MISSING = object()
@@ -63,7 +63,7 @@ def _words(details: Mapping[str, Any], got: Any) -> tuple[str, str]:
     kind, context = details["type"], details.get("ctx", {})
     if kind in ("literal_error", "enum"):
         words = [word.strip("'") for word in context["expected"].replace(" or ", ", ").split(", ")]
-        return f"one of {', '.join(words)}" if len(words) > 1 else words[0], near(got, words)
+        return f"one of {', '.join(words)}" if len(words) > 1 else words[0], suggestion(got, words)
     if kind == "too_short":
         return f"at least {context['min_length']} entries" if context["min_length"] > 1 else "at least 1 entry", ""
     bounds = {"greater_than_equal": ("at least", "ge"), "less_than_equal": ("at most", "le")}

@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-from drillpetsc.case.key_paths import near, refuse
+from drillpetsc.case.key_paths import refuse, suggestion
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp, TimeFunction
 from drillpetsc.units import DIMENSIONS, UnitError, to_si, wanted
 
@@ -134,7 +134,7 @@ class OverTime:
         forms = "a constant, {time: [...], value: [...]} or {ramp: 2 s, value: ...}"
         for key in value:
             if key not in ("time", "ramp", "value"):
-                raise refuse(key, got=value[key], want=forms, hint=near(key, ("time", "ramp", "value")))
+                raise refuse(key, got=value[key], want=forms, hint=suggestion(key, ("time", "ramp", "value")))
         if "value" not in value or ("time" in value) == ("ramp" in value):
             raise refuse(got=dict(value), want=forms)
         if "ramp" in value:

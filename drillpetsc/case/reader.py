@@ -71,8 +71,8 @@ def read_case_file(path: str | FilePath) -> tuple[dict[str, Any], Lines]:
     except UnicodeDecodeError:
         raise CaseError(file=path, want="a text file in UTF-8") from None
     except OSError:
-        near = difflib.get_close_matches(path.name, [other.name for other in path.parent.glob("*.y*ml")], 1)
-        hint = f"did you mean {path.parent / near[0]}?" if near else ""
+        suggestion = difflib.get_close_matches(path.name, [other.name for other in path.parent.glob("*.y*ml")], 1)
+        hint = f"did you mean {path.parent / suggestion[0]}?" if suggestion else ""
         raise CaseError(got=path, want="a case file that exists and can be read", hint=hint) from None
     tree = parse(text, path)
     if tree is None:

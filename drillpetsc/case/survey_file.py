@@ -8,7 +8,7 @@ import re
 from contextvars import ContextVar
 from pathlib import Path
 
-from drillpetsc.case.key_paths import near, refuse
+from drillpetsc.case.key_paths import refuse, suggestion
 from drillpetsc.errors import CaseError
 from drillpetsc.units import UnitError, to_si
 
@@ -60,7 +60,7 @@ def _file(name: str) -> Path:
             return run
         if os.path.isfile(path):
             return path
-    hint = near(name, [other.name for other in folder.glob("*.csv")])
+    hint = suggestion(name, [other.name for other in folder.glob("*.csv")])
     hint = hint or f"looked in {'' if str(folder) == '.' else f'{folder} and '}the working directory"
     raise refuse(got=name, want="a survey file that exists, a run folder, or {md: [...], inclination: [...], azimuth: [...]}", hint=hint)
 

@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.fem.component import Block, Corrections, FloatArray, Prescribed
-from drillpetsc.fem.corrected import Corrected
-from drillpetsc.fem.dof_layout import Layout
+from drillpetsc.fem.component import ElementBlock, FloatArray, PrescribedMotion, VelocityStabilization
+from drillpetsc.fem.corrected import BoundStabilization
+from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.kernels import function, pointer
 
 _rates = function("condensed_rates", "ipdppippp" + "p")
@@ -25,10 +25,10 @@ ROW_SCALE = 1.0e6
 LEVEL = 1.0e-4
 
 
-class _Ready:
+class BoundBlock:
     """A block with its tables in place and its kernel's arguments prepared."""
 
-    def __init__(self, block: Block, layout: Layout, where: int):
+    def __init__(self, block: ElementBlock, layout: DofLayout, where: int):
         self.block = block
         self.count = len(block.points)
         self.index = layout.index(block)
@@ -45,26 +45,26 @@ class _Ready:
         self.values_at = 0  # address of the block's entries, set by the assembly
         self.rows = np.repeat(rows, self.width, axis=1).ravel()
         self.columns = np.tile(rows, (1, self.width)).ravel()
-        self._numbers = (layout.line.cells if block.on == "cell" else layout.line.vertices)[block.points]
+        self._numbers = (layout.chain.cells if block.on == "cell" else layout.chain.vertices)[block.points]
 
     def renew(self, t: float) -> None:
         """Refresh what depends on time; an exception says where it comes from."""
         try:
             self.block.update(t)  # type: ignore[misc]
         except Exception as error:
-            error.add_note(f"in room {self.block.room}, element {self._numbers.min()} to {self._numbers.max()} of the string, time {t:g} s")
+            error.add_note(f"in component {self.block.component}, element {self._numbers.min()} to {self._numbers.max()} of the string, time {t:g} s")
             raise
 
 
-class _Fixed:
+class RowReplacement:
     """Row replacement at one vertex held by this rank (owner or not)."""
 
-    def __init__(self, condition: Prescribed, layout: Layout, local: int, ready: list[_Ready]):
+    def __init__(self, condition: PrescribedMotion, layout: DofLayout, local: int, ready: list[BoundBlock]):
         self.condition = condition
         self.D = np.ascontiguousarray(condition.directions)
-        parts = [layout.place[name][local] for name in ("string.position", "string.tangent", "string.spin")]
+        parts = [layout.dofs[name][local] for name in ("string.position", "string.tangent", "string.spin")]
         self.rows = np.concatenate(parts).astype(np.int32)
-        self.owned = bool(layout.line.owned[local])
+        self.owned = bool(layout.chain.owned[local])
         self.keep = np.eye(7) - self.D.T @ self.D
         self.touching = []  # (block, element, where in the element's rows the vertex's seven stand)
         for item in ready:
@@ -97,42 +97,42 @@ class Assembly:
     """Evaluates the rows of all rooms on this rank.
 
     x, y, a: (n+1,) unknowns, rates, accelerations in condensed local numbering, the last place a stand-in for absent fields, behind it
-    what follows from the unknowns (``look`` fills it; Layout.view); r: the residual; values: all Jacobian entries, in the order of ``rows``
+    what follows from the unknowns (``derive`` fills it; DofLayout.derived); r: the residual; values: all Jacobian entries, in the order of ``rows``
     and ``columns`` (local numbers, -1: left out).
     """
 
-    def __init__(self, layout: Layout, blocks: tuple[Block, ...], prescribed: tuple[Prescribed, ...], gauge: FloatArray,
-                 corrections: tuple[Corrections, ...] = ()):
+    def __init__(self, layout: DofLayout, blocks: tuple[ElementBlock, ...], prescribed: tuple[PrescribedMotion, ...], reference: FloatArray,
+                 corrections: tuple[VelocityStabilization, ...] = ()):
         self.layout = layout
         n = layout.size
-        self.x, self.y, self.a, self.r = (np.zeros(layout.reach) for _ in range(4))
-        self.look: Callable[[Assembly], None] | None = None
+        self.x, self.y, self.a, self.r = (np.zeros(layout.array_length) for _ in range(4))
+        self.derive: Callable[[Assembly], None] | None = None
         self._seen: dict[int, np.ndarray] = {}  # places of blocks that look at the view
         self.x[n] = 1.0  # an absent stretch ratio is one
         self.v0, self.v1 = np.zeros(n), np.zeros(n)
-        where, self.ready = 0, []
+        where, self.bound_blocks = 0, []
         for block in blocks:
-            self.ready.append(_Ready(block, layout, where))
-            where = self.ready[-1].span.stop
-        spin = layout.place.get("string.spin")
-        self.gauge = np.ascontiguousarray(gauge)
+            self.bound_blocks.append(BoundBlock(block, layout, where))
+            where = self.bound_blocks[-1].span.stop
+        spin = layout.dofs.get("string.spin")
+        self.reference = np.ascontiguousarray(reference)
         self.spin_at = np.zeros((0, 2), dtype=np.int32)
         if spin is not None:
-            self.spin_at = np.ascontiguousarray(np.column_stack([spin[:, 0], layout.place["string.tangent"][:, 0]]), dtype=np.int32)
+            self.spin_at = np.ascontiguousarray(np.column_stack([spin[:, 0], layout.dofs["string.tangent"][:, 0]]), dtype=np.int32)
         self.spin_gradient = np.zeros((max(1, len(self.spin_at)), 3))
-        local = {int(v): i for i, v in enumerate(layout.line.vertices)}
-        self.fixed = [_Fixed(c, layout, local[c.vertex], self.ready) for c in prescribed if c.vertex in local]
-        size = where + 49 * sum(f.owned for f in self.fixed)
-        self.corrected = [Corrected(c, layout, self.ready, self.fixed) for c in corrections]
+        local = {int(v): i for i, v in enumerate(layout.chain.vertices)}
+        self.row_replacements = [RowReplacement(c, layout, local[c.vertex], self.bound_blocks) for c in prescribed if c.vertex in local]
+        size = where + 49 * sum(f.owned for f in self.row_replacements)
+        self.stabilized = [BoundStabilization(c, layout, self.bound_blocks, self.row_replacements) for c in corrections]
         self._at_corrected = size  # their entries stand last
-        self.values = np.zeros(size + sum(len(c.rows) for c in self.corrected))
-        rows, columns = [b.rows for b in self.ready], [b.columns for b in self.ready]
-        for f in self.fixed:
+        self.values = np.zeros(size + sum(len(c.rows) for c in self.stabilized))
+        rows, columns = [b.rows for b in self.bound_blocks], [b.columns for b in self.bound_blocks]
+        for f in self.row_replacements:
             if f.owned:
                 rows.append(np.repeat(f.rows, 7))
                 columns.append(np.tile(f.rows, 7))
-        rows += [c.rows for c in self.corrected]
-        columns += [c.columns for c in self.corrected]
+        rows += [c.rows for c in self.stabilized]
+        columns += [c.columns for c in self.stabilized]
         empty = [np.zeros(0, dtype=np.int32)]
         self.rows = np.concatenate(rows + empty).astype(np.int32)
         self.columns = np.concatenate(columns + empty).astype(np.int32)
@@ -141,13 +141,13 @@ class Assembly:
         self._weights = np.zeros(3)
         self._weights_at, self._spin_at = pointer(self._weights), pointer(self.spin_gradient)
         self._values_at = pointer(self.values)
-        for b in self.ready:
+        for b in self.bound_blocks:
             b.values_at = pointer(self.values) + 8 * b.span.start
-        self._nodes = (len(self.spin_at), pointer(self.spin_at), pointer(self.gauge))
+        self._nodes = (len(self.spin_at), pointer(self.spin_at), pointer(self.reference))
         self._history = pointer(self.v0), pointer(self.v1)
         self.version = 0  # counts new Jacobian values
         self.evaluations = 0  # of the rows
-        self.dead: FloatArray | None = None  # (n,) constant forces at owned unknowns (imperfection)
+        self.dead_load: FloatArray | None = None  # (n,) constant forces at owned unknowns (imperfection)
         self._frozen: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
         self._still: tuple[np.ndarray, FloatArray, dict[int, np.ndarray]] | None = None
 
@@ -166,7 +166,7 @@ class Assembly:
             self._still = None
             return
         by_column = np.append(mask, True)[self.columns]
-        kept = {b.span.start: np.flatnonzero(~by_column[b.span]) for b in self.ready}
+        kept = {b.span.start: np.flatnonzero(~by_column[b.span]) for b in self.bound_blocks}
         self._still = np.flatnonzero(mask), rates, kept
 
     def settle_rates(self) -> None:
@@ -180,25 +180,25 @@ class Assembly:
         """Rates and accelerations of a step from ``x``: y = sigma x + v0, a = sigma y + v1, spin rates with their transport."""
         x, y, a, _ = self._state
         _rates(self.layout.size, x, sigma, *self._history, *self._nodes, y, a)
-        for c in self.corrected:
+        for c in self.stabilized:
             c.apply(self, sigma)
 
     def impose_rates(self, t: float, sigma: float) -> None:
-        """Prescribed components move at the given rate exactly, not at the rate of the time formula."""
+        """PrescribedMotion components move at the given rate exactly, not at the rate of the time formula."""
         _, y, a, _ = self._state
-        for f in self.fixed:
+        for f in self.row_replacements:
             f.look_up(t)
             _fix_rates(*f.head, f.rate_at, sigma, self._history[1], y, a)
 
     def forget_inputs(self) -> None:
         """Look prescribed values up afresh: an anchor was moved while the time stood still."""
-        for f in self.fixed:
+        for f in self.row_replacements:
             f.time = None
 
     def transport(self) -> FloatArray:
         """c(v).w at each local vertex: spin rate minus rate of the spin angle [rad/s]."""
         out = np.zeros(len(self.spin_at))
-        _transport(len(out), pointer(self.spin_at), pointer(self.gauge), pointer(self.x), pointer(self.y), pointer(out))
+        _transport(len(out), pointer(self.spin_at), pointer(self.reference), pointer(self.x), pointer(self.y), pointer(out))
         return out
 
     # ------------------------------------------------------------------ rows
@@ -207,10 +207,10 @@ class Assembly:
         self._event["Residual"].begin()
         self.evaluations += 1
         self.r[:] = 0.0
-        if self.dead is not None:
-            self.r[: self.layout.size] -= self.dead
+        if self.dead_load is not None:
+            self.r[: self.layout.size] -= self.dead_load
         state = self._state
-        for b in self.ready:
+        for b in self.bound_blocks:
             if b.count:
                 b.event.begin()
                 if b.block.update:
@@ -223,11 +223,11 @@ class Assembly:
         return self.r
 
     def replace_rows(self, t: float, owned: FloatArray, owned_place: np.ndarray) -> None:
-        """Prescribed rows of the summed residual ``owned``; what stood there are the reactions.
+        """PrescribedMotion rows of the summed residual ``owned``; what stood there are the reactions.
 
         owned_place: (n,) position in ``owned`` of each local unknown.
         """
-        for f in self.fixed:
+        for f in self.row_replacements:
             if f.owned:
                 f.look_up(t)
                 if f.places is None:
@@ -244,7 +244,7 @@ class Assembly:
             self.spin_gradient[:] = 0.0
         self._weights[:] = c
         state = (self._weights_at, self._spin_at, *self._state[:3])
-        for b in self.ready:
+        for b in self.bound_blocks:
             if b.count:
                 b.event.begin()
                 if b.block.update:
@@ -255,7 +255,7 @@ class Assembly:
                     self._jacobian_without_rates(b, state)
                 b.event.end()
         at = self._at_corrected
-        for q in self.corrected:
+        for q in self.stabilized:
             q.fill(self, c, self.values[at : at + len(q.rows)])
             at += len(q.rows)
         self._replace_jacobian_rows(1.0 if c[0] else 0.0)
@@ -264,7 +264,7 @@ class Assembly:
         self.version += 1
         self._event["Jacobian"].end()
 
-    def _jacobian_without_rates(self, b: _Ready, state: tuple) -> None:
+    def _jacobian_without_rates(self, b: BoundBlock, state: tuple) -> None:
         """Entries of a block some or all of whose unknowns have given rates: their columns by the unknown alone."""
         assert self._still is not None
         keep = self._still[2][b.span.start]
@@ -279,32 +279,32 @@ class Assembly:
             self.values[b.span][keep] = with_rates
 
     def _replace_jacobian_rows(self, by_position: float) -> None:
-        for f in self.fixed:
+        for f in self.row_replacements:
             _fix_matrix(*f.matrix_head, self._values_at)
-        start = self.ready[-1].span.stop if self.ready else 0
-        for f in self.fixed:
+        start = self.bound_blocks[-1].span.stop if self.bound_blocks else 0
+        for f in self.row_replacements:
             if f.owned:
                 np.multiply(f.square, by_position * ROW_SCALE, out=self.values[start : start + 49])
                 start += 49
 
-    def index_of(self, block: Block) -> np.ndarray:
+    def index_of(self, block: ElementBlock) -> np.ndarray:
         """(n, d) places of a block's unknowns in x, y, a; of what it sees instead, as it is now, for a room of another element."""
-        found = next((b.index for b in self.ready if b.block is block), None)
+        found = next((b.index for b in self.bound_blocks if b.block is block), None)
         if found is not None:
             return found
-        if self.look is not None:
-            self.look(self)
+        if self.derive is not None:
+            self.derive(self)
         if id(block) not in self._seen:
             self._seen[id(block)] = self.layout.index(block)
         return self._seen[id(block)]
 
     def where(self, name: str) -> np.ndarray:
         """(nv, size) places of a field in x and y, or of what is seen in its stead, as it is now."""
-        if name not in self.layout.place and self.look is not None:
-            self.look(self)
-        return self.layout.where(name)
+        if name not in self.layout.dofs and self.derive is not None:
+            self.derive(self)
+        return self.layout.dofs_of(name)
 
-    def block_rows(self, ready: _Ready, t: float) -> FloatArray:
+    def block_rows(self, ready: BoundBlock, t: float) -> FloatArray:
         """(n, d) rows of each element of one block at x, y, a."""
         if ready.block.update:
             ready.block.update(t)
@@ -314,9 +314,9 @@ class Assembly:
         ready.residual(ready.count, pointer(apart), *ready.head[2:], *map(pointer, state), pointer(rows))
         return rows
 
-    def power(self, block: Block, t: float) -> float:
+    def power(self, block: ElementBlock, t: float) -> float:
         """Power that the rows of ``block`` take from the motion at x, y [W], on this rank."""
-        ready = next(b for b in self.ready if b.block is block)
+        ready = next(b for b in self.bound_blocks if b.block is block)
         if not ready.count:
             return 0.0
         if block.update:
@@ -331,7 +331,7 @@ def spin_derivatives(asm: Assembly) -> tuple[FloatArray, FloatArray]:
     """Of c(v).w at each local vertex: by v (k, 3) and by w (k, 3), the latter being c itself."""
     k = len(asm.spin_at)
     by_v, both = np.zeros((max(1, k), 3)), np.zeros((max(1, k), 3))
-    arguments = (k, pointer(asm.spin_at), pointer(asm.gauge), pointer(asm.x), pointer(asm.y))
+    arguments = (k, pointer(asm.spin_at), pointer(asm.reference), pointer(asm.x), pointer(asm.y))
     _gradient(*arguments, 0.0, 1.0, pointer(by_v))
     _gradient(*arguments, 1.0, 1.0, pointer(both))
     return by_v[:k], (both - by_v)[:k]

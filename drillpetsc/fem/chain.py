@@ -11,7 +11,7 @@ from drillpetsc.fem.component import IntArray
 
 
 @dataclass(frozen=True)
-class Line:
+class Chain:
     """What a rank holds of the line; numbers are the string's own, from the top.
 
     vertices: (nv,) global numbers of the local vertices in depth order, ``points`` their DMPlex points, ``owned`` whether this
@@ -28,7 +28,7 @@ class Line:
     ends: IntArray
 
 
-def build_line(measured_depth: np.ndarray, comm: PETSc.Comm) -> Line:
+def build_chain(measured_depth: np.ndarray, comm: PETSc.Comm) -> Chain:
     """Distribute a string with vertices at ``measured_depth`` (n+1,) [m], ascending, over the ranks of ``comm``.
 
     Every cell belongs to one rank (overlap 0); the partition keeps neighbours together.
@@ -48,7 +48,7 @@ def build_line(measured_depth: np.ndarray, comm: PETSc.Comm) -> Line:
     return _describe(plex, np.asarray(measured_depth, dtype=float))
 
 
-def _describe(plex: PETSc.DMPlex, measured_depth: np.ndarray) -> Line:
+def _describe(plex: PETSc.DMPlex, measured_depth: np.ndarray) -> Chain:
     first, last = plex.getDepthStratum(0)
     depth = plex.getCoordinatesLocal().getArray(readonly=1).real
     number = np.searchsorted(measured_depth, depth - 1e-9 * max(1.0, measured_depth[-1]))
@@ -64,4 +64,4 @@ def _describe(plex: PETSc.DMPlex, measured_depth: np.ndarray) -> Line:
     ends = ends[np.argsort(ends[:, 0], kind="stable")]
     vertices = number[order].astype(np.int32)
     cells = vertices[ends[:, 0]] if len(ends) else np.zeros(0, dtype=np.int32)
-    return Line(plex, len(measured_depth), vertices, points, owned, cells.astype(np.int32), ends)
+    return Chain(plex, len(measured_depth), vertices, points, owned, cells.astype(np.int32), ends)

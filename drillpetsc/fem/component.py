@@ -37,8 +37,8 @@ class Field:
 
 
 @dataclass
-class Block:
-    """All local elements that share one compiled kernel pair (kernels/element.hpp).
+class ElementBlock:
+    """All local elements that share one compiled kernel pair (kernels/core/element.hpp).
 
     cells/vertices: ``points`` are local numbers of the line; ``slots`` lists (field, end) in the kernel's order, end 0 the upper
     vertex, 1 the lower one; ``spins`` the ends whose spin angle the kernel uses, in the kernel's order.  ``params``: (n, p) constants.
@@ -56,14 +56,14 @@ class Block:
     context: int = 0
     update: Callable[[float], None] | None = None
     keep: tuple[object, ...] = field(default=(), repr=False)  # arrays that ``context`` points to
-    room: str = ""
+    component: str = ""
 
     def __post_init__(self) -> None:
-        self.room = self.room or self.name
+        self.component = self.component or self.name
 
 
 @dataclass(frozen=True)
-class Prescribed:
+class PrescribedMotion:
     """Components of one vertex whose motion is given: ``directions @ x = value(t)``.
 
     directions: (m, 7) orthonormal rows over (r, v, phi) of the vertex; value and rate return (m,).  The rows they replace are the
@@ -78,7 +78,7 @@ class Prescribed:
 
 
 @dataclass(frozen=True)
-class Corrections:
+class VelocityStabilization:
     """Rates that multipliers correct, y += B(x) mu (fem/corrected.py), at the vertices ``points`` (k,), ghosts included.
 
     field: name of mu (m) at these vertices; directions(rows, x): B (k, 7, m) at the places ``rows`` (k, 7) of (r, v, phi) in x.
@@ -104,21 +104,21 @@ class Powers(NamedTuple):
     supplied: float = 0.0
 
 
-class Room(Protocol):
+class Component(Protocol):
     """One physics component."""
 
     name: str
 
     def fields(self) -> tuple[Field, ...]: ...
 
-    def blocks(self, part) -> tuple[Block, ...]: ...
+    def blocks(self, part) -> tuple[ElementBlock, ...]: ...
 
-    def prescribed(self) -> tuple[Prescribed, ...]: ...
+    def prescribed(self) -> tuple[PrescribedMotion, ...]: ...
 
     def energies(self, t: float, state) -> Energies: ...
 
     def powers(self, t: float, state) -> Powers: ...
 
-    def refresh_gauges(self) -> None: ...
+    def update_reference_frames(self) -> None: ...
 
     def breaks(self) -> tuple[float, ...]: ...

@@ -1,4 +1,4 @@
-"""Corrections of velocities by multipliers, in the step of Gear, Gupta and Leimkuhler (J. Comp. Appl. Math. 12/13:77-90, 1985).
+"""VelocityStabilization of velocities by multipliers, in the step of Gear, Gupta and Leimkuhler (J. Comp. Appl. Math. 12/13:77-90, 1985).
 
 x' = y - B mu, and the constraint G y = 0 beside g(x) = 0: the rates of the corrected unknowns are y = shift x + v0 + B mu.  The entries by
 mu are those by the rates times B; B's own change with x is left out of the Jacobian, as mu is of the size of the time formula's error.
@@ -10,29 +10,29 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from drillpetsc.fem.component import Corrections
-from drillpetsc.fem.dof_layout import Layout
+from drillpetsc.fem.component import VelocityStabilization
+from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.kernels import pointer
 
 if TYPE_CHECKING:
-    from drillpetsc.fem.assembly import Assembly, _Fixed, _Ready
+    from drillpetsc.fem.assembly import Assembly, BoundBlock, RowReplacement
 
 RATES = ("string.position", "string.tangent", "string.spin")
 
 
-class Corrected:
+class BoundStabilization:
     """One room's corrections in an assembly.
 
     touching: (block, element, where in its rows the seven rates of the vertex stand, which vertex); rows, columns: local numbers of
     the entries that ``fill`` gives.
     """
 
-    def __init__(self, corrections: Corrections, layout: Layout, ready: list[_Ready], fixed: list[_Fixed]):
+    def __init__(self, corrections: VelocityStabilization, layout: DofLayout, ready: list[BoundBlock], fixed: list[RowReplacement]):
         self.corrections, self._layout = corrections, layout
-        seven = np.hstack([layout.place[name][corrections.points] for name in RATES])
+        seven = np.hstack([layout.dofs[name][corrections.points] for name in RATES])
         self.rates = np.ascontiguousarray(seven, dtype=np.int32).reshape(-1, 7)
-        self.by = layout.place[corrections.field][corrections.points]
-        self.touching: list[tuple[_Ready, int, np.ndarray, int]] = []
+        self.by = layout.dofs[corrections.field][corrections.points]
+        self.touching: list[tuple[BoundBlock, int, np.ndarray, int]] = []
         self._prescribed: list[list[tuple[np.ndarray, np.ndarray]]] = []  # of each: rows of a prescribed vertex, what is kept of them
         rows, columns = [np.zeros(0, dtype=np.int32)], [np.zeros(0, dtype=np.int32)]
         for k, places in enumerate(self.rates):
@@ -48,7 +48,7 @@ class Corrected:
                     rows.append(np.repeat(own, 6))
                     columns.append(np.tile(self.by[k], item.width))
         self.rows, self.columns = np.concatenate(rows).astype(np.int32), np.concatenate(columns).astype(np.int32)
-        self._flat = np.zeros((max(1, len(layout.line.vertices)), 3))  # a corrected rate moves no spin rate
+        self._flat = np.zeros((max(1, len(layout.chain.vertices)), 3))  # a corrected rate moves no spin rate
 
     def apply(self, asm: Assembly, sigma: float) -> None:
         """Correct the rates and accelerations of ``condense``."""

@@ -9,46 +9,46 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.fem.assembly import Assembly
-from drillpetsc.fem.chain import build_line
-from drillpetsc.fem.component import Energies, FloatArray, Powers, Room
-from drillpetsc.fem.dof_layout import build_layout
+from drillpetsc.fem.chain import build_chain
+from drillpetsc.fem.component import Component, Energies, FloatArray, Powers
+from drillpetsc.fem.dof_layout import build_dof_layout
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 
 
-class Model:
+class DiscreteSystem:
     """The discrete scene on this rank.
 
     rooms: in the order in which they add rows; frames: shared with the beam room; ``comm`` a PETSc or mpi4py communicator.
     """
 
-    def __init__(self, mesh: StringMesh, frames: Frames, rooms: Sequence[Room], comm: PETSc.Comm | None = None):
-        self.mesh, self.frames, self.rooms = mesh, frames, tuple(rooms)
+    def __init__(self, mesh: StringMesh, frames: Frames, components: Sequence[Component], comm: PETSc.Comm | None = None):
+        self.mesh, self.frames, self.components = mesh, frames, tuple(components)
         # the two nodes of a joint stand at one depth: there the line counts nodes instead
-        self.line = build_line(np.arange(mesh.nodes, dtype=float) if mesh.joints else mesh.node_depth, comm or PETSc.COMM_WORLD)
-        self.comm = self.line.plex.comm
+        self.chain = build_chain(np.arange(mesh.nodes, dtype=float) if mesh.joints else mesh.node_depth, comm or PETSc.COMM_WORLD)
+        self.comm = self.chain.plex.comm
         junction = mesh.junction if len(mesh.junction) else np.zeros(mesh.nodes, dtype=bool)
         order = np.arange(mesh.nodes)
         regions = {"string": order >= 0, "junction": junction, "below_top": order > 0, "bottom": order == mesh.nodes - 1}
-        for room in self.rooms:
-            regions |= room.regions() if hasattr(room, "regions") else {}
+        for component in self.components:
+            regions |= component.regions() if hasattr(component, "regions") else {}
         self.regions = regions
         #: constraint rows with multipliers, whole string: so many negative eigenvalues has the tangent of a stable state
-        self.multipliers = sum(getattr(room, "multipliers", 0) for room in self.rooms)
+        self.multipliers = sum(getattr(component, "multipliers", 0) for component in self.components)
         #: whether the equations are a DAE of index 2 or 3
-        self.constrained = self.multipliers > 0 or any(hasattr(room, "restore_constraints") for room in self.rooms)
-        fields = tuple(f for room in self.rooms for f in room.fields())
+        self.constrained = self.multipliers > 0 or any(hasattr(component, "restore_constraints") for component in self.components)
+        fields = tuple(f for component in self.components for f in component.fields())
         # a string with other unknowns than position, slope and spin shows these to the rooms that know them only
-        other = next((room for room in self.rooms if hasattr(room, "translate")), None)
-        self.layout = build_layout(self.line, fields, regions, getattr(other, "viewed", None))
-        blocks = tuple(b for room in self.rooms for b in room.blocks(self.line))
+        other = next((component for component in self.components if hasattr(component, "translate")), None)
+        self.layout = build_dof_layout(self.chain, fields, regions, getattr(other, "derived_fields", None))
+        blocks = tuple(b for component in self.components for b in component.blocks(self.chain))
         if other is not None:
             blocks = tuple(map(other.translate, blocks))  # type: ignore[attr-defined]
-        prescribed = tuple(p for room in self.rooms for p in room.prescribed())
-        corrections = tuple(room.corrections(self.line) for room in self.rooms if hasattr(room, "corrections"))
-        self.assembly = Assembly(self.layout, blocks, prescribed, frames.gauge[self.line.vertices], tuple(c for c in corrections if c))
+        prescribed = tuple(p for component in self.components for p in component.prescribed())
+        corrections = tuple(component.corrections(self.chain) for component in self.components if hasattr(component, "corrections"))
+        self.assembly = Assembly(self.layout, blocks, prescribed, frames.reference[self.chain.vertices], tuple(c for c in corrections if c))
         layout, asm = self.layout, self.assembly
-        asm.look = getattr(other, "look", None)
+        asm.derive = getattr(other, "derive", None)
         self._x = PETSc.Vec().createWithArray(asm.x[: layout.size], comm=PETSc.COMM_SELF)
         self._r = PETSc.Vec().createWithArray(asm.r[: layout.size], comm=PETSc.COMM_SELF)
         self._state = layout.state_dm.createLocalVec()
@@ -62,11 +62,11 @@ class Model:
     @property
     def has_contact(self) -> bool:
         """Whether a room's rows are switched by contact."""
-        return any(hasattr(room, "signature") for room in self.rooms)
+        return any(hasattr(component, "signature") for component in self.components)
 
     def signature(self) -> int:
         """A number that changes when contacts open or close (rooms with ``signature``): the Jacobian is then rebuilt."""
-        return hash(tuple(room.signature() for room in self.rooms if hasattr(room, "signature")))
+        return hash(tuple(component.signature() for component in self.components if hasattr(component, "signature")))
 
     # ------------------------------------------------------------------ vectors
     def new_state(self) -> PETSc.Vec:
@@ -119,7 +119,7 @@ class Model:
         else:
             out.set(0.0)
             self.layout.condensed_dm.localToGlobal(self._r, out, addv=PETSc.InsertMode.ADD_VALUES)
-        if self.assembly.fixed:
+        if self.assembly.row_replacements:
             self.assembly.replace_rows(t, out.getArray(), self.owned_place)
 
     def sum_local(self, rows: FloatArray) -> FloatArray:
@@ -131,10 +131,10 @@ class Model:
         local[self.layout.local_of_owned] = out.getArray(readonly=1)
         return local
 
-    def worst_place(self, t: float) -> dict[str, Any]:
+    def locate_largest_residual(self, t: float) -> dict[str, Any]:
         """Where the rows are worst: room, element and measured depth of the largest (or first non-finite) residual."""
         asm, worst = self.assembly, (-1.0, "", -1, 0.0)
-        for b in asm.ready:
+        for b in asm.bound_blocks:
             if not b.count:
                 continue
             rows = asm.block_rows(b, t)
@@ -142,29 +142,29 @@ class Model:
             size = np.where(bad, np.inf, np.abs(rows)).max(axis=1)
             e = int(size.argmax())
             if size[e] > worst[0]:
-                number = self.line.cells[b.block.points[e]] if b.block.on == "cell" else self.line.vertices[b.block.points[e]]
-                worst = (float(size[e]), b.block.room, int(number), float(self.mesh.node_depth[number]))
+                number = self.chain.cells[b.block.points[e]] if b.block.on == "cell" else self.chain.vertices[b.block.points[e]]
+                worst = (float(size[e]), b.block.component, int(number), float(self.mesh.node_depth[number]))
         if not self._alone:
             worst = max(self.comm.tompi4py().allgather(worst))
-        return {"room": worst[1], "element": worst[2], "measured_depth": worst[3]}
+        return {"component": worst[1], "element": worst[2], "measured_depth": worst[3]}
 
     def accept(self) -> None:
         """The state in the assembly stands: tell the rooms that carry something from step to step; collective.
 
         What a room has to say to all ranks it gives as ``news``, zero where it has nothing, and is told the sum.
         """
-        room: Any
-        for room in self.rooms:
-            if hasattr(room, "accept"):
-                room.accept(self.assembly)
-            if hasattr(room, "news"):
-                news = room.news(self.assembly)
-                room.take(news if self._alone else self.comm.tompi4py().allreduce(news))
+        component: Any
+        for component in self.components:
+            if hasattr(component, "accept"):
+                component.accept(self.assembly)
+            if hasattr(component, "news"):
+                news = component.news(self.assembly)
+                component.take(news if self._alone else self.comm.tompi4py().allreduce(news))
 
     # ------------------------------------------------------------------ figures
     def energies(self, t: float) -> Energies:
         """Stored energies at the assembly's x, y, summed over ranks."""
-        parts = np.array([room.energies(t, self.assembly) for room in self.rooms]).sum(axis=0)
+        parts = np.array([component.energies(t, self.assembly) for component in self.components]).sum(axis=0)
         return Energies(*(parts if self._alone else self.comm.tompi4py().allreduce(parts)))
 
     def powers(self, t: float) -> Powers:
@@ -174,28 +174,34 @@ class Model:
 
     def own_powers(self, t: float) -> FloatArray:
         """(2,) this rank's share of the dissipated and the supplied power [W]."""
-        parts = np.array([room.powers(t, self.assembly) for room in self.rooms]).sum(axis=0)
-        parts[1] += sum(float(f.reaction @ f.condition.rate(t)) for f in self.assembly.fixed if f.owned)
-        if self.assembly.dead is not None:
-            parts[1] += self.assembly.dead @ self.assembly.y[: self.layout.size]
+        parts = np.array([component.powers(t, self.assembly) for component in self.components]).sum(axis=0)
+        parts[1] += sum(float(f.reaction @ f.condition.rate(t)) for f in self.assembly.row_replacements if f.owned)
+        if self.assembly.dead_load is not None:
+            parts[1] += self.assembly.dead_load @ self.assembly.y[: self.layout.size]
         return parts
 
     def reaction(self, name: str) -> float:
         """Reaction that the prescribed component ``name`` needs (0 where there is none), the same on all ranks [N or N m]."""
         value = 0.0
-        for f in self.assembly.fixed:
+        for f in self.assembly.row_replacements:
             if f.owned and name in f.condition.names:
                 value += float(f.reaction[f.condition.names.index(name)])
-        value += sum(room.own_reaction(name, self.assembly) for room in self.rooms if hasattr(room, "own_reaction"))
+        value += sum(component.own_reaction(name, self.assembly) for component in self.components if hasattr(component, "own_reaction"))
         return value if self._alone else float(self.comm.tompi4py().allreduce(value))
+
+    def all_entries(self, on_rank: list) -> list:
+        """The lists of all ranks joined in the order of the ranks, on every rank; collective."""
+        if self._alone:
+            return on_rank
+        return [entry for part in self.comm.tompi4py().allgather(on_rank) for entry in part]
 
     def gather(self, values: FloatArray, on: str = "vertex") -> FloatArray | None:
         """Values (nv, k) at local vertices, or (nc, k) at local cells, collected on rank 0 in depth order; None elsewhere."""
-        line = self.line
+        chain = self.chain
         if on == "vertex":
-            numbers, values, size = line.vertices[line.owned], values[line.owned], line.size
+            numbers, values, size = chain.vertices[chain.owned], values[chain.owned], chain.size
         else:
-            numbers, size = line.cells, line.size - 1
+            numbers, size = chain.cells, chain.size - 1
         if self._alone:
             out = np.empty((size, *values.shape[1:]))
             out[numbers] = values
@@ -210,13 +216,13 @@ class Model:
 
     def field(self, name: str, what: str = "x") -> FloatArray:
         """(nv, size) values of a field at local vertices: what = x, y or a; absent places give the field's value at rest."""
-        place = self.layout.place[name]
+        place = self.layout.dofs[name]
         values = getattr(self.assembly, what)[np.maximum(place, 0)]
         rest = next(f.at_rest for f in self.layout.fields if f.name == name) if what == "x" else 0.0
         return np.where(place >= 0, values, rest)
 
     def set_field(self, name: str, values: FloatArray, what: str = "x") -> None:
         """Set a field's local values from (n_nodes, size) values over the whole string."""
-        place = self.layout.place[name]
+        place = self.layout.dofs[name]
         has = place >= 0
-        getattr(self.assembly, what)[place[has]] = values[self.line.vertices][has]
+        getattr(self.assembly, what)[place[has]] = values[self.chain.vertices][has]

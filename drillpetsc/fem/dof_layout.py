@@ -12,24 +12,24 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
-from drillpetsc.fem.chain import Line
-from drillpetsc.fem.component import Block, Field, IntArray
+from drillpetsc.fem.chain import Chain
+from drillpetsc.fem.component import ElementBlock, Field, IntArray
 
 
 @dataclass(frozen=True)
-class Layout:
+class DofLayout:
     """Sections and tables of a scene.
 
-    place[field]: (nv, size) position of a field's components in the condensed local array, -1 where absent (nv local vertices);
+    dofs[field]: (nv, size) position of a field's components in the condensed local array, -1 where absent (nv local vertices);
     x_local, y_local: (n,) position of unknown i and of its rate (-1: none) in the local state; x_owned, y_owned: the same in the
     owned parts of the global vectors; local_of_owned: local number of each owned unknown of the condensed vector.
     """
 
-    line: Line
+    chain: Chain
     fields: tuple[Field, ...]
     state_dm: PETSc.DM
     condensed_dm: PETSc.DM
-    place: dict[str, IntArray]
+    dofs: dict[str, IntArray]
     field_of: IntArray  # (n,) which field an unknown belongs to
     vertex_of: IntArray  # (n,) local vertex of an unknown
     x_local: IntArray
@@ -37,102 +37,102 @@ class Layout:
     x_owned: IntArray
     y_owned: IntArray
     local_of_owned: IntArray
-    view: dict[str, IntArray] = field(default_factory=dict)  # places behind the unknowns of what follows from them
+    derived: dict[str, IntArray] = field(default_factory=dict)  # places behind the unknowns of what follows from them
 
     @property
-    def reach(self) -> int:
+    def array_length(self) -> int:
         """Length of the assembly's arrays: unknowns, the dummy place, the view."""
-        return self.size + 1 + sum(int(places.size) for places in self.view.values())
+        return self.size + 1 + sum(int(places.size) for places in self.derived.values())
 
-    def where(self, name: str) -> IntArray:
+    def dofs_of(self, name: str) -> IntArray:
         """(nv, size) places of a field, or of what is seen in its stead."""
-        return self.place[name] if name in self.place else self.view[name]
+        return self.dofs[name] if name in self.dofs else self.derived[name]
 
     @property
     def size(self) -> int:
         """Unknowns of the condensed vector on this rank, ghosts included."""
         return len(self.x_local)
 
-    def index(self, block: Block) -> IntArray:
+    def index(self, block: ElementBlock) -> IntArray:
         """(n, d) local positions for a block's slots; absent fields lead to the dummy place behind the end."""
-        rows = self.line.ends[block.points] if block.on == "cell" else block.points[:, None]
-        columns = [self.where(name)[rows[:, end]] for name, end in block.slots]
+        rows = self.chain.ends[block.points] if block.on == "cell" else block.points[:, None]
+        columns = [self.dofs_of(name)[rows[:, end]] for name, end in block.slots]
         table = np.hstack(columns) if len(block.points) else np.zeros((0, self.width(block)), dtype=np.int32)
         return np.ascontiguousarray(np.where(table < 0, self.size, table), dtype=np.int32)
 
-    def width(self, block: Block) -> int:
-        return sum(self.where(name).shape[1] for name, _ in block.slots)
+    def width(self, block: ElementBlock) -> int:
+        return sum(self.dofs_of(name).shape[1] for name, _ in block.slots)
 
-    def spin_vertices(self, block: Block) -> IntArray:
+    def spin_vertices(self, block: ElementBlock) -> IntArray:
         """(n, spins) local vertex of each spin angle of a block."""
-        rows = self.line.ends[block.points] if block.on == "cell" else block.points[:, None]
+        rows = self.chain.ends[block.points] if block.on == "cell" else block.points[:, None]
         return np.ascontiguousarray(rows[:, list(block.spins)], dtype=np.int32).reshape(len(block.points), len(block.spins))
 
 
-def _section(line: Line, fields: tuple[Field, ...], regions: dict[str, np.ndarray], with_rates: bool) -> PETSc.DM:
-    dm = line.plex.clone()
+def _section(chain: Chain, fields: tuple[Field, ...], regions: dict[str, np.ndarray], with_rates: bool) -> PETSc.DM:
+    dm = chain.plex.clone()
     wanted = [(f, "") for f in fields] + ([(f, ".rate") for f in fields if f.second_order] if with_rates else [])
-    section = PETSc.Section().create(comm=line.plex.comm)
+    section = PETSc.Section().create(comm=chain.plex.comm)
     section.setNumFields(len(wanted))
-    section.setChart(*line.plex.getChart())
-    total = np.zeros(len(line.points), dtype=int)
+    section.setChart(*chain.plex.getChart())
+    total = np.zeros(len(chain.points), dtype=int)
     for i, (f, suffix) in enumerate(wanted):
         section.setFieldName(i, f.name + suffix)
         section.setFieldComponents(i, f.size)
-        present = regions[f.region][line.vertices]
-        for point in line.points[present]:
+        present = regions[f.region][chain.vertices]
+        for point in chain.points[present]:
             section.setFieldDof(int(point), i, f.size)
         total += f.size * present
-    for point, dof in zip(line.points, total, strict=True):
+    for point, dof in zip(chain.points, total, strict=True):
         section.setDof(int(point), int(dof))
     section.setUp()
     petsc_compat.set_section(dm, section)
     return dm
 
 
-def build_layout(line: Line, fields: tuple[Field, ...], regions: dict[str, np.ndarray], viewed: dict[str, int] | None = None) -> Layout:
+def build_dof_layout(chain: Chain, fields: tuple[Field, ...], regions: dict[str, np.ndarray], derived_fields: dict[str, int] | None = None) -> DofLayout:
     """Lay out ``fields``; ``regions[name]`` is a boolean mask over all vertices of the string (replicated).
 
-    viewed: components of what is not unknown but follows from unknowns at every vertex, and is looked up like a field.
+    derived_fields: components of what is not unknown but follows from unknowns at every vertex, and is looked up like a field.
     """
-    state, condensed = _section(line, fields, regions, True), _section(line, fields, regions, False)
+    state, condensed = _section(chain, fields, regions, True), _section(chain, fields, regions, False)
     s_sec, c_sec = petsc_compat.get_section(state), petsc_compat.get_section(condensed)
     size = c_sec.getStorageSize()
     x_local, y_local = np.full(size, -1, dtype=np.int32), np.full(size, -1, dtype=np.int32)
     field_of, vertex_of = np.zeros(size, dtype=np.int32), np.zeros(size, dtype=np.int32)
-    place = {f.name: np.full((len(line.points), f.size), -1, dtype=np.int32) for f in fields}
+    dofs = {f.name: np.full((len(chain.points), f.size), -1, dtype=np.int32) for f in fields}
     rate_number: dict[str, int] = {}
     for f in fields:
         if f.second_order:
             rate_number[f.name] = len(fields) + len(rate_number)
-    for v, point in enumerate(map(int, line.points)):
+    for v, point in enumerate(map(int, chain.points)):
         for i, f in enumerate(fields):
             if not c_sec.getFieldDof(point, i):
                 continue
             here = c_sec.getFieldOffset(point, i) + np.arange(f.size)
-            place[f.name][v] = here
+            dofs[f.name][v] = here
             field_of[here], vertex_of[here] = i, v
             x_local[here] = s_sec.getFieldOffset(point, i) + np.arange(f.size)
             if f.second_order:
                 y_local[here] = s_sec.getFieldOffset(point, rate_number[f.name]) + np.arange(f.size)
-    owned = _owned_tables(line, state, condensed, x_local, y_local)
-    view, behind = {}, size + 1
-    for name, components in (viewed or {}).items():
-        count = len(line.points) * components
-        view[name] = np.arange(behind, behind + count, dtype=np.int32).reshape(-1, components)
+    owned = _owned_tables(chain, state, condensed, x_local, y_local)
+    derived, behind = {}, size + 1
+    for name, components in (derived_fields or {}).items():
+        count = len(chain.points) * components
+        derived[name] = np.arange(behind, behind + count, dtype=np.int32).reshape(-1, components)
         behind += count
-    return Layout(line, fields, state, condensed, place, field_of, vertex_of, x_local, y_local, *owned, view=view)
+    return DofLayout(chain, fields, state, condensed, dofs, field_of, vertex_of, x_local, y_local, *owned, derived=derived)
 
 
-def _owned_tables(line: Line, state: PETSc.DM, condensed: PETSc.DM, x_local, y_local) -> tuple[IntArray, IntArray, IntArray]:
+def _owned_tables(chain: Chain, state: PETSc.DM, condensed: PETSc.DM, x_local, y_local) -> tuple[IntArray, IntArray, IntArray]:
     """Positions in the owned parts of the global vectors, by sending local numbers through the sections' maps."""
     lgm_c = condensed.getLGMap().getIndices()
     lgm_s = state.getLGMap().getIndices()
     first_c = condensed.createGlobalVec().getOwnershipRange()
     first_s = state.createGlobalVec().getOwnershipRange()
-    mine = np.flatnonzero((lgm_c >= first_c[0]) & (lgm_c < first_c[1]))
+    on_rank = np.flatnonzero((lgm_c >= first_c[0]) & (lgm_c < first_c[1]))
     local_of_owned = np.empty(first_c[1] - first_c[0], dtype=np.int32)
-    local_of_owned[lgm_c[mine] - first_c[0]] = mine
+    local_of_owned[lgm_c[on_rank] - first_c[0]] = on_rank
     x_owned = (lgm_s[x_local[local_of_owned]] - first_s[0]).astype(np.int32)
     rates = y_local[local_of_owned]
     y_owned = np.where(rates >= 0, lgm_s[np.maximum(rates, 0)] - first_s[0], -1).astype(np.int32)

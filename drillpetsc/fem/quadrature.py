@@ -25,7 +25,7 @@ def rule(points: int, upper: bool = False, lower: bool = False) -> FloatArray:
     return np.ascontiguousarray(np.column_stack([(x + 1) / 2, w / 2]))
 
 
-def corners(mesh: StringMesh, free_top: bool = False) -> tuple[np.ndarray, np.ndarray]:
+def exposed_ends(mesh: StringMesh, free_top: bool = False) -> tuple[np.ndarray, np.ndarray]:
     """(n,) elements whose upper end, and whose lower end, stands out: free, or beside a thinner item.
 
     free_top: nothing holds the first.

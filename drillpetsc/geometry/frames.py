@@ -1,4 +1,4 @@
-"""Node frames of the string: gauge directions and reference directors, and rotations in general (numpy)."""
+"""Node frames of the string: reference directions and reference directors, and rotations in general (numpy)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class Frames:
     """Gauge direction and second reference director of every node, both (n, 3), unit; ``twist0``: (n-1,) offset of each element's
     twist [rad] (grows only when a gauge is renewed)."""
 
-    gauge: FloatArray
+    reference: FloatArray
     second: FloatArray
     twist0: FloatArray
 
@@ -47,7 +47,7 @@ def transported_frames(tangents: FloatArray) -> Frames:
 def directors(frames: Frames, nodes: np.ndarray, v: FloatArray, phi: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Directors 2 and 3 of ``nodes`` (k,) at slopes v (k, 3) and spin angles phi (k,): minrot(a -> t) D0 Rot1(phi)."""
     t = v / np.linalg.norm(v, axis=1, keepdims=True)
-    a, b2 = frames.gauge[nodes], frames.second[nodes]
+    a, b2 = frames.reference[nodes], frames.second[nodes]
     b3 = np.cross(a, b2)
     c, s = np.cos(phi)[:, None], np.sin(phi)[:, None]
     factor = (a + t) / (1.0 + np.sum(a * t, axis=1, keepdims=True))
@@ -58,7 +58,7 @@ def directors(frames: Frames, nodes: np.ndarray, v: FloatArray, phi: FloatArray)
     )
 
 
-def gauge_change(a: FloatArray, d: FloatArray, v: FloatArray) -> float:
+def reference_change(a: FloatArray, d: FloatArray, v: FloatArray) -> float:
     """Change of the spin angle from gauge ``a`` (unit) to gauge d/|d| at the tangent ``v``: minus the triangle's solid angle."""
     n, m = np.linalg.norm(v), np.linalg.norm(d)
     return float(-2 * np.arctan2(v @ np.cross(a, d), n * (m + d @ a) + d @ v + m * (v @ a)))

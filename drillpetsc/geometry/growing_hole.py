@@ -42,7 +42,7 @@ class GrowingHole:
         """(3,) unit vector of the hole at its end."""
         return self._trail[-1, 4:7].copy()
 
-    def room(self, radius: float) -> float:
+    def radial_clearance(self, radius: float) -> float:
         """Clearance of a bit of ``radius`` [m] at the end, not below zero [m]."""
         return max(float(self.well.radius(self._trail[-1, 0])) - radius, 0.0)
 
@@ -111,14 +111,14 @@ class GrowingHole:
         return t / np.linalg.norm(t)
 
     # ------------------------------------------------------------------ checkpoints
-    def memory(self) -> dict[str, FloatArray]:
+    def get_state(self) -> dict[str, FloatArray]:
         """What a continued run needs to know of the hole."""
         w = self._frozen
         return {"first": self.first, "trail": self._trail, "drilled": np.array([self._drilled]),
                 "nodes": np.column_stack([w.node_md, w.node_position, w.node_tangent]),
                 "sections": np.column_stack([w.section_to, w.section_radius, w.section_friction])}
 
-    def recall(self, memory: dict[str, FloatArray]) -> None:
+    def set_state(self, memory: dict[str, FloatArray]) -> None:
         """Go on from ``memory``."""
         nodes, sections = memory["nodes"], memory["sections"]
         kinds = (*self._frozen.section_kind, *["open_hole"] * len(sections))[: len(sections)]

@@ -96,7 +96,7 @@ def _aside(start: FloatArray, tangent: FloatArray, end: FloatArray) -> tuple[flo
     return float(away @ up), float(away @ np.cross(tangent, up))
 
 
-def told(hole: NewHole) -> dict[str, float]:
+def as_dict(hole: NewHole) -> dict[str, float]:
     """The figures with their units, as summaries and tables have them."""
     per_course = np.degrees(COURSE)
     return {

@@ -21,7 +21,7 @@ MAX_STEP = 10.0  # m, longest piece of an arc
 MAX_ANGLE = np.radians(2.0)  # rad, largest turn of a piece
 STRAIGHT = 1e-12  # rad, below this a survey interval is a straight line
 SHORTEST_SECTION = 0.1  # m
-HEADER, NODE_ROW, STEP_ROW = 4, 16, 6  # doubles in the packed form, see kernels/well.hpp
+HEADER, NODE_ROW, STEP_ROW = 4, 16, 6  # doubles in the packed form, see kernels/contact/well.hpp
 
 
 @dataclass(frozen=True)
@@ -260,7 +260,7 @@ class Well:
         return packed
 
     def packed(self) -> Array:
-        """The well as the C++ kernels read it: one float64 array, laid out as kernels/well.hpp says (read-only,
+        """The well as the C++ kernels read it: one float64 array, laid out as kernels/contact/well.hpp says (read-only,
         cached).
         """
         return self._packed

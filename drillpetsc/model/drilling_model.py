@@ -7,33 +7,33 @@ from dataclasses import dataclass, replace
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.analysis.quaternion_statics import quaternion_rooms
+from drillpetsc.analysis.quaternion_statics import quaternion_components
 from drillpetsc.case.blocks.ends import BitBottom, DrivenTop, ForcedBottom, HeldBottom, HeldTop, LineLoad
 from drillpetsc.case.blocks.ends import TopDrive as TopDriveCase
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.fem.discrete_system import Model
+from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames, transported_frames
 from drillpetsc.geometry.well import Well
-from drillpetsc.model.fluid import FluidRooms, build_fluid
+from drillpetsc.model.fluid import FluidComponents, build_fluid
 from drillpetsc.model.mesh import build_mesh
 from drillpetsc.model.rock_bit import build_rock_bit
 from drillpetsc.physics.beam import Beam
 from drillpetsc.physics.contact import BitOnBottom, Contact, ContactLaw
-from drillpetsc.physics.end_conditions import Drive, Held, Loads, NodeLoad, TopDrive
+from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
 from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.quaternion.beam import QuaternionBeam
 from drillpetsc.physics.quaternion.contact import QuaternionContact
-from drillpetsc.physics.quaternion.ends import Guided
-from drillpetsc.physics.rigid_bodies import Bodies, Curvature
+from drillpetsc.physics.quaternion.ends import ConstrainedEnd
+from drillpetsc.physics.rigid_bodies import Precurvature, RigidBodies
 from drillpetsc.physics.rock_bit import RockBit
 from drillpetsc.time_function import Constant
 
 
 @dataclass
-class Scene:
+class DrillingModel:
     """The parts of a scene; ``top`` and ``bit`` and ``contact`` are the rooms of these names, None where absent.
 
     well: the hole as it is now, its newly drilled part included.  position, tangent: (n_nodes, 3) of the string along the hole's axis,
@@ -47,21 +47,21 @@ class Scene:
     frames: Frames
     position: FloatArray
     tangent: FloatArray
-    rooms: tuple
+    components: tuple
     beam: Beam | QuaternionBeam | None
-    top: TopDrive | Held | Guided | None
-    drive: Drive | None
+    top: TopDrive | FixedEnd | ConstrainedEnd | None
+    drive: RotaryDrive | None
     contact: Contact | None
     bit: BitOnBottom | RockBit | None
-    model: Model
-    fluid: FluidRooms | None = None
+    system: DiscreteSystem
+    fluid: FluidComponents | None = None
 
     @property
     def effective_mass(self) -> FloatArray:
         """(n,) mass per length that the string weighs with [kg/m]: steel and mud in the bore, less the mud it displaces."""
         mass = self.mesh.mass.copy()
-        if self.fluid is not None and self.fluid.pipe is not None:
-            mass += self.fluid.constants.density * self.fluid.pipe.bore.area
+        if self.fluid is not None and self.fluid.bore is not None:
+            mass += self.fluid.constants.density * self.fluid.bore.bore.area
         if self.fluid is not None and self.fluid.annulus is not None:
             mass -= self.fluid.constants.density * self.fluid.annulus.annulus.outer
         return mass
@@ -75,7 +75,7 @@ class Scene:
     def breaks(self) -> tuple[float, ...]:
         """Times at which an input jumps or bends [s]."""
         turning = getattr(self.case.top, "rotation", None) if is_quasi_static(self.case) else None
-        return tuple(sorted({b for room in self.rooms for b in room.breaks()} | set(turning.breaks() if turning is not None else ())))
+        return tuple(sorted({b for component in self.components for b in component.breaks()} | set(turning.breaks() if turning is not None else ())))
 
 
 def build_well(case: Case) -> Well | None:
@@ -90,55 +90,55 @@ def build_well(case: Case) -> Well | None:
         raise CaseError(at="well", want=str(error)) from None
 
 
-def build_scene(case: Case, comm: PETSc.Comm | None = None) -> Scene:
+def build_model(case: Case, comm: PETSc.Comm | None = None) -> DrillingModel:
     """Assemble the scene of ``case`` on a communicator."""
     mesh, well = build_mesh(case), build_well(case)
     position, tangent = _axis(case, mesh, well)
     frames = transported_frames(tangent)
     beam: Beam | QuaternionBeam | None = None
-    top: TopDrive | Held | Guided | None = None
+    top: TopDrive | FixedEnd | ConstrainedEnd | None = None
     drive, contact, bit = None, None, None
-    rooms: list = []
+    components: list = []
     if case.beam.formulation == "quaternion":
         breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
         mesh = replace(mesh, junction=np.zeros(0, dtype=bool))  # one strain at each node, on both sides of a change of section
         contact, bit = _contact(case, mesh, well, QuaternionContact), _bit(case, mesh, well)
-        beam, top, rooms = quaternion_rooms(case, mesh, frames, position, tangent, _loads(case, mesh, tangent), breaks, contact)
+        beam, top, components = quaternion_components(case, mesh, frames, position, tangent, _loads(case, mesh, tangent), breaks, contact)
         if mesh.bodies or mesh.eccentricity.any():
-            rooms.append(Bodies(mesh, frames, np.array(case.gravity, dtype=float)))
-        rooms += [bit] if bit is not None else []
+            components.append(RigidBodies(mesh, frames, np.array(case.gravity, dtype=float)))
+        components += [bit] if bit is not None else []
     elif not case.hold_string:
         gravity = np.array(case.gravity, dtype=float)
         contact, bit = _contact(case, mesh, well), _bit(case, mesh, well)
         beam = Beam(mesh, frames, gravity, contact.impact_depth if contact is not None else np.inf)
-        rooms.append(beam)
-        rooms += _extras(mesh, frames, gravity, balanced=is_quasi_static(case))
+        components.append(beam)
+        components += _extras(mesh, frames, gravity, balanced=is_quasi_static(case))
         top, drive = _top_rooms(case, position[0], tangent[0])
-        rooms += [r for r in (top, drive) if r is not None]
-        rooms += _bottom_held(case, position[-1], tangent[-1])
+        components += [r for r in (top, drive) if r is not None]
+        components += _bottom_held(case, position[-1], tangent[-1])
         loads = _loads(case, mesh, tangent)
         if loads:
             breaks = tuple(b for q in case.loads for b in q.value_over.breaks())
-            rooms.append(Loads(loads, frames, breaks + _top_breaks(case)))
-        rooms += [r for r in (contact, bit) if r is not None]
+            components.append(Loads(loads, frames, breaks + _top_breaks(case)))
+        components += [r for r in (contact, bit) if r is not None]
     fluid = build_fluid(case, mesh, well, position, tangent, bit.hole if isinstance(bit, RockBit) else None)
-    rooms += fluid.rooms if fluid is not None else ()
-    model = Model(mesh, frames, rooms, comm)
-    scene = Scene(case, mesh, well, frames, position, tangent, tuple(rooms), beam, top, drive, contact, bit, model, fluid)
+    components += fluid.components if fluid is not None else ()
+    system = DiscreteSystem(mesh, frames, components, comm)
+    model = DrillingModel(case, mesh, well, frames, position, tangent, tuple(components), beam, top, drive, contact, bit, system, fluid)
     if isinstance(bit, RockBit):
-        _let_hole_grow(scene, bit)
-    return scene
+        _let_hole_grow(model, bit)
+    return model
 
 
-def _let_hole_grow(scene: Scene, bit: RockBit) -> None:
+def _let_hole_grow(model: DrillingModel, bit: RockBit) -> None:
     """Whatever looks at the hole sees it as it grows."""
 
     def take(well: Well) -> None:
-        scene.well = well
+        model.well = well
 
     bit.hole.followers.append(take)
-    if scene.contact is not None:
-        bit.hole.followers.append(scene.contact.follow)
+    if model.contact is not None:
+        bit.hole.followers.append(model.contact.follow)
 
 
 def is_quasi_static(case: Case) -> bool:
@@ -148,14 +148,14 @@ def is_quasi_static(case: Case) -> bool:
 
 def _extras(mesh: StringMesh, frames: Frames, gravity: FloatArray, balanced: bool) -> list:
     """What a string may have besides elements: rigid bodies, eccentric mass, stress-free curvature."""
-    rooms: list = []
+    components: list = []
     if mesh.bodies or (mesh.eccentricity.any() and not balanced):
-        rooms.append(Bodies(mesh, frames, gravity, balanced))
+        components.append(RigidBodies(mesh, frames, gravity, balanced))
     if mesh.curvature.any():
-        rooms.append(Curvature(mesh, frames))
+        components.append(Precurvature(mesh, frames))
     if mesh.joints:
-        rooms.append(Joints(mesh, frames))
-    return rooms
+        components.append(Joints(mesh, frames))
+    return components
 
 
 # ---------------------------------------------------------------------- geometry
@@ -172,13 +172,13 @@ def _axis(case: Case, mesh: StringMesh, well: Well | None) -> tuple[FloatArray, 
 def _top_rooms(case: Case, position: FloatArray, tangent: FloatArray):
     top = case.top
     if isinstance(top, HeldTop):
-        return (None if top.kind == "free" else Held(0, top.kind, position, tangent)), None
+        return (None if top.kind == "free" else FixedEnd(0, top.kind, position, tangent)), None
     if isinstance(top, TopDriveCase):
         lowering = None if top.force is not None else top.lowering
         rotation = Constant(0.0) if is_quasi_static(case) else top.rotation  # turning on the spot changes nothing there
         return TopDrive(position, tangent, rotation, lowering), None
     assert isinstance(top, DrivenTop)
-    return TopDrive(position, tangent, None, top.lowering), Drive(top.rotation, top.stiffness, top.damping, top.inertia)
+    return TopDrive(position, tangent, None, top.lowering), RotaryDrive(top.rotation, top.stiffness, top.damping, top.inertia)
 
 
 def _top_breaks(case: Case) -> tuple[float, ...]:
@@ -186,12 +186,12 @@ def _top_breaks(case: Case) -> tuple[float, ...]:
     return force.breaks() if force is not None else ()
 
 
-def _bottom_held(case: Case, position: FloatArray, tangent: FloatArray) -> list[Held]:
+def _bottom_held(case: Case, position: FloatArray, tangent: FloatArray) -> list[FixedEnd]:
     bottom = case.bottom
     if not isinstance(bottom, HeldBottom) or bottom.kind == "free":
         return []
     node = build_mesh(case).nodes - 1
-    return [Held(node, bottom.kind, position, tangent, spin=bottom.kind == "clamped")]
+    return [FixedEnd(node, bottom.kind, position, tangent, spin=bottom.kind == "clamped")]
 
 
 def _contact(case: Case, mesh: StringMesh, well: Well | None, kind: type[Contact] = Contact) -> Contact | None:

@@ -18,32 +18,32 @@ from drillpetsc.geometry.well import Well
 from drillpetsc.physics.fluid.added_mass import chi_confined, chi_eccentric, lateral_damping
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
 from drillpetsc.physics.fluid.bit_flow import BitEnd, BitFlow
-from drillpetsc.physics.fluid.bore_flow import PipeFlow
+from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, HoleVolume, build_bore, build_walls, metal_below, poisson
-from drillpetsc.physics.fluid.hermite_flow import HermiteAnnulus, HermiteBit, HermitePipe, volumes_at_rest
-from drillpetsc.physics.fluid.moving_hole import Sideways, Surroundings
+from drillpetsc.physics.fluid.hermite_flow import HermiteAnnulus, HermiteBit, HermiteBore, volumes_at_rest
+from drillpetsc.physics.fluid.moving_hole import LateralCoefficients, MovingHole
 from drillpetsc.physics.fluid.rheology import Rheology
 
 NEAREST_WALL = 0.98  # eccentricity above which the added mass stays as it is
 
 
 @dataclass(frozen=True)
-class FluidRooms:
+class FluidComponents:
     """Rooms of the drilling fluid; None where the scene has no such channel.
 
     volumes: with formulation hermite, nodal volumes (n+1,) [m3] by field for still fluid under a pressure at the top [Pa].
     """
 
     constants: FluidConstants
-    pipe: PipeFlow | None
+    bore: BoreFlow | None
     annulus: AnnulusFlow | None
     bit: BitFlow | None
     volumes: Callable[[float], dict[str, FloatArray]] | None = None
 
     @property
-    def rooms(self) -> tuple:
-        return tuple(r for r in (self.pipe, self.annulus, self.bit) if r is not None)
+    def components(self) -> tuple:
+        return tuple(r for r in (self.bore, self.annulus, self.bit) if r is not None)
 
 
 def build_rheology(case: Case) -> Rheology:
@@ -55,7 +55,7 @@ def build_rheology(case: Case) -> Rheology:
 
 
 def build_fluid(case: Case, mesh: StringMesh, well: Well | None, position: FloatArray, tangent: FloatArray,
-                hole: GrowingHole | None = None) -> FluidRooms | None:
+                hole: GrowingHole | None = None) -> FluidComponents | None:
     """Rooms of the case's fluid, None without one; position, tangent (n+1, 3) of the nodes along the hole; hole: where the bit drills."""
     f = case.fluid
     if f is None:
@@ -64,40 +64,40 @@ def build_fluid(case: Case, mesh: StringMesh, well: Well | None, position: Float
     constants = FluidConstants(f.density, f.bulk_modulus, gravity, build_rheology(case).parameters(), f.clinging)
     narrowing, held = poisson(case, mesh), position if case.hold_string else None
     hermite = f.formulation == "hermite"
-    pipe: PipeFlow | None = None
+    bore_flow: BoreFlow | None = None
     annulus: AnnulusFlow | None = None
-    sizes, chi, surroundings = None, np.zeros(len(mesh.upper)), None
+    sizes, chi, moving_hole = None, np.zeros(len(mesh.upper)), None
     if case.has_bore:
         flow, bore = None if f.pump_pressure is not None else f.flow_rate, build_bore(case, mesh)
         if hermite:
-            pipe = HermitePipe(mesh, bore, constants, narrowing, f.flow_rate, case.bottom.plugged, held)
+            bore_flow = HermiteBore(mesh, bore, constants, narrowing, f.flow_rate, case.bottom.plugged, held)
         else:
-            pipe = PipeFlow(mesh, bore, constants, narrowing, flow, f.pump_pressure, held)
+            bore_flow = BoreFlow(mesh, bore, constants, narrowing, flow, f.pump_pressure, held)
     if case.has_annulus:
         assert well is not None
         walls = build_walls(case, mesh)
         sizes = walls.annulus(HoleVolume(well), np.arange(len(mesh.upper)), mesh.upper, mesh.lower)
         chi = _added_mass(case, sizes)
         if not case.hold_string and (hole is not None or not _same_everywhere(well, walls)):
-            surroundings = Surroundings(mesh, walls, lambda: well if hole is None else hole.well, partial(_sideways, case))
-        around = (mesh, sizes, well, constants, narrowing, _sideways(case, sizes), f.outlet_pressure, f.flow_line, surroundings, held)
+            moving_hole = MovingHole(mesh, walls, lambda: well if hole is None else hole.well, partial(_sideways, case))
+        around = (mesh, sizes, well, constants, narrowing, _sideways(case, sizes), f.outlet_pressure, f.flow_line, moving_hole, held)
         valve = 0.0 if f.choke is None else 1 / (2 * f.choke.discharge_coefficient**2 * f.choke.area**2)
         annulus = HermiteAnnulus(*around, pump=f.flow_rate) if hermite else AnnulusFlow(*around, choke=valve)
     bit: BitFlow | None = None
-    if pipe is not None and not case.bottom.plugged or annulus is not None:
+    if bore_flow is not None and not case.bottom.plugged or annulus is not None:
         end = _bit_end(case, mesh, well, sizes, chi, position, tangent)
         if hole is not None:
             end = _drilled(end, hole, f.cuttings == "returned")
-        bit = BitFlow(mesh.nodes - 1, end, constants, held, surroundings, hole)
+        bit = BitFlow(mesh.nodes - 1, end, constants, held, moving_hole, hole)
         if hermite:
-            bit = HermiteBit(mesh.nodes - 1, end, constants, f.flow_rate, pipe, annulus, position[-1], held)  # type: ignore[arg-type]
+            bit = HermiteBit(mesh.nodes - 1, end, constants, f.flow_rate, bore_flow, annulus, position[-1], held)  # type: ignore[arg-type]
     volumes = None
     if hermite:
         head = f.density * ((position - position[0]) @ gravity)
-        volumes = partial(volumes_at_rest, pipe, annulus, bit, head)  # type: ignore[arg-type]
-        if isinstance(pipe, HermitePipe) and pipe.closed:
-            pipe.kept = float(volumes(f.outlet_pressure.value(0.0) if annulus is not None else 0.0)["pipe.volume"][-1])
-    return FluidRooms(constants, pipe, annulus, bit, volumes)
+        volumes = partial(volumes_at_rest, bore_flow, annulus, bit, head)  # type: ignore[arg-type]
+        if isinstance(bore_flow, HermiteBore) and bore_flow.closed:
+            bore_flow.kept = float(volumes(f.outlet_pressure.value(0.0) if annulus is not None else 0.0)["bore.volume"][-1])
+    return FluidComponents(constants, bore_flow, annulus, bit, volumes)
 
 
 def _added_mass(case: Case, sizes: Annulus) -> FloatArray:
@@ -134,7 +134,7 @@ def shear_viscosity(case: Case, shear_rate: FloatArray) -> FloatArray:
     return yield_stress / shear_rate + consistency * shear_rate ** (index - 1)
 
 
-def _sideways(case: Case, sizes: Annulus) -> Sideways:
+def _sideways(case: Case, sizes: Annulus) -> LateralCoefficients:
     """Added mass, damping, and drag of turning; the viscosity is that at the wall of a pipe turning at the reference speed, where the
     shear rate is 2 omega/(1 - (Do/Dw)^2) (Couette)."""
     f = case.fluid
@@ -150,7 +150,7 @@ def _sideways(case: Case, sizes: Annulus) -> Sideways:
     turning = np.zeros(len(inner))
     if f.rotation_drag:  # 4 pi mu Ro^2 Rw^2/(Rw^2 - Ro^2) per length and spin (Couette)
         turning = np.pi * viscosity * inner**2 * outer**2 / (outer**2 - inner**2)
-    return Sideways(_added_mass(case, sizes), damping, turning, _added_mass_by_place if f.added_mass == "eccentric" else None)
+    return LateralCoefficients(_added_mass(case, sizes), damping, turning, _added_mass_by_place if f.added_mass == "eccentric" else None)
 
 
 def _same_everywhere(well: Well, walls: AnnulusWalls) -> bool:

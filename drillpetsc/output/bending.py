@@ -6,26 +6,26 @@ import numpy as np
 
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.geometry.frames import directors
-from drillpetsc.model.drilling_model import Scene
+from drillpetsc.model.drilling_model import DrillingModel
 
 
-def curvatures(scene: Scene) -> FloatArray:
+def curvatures(model: DrillingModel) -> FloatArray:
     """(nc, 2, 2, 3) [1/m] of each local element: the curvature vector r' x r''/|r'|^2, then it less the stress-free
     one; at both ends."""
-    model, mesh, line = scene.model, scene.mesh, scene.model.line
-    r, v, phi = (model.field(f"string.{k}") for k in ("position", "tangent", "spin"))
-    a, b, e = line.ends[:, 0], line.ends[:, 1], line.cells
+    system, mesh, chain = model.system, model.mesh, model.system.chain
+    r, v, phi = (system.field(f"string.{k}") for k in ("position", "tangent", "spin"))
+    a, b, e = chain.ends[:, 0], chain.ends[:, 1], chain.cells
     L, t = mesh.divisor[e][:, None], v[a] / np.linalg.norm(v[a], axis=1, keepdims=True)
     d = r[b] - r[a] - mesh.rigid_above[e][:, None] * t
     va, vb = v[a], v[b]
-    if "string.ratio" in model.layout.place:
-        va = va * model.field("string.ratio")[a]
+    if "string.ratio" in system.layout.dofs:
+        va = va * system.field("string.ratio")[a]
     out = np.zeros((len(e), 2, 2, 3))
     for end, (slope, second) in enumerate(
         ((va, 6 * d / L**2 - 4 * va / L - 2 * vb / L), (vb, -6 * d / L**2 + 2 * va / L + 4 * vb / L))
     ):
         node = (a, b)[end]
-        d2, d3 = directors(scene.frames, line.vertices[node], v[node], phi[node, 0])
+        d2, d3 = directors(model.frames, chain.vertices[node], v[node], phi[node, 0])
         kappa = np.cross(slope, second) / np.sum(slope * slope, axis=1, keepdims=True)
         out[:, 0, end] = kappa
         out[:, 1, end] = kappa - mesh.curvature[e][:, :1] * d2 - mesh.curvature[e][:, 1:] * d3
@@ -33,7 +33,7 @@ def curvatures(scene: Scene) -> FloatArray:
     return out
 
 
-def bending_moments(scene: Scene) -> FloatArray:
+def bending_moments(model: DrillingModel) -> FloatArray:
     """(nc, 2) bending moment [N m] at the upper and lower end of each local element: EI times the curvature beyond the stress-free one."""
-    bend = np.linalg.norm(curvatures(scene)[:, 1], axis=2)
-    return scene.mesh.bending_stiffness[scene.model.line.cells][:, None] * bend
+    bend = np.linalg.norm(curvatures(model)[:, 1], axis=2)
+    return model.mesh.bending_stiffness[model.system.chain.cells][:, None] * bend

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.fem.discrete_system import Model
+from drillpetsc.fem.discrete_system import DiscreteSystem
 
 Column = tuple[str, str]
 
 
-class FlowRecord:
+class FlowRecorder:
     """Samples the fluid of a scene; sums over ranks are the caller's.
 
     A sample is (7,): pressures at the pump and at the bit [Pa], flow rates out of the flow line, of the pump and through the bit
@@ -23,10 +23,10 @@ class FlowRecord:
 
     SIZE = 7
 
-    def __init__(self, model: Model, fluid) -> None:
-        self.model, self.fluid = model, fluid
-        line, last = model.line, model.mesh.nodes - 1
-        here = {int(v): i for i, v in enumerate(line.vertices) if line.owned[i]}
+    def __init__(self, system: DiscreteSystem, fluid) -> None:
+        self.system, self.fluid = system, fluid
+        chain, last = system.chain, system.mesh.nodes - 1
+        here = {int(v): i for i, v in enumerate(chain.vertices) if chain.owned[i]}
         self._last = here.get(last, -1)
         self.start_content = 0.0
         self._sums = np.zeros(3)  # volumes pumped, returned, and of cuttings taken up [m3]
@@ -36,38 +36,38 @@ class FlowRecord:
     def columns(self) -> list[Column]:
         """Columns of the history, those that this scene has."""
         f = self.fluid
-        pump: list[Column] = [("pump_pressure", "Pa")] if f.pipe is not None else []
+        pump: list[Column] = [("pump_pressure", "Pa")] if f.bore is not None else []
         ends: list[Column] = [("bit_pressure", "Pa"), ("outlet_flow", "m3/s")]
-        return pump + ends + ([("pump_flow", "m3/s"), ("bit_flow", "m3/s")] if f.pipe is not None else [])
+        return pump + ends + ([("pump_flow", "m3/s"), ("bit_flow", "m3/s")] if f.bore is not None else [])
 
     def row(self, sample: FloatArray) -> list[float]:
         """Values of ``columns`` from a sample."""
-        has_pipe = self.fluid.pipe is not None
-        return [*([sample[0]] if has_pipe else []), sample[1], sample[2], *([sample[3], sample[4]] if has_pipe else [])]
+        has_bore = self.fluid.bore is not None
+        return [*([sample[0]] if has_bore else []), sample[1], sample[2], *([sample[3], sample[4]] if has_bore else [])]
 
     @contextmanager
     def taken(self) -> Iterator[None]:
         """Within this, figures of the channels are worked out once for all who ask; the state must not change."""
         with ExitStack() as stack:
-            for room in (self.fluid.pipe, self.fluid.annulus):
-                if room is not None:
-                    stack.enter_context(room.taken(self.model.assembly))
+            for component in (self.fluid.bore, self.fluid.annulus):
+                if component is not None:
+                    stack.enter_context(component.taken(self.system.assembly))
             yield
 
     def sample(self, t: float) -> FloatArray:
         """(6,) this rank's share."""
-        f, asm = self.fluid, self.model.assembly
+        f, asm = self.fluid, self.system.assembly
         v = np.zeros(self.SIZE)
-        for room in (f.pipe, f.annulus):
-            if room is not None:
-                v[5] += room.figures(asm)[:, 4].sum()
+        for component in (f.bore, f.annulus):
+            if component is not None:
+                v[5] += component.figures(asm)[:, 4].sum()
         if f.bit is not None:
             figures = f.bit.figures(asm)
             v[4], v[5], v[6] = figures[1], v[5] + figures[4], figures[6]
-        if f.pipe is not None:
-            flow = f.pipe.pumped(t, asm)
+        if f.bore is not None:
+            flow = f.bore.pumped(t, asm)
             if flow is not None:
-                v[0], v[3] = f.pipe.upper_pressure(asm), flow
+                v[0], v[3] = f.bore.upper_pressure(asm), flow
         if f.annulus is not None:
             out = f.annulus.outflow(asm)
             v[2] = 0.0 if out is None else out
@@ -75,7 +75,7 @@ class FlowRecord:
         else:
             v[2] = v[4]
         if self._last >= 0:
-            v[1] = (f.annulus or f.pipe).pressures(self.model)[self._last]
+            v[1] = (f.annulus or f.bore).pressures(self.system)[self._last]
         return v
 
     # ------------------------------------------------------------------ mass
@@ -106,12 +106,12 @@ class FlowRecord:
         rock = {"cuttings": cuttings} if cuttings else {}
         return {"pumped": pumped, "returned": returned, **rock, "content_change": change, "error": error, "error_share": error / largest}
 
-    def memory(self) -> dict[str, FloatArray]:
+    def get_state(self) -> dict[str, FloatArray]:
         """What a continued run needs to keep counting."""
         sums, step = self._before if self._before is not None else (np.zeros(3), 0.0)
         return {"mud": np.array([*self._sums, self.start_content, *sums, step])}
 
-    def recall(self, memory: dict[str, FloatArray]) -> None:
+    def set_state(self, memory: dict[str, FloatArray]) -> None:
         """Take up a memory."""
         books = np.array(memory["mud"])
         self._sums, self.start_content = books[:3], float(books[3])
@@ -120,36 +120,36 @@ class FlowRecord:
     # ------------------------------------------------------------------ along the string
     def nodal(self) -> dict[str, FloatArray]:
         """Pressures [Pa] at the local vertices."""
-        names = {"pipe": "internal_pressure [Pa]", "annulus": "annulus_pressure [Pa]"}
-        rooms = {title: getattr(self.fluid, room) for room, title in names.items()}
-        return {title: room.pressures(self.model) for title, room in rooms.items() if room is not None}
+        names = {"bore": "internal_pressure [Pa]", "annulus": "annulus_pressure [Pa]"}
+        components = {title: getattr(self.fluid, component) for component, title in names.items()}
+        return {title: component.pressures(self.system) for title, component in components.items() if component is not None}
 
     def wall_tension(self) -> FloatArray:
         """(nc, 2) tension [N] of the pipe's wall at both ends of the local elements beyond EA times strain: what keeps a pipe
         under pressure from growing shorter, 2 nu (p_i A_i - p_o A_o) (Lame)."""
-        line, out = self.model.line, np.zeros((len(self.model.line.cells), 2))
-        for room, sign in ((self.fluid.pipe, 1.0), (self.fluid.annulus, -1.0)):
-            if room is not None:
-                area = (room.bore.area if room is self.fluid.pipe else room.annulus.outer)[line.cells]
-                pressure = room.pressures(self.model)[line.ends]
-                out += sign * 2 * (room.poisson[line.cells] * area)[:, None] * pressure
+        chain, out = self.system.chain, np.zeros((len(self.system.chain.cells), 2))
+        for component, sign in ((self.fluid.bore, 1.0), (self.fluid.annulus, -1.0)):
+            if component is not None:
+                area = (component.bore.area if component is self.fluid.bore else component.annulus.outer)[chain.cells]
+                pressure = component.pressures(self.system)[chain.ends]
+                out += sign * 2 * (component.poisson[chain.cells] * area)[:, None] * pressure
         return out
 
     def pressure_force(self) -> FloatArray:
         """(nc, 2) what effective tension has beyond that of the wall at both ends of the local elements, -p_i A_i + p_o A_o [N]."""
-        line, out = self.model.line, np.zeros((len(self.model.line.cells), 2))
-        for room, sign in ((self.fluid.pipe, -1.0), (self.fluid.annulus, 1.0)):
-            if room is not None:
-                area = (room.bore.area if room is self.fluid.pipe else room.annulus.outer)[line.cells]
-                out += sign * area[:, None] * room.pressures(self.model)[line.ends]
+        chain, out = self.system.chain, np.zeros((len(self.system.chain.cells), 2))
+        for component, sign in ((self.fluid.bore, -1.0), (self.fluid.annulus, 1.0)):
+            if component is not None:
+                area = (component.bore.area if component is self.fluid.bore else component.annulus.outer)[chain.cells]
+                out += sign * area[:, None] * component.pressures(self.system)[chain.ends]
         return out
 
     def cellwise(self) -> dict[str, FloatArray]:
         """Flow rates [m3/s] and speeds [m/s] in the local elements, towards the bit positive."""
         out = {}
-        for room, title in (("pipe", "internal"), ("annulus", "annulus")):
-            channel = getattr(self.fluid, room)
+        for component, title in (("bore", "internal"), ("annulus", "annulus")):
+            channel = getattr(self.fluid, component)
             if channel is not None:
-                out[f"{title}_flow [m3/s]"] = channel.flows(self.model)
-                out[f"{title}_speed [m/s]"] = channel.figures(self.model.assembly)[:, 7]
+                out[f"{title}_flow [m3/s]"] = channel.flows(self.system)
+                out[f"{title}_speed [m/s]"] = channel.figures(self.system.assembly)[:, 7]
         return out

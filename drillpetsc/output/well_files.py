@@ -7,7 +7,7 @@ import numpy as np
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.geometry.trajectory import COURSE, angles, dogleg_severity, faithful
 from drillpetsc.geometry.well import Well
-from drillpetsc.model.drilling_model import Scene
+from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output import RunFolder, write_table, write_well
 
 COLUMNS = [("md", "m"), ("inclination", "deg"), ("azimuth", "deg"), ("north", "m"), ("east", "m"), ("tvd", "m"),
@@ -15,15 +15,15 @@ COLUMNS = [("md", "m"), ("inclination", "deg"), ("azimuth", "deg"), ("north", "m
 SPACING = 10.0  # of the stations in the old hole, at most [m]
 
 
-def present_hole(scene: Scene) -> Well | None:
+def present_hole(model: DrillingModel) -> Well | None:
     """The hole with what was drilled of it."""
-    return scene.drilling.drilled_hole() if scene.drilling is not None else scene.well
+    return model.drilling.drilled_hole() if model.drilling is not None else model.well
 
 
-def stations(scene: Scene, well: Well) -> FloatArray:
+def stations(model: DrillingModel, well: Well) -> FloatArray:
     """(n,) measured depths [m]: every ten metres, survey stations and ends of sections in the old hole; all nodes of the new one, and more
     where it needs them to be the survey of the next case."""
-    q = scene.case.well
+    q = model.case.well
     assert q is not None
     old = float(q.survey.md[-1])
     even = np.linspace(0.0, old, max(2, int(np.ceil(old / SPACING)) + 1))
@@ -31,11 +31,11 @@ def stations(scene: Scene, well: Well) -> FloatArray:
     return faithful(well, md[np.append(True, np.diff(md) > 1e-6)])
 
 
-def write_well_files(scene: Scene, folder: RunFolder) -> None:
+def write_well_files(model: DrillingModel, folder: RunFolder) -> None:
     """trajectory.csv and well.vtu of the hole as it is now."""
-    well = present_hole(scene)
+    well = present_hole(model)
     assert well is not None
-    md = stations(scene, well)
+    md = stations(model, well)
     position, tangent, _ = map(np.asarray, well.at(md))
     inclination, azimuth = map(np.degrees, angles(tangent))
     write_table(folder.trajectory, COLUMNS, [md, inclination, azimuth, *position.T, np.degrees(COURSE * dogleg_severity(md, tangent))])

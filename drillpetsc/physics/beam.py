@@ -1,4 +1,4 @@
-"""The drillstring's beam: axial, bending, torsion, inertia, gravity, material damping (kernels/beam.hpp)."""
+"""The drillstring's beam: axial, bending, torsion, inertia, gravity, material damping (kernels/beam/beam.hpp)."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import ctypes
 
 import numpy as np
 
-from drillpetsc.fem.component import Block, Energies, Field, FloatArray, Powers, Prescribed
-from drillpetsc.fem.dof_layout import Layout
+from drillpetsc.fem.component import ElementBlock, Energies, Field, FloatArray, Powers, PrescribedMotion
+from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
@@ -21,7 +21,7 @@ SLOTS = (("string.position", 0), ("string.tangent", 0), ("string.spin", 0), ("st
 SPLIT_SLOTS = (*SLOTS, ("string.ratio", 0))
 
 POSITION_SCALE = 0.03  # [m], of the order of a string's play in its hole
-_GAUGE1, _GAUGE2, _TWIST0 = slice(12, 15), slice(15, 18), 8
+_REFERENCE1, _REFERENCE2, _TWIST0 = slice(12, 15), slice(15, 18), 8
 
 
 class Beam:
@@ -36,8 +36,8 @@ class Beam:
     def __init__(self, mesh: StringMesh, frames: Frames, gravity: FloatArray, finest_motion: float = np.inf):
         self.mesh, self.frames, self.gravity = mesh, frames, np.asarray(gravity, dtype=float)
         self.position_scale = min(POSITION_SCALE, finest_motion)
-        self._blocks: tuple[Block, ...] = ()
-        self._tables: tuple[Layout, list[np.ndarray]] | None = None
+        self._blocks: tuple[ElementBlock, ...] = ()
+        self._tables: tuple[DofLayout, list[np.ndarray]] | None = None
 
     def fields(self) -> tuple[Field, ...]:
         always = (
@@ -53,10 +53,10 @@ class Beam:
         columns = [m.length[e], m.axial_stiffness[e], m.bending_stiffness[e], m.torsional_stiffness[e], m.mass[e], m.polar_inertia[e],
                    m.stiffness_damping[e], m.mass_damping[e], f.twist0[e]]
         gravity = np.tile(self.gravity, (len(e), 1))
-        return np.ascontiguousarray(np.column_stack([*columns, gravity, f.gauge[e], f.gauge[e + 1], m.rigid_above[e]]))
+        return np.ascontiguousarray(np.column_stack([*columns, gravity, f.reference[e], f.reference[e + 1], m.rigid_above[e]]))
 
-    def blocks(self, part) -> tuple[Block, ...]:
-        """Blocks of the local cells of ``part`` (a Line), by whether they are damped and hang on a junction."""
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
+        """Blocks of the local cells of ``part`` (a Chain), by whether they are damped and hang on a junction."""
         e = part.cells
         damped = (self.mesh.stiffness_damping[e] != 0) | (self.mesh.mass_damping[e] != 0)
         split = self.mesh.junction[e] if len(self.mesh.junction) else np.zeros(len(e), dtype=bool)
@@ -70,36 +70,36 @@ class Beam:
                     continue  # the same decision on every rank
                 chosen = np.flatnonzero((split == is_split) & (damped == is_damped) & element).astype(np.int32)
                 kernel = "beam" + "_split" * is_split + "_damped" * is_damped
-                blocks.append(Block(kernel.replace("split", "junction"), kernel, "cell", chosen, SPLIT_SLOTS if is_split else SLOTS,
+                blocks.append(ElementBlock(kernel.replace("split", "junction"), kernel, "cell", chosen, SPLIT_SLOTS if is_split else SLOTS,
                                     (0, 1), self._params(e[chosen])))
         self._blocks = tuple(blocks)
         self._part, self._tables = part, None
         return self._blocks
 
-    def prescribed(self) -> tuple[Prescribed, ...]:
+    def prescribed(self) -> tuple[PrescribedMotion, ...]:
         return ()
 
     def breaks(self) -> tuple[float, ...]:
         return ()
 
-    def refresh_gauges(self) -> None:
-        """Take over renewed gauges and twist offsets from ``frames`` into the blocks' parameters."""
+    def update_reference_frames(self) -> None:
+        """Take over renewed reference frames and twist offsets from ``frames`` into the blocks' parameters."""
         for b in self._blocks:
             e = self._part.cells[b.points]
-            b.params[:, _GAUGE1], b.params[:, _GAUGE2] = self.frames.gauge[e], self.frames.gauge[e + 1]
+            b.params[:, _REFERENCE1], b.params[:, _REFERENCE2] = self.frames.reference[e], self.frames.reference[e + 1]
             b.params[:, _TWIST0] = self.frames.twist0[e]
 
     def section(self, state, vertex: int) -> tuple[FloatArray, FloatArray, float]:
         """Position [m], slope and spin rate [rad/s] of a local vertex."""
-        place = state.layout.place
+        place = state.layout.dofs
         return state.x[place["string.position"][vertex]], state.x[place["string.tangent"][vertex]], state.y[place["string.spin"][vertex, 0]]
 
     def columns(self, state) -> FloatArray:
         """(nv, 8) at the local vertices: position [m] and velocity [m/s], spin rate [rad/s], spin angle [rad]."""
-        r, spin = state.layout.place["string.position"], state.layout.place["string.spin"]
+        r, spin = state.layout.dofs["string.position"], state.layout.dofs["string.spin"]
         return np.hstack([state.x[r], state.y[r], state.y[spin], state.x[spin]])
 
-    def report(self, layout: Layout, x: FloatArray, y: FloatArray) -> FloatArray:
+    def report(self, layout: DofLayout, x: FloatArray, y: FloatArray) -> FloatArray:
         """(nc, 9) per local cell in depth order: the columns of ``REPORT`` [J, J, J, N, N, N, N m, N m, N m]."""
         out = np.zeros((len(self._part.cells), len(REPORT)))
         if self._tables is None or self._tables[0] is not layout:

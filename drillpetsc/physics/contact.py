@@ -11,13 +11,13 @@ from itertools import product
 import numpy as np
 from scipy.optimize import brentq
 
-from drillpetsc.fem.component import Block, Energies, FloatArray, Powers
-from drillpetsc.fem.quadrature import corners, rule
+from drillpetsc.fem.component import ElementBlock, Energies, FloatArray, Powers
+from drillpetsc.fem.quadrature import exposed_ends, rule
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
 from drillpetsc.physics.beam import SLOTS, SPLIT_SLOTS
-from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, Passive, local_vertices
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, ComponentBase, local_vertices
 
 _report = function("contact_report", "iipppppp")
 _bit_report = function("bit_report", "ppppp")
@@ -26,7 +26,7 @@ REPORT = ("normal", "stored", "damping_power", "friction_power", "penetration", 
 
 
 class _Law(ctypes.Structure):
-    """ContactLaw of kernels/contact.hpp."""
+    """ContactLaw of kernels/contact/contact.hpp."""
 
     _fields_ = [("well", ctypes.c_void_p)] + [(n, ctypes.c_double) for n in ("stiffness", "exponent", "damping", "slip", "extra", "decay",
                 "imposed", "axial", "spin", "side")] + [("per_point", ctypes.c_int), ("points", ctypes.c_int)] + \
@@ -84,7 +84,7 @@ def damping_factor(restitution: float, speed: float) -> float:
     return float(brentq(miss, 0.5 * (1 - e), (1 - 1e-14) / e, xtol=1e-14, rtol=1e-14)) / speed
 
 
-class Contact(Passive):
+class Contact(ComponentBase):
     """Contact of pipes and rigid items with the wall.
 
     with_bit False: a bit that cuts has its own contact (physics/rock_bit.py); free_top: nothing holds the string's upper end.
@@ -115,30 +115,30 @@ class Contact(Passive):
         self._touching.append(touching)
         return ctypes.addressof(record)
 
-    def blocks(self, part) -> tuple[Block, ...]:
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
         m = self.mesh
         self._part = part
         self._touching: list[np.ndarray] = []
         self._row_of: dict[int, FloatArray] | None = None  # normal forces at the points of a local cell, once asked for
         self._normal: list[np.ndarray] = []
-        self._blocks: list[Block] = []
+        self._blocks: list[ElementBlock] = []
         junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
         friction = np.where(np.isnan(m.friction), -1.0, m.friction)
         touches = (m.outer_diameter > 0) & ~m.is_joint
         for split, (name, mask, ends) in product((False, True), self._groups()):
-            mine = (junction[:-1] == split) & touches & mask
-            if not mine.any():
+            on_rank = (junction[:-1] == split) & touches & mask
+            if not on_rank.any():
                 continue
-            chosen = np.flatnonzero(mine[part.cells]).astype(np.int32)
+            chosen = np.flatnonzero(on_rank[part.cells]).astype(np.int32)
             e = part.cells[chosen]
             params = np.ascontiguousarray(np.column_stack([m.length[e], m.rigid_above[e], 0.5 * m.outer_diameter[e], friction[e]]))
-            self._blocks.append(Block(f"contact_junction{name}" if split else f"contact{name}", "contact_split" if split else "contact",
+            self._blocks.append(ElementBlock(f"contact_junction{name}" if split else f"contact{name}", "contact_split" if split else "contact",
                                       "cell", chosen, SPLIT_SLOTS if split else SLOTS, (0, 1), params,
-                                      context=self._context(len(chosen), ends), room="contact"))
+                                      context=self._context(len(chosen), ends), component="contact"))
         self._blocks += self._on_items(part)
         return tuple(self._blocks)
 
-    def _on_items(self, part) -> list[Block]:
+    def _on_items(self, part) -> list[ElementBlock]:
         """The block of the rigid items."""
         items = [b for b in self.mesh.bodies if b.radius > 0 and (self.with_bit or b.kind != "bit")]
         if not items:
@@ -146,8 +146,8 @@ class Contact(Passive):
         picked, vertices = local_vertices(part, np.array([b.node for b in items]))
         here = [items[k] for k in picked]
         params = np.array([[b.above, b.length, b.radius, -1.0 if b.friction is None else b.friction] for b in here]).reshape(-1, 4)
-        return [Block("contact_bodies", "body_contact", "vertex", vertices, VERTEX_SLOTS, (0,), np.ascontiguousarray(params),
-                      context=self._context(len(here), self._item_ends), room="contact")]
+        return [ElementBlock("contact_bodies", "body_contact", "vertex", vertices, VERTEX_SLOTS, (0,), np.ascontiguousarray(params),
+                      context=self._context(len(here), self._item_ends), component="contact")]
 
     @property
     def _item_ends(self) -> tuple[bool, bool]:
@@ -157,7 +157,7 @@ class Contact(Passive):
 
     def _groups(self) -> list[tuple[str, np.ndarray, tuple[bool, bool]]]:
         """Name, (n,) mask and ends that stand out, of the elements whose contact is integrated alike; those without such ends first."""
-        upper, lower = corners(self.mesh, self.free_top)
+        upper, lower = exposed_ends(self.mesh, self.free_top)
         if self.law.law == "hertz_point":
             upper, lower = np.zeros_like(upper), np.zeros_like(lower)
         found = [(name, (upper == a) & (lower == b), (a, b)) for name, a, b in
@@ -171,16 +171,16 @@ class Contact(Passive):
         for record in self._laws:
             record.well = pointer(self._packed)
 
-    def impose_sliding(self, axial: float, spin: float, side: float = 1.0) -> None:
-        """Statics: friction acts against a rigid motion of the string, ``axial`` [m/s] downward and ``spin`` [rad/s].
+    def impose_sliding_direction(self, axial: float, spin: float, side: float = 1.0) -> None:
+        """StaticNewton: friction acts against a rigid motion of the string, ``axial`` [m/s] downward and ``spin`` [rad/s].
 
         side 0: friction across the pipe gives its torque but does not push it sideways.
         """
         for record in self._laws:
             record.imposed, record.axial, record.spin, record.side = 1.0, axial, spin, side
 
-    def free_sliding(self) -> None:
-        """Dynamics: friction follows the motion."""
+    def release_sliding_direction(self) -> None:
+        """TimeIntegrator: friction follows the motion."""
         for record in self._laws:
             record.imposed = 0.0
 
@@ -227,7 +227,7 @@ class Contact(Passive):
         return Powers(float(sum(figures[:, 2:4].sum() for figures in self._figures(state))))
 
 
-class BitOnBottom(Passive):
+class BitOnBottom(ComponentBase):
     """The bit stands on the end of the hole: a spring along its axis, and a friction torque."""
 
     name = "bit"
@@ -239,19 +239,19 @@ class BitOnBottom(Passive):
         self._row = [face, radius, stiffness, friction, *end, *axis, slip_velocity, -3.0]
         self._length = face
 
-    def blocks(self, part) -> tuple[Block, ...]:
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([self.node]))
         params = np.ascontiguousarray(np.tile(self._row, (len(vertices), 1)))
-        self._block = Block("bit_bottom", "bit_contact", "vertex", vertices, VERTEX_SLOTS, (0,), params)
+        self._block = ElementBlock("bit_bottom", "bit_contact", "vertex", vertices, VERTEX_SLOTS, (0,), params)
         return (self._block,)
 
-    def impose_sliding(self, axial: float, spin: float, side: float = 1.0) -> None:
+    def impose_sliding_direction(self, axial: float, spin: float, side: float = 1.0) -> None:
         self._block.params[:, 11] = np.sign(spin)
 
-    def free_sliding(self) -> None:
+    def release_sliding_direction(self) -> None:
         self._block.params[:, 11] = -3.0
 
-    def slide_as(self, other: BitOnBottom) -> None:
+    def copy_sliding_direction(self, other: BitOnBottom) -> None:
         """Take over the sliding that statics imposed on another room."""
         self._block.params[:] = other._block.params
 

@@ -8,9 +8,9 @@ from typing import Protocol
 
 import numpy as np
 
-from drillpetsc.fem.component import Block, Energies, FloatArray, Powers, Prescribed
+from drillpetsc.fem.component import ElementBlock, Energies, FloatArray, Powers, PrescribedMotion
 from drillpetsc.geometry.frames import Frames, high_side
-from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, Passive, local_vertices
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, ComponentBase, local_vertices
 
 
 class Input(Protocol):
@@ -39,7 +39,7 @@ def _rows(position: FloatArray, tangent: FloatArray, spin: bool) -> FloatArray:
     return D
 
 
-class Held(Passive):
+class FixedEnd(ComponentBase):
     """An end that does not move: clamped (position, direction, spin), pinned (position; spin where ``spin``)."""
 
     name = "held_end"
@@ -52,18 +52,18 @@ class Held(Passive):
         tilt = ("side_moment_1", "side_moment_2") if kind == "clamped" else ()
         names = ("axial_reaction", "side_reaction_1", "side_reaction_2", *tilt, *(("torque_reaction",) if spin else ()))
         where = "top" if vertex == 0 else "bottom"
-        self._condition = Prescribed(vertex, D, lambda t: target, lambda t: still, tuple(f"{where}.{n}" for n in names))
+        self._condition = PrescribedMotion(vertex, D, lambda t: target, lambda t: still, tuple(f"{where}.{n}" for n in names))
 
     def shift(self, distance: float) -> None:
         """Move the axial position by ``distance`` [m], down positive."""
         self.anchor[0] += distance
 
-    def prescribed(self) -> tuple[Prescribed, ...]:
+    def prescribed(self) -> tuple[PrescribedMotion, ...]:
         return (self._condition,)
 
 
-class TopDrive(Passive):
-    """Prescribed rotation [rad/s] and lowering [m/s] of the top node; the replaced rows are hook load and surface torque.
+class TopDrive(ComponentBase):
+    """PrescribedMotion rotation [rad/s] and lowering [m/s] of the top node; the replaced rows are hook load and surface torque.
 
     lowering None: the axial row stays free (a force is prescribed by a load).  rotation None: the spin stays free (``driven``).
     """
@@ -85,10 +85,10 @@ class TopDrive(Passive):
         down, turn = lowering or zero, rotation or zero
         names = ["top.axial_reaction"] * (lowering is not None) + ["top.side_reaction_1", "top.side_reaction_2", "top.side_moment_1",
                  "top.side_moment_2"] + ["top.torque_reaction"] * (rotation is not None)
-        self._condition = Prescribed(0, D, lambda t: start + axial * down.integral(t) + spin * turn.integral(t),
+        self._condition = PrescribedMotion(0, D, lambda t: start + axial * down.integral(t) + spin * turn.integral(t),
                                      lambda t: axial * down.value(t) + spin * turn.value(t), tuple(names))
 
-    def prescribed(self) -> tuple[Prescribed, ...]:
+    def prescribed(self) -> tuple[PrescribedMotion, ...]:
         return (self._condition,)
 
     def shift(self, distance: float) -> None:
@@ -106,7 +106,7 @@ class _Zero:
     rate = integral = value
 
 
-class Drive(Passive):
+class RotaryDrive(ComponentBase):
     """Rotary drive with spring [N m/rad], damper [N m s/rad] and rotor inertia [kg m2] at the top node."""
 
     name = "drive"
@@ -115,7 +115,7 @@ class Drive(Passive):
         self.rotation, self.angle = rotation, angle
         self.constants = (stiffness, damping, inertia)
 
-    def blocks(self, part) -> tuple[Block, ...]:
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([0]))
         params = np.ascontiguousarray(np.tile([*self.constants, 0.0, 0.0], (len(vertices), 1)))
 
@@ -123,7 +123,7 @@ class Drive(Passive):
             params[:, 3] = self.angle + self.rotation.integral(t)
             params[:, 4] = self.rotation.value(t)
 
-        self._block = Block("drive", "drive", "vertex", vertices, VERTEX_SLOTS, (0,), params, update=update)
+        self._block = ElementBlock("drive", "drive", "vertex", vertices, VERTEX_SLOTS, (0,), params, update=update)
         return (self._block,)
 
     def breaks(self) -> tuple[float, ...]:
@@ -168,7 +168,7 @@ class NodeLoad:
     factor: Callable[[float], float] | None = None
 
 
-class Loads(Passive):
+class Loads(ComponentBase):
     """Forces and moments on nodes."""
 
     name = "loads"
@@ -176,25 +176,25 @@ class Loads(Passive):
     def __init__(self, loads: tuple[NodeLoad, ...], frames: Frames, breaks: tuple[float, ...] = ()):
         self.loads, self.frames, self._breaks = loads, frames, breaks
 
-    def blocks(self, part) -> tuple[Block, ...]:
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
         chosen, vertices = local_vertices(part, np.array([q.node for q in self.loads]))
-        mine = [self.loads[k] for k in chosen]
-        nodes = np.array([q.node for q in mine], dtype=int)
-        rows = [[*q.force, *q.moment, *q.slope, float(q.section)] for q in mine]
-        params = np.ascontiguousarray(np.hstack([np.array(rows).reshape(-1, 10), self.frames.gauge[nodes], self.frames.second[nodes],
-                                                 np.ones((len(mine), 1))]))
-        timed = [(i, q.factor) for i, q in enumerate(mine) if q.factor is not None]
+        on_rank = [self.loads[k] for k in chosen]
+        nodes = np.array([q.node for q in on_rank], dtype=int)
+        rows = [[*q.force, *q.moment, *q.slope, float(q.section)] for q in on_rank]
+        params = np.ascontiguousarray(np.hstack([np.array(rows).reshape(-1, 10), self.frames.reference[nodes], self.frames.second[nodes],
+                                                 np.ones((len(on_rank), 1))]))
+        timed = [(i, q.factor) for i, q in enumerate(on_rank) if q.factor is not None]
 
         def update(t: float) -> None:
             for i, factor in timed:
                 params[i, 16] = factor(t)
 
-        self._block = Block("loads", "load", "vertex", vertices, VERTEX_SLOTS, (0,), params, update=update if timed else None)
+        self._block = ElementBlock("loads", "load", "vertex", vertices, VERTEX_SLOTS, (0,), params, update=update if timed else None)
         self._nodes = nodes
         return (self._block,)
 
-    def refresh_gauges(self) -> None:
-        self._block.params[:, 10:13] = self.frames.gauge[self._nodes]
+    def update_reference_frames(self) -> None:
+        self._block.params[:, 10:13] = self.frames.reference[self._nodes]
         self._block.params[:, 13:16] = self.frames.second[self._nodes]
 
     def breaks(self) -> tuple[float, ...]:

@@ -1,15 +1,15 @@
-"""Joints in the string: constraints with multipliers between the two nodes of a cell without length (kernels/joints.hpp)."""
+"""Joints in the string: constraints with multipliers between the two nodes of a cell without length (kernels/joints/joints.hpp)."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import Block, Corrections, Energies, Field, FloatArray, IntArray, Powers
+from drillpetsc.fem.component import ElementBlock, Energies, Field, FloatArray, IntArray, Powers, VelocityStabilization
 from drillpetsc.fem.string_mesh import StringJoint, StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
 from drillpetsc.physics.beam import SLOTS
-from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, Passive, local_vertices
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, ComponentBase, local_vertices
 
 _report = function("joint_report", "iippppp")
 _directions = function("joint_directions", "ipppp")
@@ -20,7 +20,7 @@ SCALE = 1.0e6  # multipliers are in units of this [N, N m], so that their rows a
 STOP_ROUNDING = 1.0e-4  # a stop takes hold over this way [m]
 
 
-class Joints(Passive):
+class Joints(ComponentBase):
     """All joints of a string.
 
     Fields: ``joint.load`` (6) at the node below, the multipliers in units of SCALE: force and moment that the joint carries; a
@@ -51,15 +51,15 @@ class Joints(Passive):
     # ------------------------------------------------------------------ blocks
     def _frame_columns(self, cells: np.ndarray) -> FloatArray:
         f = self.frames
-        return np.hstack([f.gauge[cells], f.second[cells], f.gauge[cells + 1], f.second[cells + 1]])
+        return np.hstack([f.reference[cells], f.second[cells], f.reference[cells + 1], f.second[cells + 1]])
 
     @staticmethod
     def _row(j: StringJoint) -> list[float]:
         stops = (*j.stroke, j.stop_stiffness) if j.stroke is not None else (0.0, 0.0, 0.0)
         return [*np.ravel(j.axes), j.spring, j.damping, *stops, STOP_ROUNDING, SCALE]
 
-    def blocks(self, part) -> tuple[Block, ...]:
-        self._blocks: list[Block] = []
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
+        self._blocks: list[ElementBlock] = []
         self._chosen: list[np.ndarray] = []
         self._part = part
         place = {int(c): i for i, c in enumerate(part.cells)}
@@ -74,16 +74,16 @@ class Joints(Passive):
             slots = (*SLOTS, ("joint.load", 1), *((("joint.correction", 0),) if stabilised else ()))
             points = np.array([place[int(c)] for c in cells], dtype=np.int32)
             name, kernel = ("joints_stabilised", "joint_stabilised") if stabilised else ("joints", "joint")
-            self._blocks.append(Block(name, kernel, "cell", points, slots, (0, 1), np.ascontiguousarray(params)))
+            self._blocks.append(ElementBlock(name, kernel, "cell", points, slots, (0, 1), np.ascontiguousarray(params)))
             self._chosen.append(chosen)
         loose = self.mesh.loose_slopes
-        extra: tuple[Block, ...] = ()
+        extra: tuple[ElementBlock, ...] = ()
         if len(loose):
             _, vertices = local_vertices(part, loose)
-            extra = (Block("rigid_nodes", "unit_slope", "vertex", vertices, VERTEX_SLOTS, (0,), np.full((len(vertices), 1), SCALE)),)
+            extra = (ElementBlock("rigid_nodes", "unit_slope", "vertex", vertices, VERTEX_SLOTS, (0,), np.full((len(vertices), 1), SCALE)),)
         return (*self._blocks, *extra)
 
-    def corrections(self, part) -> Corrections | None:
+    def corrections(self, part) -> VelocityStabilization | None:
         """What corrects the velocities of the stabilised joints, on every rank that holds a node above one."""
         if not self._stabilised.any():
             return None
@@ -91,7 +91,7 @@ class Joints(Passive):
         self._corrected = [k for k in np.flatnonzero(self._stabilised) if int(self._cells[k]) in local]
         points = np.array([local[int(self._cells[k])] for k in self._corrected], dtype=np.int32)
         self._correction_params = self._correction_rows()
-        return Corrections("joint.correction", points, self._directions)
+        return VelocityStabilization("joint.correction", points, self._directions)
 
     def _directions(self, rows: IntArray, x: FloatArray) -> FloatArray:
         out = np.zeros((len(rows), 7, 6))
@@ -102,9 +102,9 @@ class Joints(Passive):
         nodes = self._cells[self._corrected]
         head = np.array([KINDS.index(self.joints[k].kind) for k in self._corrected], dtype=float).reshape(-1, 1)
         axes = np.array([np.ravel(self.joints[k].axes) for k in self._corrected]).reshape(-1, 9)
-        return np.ascontiguousarray(np.hstack([head, self.frames.gauge[nodes], self.frames.second[nodes], axes]))
+        return np.ascontiguousarray(np.hstack([head, self.frames.reference[nodes], self.frames.second[nodes], axes]))
 
-    def refresh_gauges(self) -> None:
+    def update_reference_frames(self) -> None:
         for b, chosen in zip(self._blocks, self._chosen, strict=True):
             b.params[:, 2:14] = self._frame_columns(self._cells[chosen])
         if self._stabilised.any():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import Block, Energies, FloatArray, Powers, Prescribed
+from drillpetsc.fem.component import ElementBlock, Energies, FloatArray, Powers, PrescribedMotion
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
@@ -16,7 +16,7 @@ _curved_energy = function("curved_energy", "iipppp")
 VERTEX_SLOTS = (("string.position", 0), ("string.tangent", 0), ("string.spin", 0))
 
 
-class Passive:
+class ComponentBase:
     """Defaults of a room that adds rows to the string's unknowns and owns none."""
 
     name = ""
@@ -24,10 +24,10 @@ class Passive:
     def fields(self):
         return ()
 
-    def blocks(self, part) -> tuple[Block, ...]:
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
         return ()
 
-    def prescribed(self) -> tuple[Prescribed, ...]:
+    def prescribed(self) -> tuple[PrescribedMotion, ...]:
         return ()
 
     def breaks(self) -> tuple[float, ...]:
@@ -39,7 +39,7 @@ class Passive:
     def powers(self, t: float, state) -> Powers:
         return Powers()
 
-    def refresh_gauges(self) -> None:
+    def update_reference_frames(self) -> None:
         """Nothing to renew."""
 
 
@@ -50,7 +50,7 @@ def local_vertices(part, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.array(chosen, dtype=int), np.array([local[int(nodes[k])] for k in chosen], dtype=np.int32)
 
 
-class Bodies(Passive):
+class RigidBodies(ComponentBase):
     """Masses off the axis or beside the pipe's own: rigid items on nodes, and pipes whose mass centre lies beside their axis.
 
     balanced: without what is off the axis, which averages out over a turn.
@@ -66,9 +66,9 @@ class Bodies(Passive):
         self.entries = np.array(entries, dtype=float).reshape(-1, 7)
         self.eccentric = np.any(mesh.eccentricity != 0, axis=1) & (not balanced)  # (n,) elements
 
-    def blocks(self, part) -> tuple[Block, ...]:
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
         self._nodes, self._blocks, self._cells = np.zeros(0, dtype=int), [], []
-        out: tuple[Block, ...] = ()
+        out: tuple[ElementBlock, ...] = ()
         if len(self.entries):
             out += (self._on_nodes(part),)
         m = self.mesh
@@ -80,23 +80,23 @@ class Bodies(Passive):
             e = part.cells[chosen]
             gravity = np.tile(self.gravity, (len(e), 1))
             params = np.column_stack([m.length[e], m.mass[e], m.eccentricity[e], m.rigid_above[e], gravity, frame_columns(self.frames, e)])
-            self._blocks.append(Block("eccentric_junction" if split else "eccentric", "eccentric_split" if split else "eccentric", "cell",
+            self._blocks.append(ElementBlock("eccentric_junction" if split else "eccentric", "eccentric_split" if split else "eccentric", "cell",
                                       chosen, SPLIT_SLOTS if split else SLOTS, (0, 1), np.ascontiguousarray(params)))
             self._cells.append(e)
         return out + tuple(self._blocks)
 
-    def _on_nodes(self, part) -> Block:
+    def _on_nodes(self, part) -> ElementBlock:
         chosen, vertices = local_vertices(part, self.entries[:, 0].astype(int))
         e = self.entries[chosen]
         self._nodes = e[:, 0].astype(int)
         gravity = np.tile(self.gravity, (len(e), 1))
-        params = np.column_stack([e[:, 1:7], gravity, self.frames.gauge[self._nodes], self.frames.second[self._nodes]])
-        self._block = Block("bodies", "body", "vertex", vertices, VERTEX_SLOTS, (0,), np.ascontiguousarray(params))
+        params = np.column_stack([e[:, 1:7], gravity, self.frames.reference[self._nodes], self.frames.second[self._nodes]])
+        self._block = ElementBlock("bodies", "body", "vertex", vertices, VERTEX_SLOTS, (0,), np.ascontiguousarray(params))
         return self._block
 
-    def refresh_gauges(self) -> None:
+    def update_reference_frames(self) -> None:
         if len(self._nodes):
-            self._block.params[:, 9:12] = self.frames.gauge[self._nodes]
+            self._block.params[:, 9:12] = self.frames.reference[self._nodes]
             self._block.params[:, 12:15] = self.frames.second[self._nodes]
         for b, e in zip(self._blocks, self._cells, strict=True):
             b.params[:, 8:20] = frame_columns(self.frames, e)
@@ -116,10 +116,10 @@ class Bodies(Passive):
 
 def frame_columns(frames: Frames, e: np.ndarray) -> FloatArray:
     """(k, 12) gauge and second director of the upper and the lower node of elements ``e`` (k,)."""
-    return np.hstack([frames.gauge[e], frames.second[e], frames.gauge[e + 1], frames.second[e + 1]])
+    return np.hstack([frames.reference[e], frames.second[e], frames.reference[e + 1], frames.second[e + 1]])
 
 
-class Curvature(Passive):
+class Precurvature(ComponentBase):
     """Pipe that is bent when free of stress: curvature (2,) [1/m] in the node directors, element by element."""
 
     name = "curvature"
@@ -127,7 +127,7 @@ class Curvature(Passive):
     def __init__(self, mesh: StringMesh, frames: Frames):
         self.mesh, self.frames = mesh, frames
 
-    def blocks(self, part) -> tuple[Block, ...]:
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
         m, bent = self.mesh, np.any(self.mesh.curvature != 0, axis=1)
         junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
         self._blocks, self._cells = [], []
@@ -137,7 +137,7 @@ class Curvature(Passive):
             chosen = np.flatnonzero(bent[part.cells] & (junction[part.cells] == split)).astype(np.int32)
             e = part.cells[chosen]
             params = np.column_stack([m.length[e], m.bending_stiffness[e], m.curvature[e], m.rigid_above[e], frame_columns(self.frames, e)])
-            self._blocks.append(Block("curvature_junction" if split else "curvature", "curved_split" if split else "curved", "cell",
+            self._blocks.append(ElementBlock("curvature_junction" if split else "curvature", "curved_split" if split else "curved", "cell",
                                       chosen, SPLIT_SLOTS if split else SLOTS, (0, 1), np.ascontiguousarray(params)))
             self._cells.append(e)
         return tuple(self._blocks)
@@ -147,7 +147,7 @@ class Curvature(Passive):
         for b, e in zip(self._blocks, self._cells, strict=True):
             b.params[:, 2:4] = share * self.mesh.curvature[e]
 
-    def refresh_gauges(self) -> None:
+    def update_reference_frames(self) -> None:
         for b, e in zip(self._blocks, self._cells, strict=True):
             b.params[:, 5:17] = frame_columns(self.frames, e)
 

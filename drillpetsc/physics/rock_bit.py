@@ -1,4 +1,4 @@
-"""A bit that cuts rock: contact with bottom and side of its own hole, laws of bit and rock, the hole's end as states (kernels/bit.hpp)."""
+"""A bit that cuts rock: contact with bottom and side of its own hole, laws of bit and rock, the hole's end as states (kernels/bit/bit.hpp)."""
 
 from __future__ import annotations
 
@@ -8,29 +8,29 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.fem.component import Block, Energies, Field, FloatArray, Powers
+from drillpetsc.fem.component import ElementBlock, Energies, Field, FloatArray, Powers
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
-from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, Passive, local_vertices
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, ComponentBase, local_vertices
 
 _report = function("bit_rock_report", "ipppppp")
 _rate = function("rock_rate", "pppddp")
 
-CHIPS = 12  # states of the rock's profile ahead of a blade (ProfileBit of kernels/bit.cpp)
+CHIPS = 12  # states of the rock's profile ahead of a blade (ProfileBit of kernels/bit/bit.cpp)
 RING_DAMPING = 4.0  # of the shortest wave of that profile, by its length; 3 to 6 keep every wave of a ring from growing
 LAYER_WIDTH = 0.1  # length over which one layer goes over into the next [m]
-ON_ROCK = -1e-5  # depth from which the bit touches: RAMP of kernels/contact.hpp [m]
+ON_ROCK = -1e-5  # depth from which the bit touches: RAMP of kernels/contact/contact.hpp [m]
 KINDS = {"rop": 0.0, "drag_bit": 1.0, "velocity_weakening": 2.0}
 # columns of the kernel's parameters
-_FACE, _CENTRE, _RADIUS, _HALF, _STIFFNESS, _SIDE, _ROOM, _FRICTION, _WALL, _SLIP, _DAMPING, _END = range(12)
+_FACE, _CENTRE, _RADIUS, _HALF, _STIFFNESS, _SIDE, _CLEARANCE, _FRICTION, _WALL, _SLIP, _DAMPING, _END = range(12)
 _AXIS, _MODE, _AXIAL, _SPIN, _SHARE, _TORQUE0, _TORQUE1, _HELD, _HOLD = 14, *range(17, 25)
 _PARAMETERS = 28
 MOTION, STATICS, QUASI_STATIC = 0.0, 1.0, 2.0
 
 
 class _Law(ctypes.Structure):
-    """BitLaw of kernels/bit.hpp."""
+    """BitLaw of kernels/bit/bit.hpp."""
 
     _fields_ = [(n, ctypes.c_double) for n in (
         "kind", "bit_axis", "walk_cos", "walk_sin", "reference_speed", "reference_weight", "width", "cut", "contact", "torque_cut",
@@ -138,7 +138,7 @@ def profile_derivative(states: int, length: float) -> FloatArray:
     return np.ascontiguousarray(d[:states])
 
 
-class RockBit(Passive):
+class RockBit(ComponentBase):
     """The bit at the lower end of the string; unknowns hole.end (3) [m] and hole.drilled [m], and a drag bit's profile bit.chips [m].
 
     inertia False: the string moves quasi-statically, a drag bit cuts steadily and needs no profile.
@@ -189,7 +189,7 @@ class RockBit(Passive):
             out += (Field("bit.chips", CHIPS, region="bottom", scale=1e-4, second_order=False),)
         return out
 
-    def blocks(self, part) -> tuple[Block, ...]:
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([self.node]))
         self._mine = bool(len(vertices))
         slots: tuple[tuple[str, int], ...] = (*VERTEX_SLOTS, ("hole.end", 0), ("hole.drilled", 0))
@@ -201,7 +201,7 @@ class RockBit(Passive):
         row[_END : _END + 3] = self.hole.end
         row[_HELD] = float(self.rock.post_step)
         self.params = np.ascontiguousarray(np.tile(row, (len(vertices), 1)))
-        self._block = Block("bit_rock", "bit_rock_profile" if self.profiled else "bit_rock", "vertex", vertices, slots, (0,), self.params,
+        self._block = ElementBlock("bit_rock", "bit_rock_profile" if self.profiled else "bit_rock", "vertex", vertices, slots, (0,), self.params,
                             context=ctypes.addressof(self._made), update=self._note)
         self._follow()
         return (self._block,)
@@ -211,11 +211,11 @@ class RockBit(Passive):
 
     def _follow(self) -> None:
         self.params[:, _AXIS : _AXIS + 3] = self.hole.direction
-        self.params[:, _ROOM] = self.hole.room(self.shape.radius)
+        self.params[:, _CLEARANCE] = self.hole.radial_clearance(self.shape.radius)
 
     # ------------------------------------------------------------------ statics and motion
-    def impose_sliding(self, axial: float, spin: float, side: float = 1.0) -> None:
-        """Statics: the hole stays; friction acts against an imposed motion (physics/contact.py)."""
+    def impose_sliding_direction(self, axial: float, spin: float, side: float = 1.0) -> None:
+        """StaticNewton: the hole stays; friction acts against an imposed motion (physics/contact.py)."""
         self._impose(STATICS, axial, spin, side)
 
     def drill_quasi_static(self, axial: float, spin: float, side: float = 1.0) -> None:
@@ -227,11 +227,11 @@ class RockBit(Passive):
         p[:, _MODE], p[:, _AXIAL], p[:, _SPIN], p[:, _SHARE] = mode, axial, spin, side
         p[:, _TORQUE0], p[:, _TORQUE1] = self._torque_line(spin)
 
-    def free_sliding(self) -> None:
+    def release_sliding_direction(self) -> None:
         self.params[:, _MODE] = MOTION
         self.params[:, _TORQUE0], self.params[:, _TORQUE1] = self._torque
 
-    def slide_as(self, other: RockBit) -> None:
+    def copy_sliding_direction(self, other: RockBit) -> None:
         """Take over the motion that statics imposed on another room."""
         self.params[:] = other.params
 
@@ -332,13 +332,13 @@ class RockBit(Passive):
             self.params[:, _HOLD : _HOLD + 3] += rate * step
             self.params[:, _HOLD + 3] += np.linalg.norm(rate) * step
 
-    def memory(self) -> dict[str, FloatArray]:
+    def get_state(self) -> dict[str, FloatArray]:
         """For a checkpoint; the same on all ranks."""
-        return {"hold": self._end, "accepted": np.array([self._accepted])} | self.hole.memory()
+        return {"hold": self._end, "accepted": np.array([self._accepted])} | self.hole.get_state()
 
-    def recall(self, memory: dict[str, FloatArray]) -> None:
+    def set_state(self, memory: dict[str, FloatArray]) -> None:
         """Go on from a checkpoint's ``memory``."""
-        self.hole.recall(memory)
+        self.hole.set_state(memory)
         self.params[:, _HOLD:] = self._end = np.array(memory["hold"])
         self.params[:, _END : _END + 3] = memory["first"]
         self._accepted = self._time = float(memory["accepted"][0])
@@ -384,7 +384,7 @@ class RockBit(Passive):
 
 
 def _chip_for(weight: float, cut: float, flat: float, onset: float) -> float:
-    """Chip per blade [m] that carries ``weight`` [N]: cut d + flat e(d/onset) with the smooth onset e of kernels/bit.hpp."""
+    """Chip per blade [m] that carries ``weight`` [N]: cut d + flat e(d/onset) with the smooth onset e of kernels/bit/bit.hpp."""
     from scipy.optimize import brentq
 
     def miss(d: float) -> float:

@@ -1,4 +1,4 @@
-"""Rolling without slip: a round rigid body on a plane, or on the wall of a straight round hole (kernels/joints.hpp).
+"""Rolling without slip: a round rigid body on a plane, or on the wall of a straight round hole (kernels/joints/joints.hpp).
 
 The only non-holonomic constraint of the package: the velocity of the body's point at the contact is zero along the surface.
 """
@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import Block, Field, FloatArray
+from drillpetsc.fem.component import ElementBlock, Field, FloatArray
 from drillpetsc.physics.joints import SCALE
-from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, Passive, local_vertices
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, ComponentBase, local_vertices
 
 
-class Rolling(Passive):
+class Rolling(ComponentBase):
     """A body of ``radius`` [m] on ``node``, whose centre is ``center`` [m] along the tangent from it, rolls.
 
     On a plane through ``point`` with ``normal`` (to the side of the body); or, with ``hole`` [m] the radius of a hole whose axis
@@ -39,12 +39,12 @@ class Rolling(Passive):
     def fields(self) -> tuple[Field, ...]:
         return (Field("rolling.force", 3, region="rolling", second_order=False, differential=False, multiplier=True),)
 
-    def blocks(self, part) -> tuple[Block, ...]:
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([self.node]))
         params = np.ascontiguousarray(np.tile(self._row, (len(vertices), 1)))
-        return (Block("rolling", "rolling", "vertex", vertices, (*VERTEX_SLOTS, ("rolling.force", 0)), (0,), params),)
+        return (ElementBlock("rolling", "rolling", "vertex", vertices, (*VERTEX_SLOTS, ("rolling.force", 0)), (0,), params),)
 
-    def force(self, model) -> FloatArray:
+    def force(self, system) -> FloatArray:
         """(3,) normal force on the body and the two forces along the surface [N], on the rank of the node; else zero."""
-        local = np.flatnonzero((model.line.vertices == self.node) & model.line.owned)
-        return SCALE * model.field("rolling.force")[local[0]] if len(local) else np.zeros(3)
+        local = np.flatnonzero((system.chain.vertices == self.node) & system.chain.owned)
+        return SCALE * system.field("rolling.force")[local[0]] if len(local) else np.zeros(3)

@@ -62,8 +62,8 @@ def draw_sweep(sweep: str | os.PathLike, out: str | os.PathLike | None = None) -
         return []
     into = folder if out is None else Path(out)
     into.mkdir(parents=True, exist_ok=True)
-    told = read_summary(folder / "summary.json") if (folder / "summary.json").is_file() else {}
-    title = str(told.get("title") or folder.name)
+    reported = read_summary(folder / "summary.json") if (folder / "summary.json").is_file() else {}
+    title = str(reported.get("title") or folder.name)
     with style.look():
         files = []
         for name, draw in zip(PICTURES, (trajectories, inclinations, build_rates), strict=True):

@@ -15,34 +15,34 @@ COLORS = (*style.LINE_COLORS, "#4a4a4a", "#2aa198", "#e0a030", "#6c3b1f")
 NORM = "rms"
 
 
-def draw_study(told: Mapping[str, Any], into: Path, norm: str = NORM, name: str = "", dpi: float = 100) -> list[Path]:
+def draw_study(reported: Mapping[str, Any], into: Path, norm: str = NORM, name: str = "", dpi: float = 100) -> list[Path]:
     """work_precision.png and orders.png (speed_up.png where ranks vary), ``name`` in front; nothing where no point has an error."""
-    if told["vary"] == "ranks":
-        return [_speed_up(told, into / f"{name}speed_up.png", dpi)] if told["speed_up"] else []
-    if not told["outputs"]:
+    if reported["vary"] == "ranks":
+        return [_speed_up(reported, into / f"{name}speed_up.png", dpi)] if reported["speed_up"] else []
+    if not reported["outputs"]:
         return []
     files = []
-    for kind, abscissa, label in (("work_precision", "cpu", "CPU time [s]"), ("orders", "abscissa", told["abscissa"])):
-        drawing = _panels(told, abscissa, label, norm, dpi)
+    for kind, abscissa, label in (("work_precision", "cpu", "CPU time [s]"), ("orders", "abscissa", reported["abscissa"])):
+        drawing = _panels(reported, abscissa, label, norm, dpi)
         files.append(into / f"{name}{kind}.png")
         drawing.savefig(files[-1])
     return files
 
 
-def _panels(told: Mapping[str, Any], abscissa: str, label: str, norm: str, dpi: float) -> Any:
+def _panels(reported: Mapping[str, Any], abscissa: str, label: str, norm: str, dpi: float) -> Any:
     """A panel per output, a line per curve."""
-    outputs = list(told["outputs"])
+    outputs = list(reported["outputs"])
     columns = min(len(outputs), 3)
     rows = -(-len(outputs) // columns)
-    curves = list(dict.fromkeys(p["curve"] for p in told["points"]))
+    curves = list(dict.fromkeys(p["curve"] for p in reported["points"]))
     with style.look():
         drawing = style.figure(4.6 * columns + 2.6, 3.9 * rows + 0.9, dpi=dpi)
         grid = drawing.subplots(rows, columns, squeeze=False)
         what = "error over CPU time" if abscissa == "cpu" else f"error over {label.split(' [')[0]}"
-        drawing.suptitle(f"{told['title']}: {what}", x=0.02, ha="left", fontweight="bold", fontsize=12)
-        drawing.text(0.02, 0.008, _note(told), fontsize=7.5, color="0.3", ha="left", va="bottom", wrap=True)
+        drawing.suptitle(f"{reported['title']}: {what}", x=0.02, ha="left", fontweight="bold", fontsize=12)
+        drawing.text(0.02, 0.008, _note(reported), fontsize=7.5, color="0.3", ha="left", va="bottom", wrap=True)
         for axes, name in zip(grid.reshape(-1), outputs, strict=False):
-            _panel(axes, told, name, curves, abscissa, norm)
+            _panel(axes, reported, name, curves, abscissa, norm)
             axes.set(xlabel=label, ylabel=f"{norm} error / range", title=_title(name))
         for axes in grid.reshape(-1)[len(outputs) :]:
             axes.remove()
@@ -62,22 +62,22 @@ def _title(name: str) -> str:
     return f"{kind} at {probe[2]} m"
 
 
-def _note(told: Mapping[str, Any]) -> str:
-    reference = told["reference"]
+def _note(reported: Mapping[str, Any]) -> str:
+    reference = reported["reference"]
     return f"Reference: {reference['what']}. Dashed: its own error, where it is known. Crosses: points that failed."
 
 
-def _panel(axes: Any, told: Mapping[str, Any], name: str, curves: Sequence[str], abscissa: str, norm: str) -> None:
+def _panel(axes: Any, reported: Mapping[str, Any], name: str, curves: Sequence[str], abscissa: str, norm: str) -> None:
     drawn: list[tuple[float, float]] = []
     failed: list[tuple[int, Mapping[str, Any]]] = []
     for k, curve in enumerate(curves):
-        mine = [p for p in told["points"] if p["curve"] == curve]
-        good = [(p[abscissa], p[f"error_{name}_{norm}"]) for p in mine if p["status"] == "done"]
+        on_rank = [p for p in reported["points"] if p["curve"] == curve]
+        good = [(p[abscissa], p[f"error_{name}_{norm}"]) for p in on_rank if p["status"] == "done"]
         shown = [(x, y) for x, y in good if _positive(x) and _positive(y)]
         drawn += shown
-        failed += [(k, p) for p in mine if p["status"] != "done"]
+        failed += [(k, p) for p in on_rank if p["status"] != "done"]
         color, marker = COLORS[k % len(COLORS)], MARKERS[k % len(MARKERS)]
-        suffix = f" ({len(mine) - len(good)} failed)" if len(good) < len(mine) else ""
+        suffix = f" ({len(on_rank) - len(good)} failed)" if len(good) < len(on_rank) else ""
         axes.plot(*(zip(*shown, strict=True) if shown else ((), ())), color=color, marker=marker, markersize=4.5, linewidth=1.3,
                   label=curve + suffix)
     if drawn:
@@ -86,7 +86,7 @@ def _panel(axes: Any, told: Mapping[str, Any], name: str, curves: Sequence[str],
         _few_labels(axes.xaxis, [x for x, _ in drawn])
         if abscissa == "abscissa":
             _guides(axes, drawn)
-        own = (told["reference"]["own_error"] or {}).get(name)
+        own = (reported["reference"]["own_error"] or {}).get(name)
         if _positive(own):
             axes.axhline(own, color="0.45", linewidth=0.9, linestyle=(0, (5, 3)))
     else:
@@ -127,14 +127,14 @@ def _guides(axes: Any, drawn: Sequence[tuple[float, float]]) -> None:
         axes.annotate(str(slope), (end, high * (end / right) ** slope), fontsize=7.5, color="0.5")
 
 
-def _speed_up(told: Mapping[str, Any], file: Path, dpi: float) -> Path:
+def _speed_up(reported: Mapping[str, Any], file: Path, dpi: float) -> Path:
     with style.look():
         drawing = style.figure(5.6, 4.2, dpi=dpi)
         axes = drawing.subplots()
-        ranks = sorted(int(n) for n in told["speed_up"])
-        axes.plot(ranks, [told["speed_up"][str(n)] for n in ranks], "o-", color=COLORS[0], label="measured")
+        ranks = sorted(int(n) for n in reported["speed_up"])
+        axes.plot(ranks, [reported["speed_up"][str(n)] for n in ranks], "o-", color=COLORS[0], label="measured")
         axes.plot(ranks, ranks, ":", color="0.6", label="ideal")
-        axes.set(xlabel="ranks", ylabel="wall time on 1 rank / wall time", title=f"{told['title']}: speed-up", xticks=ranks)
+        axes.set(xlabel="ranks", ylabel="wall time on 1 rank / wall time", title=f"{reported['title']}: speed-up", xticks=ranks)
         axes.legend(frameon=False)
         drawing.tight_layout()
         drawing.savefig(file)

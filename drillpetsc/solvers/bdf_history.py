@@ -11,13 +11,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.fem.discrete_system import Model
+from drillpetsc.fem.discrete_system import DiscreteSystem
 
 State = tuple[FloatArray, FloatArray]  # unknowns and rates (n+1,) of an assembly
 
 
 @dataclass
-class Past:
+class BdfHistory:
     """Accepted states since the formula was started, the last ``depth`` of them.
 
     depth: a formula of order p, its predictor and its error estimate see p + 1 earlier states.  times [s]; steps [s]: what PETSc was
@@ -54,36 +54,36 @@ class Past:
             del self.times[0], self.steps[0], self.states[0]
 
     # ------------------------------------------------------------------ checkpoints
-    def memory(self, model: Model) -> dict[str, FloatArray]:
+    def get_state(self, system: DiscreteSystem) -> dict[str, FloatArray]:
         """times (k,), steps (k - 1,), states (k or k + 1, 2, nodes, m): unknowns and rates of all fields, the half step last; on rank 0.
         Collective.  Empty before the first start."""
         if not self.states:
             return {}
         states = self.states if self.half is None else [*self.states, self.half]
-        columns = [_nodal(model, part) for state in states for part in state]
-        whole = model.gather(np.stack(columns, axis=1))
+        columns = [_nodal(system, part) for state in states for part in state]
+        whole = system.gather(np.stack(columns, axis=1))
         if whole is None:
             return {}
         whole = whole.reshape(len(whole), len(states), 2, -1)
         return {"times": np.array(self.times), "steps": np.array(self.steps), "states": np.moveaxis(whole, 0, 2)}
 
-    def recall(self, model: Model, memory: dict[str, FloatArray]) -> None:
+    def set_state(self, system: DiscreteSystem, memory: dict[str, FloatArray]) -> None:
         """Take up a checkpoint's memory."""
         self.times, self.steps = memory["times"].tolist(), memory["steps"].tolist()
-        states = [(_local(model, x, model.assembly.x), _local(model, y, model.assembly.y)) for x, y in memory["states"]]
+        states = [(_local(system, x, system.assembly.x), _local(system, y, system.assembly.y)) for x, y in memory["states"]]
         self.states, rest = states[: len(self.times)], states[len(self.times) :]
         self.half, self._solved = (rest[0] if rest else None), []
 
 
-def _nodal(model: Model, values: FloatArray) -> FloatArray:
+def _nodal(system: DiscreteSystem, values: FloatArray) -> FloatArray:
     """(nv, m) of local values (n+1,): all components of all fields, zero where a field is absent."""
-    places = np.hstack([model.layout.place[f.name] for f in model.layout.fields])
+    places = np.hstack([system.layout.dofs[f.name] for f in system.layout.fields])
     return np.where(places >= 0, values[np.maximum(places, 0)], 0.0)
 
 
-def _local(model: Model, whole: FloatArray, like: FloatArray) -> FloatArray:
+def _local(system: DiscreteSystem, whole: FloatArray, like: FloatArray) -> FloatArray:
     """(n+1,) local values from (nodes, m) of ``_nodal``; the place behind the last as in ``like``."""
-    places = np.hstack([model.layout.place[f.name] for f in model.layout.fields])
+    places = np.hstack([system.layout.dofs[f.name] for f in system.layout.fields])
     out = like.copy()
-    out[places[places >= 0]] = whole[model.line.vertices][places >= 0]
+    out[places[places >= 0]] = whole[system.chain.vertices][places >= 0]
     return out

@@ -1,4 +1,4 @@
-"""Block tridiagonal LU of one run of nodes on one process: the packed storage and the calls into kernels/chain.cpp."""
+"""ElementBlock tridiagonal LU of one run of nodes on one process: the packed storage and the calls into kernels/chain/chain.cpp."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import numpy as np
 
 from drillpetsc.kernels import function, pointer
 
-LARGEST_BLOCK = 32  # unknowns per node; MAX_LD of chain.cpp
-_SIZE, _LD, _DIAG, _UPPER, _LOWER, _LFAC, _LEFT, _TOP, _VEC = range(9)  # columns of the table, as in chain.cpp
+LARGEST_BLOCK = 32  # unknowns per node; MAX_LD of kernels/chain/chain.cpp
+_SIZE, _LD, _DIAG, _UPPER, _LOWER, _LFAC, _LEFT, _TOP, _VEC = range(9)  # columns of the table, as in kernels/chain/chain.cpp
 
 _factor = function("chain_factor", "iippppppppdppp", int)
 _forward = function("chain_forward", "iippppp")

@@ -32,15 +32,15 @@ _scatter_add = function("chain_scatter_add", "ippp")
 
 
 class ZeroPivot(SolveError):
-    """A pivot block has no usable pivot.  node: number along the chain; component: unknown at that node."""
+    """A pivot block has no usable pivot.  node: number along the chain; unknown: its number at that node."""
 
-    def __init__(self, node: int, component: int) -> None:
+    def __init__(self, node: int, unknown: int) -> None:
         super().__init__(
-            f"the matrix of the string is singular to working precision at node {node}, its unknown {component}",
+            f"the matrix of the string is singular to working precision at node {node}, its unknown {unknown}",
             hint="part of the string is free to move without resistance, or an equation is missing there",
         )
         self.node = node
-        self.component = component
+        self.unknown = unknown
 
 
 def _agree(comm: Any, problem: str | None) -> None:

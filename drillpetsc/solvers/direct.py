@@ -22,7 +22,7 @@ Reason = PETSc.SNES.ConvergedReason
 def does_work(field: Field) -> bool:
     """Whether the rows of a field are forces along its unknowns: those of the string, not constraints, and not the balances of mud, whose
     product with a step has no sign to search by."""
-    return not field.multiplier and field.name.split(".")[0] not in ("pipe", "annulus") and field.name != "bit.flow"
+    return not field.multiplier and field.name.split(".")[0] not in ("bore", "annulus") and field.name != "bit.flow"
 
 
 class DirectNewton:
@@ -30,11 +30,11 @@ class DirectNewton:
 
     def __init__(self, owner):
         self.owner = owner
-        self.searches = owner.model.has_contact
-        layout = owner.model.layout
+        self.searches = owner.system.has_contact
+        layout = owner.system.layout
         forces = np.array([does_work(f) for f in layout.fields])[layout.field_of[layout.local_of_owned]]
         self.forces = None if forces.all() else np.flatnonzero(forces)
-        self.step = np.zeros(len(owner.model.layout.local_of_owned))
+        self.step = np.zeros(len(owner.system.layout.local_of_owned))
         self.log = PETSc.Log.Event("ChainFactor"), PETSc.Log.Event("ChainSolve")
 
     def solve(self, snes, b, x) -> None:
@@ -47,7 +47,7 @@ class DirectNewton:
         owner, step = self.owner, self.step
         unknowns = x.getArray()  # of the vector itself
         rows = owner.rows(x)
-        reason = owner.judge(0, step, self._finite(rows))
+        reason = owner.convergence_reason(0, step, self._finite(rows))
         its = 0
         while not reason:
             if not self._prepare(its):
@@ -63,13 +63,13 @@ class DirectNewton:
                 rows = self._shorten(x, unknowns, rows, before)
             its += 1
             owner.linear += 1
-            reason = owner.judge(its, step, self._finite(rows))
+            reason = owner.convergence_reason(its, step, self._finite(rows))
         return its, reason
 
     def _finite(self, rows: np.ndarray) -> bool:
         good = math.isfinite(np.add.reduce(rows))  # without the wrapping of rows.sum()
-        if self.owner.model.comm.size > 1:
-            good = self.owner.agree(good)
+        if self.owner.system.comm.size > 1:
+            good = self.owner.all_ranks_agree(good)
         return good
 
     def _prepare(self, its: int) -> bool:
@@ -80,7 +80,7 @@ class DirectNewton:
         owner.renew_jacobian()
         self.log[0].begin()
         try:
-            owner.factor.factor(owner.model.assembly.values)
+            owner.factor.factor(owner.system.assembly.values)
         except ZeroPivot:
             owner.lag.good = False
             return False
@@ -99,8 +99,8 @@ class DirectNewton:
         """Go back along the step to where the rows no longer point along it (one secant), if it went too far."""
         owner, step = self.owner, self.step
         after = self._along(rows)
-        if owner.model.comm.size > 1:
-            before, after = owner.model.comm.tompi4py().allreduce(np.array([before, after]))
+        if owner.system.comm.size > 1:
+            before, after = owner.system.comm.tompi4py().allreduce(np.array([before, after]))
         if not (before < 0.0 and after > -OVERSHOOT * before):
             return rows
         share = max(SHORTEST, before / (before - after))

@@ -14,7 +14,7 @@ from petsc4py import PETSc
 from drillpetsc import petsc_compat
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.assembly import spin_derivatives
-from drillpetsc.fem.discrete_system import Model
+from drillpetsc.fem.discrete_system import DiscreteSystem
 
 #: integrators for implicit first-order systems with algebraic rows
 IMPLICIT = ("bdf", "beuler", "cn", "theta", "alpha", "arkimex", "dirk", "rosw")
@@ -41,29 +41,29 @@ def refuse_integrator(kind: str, multipliers: bool = False) -> None:
                         hint=f"PETSc {version}, which is in use here, has no integrator of this name") from None
 
 
-class PlainSystem:
+class FirstOrderSystem:
     """TS callbacks on the state vector."""
 
-    def __init__(self, model: Model):
-        self.model, self.jacobians = model, 0
-        if any(getattr(room, "restores", False) for room in model.rooms):
+    def __init__(self, system: DiscreteSystem):
+        self.system, self.jacobians = system, 0
+        if any(getattr(component, "restores", False) for component in system.components):
             raise CaseError(at="beam.constraint", got="stabilized", want="index3 or index2",
                             hint="ts_type or snes_type in petsc ask for the whole system, whose solutions nobody restores")
-        if model.assembly.corrected:
+        if system.assembly.stabilized:
             raise CaseError(at="joints", got="constraint: stabilised", want="constraint: position",
                             hint="ts_type or snes_type in petsc ask for the whole system, which knows no corrected velocities")
         self._t = 0.0  # of the last evaluation
         self._wrong: dict[str, Any] = {}  # where rows were last not finite, kept while the steps shrink towards that time
         self._wrong_until = 0.0
-        layout, asm = model.layout, model.assembly
+        layout, asm = system.layout, system.assembly
         self._rated = layout.y_local >= 0
-        self._condensed = model.new_condensed()
+        self._condensed = system.new_condensed()
         self._every = np.flatnonzero(self._rated)
         self._spin_nodes = asm.spin_at[:, 0]
-        self._fixed = [f for f in asm.fixed if f.owned]
+        self._fixed = [f for f in asm.row_replacements if f.owned]
         rows, columns = self._places()
         lgm = layout.state_dm.getLGMap().getIndices()
-        self.matrix = petsc_compat.square_matrix(model.new_state())
+        self.matrix = petsc_compat.square_matrix(system.new_state())
         petsc_compat.preallocate_coo(self.matrix, *(np.where(i >= 0, lgm[np.maximum(i, 0)], -1) for i in (rows, columns)))
         self._values = np.zeros(len(rows))
         self._first_order = np.flatnonzero((asm.columns >= 0) & ~self._rated[np.maximum(asm.columns, 0)])
@@ -75,13 +75,13 @@ class PlainSystem:
     def _places(self) -> tuple[np.ndarray, np.ndarray]:
         """Local rows and columns of all entries (-1: left out): the kinematic rows by x and y, their spin coupling by v and w, all blocks
         by x and by y, and three 7x7 blocks for each prescribed vertex."""
-        model, layout, asm, every = self.model, self.model.layout, self.model.assembly, self._every
-        owned = model.owned_place >= 0
+        system, layout, asm, every = self.system, self.system.layout, self.system.assembly, self._every
+        owned = system.owned_place >= 0
         x, y = layout.x_local, layout.y_local
-        mine = np.where(owned[every], x[every], -1)
+        on_rank = np.where(owned[every], x[every], -1)
         turning = np.repeat(np.where(owned[self._spin_nodes], x[self._spin_nodes], -1), 3)
         tangent = (asm.spin_at[:, 1:2] + np.arange(3)).ravel()
-        rows, columns = [mine, mine, turning, turning], [x[every], y[every], x[tangent], y[tangent]]
+        rows, columns = [on_rank, on_rank, turning, turning], [x[every], y[every], x[tangent], y[tangent]]
         dynamic = np.where(self._rated, y, x)  # where a condensed row goes in the local state
         here = np.where(asm.rows >= 0, dynamic[np.maximum(asm.rows, 0)], -1)
         rows += [here, here]
@@ -96,11 +96,11 @@ class PlainSystem:
     def default_solver(self, options: PETSc.Options) -> None:
         """A direct solver where the options ask for no other: the rows of a stiff string are too far apart in size for ILU."""
         defaults = {"ksp_type": "preonly", "pc_type": "lu"}
-        if self.model.comm.size > 1 or self.model.constrained:  # PETSc's own LU does not pivot, and a multiplier has no diagonal
+        if self.system.comm.size > 1 or self.system.constrained:  # PETSc's own LU does not pivot, and a multiplier has no diagonal
             solver = petsc_compat.parallel_lu()
             if solver:
                 defaults |= {"pc_factor_mat_solver_type": solver}
-            elif self.model.constrained:
+            elif self.system.constrained:
                 defaults |= {"ksp_type": "gmres", "ksp_rtol": "1e-10", "pc_type": "redundant", "redundant_pc_type": "lu",
                              "redundant_pc_factor_shift_type": "nonzero"}
             else:
@@ -116,29 +116,29 @@ class PlainSystem:
 
     # ------------------------------------------------------------------ callbacks
     def function(self, ts, t, state, rate, f) -> None:
-        model, layout, asm = self.model, self.model.layout, self.model.assembly
+        system, layout, asm = self.system, self.system.layout, self.system.assembly
         self._t = t
-        model.load_state(state, rate)
-        model.sum_residual(t, self._condensed)
+        system.load_state(state, rate)
+        system.sum_residual(t, self._condensed)
         if not np.isfinite(self._condensed.norm()) and not self._wrong:  # steps of 1e-40 s spoil all rows later
-            self._wrong, self._wrong_until = model.worst_place(t), t + 1e-9
+            self._wrong, self._wrong_until = system.locate_largest_residual(t), t + 1e-9
         out, r, s, v = f.getArray(), self._condensed.getArray(readonly=1), state.getArray(readonly=1), rate.getArray(readonly=1)
         has = layout.y_owned >= 0
         out[np.where(has, layout.y_owned, layout.x_owned)] = r
         out[layout.x_owned[has]] = v[layout.x_owned[has]] - s[layout.y_owned[has]]
-        place = model.owned_place[self._spin_nodes]
-        mine = place >= 0
-        out[layout.x_owned[place[mine]]] += asm.transport()[mine]
+        place = system.owned_place[self._spin_nodes]
+        on_rank = place >= 0
+        out[layout.x_owned[place[on_rank]]] += asm.transport()[on_rank]
         for c in self._fixed:
-            here = model.owned_place[c.rows]
+            here = system.owned_place[c.rows]
             xs, ys = layout.x_owned[here], layout.y_owned[here]
             c.look_up(t)
             out[xs] = c.keep @ out[xs] + c.D.T @ (c.D @ asm.x[c.rows] - c.value)
             out[ys] = c.keep @ out[ys] + c.D.T @ (c.D @ asm.y[c.rows] - c.rate)
 
     def jacobian(self, ts, t, state, rate, shift, J, P) -> None:
-        model, asm = self.model, self.model.assembly
-        model.load_state(state, rate)
+        system, asm = self.system, self.system.assembly
+        system.load_state(state, rate)
         self.jacobians += 1
         by_v, by_w = spin_derivatives(asm)
         parts = [shift * self._moves[0], -1.0 * self._moves[0], by_v * self._moves[1][:, None], by_w * self._moves[1][:, None]]
@@ -165,16 +165,16 @@ class PlainSystem:
         out[len(out) - n :] = 0.0
         return out
 
-    def worst_place(self) -> dict[str, Any]:
+    def locate_largest_residual(self) -> dict[str, Any]:
         """Where the rows were last not finite, if they still are in the way, or else are largest."""
-        return self._wrong or self.model.worst_place(self._t)
+        return self._wrong or self.system.locate_largest_residual(self._t)
 
     def accept(self, ts) -> None:
         """Bring the assembly to the accepted state; accelerations, reactions and rates of first-order unknowns are those of the last
         evaluation."""
         if ts.getTime() > self._wrong_until:
             self._wrong = {}
-        asm, first_order = self.model.assembly, np.flatnonzero(~self._rated)
+        asm, first_order = self.system.assembly, np.flatnonzero(~self._rated)
         rates = asm.y[first_order].copy()  # of the last evaluation: the state has none of first-order unknowns
-        self.model.load_state(ts.getSolution())
+        self.system.load_state(ts.getSolution())
         asm.y[first_order] = rates

@@ -2,7 +2,7 @@
 
 K = dR/dx, C = dR/dy, M = dR/da.  The rates of most unknowns are y = x', a = x''; that of a spin angle is the spin omega = phi' + c(v).v',
 and its small change (phi' + c.v')s + (d(c.v')/dv).v is put in:  y = (s P + G) u, a = s y with the row c(v) in P beside the unit matrix and
-d(c.v')/dv in G.  So  K + C G,  C P + M G,  M P  stand for K, C, M.  Prescribed components of the ends do not move: u = T q with orthonormal
+d(c.v')/dv in G.  So  K + C G,  C P + M G,  M P  stand for K, C, M.  PrescribedMotion components of the ends do not move: u = T q with orthonormal
 columns over what is left, rows are those along T.
 
 The matrices are collected on rank 0, and the roots are found there (a string has a few thousand unknowns: seconds); every rank gets them.
@@ -18,8 +18,8 @@ import scipy.sparse as sparse
 
 from drillpetsc.fem.assembly import spin_derivatives
 from drillpetsc.fem.component import FloatArray, IntArray
-from drillpetsc.fem.discrete_system import Model
-from drillpetsc.solvers.quadratic_eigenproblem import Pencil
+from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.solvers.quadratic_eigenproblem import QuadraticEigenproblem
 
 _PARTS = (slice(0, 3), slice(3, 6), slice(6, 7))  # position, slope, spin angle of a held vertex
 
@@ -41,23 +41,23 @@ class Linearised:
     scale: FloatArray
     second: np.ndarray
 
-    def pencil(self, reference: float) -> Pencil:
+    def pencil(self, reference: float) -> QuadraticEigenproblem:
         """The problem in the free motions; a column of T lies within one field of one node, so it has that field's order and scale."""
         parent = np.asarray(abs(self.T).argmax(axis=0)).ravel()
         K, C, M = (sparse.csr_matrix(self.T.T @ A @ self.T) for A in (self.K, self.C, self.M))
-        return Pencil(K, C, M, self.second[parent], self.scale[parent], reference)
+        return QuadraticEigenproblem(K, C, M, self.second[parent], self.scale[parent], reference)
 
     def of_field(self, number: int, u: np.ndarray, nodes: int, size: int) -> np.ndarray:
         """(m, nodes, size) values of a field in the vectors u (n, m); zero where it is absent."""
-        mine = np.flatnonzero(self.field == number)
+        on_rank = np.flatnonzero(self.field == number)
         out = np.zeros((u.shape[1], nodes, size), dtype=u.dtype)
-        out[:, self.node[mine], self.component[mine]] = u[mine].T
+        out[:, self.node[on_rank], self.component[on_rank]] = u[on_rank].T
         return out
 
 
-def linearise(model: Model, t: float = 0.0) -> Linearised | None:
+def linearise(system: DiscreteSystem, t: float = 0.0) -> Linearised | None:
     """Linearise at the assembly's x, y, a; the whole on rank 0, None elsewhere.  Collective."""
-    layout, asm = model.layout, model.assembly
+    layout, asm = system.layout, system.assembly
     numbers = layout.condensed_dm.getLGMap().getIndices()
     keep = (asm.rows >= 0) & (asm.columns >= 0)
     entries = [numbers[asm.rows[keep]], numbers[asm.columns[keep]]]
@@ -65,30 +65,30 @@ def linearise(model: Model, t: float = 0.0) -> Linearised | None:
         asm.jacobian(t, weights, condensed=False)
         entries.append(asm.values[keep])
     component = np.zeros(layout.size, dtype=np.int32)
-    for places in layout.place.values():
+    for places in layout.dofs.values():
         for k, place in enumerate(places.T):
             component[place[place >= 0]] = k
-    mine = layout.local_of_owned
-    unknowns = [layout.field_of[mine], layout.line.vertices[layout.vertex_of[mine]], component[mine], model.scale[mine],
-                layout.y_local[mine] >= 0]
-    piece = (entries, _spins(model, numbers), _held(model, numbers), unknowns)
-    pieces = [piece] if model.comm.size == 1 else model.comm.tompi4py().gather(piece)
+    on_rank = layout.local_of_owned
+    unknowns = [layout.field_of[on_rank], layout.chain.vertices[layout.vertex_of[on_rank]], component[on_rank], system.scale[on_rank],
+                layout.y_local[on_rank] >= 0]
+    piece = (entries, _spins(system, numbers), _held(system, numbers), unknowns)
+    pieces = [piece] if system.comm.size == 1 else system.comm.tompi4py().gather(piece)
     return None if pieces is None else _put_together(pieces)
 
 
-def _spins(model: Model, numbers: IntArray) -> list[np.ndarray]:
+def _spins(system: DiscreteSystem, numbers: IntArray) -> list[np.ndarray]:
     """Rows, columns, c(v), d(c.w)/dv at the owned vertices."""
-    asm = model.assembly
+    asm = system.assembly
     by_v, by_w = spin_derivatives(asm)
-    mine = model.owned_place[asm.spin_at[:, 0]] >= 0 if len(asm.spin_at) else np.zeros(0, dtype=bool)
-    spin, tangent = asm.spin_at[mine, 0], asm.spin_at[mine, 1:2] + np.arange(3)
-    return [np.repeat(numbers[spin], 3), numbers[tangent.ravel()], by_w[mine].ravel(), by_v[mine].ravel()]
+    on_rank = system.owned_place[asm.spin_at[:, 0]] >= 0 if len(asm.spin_at) else np.zeros(0, dtype=bool)
+    spin, tangent = asm.spin_at[on_rank, 0], asm.spin_at[on_rank, 1:2] + np.arange(3)
+    return [np.repeat(numbers[spin], 3), numbers[tangent.ravel()], by_w[on_rank].ravel(), by_v[on_rank].ravel()]
 
 
-def _held(model: Model, numbers: IntArray) -> list[tuple[IntArray, list[np.ndarray]]]:
+def _held(system: DiscreteSystem, numbers: IntArray) -> list[tuple[IntArray, list[np.ndarray]]]:
     """Unknowns (7,) of each prescribed vertex that this rank owns, and a basis (7, k) of what each of its parts may do."""
     out = []
-    for f in model.assembly.fixed:
+    for f in system.assembly.row_replacements:
         if f.owned:
             free = [scipy.linalg.null_space(f.D[:, part]) for part in _PARTS]
             if sum(q.shape[1] for q in free) != 7 - len(f.D):

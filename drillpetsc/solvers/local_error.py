@@ -22,23 +22,23 @@ MEANING = ("local errors of the time formula by unknown, largest over the string
            "cancels); net: of their sum with signs.  Not damped, not amplified by the motion")
 
 
-class TimeError:
+class LocalErrorEstimate:
     """Sums of local errors of a run with BDF, step by step of ``dynamics``, and its evaluations of the rows.  No other integrator is
     estimated."""
 
-    def __init__(self, dynamics: Any):
-        model, options = dynamics.model, dynamics.options
-        self.model, self.order, self.estimated, self.steps = model, int(options.get("ts_bdf_order", 2)), 0, 0
+    def __init__(self, integrator: Any):
+        system, options = integrator.system, integrator.options
+        self.system, self.order, self.estimated, self.steps = system, int(options.get("ts_bdf_order", 2)), 0, 0
         self.works = options.get("ts_type", "bdf") == "bdf"
-        self._residuals = self.model.assembly.evaluations
-        layout = model.layout
+        self._residuals = self.system.assembly.evaluations
+        layout = system.layout
         keep = np.array([f.differential for f in layout.fields])
-        mine = np.sort(layout.local_of_owned)
-        self._rows = mine[keep[layout.field_of[mine]]]
+        on_rank = np.sort(layout.local_of_owned)
+        self._rows = on_rank[keep[layout.field_of[on_rank]]]
         self._field = layout.field_of[self._rows]
         self._past: deque[tuple[float, FloatArray]] = deque(maxlen=self.order + 2)
         self._largest, self._sum, self._net = (np.zeros(len(self._rows)) for _ in range(3))
-        dynamics.after_step.append(lambda t, dt: self.step(t, dynamics.fresh))
+        integrator.after_step.append(lambda t, dt: self.step(t, integrator.fresh))
 
     def step(self, t: float, fresh: bool) -> None:
         """The state in the assembly is that of an accepted step at ``t`` [s]; fresh: the first of its formula."""
@@ -47,7 +47,7 @@ class TimeError:
         self.steps += 1
         if fresh:
             self._past.clear()
-        self._past.append((t, self.model.assembly.x[self._rows]))
+        self._past.append((t, self.system.assembly.x[self._rows]))
         if len(self._past) < self.order + 2:
             return
         e = local_error([q for q, _ in self._past], [x for _, x in self._past], self.order)
@@ -57,9 +57,9 @@ class TimeError:
         np.maximum(self._largest, size, out=self._largest)
         self.estimated += 1
 
-    def told(self, ended: bool = True) -> dict[str, Any]:
+    def as_dict(self, ended: bool = True) -> dict[str, Any]:
         """For summary.json; collective where the run has ``ended`` well."""
-        calls = {"residuals": self.model.assembly.evaluations - self._residuals}
+        calls = {"residuals": self.system.assembly.evaluations - self._residuals}
         return {**calls, "error_estimate": {"time": self._by_unknown()}} if ended else calls
 
     def _by_unknown(self) -> dict[str, Any] | None:
@@ -67,9 +67,9 @@ class TimeError:
         if not self.works:
             return None
         sums = {"largest_step": self._largest, "sum": self._sum, "net": np.abs(self._net)}
-        comm = self.model.comm.tompi4py() if self.model.comm.size > 1 else None
+        comm = self.system.comm.tompi4py() if self.system.comm.size > 1 else None
         unknowns: dict[str, Any] = {}
-        for number, f in enumerate(self.model.layout.fields):
+        for number, f in enumerate(self.system.layout.fields):
             if not f.differential:
                 continue
             found = {key: float(v[self._field == number].max(initial=0.0)) for key, v in sums.items()}

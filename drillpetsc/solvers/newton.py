@@ -12,7 +12,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
-from drillpetsc.fem.discrete_system import Model
+from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.solvers.chain_lu import ChainFactor, ChainPC
 from drillpetsc.solvers.direct import DirectNewton, does_work
 
@@ -36,25 +36,25 @@ class Lag:
 class CondensedNewton:
     """Inner SNES of one model; ``solve(t, shift)`` starts from and ends in the assembly's x."""
 
-    def __init__(self, model: Model, prefix: str = "q_", tolerance: float = 1e-6, lag: bool = True):
-        self.model, self.tolerance = model, tolerance
+    def __init__(self, system: DiscreteSystem, prefix: str = "q_", tolerance: float = 1e-6, lag: bool = True):
+        self.system, self.tolerance = system, tolerance
         self.t, self.shift = 0.0, 0.0
         self.lag = Lag() if lag else None
-        self._turning = any(getattr(room, "turning", False) for room in model.rooms)
+        self._turning = any(getattr(component, "turning", False) for component in system.components)
         self.jacobians = self.newton = self.linear = self.failures = 0
         self.eta, self._last, self._first, self._theta = 1.0, 0.0, 0.0, 0.0
-        self.q, self._f = model.new_condensed(), model.new_condensed()
-        owned = model.layout.local_of_owned
-        self._scale = model.scale[owned]
+        self.q, self._f = system.new_condensed(), system.new_condensed()
+        owned = system.layout.local_of_owned
+        self._scale = system.scale[owned]
         self.snes = self._make_snes(prefix)
 
     def _make_snes(self, prefix: str) -> PETSc.SNES:
-        model = self.model
-        snes = PETSc.SNES().create(comm=model.comm)
+        system = self.system
+        snes = PETSc.SNES().create(comm=system.comm)
         snes.setOptionsPrefix(prefix)
         snes.setFunction(self._function, self._f)
         self.matrix = petsc_compat.square_matrix(self.q)
-        asm, layout = model.assembly, model.layout
+        asm, layout = system.assembly, system.layout
         lgm = layout.condensed_dm.getLGMap().getIndices()
         rows = np.where(asm.rows >= 0, lgm[np.maximum(asm.rows, 0)], -1)
         columns = np.where(asm.columns >= 0, lgm[np.maximum(asm.columns, 0)], -1)
@@ -72,10 +72,10 @@ class CondensedNewton:
             # contact and friction make Newton overshoot; "cp" finds where the rows stop pointing along the step, by residuals alone
             # (measured on the whirling 2000 m string: a third of the iterations, no failed step)
             # mixed with the balances of mud, rows along the step have no meaning: after a jump the search stands still
-            forces = all(does_work(f) for f in model.layout.fields)
-            options.setValue("snes_linesearch_type", "cp" if model.has_contact and forces else "basic")
-        theirs = ("snes_type", "snes_linesearch_type", "ksp_type", "pc_type", "snes_monitor", "snes_converged_reason", "ksp_monitor")
-        self.direct = not any(options.hasName(name) for name in theirs if name != "snes_linesearch_type") and not chosen
+            forces = all(does_work(f) for f in system.layout.fields)
+            options.setValue("snes_linesearch_type", "cp" if system.has_contact and forces else "basic")
+        petsc_names = ("snes_type", "snes_linesearch_type", "ksp_type", "pc_type", "snes_monitor", "snes_converged_reason", "ksp_monitor")
+        self.direct = not any(options.hasName(name) for name in petsc_names if name != "snes_linesearch_type") and not chosen
         if self.direct:
             snes.setType("python")
             snes.setPythonContext(DirectNewton(self))
@@ -94,7 +94,7 @@ class CondensedNewton:
             self.matrix.setUp()
             self.matrix.assemble()
         if pc.getType() == "python":
-            self.factor = chain_factor(model)
+            self.factor = chain_factor(system)
             self.pc = ChainPC(self.factor, asm, stop=False)
             pc.setPythonContext(self.pc)
         snes.setUp()
@@ -102,16 +102,16 @@ class CondensedNewton:
 
     # ------------------------------------------------------------------ callbacks
     def _evaluate(self) -> None:
-        asm = self.model.assembly
+        asm = self.system.assembly
         asm.condense(self.shift)
-        if asm.fixed:
+        if asm.row_replacements:
             asm.impose_rates(self.t, self.shift)
         asm.settle_rates()
 
     def _function(self, snes, q, f) -> None:
-        self.model.load_unknowns(q)
+        self.system.load_unknowns(q)
         self._evaluate()
-        self.model.sum_residual(self.t, f)
+        self.system.sum_residual(self.t, f)
 
     def rows(self, q: PETSc.Vec) -> np.ndarray:
         """Residual at ``q``, owned rows; the array is the solver's own and changes with the next call."""
@@ -121,25 +121,25 @@ class CondensedNewton:
     def _jacobian(self, snes, q, J, P) -> None:
         if self.lag and self.lag.good and self.still_serves(snes.getIterationNumber()):
             return
-        self.model.load_unknowns(q)
+        self.system.load_unknowns(q)
         self._evaluate()
         self.renew_jacobian()
         if self.assembled:
-            petsc_compat.set_values_coo(self.matrix, self.model.assembly.values)
+            petsc_compat.set_values_coo(self.matrix, self.system.assembly.values)
         else:
             J.assemble()
 
     def renew_jacobian(self) -> None:
         """New entries at the assembly's state."""
-        self.model.assembly.jacobian(self.t, (1.0, self.shift, self.shift**2), condensed=True)
+        self.system.assembly.jacobian(self.t, (1.0, self.shift, self.shift**2), condensed=True)
         self.jacobians += 1
         if self.lag:
-            self.lag.shift, self.lag.good, self.lag.signature = self.shift, True, self.model.signature()
+            self.lag.shift, self.lag.good, self.lag.signature = self.shift, True, self.system.signature()
         self.eta = 1.0 if self.eta > 1.0 else max(self.eta, 1e-10) ** 0.8
 
-    def agree(self, mine: bool) -> bool:
+    def all_ranks_agree(self, on_rank: bool) -> bool:
         """Whether all ranks say yes."""
-        return bool(self.model.comm.tompi4py().allreduce(int(mine), op=_min()))
+        return bool(self.system.comm.tompi4py().allreduce(int(on_rank), op=_min()))
 
     def still_serves(self, its: int) -> bool:
         """Whether the kept factor may be used again; the same answer on every rank."""
@@ -149,17 +149,17 @@ class CondensedNewton:
             abs(self.shift / lag.shift - 1.0) <= lag.shift_change
             and self._theta <= lag.contraction
             and its < lag.iterations
-            and self.model.signature() == lag.signature
+            and self.system.signature() == lag.signature
         )
-        if self.model.comm.size > 1 and self.model.has_contact:  # each rank sees its own contacts only
-            serves = self.agree(serves)
+        if self.system.comm.size > 1 and self.system.has_contact:  # each rank sees its own contacts only
+            serves = self.all_ranks_agree(serves)
         return serves
 
     def _converged(self, snes, its, norms) -> int:
         step = snes.getSolutionUpdate().getArray(readonly=1) if its else np.zeros(0)
-        return self.judge(its, step, bool(np.isfinite(norms[2])))
+        return self.convergence_reason(its, step, bool(np.isfinite(norms[2])))
 
-    def judge(self, its: int, step: np.ndarray, finite: bool) -> int:
+    def convergence_reason(self, its: int, step: np.ndarray, finite: bool) -> int:
         """Reason after ``its`` iterations, the last of which moved the owned unknowns by ``step``; 0: go on."""
         if not finite:
             return petsc_compat.not_a_number_reason()
@@ -169,8 +169,8 @@ class CondensedNewton:
         # below the spacing of numbers at the unknown's own size (a depth of 2000 m) nothing can be resolved
         floor = (ROUNDING / self.tolerance) * np.abs(self.q.getArray(readonly=1))
         size = float(np.max(np.abs(step) / np.maximum(self._scale, floor), initial=0.0))
-        if self.model.comm.size > 1:
-            size = float(self.model.comm.tompi4py().allreduce(size, op=_max()))
+        if self.system.comm.size > 1:
+            size = float(self.system.comm.tompi4py().allreduce(size, op=_max()))
         if its > 1 and self._last > 0:
             self._theta = size / self._last
             if self._theta >= 2.0 and its > 4 and size > self._first:
@@ -193,26 +193,26 @@ class CondensedNewton:
         if self.lag:
             self.lag.good = False
 
-    def memory(self) -> dict[str, np.ndarray]:
+    def get_state(self) -> dict[str, np.ndarray]:
         """The kept factor, as the entries it was made of, and what was learned about convergence; whole on rank 0.  Collective."""
-        lag, mpi = self.lag, self.model.comm.tompi4py()
+        lag, mpi = self.lag, self.system.comm.tompi4py()
         if lag is None or not lag.good:
             return {"newton": np.array([self.eta])}
-        mine = self.model.assembly.values
-        parts = [(mine, lag.signature)] if mpi.size == 1 else mpi.gather((mine, lag.signature))
+        on_rank = self.system.assembly.values
+        parts = [(on_rank, lag.signature)] if mpi.size == 1 else mpi.gather((on_rank, lag.signature))
         if parts is None:
             return {}
         return {"newton": np.array([self.eta, lag.shift]), "entries": np.concatenate([p[0] for p in parts]),
                 "shares": np.array([len(p[0]) for p in parts]), "signatures": np.array([p[1] for p in parts])}
 
-    def recall(self, memory: dict[str, np.ndarray]) -> None:
+    def set_state(self, memory: dict[str, np.ndarray]) -> None:
         """Take up a memory; of one left by another number of ranks only the convergence, as their entries are shared out differently."""
-        asm, mpi = self.model.assembly, self.model.comm.tompi4py()
+        asm, mpi = self.system.assembly, self.system.comm.tompi4py()
         self.forget()
         self.eta = float(memory["newton"][0])
         shares = memory.get("shares")
         fits = shares is not None and len(shares) == mpi.size and shares[mpi.rank] == len(asm.values)
-        if self.lag is None or shares is None or not self.agree(bool(fits)):
+        if self.lag is None or shares is None or not self.all_ranks_agree(bool(fits)):
             return
         start = int(shares[: mpi.rank].sum())
         asm.values[:] = memory["entries"][start : start + len(asm.values)]
@@ -235,7 +235,7 @@ class CondensedNewton:
         if self.lag and self.lag.good:  # a factor made for another step length leaves an error of this share in each iteration
             off = abs((shift / self.lag.shift) ** 2 - 1.0)
             self.eta = max(self.eta, off / max(1.0 - off, 0.1))
-        self.model.store_unknowns(self.q)
+        self.system.store_unknowns(self.q)
         with petsc_compat.own_errors():
             self.snes.solve(None, self.q)
         self.newton += self.snes.getIterationNumber()
@@ -246,7 +246,7 @@ class CondensedNewton:
             self.failures += 1
             if self.lag:
                 self.lag.good = False
-        self.model.load_unknowns(self.q)
+        self.system.load_unknowns(self.q)
         self._evaluate()
         return reason
 
@@ -263,10 +263,10 @@ def _min():
     return MPI.MIN
 
 
-def chain_factor(model: Model) -> ChainFactor:
+def chain_factor(system: DiscreteSystem) -> ChainFactor:
     """The direct solver for this model's chain of nodes."""
-    layout, asm = model.layout, model.assembly
+    layout, asm = system.layout, system.assembly
     # a constraint's pivot is of the order of the step's square, without cancellation: small is no sign of a singular matrix there
-    smallest = 1e-25 if model.multipliers else 1e-15
-    return ChainFactor(model.comm, layout.line.vertices, layout.vertex_of, layout.local_of_owned, asm.rows, asm.columns,
+    smallest = 1e-25 if system.multipliers else 1e-15
+    return ChainFactor(system.comm, layout.chain.vertices, layout.vertex_of, layout.local_of_owned, asm.rows, asm.columns,
                        pivot_tolerance=smallest)

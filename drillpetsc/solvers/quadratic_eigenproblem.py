@@ -1,4 +1,4 @@
-"""Roots s of (K + s C + s^2 M) u = 0 near a point of the complex plane, or the slowest ones; numpy and scipy only, one process.
+"""Eigenvalues s of (K + s C + s^2 M) u = 0 near a point of the complex plane, or the slowest ones; numpy and scipy only, one process.
 
 M and C may be singular: an unknown of first order has no column in M, an algebraic one none in C either.  With v = s u of the
 second-order unknowns the problem is A z = s B z, z = (u, v),
@@ -40,7 +40,7 @@ DISCS = 200
 
 
 @dataclass(frozen=True)
-class Pencil:
+class QuadraticEigenproblem:
     """K [N/m, say], C, M: (n, n) sparse; second (n,): which unknowns are of second order; scale (n,): their usual sizes.
 
     reference [1/s]: a slow rate of the system, by which rates are scaled; shifts are real multiples of it where no other is asked for.
@@ -64,7 +64,7 @@ class Pencil:
 
 
 @dataclass(frozen=True)
-class Roots:
+class Eigenvalues:
     """s (m,) [1/s], of each conjugate pair the one with Im s >= 0; u (n, m) its vector; error (m,): of the equation, relative to the sum
     of its terms' norms; ``radius``: all roots nearer than this to the shift are here [1/s]."""
 
@@ -78,14 +78,14 @@ class Roots:
         """(m,) which grow beyond rounding."""
         return self.s.real > NEUTRAL * np.abs(self.s)
 
-    def chosen(self, which: np.ndarray) -> Roots:
-        return Roots(self.s[which], self.u[:, which], self.error[which], self.radius)
+    def chosen(self, which: np.ndarray) -> Eigenvalues:
+        return Eigenvalues(self.s[which], self.u[:, which], self.error[which], self.radius)
 
 
 class _Scaled:
     """The pencil in units of its scales and its reference rate, rows of size one."""
 
-    def __init__(self, p: Pencil):
+    def __init__(self, p: QuadraticEigenproblem):
         w, columns = p.reference, sparse.diags(p.scale)
         parts = [sparse.csr_matrix(A @ columns) * f for A, f in ((p.K, 1.0), (p.C, w), (p.M, w**2))]
         size = np.max([abs(A).max(axis=1).toarray().ravel() for A in parts], axis=0)
@@ -223,7 +223,7 @@ def _leading(apply, size: int, count: int, real: bool, engine: str) -> tuple[np.
 
 
 # ---------------------------------------------------------------------- roots
-def roots_near(pencil: Pencil, shift: complex, count: int, engine: str = "auto") -> Roots:
+def eigenvalues_near(pencil: QuadraticEigenproblem, shift: complex, count: int, engine: str = "auto") -> Eigenvalues:
     """At least ``count`` roots nearest to ``shift`` [1/s] (both of a pair count); all of a small system.
 
     engine: dense, arpack, slepc, or auto: dense up to DENSE_BELOW, then SLEPc where it is installed and has the number type of the
@@ -247,16 +247,16 @@ def roots_near(pencil: Pencil, shift: complex, count: int, engine: str = "auto")
     error = scaled.error(s, u)
     good = (error < WRONG) if edge == 0.0 else (error < WRONG) & (np.abs(values) > edge * (1 + SAME))
     radius = w / (edge * (1 + SAME)) if edge else np.inf
-    return _upper(Roots(s[good] * w, pencil.scale[:, None] * u[:, good], error[good], radius), pencil.reference)
+    return _upper(Eigenvalues(s[good] * w, pencil.scale[:, None] * u[:, good], error[good], radius), pencil.reference)
 
 
-def _upper(roots: Roots, reference: float) -> Roots:
+def _upper(roots: Eigenvalues, reference: float) -> Eigenvalues:
     """Without the lower half plane; what is real to rounding is made real."""
     s = np.where(np.abs(roots.s.imag) <= REAL * np.maximum(np.abs(roots.s), REAL * reference), roots.s.real, roots.s)
-    return Roots(s, roots.u, roots.error, roots.radius).chosen(s.imag >= 0)
+    return Eigenvalues(s, roots.u, roots.error, roots.radius).chosen(s.imag >= 0)
 
 
-def lowest_roots(pencil: Pencil, count: int, engine: str = "auto", wanted: Callable[[Roots], np.ndarray] | None = None) -> Roots:
+def lowest_eigenvalues(pencil: QuadraticEigenproblem, count: int, engine: str = "auto", wanted: Callable[[Eigenvalues], np.ndarray] | None = None) -> Eigenvalues:
     """The ``count`` oscillating roots of lowest |Im s|, some of the slowest real ones, and all that grow of those seen; sorted by |Im s|,
     real ones by growth.  wanted(roots) -> (m,) mask: which roots count; the others are left out.
 
@@ -264,12 +264,12 @@ def lowest_roots(pencil: Pencil, count: int, engine: str = "auto", wanted: Calla
     found.  A root so far to the left that no disc reaches it is not seen: it dies out within a fraction of a period of those found.
     """
     first = OFF_ROOT * pencil.reference
-    found: list[Roots] = []
+    found: list[Eigenvalues] = []
     discs: list[tuple[complex, float]] = []
     height, most, enough = 0.0, 2 * count + 2 * CHECKED, 0
     for _ in range(DISCS):
         shift = 1j * height if discs else complex(first)
-        roots = roots_near(pencil, shift, most, engine)
+        roots = eigenvalues_near(pencil, shift, most, engine)
         new = np.all([abs(z - c) > r for c, r in discs for z in (roots.s, np.conj(roots.s))] or [np.ones(len(roots.s), bool)], axis=0)
         roots, disc = roots.chosen(new), (shift, roots.radius)
         counts = wanted(roots) if wanted else new[new]
@@ -288,9 +288,9 @@ def _height(disc: tuple[complex, float]) -> float:
     return centre.imag + float(np.sqrt(max(0.0, radius**2 - centre.real**2)))
 
 
-def _sorted(found: list[Roots], count: int) -> Roots:
+def _sorted(found: list[Eigenvalues], count: int) -> Eigenvalues:
     s, u, error = (np.concatenate([getattr(r, k) for r in found], axis=-1) for k in ("s", "u", "error"))
-    every = Roots(s, u, error)
+    every = Eigenvalues(s, u, error)
     order = np.lexsort((-s.real, s.imag))
     swinging = order[s.imag[order] > 0][:count]
     real = np.flatnonzero(s.imag == 0)

@@ -17,7 +17,7 @@ import numpy as np
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.assembly import ROW_SCALE
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.fem.discrete_system import Model
+from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.solvers.chain_lu import ZeroPivot
 from drillpetsc.solvers.newton import chain_factor
 
@@ -25,7 +25,7 @@ CONVERGED = 2.0e-9  # increment relative to the fields' scales
 STALLED = 1.0e-5  # good enough when rounding stops the descent
 ITERATIONS = 600
 FREE_ITERATIONS = 40
-PATIENCE = (
+STALL_WINDOW = (
     8  # full Newton steps without a smaller increment before they are given up (contacts that open and close for ever)
 )
 TURN = 0.4  # largest change of a node's slope in one step
@@ -44,26 +44,26 @@ class Equilibrium:
     history: list[float] = field(default_factory=list)
 
 
-class Statics:
+class StaticNewton:
     """Static solver of one model; the state is the assembly's x, rates are zero.
 
-    energy: the loads have a potential, so inertia and descent are meaningful; clearance: smallest radial room [m]
+    energy: the loads have a potential, so inertia and descent are meaningful; clearance: smallest radial clearance [m]
     (None: no well). weight_on_bit: (target [N], unit) where ``unit(model)`` gives (present depth of the bit below the
     hole's end [m], its gradient by the local unknowns (n,), depth that gives the target [m]); the top's axial
     position then follows.
     """
 
-    def __init__(self, model: Model, energy: bool = True, clearance: float | None = None, t: float = 0.0):
-        self.model, self.energy, self.t = model, energy, t
-        self.limit = 0.5 * clearance if clearance else 0.2 * float(model.mesh.node_depth[-1])
-        self.factor = chain_factor(model)
-        self.f = model.new_condensed()
-        self.depth: Callable[[Model], tuple[float, FloatArray, float]] | None = None
+    def __init__(self, system: DiscreteSystem, energy: bool = True, clearance: float | None = None, t: float = 0.0):
+        self.system, self.energy, self.t = system, energy, t
+        self.limit = 0.5 * clearance if clearance else 0.2 * float(system.mesh.node_depth[-1])
+        self.factor = chain_factor(system)
+        self.f = system.new_condensed()
+        self.depth: Callable[[DiscreteSystem], tuple[float, FloatArray, float]] | None = None
         self.move_top: Callable[[float], None] | None = None
         self.rates: FloatArray | None = None  # (n+1,) of a steady motion; at rest without it
-        self._mine = model.owned_place >= 0
+        self._mine = system.owned_place >= 0
         self._entries = self._shift_entries()
-        self._top_rows = next((f for f in model.assembly.fixed if f.owned and f.condition.vertex == 0), None)
+        self._top_rows = next((f for f in system.assembly.row_replacements if f.owned and f.condition.vertex == 0), None)
 
     def _shift_entries(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """Where the shift M goes: for position and slope, (vertices (k,), places (k, 3, 3) of a diagonal block in the
@@ -72,16 +72,16 @@ class Statics:
         Only owned vertices, each once; M = h (I - t t^T) for positions and h^3/100 (I - t t^T) for slopes: side
         springs.
         """
-        model, asm = self.model, self.model.assembly
-        line = model.line
+        system, asm = self.system, self.system.assembly
+        chain = system.chain
         wanted = {}
         for name in ("string.position", "string.tangent"):
-            first = model.layout.place[name][:, 0]
-            wanted[name] = {int(p): v for v, p in enumerate(first) if p >= 0 and line.owned[v]}
+            first = system.layout.dofs[name][:, 0]
+            wanted[name] = {int(p): v for v, p in enumerate(first) if p >= 0 and chain.owned[v]}
         out = []
         for name in wanted:
             found: dict[int, np.ndarray] = {}
-            for item in asm.ready:
+            for item in asm.bound_blocks:
                 for e in range(item.count):
                     for slot in _slots(item.index[e], wanted[name]):
                         vertex = wanted[name][int(item.index[e, slot])]
@@ -92,62 +92,62 @@ class Statics:
         return out
 
     def _node_size(self) -> FloatArray:
-        mesh = self.model.mesh
+        mesh = self.system.mesh
         size = np.zeros(mesh.nodes)
         np.add.at(size, np.arange(mesh.nodes - 1), 0.5 * mesh.length)
         np.add.at(size, np.arange(1, mesh.nodes), 0.5 * mesh.length)
-        return size[self.model.line.vertices]
+        return size[self.system.chain.vertices]
 
     # ------------------------------------------------------------------ pieces
     def sum(self, value: float) -> float:
-        return value if self.model.comm.size == 1 else float(self.model.comm.tompi4py().allreduce(value))
+        return value if self.system.comm.size == 1 else float(self.system.comm.tompi4py().allreduce(value))
 
     def largest(self, value: float) -> float:
         from mpi4py import MPI
 
-        return value if self.model.comm.size == 1 else float(self.model.comm.tompi4py().allreduce(value, op=MPI.MAX))
+        return value if self.system.comm.size == 1 else float(self.system.comm.tompi4py().allreduce(value, op=MPI.MAX))
 
     def rows(self) -> FloatArray:
         """Residual at rest (or in the steady motion ``rates``), summed, as a ghosted local array valid at owned unknowns."""
-        model, asm = self.model, self.model.assembly
+        system, asm = self.system, self.system.assembly
         asm.y[:], asm.a[:] = 0.0 if self.rates is None else self.rates, 0.0
         asm.forget_inputs()
-        model.sum_residual(self.t, self.f)
-        local = np.zeros(model.layout.size)
-        local[model.layout.local_of_owned] = self.f.getArray(readonly=1)
+        system.sum_residual(self.t, self.f)
+        local = np.zeros(system.layout.size)
+        local[system.layout.local_of_owned] = self.f.getArray(readonly=1)
         return local
 
     def _gradient(self, rows: FloatArray) -> FloatArray:
         """Derivative of the energy by (r, v, phi): rows of v get back what the spin coordinate takes; prescribed rows
         are zero."""
-        asm, g = self.model.assembly, rows.copy()
-        for f in asm.fixed:
+        asm, g = self.system.assembly, rows.copy()
+        for f in asm.row_replacements:
             g[f.rows] = f.keep @ g[f.rows]
         phi, v = asm.spin_at[:, 0], asm.spin_at[:, 1:2] + np.arange(3)
         g[v] += self._spin_potential() * g[phi][:, None]
         return g
 
     def _spin_potential(self) -> FloatArray:
-        asm = self.model.assembly
+        asm = self.system.assembly
         v = asm.x[asm.spin_at[:, 1:2] + np.arange(3)]
         n = np.linalg.norm(v, axis=1, keepdims=True)
-        return np.cross(v, asm.gauge) / (n * (n + np.sum(v * asm.gauge, axis=1, keepdims=True)))
+        return np.cross(v, asm.reference) / (n * (n + np.sum(v * asm.reference, axis=1, keepdims=True)))
 
     def _tangent(self) -> None:
         """Stiffness at x into the assembly's values, symmetric where the rooms are conservative."""
-        asm = self.model.assembly
+        asm = self.system.assembly
         asm.jacobian(self.t, (1.0, 0.0, 0.0), condensed=False)
-        self._by_top = np.zeros(self.model.layout.size + 1)  # force on the free rows when the top moves down
-        for f in asm.fixed:  # prescribed components do not move: their columns go, too
+        self._by_top = np.zeros(self.system.layout.size + 1)  # force on the free rows when the top moves down
+        for f in asm.row_replacements:  # prescribed components do not move: their columns go, too
             for item, e, slots in f.touching:
                 K = asm.values[item.span].reshape(item.count, item.width, item.width)[e]
                 if f is self._top_rows:
                     np.add.at(self._by_top, item.index[e], K[:, slots] @ f.D[0])
                 K[:, slots] = K[:, slots] @ f.keep
         c = self._spin_potential()
-        slot = np.full(self.model.layout.size + 1, -1)
+        slot = np.full(self.system.layout.size + 1, -1)
         slot[asm.spin_at[:, 0]] = np.arange(len(asm.spin_at))
-        for item in asm.ready:
+        for item in asm.bound_blocks:
             if not item.count:
                 continue
             K = asm.values[item.span].reshape(item.count, item.width, item.width)
@@ -159,16 +159,16 @@ class Statics:
 
     def _factor(self, sigma: float) -> int:
         """Factor K + sigma M; number of negative pivots (a missing pivot counts as one)."""
-        values = self.model.assembly.values.copy()
+        values = self.system.assembly.values.copy()
         if sigma:
-            v = self.model.field("string.tangent")
+            v = self.system.field("string.tangent")
             across = np.eye(3) - v[:, :, None] * v[:, None, :] / np.sum(v * v, axis=1)[:, None, None]
             h = self._node_size()
             for (vertices, places), scale in zip(self._entries, (h, h**3 / 100), strict=True):
                 values[places] += sigma * scale[vertices, None, None] * across[vertices]
         try:
             if self.energy:  # each multiplier is a negative eigenvalue, whatever the state (saddle point)
-                return self.factor.negative_pivots(values) - self.model.multipliers
+                return self.factor.negative_pivots(values) - self.system.multipliers
             self.factor.factor(values)
             return 0
         except ZeroPivot:
@@ -176,7 +176,7 @@ class Statics:
 
     def _positive_factor(self, sigma: float) -> float:
         """Smallest shift on a coarse scale that leaves no negative pivot; the factor is ready."""
-        mesh = self.model.mesh
+        mesh = self.system.mesh
         first = 1e-3 * self.largest(float(np.max((mesh.bending_stiffness / mesh.divisor**4)[~mesh.is_joint])))
         trial = sigma / 8 if sigma > 8 * first else 0.0
         for _ in range(60):
@@ -186,15 +186,15 @@ class Statics:
         raise SolveError(
             "the static tangent could not be made positive definite",
             hint="is the string held anywhere?",
-            **self.model.worst_place(self.t),
+            **self.system.locate_largest_residual(self.t),
         )
 
     # ------------------------------------------------------------------ iteration
     def _step_limit(self, p: FloatArray) -> float:
         """Multiple of ``p`` that keeps side movement and turning of every node within bounds."""
-        model = self.model
-        r, v = p[model.layout.place["string.position"]], p[model.layout.place["string.tangent"]]
-        t = model.field("string.tangent")
+        system = self.system
+        r, v = p[system.layout.dofs["string.position"]], p[system.layout.dofs["string.tangent"]]
+        t = system.field("string.tangent")
         t = t / np.linalg.norm(t, axis=1, keepdims=True)
         side = np.linalg.norm(r - t * np.sum(r * t, axis=1, keepdims=True), axis=1).max(initial=0.0)
         turn = np.linalg.norm(v, axis=1).max(initial=0.0)
@@ -220,17 +220,17 @@ class Statics:
 
     def _slope_at(self, x0: FloatArray, p: FloatArray, alpha: float) -> float:
         """Slope of the energy along ``p`` at x0 + alpha p."""
-        self.model.assembly.x[: self.model.layout.size] = x0 + alpha * p
+        self.system.assembly.x[: self.system.layout.size] = x0 + alpha * p
         return self.sum(float(self._gradient(self.rows())[self._mine] @ p[self._mine]))
 
     def _bring_to_depth(self, p: FloatArray) -> float:
         """Add to ``p`` the motion of the top that brings the bit to its depth; returns the top's move [m]."""
-        model, n = self.model, self.model.layout.size
+        system, n = self.system, self.system.layout.size
         s = np.zeros(n)
-        self.factor.solve(-self._gradient(model.sum_local(self._by_top)), s)
+        self.factor.solve(-self._gradient(system.sum_local(self._by_top)), s)
         if self._top_rows is not None:
             s[self._top_rows.rows] += self._top_rows.D[0]
-        depth, gradient, target = self.depth(model)  # type: ignore[misc]
+        depth, gradient, target = self.depth(system)  # type: ignore[misc]
         here = self.sum(float(gradient[self._mine] @ p[self._mine]))
         by_top = self.sum(float(gradient[self._mine] @ s[self._mine]))
         if abs(by_top) < 1e-12:
@@ -242,8 +242,8 @@ class Statics:
         return move
 
     def _newton(self, shifted: bool, report: Equilibrium, search: bool = True, most: int = ITERATIONS) -> None:
-        asm, n = self.model.assembly, self.model.layout.size
-        sigma, best, weight = 0.0, np.inf, 1.0 / self.model.scale
+        asm, n = self.system.assembly, self.system.layout.size
+        sigma, best, weight = 0.0, np.inf, 1.0 / self.system.scale
         quiet, begun = 0, len(report.history)
         for _ in range(most):
             rows = self.rows()
@@ -252,7 +252,7 @@ class Statics:
             if shifted:
                 sigma = self._positive_factor(sigma)
             elif self._factor(0.0) < 0:
-                raise SolveError("the static tangent is singular", **self.model.worst_place(self.t))
+                raise SolveError("the static tangent is singular", **self.system.locate_largest_residual(self.t))
             p = np.zeros(n)
             self.factor.solve(-self._with_constraints(g), p)
             move = self._bring_to_depth(p) if self.depth else 0.0
@@ -270,7 +270,7 @@ class Statics:
             report.history.append(size)
             report.increment = size
             if not np.isfinite(size):
-                raise SolveError("the static solution ran away", **self.model.worst_place(self.t))
+                raise SolveError("the static solution ran away", **self.system.locate_largest_residual(self.t))
             quiet += size < STALLED and size > 0.8 * best  # rounding: small, and no longer falling
             if alpha == 1.0 and sigma == 0.0 and (size < CONVERGED or quiet >= 3) or (quiet >= 8 and size < CONVERGED):
                 report.converged = True
@@ -282,21 +282,21 @@ class Statics:
             f"statics did not converge in {len(report.history) - begun} iterations "
             f"(last increment {size:.1e} of the fields' scales)",
             hint="a stronger initial.imperfection or a finer mesh may help",
-            **self.model.worst_place(self.t),
+            **self.system.locate_largest_residual(self.t),
         )
 
     @staticmethod
     def _chatters(sizes: list[float], alpha: float) -> bool:
         """Full steps that have not become smaller for a while."""
-        if alpha < 1.0 or len(sizes) <= 2 * PATIENCE:
+        if alpha < 1.0 or len(sizes) <= 2 * STALL_WINDOW:
             return False
-        return min(sizes[-PATIENCE:]) > 0.5 * min(sizes[:-PATIENCE])
+        return min(sizes[-STALL_WINDOW:]) > 0.5 * min(sizes[:-STALL_WINDOW])
 
     def _with_constraints(self, g: FloatArray) -> FloatArray:
         """Right-hand side: prescribed rows ask for no motion beyond what brings them to their value."""
         out = g.copy()
-        asm = self.model.assembly
-        for f in asm.fixed:
+        asm = self.system.assembly
+        for f in asm.row_replacements:
             if f.owned:
                 error = f.D @ asm.x[f.rows] - f.condition.value(self.t)
                 out[f.rows] += f.D.T @ (ROW_SCALE * error)
@@ -309,26 +309,26 @@ class Statics:
         With an energy the state is stable or ``negative_pivots`` says it is not.
         """
         report = report or Equilibrium()
-        start = self.model.assembly.x.copy()
+        start = self.system.assembly.x.copy()
         try:
-            self.settle_freely(report)
+            self.newton_free(report)
         except SolveError:
             if not self.energy:
                 raise
-            self.model.assembly.x[:] = start
-            self.settle_down(report)
+            self.system.assembly.x[:] = start
+            self.minimise_energy(report)
         return report
 
-    def settle_freely(self, report: Equilibrium) -> None:
+    def newton_free(self, report: Equilibrium) -> None:
         """Full Newton steps, the quickest way where they work; SolveError where they do not converge to a stable
         state."""
         self._begin(report)
         self._newton(False, report, search=False, most=FREE_ITERATIONS)
         self._end(report)
         if self.energy and self.negative_pivots():
-            raise SolveError("the static state is unstable", **self.model.worst_place(self.t))
+            raise SolveError("the static state is unstable", **self.system.locate_largest_residual(self.t))
 
-    def settle_down(self, report: Equilibrium, most: int = ITERATIONS) -> None:
+    def minimise_energy(self, report: Equilibrium, most: int = ITERATIONS) -> None:
         """Down the energy, by steps with a positive definite tangent; ends in a stable state, or on a saddle when
         started there."""
         self._begin(report)
@@ -337,18 +337,18 @@ class Statics:
 
     def _begin(self, report: Equilibrium) -> None:
         report.converged = False
-        x = self.model.assembly.x
-        for f in self.model.assembly.fixed:
+        x = self.system.assembly.x
+        for f in self.system.assembly.row_replacements:
             x[f.rows] += f.D.T @ (f.condition.value(self.t) - f.D @ x[f.rows])
 
     def _end(self, report: Equilibrium) -> None:
         report.residual = self.largest(float(np.max(np.abs(self._gradient(self.rows())[self._mine]), initial=0.0)))
 
-    def settle_near(self, report: Equilibrium) -> None:
+    def newton_damped(self, report: Equilibrium) -> None:
         """Newton without a potential (friction) from a state close by; raises SolveError when it does not converge."""
         energy, self.energy = self.energy, False
         try:
-            self.settle_freely(report)
+            self.newton_free(report)
         finally:
             self.energy = energy
 
@@ -360,17 +360,17 @@ class Statics:
     def push_aside(self, fraction: float, weight: FloatArray, seed: int = 1) -> None:
         """Persistent random side loads of standard deviation ``fraction`` times ``weight`` (n_nodes,) [N] at the
         nodes."""
-        model, asm = self.model, self.model.assembly
+        system, asm = self.system, self.system.assembly
         rng = np.random.default_rng(seed)
-        loads = fraction * weight[:, None] * rng.standard_normal((model.mesh.nodes, 2))
-        t = model.frames.gauge
-        second = model.frames.second
+        loads = fraction * weight[:, None] * rng.standard_normal((system.mesh.nodes, 2))
+        t = system.frames.reference
+        second = system.frames.second
         force = loads[:, :1] * second + loads[:, 1:] * np.cross(t, second)
-        dead = np.zeros(model.layout.size)
-        place = model.layout.place["string.position"]
-        owned = model.line.owned
-        dead[place[owned]] = force[model.line.vertices[owned]]
-        asm.dead = dead
+        dead = np.zeros(system.layout.size)
+        place = system.layout.dofs["string.position"]
+        owned = system.chain.owned
+        dead[place[owned]] = force[system.chain.vertices[owned]]
+        asm.dead_load = dead
 
 
 def _slots(row: np.ndarray, wanted: dict[int, int]) -> list[int]:

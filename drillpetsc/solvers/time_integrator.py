@@ -12,10 +12,10 @@ from petsc4py import PETSc
 from drillpetsc import petsc_compat
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.fem.discrete_system import Model
-from drillpetsc.physics.reference_frames import renew
-from drillpetsc.solvers.bdf_history import Past, State
-from drillpetsc.solvers.first_order_system import PlainSystem, refuse_integrator
+from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.physics.reference_frames import update_reference_frames
+from drillpetsc.solvers.bdf_history import BdfHistory, State
+from drillpetsc.solvers.first_order_system import FirstOrderSystem, refuse_integrator
 from drillpetsc.solvers.newton import CondensedNewton
 
 MASKED = 1.0e20  # tolerance of a row that the error control leaves out
@@ -42,7 +42,7 @@ class Counters:
 
 
 @dataclass
-class Dynamics:
+class TimeIntegrator:
     """Integrates a model from the state in its assembly.
 
     after_step(t, dt) is called after every accepted step, with x, y, a of the assembly at t; before_solve(t) before a step that ends
@@ -53,7 +53,7 @@ class Dynamics:
     taken and ``stop`` called.
     """
 
-    model: Model
+    system: DiscreteSystem
     after_step: list[Callable[[float, float], None]] = field(default_factory=list)
     at_jump: list[Callable[[float], None]] = field(default_factory=list)
     before_solve: list[Callable[[float], None]] = field(default_factory=list)
@@ -73,13 +73,13 @@ class Dynamics:
         self._fixed = options.getString("ts_adapt_type", "basic") == "none"
         self.tolerance = options.getReal("ts_rtol", TOLERANCE)
         self.condensed = options.getString("ts_type", "bdf") == "bdf" and options.getString("snes_type", "python") == "python"
-        refuse_integrator(options.getString("ts_type", "bdf"), self.model.constrained)
+        refuse_integrator(options.getString("ts_type", "bdf"), self.system.constrained)
         self.counters, self._in_a_row, self.last_step, self._reach = Counters(), 0, 0.0, 0
         self._order, self.fresh = options.getInt("ts_bdf_order", 2), True  # fresh: the next step is the first of its formula
         self._last, self._t, self._jump, self._stop = 0.0, 0.0, np.inf, np.inf
         # the formulas whose history can be put back; the others start afresh at every checkpoint, also where nothing interrupts them
         self.remembers = self.condensed and options.getString("ts_adapt_type", "basic") in ("basic", "none")
-        self.past, self.stopped, self._age, self._tried, self._next_step = Past(self._order + 1), False, 0, 0.0, 0.0
+        self.past, self.stopped, self._age, self._tried, self._next_step = BdfHistory(self._order + 1), False, 0, 0.0, 0.0
         self._told: list[State] | None = None  # what solve hands out while a continued run steps through its past
         self._resumed: dict[str, FloatArray] | None = None
         self._make(options)
@@ -88,21 +88,21 @@ class Dynamics:
             options.delValue(key)
 
     def _make(self, options: PETSc.Options) -> None:
-        model = self.model
-        self.state = model.new_state()
-        self.ts = PETSc.TS().create(comm=model.comm)
+        system = self.system
+        self.state = system.new_state()
+        self.ts = PETSc.TS().create(comm=system.comm)
         self.ts.setProblemType(PETSc.TS.ProblemType.NONLINEAR)
-        self._f = model.new_state()
+        self._f = system.new_state()
         if self.condensed:
             if not options.hasName("snes_type"):
                 options.setValue("snes_type", "python")
-            share = CONSTRAINED if model.multipliers else 1.0
-            self.newton = CondensedNewton(model, tolerance=0.02 * self.tolerance * share)
+            share = CONSTRAINED if system.multipliers else 1.0
+            self.newton = CondensedNewton(system, tolerance=0.02 * self.tolerance * share)
             # not after the step: PETSc starts the formula afresh where a solution was changed by another than its solver
-            self._restoring: list[Any] = [room for room in model.rooms if getattr(room, "restores", False)]
-            matrix = PETSc.Mat().createPython((self.state.getSizes(), self.state.getSizes()), context=self, comm=model.comm)
+            self._restoring: list[Any] = [component for component in system.components if getattr(component, "restores", False)]
+            matrix = PETSc.Mat().createPython((self.state.getSizes(), self.state.getSizes()), context=self, comm=system.comm)
             matrix.setUp()
-            self._xdot = model.new_state()
+            self._xdot = system.new_state()
             self.ts.setIFunction(self._catch_rate, self._f)
             self.ts.setIJacobian(self._catch_shift, matrix)
             self._matrix = matrix
@@ -110,16 +110,16 @@ class Dynamics:
             snes.setType("python")
             snes.setPythonContext(self)
         else:
-            self.plain = PlainSystem(model)
+            self.plain = FirstOrderSystem(system)
             self.plain.default_solver(options)
             self.ts.setIFunction(lambda ts, t, *rest: self.plain.function(ts, self.input_time(t), *rest), self._f)
             self.ts.setIJacobian(lambda ts, t, *rest: self.plain.jacobian(ts, self.input_time(t), *rest), self.plain.matrix)
             # PETSc takes the mass matrix for one without this, and arkimex goes wrong in silence
             kinds = PETSc.TS.EquationType
-            constrained = kinds.DAE_IMPLICIT_INDEXHI if model.constrained else kinds.DAE_IMPLICIT_INDEX1
-            self.ts.setEquationType(constrained if model.assembly.fixed or model.constrained else kinds.IMPLICIT)
+            constrained = kinds.DAE_IMPLICIT_INDEXHI if system.constrained else kinds.DAE_IMPLICIT_INDEX1
+            self.ts.setEquationType(constrained if system.assembly.row_replacements or system.constrained else kinds.IMPLICIT)
         self.ts.setFromOptions()
-        self._nothing = model.new_state()
+        self._nothing = system.new_state()
         self._relax(False)
         self.ts.setPostStep(self._post_step)
 
@@ -131,13 +131,13 @@ class Dynamics:
     def tolerance_vector(self, fluid: bool = True) -> PETSc.Vec:
         """Absolute tolerance per row of the state: -ts_rtol times the field's scale; rates and algebraic rows are masked, and
         without ``fluid`` those of the mud."""
-        layout, vector = self.model.layout, self.model.new_state()
+        layout, vector = self.system.layout, self.system.new_state()
         controlled = np.array([f.differential and self.controlled(f.name) and (fluid or f.name.startswith("string."))
                                for f in layout.fields])
         differential = controlled[layout.field_of[layout.local_of_owned]]
         values = vector.getArray()
         values[:] = MASKED
-        values[layout.x_owned] = np.where(differential, self.tolerance * self.model.scale[layout.local_of_owned], MASKED)
+        values[layout.x_owned] = np.where(differential, self.tolerance * self.system.scale[layout.local_of_owned], MASKED)
         vector.assemble()
         return vector
 
@@ -161,19 +161,19 @@ class Dynamics:
         snes.computeFunction(x, self._f)
         snes.computeJacobian(x, self._matrix)
         self._xdot.axpy(-self._shift, x)  # constant part of the time formula
-        self.model.load_history(self._xdot)
-        self.model.load_state(x)
+        self.system.load_history(self._xdot)
+        self.system.load_state(x)
         for call in self.before_solve:
             call(self._t)
         reason = self.newton.solve(self._t, self._shift)
-        for room in self._restoring:
-            room.restore_constraints(self.model.assembly)
-        self.model.store_state(x)
+        for component in self._restoring:
+            component.restore_constraints(self.system.assembly)
+        self.system.store_state(x)
         snes.setIterationNumber(self.newton.snes.getIterationNumber())
         snes.setConvergedReason(reason)
         self._tried = self.ts.getTimeStep()
         if reason > 0:
-            self.past.solved(self.model.assembly.x, self.model.assembly.y)
+            self.past.solved(self.system.assembly.x, self.system.assembly.y)
         self._in_a_row = self._in_a_row + 1 if reason < 0 else 0
         if self._in_a_row > CONSECUTIVE_FAILURES or (reason < 0 and self.ts.getTimeStep() < SHORTEST_STEP):
             raise self.collapse(f"Newton's method failed {self._in_a_row} times in a row ({_reason(reason, PETSc.SNES)}), "
@@ -181,7 +181,7 @@ class Dynamics:
 
     def collapse(self, what: str) -> SolveError:
         """The error that ends a run, with the place where the rows are worst."""
-        place = self.model.worst_place(self._t) if self.condensed else self.plain.worst_place()
+        place = self.system.locate_largest_residual(self._t) if self.condensed else self.plain.locate_largest_residual()
         return SolveError(what, time=self.ts.getTime(), hint="look at the inputs at this time and place; a smaller -ts_rtol, softer "
                           "contact or -q_snes_linesearch_type bt may help", **place)
 
@@ -211,16 +211,16 @@ class Dynamics:
         if self._fixed and ts.getTimeStep() < self.first_step:  # a step that was cut does not stay short
             left = self._stop - self._last
             ts.setTimeStep(min(self.first_step, 2 * ts.getTimeStep(), left if left > SHORTEST_STEP else np.inf))
-        self.model.accept()
+        self.system.accept()
         for call in self.after_step:
             call(self._last, dt)
         self._reach, self.fresh = max(0, self._reach - 1), False
         if self._relaxed and not self._reach:
             self._relax(False)
-        # a tangent that has turned far from its gauge gets a new one, and the history starts afresh; 60 degrees are left when it is due
-        asm = self.model.assembly
-        if self._age % 4 == 0 and renew(self.model, self.model.frames):
-            self.model.store_state(ts.getSolution())
+        # a tangent that has turned far from its reference direction gets a new one, and the history starts afresh; 60 degrees are left when it is due
+        asm = self.system.assembly
+        if self._age % 4 == 0 and update_reference_frames(self.system, self.system.frames):
+            self.system.store_state(ts.getSolution())
             self._forget()
             ts.restartStep()
             self.fresh = True
@@ -239,19 +239,19 @@ class Dynamics:
     def _rates_jump(self, t: float) -> bool:
         """Whether a prescribed motion changes its rate at once at ``t``; the same on all ranks."""
         before = float(np.nextafter(t, -np.inf))
-        mine = any(not np.allclose(f.condition.rate(before), f.condition.rate(t), rtol=1e-9, atol=1e-12)
-                   for f in self.model.assembly.fixed if f.owned)
-        return mine if self.model.comm.size == 1 else bool(self.model.comm.tompi4py().allreduce(int(mine)))
+        on_rank = any(not np.allclose(f.condition.rate(before), f.condition.rate(t), rtol=1e-9, atol=1e-12)
+                   for f in self.system.assembly.row_replacements if f.owned)
+        return on_rank if self.system.comm.size == 1 else bool(self.system.comm.tompi4py().allreduce(int(on_rank)))
 
     def run(self, start: float, end: float, breaks: tuple[float, ...] = ()) -> None:
         """From ``start`` to ``end`` [s], landing on every break and starting the formula afresh there.
 
         Raises SolveError when no step can be taken; everything up to the last accepted step stands in the assembly.
         """
-        model, ts = self.model, self.ts
-        model.assembly.forget_inputs()
-        self.model.accept()
-        model.store_state(self.state)
+        system, ts = self.system, self.ts
+        system.assembly.forget_inputs()
+        self.system.accept()
+        system.store_state(self.state)
         near = NOTHING_LEFT * max(1.0, abs(end))  # a break this near the end or the start is at it (0.1 + 0.2 and 0.3)
         stops = sorted({b for b in breaks if start + near < b < end - near} | {end})
         jumps = {s for s in stops if any(abs(b - s) <= near for b in breaks)}
@@ -279,7 +279,7 @@ class Dynamics:
 
     def _start_formula(self, stop: float) -> None:
         """Begin at a state that earlier ones say nothing about."""
-        ts, asm = self.ts, self.model.assembly
+        ts, asm = self.ts, self.system.assembly
         self._forget()
         if self._rates_jump(ts.getTime()):
             self._reach = 1 + self._order
@@ -296,34 +296,34 @@ class Dynamics:
         self.stopped = True
 
     # ------------------------------------------------------------------ checkpoints
-    def memory(self) -> dict[str, FloatArray]:
+    def get_state(self) -> dict[str, FloatArray]:
         """What a continued run needs beside the state, for at_rest; whole on rank 0.  Collective."""
         if not self.remembers:  # here and in the continued run the formula starts afresh
             self.first_step = max(self.first_step, 0.1 * self.last_step)
             return {"first_step": np.array(self.first_step)}
         clock = np.array([self.ts.getTimeStep(), self._age, self._reach, self._relaxed], dtype=float)
-        return {"clock": clock} | self.past.memory(self.model) | self.newton.memory()
+        return {"clock": clock} | self.past.get_state(self.system) | self.newton.get_state()
 
-    def recall(self, memory: dict[str, FloatArray]) -> None:
+    def set_state(self, memory: dict[str, FloatArray]) -> None:
         """Go on from a checkpoint's memory, with the next ``run``; a checkpoint of another kind of integrator leaves a fresh start."""
         if not self.remembers:
             self.first_step = float(memory.get("first_step", self.first_step))
         elif "times" in memory:
-            self.past.recall(self.model, memory)
+            self.past.set_state(self.system, memory)
             self._next_step, self._age, self._reach = float(memory["clock"][0]), int(memory["clock"][1]), int(memory["clock"][2])
             self._relax(bool(memory["clock"][3]))
             self._resumed = memory
 
     def _step_through_past(self) -> None:
         """Give TSBDF the history of a checkpoint: each noted step is taken again, with its result for a solution."""
-        ts, model, past = self.ts, self.model, self.past
+        ts, system, past = self.ts, self.system, self.past
         assert self._resumed is not None
-        everything = model.new_state()
+        everything = system.new_state()
         everything.set(MASKED)
         ts.setTolerances(rtol=self._nothing, atol=everything)  # no step is refused
         ts.setMaxTime(MASKED)  # none is cut to fit
         self._put(past.states[0])
-        model.store_state(self.state)
+        system.store_state(self.state)
         ts.setSolution(self.state)
         ts.setTime(past.times[0])
         ts.restartStep()
@@ -339,19 +339,19 @@ class Dynamics:
         self._put(past.states[-1])
         ts.setTimeStep(self._next_step)
         self._relax(self._relaxed)
-        self.newton.recall(self._resumed)
+        self.newton.set_state(self._resumed)
         self._resumed = None
 
     def _hand_out(self, snes, x) -> None:
         """Solve of a step that is known."""
         assert self._told
         self._put(self._told.pop(0))
-        self.model.store_state(x)
+        self.system.store_state(x)
         snes.setIterationNumber(1)
         snes.setConvergedReason(PETSc.SNES.ConvergedReason.CONVERGED_ITS)
 
     def _put(self, state: State) -> None:
-        asm = self.model.assembly
+        asm = self.system.assembly
         asm.x[:], asm.y[:] = state
 
     def _forget(self) -> None:

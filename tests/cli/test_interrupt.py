@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from drillpetsc.analysis.run_control import NOTHING, SAVE, STOP, Watch
+from drillpetsc.analysis.run_control import NOTHING, SAVE, STOP, RunControl
 from drillpetsc.output import read_frame, read_series, read_table
 
 ROOT = Path(__file__).parents[2]
@@ -158,20 +158,20 @@ def test_a_full_disk_ends_the_run_in_order_and_it_can_go_on(whole):
     same(whole / "fine", whole / "full")
 
 
-def test_a_signal_reaches_the_watch_once():
+def test_a_signal_reaches_the_run_once():
     """NOTHING before, STOP and the signal's name after; handlers are put back; a request to save is answered once."""
 
     class Alone:
         size, rank = 1, 0
 
     before = signal.getsignal(signal.SIGTERM)
-    with Watch(Alone()) as watch:
-        assert watch.look(False) == NOTHING
+    with RunControl(Alone()) as control:
+        assert control.poll(False) == NOTHING
         os.kill(os.getpid(), signal.SIGUSR1)
-        assert watch.look(False) == SAVE and watch.look(False) == NOTHING
+        assert control.poll(False) == SAVE and control.poll(False) == NOTHING
         os.kill(os.getpid(), signal.SIGTERM)
-        assert watch.look(False) == STOP and watch.name == "SIGTERM"
+        assert control.poll(False) == STOP and control.name == "SIGTERM"
     assert signal.getsignal(signal.SIGTERM) == before
-    with Watch(Alone()) as watch, pytest.raises(KeyboardInterrupt):
+    with RunControl(Alone()) as control, pytest.raises(KeyboardInterrupt):
         os.kill(os.getpid(), signal.SIGINT)
         os.kill(os.getpid(), signal.SIGINT)

@@ -68,13 +68,13 @@ def test_curve_against_a_run_of_another_integrator(case_file, tmp_path):
     done = program("study", case_file, "--curves", "bdf2", "--few", "--repeats", 1, "--outputs", "bit_speed",
                    "--reference", "bdf3", "--out", out, "-ts_max_steps", "100000", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    told = json.loads((out / "study.json").read_text(encoding="utf-8"))
-    assert "bdf3" in told["reference"]["what"]
+    reported = json.loads((out / "study.json").read_text(encoding="utf-8"))
+    assert "bdf3" in reported["reference"]["what"]
     table = read_table(out / "study.csv")
     assert list(table["curve [-]"]) == ["bdf2"] * 3
     errors = table["error_bit_speed_rms [-]"]
     assert errors[2] < errors[0]
-    assert 0 < told["reference"]["own_error"]["bit_speed"] < errors[2]
+    assert 0 < reported["reference"]["own_error"]["bit_speed"] < errors[2]
     assert (out / "orders.png").is_file()
 
 
@@ -101,14 +101,14 @@ def test_companion_states_time_and_mesh_error(tmp_path):
     done = program("run", file, "--out", "out", "--companion", "--progress", "silent", "-ts_rtol", "1e-5", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "mesh, against elements twice as long" in done.stdout
-    told = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["error_estimate"]
-    assert told["mesh"]["elements"] == 4
+    reported = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["error_estimate"]
+    assert reported["mesh"]["elements"] == 4
     folders = tmp_path / "out", tmp_path / "out" / "companion"
     fine, coarse = (read_table(folder / "history.csv")["bit_speed [rad/s]"] for folder in folders)
-    column = told["mesh"]["columns"]["bit_speed [rad/s]"]
+    column = reported["mesh"]["columns"]["bit_speed [rad/s]"]
     assert column["range"] == pytest.approx(np.ptp(fine))
     assert column["max"] == pytest.approx(np.abs(fine - coarse).max() / np.ptp(fine))
-    spin = told["time"]["unknowns"]["string.spin"]
+    spin = reported["time"]["unknowns"]["string.spin"]
     assert 0.1 * 1e-5 * spin["usual_size"] < spin["largest_step"] < 10 * 1e-5 * spin["usual_size"]
     assert spin["largest_step"] <= spin["sum"]
     assert spin["net"] <= spin["sum"]

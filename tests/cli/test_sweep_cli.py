@@ -54,8 +54,8 @@ def test_one_row_a_member_and_each_has_a_run_folder(swept):
         for file in ("history.csv", "trajectory.csv", "string.pvd", "well.vtu", "summary.json", "checkpoint.h5", "case.yaml"):
             assert (swept / "sweep" / name / file).exists(), file
     assert not list((swept / "sweep").glob(".*"))
-    told = json.loads((swept / "sweep" / "summary.json").read_text())
-    assert (told["status"], told["done"], told["failed"], told["ranks"]) == ("done", 4, 0, 1)
+    reported = json.loads((swept / "sweep" / "summary.json").read_text())
+    assert (reported["status"], reported["done"], reported["failed"], reported["ranks"]) == ("done", 4, 0, 1)
 
 
 def test_figures_are_those_of_the_histories(swept):

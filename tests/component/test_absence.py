@@ -8,7 +8,7 @@ import pytest
 from drillpetsc.analysis.equilibrium import place_along_hole
 from drillpetsc.analysis.summary import field_counts
 from drillpetsc.case import Case
-from drillpetsc.model.drilling_model import build_scene
+from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.recorder import Recorder
 
 PIPE = {"kind": "pipe", "length": 30, "od": 0.127, "id": 0.1086}
@@ -47,28 +47,28 @@ INSIDE, AROUND = ({f"{side}_{what}" for what in ("pressure [Pa]", "flow [m3/s]",
 PUMPED = {"pump_pressure", "bit_pressure", "outlet_flow", "pump_flow", "bit_flow"}
 # with mud: unknowns per node 7 of the string, 2 of each channel; a flow rate less than nodes, one more for the link at the bit
 WET = {
-    "pipe with flow": ({"string": [PIPE], "top": DRIVE, "fluid": MUD}, 9, 0, {"beam", "pipe_flow", "pump", "bit_flow"},
+    "pipe with flow": ({"string": [PIPE], "top": DRIVE, "fluid": MUD}, 9, 0, {"beam", "bore_flow", "pump", "bit_flow"},
                        BASE | HELD | PUMPED, INSIDE),
     "coupled": ({"string": [PIPE, BIT], "top": DRIVE, "well": WELL, "bottom": "bit", "fluid": MUD}, 11, -1,
-                {"beam", "bodies", "contact", "contact_bodies", "bit_bottom", "pipe_flow", "pump", "annulus_flow", "annulus_top",
+                {"beam", "bodies", "contact", "contact_bodies", "bit_bottom", "bore_flow", "pump", "annulus_flow", "annulus_top",
                  "bit_flow"},
                 BASE | HELD | BOTTOM | PUMPED, HOLE | INSIDE | AROUND),
     "coupled, section change": ({"string": [PIPE, COLLAR], "top": DRIVE, "well": WELL, "fluid": MUD}, 11, 0,
-                                {"beam", "beam_junction", "contact", "contact_junction_above", "contact_below", "pipe_flow",
-                                 "pipe_flow_junction", "pump", "annulus_flow", "annulus_flow_junction", "annulus_top", "bit_flow"},
+                                {"beam", "beam_junction", "contact", "contact_junction_above", "contact_below", "bore_flow",
+                                 "bore_flow_junction", "pump", "annulus_flow", "annulus_flow_junction", "annulus_top", "bit_flow"},
                                 BASE | HELD | PUMPED, HOLE | INSIDE | AROUND),
     "mud in the bore only": ({"string": [PIPE], "top": DRIVE, "well": WELL, "fluid": {**MUD, "annulus": False}}, 9, 0,
-                             {"beam", "contact", "contact_below", "pipe_flow", "pump", "bit_flow"}, BASE | HELD | PUMPED, HOLE | INSIDE),
+                             {"beam", "contact", "contact_below", "bore_flow", "pump", "bit_flow"}, BASE | HELD | PUMPED, HOLE | INSIDE),
     "plugged and empty": ({"string": [PIPE], "top": DRIVE, "well": WELL, "bottom": {"kind": "free", "plugged": True}, "fluid": MUD}, 9, -1,
                           {"beam", "contact", "contact_below", "annulus_flow", "annulus_top", "bit_flow"},
                           BASE | HELD | {"bit_pressure", "outlet_flow"},
                            HOLE | AROUND),
-    "held": ({"string": [PIPE], "hold_string": True, "well": WELL, "fluid": MUD}, 4, -1, {"pipe_flow", "pump", "annulus_flow", "bit_flow"},
+    "held": ({"string": [PIPE], "hold_string": True, "well": WELL, "fluid": MUD}, 4, -1, {"bore_flow", "pump", "annulus_flow", "bit_flow"},
              (BASE - {"bit_speed", "bit_depth"}) | PUMPED, {"hole_radius [m]"} | INSIDE | AROUND),
     "with a choke": ({"string": [PIPE], "hold_string": True, "well": WELL, "fluid": {**MUD, "choke": {"area": 3e-4}}}, 4, -1,
-                     {"pipe_flow", "pump", "annulus_flow", "choke", "bit_flow"}, (BASE - {"bit_speed", "bit_depth"}) | PUMPED,
+                     {"bore_flow", "pump", "annulus_flow", "choke", "bit_flow"}, (BASE - {"bit_speed", "bit_depth"}) | PUMPED,
                      {"hole_radius [m]"} | INSIDE | AROUND),
-    "held, bore only": ({"string": [PIPE], "hold_string": True, "fluid": MUD}, 2, 0, {"pipe_flow", "pump", "bit_flow"},
+    "held, bore only": ({"string": [PIPE], "hold_string": True, "fluid": MUD}, 2, 0, {"bore_flow", "pump", "bit_flow"},
                         (BASE - {"bit_speed", "bit_depth"}) | PUMPED, INSIDE),
 }
 USUAL = {"md [m]", "displacement [m]", "velocity [m/s]", "spin [rad/s]", "spin_angle [rad]", "offset_x [m]", "offset_y [m]",
@@ -79,16 +79,16 @@ USUAL = {"md [m]", "displacement [m]", "velocity [m/s]", "spin [rad/s]", "spin_a
 @pytest.mark.parametrize("name", [*SCENES, *WET])
 def test_scene_has_what_it_needs_and_nothing_else(name):
     keys, per_node, extra, events, columns, arrays = (SCENES | WET)[name]
-    scene = build_scene(Case(**keys))
-    model, nodes = scene.model, scene.mesh.nodes
-    assert model.layout.size == per_node * nodes + extra
-    string = 0 if "hold_string" in keys else 7 * nodes + sum(n for f, n in field_counts(model) if f.region == "junction")
-    assert model.new_state().getSize() == model.layout.size + string  # of the string, rates too
-    assert {b.block.name for b in model.assembly.ready} == events
-    assert len(model.assembly.values) == sum(b.count * b.width**2 for b in model.assembly.ready) + 49 * len(model.assembly.fixed)
-    recorder = Recorder(scene)
+    model = build_model(Case(**keys))
+    system, nodes = model.system, model.mesh.nodes
+    assert system.layout.size == per_node * nodes + extra
+    string = 0 if "hold_string" in keys else 7 * nodes + sum(n for f, n in field_counts(system) if f.region == "junction")
+    assert system.new_state().getSize() == system.layout.size + string  # of the string, rates too
+    assert {b.block.name for b in system.assembly.bound_blocks} == events
+    assert len(system.assembly.values) == sum(b.count * b.width**2 for b in system.assembly.bound_blocks) + 49 * len(system.assembly.row_replacements)
+    recorder = Recorder(model)
     assert {c for c, _ in recorder.columns} == columns
-    place_along_hole(scene)
+    place_along_hole(model)
     points, data = recorder.fields(0.0)
     usual = USUAL | ({"effective_tension [N]"} if "fluid" in keys else set())
     assert set(data) == ({"md [m]", "outer_radius [m]"} if "hold_string" in keys else usual) | arrays
@@ -97,9 +97,9 @@ def test_scene_has_what_it_needs_and_nothing_else(name):
 
 def test_without_contact_the_newton_line_search_is_the_plain_one():
     """What contact needs costs nothing elsewhere."""
-    from drillpetsc.solvers.time_integrator import Dynamics
+    from drillpetsc.solvers.time_integrator import TimeIntegrator
 
     for name, kind in (("hung pipe", "basic"), ("in a hole", "cp")):
-        scene = build_scene(Case(**SCENES[name][0]))
-        newton = Dynamics(scene.model).newton
+        model = build_model(Case(**SCENES[name][0]))
+        newton = TimeIntegrator(model.system).newton
         assert newton.line_search == kind

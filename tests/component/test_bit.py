@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc.fem.discrete_system import Model
+from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
@@ -30,24 +30,24 @@ def bit(kind: str, hole: GrowingHole) -> RockBit:
     return RockBit(4, BitShape(0.3, 0.2, 0.15), contact, law, rock, hole, inertia="quasi" not in words)
 
 
-def build(kind: str, seed: int = 7) -> tuple[Model, RockBit]:
+def build(kind: str, seed: int = 7) -> tuple[DiscreteSystem, RockBit]:
     rng = np.random.default_rng(seed)
     mesh, tangents = uniform_string(4.0, 4, **SECTION), curved_tangents(6)
     frames = transported_frames(tangents[:5])
     well = Well.from_survey(np.arange(6.0), np.arccos(tangents[:, 2]), np.arctan2(tangents[:, 1], tangents[:, 0]), [5.0], [0.2], [0.3],
                             max_step=1.0).cut(4.3)
     hole = GrowingHole(well, 0.15, 0.26 if "loose" in kind else 0.2, 0.3)
-    room = bit(kind, hole)
-    model = Model(mesh, frames, [Beam(mesh, frames, GRAVITY), room])
+    component = bit(kind, hole)
+    system = DiscreteSystem(mesh, frames, [Beam(mesh, frames, GRAVITY), component])
     position, tangent, _ = well.at(np.arange(5.0))
     place = position + 0.02 * rng.standard_normal((5, 3))
     lean = tangent + 0.05 * rng.standard_normal((5, 3))
     if "loose" not in kind:
         place[4] = position[4] + [0.04, 0.03, 0.08]  # on the bottom and on the side
-    model.set_field("string.position", place)
-    model.set_field("string.tangent", lean)
-    model.set_field("string.spin", 2 * rng.standard_normal((5, 1)))
-    asm, where = model.assembly, model.layout.place
+    system.set_field("string.position", place)
+    system.set_field("string.tangent", lean)
+    system.set_field("string.spin", 2 * rng.standard_normal((5, 1)))
+    asm, where = system.assembly, system.layout.dofs
     asm.v0[:], asm.v1[:] = 0.3 * rng.standard_normal(len(asm.v0)), rng.standard_normal(len(asm.v1))
     spin = where["string.spin"][4]
     turning = -3.0 if "backwards" in kind else 3.0
@@ -60,27 +60,27 @@ def build(kind: str, seed: int = 7) -> tuple[Model, RockBit]:
     asm.v0[ends] = [0.1, 0.02, 0.05] - SHIFT * asm.x[ends]
     if "bit.chips" in where:
         asm.x[where["bit.chips"][4]] = 0.29 + 0.01 * rng.standard_normal(CHIPS)
-    for word, impose in (("statics", room.impose_sliding), ("quasi", room.drill_quasi_static)):
+    for word, impose in (("statics", component.impose_sliding_direction), ("quasi", component.drill_quasi_static)):
         if word in kind:
             impose(0.2, 3.0, 0.7)
-    return model, room
+    return system, component
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_jacobian_matches_central_differences(kind):
-    model, room = build(kind)
-    asm, n = model.assembly, model.layout.size
+    system, component = build(kind)
+    asm, n = system.assembly, system.layout.size
     x0, h = asm.x[:-1].copy(), 1e-5
-    residual(model, x0, 0.4)
-    figures = room.figures(asm)
+    residual(system, x0, 0.4)
+    figures = component.figures(asm)
     assert figures[0] > 0 or "loose" in kind
     assert figures[3] > 0 or "loose" in kind
     asm.jacobian(0.4, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(model), np.zeros((n, n))
+    J, F = dense(system), np.zeros((n, n))
     for j in range(n):
         e = np.zeros(n)
         e[j] = h
-        r = [residual(model, x0 + k * e, 0.4) for k in (-2, -1, 1, 2)]
+        r = [residual(system, x0 + k * e, 0.4) for k in (-2, -1, 1, 2)]
         F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * h)
     size = np.abs(J).max(axis=1)
     assert np.abs(J - F).max(axis=1) == pytest.approx(np.zeros(n), abs=1e-6 * max(1.0, float(np.median(size)))) or \
@@ -90,11 +90,11 @@ def test_jacobian_matches_central_differences(kind):
 @pytest.mark.parametrize("kind", [k for k in KINDS if "statics" not in k and "quasi" not in k and "poststep" not in k])
 def test_power_of_the_bit_is_stored_or_goes_into_the_rock(kind):
     """Rows of the string times its velocity = change of the springs' energy along the motion + what the room reports as dissipated."""
-    model, room = build(kind)
-    asm = model.assembly
-    residual(model, asm.x[:-1].copy(), 0.4)
+    system, component = build(kind)
+    asm = system.assembly
+    residual(system, asm.x[:-1].copy(), 0.4)
     rows = np.zeros_like(asm.r)
-    ready = next(b for b in asm.ready if b.block.name == "bit_rock")
+    ready = next(b for b in asm.bound_blocks if b.block.name == "bit_rock")
     rows[ready.index[0]] = asm.block_rows(ready, 0.4)[0]
     string = ready.index[0][:7]
     power = float(rows[string] @ asm.y[string])
@@ -103,11 +103,11 @@ def test_power_of_the_bit_is_stored_or_goes_into_the_rock(kind):
 
     def stored(h):
         asm.x[:] = x0 + h * flow
-        return float(room.figures(asm)[4])
+        return float(component.figures(asm)[4])
 
     h = 1e-4
     rate = (stored(-2 * h) - 8 * stored(-h) + 8 * stored(h) - stored(2 * h)) / (12 * h)
     asm.x[:] = x0
-    heat = room.powers(0.4, asm).dissipated
+    heat = component.powers(0.4, asm).dissipated
     assert power == pytest.approx(rate + heat, rel=2e-2 if rate else 1e-9)
     assert heat > 0

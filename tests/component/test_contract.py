@@ -15,25 +15,25 @@ from tests.helpers.scenes import KINDS, SHIFT, build, dense, residual
 @pytest.mark.parametrize("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
     """S = K + shift C + shift^2 M of every kernel, prescribed rows included, against fourth-order differences."""
-    model, t = build(kind), 0.4
-    asm, n = model.assembly, model.layout.size
+    system, t = build(kind), 0.4
+    asm, n = system.assembly, system.layout.size
     free = np.eye(n)  # prescribed components stay where they belong: their rows fix them, whatever the columns say
-    for f in asm.fixed:
+    for f in asm.row_replacements:
         asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
         free[np.ix_(f.rows, f.rows)] = f.keep
     x0, h = asm.x[:-1].copy(), 1e-4
-    residual(model, x0, t)
+    residual(system, x0, t)
     asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J = dense(model)
+    J = dense(system)
     F = np.zeros((n, n))
     for j in range(n):
         e = np.zeros(n)
         e[j] = h
-        r = [residual(model, x0 + k * e, t) for k in (-2, -1, 1, 2)]
+        r = [residual(system, x0 + k * e, t) for k in (-2, -1, 1, 2)]
         F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * h)
     scale = np.abs(J[np.abs(J) < 1e5]).max()
     assert np.abs((J - F) @ free).max() < 3e-7 * scale
-    for f in asm.fixed:
+    for f in asm.row_replacements:
         rows = f.D @ J[f.rows]
         assert np.allclose(rows[:, f.rows], ROW_SCALE * f.D)  # D x = value, and nothing else
         assert np.abs(np.delete(rows, f.rows, axis=1)).max() < 1e-9 * scale
@@ -42,11 +42,11 @@ def test_condensed_jacobian_matches_central_differences(kind):
 @pytest.mark.parametrize("kind", [k for k in KINDS if k not in ("topdrive", "clamped")])
 def test_rows_times_velocity_is_the_change_of_energy(kind):
     """y.R = d(kinetic + strain + potential)/dt + dissipated - supplied along the motion: the semi-discrete energy balance."""
-    model, t = build(kind), 0.4
-    asm = model.assembly
+    system, t = build(kind), 0.4
+    asm = system.assembly
     asm.condense(SHIFT)
     power = float(asm.residual(t)[:-1] @ asm.y[:-1])
-    powers = model.powers(t)
+    powers = system.powers(t)
     x0, y0 = asm.x.copy(), asm.y.copy()
     flow = y0.copy()
     flow[asm.spin_at[:, 0]] -= asm.transport()
@@ -54,7 +54,7 @@ def test_rows_times_velocity_is_the_change_of_energy(kind):
     def stored(h):
         asm.x[:], asm.y[:] = x0 + h * flow, y0 + h * asm.a
         # a drive's spring is wound by its input too
-        return sum(model.energies(t + h))
+        return sum(system.energies(t + h))
 
     h = 1e-4
     rate = (stored(-2 * h) - 8 * stored(-h) + 8 * stored(h) - stored(2 * h)) / (12 * h)
@@ -65,32 +65,32 @@ def test_rows_times_velocity_is_the_change_of_energy(kind):
 def test_free_motion_keeps_momentum_and_angular_momentum(kind):
     """Forces of the free string without gravity sum to zero, their moments too (inertia included): the residual of a rigid virtual
     motion vanishes for the elastic part.  Checked by differences of the residual with and without rates."""
-    model = build(kind)
-    for b in model.assembly.ready:  # no gravity
+    system = build(kind)
+    for b in system.assembly.bound_blocks:  # no gravity
         where = {"beam": 9, "body": 6, "eccentric": 5}.get(b.block.kernel.split("_")[0])
         if where is not None:
             b.block.params[:, where : where + 3] = 0.0
-    asm = model.assembly
+    asm = system.assembly
     asm.condense(SHIFT)
     asm.a[:] = 0.0
     if "damped" in kind:  # external damping brakes a rigid motion, internal damping must not
-        for b in model.assembly.ready:
+        for b in system.assembly.bound_blocks:
             b.block.params[:, 7] = 0.0
     asm.y[:] = 0.0
     asm.residual(0.0)
-    r = model.field("string.position")
-    v = model.field("string.tangent")
-    rows = {k: asm.r[model.layout.place[f"string.{k}"]] for k in ("position", "tangent", "spin")}
+    r = system.field("string.position")
+    v = system.field("string.tangent")
+    rows = {k: asm.r[system.layout.dofs[f"string.{k}"]] for k in ("position", "tangent", "spin")}
     assert np.abs(rows["position"].sum(axis=0)).max() < 1e-11 * np.abs(rows["position"]).max()
     n = np.linalg.norm(v, axis=1, keepdims=True)
     moment = np.cross(r, rows["position"]) + np.cross(v, rows["tangent"]) + rows["spin"] * v / n
     assert np.abs(moment.sum(axis=0)).max() < 1e-11 * np.abs(moment).max()
 
 
-def test_rooms_know_no_ranks():
+def test_components_know_no_ranks():
     """No file of physics/ imports MPI or PETSc (architecture, style 7)."""
-    rooms = Path(__file__).parents[2] / "drillpetsc" / "physics"
-    for file in rooms.rglob("*.py"):
+    components = Path(__file__).parents[2] / "drillpetsc" / "physics"
+    for file in components.rglob("*.py"):
         text = file.read_text()
         assert "mpi4py" not in text and "petsc4py" not in text, file.name
 
@@ -98,13 +98,13 @@ def test_rooms_know_no_ranks():
 @pytest.mark.parametrize("kind", [k for k in KINDS if "contact" in k])
 def test_contact_sees_a_state_that_is_not_a_number(kind):
     """It must not pass for a string that does not touch."""
-    model = build(kind)
-    model.assembly.x[model.layout.place["string.position"][2, 0]] = np.nan
-    place = model.layout.place["string.position"][2, 0]
+    system = build(kind)
+    system.assembly.x[system.layout.dofs["string.position"][2, 0]] = np.nan
+    place = system.layout.dofs["string.position"][2, 0]
     seen = 0
-    for b in model.assembly.ready:
+    for b in system.assembly.bound_blocks:
         if b.block.name.startswith("contact") and b.block.name != "contact_bodies":
-            rows = model.assembly.block_rows(b, 0.4)[(b.index == place).any(axis=1)]
+            rows = system.assembly.block_rows(b, 0.4)[(b.index == place).any(axis=1)]
             assert np.isnan(rows).any(axis=1).all()
             seen += len(rows)
     assert seen == 2
@@ -114,9 +114,9 @@ def test_contact_sees_a_state_that_is_not_a_number(kind):
 @pytest.mark.parametrize("what", ["radius of the pipe", "friction of the pipe", "radius of the hole", "stiffness"])
 def test_contact_passes_on_what_is_not_a_number(kind, what):
     """No comparison may take it for "no clearance", "friction not given" or "does not touch"."""
-    model = build(kind)
-    asm, contact = model.assembly, next(r for r in model.rooms if isinstance(r, Contact))
-    blocks = [b for b in asm.ready if b.block.name.startswith("contact")]
+    system = build(kind)
+    asm, contact = system.assembly, next(r for r in system.components if isinstance(r, Contact))
+    blocks = [b for b in asm.bound_blocks if b.block.name.startswith("contact")]
     before = [asm.block_rows(b, 0.4) for b in blocks]
     touching = [(rows != 0).any(axis=1) for rows in before]
     assert np.concatenate(touching).any() and np.isfinite(np.concatenate([rows.ravel() for rows in before])).all()

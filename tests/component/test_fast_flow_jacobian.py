@@ -20,7 +20,7 @@ LAWS = {
     "inviscid": Rheology("newtonian", law="blend", consistency=0.0, index=1.0, yield_stress=0.0, shear_rate_eps=1.0),
 }
 # columns of the kernels; the three after STEP: minor losses, whether the upper node's pressure is given, that pressure
-POISSON, STEP = 2, {"pipe_flow": 8, "annulus_flow": 13}
+POISSON, STEP = 2, {"bore_flow": 8, "annulus_flow": 13}
 
 
 def _elements(kernel: str, law: str, seed: int, count: int, turbulent: bool, weights: np.ndarray) -> tuple[FluidConstants, list]:
@@ -29,13 +29,13 @@ def _elements(kernel: str, law: str, seed: int, count: int, turbulent: bool, wei
     Returns the fluid, which must outlive the rest, and the arguments of ``_jacobian`` after the number of elements.
     """
     fluid = FluidConstants(3.0, 60.0, GRAVITY, LAWS[law].parameters(), 0.4)
-    model = build("pipe_annulus_bit", seed, fluid)
-    asm, rng = model.assembly, np.random.default_rng(seed)
+    system = build("pipe_annulus_bit", seed, fluid)
+    asm, rng = system.assembly, np.random.default_rng(seed)
     asm.condense(SIGMA)
     if turbulent:
-        for name in ("pipe.flow", "annulus.flow"):
-            model.set_field(name, 300.0 * rng.standard_normal((5, 1)))
-    block = next(b for b in asm.ready if b.block.kernel == kernel)
+        for name in ("bore.flow", "annulus.flow"):
+            system.set_field(name, 300.0 * rng.standard_normal((5, 1)))
+    block = next(b for b in asm.bound_blocks if b.block.kernel == kernel)
     chosen = np.arange(count) % block.count
     index, spins = (np.ascontiguousarray(table[chosen]) for table in (block.index, block.spins.reshape(block.count, -1)))
     params, step = np.ascontiguousarray(block.block.params[chosen]), STEP[kernel]

@@ -1,4 +1,4 @@
-"""Jacobians by local derivatives against those that differentiate all rows by all unknowns (kernels/element.hpp)."""
+"""Jacobians by local derivatives against those that differentiate all rows by all unknowns (kernels/core/element.hpp)."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ def _elements(count: int, unknowns: int, rng: np.random.Generator):
     tangent = rng.standard_normal((count, 3))
     tangent /= np.linalg.norm(tangent, axis=1)[:, None]
     for at in (GAUGE1, GAUGE2):
-        gauge = tangent + 0.3 * rng.standard_normal((count, 3))
-        params[:, at : at + 3] = gauge / np.linalg.norm(gauge, axis=1)[:, None]
+        reference = tangent + 0.3 * rng.standard_normal((count, 3))
+        params[:, at : at + 3] = reference / np.linalg.norm(reference, axis=1)[:, None]
     state = rng.standard_normal((count, unknowns))
     state[:, 7:10] = state[:, :3] + params[:, :1] * (tangent + 0.1 * rng.standard_normal((count, 3)))
     for at in (3, 10):
@@ -71,13 +71,13 @@ def test_local_derivatives_of_the_contact(kind, triple):
     """Sliding and imposed friction, on touching and open points of a curved hole with a section change."""
     weights, seen = np.array(TRIPLES[triple]), set()
     for seed in range(20):
-        model = build(kind.replace("_imposed", ""), seed)
-        model.assembly.condense(SIGMA)
+        system = build(kind.replace("_imposed", ""), seed)
+        system.assembly.condense(SIGMA)
         if "imposed" in kind:
-            model.rooms[1].impose_sliding(0.3, 2.0, 0.5)
-        asm = model.assembly
+            system.components[1].impose_sliding_direction(0.3, 2.0, 0.5)
+        asm = system.assembly
         kernel = "contact_split" if "junction" in kind else "contact"
-        block = next(b for b in asm.ready if b.block.kernel == kernel)
+        block = next(b for b in asm.bound_blocks if b.block.kernel == kernel)
         spin = np.random.default_rng(seed).standard_normal(asm.spin_gradient.shape)
         arguments = (block.count, block.index, block.spins, block.block.params, block.block.context, weights, spin,
                      asm.x, asm.y, asm.a)

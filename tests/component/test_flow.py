@@ -10,7 +10,7 @@ from drillpetsc.physics.fluid.rheology import Rheology
 from tests.helpers.flow_scenes import KINDS, WIDENING, build
 from tests.helpers.scenes import GRAVITY, SHIFT, dense, residual
 
-HOLE = 4  # column of kernels/annulus_flow.hpp
+HOLE = 4  # column of kernels/fluid/annulus_flow.hpp
 
 
 def stiff_fluid() -> FluidConstants:
@@ -21,39 +21,39 @@ def stiff_fluid() -> FluidConstants:
 @pytest.mark.parametrize("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
     """Every block of every flow kernel against fourth-order differences, relative to the largest entry of its row."""
-    model, t = build(kind), 0.4
-    asm, n = model.assembly, model.layout.size
+    system, t = build(kind), 0.4
+    asm, n = system.assembly, system.layout.size
     free = np.eye(n)
-    for f in asm.fixed:
+    for f in asm.row_replacements:
         asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
         free[np.ix_(f.rows, f.rows)] = f.keep
     x0, h = asm.x[:-1].copy(), 1e-4
-    residual(model, x0, t)
+    residual(system, x0, t)
     asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(model), np.zeros((n, n))
+    J, F = dense(system), np.zeros((n, n))
     for j in range(n):
         e = np.zeros(n)
-        e[j] = h * (0.04 if not model.layout.fields[model.layout.field_of[j]].second_order else 1.0)
-        r = [residual(model, x0 + k * e, t) for k in (-2, -1, 1, 2)]
+        e[j] = h * (0.04 if not system.layout.fields[system.layout.field_of[j]].second_order else 1.0)
+        r = [residual(system, x0 + k * e, t) for k in (-2, -1, 1, 2)]
         F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * e[j])
     scale = np.abs(J).max(axis=1, keepdims=True)
     scale[scale == 0] = 1.0  # rows of another room's unknowns
     assert np.abs((J - F) @ free / scale).max() < 3e-7
 
 
-def mean_speeds(model) -> np.ndarray:
+def mean_speeds(system) -> np.ndarray:
     """(4,) mean speed of the elements along the hole (int of the cubic shapes), from the lower end of a rigid item above on."""
-    mesh, room = model.mesh, model.rooms[-1]
-    u, v, w = model.field("string.position", "y"), model.field("string.tangent"), model.field("string.tangent", "y")
+    mesh, component = system.mesh, system.components[-1]
+    u, v, w = system.field("string.position", "y"), system.field("string.tangent"), system.field("string.tangent", "y")
     ratio, rate = np.ones(5), np.zeros(5)
     if len(mesh.junction) and mesh.junction.any():
-        ratio, rate = model.field("string.ratio")[:, 0], model.field("string.ratio", "y")[:, 0]
+        ratio, rate = system.field("string.ratio")[:, 0], system.field("string.ratio", "y")[:, 0]
     size = np.linalg.norm(v, axis=1, keepdims=True)
     turning = (w - v * np.sum(v * w, axis=1, keepdims=True) / size**2) / size
     upper = u[:-1] + mesh.rigid_above[:, None] * turning[:-1]
     slope = np.where(mesh.junction[:-1, None], w[:-1] * ratio[:-1, None] + v[:-1] * rate[:-1, None], w[:-1])
     mean = (upper + u[1:]) / 2 + (slope - w[1:]) * mesh.length[:, None] / 12
-    tangents = room._directions(room.well, mesh.upper, mesh.lower)[:, :6].reshape(4, 2, 3).sum(axis=1)
+    tangents = component._directions(component.well, mesh.upper, mesh.lower)[:, :6].reshape(4, 2, 3).sum(axis=1)
     return np.sum(mean * tangents, axis=1) / np.linalg.norm(tangents, axis=1)
 
 
@@ -61,23 +61,23 @@ def mean_speeds(model) -> np.ndarray:
 def test_mass_rows_add_up_to_the_change_of_content(kind):
     """Sum of the storage of all elements = d(content)/dt by central differences of the content along the motion, the hole's area that of
     the place where an element's mean point along the hole comes to."""
-    model = build(kind)
-    room = model.rooms[-1]
-    asm, h = model.assembly, 1e-5
+    system = build(kind)
+    component = system.components[-1]
+    asm, h = system.assembly, 1e-5
     x0, y = asm.x.copy(), asm.y.copy()
     y[-1] = 0.0
-    content, areas = [], [b.params[:, HOLE].copy() for b in room._blocks]
-    speed = mean_speeds(model) if "widening" in kind else np.zeros(4)
+    content, areas = [], [b.params[:, HOLE].copy() for b in component._blocks]
+    speed = mean_speeds(system) if "widening" in kind else np.zeros(4)
     for k in (-2, -1, 1, 2):
         asm.x[:] = x0 + k * h * y
-        for b, area in zip(room._blocks, areas, strict=True):
+        for b, area in zip(component._blocks, areas, strict=True):
             b.params[:, HOLE] = area + (k * h * speed[b.points] * b.params[:, WIDENING] if "widening" in kind else 0.0)
-        content.append(room.figures(asm)[:, 4].sum())
-    for b, area in zip(room._blocks, areas, strict=True):
+        content.append(component.figures(asm)[:, 4].sum())
+    for b, area in zip(component._blocks, areas, strict=True):
         b.params[:, HOLE] = area
     asm.x[:] = x0
     rate = (content[0] - 8 * content[1] + 8 * content[2] - content[3]) / (12 * h)
-    storage = room.figures(asm)[:, 5:7].sum()
+    storage = component.figures(asm)[:, 5:7].sum()
     # content of the motion at constant theta' (the mean pressure's): exact for the string, to the rounding of differences for pressure
     assert storage == pytest.approx(rate, rel=1e-6)
 
@@ -92,41 +92,41 @@ def test_energy_balance_of_an_almost_incompressible_fluid(kind):
     It holds up to what the model drops, (flow speed / wave speed)^2, to squares of flow speeds times rows of mass that are not zero
     in a random state, and to products of shape functions taken at element means.
     """
-    model = build(kind, fluid=stiff_fluid(), noise=0.003)
-    asm, room = model.assembly, model.rooms[-1]
-    for b in room._blocks:
+    system = build(kind, fluid=stiff_fluid(), noise=0.003)
+    asm, component = system.assembly, system.components[-1]
+    for b in component._blocks:
         b.update = None
         b.params[:, 10 if kind == "pipe" else 15] = 0.0  # no end with a given pressure
         if kind == "annulus":
             b.params[:, 4] = 0.3  # a hole of one size
     asm.condense(SHIFT)
-    pressure, flow = model.layout.place[f"{room.name}.pressure"][:, 0], model.layout.place[f"{room.name}.flow"][1:, 0]
-    string = np.setdiff1d(np.arange(model.layout.size), np.concatenate([pressure, flow]))
+    pressure, flow = system.layout.dofs[f"{component.name}.pressure"][:, 0], system.layout.dofs[f"{component.name}.flow"][1:, 0]
+    string = np.setdiff1d(np.arange(system.layout.size), np.concatenate([pressure, flow]))
     x, y, a = asm.x.copy(), asm.y.copy(), asm.a.copy()
 
     def energy(step: float) -> float:
         asm.x[:] = x + step * y
         asm.x[-1] = 1.0
         asm.y[string] = y[string] + step * a[string]
-        return room.figures(asm)[:, :3].sum()
+        return component.figures(asm)[:, :3].sum()
 
     h = 1e-5
     e = [energy(k * h) for k in (-2, -1, 1, 2)]
     rate = (e[0] - 8 * e[1] + 8 * e[2] - e[3]) / (12 * h)
     asm.x[:], asm.y[:], asm.a[:] = x, y, a
-    rows = np.zeros(model.layout.size)
-    for ready in (b for b in asm.ready if b.block in room._blocks):
+    rows = np.zeros(system.layout.size)
+    for ready in (b for b in asm.bound_blocks if b.block in component._blocks):
         np.add.at(rows, ready.index.ravel(), asm.block_rows(ready, 0.4).ravel())
     speed, ends = np.zeros(4), 0.0
     if kind == "annulus":
-        u, w = model.field("string.position", "y"), model.field("string.tangent", "y")
-        t = np.array([room._directions(room.well, np.array([k]), np.array([k + 1.0]))[0, :6].reshape(2, 3).sum(axis=0) for k in range(4)])
+        u, w = system.field("string.position", "y"), system.field("string.tangent", "y")
+        t = np.array([component._directions(component.well, np.array([k]), np.array([k + 1.0]))[0, :6].reshape(2, 3).sum(axis=0) for k in range(4)])
         t /= np.linalg.norm(t, axis=1, keepdims=True)
         speed = np.sum(((u[:-1] + u[1:]) / 2 + (w[:-1] - w[1:]) / 12) * t, axis=1)
         ends = 0.3 * (x[pressure[-1]] * u[-1] @ t[-1] - x[pressure[0]] * u[0] @ t[0])
-    head = x[pressure] - 3.0 * (model.field("string.position") @ GRAVITY)
+    head = x[pressure] - 3.0 * (system.field("string.position") @ GRAVITY)
     parts = rows[string] * y[string], 1e2 * rows[flow] * (x[flow] + 0.174 * speed), 1e-6 * rows[pressure] * head
-    size, lost = sum(np.abs(q).sum() for q in parts), room.figures(asm)[:, 3].sum()
+    size, lost = sum(np.abs(q).sum() for q in parts), component.figures(asm)[:, 3].sum()
     print(kind, sum(q.sum() for q in parts), rate + lost + ends, rate, lost, ends, size)
     assert sum(q.sum() for q in parts) == pytest.approx(rate + lost + ends, abs=0.01 * size)
 
@@ -135,17 +135,17 @@ def test_added_mass_follows_the_place_in_the_hole():
     """added_mass: eccentric takes potential flow between eccentric circles at the place of each element's middle."""
     from drillpetsc.analysis.equilibrium import place_along_hole
     from drillpetsc.case import Case
-    from drillpetsc.model.drilling_model import build_scene
+    from drillpetsc.model.drilling_model import build_model
     from drillpetsc.physics.fluid.added_mass import chi_eccentric
 
     well = {"survey": {"md": [0, 60], "inclination": [0, 0], "azimuth": [0, 0]},
             "sections": [{"to": 60, "kind": "casing", "diameter": 0.2159, "friction": 0.2}]}
-    scene = build_scene(Case(string=[{"kind": "pipe", "length": 40, "od": 0.127, "id": 0.1086}], top="clamped", well=well,
+    model = build_model(Case(string=[{"kind": "pipe", "length": 40, "od": 0.127, "id": 0.1086}], top="clamped", well=well,
                              fluid={"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}, "added_mass": "eccentric"}))
-    place_along_hole(scene)
-    room, block = scene.fluid.annulus, scene.fluid.annulus._blocks[0]
+    place_along_hole(model)
+    component, block = model.fluid.annulus, model.fluid.annulus._blocks[0]
     aside = np.array([0.0, 0.25, 0.5, 0.75, 0.9]) * 0.5 * (0.2159 - 0.127)
-    scene.model.set_field("string.position", scene.position + aside[:, None] * [0.6, 0.8, 0.0])
-    room.accept(scene.model.assembly)
+    model.system.set_field("string.position", model.position + aside[:, None] * [0.6, 0.8, 0.0])
+    component.accept(model.system.assembly)
     middle = 0.5 * (aside[1:] + aside[:-1]) / (0.5 * (0.2159 - 0.127))
     assert block.params[:, 10] == pytest.approx([chi_eccentric(0.127, 0.2159, e) for e in middle], rel=1e-3)

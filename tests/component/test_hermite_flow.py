@@ -7,17 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drillpetsc.fem.discrete_system import Model
+from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import RigidItem, uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import Beam
 from drillpetsc.physics.end_conditions import TopDrive
-from drillpetsc.physics.fluid.annulus_flow import Sideways
+from drillpetsc.physics.fluid.annulus_flow import LateralCoefficients
 from drillpetsc.physics.fluid.bit_flow import BitEnd
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus, Bore
-from drillpetsc.physics.fluid.hermite_flow import WINDOW, HermiteAnnulus, HermiteBit, HermitePipe, Reference
+from drillpetsc.physics.fluid.hermite_flow import WINDOW, HermiteAnnulus, HermiteBit, HermiteBore, Reference
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
 from tests.helpers.scenes import GRAVITY, SECTION, SHIFT, dense, residual
@@ -26,8 +26,8 @@ KINDS = ("pipe", "pipe_junction", "pipe_closed", "annulus_bit", "annulus_bit_jun
          "pipe_annulus_bit_junction_topdrive", "pipe_bit", "pipe_held", "pipe_annulus_bit_held", "pipe_bit_held", "annulus_bit_held")
 
 
-def build(kind: str, seed: int = 5) -> Model:
-    """Model of ``kind`` (words joined by _) in a random moving state: fluid of density 3, bulk modulus 60, in a curved hole."""
+def build(kind: str, seed: int = 5) -> DiscreteSystem:
+    """DiscreteSystem of ``kind`` (words joined by _) in a random moving state: fluid of density 3, bulk modulus 60, in a curved hole."""
     rng, n = np.random.default_rng(seed), np.ones(4)
     mesh = uniform_string(4.0, 4, **SECTION, inner_diameter=0.3)
     if "junction" in kind:
@@ -40,59 +40,59 @@ def build(kind: str, seed: int = 5) -> Model:
     law = Rheology("power_law", law="blend", consistency=0.8, index=0.7, yield_stress=0.0, shear_rate_eps=1.0)
     fluid = FluidConstants(3.0, 60.0, GRAVITY, law.parameters(), 0.4)
     held = position if "held" in kind else None
-    rooms: list = [] if held is not None else [Beam(mesh, frames, GRAVITY)]
+    components: list = [] if held is not None else [Beam(mesh, frames, GRAVITY)]
     if "topdrive" in kind:
-        rooms.append(TopDrive(position[0], tangents[0], Ramp(1.0, 2.0), Constant(0.3)))
+        components.append(TopDrive(position[0], tangents[0], Ramp(1.0, 2.0), Constant(0.3)))
     pump, pipe, annulus = Ramp(1.0, 0.03), None, None
     if "pipe" in kind:
         bore = Bore(np.array([0.07, 0.07, 0.05, 0.05]), 1e-3 * n, 0.06 * n)
-        pipe = HermitePipe(mesh, bore, fluid, 0.3 * n, pump, "closed" in kind, held)
+        pipe = HermiteBore(mesh, bore, fluid, 0.3 * n, pump, "closed" in kind, held)
     if "annulus" in kind:
         sizes = Annulus(0.126 * n, np.array([0.28, 0.28, 0.3, 0.3]), 2e-3 * n, 0.15 * n)
-        side = Sideways(np.array([2.0, 2.0, 1.5, 1.5]), 0.3 * n, 0.2 * n)
+        side = LateralCoefficients(np.array([2.0, 2.0, 1.5, 1.5]), 0.3 * n, 0.2 * n)
         annulus = HermiteAnnulus(mesh, sizes, well, fluid, 0.3 * n, side, Constant(0.4), 0.1, None, held, pump=pump)
-    rooms += [r for r in (pipe, annulus) if r is not None]
+    components += [r for r in (pipe, annulus) if r is not None]
     if "bit" in kind:
         end, axis, _ = map(np.asarray, well.at(np.array([4.6])))
         lower = BitEnd(bore=0.05 if pipe else 0.0, nozzle=0.03, discharge_coefficient=0.9, check_valve=False, ambient=Constant(0.2),
                        hole=0.3 if annulus else 0.0, open=0.17, outer=0.126, elasticity=1e-3, volume=0.05, face=0.2, added=1.5, metal=0.02,
                        end=end[0], axis=axis[0])
-        rooms.append(HermiteBit(4, lower, fluid, pump, pipe, annulus, position[-1], held))
-    model = Model(mesh, frames, rooms)
-    asm, size = model.assembly, model.layout.size
+        components.append(HermiteBit(4, lower, fluid, pump, pipe, annulus, position[-1], held))
+    system = DiscreteSystem(mesh, frames, components)
+    asm, size = system.assembly, system.layout.size
     if held is None:
-        model.set_field("string.position", position + 0.05 * rng.standard_normal((5, 3)))
-        model.set_field("string.tangent", tangents + 0.1 * rng.standard_normal((5, 3)))
-        model.set_field("string.spin", rng.standard_normal((5, 1)))
+        system.set_field("string.position", position + 0.05 * rng.standard_normal((5, 3)))
+        system.set_field("string.tangent", tangents + 0.1 * rng.standard_normal((5, 3)))
+        system.set_field("string.spin", rng.standard_normal((5, 1)))
         if "junction" in kind:
-            model.set_field("string.ratio", np.full((5, 1), 1.05))
-    for f in model.layout.fields:
+            system.set_field("string.ratio", np.full((5, 1), 1.05))
+    for f in system.layout.fields:
         if not f.name.startswith("string"):
-            model.set_field(f.name, (0.002 if f.name.endswith("volume") else 2.0) * rng.standard_normal((5, 1)))
+            system.set_field(f.name, (0.002 if f.name.endswith("volume") else 2.0) * rng.standard_normal((5, 1)))
     asm.y[:-1] = 0.2 * rng.standard_normal(size)
     asm.v0[:] = asm.y[:-1] - 2.3 * asm.x[:-1]
     asm.v1[:] = 0.3 * rng.standard_normal(size)
-    return model
+    return system
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
     """Every block of every kernel against fourth-order differences, relative to the largest entry of its row."""
-    model, t = build(kind), 0.4
-    asm, n = model.assembly, model.layout.size
+    system, t = build(kind), 0.4
+    asm, n = system.assembly, system.layout.size
     free = np.eye(n)
-    for f in asm.fixed:
+    for f in asm.row_replacements:
         asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
         free[np.ix_(f.rows, f.rows)] = f.keep
     x0 = asm.x[:-1].copy()
-    residual(model, x0, t)
+    residual(system, x0, t)
     asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(model), np.zeros((n, n))
-    names = [model.layout.fields[k].name for k in model.layout.field_of]
+    J, F = dense(system), np.zeros((n, n))
+    names = [system.layout.fields[k].name for k in system.layout.field_of]
     for j in range(n):
         e = np.zeros(n)
         e[j] = 1e-5 if names[j].endswith("volume") else 1e-4
-        r = [residual(model, x0 + k * e, t) for k in (-2, -1, 1, 2)]
+        r = [residual(system, x0 + k * e, t) for k in (-2, -1, 1, 2)]
         F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * e[j])
     scale = np.abs(J).max(axis=1, keepdims=True)
     assert np.isfinite(J).all()
@@ -102,18 +102,18 @@ def test_condensed_jacobian_matches_central_differences(kind):
 @pytest.mark.parametrize("kind", ["pipe_bit", "pipe_annulus_bit", "pipe_annulus_bit_held", "pipe_annulus_bit_junction_topdrive"])
 def test_content_changes_by_what_passes_the_ends(kind):
     """Mass is conserved by construction: d(content)/dt, by differences along any motion, is what enters at the pump less what leaves."""
-    model = build(kind)
-    asm, rooms = model.assembly, [r for r in model.rooms if hasattr(r, "upper_flow")]
-    bit = model.rooms[-1]
-    residual(model, asm.x[:-1].copy(), 0.4)
+    system = build(kind)
+    asm, components = system.assembly, [r for r in system.components if hasattr(r, "upper_flow")]
+    bit = system.components[-1]
+    residual(system, asm.x[:-1].copy(), 0.4)
     x0, y, h, content = asm.x.copy(), asm.y.copy(), 1e-5, []
     y[-1] = 0.0
     for k in (-2, -1, 1, 2):
         asm.x[:] = x0 + k * h * y
-        content.append(sum(r.figures(asm)[:, 4].sum() for r in rooms) + bit.figures(asm)[4])
+        content.append(sum(r.figures(asm)[:, 4].sum() for r in components) + bit.figures(asm)[4])
     asm.x[:] = x0
     rate = (content[0] - 8 * content[1] + 8 * content[2] - content[3]) / (12 * h)
-    through = sum(r.upper_flow(asm) for r in rooms) - (0.0 if len(rooms) == 2 else bit.figures(asm)[1])
+    through = sum(r.upper_flow(asm) for r in components) - (0.0 if len(components) == 2 else bit.figures(asm)[1])
     assert abs(through) > 0.01
     assert rate == pytest.approx(through, rel=1e-8)
 

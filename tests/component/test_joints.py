@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.physics.joints import KINDS, SCALE
-from tests.helpers.joint_scenes import joint_room, random_state, rolling_state
+from tests.helpers.joint_scenes import joint_component, random_state, rolling_state
 from tests.helpers.scenes import SHIFT, dense, residual
 
 STATES = {**{f"{kind}{' stabilised' * s}": (lambda k=kind, s=s: random_state(k, s)) for kind in KINDS for s in (False, True)},
@@ -15,9 +15,9 @@ STATES = {**{f"{kind}{' stabilised' * s}": (lambda k=kind, s=s: random_state(k, 
 MECHANICAL = ("string.position", "string.tangent", "string.spin")
 
 
-def scaled(model) -> np.ndarray:
+def scaled(system) -> np.ndarray:
     """(n,) unit of each unknown's row and column: multipliers and their rows count in units of SCALE."""
-    names = np.array([f.name for f in model.layout.fields])[model.layout.field_of]
+    names = np.array([f.name for f in system.layout.fields])[system.layout.field_of]
     return np.where(np.char.startswith(names, "string."), 1.0, 1.0 / SCALE)
 
 
@@ -25,22 +25,22 @@ def scaled(model) -> np.ndarray:
 def test_condensed_jacobian_matches_central_differences(name):
     """Fourth-order differences of all rows by all unknowns; the corrections' own change with the place (of order mu) is left out on
     purpose, so they are zero here."""
-    model, t = STATES[name](), 0.0
-    if "joint.correction" in model.layout.place:
-        model.set_field("joint.correction", np.zeros((5, 6)))
-    asm, n, unit = model.assembly, model.layout.size, scaled(model)
+    system, t = STATES[name](), 0.0
+    if "joint.correction" in system.layout.dofs:
+        system.set_field("joint.correction", np.zeros((5, 6)))
+    asm, n, unit = system.assembly, system.layout.size, scaled(system)
     free = np.eye(n)  # of a held node the columns say nothing: its rows fix it
-    for f in asm.fixed:
+    for f in asm.row_replacements:
         asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
         free[np.ix_(f.rows, f.rows)] = f.keep
     x0, h = asm.x[:-1].copy(), 1e-4
-    residual(model, x0, t)
+    residual(system, x0, t)
     asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(model), np.zeros((n, n))
+    J, F = dense(system), np.zeros((n, n))
     for j in range(n):
         e = np.zeros(n)
         e[j] = h
-        r = [residual(model, x0 + k * e, t) for k in (-2, -1, 1, 2)]
+        r = [residual(system, x0 + k * e, t) for k in (-2, -1, 1, 2)]
         F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * h)
     J, F = (unit[:, None] * A * unit for A in (J, F))
     size = np.abs(J[np.abs(J) < 1e5]).max()  # rows that hold a node are larger
@@ -51,13 +51,13 @@ def test_condensed_jacobian_matches_central_differences(name):
 def test_multipliers_do_the_work_of_their_constraints(name):
     """Rows times velocity = sum of multiplier times rate of its (holonomic) constraint row: forces are the transposed derivative of the
     constraints; a spring's, a stop's and a damper's part apart."""
-    model, t = STATES[name](), 0.0
-    asm = model.assembly
+    system, t = STATES[name](), 0.0
+    asm = system.assembly
     asm.condense(SHIFT)
     which = "rolling" if "rolling" in name else "joints"
-    ready = next(b for b in asm.ready if b.block.name == which)
+    ready = next(b for b in asm.bound_blocks if b.block.name == which)
     field = "rolling.force" if which == "rolling" else "joint.load"
-    slot = model.layout.place[field]
+    slot = system.layout.dofs[field]
     free = slot[slot >= 0]
     if which == "rolling":  # only the gap is a function of place
         asm.x[free[1:]] = 0.0
@@ -71,7 +71,7 @@ def test_multipliers_do_the_work_of_their_constraints(name):
         return out
 
     here = rows()
-    mechanical = np.concatenate([model.layout.place[f].ravel() for f in MECHANICAL])
+    mechanical = np.concatenate([system.layout.dofs[f].ravel() for f in MECHANICAL])
     power = float(here[mechanical] @ asm.y[mechanical])
     flow = np.zeros_like(asm.y)
     flow[mechanical] = asm.y[mechanical]
@@ -82,10 +82,10 @@ def test_multipliers_do_the_work_of_their_constraints(name):
     for k in (-2, -1, 1, 2):
         asm.x[:] = x0 + k * h * flow
         constraint.append(rows()[free])
-        stored.append(joint_room(model).energies(t, asm).strain)
+        stored.append(joint_component(system).energies(t, asm).strain)
     rate, spring = ((q[0] - 8 * q[1] + 8 * q[2] - q[3]) / (12 * h) for q in (constraint, stored))
     asm.x[:] = x0
-    lost = joint_room(model).powers(t, asm).dissipated
+    lost = joint_component(system).powers(t, asm).dissipated
     assert ("slider" in name) == (lost > 0.0)
     # the row of a direction that is left free is -SCALE lambda and has no rate
     assert power == pytest.approx(float(lam @ rate) + spring + lost, rel=1e-7, abs=1e-9)
@@ -94,11 +94,11 @@ def test_multipliers_do_the_work_of_their_constraints(name):
 
 def test_slider_forces_balance_on_the_way_between_its_parts():
     """Forces of a slider sum to zero, and so do their moments, though its parts are apart; its arm included."""
-    model = random_state("slider")
-    asm = model.assembly
+    system = random_state("slider")
+    asm = system.assembly
     asm.condense(SHIFT)
-    rows = asm.block_rows(next(b for b in asm.ready if b.block.name == "joints"), 0.0)[0]
-    index = next(b for b in asm.ready if b.block.name == "joints").index[0]
+    rows = asm.block_rows(next(b for b in asm.bound_blocks if b.block.name == "joints"), 0.0)[0]
+    index = next(b for b in asm.bound_blocks if b.block.name == "joints").index[0]
     moment, force = np.zeros(3), np.zeros(3)
     for at in (0, 7):
         r, v = asm.x[index[at : at + 3]], asm.x[index[at + 3 : at + 6]]

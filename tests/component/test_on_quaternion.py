@@ -1,4 +1,4 @@
-"""Rooms of the gauge element on the quaternion's unknowns: exact Jacobian, and the same power as on their own unknowns."""
+"""Rooms of the ANCF element on the quaternion's unknowns: exact Jacobian, and the same power as on their own unknowns."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.analysis.quaternion_statics import take_over
-from drillpetsc.fem.discrete_system import Model
+from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.physics.beam import Beam
 from drillpetsc.physics.contact import Contact
 from drillpetsc.physics.end_conditions import TopDrive
@@ -23,18 +23,18 @@ BIT = ["rop", "drag", "weakening_byweight"]
 KINDS = [*STRING, *MUD, *BIT]
 
 
-def gauge(kind: str) -> Model:
-    """The model of the gauge element's own tests."""
+def reference(kind: str) -> DiscreteSystem:
+    """The model of the ANCF element's own tests."""
     if kind in BIT:
         return test_bit.build(kind)[0]
     return (flow_scenes if kind in MUD else scenes).build(kind)
 
 
-def pair(kind: str, seed: int = 2) -> tuple[Model, Model]:
+def pair(kind: str, seed: int = 2) -> tuple[DiscreteSystem, DiscreteSystem]:
     """Gauge and quaternion model in the same state, moving alike: rates with |q| = 1, accelerations of the slopes to match."""
-    one, twin = gauge(kind), gauge(kind)
-    rooms = [r for r in twin.rooms if not isinstance(r, (Beam, TopDrive, Contact))]
-    other = Model(twin.mesh, twin.frames, [QuaternionBeam(twin.mesh, twin.frames, GRAVITY), *rooms])
+    one, twin = reference(kind), reference(kind)
+    components = [r for r in twin.components if not isinstance(r, (Beam, TopDrive, Contact))]
+    other = DiscreteSystem(twin.mesh, twin.frames, [QuaternionBeam(twin.mesh, twin.frames, GRAVITY), *components])
     take_over(one, other)
     asm, rng = other.assembly, np.random.default_rng(seed)
     asm.v0[:], asm.v1[:] = 0.3 * rng.standard_normal((2, len(asm.v0))) - SHIFT * np.array([asm.x[: len(asm.v0)], 0 * asm.v0])
@@ -44,11 +44,11 @@ def pair(kind: str, seed: int = 2) -> tuple[Model, Model]:
     seen = []
     for k in (-1, 1, 0):
         asm.x[:], asm.y[:] = x + k * h * y + 0.5 * (k * h) ** 2 * a, y + k * h * a
-        asm.look(asm)
+        asm.derive(asm)
         seen.append(asm.y.copy())
-    view, n, own = other.layout.view, other.layout.size, one.assembly
+    view, n, own = other.layout.derived, other.layout.size, one.assembly
     for f in one.layout.fields:
-        here, there = one.layout.place[f.name], other.layout.where(f.name)
+        here, there = one.layout.dofs[f.name], other.layout.dofs_of(f.name)
         keep = here >= 0
         rate = (seen[1][there[keep]] - seen[0][there[keep]]) / (2 * h)
         own.x[here[keep]], own.y[here[keep]] = asm.x[there[keep]], asm.y[there[keep]]
@@ -62,17 +62,17 @@ def test_power_is_that_of_the_gauge_element(kind):
     """Sum of row times rate of every element of every room: the adapter only expresses the same forces in other unknowns."""
     one, other = pair(kind)
     compared = 0
-    for b in other.assembly.ready:
+    for b in other.assembly.bound_blocks:
         if not b.block.kernel.startswith("quaternion_") or b.block.name.startswith("beam"):
             continue
-        mine = next(q for q in one.assembly.ready if q.block.name == b.block.name)
-        assert b.block.kernel == f"quaternion_{mine.block.kernel}" and b.count == mine.count > 0
-        theirs = other.assembly.block_rows(b, T), other.assembly.y[b.index]
-        ours = one.assembly.block_rows(mine, T), one.assembly.y[mine.index]
+        on_rank = next(q for q in one.assembly.bound_blocks if q.block.name == b.block.name)
+        assert b.block.kernel == f"quaternion_{on_rank.block.kernel}" and b.count == on_rank.count > 0
+        petsc_names = other.assembly.block_rows(b, T), other.assembly.y[b.index]
+        ours = one.assembly.block_rows(on_rank, T), one.assembly.y[on_rank.index]
         nodes = 2 if b.block.on == "cell" else 1
-        total = [np.sum(rows[:, : width * nodes] * y[:, : width * nodes], axis=1) for (rows, y), width in ((theirs, 8), (ours, 7))]
+        total = [np.sum(rows[:, : width * nodes] * y[:, : width * nodes], axis=1) for (rows, y), width in ((petsc_names, 8), (ours, 7))]
         assert total[0] == pytest.approx(total[1], rel=2e-7, abs=2e-7 * np.abs(ours[0]).max())
-        assert theirs[0][:, 8 * nodes :] == pytest.approx(ours[0][:, 7 * nodes :], rel=1e-7, abs=1e-7 * np.abs(ours[0]).max())
+        assert petsc_names[0][:, 8 * nodes :] == pytest.approx(ours[0][:, 7 * nodes :], rel=1e-7, abs=1e-7 * np.abs(ours[0]).max())
         compared += 1
     assert compared >= 1
 
@@ -81,26 +81,26 @@ def test_power_is_that_of_the_gauge_element(kind):
 def test_jacobian_matches_central_differences(kind):
     """K + shift C + shift^2 M of all rows against fourth-order differences; off the unit length, too.  Steps of 1e-5, as one flow of the
     annulus is close to where it turns."""
-    _, model = pair(kind)
-    n, h = model.layout.size, 1e-5
-    at = model.layout.place["string.quaternion"]
-    model.assembly.x[at] *= np.linspace(0.97, 1.03, 5)[:, None]
-    x0 = model.assembly.x[:n].copy()
-    residual(model, x0, T)
-    model.assembly.jacobian(T, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(model), differences(model, x0, T, h)
-    names = np.array([f.name for f in model.layout.fields])[model.layout.field_of]
+    _, system = pair(kind)
+    n, h = system.layout.size, 1e-5
+    at = system.layout.dofs["string.quaternion"]
+    system.assembly.x[at] *= np.linspace(0.97, 1.03, 5)[:, None]
+    x0 = system.assembly.x[:n].copy()
+    residual(system, x0, T)
+    system.assembly.jacobian(T, (1.0, SHIFT, SHIFT**2), condensed=True)
+    J, F = dense(system), differences(system, x0, T, h)
+    names = np.array([f.name for f in system.layout.fields])[system.layout.field_of]
     length = names == "string.multiplier"
     for rows in (length, ~length):
         size = np.abs(J[rows]).max(axis=1, keepdims=True) + 1e-9 * np.abs(J[rows]).max()
         assert (np.abs(J[rows] - F[rows]) / np.maximum(size, 1e-3 * np.abs(J[rows]).max())).max() < 1e-5
 
 
-def test_rooms_are_asked_in_what_they_know():
+def test_components_see_the_unknowns_they_know():
     """Figures, energies and powers of a room are those of the gauge model in the same state."""
     one, other = pair("pipe_annulus_bit")
-    pairs = [(r, q) for r in one.rooms for q in other.rooms if type(r) is type(q)]
+    pairs = [(r, q) for r in one.components for q in other.components if type(r) is type(q)]
     assert len(pairs) == 3
-    for mine, theirs in pairs:
-        assert list(theirs.energies(T, other.assembly)) == pytest.approx(list(mine.energies(T, one.assembly)), rel=1e-9)
-        assert list(theirs.powers(T, other.assembly)) == pytest.approx(list(mine.powers(T, one.assembly)), rel=1e-9)
+    for on_rank, petsc_names in pairs:
+        assert list(petsc_names.energies(T, other.assembly)) == pytest.approx(list(on_rank.energies(T, one.assembly)), rel=1e-9)
+        assert list(petsc_names.powers(T, other.assembly)) == pytest.approx(list(on_rank.powers(T, one.assembly)), rel=1e-9)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drillpetsc.fem.discrete_system import Model
+from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.well import Well
@@ -15,7 +15,7 @@ from drillpetsc.physics.contact import ContactLaw
 from drillpetsc.physics.end_conditions import NodeLoad
 from drillpetsc.physics.quaternion.beam import QuaternionBeam, quaternions, spun, turned
 from drillpetsc.physics.quaternion.contact import QuaternionContact
-from drillpetsc.physics.quaternion.ends import Guided, QuaternionLoads
+from drillpetsc.physics.quaternion.ends import ConstrainedEnd, QuaternionLoads
 from drillpetsc.time_function import Constant, Ramp
 from tests.helpers.scenes import GRAVITY, SECTION, SHIFT, curved_tangents, dense, differences, residual
 
@@ -24,8 +24,8 @@ KINDS = ["beam", "beam_damped", "beam_curved", "beam_damped_curved", "loads", "t
 FORMS = ["index3", "index2", "stabilized"]
 
 
-def build(kind: str, seed: int = 3, constraint: str = "index3", gravity=GRAVITY) -> Model:
-    """Model of ``kind`` (words joined by _): four bent, stretched, twisted, moving elements with random multipliers; |q| = 1."""
+def build(kind: str, seed: int = 3, constraint: str = "index3", gravity=GRAVITY) -> DiscreteSystem:
+    """DiscreteSystem of ``kind`` (words joined by _): four bent, stretched, twisted, moving elements with random multipliers; |q| = 1."""
     rng = np.random.default_rng(seed)
     mesh, tangents = uniform_string(4.0, 4, **SECTION), curved_tangents(5)
     if "damped" in kind:
@@ -34,14 +34,14 @@ def build(kind: str, seed: int = 3, constraint: str = "index3", gravity=GRAVITY)
         mesh = replace(mesh, curvature=np.tile([0.1, -0.2], (4, 1)))
     frames = transported_frames(tangents)
     beam = QuaternionBeam(mesh, frames, np.asarray(gravity), constraint)
-    rooms: list = [beam]
+    components: list = [beam]
     position = np.cumsum(np.vstack([[0, 0, 0], tangents[:-1]]), axis=0)
 
     def end(node, places, turns, *inputs):
-        rooms.append(Guided(node, 5, places, turns, position[node], beam.start[node], tangents[node], constraint, *inputs))
+        components.append(ConstrainedEnd(node, 5, places, turns, position[node], beam.start[node], tangents[node], constraint, *inputs))
 
     if "loads" in kind:
-        rooms.append(QuaternionLoads((NodeLoad(2, (1.0, -2.0, 3.0), (0.5, 0.2, -0.7), (0.3, -0.1, 0.4)),
+        components.append(QuaternionLoads((NodeLoad(2, (1.0, -2.0, 3.0), (0.5, 0.2, -0.7), (0.3, -0.1, 0.4)),
                                       NodeLoad(4, (4.0, 1.0, 2.0), (0.3, 2.0, 1.0), section=True, factor=lambda t: 1 + t))))
     if "topdrive" in kind or "weighted" in kind:
         end(0, 2 if "weighted" in kind else 3, 3, None if "weighted" in kind else Constant(0.3), Ramp(1.0, 2.0))
@@ -55,24 +55,24 @@ def build(kind: str, seed: int = 3, constraint: str = "index3", gravity=GRAVITY)
         inclination, azimuth = np.arccos(tangents[:, 2]), np.arctan2(tangents[:, 1], tangents[:, 0])
         well = Well.from_survey(np.arange(5.0), inclination, azimuth, [1.7, 10.0], [0.2, 0.26], [0.3, 0.2], max_step=1.0)
         law = ContactLaw(stiffness=500.0, law="hertz" if "hertz" in kind else "linear", slip_velocity=0.5, static_ratio=1.5, points=3)
-        rooms.append(QuaternionContact(mesh, well, law))
+        components.append(QuaternionContact(mesh, well, law))
         position, offset, noise = np.asarray(well.at(np.arange(5.0))[0]), np.array([0.15, 0.1, 0.0]), 0.02
-    model = Model(mesh, frames, rooms)
+    system = DiscreteSystem(mesh, frames, components)
     q = turned(beam.start, 2 * rng.standard_normal(5)) + 2 * noise * rng.standard_normal((5, 4))
-    model.set_field("string.position", position + offset + noise * rng.standard_normal((5, 3)))
-    model.set_field("string.strain", 0.1 * rng.standard_normal((5, 1)))
-    model.set_field("string.quaternion", q / np.linalg.norm(q, axis=1, keepdims=True))
-    for f in model.layout.fields:
+    system.set_field("string.position", position + offset + noise * rng.standard_normal((5, 3)))
+    system.set_field("string.strain", 0.1 * rng.standard_normal((5, 1)))
+    system.set_field("string.quaternion", q / np.linalg.norm(q, axis=1, keepdims=True))
+    for f in system.layout.fields:
         if not f.differential:
-            model.set_field(f.name, rng.standard_normal((5, f.size)))
-    asm = model.assembly
+            system.set_field(f.name, rng.standard_normal((5, f.size)))
+    asm = system.assembly
     asm.v0[:], asm.v1[:] = rng.standard_normal(len(asm.v0)), rng.standard_normal(len(asm.v1))
-    return model
+    return system
 
 
-def on_the_manifold(model: Model) -> None:
+def on_the_manifold(system: DiscreteSystem) -> None:
     """Rates of the present x without a part along q, accelerations with that part -q'.q', as the constraint has them."""
-    asm, at = model.assembly, model.layout.place["string.quaternion"]
+    asm, at = system.assembly, system.layout.dofs["string.quaternion"]
     q, y, a = asm.x[at], asm.y[at], asm.a[at]
     asm.y[at] = y = y - q * np.sum(q * y, axis=1, keepdims=True)
     asm.a[at] = a - q * (np.sum(q * a, axis=1, keepdims=True) + np.sum(y * y, axis=1, keepdims=True))
@@ -82,16 +82,16 @@ def on_the_manifold(model: Model) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind, constraint):
     """K + shift C + shift^2 M of all rows, constraints included, against fourth-order differences; off the unit length, too."""
-    model, t = build(kind, constraint=constraint), 0.4
-    n = model.layout.size
-    at = model.layout.place["string.quaternion"]
-    model.assembly.x[at] *= np.linspace(0.9, 1.1, 5)[:, None]
-    x0, h = model.assembly.x[:n].copy(), 1e-4
-    residual(model, x0, t)
-    model.assembly.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
-    J, F = dense(model), differences(model, x0, t, h)
-    names = np.array([f.name for f in model.layout.fields])[model.layout.field_of]
-    constrained = np.isin(names, [f.name for f in model.layout.fields if not f.differential])
+    system, t = build(kind, constraint=constraint), 0.4
+    n = system.layout.size
+    at = system.layout.dofs["string.quaternion"]
+    system.assembly.x[at] *= np.linspace(0.9, 1.1, 5)[:, None]
+    x0, h = system.assembly.x[:n].copy(), 1e-4
+    residual(system, x0, t)
+    system.assembly.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
+    J, F = dense(system), differences(system, x0, t, h)
+    names = np.array([f.name for f in system.layout.fields])[system.layout.field_of]
+    constrained = np.isin(names, [f.name for f in system.layout.fields if not f.differential])
     for rows in (constrained, ~constrained):
         assert np.abs(J[rows] - F[rows]).max() < 3e-7 * np.abs(J[rows]).max()
 
@@ -100,20 +100,20 @@ def test_condensed_jacobian_matches_central_differences(kind, constraint):
 def test_rows_times_velocity_is_the_change_of_energy(kind):
     """y.R = d(kinetic + strain + potential)/dt + dissipated - supplied along a motion that keeps |q| = 1: the forces are the gradient
     of the energies."""
-    model, t = build(kind), 0.4
-    asm = model.assembly
+    system, t = build(kind), 0.4
+    asm = system.assembly
     asm.condense(SHIFT)
-    on_the_manifold(model)
-    n = model.layout.size
+    on_the_manifold(system)
+    n = system.layout.size
     power = float(asm.residual(t)[:n] @ asm.y[:n])
-    powers = model.powers(t)
-    x0, y0, at = asm.x.copy(), asm.y.copy(), model.layout.place["string.quaternion"]
+    powers = system.powers(t)
+    x0, y0, at = asm.x.copy(), asm.y.copy(), system.layout.dofs["string.quaternion"]
 
     def stored(h):
         asm.x[:], asm.y[:] = x0 + h * y0 + 0.5 * h * h * asm.a, y0 + h * asm.a
         length = np.linalg.norm(asm.x[at], axis=1, keepdims=True)
         asm.x[at] /= length
-        return sum(model.energies(t + h))
+        return sum(system.energies(t + h))
 
     h = 1e-4
     rate = (stored(-2 * h) - 8 * stored(-h) + 8 * stored(h) - stored(2 * h)) / (12 * h)
@@ -129,42 +129,42 @@ def rigid(turn: np.ndarray, q: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("kind", ["beam", "beam_curved"])
 def test_a_rigid_motion_changes_no_strain_energy(kind):
     """Objective: turned by half a turn and moved, the strain energy of a bent, twisted string stays to rounding."""
-    model = build(kind)
-    before = model.energies(0.0).strain
+    system = build(kind)
+    before = system.energies(0.0).strain
     turn = np.array([0.1, 0.7, -0.5, 0.5]) / np.linalg.norm([0.1, 0.7, -0.5, 0.5])
     w, u = turn[0], turn[1:]
     R = (w * w - u @ u) * np.eye(3) + 2 * np.outer(u, u) + 2 * w * np.cross(np.eye(3), u)
-    model.set_field("string.position", model.field("string.position") @ R.T + [3.0, -2.0, 5.0])
-    model.set_field("string.quaternion", rigid(turn, model.field("string.quaternion")))
+    system.set_field("string.position", system.field("string.position") @ R.T + [3.0, -2.0, 5.0])
+    system.set_field("string.quaternion", rigid(turn, system.field("string.quaternion")))
     assert before > 1.0
-    assert model.energies(0.0).strain == pytest.approx(before, rel=1e-12)
+    assert system.energies(0.0).strain == pytest.approx(before, rel=1e-12)
 
 
 def test_a_turning_straight_string_has_no_strain_rate():
     """Kelvin-Voigt damping takes nothing from a rigid rotation about any axis."""
-    model = build("beam_damped", gravity=np.zeros(3))
-    m, asm = model.mesh, model.assembly
-    for b in asm.ready:
+    system = build("beam_damped", gravity=np.zeros(3))
+    m, asm = system.mesh, system.assembly
+    for b in asm.bound_blocks:
         if b.block.kernel.startswith("quaternion"):
             b.block.params[:, 7] = 0.0  # damping of the motion in space
     omega = np.array([0.4, -1.1, 0.7])
-    q = model.field("string.quaternion")
+    q = system.field("string.quaternion")
     asm.y[:] = 0.0
-    model.set_field("string.position", np.cross(omega, model.field("string.position")), "y")
-    model.set_field("string.quaternion", 0.5 * rigid(np.array([0.0, *omega]), q), "y")
-    assert model.energies(0.0).kinetic > 1.0 and m.stiffness_damping.all()
-    assert model.powers(0.0).dissipated < 1e-20 * SECTION["axial_stiffness"]
+    system.set_field("string.position", np.cross(omega, system.field("string.position")), "y")
+    system.set_field("string.quaternion", 0.5 * rigid(np.array([0.0, *omega]), q), "y")
+    assert system.energies(0.0).kinetic > 1.0 and m.stiffness_damping.all()
+    assert system.powers(0.0).dissipated < 1e-20 * SECTION["axial_stiffness"]
 
 
 @pytest.mark.parametrize("kind", ["beam", "beam_damped", "beam_curved"])
 def test_inner_forces_and_moments_sum_to_zero(kind):
     """Rows of the free string at rest without gravity do no work on a rigid virtual motion, dq = (0, turn) q / 2."""
-    model = build(kind, gravity=np.zeros(3))
-    asm, place = model.assembly, model.layout.place
+    system = build(kind, gravity=np.zeros(3))
+    asm, place = system.assembly, system.layout.dofs
     asm.x[place["string.multiplier"]] = 0.0
     asm.y[:], asm.a[:] = 0.0, 0.0
     asm.residual(0.0)
-    r, q = model.field("string.position"), model.field("string.quaternion")
+    r, q = system.field("string.position"), system.field("string.quaternion")
     F, f = asm.r[place["string.position"]], asm.r[place["string.quaternion"]]
     assert np.abs(F.sum(axis=0)).max() < 1e-11 * np.abs(F).max()
     for axis in np.eye(3):
@@ -182,12 +182,12 @@ def test_pure_bending_and_twist_have_the_strains_of_the_arc():
         t = np.column_stack([np.sin(s), 0 * s, np.cos(s)])
         frames = transported_frames(t)
         beam = QuaternionBeam(mesh, frames, np.zeros(3))
-        model = Model(mesh, frames, [beam])
-        model.set_field("string.position", np.column_stack([1 - np.cos(s), 0 * s, np.sin(s)]))
-        model.set_field("string.strain", np.zeros((n + 1, 1)))
-        model.set_field("string.quaternion", turned(beam.start, tau * s))
-        report = beam.report(model.layout, model.assembly.x, model.assembly.y)
-        errors.append((np.abs(report[:, 6] - tau).max(), abs(model.energies(0.0).strain - 0.5 * (1 + tau**2))))
+        system = DiscreteSystem(mesh, frames, [beam])
+        system.set_field("string.position", np.column_stack([1 - np.cos(s), 0 * s, np.sin(s)]))
+        system.set_field("string.strain", np.zeros((n + 1, 1)))
+        system.set_field("string.quaternion", turned(beam.start, tau * s))
+        report = beam.report(system.layout, system.assembly.x, system.assembly.y)
+        errors.append((np.abs(report[:, 6] - tau).max(), abs(system.energies(0.0).strain - 0.5 * (1 + tau**2))))
         assert errors[-1][0] < 0.02 and report[:, 7] == pytest.approx(1.0, rel=0.02)
     assert errors[0][1] > 10 * errors[1][1]
 
@@ -201,6 +201,6 @@ def test_orientations_follow_the_frames():
     def vector(a, b):  # of a b*
         return b[:, :1] * a[:, 1:] - a[:, :1] * b[:, 1:] - np.cross(a[:, 1:], b[:, 1:])
 
-    third = np.cross(frames.gauge, frames.second)
-    assert np.abs(vector(e1, q) - frames.gauge).max() < 1e-14
+    third = np.cross(frames.reference, frames.second)
+    assert np.abs(vector(e1, q) - frames.reference).max() < 1e-14
     assert np.abs(vector(e2, q) - np.cos(0.4) * frames.second - np.sin(0.4) * third).max() < 1e-14

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.model.drilling_model import Scene
+from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.rock_bit import RockBit
 from tests.helpers.motion import beam, straight
 
@@ -18,15 +18,15 @@ DRAG = {"kind": "drag_bit", "blades": 4, "specific_energy": 60e6, "inclination_r
 
 def drilling(formation: dict[str, Any], top: Any, *, length: float = 1.0, elements: int = 1, axial: float = 1e10, bending: float = 1e9,
              torsional: float = 1e9, mass: float = 10.0, polar: float = 1.0, inclination: float = 0.0, azimuth: float = 0.0,
-             damping: float = 0.0, stiffness: float = 1e8, friction: float = 0.3, room: float = 0.0, **more) -> Scene:
-    """A straight string in a straight hole of its own length, the bit (radius RADIUS) on bottom, in weightless surroundings.
+             damping: float = 0.0, stiffness: float = 1e8, friction: float = 0.3, component: float = 0.0, **more) -> DrillingModel:
+    """A straight string in a straight hole of its own length, the bit (radius RADIUS) on bottom, in weightless moving_hole.
 
     length [m]; stiffnesses EA [N], EI, GJ [N m2]; mass [kg/m]; polar [kg m]; damping: Kelvin-Voigt [s]; stiffness of the bottom [N/m]
     and its friction; room: clearance of the hole in which the string stands [m].
     """
     item = beam(length, elements, axial, bending, torsional, mass, polar, od=2 * RADIUS, damping={"stiffness": damping})
     well = {"survey": {"md": [0, length], "inclination": [inclination] * 2, "azimuth": [azimuth] * 2},
-            "sections": [{"to": length, "kind": "open_hole", "diameter": 2 * (RADIUS + room), "friction": 0.0}]}
+            "sections": [{"to": length, "kind": "open_hole", "diameter": 2 * (RADIUS + component), "friction": 0.0}]}
     case = {"string": [item], "well": well, "contact": None, "top": top, "bottom": {"kind": "bit", "stiffness": stiffness,
             "friction": friction}, "formation": formation, "gravity": 0.0, "initial": {"from": "straight"}}
     return straight(**{**case, **more})
@@ -37,9 +37,9 @@ def lowered(speed: float, turning: float = TURNING) -> dict[str, Any]:
     return {"kind": "top_drive", "rotation": turning, "lowering": speed}
 
 
-def bit_of(scene: Scene) -> RockBit:
-    assert scene.drilling is not None
-    return scene.drilling
+def bit_of(model: DrillingModel) -> RockBit:
+    assert model.drilling is not None
+    return model.drilling
 
 
 def rock_bit(**formation: Any) -> RockBit:
@@ -47,6 +47,6 @@ def rock_bit(**formation: Any) -> RockBit:
     return bit_of(drilling(formation, lowered(0.0)))
 
 
-def unknowns(scene: Scene, name: str) -> np.ndarray:
+def unknowns(model: DrillingModel, name: str) -> np.ndarray:
     """Values of a field at the last node."""
-    return scene.model.field(name)[-1]
+    return model.system.field(name)[-1]

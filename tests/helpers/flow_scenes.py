@@ -5,38 +5,38 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.fem.component import Field
-from drillpetsc.fem.discrete_system import Model
+from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import RigidItem, uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import Beam
 from drillpetsc.physics.end_conditions import TopDrive
-from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow, Sideways
+from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow, LateralCoefficients
 from drillpetsc.physics.fluid.bit_flow import BitEnd, BitFlow
-from drillpetsc.physics.fluid.bore_flow import PipeFlow
+from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus, Bore
 from drillpetsc.physics.fluid.rheology import Rheology
-from drillpetsc.physics.rigid_bodies import Passive
+from drillpetsc.physics.rigid_bodies import ComponentBase
 from drillpetsc.time_function import Constant, Ramp
 from tests.helpers.scenes import GRAVITY, SECTION
 
-WIDENING = 28  # column of kernels/annulus_flow.hpp
+WIDENING = 28  # column of kernels/fluid/annulus_flow.hpp
 KINDS = ("pipe", "pipe_junction", "annulus", "annulus_junction", "pipe_annulus_bit", "pipe_annulus_bit_junction_topdrive", "pipe_bit",
          "annulus_bit", "pipe_pump", "pipe_annulus_bit_held", "pipe_bit_held", "annulus_bit_held", "annulus_widening",
          "annulus_junction_widening", "pipe_annulus_bit_drilled", "annulus_bit_drilled")
 
 
-class Drilled(Passive):
+class Drilled(ComponentBase):
     """The unknowns of a hole that grows, without a bit that drills it."""
 
     def fields(self) -> tuple[Field, ...]:
         return tuple(Field(f"hole.{name}", size, region="bottom", second_order=False) for name, size in (("end", 3), ("drilled", 1)))
 
 
-def build(kind: str, seed: int = 5, fluid: FluidConstants | None = None, noise: float = 0.05) -> Model:
-    """Model of ``kind`` (words joined by _): fluid of density 3, bulk modulus 60, power law, in a curved hole.
+def build(kind: str, seed: int = 5, fluid: FluidConstants | None = None, noise: float = 0.05) -> DiscreteSystem:
+    """DiscreteSystem of ``kind`` (words joined by _): fluid of density 3, bulk modulus 60, power law, in a curved hole.
 
     widening: its elements come into parts of other areas; drilled: the hole's end moves, cuttings returned.
     """
@@ -54,42 +54,42 @@ def build(kind: str, seed: int = 5, fluid: FluidConstants | None = None, noise: 
     law = Rheology("power_law", law="blend", consistency=0.8, index=0.7, yield_stress=0.0, shear_rate_eps=1.0)
     fluid = fluid or FluidConstants(3.0, 60.0, GRAVITY, law.parameters(), 0.4)
     held = position if "held" in kind else None
-    rooms: list = [] if held is not None else [Beam(mesh, frames, GRAVITY)]
+    components: list = [] if held is not None else [Beam(mesh, frames, GRAVITY)]
     if "topdrive" in kind:
-        rooms.append(TopDrive(position[0], tangents[0], Ramp(1.0, 2.0), Constant(0.3)))
+        components.append(TopDrive(position[0], tangents[0], Ramp(1.0, 2.0), Constant(0.3)))
     poisson, n = np.full(4, 0.3), np.ones(4)
     bore = Bore(np.array([0.07, 0.07, 0.05, 0.05]), 1e-3 * n, 0.06 * n)
     sizes = Annulus(0.126 * n, np.array([0.28, 0.28, 0.3, 0.3]), 2e-3 * n, 0.15 * n)
     if "pipe" in kind:
         pressure = Ramp(0.5, 1.0) if "pump" in kind else None
-        rooms.append(PipeFlow(mesh, bore, fluid, poisson, None if pressure else Ramp(0.03, 1.0), pressure, held))
+        components.append(BoreFlow(mesh, bore, fluid, poisson, None if pressure else Ramp(0.03, 1.0), pressure, held))
     if "annulus" in kind:
-        side = Sideways(np.array([2.0, 2.0, 1.5, 1.5]), 0.3 * n, 0.2 * n)
-        rooms.append(AnnulusFlow(mesh, sizes, well, fluid, poisson, side, Constant(0.4), 0.1, None, held))
+        side = LateralCoefficients(np.array([2.0, 2.0, 1.5, 1.5]), 0.3 * n, 0.2 * n)
+        components.append(AnnulusFlow(mesh, sizes, well, fluid, poisson, side, Constant(0.4), 0.1, None, held))
     if "bit" in kind:
         end = BitEnd(bore=0.05 if "pipe" in kind else 0.0, nozzle=0.03, discharge_coefficient=0.9, check_valve=False, ambient=Constant(0.2),
                      hole=0.3 if "annulus" in kind else 0.0, open=0.17, outer=0.126, elasticity=1e-3, volume=0.05, face=0.2, added=1.5,
                      metal=0.02, end=np.asarray(well.at(np.array([4.6]))[0])[0], axis=np.asarray(well.at(np.array([4.6]))[1])[0],
                      cut=0.29 if "drilled" in kind else 0.0)
         hole = GrowingHole(well.cut(4.6), 0.1, 0.3, 0.3) if "drilled" in kind else None
-        rooms += [Drilled()] if hole is not None else []
-        rooms.append(BitFlow(4, end, fluid, held, None, hole))
-    model = Model(mesh, frames, rooms)
+        components += [Drilled()] if hole is not None else []
+        components.append(BitFlow(4, end, fluid, held, None, hole))
+    system = DiscreteSystem(mesh, frames, components)
     if "widening" in kind:
-        for block in rooms[-1]._blocks:
+        for block in components[-1]._blocks:
             block.params[:, WIDENING] = np.linspace(0.1, -0.2, len(block.points))
-    asm, size = model.assembly, model.layout.size
+    asm, size = system.assembly, system.layout.size
     if held is None:
-        model.set_field("string.position", position + noise * rng.standard_normal((5, 3)))
-        model.set_field("string.tangent", tangents + 2 * noise * rng.standard_normal((5, 3)))
-        model.set_field("string.spin", rng.standard_normal((5, 1)))
+        system.set_field("string.position", position + noise * rng.standard_normal((5, 3)))
+        system.set_field("string.tangent", tangents + 2 * noise * rng.standard_normal((5, 3)))
+        system.set_field("string.spin", rng.standard_normal((5, 1)))
         if "junction" in kind:
-            model.set_field("string.ratio", np.full((5, 1), 1.05))
-    for f in model.layout.fields:
+            system.set_field("string.ratio", np.full((5, 1), 1.05))
+    for f in system.layout.fields:
         if not f.second_order:
             scale = 0.02 if f.name.endswith("flow") or f.name.startswith("hole") else 2.0
-            model.set_field(f.name, scale * rng.standard_normal((5, f.size)))
+            system.set_field(f.name, scale * rng.standard_normal((5, f.size)))
     asm.y[:-1] = 0.2 * rng.standard_normal(size)
     asm.v0[:] = asm.y[:-1] - 2.3 * asm.x[:-1]
     asm.v1[:] = 0.3 * rng.standard_normal(size)
-    return model
+    return system

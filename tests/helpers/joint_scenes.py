@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from drillpetsc.fem.discrete_system import Model
+from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import RigidItem, StringJoint, StringMesh, uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.physics.beam import Beam
-from drillpetsc.physics.end_conditions import Held
+from drillpetsc.physics.end_conditions import FixedEnd
 from drillpetsc.physics.joints import Joints
-from drillpetsc.physics.rigid_bodies import Bodies
+from drillpetsc.physics.rigid_bodies import RigidBodies
 from drillpetsc.physics.rolling import Rolling
 
 AXES = ((0.0, 0.6, 0.8), (0.0, -0.8, 0.6), (1.0, 0.0, 0.0))
@@ -26,7 +26,7 @@ def body(node: int, length: float, mass: float, axial: float, transverse: float,
 
 
 def chain_of_bodies(bodies: tuple[RigidItem, ...], joints: tuple[StringJoint, ...]) -> StringMesh:
-    """Bodies, one on each node, with a joint at the lower end of each but the last; no element at all."""
+    """RigidBodies, one on each node, with a joint at the lower end of each but the last; no element at all."""
     n, nodes = len(joints), len(joints) + 1
     zero, one = np.zeros(n), np.ones(n)
     return StringMesh(
@@ -36,22 +36,22 @@ def chain_of_bodies(bodies: tuple[RigidItem, ...], joints: tuple[StringJoint, ..
         item=np.zeros(n, dtype=int), friction=np.full(n, np.nan), bodies=bodies, junction=np.zeros(nodes, dtype=bool), joints=joints)
 
 
-def place(mesh: StringMesh, position: np.ndarray, tangent: np.ndarray, rooms=(), gravity=NO_GRAVITY) -> Model:
-    """Model of ``mesh`` along ``tangent`` (3,) from ``position`` (nodes, 3), at rest; each of ``rooms`` is called with its frames."""
+def place(mesh: StringMesh, position: np.ndarray, tangent: np.ndarray, components=(), gravity=NO_GRAVITY) -> DiscreteSystem:
+    """DiscreteSystem of ``mesh`` along ``tangent`` (3,) from ``position`` (nodes, 3), at rest; each of ``rooms`` is called with its frames."""
     frames = transported_frames(np.tile(tangent, (mesh.nodes, 1)))
     g = np.array(gravity, dtype=float)
-    model = Model(mesh, frames, [Beam(mesh, frames, g), *([Bodies(mesh, frames, g)] if mesh.bodies else []), Joints(mesh, frames),
-                                 *(room(frames) for room in rooms)])
-    model.set_field("string.position", position)
-    model.set_field("string.tangent", np.tile(tangent, (mesh.nodes, 1)))
-    return model
+    system = DiscreteSystem(mesh, frames, [Beam(mesh, frames, g), *([RigidBodies(mesh, frames, g)] if mesh.bodies else []), Joints(mesh, frames),
+                                 *(component(frames) for component in components)])
+    system.set_field("string.position", position)
+    system.set_field("string.tangent", np.tile(tangent, (mesh.nodes, 1)))
+    return system
 
 
-def joint_room(model: Model) -> Joints:
-    return next(room for room in model.rooms if isinstance(room, Joints))
+def joint_component(system: DiscreteSystem) -> Joints:
+    return next(component for component in system.components if isinstance(component, Joints))
 
 
-def random_state(kind: str, stabilised: bool = False, held: bool = False, seed: int = 5, arm: float = 0.3) -> Model:
+def random_state(kind: str, stabilised: bool = False, held: bool = False, seed: int = 5, arm: float = 0.3) -> DiscreteSystem:
     """Beam, joint with a rigid arm above it, beam; in a random moving state whose parts do not fit at the joint.  held: the node before
     the joint is clamped."""
     mesh = uniform_string(4.0, 4, axial_stiffness=1e3, bending_stiffness=10.0, torsional_stiffness=8.0, mass=2.0, polar_inertia=0.3)
@@ -65,31 +65,31 @@ def random_state(kind: str, stabilised: bool = False, held: bool = False, seed: 
     tangents = np.array([[np.sin(0.2 * i), 0.1 * i, np.cos(0.2 * i)] for i in range(5)])
     tangents /= np.linalg.norm(tangents, axis=1)[:, None]
     frames = transported_frames(tangents)
-    ends = [Held(1, "clamped", np.array([0, 0.1, 1.0]), tangents[1])] if held else []
-    model = Model(mesh, frames, [Beam(mesh, frames, np.array([1.0, 2.0, 9.0])), Joints(mesh, frames), *ends])
-    model.set_field("string.position", np.array([[0, 0, 0], [0, 0.1, 1], [0, 0.2, 1.7], [0.1, 0.2, 2], [0.2, 0.3, 3]])
+    ends = [FixedEnd(1, "clamped", np.array([0, 0.1, 1.0]), tangents[1])] if held else []
+    system = DiscreteSystem(mesh, frames, [Beam(mesh, frames, np.array([1.0, 2.0, 9.0])), Joints(mesh, frames), *ends])
+    system.set_field("string.position", np.array([[0, 0, 0], [0, 0.1, 1], [0, 0.2, 1.7], [0.1, 0.2, 2], [0.2, 0.3, 3]])
                     + 0.05 * rng.standard_normal((5, 3)))
-    model.set_field("string.tangent", tangents + 0.2 * rng.standard_normal((5, 3)))
-    model.set_field("string.spin", 2 * rng.standard_normal((5, 1)))
-    for name in model.layout.place:
+    system.set_field("string.tangent", tangents + 0.2 * rng.standard_normal((5, 3)))
+    system.set_field("string.spin", 2 * rng.standard_normal((5, 1)))
+    for name in system.layout.dofs:
         if name.startswith("joint."):  # multipliers in units of 1e6 N: loads of some newton
-            model.set_field(name, (1e-6 if name == "joint.load" else 0.1) * rng.standard_normal((5, 6)))
-    asm = model.assembly
+            system.set_field(name, (1e-6 if name == "joint.load" else 0.1) * rng.standard_normal((5, 6)))
+    asm = system.assembly
     asm.v0[:], asm.v1[:] = rng.standard_normal(len(asm.v0)), rng.standard_normal(len(asm.v1))
-    return model
+    return system
 
 
-def rolling_state(wall: bool, seed: int = 2) -> Model:
+def rolling_state(wall: bool, seed: int = 2) -> DiscreteSystem:
     """Two bodies that a fixed joint makes one, the upper of which rolls; in a random moving state off the surface."""
     rng = np.random.default_rng(seed)
     mesh = chain_of_bodies((body(0, 0.5, 1.3, 0.2, 0.4), body(1, 0.2, 0.7, 0.1, 0.1)), (StringJoint(0.5, "fixed", 0),))
     normal = np.array([0.1, -0.2, -1.0])
     rolling = Rolling(2, 0, 0.3, np.array([0.1, 0.2, 0.5]), normal, 0.2, 0.8 if wall else None, not wall)
-    model = place(mesh, rng.standard_normal((2, 3)), np.array([0.48, 0.6, 0.64]), [lambda frames: rolling])
-    model.set_field("string.tangent", np.array([[0.5, 0.5, 0.7], [0.4, 0.6, 0.6]]))
-    model.set_field("string.spin", rng.standard_normal((2, 1)))
+    system = place(mesh, rng.standard_normal((2, 3)), np.array([0.48, 0.6, 0.64]), [lambda frames: rolling])
+    system.set_field("string.tangent", np.array([[0.5, 0.5, 0.7], [0.4, 0.6, 0.6]]))
+    system.set_field("string.spin", rng.standard_normal((2, 1)))
     for name in ("joint.load", "rolling.force"):
-        model.set_field(name, 1e-6 * rng.standard_normal((2, 6 if name == "joint.load" else 3)))
-    asm = model.assembly
+        system.set_field(name, 1e-6 * rng.standard_normal((2, 6 if name == "joint.load" else 3)))
+    asm = system.assembly
     asm.v0[:], asm.v1[:] = rng.standard_normal(len(asm.v0)), rng.standard_normal(len(asm.v1))
-    return model
+    return system

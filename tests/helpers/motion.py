@@ -8,10 +8,10 @@ import numpy as np
 
 from drillpetsc import Case
 from drillpetsc.analysis.equilibrium import move_rigidly, place_along_hole, release
-from drillpetsc.fem.discrete_system import Model
-from drillpetsc.model.drilling_model import Scene, build_scene
+from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.solvers.petsc_options import applied
-from drillpetsc.solvers.time_integrator import Dynamics
+from drillpetsc.solvers.time_integrator import TimeIntegrator
 
 
 def fixed(step: float, **more) -> dict:
@@ -19,31 +19,31 @@ def fixed(step: float, **more) -> dict:
     return {"ts_adapt_type": "none", "ts_dt": step, **more}
 
 
-def integrate(model: Model, end: float, petsc: dict | None = None, call: Callable[[float, float], None] | None = None,
-              breaks: tuple[float, ...] = (), start: float = 0.0) -> Dynamics:
+def integrate(system: DiscreteSystem, end: float, petsc: dict | None = None, call: Callable[[float, float], None] | None = None,
+              breaks: tuple[float, ...] = (), start: float = 0.0) -> TimeIntegrator:
     """Run ``model`` from its present state at ``start`` to ``end`` [s]; call(t, dt) after every step."""
     with applied({} if petsc is None else petsc):
-        dynamics = Dynamics(model)
+        integrator = TimeIntegrator(system)
         if call is not None:
-            dynamics.after_step.append(call)
-        dynamics.run(start, end, breaks)
-    return dynamics
+            integrator.after_step.append(call)
+        integrator.run(start, end, breaks)
+    return integrator
 
 
-def watched(model: Model, end: float, watch: Callable[[Model], object], breaks: tuple[float, ...] = (), **petsc) -> np.ndarray:
+def watched(system: DiscreteSystem, end: float, watch: Callable[[DiscreteSystem], object], breaks: tuple[float, ...] = (), **petsc) -> np.ndarray:
     """Run from 0 to ``end`` [s]; rows (t, *watch(model)) of all accepted steps."""
     rows: list[list[float]] = []
-    integrate(model, end, petsc, lambda t, dt: rows.append([t, *np.atleast_1d(watch(model))]), breaks)
+    integrate(system, end, petsc, lambda t, dt: rows.append([t, *np.atleast_1d(watch(system))]), breaks)
     return np.array(rows)
 
 
-def straight(**case) -> Scene:
-    """Scene of a case, unstrained along its axis, moving as its top prescribes."""
-    scene = build_scene(Case(**case))
-    place_along_hole(scene)
-    release(scene)
-    move_rigidly(scene)
-    return scene
+def straight(**case) -> DrillingModel:
+    """DrillingModel of a case, unstrained along its axis, moving as its top prescribes."""
+    model = build_model(Case(**case))
+    place_along_hole(model)
+    release(model)
+    move_rigidly(model)
+    return model
 
 
 def beam(length: float, elements: int, axial: float, bending: float, torsional: float, mass: float, polar: float, **more) -> dict:

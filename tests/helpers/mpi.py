@@ -20,8 +20,8 @@ def _mpirun() -> tuple[str, bool] | None:
     command = str(beside) if beside.exists() else shutil.which("mpirun") or shutil.which("mpiexec")
     if command is None:
         return None
-    told = subprocess.run([command, "--version"], capture_output=True, text=True)
-    return command, "Open MPI" in told.stdout or "OpenRTE" in told.stdout
+    reported = subprocess.run([command, "--version"], capture_output=True, text=True)
+    return command, "Open MPI" in reported.stdout or "OpenRTE" in reported.stdout
 
 
 def have_mpi() -> bool:

@@ -7,7 +7,7 @@ import numpy as np
 
 from drillpetsc import Case
 from drillpetsc.analysis.equilibrium import find_equilibrium, move_rigidly, release
-from drillpetsc.model.drilling_model import Scene, build_scene
+from drillpetsc.model.drilling_model import DrillingModel, build_model
 from tests.helpers.motion import fixed, integrate
 
 OUTER, INNER, HOLE, LENGTH = 0.127, 0.1086, 0.2159, 2000.0  # [m]
@@ -47,50 +47,50 @@ def hole(depth: float, **section) -> dict:
     return {"survey": survey, "sections": [{"to": depth, "kind": "open_hole", "diameter": HOLE, "friction": 0.3, **section}]}
 
 
-def loop(fluid: dict, elements: int = 100, length: float = LENGTH, **case) -> Scene:
-    """Held string with a bit half a metre above the bottom, bore and annulus, at rest in its place."""
-    scene = {"well": hole(length + 0.5), "string": string(length, elements, nozzle_area=NOZZLE), "hold_string": True,
+def loop(fluid: dict, elements: int = 100, length: float = LENGTH, **case) -> DrillingModel:
+    """FixedEnd string with a bit half a metre above the bottom, bore and annulus, at rest in its place."""
+    model = {"well": hole(length + 0.5), "string": string(length, elements, nozzle_area=NOZZLE), "hold_string": True,
              "bottom": "bit", "gravity": GRAVITY, "fluid": {**MUD, **fluid}}
-    return build_scene(Case(**{**scene, **case}))
+    return build_model(Case(**{**model, **case}))
 
 
-def bore(fluid: dict, elements: int, length: float = LENGTH, plugged: bool = False, **case) -> Scene:
-    """Held string in free space without gravity: its bore alone, open or plugged at its lower end."""
-    scene = {"string": string(length, elements), "hold_string": True, "bottom": {"kind": "free", "plugged": plugged}, "gravity": 0.0,
+def bore(fluid: dict, elements: int, length: float = LENGTH, plugged: bool = False, **case) -> DrillingModel:
+    """FixedEnd string in free space without gravity: its bore alone, open or plugged at its lower end."""
+    model = {"string": string(length, elements), "hold_string": True, "bottom": {"kind": "free", "plugged": plugged}, "gravity": 0.0,
              "fluid": {**INVISCID, **fluid}}
-    return build_scene(Case(**{**scene, **case}))
+    return build_model(Case(**{**model, **case}))
 
 
-def annulus(fluid: dict, elements: int, length: float = LENGTH, **section) -> Scene:
-    """Held, plugged and empty string without gravity: the annulus alone, closed right under the string."""
-    scene = {"well": hole(length, **section), "string": string(length, elements), "hold_string": True,
+def annulus(fluid: dict, elements: int, length: float = LENGTH, **section) -> DrillingModel:
+    """FixedEnd, plugged and empty string without gravity: the annulus alone, closed right under the string."""
+    model = {"well": hole(length, **section), "string": string(length, elements), "hold_string": True,
              "bottom": {"kind": "free", "plugged": True}, "gravity": 0.0, "fluid": {**INVISCID, "bit_volume": 0.0, **fluid}}
-    return build_scene(Case(**scene))
+    return build_model(Case(**model))
 
 
-def started(scene: Scene) -> Scene:
+def started(model: DrillingModel) -> DrillingModel:
     """The scene in its steady state, ready to run."""
-    find_equilibrium(scene)
-    release(scene)
-    move_rigidly(scene)
-    return scene
+    find_equilibrium(model)
+    release(model)
+    move_rigidly(model)
+    return model
 
 
-def pressures(scene: Scene, room: str) -> np.ndarray:
+def pressures(model: DrillingModel, component: str) -> np.ndarray:
     """(n+1,) [Pa]."""
-    return scene.model.field(f"{room}.pressure")[:, 0].copy()
+    return model.system.field(f"{component}.pressure")[:, 0].copy()
 
 
-def flows(scene: Scene, room: str) -> np.ndarray:
+def flows(model: DrillingModel, component: str) -> np.ndarray:
     """(n,) [m3/s]."""
-    return scene.model.field(f"{room}.flow")[1:, 0].copy()
+    return model.system.field(f"{component}.flow")[1:, 0].copy()
 
 
-def history(scene: Scene, end: float, step: float, room: str = "pipe", **options) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def history(model: DrillingModel, end: float, step: float, component: str = "bore", **options) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times (k,), pressures (k, n+1) and flow rates (k, n) of a run in steps of one length from the steady state, that state included."""
-    started(scene)
-    rows = [(0.0, pressures(scene, room), flows(scene, room))]
-    integrate(scene.model, end, fixed(step, q_snes_stol=1e-13, **options), breaks=scene.breaks,
-              call=lambda t, dt: rows.append((t, pressures(scene, room), flows(scene, room))))
+    started(model)
+    rows = [(0.0, pressures(model, component), flows(model, component))]
+    integrate(model.system, end, fixed(step, q_snes_stol=1e-13, **options), breaks=model.breaks,
+              call=lambda t, dt: rows.append((t, pressures(model, component), flows(model, component))))
     t, p, q = zip(*rows, strict=True)
     return np.array(t), np.array(p), np.array(q)

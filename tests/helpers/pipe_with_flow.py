@@ -15,7 +15,7 @@ from scipy.linalg import eigvals
 
 from drillpetsc import Case
 from drillpetsc.analysis.equilibrium import find_equilibrium
-from drillpetsc.model.drilling_model import Scene, build_scene
+from drillpetsc.model.drilling_model import DrillingModel, build_model
 from tests.helpers.moving import matrices
 
 LENGTH, BENDING, DENSITY, OUTER, INNER = 10.0, 1e4, 1000.0, 0.12, 0.1  # [m], [N m2], [kg/m3], [m], [m]
@@ -46,22 +46,22 @@ class Tube:
     def case(self, fluid: dict, top="pinned", bottom="pinned", **keys) -> Case:
         item = {"kind": "beam", "length": LENGTH, "axial_stiffness": self.axial, "bending_stiffness": BENDING, "torsional_stiffness": 1e4,
                 "mass": self.mass, "polar_inertia": 1.0, "od": OUTER, "id": INNER, "element_length": LENGTH / self.elements}
-        scene = {"string": [item], "top": top, "bottom": bottom, "gravity": 0.0, "initial": {"imperfection": 0.0},
+        model = {"string": [item], "top": top, "bottom": bottom, "gravity": 0.0, "initial": {"imperfection": 0.0},
                  "fluid": {**INCOMPRESSIBLE, **fluid}}
         if self.hole:
             survey = {"md": [0.0, LENGTH + 2], "inclination": [0.0, 0.0], "azimuth": [0.0, 0.0]}
             section = {"to": LENGTH + 2, "kind": "casing", "diameter": self.hole, "friction": 0.0}
-            scene |= {"contact": "none", "well": {"survey": survey, "sections": [section]}}
-        return Case(**{**scene, **keys})
+            model |= {"contact": "none", "well": {"survey": survey, "sections": [section]}}
+        return Case(**{**model, **keys})
 
-    def at_rest(self, fluid: dict, stretch: float = 0.0, **case) -> Scene:
-        """Scene in its steady state; stretch [m]: by which the upper end is held up."""
-        scene = build_scene(self.case(fluid, **case))
+    def at_rest(self, fluid: dict, stretch: float = 0.0, **case) -> DrillingModel:
+        """DrillingModel in its steady state; stretch [m]: by which the upper end is held up."""
+        model = build_model(self.case(fluid, **case))
         if stretch:
-            scene.top.shift(-stretch)
-        find_equilibrium(scene)
-        assert np.abs(scene.model.field("string.position")[:, :2]).max() == 0.0  # straight
-        return scene
+            model.top.shift(-stretch)
+        find_equilibrium(model)
+        assert np.abs(model.system.field("string.position")[:, :2]).max() == 0.0  # straight
+        return model
 
 
 def flow_of(u: float) -> float:
@@ -69,14 +69,14 @@ def flow_of(u: float) -> float:
     return float(u / LENGTH * np.sqrt(BENDING / (DENSITY * BORE)) * BORE)
 
 
-def across(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def across(model: DrillingModel) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """K, C, M (m, m) of the free motion of a vertical string in one plane, in SI; it must not depend on anything else."""
-    model = scene.model
-    place = model.layout.place
-    mine = np.concatenate([place["string.position"][:, 0], place["string.tangent"][:, 0]])
-    held = [row for f in model.assembly.fixed for row in f.rows[np.abs(f.D).max(axis=0) > 0]]
-    free, others = np.setdiff1d(mine, held), np.setdiff1d(np.arange(model.layout.size), mine)
-    out = matrices(model)
+    system = model.system
+    place = system.layout.dofs
+    on_rank = np.concatenate([place["string.position"][:, 0], place["string.tangent"][:, 0]])
+    held = [row for f in system.assembly.row_replacements for row in f.rows[np.abs(f.D).max(axis=0) > 0]]
+    free, others = np.setdiff1d(on_rank, held), np.setdiff1d(np.arange(system.layout.size), on_rank)
+    out = matrices(system)
     for A in out:
         assert np.abs(A[np.ix_(free, others)]).max(initial=0.0) <= 1e-9 * np.abs(A).max()
     return tuple(A[np.ix_(free, free)] for A in out)  # type: ignore[return-value]
@@ -94,9 +94,9 @@ def oscillating(s: np.ndarray, count: int) -> np.ndarray:
     return s[np.argsort(np.abs(s))][:count]
 
 
-def softest(scene: Scene) -> float:
+def softest(model: DrillingModel) -> float:
     """Smallest eigenvalue of the (symmetric) stiffness across: zero where the pipe bends out."""
-    K = across(scene)[0]
+    K = across(model)[0]
     assert np.abs(K - K.T).max() < 1e-6 * np.abs(K).max()
     return float(np.linalg.eigvalsh(0.5 * (K + K.T))[0])
 
@@ -112,7 +112,7 @@ ENDS = {"cantilever": Polynomial([0, 0, 1]), "pinned": Polynomial([0, 1, -1]), "
 
 
 def spectral(ends: str, tension=(0.0,), centrifugal=0.0, coriolis=0.0, damping=0.0, drag=0.0, mass=1.0, terms: int = 14) -> np.ndarray:
-    """Roots s of  y'''' - (T y')' + centrifugal y'' + coriolis y_t' + damping y_t + drag y' + mass y_tt = 0 on 0..1.
+    """Eigenvalues s of  y'''' - (T y')' + centrifugal y'' + coriolis y_t' + damping y_t + drag y' + mass y_tt = 0 on 0..1.
 
     tension: coefficients of the polynomial T(x).  Galerkin's method with Legendre polynomials times what makes them meet the ends; moment
     and shear of a free end are zero in the weak form of y'''' alone, so T(1) must be zero there.
@@ -129,6 +129,6 @@ def spectral(ends: str, tension=(0.0,), centrifugal=0.0, coriolis=0.0, damping=0
 
 
 def conveying(u: float, beta: float, gamma: float = 0.0, ends: str = "cantilever") -> np.ndarray:
-    """Roots of a pipe with flow, y'''' + [u^2 - gamma (1 - x)] y'' + 2 sqrt(beta) u y_t' + gamma y' + y_tt = 0 (Paidoussis,
+    """Eigenvalues of a pipe with flow, y'''' + [u^2 - gamma (1 - x)] y'' + 2 sqrt(beta) u y_t' + gamma y' + y_tt = 0 (Paidoussis,
     Fluid-Structure Interactions, vol. 1, section 3.1)."""
     return spectral(ends, (gamma, -gamma), u**2, 2 * np.sqrt(beta) * u)

@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from drillpetsc.fem.discrete_system import Model
+from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import RigidItem, uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import Beam
 from drillpetsc.physics.contact import BitOnBottom, Contact, ContactLaw
-from drillpetsc.physics.end_conditions import Drive, Held, Loads, NodeLoad, TopDrive
-from drillpetsc.physics.rigid_bodies import Bodies, Curvature
+from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
+from drillpetsc.physics.rigid_bodies import Precurvature, RigidBodies
 from drillpetsc.time_function import Constant, Ramp
 
 SHIFT = 2.3
@@ -41,83 +41,83 @@ def mesh_for(kind: str):
     return mesh
 
 
-def build(kind: str, seed: int = 3) -> Model:
-    """Model of ``kind`` (words joined by _) in a random state with random rates and history."""
+def build(kind: str, seed: int = 3) -> DiscreteSystem:
+    """DiscreteSystem of ``kind`` (words joined by _) in a random state with random rates and history."""
     rng = np.random.default_rng(seed)
     mesh, tangents = mesh_for(kind), curved_tangents(5)
     frames = transported_frames(tangents)
-    rooms = [Beam(mesh, frames, GRAVITY)]
+    components = [Beam(mesh, frames, GRAVITY)]
     position = np.cumsum(np.vstack([[0, 0, 0], tangents[:-1]]), axis=0)
     noise = 0.02 if "contact" in kind else 0.1
     if "bodies" in kind:
-        rooms.append(Bodies(mesh, frames, GRAVITY))
+        components.append(RigidBodies(mesh, frames, GRAVITY))
     if "curvature" in kind:
-        rooms.append(Curvature(mesh, frames))
+        components.append(Precurvature(mesh, frames))
     if "loads" in kind:
-        rooms.append(Loads((NodeLoad(2, force=(1.0, -2.0, 3.0), moment=(0.5, 0.2, -0.7)),
+        components.append(Loads((NodeLoad(2, force=(1.0, -2.0, 3.0), moment=(0.5, 0.2, -0.7)),
                             NodeLoad(4, force=(4.0, 1.0, 2.0), moment=(0.3, 2.0, 1.0), section=True, factor=lambda t: 1 + t)), frames))
     if "drive" in kind:
-        rooms.append(Drive(Ramp(1.0, 2.0), 3.0, 0.7, 0.4))
+        components.append(RotaryDrive(Ramp(1.0, 2.0), 3.0, 0.7, 0.4))
     if "topdrive" in kind:
-        rooms.append(TopDrive(position[0], tangents[0], Ramp(1.0, 2.0), Constant(0.3)))
+        components.append(TopDrive(position[0], tangents[0], Ramp(1.0, 2.0), Constant(0.3)))
     if "clamped" in kind:
-        rooms.append(Held(4, "clamped", position[4], tangents[4]))
+        components.append(FixedEnd(4, "clamped", position[4], tangents[4]))
     if "contact" in kind:
         inclination = np.arccos(tangents[:, 2])
         azimuth = np.arctan2(tangents[:, 1], tangents[:, 0])
         well = Well.from_survey(np.arange(5.0), inclination, azimuth, [1.7, 10.0], [0.2, 0.26], [0.3, 0.2], max_step=1.0)
         law = ContactLaw(stiffness=500.0, law="hertz" if "hertz" in kind else "linear", slip_velocity=0.5,
                          static_ratio=1.5 if "stribeck" in kind else 1.0, points=3)
-        rooms.append(Contact(mesh, well, law))
+        components.append(Contact(mesh, well, law))
         position, tangents, _ = well.at(np.arange(5.0))
         if "bit" in kind:
             end, axis, _ = well.at(np.array([4.2]))
-            rooms.append(BitOnBottom(4, 0.3, 0.2, 2e3, 0.4, end[0], axis[0], 0.3))
-    model = Model(mesh, frames, rooms)
+            components.append(BitOnBottom(4, 0.3, 0.2, 2e3, 0.4, end[0], axis[0], 0.3))
+    system = DiscreteSystem(mesh, frames, components)
     offset = np.array([0.15, 0.1, 0.0]) if "contact" in kind else 0.0
-    model.set_field("string.position", position + offset + noise * rng.standard_normal((5, 3)))
-    model.set_field("string.tangent", tangents + 2 * noise * rng.standard_normal((5, 3)))
-    model.set_field("string.spin", 2 * rng.standard_normal((5, 1)))
+    system.set_field("string.position", position + offset + noise * rng.standard_normal((5, 3)))
+    system.set_field("string.tangent", tangents + 2 * noise * rng.standard_normal((5, 3)))
+    system.set_field("string.spin", 2 * rng.standard_normal((5, 1)))
     if "junction" in kind:
-        model.set_field("string.ratio", np.full((5, 1), 1.2))
-    asm = model.assembly
+        system.set_field("string.ratio", np.full((5, 1), 1.2))
+    asm = system.assembly
     asm.v0[:], asm.v1[:] = rng.standard_normal(len(asm.v0)), rng.standard_normal(len(asm.v1))
     if "drive" in kind:  # a drive turns about the held direction of its node: there spin rate and rate of the angle are one
-        here = model.layout.place["string.tangent"][0]
+        here = system.layout.dofs["string.tangent"][0]
         asm.x[here] = 1.1 * curved_tangents(1)[0]
         asm.v0[here] = -SHIFT * asm.x[here]
-    return model
+    return system
 
 
 KINDS = ["beam", "beam_damped", "beam_junction", "beam_damped_junction", "bodies", "bodies_junction", "curvature", "curvature_junction",
          "loads", "drive", "topdrive", "clamped", "contact", "contact_hertz_stribeck", "contact_junction_bodies_bit"]
 
 
-def dense(model: Model) -> np.ndarray:
+def dense(system: DiscreteSystem) -> np.ndarray:
     """(n, n) the assembly's entries, summed."""
-    asm, n = model.assembly, model.layout.size
+    asm, n = system.assembly, system.layout.size
     keep = (asm.rows >= 0) & (asm.columns >= 0)
     J = np.zeros((n, n))
     np.add.at(J, (asm.rows[keep], asm.columns[keep]), asm.values[keep])
     return J
 
 
-def residual(model: Model, x: np.ndarray, t: float) -> np.ndarray:
+def residual(system: DiscreteSystem, x: np.ndarray, t: float) -> np.ndarray:
     """(n,) condensed residual at the unknowns ``x`` and time ``t``, rates by the formula of shift SHIFT."""
-    asm, vector = model.assembly, model.new_condensed()
-    asm.x[: model.layout.size] = x
+    asm, vector = system.assembly, system.new_condensed()
+    asm.x[: system.layout.size] = x
     asm.condense(SHIFT)
     asm.impose_rates(t, SHIFT)
-    model.sum_residual(t, vector)
+    system.sum_residual(t, vector)
     return vector.getArray().copy()
 
 
-def differences(model: Model, x0: np.ndarray, t: float, h: float) -> np.ndarray:
+def differences(system: DiscreteSystem, x0: np.ndarray, t: float, h: float) -> np.ndarray:
     """(n, n) derivatives of ``residual`` at ``x0``, by differences of fourth order with steps ``h``."""
     F = np.zeros((len(x0), len(x0)))
     for j in range(len(x0)):
         e = np.zeros(len(x0))
         e[j] = h
-        r = [residual(model, x0 + k * e, t) for k in (-2, -1, 1, 2)]
+        r = [residual(system, x0 + k * e, t) for k in (-2, -1, 1, 2)]
         F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * h)
     return F

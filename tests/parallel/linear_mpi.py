@@ -159,10 +159,10 @@ def check_failure(report) -> None:
         f = part.factor()
         try:
             f.factor(part.values)
-            told = None
+            reported = None
         except ZeroPivot as error:
-            told = error.node
-        named.append([dead, COMM.allgather(told)])
+            reported = error.node
+        named.append([dead, COMM.allgather(reported)])
     report["dead"] = named
 
 

@@ -35,7 +35,7 @@ def lost(case, out, **keywords) -> None:
     real(case, out, **keywords)
 
 
-teams.PATIENCE = 2.0
+teams.RANK_TIMEOUT = 2.0
 teams.LEAST_ELEMENTS = 40  # so that short strings, too, get two ranks
 ensemble.run = {"plain": real, "nap": nap, "lost": lost}[what]  # type: ignore[assignment]
 status = main(words)

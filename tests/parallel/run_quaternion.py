@@ -9,37 +9,37 @@ petsc4py.init([sys.argv[0]])
 import numpy as np  # noqa: E402
 
 from drillpetsc.analysis.equilibrium import find_equilibrium, move_rigidly, release  # noqa: E402
-from drillpetsc.model.drilling_model import build_scene  # noqa: E402
+from drillpetsc.model.drilling_model import build_model  # noqa: E402
 from drillpetsc.output.recorder import Recorder  # noqa: E402
 from tests.helpers.motion import fixed, integrate  # noqa: E402
 from tests.verification.test_quaternion_contact import lying  # noqa: E402
-from tests.verification.test_quaternion_scenes import scene as with_everything  # noqa: E402
+from tests.verification.test_quaternion_scenes import model as with_everything  # noqa: E402
 
 for constraint in ("index3", "stabilized"):
     top = {"kind": "top_drive", "rotation": {"ramp": 0.02, "value": 6.0}, "lowering": 0.1}
     beam = {"formulation": "quaternion", "constraint": constraint}
-    scene = build_scene(lying("quaternion", top=top, beam=beam))
-    find_equilibrium(scene)
-    release(scene)
-    move_rigidly(scene)
-    integrate(scene.model, 0.04, fixed(2e-3, q_snes_stol=1e-10), breaks=scene.breaks)
-    m = scene.model
+    model = build_model(lying("quaternion", top=top, beam=beam))
+    find_equilibrium(model)
+    release(model)
+    move_rigidly(model)
+    integrate(model.system, 0.04, fixed(2e-3, q_snes_stol=1e-10), breaks=model.breaks)
+    m = model.system
     reactions = [m.reaction(f"top.{name}") for name in ("axial_reaction", "torque_reaction")]
     energies = m.energies(0.0)
-    end = m.gather(np.hstack([scene.beam.columns(m.assembly), m.field("string.multiplier")]))
+    end = m.gather(np.hstack([model.beam.columns(m.assembly), m.field("string.multiplier")]))
     if end is not None:
         print("END", constraint, *map(repr, [*end[-1].tolist(), *reactions, energies.kinetic, energies.strain]), flush=True)
 
-scene = build_scene(with_everything("quaternion"))
-find_equilibrium(scene)
-release(scene)
-move_rigidly(scene)
-recorder = Recorder(scene)
+model = build_model(with_everything("quaternion"))
+find_equilibrium(model)
+release(model)
+move_rigidly(model)
+recorder = Recorder(model)
 recorder.begin(0.0)
-integrate(scene.model, 0.04, fixed(2e-3, q_snes_stol=1e-11), breaks=scene.breaks)
+integrate(model.system, 0.04, fixed(2e-3, q_snes_stol=1e-11), breaks=model.breaks)
 figures = recorder.sample(0.04)
 names = ["hook_load", "surface_torque", "wob", "bit_torque", "pump_pressure", "bit_pressure", "hole_depth", "bit_speed"]
 row = recorder.history_row(0.04, 0.0, 0.0)
-if scene.model.comm.rank == 0:
+if model.system.comm.rank == 0:
     place = [name for name, _ in recorder.columns]
     print("MUD", *(repr(float(row[place.index(name)])) for name in names), flush=True)

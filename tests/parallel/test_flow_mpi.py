@@ -30,8 +30,8 @@ SCENES: dict[str, dict] = {
 def runs(tmp_path_factory) -> list[Path]:
     """Run folders on 1, 2 and 3 ranks, each with one folder a scene."""
     cases, folders = tmp_path_factory.mktemp("cases"), []
-    for kind, scene in SCENES.items():
-        case = {"time": {"end": 0.3}, "output": {"history_every": 0.01, "field_every": 0.1}, **scene}
+    for kind, model in SCENES.items():
+        case = {"time": {"end": 0.3}, "output": {"history_every": 0.01, "field_every": 0.1}, **model}
         loop(case.pop("fluid"), 30, 150.0, **case).case.dump(cases / f"{kind}.yaml")
     for n in (1, 2, 3):
         folders.append(tmp_path_factory.mktemp(f"ranks{n}"))
@@ -46,15 +46,15 @@ def test_flow_agrees_on_1_2_and_3_ranks(kind, runs):
     each column's size, counts of steps are the same.  Newton's tolerance lies at rounding here: where contact switches, or a bit
     stands on bottom, a step in a hundred may take one iteration more or less."""
     tables = [read_table(folder / kind / "history.csv") for folder in runs]
-    told = [json.loads((folder / kind / "summary.json").read_text()) for folder in runs]
-    assert [t["ranks"] for t in told] == [1, 2, 3]
+    reported = [json.loads((folder / kind / "summary.json").read_text()) for folder in runs]
+    assert [t["ranks"] for t in reported] == [1, 2, 3]
     flow = tables[0]["outlet_flow [m3/s]"]
     assert np.ptp(flow) > 0.1 * np.abs(flow).max()  # something goes on
-    for other, summary in zip(tables[1:], told[1:], strict=True):
+    for other, summary in zip(tables[1:], reported[1:], strict=True):
         for column, values in tables[0].items():
             if not column.startswith(("energy_error", "newton")):  # a difference of large numbers; counts see below
                 assert np.abs(other[column] - values).max() <= 1e-9 * max(np.abs(values).max(), SMALL.get(column, 0.0)), column
-        assert summary["steps"] == told[0]["steps"]
-        assert abs(summary["newton_iterations"] - told[0]["newton_iterations"]) <= (6 if kind in ("drilling", "moving") else 0)
+        assert summary["steps"] == reported[0]["steps"]
+        assert abs(summary["newton_iterations"] - reported[0]["newton_iterations"]) <= (6 if kind in ("drilling", "moving") else 0)
         for figure in ("pumped", "returned", "content_change"):
-            assert summary["mass"][figure] == pytest.approx(told[0]["mass"][figure], rel=1e-9)
+            assert summary["mass"][figure] == pytest.approx(reported[0]["mass"][figure], rel=1e-9)

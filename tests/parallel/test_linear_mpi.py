@@ -50,8 +50,8 @@ def test_inertia(ranks):
 @pytest.mark.parametrize("ranks", RANKS)
 def test_missing_stiffness_is_named_on_every_rank(ranks):
     """Nodes inside the pieces and on the joints (6 on two ranks, 4 and 8 on three)."""
-    for dead, told in report(ranks)["dead"]:
-        assert told == [dead] * ranks
+    for dead, reported in report(ranks)["dead"]:
+        assert reported == [dead] * ranks
 
 
 @pytest.mark.parametrize("ranks", RANKS[1:])
@@ -79,9 +79,9 @@ def test_price_of_a_piece_between_two_joints():
 @pytest.mark.parametrize("ranks", RANKS)
 def test_as_petsc_preconditioner(ranks):
     """KSP preonly: the residual with PETSc's own matrix vanishes, and the factor is renewed only with new values."""
-    told = report(ranks)
-    assert told["pc_residual"] < 1e-12
-    assert told["pc_factorisations_same"] == 1
-    assert told["pc_factorisations_new"] == 2
-    assert told["pc_half"] < 1e-14  # twice the matrix, half the solution
-    assert told["pc_event_counts"] == [2, 3]
+    reported = report(ranks)
+    assert reported["pc_residual"] < 1e-12
+    assert reported["pc_factorisations_same"] == 1
+    assert reported["pc_factorisations_new"] == 2
+    assert reported["pc_half"] < 1e-14  # twice the matrix, half the solution
+    assert reported["pc_event_counts"] == [2, 3]

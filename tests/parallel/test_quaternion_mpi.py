@@ -18,9 +18,9 @@ def test_a_quaternion_string_agrees_on_1_2_and_3_ranks():
     their sizes (systems solved to rounding; friction of 0.01 m/s slip velocity multiplies it)."""
     runs, muddy = [], []
     for n in (1, 2, 3):
-        told = run_mpi(n, SCRIPT).splitlines()
-        runs.append(np.array([[float(w) for w in line.split()[2:]] for line in told if line.startswith("END")]))
-        muddy += [np.array([float(w) for w in line.split()[1:]]) for line in told if line.startswith("MUD")]
+        reported = run_mpi(n, SCRIPT).splitlines()
+        runs.append(np.array([[float(w) for w in line.split()[2:]] for line in reported if line.startswith("END")]))
+        muddy += [np.array([float(w) for w in line.split()[1:]]) for line in reported if line.startswith("MUD")]
     one = runs[0]
     assert one.shape == (2, 13)
     assert [len(row) for row in muddy] == [8, 8, 8] and (muddy[0] != 0).all()

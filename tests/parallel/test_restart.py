@@ -14,11 +14,11 @@ from drillpetsc.analysis.equilibrium import place_along_hole
 from drillpetsc.analysis.transient import after, run
 from drillpetsc.case import load_case
 from drillpetsc.errors import CaseError
-from drillpetsc.model.drilling_model import build_scene
+from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.output.files.atomic import remove_leftovers, replace_file
 from drillpetsc.output.recorder import Recorder
-from drillpetsc.solvers.time_integrator import Dynamics
+from drillpetsc.solvers.time_integrator import TimeIntegrator
 
 # a whirling string in contact, with a bend of the rotation at 40 ms and a jump of the lowering at 60 ms, and mud
 CASE = """
@@ -220,35 +220,35 @@ def test_the_old_checkpoint_stays_until_the_new_one_is_whole(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["checkpoint.h5"]
 
 
-def test_a_room_keeps_what_it_remembers(tmp_path):
-    """A room with memory() gets it back through recall(), by its name."""
+def test_a_component_keeps_what_it_remembers(tmp_path):
+    """A component with a state gets it back, by its name."""
     (tmp_path / "case.yaml").write_text(CASE)
-    scenes = [build_scene(load_case(tmp_path / "case.yaml")) for _ in range(2)]
-    for scene in scenes:
-        place_along_hole(scene)
-    told: dict[str, np.ndarray] = {}
-    scenes[0].contact.memory = lambda: {"worn": np.array([1.0, 2.5]), "count": np.array(3)}
-    scenes[1].contact.recall = told.update
-    recorder, dynamics = Recorder(scenes[0]), Dynamics(scenes[0].model)
+    scenes = [build_model(load_case(tmp_path / "case.yaml")) for _ in range(2)]
+    for model in scenes:
+        place_along_hole(model)
+    reported: dict[str, np.ndarray] = {}
+    scenes[0].contact.get_state = lambda: {"worn": np.array([1.0, 2.5]), "count": np.array(3)}
+    scenes[1].contact.set_state = reported.update
+    recorder, integrator = Recorder(scenes[0]), TimeIntegrator(scenes[0].system)
     recorder.begin(0.0)
-    c = checkpoint.take(scenes[0], recorder, dynamics, 0.0, {"share": 0.5})
+    c = checkpoint.take(scenes[0], recorder, integrator, 0.0, {"share": 0.5})
     assert c is not None
     checkpoint.write(tmp_path / "checkpoint.h5", c)
     back = checkpoint.read(tmp_path / "checkpoint.h5")
     checkpoint.restore(scenes[1], back)
-    assert np.array_equal(told["worn"], [1.0, 2.5]) and int(told["count"]) == 3
+    assert np.array_equal(reported["worn"], [1.0, 2.5]) and int(reported["count"]) == 3
     assert back.notes == {"share": 0.5}
-    assert np.array_equal(scenes[1].model.assembly.x, scenes[0].model.assembly.x)
+    assert np.array_equal(scenes[1].system.assembly.x, scenes[0].system.assembly.x)
 
 
 def test_conservation_stands_in_the_summary_of_every_run(saved):
     """Energy and mud close; the figures are those that the history and the flow rates give."""
     import json
 
-    told = json.loads((saved / "summary.json").read_text())
+    reported = json.loads((saved / "summary.json").read_text())
     history = read_table(saved / "history.csv")
-    assert set(told["energy"]) >= {"kinetic", "strain", "potential", "dissipated", "supplied", "error", "error_share", "gained", "flag"}
-    assert told["energy"]["error"] == history["energy_error [J]"][-1] or told["time"] > history["time [s]"][-1]
-    assert abs(told["energy"]["error_share"]) < 0.05 and not told["energy"]["flag"]
-    assert told["mass"]["pumped"] == pytest.approx(0.02 * 2e-3, rel=1e-6)  # 20 l/s for 2 ms
-    assert abs(told["mass"]["error_share"]) < 5e-3  # 0.1 ml in a start of 40 ml: the jump from flow at rest to flow in motion
+    assert set(reported["energy"]) >= {"kinetic", "strain", "potential", "dissipated", "supplied", "error", "error_share", "gained", "flag"}
+    assert reported["energy"]["error"] == history["energy_error [J]"][-1] or reported["time"] > history["time [s]"][-1]
+    assert abs(reported["energy"]["error_share"]) < 0.05 and not reported["energy"]["flag"]
+    assert reported["mass"]["pumped"] == pytest.approx(0.02 * 2e-3, rel=1e-6)  # 20 l/s for 2 ms
+    assert abs(reported["mass"]["error_share"]) < 5e-3  # 0.1 ml in a start of 40 ml: the jump from flow at rest to flow in motion

@@ -87,9 +87,9 @@ def test_another_number_of_ranks_goes_on_the_same_way(tmp_path):
 
 @pytest.mark.parallel
 @pytest.mark.parametrize("kind, words", [
-    ("nan", ("room contact", "element 4", "Newton")),
-    ("exception", ("ZeroDivisionError", "in room contact, element", "rank 1")),
-    ("error", ("rank 1: spoiled on purpose", "room contact")),
+    ("nan", ("component contact", "element 4", "Newton")),
+    ("exception", ("ZeroDivisionError", "in component contact, element", "rank 1")),
+    ("error", ("rank 1: spoiled on purpose", "component contact")),
 ])
 def test_what_goes_wrong_on_one_rank_ends_the_job_in_words(kind, words, tmp_path):
     """Not a number, an exception, an error of one rank alone: within 10 s the job is over, with a status and the place."""

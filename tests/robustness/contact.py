@@ -47,8 +47,8 @@ def unbalance(runs: Runs) -> list[Row]:
         run = runs[name]
         item, contact = run.case.string[1], run.case.contact
         omega, e, m, k = run.case.top.rotation.value(2.0), item.eccentricity, pipe_mass(item), contact.stiffness
-        room = 0.5 * (run.case.well.sections[0].diameter - item.od)
-        depth = e * omega * np.sqrt(m / k) + m * (room + e) * omega**2 / k
+        component = 0.5 * (run.case.well.sections[0].diameter - item.od)
+        depth = e * omega * np.sqrt(m / k) + m * (component + e) * omega**2 / k
         p = run.probes
         late = p["time"] > SETTLED
         ratio = whirl_rate(p["x_55"][late], p["y_55"][late], p["time"][late]) / omega
@@ -81,11 +81,11 @@ def clearance(runs: Runs) -> list[Row]:
         m = pipe_mass(above)
         load = m * (GRAVITY + above.eccentricity * omega**2) * 0.5 * above.length + GRAVITY * (body.mass + pipe_mass(below) * below.length)
         carried = body.mass + 0.5 * m * above.length + pipe_mass(below) * below.length
-        room = max(0.0, 0.5 * (run.case.well.sections[0].diameter - body.od))
-        rolling = 0.5 * omega * body.od * np.sqrt(carried / stiffness) if room else 0.0
+        component = max(0.0, 0.5 * (run.case.well.sections[0].diameter - body.od))
+        rolling = 0.5 * omega * body.od * np.sqrt(carried / stiffness) if component else 0.0
         p = run.probes
         middle = np.hypot(0.5 * (p["x_10"] + p["x_10.5"]), 0.5 * (p["y_10"] + p["y_10.5"]))
-        limit = room + max(2 * load / stiffness, rolling)
+        limit = component + max(2 * load / stiffness, rolling)
         rows += [
             *common("X06", run),
             at_most("X06", f"{name}: offset of the stabilizer's middle [m]", float(middle.max()), limit),
@@ -101,7 +101,7 @@ def fixed_steps(runs: Runs) -> list[Row]:
     rows: list[Row] = []
     for name in ("x15-bdf1-50ms", "x15-bdf1-500ms", "x15-bdf2-50ms", "x15-bdf2-500ms"):
         run = runs[name]
-        energy, told = run.after(SETTLED + 0.5, "kinetic_energy"), run.summary
+        energy, reported = run.after(SETTLED + 0.5, "kinetic_energy"), run.summary
         steady = float(np.median(energy))
         rows += [
             *common("X15", run),
@@ -109,11 +109,11 @@ def fixed_steps(runs: Runs) -> list[Row]:
             holds(
                 "X15",
                 f"{name}: failed solves, rejected steps",
-                f"{told['failed_solves']}, {told['rejected_steps']}",
+                f"{reported['failed_solves']}, {reported['rejected_steps']}",
                 "every failed solve rejected",
-                told["failed_solves"] <= told["rejected_steps"],
+                reported["failed_solves"] <= reported["rejected_steps"],
             ),
-            near("X15", f"{name}: end of the run [s]", told["time"], 20.0, 1e-9),
+            near("X15", f"{name}: end of the run [s]", reported["time"], 20.0, 1e-9),
         ]
     return rows
 

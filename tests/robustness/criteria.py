@@ -28,33 +28,33 @@ SHORT = 5.0  # [s] below which times of a run are not compared: starts and other
 class Row:
     """One criterion of one scene: what it is, the figure measured, what is allowed in words, whether it is met."""
 
-    scene: str
+    model: str
     criterion: str
     measured: float | str
     allowed: str
     passed: bool
 
 
-def at_most(scene: str, criterion: str, measured: float, limit: float) -> Row:
+def at_most(model: str, criterion: str, measured: float, limit: float) -> Row:
     """A figure that must not exceed a limit; not-a-number does not pass."""
-    return Row(scene, criterion, float(measured), f"<= {limit:.4g}", bool(measured <= limit))
+    return Row(model, criterion, float(measured), f"<= {limit:.4g}", bool(measured <= limit))
 
 
-def at_least(scene: str, criterion: str, measured: float, limit: float) -> Row:
+def at_least(model: str, criterion: str, measured: float, limit: float) -> Row:
     """A figure that must reach a limit."""
-    return Row(scene, criterion, float(measured), f">= {limit:.4g}", bool(measured >= limit))
+    return Row(model, criterion, float(measured), f">= {limit:.4g}", bool(measured >= limit))
 
 
-def near(scene: str, criterion: str, measured: float, expected: float, share: float) -> Row:
+def near(model: str, criterion: str, measured: float, expected: float, share: float) -> Row:
     """A figure within a share of what is expected."""
     return Row(
-        scene, criterion, float(measured), f"{expected:.5g} +- {100 * share:g} %", bool(abs(measured - expected) <= share * abs(expected))
+        model, criterion, float(measured), f"{expected:.5g} +- {100 * share:g} %", bool(abs(measured - expected) <= share * abs(expected))
     )
 
 
-def holds(scene: str, criterion: str, measured: float | str, allowed: str, passed: bool) -> Row:
+def holds(model: str, criterion: str, measured: float | str, allowed: str, passed: bool) -> Row:
     """Anything else."""
-    return Row(scene, criterion, measured, allowed, bool(passed))
+    return Row(model, criterion, measured, allowed, bool(passed))
 
 
 @dataclass(frozen=True)
@@ -107,8 +107,8 @@ class Run:
         _, data = self.frames
         if "hole_radius" not in data:
             return np.zeros((0, 0))
-        room = np.maximum(data["hole_radius"] - data["outer_radius"], 0.0)
-        return np.hypot(data["offset_x"], data["offset_y"]) - room
+        component = np.maximum(data["hole_radius"] - data["outer_radius"], 0.0)
+        return np.hypot(data["offset_x"], data["offset_y"]) - component
 
 
 def _named(table: dict[str, Any]) -> dict[str, FloatArray]:
@@ -131,32 +131,32 @@ def allowed_penetration(run: Run) -> float:
     """Largest lateral penetration of a node [m]: the largest of 1 mm, 5 % of the clearance, and three times that of the static start (nodes
     lie between the points of contact: in a curve the pipe is straighter there than the hole)."""
     _, data = run.frames
-    room = data["hole_radius"] - data["outer_radius"]
-    inside = room[room > 0]
+    component = data["hole_radius"] - data["outer_radius"]
+    inside = component[component > 0]
     static = float(run.penetration[0].max()) if run.case.initial.from_ == "statics" else 0.0
     return max(1e-3, 0.05 * float(inside.min()) if inside.size else 0.0, 3 * static)
 
 
-def common(scene: str, run: Run, *, penetration: bool = True, gain: bool = True) -> list[Row]:
+def common(model: str, run: Run, *, penetration: bool = True, gain: bool = True) -> list[Row]:
     """Criteria C of a run: it is done, its numbers are finite, nothing sinks into the wall, no energy is gained, few steps are rejected.
 
     The default beam has no constraint that could drift (its tangent is a free vector, its spin an angle), so there is no row for it.
     """
-    told = run.summary
-    if told["status"] != "done":
-        return [holds(scene, f"{run.name}: done", str(told["status"]).split("\n")[0], "done", False)]
-    rows = [holds(scene, f"{run.name}: finite", "yes" if finite(run) else "no", "yes", finite(run))]
+    reported = run.summary
+    if reported["status"] != "done":
+        return [holds(model, f"{run.name}: done", str(reported["status"]).split("\n")[0], "done", False)]
+    rows = [holds(model, f"{run.name}: finite", "yes" if finite(run) else "no", "yes", finite(run))]
     if penetration and run.penetration.size and run.case.contact is not None:
-        rows.append(at_most(scene, f"{run.name}: penetration at the frames [m]", float(run.penetration.max()), allowed_penetration(run)))
-    if gain and "energy" in told:
-        rows.append(at_most(scene, f"{run.name}: energy gained / exchanged", told["energy"]["gained_share"], GAIN))
-    rows.append(at_most(scene, f"{run.name}: rejected / accepted steps", told["rejected_steps"] / max(told["steps"], 1), REJECTED))
+        rows.append(at_most(model, f"{run.name}: penetration at the frames [m]", float(run.penetration.max()), allowed_penetration(run)))
+    if gain and "energy" in reported:
+        rows.append(at_most(model, f"{run.name}: energy gained / exchanged", reported["energy"]["gained_share"], GAIN))
+    rows.append(at_most(model, f"{run.name}: rejected / accepted steps", reported["rejected_steps"] / max(reported["steps"], 1), REJECTED))
     return rows
 
 
-def in_time(scene: str, run: Run, budget: float | None) -> list[Row]:
+def in_time(model: str, run: Run, budget: float | None) -> list[Row]:
     """CPU seconds against the first passing version's (wall seconds of a core that the run has for itself)."""
     cpu = float(run.summary.get("cpu_seconds", np.nan))
     if budget is None:
-        return [holds(scene, f"{run.name}: CPU time [s]", cpu, "first passing version", True)]
-    return [at_most(scene, f"{run.name}: CPU time [s]", cpu, SLOWER * max(budget, SHORT))]
+        return [holds(model, f"{run.name}: CPU time [s]", cpu, "first passing version", True)]
+    return [at_most(model, f"{run.name}: CPU time [s]", cpu, SLOWER * max(budget, SHORT))]

@@ -44,8 +44,8 @@ def _thrown(run: Run) -> Row:
     """The axis strikes the wall with e Omega at most as it leaves rest (see X05)."""
     item, contact = run.case.string[0], run.case.contact
     omega = run.case.top.rotation.value(2.0)
-    m, room = pipe_mass(item), 0.5 * (run.case.well.sections[0].diameter - item.od)
-    depth = item.eccentricity * omega * np.sqrt(m / contact.stiffness) + m * (room + item.eccentricity) * omega**2 / contact.stiffness
+    m, component = pipe_mass(item), 0.5 * (run.case.well.sections[0].diameter - item.od)
+    depth = item.eccentricity * omega * np.sqrt(m / contact.stiffness) + m * (component + item.eccentricity) * omega**2 / contact.stiffness
     return at_most("X07", f"{run.name}: penetration at the frames [m]", float(run.penetration.max()), max(depth, 1.11e-3))
 
 
@@ -95,10 +95,10 @@ def pump_trip(runs: Runs) -> list[Row]:
     ]
 
 
-def _balance(scene: str, run: Run, moved: float | None = None) -> Row:
-    told = run.summary["mass"]
-    most = moved or max(abs(told["pumped"]), abs(told["returned"]), abs(told["content_change"]))
-    return at_most(scene, f"{run.name}: mud missing over mud moved", abs(told["error"]) / most, BALANCE)
+def _balance(model: str, run: Run, moved: float | None = None) -> Row:
+    reported = run.summary["mass"]
+    most = moved or max(abs(reported["pumped"]), abs(reported["returned"]), abs(reported["content_change"]))
+    return at_most(model, f"{run.name}: mud missing over mud moved", abs(reported["error"]) / most, BALANCE)
 
 
 def deep_mud(runs: Runs) -> list[Row]:

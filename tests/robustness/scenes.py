@@ -104,7 +104,7 @@ SCENES: tuple[ExtremeScene, ...] = (
 
 def chosen(numbers: list[str]) -> list[ExtremeScene]:
     """The scenes of these numbers, all without any; ValueError for one that there is not."""
-    known = {scene.number: scene for scene in SCENES}
+    known = {model.number: model for model in SCENES}
     wanted = [n.upper() for n in numbers] or list(known)
     if missing := [n for n in wanted if n not in known]:
         raise ValueError(f"no extreme scene {', '.join(missing)}; there are {', '.join(known)}")

@@ -8,9 +8,9 @@ import numpy as np
 
 from drillpetsc.analysis import checkpoint
 from drillpetsc.analysis.equilibrium import place_along_hole, release
-from drillpetsc.analysis.transient import RunResult, make_dynamics, run
+from drillpetsc.analysis.transient import RunResult, make_integrator, run
 from drillpetsc.case import Case
-from drillpetsc.model.drilling_model import Scene, build_scene
+from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import RunFolder
 from drillpetsc.output.recorder import Recorder
 
@@ -18,32 +18,32 @@ DEPTH, SPEED = 0.02, 5.0  # inside the wall [m], towards it [m/s]
 BENT = 12.0  # length over which the string comes from the axis, where the top holds it, to its place in the wall [m]
 
 
-def press_into_wall(scene: Scene, depth: float = DEPTH, speed: float = SPEED) -> None:
+def press_into_wall(model: DrillingModel, depth: float = DEPTH, speed: float = SPEED) -> None:
     """The straight string moved down into the low side of a level hole, ``depth`` [m] beyond its wall, with ``speed`` [m/s] into it; near
     the top, which holds it, less, by a smooth step (cubic, so that the slopes are consistent)."""
-    place_along_hole(scene)
-    mesh, well = scene.mesh, scene.well
+    place_along_hole(model)
+    mesh, well = model.mesh, model.well
     assert well is not None
     u = np.clip(mesh.node_depth / BENT, 0.0, 1.0)
     share, slope = u * u * (3 - 2 * u), 6 * u * (1 - u) / BENT
-    room = np.asarray(well.radius(mesh.node_depth)) - 0.5 * np.append(mesh.outer_diameter, mesh.outer_diameter[-1])
+    component = np.asarray(well.radius(mesh.node_depth)) - 0.5 * np.append(mesh.outer_diameter, mesh.outer_diameter[-1])
     down = np.array([0.0, 0.0, 1.0])
-    m = scene.model
-    m.set_field("string.position", scene.position + ((room + depth) * share)[:, None] * down)
-    m.set_field("string.tangent", scene.tangent + ((room + depth) * slope)[:, None] * down)
+    m = model.system
+    m.set_field("string.position", model.position + ((component + depth) * share)[:, None] * down)
+    m.set_field("string.tangent", model.tangent + ((component + depth) * slope)[:, None] * down)
     m.set_field("string.position", speed * share[:, None] * down, "y")
     m.set_field("string.tangent", speed * slope[:, None] * down, "y")
-    release(scene)
+    release(model)
 
 
 def run_from_wall(case: Case, folder: Path) -> RunResult:
     """Run ``case`` from ``press_into_wall``; the run folder is ``folder``, the state at the start lies beside it."""
     start = RunFolder.create("start", folder.with_name(folder.name + "-start"), overwrite=True)
-    scene = build_scene(case)
-    press_into_wall(scene)
-    dynamics, recorder = make_dynamics(scene), Recorder(scene)
+    model = build_model(case)
+    press_into_wall(model)
+    integrator, recorder = make_integrator(model), Recorder(model)
     recorder.begin(0.0)
-    taken = checkpoint.take(scene, recorder, dynamics, 0.0, {})
+    taken = checkpoint.take(model, recorder, integrator, 0.0, {})
     assert taken is not None  # on one rank
     checkpoint.write(start.checkpoint, taken)
     begun = case.model_copy(update={"initial": case.initial.model_copy(update={"from_": str(start.path)})})

@@ -19,15 +19,15 @@ def section(item) -> tuple[float, float, float]:
 def deep_well(runs: Runs) -> list[Row]:
     """X01: statics of 12 km, and a minute of rotation; the torque is looked at over the last ten seconds, 1.3 round trips of a torsional
     wave."""
-    run, told = runs["x01-deep-well"], runs["x01-statics"].summary
+    run, reported = runs["x01-deep-well"], runs["x01-statics"].summary
     weight = sum(pipe_mass(item) * item.length * GRAVITY for item in run.case.string[:2])
     torque = run.after(50.0, "surface_torque")
     band = float(np.ptp(torque) / abs(torque.mean()))
     return [
         *common("X01", run),
-        at_most("X01", "Newton iterations of the statics", told["iterations"], 199),
-        at_most("X01", "residual of the statics over the weight", told["residual"] / weight, 1e-6),
-        near("X01", "hook load, soft string's [N]", told["hook_load"], told["soft_string"]["hook_load"], 0.015),
+        at_most("X01", "Newton iterations of the statics", reported["iterations"], 199),
+        at_most("X01", "residual of the statics over the weight", reported["residual"] / weight, 1e-6),
+        near("X01", "hook load, soft string's [N]", reported["hook_load"], reported["soft_string"]["hook_load"], 0.015),
         at_most("X01", "band of the surface torque over its mean, 50 to 60 s", band, 0.02),
     ]
 
@@ -63,12 +63,12 @@ def tripping(runs: Runs) -> list[Row]:
     limit = hook[0] + 1.1 * section(run.case.string[0])[2] * 2.0 + up["hook_load"] - still["hook_load"]
     t, data = run.frames
     curve = (data["md"][0] > 1000.0) & (data["md"][0] < 1360.0)
-    told = run.summary
+    reported = run.summary
     return [
         *common("X09", run),
         at_most("X09", "peak of the hook load [N]", float(hook.max()), float(limit)),
         at_most("X09", "penetration in the curve [m]", float(run.penetration[:, curve].max()), allowed_penetration(run)),
-        at_most("X09", "failed Newton solves (fewer than any burst of more than 5)", told["failed_solves"], 5),
+        at_most("X09", "failed Newton solves (fewer than any burst of more than 5)", reported["failed_solves"], 5),
     ]
 
 
@@ -80,8 +80,8 @@ def dogleg(runs: Runs) -> list[Row]:
     item, s = run.case.string[1], run.statics
     middle = (s["md"] > 310.0) & (s["md"] < 320.0)
     radius = 30.0 / np.radians(30.0)
-    room = 0.5 * (run.case.well.sections[0].diameter - item.od)
-    expected = item.material.young * item.od / 2 / (radius - room)
+    component = 0.5 * (run.case.well.sections[0].diameter - item.od)
+    expected = item.material.young * item.od / 2 / (radius - component)
     rows = [
         holds("X10", "statics converged, negative pivots", run.summary["negative_pivots"], "0", run.summary["negative_pivots"] == 0),
         near("X10", "bending stress in the dogleg's middle, E OD/2 kappa [Pa]", float(s["bending_stress"][middle].mean()), expected, 0.05),
@@ -120,9 +120,9 @@ def lock_up(runs: Runs) -> list[Row]:
     """
     run = runs["x11-lock-up"]
     item, h = run.case.string[0], run.history
-    room, mu = 0.5 * (run.case.well.sections[0].diameter - item.od), run.case.well.sections[0].friction
+    component, mu = 0.5 * (run.case.well.sections[0].diameter - item.od), run.case.well.sections[0].friction
     stiffness, w = section(item)[1], pipe_mass(item) * GRAVITY
-    helical = 2 * np.sqrt(2 * stiffness * w / room)
+    helical = 2 * np.sqrt(2 * stiffness * w / component)
     late = h["time"] > 3.5
     top, end = -h["hook_load"][late], h["wob"][late]
     load = float(top.mean())
@@ -130,7 +130,7 @@ def lock_up(runs: Runs) -> list[Row]:
     side = np.unwrap(np.arctan2(data["offset_y"][-1], data["offset_x"][-1]))
     turns = float(np.abs(np.diff(side)).sum() / (2 * np.pi))
     q2 = (2 * np.pi * turns / item.length) ** 2
-    coiled = stiffness * q2 + (load - stiffness * q2) * np.exp(-mu * room * q2 * item.length)
+    coiled = stiffness * q2 + (load - stiffness * q2) * np.exp(-mu * component * q2 * item.length)
     held = mu * float(trapezoid(data["contact_force"][-1], data["md"][0]))
     return [
         *common("X11", run),
@@ -183,7 +183,7 @@ def few_elements(runs: Runs) -> list[Row]:
     metal = np.pi / 4 * (bar.od**2 - bar.id**2)
     static = long.summary["statics"]
     tip = bend.frames[1]["point"][0, -1, 2]
-    told = " ".join(static["warnings"])
+    reported = " ".join(static["warnings"])
     check = _described(long)
     return [
         *rows,
@@ -200,9 +200,9 @@ def few_elements(runs: Runs) -> list[Row]:
         holds(
             "X14",
             "1000 m: negative pivots, explained",
-            f"{static['negative_pivots']}: {told[:60]}",
+            f"{static['negative_pivots']}: {reported[:60]}",
             "mesh too coarse",
-            "mesh is too coarse" in told,
+            "mesh is too coarse" in reported,
         ),
         holds("X14", "1000 m: check warns", "yes" if "WARNING" in check else "no", "yes", "WARNING" in check),
     ]
@@ -222,10 +222,10 @@ def helix(runs: Runs) -> list[Row]:
     rows = common("X22", runs["x22-helix"])
     for name in sorted(n for n in runs if n.startswith("x22-wob")):
         run = runs[name]
-        told, data = run.summary, run.frames[1]
-        load = told["wob"] / critical
+        reported, data = run.summary, run.frames[1]
+        load = reported["wob"] / critical
         rows += [
-            holds("X22", f"{load:.2f} critical loads: negative pivots", told["negative_pivots"], "0", told["negative_pivots"] == 0),
+            holds("X22", f"{load:.2f} critical loads: negative pivots", reported["negative_pivots"], "0", reported["negative_pivots"] == 0),
             at_most("X22", f"{load:.2f} critical loads: penetration [m]", float(run.penetration.max()), allowed_penetration(run)),
         ]
         if load > 5:

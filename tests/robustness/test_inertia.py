@@ -11,29 +11,29 @@ import pytest
 
 from drillpetsc import Case
 from drillpetsc.analysis.equilibrium import place_along_hole
-from drillpetsc.model.drilling_model import Scene, build_scene
+from drillpetsc.model.drilling_model import DrillingModel, build_model
 
 OUTER, INNER, LENGTH, DENSITY = 0.1715, 0.0714, 12.0, 7850.0
 MASS = DENSITY * np.pi / 4 * (OUTER**2 - INNER**2)  # [kg/m]
 POLAR = DENSITY * np.pi / 32 * (OUTER**4 - INNER**4)  # [kg m]
 
 
-def collar(offset: float, elements: int, joined: bool = False) -> Scene:
+def collar(offset: float, elements: int, joined: bool = False) -> DrillingModel:
     """A free collar on the north axis; joined: a stabilizer without mass between its halves, so that an element hangs below it."""
     half = {"kind": "pipe", "od": OUTER, "id": INNER, "eccentricity": offset, "element_length": LENGTH / elements}
     body = {"kind": "stabilizer", "length": 0.5, "od": 0.2, "mass": 1e-9, "inertia": {"axial": 1e-9, "transverse": 1e-9}}
     string = [{**half, "length": LENGTH / 2}, body, {**half, "length": LENGTH / 2}] if joined else [{**half, "length": LENGTH}]
-    scene = build_scene(Case(string=string, top="free", initial={"inclination": np.pi / 2}, gravity=0.0))
-    place_along_hole(scene)
-    return scene
+    model = build_model(Case(string=string, top="free", initial={"inclination": np.pi / 2}, gravity=0.0))
+    place_along_hole(model)
+    return model
 
 
-def mass_matrix(scene: Scene) -> np.ndarray:
+def mass_matrix(model: DrillingModel) -> np.ndarray:
     """Derivative of the rows by the accelerations, scaled to a diagonal of 1."""
-    asm, n = scene.model.assembly, scene.model.layout.size
+    asm, n = model.system.assembly, model.system.layout.size
     asm.jacobian(0.0, (0.0, 0.0, 1.0), condensed=False)
     M = np.zeros((n, n))
-    for item in asm.ready:
+    for item in asm.bound_blocks:
         for index, K in zip(item.index, asm.values[item.span].reshape(item.count, item.width, item.width), strict=True):
             M[np.ix_(index, index)] += K
     d = np.sqrt(np.diag(M))
@@ -54,8 +54,8 @@ def test_kinetic_energy_of_a_rigid_motion(elements):
     """Axis moving with u, turning with Omega: m |u + Omega t x e|^2/2 + Omega^2 polar inertia/2 per length, exact for any mesh."""
     offset, spin = 0.05, 7.0
     speed = np.array([0.3, -1.1, 0.7])
-    scene = collar(offset, elements)
-    m = scene.model
+    model = collar(offset, elements)
+    m = model.system
     t, second = np.array([1.0, 0.0, 0.0]), m.frames.second[0]
     m.set_field("string.position", np.tile(speed, (elements + 1, 1)), "y")
     m.set_field("string.spin", np.full((elements + 1, 1), spin), "y")

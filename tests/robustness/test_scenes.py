@@ -20,16 +20,16 @@ QUICK = ["X02", "X10", "X14", "X18", "X21", "Y01", "Y03", "Y04"]
 
 @pytest.mark.parametrize("number", QUICK)
 def test_scene_meets_its_criteria(number, tmp_path):
-    (scene,) = chosen([number])
-    for part in scene.parts:
+    (model,) = chosen([number])
+    for part in model.parts:
         compute(part, CASES, tmp_path)
-    rows = scene.check({part.name: Run(tmp_path / part.name) for part in scene.parts})
+    rows = model.check({part.name: Run(tmp_path / part.name) for part in model.parts})
     assert not [row for row in rows if not row.passed]
-    assert len(rows) > len(scene.parts)
+    assert len(rows) > len(model.parts)
 
 
 def test_every_case_belongs_to_a_scene():
-    used = {part.case for scene in SCENES for part in scene.parts}
+    used = {part.case for model in SCENES for part in model.parts}
     assert used == {path.stem for path in CASES.glob("*.yaml")}
 
 

@@ -43,8 +43,8 @@ def chi_of(ratio: float) -> float:
 
 def slowest_root(tube: Tube, **fluid) -> complex:
     """First root [1/s] of a pinned, plugged, empty pipe in still fluid."""
-    scene = tube.at_rest({"lateral_damping": "none", **fluid}, bottom=PLUGGED)
-    return complex(oscillating(roots_of(*across(scene)), 1)[0])
+    model = tube.at_rest({"lateral_damping": "none", **fluid}, bottom=PLUGGED)
+    return complex(oscillating(roots_of(*across(model)), 1)[0])
 
 
 # ---------------------------------------------------------------------- still fluid
@@ -94,16 +94,16 @@ def test_vibration_in_a_filled_hole():
     mass = tube.mass + chi_of(1.7) * DENSITY * SOLID
     decay = 0.5 * damping / mass
     omega = np.sqrt(np.pi**4 * BENDING / LENGTH**4 / mass - decay**2)
-    scene = tube.at_rest({"lateral_damping": damping}, bottom=PLUGGED)
-    release(scene)
-    move_rigidly(scene)
-    x, r, v = scene.mesh.node_depth / LENGTH, *(scene.model.field(f"string.{k}").copy() for k in ("position", "tangent"))
+    model = tube.at_rest({"lateral_damping": damping}, bottom=PLUGGED)
+    release(model)
+    move_rigidly(model)
+    x, r, v = model.mesh.node_depth / LENGTH, *(model.system.field(f"string.{k}").copy() for k in ("position", "tangent"))
     r[:, 0], v[:, 0] = 2e-6 * np.sin(np.pi * x), 2e-6 * np.pi / LENGTH * np.cos(np.pi * x)
-    scene.model.set_field("string.position", r)
-    scene.model.set_field("string.tangent", v)
+    model.system.set_field("string.position", r)
+    model.system.set_field("string.tangent", v)
     path: list[tuple[float, float]] = []
-    integrate(scene.model, 4.2 * 2 * np.pi / omega, fixed(0.03 / omega),
-              call=lambda t, dt: path.append((t, scene.model.field("string.position")[4, 0])))
+    integrate(model.system, 4.2 * 2 * np.pi / omega, fixed(0.03 / omega),
+              call=lambda t, dt: path.append((t, model.system.field("string.position")[4, 0])))
     t, y = np.array(path).T
     k = np.flatnonzero((y[:-1] > 0) & (y[1:] <= 0))
     falls = t[k] - y[k] * (t[k + 1] - t[k]) / (y[k + 1] - y[k])
@@ -147,11 +147,11 @@ def test_flow_around_a_pinned_pipe_buckles_it_either_way():
 
 # ---------------------------------------------------------------------- bore and annulus of a hanging cantilever
 def hanging(u: float, ratio: float, viscosity: float, damping: float, elements: int, mass: float = 10.0) -> np.ndarray:
-    """Roots [1/s] of the assembled scene, bore down and annulus up (u < 0: reversed), u = U_i L sqrt(rho A_i/EI)."""
+    """Eigenvalues [1/s] of the assembled scene, bore down and annulus up (u < 0: reversed), u = U_i L sqrt(rho A_i/EI)."""
     tube = Tube(mass, elements, hole=ratio * OUTER)
     fluid = {"flow_rate": flow_of(u), "lateral_damping": damping, "rheology": {"model": "newtonian", "viscosity": viscosity}}
-    scene = tube.at_rest(fluid, top="clamped", bottom="free", gravity=GRAVITY)
-    return roots_of(*across(scene))
+    model = tube.at_rest(fluid, top="clamped", bottom="free", gravity=GRAVITY)
+    return roots_of(*across(model))
 
 
 def hanging_by_spectrum(u: float, ratio: float, viscosity: float, damping: float, mass: float = 10.0) -> np.ndarray:
@@ -223,6 +223,6 @@ def test_outlet_pressure_between_fixed_ends_stiffens_the_pipe():
 def test_bore_of_the_pipe_is_what_the_helper_says():
     """The scene's own areas."""
     assert np.pi / 4 * INNER**2 == BORE and np.pi / 4 * OUTER**2 == SOLID
-    scene = Tube(30.0, 4, hole=1.7 * OUTER).at_rest({})
-    assert scene.fluid.pipe.bore.area == pytest.approx(BORE, rel=1e-14)
-    assert scene.fluid.annulus.annulus.hole == pytest.approx(1.7**2 * SOLID, rel=1e-14)
+    model = Tube(30.0, 4, hole=1.7 * OUTER).at_rest({})
+    assert model.fluid.bore.bore.area == pytest.approx(BORE, rel=1e-14)
+    assert model.fluid.annulus.annulus.hole == pytest.approx(1.7**2 * SOLID, rel=1e-14)

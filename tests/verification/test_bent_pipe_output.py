@@ -8,7 +8,7 @@ import pytest
 from drillpetsc.analysis.equilibrium import find_equilibrium
 from drillpetsc.analysis.static_report import static_table
 from drillpetsc.case import Case
-from drillpetsc.model.drilling_model import build_scene
+from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.recorder import Recorder
 
 
@@ -16,10 +16,10 @@ def test_a_bent_pipe_at_rest_has_no_bending_moment():
     """A clamped pipe of stress-free curvature 0.01 1/m without gravity takes its free shape, an arc; its moment is zero, EI times its
     whole curvature is 12 kN m."""
     pipe = {"kind": "pipe", "length": 20, "od": 0.127, "id": 0.1086, "curvature": 0.01, "element_length": 2}
-    scene = build_scene(Case(string=[pipe], top="clamped", gravity=0.0))
-    find_equilibrium(scene)
-    _, data = Recorder(scene).fields(0.0)
-    columns, values = static_table(scene, None)
+    model = build_model(Case(string=[pipe], top="clamped", gravity=0.0))
+    find_equilibrium(model)
+    _, data = Recorder(model).fields(0.0)
+    columns, values = static_table(model, None)
     moments = values[:, [name for name, _ in columns].index("bending_moment")]
     curvature = values[:, [name for name, _ in columns].index("curvature")]
     assert curvature == pytest.approx(np.full(11, 0.01), rel=2e-3)

@@ -9,11 +9,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc.model.drilling_model import Scene
+from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.end_conditions import TopDrive
 from drillpetsc.physics.rock_bit import CHIPS, profile_derivative
 from drillpetsc.solvers.petsc_options import applied
-from drillpetsc.solvers.time_integrator import Dynamics
+from drillpetsc.solvers.time_integrator import TimeIntegrator
 from tests.helpers.bit_scenes import DRAG, RADIUS, TURNING, bit_of, drilling, lowered, unknowns
 from tests.helpers.delay_roots import Regenerative, pencil_roots
 from tests.helpers.motion import beam, fixed, straight, watched
@@ -27,20 +27,20 @@ def feed(depth: float, turning: float = TURNING) -> float:
     return depth * turning / (2 * np.pi)
 
 
-def figures(scene: Scene, end: float, **petsc) -> np.ndarray:
+def figures(model: DrillingModel, end: float, **petsc) -> np.ndarray:
     """Rows (t, weight, torque, rate, drilled) of all steps."""
-    bit = bit_of(scene)
-    return watched(scene.model, end, lambda m: [*bit.figures(m.assembly)[:3], unknowns(scene, "hole.drilled")[0]], scene.breaks, **petsc)
+    bit = bit_of(model)
+    return watched(model.system, end, lambda m: [*bit.figures(m.assembly)[:3], unknowns(model, "hole.drilled")[0]], model.breaks, **petsc)
 
 
-def iterations(scene: Scene, end: float, step: float) -> tuple[list[int], int, int]:
+def iterations(model: DrillingModel, end: float, step: float) -> tuple[list[int], int, int]:
     """Newton iterations of every step of a run with fixed steps, how many steps were rejected, how often Newton failed."""
     counts: list[int] = []
     with applied(fixed(step)):
-        dynamics = Dynamics(scene.model)
-        dynamics.after_step.append(lambda t, dt: counts.append(dynamics.newton_iterations()))
-        dynamics.run(0.0, end, scene.breaks)
-    return np.diff([0, *counts]).tolist(), dynamics.counters.rejected, dynamics.failure_count()
+        integrator = TimeIntegrator(model.system)
+        integrator.after_step.append(lambda t, dt: counts.append(integrator.newton_iterations()))
+        integrator.run(0.0, end, model.breaks)
+    return np.diff([0, *counts]).tolist(), integrator.counters.rejected, integrator.failure_count()
 
 
 @pytest.mark.parametrize(("depth", "weight", "torque", "rate"), [(4e-3, 23.328e3, 1651.62, 28.8), (8e-3, 38.880e3, 3051.30, 57.6)])
@@ -52,7 +52,7 @@ def test_steady_cutting(depth, weight, torque, rate):
 
 def test_wear_flat_in_incomplete_contact():
     """A chip thinner than the depth over which the wear flat comes into contact: the flat carries the share 3u^2 - 2u^3 of its full force
-    (kernels/bit.hpp; full contact stress needs a depth of cut, Detournay and Defourny 1992; the share is ours, its use is tested),
+    (kernels/bit/bit.hpp; full contact stress needs a depth of cut, Detournay and Defourny 1992; the share is ours, its use is tested),
     times (1 + s(U'))/2 with s = v/sqrt(v^2 + e^2), e = 0.1 mm/s (model page, section 4.4)."""
     depth, onset = 1e-4, CONTACT / 1e8
     u = depth / 4 / onset
@@ -67,10 +67,10 @@ def test_a_bit_that_does_not_turn_forward_cuts_nothing(turning):
     """X18: 30 kN on a bit that stands still or turns backward: no rock goes, the profile stays, only the flats rub, against the turning,
     with no more than their full friction."""
     loads = [{"at": 1.0, "force": [0, 0, 30e3]}]
-    scene = drilling({"bit_law": DRAG}, {"kind": "top_drive", "rotation": turning, "force": 0.0}, loads=loads)
-    rows = figures(scene, 0.5, ts_rtol=1e-3)
+    model = drilling({"bit_law": DRAG}, {"kind": "top_drive", "rotation": turning, "force": 0.0}, loads=loads)
+    rows = figures(model, 0.5, ts_rtol=1e-3)
     late = rows[rows[:, 0] > 0.2]
-    assert (rows[:, 3:] == 0.0).all() and (unknowns(scene, "bit.chips") == 0.0).all()
+    assert (rows[:, 3:] == 0.0).all() and (unknowns(model, "bit.chips") == 0.0).all()
     assert late[:, 1].mean() == pytest.approx(30e3, rel=0.1)
     if turning:
         assert (late[:, 2] < -0.1 * RUB).all() and (late[:, 2] > -1.001 * RUB).all()
@@ -81,8 +81,8 @@ def test_a_bit_that_does_not_turn_forward_cuts_nothing(turning):
 @pytest.mark.parametrize("rotation", [0.0, -TURNING, {"time": [0.0, 0.2, 0.8], "value": [10.0, 10.0, -10.0]}])
 def test_newton_stays_short_at_standstill_and_in_reverse(rotation):
     """X18: fewer than 15 iterations a step of 5 ms and no failed step, at standstill, in reverse and through zero."""
-    scene = drilling({"bit_law": DRAG}, {"kind": "top_drive", "rotation": rotation, "lowering": 8e-3}, axial=1e7)
-    counts, rejected, failures = iterations(scene, 1.0, 5e-3)
+    model = drilling({"bit_law": DRAG}, {"kind": "top_drive", "rotation": rotation, "lowering": 8e-3}, axial=1e7)
+    counts, rejected, failures = iterations(model, 1.0, 5e-3)
     assert max(counts) < 15
     assert rejected == failures == 0
 
@@ -91,18 +91,18 @@ def test_newton_stays_short_at_standstill_and_in_reverse(rotation):
 LIFT_TIMES, LIFT = [0, 0.5, 0.52, 0.72, 0.74, 0.95, 0.97, 1.19, 1.21, 3], 0.5
 
 
-def lifted(h: float = 1.0) -> tuple[Scene, np.ndarray]:
+def lifted(h: float = 1.0) -> tuple[DrillingModel, np.ndarray]:
     """X17 small: steady cutting, 11 cm off bottom and back at 0.5 m/s.  Rows (t, weight, rate, depth of the face, drilled, profile ...)."""
     v = feed(4e-3)
     lowering = {"time": LIFT_TIMES, "value": [v, v, -LIFT, -LIFT, 0, 0, LIFT, LIFT, v, v]}
-    scene = drilling({"bit_law": DRAG}, {"kind": "top_drive", "rotation": TURNING, "lowering": lowering})
-    bit = bit_of(scene)
+    model = drilling({"bit_law": DRAG}, {"kind": "top_drive", "rotation": TURNING, "lowering": lowering})
+    bit = bit_of(model)
 
-    def watch(model):
-        f = bit.figures(model.assembly)
-        return [f[0], f[2], model.field("string.position")[-1, 2] - 1.0, *unknowns(scene, "hole.drilled"), *unknowns(scene, "bit.chips")]
+    def watch(system):
+        f = bit.figures(system.assembly)
+        return [f[0], f[2], system.field("string.position")[-1, 2] - 1.0, *unknowns(model, "hole.drilled"), *unknowns(model, "bit.chips")]
 
-    return scene, watched(scene.model, 2.2, watch, scene.breaks, ts_rtol=1e-4)
+    return model, watched(model.system, 2.2, watch, model.breaks, ts_rtol=1e-4)
 
 
 def test_lift_off_keeps_the_uncut_rock():
@@ -148,18 +148,18 @@ def vibration(damping: float, stiffness: float, turning: float, chip: float, wea
     depth, speed = LENGTH + 0.1, feed(4 * chip, turning)
     well = {"survey": {"md": [0, depth], "inclination": [0, 0], "azimuth": [0, 0]},
             "sections": [{"to": depth, "kind": "open_hole", "diameter": 2 * RADIUS, "friction": 0.0}]}
-    scene = straight(string=[pipe, item], well=well, contact=None, top=lowered(speed, turning), gravity=0.0, initial={"from": "straight"},
+    model = straight(string=[pipe, item], well=well, contact=None, top=lowered(speed, turning), gravity=0.0, initial={"from": "straight"},
                      bottom={"kind": "bit", "stiffness": 1e8, "friction": 0.0}, formation={"bit_law": DRAG | {"wear_flat": wear_flat}})
-    model, bit = scene.model, bit_of(scene)
+    system, bit = model.system, bit_of(model)
     weight = 4 * chip * CUT + CONTACT * wear_flat / 1.2e-3
     pressed, sunk = weight / stiffness, weight / 1e8  # the profile of steady cutting follows from the weight at rest
-    assert isinstance(scene.top, TopDrive)
-    scene.top.shift(pressed + sunk)
-    model.set_field("string.position", np.outer([pressed + sunk, LENGTH + sunk], [0, 0, 1]))
-    model.set_field("string.tangent", np.tile([0, 0, 1 - pressed / LENGTH], (2, 1)))
-    model.set_field("string.position", np.outer([speed, speed + 1e-4], [0, 0, 1]), "y")
-    bit.first_cut(model.assembly)
-    rows = watched(model, end, lambda m: m.field("string.position")[-1, 2], **fixed(step, q_snes_stol=1e-9))
+    assert isinstance(model.top, TopDrive)
+    model.top.shift(pressed + sunk)
+    system.set_field("string.position", np.outer([pressed + sunk, LENGTH + sunk], [0, 0, 1]))
+    system.set_field("string.tangent", np.tile([0, 0, 1 - pressed / LENGTH], (2, 1)))
+    system.set_field("string.position", np.outer([speed, speed + 1e-4], [0, 0, 1]), "y")
+    bit.first_cut(system.assembly)
+    rows = watched(system, end, lambda m: m.field("string.position")[-1, 2], **fixed(step, q_snes_stol=1e-9))
     return rows[:, 1] - LENGTH - sunk - speed * rows[:, 0]
 
 
@@ -183,6 +183,6 @@ def test_small_vibrations_grow_as_the_delay_equation_says(damping, stiffness, tu
     u = vibration(damping, stiffness, turning, 1e-3, wear_flat, end, step)
     assert np.abs(u).max() < 1e-4  # a tenth of a chip: nothing leaves the groove
     found = pencil_roots(u[len(u) // 4 :], step, 12)
-    mine = found[np.argmin(np.abs(found - root))]
-    assert mine.real == pytest.approx(root.real, rel=0.02)
-    assert mine.imag == pytest.approx(root.imag, rel=0.02)
+    on_rank = found[np.argmin(np.abs(found - root))]
+    assert on_rank.real == pytest.approx(root.real, rel=0.02)
+    assert on_rank.imag == pytest.approx(root.imag, rel=0.02)

@@ -9,16 +9,16 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from drillpetsc import Case, run
-from drillpetsc.fem.discrete_system import Model
+from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import RigidItem, uniform_string
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
-from drillpetsc.model.drilling_model import Scene
+from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.end_conditions import TopDrive
-from drillpetsc.physics.rigid_bodies import Bodies
+from drillpetsc.physics.rigid_bodies import RigidBodies
 from drillpetsc.physics.rock_bit import BitContact, BitShape, Layer, Rock, RockBit
 from drillpetsc.solvers.petsc_options import applied
-from drillpetsc.solvers.time_integrator import Dynamics
+from drillpetsc.solvers.time_integrator import TimeIntegrator
 from drillpetsc.time_function import Constant
 from tests.helpers.bit_scenes import DRAG, RADIUS, bit_of, drilling, lowered, unknowns
 from tests.helpers.motion import beam, fixed, integrate
@@ -44,7 +44,7 @@ class Wave:
         return ()
 
 
-def spring_bit(post_step: bool) -> tuple[Model, RockBit]:
+def spring_bit(post_step: bool) -> tuple[DiscreteSystem, RockBit]:
     """P28 in equilibrium at t = 0 (100 kN: spring pressed by 0.5 m, bit 0.5 mm in the bottom), everything going down at 10 mm/s.
 
     The spring is a massless beam; the damper lies parallel to it (Kelvin-Voigt), its time constant c/k = 0.1 s.
@@ -56,15 +56,15 @@ def spring_bit(post_step: bool) -> tuple[Model, RockBit]:
     hole = GrowingHole(Well.from_survey([0, depth], [0, 0], [0, 0], [depth], [0.1], [0.0]), 0.05, 0.1, 0.0)
     rock = Rock((Layer(-1.0, DRILLABILITY, 0.0, 1.0, 0.0, 0.2, np.eye(3)),), post_step=post_step)
     bit = RockBit(1, BitShape(0.0, 0.1, 0.05), BitContact(BOTTOM, BOTTOM, 0.0, 0.0), None, rock, hole)
-    model = straight_model(mesh, [lambda frames, x, t: Bodies(mesh, frames, np.zeros(3)),
+    system = straight_model(mesh, [lambda frames, x, t: RigidBodies(mesh, frames, np.zeros(3)),
                                   lambda frames, x, t: TopDrive(x[0] + 0.5 * DOWN, t[0], Constant(0.0), Wave()),
                                   lambda frames, x, t: bit])
-    model.set_field("string.position", np.outer([0.5, LENGTH], DOWN))
-    model.set_field("string.tangent", np.outer([1 - 0.5 / LENGTH] * 2, DOWN))
-    bit.free_sliding()
-    model.set_field("string.position", np.outer([0.01, 0.01], DOWN), "y")
-    bit.first_cut(model.assembly)
-    return model, bit
+    system.set_field("string.position", np.outer([0.5, LENGTH], DOWN))
+    system.set_field("string.tangent", np.outer([1 - 0.5 / LENGTH] * 2, DOWN))
+    bit.release_sliding_direction()
+    system.set_field("string.position", np.outer([0.01, 0.01], DOWN), "y")
+    bit.first_cut(system.assembly)
+    return system, bit
 
 
 def exact_depth(end: float) -> float:
@@ -88,9 +88,9 @@ def test_order_of_the_hole_depth(post_step, order, least, most):
     """P28: the end as a state takes the integrator's order, the paper's rule between the steps is of order 1 whatever the integrator."""
     errors, exact = [], exact_depth(1.0)
     for step in (0.01, 0.005, 0.0025):
-        model, bit = spring_bit(post_step)
-        integrate(model, 1.0, fixed(step, ts_bdf_order=order, q_snes_stol=1e-14, q_snes_linesearch_type="basic"))
-        errors.append(abs(bit.progress(model.assembly)[0] - exact))
+        system, bit = spring_bit(post_step)
+        integrate(system, 1.0, fixed(step, ts_bdf_order=order, q_snes_stol=1e-14, q_snes_linesearch_type="basic"))
+        errors.append(abs(bit.progress(system.assembly)[0] - exact))
     measured = np.log2(np.array(errors[:-1]) / errors[1:])
     assert (measured >= least).all() and (measured <= most).all()
     assert errors[-1] < (1e-8 if not post_step and order == 2 else 1e-5)
@@ -124,12 +124,12 @@ def test_freezing_and_output_change_no_step(tmp_path):
 BEDS = {"dip": 0.6, "dip_azimuth": 1.0, "index_dip": 0.8, "index_strike": 0.9}
 
 
-def go(scene: Scene, times: np.ndarray, every: int, **petsc) -> tuple[np.ndarray, Dynamics]:
+def go(model: DrillingModel, times: np.ndarray, every: int, **petsc) -> tuple[np.ndarray, TimeIntegrator]:
     """States (metres drilled, place of the end, profile) at ``times``; every ``every``-th Newton solve is made to fail, 0: none."""
     rows, calls = [], 0
     with applied(petsc):
-        dynamics = Dynamics(scene.model)
-        solve = dynamics.newton.solve
+        integrator = TimeIntegrator(model.system)
+        solve = integrator.newton.solve
 
         def failing(t: float, shift: float) -> int:
             nonlocal calls
@@ -137,12 +137,12 @@ def go(scene: Scene, times: np.ndarray, every: int, **petsc) -> tuple[np.ndarray
             reason = solve(t, shift)
             return -3 if every and calls % every == 0 else reason
 
-        dynamics.newton.solve = failing  # type: ignore[method-assign]
+        integrator.newton.solve = failing  # type: ignore[method-assign]
         for a, b in zip([0.0, *times[:-1]], times, strict=True):
-            dynamics.run(a, b)
-            chips = unknowns(scene, "bit.chips") if bit_of(scene).profiled else []
-            rows.append(np.concatenate([unknowns(scene, "hole.drilled"), unknowns(scene, "hole.end"), chips]))
-    return np.array(rows), dynamics
+            integrator.run(a, b)
+            chips = unknowns(model, "bit.chips") if bit_of(model).profiled else []
+            rows.append(np.concatenate([unknowns(model, "hole.drilled"), unknowns(model, "hole.end"), chips]))
+    return np.array(rows), integrator
 
 
 @pytest.mark.parametrize("law", ["rop", DRAG], ids=["rop", "drag_bit"])
@@ -156,15 +156,15 @@ def test_rejected_steps_leave_no_trace(law):
     times = np.array([0.4, 0.8, 1.2]) if law == "rop" else np.array([0.25, 0.5, 0.75])
     for every in (0, 7):
         formation = {"bit_law": law, "freeze_interval": 0.01, "drillability": 1e-6, "rock_anisotropy": BEDS}
-        scene = drilling(formation, lowered(0.08), axial=1e9, bending=1e5, damping=1e-2, stiffness=1e7, inclination=0.3)
-        states, dynamics = go(scene, times, every, ts_rtol=rtol)
-        runs.append((states, bit_of(scene).hole, dynamics))
+        model = drilling(formation, lowered(0.08), axial=1e9, bending=1e5, damping=1e-2, stiffness=1e7, inclination=0.3)
+        states, integrator = go(model, times, every, ts_rtol=rtol)
+        runs.append((states, bit_of(model).hole, integrator))
     (one, hole, quiet), (other, beside, noisy) = runs
     assert noisy.counters.rejected > 10 + quiet.counters.rejected
     assert one[-1, 0] > 0.05 and abs(one[-1, 2]) > 1e-3  # new hole, and it walks
     assert other[:, :4] == pytest.approx(one[:, :4], abs=10 * rtol * one[-1, 0])
     assert other[-1] == pytest.approx(one[-1], abs=10 * rtol * one[-1, 0])  # the profile once the kink of the first touch is cut away
-    a, b = hole.memory()["nodes"], beside.memory()["nodes"]
+    a, b = hole.get_state()["nodes"], beside.get_state()["nodes"]
     assert len(a) == len(b)
     assert b[:, :4] == pytest.approx(a[:, :4], abs=10 * rtol * one[-1, 0])
     assert b[:, 4:] == pytest.approx(a[:, 4:], abs=10 * rtol * one[-1, 0] / 0.005)  # slopes over half an interval

@@ -12,7 +12,7 @@ from drillpetsc.analysis.equilibrium import find_equilibrium
 from drillpetsc.analysis.quasi_static import QuasiStatic
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well, direction
-from drillpetsc.model.drilling_model import Scene, build_scene
+from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.solvers.petsc_options import applied
 from tests.helpers.bit_scenes import RADIUS, TURNING, bit_of, unknowns
 from tests.helpers.motion import beam
@@ -22,7 +22,7 @@ FACE = 2 * RADIUS  # length of the bit: as high as wide, its cutting part is a b
 
 
 def drilled(formation: dict[str, Any], across: Any, end: float, inclination: float = 0.0, azimuth: float = 0.0,
-            bending: float = 1e6) -> Scene:
+            bending: float = 1e6) -> DrillingModel:
     """The scene after ``end`` [s] of quasi-static drilling under given forces: 10 kN along the hole and ``across`` times 1 N to the north
     (the high side's opposite), both at the bit's upper end, on a string so long and slender that it adds less than 0.3 % of the side force.
 
@@ -39,19 +39,19 @@ def drilled(formation: dict[str, Any], across: Any, end: float, inclination: flo
                 top={"kind": "top_drive", "rotation": TURNING, "lowering": DRILLABILITY * WEIGHT}, initial={"from": "statics"},
                 bottom={"kind": "bit", "stiffness": 1e8, "friction": 0.0},
                 formation={"drillability": DRILLABILITY, "rotary_exponent": 0.0, "freeze_interval": 0.1, **formation})
-    scene = build_scene(case)
-    find_equilibrium(scene)
+    model = build_model(case)
+    find_equilibrium(model)
     with applied({"ts_rtol": 1e-5}):
-        quasi = QuasiStatic(scene)
-        dynamics = quasi.dynamics()
+        quasi = QuasiStatic(model)
+        integrator = quasi.integrator()
         quasi.begin()
-        dynamics.run(0.0, end)
-    return scene
+        integrator.run(0.0, end)
+    return model
 
 
-def frozen(scene: Scene) -> np.ndarray:
+def frozen(model: DrillingModel) -> np.ndarray:
     """(n, 7) stations of the new hole: measured depth, place, direction."""
-    nodes = bit_of(scene).hole.memory()["nodes"]
+    nodes = bit_of(model).hole.get_state()["nodes"]
     return nodes[nodes[:, 0] > LENGTH + FACE + 1e-9]
 
 
@@ -61,8 +61,8 @@ def test_constant_build_under_a_growing_side_force():
     The stations lie on that parabola and along it, the end drills its arc length; 0.3 % for what the string adds to the side force.
     """
     q, end = 100.0, 10.0
-    scene = drilled({"bit_anisotropy": 1.0}, {"time": [0, 100], "value": [0, 100 * q]}, end)
-    nodes, bend = frozen(scene), q / (DRILLABILITY * WEIGHT**2)
+    model = drilled({"bit_anisotropy": 1.0}, {"time": [0, 100], "value": [0, 100 * q]}, end)
+    nodes, bend = frozen(model), q / (DRILLABILITY * WEIGHT**2)
     z = nodes[:, 3] - (LENGTH + FACE - RADIUS)  # from the centre of the bit at the start
     assert len(nodes) >= 7
     assert nodes[:, 1] == pytest.approx(0.5 * bend * z**2, rel=3e-3, abs=1e-6)
@@ -70,16 +70,16 @@ def test_constant_build_under_a_growing_side_force():
     assert nodes[:, 2] == pytest.approx(np.zeros(len(nodes)), abs=1e-9)
     depth = DRILLABILITY * WEIGHT * end
     arc = 0.5 * (depth * np.hypot(1, bend * depth) + np.arcsinh(bend * depth) / bend)
-    assert unknowns(scene, "hole.end") == pytest.approx([0.5 * bend * depth**2, 0, depth], rel=3e-3, abs=1e-9)
-    assert unknowns(scene, "hole.drilled")[0] == pytest.approx(arc, rel=1e-4)
+    assert unknowns(model, "hole.end") == pytest.approx([0.5 * bend * depth**2, 0, depth], rel=3e-3, abs=1e-9)
+    assert unknowns(model, "hole.drilled")[0] == pytest.approx(arc, rel=1e-4)
 
 
 @pytest.mark.parametrize(("way", "sideways"), [("rop_vector", 0.2), ("bit_axis", 0.0)])
 def test_direction_of_the_hole(way, sideways):
     """Side force of 1 kN at 10 kN, inclined hole: the end goes atan(0.2 * 0.1) off the bit's axis along the rate, or along the axis."""
-    scene = drilled({"bit_anisotropy": 0.2, "direction": way}, 1e3, 3.0, inclination=0.5, azimuth=2.0, bending=1e8)
+    model = drilled({"bit_anisotropy": 0.2, "direction": way}, 1e3, 3.0, inclination=0.5, azimuth=2.0, bending=1e8)
     along, side = direction(0.5, 2.0), direction(0.5 + np.pi / 2, 2.0)
-    end = unknowns(scene, "hole.end")
+    end = unknowns(model, "hole.end")
     assert end @ along == pytest.approx(DRILLABILITY * WEIGHT * 3.0, rel=2e-3)
     assert (end @ side) / (end @ along) == pytest.approx(sideways * 0.1, rel=5e-3, abs=2e-4)
     assert end @ np.cross(along, side) == pytest.approx(0.0, abs=1e-7)
@@ -92,13 +92,13 @@ def test_radius_of_the_new_hole(overgauge, interval):
 
     A bit in a tight hole has no clearance; in a wide one it leans on the wall only after that much: offset = clearance + force/stiffness.
     """
-    scene = drilled({"overgauge": overgauge, "freeze_interval": interval}, 1e3, 10.0, bending=1e8)
-    bit = bit_of(scene)
+    model = drilled({"overgauge": overgauge, "freeze_interval": interval}, 1e3, 10.0, bending=1e8)
+    bit = bit_of(model)
     well = bit.hole.well
     assert float(well.radius(LENGTH + FACE + 0.7)) == pytest.approx(RADIUS + overgauge, rel=1e-12)
     assert float(well.radius(LENGTH - 0.1)) == pytest.approx(RADIUS, rel=1e-12)
-    assert bit.hole.room(RADIUS) == pytest.approx(max(overgauge, 0.0), abs=1e-12)
-    figures = bit.figures(scene.model.assembly)
+    assert bit.hole.radial_clearance(RADIUS) == pytest.approx(max(overgauge, 0.0), abs=1e-12)
+    figures = bit.figures(model.system.assembly)
     assert figures[7] == pytest.approx(max(overgauge, 0.0) + figures[3] / 1e8, abs=1e-6)
     assert figures[3] == pytest.approx(1e3 - WEIGHT * 0.02, rel=0.02)  # the bottom, tilted by 0.2 * 0.1, carries a part of it
 
@@ -121,7 +121,7 @@ def test_stations_of_a_wandering_end_lie_on_its_arc(interval, longest):
 
     for q in s:
         assert hole.follow(q, hole.first + circle(q))
-    nodes = hole.memory()["nodes"][2:]
+    nodes = hole.get_state()["nodes"][2:]
     q = nodes[:, 0] - 29.9
     late = q > 2.5
     assert nodes[:, 0] == pytest.approx(30.0 + interval * np.arange(1, len(nodes) + 1), abs=1e-12)

@@ -53,9 +53,9 @@ def test_published_numbers():
 
 def test_period_and_speed():
     """P25 from rest, untwisted: period, slip, stick and largest speed within 2 %."""
-    scene = straight(**case())
-    scene.model.set_field("string.spin", np.array([[TURNING], [0.0]]), "y")
-    rows = watched(scene.model, 20.0, lambda m: m.field("string.spin", "y")[-1, 0])
+    model = straight(**case())
+    model.system.set_field("string.spin", np.array([[TURNING], [0.0]]), "y")
+    rows = watched(model.system, 20.0, lambda m: m.field("string.spin", "y")[-1, 0])
     assert phases(rows[:, 0], rows[:, 1]) == pytest.approx(closed_form(), rel=0.02)
     first = rows[rows[:, 1] > 0.1, 0][0]
     assert first == pytest.approx(STATIC / STIFFNESS / TURNING, rel=0.02)  # wound up from nothing

@@ -12,7 +12,7 @@ import pytest
 from drillpetsc import Case
 from drillpetsc.analysis.equilibrium import StaticState, find_equilibrium
 from drillpetsc.analysis.static_report import static_summary, static_table
-from drillpetsc.model.drilling_model import Scene, build_scene
+from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
 
 G, LENGTH, MUD, STEEL = 9.81, 1000.0, 1200.0, 7850.0
@@ -46,15 +46,15 @@ def straight_hole(inclination: float = 0.0, end: float = LENGTH + 20) -> dict:
 
 
 def hung(string: list | None = None, modulus: float = STIFF, stiff: bool = True, fluid: dict | None = None, hole: dict | None = None,
-         **keys) -> tuple[Scene, StaticState, dict]:
-    """Scene, state and summary of a string that hangs at rest, its upper end clamped."""
+         **keys) -> tuple[DrillingModel, StaticState, dict]:
+    """DrillingModel, state and summary of a string that hangs at rest, its upper end clamped."""
     mud = {"density": MUD, "bulk_modulus": modulus, "elastic_walls": not stiff, "rheology": {"model": "newtonian", "viscosity": 0.0}}
     case = {"string": string or [piece(stiff=stiff)], "top": "clamped", "bottom": "free", "gravity": G, "fluid": mud | (fluid or {})}
     if case["fluid"].get("annulus", True):
         case["well"] = hole or straight_hole()
-    scene = build_scene(Case(**(case | keys)))
-    state = find_equilibrium(scene)
-    return scene, state, static_summary(scene, state)
+    model = build_model(Case(**(case | keys)))
+    state = find_equilibrium(model)
+    return model, state, static_summary(model, state)
 
 
 def pressure(modulus: float, depth: float = LENGTH) -> float:
@@ -62,8 +62,8 @@ def pressure(modulus: float, depth: float = LENGTH) -> float:
     return -modulus * np.log1p(-MUD * G * depth / modulus)
 
 
-def column(scene: Scene, state: StaticState, name: str) -> np.ndarray:
-    columns, table = static_table(scene, state)
+def column(model: DrillingModel, state: StaticState, name: str) -> np.ndarray:
+    columns, table = static_table(model, state)
     return table[:, [c for c, _ in columns].index(name)]
 
 
@@ -75,7 +75,7 @@ def test_hook_load_of_a_stiff_string(plugged, inclination, modulus):
     """F08: W - p_b A_s with an open end (222.1128 kN vertical, incompressible; 222.018 kN at 2.5 GPa), W - p_b A_o plugged and empty
     (113.0693 kN); in a frictionless hole of 60 degrees the components along it, and across the weight less the mud displaced."""
     tilt = np.radians(inclination)
-    scene, _, figures = hung(modulus=modulus, hole=straight_hole(tilt), bottom={"kind": "free", "plugged": plugged},
+    model, _, figures = hung(modulus=modulus, hole=straight_hole(tilt), bottom={"kind": "free", "plugged": plugged},
                              string=[piece(elements=50)])
     area = OUTER if plugged else METAL
     exact = WEIGHT * np.cos(tilt) - pressure(modulus, LENGTH * np.cos(tilt)) * area
@@ -84,7 +84,7 @@ def test_hook_load_of_a_stiff_string(plugged, inclination, modulus):
     assert figures["hook_load"] == pytest.approx(exact, rel=1e-6)
     assert figures["bit_pressure"] == pytest.approx(pressure(modulus, LENGTH * np.cos(tilt)), rel=1e-6)  # at the hole's axis
     if inclination and modulus == STIFF:
-        side = scene.contact.report(scene.model.assembly)[0][:, 0].sum()
+        side = model.contact.report(model.system.assembly)[0][:, 0].sum()
         assert side == pytest.approx((WEIGHT - MUD * G * area * LENGTH) * np.sin(tilt), rel=1e-6)
 
 
@@ -111,10 +111,10 @@ def test_hook_load_with_mud_inside_only():
 def test_collars_and_pipe_lose_the_mud_they_displace():
     """Two sizes of pipe in still mud, shoulders included: sum of W (1 - rho/rho_s), and the wall tension at the end is -p A_s there."""
     string = [piece(800.0, 32), piece(200.0, 8, od=0.1715, bore=0.0714)]
-    scene, state, figures = hung(string)
+    model, state, figures = hung(string)
     collar = np.pi / 4 * (0.1715**2 - 0.0714**2)
     assert figures["hook_load"] == pytest.approx((STEEL - MUD) * G * (METAL * 800 + collar * 200), rel=1e-6)
-    assert column(scene, state, "axial_force")[-1] == pytest.approx(-MUD * G * LENGTH * collar, rel=1e-6)
+    assert column(model, state, "axial_force")[-1] == pytest.approx(-MUD * G * LENGTH * collar, rel=1e-6)
 
 
 def test_hook_load_in_a_curved_hole():
@@ -135,9 +135,9 @@ def test_hook_load_in_a_curved_hole():
 @pytest.mark.parametrize("plugged", [False, True])
 def test_buoyancy_across_an_inclined_string(plugged):
     """20 m between hinges at 60 degrees, off the wall: the side reactions carry (m + rho A_i - rho A_o) g L sin I (plugged: no rho A_i)."""
-    scene, _, _ = hung([piece(20.0, 8)], hole=straight_hole(np.pi / 3), contact="none", top="pinned",
+    model, _, _ = hung([piece(20.0, 8)], hole=straight_hole(np.pi / 3), contact="none", top="pinned",
                        bottom={"kind": "pinned", "plugged": plugged})
-    sides = np.array([[scene.model.reaction(f"{end}.side_reaction_{k}") for k in (1, 2)] for end in ("top", "bottom")]).sum(axis=0)
+    sides = np.array([[model.system.reaction(f"{end}.side_reaction_{k}") for k in (1, 2)] for end in ("top", "bottom")]).sum(axis=0)
     line = STEEL * METAL - MUD * OUTER + (0.0 if plugged else MUD * BORE)
     assert np.linalg.norm(sides) == pytest.approx(line * G * 20.0 * np.sin(np.pi / 3), rel=1e-5)
 
@@ -147,21 +147,21 @@ def test_buoyancy_across_an_inclined_string(plugged):
 def test_effective_tension_falls_by_the_buoyed_weight(modulus, plugged):
     """dT_eff/ds = -(rho_s A_s + rho_i A_i - rho_o A_o) g with the mud's density at its depth; hook load at the top, 0 at the end, open or
     plugged (fluid.md 4.4)."""
-    scene, state, figures = hung(modulus=modulus, bottom={"kind": "free", "plugged": plugged})
-    tension, s = column(scene, state, "effective_tension"), scene.mesh.node_depth
+    model, state, figures = hung(modulus=modulus, bottom={"kind": "free", "plugged": plugged})
+    tension, s = column(model, state, "effective_tension"), model.mesh.node_depth
     bore = 0.0 if plugged else BORE
     below = np.array([pressure(modulus) - pressure(modulus, z) for z in s])
     exact = STEEL * METAL * G * (LENGTH - s) - below * (OUTER - bore)
     assert tension == pytest.approx(exact, abs=1e-6 * WEIGHT)
     assert tension[0] == pytest.approx(figures["hook_load"], rel=1e-6)
-    assert column(scene, state, "axial_force")[-1] == pytest.approx(-pressure(modulus) * (OUTER - bore), rel=1e-6)
+    assert column(model, state, "axial_force")[-1] == pytest.approx(-pressure(modulus) * (OUTER - bore), rel=1e-6)
 
 
 @pytest.mark.parametrize("plugged", [False, True])
 def test_effective_tension_with_elastic_walls(plugged):
     """The same where walls give way: T_wall = EA eps + 2 nu (p_i A_i - p_o A_o) (fluid.md 4.4), T_eff(L) = 0."""
-    scene, state, figures = hung(stiff=False, bottom={"kind": "free", "plugged": plugged})
-    tension = column(scene, state, "effective_tension")
+    model, state, figures = hung(stiff=False, bottom={"kind": "free", "plugged": plugged})
+    tension = column(model, state, "effective_tension")
     assert tension[0] == pytest.approx(figures["hook_load"], rel=1e-6)
     assert tension[-1] == pytest.approx(0.0, abs=1e-4 * WEIGHT)
 
@@ -193,9 +193,9 @@ def test_hook_load_under_circulation(rate):
     change = -np.pi / 4 * OD * HOLE * friction - MUD * rate**2 / nozzles
     string, fluid = [piece(), bit(nozzles)], {"rheology": MUD_OF_TABLE}
     still = hung(string, fluid=fluid)[2]["hook_load"]
-    scene, state, figures = hung(string, fluid={**fluid, "flow_rate": rate})
+    model, state, figures = hung(string, fluid={**fluid, "flow_rate": rate})
     assert figures["hook_load"] - still == pytest.approx(change, rel=1e-6)
-    tension = column(scene, state, "effective_tension")
+    tension = column(model, state, "effective_tension")
     turned = MUD * rate**2 / BORE  # the swivel also turns the flow: hook load = T_eff - rho A_i U^2
     assert tension[0] - turned == pytest.approx(figures["hook_load"], rel=1e-6)
     assert tension[-1] - turned == pytest.approx(-MUD * rate**2 / nozzles, rel=1e-4)
@@ -205,8 +205,8 @@ def test_hook_load_under_circulation(rate):
 def test_hook_load_under_circulation_of_compressible_mud(rate):
     """Balance of momentum of string and bore's mud: hook = W + g M_i - p_b A_o - pi D_o tau L - (rho_0 q)^2/(rho_b A_n), and of the
     annulus' mud: p_b A_a = g M_a + pi (D_o + D_w) tau L; M_i, M_a the masses that the channels hold."""
-    scene, _, figures = hung([piece(), bit(380e-6)], modulus=2.5e9, fluid={"rheology": MUD_OF_TABLE, "flow_rate": rate})
-    inside, around = (MUD * channel.figures(scene.model.assembly)[:, 4].sum() for channel in (scene.fluid.pipe, scene.fluid.annulus))
+    model, _, figures = hung([piece(), bit(380e-6)], modulus=2.5e9, fluid={"rheology": MUD_OF_TABLE, "flow_rate": rate})
+    inside, around = (MUD * channel.figures(model.system.assembly)[:, 4].sum() for channel in (model.fluid.bore, model.fluid.annulus))
     shear = (figures["bit_pressure"] * (OPEN - OUTER) - G * around) / (OD + HOLE) * OD
     thrust = MUD * rate**2 / 380e-6 * np.exp(-figures["bit_pressure"] / 2.5e9)
     exact = WEIGHT + G * inside - figures["bit_pressure"] * OUTER - shear - thrust
@@ -217,9 +217,9 @@ def test_hook_load_under_circulation_of_compressible_mud(rate):
 def test_open_end_has_no_thrust():
     """Inviscid flow out of the open bore takes the momentum that it brought: T_eff = 0 there, and the swivel's rho A_i U^2 is all."""
     rate = 0.03
-    scene, state, figures = hung(fluid={"flow_rate": rate})
+    model, state, figures = hung(fluid={"flow_rate": rate})
     assert figures["hook_load"] == pytest.approx(WEIGHT * (1 - MUD / STEEL) - MUD * rate**2 / BORE, rel=1e-7)
-    assert column(scene, state, "effective_tension")[-1] == pytest.approx(0.0, abs=1e-6 * WEIGHT)
+    assert column(model, state, "effective_tension")[-1] == pytest.approx(0.0, abs=1e-6 * WEIGHT)
 
 
 # ---------------------------------------------------------------------- rigid items
@@ -234,8 +234,8 @@ def test_rigid_items_lose_the_mud_they_displace(below, plugged):
     """Metal of a rigid item is its mass over its density; open, hook load is the sum of W (1 - rho/rho_s) whatever the bores, as these are
     full of mud; plugged and empty, the bores are displaced, too.  A bit at the end is solid."""
     string = [piece(300.0, 12), *below, piece(300.0, 12), SHORT_BIT]
-    scene, _, figures = hung(string, bottom={"kind": "free", "plugged": plugged})
-    masses = [item.mass for item in scene.case.string if item.kind not in ("beam",)]
+    model, _, figures = hung(string, bottom={"kind": "free", "plugged": plugged})
+    masses = [item.mass for item in model.case.string if item.kind not in ("beam",)]
     exact = (sum(masses) + STEEL * METAL * 600.0) * G * (1 - MUD / STEEL)
     empty = BORE * 600.0 + sum(np.pi / 4 * item["id"] ** 2 * item["length"] for item in below)
     assert figures["hook_load"] == pytest.approx(exact - (MUD * G * empty if plugged else 0.0), rel=1e-6)
@@ -251,8 +251,8 @@ def test_rigid_item_of_another_bore_between_pumped_pipes():
 def test_weight_of_mud_in_a_rigid_item_acts_across_too():
     """The string between hinges at 60 degrees with a rigid item inside it: side reactions carry all the buoyed weight."""
     string = [piece(10.0, 4), STABILIZER, piece(10.0, 4)]
-    scene, _, _ = hung(string, hole=straight_hole(np.pi / 3), contact="none", top="pinned", bottom="pinned")
-    sides = np.array([[scene.model.reaction(f"{end}.side_reaction_{k}") for k in (1, 2)] for end in ("top", "bottom")]).sum(axis=0)
+    model, _, _ = hung(string, hole=straight_hole(np.pi / 3), contact="none", top="pinned", bottom="pinned")
+    sides = np.array([[model.system.reaction(f"{end}.side_reaction_{k}") for k in (1, 2)] for end in ("top", "bottom")]).sum(axis=0)
     mass = 300.0 + STEEL * METAL * 20.0
     assert np.linalg.norm(sides) == pytest.approx(mass * (1 - MUD / STEEL) * G * np.sin(np.pi / 3), rel=1e-5)
 

@@ -10,11 +10,11 @@ import pytest
 from drillpetsc import Case
 from drillpetsc.analysis.equilibrium import find_equilibrium, move_rigidly, release
 from drillpetsc.analysis.quasi_static import QuasiStatic
-from drillpetsc.analysis.transient import make_dynamics
-from drillpetsc.model.drilling_model import Scene, build_scene
+from drillpetsc.analysis.transient import make_integrator
+from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.petsc_options import applied
-from drillpetsc.solvers.time_integrator import Dynamics
+from drillpetsc.solvers.time_integrator import TimeIntegrator
 
 GRAVITY, STEEL = 9.80665, 7850.0
 PIPE, COLLAR = (0.127, 0.1086), (0.1715, 0.0714)  # outer and inner diameter [m]
@@ -31,8 +31,8 @@ class Run(NamedTuple):
     the hole [m].
     """
 
-    scene: Scene
-    dynamics: Dynamics
+    model: DrillingModel
+    integrator: TimeIntegrator
     t: np.ndarray
     hook: np.ndarray
     weight: np.ndarray
@@ -59,25 +59,25 @@ def case(inclination: float | list[float], mode: str, end: float, *, wob: float 
 def follow(case: Case) -> Run:
     """Run a case as ``drillpetsc run`` does, without its files."""
     with applied(case.petsc):
-        scene = build_scene(case)
-        quasi = QuasiStatic(scene) if case.time.mode == "quasi_static" else None  # type: ignore[union-attr]
-        dynamics, recorder, state = make_dynamics(scene, quasi), Recorder(scene), find_equilibrium(scene)
+        model = build_model(case)
+        quasi = QuasiStatic(model) if case.time.mode == "quasi_static" else None  # type: ignore[union-attr]
+        integrator, recorder, state = make_integrator(model, quasi), Recorder(model), find_equilibrium(model)
         if quasi is not None:
             quasi.begin(share=state.side)
         else:
-            release(scene)
-            move_rigidly(scene)
+            release(model)
+            move_rigidly(model)
         rows: list[np.ndarray] = []
 
         def look(t: float, dt: float) -> None:
-            v, bit = recorder.sample(t), scene.drilling
+            v, bit = recorder.sample(t), model.drilling
             assert bit is not None
-            rows.append(np.array([t, v[0], v[2], v[1], v[3], v[10], *scene.model.field("hole.end")[-1]]))
+            rows.append(np.array([t, v[0], v[2], v[1], v[3], v[10], *model.system.field("hole.end")[-1]]))
 
-        dynamics.after_step.append(look)
-        dynamics.run(0.0, case.time.end, scene.breaks)  # type: ignore[union-attr]
+        integrator.after_step.append(look)
+        integrator.run(0.0, case.time.end, model.breaks)  # type: ignore[union-attr]
     q = np.array(rows).T
-    return Run(scene, dynamics, q[0], q[1], q[2], q[3:5].T, q[5], q[6:].T)
+    return Run(model, integrator, q[0], q[1], q[2], q[3:5].T, q[5], q[6:].T)
 
 
 def section(diameters: tuple[float, float]) -> float:
@@ -99,16 +99,16 @@ def test_without_inertia_drills_as_the_mean_of_the_motion(mud: dict[str, Any]) -
 
     def both(of: str) -> tuple[float, float]:
         ours = getattr(moving, of)[late]
-        theirs = np.interp(moving.t[late], still.t, getattr(still, of))
-        return float(ours @ span / span.sum()), float(theirs @ span / span.sum())
+        petsc_names = np.interp(moving.t[late], still.t, getattr(still, of))
+        return float(ours @ span / span.sum()), float(petsc_names @ span / span.sum())
 
     assert moving.weight[-1] > 1.08 * 60e3
     for of in ("hook", "weight"):
-        ours, theirs = both(of)
-        assert ours == pytest.approx(theirs, abs=3e-3 * 60e3), of
+        ours, petsc_names = both(of)
+        assert ours == pytest.approx(petsc_names, abs=3e-3 * 60e3), of
     for k in (0, 1):
-        theirs = np.interp(moving.t[late], still.t, still.torque[:, k])
-        assert moving.torque[late, k] @ span == pytest.approx(theirs @ span, rel=5e-3)
+        petsc_names = np.interp(moving.t[late], still.t, still.torque[:, k])
+        assert moving.torque[late, k] @ span == pytest.approx(petsc_names @ span, rel=5e-3)
     assert moving.drilled[-1] == pytest.approx(still.drilled[-1], abs=3e-3 * moving.drilled[-1])
     assert moving.end[-1] == pytest.approx(still.end[-1], abs=5e-3 * moving.drilled[-1])
     assert len(still.t) < 0.2 * len(moving.t)
@@ -151,11 +151,11 @@ def test_side_friction_takes_its_part_of_the_weight_when_sliding() -> None:
     formation = {"drillability": 2.8e-8, "rotary_exponent": 0.0}
     top = {"kind": "top_drive", "rotation": 0.0, "lowering": TEN_METRES_AN_HOUR}
     run = follow(case(np.pi / 6, "quasi_static", 60.0, wob=20e3, formation=formation, top=top))
-    scene = run.scene
-    assert scene.contact is not None and scene.drilling is not None
+    model = run.model
+    assert model.contact is not None and model.drilling is not None
     weight = GRAVITY * (STEEL * (section(PIPE) * PIPE_LENGTH + section(COLLAR) * COLLAR_LENGTH) + BIT_MASS)
-    normal = sum(scene.contact.normal_force(e) for e in range(len(scene.mesh.lower)))
-    normal += scene.drilling.figures(scene.model.assembly)[3]
+    normal = sum(model.contact.normal_force(e) for e in range(len(model.mesh.lower)))
+    normal += model.drilling.figures(model.system.assembly)[3]
     assert normal == pytest.approx(weight * 0.5, rel=0.03)
     assert run.drilled[-1] > 0.05
     assert run.hook[-1] + run.weight[-1] == pytest.approx(weight * np.cos(np.pi / 6) - 0.25 * normal, rel=1e-3)

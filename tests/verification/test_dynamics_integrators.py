@@ -10,7 +10,7 @@ from petsc4py import PETSc
 from drillpetsc import Case, run
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.physics.beam import Beam
-from drillpetsc.solvers.first_order_system import PlainSystem
+from drillpetsc.solvers.first_order_system import FirstOrderSystem
 from tests.helpers.motion import beam, fixed, integrate, straight
 from tests.helpers.scenes import KINDS, SHIFT, build
 
@@ -21,16 +21,16 @@ PLAIN = {"snes_type": "newtonls", "ksp_type": "preonly", "pc_type": "lu"}
 @pytest.mark.parametrize("kind", KINDS)
 def test_plain_jacobian_matches_central_differences(kind):
     """dF/dx + shift dF/dxdot of the whole system against fourth-order differences of its own residual."""
-    model, t = build(kind), 0.4
-    plain, state, rate = PlainSystem(model), model.new_state(), model.new_state()
-    rng, n = np.random.default_rng(5), model.new_state().getLocalSize()
-    model.assembly.condense(SHIFT)
-    model.store_state(state)
+    system, t = build(kind), 0.4
+    plain, state, rate = FirstOrderSystem(system), system.new_state(), system.new_state()
+    rng, n = np.random.default_rng(5), system.new_state().getLocalSize()
+    system.assembly.condense(SHIFT)
+    system.store_state(state)
     rate.getArray()[:] = rng.standard_normal(n)
     x0, v0 = state.getArray().copy(), rate.getArray().copy()
     plain.jacobian(None, t, state, rate, SHIFT, plain.matrix, plain.matrix)
     J = plain.matrix.convert("dense").getDenseArray().copy()
-    f = model.new_state()
+    f = system.new_state()
 
     def rows(step):
         state.getArray()[:], rate.getArray()[:] = x0 + step, v0 + SHIFT * step
@@ -58,10 +58,10 @@ def swinging():
 
 def swung(options: dict) -> tuple[np.ndarray, float, object]:
     """Position and spin of the lower end after END, angle of the top there, and the integrator."""
-    scene = swinging()
-    dynamics = integrate(scene.model, END, options, breaks=scene.breaks)
-    m = scene.model
-    return np.append(m.field("string.position")[-1], m.field("string.spin")[-1]), float(m.field("string.spin")[0, 0]), dynamics
+    model = swinging()
+    integrator = integrate(model.system, END, options, breaks=model.breaks)
+    m = model.system
+    return np.append(m.field("string.position")[-1], m.field("string.spin")[-1]), float(m.field("string.spin")[0, 0]), integrator
 
 
 @pytest.fixture(scope="module")
@@ -107,9 +107,9 @@ def test_condensed_and_plain_newton_are_one_method():
 @pytest.mark.parametrize("kind", ["bdf", "arkimex", "rosw", "theta"])
 def test_adaptive_steps_of_other_integrators(reference, kind):
     """Error control works with the plain system: rows of rates and of prescribed components are left out of it."""
-    end, _, dynamics = swung({"ts_type": kind, "ts_rtol": 1e-4, **PLAIN})
+    end, _, integrator = swung({"ts_type": kind, "ts_rtol": 1e-4, **PLAIN})
     assert np.abs(end - reference).max() < 2e-3
-    assert 10 < dynamics.counters.steps < 2000
+    assert 10 < integrator.counters.steps < 2000
 
 
 @pytest.mark.parametrize("name", ["q_snes_type newtonls", "q_snes_linesearch_type bt", "q_pc_type lu", "ts_bdf_order 1"])
@@ -130,16 +130,16 @@ def test_integrators_that_cannot_treat_prescribed_rows_are_refused(kind, tmp_pat
 
 
 # ---------------------------------------------------------------------- steps that fail
-def spoil(model, every: int, room: str = "beam") -> list[int]:
+def spoil(system, every: int, component: str = "beam") -> list[int]:
     """Make the rows of a room's first element not a number in every ``every``-th evaluation; returns the counter of evaluations."""
-    ready, count = next(b for b in model.assembly.ready if b.block.name == room), [0]
+    ready, count = next(b for b in system.assembly.bound_blocks if b.block.name == component), [0]
     kernel, first = ready.residual, int(ready.index[0, 0])
 
     def spoilt(*arguments):
         kernel(*arguments)
         count[0] += 1
         if count[0] % every == 0:
-            model.assembly.r[first] = np.nan
+            system.assembly.r[first] = np.nan
 
     ready.residual = spoilt
     return count
@@ -151,31 +151,31 @@ def test_a_step_that_fails_is_cut_not_accepted(reference, plain, every):
 
     (Every 41st with newtonls, whose line search spends more evaluations on a step and survives some of the failures.)
     """
-    scene, taken = swinging(), []
-    count = spoil(scene.model, every)
-    dynamics = integrate(scene.model, END, {"ts_rtol": 1e-4, **(PLAIN if plain else {})}, lambda t, dt: taken.append(t), scene.breaks)
-    assert count[0] > 500 and dynamics.failure_count() > count[0] / every / 4
+    model, taken = swinging(), []
+    count = spoil(model.system, every)
+    integrator = integrate(model.system, END, {"ts_rtol": 1e-4, **(PLAIN if plain else {})}, lambda t, dt: taken.append(t), model.breaks)
+    assert count[0] > 500 and integrator.failure_count() > count[0] / every / 4
     assert np.all(np.diff(taken) > 0) and taken[-1] == pytest.approx(END)
-    end = np.append(scene.model.field("string.position")[-1], scene.model.field("string.spin")[-1])
+    end = np.append(model.system.field("string.position")[-1], model.system.field("string.spin")[-1])
     assert np.abs(end - reference).max() < 1e-3
 
 
 @pytest.mark.parametrize("plain", [False, True])
 def test_a_run_that_cannot_go_on_says_where(plain):
     """From 0.05 s on the second element's rows are not a number: the error names time, room, element and measured depth."""
-    scene = swinging()
-    model = scene.model
-    ready, now = next(b for b in model.assembly.ready if b.block.name == "beam"), [0.0]
+    model = swinging()
+    system = model.system
+    ready, now = next(b for b in system.assembly.bound_blocks if b.block.name == "beam"), [0.0]
 
     def update(t):
         ready.block.params[1, 0] = np.nan if t > 0.05 else 0.125
 
     ready.block.update = update
     with pytest.raises(SolveError) as caught:
-        integrate(model, END, {"ts_rtol": 1e-4, **(PLAIN if plain else {})}, lambda t, dt: now.__setitem__(0, t), scene.breaks)
+        integrate(system, END, {"ts_rtol": 1e-4, **(PLAIN if plain else {})}, lambda t, dt: now.__setitem__(0, t), model.breaks)
     error = caught.value
     assert error.time == pytest.approx(0.05, abs=1e-3) and error.time == now[0]
-    assert (error.room, error.element, error.measured_depth) == ("beam", 1, pytest.approx(0.125))
+    assert (error.component, error.element, error.measured_depth) == ("beam", 1, pytest.approx(0.125))
 
 
 def test_a_run_that_fails_keeps_what_it_wrote(tmp_path, monkeypatch):
@@ -197,7 +197,7 @@ def test_a_run_that_fails_keeps_what_it_wrote(tmp_path, monkeypatch):
     monkeypatch.setattr(Beam, "blocks", broken)
     with pytest.raises(SolveError) as caught:
         run(case, out=tmp_path / "out", progress="silent")
-    assert caught.value.exit_status == 1 and caught.value.room == "beam"
+    assert caught.value.exit_status == 1 and caught.value.component == "beam"
     times = np.loadtxt(tmp_path / "out" / "history.csv", delimiter=",", skiprows=1)[:, 0]
     assert 0.25 < times[-1] <= 0.3 + 1e-9
 

@@ -11,25 +11,25 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from drillpetsc import Case, run
-from drillpetsc.fem.component import Prescribed
+from drillpetsc.fem.component import PrescribedMotion
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.contact import Contact, ContactLaw
-from drillpetsc.physics.rigid_bodies import Bodies, Passive
+from drillpetsc.physics.rigid_bodies import ComponentBase, RigidBodies
 from tests.helpers import moving
 from tests.helpers.motion import beam, fixed, integrate, straight, watched
 
 
-def rod(model) -> tuple[np.ndarray, np.ndarray]:
+def rod(system) -> tuple[np.ndarray, np.ndarray]:
     """Momentum [kg m/s] and angular momentum [kg m2/s] of a string without bodies."""
-    asm, place = model.assembly, model.layout.place
+    asm, place = system.assembly, system.layout.dofs
     x, y, a = asm.x.copy(), asm.y.copy(), asm.a.copy()
     asm.a[:], asm.y[:] = y, 0.0
     with_inertia = asm.residual(0.0).copy()
     asm.a[:] = 0.0
     p = with_inertia - asm.residual(0.0)
     asm.x[:], asm.y[:], asm.a[:] = x, y, a
-    r, v = model.field("string.position"), model.field("string.tangent")
+    r, v = system.field("string.position"), system.field("string.tangent")
     linear, slope, spin = (p[place[f"string.{k}"]] for k in ("position", "tangent", "spin"))
     t = v / np.linalg.norm(v, axis=1)[:, None]
     return linear.sum(axis=0), (np.cross(r, linear) + np.cross(v, slope) + spin * t).sum(axis=0)
@@ -38,21 +38,21 @@ def rod(model) -> tuple[np.ndarray, np.ndarray]:
 # ---------------------------------------------------------------------- free motion
 def tumble(step: float, end: float) -> tuple[float, float, float]:
     """A stiff free string that tumbles and spins, no forces: change of momentum, relative ones of energy and angular momentum."""
-    scene = straight(string=[beam(2.0, 6, 1e7, 4e3, 30.0, 1.0, 0.05)], top="free", bottom="free", gravity=0.0)
-    m = scene.model
+    model = straight(string=[beam(2.0, 6, 1e7, 4e3, 30.0, 1.0, 0.05)], top="free", bottom="free", gravity=0.0)
+    m = model.system
     turn = np.array([1.0, 2.0, 0.0])
-    m.set_field("string.position", np.cross(turn, scene.position - [0, 0, 1.0]) + [0.3, -0.2, 0.1], "y")
-    m.set_field("string.tangent", np.cross(turn, scene.tangent), "y")
+    m.set_field("string.position", np.cross(turn, model.position - [0, 0, 1.0]) + [0.3, -0.2, 0.1], "y")
+    m.set_field("string.tangent", np.cross(turn, model.tangent), "y")
     m.set_field("string.spin", np.full((7, 1), 5.0), "y")
-    (p, h), energy, gauge = rod(m), sum(m.energies(0.0)), m.frames.gauge.copy()
+    (p, h), energy, reference = rod(m), sum(m.energies(0.0)), m.frames.reference.copy()
     integrate(m, end, fixed(step, q_snes_stol=1e-10))
-    assert np.any(m.frames.gauge != gauge) == (end > 1.0)  # gauges are renewed beyond 120 degrees
+    assert np.any(m.frames.reference != reference) == (end > 1.0)  # reference frames are renewed beyond 120 degrees
     q, k = rod(m)
     return float(np.abs(q - p).max()), abs(sum(m.energies(end)) / energy - 1), float(np.linalg.norm(k - h) / np.linalg.norm(h))
 
 
 def test_free_tumbling_string_keeps_momentum_and_nearly_energy():
-    """Momentum to rounding (a linear invariant of BDF); energy and angular momentum drift with order 2, also past renewals of gauges."""
+    """Momentum to rounding (a linear invariant of BDF); energy and angular momentum drift with order 2, also past renewals of reference frames."""
     runs = np.array([tumble(h, 0.8) for h in (0.01, 0.005, 0.0025)])
     assert np.all(runs[:, 0] < 1e-10)
     assert np.log2(runs[:-1, 1:] / runs[1:, 1:]) == pytest.approx(2.0, abs=0.15)
@@ -79,10 +79,10 @@ def pendulum():
 @pytest.fixture(scope="module")
 def independent() -> np.ndarray:
     """Tip of the pendulum after SWING by DOP853 on M a = -R(x, y, a = 0), written out here without the time integration of the package."""
-    m = pendulum().model
+    m = pendulum().system
     asm, layout = m.assembly, m.layout
     M = moving.matrices(m)[2]
-    held = np.concatenate([f.rows[np.any(f.D != 0, axis=0)] for f in asm.fixed])
+    held = np.concatenate([f.rows[np.any(f.D != 0, axis=0)] for f in asm.row_replacements])
     free = np.setdiff1d(np.arange(layout.size), held)
     inverse, n = np.linalg.inv(M[np.ix_(free, free)]), len(free)
 
@@ -100,9 +100,9 @@ def independent() -> np.ndarray:
 
 def swing_error(exact: np.ndarray, options: dict) -> tuple[float, int]:
     """Error of the tip over the length, and the number of steps."""
-    scene = pendulum()
-    dynamics = integrate(scene.model, SWING, options, breaks=scene.breaks)
-    return float(np.linalg.norm(scene.model.field("string.position")[-1] - exact) / 0.5), dynamics.counters.steps
+    model = pendulum()
+    integrator = integrate(model.system, SWING, options, breaks=model.breaks)
+    return float(np.linalg.norm(model.system.field("string.position")[-1] - exact) / 0.5), integrator.counters.steps
 
 
 def test_flexible_pendulum_converges_with_order_two(independent):
@@ -125,9 +125,9 @@ def test_torsional_frequencies_with_a_heavy_bit():
     bit = {"kind": "body", "length": 0.0, "mass": 1.0, "inertia": {"axial": 300.0, "transverse": 1.0}}
     m = straight(
         string=[pipe, bit], top="clamped", bottom="free", gravity=0.0, material={"young": 206e9, "poisson": 0.3, "density": 7850.0}
-    ).model
+    ).system
     K, _, M = moving.matrices(m)
-    spin = m.layout.place["string.spin"][1:, 0]
+    spin = m.layout.dofs["string.spin"][1:, 0]
     found = np.sqrt(scipy.linalg.eigh(K[np.ix_(spin, spin)], M[np.ix_(spin, spin)], eigvals_only=True)[:2]) / 2 / np.pi
     speed, share = np.sqrt(206e9 / 2.6 / 7850.0), 7850.0 * 2 * 5.941888e-6 * 2000.0 / 300.0
     exact = [brentq(lambda x: x * np.tan(x) - share, a + 1e-9, a + np.pi / 2 - 1e-9) * speed / 2000 / 2 / np.pi for a in (0.0, np.pi)]
@@ -163,7 +163,7 @@ LENGTH = 10.0
 OMEGA = (np.pi / LENGTH) ** 2 * np.sqrt(1e4 / 10.0)  # first mode, hinged ends
 
 
-class Spinning(Passive):
+class Spinning(ComponentBase):
     """A node that is kept in place (where ``held``) and turns at a given speed, free to tilt."""
 
     def __init__(self, vertex: int, position: np.ndarray, speed: float, held: bool = True):
@@ -172,7 +172,7 @@ class Spinning(Passive):
         start, rate = np.append(position, 0.0), np.array([0.0, 0.0, 0.0, speed])
         keep = slice(None) if held else slice(3, 4)
         names = ("x", "y", "z", "torque")[keep]
-        self._condition = Prescribed(vertex, D[keep], lambda t: (start + rate * t)[keep], lambda t: rate[keep], names)
+        self._condition = PrescribedMotion(vertex, D[keep], lambda t: (start + rate * t)[keep], lambda t: rate[keep], names)
 
     def prescribed(self):
         return (self._condition,)
@@ -181,40 +181,40 @@ class Spinning(Passive):
 def hinged_shaft(n: int, speed: float, eccentricity: np.ndarray | None = None, **damping):
     """Shaft that turns between hinges; spin already there."""
     mesh = uniform_string(LENGTH, n, **SHAFT, **damping)
-    rooms = [lambda f, p, t: Spinning(0, p[0], speed), lambda f, p, t: Spinning(n, p[n], speed)]
+    components = [lambda f, p, t: Spinning(0, p[0], speed), lambda f, p, t: Spinning(n, p[n], speed)]
     if eccentricity is not None:
         mesh = replace(mesh, eccentricity=np.column_stack([eccentricity, 0 * eccentricity]))
-        rooms.append(lambda f, p, t: Bodies(mesh, f, np.zeros(3)))
-    model = moving.straight_model(mesh, rooms)
-    model.set_field("string.spin", np.full((n + 1, 1), speed), "y")
-    return model
+        components.append(lambda f, p, t: RigidBodies(mesh, f, np.zeros(3)))
+    system = moving.straight_model(mesh, components)
+    system.set_field("string.spin", np.full((n + 1, 1), speed), "y")
+    return system
 
 
-def bend(model, x: float, y: float, what: str) -> None:
+def bend(system, x: float, y: float, what: str) -> None:
     """Add the first mode with mid-span amplitudes x, y to positions (what = "x") or rates ("y")."""
-    s, k = model.mesh.node_depth, np.pi / LENGTH
+    s, k = system.mesh.node_depth, np.pi / LENGTH
     side = np.array([[x, y, 0.0]])
-    model.set_field("string.position", model.field("string.position", what) + np.sin(k * s)[:, None] * side, what)
-    model.set_field("string.tangent", model.field("string.tangent", what) + k * np.cos(k * s)[:, None] * side, what)
+    system.set_field("string.position", system.field("string.position", what) + np.sin(k * s)[:, None] * side, what)
+    system.set_field("string.tangent", system.field("string.tangent", what) + k * np.cos(k * s)[:, None] * side, what)
 
 
-def orbit(model, n: int) -> float:
-    return float(np.hypot(*model.field("string.position")[n // 2, :2]))
+def orbit(system, n: int) -> float:
+    return float(np.hypot(*system.field("string.position")[n // 2, :2]))
 
 
 def growth(speed: float, turns: float, **damping) -> float:
     """Growth rate of the amplitude of forward whirl in the first mode [1/s]: log of sqrt(x^2 + (x'/omega)^2) over some turns."""
     n = 8
-    model = hinged_shaft(n, speed, **damping)
-    bend(model, 1e-4, 0.0, "x")
-    bend(model, 0.0, 1e-4 * OMEGA, "y")
+    system = hinged_shaft(n, speed, **damping)
+    bend(system, 1e-4, 0.0, "x")
+    bend(system, 0.0, 1e-4 * OMEGA, "y")
 
     def size():
-        x, u = (model.field("string.position", w)[n // 2, :2] for w in ("x", "y"))
+        x, u = (system.field("string.position", w)[n // 2, :2] for w in ("x", "y"))
         return np.sqrt(x @ x + u @ u / OMEGA**2)
 
     first, end = size(), turns * 2 * np.pi / OMEGA
-    integrate(model, end, fixed(0.02 / OMEGA, q_snes_stol=1e-10))
+    integrate(system, end, fixed(0.02 / OMEGA, q_snes_stol=1e-10))
     return float(np.log(size() / first) / end)
 
 
@@ -233,12 +233,12 @@ def test_synchronous_whirl_amplitude(ratio):
     """Eccentricity e sin(pi s/L), which is the first mode: started on the orbit e q/(1 - q), q = (Omega/omega)^2, the shaft stays on it."""
     n, e, speed = 32, 1e-3, ratio * OMEGA
     q = ratio**2
-    model = hinged_shaft(n, speed, e * np.sin(np.pi * (np.arange(n) + 0.5) / n))
+    system = hinged_shaft(n, speed, e * np.sin(np.pi * (np.arange(n) + 0.5) / n))
     amplitude, watched = e * q / (1 - q), []
-    second = model.frames.second[0]  # the eccentricity points this way at t = 0
-    bend(model, *(amplitude * second[:2]), "x")
-    bend(model, *(speed * amplitude * np.array([-second[1], second[0]])), "y")
-    integrate(model, 3 * 2 * np.pi / OMEGA, fixed(0.02 / OMEGA), lambda t, dt: watched.append(orbit(model, n)))
+    second = system.frames.second[0]  # the eccentricity points this way at t = 0
+    bend(system, *(amplitude * second[:2]), "x")
+    bend(system, *(speed * amplitude * np.array([-second[1], second[0]])), "y")
+    integrate(system, 3 * 2 * np.pi / OMEGA, fixed(0.02 / OMEGA), lambda t, dt: watched.append(orbit(system, n)))
     assert np.array(watched) == pytest.approx(abs(amplitude), rel=0.01)
 
 
@@ -247,7 +247,7 @@ def hole(radius: float, friction: float) -> Well:
     return Well.from_survey(np.array([0.0, 50.0]), np.zeros(2), np.zeros(2), [50.0], [radius], [friction])
 
 
-def block(well: Well, law: ContactLaw, radius: float, rooms=(), mass: float = 25.0, polar: float = 0.1):
+def block(well: Well, law: ContactLaw, radius: float, components=(), mass: float = 25.0, polar: float = 0.1):
     """A stiff piece of 1 m in a vertical hole."""
     mesh = uniform_string(
         1.0,
@@ -259,15 +259,15 @@ def block(well: Well, law: ContactLaw, radius: float, rooms=(), mass: float = 25
         polar_inertia=polar,
         outer_diameter=2 * radius,
     )
-    return moving.straight_model(mesh, [*rooms, lambda f, p, t: Contact(mesh, well, law)])
+    return moving.straight_model(mesh, [*components, lambda f, p, t: Contact(mesh, well, law)])
 
 
 def test_three_impacts_in_a_row():
     """P05: from 1 m/s, between the walls of a hole: .5, .33670, .25428."""
-    model = block(hole(0.102, 0.3), ContactLaw(restitution=0.5), 0.1)
-    model.set_field("string.position", np.tile([1.0, 0, 0], (2, 1)), "y")
+    system = block(hole(0.102, 0.3), ContactLaw(restitution=0.5), 0.1)
+    system.set_field("string.position", np.tile([1.0, 0, 0], (2, 1)), "y")
     watch = [lambda m, w=w: m.field("string.position", w)[0, 0] for w in "xy"]
-    rows = watched(model, 0.035, lambda m: [f(m) for f in watch], ts_rtol=1e-6, ts_dt=1e-5)
+    rows = watched(system, 0.035, lambda m: [f(m) for f in watch], ts_rtol=1e-6, ts_dt=1e-5)
     flight = (rows[:-1, 1] * rows[1:, 1] < 0).nonzero()[0]  # steps across the middle of the hole
     assert np.abs(rows[flight, 2]) == pytest.approx([0.5, 0.33670, 0.25428], rel=0.01)
 
@@ -275,13 +275,13 @@ def test_three_impacts_in_a_row():
 def whirl(friction: float) -> tuple[float, float]:
     """Rate [rad/s] and orbit radius [m] of a shaft at 120 rpm that friction drives from half the rolling speed."""
     speed, pipe, wall = 4 * np.pi, 0.0857, 0.108
-    rooms = [lambda f, p, t, k=k: Spinning(k, p[k], speed, held=False) for k in (0, 1)]
-    model = block(hole(wall, friction), ContactLaw(slip_velocity=1e-3), pipe, rooms, mass=50.0)
+    components = [lambda f, p, t, k=k: Spinning(k, p[k], speed, held=False) for k in (0, 1)]
+    system = block(hole(wall, friction), ContactLaw(slip_velocity=1e-3), pipe, components, mass=50.0)
     start = wall - pipe
-    model.set_field("string.position", np.array([[start, 0, 0], [start, 0, 1.0]]))
-    model.set_field("string.position", np.tile([0, -0.5 * speed * pipe, 0], (2, 1)), "y")
-    model.set_field("string.spin", np.full((2, 1), speed), "y")
-    rows = watched(model, 0.8, lambda m: [*m.field("string.position")[0, :2], *m.field("string.position", "y")[0, :2]],
+    system.set_field("string.position", np.array([[start, 0, 0], [start, 0, 1.0]]))
+    system.set_field("string.position", np.tile([0, -0.5 * speed * pipe, 0], (2, 1)), "y")
+    system.set_field("string.spin", np.full((2, 1), speed), "y")
+    rows = watched(system, 0.8, lambda m: [*m.field("string.position")[0, :2], *m.field("string.position", "y")[0, :2]],
                             ts_rtol=1e-6, ts_dt=1e-5)
     _, x, y, u, v = rows[rows[:, 0] > 0.7].T
     radius = np.hypot(x, y)

@@ -9,7 +9,7 @@ import scipy.linalg
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.contact import Contact, ContactLaw, damping_factor
-from drillpetsc.physics.end_conditions import Held, Loads, NodeLoad
+from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad
 from tests.helpers.motion import watched
 from tests.helpers.moving import matrices, straight_model
 
@@ -22,15 +22,15 @@ def shaft(n: int, **more):
     return uniform_string(L, n, **SHAFT, **more)
 
 
-def _free(model) -> np.ndarray:
+def _free(system) -> np.ndarray:
     """Unknowns left by hinges at both ends that leave the direction free: no position of the ends, no spin of the top."""
-    place = model.layout.place
+    place = system.layout.dofs
     gone = {*place["string.position"][0], *place["string.position"][-1], place["string.spin"][0, 0]}
-    return np.array([i for i in range(model.layout.size) if i not in gone])
+    return np.array([i for i in range(system.layout.size) if i not in gone])
 
 
-def _roots(model) -> np.ndarray:
-    K, C, M = (A[np.ix_(_free(model), _free(model))] for A in matrices(model))
+def _roots(system) -> np.ndarray:
+    K, C, M = (A[np.ix_(_free(system), _free(system))] for A in matrices(system))
     n = len(K)
     A = np.block([[np.zeros((n, n)), np.eye(n)], [-K, -C]])
     B = np.block([[np.eye(n), np.zeros((n, n))], [np.zeros((n, n)), M]])
@@ -57,9 +57,9 @@ def _block(law: ContactLaw, speed: float):
     """A stiff piece of 1 m and 25 kg, radius 0.1 m, in a hole of radius 0.102 m, moving sideways."""
     mesh = uniform_string(1.0, 1, axial_stiffness=1e9, bending_stiffness=1e8, torsional_stiffness=1e8, mass=25.0, polar_inertia=0.1,
                           outer_diameter=0.2)
-    model = straight_model(mesh, [lambda f, p, t: Contact(mesh, HOLE, law)])
-    model.set_field("string.position", np.tile([speed, 0.0, 0.0], (2, 1)), "y")
-    return model
+    system = straight_model(mesh, [lambda f, p, t: Contact(mesh, HOLE, law)])
+    system.set_field("string.position", np.tile([speed, 0.0, 0.0], (2, 1)), "y")
+    return system
 
 
 @pytest.mark.parametrize("tolerance, share", [(1e-5, 0.005), (1e-4, 0.02)])
@@ -68,8 +68,8 @@ def _block(law: ContactLaw, speed: float):
 def test_restitution_of_an_impact(law, stiffness, restitution, tolerance, share):
     """P04: 25 kg at 1 m/s against 1e8 N/m (linear) or 1e9 N/m^1.5 (Hertz) with the factor from d(1+e) = ln((1+d)/(1-de)): rebound e, to
     0.5 % at -ts_rtol 1e-5; to 2 % at the default 1e-4."""
-    model = _block(ContactLaw(stiffness=stiffness, law=law, restitution=restitution, slip_velocity=1e-2), 1.0)
-    rows = watched(model, 0.0065, lambda m: m.field("string.position", "y")[0, 0], ts_rtol=tolerance)
+    system = _block(ContactLaw(stiffness=stiffness, law=law, restitution=restitution, slip_velocity=1e-2), 1.0)
+    rows = watched(system, 0.0065, lambda m: m.field("string.position", "y")[0, 0], ts_rtol=tolerance)
     assert rows[-1, 1] == pytest.approx(-restitution, rel=share)
 
 
@@ -77,11 +77,11 @@ def test_restitution_of_an_impact(law, stiffness, restitution, tolerance, share)
 def test_positions_are_as_exact_as_impacts_are_deep(law, stiffness, depth):
     """P06: elastic depths of 25 kg/m at 1 m/s; a law per point has half of the mass on each of two points of a 1 m element, which makes
     it 2^-0.4 as deep.  A soft wall leaves the usual scale of positions."""
-    model = _block(ContactLaw(stiffness=stiffness, law=law), 1.0)
-    scale = model.scale[model.layout.place["string.position"].ravel()]
+    system = _block(ContactLaw(stiffness=stiffness, law=law), 1.0)
+    scale = system.scale[system.layout.dofs["string.position"].ravel()]
     assert scale == pytest.approx(depth, rel=1e-5)
     soft = _block(ContactLaw(stiffness=1e3), 1.0)
-    assert soft.scale[soft.layout.place["string.position"].ravel()] == pytest.approx(0.03)
+    assert soft.scale[soft.layout.dofs["string.position"].ravel()] == pytest.approx(0.03)
 
 
 @pytest.mark.parametrize("restitution, factor", [(0.8, 0.3731462), (0.5, 1.4327505), (0.2, 4.9191667)])
@@ -95,8 +95,8 @@ def test_damping_factor(restitution, factor):
 )
 def test_elastic_impact_duration_and_depth(law, stiffness, duration, depth):
     """P06: elastic impact of 25 kg at 1 m/s, durations and penetrations of the linear and the Hertz spring (exact)."""
-    model = _block(ContactLaw(stiffness=stiffness, law=law, restitution=1.0), 1.0)
-    rows = watched(model, 0.007, lambda m: m.field("string.position")[0, 0] + 0.1 - 0.102, ts_rtol=1e-7, ts_dt=1e-5)
+    system = _block(ContactLaw(stiffness=stiffness, law=law, restitution=1.0), 1.0)
+    rows = watched(system, 0.007, lambda m: m.field("string.position")[0, 0] + 0.1 - 0.102, ts_rtol=1e-7, ts_dt=1e-5)
     t, deep = rows.T
     assert deep.max() == pytest.approx(depth, rel=0.005)
     change = np.flatnonzero(deep[:-1] * deep[1:] < 0)
@@ -109,7 +109,7 @@ def test_regularised_friction_creeps_as_it_must():
     mesh = uniform_string(1.0, 1, axial_stiffness=1e9, bending_stiffness=1e8, torsional_stiffness=1e8, mass=25.0, polar_inertia=0.1,
                           outer_diameter=0.2)
     weight = 25.0 * 9.81
-    from drillpetsc.fem.discrete_system import Model
+    from drillpetsc.fem.discrete_system import DiscreteSystem
     from drillpetsc.geometry.frames import transported_frames
     from drillpetsc.physics.beam import Beam
 
@@ -117,10 +117,10 @@ def test_regularised_friction_creeps_as_it_must():
     frames = transported_frames(tangent)
     law = ContactLaw(slip_velocity=1e-3, stiffness=1e7)
     load = Loads((NodeLoad(0, force=tuple(0.5 * 0.3 * weight * tangent[0])),), frames)
-    model = Model(mesh, frames, [Beam(mesh, frames, np.array([0, 0, 9.81])), load, Contact(mesh, LYING, law)])
-    model.set_field("string.position", position + np.array([0, 0, 0.002 + weight / 1e7]))
-    model.set_field("string.tangent", tangent)
-    rows = watched(model, 0.2, lambda m: m.field("string.position", "y")[0] @ tangent[0], ts_rtol=1e-7, ts_dt=1e-5)
+    system = DiscreteSystem(mesh, frames, [Beam(mesh, frames, np.array([0, 0, 9.81])), load, Contact(mesh, LYING, law)])
+    system.set_field("string.position", position + np.array([0, 0, 0.002 + weight / 1e7]))
+    system.set_field("string.tangent", tangent)
+    rows = watched(system, 0.2, lambda m: m.field("string.position", "y")[0] @ tangent[0], ts_rtol=1e-7, ts_dt=1e-5)
     # the pipe rocks a little on its elastic bed, undamped at this size: the mean creeps
     assert rows[:, 1][rows[:, 0] > 0.1].mean() == pytest.approx(5.7735e-4, rel=2e-3)
 
@@ -131,15 +131,15 @@ def test_wall_brake_stops_a_spinning_pipe():
     mesh = uniform_string(1.0, 1, axial_stiffness=1e9, bending_stiffness=1e9, torsional_stiffness=1e9, mass=25.0, polar_inertia=20.0,
                           outer_diameter=0.127)
     pressed = np.array([0.002 + 2000.0 / 1e8, 0.0, 0.0])
-    rooms = [
+    components = [
         lambda f, p, t: Contact(mesh, hole, ContactLaw(slip_velocity=1e-4)),
-        lambda f, p, t: Held(0, "pinned", p[0] + pressed, t[0], spin=False),
-        lambda f, p, t: Held(1, "pinned", p[1] + pressed, t[1], spin=False),
+        lambda f, p, t: FixedEnd(0, "pinned", p[0] + pressed, t[0], spin=False),
+        lambda f, p, t: FixedEnd(1, "pinned", p[1] + pressed, t[1], spin=False),
     ]
-    model = straight_model(mesh, rooms)
-    model.set_field("string.position", np.array([pressed, pressed + [0, 0, 1.0]]))
-    model.set_field("string.spin", np.full((2, 1), 15.0), "y")
-    rows = watched(model, 8.5, lambda m: [m.field("string.spin", "y")[0, 0], m.field("string.spin")[0, 0]], ts_rtol=1e-5)
+    system = straight_model(mesh, components)
+    system.set_field("string.position", np.array([pressed, pressed + [0, 0, 1.0]]))
+    system.set_field("string.spin", np.full((2, 1), 15.0), "y")
+    rows = watched(system, 8.5, lambda m: [m.field("string.spin", "y")[0, 0], m.field("string.spin")[0, 0]], ts_rtol=1e-5)
     t, speed, angle = rows.T
     assert 15.0 - np.interp(7.0, t, speed) == pytest.approx(1.905 * 7.0, rel=2e-3)
     assert t[np.flatnonzero(speed > 0.02)[-1]] == pytest.approx(7.8740, rel=0.005)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.fem.string_mesh import tube, uniform_string
-from drillpetsc.physics.end_conditions import Held, Loads, NodeLoad, TopDrive
+from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad, TopDrive
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
 from tests.helpers.motion import watched
 from tests.helpers.moving import straight_model
@@ -19,11 +19,11 @@ TORSION = np.sqrt(206e9 / 2.6 / 7850.0)  # 3176.96 m/s
 
 
 def clamp(frames, position, tangent):
-    return Held(0, "clamped", position[0], tangent[0])
+    return FixedEnd(0, "clamped", position[0], tangent[0])
 
 
-def bit_speed(model):
-    return model.field("string.spin", "y")[-1, 0]
+def bit_speed(system):
+    return system.field("string.spin", "y")[-1, 0]
 
 
 def test_torque_step_plateau_and_top_torque():
@@ -33,8 +33,8 @@ def test_torque_step_plateau_and_top_torque():
     """
     n = 200
     mesh = uniform_string(LENGTH, n, **PIPE)
-    model = straight_model(mesh, [clamp, lambda f, p, t: Loads((NodeLoad(n, moment=(0, 0, 2000.0)),), f)])
-    rows = watched(model, 2.4, lambda m: [bit_speed(m), m.reaction("top.torque_reaction")], ts_adapt_type="none", ts_dt=2e-3)
+    system = straight_model(mesh, [clamp, lambda f, p, t: Loads((NodeLoad(n, moment=(0, 0, 2000.0)),), f)])
+    rows = watched(system, 2.4, lambda m: [bit_speed(m), m.reaction("top.torque_reaction")], ts_adapt_type="none", ts_dt=2e-3)
     t, speed, torque = rows.T
     period = 2 * LENGTH / TORSION
     first = (t > 0.2 * period) & (t < 0.8 * period)
@@ -52,12 +52,12 @@ def test_arrival_of_a_wave(kind, speed):
     mesh = uniform_string(LENGTH, n, **PIPE)
     zero, start = Constant(0.0), Ramp(0.04, 0.1)
     inputs = (start, zero) if kind == "torsion" else (zero, start)
-    model = straight_model(mesh, [lambda f, p, t: TopDrive(p[0], t[0], *inputs)])
+    system = straight_model(mesh, [lambda f, p, t: TopDrive(p[0], t[0], *inputs)])
 
     def watch(m):
         return m.field("string.spin", "y")[-1, 0] if kind == "torsion" else m.field("string.position", "y")[-1, 2]
 
-    t, value = watched(model, LENGTH / speed + 0.06, watch, (0.04,), ts_adapt_type="none", ts_dt=5e-4).T
+    t, value = watched(system, LENGTH / speed + 0.06, watch, (0.04,), ts_adapt_type="none", ts_dt=5e-4).T
     half = np.interp(0.1, value, t)  # the free end doubles the wave: half of 2 x 0.1
     assert half - 0.02 == pytest.approx(LENGTH / speed, rel=0.01)
 
@@ -66,7 +66,7 @@ def test_spin_up_against_the_exact_torsional_wave():
     """Top speed a half cosine to 80 rpm in 2 s: bit speed is the sum of delayed inputs (method of characteristics, exact)."""
     n, top = 225, 80 * 2 * np.pi / 60
     mesh = uniform_string(LENGTH, n, **PIPE)
-    model = straight_model(mesh, [lambda f, p, t: TopDrive(p[0], t[0], Ramp(2.0, top), Constant(0.0))])
+    system = straight_model(mesh, [lambda f, p, t: TopDrive(p[0], t[0], Ramp(2.0, top), Constant(0.0))])
     delay = LENGTH / TORSION
 
     def exact(t):
@@ -76,18 +76,18 @@ def test_spin_up_against_the_exact_torsional_wave():
 
     errors = []
     for dt in (0.02, 0.01, 0.005):
-        model.set_field("string.spin", np.zeros((n + 1, 1)))
-        model.assembly.y[:] = 0
-        t, speed = watched(model, 5.0, bit_speed, (2.0,), ts_adapt_type="none", ts_dt=dt).T
+        system.set_field("string.spin", np.zeros((n + 1, 1)))
+        system.assembly.y[:] = 0
+        t, speed = watched(system, 5.0, bit_speed, (2.0,), ts_adapt_type="none", ts_dt=dt).T
         errors.append(np.sqrt(np.mean((speed - exact(t)) ** 2)) / top)
     assert errors[-1] < 5e-4
     assert errors[0] > errors[1] > errors[2]
     # adaptive: the tolerance rules number of steps and error
     counts = []
     for tolerance in (1e-3, 1e-5):
-        model.set_field("string.spin", np.zeros((n + 1, 1)))
-        model.assembly.y[:] = 0
-        t, speed = watched(model, 5.0, bit_speed, (2.0,), ts_rtol=tolerance).T
+        system.set_field("string.spin", np.zeros((n + 1, 1)))
+        system.assembly.y[:] = 0
+        t, speed = watched(system, 5.0, bit_speed, (2.0,), ts_rtol=tolerance).T
         counts.append((len(t), np.sqrt(np.mean((speed - exact(t)) ** 2)) / top))
     assert counts[1][0] > 1.5 * counts[0][0] and counts[1][1] < 0.3 * counts[0][1]
 
@@ -101,9 +101,9 @@ def test_order_in_time_is_two():
     errors = []
     steps = (0.04, 0.02, 0.01, 0.005)
     for dt in steps:
-        model = straight_model(mesh, [clamp])
-        model.set_field("string.spin", shape[:, None])
-        t, angle = watched(model, 2.0, lambda m: m.field("string.spin")[-1, 0], ts_adapt_type="none", ts_dt=dt).T
+        system = straight_model(mesh, [clamp])
+        system.set_field("string.spin", shape[:, None])
+        t, angle = watched(system, 2.0, lambda m: m.field("string.spin")[-1, 0], ts_adapt_type="none", ts_dt=dt).T
         errors.append(abs(angle[-1] - np.cos(omega * t[-1])))
     rate = np.polyfit(np.log(steps[1:]), np.log(errors[1:]), 1)[0]
     assert abs(rate - 2.0) < 0.15
@@ -122,8 +122,8 @@ def test_axial_wave_at_a_section_change():
     junction[n // 2] = True
     mesh = replace(mesh, junction=junction, **columns)
     ramp = Ramp(0.05, 1.0)
-    model = straight_model(mesh, [clamp, lambda f, p, t: Loads((NodeLoad(n, force=(0, 0, force), factor=ramp.value),), f)])
-    t, speed = watched(model, 0.72, lambda m: m.field("string.position", "y")[-1, 2], (0.05,), ts_adapt_type="none", ts_dt=5e-4).T
+    system = straight_model(mesh, [clamp, lambda f, p, t: Loads((NodeLoad(n, force=(0, 0, force), factor=ramp.value),), f)])
+    t, speed = watched(system, 0.72, lambda m: m.field("string.position", "y")[-1, 2], (0.05,), ts_adapt_type="none", ts_dt=5e-4).T
     z1, z2 = (np.sqrt(q["axial_stiffness"] * q["mass"]) for q in (PIPE, collar))
     c = np.sqrt(206e9 / 7850.0)
     back = 2 * (LENGTH / 2) / c  # 0.39 s
@@ -138,16 +138,16 @@ def test_a_spinning_hung_string_keeps_its_speed_for_1000_revolutions():
     """No torque, no damping: the spin rate does not drift (phi = Omega t is exact for BDF)."""
     n, speed = 10, 80 * 2 * np.pi / 60
     mesh = uniform_string(100.0, n, **PIPE)
-    model = straight_model(mesh, [lambda f, p, t: TopDrive(p[0], t[0], None, Constant(0.0))], gravity=(0, 0, 9.81))
+    system = straight_model(mesh, [lambda f, p, t: TopDrive(p[0], t[0], None, Constant(0.0))], gravity=(0, 0, 9.81))
     s = mesh.node_depth
     strain = PIPE["mass"] * 9.81 * (100.0 - s) / PIPE["axial_stiffness"]
     stretch = PIPE["mass"] * 9.81 / PIPE["axial_stiffness"] * (100.0 * s - s**2 / 2)
-    model.set_field("string.position", np.column_stack([0 * s, 0 * s, s + stretch]))
-    model.set_field("string.tangent", np.column_stack([0 * s, 0 * s, 1 + strain]))
-    model.set_field("string.spin", np.full((n + 1, 1), speed), "y")
-    rows = watched(model, 750.0, lambda m: m.field("string.spin", "y")[:, 0], ts_adapt_type="none", ts_dt=0.25)
+    system.set_field("string.position", np.column_stack([0 * s, 0 * s, s + stretch]))
+    system.set_field("string.tangent", np.column_stack([0 * s, 0 * s, 1 + strain]))
+    system.set_field("string.spin", np.full((n + 1, 1), speed), "y")
+    rows = watched(system, 750.0, lambda m: m.field("string.spin", "y")[:, 0], ts_adapt_type="none", ts_dt=0.25)
     assert np.abs(rows[-1, 1:] / speed - 1).max() < 1e-9
-    angle = model.field("string.spin")[:, 0]
+    angle = system.field("string.spin")[:, 0]
     assert angle == pytest.approx(speed * 750.0, rel=1e-9)
 
 
@@ -155,8 +155,8 @@ def test_a_jump_of_the_top_speed_is_landed_on():
     """A rotation that jumps at 0.5 s: the run steps exactly there, and the bit sees twice the jump after L/c."""
     jump = PiecewiseLinear((0.0, 0.5, 0.5, 5.0), (0.0, 0.0, 1.0, 1.0))
     mesh = uniform_string(LENGTH, 100, **PIPE)
-    model = straight_model(mesh, [lambda f, p, t: TopDrive(p[0], t[0], jump, Constant(0.0))])
-    rows = watched(model, 1.6, bit_speed, jump.breaks(), ts_rtol=1e-4)
+    system = straight_model(mesh, [lambda f, p, t: TopDrive(p[0], t[0], jump, Constant(0.0))])
+    rows = watched(system, 1.6, bit_speed, jump.breaks(), ts_rtol=1e-4)
     t, speed = rows.T
     assert np.min(np.abs(t - 0.5)) < 1e-12
     assert np.abs(speed[t < 0.9]).max() < 0.02

@@ -11,18 +11,18 @@ from scipy.linalg import eigh
 
 from drillpetsc.analysis.equilibrium import find_equilibrium, move_rigidly, release
 from drillpetsc.case import Case
-from drillpetsc.fem.discrete_system import Model
+from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.frames import transported_frames
-from drillpetsc.model.drilling_model import build_scene
-from drillpetsc.output.flow_recorder import FlowRecord
+from drillpetsc.model.drilling_model import build_model
+from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.channels import Bore
-from drillpetsc.physics.fluid.hermite_flow import HermitePipe
+from drillpetsc.physics.fluid.hermite_flow import HermiteBore
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.solvers import petsc_options as options
-from drillpetsc.solvers.time_integrator import Dynamics
+from drillpetsc.solvers.time_integrator import TimeIntegrator
 from drillpetsc.time_function import Constant
 
 BOTH = ("mixed", "hermite")
@@ -47,26 +47,26 @@ def loop(formulation: str, element: float = 50.0, **fluid) -> Case:
 def begun(case: Case, **settings):
     """(scene at its start, integrator) of a case."""
     with options.applied({name: str(value) for name, value in settings.items()}):
-        scene = build_scene(case)
-        dynamics = Dynamics(scene.model)
-    find_equilibrium(scene)
-    release(scene)
-    move_rigidly(scene)
-    return scene, dynamics
+        model = build_model(case)
+        integrator = TimeIntegrator(model.system)
+    find_equilibrium(model)
+    release(model)
+    move_rigidly(model)
+    return model, integrator
 
 
 def history(case: Case, dt: float, end: float):
-    """Times (k,), samples (k, 6) of ``FlowRecord`` and the scene, with steps of ``dt`` [s]."""
-    scene, dynamics = begun(case, ts_adapt_type="none", ts_dt=dt)
-    record = FlowRecord(scene.model, scene.fluid)
+    """Times (k,), samples (k, 6) of ``FlowRecorder`` and the scene, with steps of ``dt`` [s]."""
+    model, integrator = begun(case, ts_adapt_type="none", ts_dt=dt)
+    record = FlowRecorder(model.system, model.fluid)
     rows = [(0.0, record.sample(0.0))]
-    dynamics.after_step.append(lambda t, h: rows.append((t, record.sample(t))))
-    run(dynamics, scene, end)
-    return np.array([t for t, _ in rows]), np.array([v for _, v in rows]), scene
+    integrator.after_step.append(lambda t, h: rows.append((t, record.sample(t))))
+    run(integrator, model, end)
+    return np.array([t for t, _ in rows]), np.array([v for _, v in rows]), model
 
 
-def run(dynamics: Dynamics, scene, end: float) -> None:
-    dynamics.run(0.0, end, scene.breaks)
+def run(integrator: TimeIntegrator, model, end: float) -> None:
+    integrator.run(0.0, end, model.breaks)
 
 
 def half_cosine(start: float, duration: float, flow: float) -> dict:
@@ -80,9 +80,9 @@ def test_steady_pressures_of_an_almost_incompressible_mud():
     """At a bulk modulus of 1e14 Pa and with rigid walls both forms have the exact sum of losses, also across the change of section."""
     found = {}
     for form in BOTH:
-        scene = build_scene(loop(form, bulk_modulus=1e14, elastic_walls=False))
-        find_equilibrium(scene)
-        found[form] = np.concatenate([room.pressures(scene.model) for room in (scene.fluid.pipe, scene.fluid.annulus)])
+        model = build_model(loop(form, bulk_modulus=1e14, elastic_walls=False))
+        find_equilibrium(model)
+        found[form] = np.concatenate([component.pressures(model.system) for component in (model.fluid.bore, model.fluid.annulus)])
     assert found["mixed"][0] > 1e7
     assert np.abs(found["hermite"] - found["mixed"]).max() < 1e-10 * np.abs(found["mixed"]).max()
 
@@ -93,9 +93,9 @@ def test_steady_circulation_by_the_sum_of_losses():
     for element in (100.0, 50.0):
         found = []
         for form in BOTH:
-            scene = build_scene(loop(form, element))
-            find_equilibrium(scene)
-            found.append(scene.fluid.pipe.pressures(scene.model)[0])
+            model = build_model(loop(form, element))
+            find_equilibrium(model)
+            found.append(model.fluid.bore.pressures(model.system)[0])
         gap.append(abs(found[1] / found[0] - 1))
     assert gap[1] < 1e-4
     assert gap[1] < 1.2 * gap[0]
@@ -109,9 +109,9 @@ def frequencies(elements: int) -> np.ndarray:
     straight = np.linspace(0, length, elements + 1)[:, None] * [0, 0, 1.0]
     law = Rheology("newtonian", law="blend", consistency=1e-9, index=1.0, yield_stress=0.0, shear_rate_eps=1.0)
     fluid = FluidConstants(density, bulk, np.zeros(3), law.parameters())
-    room = HermitePipe(mesh, Bore(area, 0 * area, area), fluid, 0 * area, Constant(0.0), False, straight)
-    model = Model(mesh, transported_frames(np.tile([0, 0, 1.0], (elements + 1, 1))), [room])
-    asm, place, n = model.assembly, model.layout.place, model.layout.size
+    component = HermiteBore(mesh, Bore(area, 0 * area, area), fluid, 0 * area, Constant(0.0), False, straight)
+    system = DiscreteSystem(mesh, transported_frames(np.tile([0, 0, 1.0], (elements + 1, 1))), [component])
+    asm, place, n = system.assembly, system.layout.dofs, system.layout.size
 
     def matrix(*weights: float) -> np.ndarray:
         asm.residual(0.0)
@@ -120,7 +120,7 @@ def frequencies(elements: int) -> np.ndarray:
         np.add.at(out, (asm.rows[keep], asm.columns[keep]), asm.values[keep])
         return out
 
-    pressure, free = place["pipe.pressure"][:, 0], np.setdiff1d(np.arange(n), place["pipe.volume"][:1, 0])
+    pressure, free = place["bore.pressure"][:, 0], np.setdiff1d(np.arange(n), place["bore.volume"][:1, 0])
     right, left = np.ones(n), np.ones(n)  # rows of pressures are those of slopes times -bulk modulus: symmetric without it
     right[pressure], left[pressure] = bulk / length, -1 / length
     K, M = ((left[:, None] * A * right)[np.ix_(free, free)] for A in (matrix(1, 0, 0), matrix(0, 0, 1)))
@@ -149,11 +149,11 @@ def test_joukowsky_plateau_and_its_arrival():
     """A pump that stops at once: pressure falls by rho a dV at the pump, in the mean to 0.5 %; half of it reaches 1000 m after 1000 m/a."""
     flow, area, stop = 0.02, np.pi / 4 * 0.1086**2, 0.1
     a = np.sqrt(2e9 / 1200)
-    scene, dynamics = begun(water([pipe(2000, 2000 / 60)], {"time": [0, stop, stop], "value": [flow, flow, 0.0]}), ts_adapt_type="none",
+    model, integrator = begun(water([pipe(2000, 2000 / 60)], {"time": [0, stop, stop], "value": [flow, flow, 0.0]}), ts_adapt_type="none",
                             ts_dt=0.005)
     rows = []
-    dynamics.after_step.append(lambda t, h: rows.append((t, *scene.fluid.pipe.pressures(scene.model)[[0, 30]])))
-    run(dynamics, scene, 2.5)
+    integrator.after_step.append(lambda t, h: rows.append((t, *model.fluid.bore.pressures(model.system)[[0, 30]])))
+    run(integrator, model, 2.5)
     t, top, middle = np.array(rows).T
     plateau = 1200 * a * flow / area
     late = (t > 1.0) & (t < 2.4)
@@ -167,11 +167,11 @@ def test_a_wave_through_an_area_step():
     """C7: a smooth front of pressure p goes on with 2 A1/(A1 + A2) p; both nodes beside the step are there within 0.1 %."""
     flow, bores = 0.02, (0.1086, 0.0714)
     stop = half_cosine(0.05, 0.4, flow)
-    scene, dynamics = begun(water([pipe(1000, 25), pipe(1000, 25, bores[1])], stop), ts_adapt_type="none", ts_dt=0.002)
-    before = scene.fluid.pipe.pressures(scene.model).copy()
+    model, integrator = begun(water([pipe(1000, 25), pipe(1000, 25, bores[1])], stop), ts_adapt_type="none", ts_dt=0.002)
+    before = model.fluid.bore.pressures(model.system).copy()
     rows = []
-    dynamics.after_step.append(lambda t, h: rows.append(scene.fluid.pipe.pressures(scene.model)) if 1.5 < t < 1.7 else None)
-    run(dynamics, scene, 1.7)
+    integrator.after_step.append(lambda t, h: rows.append(model.fluid.bore.pressures(model.system)) if 1.5 < t < 1.7 else None)
+    run(integrator, model, 1.7)
     change = np.array(rows).mean(axis=0) - before
     a, (one, two) = np.sqrt(2e9 / 1200), np.pi / 4 * np.array(bores) ** 2
     through = -1200 * a * flow / one * 2 * one / (one + two)
@@ -195,35 +195,35 @@ def test_pump_stop_in_both_forms():
 def test_a_pump_that_stops_at_once():
     """The reference flow follows a jump slowly; the flow that enters jumps all the same; the books of volume close (but for restarts)."""
     stop = {"time": [0, 0.1, 0.1], "value": [0.03, 0.03, 0.0]}
-    scene, dynamics = begun(loop("hermite", flow_rate=stop), ts_adapt_type="none", ts_dt=0.01)
-    record, rows = FlowRecord(scene.model, scene.fluid), []
+    model, integrator = begun(loop("hermite", flow_rate=stop), ts_adapt_type="none", ts_dt=0.01)
+    record, rows = FlowRecorder(model.system, model.fluid), []
     record.begin(record.sample(0.0))
 
     def after(t: float, dt: float) -> None:
         rows.append((t, *record.sample(t)))
-        record.step(np.array(rows[-1][1:]), dt, dynamics.fresh)
+        record.step(np.array(rows[-1][1:]), dt, integrator.fresh)
 
-    dynamics.after_step.append(after)
-    run(dynamics, scene, 2.0)
+    integrator.after_step.append(after)
+    run(integrator, model, 2.0)
     table = np.array(rows)
     assert table[:, 4] == pytest.approx(np.where(table[:, 0] < 0.1 + 1e-9, 0.03, 0.0), abs=3e-5)
     balance = record.balance(table[-1, 1:])
     assert balance["content_change"] < -0.01
     assert abs(balance["error"]) < 1e-6 * abs(balance["content_change"])
-    assert scene.model.field("pipe.volume")[0, 0] == pytest.approx(-0.015, rel=1e-6)  # half a window of the jump
+    assert model.system.field("bore.volume")[0, 0] == pytest.approx(-0.015, rel=1e-6)  # half a window of the jump
 
 
 def test_volumes_stay_bounded_over_hours_of_pumping():
     """Ten hours at 30 l/s are 1080 m3 through the bit; what the nodes count stays what it was."""
     case = loop("hermite", 200.0)
-    scene, dynamics = begun(case, ts_adapt_type="none", ts_dt=600.0)
-    start = [scene.model.field(f"{name}.volume").copy() for name in ("pipe", "annulus")]
-    run(dynamics, scene, 36000.0)
-    for name, before in zip(("pipe", "annulus"), start, strict=True):
-        now = scene.model.field(f"{name}.volume")
+    model, integrator = begun(case, ts_adapt_type="none", ts_dt=600.0)
+    start = [model.system.field(f"{name}.volume").copy() for name in ("bore", "annulus")]
+    run(integrator, model, 36000.0)
+    for name, before in zip(("bore", "annulus"), start, strict=True):
+        now = model.system.field(f"{name}.volume")
         assert np.abs(now).max() < 0.5
         assert np.abs(now - before).max() < 1e-8
-    record = FlowRecord(scene.model, scene.fluid)
+    record = FlowRecorder(model.system, model.fluid)
     assert record.sample(36000.0)[2:5] == pytest.approx([0.03] * 3, rel=1e-9)
 
 
@@ -252,10 +252,10 @@ def test_steady_states_of_other_scenes(kind, held):
         mud["outlet_pressure"] = 5e6
     found = []
     for form in BOTH:
-        scene = build_scene(Case(top="clamped", hold_string=held, well=well, fluid=mud | {"formulation": form}, **more))
-        find_equilibrium(scene)
-        sample = Recorder(scene).sample(0.0)
-        found.append(np.concatenate([sample[:1], sample[-6:-4], [r.pressures(scene.model)[0] for r in scene.fluid.rooms[:-1]]]))
+        model = build_model(Case(top="clamped", hold_string=held, well=well, fluid=mud | {"formulation": form}, **more))
+        find_equilibrium(model)
+        sample = Recorder(model).sample(0.0)
+        found.append(np.concatenate([sample[:1], sample[-6:-4], [r.pressures(model.system)[0] for r in model.fluid.components[:-1]]]))
     assert found[1] == pytest.approx(found[0], rel=2e-4, abs=500.0)
 
 
@@ -269,10 +269,10 @@ def test_coupled_with_a_string_that_is_lowered():
     for form in BOTH:
         mud = {"density": 1200, "rheology": MUD, "flow_rate": 0.02, "formulation": form}
         case = Case(string=string, top={"kind": "top_drive", "lowering": lowering, "rotation": 1.0}, well=well, bottom="bit", fluid=mud)
-        scene, dynamics = begun(case)
-        recorder = Recorder(scene)
+        model, integrator = begun(case)
+        recorder = Recorder(model)
         start = recorder.sample(0.0)
-        run(dynamics, scene, 0.1)
+        run(integrator, model, 0.1)
         found[form] = np.array([start, recorder.sample(0.1)])
     load, torque, (pump, bit, returned) = 0, 1, range(-6, -3)
     mixed, hermite = found["mixed"], found["hermite"]

@@ -8,8 +8,8 @@ from scipy.integrate import solve_ivp
 
 from drillpetsc.analysis.equilibrium import find_equilibrium
 from drillpetsc.case import Case
-from drillpetsc.model.drilling_model import build_scene
-from drillpetsc.solvers.time_integrator import Dynamics
+from drillpetsc.model.drilling_model import build_model
+from drillpetsc.solvers.time_integrator import TimeIntegrator
 from tests.helpers.moving import matrices
 from tests.helpers.mud import (
     BORE,
@@ -39,9 +39,9 @@ TABLE = {5: (14.8392, 6.4570, 1.1510, 7.2311, 1236.856), 30: (95.9407, 37.1428, 
          60: (308.8715, 116.3963, 165.7446, 26.7307, 1336.242)}  # pump, pipe, bit, annulus [bar], ECD [kg/m3]
 
 
-def losses(scene) -> np.ndarray:
+def losses(model) -> np.ndarray:
     """(5,) pump pressure, losses in pipe, bit, annulus [Pa], equivalent circulating density [kg/m3]."""
-    p, o = pressures(scene, "pipe"), pressures(scene, "annulus")
+    p, o = pressures(model, "bore"), pressures(model, "annulus")
     return np.array([p[0], p[0] - p[-1] + HEAD, p[-1] - o[-1], o[-1] - o[0] - HEAD, o[-1] / (GRAVITY * LENGTH)])
 
 
@@ -71,8 +71,8 @@ def test_losses_of_the_loop(q):
 def test_friction_is_exact_with_any_number_of_elements(q, elements):
     """Laminar and turbulent flow through a bore at 1e14 Pa: 4 tau L/d at the mean density within 1e-10 (what is left, the square of the
     pressure over the bulk modulus, is below 1e-14)."""
-    scene = started(bore({**MUD, **RIGID, "flow_rate": q}, elements))
-    p = pressures(scene, "pipe")
+    model = started(bore({**MUD, **RIGID, "flow_rate": q}, elements))
+    p = pressures(model, "bore")
     density = DENSITY * (1 + 0.5 * p[0] / 1e14)
     assert p[0] - p[-1] == pytest.approx(LENGTH * friction(q, BORE, INNER, False, density), rel=1e-10)
 
@@ -95,8 +95,8 @@ def test_second_order_in_the_mesh_with_a_compressible_mud():
     exact = np.array([solve_ivp(slope(BORE, INNER, False, q), (LENGTH, 0), [above], **way).y[0, -1], above, under])
     errors = []
     for n in (2, 4, 8, 100):
-        scene = started(loop({"bulk_modulus": K, "flow_rate": q}, n))
-        p, o = pressures(scene, "pipe"), pressures(scene, "annulus")
+        model = started(loop({"bulk_modulus": K, "flow_rate": q}, n))
+        p, o = pressures(model, "bore"), pressures(model, "annulus")
         errors.append(np.abs(np.array([p[0], p[-1], o[-1]]) - exact))
     coarse, middle, fine, finest = errors
     assert np.all(np.log2(coarse / middle) > 1.99) and np.all(np.log2(middle / fine) > 1.99)
@@ -106,19 +106,19 @@ def test_second_order_in_the_mesh_with_a_compressible_mud():
 def test_jacobian_of_turbulent_flow_of_a_soft_mud():
     """Friction depends on the pressure through the density (in the speed and in the Reynolds number): the derivative is that of central
     differences, at a modulus of 0.2 GPa, where it is 1e-2 of the pressure's own."""
-    model = started(bore({**MUD, "bulk_modulus": 2e8, "elastic_walls": False, "flow_rate": 0.03}, 2)).model
-    asm, exact, vector = model.assembly, matrices(model)[0], model.new_condensed()
+    system = started(bore({**MUD, "bulk_modulus": 2e8, "elastic_walls": False, "flow_rate": 0.03}, 2)).system
+    asm, exact, vector = system.assembly, matrices(system)[0], system.new_condensed()
 
     def rows(j: int, step: float) -> np.ndarray:
         before = asm.x[j]
         asm.x[j] += step
         asm.forget_inputs()
-        model.sum_residual(0.0, vector)
+        system.sum_residual(0.0, vector)
         asm.x[j] = before
         return vector.getArray().copy()
 
-    for j in range(model.layout.size):
-        h = 1e-3 * model.scale[j]
+    for j in range(system.layout.size):
+        h = 1e-3 * system.scale[j]
         found = (rows(j, -2 * h) - 8 * rows(j, -h) + 8 * rows(j, h) - rows(j, 2 * h)) / (12 * h)
         assert found == pytest.approx(exact[:, j], rel=1e-6, abs=1e-9 * np.abs(exact[:, j]).max())
 
@@ -130,10 +130,10 @@ def test_density_grows_with_depth():
     assert exact - HEAD > 1e5
     errors = []
     for n in (2, 4, 100):
-        scene = started(loop({"bulk_modulus": K}, n))
-        for room in ("pipe", "annulus"):
-            errors.append(abs(pressures(scene, room)[-1] - exact))
-            assert np.abs(flows(scene, room)).max() < 1e-9
+        model = started(loop({"bulk_modulus": K}, n))
+        for component in ("bore", "annulus"):
+            errors.append(abs(pressures(model, component)[-1] - exact))
+            assert np.abs(flows(model, component)).max() < 1e-9
     assert np.log2(errors[0] / errors[2]) > 1.99
     assert max(errors[4:]) < 1e-9 * exact
 
@@ -144,10 +144,10 @@ def test_pressure_loss_of_nozzles(coefficient, bar):
     area = 3 * np.pi / 4 * (12 / 32 * 0.0254) ** 2
     assert area == pytest.approx(213.767e-6, rel=1e-5)
     parts = string(nozzle_area=area)
-    scene = started(loop({**RIGID, "flow_rate": 0.03, "discharge_coefficient": coefficient}, string=parts))
-    assert losses(scene)[2] == pytest.approx(1e5 * bar, rel=1e-5)
-    assert scene.fluid is not None and scene.fluid.bit is not None
-    lost, flow = scene.fluid.bit.figures(scene.model.assembly)[:2]
+    model = started(loop({**RIGID, "flow_rate": 0.03, "discharge_coefficient": coefficient}, string=parts))
+    assert losses(model)[2] == pytest.approx(1e5 * bar, rel=1e-5)
+    assert model.fluid is not None and model.fluid.bit is not None
+    lost, flow = model.fluid.bit.figures(model.system.assembly)[:2]
     assert flow == pytest.approx(0.03, rel=1e-12)
     assert lost == pytest.approx(1e5 * bar * 0.03, rel=1e-5)
 
@@ -155,10 +155,10 @@ def test_pressure_loss_of_nozzles(coefficient, bar):
 @pytest.mark.parametrize("q", [0.005, 0.03, -0.03])
 def test_given_pump_pressure_gives_back_the_flow(q):
     """The pump pressure of a flow rate, prescribed, must bring that flow rate: start from another state, same solution."""
-    p = pressures(started(loop({"flow_rate": q}, 20)), "pipe")[0]
-    scene = started(loop({"pump_pressure": float(p)}, 20))
-    assert flows(scene, "pipe") == pytest.approx(q, rel=1e-9)
-    assert flows(scene, "annulus") == pytest.approx(-q, rel=1e-9)
+    p = pressures(started(loop({"flow_rate": q}, 20)), "bore")[0]
+    model = started(loop({"pump_pressure": float(p)}, 20))
+    assert flows(model, "bore") == pytest.approx(q, rel=1e-9)
+    assert flows(model, "annulus") == pytest.approx(-q, rel=1e-9)
 
 
 def test_check_valve_lets_next_to_nothing_back():
@@ -167,11 +167,11 @@ def test_check_valve_lets_next_to_nothing_back():
     at 5 l/s is 1e-5 of it."""
     back = COEFFICIENT * NOZZLE * np.sqrt(2 * 50e5 / DENSITY)
     ends = {**INVISCID, **RIGID, "pump_pressure": 0.0, "outlet_pressure": 50e5}
-    assert flows(started(loop(ends, 4)), "pipe") == pytest.approx(-back, rel=1e-5)
-    shut = flows(started(loop({**ends, "check_valve": True}, 4)), "pipe")
+    assert flows(started(loop(ends, 4)), "bore") == pytest.approx(-back, rel=1e-5)
+    shut = flows(started(loop({**ends, "check_valve": True}, 4)), "bore")
     assert shut == pytest.approx(-0.01 * back, rel=1e-2)
     ends |= {"pump_pressure": 50e5, "outlet_pressure": 0.0, "check_valve": True}
-    assert flows(started(loop(ends, 4)), "pipe") == pytest.approx(back * (1 - 1250 * (3e-7 / back) ** 2), rel=1e-6)
+    assert flows(started(loop(ends, 4)), "bore") == pytest.approx(back * (1 - 1250 * (3e-7 / back) ** 2), rel=1e-6)
 
 
 @pytest.mark.parametrize("with_annulus", [False, True])
@@ -179,13 +179,13 @@ def test_sealed_bore_under_pump_pressure(with_annulus):
     """Plugged string, pump pressure on it: hydrostatic pressure under it, p = -K ln(exp(-p0/K) - rho0 g s/K); nothing flows anywhere."""
     K, p0 = 2e9, 200e5
     fluid = {"bulk_modulus": K, "pump_pressure": p0, "annulus": with_annulus}
-    scene = started(loop(fluid, 100, bottom={"kind": "bit", "plugged": True}))
-    s = scene.mesh.node_depth
-    assert pressures(scene, "pipe") == pytest.approx(-K * np.log(np.exp(-p0 / K) - DENSITY * GRAVITY * s / K), rel=1e-8)
-    assert np.abs(flows(scene, "pipe")).max() < 1e-9
+    model = started(loop(fluid, 100, bottom={"kind": "bit", "plugged": True}))
+    s = model.mesh.node_depth
+    assert pressures(model, "bore") == pytest.approx(-K * np.log(np.exp(-p0 / K) - DENSITY * GRAVITY * s / K), rel=1e-8)
+    assert np.abs(flows(model, "bore")).max() < 1e-9
     if with_annulus:
-        assert pressures(scene, "annulus") == pytest.approx(-K * np.log1p(-DENSITY * GRAVITY * s / K), rel=1e-8)
-        assert np.abs(flows(scene, "annulus")).max() < 1e-9
+        assert pressures(model, "annulus") == pytest.approx(-K * np.log1p(-DENSITY * GRAVITY * s / K), rel=1e-8)
+        assert np.abs(flows(model, "annulus")).max() < 1e-9
 
 
 def test_a_choke_holds_its_pressure_against_the_outflow():
@@ -193,7 +193,7 @@ def test_a_choke_holds_its_pressure_against_the_outflow():
     drop = DENSITY * 0.03**2 / (2 * 0.9**2 * 400e-6**2)
     valve = {"choke": {"area": 400e-6, "discharge_coefficient": 0.9}, "outlet_pressure": 2e5}
     for q in (0.03, -0.03):
-        with_valve, without = (pressures(started(loop({**RIGID, "flow_rate": q, **more}, 20)), "pipe")[0] for more in (valve, {}))
+        with_valve, without = (pressures(started(loop({**RIGID, "flow_rate": q, **more}, 20)), "bore")[0] for more in (valve, {}))
         top = pressures(started(loop({**RIGID, "flow_rate": q, **valve}, 20)), "annulus")[0]
         assert top == pytest.approx(2e5 + np.sign(q) * drop, rel=1e-6)
         assert with_valve - without == pytest.approx(2e5 + np.sign(q) * drop, rel=1e-6)
@@ -205,9 +205,9 @@ def test_the_pressure_outside_a_string_without_annulus_follows_its_input():
     fluid = {"density": DENSITY, "rheology": {"model": "newtonian", "viscosity": 1.0}, "outlet_pressure": outlet}
     case = Case(string=[{"kind": "pipe", "length": 20, "od": 0.127, "id": 0.02, "element_length": 5}], hold_string=True, fluid=fluid,
                 gravity=0.0)
-    scene = build_scene(case)
-    find_equilibrium(scene)
-    assert pressures(scene, "pipe") == pytest.approx(2e5, rel=1e-9)
-    assert scene.breaks == (0.01, 0.02)
-    Dynamics(scene.model).run(0.0, 1.0, scene.breaks)
-    assert pressures(scene, "pipe") == pytest.approx(5e5, rel=1e-3)
+    model = build_model(case)
+    find_equilibrium(model)
+    assert pressures(model, "bore") == pytest.approx(2e5, rel=1e-9)
+    assert model.breaks == (0.01, 0.02)
+    TimeIntegrator(model.system).run(0.0, 1.0, model.breaks)
+    assert pressures(model, "bore") == pytest.approx(5e5, rel=1e-3)

@@ -12,16 +12,16 @@ from drillpetsc import Case
 from drillpetsc.analysis import modal as modes
 from drillpetsc.analysis.equilibrium import find_equilibrium, move_rigidly, release
 from drillpetsc.errors import CaseError
-from drillpetsc.fem.component import Prescribed
+from drillpetsc.fem.component import PrescribedMotion
 from drillpetsc.fem.string_mesh import StringJoint
-from drillpetsc.model.drilling_model import build_scene
+from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.recorder import Recorder
-from drillpetsc.physics.end_conditions import Held, TopDrive
+from drillpetsc.physics.end_conditions import FixedEnd, TopDrive
 from drillpetsc.physics.joints import REPORT, SCALE, STOP_ROUNDING
-from drillpetsc.physics.rigid_bodies import Passive
+from drillpetsc.physics.rigid_bodies import ComponentBase
 from drillpetsc.physics.rolling import Rolling
 from drillpetsc.time_function import Constant
-from tests.helpers.joint_scenes import body, chain_of_bodies, joint_room, place
+from tests.helpers.joint_scenes import body, chain_of_bodies, joint_component, place
 from tests.helpers.motion import beam, fixed, integrate, straight
 
 G = 9.81
@@ -31,9 +31,9 @@ HINGE = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (-1.0, 0.0, 0.0))  # about director 3
 UP, NORTH = np.array([0.0, 0.0, -1.0]), np.array([1.0, 0.0, 0.0])
 
 
-def figure(model, name: str) -> float:
+def figure(system, name: str) -> float:
     """A figure of the first joint at the model's state."""
-    return float(joint_room(model).report(model.assembly)[0, REPORT.index(name)])
+    return float(joint_component(system).report(system.assembly)[0, REPORT.index(name)])
 
 
 # ---------------------------------------------------------------------- double pendulum
@@ -56,7 +56,7 @@ def two_bodies():
     """Two rigid rods, level towards the north, on a pivot and a hinge: no element, 14 unknowns and the six multipliers."""
     mesh = chain_of_bodies((body(0, 1.0, 1.0, 1e-3, 1 / 12), body(1, 1.0, 1.0, 1e-3, 1 / 12)), (StringJoint(1.0, "revolute", 0, HINGE),))
     position = np.array([[0.0, 0, 0], [1.0, 0, 0]])
-    return place(mesh, position, NORTH, [lambda frames: Held(0, "pinned", position[0], NORTH, spin=False)], [0, 0, G])
+    return place(mesh, position, NORTH, [lambda frames: FixedEnd(0, "pinned", position[0], NORTH, spin=False)], [0, 0, G])
 
 
 def angles(tangent: np.ndarray) -> np.ndarray:
@@ -67,9 +67,9 @@ def test_rigid_double_pendulum_converges_with_order_two():
     """Angles after 1 s against the independent integration: order 2 +- 0.15, below 1e-4 rad with steps of 1 ms."""
     exact, errors = double_pendulum(1.0, 1 / 12)[:2], []
     for h in (4e-3, 2e-3, 1e-3):
-        model = two_bodies()
-        integrate(model, 1.0, fixed(h, **EXACT))
-        errors.append(np.abs(angles(model.field("string.tangent")) - exact).max())
+        system = two_bodies()
+        integrate(system, 1.0, fixed(h, **EXACT))
+        errors.append(np.abs(angles(system.field("string.tangent")) - exact).max())
     assert np.log2(np.divide(errors[:-1], errors[1:])) == pytest.approx(2.0, abs=0.15)
     assert errors[-1] < 1e-4
 
@@ -82,17 +82,17 @@ def two_beams(constraint: str):
 @pytest.mark.parametrize("constraint", ["position", "stabilised"])
 def test_double_pendulum_of_two_stiff_beams(constraint):
     """From a case file's keys, adaptive steps: within 2e-3 rad of the rigid one after 1 s (-ts_rtol 1e-5)."""
-    scene = two_beams(constraint)
-    integrate(scene.model, 1.0, {"ts_rtol": 1e-5})
-    r = scene.model.field("string.position")
+    model = two_beams(constraint)
+    integrate(model.system, 1.0, {"ts_rtol": 1e-5})
+    r = model.system.field("string.position")
     assert angles(np.array([r[1], r[3] - r[2]])) == pytest.approx(double_pendulum(1.0, 1 / 12)[:2], abs=2e-3)
 
 
-def misfits(model) -> tuple[float, float]:
+def misfits(system) -> tuple[float, float]:
     """Largest misfit of the first joint's constraints in place and angle [m, rad], and of their rates [m/s, rad/s] by central
     differences along the motion."""
-    asm = model.assembly
-    ready = next(b for b in asm.ready if b.block.name.startswith("joints"))
+    asm = system.assembly
+    ready = next(b for b in asm.bound_blocks if b.block.name.startswith("joints"))
     flow, x0 = asm.y.copy(), asm.x.copy()
     flow[asm.spin_at[:, 0]] -= asm.transport()
     flow[ready.index[0, 14:]] = 0.0
@@ -111,16 +111,16 @@ def test_constraints_do_not_drift(constraint, end, speed):
     """A soft rod with a body of 0.5 m at its end, and a universal joint with another rod below it, swing freely in space: misfits stay
     below 1e-9 (issue: over 100 s); the velocities fit only to the order of the time formula unless stabilised."""
     rod = beam(1.0, 1, 1e4, 1e2, 1e2, 1.0, 1e-2)
-    scene = straight(string=[rod, {"kind": "body", "length": 0.5, "mass": 0.4, "inertia": {"axial": 0.01, "transverse": 0.02}}, rod],
+    model = straight(string=[rod, {"kind": "body", "length": 0.5, "mass": 0.4, "inertia": {"axial": 0.01, "transverse": 0.02}}, rod],
                      top="pinned", gravity=[2.0, 3.0, G], initial={"inclination": 0.7},
                      joints=[{"at": 1.5, "kind": "universal", "axis": [0, 0.6, 0.8], "constraint": constraint}])
     worst, bent = np.zeros(2), []
 
     def watch(t, dt):
-        worst[:] = np.maximum(worst, misfits(scene.model))
-        bent.append(figure(scene.model, "angle"))
+        worst[:] = np.maximum(worst, misfits(model.system))
+        bent.append(figure(model.system, "angle"))
 
-    integrate(scene.model, end, fixed(0.02), watch)
+    integrate(model.system, end, fixed(0.02), watch)
 
     assert max(bent) > 0.3
     assert worst[0] < 1e-9 and worst[1] < speed
@@ -128,14 +128,14 @@ def test_constraints_do_not_drift(constraint, end, speed):
 
 
 # ---------------------------------------------------------------------- universal joint
-class HeldDirection(Passive):
+class HeldDirection(ComponentBase):
     """A shaft in a bearing: the direction of one node does not change."""
 
     def __init__(self, node: int, tangent: np.ndarray, across: np.ndarray):
         D = np.zeros((2, 7))
         D[:, 3:6] = across
         value = across @ tangent
-        self._condition = Prescribed(node, D, lambda t: value, lambda t: np.zeros(2), ("bearing_1", "bearing_2"))
+        self._condition = PrescribedMotion(node, D, lambda t: value, lambda t: np.zeros(2), ("bearing_1", "bearing_2"))
 
     def prescribed(self):
         return (self._condition,)
@@ -151,23 +151,23 @@ def test_speed_ratio_of_a_universal_joint(bend):
     down = -UP
     lower = np.array([0.0, np.sin(bend), np.cos(bend)])  # bent about north, the pin of the part above at the start: theta 90 degrees
     across = np.array([NORTH, np.cross(lower, NORTH)])
-    rooms = [lambda frames: TopDrive(np.zeros(3), down, Constant(speed), Constant(0.0)), lambda frames: HeldDirection(1, lower, across)]
-    model = place(mesh, np.array([[0.0, 0, 0], [0, 0, 1.0]]), down, rooms)
+    components = [lambda frames: TopDrive(np.zeros(3), down, Constant(speed), Constant(0.0)), lambda frames: HeldDirection(1, lower, across)]
+    system = place(mesh, np.array([[0.0, 0, 0], [0, 0, 1.0]]), down, components)
     tangent = np.array([down, lower])
-    model.set_field("string.tangent", tangent)
-    model.set_field("string.spin", np.array([[speed], [speed * np.cos(bend)]]), "y")
+    system.set_field("string.tangent", tangent)
+    system.set_field("string.spin", np.array([[speed], [speed * np.cos(bend)]]), "y")
     ratios, torques = [], []
 
     def watch(t, dt):
         theta = np.pi / 2 + speed * t
         root = 1 - np.sin(bend) ** 2 * np.cos(theta) ** 2
         ratio = np.cos(bend) / root
-        ratios.append(model.field("string.spin", "y")[1, 0] / speed - ratio)
+        ratios.append(system.field("string.spin", "y")[1, 0] / speed - ratio)
         # torque on the driven shaft: axial inertia times d(omega2)/dt; the driving torque is that times the ratio
         rate = -speed**2 * np.cos(bend) * np.sin(bend) ** 2 * np.sin(2 * theta) / root**2
-        torques.append(figure(model, "torque") - axial * rate * ratio)
+        torques.append(figure(system, "torque") - axial * rate * ratio)
 
-    integrate(model, 2.0, fixed(h, **EXACT), watch)
+    integrate(system, 2.0, fixed(h, **EXACT), watch)
 
     assert np.abs(ratios).max() < 2e-4
     assert np.abs(torques[4:]).max() < 2e-3 * axial * speed**2
@@ -182,18 +182,18 @@ def telescope(**slider):
 
 def test_part_below_a_slider_falls_freely():
     """travel = g t^2/2, no force; the part above hangs as before."""
-    scene = straight(**telescope())
-    integrate(scene.model, 0.3, fixed(1e-3))
-    assert figure(scene.model, "travel") == pytest.approx(0.5 * G * 0.3**2, rel=2e-5)
-    assert abs(figure(scene.model, "tension")) < 1e-6
+    model = straight(**telescope())
+    integrate(model.system, 0.3, fixed(1e-3))
+    assert figure(model.system, "travel") == pytest.approx(0.5 * G * 0.3**2, rel=2e-5)
+    assert abs(figure(model.system, "tension")) < 1e-6
 
 
 def test_part_below_a_shock_sub_oscillates():
     """A slider with a spring: travel = (m g/k)(1 - cos sqrt(k/m) t) of the rigid part below (20 kg), 2 % off for its own elasticity."""
     k = 2e4
-    scene = straight(**telescope(spring=k))
+    model = straight(**telescope(spring=k))
     w, seen = np.sqrt(k / 20.0), []
-    integrate(scene.model, 0.3, fixed(2e-4), lambda t, dt: seen.append((t, figure(scene.model, "travel"))))
+    integrate(model.system, 0.3, fixed(2e-4), lambda t, dt: seen.append((t, figure(model.system, "travel"))))
     t, travel = np.array(seen).T
     assert travel == pytest.approx(20 * G / k * (1 - np.cos(w * t)), abs=2e-5)
 
@@ -202,30 +202,30 @@ def test_part_below_a_slider_stops_and_comes_to_rest():
     """It falls on a stop, bounces within the stroke, and a damper brings it to rest where the stop carries its weight:
     k/2 (q + sqrt(q^2 + e^2)) = m g, with the damper's force gone."""
     k, stroke = 1e6, 0.05
-    scene = straight(**telescope(stroke=[-0.01, stroke], stop_stiffness=k, damping=2e3), material={"damping": {"stiffness": 1e-4}})
+    model = straight(**telescope(stroke=[-0.01, stroke], stop_stiffness=k, damping=2e3), material={"damping": {"stiffness": 1e-4}})
     most = []
-    integrate(scene.model, 2.0, {"ts_rtol": 1e-4}, lambda t, dt: most.append(figure(scene.model, "travel")))
+    integrate(model.system, 2.0, {"ts_rtol": 1e-4}, lambda t, dt: most.append(figure(model.system, "travel")))
     rest = brentq(lambda q: 0.5 * k * (q + np.hypot(q, STOP_ROUNDING)) - 20 * G, -1, 1)
     assert most[-1] == pytest.approx(stroke + rest, abs=1e-7)
-    assert figure(scene.model, "tension") == pytest.approx(20 * G, rel=1e-4)
+    assert figure(model.system, "tension") == pytest.approx(20 * G, rel=1e-4)
 
 
 def test_statics_finds_the_stop_of_a_slider():
-    scene = build_scene(Case(**telescope(stroke=["0 m", "1.5 m"], stop_stiffness=1e8)))
-    state = find_equilibrium(scene)
+    model = build_model(Case(**telescope(stroke=["0 m", "1.5 m"], stop_stiffness=1e8)))
+    state = find_equilibrium(model)
     push = 0.5e8 * (np.hypot(1.5, STOP_ROUNDING) - 1.5)  # what the rounded law of the other stop still gives
     rest = brentq(lambda q: 0.5e8 * (q + np.hypot(q, STOP_ROUNDING)) - push - 20 * G, -1, 1)
     assert state.stable
-    assert figure(scene.model, "travel") == pytest.approx(1.5 + rest, abs=1e-8)
-    assert figure(scene.model, "tension") == pytest.approx(20 * G, rel=1e-6)
+    assert figure(model.system, "travel") == pytest.approx(1.5 + rest, abs=1e-8)
+    assert figure(model.system, "tension") == pytest.approx(20 * G, rel=1e-6)
 
 
 def test_modes_of_a_hinged_string():
     """Two rods of 1 m on pivots, 1 kg each: det(K - w^2 M) = 0 of the double pendulum, in either plane."""
-    scene = build_scene(Case(string=[beam(2.0, 4, 1e7, 1e5, 1e5, 1.0, 1e-3)], top="pinned", gravity=G,
+    model = build_model(Case(string=[beam(2.0, 4, 1e7, 1e5, 1e5, 1.0, 1e-3)], top="pinned", gravity=G,
                              joints=[{"at": 1.0, "kind": "universal"}]))
-    modes.settle(scene)
-    found = modes.modes(scene, count=8)
+    modes.settle(model)
+    found = modes.modes(model, count=8)
     pendulum = [q for q in found.frequency if 0.1 < q < 10.0]
     M, K = np.array([[1 / 12 + 1.25, 0.5], [0.5, 1 / 12 + 0.25]]), np.diag([1.5 * G, 0.5 * G])
     assert pendulum == pytest.approx(np.repeat(np.sqrt(eigvalsh(K, M)) / (2 * np.pi), 2), rel=1e-5)
@@ -235,24 +235,24 @@ def test_whole_assembled_system_takes_the_same_steps():
     """BDF with PETSc's own Newton on all unknowns at once, and what it refuses: other integrators, corrected velocities."""
     tips = []
     for options in ({}, {"snes_type": "newtonls"}):
-        scene = straight(string=[beam(2.0, 2, 1e4, 1e2, 1e2, 1.0, 1e-3)], top="pinned", gravity=G, initial={"inclination": 0.7},
+        model = straight(string=[beam(2.0, 2, 1e4, 1e2, 1e2, 1.0, 1e-3)], top="pinned", gravity=G, initial={"inclination": 0.7},
                          joints=[{"at": 1.0, "kind": "revolute", "axis": [0, 0, 1]}])
-        integrate(scene.model, 0.1, fixed(1e-3, **options))
-        tips.append(scene.model.field("string.position")[-1])
+        integrate(model.system, 0.1, fixed(1e-3, **options))
+        tips.append(model.system.field("string.position")[-1])
     assert tips[0] == pytest.approx(tips[1], abs=1e-8)
     with pytest.raises(CaseError, match="ts_type"):
-        integrate(two_beams("position").model, 0.1, {"ts_type": "arkimex"})
+        integrate(two_beams("position").system, 0.1, {"ts_type": "arkimex"})
     with pytest.raises(CaseError, match="joints"):
-        integrate(two_beams("stabilised").model, 0.1, {"snes_type": "newtonls"})
+        integrate(two_beams("stabilised").system, 0.1, {"snes_type": "newtonls"})
 
 
 def test_a_string_without_joints_has_nothing_of_them():
     """No field, no block, no column; with one: a node more (7 unknowns) and six multipliers."""
     case = {"string": [beam(2.0, 2, 1e4, 1e2, 1e2, 1.0, 1e-3)], "top": "pinned"}
-    without, joined = (build_scene(Case(**case, joints=joints)) for joints in ([], [{"at": 1.0, "kind": "universal"}]))
-    assert joined.model.layout.size - without.model.layout.size == 13
-    assert not any("joint" in name for name in without.model.layout.place) and without.model.multipliers == 0
-    assert {b.block.name for b in without.model.assembly.ready} == {"beam"}
+    without, joined = (build_model(Case(**case, joints=joints)) for joints in ([], [{"at": 1.0, "kind": "universal"}]))
+    assert joined.system.layout.size - without.system.layout.size == 13
+    assert not any("joint" in name for name in without.system.layout.dofs) and without.system.multipliers == 0
+    assert {b.block.name for b in without.system.assembly.bound_blocks} == {"beam"}
     assert not any(name.startswith("joint") for name, _ in Recorder(without).columns)
     assert {f"joint_1_{name}" for name in ("force", "torque", "angle", "travel")} <= {name for name, _ in Recorder(joined).columns}
 
@@ -266,11 +266,11 @@ def test_reactions_of_a_swinging_rod():
         bodies = body(0, 0.5, 1.0, 1e-3, 0.1), body(1, l, m, 1e-3, m * l**2 / 12)
         mesh = chain_of_bodies(bodies, (StringJoint(0.5, "revolute", 0, HINGE),))
         position = np.array([[0.0, 0, 0], [0.5, 0, 0]])
-        model = place(mesh, position, NORTH, [lambda frames: Held(0, "clamped", position[0], NORTH)], [0, 0, G])  # noqa: B023
-        integrate(model, end, fixed(h, **EXACT))
-        t = model.field("string.tangent")[1]
+        system = place(mesh, position, NORTH, [lambda frames: FixedEnd(0, "clamped", position[0], NORTH)], [0, 0, G])  # noqa: B023
+        integrate(system, end, fixed(h, **EXACT))
+        t = system.field("string.tangent")[1]
         c = t[2] / np.linalg.norm(t)
-        force = -SCALE * model.field("joint.load")[1, :3]  # on the rod
+        force = -SCALE * system.field("joint.load")[1, :3]  # on the rod
         side = np.cross([0, 1.0, 0], t)  # across, upwards on the way down
         along, across = -force @ t, force @ side
         errors.append([along - m * G * c - 1.5 * m * G * c, across - m * G * np.sqrt(1 - c**2) / 4])
@@ -283,26 +283,26 @@ def test_reactions_of_a_swinging_rod():
 def test_reactions_in_a_hanging_turned_string():
     """What hangs and turns below a joint: its weight, and the moment at the lower end, through every kind that carries them."""
     for kind in ("fixed", "revolute", "universal"):
-        scene = build_scene(Case(string=[beam(6.0, 3, 1e8, 1e5, 1e5, 20.0, 0.01)], top="clamped", gravity=G,
+        model = build_model(Case(string=[beam(6.0, 3, 1e8, 1e5, 1e5, 20.0, 0.01)], top="clamped", gravity=G,
                                  joints=[{"at": 2.5, "kind": kind}],
                                  bottom={"kind": "force", "force": [0, 0, 500], "moment": [0, 0, -70.0]}))
-        state = find_equilibrium(scene)
+        state = find_equilibrium(model)
         assert state.equilibrium.converged
-        assert figure(scene.model, "tension") == pytest.approx(20.0 * 3.5 * G + 500.0, rel=1e-9)
-        assert figure(scene.model, "torque") == pytest.approx(70.0, rel=1e-9)
-        assert figure(scene.model, "side_force") < 1e-6 and figure(scene.model, "bending") < 1e-6
+        assert figure(model.system, "tension") == pytest.approx(20.0 * 3.5 * G + 500.0, rel=1e-9)
+        assert figure(model.system, "torque") == pytest.approx(70.0, rel=1e-9)
+        assert figure(model.system, "side_force") < 1e-6 and figure(model.system, "bending") < 1e-6
 
 
 def test_reactions_of_a_level_beam_with_a_hinge():
     """Gerber's beam, clamped at one end and pinned at the other, with a hinge half way: the hinge carries the shear w l/4 of the
     simple beam beyond it and no moment; the clamp w l^2/4 (small deflection: 1e-4 of the length)."""
     w, length = 2.0 * G, 4.0
-    scene = build_scene(Case(string=[beam(length, 8, 1e8, 1e6, 1e6, 2.0, 0.01)], top="clamped", bottom="pinned", gravity=G,
+    model = build_model(Case(string=[beam(length, 8, 1e8, 1e6, 1e6, 2.0, 0.01)], top="clamped", bottom="pinned", gravity=G,
                              initial={"inclination": np.pi / 2}, joints=[{"at": 2.0, "kind": "revolute", "axis": [0, 0, 1]}]))
-    assert find_equilibrium(scene).stable
-    assert figure(scene.model, "side_force") == pytest.approx(w * length / 4, rel=1e-5)
-    assert figure(scene.model, "bending") < 1e-5
-    assert np.hypot(*(scene.model.reaction(f"top.side_moment_{i}") for i in (1, 2))) == pytest.approx(w * length**2 / 4, rel=1e-5)
+    assert find_equilibrium(model).stable
+    assert figure(model.system, "side_force") == pytest.approx(w * length / 4, rel=1e-5)
+    assert figure(model.system, "bending") < 1e-5
+    assert np.hypot(*(model.system.reaction(f"top.side_moment_{i}") for i in (1, 2))) == pytest.approx(w * length**2 / 4, rel=1e-5)
 
 
 # ---------------------------------------------------------------------- a joint that joins
@@ -313,13 +313,13 @@ def whirling(joints=()) -> np.ndarray:
     ball = {"kind": "stabilizer", "length": 0.4, "od": 0.19, "mass": 40.0, "unbalance": 0.05}
     well = {"survey": {"md": [0, 20], "inclination": [0.5, 0.5], "azimuth": [0, 0]},
             "sections": [{"to": 20, "kind": "casing", "diameter": 0.2, "friction": 0.2}]}
-    scene = build_scene(Case(string=[{**pipe, "eccentricity": 0.002}, ball, pipe], well=well, joints=joints,
+    model = build_model(Case(string=[{**pipe, "eccentricity": 0.002}, ball, pipe], well=well, joints=joints,
                              top={"kind": "top_drive", "rotation": 6.0}, material={"damping": {"stiffness": 1e-3}}))
-    find_equilibrium(scene)
-    m = scene.model
+    find_equilibrium(model)
+    m = model.system
     start = -m.reaction("top.axial_reaction")
-    release(scene)
-    move_rigidly(scene)
+    release(model)
+    move_rigidly(model)
     integrate(m, 0.15, fixed(1e-3, **EXACT))
     return np.array([start, -m.reaction("top.axial_reaction"), m.reaction("top.torque_reaction"), m.field("string.spin", "y")[-1, 0],
                      *m.field("string.position")[-1]])
@@ -354,20 +354,20 @@ def test_coin_that_rolls_in_a_circle():
     for steps in (800, 1600):
         half = [body(i, 0.0, 0.5 * m, 0.5 * I3, 0.5 * I1) for i in (0, 1)]  # two halves that a fixed joint makes one
         mesh = chain_of_bodies(tuple(half), (StringJoint(0.0, "fixed", 0),))
-        room = Rolling(2, 0, R, np.zeros(3), UP)
-        model = place(mesh, np.tile(centre, (2, 1)), axis, [lambda frames: room], [0, 0, G])  # noqa: B023
-        model.set_field("string.position", np.tile(W * b * np.cross(axis, e), (2, 1)), "y")
-        model.set_field("string.tangent", np.tile(np.cross(W * UP, axis), (2, 1)), "y")
-        model.set_field("string.spin", np.full((2, 1), -W * b / R), "y")
+        component = Rolling(2, 0, R, np.zeros(3), UP)
+        system = place(mesh, np.tile(centre, (2, 1)), axis, [lambda frames: component], [0, 0, G])  # noqa: B023
+        system.set_field("string.position", np.tile(W * b * np.cross(axis, e), (2, 1)), "y")
+        system.set_field("string.tangent", np.tile(np.cross(W * UP, axis), (2, 1)), "y")
+        system.set_field("string.spin", np.full((2, 1), -W * b / R), "y")
         end = 2 * np.pi / W
-        integrate(model, end, fixed(end / steps, **EXACT))
-        errors.append(np.linalg.norm(model.field("string.position")[0] - centre))
+        integrate(system, end, fixed(end / steps, **EXACT))
+        errors.append(np.linalg.norm(system.field("string.position")[0] - centre))
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.15)
     assert errors[1] < 2e-3
-    normal, *sideways = room.force(model)
+    normal, *sideways = component.force(system)
     assert normal == pytest.approx(m * G, rel=1e-4)
     assert np.hypot(*sideways) == pytest.approx(m * W**2 * b, rel=1e-3)
-    assert model.field("string.spin", "y")[0, 0] == pytest.approx(-W * b / R, rel=1e-4)
+    assert system.field("string.spin", "y")[0, 0] == pytest.approx(-W * b / R, rel=1e-4)
 
 
 def test_bit_that_rolls_backwards_round_its_hole():
@@ -377,13 +377,13 @@ def test_bit_that_rolls_backwards_round_its_hole():
     R, hole, m, spin = 0.10, 0.11, 30.0, 5.0
     whirl = -spin * R / (hole - R)
     mesh = chain_of_bodies((body(0, 0.0, 0.5 * m, 0.1, 0.2), body(1, 0.0, 0.5 * m, 0.1, 0.2)), (StringJoint(0.0, "fixed", 0),))
-    room = Rolling(2, 0, R, np.zeros(3), -UP, hole=hole, grips_along=False)
+    component = Rolling(2, 0, R, np.zeros(3), -UP, hole=hole, grips_along=False)
     start = (hole - R) * NORTH
-    model = place(mesh, np.tile(start, (2, 1)), -UP, [lambda frames: room])
-    model.set_field("string.position", np.tile(np.cross(whirl * -UP, start), (2, 1)), "y")
-    model.set_field("string.spin", np.full((2, 1), spin), "y")
+    system = place(mesh, np.tile(start, (2, 1)), -UP, [lambda frames: component])
+    system.set_field("string.position", np.tile(np.cross(whirl * -UP, start), (2, 1)), "y")
+    system.set_field("string.spin", np.full((2, 1), spin), "y")
     end = 2 * np.pi / abs(whirl)
-    integrate(model, 1.25 * end, fixed(end / 1600, **EXACT))
-    assert model.field("string.position")[0] == pytest.approx(np.cross(np.sign(whirl) * -UP, start), abs=1e-4 * (hole - R) * 2 * np.pi)
-    assert room.force(model)[0] == pytest.approx(m * (hole - R) * whirl**2, rel=1e-3)
-    assert model.field("string.spin", "y")[0, 0] == pytest.approx(spin, rel=1e-5)
+    integrate(system, 1.25 * end, fixed(end / 1600, **EXACT))
+    assert system.field("string.position")[0] == pytest.approx(np.cross(np.sign(whirl) * -UP, start), abs=1e-4 * (hole - R) * 2 * np.pi)
+    assert component.force(system)[0] == pytest.approx(m * (hole - R) * whirl**2, rel=1e-3)
+    assert system.field("string.spin", "y")[0, 0] == pytest.approx(spin, rel=1e-5)

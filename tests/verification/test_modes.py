@@ -16,12 +16,12 @@ from drillpetsc import Case
 from drillpetsc.analysis.modal import modes, run_modes, settle
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.well import Well
-from drillpetsc.model.drilling_model import build_scene
+from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_frame, read_table
 from drillpetsc.physics.contact import Contact, ContactLaw
-from drillpetsc.physics.end_conditions import Held, TopDrive
+from drillpetsc.physics.end_conditions import FixedEnd, TopDrive
 from drillpetsc.solvers.linearization import linearise
-from drillpetsc.solvers.quadratic_eigenproblem import Pencil, lowest_roots, roots_near
+from drillpetsc.solvers.quadratic_eigenproblem import QuadraticEigenproblem, eigenvalues_near, lowest_eigenvalues
 from drillpetsc.time_function import Constant
 from tests.helpers.flow_scenes import build
 from tests.helpers.motion import straight
@@ -38,9 +38,9 @@ def rod(elements: int = 16, length: float = L, **more) -> dict:
 
 def found(count: int = 20, engine: str = "auto", kind: str | None = None, **case):
     case = {"gravity": 0.0, "initial": {"imperfection": 0.0}, **case}
-    scene = build_scene(Case(**case))
-    settle(scene)
-    return modes(scene, count, kind=kind, engine=engine)
+    model = build_model(Case(**case))
+    settle(model)
+    return modes(model, count, kind=kind, engine=engine)
 
 
 def rates(m, kind: str) -> np.ndarray:
@@ -131,9 +131,9 @@ def test_torsion_with_the_inertia_of_the_bit():
               {"kind": "body", "mass": 100.0, "inertia": {"axial": 300.0, "transverse": 300.0}}]
     m = found(2, kind="torsional", string=string, top="clamped", gravity=9.81)
     assert m.frequency[:2] == pytest.approx([0.180895, 0.840968], rel=1e-3)
-    scene = build_scene(Case(string=string, top="clamped", gravity=9.81))
-    settle(scene)
-    near = modes(scene, 3, shift=0.181)
+    model = build_model(Case(string=string, top="clamped", gravity=9.81))
+    settle(model)
+    near = modes(model, 3, shift=0.181)
     assert near.frequency[near.kind.index("torsional")] == pytest.approx(m.frequency[0], rel=1e-9)
 
 
@@ -175,9 +175,9 @@ class Hinge(TopDrive):
 def whirl(n: int, speed: float, polar: float) -> np.ndarray:
     """Lowest six rates [rad/s] of a hinged shaft that spins."""
     mesh = uniform_string(L, n, axial_stiffness=EA, bending_stiffness=EI, torsional_stiffness=1e7, mass=MASS, polar_inertia=polar)
-    model = straight_model(mesh, [lambda f, p, t: Hinge(p[0], t[0], speed), lambda f, p, t: Held(n, "pinned", p[-1], t[-1], spin=False)])
-    model.set_field("string.spin", np.full((n + 1, 1), speed), "y")
-    s = lowest_roots(linearise(model).pencil(10.0), 6).s
+    system = straight_model(mesh, [lambda f, p, t: Hinge(p[0], t[0], speed), lambda f, p, t: FixedEnd(n, "pinned", p[-1], t[-1], spin=False)])
+    system.set_field("string.spin", np.full((n + 1, 1), speed), "y")
+    s = lowest_eigenvalues(linearise(system).pencil(10.0), 6).s
     assert np.abs(s.real).max() < 1e-9
     return s.imag[s.imag > 0][:6]
 
@@ -185,7 +185,7 @@ def whirl(n: int, speed: float, polar: float) -> np.ndarray:
 def test_gyroscopic_splitting_of_a_spinning_shaft():
     """Pinned shaft with polar inertia J at Omega, no inertia of tilting: with w = x + iy of wave number k, mu w'' - i J Omega k^2 w' +
     EI k^4 w = 0, so the rates solve mu q^2 -+ J Omega k^2 q - EI k^4 = 0: forward whirl above, backward below the rate at rest (rotor
-    dynamics, e.g. Genta, Dynamics of Rotating Systems, ch. 4).  The spin momentum stands at the nodes: second order."""
+    dynamics, e.g. Genta, TimeIntegrator of Rotating Systems, ch. 4).  The spin momentum stands at the nodes: second order."""
     speed, polar, expected = 300.0, 2.0, []
     for k in np.arange(1, 4) * np.pi / L:
         half = polar * speed * k**2 / (2 * MASS)
@@ -198,18 +198,18 @@ def test_gyroscopic_splitting_of_a_spinning_shaft():
 def test_pipe_lying_in_a_hole():
     """A rigid piece at rest on the wall, without friction: it bounces at sqrt(k/mu) on the contact's stiffness per length and swings
     along the wall at sqrt(g/d), d the distance of its axis from the hole's; the wall above, which it does not touch, is not there."""
-    g, mass, stiffness, room = 9.81, 25.0, 1e6, 0.002
+    g, mass, stiffness, component = 9.81, 25.0, 1e6, 0.002
     mesh = uniform_string(1.0, 1, axial_stiffness=1e9, bending_stiffness=1e8, torsional_stiffness=1e8, mass=mass, polar_inertia=0.1,
                           outer_diameter=0.2)
-    hole = Well.from_survey(np.array([0.0, 50.0]), np.zeros(2), np.zeros(2), [50.0], [0.1 + room], [0.0])
+    hole = Well.from_survey(np.array([0.0, 50.0]), np.zeros(2), np.zeros(2), [50.0], [0.1 + component], [0.0])
     law = ContactLaw(stiffness=stiffness, restitution=1.0)
-    model = straight_model(mesh, [lambda f, p, t: Contact(mesh, hole, law)], gravity=(g, 0.0, 0.0))
-    depth = room + mass * g / stiffness
-    model.set_field("string.position", np.array([[depth, 0.0, z] for z in (0.0, 1.0)]))
-    rows = model.new_condensed()
-    model.sum_residual(0.0, rows)
+    system = straight_model(mesh, [lambda f, p, t: Contact(mesh, hole, law)], gravity=(g, 0.0, 0.0))
+    depth = component + mass * g / stiffness
+    system.set_field("string.position", np.array([[depth, 0.0, z] for z in (0.0, 1.0)]))
+    rows = system.new_condensed()
+    system.sum_residual(0.0, rows)
     assert np.abs(rows.getArray()).max() < 1e-6 * mass * g
-    s = roots_near(linearise(model).pencil(10.0), 20.0, 8, "dense").s.imag
+    s = eigenvalues_near(linearise(system).pencil(10.0), 20.0, 8, "dense").s.imag
     for expected in (np.sqrt(g / depth), np.sqrt(stiffness / mass)):
         assert np.abs(s - expected).min() < 1e-3 * expected
 
@@ -217,11 +217,11 @@ def test_pipe_lying_in_a_hole():
 def test_linearised_rows_are_those_of_the_residual():
     """String, bore, annulus and bit in a random state that spins and slides: x + u e^(st) with true rates, for three rates s and random u;
     central differences of the residual against (K + s C + s^2 M) u."""
-    model = build("pipe_annulus_bit_junction_topdrive")
-    asm, layout = model.assembly, model.layout
-    asm.y[layout.place["string.tangent"]] = 0.0
+    system = build("pipe_annulus_bit_junction_topdrive")
+    asm, layout = system.assembly, system.layout
+    asm.y[layout.dofs["string.tangent"]] = 0.0
     asm.a[:] = 0.0
-    system = linearise(model)
+    system = linearise(system)
     x, y, n = asm.x.copy(), asm.y.copy(), layout.size
     numbers = layout.condensed_dm.getLGMap().getIndices()
     rng = np.random.default_rng(3)
@@ -295,7 +295,7 @@ def test_pipe_conveying_fluid_diverges_at_pi():
 
 
 # ---------------------------------------------------------------------- pencil
-def dae(copies: int, seed: int = 4) -> tuple[Pencil, np.ndarray]:
+def dae(copies: int, seed: int = 4) -> tuple[QuadraticEigenproblem, np.ndarray]:
     """Oscillators, each pushed by the lagged state of a first-order unknown, and an algebraic unknown that follows, all mixed:
     m x'' + d x' + k x - b p = 0,  tau p' + p + c x' = 0,  q - x = 0:  (m s^2 + d s + k)(tau s + 1) + b c s = 0.  Each ``copies`` times.
     """
@@ -312,7 +312,7 @@ def dae(copies: int, seed: int = 4) -> tuple[Pencil, np.ndarray]:
         right[np.ix_(group, group)] = rng.standard_normal((group.sum(), group.sum()))
     A = [sparse.csr_matrix(left @ part @ right) for part in (K, C, M)]
     A[2] = A[2] @ sparse.diags(second.astype(float))
-    return Pencil(*A, second, np.ones(n), 1.0), np.concatenate(roots)
+    return QuadraticEigenproblem(*A, second, np.ones(n), 1.0), np.concatenate(roots)
 
 
 @pytest.mark.parametrize("engine", ["dense", "arpack"])
@@ -323,7 +323,7 @@ def test_roots_of_an_algebraic_differential_system(engine, copies):
     exact = exact[exact.imag >= 0]
     exact = exact[np.argsort(np.abs(exact - 0.87))]
     some = len(exact) if engine == "dense" else 4 * copies
-    got = roots_near(pencil, 0.87, 2 * some if engine == "dense" else 6 * copies, engine)
+    got = eigenvalues_near(pencil, 0.87, 2 * some if engine == "dense" else 6 * copies, engine)
     got = got.chosen(np.argsort(np.abs(got.s - 0.87)))
     assert len(got.s) >= some if engine == "arpack" else len(got.s) == len(exact)
     for root in got.s:
@@ -342,8 +342,8 @@ def test_discs_climb_past_a_crowd_of_slow_roots():
     n = len(slow) + len(swing)
     second = np.arange(n) >= len(slow)
     K, C, M = (sparse.csr_matrix(sparse.diags(d.astype(float))) for d in (np.concatenate([slow, swing**2]), ~second, second))
-    pencil = Pencil(K, C, M, second, np.ones(n), 0.1)
-    roots = lowest_roots(pencil, 10, "arpack")
+    pencil = QuadraticEigenproblem(K, C, M, second, np.ones(n), 0.1)
+    roots = lowest_eigenvalues(pencil, 10, "arpack")
     assert roots.s[roots.s.imag > 0] == pytest.approx(1j * swing[:10], rel=1e-9)
     assert roots.s[roots.s.imag == 0].real == pytest.approx(-slow[:2], rel=1e-9)
 
@@ -352,7 +352,7 @@ def test_slepc_where_it_is_installed():
     """SLEPc's Krylov-Schur finds the same roots as ARPACK's Arnoldi."""
     pytest.importorskip("slepc4py.SLEPc", exc_type=ImportError)
     pencil, _ = dae(6)
-    one, other = (np.sort_complex(roots_near(pencil, 0.87, 30, engine).s) for engine in ("slepc", "arpack"))
+    one, other = (np.sort_complex(eigenvalues_near(pencil, 0.87, 30, engine).s) for engine in ("slepc", "arpack"))
     assert one == pytest.approx(other, rel=1e-7)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import drillpetsc
-from drillpetsc.model.drilling_model import Scene
+from drillpetsc.model.drilling_model import DrillingModel
 from tests.helpers.motion import fixed, integrate
 from tests.helpers.mud import hole, loop, started
 
@@ -17,28 +17,28 @@ MOVING = {"hold_string": False, "contact": "none", "bottom": {"kind": "free"}, "
 SCENES = {"held": {}, "moving": MOVING}
 
 
-def scene_of(kind: str, elements: int = 40, flow=STOPPED, **case) -> Scene:
+def scene_of(kind: str, elements: int = 40, flow=STOPPED, **case) -> DrillingModel:
     """Loop whose pump stops, held or lowered while it turns, the flow line 2 m down."""
     return loop({"flow_rate": flow, "flow_line": 2.0}, elements, **{**SCENES[kind], **case})
 
 
-def surplus(scene: Scene, t: float) -> float:
+def surplus(model: DrillingModel, t: float) -> float:
     """Storage rate of channels, of the mud under the bit and of the hole above the string, with y of the integrator, less pumped, plus
     returned [m3/s at zero pressure].
 
     Under the bit: content (1/K + c/(1 + c p)) p' - theta A_w V, theta = exp(p/K)(1 + c p), c the give of the wall, V the string's speed.
     """
-    f, asm = scene.fluid, scene.model.assembly
-    assert f is not None and f.pipe is not None and f.annulus is not None and f.bit is not None
-    end, stored = f.bit.end, sum(room.figures(asm)[:, 5:7].sum() for room in (f.pipe, f.annulus))
-    at = scene.model.layout.place["annulus.pressure"][-1, 0]
+    f, asm = model.fluid, model.system.assembly
+    assert f is not None and f.bore is not None and f.annulus is not None and f.bit is not None
+    end, stored = f.bit.end, sum(component.figures(asm)[:, 5:7].sum() for component in (f.bore, f.annulus))
+    at = model.system.layout.dofs["annulus.pressure"][-1, 0]
     p, rate, soft = asm.x[at], asm.y[at], 1 / f.constants.bulk_modulus
     stored += f.bit.figures(asm)[4] * (soft + end.elasticity / (1 + end.elasticity * p)) * rate
-    if scene.beam is not None:
-        speed = scene.model.field("string.position", "y")[:, 2]
+    if model.beam is not None:
+        speed = model.system.field("string.position", "y")[:, 2]
         stored -= np.exp(p * soft) * (1 + end.elasticity * p) * end.hole * speed[-1]
         stored += (f.annulus.annulus.hole[0] - f.annulus.annulus.outer[0]) * speed[0]
-    pumped, returned = f.pipe.pumped(t, asm), f.annulus.outflow(asm)
+    pumped, returned = f.bore.pumped(t, asm), f.annulus.outflow(asm)
     assert pumped is not None and returned is not None
     return float(stored - pumped + returned)
 
@@ -47,8 +47,8 @@ def surplus(scene: Scene, t: float) -> float:
 def test_every_step_keeps_the_mass(kind):
     """C11: storage = pumped - returned after every accepted step of a pump stop, 1e-12 of the pump's flow, Newton to rounding and steps of
     20 ms.  (Rounding of rates: of x over the step; a string at 1000 m and steps of 1 ms would leave 1e-11.)"""
-    scene, seen = started(scene_of(kind)), []
-    integrate(scene.model, 1.5, fixed(0.02, q_snes_stol=1e-14), lambda t, dt: seen.append(surplus(scene, t)), scene.breaks)
+    model, seen = started(scene_of(kind)), []
+    integrate(model.system, 1.5, fixed(0.02, q_snes_stol=1e-14), lambda t, dt: seen.append(surplus(model, t)), model.breaks)
     assert len(seen) >= 75
     assert np.abs(seen).max() < 1e-12 * PUMP
 
@@ -56,8 +56,8 @@ def test_every_step_keeps_the_mass(kind):
 @pytest.mark.parametrize("kind", SCENES)
 def test_default_tolerances_keep_the_mass_of_a_step_within_theirs(kind):
     """Steps and Newton by default: what Newton's tolerance (2e-6 of the flow scale, 1e-2 m3/s) leaves, 2e-8 m3/s times a few."""
-    scene, seen = started(scene_of(kind)), []
-    run = integrate(scene.model, 1.5, {}, lambda t, dt: seen.append(surplus(scene, t)), scene.breaks)
+    model, seen = started(scene_of(kind)), []
+    run = integrate(model.system, 1.5, {}, lambda t, dt: seen.append(surplus(model, t)), model.breaks)
     assert run.counters.steps > 20
     assert np.abs(seen).max() < 1e-7
 

@@ -14,7 +14,7 @@ import drillpetsc
 from drillpetsc.analysis.equilibrium import place_along_hole
 from drillpetsc.analysis.steady_flow import steady_flow
 from drillpetsc.case import Case
-from drillpetsc.model.drilling_model import Scene, build_scene
+from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import read_table
 from tests.helpers.mud import DENSITY, GRAVITY, HOLE, MUD, NOZZLE, OPEN, OUTER, RIGID, SOLID, hole, loop, started
 from tests.verification.test_tripping import pipe
@@ -25,7 +25,7 @@ BIT = {"kind": "bit", "od": HOLE, "mass": 60.0, "nozzle_area": NOZZLE}
 BACK = {"removed": PUMP - OPEN * ROP, "returned": PUMP + SOLID * ROP}
 
 
-def drilling(cuttings: str, length: float, modulus: float = 1e14, **case) -> Scene:
+def drilling(cuttings: str, length: float, modulus: float = 1e14, **case) -> DrillingModel:
     """A stiff string that drills straight down at ``ROP`` under ``WEIGHT``; modulus: of the mud [Pa]."""
     string = [{**pipe(length, 10), "bending_stiffness": 1e9}, {**BIT, "length": 0.5}]
     top, rock = {"kind": "top_drive", "lowering": ROP, "rotation": TURNING}, {"drillability": ROP / WEIGHT, "reference_speed": TURNING}
@@ -37,12 +37,12 @@ def drilling(cuttings: str, length: float, modulus: float = 1e14, **case) -> Sce
 @pytest.mark.parametrize("cuttings", BACK)
 def test_return_of_a_bit_that_drills(cuttings):
     """C10: 29.76058 l/s at 10 mm/s with cuttings removed, 30.12668 l/s with cuttings returned (mud of 1e14 Pa: 1e-8)."""
-    scene = started(drilling(cuttings, 2000.0))
-    model, n = scene.model, scene.mesh.nodes
-    model.set_field("hole.end", np.tile([0.0, 0.0, ROP], (n, 1)), "y")
-    model.set_field("hole.drilled", np.full((n, 1), ROP), "y")
-    steady_flow(model)
-    back = scene.fluid.annulus.outflow(model.assembly)
+    model = started(drilling(cuttings, 2000.0))
+    system, n = model.system, model.mesh.nodes
+    system.set_field("hole.end", np.tile([0.0, 0.0, ROP], (n, 1)), "y")
+    system.set_field("hole.drilled", np.full((n, 1), ROP), "y")
+    steady_flow(system)
+    back = model.fluid.annulus.outflow(system.assembly)
     assert back == pytest.approx(BACK[cuttings], rel=1e-8)
     assert back == pytest.approx({"removed": 29.76058e-3, "returned": 30.12668e-3}[cuttings], rel=1e-6)
 
@@ -76,37 +76,37 @@ def in_curved_hole(**case) -> dict:
     return {"well": CURVED, "string": string, "top": {"kind": "top_drive", "lowering": 0.1}, "gravity": GRAVITY, "fluid": mud, **case}
 
 
-def shifted(scene: Scene, by: float) -> None:
+def shifted(model: DrillingModel, by: float) -> None:
     """The string ``by`` [m] further down along the hole's axis."""
-    position, tangent, _ = scene.well.at(scene.mesh.node_depth + by)
-    scene.model.set_field("string.position", position)
-    scene.model.set_field("string.tangent", tangent)
+    position, tangent, _ = model.well.at(model.mesh.node_depth + by)
+    model.system.set_field("string.position", position)
+    model.system.set_field("string.tangent", tangent)
 
 
 def test_annulus_follows_a_string_that_slides_down_a_curved_hole():
     """20 m further down, in steps of 4 cm: the pressure under the string is that of its true vertical depth, and the content of the annulus
     that of the hole there less that of the pipe (2e-5: chord and arc of an element differ by angle^2/24, 1.3e-5); as if it had started
     there."""
-    scene = build_scene(Case(**in_curved_hole()))
-    place_along_hole(scene)
-    room, asm = scene.fluid.annulus, scene.model.assembly
-    room.find_hole(asm)
+    model = build_model(Case(**in_curved_hole()))
+    place_along_hole(model)
+    component, asm = model.fluid.annulus, model.system.assembly
+    component.find_hole(asm)
     for by in np.arange(0.04, 20.01, 0.04):
-        shifted(scene, by)
-        room.accept(asm)
-    steady_flow(scene.model)
-    ends = scene.mesh.node_depth[[0, -1]] + 20.0
+        shifted(model, by)
+        component.accept(asm)
+    steady_flow(model.system)
+    ends = model.mesh.node_depth[[0, -1]] + 20.0
     pipes = 0.25 * np.pi * (200 * OUTER**2 + 100 * 0.14**2)
-    assert scene.model.field("annulus.pressure")[-1, 0] == pytest.approx(DENSITY * GRAVITY * scene.well.at(ends[1])[0][2], rel=1e-6)
+    assert model.system.field("annulus.pressure")[-1, 0] == pytest.approx(DENSITY * GRAVITY * model.well.at(ends[1])[0][2], rel=1e-6)
     holes = np.pi * np.array([0.5 * 0.2445, 0.5 * 0.2159]) ** 2
     w, r, d = 0.5, 0.5 * 0.2445, 0.5 * (0.2159 - 0.2445)  # transition: int (r + d (3 u^2 - 2 u^3))^2 du = r^2 + r d + 13/35 d^2
     around = holes[0] * (155 - w / 2 - ends[0]) + holes[1] * (ends[1] - 155 - w / 2) + np.pi * w * (r**2 + r * d + 13 / 35 * d**2)
-    assert room.figures(asm)[:, 4].sum() == pytest.approx(around - pipes, rel=2e-5)
-    walked = [b.params.copy() for b in room._blocks]
-    fresh = build_scene(Case(**in_curved_hole()))
+    assert component.figures(asm)[:, 4].sum() == pytest.approx(around - pipes, rel=2e-5)
+    walked = [b.params.copy() for b in component._blocks]
+    fresh = build_model(Case(**in_curved_hole()))
     place_along_hole(fresh)
     shifted(fresh, 20.0)
-    fresh.fluid.annulus.find_hole(fresh.model.assembly)
+    fresh.fluid.annulus.find_hole(fresh.system.assembly)
     for b, params in zip(fresh.fluid.annulus._blocks, walked, strict=True):
         assert params[:, :10] == pytest.approx(b.params[:, :10], rel=1e-4)
         assert params[:, 10:13] == pytest.approx(b.params[:, 10:13], rel=2e-2)  # renewed at changes of diameter of a hundredth
@@ -116,17 +116,17 @@ def test_annulus_follows_a_string_that_slides_down_a_curved_hole():
 
 def test_continued_run_knows_the_hole_as_it_was():
     """What the rooms remember for a checkpoint puts a fresh scene's elements and chamber into the same state, to the last digit."""
-    scene, again = (build_scene(Case(**in_curved_hole(bottom="free"))) for _ in range(2))
-    place_along_hole(scene)
-    steady_flow(scene.model)
+    model, again = (build_model(Case(**in_curved_hole(bottom="free"))) for _ in range(2))
+    place_along_hole(model)
+    steady_flow(model.system)
     for by in np.arange(0.3, 6.0, 0.3):
-        shifted(scene, by)
-        scene.model.accept()
+        shifted(model, by)
+        model.system.accept()
     shifted(again, by)
-    for old, new in zip(scene.fluid.rooms[1:], again.fluid.rooms[1:], strict=True):
-        new.recall_local(old.local_memory())
-    again.model.accept()
-    for old, new in zip(scene.model.assembly.ready, again.model.assembly.ready, strict=True):
+    for old, new in zip(model.fluid.components[1:], again.fluid.components[1:], strict=True):
+        new.set_local_state(old.get_local_state())
+    again.system.accept()
+    for old, new in zip(model.system.assembly.bound_blocks, again.system.assembly.bound_blocks, strict=True):
         if old.block.name.startswith(("annulus_flow", "bit_flow")):
             assert np.array_equal(old.block.params, new.block.params), old.block.name
 

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from drillpetsc.analysis.equilibrium import move_rigidly, release
 from drillpetsc.analysis.modal import modes, settle
-from drillpetsc.model.drilling_model import build_scene
+from drillpetsc.model.drilling_model import build_model
 from tests.helpers.motion import fixed, integrate
 from tests.helpers.moving import matrices
 from tests.helpers.pipe_with_flow import (
@@ -103,19 +103,19 @@ def test_all_unknowns_together_have_the_same_roots():
     """The whole linearised scene, pressures and flow rates (first order) included, has each root across the pipe twice (two planes), and
     no root that grows."""
     tube = Tube.of(0.5, 6)
-    scene = tube.at_rest({"flow_rate": flow_of(2.0)})
-    free, drop = np.eye(scene.model.layout.size), []
-    for f in scene.model.assembly.fixed:
+    model = tube.at_rest({"flow_rate": flow_of(2.0)})
+    free, drop = np.eye(model.system.layout.size), []
+    for f in model.system.assembly.row_replacements:
         base = null_space(f.D)
         free[np.ix_(f.rows, f.rows)] = 0.0
         free[np.ix_(f.rows, f.rows[: base.shape[1]])] = base
         drop += list(f.rows[base.shape[1]:])
     free = np.delete(free, drop, axis=1)
-    K, C, M = (free.T @ A @ free for A in matrices(scene.model))
+    K, C, M = (free.T @ A @ free for A in matrices(model.system))
     zero, one = np.zeros_like(K), np.eye(len(K))
     alpha, beta = eigvals(np.block([[zero, one], [-K, -C]]), np.block([[one, zero], [zero, M]]), homogeneous_eigvals=True)
     s = alpha[np.abs(beta) > 1e-10 * np.abs(alpha)] / beta[np.abs(beta) > 1e-10 * np.abs(alpha)]
-    for root in oscillating(roots_of(*across(scene)), 3):
+    for root in oscillating(roots_of(*across(model)), 3):
         assert np.sum(np.abs(s - root) < 1e-6 * abs(root)) == 2
     slow = s[np.abs(s) * tube.time < 1e3]
     assert slow.real.max() < 1e-6 * np.abs(slow).max()
@@ -130,10 +130,10 @@ def test_pressure_does_not_move_the_frequency_of_a_blind_pipe(load):
     fluid = {"pump_pressure": load * FORCE / BORE}
     for ends, exact in (({"top": "clamped", "bottom": {"kind": "free", "plugged": True}}, CLAMPED_FREE),
                         ({"top": SLIDING, "bottom": {"kind": "pinned", "plugged": True}}, CLAMPED_PINNED)):
-        scene = tube.at_rest(fluid, **ends)
-        cells = scene.beam.report(scene.model.layout, scene.model.assembly.x, scene.model.assembly.y)
+        model = tube.at_rest(fluid, **ends)
+        cells = model.beam.report(model.system.layout, model.system.assembly.x, model.system.assembly.y)
         assert cells[:, 3:6] == pytest.approx(load * FORCE, abs=1e-5 * FORCE)
-        assert oscillating(roots_of(*across(scene)), 1).imag * tube.time == pytest.approx([exact], rel=2e-5)
+        assert oscillating(roots_of(*across(model)), 1).imag * tube.time == pytest.approx([exact], rel=2e-5)
 
 
 @pytest.mark.parametrize("load", [0.0, 5.0, 50.0, 200.0])
@@ -147,10 +147,10 @@ def test_outside_pressure_does_not_buckle_a_closed_pipe(load):
     held = SLIDING | {"force": -load * FORCE}  # against being pushed out of the hole, where nothing presses on the section's upper side
     for ends, factor in (({"top": "clamped", "bottom": {"kind": "free", "plugged": True}}, 1.0),
                          ({"top": held, "bottom": {"kind": "pinned", "plugged": True}}, CLAMPED_PINNED / CLAMPED_FREE)):
-        scene = tube.at_rest(fluid, **ends)
-        cells = scene.beam.report(scene.model.layout, scene.model.assembly.x, scene.model.assembly.y)
+        model = tube.at_rest(fluid, **ends)
+        cells = model.beam.report(model.system.layout, model.system.assembly.x, model.system.assembly.y)
         assert cells[:, 3:6] == pytest.approx(-load * FORCE, abs=1e-5 * FORCE)
-        assert oscillating(roots_of(*across(scene)), 1).imag == pytest.approx([factor * exact], rel=2e-5)
+        assert oscillating(roots_of(*across(model)), 1).imag == pytest.approx([factor * exact], rel=2e-5)
 
 
 @pytest.mark.parametrize("load", [5.0, 9.0])
@@ -174,10 +174,10 @@ def test_elastic_wall_between_fixed_ends_takes_over_part_of_the_pressure():
     item = {"kind": "pipe", "length": LENGTH, "od": OUTER, "id": 0.1, "element_length": LENGTH / 16,
             "material": {"young": young, "poisson": nu}}
     tube = Tube.of(0.5)
-    scene = tube.at_rest({"outlet_pressure": pressure, "elastic_walls": True}, string=[item])
+    model = tube.at_rest({"outlet_pressure": pressure, "elastic_walls": True}, string=[item])
     mass = 7850 * (SOLID - BORE) + DENSITY * BORE
     omega = np.sqrt((np.pi**4 - np.pi**2 * (1 - 2 * nu) * 8.0) * bending / mass) / LENGTH**2
-    assert oscillating(roots_of(*across(scene)), 1).imag == pytest.approx([omega], rel=1e-4)
+    assert oscillating(roots_of(*across(model)), 1).imag == pytest.approx([omega], rel=1e-4)
 
 
 # ---------------------------------------------------------------------- flutter
@@ -187,8 +187,8 @@ def flutter(elements: int, beta: float, near: float, gamma: float = 0.0) -> tupl
     gravity = gamma * BENDING / ((tube.mass + DENSITY * BORE) * LENGTH**3)
 
     def root(u: float) -> complex:
-        scene = tube.at_rest({"flow_rate": flow_of(u)}, top="clamped", bottom="free", gravity=float(gravity))
-        return fastest_growing(roots_of(*across(scene))) * tube.time
+        model = tube.at_rest({"flow_rate": flow_of(u)}, top="clamped", bottom="free", gravity=float(gravity))
+        return fastest_growing(roots_of(*across(model))) * tube.time
 
     u = brentq(lambda u: root(u).real, 0.95 * near, 1.05 * near, xtol=1e-7)
     return u, root(u).imag
@@ -221,17 +221,17 @@ def test_cantilever_in_motion_below_and_above_the_critical_speed(u, grows):
     """The run itself, 8 elements, small push, BDF2 with omega dt = 0.1: growth rate and frequency of the spectral solution within 0.02 and
     1 % (BDF2 slows an oscillation by (omega dt)^2/3 = 0.33 %), so it dies out at u = 5.3 and grows at 5.9 (critical 5.591)."""
     tube = Tube.of(0.2, 8)
-    scene = tube.at_rest({"flow_rate": flow_of(u)}, top="clamped", bottom="free")
-    release(scene)
-    move_rigidly(scene)
-    x = scene.mesh.node_depth / LENGTH
-    speed, turning = np.zeros((2, scene.mesh.nodes, 3))
+    model = tube.at_rest({"flow_rate": flow_of(u)}, top="clamped", bottom="free")
+    release(model)
+    move_rigidly(model)
+    x = model.mesh.node_depth / LENGTH
+    speed, turning = np.zeros((2, model.mesh.nodes, 3))
     speed[:, 0], turning[:, 0] = 1e-3 * x**2, 2e-3 * x / LENGTH
-    scene.model.set_field("string.position", speed, "y")
-    scene.model.set_field("string.tangent", turning, "y")
+    model.system.set_field("string.position", speed, "y")
+    model.system.set_field("string.tangent", turning, "y")
     tip: list[tuple[float, float]] = []
-    integrate(scene.model, 4.5 * tube.time, fixed(0.1 / 13.7 * tube.time),
-              call=lambda t, dt: tip.append((t / tube.time, scene.model.field("string.position")[-1, 0])))
+    integrate(model.system, 4.5 * tube.time, fixed(0.1 / 13.7 * tube.time),
+              call=lambda t, dt: tip.append((t / tube.time, model.system.field("string.position")[-1, 0])))
     t, y = np.array(tip).T
     peaks = [k for k in range(1, len(y) - 1) if (y[k] - y[k - 1]) * (y[k + 1] - y[k]) <= 0 and t[k] > 1.5]
     tops = []
@@ -251,12 +251,12 @@ def test_modes_tell_stable_from_unstable():
     for ends, beta, critical, kind in ((("pinned", "pinned"), 0.5, np.pi, "diverging"), (("clamped", "free"), 0.2, 5.5914, "fluttering")):
         tube = Tube.of(beta)
         for u, count in ((0.998 * critical, 0), (1.002 * critical, 2)):
-            scene = build_scene(tube.case({"flow_rate": flow_of(u)}, top=ends[0], bottom=ends[1]))
-            settle(scene)
-            found = modes(scene, 6, kind="lateral")
+            model = build_model(tube.case({"flow_rate": flow_of(u)}, top=ends[0], bottom=ends[1]))
+            settle(model)
+            found = modes(model, 6, kind="lateral")
             assert (found.unstable, getattr(found, kind)) == (count, count)
-            mine = oscillating(found.eigenvalue, 4)
-            assert mine[::2] == pytest.approx(oscillating(roots_of(*across(scene)), 2), rel=1e-5)
+            on_rank = oscillating(found.eigenvalue, 4)
+            assert on_rank[::2] == pytest.approx(oscillating(roots_of(*across(model)), 2), rel=1e-5)
 
 
 def test_the_spectral_solution_gives_known_beams():

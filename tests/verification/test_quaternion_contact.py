@@ -1,4 +1,4 @@
-"""The quaternion string in its hole: lies, slides and turns under friction as the gauge string does."""
+"""The quaternion string in its hole: lies, slides and turns under friction as the ANCF string does."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 
 from drillpetsc import Case, run
 from drillpetsc.analysis.equilibrium import find_equilibrium
-from drillpetsc.model.drilling_model import build_scene
+from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from tests.helpers.motion import fixed
 
@@ -26,25 +26,25 @@ def lying(formulation: str, **more) -> Case:
 def test_a_string_that_lies_in_a_level_hole_is_pushed_in_against_friction():
     """Static start, friction against the lowering: the wall carries the weight w L, the top, which holds the string where it lies, pushes
     with mu w L."""
-    scene = build_scene(lying("quaternion"))
-    find_equilibrium(scene)
-    reports, _ = scene.contact.report(scene.model.assembly)
+    model = build_model(lying("quaternion"))
+    find_equilibrium(model)
+    reports, _ = model.contact.report(model.system.assembly)
     carried = reports[:, 0].sum()
-    held = scene.model.reaction("top.side_reaction_1")  # towards the high side of the hole: up
+    held = model.system.reaction("top.side_reaction_1")  # towards the high side of the hole: up
     assert carried + held == pytest.approx(WEIGHT * LENGTH, rel=1e-4)
     assert abs(held) < 1e-3 * carried
-    assert scene.model.reaction("top.axial_reaction") == pytest.approx(FRICTION * WEIGHT * LENGTH, rel=2e-3)
+    assert model.system.reaction("top.axial_reaction") == pytest.approx(FRICTION * WEIGHT * LENGTH, rel=2e-3)
 
 
 def test_it_slides_and_turns_as_the_gauge_string(tmp_path):
-    """Lowered and spun up for 0.3 s: hook load, torque and bit speed over time beside the gauge element's, at fixed steps."""
+    """Lowered and spun up for 0.3 s: hook load, torque and bit speed over time beside the ANCF element's, at fixed steps."""
     top = {"kind": "top_drive", "rotation": {"ramp": 0.15, "value": 6.0}, "lowering": 0.1}
     found = {}
-    for formulation in ("gauge", "quaternion"):
+    for formulation in ("ancf", "quaternion"):
         case = lying(formulation, top=top, time={"end": 0.3}, petsc=fixed(1e-3), output={"history_every": 0.01, "probes": [30.0]})
         result = run(case, tmp_path / formulation, progress="silent")
         found[formulation] = read_table(result.folder / "history.csv") | read_table(result.folder / "probes.csv")
     for column in ("surface_torque [N m]", "bit_speed [rad/s]", "x_30 [m]", "contact_30 [N]"):
-        a, b = found["gauge"][column], found["quaternion"][column]
+        a, b = found["ancf"][column], found["quaternion"][column]
         assert np.sqrt(np.mean((a - b)[1:] ** 2)) < 0.02 * np.abs(a).max(), column
     assert found["quaternion"]["bit_speed [rad/s]"].max() > 5.0

@@ -1,4 +1,4 @@
-"""The quaternion element in motion: what the time formulas do to spin, constraints and multipliers; against the gauge element."""
+"""The quaternion element in motion: what the time formulas do to spin, constraints and multipliers; against the ANCF element."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ class Spun:
 
 def spin_freely(constraint: str, order: int, step: float, end: float = 1.0) -> Spun:
     item = beam(STRING, 2, 1e6, 1e3, 800.0, 3.0, POLAR)
-    scene = straight(string=[item], top="free", bottom="free", gravity=0.0, beam=quaternion(constraint))
-    m = scene.model
+    model = straight(string=[item], top="free", bottom="free", gravity=0.0, beam=quaternion(constraint))
+    m = model.system
     m.set_field("string.quaternion", 0.5 * SPEED * spun(m.field("string.quaternion")), "y")
     integrate(m, end, fixed(step, ts_bdf_order=order, q_snes_stol=1e-9))
     q = m.field("string.quaternion")[0]
-    spin = float(scene.beam.motion(m.assembly)[0, 6])
+    spin = float(model.beam.motion(m.assembly)[0, 6])
     return Spun(spin, float(np.linalg.norm(q)), float(m.field("string.multiplier")[0, 0]), POLAR * STRING / 4)
 
 
@@ -87,10 +87,10 @@ def swing(constraint: str | None, step: float, order: int, end: float = 0.4):
     tip, its velocity, force on the hinge."""
     item = beam(0.5, 4, 2000.0, 6.6666667e-4, 1e-3, 0.02, 1.7333e-7, damping={"stiffness": 2e-3})
     weight = {"from": 0.0, "to": 0.5, "force": [0, 0, 0.02 * 9.81], "value_over": {"ramp": 0.2, "value": 1.0}}
-    scene = straight(string=[item], top="pinned", gravity=0.0, loads=[weight], initial={"inclination": np.pi / 2},
+    model = straight(string=[item], top="pinned", gravity=0.0, loads=[weight], initial={"inclination": np.pi / 2},
                      beam=quaternion(constraint) if constraint else {})
-    m = scene.model
-    integrate(m, end, fixed(step, ts_bdf_order=order, q_snes_stol=1e-9), breaks=scene.breaks)
+    m = model.system
+    integrate(m, end, fixed(step, ts_bdf_order=order, q_snes_stol=1e-9), breaks=model.breaks)
     force = np.array([m.reaction("top.axial_reaction"), m.reaction("top.side_reaction_1")])
     return m.field("string.position")[-1].copy(), m.field("string.position", "y")[-1].copy(), force
 
@@ -117,9 +117,9 @@ def test_order_in_time(finest, constraint, order):
 
 def test_it_swings_as_the_gauge_element(finest):
     """The same motion of another discretisation in space and other unknowns: tip within a thousandth of the length on four elements."""
-    gauge = swing(None, 4e-4, 2)
-    assert np.linalg.norm(gauge[0] - finest[0]) < 5e-4
-    assert gauge[2] == pytest.approx(finest[2], rel=0.02)
+    reference = swing(None, 4e-4, 2)
+    assert np.linalg.norm(reference[0] - finest[0]) < 5e-4
+    assert reference[2] == pytest.approx(finest[2], rel=0.02)
 
 
 # ---------------------------------------------------------------------- top drive
@@ -133,18 +133,18 @@ def test_spin_up_follows_the_gauge_element():
     """A short string spun up by its top: bit speed and surface torque over time, both elements at 1 ms with BDF2."""
     found = {}
     for constraint in (None, "index3", "stabilized"):
-        scene, rows = driven(constraint, top={"kind": "top_drive", "rotation": {"ramp": 0.2, "value": 8.0}}), []
-        m, beam_room = scene.model, scene.beam
+        model, rows = driven(constraint, top={"kind": "top_drive", "rotation": {"ramp": 0.2, "value": 8.0}}), []
+        m, beam = model.system, model.beam
 
-        def watch(t, dt, m=m, room=beam_room, rows=rows):
-            rows.append([room.section(m.assembly, m.mesh.nodes - 1)[2], m.reaction("top.torque_reaction")])
+        def watch(t, dt, m=m, component=beam, rows=rows):
+            rows.append([component.section(m.assembly, m.mesh.nodes - 1)[2], m.reaction("top.torque_reaction")])
 
-        integrate(m, 0.5, fixed(1e-3), watch, scene.breaks)
+        integrate(m, 0.5, fixed(1e-3), watch, model.breaks)
         found[constraint] = np.array(rows)
-    gauge = found[None]
+    reference = found[None]
     for constraint in ("index3", "stabilized"):
-        off = np.abs(found[constraint] - gauge).max(axis=0) / np.abs(gauge).max(axis=0)
-        assert off[0] < 2e-3 and np.median(np.abs(found[constraint] - gauge)[:, 1]) < 2e-3 * np.abs(gauge[:, 1]).max()
+        off = np.abs(found[constraint] - reference).max(axis=0) / np.abs(reference).max(axis=0)
+        assert off[0] < 2e-3 and np.median(np.abs(found[constraint] - reference)[:, 1]) < 2e-3 * np.abs(reference[:, 1]).max()
 
 
 def test_hook_load_and_torque_of_a_smooth_start_are_mass_times_acceleration():
@@ -153,19 +153,19 @@ def test_hook_load_and_torque_of_a_smooth_start_are_mass_times_acceleration():
     T, v, w = 4.0, 2.0, 5.0
     top = {"kind": "top_drive", "rotation": {"ramp": T, "value": w}, "lowering": {"ramp": T, "value": v}}
     for constraint in FORMS:
-        scene = driven(constraint, top=top, string=[beam(20.0, 2, 1e8, 2e4, 1.5e6, 30.0, 0.3, damping={"stiffness": 5e-3})])
-        settle(scene.model)
-        integrate(scene.model, T / 2, fixed(0.01))
-        m = scene.model
+        model = driven(constraint, top=top, string=[beam(20.0, 2, 1e8, 2e4, 1.5e6, 30.0, 0.3, damping={"stiffness": 5e-3})])
+        settle(model.system)
+        integrate(model.system, T / 2, fixed(0.01))
+        m = model.system
         assert -m.reaction("top.axial_reaction") == pytest.approx(600.0 * (9.81 - np.pi * v / (2 * T)), rel=3e-3)
         assert m.reaction("top.torque_reaction") == pytest.approx(6.0 * np.pi * w / (2 * T), rel=1e-2)
 
 
 def test_no_drift_over_100_seconds():
     """Stabilized, 2000 steps of 50 ms of a turning, swinging string: lengths of q, their rates and the prescribed end hold to 1e-9."""
-    scene = driven("stabilized", top={"kind": "top_drive", "rotation": 8.0, "lowering": 0.05}, gravity=[0.5, 0.0, 9.8],
+    model = driven("stabilized", top={"kind": "top_drive", "rotation": 8.0, "lowering": 0.05}, gravity=[0.5, 0.0, 9.8],
                    string=[beam(20.0, 2, 1e7, 2e4, 1.5e4, 30.0, 0.3, damping={"stiffness": 1e-3, "mass": 0.05})])
-    m = scene.model
+    m = model.system
     worst = np.zeros(3)
 
     def watch(t, dt):
@@ -191,14 +191,14 @@ def test_a_run_writes_its_files_and_goes_on_from_its_checkpoint(tmp_path):
     """Histories, probes, fields and the energy balance of a whole run; a run stopped half way and continued ends alike."""
     whole = run(Case(**CASE), tmp_path / "whole", progress="silent")
     history = read_table(whole.folder / "history.csv")
-    gauge = run(Case(**(CASE | {"beam": {}})), tmp_path / "gauge", progress="silent")
-    other = read_table(gauge.folder / "history.csv")
+    reference = run(Case(**(CASE | {"beam": {}})), tmp_path / "ancf", progress="silent")
+    other = read_table(reference.folder / "history.csv")
     assert set(history) == set(other)
     assert history["bit_speed [rad/s]"][-1] == pytest.approx(other["bit_speed [rad/s]"][-1], rel=2e-3)
     assert history["hook_load [N]"][-1] == pytest.approx(other["hook_load [N]"][-1], rel=2e-3)
     assert history["kinetic_energy [J]"][-1] == pytest.approx(other["kinetic_energy [J]"][-1], rel=5e-3)
     assert abs(whole.summary["energy"]["error_share"]) < 0.02
-    probes, others = read_table(whole.folder / "probes.csv"), read_table(gauge.folder / "probes.csv")
+    probes, others = read_table(whole.folder / "probes.csv"), read_table(reference.folder / "probes.csv")
     assert probes["x_10 [m]"][-1] == pytest.approx(others["x_10 [m]"][-1], rel=2e-3)
     assert len(list((whole.folder / "string").glob("*.vtu"))) == 3
     run(Case(**(CASE | {"time": {"end": 0.1}})), tmp_path / "half", progress="silent")
@@ -253,7 +253,7 @@ def test_commands_that_know_the_gauge_element_only(command):
 ])  # fmt: skip
 def test_solvers_for_other_systems_are_refused(constraint, options, key):
     with pytest.raises(CaseError) as refused:
-        integrate(driven(constraint, top="clamped").model, 0.01, fixed(1e-3, **options))
+        integrate(driven(constraint, top="clamped").system, 0.01, fixed(1e-3, **options))
     assert refused.value.at == key
 
 
@@ -263,7 +263,7 @@ def test_the_assembled_system_takes_the_same_steps(constraint):
     top = {"kind": "top_drive", "rotation": {"ramp": 0.02, "value": 8.0}}
 
     def end(**options):
-        m = driven(constraint, top=top, gravity=[3.0, 0.0, 9.81]).model
+        m = driven(constraint, top=top, gravity=[3.0, 0.0, 9.81]).system
         integrate(m, 0.02, fixed(1e-3, q_snes_stol=1e-9, **options))
         return np.append(m.field("string.position")[-1], m.reaction("top.axial_reaction") * 1e-5)
 

@@ -1,4 +1,4 @@
-"""Whole scenes on the quaternion element: mud, rigid items, unbalance, a bit that drills; against the gauge element.
+"""Whole scenes on the quaternion element: mud, rigid items, unbalance, a bit that drills; against the ANCF element.
 
 Both are of order 4 in space, so with elements short enough they agree; what an element of the other kind misses is told by each test.
 """
@@ -21,7 +21,7 @@ CASES = Path(__file__).parents[2] / "cases" / "verification"
 def both(name: str, folder: Path, change) -> list[dict[str, np.ndarray]]:
     """History and probes of a case of the report, changed, with the gauge and with the quaternion element."""
     out = []
-    for element in ("gauge", "quaternion"):
+    for element in ("ancf", "quaternion"):
         data, _ = read_case_file(CASES / name)
         change(data)
         data["beam"] = {"formulation": element}
@@ -37,9 +37,9 @@ def rms(one: dict[str, Any], other: dict[str, Any], column: str) -> float:
 
 def test_flutter(tmp_path):
     """A pipe that conveys fluid above the critical speed: 4 s of its growing flutter, on 1.25 m elements, within 1 % of its range."""
-    gauge, other = both("study-flutter.yaml", tmp_path, lambda data: data["time"].update(end="4 s"))
-    assert np.ptp(gauge["x_10 [m]"]) > 0.02
-    assert rms(gauge, other, "x_10 [m]") < 0.01
+    reference, other = both("study-flutter.yaml", tmp_path, lambda data: data["time"].update(end="4 s"))
+    assert np.ptp(reference["x_10 [m]"]) > 0.02
+    assert rms(reference, other, "x_10 [m]") < 0.01
     assert abs(other["summary"]["mass"]["error"]) < 1e-5 * other["summary"]["mass"]["pumped"]
 
 
@@ -48,13 +48,13 @@ def test_stick_slip(tmp_path):
 
     Euler parameters are interpolated linearly: the twist of an element (12 rad over 20 of them here) must stay well below pi.
     """
-    gauge, other = both("study-stick-slip.yaml", tmp_path, lambda data: data["time"].update(end="6 s"))
+    reference, other = both("study-stick-slip.yaml", tmp_path, lambda data: data["time"].update(end="6 s"))
     for column, off in (("bit_speed [rad/s]", 0.02), ("surface_torque [N m]", 0.01), ("wob [N]", 0.01)):
-        assert rms(gauge, other, column) < off, column
-    assert other["summary"]["new_hole"]["drilled [m]"] == pytest.approx(gauge["summary"]["new_hole"]["drilled [m]"], rel=0.01)
+        assert rms(reference, other, column) < off, column
+    assert other["summary"]["new_hole"]["drilled [m]"] == pytest.approx(reference["summary"]["new_hole"]["drilled [m]"], rel=0.01)
 
 
-def scene(element: str, **more: Any) -> Case:
+def model(element: str, **more: Any) -> Case:
     """60 m in a bent hole with all that the element takes: mud inside and outside, a change of section, unbalance, stabilizer, bit."""
     well = {"survey": {"md": [0, 30, 61], "inclination": [0.2, 0.3, 0.5], "azimuth": [0.1, 0.1, 0.3]},
             "sections": [{"to": 61, "kind": "open_hole", "diameter": 0.2159, "friction": 0.3}]}
@@ -72,22 +72,22 @@ def scene(element: str, **more: Any) -> Case:
 def test_everything_at_once(tmp_path):
     """Weight on bit, torque, pressures and motion of a short string with all the physics, 0.3 s."""
     tables = []
-    for element in ("gauge", "quaternion"):
-        folder = run(scene(element), tmp_path / element, progress="silent").folder
+    for element in ("ancf", "quaternion"):
+        folder = run(model(element), tmp_path / element, progress="silent").folder
         tables.append(read_table(folder / "history.csv") | read_table(folder / "probes.csv"))
-    gauge, other = tables
+    reference, other = tables
     for column, scale in (("hook_load [N]", 1e5), ("wob [N]", 2e4), ("surface_torque [N m]", 2e3), ("bit_torque [N m]", 1e3),
                           ("pump_pressure [Pa]", 1e7), ("bit_pressure [Pa]", 1e6), ("hole_depth [m]", 1e-3), ("bit_speed [rad/s]", 10.0)):
-        assert np.abs(gauge[column] - other[column]).max() < 0.02 * scale, column
+        assert np.abs(reference[column] - other[column]).max() < 0.02 * scale, column
     for column in ("x_30 [m]", "y_30 [m]", "x_55 [m]", "y_55 [m]"):
-        assert np.abs(gauge[column] - other[column]).max() < 1e-3, column
+        assert np.abs(reference[column] - other[column]).max() < 1e-3, column
 
 
 def test_a_restart_goes_on_alike(tmp_path):
     """Ended at half of it and continued from there: the history of a run in one go, but for the step that ends at the half."""
-    half = run(scene("quaternion", time={"end": 0.1}), tmp_path / "half", progress="silent")
-    run(scene("quaternion", time={"end": 0.2}), tmp_path / "half", restart=True, progress="silent")
-    whole = run(scene("quaternion", time={"end": 0.2}), tmp_path / "whole", progress="silent")
+    half = run(model("quaternion", time={"end": 0.1}), tmp_path / "half", progress="silent")
+    run(model("quaternion", time={"end": 0.2}), tmp_path / "half", restart=True, progress="silent")
+    whole = run(model("quaternion", time={"end": 0.2}), tmp_path / "whole", progress="silent")
     one, two = (read_table(r / "history.csv") for r in (half.folder, whole.folder))
     late = one["time [s]"] > 0.1
     for column in ("wob [N]", "hook_load [N]", "pump_pressure [Pa]"):
@@ -95,13 +95,13 @@ def test_a_restart_goes_on_alike(tmp_path):
 
 
 def test_lowered_in_mud_it_starts_in_equilibrium(tmp_path):
-    """Let down at 1 m/s through circulating mud: hook load at the start that of the gauge element, drag of the mud included."""
+    """Let down at 1 m/s through circulating mud: hook load at the start that of the ANCF element, drag of the mud included."""
     pipe = {"kind": "pipe", "length": 600, "od": 0.127, "id": 0.1086, "element_length": 20}
     well = {"survey": {"md": [0, 700], "inclination": [0, 0], "azimuth": [0, 0]},
             "sections": [{"to": 700, "kind": "casing", "diameter": 0.2159, "friction": 0.2}]}
     mud = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.1}, "flow_rate": 0.02}
     loads = []
-    for element in ("gauge", "quaternion"):
+    for element in ("ancf", "quaternion"):
         for speed in (0.0, 1.0):
             case = Case(well=well, string=[pipe], top={"kind": "top_drive", "lowering": speed}, bottom="free", fluid=mud,
                         beam={"formulation": element}, time={"end": 0.02}, output={"history_every": 0.01})

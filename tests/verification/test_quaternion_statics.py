@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from drillpetsc import Case
 from drillpetsc.analysis.equilibrium import find_equilibrium
 from drillpetsc.analysis.quaternion_statics import settle
-from drillpetsc.model.drilling_model import build_scene
+from drillpetsc.model.drilling_model import build_model
 from tests.helpers.motion import beam, straight
 
 QUATERNION = {"formulation": "quaternion"}
@@ -19,22 +19,22 @@ RISING = {"time": [0, 1], "value": [0, 1]}
 
 def cantilever(elements: int, axial: float, steps: int, **load):
     """Unit cantilever (L = EI = 1) hanging down, clamped above, loaded at its tip in ``steps`` steps."""
-    scene = straight(string=[beam(1.0, elements, axial, 1.0, 0.8, 1.0, 0.01)], top="clamped", gravity=0.0, beam=QUATERNION,
+    model = straight(string=[beam(1.0, elements, axial, 1.0, 0.8, 1.0, 0.01)], top="clamped", gravity=0.0, beam=QUATERNION,
                      loads=[{"at": 1.0, "value_over": RISING, **load}])
     for t in np.linspace(0, 1, steps + 1)[1:]:
-        settle(scene.model, t)
-    return scene.model
+        settle(model.system, t)
+    return model.system
 
 
 def test_a_moment_rolls_the_string_up_to_a_circle():
     """M = 2 pi EI/L closes the circle exactly: the tip misses the root with order 4 in the mesh; the clamp holds -M."""
     gaps = []
     for n in (4, 8, 16):
-        model = cantilever(n, 1e4, 40, moment=[0, 2 * np.pi, 0])
-        r = model.field("string.position")
+        system = cantilever(n, 1e4, 40, moment=[0, 2 * np.pi, 0])
+        r = system.field("string.position")
         gaps.append(np.linalg.norm(r[-1] - r[0]))
-        assert model.reaction("top.side_moment_2") == pytest.approx(-2 * np.pi, rel=1e-9)  # the second axis points north, the third east
-        assert abs(model.reaction("top.torque_reaction")) < 1e-9 and abs(model.reaction("top.axial_reaction")) < 1e-9
+        assert system.reaction("top.side_moment_2") == pytest.approx(-2 * np.pi, rel=1e-9)  # the second axis points north, the third east
+        assert abs(system.reaction("top.torque_reaction")) < 1e-9 and abs(system.reaction("top.axial_reaction")) < 1e-9
     assert gaps[-1] < 2e-4
     assert np.log2(np.array(gaps[:-1]) / gaps[1:]) == pytest.approx(4.0, abs=0.5)
 
@@ -69,7 +69,7 @@ def test_a_tip_force_bends_the_string_with_order_four():
 
 def test_a_stiff_axis_locks_coarse_meshes():
     """Why not always 4: with EA integrated at three points, an element has three axial constraints for its seven displacements, and at
-    EA L2/EI = 1e6 the error falls with order 2 until elements are short (string.md 9.2: "full 3/2 locks"; the gauge element does not)."""
+    EA L2/EI = 1e6 the error falls with order 2 until elements are short (string.md 9.2: "full 3/2 locks"; the ANCF element does not)."""
     errors = tip_errors(1e6, (4, 8, 16, 32))
     orders = np.log2(errors[:-1] / errors[1:])
     assert orders[0] == pytest.approx(2.0, abs=0.3) and orders[-1] > 3.9
@@ -78,22 +78,22 @@ def test_a_stiff_axis_locks_coarse_meshes():
 
 def test_reactions_of_a_bent_cantilever_are_those_of_its_free_body():
     """Dead force P at the tip: the clamp gives -P and the moment -P z_tip of the deformed lever, to rounding."""
-    model = cantilever(3, 1e4, 10, force=[10, 0, 0])
-    lever = model.field("string.position")[-1, 2]
-    assert model.reaction("top.side_reaction_1") == pytest.approx(-10.0, rel=1e-10)
-    assert model.reaction("top.side_moment_2") == pytest.approx(-10.0 * lever, rel=1e-10)
-    assert abs(model.reaction("top.axial_reaction")) < 1e-9
+    system = cantilever(3, 1e4, 10, force=[10, 0, 0])
+    lever = system.field("string.position")[-1, 2]
+    assert system.reaction("top.side_reaction_1") == pytest.approx(-10.0, rel=1e-10)
+    assert system.reaction("top.side_moment_2") == pytest.approx(-10.0 * lever, rel=1e-10)
+    assert abs(system.reaction("top.axial_reaction")) < 1e-9
 
 
 def test_a_hung_string_carries_its_weight():
     """Stretch w L2/2EA and hook load w L, from the static start of a case (gauge equilibrium taken over, then its own Newton)."""
     L, w, EA = 100.0, 40 * 9.81, 1e8
     case = Case(string=[beam(L, 5, EA, 1e6, 8e5, 40.0, 0.2)], top="clamped", gravity=9.81, beam=QUATERNION)
-    scene = build_scene(case)
-    state = find_equilibrium(scene)
-    assert scene.model.field("string.position")[-1, 2] - L == pytest.approx(w * L**2 / (2 * EA), rel=1e-10)
-    assert -scene.model.reaction("top.axial_reaction") == pytest.approx(w * L, rel=1e-10)
-    assert state.stable and EA * scene.model.field("string.strain")[0, 0] == pytest.approx(w * L, rel=1e-9)
+    model = build_model(case)
+    state = find_equilibrium(model)
+    assert model.system.field("string.position")[-1, 2] - L == pytest.approx(w * L**2 / (2 * EA), rel=1e-10)
+    assert -model.system.reaction("top.axial_reaction") == pytest.approx(w * L, rel=1e-10)
+    assert state.stable and EA * model.system.field("string.strain")[0, 0] == pytest.approx(w * L, rel=1e-9)
 
 
 def test_an_end_torque_twists_a_straight_string():
@@ -103,14 +103,14 @@ def test_an_end_torque_twists_a_straight_string():
     1 + h^4/180, so U = GJ phi^2/2L (1 + h^4/180) and T = dU/dphi = GJ phi/L (1 + h^4/60).
     """
     T, n, x = 1.0, 10, 0.5
-    scene = straight(string=[beam(1.0, n, 1e4, 1.0, T / (n * x), 1.0, 0.01)], top="clamped", gravity=0.0, beam=QUATERNION,
+    model = straight(string=[beam(1.0, n, 1e4, 1.0, T / (n * x), 1.0, 0.01)], top="clamped", gravity=0.0, beam=QUATERNION,
                      loads=[{"at": 1.0, "moment": [0, 0, T], "value_over": RISING}])
     for t in np.linspace(0, 1, 11)[1:]:
-        settle(scene.model, t)
+        settle(model.system, t)
     # nodes turn monotonously, so the angle is counted from node to node
-    angle = np.unwrap(scene.beam.motion(scene.model.assembly)[:, 7])
+    angle = np.unwrap(model.beam.motion(model.system.assembly)[:, 7])
     assert 1 - angle[-1] / (n * x) == pytest.approx((0.5 * x) ** 4 / 60, rel=0.05)
-    assert scene.model.reaction("top.torque_reaction") == pytest.approx(-T, rel=1e-10)
+    assert model.system.reaction("top.torque_reaction") == pytest.approx(-T, rel=1e-10)
 
 
 @pytest.mark.parametrize("curvature, side", [(0.5, 0), (0.5, 1)])
@@ -122,11 +122,11 @@ def test_a_bent_pipe_rests_in_its_own_shape(curvature, side):
     n, L = 8, 1.0
     # curvature_angle 0: along the second axis (north); 90 degrees: along the third (east)
     item = beam(L, n, 1e4, 1.0, 0.8, 1.0, 0.01, curvature=curvature, curvature_angle=0.5 * np.pi * side)
-    scene = straight(string=[item], top="clamped", gravity=0.0, beam=QUATERNION)
-    settle(scene.model)
-    tip = scene.model.field("string.position")[-1]
+    model = straight(string=[item], top="clamped", gravity=0.0, beam=QUATERNION)
+    settle(model.system)
+    tip = model.system.field("string.position")[-1]
     away = (1 - np.cos(curvature * L)) / curvature
     expected = np.array([[0.0, -away], [away, 0.0]][side])
     assert tip[:2] == pytest.approx(expected, abs=1e-5)
     assert tip[2] == pytest.approx(np.sin(curvature * L) / curvature, abs=1e-5)
-    assert scene.model.energies(0.0).strain < 1e-6
+    assert model.system.energies(0.0).strain < 1e-6

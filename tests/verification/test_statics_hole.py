@@ -1,4 +1,4 @@
-"""Statics of the string in its hole: contact, torque and drag, buckling (verification tests P07, P10, P12-P16,
+"""StaticNewton of the string in its hole: contact, torque and drag, buckling (verification tests P07, P10, P12-P16,
 P18-P21, X22).
 
 Numbers of the shared verification table; drill pipe of 127 x 108.6 mm of 242 N/m in a hole of 215.9 mm unless said.
@@ -16,12 +16,12 @@ from drillpetsc.analysis.equilibrium import find_equilibrium, place_along_hole
 from drillpetsc.analysis.static_report import static_summary, static_table
 from drillpetsc.case import load_case
 from drillpetsc.errors import SolveError
-from drillpetsc.fem.component import Prescribed
-from drillpetsc.fem.discrete_system import Model
-from drillpetsc.model.drilling_model import build_scene
+from drillpetsc.fem.component import PrescribedMotion
+from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_frame, read_series
-from drillpetsc.physics.end_conditions import Held, Loads, NodeLoad
-from drillpetsc.solvers.static_newton import Equilibrium, Statics
+from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad
+from drillpetsc.solvers.static_newton import Equilibrium, StaticNewton
 
 AREA, BENDING = 3.4047325e-3, 1.2240289e6  # [m2], [N m2]
 WEIGHT, ROOM, CONTACT_RADIUS = 242.0, 0.04445, 0.0635  # [N/m], [m], [m]
@@ -49,10 +49,10 @@ def string_in(well, item=PIPE, element_length: float = 10.0, **keys) -> Case:
 
 
 def solved(case: Case, motion=(0.0, 0.0), climb: bool = False):
-    scene = build_scene(case)
-    state = find_equilibrium(scene, motion, climb)
-    assert state.equilibrium.residual < 1e-6 * WEIGHT * scene.mesh.total_length
-    return scene, state, static_summary(scene, state)
+    model = build_model(case)
+    state = find_equilibrium(model, motion, climb)
+    assert state.equilibrium.residual < 1e-6 * WEIGHT * model.mesh.total_length
+    return model, state, static_summary(model, state)
 
 
 # ---------------------------------------------------------------------- contact
@@ -60,8 +60,8 @@ def solved(case: Case, motion=(0.0, 0.0), climb: bool = False):
 def test_penetration_does_not_depend_on_the_number_of_points(points):
     """P07: pipe at rest on the low side, 10 m elements, k' = 1e6: penetration w/k' = 2.42e-4 m within 0.1 %."""
     case = string_in(hole([0.0, 100.0], [90.0, 90.0]), contact={"stiffness": 1e6, "points_per_element": points})
-    scene, _, _ = solved(case)
-    cells, _ = scene.contact.report(scene.model.assembly)
+    model, _, _ = solved(case)
+    cells, _ = model.contact.report(model.system.assembly)
     assert cells[3:7, 4] == pytest.approx(WEIGHT / 1e6, rel=1e-3)
     assert cells[3:7, 0] / 10 == pytest.approx(WEIGHT, rel=1e-3)
 
@@ -77,7 +77,7 @@ def test_tip_that_rests_on_the_wall(elements, points, tmp_path):
     """
     od, bore, length = 0.1715, 0.0714, 10.0
     area, second = np.pi / 4 * (od**2 - bore**2), np.pi / 64 * (od**4 - bore**4)
-    bending, load, room = 206e9 * second, 7850 * area * 9.81, 0.5 * (0.28 - od)
+    bending, load, component = 206e9 * second, 7850 * area * 9.81, 0.5 * (0.28 - od)
     collar = {"kind": "pipe", "length": length, "od": od, "id": bore, "element_length": length / elements}
     well = hole([0.0, 20.0], [90.0, 90.0])
     well["sections"][0]["diameter"] = 0.28
@@ -86,25 +86,25 @@ def test_tip_that_rests_on_the_wall(elements, points, tmp_path):
                 initial={"from": "straight"}, time={"end": 3.0}, output={"field_every": 3.0})
     frame = read_frame(read_series(run(case, tmp_path / "run", progress="silent").folder)[-1][1])
     down, contact = -frame.point_data["offset_x [m]"], frame.point_data["contact_force [N/m]"]
-    force = 3 * bending / length**3 * (load * length**4 / (8 * bending) - room)
+    force = 3 * bending / length**3 * (load * length**4 / (8 * bending) - component)
     assert abs(down[0]) < 1e-12
-    assert down[-1] - room == pytest.approx((points + 1) ** 2 * force / (1e8 * length / elements), abs=2e-5)
+    assert down[-1] - component == pytest.approx((points + 1) ** 2 * force / (1e8 * length / elements), abs=2e-5)
     assert contact[-1] * length / elements == pytest.approx(force, rel=0.01)
 
 
 @pytest.mark.parametrize("friction", [0.1, 0.3])
 def test_turning_pipe_climbs_the_wall(friction):
     """P10: contact at atan(mu) from the low side, on the side that the pipe climbs; N = W cos, torque = W sin R."""
-    scene, state, _ = solved(
+    model, state, _ = solved(
         string_in(hole([0.0, 120.0], [90.0, 90.0], friction), element_length=4.0), ROTATE, climb=True
     )
     assert not state.warnings
     angle = np.arctan(friction)
     middle = slice(12, 18)
-    offset = scene.model.field("string.position")[middle] - scene.position[middle]
+    offset = model.system.field("string.position")[middle] - model.position[middle]
     # looking north along the hole, the lowest fibre of a clockwise turning pipe moves west and friction pushes it east
     assert np.arctan2(offset[:, 1], offset[:, 2]) == pytest.approx(angle, abs=1e-3)
-    cells, _ = scene.contact.report(scene.model.assembly)
+    cells, _ = model.contact.report(model.system.assembly)
     assert cells[middle, 0] / 4 == pytest.approx(WEIGHT * np.cos(angle), rel=1e-3)
     assert np.abs(cells[middle, 6]) / 4 == pytest.approx(WEIGHT * np.sin(angle) * CONTACT_RADIUS, rel=1e-3)
 
@@ -131,10 +131,10 @@ INCLINE = [(HOIST, 183.873e3, 0.0), (LOWER, 58.127e3, 0.0), (ROTATE, 121.000e3, 
 def test_incline(motion, hook, torque):
     """P13: 60 degrees, 1000 m, mu 0.3: w L (cos I + mu sin I), w L (cos I - mu sin I), w L cos I and mu w L sin I R
     within 0.3 %."""
-    scene, state, figures = solved(string_in(hole([0.0, 1000.0], [60.0, 60.0], 0.3)), motion)
+    model, state, figures = solved(string_in(hole([0.0, 1000.0], [60.0, 60.0], 0.3)), motion)
     assert figures["hook_load"] == pytest.approx(hook, rel=3e-4)
     assert figures["surface_torque"] == pytest.approx(torque, rel=1e-3)
-    columns, table = static_table(scene, state)
+    columns, table = static_table(model, state)
     names = [name for name, _ in columns]
     assert table[:, names.index("axial_force")] == pytest.approx(hook * (1 - table[:, 0] / 1000), abs=2e-3 * hook)
     assert table[:, names.index("torque")] == pytest.approx(
@@ -207,11 +207,11 @@ def test_pendulum_collar(stiffness, element_length, touches):
         bottom="pinned",
         contact={"stiffness": stiffness},
     )
-    scene, _, _ = solved(case)
-    assert abs(scene.model.reaction("bottom.side_reaction_1")) == pytest.approx(1102.87, rel=1e-3)
-    cells, _ = scene.contact.report(scene.model.assembly)
+    model, _, _ = solved(case)
+    assert abs(model.system.reaction("bottom.side_reaction_1")) == pytest.approx(1102.87, rel=1e-3)
+    cells, _ = model.contact.report(model.system.assembly)
     last = np.flatnonzero(cells[:, 0] > 1.0)[-1]
-    assert touches[0] < 40 - scene.mesh.lower[last] and 40 - scene.mesh.upper[last] < touches[1] + element_length
+    assert touches[0] < 40 - model.mesh.lower[last] and 40 - model.mesh.upper[last] < touches[1] + element_length
 
 
 # ---------------------------------------------------------------------- buckling
@@ -230,14 +230,14 @@ def pushed(force: float, imperfection: float = 0.0) -> Case:
     )
 
 
-class SideHold(Held):
+class SideHold(FixedEnd):
     """Position held across the hole only."""
 
     def __init__(self, vertex, position, tangent):
         super().__init__(vertex, "pinned", position, tangent, spin=False)
         all_of_it = self._condition
         D, target = all_of_it.directions[1:], self.anchor[1:]
-        self._condition = Prescribed(vertex, D, lambda t: target, lambda t: np.zeros(2), all_of_it.names[1:])
+        self._condition = PrescribedMotion(vertex, D, lambda t: target, lambda t: np.zeros(2), all_of_it.names[1:])
 
 
 @pytest.mark.parametrize("element_length", [4.0, 2.0])
@@ -246,27 +246,27 @@ def test_sinusoidal_buckling_load_of_horizontal_pipe(element_length):
     163.267 kN for an endless pipe, 2 sqrt(EI w/r) of Dawson and Paslay), within 0.5 % for elements up to 4 m and k' =
     1e8."""
     assert DAWSON_PASLAY == pytest.approx(163.267e3, rel=1e-5)
-    scene = build_scene(string_in(HORIZONTAL, element_length=element_length))
-    lying = scene.position + [0, 0, ROOM]
-    last = scene.mesh.nodes - 1
-    push = Loads((NodeLoad(last, (-1.0, 0.0, 0.0), factor=lambda t: t),), scene.frames)
-    rooms = [
-        scene.beam,
-        Held(0, "pinned", lying[0], scene.tangent[0]),
-        SideHold(last, lying[-1], scene.tangent[-1]),
+    model = build_model(string_in(HORIZONTAL, element_length=element_length))
+    lying = model.position + [0, 0, ROOM]
+    last = model.mesh.nodes - 1
+    push = Loads((NodeLoad(last, (-1.0, 0.0, 0.0), factor=lambda t: t),), model.frames)
+    components = [
+        model.beam,
+        FixedEnd(0, "pinned", lying[0], model.tangent[0]),
+        SideHold(last, lying[-1], model.tangent[-1]),
         push,
-        scene.contact,
+        model.contact,
     ]
-    model = Model(scene.mesh, scene.frames, rooms)
-    model.set_field("string.position", lying)
-    model.set_field("string.tangent", scene.tangent)
-    scene.contact.impose_sliding(0.0, 0.0)
-    solver = Statics(model, clearance=ROOM)
+    system = DiscreteSystem(model.mesh, model.frames, components)
+    system.set_field("string.position", lying)
+    system.set_field("string.tangent", model.tangent)
+    model.contact.impose_sliding_direction(0.0, 0.0)
+    solver = StaticNewton(system, clearance=ROOM)
 
     def negative(force: float) -> int:
         solver.t = force
         try:
-            solver.settle_freely(Equilibrium())
+            solver.newton_free(Equilibrium())
         except SolveError:
             pass  # unstable: it stays straight, as nothing disturbs it
         return solver.negative_pivots()
@@ -287,8 +287,8 @@ def test_after_buckling(share, least, most):
     case = pushed(share * DAWSON_PASLAY, imperfection=1e-2)
     rng = np.random.default_rng(5)
     loads = [{"at": float(4 * k), "force": [0.0, *(1e-2 * WEIGHT * 4 * rng.standard_normal(2))]} for k in range(2, 49)]
-    scene, state, _ = solved(Case(**{**case_keys(case), "loads": loads}) if share < 1 else case)
-    offset = scene.model.field("string.position") - scene.position
+    model, state, _ = solved(Case(**{**case_keys(case), "loads": loads}) if share < 1 else case)
+    offset = model.system.field("string.position") - model.position
     angle = np.abs(np.arctan2(offset[:, 1], offset[:, 2]))[5:-5].max()
     assert least < angle < most
     assert state.equilibrium.negative_pivots == 0 and state.stable
@@ -312,29 +312,29 @@ def test_helix_presses_on_the_wall():
         bottom="pinned",
         top={"kind": "top_drive", "force": -force},
     )
-    scene = build_scene(case)
-    place_along_hole(scene)
-    model, depth = scene.model, scene.mesh.node_depth
+    model = build_model(case)
+    place_along_hole(model)
+    system, depth = model.system, model.mesh.node_depth
     turn = 2 * np.pi * depth / pitch
     around = ROOM * np.column_stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)])
     slope = ROOM * 2 * np.pi / pitch * np.column_stack([-np.sin(turn), np.cos(turn), np.zeros_like(turn)])
-    model.set_field("string.position", scene.position + around)
-    model.set_field("string.tangent", scene.tangent + slope)
-    held = next(room for room in scene.rooms if room.name == "held_end")
-    for end, offset in ((scene.top, around[0]), (held, around[-1])):
+    system.set_field("string.position", model.position + around)
+    system.set_field("string.tangent", model.tangent + slope)
+    held = next(component for component in model.components if component.name == "held_end")
+    for end, offset in ((model.top, around[0]), (held, around[-1])):
         end.anchor += end.prescribed()[0].directions[:, :3] @ offset
-    scene.contact.impose_sliding(0.0, 0.0)
-    solver = Statics(model, clearance=ROOM)
+    model.contact.impose_sliding_direction(0.0, 0.0)
+    solver = StaticNewton(system, clearance=ROOM)
     solver.settle()
     assert solver.negative_pivots() == 0
     middle = slice(elements // 4, 3 * elements // 4)
-    cells, _ = scene.contact.report(model.assembly)
-    assert (cells[middle, 0] / scene.mesh.length[middle]).mean() == pytest.approx(817.076, rel=2e-2)
-    position = model.field("string.position")
+    cells, _ = model.contact.report(system.assembly)
+    assert (cells[middle, 0] / model.mesh.length[middle]).mean() == pytest.approx(817.076, rel=2e-2)
+    position = system.field("string.position")
     angle = np.unwrap(np.arctan2(position[:, 1], position[:, 0]))
     turns = (angle[middle.stop] - angle[middle.start]) / 2 / np.pi
     assert (depth[middle.stop] - depth[middle.start]) / abs(turns) == pytest.approx(17.9486, rel=5e-2)
-    beam = scene.beam.report(model.layout, model.assembly.x, model.assembly.y)
+    beam = model.beam.report(system.layout, system.assembly.x, system.assembly.y)
     assert beam[middle, 7].mean() == pytest.approx(6667.5, rel=3e-2)
 
 
@@ -354,10 +354,10 @@ def test_weight_on_bit_in_a_vertical_hole(multiple):
         gravity=9.81,
         initial={"wob": weight_on_bit},
     )
-    scene, state, figures = solved(case)
+    model, state, figures = solved(case)
     assert state.stable and figures["wob"] == pytest.approx(weight_on_bit, rel=1e-6)
     assert figures["hook_load"] == pytest.approx(WEIGHT * 499.7 + 98.1 - weight_on_bit, rel=1e-4)
-    aside = np.linalg.norm(scene.model.field("string.position")[:, :2], axis=1).max()
+    aside = np.linalg.norm(model.system.field("string.position")[:, :2], axis=1).max()
     assert aside < ROOM + 1e-3
     assert (aside > 0.5 * ROOM) == (multiple >= 1.0)
 
@@ -366,15 +366,15 @@ def test_vertical_string_on_bottom_with_bent_collars():
     """cases/vertical-2000m-dry.yaml: hook load = weight - 50 kN, torque at the bit mu W 2/3 R; the string stays within
     the hole."""
     case = load_case(CASES.parent / "vertical-2000m-dry.yaml")
-    scene, state, figures = solved(case, (0.0, 8.4), climb=True)
-    mesh = scene.mesh
+    model, state, figures = solved(case, (0.0, 8.4), climb=True)
+    mesh = model.mesh
     weight = 9.80665 * (float(mesh.mass @ mesh.length) + sum(body.mass for body in mesh.bodies))
     assert figures["wob"] == pytest.approx(5e4, rel=1e-6)
     assert figures["hook_load"] == pytest.approx(weight - 5e4, rel=1e-4)
     assert figures["bit_torque"] == pytest.approx(0.3 * 5e4 * 2 / 3 * 0.2159 / 2, rel=1e-4)
     assert figures["surface_torque"] > figures["bit_torque"]
     assert state.stable and figures["iterations"] < 500
-    _, table = static_table(scene, state)
+    _, table = static_table(model, state)
     assert np.hypot(table[:, 6], table[:, 7]).max() < 0.1122 - 0.0635 + 1e-3
 
 

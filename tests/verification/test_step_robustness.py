@@ -49,9 +49,9 @@ def test_energy_strict_caps_steps_at_half_an_impact(tmp_path, options):
     """By the case and by the option alike; without it steps are longer."""
     free, _ = computed(tmp_path, LYING)
     assert free["step [s]"].max() > 0.6 * IMPACT
-    capped, told = computed(tmp_path, LYING | {"contact": {"energy_strict": True}}, "capped")
+    capped, reported = computed(tmp_path, LYING | {"contact": {"energy_strict": True}}, "capped")
     assert 0.3 * IMPACT < capped["step [s]"].max() <= 0.5 * IMPACT * (1 + 1e-9)
-    assert told["petsc_options"]["ts_adapt_dt_max"]
+    assert reported["petsc_options"]["ts_adapt_dt_max"]
     options(drillpetsc_energy_strict=True)
     by_option, _ = computed(tmp_path, LYING, "option")
     assert np.array_equal(by_option["hook_load [N]"], capped["hook_load [N]"])
@@ -62,11 +62,11 @@ def test_energy_strict_caps_steps_at_half_an_impact(tmp_path, options):
 
 def test_fixed_steps_too_long_for_impacts_are_told(tmp_path, options):
     options(ts_adapt_type="none", ts_dt=0.5 * IMPACT)
-    _, told = computed(tmp_path, LYING)
-    assert len(told["warnings"]) == 1 and "do not resolve impacts" in told["warnings"][0]
+    _, reported = computed(tmp_path, LYING)
+    assert len(reported["warnings"]) == 1 and "do not resolve impacts" in reported["warnings"][0]
     options(ts_dt=0.25 * IMPACT)
-    _, told = computed(tmp_path, LYING, "short")
-    assert told["warnings"] == []
+    _, reported = computed(tmp_path, LYING, "short")
+    assert reported["warnings"] == []
 
 
 @pytest.mark.parametrize("fixed", [True, False])
@@ -85,10 +85,10 @@ def test_a_failed_newton_is_never_accepted(fixed, tmp_path, options, monkeypatch
     monkeypatch.setattr(CondensedNewton, "solve", stubborn)
     if fixed:
         options(ts_adapt_type="none", ts_dt=2e-3)
-    history, told = computed(tmp_path, LYING | {"time": {"end": "20 ms"}})
-    assert failed and told["status"] == "done"
+    history, reported = computed(tmp_path, LYING | {"time": {"end": "20 ms"}})
+    assert failed and reported["status"] == "done"
     assert history["step [s]"].max() <= 1.5 * 4e-4  # BDF2: shift is 1.5/dt at equal steps
-    assert told["rejected_steps"] >= len(failed) > 0
+    assert reported["rejected_steps"] >= len(failed) > 0
 
 
 def test_fixed_steps_land_on_breaks(tmp_path, options):
@@ -100,19 +100,19 @@ def test_fixed_steps_land_on_breaks(tmp_path, options):
             "rotation": rotation}, "bottom": "free", "time": {"end": "31 ms"}, "output": {"history_every": "1 ms", "field_every": "1 s"}}
     (tmp_path / "case.yaml").write_text(yaml.safe_dump(case))
     steps = []
-    from drillpetsc.solvers import time_integrator as dynamics
+    from drillpetsc.solvers import time_integrator as integrator
 
-    original = dynamics.Dynamics._post_step
+    original = integrator.TimeIntegrator._post_step
 
     def noted(self, ts):
         steps.append(ts.getTime())
         original(self, ts)
 
-    dynamics.Dynamics._post_step = noted  # type: ignore[method-assign]
+    integrator.TimeIntegrator._post_step = noted  # type: ignore[method-assign]
     try:
         run(load_case(tmp_path / "case.yaml"), tmp_path / "run", progress="silent")
     finally:
-        dynamics.Dynamics._post_step = original  # type: ignore[method-assign]
+        integrator.TimeIntegrator._post_step = original  # type: ignore[method-assign]
     assert np.allclose(steps, [0.007, 0.010, 0.017, 0.024, 0.031], atol=1e-12), steps
 
 
@@ -123,12 +123,12 @@ def test_energy_out_of_nothing_is_flagged_and_can_stop_the_run(tmp_path, options
             "bottom": {"kind": "force", "force": [0, 0, 1e5]}, "initial": {"from": "rest"}, "time": {"end": "0.3 s"},
             "output": {"history_every": "5 ms", "field_every": "1 s"}}
     options(ts_adapt_type="none", ts_dt=3e-3, ts_bdf_order=1)
-    _, told = computed(tmp_path, case)
-    assert not told["energy"]["flag"] and told["energy"]["gained_share"] < 1e-6 and told["warnings"] == []
+    _, reported = computed(tmp_path, case)
+    assert not reported["energy"]["flag"] and reported["energy"]["gained_share"] < 1e-6 and reported["warnings"] == []
     options(ts_bdf_order=3)
-    history, told = computed(tmp_path, case, "order3")
-    assert told["energy"]["flag"] and told["energy"]["gained_share"] > 0.01 and "gained" in told["warnings"][0]
-    assert told["energy"]["gained"] == pytest.approx(history["energy_error [J]"].max())
+    history, reported = computed(tmp_path, case, "order3")
+    assert reported["energy"]["flag"] and reported["energy"]["gained_share"] > 0.01 and "gained" in reported["warnings"][0]
+    assert reported["energy"]["gained"] == pytest.approx(history["energy_error [J]"].max())
     options(drillpetsc_stop_on_gain=True)
     with pytest.raises(SolveError, match="gained"):
         computed(tmp_path, case, "stopped")

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 from drillpetsc import load_case
 from drillpetsc.analysis.equilibrium import find_equilibrium, move_rigidly, release
-from drillpetsc.model.drilling_model import build_scene
+from drillpetsc.model.drilling_model import build_model
 from tests.helpers.motion import watched
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -98,23 +98,23 @@ class OneMode(NamedTuple):
     share: float
 
     @property
-    def room(self) -> float:
+    def component(self) -> float:
         """A = (T_s - T_c)/k [rad]: the slip begins and ends that far from the twist of the dynamic torque."""
         return (STATIC - DYNAMIC) / TWIST
 
     @property
     def slip(self) -> float:
         """The twist swings about T_c/k from +A, growing with the top's speed, until it does so again: (pi + 2 a)/w, tan a = W/(w A)."""
-        return (np.pi + 2 * np.arctan(TURNING / (self.frequency * self.room))) / self.frequency
+        return (np.pi + 2 * np.arctan(TURNING / (self.frequency * self.component))) / self.frequency
 
     @property
     def stick(self) -> float:
         """From -g A (the rest of the motion is in faster modes) to +A with the top's speed."""
-        return (1 + self.share) * self.room / TURNING
+        return (1 + self.share) * self.component / TURNING
 
     @property
     def peak(self) -> float:
-        return TURNING + self.share * self.frequency * np.hypot(self.room, TURNING / self.frequency)
+        return TURNING + self.share * self.frequency * np.hypot(self.component, TURNING / self.frequency)
 
     @property
     def left_torque(self) -> float:
@@ -123,7 +123,7 @@ class OneMode(NamedTuple):
         At the end of the slip the twist is that of the mode, -A sin(x s/L)/sin x, which differs from the straight line -A s/L of the stuck
         pipe: waves between two fixed ends, with the torque k A (1 - x cot x) at the bit at first and after every round trip 2 L/c.
         """
-        return TWIST * self.room * (1 - self.x / np.tan(self.x))
+        return TWIST * self.component * (1 - self.x / np.tan(self.x))
 
     @property
     def earlier(self) -> float:
@@ -134,7 +134,7 @@ class OneMode(NamedTuple):
     def uncertain(self) -> float:
         """What the second mode, shaken by that torque, changes of the slip at its two ends [s]: its speed over the bit's acceleration."""
         second = brentq(lambda x: x * np.sin(x) - PIPE * LENGTH / BIT * np.cos(x), np.pi, 1.5 * np.pi) * SPEED / LENGTH
-        return 2 * self.left_torque / (BIT * second) / (self.frequency**2 * self.room)
+        return 2 * self.left_torque / (BIT * second) / (self.frequency**2 * self.component)
 
 
 def one_mode(bit: float) -> OneMode:
@@ -149,18 +149,18 @@ def one_mode(bit: float) -> OneMode:
 def run() -> np.ndarray:
     """Rows (time, bit speed, torque on bit, weight on bit) of three cycles of cases/stick-slip-2000m.yaml on a coarser mesh."""
     case = load_case(CASES / "stick-slip-2000m.yaml", ["string[0].element_length=50 m"])
-    scene = build_scene(case)
-    find_equilibrium(scene)
-    release(scene)
-    move_rigidly(scene)
-    bit = scene.drilling
+    model = build_model(case)
+    find_equilibrium(model)
+    release(model)
+    move_rigidly(model)
+    bit = model.drilling
     assert bit is not None
 
-    def look(model) -> list[float]:
-        weight, torque = bit.weight_and_torque(model.assembly)
-        return [model.field("string.spin", "y")[-1, 0], torque, weight]
+    def look(system) -> list[float]:
+        weight, torque = bit.weight_and_torque(system.assembly)
+        return [system.field("string.spin", "y")[-1, 0], torque, weight]
 
-    return watched(scene.model, 25.0, look, scene.breaks)
+    return watched(model.system, 25.0, look, model.breaks)
 
 
 def test_bit_speed_is_that_of_the_torsional_waves(run: np.ndarray) -> None:
@@ -178,7 +178,7 @@ def test_first_slip_is_that_of_one_mode(run: np.ndarray) -> None:
     Twice the weakening's width is passed after w/(rate of w) = 0.2/13 s and so long before the end.
     """
     mode, first = one_mode(BIT), cycles(run[:, 0], run[:, 1])
-    late = 2 * WEAKENING / (mode.frequency**2 * mode.room)
+    late = 2 * WEAKENING / (mode.frequency**2 * mode.component)
     assert mode.frequency == pytest.approx(np.sqrt(TWIST / (BIT + PIPE * LENGTH / 3)), rel=5e-3)
     assert first.slip[0] == pytest.approx(mode.slip - 2 * late, rel=0.01)
     assert first.peak[0] == pytest.approx(mode.peak, rel=0.01)

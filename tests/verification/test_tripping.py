@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc.model.drilling_model import Scene
+from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.recorder import Recorder
 from tests.helpers.motion import fixed, integrate
 from tests.helpers.mud import (
@@ -38,21 +38,21 @@ def pipe(length: float = LENGTH, elements: int = 20, od: float = OUTER) -> dict:
     return {"kind": "beam", "length": length, "od": od, "id": INNER, "element_length": length / elements, **STIFF}
 
 
-def tripping(speed, fluid: dict | None = None, plugged: bool = True, string=(), depth: float = LENGTH + 100, **case) -> Scene:
+def tripping(speed, fluid: dict | None = None, plugged: bool = True, string=(), depth: float = LENGTH + 100, **case) -> DrillingModel:
     """The string lowered at ``speed`` [m/s], a hundred metres above the bottom, ready to run."""
     top, bottom = {"kind": "top_drive", "lowering": speed}, {"kind": "free", "plugged": plugged}
     return started(loop({**RIGID, **(fluid or {})}, hold_string=False, top=top, bottom=bottom, contact="none", well=hole(depth),
                         string=list(string) or [pipe()], **case))
 
 
-def surge(scene: Scene, flow_line: float = 0.0) -> float:
+def surge(model: DrillingModel, flow_line: float = 0.0) -> float:
     """Pressure under the string beyond that of still mud [Pa]."""
-    return float(pressures(scene, "annulus")[-1] - DENSITY * GRAVITY * (scene.model.field("string.position")[-1, 2] - flow_line))
+    return float(pressures(model, "annulus")[-1] - DENSITY * GRAVITY * (model.system.field("string.position")[-1, 2] - flow_line))
 
 
-def returned(scene: Scene) -> float:
+def returned(model: DrillingModel) -> float:
     """Flow rate out of the flow line [m3/s]."""
-    return float(scene.fluid.annulus.outflow(scene.model.assembly))  # type: ignore[union-attr, arg-type]
+    return float(model.fluid.annulus.outflow(model.system.assembly))  # type: ignore[union-attr, arg-type]
 
 
 def friction(speed: float, outer: float = OUTER, clinging: float = 0.45) -> float:
@@ -65,40 +65,40 @@ def friction(speed: float, outer: float = OUTER, clinging: float = 0.45) -> floa
 def test_return_and_surge_of_a_plugged_string(speed):
     """C10: return A_o V, surge of the friction above: the table's values in all their digits, the formula's within 1e-6 and 1e-5 (mud under
     235 bar weighs 4 Pa more at 1e14 Pa); swab the same with the other sign."""
-    scene = tripping(speed)
+    model = tripping(speed)
     back, bar = TABLE[abs(speed)]
     sign = np.sign(speed)
-    assert returned(scene) == pytest.approx(SOLID * speed, rel=1e-6)
-    assert returned(scene) == pytest.approx(sign * 1e-3 * back, rel=1e-5)
-    assert surge(scene) == pytest.approx(LENGTH * friction(speed), rel=1e-5)
-    assert surge(scene) == pytest.approx(sign * 1e5 * bar, rel=1e-4)
+    assert returned(model) == pytest.approx(SOLID * speed, rel=1e-6)
+    assert returned(model) == pytest.approx(sign * 1e-3 * back, rel=1e-5)
+    assert surge(model) == pytest.approx(LENGTH * friction(speed), rel=1e-5)
+    assert surge(model) == pytest.approx(sign * 1e5 * bar, rel=1e-4)
 
 
 @pytest.mark.parametrize("clinging", [0.0, 1.0])
 def test_clinging(clinging):
     """The part of the pipe's speed that the mud takes on: none, or all, in the surge; the return is the same."""
-    scene = tripping(0.5, {"clinging": clinging})
-    assert surge(scene) == pytest.approx(LENGTH * friction(0.5, clinging=clinging), rel=1e-5)
-    assert returned(scene) == pytest.approx(0.5 * SOLID, rel=1e-6)
+    model = tripping(0.5, {"clinging": clinging})
+    assert surge(model) == pytest.approx(LENGTH * friction(0.5, clinging=clinging), rel=1e-5)
+    assert returned(model) == pytest.approx(0.5 * SOLID, rel=1e-6)
 
 
 def test_return_of_a_string_of_two_diameters():
     """Collars of 171.5 mm under drill pipe of 127 mm: what comes back is what enters at the top, A_o of the pipe times V; friction of both
     parts, and rho (w2^2 - w1^2)/2 of the flow relative to the step that moves."""
     speed, collar = 0.5, 0.1715
-    scene = tripping(speed, string=[pipe(1800.0, 18), pipe(200.0, 4, collar)])
+    model = tripping(speed, string=[pipe(1800.0, 18), pipe(200.0, 4, collar)])
     w1, w2 = (HOLE**2 / (HOLE**2 - d**2) * speed for d in (OUTER, collar))
     expected = 1800 * friction(speed) + 200 * friction(speed, collar)
     heads = 0.5 * DENSITY * (w2**2 - w1**2)
     assert heads > 3e-4 * expected  # it shows
-    assert returned(scene) == pytest.approx(SOLID * speed, rel=1e-6)
-    assert surge(scene) == pytest.approx(expected - heads, rel=1e-5)
+    assert returned(model) == pytest.approx(SOLID * speed, rel=1e-6)
+    assert surge(model) == pytest.approx(expected - heads, rel=1e-5)
 
 
 def test_open_string_lowered_while_pumping():
     """The pump rides with the string, whose bore stays as full as it is: 20 l/s and A_o V come back."""
-    scene = tripping(0.5, {"flow_rate": 0.02}, plugged=False)
-    assert returned(scene) == pytest.approx(0.02 + 0.5 * SOLID, rel=1e-6)
+    model = tripping(0.5, {"flow_rate": 0.02}, plugged=False)
+    assert returned(model) == pytest.approx(0.02 + 0.5 * SOLID, rel=1e-6)
 
 
 def test_return_past_a_casing_shoe():
@@ -107,32 +107,32 @@ def test_return_past_a_casing_shoe():
     section = {"to": 600.0, "kind": "casing", "diameter": 0.2445, "friction": 0.2}
     well = {**hole(1100.0), "sections": [section, *hole(1100.0)["sections"]]}
     top, bottom = {"kind": "top_drive", "lowering": 0.5}, {"kind": "free", "plugged": True}
-    scene, seen = started(loop(RIGID, hold_string=False, top=top, bottom=bottom, contact="none", well=well, string=[pipe(590.0, 12)])), []
-    chamber, books = scene.fluid.bit, Recorder(scene)  # type: ignore[union-attr]
+    model, seen = started(loop(RIGID, hold_string=False, top=top, bottom=bottom, contact="none", well=well, string=[pipe(590.0, 12)])), []
+    chamber, books = model.fluid.bit, Recorder(model)  # type: ignore[union-attr]
     books.begin(0.0)
-    first = chamber.figures(scene.model.assembly)[4]  # type: ignore[union-attr]
+    first = chamber.figures(model.system.assembly)[4]  # type: ignore[union-attr]
 
     def after(t: float, dt: float) -> None:
         books.step(t, dt, t, None, not seen)
-        seen.append(returned(scene))
+        seen.append(returned(model))
 
-    integrate(scene.model, 40.0, fixed(0.05), after)
+    integrate(model.system, 40.0, fixed(0.05), after)
     assert np.array(seen) == pytest.approx(0.5 * SOLID, rel=1e-6)
     mass, narrow = books.mass_balance(), 0.25 * np.pi * HOLE**2
     assert mass["content_change"] == pytest.approx(-20.0 * SOLID, rel=1e-6)
     assert abs(mass["error"]) < 1e-9 * 20.0 * SOLID
     # 510 m of hole below at first, 490 m in the end; the transition at the shoe lies half above it, half below
-    assert chamber.figures(scene.model.assembly)[4] == pytest.approx(7e-3 + narrow * 490.0, rel=1e-6)  # type: ignore[union-attr]
+    assert chamber.figures(model.system.assembly)[4] == pytest.approx(7e-3 + narrow * 490.0, rel=1e-6)  # type: ignore[union-attr]
     assert first == pytest.approx(7e-3 + narrow * 500.0 + 0.25 * np.pi * 0.2445**2 * 10.0, rel=1e-5)
 
 
 def test_motion_at_one_speed_is_steady_from_the_start():
     """Lowered at .5 m/s from t = 0: return and surge are those of steady motion from the first step on (1e-3: a string in balance with mud
     at rest gives way to the surge, here by 2.5 micrometres), and stay so for 2 s, while the string sinks a metre (1e-6)."""
-    scene, seen = tripping(0.5), []
-    integrate(scene.model, 2.0, fixed(0.02), lambda t, dt: seen.append((returned(scene), surge(scene))))
+    model, seen = tripping(0.5), []
+    integrate(model.system, 2.0, fixed(0.02), lambda t, dt: seen.append((returned(model), surge(model))))
     flow, pressure = np.array(seen).T
-    assert scene.model.field("string.position")[0, 2] == pytest.approx(1.0, rel=1e-9)
+    assert model.system.field("string.position")[0, 2] == pytest.approx(1.0, rel=1e-9)
     assert flow == pytest.approx(SOLID * 0.5, rel=1e-3)
     assert flow[20:] == pytest.approx(SOLID * 0.5, rel=1e-6)
     assert pressure[20:] == pytest.approx(LENGTH * friction(0.5), rel=1e-5)
@@ -143,8 +143,8 @@ def test_start_and_stop_of_tripping():
     the inertia of the mud, rho L (A_o/A_a) dV/dt (3.2 bar), within 50 Pa; nothing is left in the end.  (From 0.35 s after each kink on;
     before, the string rings from it.)"""
     rate = 0.25
-    scene, seen = tripping({"time": [0.0, 2.0, 4.0], "value": [0.0, 0.5, 0.0]}), []
-    integrate(scene.model, 5.0, fixed(0.02), lambda t, dt: seen.append((t, returned(scene), surge(scene))), scene.breaks)
+    model, seen = tripping({"time": [0.0, 2.0, 4.0], "value": [0.0, 0.5, 0.0]}), []
+    integrate(model.system, 5.0, fixed(0.02), lambda t, dt: seen.append((t, returned(model), surge(model))), model.breaks)
     t, flow, pressure = np.array(seen).T
     speed = np.interp(t, [0, 2, 4], [0, 0.5, 0])
     for begin, sign in ((0.0, 1.0), (2.0, -1.0), (4.0, 0.0)):
@@ -160,10 +160,10 @@ def test_flow_line_below_the_rotary_table(speed):
     """Mud stands at the flow line, 30 m down: rho g (z - 30 m) under the string, 40 bar more with that outlet pressure, whether the string
     stands or has sunk by half a metre; the return is that of a hole full to the top."""
     for outlet in (0.0, 40e5):
-        scene = tripping(speed, {"flow_line": 30.0, "outlet_pressure": outlet})
+        model = tripping(speed, {"flow_line": 30.0, "outlet_pressure": outlet})
         if speed:
-            integrate(scene.model, 1.0, fixed(0.02))
-            assert scene.model.field("string.position")[0, 2] == pytest.approx(0.5, rel=1e-9)
+            integrate(model.system, 1.0, fixed(0.02))
+            assert model.system.field("string.position")[0, 2] == pytest.approx(0.5, rel=1e-9)
         moving = LENGTH * friction(speed) if speed else 0.0
-        assert surge(scene, 30.0) - outlet == pytest.approx(moving, abs=30.0)
-        assert returned(scene) == pytest.approx(SOLID * speed, abs=1e-5 * SOLID)
+        assert surge(model, 30.0) - outlet == pytest.approx(moving, abs=30.0)
+        assert returned(model) == pytest.approx(SOLID * speed, abs=1e-5 * SOLID)

@@ -38,8 +38,8 @@ def passing(t: np.ndarray, p: np.ndarray, level: float) -> float:
     return float(t[k - 1] + (level - p[k - 1]) * (t[k] - t[k - 1]) / (p[k] - p[k - 1]))
 
 
-def nearest(scene, depth: float) -> int:
-    return int(np.argmin(np.abs(scene.mesh.node_depth - depth)))
+def nearest(model, depth: float) -> int:
+    return int(np.argmin(np.abs(model.mesh.node_depth - depth)))
 
 
 # ---------------------------------------------------------------------- Joukowsky
@@ -51,8 +51,8 @@ def test_pump_stopped_within_one_step(elastic):
     c = np.sqrt(1 / (DENSITY * (1 / MODULUS + elastic * lame_bore(OUTER / 2, INNER / 2))))
     assert c == pytest.approx(1265.92 if elastic else 1354.006, rel=1e-5)
     q, t0, T = 0.03, 0.05, LENGTH / c
-    scene = bore({**STIFF, "elastic_walls": elastic, "flow_rate": {"time": [t0, t0], "value": [q, 0.0]}}, 100)
-    t, p, _ = history(scene, t0 + 4 * T, 2e-3)
+    model = bore({**STIFF, "elastic_walls": elastic, "flow_rate": {"time": [t0, t0], "value": [q, 0.0]}}, 100)
+    t, p, _ = history(model, t0 + 4 * T, 2e-3)
     step = DENSITY * c * q / BORE
     for first, sign in ((0.0, -1.0), (2.0, 1.0)):
         plateau = (t > t0 + (first + 0.5) * T) & (t < t0 + (first + 1.5) * T)
@@ -66,14 +66,14 @@ def test_front_of_a_loop_with_friction():
     1338 m/s), then falls on at the rate g c/2, g the friction per length of the flow ahead of the front (characteristics; no friction
     behind it): mean over .1 to .3 s within 1 %.  No step fails; nothing ever passes the steady pressures by more than rho c dq/A."""
     q, t0 = 0.03, 0.1
-    scene = started(loop({"bulk_modulus": 2.5e9, "flow_rate": {"time": [t0, t0], "value": [q, 0.0]}}, 100))
+    model = started(loop({"bulk_modulus": 2.5e9, "flow_rate": {"time": [t0, t0], "value": [q, 0.0]}}, 100))
     c = np.sqrt(1 / (DENSITY * (1 / 2.5e9 + lame_bore(OUTER / 2, INNER / 2))))
     assert c == pytest.approx(1338.053, rel=1e-6)
     step = DENSITY * c * q / BORE
     assert step == pytest.approx(52.02e5, rel=1e-3)
-    place = scene.model.layout.place["pipe.pressure"][:, 0]
-    p0, rows = scene.model.assembly.x[place].copy(), []
-    run = integrate(scene.model, 6.0, {}, lambda t, dt: rows.append((t, *scene.model.assembly.x[place])), scene.breaks)
+    place = model.system.layout.dofs["bore.pressure"][:, 0]
+    p0, rows = model.system.assembly.x[place].copy(), []
+    run = integrate(model.system, 6.0, {}, lambda t, dt: rows.append((t, *model.system.assembly.x[place])), model.breaks)
     t, p = np.array(rows)[:, 0], np.array(rows)[:, 1:]
     k = (t > t0 + 0.1) & (t < t0 + 0.3)
     drop = np.sum(0.5 * np.diff(t[k]) * (p0[0] - p[k, 0][1:] + p0[0] - p[k, 0][:-1])) / (t[k][-1] - t[k][0])
@@ -89,8 +89,8 @@ def test_arrival_of_an_instant_closure():
     the power 2/3 of the step), the last within 0.5 %."""
     late = []
     for n, dt in ((50, 4e-3), (100, 2e-3), (200, 1e-3)):
-        scene = bore({**STIFF, "flow_rate": {"time": [0.02, 0.02], "value": [SMALL, 0.0]}}, n)
-        t, p, _ = history(scene, 1.2, dt)
+        model = bore({**STIFF, "flow_rate": {"time": [0.02, 0.02], "value": [SMALL, 0.0]}}, n)
+        t, p, _ = history(model, 1.2, dt)
         late.append((passing(t, p[:, n // 2], -0.5 * DENSITY * SPEED * SMALL / BORE) - 0.02) / (0.5 * LENGTH / SPEED) - 1)
     assert abs(late[0]) > abs(late[1]) > abs(late[2])
     assert abs(late[2]) < 5e-3
@@ -100,8 +100,8 @@ def test_arrival_of_a_half_cosine():
     """Pump started over .3 L/c: 50 % level in the middle L/2c after the ramp's; 50 elements and 4 ms within 0.05 %, 100 and 2 0.02 %."""
     T = 0.3 * LENGTH / SPEED
     for n, dt, most in ((50, 4e-3, 5e-4), (100, 2e-3, 2e-4)):
-        scene = bore({**STIFF, "flow_rate": {"ramp": T, "value": SMALL}}, n)
-        t, p, _ = history(scene, 1.2, dt)
+        model = bore({**STIFF, "flow_rate": {"ramp": T, "value": SMALL}}, n)
+        t, p, _ = history(model, 1.2, dt)
         late = (passing(t, p[:, n // 2], 0.5 * DENSITY * SPEED * SMALL / BORE) - T / 2) / (0.5 * LENGTH / SPEED) - 1
         assert abs(late) < most
 
@@ -120,8 +120,8 @@ def test_wave_speed_of_the_annulus(wall: str):
     give = 2 / (rw**2 - ro**2) * (rock + ro**2 / YOUNG * ((ro**2 + ri**2) / (ro**2 - ri**2) - NU))
     assert np.sqrt(1 / (DENSITY * (1 / 2.5e9 + give))) == pytest.approx(c, rel=1e-6)
     T, n = 0.3 * LENGTH / c, 100
-    scene = annulus({"bulk_modulus": 2.5e9, "outlet_pressure": {"ramp": T, "value": 1e4}}, n, **section)
-    t, p, _ = history(scene, 2.9 * LENGTH / c, 2e-3, "annulus")
+    model = annulus({"bulk_modulus": 2.5e9, "outlet_pressure": {"ramp": T, "value": 1e4}}, n, **section)
+    t, p, _ = history(model, 2.9 * LENGTH / c, 2e-3, "annulus")
     late = (passing(t, p[:, n // 2], 5e3) - T / 2) / (0.5 * LENGTH / c) - 1
     assert abs(late) < 1e-3
     plateau = (t > 1.5 * LENGTH / c) & (t < 2.8 * LENGTH / c)
@@ -133,8 +133,8 @@ def test_reflection_at_an_open_end():
     """Pump started by half a cosine over .3 L/c, lower end open: rho c dq/A at the pump until 2L/c, the opposite until 4L/c, again until
     6L/c; at the open end the flow is twice that from L/c to 3L/c, and none until 5L/c.  1 % (the middle of each plateau)."""
     T, L = 0.3 * LENGTH / SPEED, LENGTH / SPEED
-    scene = bore({**STIFF, "flow_rate": {"ramp": T, "value": SMALL}}, 100)
-    t, p, q = history(scene, 6 * L, 2e-3)
+    model = bore({**STIFF, "flow_rate": {"ramp": T, "value": SMALL}}, 100)
+    t, p, q = history(model, 6 * L, 2e-3)
     step = DENSITY * SPEED * SMALL / BORE
     for k, sign in enumerate((1, -1, 1)):
         middle = (t > (2 * k + 0.6) * L) & (t < (2 * k + 1.8) * L)
@@ -148,8 +148,8 @@ def test_reflection_at_a_closed_end():
     """Plugged bore, pump pressure raised by half a cosine over .3 L/c: twice as much under the plug from L/c to 3L/c, nothing until 5L/c;
     flow into the bore p A/(rho c) until 2L/c, the opposite until 4L/c.  1 %."""
     T, L, p0 = 0.3 * LENGTH / SPEED, LENGTH / SPEED, 1e4
-    scene = bore({**STIFF, "pump_pressure": {"ramp": T, "value": p0}}, 100, plugged=True)
-    t, p, q = history(scene, 5 * L, 2e-3)
+    model = bore({**STIFF, "pump_pressure": {"ramp": T, "value": p0}}, 100, plugged=True)
+    t, p, q = history(model, 5 * L, 2e-3)
     for k, value in enumerate((2, 0)):
         middle = (t > (2 * k + 1.6) * L) & (t < (2 * k + 2.8) * L)
         assert p[middle, -1] / p0 == pytest.approx(value, abs=0.01)
@@ -165,11 +165,11 @@ def test_step_of_the_bore(upper, lower):
     half, T = 0.5 * LENGTH, 0.15 * LENGTH / SPEED
     inner = np.sqrt(4 / np.pi * np.array([upper, lower]))
     pipes = [{"kind": "pipe", "length": half, "od": 0.1715, "id": float(d), "element_length": 10.0} for d in inner]
-    scene = bore({**STIFF, "flow_rate": {"ramp": T, "value": SMALL}}, 200, string=pipes)
-    t, p, _ = history(scene, 1.45 * LENGTH / SPEED, 1e-3)
+    model = bore({**STIFF, "flow_rate": {"ramp": T, "value": SMALL}}, 200, string=pipes)
+    t, p, _ = history(model, 1.45 * LENGTH / SPEED, 1e-3)
     incident, t = DENSITY * SPEED * SMALL / upper, t * SPEED / LENGTH
     sent, back = 2 * upper / (upper + lower), (upper - lower) / (upper + lower)
-    place = {depth: nearest(scene, depth) for depth in (0.25 * LENGTH, half, half + 10.0, 0.75 * LENGTH)}
+    place = {depth: nearest(model, depth) for depth in (0.25 * LENGTH, half, half + 10.0, 0.75 * LENGTH)}
     for depth, first, last, value in ((0.25, 0.45, 0.7, 1.0), (0.5, 0.7, 1.4, sent), (0.75, 0.95, 1.2, sent), (0.25, 0.95, 1.2, 1 + back)):
         seen = p[(t > first) & (t < last), place[depth * LENGTH]] / incident
         assert seen == pytest.approx(value, rel=2e-3)
@@ -184,8 +184,8 @@ def test_line_packing_by_linear_friction():
     sqrt(s + b)/s^(3/2)); it grows by a half in 2L/c.  Within 0.1 % of rho c dq/A."""
     mu, T, L = 0.2, 0.3 * LENGTH / SPEED, LENGTH / SPEED
     b, flow = 32 * mu / (DENSITY * INNER**2), 1e-4
-    scene = bore({**STIFF, "rheology": {"model": "newtonian", "viscosity": mu}, "flow_rate": {"ramp": T, "value": flow}}, 100)
-    t, p, _ = history(scene, 2 * L, 2e-3)
+    model = bore({**STIFF, "rheology": {"model": "newtonian", "viscosity": mu}, "flow_rate": {"ramp": T, "value": flow}}, 100)
+    t, p, _ = history(model, 2 * L, 2e-3)
     x, w = np.polynomial.legendre.leggauss(40)
     rise, share = 0.5 * T * (x + 1), 0.25 * np.pi * np.sin(0.5 * np.pi * (x + 1)) * w  # half the cosine's rate at these times
     late = np.clip(t[:, None] - rise, 0.0, None) * b
@@ -201,8 +201,8 @@ def test_frequencies_of_a_bore_between_pressure_and_plug():
     """Quarter waves, 40 elements.  Dispersion of the averaged compliance h/12 (1, 10, 1): omega h/2c = s/sqrt(1 - s^2/3), s = sin(k h/2),
     of fourth order: modes 3, 11, 21 off by -3.1e-6, -9.9e-4, -1.5e-2 (model notes, section 8.1); the closed form to 1e-8."""
     n = 40
-    scene = started(bore({**STIFF, "pump_pressure": 0.0}, n, plugged=True))
-    K, C, _ = matrices(scene.model)
+    model = started(bore({**STIFF, "pump_pressure": 0.0}, n, plugged=True))
+    K, C, _ = matrices(model.system)
     s = eigvals(K, -C)
     found = np.sort(s[np.isfinite(s) & (s.imag > 1e-9)].imag)
     angle = np.pi * (np.arange(1, n + 1) - 0.5) / n  # kappa h
@@ -218,8 +218,8 @@ def test_second_order_in_space():
     (a fourth-order scheme on a wave whose second derivative jumps: h^(4 * 2.5/5))."""
     T, errors = 0.3 * LENGTH / SPEED, []
     for n in (16, 32, 64):
-        scene = bore({**STIFF, "flow_rate": {"ramp": T, "value": SMALL}}, n)
-        t, p, _ = history(scene, 1.2, 5e-4)
+        model = bore({**STIFF, "flow_rate": {"ramp": T, "value": SMALL}}, n)
+        t, p, _ = history(model, 1.2, 5e-4)
         e = p[:, n // 2] / (DENSITY * SPEED * SMALL / BORE) - ramp(t - 0.5 * LENGTH / SPEED, T)
         errors.append(np.sqrt(np.mean(e**2)))
     order = np.log2(np.array(errors[:-1]) / errors[1:])
@@ -232,8 +232,8 @@ def test_second_order_in_time():
     1.48 s, where the ramp is long over."""
     T, at = 0.448, []
     for dt in (8e-3, 4e-3, 2e-3, 1e-3):
-        scene = bore({**STIFF, "flow_rate": {"ramp": T, "value": SMALL}}, 20)
-        _, p, _ = history(scene, 1.48, dt)
+        model = bore({**STIFF, "flow_rate": {"ramp": T, "value": SMALL}}, 20)
+        _, p, _ = history(model, 1.48, dt)
         at.append(p[-1])
     gaps = [np.linalg.norm(a - b) for a, b in zip(at, at[1:], strict=False)]
     order = np.log2(np.array(gaps[:-1]) / gaps[1:])

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Strict, Tag, model_validator
 
-from drillpetsc.case.block import Model, chosen
+from drillpetsc.case.block import Block, tagged_union
 from drillpetsc.case.blocks.string import Friction
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import OverTime, Quantity, Vector
@@ -28,7 +28,7 @@ _PLUGGED = (
 )
 
 
-class HeldTop(Model):
+class HeldTop(Block):
     """A top end without a drive."""
 
     kind: Literal["clamped", "pinned", "free"] = Field(
@@ -36,7 +36,7 @@ class HeldTop(Model):
     )
 
 
-class DrivenTop(Model):
+class DrivenTop(Block):
     """A rotary drive with its own inertia, held at `rotation` by a spring and a damper (PI control); clamped otherwise.
 
     torque on the drive = stiffness * (prescribed angle - angle) + damping * (prescribed speed - speed).
@@ -62,7 +62,7 @@ class DrivenTop(Model):
         return self
 
 
-class TopDrive(Model):
+class TopDrive(Block):
     """A top drive: prescribed rotation; prescribed lowering, or an axial force."""
 
     kind: Literal["top_drive"] = Field(description="prescribed rotation, and lowering or axial force")
@@ -79,7 +79,7 @@ class TopDrive(Model):
         return self
 
 
-class HeldBottom(Model):
+class HeldBottom(Block):
     """A bottom end that is free or held."""
 
     kind: Literal["free", "pinned", "clamped"] = Field(
@@ -88,7 +88,7 @@ class HeldBottom(Model):
     plugged: Plugged = Field(default=False, description=_PLUGGED)
 
 
-class ForcedBottom(Model):
+class ForcedBottom(Block):
     """A dead force and moment at the lower end."""
 
     kind: Literal["force"] = Field(description="a given force and moment")
@@ -97,7 +97,7 @@ class ForcedBottom(Model):
     plugged: Plugged = Field(default=False, description=_PLUGGED)
 
 
-class BitBottom(Model):
+class BitBottom(Block):
     """A bit that stands on the end of the hole."""
 
     kind: Literal["bit"] = Field(description="a bit on the end of the hole")
@@ -106,8 +106,8 @@ class BitBottom(Model):
     plugged: Plugged = Field(default=False, description=_PLUGGED)
 
 
-_top, _top_tag = chosen(HeldTop, DrivenTop, TopDrive, short=("clamped", "pinned", "free"))
-_bottom, _bottom_tag = chosen(HeldBottom, ForcedBottom, BitBottom, short=("free", "pinned", "clamped", "bit"))
+_top, _top_tag = tagged_union(HeldTop, DrivenTop, TopDrive, short=("clamped", "pinned", "free"))
+_bottom, _bottom_tag = tagged_union(HeldBottom, ForcedBottom, BitBottom, short=("free", "pinned", "clamped", "bit"))
 
 Top = Annotated[
     Annotated[HeldTop, Tag("kind:HeldTop")]
@@ -129,7 +129,7 @@ Bottom = Annotated[
 ]
 
 
-class Load(Model):
+class Load(Block):
     """What point and distributed loads share."""
 
     frame: Literal["global", "section"] = Field(

@@ -6,8 +6,8 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Strict, Tag, field_validator, model_validator
 
-from drillpetsc.case.block import Model, chosen, follows
-from drillpetsc.case.key_paths import near, refuse
+from drillpetsc.case.block import Block, derived_default, tagged_union
+from drillpetsc.case.key_paths import refuse, suggestion
 from drillpetsc.case.quantities import OverTime, Quantity
 from drillpetsc.time_function import Constant, TimeFunction
 
@@ -20,7 +20,7 @@ FlowIndex = Annotated[float, Quantity("", above=0, at_most=2)]
 _STRESS = "shear stress = "
 
 
-class Rheology(Model):
+class Rheology(Block):
     """What all rheology models have in common."""
 
     told_by: ClassVar[str] = "model"
@@ -89,7 +89,7 @@ class HerschelBulkley(WithYieldStress):
     index: FlowIndex = Field(description="flow index n [-], 1 for a Bingham fluid")
 
 
-_rheology, _rheology_tag = chosen(Newtonian, Bingham, PowerLaw, Casson, HerschelBulkley, key="model")
+_rheology, _rheology_tag = tagged_union(Newtonian, Bingham, PowerLaw, Casson, HerschelBulkley, key="model")
 
 AnyRheology = Annotated[
     Annotated[Newtonian, Tag("kind:Newtonian")]
@@ -126,7 +126,7 @@ def _word_or_number(value: Any, words: tuple[str, ...], quantity: Quantity) -> A
         if value in words:
             return value
         want = f"{', '.join(words)}, none, or a number, {quantity.allowed()}"
-        raise refuse(got=value, want=want, hint=near(value, (*words, "none")))
+        raise refuse(got=value, want=want, hint=suggestion(value, (*words, "none")))
     return quantity.read(value)
 
 
@@ -134,7 +134,7 @@ ADDED_MASS = Quantity("", at_least=0, at_most=1e3)
 LATERAL_DAMPING = Quantity("N s/m^2", at_least=0)
 
 
-class Choke(Model):
+class Choke(Block):
     """A valve at the flow line: it holds rho q |q| / (2 Cd^2 A^2) against the outflow."""
 
     area: Annotated[float, Quantity("m^2", above=0, at_most=1)] = Field(description="open area A [m2]")
@@ -143,7 +143,7 @@ class Choke(Model):
     )
 
 
-class Fluid(Model):
+class Fluid(Block):
     """The drilling fluid: down the string's bore, through the bit, up the annulus."""
 
     density: Annotated[float, Quantity("kg/m^3", above=0, at_most=30e3)] = Field(
@@ -153,7 +153,7 @@ class Fluid(Model):
     bulk_modulus: Annotated[float, Quantity("Pa", above=0)] = Field(
         default=2e9, description="bulk modulus of the fluid alone [Pa]"
     )
-    flow_rate: Annotated[TimeFunction, OverTime("m^3/s")] = follows(
+    flow_rate: Annotated[TimeFunction, OverTime("m^3/s")] = derived_default(
         "volume pumped into the string over time [m3/s], negative in reverse circulation; "
         "0 when neither this nor a pump_pressure is given"
     )
@@ -168,7 +168,7 @@ class Fluid(Model):
     flow_line: Annotated[float, Quantity("m", at_most=50e3)] = Field(
         default=0.0, description="depth of the flow line below the rotary table, straight down [m]"
     )
-    annulus: Annotated[bool, Strict()] = follows(
+    annulus: Annotated[bool, Strict()] = derived_default(
         "whether there is fluid between string and hole; when not given, true in a scene with a well"
     )
     bit_volume: Annotated[float, Quantity("m^3", at_least=0, at_most=100)] = Field(
@@ -203,7 +203,7 @@ class Fluid(Model):
         description="force per length over sideways speed in still fluid [N s/m2]; stokes: from the oscillating "
         "viscous flow at lateral_damping_speed; none: 0",
     )
-    lateral_damping_speed: Annotated[float, Quantity("rad/s", above=0)] = follows(
+    lateral_damping_speed: Annotated[float, Quantity("rad/s", above=0)] = derived_default(
         "angular frequency [rad/s] for lateral_damping stokes; the fastest rotation of the top when not given, "
         "1 rad/s when that does not turn"
     )
@@ -234,7 +234,7 @@ class Fluid(Model):
         if self.flow_rate is not None and self.pump_pressure is not None:
             raise refuse("pump_pressure", want="a flow_rate or a pump_pressure, not both")
         if self.flow_rate is None and self.pump_pressure is None:
-            self.settle(flow_rate=Constant(0.0))
+            self.fill_defaults(flow_rate=Constant(0.0))
         if self.choke is not None and (self.formulation == "hermite" or self.annulus is False):
             raise refuse("choke", want="an annulus and formulation mixed for a choke")
         if self.formulation == "hermite" and self.pump_pressure is not None:

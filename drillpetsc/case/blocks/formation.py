@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from drillpetsc.case.block import Model, chosen, follows
+from drillpetsc.case.block import Block, derived_default, tagged_union
 from drillpetsc.case.blocks.string import Friction
 from drillpetsc.case.defaults import overlaid
 from drillpetsc.case.key_paths import refuse
@@ -36,7 +36,7 @@ _THRESHOLD = "weight on bit below which nothing is cut [N]"
 _STIFFNESS = "contact stiffness of bit on rock [N/m]; the same thing as bottom.stiffness, which takes this value"
 
 
-class RockAnisotropy(Model):
+class RockAnisotropy(Block):
     """Rock in beds: M_r = n n^T + index_dip d d^T + index_strike s s^T, n across the bedding, d down dip, s along strike."""
 
     dip: Annotated[float, Quantity("rad", at_least=0, at_most=math.pi / 2)] = Field(
@@ -49,30 +49,30 @@ class RockAnisotropy(Model):
     index_strike: Index = Field(default=1.0, description="drillability along strike over that across the bedding [-]")
 
 
-class Layer(Model):
+class Layer(Block):
     """A stretch of other rock; what it leaves out is the formation's own."""
 
     from_: Depth = Field(alias="from", description="measured depth of its upper end [m]")
-    to: Depth = follows(
+    to: Depth = derived_default(
         "measured depth of its lower end [m], where the next layer begins, or below the last the formation's own values "
         "hold again; when not given, the next layer's from, and the last goes on for ever"
     )
-    drillability: Drillability = follows(_DRILLABILITY)
-    bit_anisotropy: BitAnisotropy = follows(_BIT)
-    rock_anisotropy: RockAnisotropy = follows(_ROCK + "; keys left out are the formation's")
-    rotary_exponent: RotaryExponent = follows(_ROTARY)
-    weight_exponent: WeightExponent = follows(_WEIGHT)
-    threshold: Threshold = follows(_THRESHOLD)
+    drillability: Drillability = derived_default(_DRILLABILITY)
+    bit_anisotropy: BitAnisotropy = derived_default(_BIT)
+    rock_anisotropy: RockAnisotropy = derived_default(_ROCK + "; keys left out are the formation's")
+    rotary_exponent: RotaryExponent = derived_default(_ROTARY)
+    weight_exponent: WeightExponent = derived_default(_WEIGHT)
+    threshold: Threshold = derived_default(_THRESHOLD)
 
 
-class RopLaw(Model):
+class RopLaw(Block):
     """Rate of penetration from force and rotation speed; the torque is that of friction (bottom.friction)."""
 
     kind: Literal["rop"] = Field(description="rate of penetration from force and rotation speed")
     stiffness: Stiffness = Field(default=None, description=_STIFFNESS)
 
 
-class DragBit(Model):
+class DragBit(Block):
     """Blades that cut and rub (Detournay and Defourny), each in the groove that the blade before it has left."""
 
     kind: Literal["drag_bit"] = Field(description="blades that cut and rub")
@@ -95,7 +95,7 @@ class DragBit(Model):
     stiffness: Stiffness = Field(default=None, description=_STIFFNESS)
 
 
-class VelocityWeakening(Model):
+class VelocityWeakening(Block):
     """A torque that falls from a static to a dynamic value as the bit turns faster: stick-slip."""
 
     kind: Literal["velocity_weakening"] = Field(description="torque that falls with the rotation speed")
@@ -134,7 +134,7 @@ class VelocityWeakening(Model):
         return self
 
 
-_law, _law_tag = chosen(RopLaw, DragBit, VelocityWeakening, short=("rop", "drag_bit"))
+_law, _law_tag = tagged_union(RopLaw, DragBit, VelocityWeakening, short=("rop", "drag_bit"))
 
 BitLaw = Annotated[
     Annotated[RopLaw, Tag("kind:RopLaw")]
@@ -145,7 +145,7 @@ BitLaw = Annotated[
 ]
 
 
-class Formation(Model):
+class Formation(Block):
     """The rock below the bit. velocity = D (speed/reference)^a (weight/reference)^(b-1) M_r M_b force."""
 
     drillability: Drillability = Field(default=2.8e-8, description=_DRILLABILITY)
@@ -186,7 +186,7 @@ class Formation(Model):
     def _rock(self) -> Formation:
         check_turning(self.bit_anisotropy, self.rock_anisotropy, self.walk, ("rock_anisotropy",))
         _check_depths(self.layers)
-        self.settle(layers=self._settled_layers())
+        self.fill_defaults(layers=self._settled_layers())
         return self
 
     def _settled_layers(self) -> tuple[Layer, ...]:

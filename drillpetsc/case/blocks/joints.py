@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from drillpetsc.case.block import Model
+from drillpetsc.case.block import Block
 from drillpetsc.case.blocks.string import Flexible
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity, Vector
@@ -20,7 +20,7 @@ _SLIDER = ("slider",)
 _KINDS_OF = {"axis": ("revolute", "universal"), "spring": _SLIDER, "damping": _SLIDER, "stroke": _SLIDER, "stop_stiffness": _SLIDER}
 
 
-class Joint(Model):
+class Joint(Block):
     """A joint at one measured depth; it has no length and no mass. Rigid items (`{kind: body}`) beside it give it both."""
 
     kind: Literal["fixed", "revolute", "universal", "slider"] = Field(

@@ -8,21 +8,21 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
-from drillpetsc.case.block import Model, follows
+from drillpetsc.case.block import Block, derived_default
 from drillpetsc.case.blocks.string import Angle
-from drillpetsc.case.key_paths import near, refuse
+from drillpetsc.case.key_paths import refuse, suggestion
 from drillpetsc.case.quantities import Quantity
 from drillpetsc.case.survey_file import FOLDER
 
 STARTS = ("statics", "rest", "straight")
 
 
-class BeamTheory(Model):
+class BeamTheory(Block):
     """Unknowns of the string."""
 
-    formulation: Literal["gauge", "quaternion"] = Field(
-        default="gauge",
-        description="gauge: tangent and spin angle at each node; quaternion: strain and Euler parameters, the paper's element",
+    formulation: Literal["ancf", "quaternion"] = Field(
+        default="ancf",
+        description="ancf: position, slope and spin angle at each node; quaternion: strain and Euler parameters, the paper's element",
     )
     constraint: Literal["index3", "index2", "stabilized"] | None = Field(
         default=None,
@@ -32,14 +32,14 @@ class BeamTheory(Model):
 
     @model_validator(mode="after")
     def _settled(self) -> BeamTheory:
-        if self.formulation == "gauge" and self.constraint is not None:
+        if self.formulation == "ancf" and self.constraint is not None:
             raise refuse("constraint", got=self.constraint, want="no constraint unless formulation is quaternion")
         if self.formulation == "quaternion" and self.constraint is None:
-            self.settle(constraint="index3")
+            self.fill_defaults(constraint="index3")
         return self
 
 
-class Initial(Model):
+class Initial(Block):
     """The state at time 0."""
 
     from_: str = Field(
@@ -70,7 +70,7 @@ class Initial(Model):
                 if not (folder / "checkpoint.h5").is_file():
                     raise refuse(got=value, want="a run folder that holds a checkpoint.h5")
                 return str(folder.resolve())
-        raise refuse(got=value, want=want, hint=near(value, STARTS))
+        raise refuse(got=value, want=want, hint=suggestion(value, STARTS))
 
     @model_validator(mode="after")
     def _wob_needs_statics(self) -> Initial:
@@ -79,7 +79,7 @@ class Initial(Model):
         return self
 
 
-class Time(Model):
+class Time(Block):
     """How long, and with or without inertia."""
 
     end: Annotated[float, Quantity("s", above=0)] = Field(description="simulated time [s]")
@@ -107,19 +107,19 @@ def as_list(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-class Output(Model):
+class Output(Block):
     """What the run folder gets. Intervals are simulated time."""
 
-    history_every: Interval = follows(
+    history_every: Interval = derived_default(
         "interval of history.csv and probes.csv [s]; end/1000, between 1 ms and 0.1 s (quasi_static: without limit), when not given"
     )
-    field_every: Interval = follows(
+    field_every: Interval = derived_default(
         "interval of the string's pictures [s]; end/100, not below history_every, when not given"
     )
     probes: Annotated[tuple[Annotated[float, Quantity("m", at_least=0)], ...], BeforeValidator(as_list)] = Field(
         default=(), description="measured depths along the string [m] that get their own columns in probes.csv"
     )
-    checkpoint_every: Interval = follows("interval of checkpoint.h5 [s]; end/10 when not given")
+    checkpoint_every: Interval = derived_default("interval of checkpoint.h5 [s]; end/10 when not given")
 
     @model_validator(mode="after")
     def _named_apart(self) -> Output:

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from drillpetsc.case.block import Model, chosen, follows
+from drillpetsc.case.block import Block, derived_default, tagged_union
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity, Vector
 
@@ -24,7 +24,7 @@ THINNEST = 1e-4  # walls on both sides over the outer diameter [-]
 NARROWEST = 1e-4  # inner diameter [m]
 
 
-class Damping(Model):
+class Damping(Block):
     """Damping of the pipe: Kelvin-Voigt (rotates with the pipe) and proportional to the mass (external)."""
 
     stiffness: Annotated[float, Quantity("s", at_least=0)] = Field(
@@ -35,7 +35,7 @@ class Damping(Model):
     )
 
 
-class Material(Model):
+class Material(Block):
     """Elastic constants and density; steel when not given. In a string item, keys left out are the case's."""
 
     young: Annotated[float, Quantity("Pa", at_least=1e3, at_most=1e14)] = Field(
@@ -50,7 +50,7 @@ class Material(Model):
     damping: Damping = Field(default=Damping(), description="damping of the string")
 
 
-class Bend(Model):
+class Bend(Block):
     """A kink at the upper end of an item (bent sub)."""
 
     angle: Annotated[float, Quantity("rad", at_least=0, at_most=math.pi / 2)] = Field(description="bend angle [rad]")
@@ -59,7 +59,7 @@ class Bend(Model):
     )
 
 
-class ItemInitial(Model):
+class ItemInitial(Block):
     """Imperfection of one item."""
 
     imperfection: Annotated[float, Quantity("", at_least=0, at_most=1)] = Field(
@@ -67,16 +67,16 @@ class ItemInitial(Model):
     )
 
 
-class Inertia(Model):
+class Inertia(Block):
     """Moments of inertia of a rigid item about its centre of gravity; a hollow cylinder's when not given."""
 
-    axial: Annotated[float, Quantity("kg m^2", at_least=0)] = follows("about the string's axis [kg m2]")
-    transverse: Annotated[float, Quantity("kg m^2", at_least=0)] = follows(
+    axial: Annotated[float, Quantity("kg m^2", at_least=0)] = derived_default("about the string's axis [kg m2]")
+    transverse: Annotated[float, Quantity("kg m^2", at_least=0)] = derived_default(
         "about an axis across the string through the centre of gravity [kg m2]"
     )
 
 
-class Item(Model):
+class Item(Block):
     """What every string item may have."""
 
     later_keys: ClassVar[tuple[str, ...]] = ("joints",)
@@ -98,7 +98,7 @@ class Item(Model):
         if outer is None and inner:
             raise refuse("id", got=inner, want="an inner diameter together with an outer one (od)")
         if not self.name:
-            self.settle(name=getattr(self, "kind", ""))
+            self.fill_defaults(name=getattr(self, "kind", ""))
         return self
 
 
@@ -134,7 +134,7 @@ class Pipe(Flexible):
     kind: Literal["pipe"] = Field(description="round tube")
     od: Diameter = Field(description="outer diameter [m]")
     id: Bore = Field(default=0.0, description="inner diameter [m]")
-    material: Material = follows("material of this item; keys left out are the case's")
+    material: Material = derived_default("material of this item; keys left out are the case's")
 
 
 class Beam(Flexible):
@@ -150,7 +150,7 @@ class Beam(Flexible):
     )
     od: Diameter | None = Field(default=None, description="outer diameter [m]; needed in a well and with a fluid")
     id: Bore = Field(default=0.0, description="inner diameter [m]")
-    damping: Damping = follows("damping; keys left out are the case's material.damping")
+    damping: Damping = derived_default("damping; keys left out are the case's material.damping")
 
 
 class Rigid(Item):
@@ -159,7 +159,7 @@ class Rigid(Item):
     length: RigidLength = Field(default=0.0, description="length [m]")
     od: Diameter | None = Field(default=None, description="outer diameter [m]")
     id: Bore = Field(default=0.0, description="inner diameter [m]")
-    mass: Annotated[float, Quantity("kg", at_least=0)] = follows(
+    mass: Annotated[float, Quantity("kg", at_least=0)] = derived_default(
         "mass [kg]; the tube's from od, id, length and density when not given"
     )
     unbalance: Annotated[float, Quantity("kg m", at_least=0)] = Field(
@@ -167,18 +167,18 @@ class Rigid(Item):
     )
     unbalance_angle: Angle = Field(default=0.0, description="direction of the unbalance in the section [rad]")
     inertia: Inertia = Field(default=Inertia(), description="moments of inertia about the centre of gravity")
-    center_of_gravity: Annotated[tuple[float, float, float], Vector("m", along_x=True)] = follows(
+    center_of_gravity: Annotated[tuple[float, float, float], Vector("m", along_x=True)] = derived_default(
         "[m] below the item's upper end along the axis, or [along the axis, two offsets across it]; "
         "half the length when not given"
     )
-    material: Material = follows("material of this item (for its density); keys left out are the case's")
+    material: Material = derived_default("material of this item (for its density); keys left out are the case's")
 
     @model_validator(mode="after")
     def _mass_known(self) -> Rigid:
         if self.mass is None and self.od is None:
             raise refuse("mass", want="a mass, or an outer diameter (od) and a length to compute it from")
         if self.center_of_gravity is None:
-            self.settle(center_of_gravity=(0.5 * self.length, 0.0, 0.0))
+            self.fill_defaults(center_of_gravity=(0.5 * self.length, 0.0, 0.0))
         return self
 
 
@@ -209,7 +209,7 @@ class Bit(Rigid):
     )
 
 
-_check, _tag = chosen(Pipe, Beam, Stabilizer, Body, Bit)
+_check, _tag = tagged_union(Pipe, Beam, Stabilizer, Body, Bit)
 
 StringItem = Annotated[
     Annotated[Pipe, Tag("kind:Pipe")]

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, ValidationInfo, WrapValidator, field_validator, model_validator
 
-from drillpetsc.case.block import Model, follows
+from drillpetsc.case.block import Block, derived_default
 from drillpetsc.case.blocks.string import Friction
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity
@@ -17,7 +17,7 @@ from drillpetsc.case.survey_file import read_survey
 DEFAULT_FRICTION = {"casing": 0.2, "open_hole": 0.3}
 
 
-class Survey(Model):
+class Survey(Block):
     """Stations of the hole, from the rotary table down: lists of the same length."""
 
     md: tuple[Annotated[float, Quantity("m", at_least=0, at_most=50e3)], ...] = Field(
@@ -49,7 +49,7 @@ def _survey(value: Any) -> Any:
     return read_survey(value) if isinstance(value, str) else value
 
 
-class Compliance(Model):
+class Compliance(Block):
     """Elastic constants of what stands around a section: it widens under the fluid's pressure."""
 
     young: Annotated[float, Quantity("Pa", at_least=1e3, at_most=1e14)] = Field(
@@ -65,17 +65,17 @@ def _depth_or_end(value: Any, depth: Callable[[Any], float]) -> float | None:
     return None if value is None or (isinstance(value, str) and value == "end") else depth(value)
 
 
-class Section(Model):
+class Section(Block):
     """A stretch of hole of one diameter."""
 
     later_keys: ClassVar[tuple[str, ...]] = ("roughness",)
 
-    to: Annotated[float, Quantity("m", above=0, at_most=50e3), WrapValidator(_depth_or_end)] = follows(
+    to: Annotated[float, Quantity("m", above=0, at_most=50e3), WrapValidator(_depth_or_end)] = derived_default(
         "measured depth of its lower end [m]; for the last section `end`, or nothing: the last station of the survey"
     )
     kind: Literal["casing", "open_hole"] = Field(description="cased or open hole")
     diameter: Annotated[float, Quantity("m", above=0, at_most=10)] = Field(description="inner diameter [m]")
-    friction: Friction = follows("friction coefficient [-]; 0.2 in casing, 0.3 in open hole when not given")
+    friction: Friction = derived_default("friction coefficient [-]; 0.2 in casing, 0.3 in open hole when not given")
     compliance: Compliance | None = Field(
         default=None, description="elasticity of the wall (used by a fluid in the annulus); rigid when not given"
     )
@@ -83,11 +83,11 @@ class Section(Model):
     @model_validator(mode="after")
     def _settle_friction(self) -> Section:
         if self.friction is None:
-            self.settle(friction=DEFAULT_FRICTION[self.kind])
+            self.fill_defaults(friction=DEFAULT_FRICTION[self.kind])
         return self
 
 
-class Well(Model):
+class Well(Block):
     """The hole."""
 
     survey: Annotated[Survey, BeforeValidator(_survey, json_schema_input_type=str | Survey)] = Field(
@@ -100,7 +100,7 @@ class Well(Model):
     def _covered(self) -> Well:
         above, last = 0.0, len(self.sections) - 1
         if self.sections[last].to is None:
-            self.settle(sections=(*self.sections[:last], self.sections[last].model_copy(update={"to": self.survey.md[-1]})))
+            self.fill_defaults(sections=(*self.sections[:last], self.sections[last].model_copy(update={"to": self.survey.md[-1]})))
         for i, section in enumerate(self.sections):
             if section.to is None:
                 hint = "only the last section may leave it to the survey"
@@ -121,7 +121,7 @@ class Well(Model):
         return next((section for section in self.sections if md <= section.to), self.sections[-1])
 
 
-class Stribeck(Model):
+class Stribeck(Block):
     """Friction that falls from a static to the kinetic coefficient: mu_k + (mu_s - mu_k) exp(-(v/speed)^2)."""
 
     static: Friction = Field(description="static friction coefficient [-]")
@@ -131,7 +131,7 @@ class Stribeck(Model):
 STIFFNESS_UNIT = {"linear": "Pa", "hertz": "N/m^2.5", "hertz_point": "N/m^1.5"}
 
 
-class Contact(Model):
+class Contact(Block):
     """Contact between string and hole."""
 
     law: Literal["linear", "hertz", "hertz_point"] = Field(

@@ -33,9 +33,9 @@ def take(folder: Path) -> None:
     with _guarded(file) as number:
         owner = _read(number)
         if owner is not None and not _is_me(owner) and _is_alive(owner):
-            told = f"{folder} is in use by process {owner['pid']} on {owner['host']} since {owner['since']}"
+            reported = f"{folder} is in use by process {owner['pid']} on {owner['host']} since {owner['since']}"
             elsewhere = "" if owner["host"] == socket.gethostname() else f" (if that run is over, remove {file})"
-            raise RunFolderBusy(f"{told}: wait for it, or give another --out{elsewhere}")
+            raise RunFolderBusy(f"{reported}: wait for it, or give another --out{elsewhere}")
         me = {"host": socket.gethostname(), "pid": os.getpid(), "started": _started(os.getpid()), "since": time.strftime("%F %T")}
         _write(number, me)
     _held[file] = os.getpid()

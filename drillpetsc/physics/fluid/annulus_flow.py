@@ -1,15 +1,15 @@
-"""Drilling fluid between string and hole, from the bit to the flow line (kernels/annulus_flow.hpp)."""
+"""Drilling fluid between string and hole, from the bit to the flow line (kernels/fluid/annulus_flow.hpp)."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import Block, Energies, FloatArray, Powers
+from drillpetsc.fem.component import ElementBlock, Energies, FloatArray, Powers
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
-from drillpetsc.physics.fluid.channel_flow import FIGURES, Channel, FluidConstants
+from drillpetsc.physics.fluid.channel_flow import FIGURES, ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus
-from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, Sideways, Surroundings
+from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, LateralCoefficients, MovingHole
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
 
@@ -18,10 +18,10 @@ _HOLE, _WALL, _GAPS, _SIDEWAYS, _CHI, _STEP = 4, 6, slice(8, 10), slice(10, 13),
 _CONTROLLED, _TANGENTS, _WIDENING = 16, slice(18, 27), 28
 
 
-class AnnulusFlow(Channel):
+class AnnulusFlow(ChannelFlow):
     """Flow in the annulus: pressure [Pa] at the nodes, flow rate at zero pressure [m3/s] in the elements, towards the bit.
 
-    outlet: gauge pressure at the flow line over time, which lies ``flow_line`` [m] below the rotary table.  surroundings: the hole as it is
+    outlet: gauge pressure at the flow line over time, which lies ``flow_line`` [m] below the rotary table.  moving_hole: the hole as it is
     now, where sizes and directions depend on the place of the elements (None: they stay those at the start).  choke: 1/(2 C_d^2 A^2) of a
     valve at the flow line [1/m4], 0 without one.
     """
@@ -30,13 +30,13 @@ class AnnulusFlow(Channel):
     spins = (0, 1)
     resizes = True  # areas follow the hole as well as directions
 
-    def __init__(self, mesh: StringMesh, annulus: Annulus, well: Well, fluid: FluidConstants, poisson: FloatArray, sideways: Sideways,
-                 outlet: TimeFunction, flow_line: float = 0.0, surroundings: Surroundings | None = None,
+    def __init__(self, mesh: StringMesh, annulus: Annulus, well: Well, fluid: FluidConstants, poisson: FloatArray, sideways: LateralCoefficients,
+                 outlet: TimeFunction, flow_line: float = 0.0, moving_hole: MovingHole | None = None,
                  held_at: FloatArray | None = None, choke: float = 0.0):
         super().__init__(mesh, fluid, held_at is not None)
         self.choke = choke
         self.annulus, self.well, self.poisson, self.sideways, self.outlet = annulus, well, poisson, sideways, outlet
-        self.flow_line, self.surroundings, self.held_at = flow_line, surroundings, held_at
+        self.flow_line, self.moving_hole, self.held_at = flow_line, moving_hole, held_at
         self._top_place: FloatArray | None = None  # (3,) of the upper node when it last looked at the hole
         self._outer, self._hole = annulus.outer_diameter, annulus.hole_diameter  # (n,): those that ``sideways`` is of
 
@@ -61,21 +61,21 @@ class AnnulusFlow(Channel):
             a.outer_diameter[e], a.gap[e], a.gap_above[e], s.added[e], s.damping[e], s.turning[e], step, zero, control, zero, drop,
             self._directions(self.well, m.upper[e], m.lower[e]), head, zero])
 
-    def blocks(self, part) -> tuple[Block, ...]:
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
         elements = super().blocks(part)
         if self.choke:
             first = np.flatnonzero(part.cells == 0).astype(np.int32)
             slots = (("annulus.pressure", 0), ("annulus.flow", 1))
-            valve = Block("choke", "choke", "cell", first, slots, (), np.full((len(first), 1), self.choke), context=self.fluid.address)
+            valve = ElementBlock("choke", "choke", "cell", first, slots, (), np.full((len(first), 1), self.choke), context=self.fluid.address)
             valve.keep = (self.fluid,)
             elements = (*elements, valve)
         if self.held:
             return elements
         _, vertices = local_vertices(part, np.array([0]))
         area = np.full((len(vertices), 1), self.annulus.outer[0])
-        return (*elements, Block("annulus_top", "annulus_top", "vertex", vertices, (*VERTEX_SLOTS, ("annulus.pressure", 0)), (), area))
+        return (*elements, ElementBlock("annulus_top", "annulus_top", "vertex", vertices, (*VERTEX_SLOTS, ("annulus.pressure", 0)), (), area))
 
-    def _update_of(self, block: Block):
+    def _update_of(self, block: ElementBlock):
         if self._top is None or self._top[0] is not block:
             return None
         row = self._top[1]
@@ -100,21 +100,21 @@ class AnnulusFlow(Channel):
             self._renew_added_mass(state)
 
     def _look(self, state, keep: bool) -> None:
-        around = self.surroundings
+        around = self.moving_hole
         if around is None or self.held:
             return
         moved = around.look(around.node_depths(state), keep)
         if not moved.any():
             return
         if moved[0] and self._top is not None and self.resizes:
-            self._top_place = state.x[state.layout.place["string.position"][0]].copy()
+            self._top_place = state.x[state.layout.dofs["string.position"][0]].copy()
         moved = moved[self._part.ends].any(axis=1)
         for b in self._blocks:
             rows = np.flatnonzero(moved[b.points])
             if len(rows):
                 self._renew(b.params, rows, b.points[rows], around)
 
-    def _renew(self, params: FloatArray, rows: np.ndarray, cells: np.ndarray, around: Surroundings) -> None:
+    def _renew(self, params: FloatArray, rows: np.ndarray, cells: np.ndarray, around: MovingHole) -> None:
         """Parameters (n, p) of the ``rows`` (k,) of a block, which are the local ``cells`` (k,)."""
         e, nodes, m = self._part.cells[cells], self._part.ends[cells], self.mesh
         ends = around.depth[nodes]
@@ -136,33 +136,33 @@ class AnnulusFlow(Channel):
     def _renew_added_mass(self, state) -> None:
         chi = self.sideways.by_eccentricity
         assert chi is not None
-        line, m = self._part, self.mesh
+        chain, m = self._part, self.mesh
         r, v = (state.x[state.where(f"string.{name}")] for name in ("position", "tangent"))
-        upper, lower, e = line.ends[:, 0], line.ends[:, 1], line.cells
+        upper, lower, e = chain.ends[:, 0], chain.ends[:, 1], chain.cells
         middle = 0.5 * (r[upper] + r[lower]) + 0.125 * m.length[e][:, None] * (v[upper] - v[lower])
-        well, outer, hole = self.well if self.surroundings is None else self.surroundings.current_well(), self._outer[e], self._hole[e]
+        well, outer, hole = self.well if self.moving_hole is None else self.moving_hole.current_well(), self._outer[e], self._hole[e]
         value = chi(np.linalg.norm(well.project(middle).offset, axis=1) / (0.5 * (hole - outer)), outer, hole)
         for b in self._blocks:
             b.params[:, _CHI] = value[b.points]
 
-    def local_memory(self) -> dict[str, FloatArray]:
+    def get_local_state(self) -> dict[str, FloatArray]:
         """What the local nodes (nv, 7) and elements (nc, p) know of the hole, for a checkpoint; nothing where it is the same all over."""
-        around, part = self.surroundings, self._part
+        around, part = self.moving_hole, self._part
         if around is None or self.held or not around.placed:
             return {}
         nodes, elements = np.zeros((len(part.vertices), 7)), np.zeros((len(part.cells), self._blocks[0].params.shape[1] + 1))
-        nodes[:, :4] = around.memory()
+        nodes[:, :4] = around.get_state()
         nodes[:, 4:] = self._top_place if self._top_place is not None else 0.0
         for b in self._blocks:
             elements[b.points] = np.column_stack([b.params, self._hole[part.cells[b.points]]])
         return {"vertex": nodes, "cell": elements}
 
-    def recall_local(self, memory: dict[str, FloatArray]) -> None:
-        """Go on from the local part of ``local_memory``."""
-        around, part = self.surroundings, self._part
+    def set_local_state(self, memory: dict[str, FloatArray]) -> None:
+        """Go on from the local part of ``get_local_state``."""
+        around, part = self.moving_hole, self._part
         if around is None or not memory:
             return
-        around.recall(memory["vertex"][:, :4])
+        around.set_state(memory["vertex"][:, :4])
         for b in self._blocks:
             b.params[:], self._hole[part.cells[b.points]] = memory["cell"][b.points, :-1], memory["cell"][b.points, -1]
         if self._top is not None and self.resizes:
@@ -183,14 +183,14 @@ class AnnulusFlow(Channel):
             return -flow
         block, row = self._top  # type: ignore[misc]
         speed = float(state.y[state.index_of(block)[row, :3]] @ block.params[row, _TANGENTS][:3])
-        area = self.annulus.hole[0] if self._top_place is None else self.surroundings.area[0]  # type: ignore[union-attr]
+        area = self.annulus.hole[0] if self._top_place is None else self.moving_hole.area[0]  # type: ignore[union-attr]
         return float(-flow - (area - self.annulus.outer[0]) * speed)
 
     def content_above(self, state) -> float:
         """Volume between the upper node and the flow line [m3] (up to a constant); 0 where this rank has not the upper end."""
         if self._top is None or self.held:
             return 0.0
-        (block, row), around = self._top, self.surroundings
+        (block, row), around = self._top, self.moving_hole
         place, along = state.x[state.index_of(block)[row, :3]], block.params[row, _TANGENTS][:3]
         if around is None or self._top_place is None:
             return float((self.annulus.hole[0] - self.annulus.outer[0]) * (place @ along))

@@ -1,4 +1,4 @@
-"""Drilling fluid at the string's lower end: nozzles or open end, mud under the bit, reaction of the jet (kernels/bit_flow.hpp)."""
+"""Drilling fluid at the string's lower end: nozzles or open end, mud under the bit, reaction of the jet (kernels/fluid/bit_flow.hpp)."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.fem.component import Block, Energies, Field, FloatArray, Powers
+from drillpetsc.fem.component import ElementBlock, Energies, Field, FloatArray, Powers
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.kernels import function, pointer
 from drillpetsc.physics.fluid.channel_flow import FLOW_SCALE, FluidConstants
-from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, Surroundings
-from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, Passive, local_vertices
+from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, MovingHole
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, ComponentBase, local_vertices
 from drillpetsc.time_function import TimeFunction
 
 END_CORRECTION = 0.61  # of an open unflanged pipe, in radii: Levine and Schwinger, Phys. Rev. 73:383, 1948
 # columns of the kernel
 _AMBIENT, _HOLE, _VOLUME, _FACE, _ADDED, _OPEN, _END, _AXIS, _TANGENT = 4, 5, 6, 8, 9, 10, slice(13, 16), slice(16, 19), slice(19, 22)
-GAP_ROUNDING = 1e-3  # as in kernels/bit_flow.hpp [m]
+GAP_ROUNDING = 1e-3  # as in kernels/fluid/bit_flow.hpp [m]
 NOZZLE_LENGTH = 0.1  # length over which mud speeds up in a nozzle [m]
 
 
@@ -52,18 +52,18 @@ class BitEnd:
     cut: float = 0.0
 
 
-class BitFlow(Passive):
+class BitFlow(ComponentBase):
     """One link and one chamber at the last node: unknown q_b [m3/s] where the bore ends in a link.
 
-    hole: it grows, its end moved by the fields hole.end (3,) [m] and hole.drilled [m] of the room that drills.  surroundings: the hole as
+    hole: it grows, its end moved by the fields hole.end (3,) [m] and hole.drilled [m] of the room that drills.  moving_hole: the hole as
     it is now, where its size or direction depends on the place (None: they stay those at the start).
     """
 
     name = "bit_flow"
 
     def __init__(self, node: int, end: BitEnd, fluid: FluidConstants, held_at: FloatArray | None = None,
-                 surroundings: Surroundings | None = None, hole: GrowingHole | None = None):
-        self.node, self.end, self.fluid, self.held_at, self.surroundings = node, end, fluid, held_at, surroundings
+                 moving_hole: MovingHole | None = None, hole: GrowingHole | None = None):
+        self.node, self.end, self.fluid, self.held_at, self.moving_hole = node, end, fluid, held_at, moving_hole
         self.has_link, self.has_annulus = end.bore > 0, end.hole > 0
         self.growing = hole if self.has_annulus and held_at is None else None
         self._depth: float | None = None  # measured depth of the node when it last looked at the hole [m]
@@ -82,12 +82,12 @@ class BitFlow(Passive):
                 e.volume, 1 / f.bulk_modulus + e.elasticity, e.face, e.added * e.outer, max(e.open, 1e-300), e.metal, gap, *e.end,
                 *e.axis, *(e.axis if e.tangent is None else e.tangent), e.cut]
 
-    def blocks(self, part) -> tuple[Block, ...]:
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([self.node]))
         held = self.held_at is not None
         slots: tuple = () if held else VERTEX_SLOTS
         if self.has_link:
-            slots += (("pipe.pressure", 0),)
+            slots += (("bore.pressure", 0),)
         if self.has_annulus:
             slots += (("annulus.pressure", 0),) if held else (("annulus.pressure", 0), ("annulus.flow", 0))
         if self.has_link:
@@ -99,7 +99,7 @@ class BitFlow(Passive):
         params = np.ascontiguousarray(np.tile(self._parameters(), (len(vertices), 1)))
         update = None if self.has_annulus else lambda t: self.renew(params, t)
         self._part = part
-        self._block = Block("bit_flow", kernel, "vertex", vertices, slots, (), params, context=self.fluid.address, update=update)
+        self._block = ElementBlock("bit_flow", kernel, "vertex", vertices, slots, (), params, context=self.fluid.address, update=update)
         self._block.keep = (self.fluid,)
         self._report = function(f"{kernel}_report", "ipppppp")
         return (self._block,)
@@ -120,7 +120,7 @@ class BitFlow(Passive):
     def _look(self, state, keep: bool) -> None:
         """Size and direction of the hole at the last node and at the hole's end.  During a run the chamber keeps the volume it has: only
         the rate at which it changes from now on is that of the new size; before, it is that of the hole below the bit."""
-        around, block = self.surroundings, self._block
+        around, block = self.moving_hole, self._block
         if around is None or not self.has_annulus or self.held_at is not None or not len(block.points):
             return
         p, x, grown = block.params[0], state.x[state.index_of(block)[0]], self.growing
@@ -140,18 +140,18 @@ class BitFlow(Passive):
             sizes = around.annulus(last, np.array([[depth - around.mesh.length[-1] - around.mesh.rigid_above[-1], depth]]))
             p[_ADDED], self._size = float(around.sideways(sizes).added[0]) * self.end.outer, p[_HOLE]
 
-    def local_memory(self) -> dict[str, FloatArray]:
+    def get_local_state(self) -> dict[str, FloatArray]:
         """What the bit knows of the hole, for a checkpoint: (nv, p), zero but at the bit's node."""
-        if self.surroundings is None or self.held_at is not None:
+        if self.moving_hole is None or self.held_at is not None:
             return {}
         block, nodes = self._block, np.zeros((len(self._part.vertices), self._block.params.shape[1] + 2))
         if self._depth is not None:
             nodes[block.points] = [*block.params[0], self._depth, self._size]
         return {"vertex": nodes}
 
-    def recall_local(self, memory: dict[str, FloatArray]) -> None:
-        """Go on from the local part of ``local_memory``."""
-        if self.surroundings is not None and memory and len(self._block.points):
+    def set_local_state(self, memory: dict[str, FloatArray]) -> None:
+        """Go on from the local part of ``get_local_state``."""
+        if self.moving_hole is not None and memory and len(self._block.points):
             row = memory["vertex"][self._block.points[0]]
             if not row.any():  # it had not looked yet
                 return

@@ -1,12 +1,12 @@
-"""Drilling fluid in the bore of the string, pumped in at its upper end (kernels/pipe_flow.hpp)."""
+"""Drilling fluid in the bore of the string, pumped in at its upper end (kernels/fluid/bore_flow.hpp)."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import Block, Energies, FloatArray, Powers
+from drillpetsc.fem.component import ElementBlock, Energies, FloatArray, Powers
 from drillpetsc.fem.string_mesh import StringMesh
-from drillpetsc.physics.fluid.channel_flow import FIGURES, Channel, FluidConstants
+from drillpetsc.physics.fluid.channel_flow import FIGURES, ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Bore
 from drillpetsc.physics.rigid_bodies import local_vertices
 from drillpetsc.time_function import TimeFunction
@@ -14,14 +14,14 @@ from drillpetsc.time_function import TimeFunction
 _CONTROLLED = 11  # column of the given pressure, as in the kernel
 
 
-class PipeFlow(Channel):
+class BoreFlow(ChannelFlow):
     """Flow in the bore: pressure [Pa] at the nodes, flow rate at zero pressure [m3/s] in the elements, towards the bit.
 
     flow_rate or pump_pressure over time feeds the upper end.  poisson: (n,), 0 where stretch does not narrow the bore.  slope: (n+1, 3)
     places of the nodes for a string that is held.
     """
 
-    name = "pipe"
+    name = "bore"
 
     def __init__(self, mesh: StringMesh, bore: Bore, fluid: FluidConstants, poisson: FloatArray, flow_rate: TimeFunction | None,
                  pump_pressure: TimeFunction | None = None, held_at: FloatArray | None = None):
@@ -42,7 +42,7 @@ class PipeFlow(Channel):
         return np.column_stack([length, m.rigid_above[e] if self.held_at is None else zero, self.poisson[e], b.area[e], b.area_above[e],
                                 b.wall[e], b.diameter[e], b.diameter_above[e], step, zero, control, zero, drop, head])
 
-    def blocks(self, part) -> tuple[Block, ...]:
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
         elements = super().blocks(part)
         _, vertices = local_vertices(part, np.array([0]))
         self._is_top = bool(len(vertices))
@@ -53,10 +53,10 @@ class PipeFlow(Channel):
         def update(t: float) -> None:
             params[:, 0] = flow.value(t)
 
-        self._pump = Block("pump", "pump", "vertex", vertices, (("pipe.pressure", 0),), (), params, update=update)
+        self._pump = ElementBlock("pump", "pump", "vertex", vertices, (("bore.pressure", 0),), (), params, update=update)
         return (*elements, self._pump)
 
-    def _update_of(self, block: Block):
+    def _update_of(self, block: ElementBlock):
         pressure = self.pump_pressure
         if pressure is None or self._top is None or self._top[0] is not block:
             return None

@@ -9,17 +9,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.fem.component import Block, Field, FloatArray
+from drillpetsc.fem.component import ElementBlock, Field, FloatArray
 from drillpetsc.kernels import function, pointer
 from drillpetsc.physics.beam import SLOTS, SPLIT_SLOTS
-from drillpetsc.physics.rigid_bodies import Passive
+from drillpetsc.physics.rigid_bodies import ComponentBase
 
 FIGURES = ("kinetic", "stored", "potential", "dissipated", "content", "storage_upper", "storage_lower", "speed", "density")
 PRESSURE_SCALE, FLOW_SCALE = 1.0e7, 1.0e-2  # usual magnitudes [Pa], [m3/s]
 
 
 class _Fluid(ctypes.Structure):
-    """Fluid of kernels/flow.hpp."""
+    """Fluid of kernels/fluid/flow.hpp."""
 
     _fields_ = [("density", ctypes.c_double), ("compressibility", ctypes.c_double), ("gravity", ctypes.c_double * 3),
                 ("clinging", ctypes.c_double), ("rheology", ctypes.c_void_p)]
@@ -27,7 +27,7 @@ class _Fluid(ctypes.Structure):
 
 @dataclass
 class FluidConstants:
-    """Density at zero gauge pressure [kg/m3], bulk modulus [Pa], gravity (3,) [m/s2], rheology as kernels/rheology.hpp wants it.
+    """Density at zero gauge pressure [kg/m3], bulk modulus [Pa], gravity (3,) [m/s2], rheology as kernels/fluid/rheology.hpp wants it.
 
     ``address`` is what the kernels are given; the object must outlive them.
     """
@@ -49,7 +49,7 @@ class FluidConstants:
         return -self.bulk_modulus * np.expm1(-np.asarray(pressure) / self.bulk_modulus)
 
 
-class Channel(Passive):
+class ChannelFlow(ComponentBase):
     """Elements of one channel; the subclass gives its name, kernel and the columns of its parameters."""
 
     name = ""
@@ -57,7 +57,7 @@ class Channel(Passive):
 
     def __init__(self, mesh, fluid: FluidConstants, held: bool = False):
         self.mesh, self.fluid, self.held = mesh, fluid, held
-        self._blocks: list[Block] = []
+        self._blocks: list[ElementBlock] = []
         self._taken: FloatArray | None = None
 
     def fields(self) -> tuple[Field, ...]:
@@ -77,7 +77,7 @@ class Channel(Passive):
         """(k, parameters) of the elements ``e`` (numbers from the top), in the order of the kernel."""
         raise NotImplementedError
 
-    def blocks(self, part) -> tuple[Block, ...]:
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
         """Blocks of the local cells: those below a junction apart, and none of the string's unknowns when it is held."""
         m, own = self.mesh, self.own_slots()
         junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
@@ -90,7 +90,7 @@ class Channel(Passive):
             kernel = self.kernel + ("_held" if self.held else "_split" if kind else "")
             slots = own if self.held else (SPLIT_SLOTS if kind else SLOTS) + own
             spins = () if self.held else self.spins
-            block = Block(f"{self.name}_flow" + ("_junction" if kind else ""), kernel, "cell", chosen, slots, spins,
+            block = ElementBlock(f"{self.name}_flow" + ("_junction" if kind else ""), kernel, "cell", chosen, slots, spins,
                           np.ascontiguousarray(self.parameters(part.cells[chosen])), context=self.fluid.address)
             block.keep = (self.fluid,)
             self._blocks.append(block)
@@ -101,7 +101,7 @@ class Channel(Passive):
             b.update = self._update_of(b)
         return tuple(self._blocks)
 
-    def _update_of(self, block: Block):
+    def _update_of(self, block: ElementBlock):
         """Function of time that renews the block's parameters, or None."""
         return None
 
@@ -134,13 +134,13 @@ class Channel(Passive):
         figures = self.figures(state)[int(block.points[row])]
         return float(figures[FIGURES.index("storage_upper")] + state.x[state.index_of(block)[row, -1]])
 
-    def flows(self, model) -> FloatArray:
+    def flows(self, system) -> FloatArray:
         """(nc,) flow rates in the local elements, towards the bit [m3/s]."""
-        return model.field(f"{self.name}.flow")[model.line.ends[:, 1], 0]
+        return system.field(f"{self.name}.flow")[system.chain.ends[:, 1], 0]
 
-    def pressures(self, model) -> FloatArray:
+    def pressures(self, system) -> FloatArray:
         """(nv,) pressures at the local vertices [Pa]."""
-        return model.field(f"{self.name}.pressure")[:, 0]
+        return system.field(f"{self.name}.pressure")[:, 0]
 
     def upper_pressure(self, state) -> float:
         """Pressure at the channel's upper end [Pa] (on the rank that has it)."""

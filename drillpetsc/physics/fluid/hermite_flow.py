@@ -1,4 +1,4 @@
-"""The channels by the volume that has passed, as the paper has them (``formulation: hermite``; kernels/hermite_flow.hpp).
+"""The channels by the volume that has passed, as the paper has them (``formulation: hermite``; kernels/fluid/hermite/hermite_flow.hpp).
 
 Unknowns at every node: the volume that has passed it beyond a reference flow Q(t), and the pressure (with the heads of the flow's speed
 since the channel's uppermost element).  Any Q does for which volumes stay small; here it is the pump's flow, its jumps drawn out over
@@ -12,21 +12,21 @@ from functools import cached_property
 
 import numpy as np
 
-from drillpetsc.fem.component import Block, Field, FloatArray
+from drillpetsc.fem.component import ElementBlock, Field, FloatArray
 from drillpetsc.kernels import function
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
 from drillpetsc.physics.fluid.bit_flow import GAP_ROUNDING, BitFlow
-from drillpetsc.physics.fluid.bore_flow import PipeFlow
-from drillpetsc.physics.fluid.channel_flow import PRESSURE_SCALE, Channel
+from drillpetsc.physics.fluid.bore_flow import BoreFlow
+from drillpetsc.physics.fluid.channel_flow import PRESSURE_SCALE, ChannelFlow
 from drillpetsc.physics.fluid.channels import Bore
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
 
 VOLUME_SCALE = 1.0e-2  # [m3]
 SMALLEST = 1e-4  # chamber that is left under a bit on bottom where the case gives less [m3]
-_REST_GAP = 12  # column of kernels/bit_flow.hpp
+_REST_GAP = 12  # column of kernels/fluid/bit_flow.hpp
 WINDOW = 1.0  # time over which the reference follows a jump of the pump [s]
-# columns of kernels/hermite_pipe.hpp and kernels/hermite_annulus.hpp
+# columns of kernels/fluid/hermite/hermite_bore.hpp and kernels/fluid/hermite/hermite_annulus.hpp
 _PIPE = {"heads": 8, "reference": 9, "given": 10, "flow": 11, "surge": 14, "closed": 15, "pumped": 16, "kept": 17}
 _ANNULUS = {"heads": 13, "reference": 14, "controlled": 16, "surge": 28}
 _TANGENTS = slice(18, 24)
@@ -70,29 +70,29 @@ def _heads(area: FloatArray) -> FloatArray:
     return 0.5 * (1 / area**2 - 1 / area[0] ** 2)
 
 
-def _flows(room: Channel, model, reference: float) -> FloatArray:
+def _flows(component: ChannelFlow, system, reference: float) -> FloatArray:
     """(nc,) mean of the flow rates at both ends of the local elements [m3/s]."""
-    rate = model.field(f"{room.name}.volume", "y")[:, 0]
-    return rate[model.line.ends].mean(axis=1) + reference
+    rate = system.field(f"{component.name}.volume", "y")[:, 0]
+    return rate[system.chain.ends].mean(axis=1) + reference
 
 
-def _pressures(room: Channel, model, reference: float, heads: FloatArray) -> FloatArray:
+def _pressures(component: ChannelFlow, system, reference: float, heads: FloatArray) -> FloatArray:
     """(nv,) pressure above the node [Pa]: the unknown less the heads (n,) of the element above."""
-    flow = model.field(f"{room.name}.volume", "y")[:, 0] + reference
-    total = model.field(f"{room.name}.pressure")[:, 0]
-    return total - room.fluid.density * (1 - total / room.fluid.bulk_modulus) * heads[np.maximum(model.line.vertices - 1, 0)] * flow**2
+    flow = system.field(f"{component.name}.volume", "y")[:, 0] + reference
+    total = system.field(f"{component.name}.pressure")[:, 0]
+    return total - component.fluid.density * (1 - total / component.fluid.bulk_modulus) * heads[np.maximum(system.chain.vertices - 1, 0)] * flow**2
 
 
-def volumes_at_rest(pipe: HermitePipe | None, annulus: HermiteAnnulus | None, bit: HermiteBit | None, head: FloatArray,
+def volumes_at_rest(bore: HermiteBore | None, annulus: HermiteAnnulus | None, bit: HermiteBit | None, head: FloatArray,
                     level: float) -> dict[str, FloatArray]:
     """Nodal volumes (n+1,) [m3] by field under the pressures level + ``head`` (n+1,) [Pa]: none at the pump, then less by what each element
     and the chamber have taken up; pressure straight between the nodes."""
     out, passed = {}, 0.0
     pressure = level + head
-    if pipe is not None:
-        taken = _taken_up(pipe, pipe.bore.wall, pressure)
-        out["pipe.volume"] = -np.concatenate([[0.0], np.cumsum(taken)])
-        passed = float(out["pipe.volume"][-1]) if not pipe.closed else 0.0
+    if bore is not None:
+        taken = _taken_up(bore, bore.bore.wall, pressure)
+        out["bore.volume"] = -np.concatenate([[0.0], np.cumsum(taken)])
+        passed = float(out["bore.volume"][-1]) if not bore.closed else 0.0
     if annulus is not None:
         assert bit is not None
         taken = _taken_up(annulus, annulus.annulus.wall, pressure)
@@ -102,15 +102,15 @@ def volumes_at_rest(pipe: HermitePipe | None, annulus: HermiteAnnulus | None, bi
     return out
 
 
-def _taken_up(room: HermitePipe | HermiteAnnulus, wall: FloatArray, pressure: FloatArray) -> FloatArray:
+def _taken_up(component: HermiteBore | HermiteAnnulus, wall: FloatArray, pressure: FloatArray) -> FloatArray:
     """(n,) volume at zero pressure that each element holds beyond its own at zero pressure [m3]."""
-    m = room.mesh
+    m = component.mesh
     length = m.length + m.rigid_above
-    ends = [np.expm1(p / room.fluid.bulk_modulus) * (1 + wall * p) + wall * p for p in (pressure[:-1], pressure[1:])]
-    return room.content * length * 0.5 * (ends[0] + ends[1])
+    ends = [np.expm1(p / component.fluid.bulk_modulus) * (1 + wall * p) + wall * p for p in (pressure[:-1], pressure[1:])]
+    return component.content * length * 0.5 * (ends[0] + ends[1])
 
 
-class HermitePipe(PipeFlow):
+class HermiteBore(BoreFlow):
     """Bore fed by a pump of given flow.  closed: nothing leaves at its lower end, where the volume then stays at ``kept`` [m3]."""
 
     def __init__(self, mesh, bore: Bore, fluid, poisson: FloatArray, flow_rate: TimeFunction, closed: bool,
@@ -128,7 +128,7 @@ class HermitePipe(PipeFlow):
 
     @property
     def kernel(self) -> str:
-        return "hermite_pipe"
+        return "hermite_bore"
 
     def parameters(self, e: np.ndarray) -> FloatArray:
         table = np.hstack([super().parameters(e), np.zeros((len(e), 4))])
@@ -136,11 +136,11 @@ class HermitePipe(PipeFlow):
         table[:, _PIPE["closed"]], table[:, _PIPE["kept"]] = self.closed * (e == len(self.mesh.upper) - 1), self.kept
         return table
 
-    def blocks(self, part) -> tuple[Block, ...]:
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
         self._is_top = bool(len(local_vertices(part, np.array([0]))[1]))
-        return Channel.blocks(self, part)
+        return ChannelFlow.blocks(self, part)
 
-    def _update_of(self, block: Block):
+    def _update_of(self, block: ElementBlock):
         def update(t: float) -> None:
             self._now = self.reference.value(t)
             block.params[:, _PIPE["reference"]], block.params[:, _PIPE["surge"]] = self._now, self.reference.rate(t)
@@ -163,11 +163,11 @@ class HermitePipe(PipeFlow):
         block, row = self._top  # type: ignore[misc]
         return float(state.x[state.index_of(block)[row, -2]])
 
-    def flows(self, model) -> FloatArray:
-        return _flows(self, model, self._now)
+    def flows(self, system) -> FloatArray:
+        return _flows(self, system, self._now)
 
-    def pressures(self, model) -> FloatArray:
-        return _pressures(self, model, self._now, self.heads)
+    def pressures(self, system) -> FloatArray:
+        return _pressures(self, system, self._now, self.heads)
 
 
 class HermiteAnnulus(AnnulusFlow):
@@ -198,7 +198,7 @@ class HermiteAnnulus(AnnulusFlow):
         table[:, _ANNULUS["heads"]] = self.heads[e]
         return table
 
-    def _update_of(self, block: Block):
+    def _update_of(self, block: ElementBlock):
         others = super()._update_of(block)
 
         def update(t: float) -> None:
@@ -225,33 +225,33 @@ class HermiteAnnulus(AnnulusFlow):
             pressure += self.fluid.density * float(self.fluid.gravity @ along) * float(along @ state.x[state.index_of(block)[row, :3]])
         return pressure
 
-    def flows(self, model) -> FloatArray:
-        return _flows(self, model, self._now)
+    def flows(self, system) -> FloatArray:
+        return _flows(self, system, self._now)
 
-    def pressures(self, model) -> FloatArray:
-        return _pressures(self, model, self._now, self.heads)
+    def pressures(self, system) -> FloatArray:
+        return _pressures(self, system, self._now, self.heads)
 
 
 class HermiteBit(BitFlow):
-    """Nozzles and chamber without unknowns of their own (kernels/hermite_bit.hpp).
+    """Nozzles and chamber without unknowns of their own (kernels/fluid/hermite/hermite_bit.hpp).
 
     rest_at: (3,) place of the lowest node at which the volumes count from; heads of the channels' lowest elements are theirs.
     """
 
-    def __init__(self, node: int, end, fluid, pump: TimeFunction, pipe: HermitePipe | None, annulus: HermiteAnnulus | None,
+    def __init__(self, node: int, end, fluid, pump: TimeFunction, bore: HermiteBore | None, annulus: HermiteAnnulus | None,
                  rest_at: FloatArray, held_at: FloatArray | None = None):
         super().__init__(node, replace(end, volume=max(end.volume, SMALLEST)), fluid, held_at)
         self.reference, self.rest_gap = Reference(pump), float((end.end - rest_at) @ end.axis) - end.face
-        self.last_heads = [0.0 if room is None else float(room.heads[-1]) for room in (pipe, annulus)]
+        self.last_heads = [0.0 if component is None else float(component.heads[-1]) for component in (bore, annulus)]
 
     def fields(self) -> tuple[Field, ...]:
         return ()
 
-    def blocks(self, part) -> tuple[Block, ...]:
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([self.node]))
         held = self.held_at is not None
         slots: tuple = () if held else VERTEX_SLOTS
-        slots += (("pipe.volume", 0),) * self.has_link + (("annulus.volume", 0), ("annulus.pressure", 0)) * self.has_annulus
+        slots += (("bore.volume", 0),) * self.has_link + (("annulus.volume", 0), ("annulus.pressure", 0)) * self.has_annulus
         kernel = "hermite_bit" + ("" if self.has_link and self.has_annulus else "_jet" if self.has_link else "_closed") + "_held" * held
         row = [*self._parameters(), 0.0, 0.0, *self.last_heads]
         row[_REST_GAP] = self.rest_gap
@@ -262,7 +262,7 @@ class HermiteBit(BitFlow):
             self.renew(params, t)
 
         update(0.0)
-        self._block = Block("bit_flow", kernel, "vertex", vertices, slots, (), params, context=self.fluid.address, update=update)
+        self._block = ElementBlock("bit_flow", kernel, "vertex", vertices, slots, (), params, context=self.fluid.address, update=update)
         self._block.keep = (self.fluid,)
         self._report = function(f"{kernel}_report", "ipppppp")
         return (self._block,)

@@ -2,7 +2,7 @@
 
 A node at measured depth s has the volume W of hole above it; dW/dt = a ds/dt with the hole's area a at the node.  An element between two
 nodes has W2 - W1, the chamber under the bit what is left below the last one: nothing is lost between them.  The rows of mass contain
-these rates (WIDENING in kernels/annulus_flow.hpp is a2 - a1 over the length), so what the hole is wider or narrower at the new place
+these rates (WIDENING in kernels/fluid/annulus_flow.hpp is a2 - a1 over the length), so what the hole is wider or narrower at the new place
 flows in or out as mud.  Looking at the hole anew, W has grown by a times the way, just what the rates brought: mass is kept whatever a is.
 It is chosen such that W becomes the hole's true volume ``AHEAD`` further on.
 """
@@ -25,7 +25,7 @@ OTHER_SIZE = 0.01  # relative change of the hole's diameter after which added ma
 
 
 @dataclass(frozen=True)
-class Sideways:
+class LateralCoefficients:
     """What mud does to a string that moves across the hole: added mass over displaced mass (n,), damping (n,) [N s/m2], and torque
     per length and spin (n,) [N s].  by_eccentricity gives the added mass (k,) of elements of outer diameters and in holes of diameters (k,)
     [m] at eccentricities (k,) from 0 to 1."""
@@ -36,7 +36,7 @@ class Sideways:
     by_eccentricity: Callable[[FloatArray, FloatArray, FloatArray], FloatArray] | None = None
 
 
-class Surroundings:
+class MovingHole:
     """The hole as it is now, and the local nodes in it.
 
     current_well: the hole, a new object whenever it has grown.  sideways: from the sizes of elements to what mud does to them.
@@ -44,7 +44,7 @@ class Surroundings:
     good [m].
     """
 
-    def __init__(self, mesh: StringMesh, walls: AnnulusWalls, current_well: Callable[[], Well], sideways: Callable[[Annulus], Sideways]):
+    def __init__(self, mesh: StringMesh, walls: AnnulusWalls, current_well: Callable[[], Well], sideways: Callable[[Annulus], LateralCoefficients]):
         self.mesh, self.walls, self.current_well, self.sideways = mesh, walls, current_well, sideways
         self._hole = HoleVolume(current_well())
         self._near: np.ndarray | None = None
@@ -64,7 +64,7 @@ class Surroundings:
 
     def node_depths(self, state) -> FloatArray:
         """(nv,) measured depth of the local vertices [m]."""
-        found = self.current_well().project(state.x[state.layout.place["string.position"]], self._near)
+        found = self.current_well().project(state.x[state.layout.dofs["string.position"]], self._near)
         self._near = found.segment
         return found.md
 
@@ -99,10 +99,10 @@ class Surroundings:
         length = self.depth[second] - self.depth[first]
         return (self.volume[second] - self.volume[first]) / length, (self.area[second] - self.area[first]) / length
 
-    def memory(self) -> FloatArray:
+    def get_state(self) -> FloatArray:
         """(nv, 4) what a continued run needs to know."""
         return np.column_stack([self.depth, self.volume, self.area, self.ahead])
 
-    def recall(self, memory: FloatArray) -> None:
+    def set_state(self, memory: FloatArray) -> None:
         """Go on from a ``memory``."""
         self.depth, self.volume, self.area, self.ahead = np.array(memory.T)

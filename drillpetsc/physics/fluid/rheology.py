@@ -34,7 +34,7 @@ from drillpetsc.kernels import function, pointer
 Array = NDArray[np.float64]
 
 MODELS = ("newtonian", "bingham", "power_law", "casson", "herschel_bulkley")
-LAWS = ("blend", "api", "exact")  # the order of FrictionLaw in kernels/rheology.hpp
+LAWS = ("blend", "api", "exact")  # the order of FrictionLaw in kernels/fluid/rheology.hpp
 
 _size = function("rheology_size", "", int)
 _pack = function("rheology_pack", "iiddddp")
@@ -103,7 +103,7 @@ class Rheology:
         return cls("herschel_bulkley", law, consistency, index, yield_stress, shear_rate_eps)
 
     def parameters(self) -> Array:
-        """The law as the kernels take it, (RHEOLOGY_SIZE,), entries as in kernels/rheology.hpp; read only."""
+        """The law as the kernels take it, (RHEOLOGY_SIZE,), entries as in kernels/fluid/rheology.hpp; read only."""
         return self._parameters
 
     def apparent_viscosity(self, shear_rate: ArrayLike) -> Array:

@@ -1,4 +1,4 @@
-"""The paper's string element: position, normal strain and Euler parameters at each node (kernels/quaternion_beam.hpp).
+"""The paper's string element: position, normal strain and Euler parameters at each node (kernels/quaternion/quaternion_beam.hpp).
 
 The Euler parameters have unit length by a multiplier, which makes the equations a DAE.  The constraint may stand on positions (index 3), on
 velocities (index 2, the length drifts), or on velocities with the length restored after each step (stabilized: coordinate projection, Eich,
@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.fem.component import Block, Energies, Field, FloatArray, Powers, Prescribed
-from drillpetsc.fem.dof_layout import Layout
+from drillpetsc.fem.component import ElementBlock, Energies, Field, FloatArray, Powers, PrescribedMotion
+from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
@@ -31,13 +31,13 @@ NODE_SLOTS = tuple((name, 0) for name in NODE)
 GAUGE_NODE = ("string.position", "string.tangent", "string.spin")
 LEVELS = {"index3": 3.0, "index2": 2.0, "stabilized": 2.0}
 ROW_SCALE = 1.0e6  # of constraint rows, so that one norm fits them and the forces
-UNJUDGED = 1.0e30  # scale of a multiplier: it is linear in the rows and right where the motion is; its own rounding grows as 1/step^2
+UNCONTROLLED_SCALE = 1.0e30  # scale of a multiplier: it is linear in the rows and right where the motion is; its own rounding grows as 1/step^2
 
 
 def quaternions(frames: Frames) -> FloatArray:
     """(n, 4) Euler parameters of the node frames (tangent, second director, third), scalar first; neighbours on one side."""
-    out = np.empty((len(frames.gauge), 4))
-    for i, (a, b) in enumerate(zip(frames.gauge, frames.second, strict=True)):
+    out = np.empty((len(frames.reference), 4))
+    for i, (a, b) in enumerate(zip(frames.reference, frames.second, strict=True)):
         R = np.column_stack([a, b, np.cross(a, b)])
         # the largest of the four squares keeps the division safe (Shepperd, J. Guid. Control 1, 1978)
         w = np.array([[R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]]).T
@@ -61,7 +61,7 @@ def spun(q: FloatArray) -> FloatArray:
 
 
 class _StartFrames(ctypes.Structure):
-    """StartFrames of kernels/on_quaternion.hpp."""
+    """StartFrames of kernels/quaternion/on_quaternion.hpp."""
 
     _fields_ = [("inner", ctypes.c_void_p), ("frames", ctypes.c_void_p)]
 
@@ -71,25 +71,25 @@ class QuaternionBeam:
 
     name = "beam"
     turning = True  # its unknowns turn with the string, and so do its Jacobian's entries
-    viewed = {"string.tangent": 3, "string.spin": 1}  # what rooms of the gauge element see: slope, spin angle, and their rates
+    derived_fields = {"string.tangent": 3, "string.spin": 1}  # what rooms of the ANCF element see: slope, spin angle, and their rates
 
     def __init__(self, mesh: StringMesh, frames: Frames, gravity: FloatArray, constraint: str = "index3", finest_motion: float = np.inf):
         self.mesh, self.frames, self.constraint = mesh, frames, constraint
         self.position_scale = min(POSITION_SCALE, finest_motion)
         self.gravity = np.asarray(gravity, dtype=float)
         self.start, self.restores = quaternions(frames), constraint == "stabilized"
-        self._layout: Layout | None = None
+        self._layout: DofLayout | None = None
 
     def fields(self) -> tuple[Field, ...]:
         return (
             Field("string.position", 3, scale=self.position_scale),
             Field("string.strain", 1, scale=1e-2),
             Field("string.quaternion", 4, scale=5e-3),
-            Field("string.multiplier", 1, scale=UNJUDGED, second_order=False, differential=False),
+            Field("string.multiplier", 1, scale=UNCONTROLLED_SCALE, second_order=False, differential=False),
         )
 
-    def blocks(self, part) -> tuple[Block, ...]:
-        """Elements of the local cells of ``part`` (a Line), damped ones apart, and the unit lengths of this rank's nodes."""
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
+        """Elements of the local cells of ``part`` (a Chain), damped ones apart, and the unit lengths of this rank's nodes."""
         m, e, self._part = self.mesh, part.cells, part
         damped = (m.stiffness_damping != 0) | (m.mass_damping != 0)
         self._elements = []
@@ -97,11 +97,11 @@ class QuaternionBeam:
             if (damped == is_damped).any():
                 chosen = np.flatnonzero(damped[e] == is_damped).astype(np.int32)
                 kernel = "quaternion_beam" + "_damped" * is_damped
-                self._elements.append(Block("beam" + "_damped" * is_damped, kernel, "cell", chosen, SLOTS, (), self._params(e[chosen])))
+                self._elements.append(ElementBlock("beam" + "_damped" * is_damped, kernel, "cell", chosen, SLOTS, (), self._params(e[chosen])))
         _, vertices = local_vertices(part, np.arange(m.nodes))
         length = np.tile([LEVELS[self.constraint], ROW_SCALE], (len(vertices), 1))
         slots = (("string.quaternion", 0), ("string.multiplier", 0))
-        self._length = Block("unit_length", "unit_length", "vertex", vertices, slots, (), np.ascontiguousarray(length))
+        self._length = ElementBlock("unit_length", "unit_length", "vertex", vertices, slots, (), np.ascontiguousarray(length))
         return (*self._elements, self._length)
 
     def _params(self, e: np.ndarray) -> FloatArray:
@@ -110,27 +110,27 @@ class QuaternionBeam:
                    m.stiffness_damping[e], m.mass_damping[e], m.curvature[e], np.tile(self.gravity, (len(e), 1))]
         return np.ascontiguousarray(np.column_stack(columns))
 
-    def translate(self, block: Block) -> Block:
-        """A block of the gauge element's unknowns on those of this one (kernels/on_quaternion.hpp); others as they are.
+    def translate(self, block: ElementBlock) -> ElementBlock:
+        """A block of the ANCF element's unknowns on those of this one (kernels/quaternion/on_quaternion.hpp); others as they are.
 
         Constants are shared, so that a room that renews its own renews these; Assembly.index_of leads it to the view.
         """
-        if not any(name in self.viewed for name, _ in block.slots):
+        if not any(name in self.derived_fields for name, _ in block.slots):
             return block
         nodes = sum(name == "string.position" for name, _ in block.slots)
         assert block.slots[: 3 * nodes] == tuple((name, end) for end in range(nodes) for name in GAUGE_NODE)
-        line = self._part
-        frames = self.start[line.vertices[line.ends[block.points] if block.on == "cell" else block.points[:, None]]]
+        chain = self._part
+        frames = self.start[chain.vertices[chain.ends[block.points] if block.on == "cell" else block.points[:, None]]]
         frames = np.ascontiguousarray(frames, dtype=float)
         record = _StartFrames(block.context, pointer(frames))
         slots = tuple((name, end) for end in range(nodes) for name in NODE) + block.slots[3 * nodes :]
         return replace(block, kernel=f"quaternion_{block.kernel}", slots=slots, spins=(), context=ctypes.addressof(record),
                        keep=(*block.keep, frames, record))
 
-    def look(self, state) -> None:
+    def derive(self, state) -> None:
         """Fill the state's view."""
         at, frame = self._places(state.layout)
-        out, view = np.zeros((len(at), 8)), state.layout.view
+        out, view = np.zeros((len(at), 8)), state.layout.derived
         _view(len(at), pointer(at), pointer(frame), pointer(state.x), pointer(state.y), pointer(out))
         for array, columns in ((state.x, out[:, :4]), (state.y, out[:, 4:])):
             array[view["string.tangent"]], array[view["string.spin"]] = columns[:, :3], columns[:, 3:]
@@ -141,18 +141,18 @@ class QuaternionBeam:
 
     def restore_constraints(self, state) -> None:
         """At the end of a solve in the stabilized form: unit length, and no rate along it."""
-        at = state.layout.place["string.quaternion"]
+        at = state.layout.dofs["string.quaternion"]
         q, rate = state.x[at], state.y[at]
         q = q / np.linalg.norm(q, axis=1, keepdims=True)
         state.x[at], state.y[at] = q, rate - q * np.sum(q * rate, axis=1, keepdims=True)
 
-    def prescribed(self) -> tuple[Prescribed, ...]:
+    def prescribed(self) -> tuple[PrescribedMotion, ...]:
         return ()
 
     def breaks(self) -> tuple[float, ...]:
         return ()
 
-    def refresh_gauges(self) -> None:
+    def update_reference_frames(self) -> None:
         """There are none."""
 
     # ------------------------------------------------------------------ figures
@@ -163,25 +163,25 @@ class QuaternionBeam:
         _motion(len(out), pointer(at), pointer(frame), pointer(state.x), pointer(state.y), pointer(out))
         return out
 
-    def _places(self, layout: Layout) -> tuple[np.ndarray, FloatArray]:
+    def _places(self, layout: DofLayout) -> tuple[np.ndarray, FloatArray]:
         """(nv, 8) places of the nodes' unknowns and (nv, 4) frames at the start."""
         if self._layout is not layout:
             self._layout = layout
-            self._at = np.ascontiguousarray(np.hstack([layout.place[name] for name in NODE]), dtype=np.int32)
-            self._frame = np.ascontiguousarray(self.start[layout.line.vertices])
+            self._at = np.ascontiguousarray(np.hstack([layout.dofs[name] for name in NODE]), dtype=np.int32)
+            self._frame = np.ascontiguousarray(self.start[layout.chain.vertices])
         return self._at, self._frame
 
     def section(self, state, vertex: int) -> tuple[FloatArray, FloatArray, float]:
         """Position [m], slope and spin rate [rad/s] of a local vertex."""
         motion = self.motion(state)[vertex]
-        return state.x[state.layout.place["string.position"][vertex]], motion[:3], float(motion[6])
+        return state.x[state.layout.dofs["string.position"][vertex]], motion[:3], float(motion[6])
 
     def columns(self, state) -> FloatArray:
         """(nv, 8) at the local vertices: position [m] and velocity [m/s], spin rate [rad/s], spin angle [rad]."""
-        place, motion = state.layout.place["string.position"], self.motion(state)
+        place, motion = state.layout.dofs["string.position"], self.motion(state)
         return np.hstack([state.x[place], state.y[place], motion[:, 6:]])
 
-    def report(self, layout: Layout, x: FloatArray, y: FloatArray) -> FloatArray:
+    def report(self, layout: DofLayout, x: FloatArray, y: FloatArray) -> FloatArray:
         """(nc, 9) per local cell in depth order: the columns of ``rooms.beam.REPORT``; bending is that beyond the stress-free shape."""
         out = np.zeros((len(self._part.cells), len(REPORT)))
         for b in self._elements:

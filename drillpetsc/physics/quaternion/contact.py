@@ -1,10 +1,10 @@
-"""Contact of the quaternion string with the wall (kernels/quaternion_contact.cpp)."""
+"""Contact of the quaternion string with the wall (kernels/quaternion/quaternion_contact.cpp)."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import Block, FloatArray
+from drillpetsc.fem.component import ElementBlock, FloatArray
 from drillpetsc.kernels import function, pointer
 from drillpetsc.physics.contact import KINDS, REPORT, Contact
 from drillpetsc.physics.contact import _report as item_report
@@ -16,7 +16,7 @@ _report = function("quaternion_contact_report", "ipppppp")
 class QuaternionContact(Contact):
     """The wall contact of ``Contact`` on the quaternion element's unknowns."""
 
-    def blocks(self, part) -> tuple[Block, ...]:
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
         m = self.mesh
         self._part, self._touching, self._normal, self._row_of = part, [], [], None
         self._blocks = []
@@ -25,18 +25,18 @@ class QuaternionContact(Contact):
             e = part.cells[chosen]
             friction = np.where(np.isnan(m.friction[e]), -1.0, m.friction[e])
             params = np.ascontiguousarray(np.column_stack([m.length[e], np.zeros(len(e)), 0.5 * m.outer_diameter[e], friction]))
-            self._blocks.append(Block(f"contact{name}", "quaternion_contact", "cell", chosen, SLOTS, (), params,
-                                      context=self._context(len(chosen), ends), room="contact"))
+            self._blocks.append(ElementBlock(f"contact{name}", "quaternion_contact", "cell", chosen, SLOTS, (), params,
+                                      context=self._context(len(chosen), ends), component="contact"))
         self._blocks += self._on_items(part)
         return tuple(self._blocks)
 
-    def slide_as(self, other: Contact) -> None:
+    def copy_sliding_direction(self, other: Contact) -> None:
         """Take over the sliding direction that statics imposed on another contact."""
         imposed = next((record for record in other._laws if record.imposed), None)
         if imposed is None:
-            self.free_sliding()
+            self.release_sliding_direction()
         else:
-            self.impose_sliding(imposed.axial, imposed.spin, imposed.side)
+            self.impose_sliding_direction(imposed.axial, imposed.spin, imposed.side)
 
     def _figures(self, state) -> list[FloatArray]:
         tables = [np.zeros((len(b.points), len(REPORT))) for b in self._blocks]

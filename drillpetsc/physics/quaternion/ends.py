@@ -1,21 +1,21 @@
-"""Ends and loads of the quaternion string (kernels/quaternion_ends.cpp): constraints with multipliers, which are the reactions."""
+"""Ends and loads of the quaternion string (kernels/quaternion/quaternion_ends.cpp): constraints with multipliers, which are the reactions."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import Block, Field, FloatArray, Powers
+from drillpetsc.fem.component import ElementBlock, Field, FloatArray, Powers
 from drillpetsc.geometry.frames import high_side
 from drillpetsc.physics.end_conditions import Input, NodeLoad
-from drillpetsc.physics.quaternion.beam import LEVELS, NODE_SLOTS, ROW_SCALE, UNJUDGED, spun, turned
-from drillpetsc.physics.rigid_bodies import Passive, local_vertices
+from drillpetsc.physics.quaternion.beam import LEVELS, NODE_SLOTS, ROW_SCALE, UNCONTROLLED_SCALE, spun, turned
+from drillpetsc.physics.rigid_bodies import ComponentBase, local_vertices
 
 _AXES, _VALUE, _RATE, _GOAL, _GOAL_RATE = slice(2, 11), slice(11, 14), slice(14, 17), slice(17, 21), slice(21, 25)
 _PLACES = ("axial_reaction", "side_reaction_1", "side_reaction_2")
 _TURNS = ("torque_reaction", "side_moment_1", "side_moment_2")  # about the tangent, and about the section's two axes
 
 
-class Guided(Passive):
+class ConstrainedEnd(ComponentBase):
     """An end whose place and orientation are given: clamped, pinned, or moved by a top drive.
 
     places 3: along the tangent and two directions across; 2: across only (the axial force is a load).  turns 3: the whole section; 1: its
@@ -36,20 +36,20 @@ class Guided(Passive):
 
     def fields(self) -> tuple[Field, ...]:
         name = f"string.{self._where}_reaction"
-        return (Field(name, len(self.names), region=self._where, scale=UNJUDGED, second_order=False, differential=False),)
+        return (Field(name, len(self.names), region=self._where, scale=UNCONTROLLED_SCALE, second_order=False, differential=False),)
 
     def regions(self) -> dict[str, np.ndarray]:
         """The end that is guided."""
         return {self._where: np.arange(self.nodes) == self.vertex}
 
-    def blocks(self, part) -> tuple[Block, ...]:
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([self.vertex]))
         params = np.zeros((len(vertices), 25))
         params[:, :2] = LEVELS[self.constraint], ROW_SCALE
         params[:, _AXES] = np.vstack([self._axes, np.zeros((3 - self.places, 3))]).ravel()
         slots = (("string.position", 0), ("string.quaternion", 0), (f"string.{self._where}_reaction", 0))
         kernel = f"guided_{self.places}{self.turns}"
-        self._block = Block(self.name, kernel, "vertex", vertices, slots, (), params, update=self._update)
+        self._block = ElementBlock(self.name, kernel, "vertex", vertices, slots, (), params, update=self._update)
         return (self._block,)
 
     def _update(self, t: float) -> None:
@@ -114,7 +114,7 @@ def _times_e3(q: FloatArray) -> FloatArray:
     return np.array([-q[3], q[2], -q[1], q[0]])
 
 
-class QuaternionLoads(Passive):
+class QuaternionLoads(ComponentBase):
     """Forces and moments on nodes."""
 
     name = "loads"
@@ -122,18 +122,18 @@ class QuaternionLoads(Passive):
     def __init__(self, loads: tuple[NodeLoad, ...], breaks: tuple[float, ...] = ()):
         self.loads, self._breaks = loads, breaks
 
-    def blocks(self, part) -> tuple[Block, ...]:
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
         chosen, vertices = local_vertices(part, np.array([q.node for q in self.loads]))
-        mine = [self.loads[k] for k in chosen]
-        rows = [[*q.force, *q.moment, *q.slope, float(q.section), 1.0] for q in mine]
+        on_rank = [self.loads[k] for k in chosen]
+        rows = [[*q.force, *q.moment, *q.slope, float(q.section), 1.0] for q in on_rank]
         params = np.ascontiguousarray(np.array(rows).reshape(-1, 11))
-        timed = [(i, q.factor) for i, q in enumerate(mine) if q.factor is not None]
+        timed = [(i, q.factor) for i, q in enumerate(on_rank) if q.factor is not None]
 
         def update(t: float) -> None:
             for i, factor in timed:
                 params[i, 10] = factor(t)
 
-        self._block = Block("loads", "quaternion_load", "vertex", vertices, NODE_SLOTS, (), params, update=update if timed else None)
+        self._block = ElementBlock("loads", "quaternion_load", "vertex", vertices, NODE_SLOTS, (), params, update=update if timed else None)
         return (self._block,)
 
     def breaks(self) -> tuple[float, ...]:

@@ -37,14 +37,14 @@ def add_companion(case: Case, folder: Path, summary: dict[str, Any], name: str, 
     from drillpetsc.analysis.transient import run
 
     other = run(coarser(case), folder / FOLDER, overwrite=True, name=f"{name}-{FOLDER}", comm=comm, progress=progress)
-    told = {"meaning": MEANING, "elements": other.summary["elements"], "columns": {}}
+    reported = {"meaning": MEANING, "elements": other.summary["elements"], "columns": {}}
     here = comm is None or comm.rank == 0
     if here:
-        told["columns"] = differences(read_table(RunFolder(folder).history), read_table(RunFolder(other.folder).history))
+        reported["columns"] = differences(read_table(RunFolder(folder).history), read_table(RunFolder(other.folder).history))
         whole = read_summary(RunFolder(folder).summary)
-        whole["error_estimate"] = {**(whole.get("error_estimate") or {}), "mesh": told}
+        whole["error_estimate"] = {**(whole.get("error_estimate") or {}), "mesh": reported}
         write_summary(RunFolder(folder).summary, whole)
-    return {**summary, "error_estimate": {**(summary.get("error_estimate") or {}), "mesh": told}}
+    return {**summary, "error_estimate": {**(summary.get("error_estimate") or {}), "mesh": reported}}
 
 
 def differences(history: Mapping[str, FloatArray], other: Mapping[str, FloatArray]) -> dict[str, dict[str, Any]]:

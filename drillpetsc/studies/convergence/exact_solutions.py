@@ -85,7 +85,7 @@ def _sections(case: Case, stiffness: str, inertia: str) -> tuple[FloatArray, flo
 def _free_string(case: Case) -> bool:
     """Straight below a top drive, lower end free, nothing around it."""
     return (case.well is None and case.fluid is None and not case.loads and not case.hold_string and case.bottom.kind == "free"
-            and isinstance(case.top, TopDrive) and case.top.force is None and case.beam.formulation in ("gauge", "quaternion"))
+            and isinstance(case.top, TopDrive) and case.top.force is None and case.beam.formulation in ("ancf", "quaternion"))
 
 
 def _vertical(case: Case) -> bool:

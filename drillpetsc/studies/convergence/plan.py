@@ -50,7 +50,7 @@ SOLVERS: dict[str, Options] = {
 }
 DEFAULT_SOLVERS = ("condensed", "petsc-lu", "line-search-bt", "assembled")
 DEFAULT_INTEGRATORS = ("bdf1", "bdf2", "bdf3", "arkimex", "cn")
-FORMULATIONS = ("gauge", "quaternion")
+FORMULATIONS = ("ancf", "quaternion")
 #: curves of --curves: name -> (integrator, steps chosen by itself, formulation; the last is the case's own where it is empty)
 CURVES: dict[str, tuple[str, bool, str]] = {
     "bdf1-fixed": ("bdf1", False, ""),

@@ -22,10 +22,10 @@ FloatArray = npt.NDArray[np.float64]
 Exact = Callable[[Case, FloatArray], dict[str, FloatArray] | None]
 
 FINER = 0.1  # tolerance of the reference over the finest of the points
-PATIENCE = 3.0  # a run of the reference may take so many times longer than a point's
+REFERENCE_TIME_FACTOR = 3.0  # a run of the reference may take so many times longer than a point's
 LOOSER = 10.0  # of the run by which the reference's own error is estimated
 ROWS_PER_STEP = 0.25  # longest step of the reference over the interval of the rows, which lie between steps
-SURE = 0.02  # own error below which a reference needs no other beside it
+ACCEPTED_REFERENCE_ERROR = 0.02  # own error below which a reference needs no other beside it
 CANDIDATES = ("arkimex", "bdf3", "bdf2")  # the first that can treat the scene within the time limit
 
 
@@ -125,15 +125,15 @@ def _integrated(bench: Bench, points: Sequence[Point], candidates: Sequence[str]
         both = LOOSER * tolerance, tolerance
         pair = [Point("reference", f"{name}-{tol:.3g}", tol, petsc={**petsc, "ts_rtol": repr(tol)}) for tol in both]
         bench.say(f"reference by {name} at a tolerance of {tolerance:.3g} ...")
-        loose = _of_run(bench, pair[0], f"{name}, tolerance {LOOSER * tolerance:.3g}", 0.5 * PATIENCE * bench.limit)
-        tight = _of_run(bench, pair[1], f"{name}, tolerance {tolerance:.3g}", PATIENCE * bench.limit) if loose is not None else None
+        loose = _of_run(bench, pair[0], f"{name}, tolerance {LOOSER * tolerance:.3g}", 0.5 * REFERENCE_TIME_FACTOR * bench.limit)
+        tight = _of_run(bench, pair[1], f"{name}, tolerance {tolerance:.3g}", REFERENCE_TIME_FACTOR * bench.limit) if loose is not None else None
         if loose is None or tight is None:
             refused.append(name)
             continue
         used = " (an integrator of the curves, too)" if any(_integrator(p, bench.base) == name for p in points) else ""
         own = distance(loose.values, tight.values)
         found = replace(tight, words=f"separate run by {tight.words}{used}", errors=own, refused=tuple(refused))
-        if max(own.values(), default=0.0) < SURE:
+        if max(own.values(), default=0.0) < ACCEPTED_REFERENCE_ERROR:
             return found
         bench.say(f"reference, {name}: off by {max(own.values()):.2g} of the range from itself at {LOOSER:g} times the tolerance")
         if surest is None or max(own.values()) < max(surest.errors.values()):
@@ -161,7 +161,7 @@ def _extrapolated(bench: Bench, points: Sequence[Point], integrator: str) -> Ref
         petsc = {**INTEGRATORS[integrator][0], "ts_adapt_type": "basic", "ts_rtol": repr(tolerance)}
         point = Point("reference", f"mesh-{part * finest:g}", part * finest, mesh_changes(bench.base, part * finest), petsc)
         bench.say(f"reference on elements of {part * finest:g} times the case's length ...")
-        made = _of_run(bench, point, f"{integrator}, tolerance {tolerance:.3g}", PATIENCE * bench.limit)
+        made = _of_run(bench, point, f"{integrator}, tolerance {tolerance:.3g}", REFERENCE_TIME_FACTOR * bench.limit)
         if made is None:
             return None
         runs.append(made)

@@ -62,10 +62,10 @@ def table_rows(measured: Sequence[Measured], found: Mapping[int, Mapping[str, np
             if fits and not np.isfinite(values).all():  # type: ignore[arg-type]
                 row.update(status="failed", message=f"{name} is not a number")
                 fits = False
-            told = errors_of(values, reference.values[name]) if fits else dict.fromkeys(NORMS, math.nan)  # type: ignore[arg-type]
-            if told["rms"] > DIVERGED:
-                row.update(status="failed", message=f"diverged: {name} is off by {told['rms']:.2g} times its range")
-            row |= {f"error_{name}_{norm}": told[norm] for norm in NORMS}
+            reported = errors_of(values, reference.values[name]) if fits else dict.fromkeys(NORMS, math.nan)  # type: ignore[arg-type]
+            if reported["rms"] > DIVERGED:
+                row.update(status="failed", message=f"diverged: {name} is off by {reported['rms']:.2g} times its range")
+            row |= {f"error_{name}_{norm}": reported[norm] for norm in NORMS}
         rows.append(row)
     return rows
 
@@ -78,13 +78,13 @@ def findings(vary: str, measured: Sequence[Measured], rows: Sequence[Row], refer
     orders: dict[str, Any] = {}
     costs: dict[str, Any] = {}
     for curve in curves:
-        mine = [row for row in rows if row["curve"] == curve and row["status"] == "done"]
-        steps = np.array([abscissa(vary, row, length) for row in mine], dtype=float)
-        cpu = np.array([row["cpu"] for row in mine], dtype=float)
+        on_rank = [row for row in rows if row["curve"] == curve and row["status"] == "done"]
+        steps = np.array([abscissa(vary, row, length) for row in on_rank], dtype=float)
+        cpu = np.array([row["cpu"] for row in on_rank], dtype=float)
         orders[curve], costs[curve] = {}, {}
         for name in names:
             floor = _floor(reference, rows, name, vary, length)
-            by_norm = {norm: np.array([row[f"error_{name}_{norm}"] for row in mine], dtype=float) for norm in NORMS}
+            by_norm = {norm: np.array([row[f"error_{name}_{norm}"] for row in on_rank], dtype=float) for norm in NORMS}
             orders[curve][name] = {norm: plain_order(observed_order(steps, e, floor)) for norm, e in by_norm.items()}
             if vary != "ranks":
                 found = {f"{target:g}": cost_of(target, by_norm["rms"], cpu) for target in TARGETS if target > floor}
@@ -130,7 +130,7 @@ def _speed_up(rows: Sequence[Row]) -> dict[str, float]:
     return {str(row["ranks"]): one / row["wall"] for row in rows if row["status"] == "done"} if one else {}
 
 
-def write_results(folder: Path, rows: Sequence[Row], told: Mapping[str, Any]) -> list[Path]:
+def write_results(folder: Path, rows: Sequence[Row], reported: Mapping[str, Any]) -> list[Path]:
     """study.csv, study.json and the pictures; returns the files."""
     from drillpetsc.plotting.work_precision import draw_study
 
@@ -138,7 +138,7 @@ def write_results(folder: Path, rows: Sequence[Row], told: Mapping[str, Any]) ->
     columns = [*COLUMNS, *((key, "-") for key in errors), ("message", "-")]
     values = [[_cell(row[name]) for row in rows] for name, _ in columns]
     files = [write_table(folder / "study.csv", columns, values)]
-    data = plain(told)
+    data = plain(reported)
     files.append(replace_text(folder / "study.json", json.dumps(data, indent=1, ensure_ascii=False) + "\n"))
     return files + draw_study(json.loads(files[-1].read_text(encoding="utf-8")), folder)
 

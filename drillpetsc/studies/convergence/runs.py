@@ -106,11 +106,11 @@ def measure(base: Base, point: Point, out: Path, repeats: int, limit: float, run
 
 def _kept(home: Path, point: Point, text: str, repeats: int) -> Measured | None:
     try:
-        told = json.loads((home / "point.json").read_text(encoding="utf-8"))
+        reported = json.loads((home / "point.json").read_text(encoding="utf-8"))
         if (home / "case.yaml").read_text(encoding="utf-8") != text:
             return None
-        old = Measured(**{**told, "point": Point(**{**told["point"], "changes": tuple(told["point"]["changes"])}),
-                          "wall": tuple(told["wall"]), "cpu": tuple(told["cpu"])})
+        old = Measured(**{**reported, "point": Point(**{**reported["point"], "changes": tuple(reported["point"]["changes"])}),
+                          "wall": tuple(reported["wall"]), "cpu": tuple(reported["cpu"])})
     except (OSError, ValueError, KeyError, TypeError):
         return None
     enough = old.done and len(old.wall) >= repeats and old.point.ranks == point.ranks and (home / "run-1" / "summary.json").is_file()

@@ -155,13 +155,13 @@ def _result(bench: Bench, vary: str, measured: Sequence[Measured], refers: Refer
             raise CaseError(at="--outputs", got=wrong[0], want=" | ".join(refers.values))
     rows = table_rows(measured, found, refers, outputs)
     case = case_of(bench.base, Point("", "", 0.0))
-    told = {"title": case.title or bench.base.path.stem, "case": bench.base.path.name, "vary": vary, "machine": _machine(),
+    reported = {"title": case.title or bench.base.path.stem, "case": bench.base.path.name, "vary": vary, "machine": _machine(),
             "simulated": bench.base.end, "history_every": bench.base.history_every,
             **findings(vary, measured, rows, refers, units, case.string_length)}
-    files = write_results(bench.out, rows, told)
+    files = write_results(bench.out, rows, reported)
     if refers is None and measured and not any(m.done for m in measured):
         bench.say("no point came to an end")
-    return StudyResult(bench.out, tuple(rows), told, tuple(files))
+    return StudyResult(bench.out, tuple(rows), reported, tuple(files))
 
 
 def _machine() -> dict[str, Any]:
@@ -177,16 +177,16 @@ def _machine() -> dict[str, Any]:
 
 def closing_lines(result: StudyResult) -> list[str]:
     """The table of orders and costs that ends a study on the screen."""
-    told = result.findings
+    reported = result.findings
     lines = [f"{len(result.rows) - result.failed} of {len(result.rows)} points done"]
     failed: dict[tuple[str, str], list[str]] = {}
     for row in result.rows:
         if row["status"] != "done":
             failed.setdefault((row["curve"], row["message"]), []).append(row["point"])
     lines += [f"  {curve} at {', '.join(points)} failed: {message}" for (curve, message), points in failed.items()]
-    if told["reference"] is not None:
-        lines.append(f"  reference: {told['reference']['what']}")
-    for curve, by_output in told["orders"].items():
+    if reported["reference"] is not None:
+        lines.append(f"  reference: {reported['reference']['what']}")
+    for curve, by_output in reported["orders"].items():
         for name, by_norm in by_output.items():
             order = by_norm.get("rms")
             if order:

@@ -8,11 +8,11 @@ from collections.abc import Hashable, Sequence
 from petsc4py import PETSc
 
 from drillpetsc.analysis.quasi_static import QuasiStatic
-from drillpetsc.analysis.transient import make_dynamics
+from drillpetsc.analysis.transient import make_integrator
 from drillpetsc.case import Case
 from drillpetsc.errors import CaseError, DrillError
-from drillpetsc.model.drilling_model import build_scene, is_quasi_static
-from drillpetsc.output.energy_balance import Gain
+from drillpetsc.model.drilling_model import build_model, is_quasi_static
+from drillpetsc.output.energy_balance import EnergyGainMonitor
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers import petsc_options as options
 
@@ -69,11 +69,11 @@ def _physics(case: Case) -> Hashable:
 def _read(case: Case) -> list[str]:
     """Options that the solvers of a case read, or may read at the end, of those of the command line and of the case."""
     with options.applied(case.petsc) as used:
-        scene = build_scene(case, PETSc.COMM_SELF)
-        dynamics = make_dynamics(scene, QuasiStatic(scene) if is_quasi_static(case) else None)
-        recorder = Recorder(scene)
-        Gain(recorder)
+        model = build_model(case, PETSc.COMM_SELF)
+        integrator = make_integrator(model, QuasiStatic(model) if is_quasi_static(case) else None)
+        recorder = Recorder(model)
+        EnergyGainMonitor(recorder)
         unread = options.unread(used)
-        del scene, dynamics, recorder
+        del model, integrator, recorder
         gc.collect()
         return [name for name in used if name not in unread]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from drillpetsc.errors import CaseError
 from drillpetsc.output import RunFolder, read_summary
-from drillpetsc.studies.sweep.table import AGAIN, CONTINUE, KEEP, NEW, Member, Place, Plan
+from drillpetsc.studies.sweep.table import AGAIN, CONTINUE, KEEP, NEW, Member, MemberFolder, Plan
 
 SWEEP, WELLS = "sweep.csv", "wells.csv"
 STATE = ".members"
@@ -27,7 +27,7 @@ def plan_sweep(title: str, name: str, members: list[Member], out: Out, restart: 
         raise CaseError(at="--out", got=str(folder), want=f"the folder of a sweep, with a {SWEEP}", hint="--restart continues a sweep")
     if overwrite:
         _clear(folder)
-    places = _places(folder, members) if restart else [Place(folder / m.name, AGAIN if overwrite else NEW) for m in members]
+    places = _places(folder, members) if restart else [MemberFolder(folder / m.name, AGAIN if overwrite else NEW) for m in members]
     return Plan(title, SWEEP, folder, _state(folder), tuple(members), tuple(places))
 
 
@@ -56,7 +56,7 @@ def _state(folder: Path) -> Path:
     return state
 
 
-def _places(folder: Path, members: list[Member]) -> list[Place]:
+def _places(folder: Path, members: list[Member]) -> list[MemberFolder]:
     """For a restart: the folder in which the same case was run, wherever it stands; a new one for a member that has none."""
     known: dict[str, list[Path]] = {}
     for path in sorted(folder.glob("member-*")):
@@ -67,14 +67,14 @@ def _places(folder: Path, members: list[Member]) -> list[Place]:
     for m in members:
         same = known.get(m.case.to_yaml())
         if same:
-            places.append(Place(same[0], _action(same[0])))
+            places.append(MemberFolder(same[0], _action(same[0])))
             same.pop(0)  # 1 m and 100 cm are two members
             continue
         number = m.number
         while (path := folder / f"member-{number:03d}") in taken:
             number = max(number + 1, len(members) + 1)
         taken.add(path)
-        places.append(Place(path, AGAIN if path.exists() else NEW))
+        places.append(MemberFolder(path, AGAIN if path.exists() else NEW))
     return places
 
 
@@ -99,21 +99,21 @@ def plan_wells(members: list[Member], out: Out, restart: bool, overwrite: bool) 
         if path is None:
             made = RunFolder.create(m.name)
             made.release()  # to the rank that will compute it
-            places.append(Place(made.path, AGAIN))
+            places.append(MemberFolder(made.path, AGAIN))
         elif restart and path.is_dir():
             places.append(_again(path, m))
         else:
-            places.append(Place(path, AGAIN if overwrite else NEW))
+            places.append(MemberFolder(path, AGAIN if overwrite else NEW))
     if folder is not None:
         return Plan("", WELLS, folder, _state(folder), tuple(members), tuple(places))
     return Plan("", WELLS, None, Path(tempfile.mkdtemp(prefix=".wells-", dir="results")), tuple(members), tuple(places))
 
 
-def _again(path: Path, m: Member) -> Place:
+def _again(path: Path, m: Member) -> MemberFolder:
     """For a restart: a case that was changed (a later end) goes on from its checkpoint, as with one well."""
     action = _action(path)
     changed = _case_text(path) != m.case.to_yaml()
-    return Place(path, CONTINUE if changed and action == KEEP else action)
+    return MemberFolder(path, CONTINUE if changed and action == KEEP else action)
 
 
 def _latest(name: str) -> Path | None:

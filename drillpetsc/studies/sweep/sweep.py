@@ -26,11 +26,11 @@ from drillpetsc.studies.sweep.member_options import refuse_misspelt
 from drillpetsc.studies.sweep.plan import SWEEP, plan_sweep, plan_wells
 from drillpetsc.studies.sweep.table import AGAIN, CONTINUE, KEEP, Member, Outcome, Plan
 from drillpetsc.studies.sweep.variations import choices_from, variations
-from drillpetsc.studies.sweep.worker_groups import Team, split, team_sizes, wait_for, wait_for_files
+from drillpetsc.studies.sweep.worker_groups import WorkerGroup, split, team_sizes, wait_for, wait_for_files
 
 
 @dataclass(frozen=True)
-class EnsembleResult:
+class SweepResult:
     """folder: of table and summary (None: there are none); table: its file; rows: one a member; pictures: of what was drilled; the same on
     all ranks."""
 
@@ -46,7 +46,7 @@ class EnsembleResult:
 
 
 def sweep(case: str | Path, values: Mapping[str, Iterable[Any]], out: str | Path | None = None, *, restart: bool = False,
-          overwrite: bool = False, comm: PETSc.Comm | None = None, progress: str = "auto") -> EnsembleResult:
+          overwrite: bool = False, comm: PETSc.Comm | None = None, progress: str = "auto") -> SweepResult:
     """Simulate every combination of ``values`` (key of the case file -> values); collective over ``comm``.
 
     Raises CaseError, before anything runs, for what is wrong in any member; a member that fails later is told in its row.
@@ -63,7 +63,7 @@ def sweep(case: str | Path, values: Mapping[str, Iterable[Any]], out: str | Path
 
 
 def run_cases(paths: Sequence[str | Path], out: str | Path | None = None, *, restart: bool = False, overwrite: bool = False,
-              comm: PETSc.Comm | None = None, progress: str = "auto") -> EnsembleResult:
+              comm: PETSc.Comm | None = None, progress: str = "auto") -> SweepResult:
     """Simulate several case files, each into its own run folder: results/<case>-NNN, or ``out``/<case>; as ``sweep`` else."""
     comm = comm or PETSc.COMM_WORLD
     members: list[Member] = []
@@ -91,7 +91,7 @@ def _elements(case: Case) -> int:
 
 
 # ---------------------------------------------------------------------- the job
-def _run_all(comm: PETSc.Comm, progress: str, make_plan: Callable[[], Plan]) -> EnsembleResult:
+def _run_all(comm: PETSc.Comm, progress: str, make_plan: Callable[[], Plan]) -> SweepResult:
     """Plan on rank 0, run the members in teams, gather what came out; collective."""
     mpi = comm.tompi4py()
     answer: Any = None
@@ -113,16 +113,16 @@ def _run_all(comm: PETSc.Comm, progress: str, make_plan: Callable[[], Plan]) -> 
     for m in plan.members:
         PETSc.Log.Stage(m.name)  # on all ranks in one order
     team = split(mpi, sizes)
-    mine = job.work(team) if team is not None else []
+    on_rank = job.work(team) if team is not None else []
     wait_for(mpi.Ibarrier())
-    told = mpi.gather(mine)
+    reported = mpi.gather(on_rank)
     rows: list[dict[str, Any]] = []
     pictures: list[Path] = []
     if mpi.rank == 0:
-        rows = job.end({o.number: o for each in told for o in each})
+        rows = job.end({o.number: o for each in reported for o in each})
         pictures = _pictures(plan, rows)
     rows, pictures = mpi.bcast((rows, pictures))
-    return EnsembleResult(plan.folder, plan.folder / plan.table if plan.folder is not None else None, tuple(rows), tuple(pictures))
+    return SweepResult(plan.folder, plan.folder / plan.table if plan.folder is not None else None, tuple(rows), tuple(pictures))
 
 
 def _pictures(plan: Plan, rows: list[dict[str, Any]]) -> list[Path]:
@@ -159,23 +159,23 @@ class _Job:
         for m in self.plan.members:
             folder, action = self.plan.place(m).folder, self.plan.place(m).action
             if action == KEEP:
-                told = read_summary(RunFolder(folder).summary)
-                wall = told.get("wall_seconds", 0.0) + told.get("start_seconds", 0.0)
+                reported = read_summary(RunFolder(folder).summary)
+                wall = reported.get("wall_seconds", 0.0) + reported.get("start_seconds", 0.0)
                 table.keep_outcome(self.plan, Outcome(m.number, "done", wall=wall, figures=table.figures(folder)))
         for m in self.order[: len(self.sizes)]:
             table.claim(self.plan, m)
         table.write(self.plan, self.facts())
 
-    def end(self, told: dict[int, Outcome]) -> list[dict[str, Any]]:
-        rows = table.write(self.plan, {**self.facts(), "ended": True}, told)
+    def end(self, reported: dict[int, Outcome]) -> list[dict[str, Any]]:
+        rows = table.write(self.plan, {**self.facts(), "ended": True}, reported)
         shutil.rmtree(self.plan.state, ignore_errors=True)
         if self.plan.folder is not None:
             RunFolder(self.plan.folder).release()
         return rows
 
-    def work(self, team: Team) -> list[Outcome]:
+    def work(self, team: WorkerGroup) -> list[Outcome]:
         """Compute members until none is left; the outcomes, on the team's first rank."""
-        mine: list[Outcome] = []
+        on_rank: list[Outcome] = []
         member: Member | None = self.order[team.number]
         while member is not None:
             began = clock.perf_counter()
@@ -186,14 +186,14 @@ class _Job:
             else:
                 number = 0
                 if team.first:
-                    mine.append(self._outcome(team, member, messages, clock.perf_counter() - began))
-                    self._tell(mine[-1], member)
+                    on_rank.append(self._outcome(team, member, messages, clock.perf_counter() - began))
+                    self._tell(on_rank[-1], member)
                     number = 0 if self.stopped else self._free(len(team.ranks))
                 number = team.talk.bcast(number)
                 member = self.plan.members[number - 1] if number else None
         if team.first:
             self._left(team.number).touch()
-        return mine
+        return on_rank
 
     def _free(self, ranks: int) -> int:
         """Take the costliest member that nobody has, for a team of so many ranks; 0 when there is none.
@@ -203,7 +203,7 @@ class _Job:
         fitting = (m for m in self.order[len(self.sizes) :] if ranks == 1 or m.elements >= 2 * ranks)
         return next((m.number for m in fitting if table.claim(self.plan, m)), 0)
 
-    def _compute(self, team: Team, member: Member) -> str:
+    def _compute(self, team: WorkerGroup, member: Member) -> str:
         """Run a member on its team; what went wrong on this rank, or nothing."""
         place = self.plan.place(member)
         stage = PETSc.Log.Stage(member.name)  # with counts of its own for run() to read
@@ -224,7 +224,7 @@ class _Job:
         gc.collect()  # objects of PETSc go at the same place on all ranks of the team
         return message
 
-    def _outcome(self, team: Team, member: Member, messages: list[str], wall: float) -> Outcome:
+    def _outcome(self, team: WorkerGroup, member: Member, messages: list[str], wall: float) -> Outcome:
         """How a member ended, from what each rank of its team says."""
         message = next(filter(None, messages), "")
         folder = self.plan.place(member).folder
@@ -247,7 +247,7 @@ class _Job:
     def _left(self, number: int) -> Path:
         return self.plan.state / f"team-{number}"
 
-    def _give_up(self, team: Team, member: Member, message: str, wall: float) -> None:
+    def _give_up(self, team: WorkerGroup, member: Member, message: str, wall: float) -> None:
         """End the job when others of this team are stuck in a member that ended here, but let all other teams finish first.
 
         A rank that waits in a computation for one that left it cannot be called back.
@@ -262,7 +262,7 @@ class _Job:
         self.mpi.Abort(1)
 
 
-def closing_lines(result: EnsembleResult) -> list[str]:
+def closing_lines(result: SweepResult) -> list[str]:
     """The few lines that end an ensemble on the screen."""
     lines = [f"{len(result.rows) - result.failed} of {len(result.rows)} members done"]
     for row in result.rows:

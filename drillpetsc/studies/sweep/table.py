@@ -54,7 +54,7 @@ class Member:
 
 
 @dataclass(frozen=True)
-class Place:
+class MemberFolder:
     """Where a member's run folder lies, and what is to be done there: NEW, AGAIN (what is there is replaced), CONTINUE or KEEP."""
 
     folder: Path
@@ -83,9 +83,9 @@ class Plan:
     folder: Path | None
     state: Path
     members: tuple[Member, ...]
-    places: tuple[Place, ...]
+    places: tuple[MemberFolder, ...]
 
-    def place(self, member: Member) -> Place:
+    def place(self, member: Member) -> MemberFolder:
         return self.places[member.number - 1]
 
 
@@ -129,12 +129,12 @@ def figures(folder: Path) -> dict[str, float]:
     run = RunFolder(folder)
     if not run.summary.is_file():
         return {}
-    told = read_summary(run.summary)
-    out = {"time [s]": told.get("time"), "real_time_factor [-]": told.get("real_time_factor"), "steps [-]": told.get("steps"),
-           "energy_error_share [-]": told.get("energy", {}).get("error_share")}
-    if "mass" in told:
-        out["mass_error_share [-]"] = told["mass"].get("error_share")
-    out |= told.get("final", {}) | told.get("new_hole", {})
+    reported = read_summary(run.summary)
+    out = {"time [s]": reported.get("time"), "real_time_factor [-]": reported.get("real_time_factor"), "steps [-]": reported.get("steps"),
+           "energy_error_share [-]": reported.get("energy", {}).get("error_share")}
+    if "mass" in reported:
+        out["mass_error_share [-]"] = reported["mass"].get("error_share")
+    out |= reported.get("final", {}) | reported.get("new_hole", {})
     out |= _means(run.history)
     return {name: np.nan if value is None else float(value) for name, value in out.items()}
 

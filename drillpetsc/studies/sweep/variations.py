@@ -134,8 +134,8 @@ def variations(path: str | Path, choices: dict[str, list[str]]) -> list[Variatio
             found.append(Variation(values, case))
         except CaseError as error:
             for each in (error, *error.also):
-                told = _explained(each, values)
-                errors.setdefault(f"{told.at} {told.got} {told.want}", told)
+                reported = _explained(each, values)
+                errors.setdefault(f"{reported.at} {reported.got} {reported.want}", reported)
     if errors:
         first, *others = list(errors.values())[:MOST_ERRORS]
         first.also = tuple(others)

@@ -15,8 +15,8 @@ from typing import Any
 from petsc4py import PETSc
 
 LEAST_ELEMENTS = 120  # per rank of a team: two ranks were slower than one with 100 elements in all, and no faster with 225
-PATIENCE = 60.0  # how long a rank waits for the others of its team once its own part of a member has ended [s]
-NAP = 0.02  # between two looks [s]; a rank that waits leaves its core to others
+RANK_TIMEOUT = 60.0  # how long a rank waits for the others of its team once its own part of a member has ended [s]
+POLL_INTERVAL = 0.02  # between two looks [s]; a rank that waits leaves its core to others
 
 
 def team_sizes(costs: Sequence[float], elements: Sequence[int], ranks: int) -> list[int]:
@@ -46,7 +46,7 @@ def team_sizes(costs: Sequence[float], elements: Sequence[int], ranks: int) -> l
 
 
 @dataclass
-class Team:
+class WorkerGroup:
     """The ranks that compute a member together.
 
     number: from 0; comm: for the computation; talk: of the same ranks, for what stands beside it, so that a message of a rank that has
@@ -63,16 +63,16 @@ class Team:
     def first(self) -> bool:
         return self.talk.rank == 0
 
-    def gathered(self, mine: Any) -> list[Any] | None:
-        """``mine`` of each rank of the team; None when a rank has not come within PATIENCE, and never will."""
+    def gathered(self, on_rank: Any) -> list[Any] | None:
+        """``mine`` of each rank of the team; None when a rank has not come within RANK_TIMEOUT, and never will."""
         if self.talk.size == 1:
-            return [mine]
-        if not wait_for(self.talk.Ibarrier(), PATIENCE):
+            return [on_rank]
+        if not wait_for(self.talk.Ibarrier(), RANK_TIMEOUT):
             return None
-        return self.talk.allgather(mine)
+        return self.talk.allgather(on_rank)
 
 
-def split(mpi: Any, sizes: Sequence[int]) -> Team | None:
+def split(mpi: Any, sizes: Sequence[int]) -> WorkerGroup | None:
     """This rank's team, of neighbouring ranks; None for a rank without one.  Collective over ``mpi`` (mpi4py's)."""
     from mpi4py import MPI
 
@@ -83,7 +83,7 @@ def split(mpi: Any, sizes: Sequence[int]) -> Team | None:
         return None
     # PETSc's own duplicate is held as long as the team lives: freed with its last object, it could be made anew on one rank alone
     comm = PETSc.Comm(part).duplicate()
-    return Team(number, comm, part.Dup(), tuple(part.allgather(mpi.rank)), [part])
+    return WorkerGroup(number, comm, part.Dup(), tuple(part.allgather(mpi.rank)), [part])
 
 
 def wait_for(request: Any, longest: float = float("inf")) -> bool:
@@ -92,7 +92,7 @@ def wait_for(request: Any, longest: float = float("inf")) -> bool:
     while not request.Test():
         if clock.monotonic() - began > longest:
             return False
-        clock.sleep(NAP)
+        clock.sleep(POLL_INTERVAL)
     return True
 
 

@@ -10,9 +10,9 @@ from scipy.linalg import eigh, eigvals
 
 from drillpetsc.analysis.check import describe
 from drillpetsc.analysis.equilibrium import place_along_hole
-from drillpetsc.analysis.time_scales import AXIAL, BENDING, MUD, TORSIONAL, impact_time, step_warnings, time_scales, told
+from drillpetsc.analysis.time_scales import AXIAL, BENDING, MUD, TORSIONAL, format_time, impact_time, step_warnings, time_scales
 from drillpetsc.case.reader import load_case
-from drillpetsc.model.drilling_model import build_scene
+from drillpetsc.model.drilling_model import build_model
 from drillpetsc.physics.contact import ContactLaw
 from drillpetsc.solvers.linearization import linearise
 
@@ -23,9 +23,9 @@ ONE = {"string": [{"kind": "beam", "length": 4.0, "axial_stiffness": 7.2e8, "ben
 
 def scene_of(tmp_path, case: dict):
     (tmp_path / "case.yaml").write_text(yaml.safe_dump(case))
-    scene = build_scene(load_case(tmp_path / "case.yaml"))
-    place_along_hole(scene)
-    return scene
+    model = build_model(load_case(tmp_path / "case.yaml"))
+    place_along_hole(model)
+    return model
 
 
 def test_impact_of_a_linear_wall_takes_half_a_period():
@@ -50,10 +50,10 @@ def test_impact_on_a_hertz_wall_against_integration_in_time():
 def test_periods_of_one_free_element_are_its_highest_eigenvalues(tmp_path):
     """K and M of the scene's own element: bending sqrt(8400 EI/(mu L^4)) (e.g. Cook, Concepts and Applications of FEA, 11.4), torsion
     sqrt(6 GJ/(I L^2)) (mean of consistent and lumped inertia); along the axis it is no stiffer than the full cubic."""
-    scene = scene_of(tmp_path, ONE)
-    scales, system = time_scales(scene), linearise(scene.model)
+    model = scene_of(tmp_path, ONE)
+    scales, system = time_scales(model), linearise(model.system)
     K, M = system.K.toarray(), system.M.toarray()
-    names = [f.name for f in scene.model.layout.fields]
+    names = [f.name for f in model.system.layout.fields]
     of_line = np.isin(system.field, [names.index("string.position"), names.index("string.tangent")])
     across, along = (np.flatnonzero((system.component == k) & of_line) for k in (0, 2))
     turning = np.flatnonzero(system.field == names.index("string.spin"))
@@ -88,10 +88,10 @@ def test_period_of_mud_bounds_that_of_the_mesh(tmp_path):
     case = {"hold_string": True, "string": [{"kind": "pipe", "length": 80.0, "od": 0.127, "id": 0.1086, "element_length": h}],
             "fluid": {"density": rho, "bulk_modulus": bulk, "rheology": {"model": "newtonian", "viscosity": 1e-3}, "flow_rate": 0.0,
                       "elastic_walls": False, "annulus": False}, "top": "clamped", "bottom": "free", "gravity": [0, 0, 0]}
-    scene = scene_of(tmp_path, case)
-    scales, system = time_scales(scene), linearise(scene.model)
+    model = scene_of(tmp_path, case)
+    scales, system = time_scales(model), linearise(model.system)
     assert scales.mud == pytest.approx(2 * np.pi / np.sqrt(MUD) * h / np.sqrt(bulk / rho), rel=1e-12)
-    inside = np.flatnonzero(system.field != [f.name for f in scene.model.layout.fields].index("bit.flow"))
+    inside = np.flatnonzero(system.field != [f.name for f in model.system.layout.fields].index("bit.flow"))
     K, C = (A.toarray()[np.ix_(inside, inside)] for A in (system.K, system.C))
     roots = eigvals(K, -C)
     fastest = np.abs(roots[np.isfinite(roots)].imag).max()
@@ -104,13 +104,13 @@ def test_warnings_of_fixed_steps_and_the_words_of_check(tmp_path):
             "sections": [{"to": 100, "kind": "casing", "diameter": 0.2159, "friction": 0.2}]}
     case = {"well": well, "string": [{"kind": "pipe", "length": 50.0, "od": 0.127, "id": 0.1086}], "top": "clamped", "bottom": "free",
             "contact": {"stiffness": 1e9}}
-    scene = scene_of(tmp_path, case)
+    model = scene_of(tmp_path, case)
     mass = 7850 * np.pi / 4 * (0.127**2 - 0.1086**2)
     t_c = np.pi * np.sqrt(mass / 1e9)
-    assert time_scales(scene).impact == pytest.approx(t_c, rel=1e-9)
-    assert step_warnings(scene, 0.29 * t_c) == [] == step_warnings(scene, None)
-    assert "do not resolve impacts" in step_warnings(scene, 0.31 * t_c)[0]
-    text = describe(scene.case)
-    assert f"impact on the wall {told(t_c)}" in text and f"caps them at {told(0.5 * t_c)}" in text
+    assert time_scales(model).impact == pytest.approx(t_c, rel=1e-9)
+    assert step_warnings(model, 0.29 * t_c) == [] == step_warnings(model, None)
+    assert "do not resolve impacts" in step_warnings(model, 0.31 * t_c)[0]
+    text = describe(model.case)
+    assert f"impact on the wall {format_time(t_c)}" in text and f"caps them at {format_time(0.5 * t_c)}" in text
     assert step_warnings(scene_of(tmp_path, ONE), 1.0) == []
-    assert [told(s) for s in (1.5, 0.0017, 4.2e-5)] == ["1.5 s", "1.7 ms", "42 us"]
+    assert [format_time(s) for s in (1.5, 0.0017, 4.2e-5)] == ["1.5 s", "1.7 ms", "42 us"]

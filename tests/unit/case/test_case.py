@@ -67,7 +67,7 @@ def test_defaults() -> None:
     assert (case.material.damping.stiffness, case.material.damping.mass) == (0.0, 0.0)
     assert case.string[0].element_length == 10.0
     assert case.string[0].name == "pipe"
-    assert case.beam.formulation == "gauge"
+    assert case.beam.formulation == "ancf"
     assert case.initial.from_ == "statics"
 
 
@@ -273,9 +273,9 @@ def test_cases_and_errors_travel_between_ranks() -> None:
     error = pickle.loads(pickle.dumps(error_of(tops=1)))
     assert (error.at, error.exit_status) == ("tops", 2) and "did you mean 'top'?" in str(error)
     failure = pickle.loads(
-        pickle.dumps(SolveError("diverged", time=1.5, room="contact", element=3, measured_depth=27.0))
+        pickle.dumps(SolveError("diverged", time=1.5, component="contact", element=3, measured_depth=27.0))
     )
-    assert str(failure) == "diverged\n  where:   time 1.5 s, room contact, element 3, measured depth 27 m"
+    assert str(failure) == "diverged\n  where:   time 1.5 s, component contact, element 3, measured depth 27 m"
     assert failure.exit_status == 1
 
 

@@ -23,7 +23,7 @@ from drillpetsc.case.quantities import OverTime, Quantity, dump_time_function
 from drillpetsc.case.writer import case_data
 from drillpetsc.cli import main
 from drillpetsc.errors import CaseError
-from drillpetsc.model.drilling_model import build_scene
+from drillpetsc.model.drilling_model import build_model
 from drillpetsc.time_function import PiecewiseLinear, Ramp
 from drillpetsc.units import DIMENSIONS
 
@@ -129,7 +129,7 @@ def test_a_validated_case_is_built_or_refused(folder: Path, r: Any) -> None:
     assume(case is not None)
     assert case is not None
     with contextlib.suppress(CaseError):
-        guarded(lambda: build_scene(case), 20.0)
+        guarded(lambda: build_model(case), 20.0)
 
 
 @slow
@@ -147,8 +147,8 @@ def test_the_script_counts_its_mutants(tmp_path: Path) -> None:
     tally = fuzz.run(60, 7, 0.0, 0, tmp_path / "failures", said.append)
     assert sum(tally.outcomes.values()) == 60
     assert tally.failures == {} and said == [] and not (tmp_path / "failures").exists()
-    told = "\n".join(fuzz.table(tally))
-    assert "FAILED" in told.splitlines()[0] and "data" in told
+    reported = "\n".join(fuzz.table(tally))
+    assert "FAILED" in reported.splitlines()[0] and "data" in reported
 
 
 def test_the_script_shows_the_smallest_case_that_fails(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drillpetsc.fem.quadrature import corners, rule
+from drillpetsc.fem.quadrature import exposed_ends, rule
 from drillpetsc.fem.string_mesh import RigidItem, uniform_string
 
 
@@ -37,13 +37,13 @@ def test_ends_that_stand_out():
     thick = mesh.outer_diameter.copy()
     thick[2:4] = 0.17
     mesh = replace(mesh, outer_diameter=thick)
-    upper, lower = corners(mesh)
+    upper, lower = exposed_ends(mesh)
     assert np.flatnonzero(upper).tolist() == [2] and np.flatnonzero(lower).tolist() == [3, 5]
     body = RigidItem("stabilizer", "stabilizer", 4, 0.0, 1.0, 100.0, 0.5, (0.0, 0.0), 1.0, 1.0, 0.1)
     bit = replace(body, node=6, radius=0.11)
-    upper, lower = corners(replace(mesh, bodies=(body, bit)))
+    upper, lower = exposed_ends(replace(mesh, bodies=(body, bit)))
     assert np.flatnonzero(upper).tolist() == [2] and not lower.any()
     crossover = replace(body, radius=0.05)  # a thin item between the pipe above and the stabilizer
-    _, lower = corners(replace(mesh, bodies=(crossover, body, bit)))
+    _, lower = exposed_ends(replace(mesh, bodies=(crossover, body, bit)))
     assert np.flatnonzero(lower).tolist() == [3]
-    assert corners(mesh, free_top=True)[0][0] and not corners(mesh)[0][0]
+    assert exposed_ends(mesh, free_top=True)[0][0] and not exposed_ends(mesh)[0][0]

@@ -81,7 +81,7 @@ def test_memory_brings_the_hole_back():
     for drilled in np.arange(0.01, 3.0, 0.01):
         hole.follow(drilled, arc(np.array([drilled]), 200.0, 0.3)[0][0] - [0, 0, 0.1])
     other = GrowingHole(vertical(), 0.1, 0.12, 0.25)
-    other.recall(hole.memory())
+    other.set_state(hole.get_state())
     md = np.linspace(99.0, 103.0, 50)
     assert np.array_equal(other.well.at(md)[0], hole.well.at(md)[0])
     assert np.array_equal(other.direction, hole.direction)

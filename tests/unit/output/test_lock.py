@@ -39,8 +39,8 @@ def test_the_second_is_refused_until_the_first_ends(tmp_path: Path) -> None:
     run.history.write_text("kept")
     run.release()
     first = holder(run.path)
-    told = refused(run.path)
-    assert f"process {first.pid} on {socket.gethostname()}" in told and str(run.path) in told
+    reported = refused(run.path)
+    assert f"process {first.pid} on {socket.gethostname()}" in reported and str(run.path) in reported
     for way in ({"restart": True}, {"overwrite": True}):
         with pytest.raises(RunFolderBusy):
             RunFolder.create("a", out=run.path, **way)
@@ -71,7 +71,7 @@ def test_a_number_that_has_gone_to_another_process_is_not_the_owner(tmp_path: Pa
 def test_nobody_here_knows_whether_a_process_elsewhere_is_alive(tmp_path: Path) -> None:
     owner = {"host": "elsewhere", "pid": 2**22 + 1, "started": 1, "since": "2001-01-01 10:00:00"}
     (tmp_path / lock.NAME).write_text(json.dumps(owner))
-    assert "elsewhere" in (told := refused(tmp_path)) and f"remove {tmp_path / lock.NAME}" in told
+    assert "elsewhere" in (reported := refused(tmp_path)) and f"remove {tmp_path / lock.NAME}" in reported
     lock.release(tmp_path)
     assert (tmp_path / lock.NAME).is_file()  # not ours to remove
 

@@ -46,8 +46,8 @@ def make_sweep(folder: Path, header: str, rows: list[str], holes: list[tuple[flo
     for k, (row, hole) in enumerate(zip(rows, holes, strict=True), 1):
         run = RunFolder.create("x", out=folder / f"member-{k:03d}")
         write_hole(run.trajectory, *hole)
-        told = status if k == len(rows) else "done"
-        lines.append(f"{k},{row},{told},member-{k:03d},1,{hole[4]},{30 * hole[2] / hole[4]},")
+        reported = status if k == len(rows) else "done"
+        lines.append(f"{k},{row},{reported},member-{k:03d},1,{hole[4]},{30 * hole[2] / hole[4]},")
     (folder / "sweep.csv").write_text("\n".join(lines) + "\n")
     write_summary(folder / "summary.json", {"title": "made by hand"})
     return folder

@@ -52,12 +52,12 @@ def test_the_shaded_hole_shows_the_string_where_it_is_and_in_its_colour(tmp_path
     points, data = helix_frame(0.0)
     data["offset_x [m]"] = data["offset_y [m]"] = np.zeros(len(points))
     shape = shape_of(Frame(points, data, {}, {}), 0.0, "axial_force [N]")
-    scene = render.Rendering(shape, 1000.0, (-50.0, LENGTH + 50.0), (200, 600))
+    model = render.Rendering(shape, 1000.0, (-50.0, LENGTH + 50.0), (200, 600))
     upper = shape.md[:, None] < 0.5 * LENGTH
     red, blue = np.array([[1.0, 0, 0]]), np.array([[0, 0, 1.0]])
-    first = scene.image(shape, np.where(upper, red, blue)).astype(int)
-    second = scene.image(shape, np.where(upper, blue, red)).astype(int)  # an animation recolours the same scene
-    scene.close()
+    first = model.image(shape, np.where(upper, red, blue)).astype(int)
+    second = model.image(shape, np.where(upper, blue, red)).astype(int)  # an animation recolours the same scene
+    model.close()
     for image, top in ((first, 0), (second, 2)):
         bottom = 2 - top
         assert image[200, 100, top] > image[200, 100, bottom] + 60

@@ -220,6 +220,6 @@ def test_the_table_says_how_far_each_member_is(file, tmp_path):
     keep_outcome(plan, Outcome(3, "done", "", (1,), 0.5))
     write(plan, {"ranks": 4})
     assert read_table(tmp_path / "out" / "sweep.csv")["message"].tolist() == ["", 'broke, "so"', ""]
-    told = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert (told["status"], told["done"], told["failed"], told["title"]) == ("failed", 2, 1, "title")
-    assert [m["computed_by"] for m in told["members"]] == [[2, 3], [0], [1]] and set(outcomes(plan)) == {1, 2, 3}
+    reported = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert (reported["status"], reported["done"], reported["failed"], reported["title"]) == ("failed", 2, 1, "title")
+    assert [m["computed_by"] for m in reported["members"]] == [[2, 3], [0], [1]] and set(outcomes(plan)) == {1, 2, 3}

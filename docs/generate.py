@@ -1,0 +1,414 @@
+"""Pages of the manual that are written from the program itself, at build time, into docs/_generated.
+
+`write(folder)` writes
+- `case/*.md`: one page a block of the case file, from the pydantic classes behind `drillpetsc.case.Case`
+- `commands.md`: commands and options, from the argparse parser of `drillpetsc.cli`
+- `messages.md`: what the program answers to each file of `cases/broken`
+- `supported.md`: which formulation takes which feature, found out by building small cases
+
+Only names of the public face are used (`Case`, `load_case`, `cli.parser`), so files of the package may move.
+A file whose text does not change is left alone, which keeps Sphinx from building it again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import types
+import typing
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+DOCS = Path(__file__).resolve().parent
+ROOT = DOCS.parent
+HEAD = "% Written by docs/generate.py; edits are lost.\n\n"
+PLAIN = {bool: "true, false", str: "text", int: "whole number", float: "number"}
+
+
+def version() -> str:
+    """Version of the package."""
+    import drillpetsc
+
+    return str(drillpetsc.__version__)
+
+
+def write(folder: Path) -> None:
+    """Write all generated pages into a folder; files that are no longer generated are removed."""
+    pages = {**case_pages(), "commands.md": commands_page(), "messages.md": messages_page(), "supported.md": supported_page()}
+    for name, text in pages.items():
+        file = folder / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        if not file.is_file() or file.read_text(encoding="utf-8") != text:
+            file.write_text(text, encoding="utf-8")
+    for old in folder.rglob("*.md"):
+        if old.relative_to(folder).as_posix() not in pages:
+            old.unlink()
+
+
+# ---------------------------------------------------------------------------------------------------- case file
+@dataclass
+class Key:
+    """One row of a table of keys."""
+
+    name: str
+    unit: str
+    allowed: str
+    default: str
+    meaning: str
+    blocks: list[type] = field(default_factory=list)
+
+
+def is_block(kind: Any) -> bool:
+    return isinstance(kind, type) and hasattr(kind, "model_fields")
+
+
+def case_class() -> Any:
+    from drillpetsc.case import Case
+
+    return Case
+
+
+def blocks_in(annotation: Any) -> Iterator[type]:
+    """Classes of blocks that may stand in a value of this type, in order."""
+    if is_block(annotation):
+        yield annotation
+    for part in get_args(annotation):
+        if part is not None and not isinstance(part, (str, int, float, bool)):
+            yield from blocks_in(part)
+
+
+def case_pages() -> dict[str, str]:
+    """A page for each top-level key of the case file that holds blocks, one for the other keys, and the index."""
+    case = case_class()
+    pages, rows, names = {}, [], []
+    for name, info in case.model_fields.items():
+        key = key_row(name, info)
+        rows.append(key)
+        if key.blocks:
+            names.append(name)
+            pages[f"case/{name}.md"] = block_page(name, info, key)
+    for row in rows:
+        if row.name in names:
+            row.name = f"{{doc}}`{row.name} <{row.name}>`"
+        else:
+            row.name = f"`{row.name}`"
+    toctree = "\n".join(names)
+    pages["case/index.md"] = (
+        f"{HEAD}(case-keys)=\n# Keys of the case file\n\n"
+        "One page a block. A bare number is in the unit of the table; a text carries a unit of its own (`80 rpm`, `2000 m`).\n"
+        "A block that is absent is physics that the model does not have.\n\n"
+        + table(rows, code=False) + f"\n```{{toctree}}\n:maxdepth: 1\n:hidden:\n\n{toctree}\n```\n")
+    return pages
+
+
+def block_page(name: str, info: Any, key: Key) -> str:
+    """Tables of a block and of all blocks inside it."""
+    out = [f"{HEAD}(case-{name})=\n# `{name}`\n", sentence(info.description or "") + "\n"]
+    if key.allowed or key.default:
+        parts = [f"Allowed: {key.allowed}." if key.allowed else "", f"Default: {key.default}." if key.default else ""]
+        out.append(" ".join(part for part in parts if part) + "\n")
+    queue, seen = [(block, name) for block in key.blocks], set()
+    while queue:
+        block, where = queue.pop(0)
+        if block in seen:
+            continue
+        seen.add(block)
+        rows = [key_row(n, f) for n, f in block.model_fields.items()]
+        out.append(f"## {title_of(block, where)}\n")
+        if block.__doc__:
+            out.append(markdown(sentence(" ".join(block.__doc__.split()))) + "\n")
+        out.append(table(rows))
+        queue += [(inner, f"{where}.{row.name}") for row in rows for inner in row.blocks]
+    return "\n".join(out)
+
+
+def title_of(block: Any, where: str) -> str:
+    """`{kind: pipe}` in `string`, or the path of the block."""
+    for key in ("kind", "model"):
+        if key in block.model_fields:
+            words = literals(block.model_fields[key].annotation)
+            if words:
+                return f"`{where}`: `{key}: {' | '.join(words)}`"
+    if "at" in block.model_fields and "from_" not in block.model_fields and where == "loads":
+        return f"`{where}`: point load"
+    if where == "loads":
+        return f"`{where}`: distributed load"
+    return f"`{where}`"
+
+
+def literals(annotation: Any) -> list[str]:
+    """Words of all Literal types in an annotation."""
+    if get_origin(annotation) is Literal:
+        return [str(word) for word in get_args(annotation) if word is not None]
+    if get_origin(annotation) in (Union, types.UnionType, Annotated):
+        return [word for part in get_args(annotation) for word in literals(part)]
+    return []
+
+
+def metadata_of(annotation: Any, own: Any) -> list[Any]:
+    """Metadata of a field and of the types in its annotation."""
+    found = list(own)
+    if get_origin(annotation) is Annotated:
+        found += [part for part in get_args(annotation)[1:] if not isinstance(part, str)]
+    for part in get_args(annotation):
+        if not isinstance(part, (str, int, float, bool)) and part is not None and not is_block(part):
+            found += metadata_of(part, ())
+    return found
+
+
+def key_row(name: str, info: Any) -> Key:
+    """The row of one key."""
+    annotation, meta = info.annotation, metadata_of(info.annotation, info.metadata)
+    quantity = next((part for part in meta if hasattr(part, "unit")), None)
+    text = info.description or ""
+    unit = getattr(quantity, "unit", "") or ""
+    if not unit and not is_block(annotation):
+        match = re.search(r"\[([^\]]+)\]", text)
+        unit = match.group(1) if match and " " not in match.group(1).strip() or match and "/" in match.group(1) else ""
+        unit = "" if "," in unit else unit
+    words, blocks = literals(annotation), list(dict.fromkeys(blocks_in(annotation)))
+    allowed = allowed_of(annotation, meta, quantity, words, blocks)
+    required = info.is_required()
+    default = "required" if required else default_of(info, text)
+    return Key(info.alias or name, pretty(unit), allowed, default, text, blocks)
+
+
+def allowed_of(annotation: Any, meta: list[Any], quantity: Any, words: list[str], blocks: list[type]) -> str:
+    """Range, words, or form of a value."""
+    parts = []
+    if words:
+        parts.append(", ".join(f"`{word}`" for word in words))
+    if blocks:
+        parts.append("a list of blocks" if is_sequence(annotation) else "a block")
+    kind = type(quantity).__name__
+    if kind == "OverTime":
+        parts.append("a value over time")
+    elif kind == "Vector":
+        more = getattr(quantity, "along_x", False) or getattr(quantity, "along_z", False)
+        parts.append("three components" + (", or one number" if more else ""))
+    elif quantity is not None:
+        spoken = quantity.allowed() if hasattr(quantity, "allowed") else ""
+        spoken = spoken.removesuffix(f" {quantity.unit}") if quantity.unit else spoken
+        parts.append(("a list, each " if is_sequence(annotation) and spoken else "a list of numbers" if is_sequence(annotation) else "")
+                     + (spoken or ("" if is_sequence(annotation) else "any number")))
+    for bound, word in (("ge", "at least"), ("le", "at most"), ("min_length", "entries: at least")):
+        limits = [getattr(part, bound) for part in meta if getattr(part, bound, None) is not None]
+        if limits:
+            parts.append(f"{word} {limits[0]:g}")
+    if not parts:
+        bare = next((PLAIN[t] for t in PLAIN if t is annotation or t in get_args(annotation)), "")
+        parts.append(bare if not str(annotation).startswith("dict") else "a mapping of names and values")
+    return ", ".join(part for part in parts if part)
+
+
+def is_sequence(annotation: Any) -> bool:
+    return get_origin(annotation) in (tuple, list) or any(is_sequence(part) for part in get_args(annotation)
+                                                           if get_origin(annotation) in (Union, types.UnionType, Annotated))
+
+
+def default_of(info: Any, text: str) -> str:
+    """A default as it would be written."""
+    value = info.default
+    if value is None:
+        if "when not given" in text or "none" in text.lower().split(";")[-1]:
+            return "see meaning"
+        return "none"
+    if hasattr(value, "constant"):
+        value = value.constant
+    if is_block(type(value)):
+        if "kind" in type(value).model_fields:
+            return f"`{value.kind}`"
+        return "the block's defaults"
+    if isinstance(value, bool):
+        return f"`{str(value).lower()}`"
+    if isinstance(value, float):
+        return f"{value:g}"
+    if value in ("", (), {}, []):
+        return "empty"
+    if isinstance(value, tuple):
+        return "[" + ", ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in value) + "]"
+    return f"`{value}`"
+
+
+def pretty(unit: str) -> str:
+    """`kg/m^3` -> kg/m³."""
+    unit = unit.replace("Pa = N/m2", "Pa").strip()
+    if unit == "-":
+        return "-"
+    return re.sub(r"\^?([23])(?![\d.])", lambda m: {"2": "²", "3": "³"}[m.group(1)], unit)
+
+
+def sentence(text: str) -> str:
+    """With a capital first letter and a full stop."""
+    text = text.strip()
+    return text[:1].upper() + text[1:] + ("" if text.endswith((".", ":", "")) and text.endswith(".") else ".") if text else ""
+
+
+def markdown(text: str) -> str:
+    """Plain text as Markdown: no emphasis, no brackets that look like links, no table bars."""
+    text = re.sub(r"([*_<>\[\]|$])", r"\\\1", text)
+    return text.replace("{", "\\{").replace("}", "\\}")
+
+
+def table(rows: list[Key], code: bool = True) -> str:
+    """Rows as a Markdown table."""
+    lines = ["| key | unit | allowed | default | meaning |", "| --- | --- | --- | --- | --- |"]
+    for row in rows:
+        name = f"`{row.name}`" if code else row.name
+        meaning = re.sub(r"\s*\[(?:[^\]]*)\]", "", row.meaning, count=1) if row.unit else row.meaning
+        cells = [name, markdown(row.unit), row.allowed, row.default, markdown(meaning)]
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+# ---------------------------------------------------------------------------------------------------- commands
+def commands_page() -> str:
+    """Commands and options from the parser."""
+    from drillpetsc.cli import parser
+
+    whole = parser()
+    actions = next(a for a in whole._actions if isinstance(a, argparse._SubParsersAction))
+    helps = {choice.dest: choice.help or "" for choice in actions._choices_actions}
+    out = [f"{HEAD}(commands-options)=\n# Commands and options\n",
+           "`drillpetsc COMMAND --help` shows the same. Options of PETSc have one dash ({doc}`/guide/solver-options`).\n",
+           "| command | does |\n| --- | --- |"]
+    out += [f"| [`{name}`](#command-{name}) | {markdown(helps.get(name, ''))} |" for name in actions.choices]
+    out.append("")
+    for name, sub in actions.choices.items():
+        usage = " ".join(sub.format_usage().removeprefix("usage: ").split())
+        out += [f"(command-{name})=\n## `{name}`\n", markdown(sentence(sub.description or "")) + "\n", f"```text\n{usage}\n```\n",
+                "| argument | meaning |\n| --- | --- |"]
+        for action in sub._actions:
+            if isinstance(action, argparse._HelpAction):
+                continue
+            label = "`" + ", ".join(action.option_strings or [str(action.metavar or action.dest)]) + "`"
+            if action.option_strings and action.nargs != 0:
+                value = action.metavar or (" \\| ".join(map(str, action.choices)) if action.choices else action.dest.upper())
+                value = " ".join(value) if isinstance(value, tuple) else str(value)
+                label += f" {value}"
+            text = markdown(action.help or ("the case file" if "CASE" in str(action.metavar) else "the run folder"
+                                            if action.metavar == "RUN" else "where to write"))
+            if action.choices and not action.option_strings:
+                text += f" ({', '.join(map(str, action.choices))})"
+            out.append(f"| {label} | {text} |")
+        out.append("")
+    epilog = whole.epilog or ""
+    out.append(f"## Exit status and PETSc options\n\n```text\n{epilog}\n```\n")
+    return "\n".join(out)
+
+
+# ---------------------------------------------------------------------------------------------------- messages
+def messages_page() -> str:
+    """The answer to each file of cases/broken."""
+    from drillpetsc import load_case
+    from drillpetsc.errors import CaseError
+
+    folder = ROOT / "cases" / "broken"
+    out = [f"{HEAD}(messages-table)=\n# Answers to wrong case files\n",
+           "Each file of `cases/broken` has one mistake. The program answers with file, line and key, with what was given, "
+           "and with what is allowed. Nothing is written, and the exit status is 2.\n"]
+    for file in sorted(folder.glob("*.yaml")):
+        text = file.read_text(encoding="utf-8", errors="replace")
+        first = text.splitlines()[0].lstrip("# ").strip() if text.strip() else "An empty file."
+        if first.startswith("expect:"):
+            first = ""
+        try:
+            load_case(file)
+        except CaseError as error:
+            answer = str(error).replace(f"{folder}/", "")
+        else:
+            continue
+        out += [f"## {file.stem.replace('-', ' ')}\n", (markdown(first) + "\n") if first else "", f"```text\n{answer}\n```\n"]
+    return "\n".join(out)
+
+
+# ---------------------------------------------------------------------------------------------------- what goes together
+PIPE = {"kind": "pipe", "length": "100 m", "od": "127 mm", "id": "108.6 mm"}
+BIT = {"kind": "bit", "length": "0.5 m", "od": "215.9 mm"}
+WELL = {"survey": {"md": ["0 m", "200 m"], "inclination": ["0 deg", "0 deg"], "azimuth": ["0 deg", "0 deg"]},
+        "sections": [{"to": "end", "kind": "open_hole", "diameter": "215.9 mm"}]}
+MUD = {"density": "1200 kg/m3", "rheology": {"model": "newtonian", "viscosity": "1 mPa s"}, "flow_rate": "10 l/s"}
+DRILLS = {"well": WELL, "string": [PIPE, BIT], "bottom": {"kind": "bit"}, "formation": {}}
+
+FEATURES: dict[str, dict[str, Any]] = {
+    "well and contact": {"well": WELL},
+    "bit on bottom": {"well": WELL, "string": [PIPE, BIT], "bottom": {"kind": "bit"}},
+    "drilling (formation)": DRILLS,
+    "bit law drag_bit": {**DRILLS, "formation": {"bit_law": "drag_bit"}},
+    "bit law velocity_weakening": {**DRILLS, "formation": {"bit_law": {
+        "kind": "velocity_weakening", "static": "8 kN m", "dynamic": "5 kN m", "speed": "1 rad/s"}}},
+    "mud, mixed": {"well": WELL, "fluid": MUD},
+    "mud, hermite": {"well": WELL, "fluid": {**MUD, "formulation": "hermite"}},
+    "mud, quasi-steady": {"well": WELL, "fluid": {**MUD, "dynamics": "quasi_steady"}},
+    "stabilizer above pipe": {"string": [PIPE, {"kind": "stabilizer", "length": "1 m", "od": "0.2 m", "mass": 100}, PIPE]},
+    "stabilizer at the lower end": {"string": [PIPE, {"kind": "stabilizer", "length": "1 m", "od": "0.2 m", "mass": 100}]},
+    "eccentricity": {"string": [{**PIPE, "eccentricity": "2 mm"}]},
+    "stress-free curvature": {"string": [{**PIPE, "curvature": 1e-4}]},
+    "bent sub": {"string": [PIPE, {**PIPE, "bend": {"angle": "1 deg"}}]},
+    "joints": {"joints": [{"kind": "universal", "at": "50 m"}]},
+    "loads": {"loads": [{"at": "50 m", "force": [1, 0, 0]}]},
+    "rotary drive (driven top)": {"top": {"kind": "driven", "stiffness": 100.0}},
+    "axial force at the top": {"top": {"kind": "top_drive", "force": "10 kN"}},
+    "held string (hydraulics)": {"well": WELL, "fluid": MUD, "hold_string": True, "top": "clamped"},
+    "quasi-static time": {"time": {"mode": "quasi_static", "end": "1 h"}},
+}
+BASE: dict[str, Any] = {"string": [PIPE], "top": {"kind": "top_drive"}, "time": {"end": "1 s"}}
+
+
+def refused(*parts: dict[str, Any]) -> str:
+    """Why a case of these parts is refused; empty when it is valid."""
+    from drillpetsc.errors import CaseError
+
+    keys: dict[str, Any] = dict(BASE)
+    for part in parts:
+        for name, value in part.items():
+            joined = isinstance(value, dict) and isinstance(keys.get(name), dict) and name in ("fluid", "formation", "beam")
+            keys[name] = {**keys[name], **value} if joined else value
+    try:
+        case_class()(**keys)
+    except CaseError as error:
+        return f"{error.at}: {error.want}"
+    return ""
+
+
+def supported_page() -> str:
+    """Feature by formulation, and feature by feature, tried out."""
+    formulations = literals(case_class().model_fields["beam"].annotation.model_fields["formulation"].annotation)
+    out = [f"{HEAD}(supported)=\n# Supported combinations\n",
+           "The tables are found out at build time: a small case of each combination is read, and accepted or refused.\n",
+           "## Beam formulations\n\n| feature | " + " | ".join(f"`{f}`" for f in formulations) + " |\n"
+           + "| --- |" + " --- |" * len(formulations)]
+    notes: list[str] = []
+
+    def cell(*parts: dict[str, Any]) -> str:
+        why = refused(*parts)
+        if not why:
+            return "yes"
+        if why not in notes:
+            notes.append(why)
+        return f"no ({notes.index(why) + 1})"
+
+    for name, feature in FEATURES.items():
+        out.append(f"| {name} | " + " | ".join(cell(feature, {"beam": {"formulation": f}}) for f in formulations) + " |")
+    others = ["mud, mixed", "mud, hermite", "joints", "rotary drive (driven top)", "held string (hydraulics)", "quasi-static time",
+              "drilling (formation)"]
+    out.append("\n## Feature by feature\n\n| feature | " + " | ".join(others) + " |\n| --- |" + " --- |" * len(others))
+    for name, feature in FEATURES.items():
+        cells = ["" if name == other else cell(*ordered(feature, FEATURES[other])) for other in others]
+        out.append(f"| {name} | " + " | ".join(cells) + " |")
+    out.append("\n## Reasons\n")
+    out += [f"{i}. {markdown(note)}" for i, note in enumerate(notes, 1)]
+    out.append("\nThe commands `modes` and `study --vary formulation` have limits of their own; their messages name them.\n")
+    return "\n".join(out)
+
+
+def ordered(a: dict[str, Any], b: dict[str, Any]) -> tuple[dict[str, Any], ...]:
+    """Parts to overlay, the one with a special string or top last, so that neither feature is lost where both can stand."""
+    return (b, a) if len(str(a.get("string", ""))) >= len(str(b.get("string", ""))) else (a, b)
+
+
+if __name__ == "__main__":
+    write(DOCS / "_generated")
+    print(*sorted(str(f.relative_to(DOCS)) for f in (DOCS / "_generated").rglob("*.md")), sep="\n")

@@ -1,0 +1,281 @@
+// A bit that cuts rock: an ellipsoid in a bucket whose end moves with the rate of penetration, three laws of the bit.
+//
+// Unknowns r, v, phi of the last node; e (3) displacement of the hole's end and s metres drilled, both since the start; chips (N): the rock's
+// profile ahead of a blade (drag bit in motion only).
+//   bottom   depth_b = (x_c - h).t_h + |t_h|_Q - c,   Q = a^2 (I - e_b e_b^T) + c^2 e_b e_b^T   (x_c centre of the ellipsoid, h = END + e)
+//   side     depth_s = rho + |n|_Q - (a + clearance)
+//   hole     e' = v(F),  s' = |v|                      (state)   or e, s held and moved between the steps (post_step)
+//   rock     v = D (Omega/Omega_ref)^a (W_eff/W_ref)^(b-1) (W_eff/W) M_r M_b F
+//   profile  B_t = [omega]_+ B_xi,  B(2 pi/blades) = max(U, B(0)),  chip per blade d_n = U - B(0),  U = s + depth_b
+#pragma once
+#include "contact/contact.hpp"
+
+namespace dp {
+
+constexpr double ROCK_ROW = 1e5;          // row of a hole's rate [N s/m]: of the size of the string's rows
+constexpr double THRESHOLD_ROUNDING = 0.05;  // share of the threshold weight over which it is rounded off
+constexpr double SPEED_ROUNDING = 1e-3;   // share of the reference speed below which |Omega| is rounded off
+constexpr double TURN_ROUNDING = 1e-3;    // speed below which the cutting of a drag bit is rounded off [rad/s]
+
+enum BitKind { ROP_BIT, DRAG_BIT, WEAKENING_BIT };
+
+// Laws of bit and rock; filled by the component of the bit.
+struct BitLaw {
+    double kind, bit_axis, walk_cos, walk_sin;             // direction: 1 along the bit's axis
+    double reference_speed, reference_weight, width;       // width over which one layer goes over into the next [m]
+    double cut, contact, torque_cut, torque_contact;       // drag bit: W = cut d + contact, T = torque_cut d + torque_contact [N/m, N, N, N m]
+    double blades, onset, rest;                            // depth over which the wear flat comes into contact [m]; rounding of its speed [m/s]
+    double static_torque, dynamic_torque, speed, by_weight; // weakening: torques [N m], or lever arms [m] of the weight
+    double turn_rounding;                                  // rounding of the direction of turning [rad/s]
+    const double* layers; int count;                       // rows of LAYER_ROW
+    const double* derivative;                              // (N, N+1) of the profile by xi [1/rad]
+    int touching;                                          // of the last evaluation: 1 bottom, 2 side
+};
+
+// A layer: FROM [m drilled], D [m/(s N)], exponents a and b, threshold [N], anisotropy of the bit, M_r (9, row by row)
+enum { LAYER_FROM, LAYER_RATE, LAYER_A, LAYER_B, LAYER_THRESHOLD, LAYER_BIT, LAYER_ROCK, LAYER_ROW = LAYER_ROCK + 9 };
+
+// |Omega|^a / Omega_ref^a, zero and smooth at standstill; 1 for a = 0
+template <class T>
+inline T speed_factor(const T& omega, double a, double reference) {
+    if (a == 0) return T(1.0);
+    const T q = omega * (1.0 / reference), q2 = q * q;
+    return q2 * pow(q2 + SPEED_ROUNDING * SPEED_ROUNDING, 0.5 * a - 1.0);
+}
+
+// [omega]_+, smooth at standstill
+template <class T>
+inline T forward(const T& omega) {
+    return val(omega) > 0 ? omega * omega / sqrt(omega * omega + TURN_ROUNDING * TURN_ROUNDING) : T(0.0);
+}
+
+// weight beyond the threshold, C1
+template <class T>
+inline T beyond(const T& weight, double threshold) {
+    if (threshold <= 0) return weight;
+    const double w = THRESHOLD_ROUNDING * threshold;
+    const T g = weight - threshold;
+    if (val(g) <= -w) return T(0.0);
+    return val(g) >= w ? g : (g + w) * (g + w) * (0.25 / w);
+}
+
+// Direction in which the bit goes under the force F on the rock: M_r M_b F, M_b = e e^T + I_b Rot(walk)(I - e e^T).
+template <class T>
+inline Vec<T> cut_direction(const BitLaw& law, const double* layer, const Vec<T>& F, const Vec<T>& e) {
+    const T axial = dot(F, e);
+    const Vec<T> across = F - e * axial;
+    const Vec<T> g = e * axial + (across * law.walk_cos + cross(e, across) * law.walk_sin) * layer[LAYER_BIT];
+    const double* M = layer + LAYER_ROCK;
+    return {g.x * M[0] + g.y * M[1] + g.z * M[2], g.x * M[3] + g.y * M[4] + g.z * M[5], g.x * M[6] + g.y * M[7] + g.z * M[8]};
+}
+
+// Rate of penetration [m/s] in one layer.  chip_rate: the speed at which a drag bit takes rock off, where its profile is known.
+template <class T>
+inline Vec<T> layer_rate(const BitLaw& law, const double* layer, const Vec<T>& F, const Vec<T>& e, const T& omega, const T* chip_rate) {
+    const T weight = dot(F, e);
+    const Vec<T> zero = {T(0.0), T(0.0), T(0.0)}, w = cut_direction(law, layer, F, e);
+    if (val(weight) <= 0) return zero;
+    T along;
+    if (law.kind == DRAG_BIT) {
+        T rate;
+        if (chip_rate) {
+            rate = *chip_rate;
+        } else {  // steady cutting: W = cut d + contact
+            const T free = beyond(weight, law.contact);
+            rate = free * forward(omega) * (1.0 / (law.cut * 2 * M_PI));
+        }
+        along = rate / dot(w, e);
+        return w * along;
+    }
+    const T free = beyond(weight, layer[LAYER_THRESHOLD]);
+    if (val(free) <= 0) return zero;
+    T scale = speed_factor(omega, layer[LAYER_A], law.reference_speed) * (free / weight) * layer[LAYER_RATE];
+    if (layer[LAYER_B] != 1) scale = scale * pow(free * (1.0 / law.reference_weight), layer[LAYER_B] - 1.0);
+    return w * scale;
+}
+
+// Rate of penetration where `drilled` metres are drilled: one layer goes over into the next.
+template <class T>
+inline Vec<T> rock_rate(const BitLaw& law, const T& drilled, const Vec<T>& F, const Vec<T>& e, const T& omega, const T* chip_rate) {
+    int k = 0;
+    while (k + 1 < law.count && val(drilled) >= law.layers[(k + 1) * LAYER_ROW + LAYER_FROM]) ++k;
+    Vec<T> v = layer_rate(law, law.layers + k * LAYER_ROW, F, e, omega, chip_rate);
+    if (k > 0) {
+        const T u = (drilled - law.layers[k * LAYER_ROW + LAYER_FROM]) * (1.0 / law.width);
+        if (val(u) < 1) {
+            const T share = u * u * (3.0 - 2.0 * u);
+            v = v * share + layer_rate(law, law.layers + (k - 1) * LAYER_ROW, F, e, omega, chip_rate) * (1.0 - share);
+        }
+    }
+    return law.bit_axis != 0 ? e * dot(v, e) : v;
+}
+
+struct BitReport { double weight, torque, rate, side, stored, dissipated, depth, offset; Vec<double> velocity; };
+
+template <int N>  // number of states of the profile; 0: none
+struct Bit {
+    static constexpr int D = 11 + N, NSPIN = 1;
+    static constexpr bool PACKED = false;
+    static constexpr int SPINS[1][2] = {{6, 3}};
+    enum { HOLE = 7, DRILLED = 10, CHIP = 11 };
+    // FACE, CENTRE distance from the node [m]; RADIUS a, HALF c semi-axes [m]; STIFFNESS, SIDE [N/m]; ROOM clearance [m]; FRICTION of the bottom,
+    // WALL of the side; SLIP [m/s]; DAMPING c [s/m]; END centre of the hole's end at the start [m]; AXIS of the end; MODE 0 motion, 1 statics,
+    // 2 quasi-static; AXIAL, SPIN imposed sliding, SHARE of the side push; TORQUE0, TORQUE1: T = TORQUE0 + TORQUE1 W in statics; HELD: e, s are
+    // those of HOLD (4)
+    enum { FACE, CENTRE, RADIUS, HALF, STIFFNESS, SIDE, ROOM, FRICTION, WALL, SLIP, DAMPING, END, AXIS = END + 3, MODE = AXIS + 3, AXIAL, SPIN, SHARE,
+           TORQUE0, TORQUE1, HELD, HOLD, NP = HOLD + 4 };
+
+    template <class T, class S>
+    static void force(int, const T* x, const T* y, const T*, const S* p, void* context, T* r) {
+        evaluate<T>(x, y, p, *static_cast<BitLaw*>(context), r, nullptr);
+    }
+
+    // contact force with the damping of the wall's law
+    template <class T>
+    static T damped(const T& elastic, const T& rate, double c) {
+        if (c == 0) return elastic;
+        const T a = 1.0 + rate * c, root = sqrt(a * a + CLIP * CLIP);
+        return elastic * (val(a) > 0 ? 0.5 * (a + root) : (0.5 * CLIP * CLIP) / (root - a));
+    }
+
+    template <class T>
+    static void evaluate(const T* x, const T* y, const double* p, BitLaw& law, T* r, BitReport* report) {
+        for (int i = 0; i < D; ++i) r[i] = T(0.0);
+        law.touching = 0;
+        const bool moving = p[MODE] == 0, held = p[HELD] != 0;
+        const Vec<T> zero = {T(0.0), T(0.0), T(0.0)};
+        const Tangent<T> t(vec(x + 3), vec(y + 3), vec(y + 3));
+        const Vec<double> axis = vec(p + AXIS);
+        const Vec<T> hole_speed = held ? zero : vec(y + HOLE);
+        const Vec<T> speed = vec(y) + t.t1 * p[CENTRE];
+        const Vec<T> e = vec(x) + t.t * p[CENTRE] - vec(x + HOLE) - vec(p + END);
+        const T omega = moving ? y[6] : T(p[SPIN]);
+        const double a = p[RADIUS], c = p[HALF], squeeze = c * c - a * a;
+
+        // bottom
+        const T tilt = dot(t.t, axis), reach = sqrt(a * a + squeeze * tilt * tilt), axial = dot(e, axis), depth = axial + reach - c;
+        const Vec<T> contact = (t.t * (squeeze * tilt) + a * a * axis) / reach;  // from the centre to where the ellipsoid touches
+        const T sign = omega / sqrt(omega * omega + law.turn_rounding * law.turn_rounding);
+        const T advance = dot(speed - hole_speed, axis) + dot(t.t1, axis) * tilt * squeeze / reach;  // rate of depth
+        T weight = T(0.0), elastic = T(0.0), torque = T(0.0), chip_rate = T(0.0);
+        if (N > 0 && moving) {
+            const T U = x[DRILLED] + depth, gap = U - x[CHIP];
+            law.touching = !(val(gap) <= -RAMP);
+            const T chip = val(gap) <= -RAMP ? T(0.0) : onset(gap), cut = chip * law.blades;
+            const T down = dot(speed, axis), engaged = law.contact > 0 ? engagement(gap, law.onset) : T(0.0);
+            const T flat = engaged * (0.5 * law.contact) * (1.0 + down / sqrt(down * down + law.rest * law.rest));
+            weight = cut * law.cut + flat;
+            torque = cut * law.torque_cut * (val(omega) > 0 ? sign : T(0.0)) + sign * flat * (law.contact > 0 ? law.torque_contact / law.contact : 0.0);
+            chip_rate = forward(omega) * cut * (1 / (2 * M_PI));
+            profile(x, y, law, forward(omega), x[CHIP] + chip, r);
+        } else if (!(val(depth) <= -RAMP)) {
+            law.touching = 1;
+            elastic = onset(depth) * p[STIFFNESS];
+            weight = moving ? damped(elastic, advance, p[DAMPING]) : elastic;
+            torque = moving ? bottom_torque(law, p, weight, depth, omega, sign) : (weight * p[TORQUE1] + p[TORQUE0] * touching(depth)) * direction(p);
+        }
+        if (N > 0 && !moving)
+            for (int k = 0; k < N; ++k) r[CHIP + k] = x[CHIP + k] * ROCK_ROW;  // at rest, before the first cut
+
+        // side
+        const Vec<T> across = e - axial * axis;
+        const T rho = sqrt(dot(across, across) + WELL_RHO0 * WELL_RHO0);
+        const Vec<T> n = across / rho;
+        const T lean = dot(n, t.t), girth = sqrt(a * a + squeeze * lean * lean), depth_s = rho + girth - (a + p[ROOM]);
+        const T closing = dot(speed - hole_speed, n) + dot(t.t1, n) * lean * squeeze / girth;
+        T side = T(0.0), elastic_s = T(0.0);
+        Vec<T> push = zero, drag = zero;
+        const Vec<T> touch = (n * (a * a) + t.t * (squeeze * lean)) / girth;
+        if (!(val(depth_s) <= -RAMP)) {
+            law.touching |= 2;
+            elastic_s = onset(depth_s) * p[SIDE];
+            side = moving ? damped(elastic_s, closing, p[DAMPING]) : elastic_s;
+            const Vec<T> around = cross(axis, n);
+            if (moving) {
+                const Vec<T> surface = speed + cross(cross(t.t, t.t1) + t.t * omega, touch);
+                const T va = dot(surface, axis), vb = dot(surface, around), v2 = va * va + vb * vb, size = sqrt(v2 + p[SLIP] * p[SLIP]);
+                drag = push = (axis * va + around * vb) * (-(side * p[WALL]) / size);
+            } else {
+                const double vb = p[SPIN] * a, size = std::sqrt(p[AXIAL] * p[AXIAL] + vb * vb), share = size > 0 ? p[WALL] / size : 0.0;
+                drag = (axis * (p[AXIAL] * share) + around * (vb * share)) * (-side);
+                push = (axis * (p[AXIAL] * share) + around * (vb * share * p[SHARE])) * (-side);
+            }
+        }
+
+        // the hole
+        const Vec<T> on_rock = axis * weight + n * side;
+        Vec<T> rate = zero;
+        if (p[MODE] != 1) rate = rock_rate(law, x[DRILLED], on_rock, t.t, omega, N > 0 && moving ? &chip_rate : nullptr);
+        if (held || p[MODE] == 1) {
+            for (int i = 0; i < 4; ++i) r[HOLE + i] = (x[HOLE + i] - p[HOLD + i]) * (1e3 * ROCK_ROW);
+        } else {
+            r[HOLE] = (y[HOLE] - rate.x) * ROCK_ROW;
+            r[HOLE + 1] = (y[HOLE + 1] - rate.y) * ROCK_ROW;
+            r[HOLE + 2] = (y[HOLE + 2] - rate.z) * ROCK_ROW;
+            r[DRILLED] = (y[DRILLED] - norm(rate)) * ROCK_ROW;
+        }
+
+        // on the string: the bottom's force at its point, the side's at its own, the torque
+        const Vec<T> bottom = axis * (-weight), wall = n * (-side) + push;
+        const Vec<T> arm = t.t * p[CENTRE], F = bottom + wall;
+        const Vec<T> M = cross(arm + contact, bottom) + cross(arm, wall) + cross(touch, n * (-side) + drag);
+        const Vec<T> bend = cross(M, t.t) / t.n;
+        r[0] = -F.x; r[1] = -F.y; r[2] = -F.z;
+        r[3] = -bend.x; r[4] = -bend.y; r[5] = -bend.z;
+        r[6] = torque - dot(M, t.t);
+        if (report) {
+            report->weight = val(weight * tilt);
+            report->torque = val(r[6]);
+            report->velocity = {val(rate.x), val(rate.y), val(rate.z)};
+            report->rate = norm(report->velocity);
+            report->side = val(side);
+            report->stored = 0.5 * (val(elastic) * val(onset_or_none(depth)) + val(elastic_s) * val(onset_or_none(depth_s)));
+            // what the bit gives and the two springs do not store goes into rock and heat
+            const Vec<T> turning = cross(t.t, t.t1) + t.t * omega, twist = cross(contact, bottom) + cross(touch, n * (-side) + drag);
+            report->dissipated = val(torque * omega - dot(F, speed) - dot(twist, turning) - elastic * advance - elastic_s * closing);
+            report->depth = val(depth);
+            report->offset = val(rho);
+        }
+    }
+
+    template <class T>
+    static T onset_or_none(const T& d) { return val(d) <= -RAMP ? T(0.0) : onset(d); }
+
+    // smooth 0..1 as a gap closes over `width`
+    template <class T>
+    static T engagement(const T& gap, double width) {
+        const T u = gap * (1.0 / width);
+        if (val(u) <= 0) return T(0.0);
+        return val(u) >= 1 ? T(1.0) : u * u * (3.0 - 2.0 * u);
+    }
+
+    // 1 from the moment at which the bit touches
+    template <class T>
+    static T touching(const T& depth) { return engagement(depth + RAMP, RAMP); }
+
+    static double direction(const double* p) { return (p[SPIN] > 0) - (p[SPIN] < 0); }
+
+    template <class T>
+    static T bottom_torque(const BitLaw& law, const double* p, const T& weight, const T& depth, const T& omega, const T& sign) {
+        if (law.kind == WEAKENING_BIT) {
+            const T q = omega * (1.0 / law.speed);
+            const T size = law.dynamic_torque + (law.static_torque - law.dynamic_torque) * exp(-(q * q));
+            return size * sign * (law.by_weight != 0 ? weight : touching(depth));
+        }
+        if (law.kind == DRAG_BIT) return (weight * p[TORQUE1] + p[TORQUE0] * touching(depth)) * sign;
+        return weight * (p[FRICTION] * p[RADIUS] * (2.0 / 3)) * sign;
+    }
+
+    // rows of the rock's profile, carried along by the turning bit; `inflow` is what the blade ahead leaves
+    template <class T>
+    static void profile(const T* x, const T* y, const BitLaw& law, const T& turn, const T& inflow, T* r) {
+        for (int k = 0; k < N; ++k) {
+            const double* d = law.derivative + k * (N + 1);
+            T slope = inflow * d[N];
+            for (int j = 0; j < N; ++j) slope += x[CHIP + j] * d[j];
+            r[CHIP + k] = (y[CHIP + k] - turn * slope) * ROCK_ROW;
+        }
+    }
+};
+
+}  // namespace dp

@@ -1,0 +1,283 @@
+// Contact of a circular section with the wall of the hole: normal force with exact-restitution damping, Coulomb friction.
+#pragma once
+#include "core/element.hpp"
+#include "core/frame.hpp"
+#include "contact/well.hpp"
+
+namespace dp {
+
+constexpr double RAMP = 1e-5;  // half width of the smooth onset of the penetration [m]
+constexpr double CLIP = 1e-2;  // rounds off the clipping of an adhesive damping force [-]
+
+// Laws and the hole, shared by all contact elements; filled by the contact component.
+struct ContactLaw {
+    const double* well;
+    double stiffness, exponent;   // force = stiffness * penetration^exponent (per length, or per point)
+    double damping;               // c of the factor 1 + c * penetration rate [s/m]
+    double slip;                  // velocity that rounds off Coulomb friction [m/s]
+    double extra, decay;          // Stribeck: mu_s/mu_k - 1 and velocity [m/s]
+    double imposed;               // 1: sliding direction given (statics), 0: from the motion
+    double axial, spin;           // imposed motion of the pipe: velocity along [m/s], spin [rad/s]; only the direction counts
+    double side;                  // imposed: share of the friction across the pipe that pushes it sideways (its torque always acts)
+    int per_point, points;        // hertz_point; points per element
+    const double* at;             // (points, 2) place in the element 0..1 and weight
+    double* normal;               // (elements, points) normal force of the last evaluation [N]
+    int* segment;                 // (elements, points) where the projection was found
+    signed char* touching;        // (elements, points) contact open or closed
+};
+
+// Penetration with a smooth onset: 0, (d + e)^2 / 4e, d
+template <class T>
+inline T onset(const T& d) {
+    if (val(d) > RAMP) return d;
+    return (d + RAMP) * (d + RAMP) * (0.25 / RAMP);
+}
+
+template <class T>
+inline T power_law(const T& d, double exponent) {
+    return exponent == 1.0 ? d : d * sqrt(d);
+}
+
+template <class T>
+struct Touch {
+    Vec<T> force, couple;  // on the string, couple about the axis point
+    T normal;
+};
+
+struct TouchReport { double normal, stored, damping_power, friction_power, penetration; };
+
+// Whether the section of radius R about the axis point x is in contact; foot: where on the hole's centreline.
+inline bool touches(const Well& well, const Vec<double>& x, double R, int& segment, Foot& foot) {
+    foot = locate(well, x, segment);
+    const HolePoint<double> q = hole_point(well, foot, x);
+    const double bound = q.radius <= R ? R : q.radius;  // no clearance: a centring spring
+    return !(q.rho + R - bound <= -RAMP);  // what is not a number touches, and is found in the rows
+}
+
+// Touching point x of the axis with velocity u, section turning with `turning`, radius R; weight: length it stands for.
+template <class T>
+inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, const Vec<T>& x, const Vec<T>& u, const Vec<T>& turning, double R,
+                  double own_friction, double weight, Touch<T>& out, TouchReport* report = nullptr) {
+    const HolePoint<T> h = hole_point(well, foot, x);
+    T depth = h.rho;
+    Vec<T> gradient = h.n;
+    if (!(val(h.radius) <= R)) {  // so that a radius that is not a number is no centring spring
+        depth = h.rho + R - h.radius;
+        gradient = h.n - h.t * (h.radius_slope * h.ds_dx);
+    }
+    const T d = onset(depth), elastic = power_law(d, law.exponent) * (law.stiffness * (law.per_point ? 1.0 : weight));
+    T factor = T(1.0);
+    const T rate = dot(u, gradient);
+    if (law.damping != 0 && !law.imposed) {
+        const T a = 1.0 + rate * law.damping;
+        const T root = sqrt(a * a + CLIP * CLIP);
+        factor = val(a) > 0 ? 0.5 * (a + root) : (0.5 * CLIP * CLIP) / (root - a);  // (a + root)/2 without cancellation
+    }
+    const T N = elastic * factor;
+    const Vec<T> around = cross(h.t, h.n);
+    const T mu0 = own_friction < 0 ? h.friction : T(own_friction);
+    Vec<T> drag, push = {T(0.0), T(0.0), T(0.0)};
+    if (law.imposed) {
+        const double va = law.axial, vb = law.spin * R, speed = std::sqrt(va * va + vb * vb);
+        const double share = speed > 0 ? 1 / speed : 0.0;
+        drag = (h.t * (va * share) + around * (vb * share)) * (-(mu0 * N));
+        push = (h.t * (va * share) + around * (vb * share * law.side)) * (-(mu0 * N));
+        if (report) report->friction_power = 0;
+    } else {
+        const Vec<T> surface = u + cross(turning, h.n) * R;
+        const T va = dot(surface, h.t), vb = dot(surface, around), v2 = va * va + vb * vb;
+        const T speed = sqrt(v2 + law.slip * law.slip);
+        T mu = mu0;
+        if (law.extra != 0) mu = mu0 * (1.0 + law.extra * exp(-v2 / (law.decay * law.decay)));
+        push = drag = (h.t * va + around * vb) * (-(mu * N) / speed);
+        if (report) report->friction_power = val(mu * N * v2 / speed);
+    }
+    out.force = push - gradient * N;
+    out.couple = cross(h.n, drag) * R;
+    out.normal = N;
+    if (report) {
+        const double dv = val(d), e = val(elastic);
+        report->normal = val(N);
+        report->stored = e * dv / (law.exponent + 1);
+        report->damping_power = (val(N) - e) * val(rate);
+        report->penetration = val(depth);
+    }
+}
+
+// What a touching point of the axis gives to the centre line: force, and couple split into bending (on r') and torque.
+template <class T>
+struct PointLoad { Vec<T> force, bend; T torque, normal; Vec<T> tangent; };
+
+template <class T>
+inline PointLoad<T> point_load(const ContactLaw& law, const Well& well, const Foot& foot, const Vec<T>& place, const Vec<T>& speed, const Vec<T>& slope,
+                               const Vec<T>& slope_rate, const T& spin, double R, double own_friction, double weight, TouchReport* report) {
+    const T n = norm(slope);
+    const Vec<T> t = slope / n, t1 = (slope_rate - t * dot(t, slope_rate)) / n;
+    Touch<T> c;
+    touch(law, well, foot, place, speed, cross(t, t1) + t * spin, R, own_friction, weight, c, report);
+    return {c.force, cross(c.couple, t) / n, dot(c.couple, t), c.normal, t};
+}
+
+// Cubic interpolation at the place s (0..1) of an element: shares of r1, v1, r2, v2 in r and in r'.
+struct Interpolation {
+    double r[4], slope[4];
+    Interpolation(double s, double L) {
+        const double h = 1 - 3 * s * s + 2 * s * s * s, b = 6 * s * (1 - s) / L;
+        r[0] = h; r[1] = L * (s - 2 * s * s + s * s * s); r[2] = 1 - h; r[3] = L * (s * s * s - s * s);
+        slope[0] = -b; slope[1] = 1 - 4 * s + 3 * s * s; slope[2] = b; slope[3] = 3 * s * s - 2 * s;
+    }
+    template <class T> static Vec<T> sum(const double* c, const Vec<T>& r1, const Vec<T>& v1, const Vec<T>& r2, const Vec<T>& v2) {
+        return r1 * c[0] + v1 * c[1] + r2 * c[2] + v2 * c[3];
+    }
+};
+
+// Contact points spread along a beam element.
+template <bool SPLIT>
+struct BeamContact {
+    static constexpr int D = SPLIT ? 15 : 14, NSPIN = 2;
+    static constexpr bool PACKED = false;
+    static constexpr int SPINS[2][2] = {{6, 3}, {13, 10}};
+    enum { LENGTH, RIGID, RADIUS, FRICTION, NP };
+
+    template <class T, class S>
+    static void force(int e, const T* x, const T* y, const T*, const S* p, void* context, T* r) {
+        evaluate<T>(e, x, y, p, *static_cast<ContactLaw*>(context), r, nullptr);
+    }
+
+    // report: NORMAL, STORED, DAMPING, FRICTION power, PENETRATION, friction force along, torque about the axis
+    template <class T>
+    static void evaluate(int e, const T* x, const T* y, const double* p, const ContactLaw& law, T* r, double* report) {
+        for (int i = 0; i < D; ++i) r[i] = T(0.0);
+        const double L = p[LENGTH];
+        Vec<T> r1 = vec(x), v1 = vec(x + 3), u1 = vec(y), w1 = vec(y + 3);
+        const Vec<T> r2 = vec(x + 7), v2 = vec(x + 10), u2 = vec(y + 7), w2 = vec(y + 10);
+        const Vec<T> v0 = v1;
+        T n0;
+        if constexpr (SPLIT) {
+            const Tangent<T> t(v1, w1, w1);
+            n0 = t.n;
+            r1 += t.t * p[RIGID]; u1 += t.t1 * p[RIGID];
+            w1 = v1 * y[14] + w1 * x[14];
+            v1 = v1 * x[14];
+        }
+        const Vec<T> zero = {T(0.0), T(0.0), T(0.0)};
+        Vec<T> F1 = zero, F2 = zero, G1 = zero, G2 = zero;
+        T theta1 = T(0.0), theta2 = T(0.0);
+        const Well well(law.well);
+        for (int q = 0; q < law.points; ++q) {
+            const double s = law.at[2 * q], w = law.at[2 * q + 1] * L;
+            const Interpolation at(s, L);
+            const Vec<T> place = at.sum(at.r, r1, v1, r2, v2);
+            const int k = e * law.points + q;
+            Foot foot;
+            law.touching[k] = touches(well, {val(place.x), val(place.y), val(place.z)}, p[RADIUS], law.segment[k], foot);
+            law.normal[k] = 0;
+            if (!law.touching[k]) continue;
+            TouchReport now;
+            const PointLoad<T> c = point_load(law, well, foot, place, at.sum(at.r, u1, w1, u2, w2), at.sum(at.slope, r1, v1, r2, v2),
+                                              at.sum(at.slope, u1, w1, u2, w2), y[6] * (1 - s) + y[13] * s, p[RADIUS], p[FRICTION], w,
+                                              report ? &now : nullptr);
+            law.normal[k] = val(c.normal);
+            F1 -= c.force * at.r[0] + c.bend * at.slope[0];
+            G1 -= c.force * at.r[1] + c.bend * at.slope[1];
+            F2 -= c.force * at.r[2] + c.bend * at.slope[2];
+            G2 -= c.force * at.r[3] + c.bend * at.slope[3];
+            theta1 -= c.torque * (1 - s);
+            theta2 -= c.torque * s;
+            if (report) {
+                report[0] += now.normal; report[1] += now.stored; report[2] += now.damping_power; report[3] += now.friction_power;
+                if (now.penetration > report[4]) report[4] = now.penetration;
+                report[5] += val(dot(c.force, c.tangent)); report[6] += val(c.torque);
+            }
+        }
+        if constexpr (SPLIT) {
+            const Vec<T> t = v0 / n0;
+            r[14] = dot(v0, G1);
+            G1 = G1 * x[14] + (F1 - t * dot(t, F1)) * (p[RIGID] / n0);
+        }
+        r[0] = F1.x; r[1] = F1.y; r[2] = F1.z; r[3] = G1.x; r[4] = G1.y; r[5] = G1.z; r[6] = theta1;
+        r[7] = F2.x; r[8] = F2.y; r[9] = F2.z; r[10] = G2.x; r[11] = G2.y; r[12] = G2.z; r[13] = theta2;
+    }
+};
+
+// Contact points on a rigid item, at distances along the tangent of its node.
+struct BodyContact {
+    static constexpr int D = 7, NSPIN = 1;
+    static constexpr bool PACKED = false;
+    static constexpr int SPINS[1][2] = {{6, 3}};
+    enum { ABOVE, LENGTH, RADIUS, FRICTION, NP };
+
+    template <class T, class S>
+    static void force(int e, const T* x, const T* y, const T*, const S* p, void* context, T* r) {
+        evaluate<T>(e, x, y, p, *static_cast<ContactLaw*>(context), r, nullptr);
+    }
+
+    template <class T>
+    static void evaluate(int e, const T* x, const T* y, const double* p, const ContactLaw& law, T* r, double* report) {
+        for (int i = 0; i < D; ++i) r[i] = T(0.0);
+        const Tangent<T> t(vec(x + 3), vec(y + 3), vec(y + 3));
+        const Vec<T> turning = cross(t.t, t.t1) + t.t * y[6];
+        const Well well(law.well);
+        for (int q = 0; q < law.points; ++q) {
+            const double distance = p[ABOVE] + law.at[2 * q] * p[LENGTH], w = law.at[2 * q + 1] * p[LENGTH];
+            const int k = e * law.points + q;
+            const Vec<T> place = vec(x) + t.t * distance;
+            Foot foot;
+            law.touching[k] = touches(well, {val(place.x), val(place.y), val(place.z)}, p[RADIUS], law.segment[k], foot);
+            law.normal[k] = 0;
+            if (!law.touching[k]) continue;
+            Touch<T> c;
+            TouchReport now;
+            touch(law, well, foot, place, vec(y) + t.t1 * distance, turning, p[RADIUS], p[FRICTION], w, c, report ? &now : nullptr);
+            law.normal[k] = val(c.normal);
+            const Vec<T> push = c.force * distance + cross(c.couple, t.t);
+            const Vec<T> row = (push - t.t * dot(t.t, push)) / t.n;
+            r[0] -= c.force.x; r[1] -= c.force.y; r[2] -= c.force.z;
+            r[3] -= row.x; r[4] -= row.y; r[5] -= row.z;
+            const T spin = dot(c.couple, t.t);
+            r[6] -= spin;
+            if (report) {
+                report[0] += now.normal; report[1] += now.stored; report[2] += now.damping_power; report[3] += now.friction_power;
+                if (now.penetration > report[4]) report[4] = now.penetration;
+                report[5] += val(dot(c.force, t.t)); report[6] += val(spin);
+            }
+        }
+    }
+};
+
+// The bit's face on the end of the hole: normal force along the hole's axis, friction torque on the ring at 2/3 of the radius.
+struct BitContact {
+    static constexpr int D = 7, NSPIN = 1;
+    static constexpr bool PACKED = false;
+    static constexpr int SPINS[1][2] = {{6, 3}};
+    enum { FACE, RADIUS, STIFFNESS, FRICTION, END, AXIS = END + 3, SLIP = AXIS + 3, IMPOSED, NP };
+
+    template <class T, class S>
+    static void force(int, const T* x, const T* y, const T*, const S* p, void*, T* r) {
+        T weight, torque;
+        evaluate<T>(x, y, p, r, weight, torque);
+    }
+
+    template <class T>
+    static void evaluate(const T* x, const T* y, const double* p, T* r, T& weight, T& torque) {
+        for (int i = 0; i < D; ++i) r[i] = T(0.0);
+        weight = torque = T(0.0);
+        const Tangent<T> t(vec(x + 3), vec(y + 3), vec(y + 3));
+        const Vec<double> axis = vec(p + AXIS), end = vec(p + END);
+        const T depth = dot(vec(x) + t.t * p[FACE] - end, axis);
+        if (val(depth) <= -RAMP) return;  // not so where depth is not a number: it goes on into the rows
+        weight = onset(depth) * p[STIFFNESS];
+        const double arm = p[RADIUS] * (2.0 / 3);
+        const T v = y[6] * arm;
+        // IMPOSED: statics, direction of turning given (0: none)
+        torque = p[IMPOSED] > -2 ? weight * (p[FRICTION] * arm * p[IMPOSED]) : weight * (p[FRICTION] * arm) * (v / sqrt(v * v + p[SLIP] * p[SLIP]));
+        const Vec<T> push = {weight * axis.x, weight * axis.y, weight * axis.z};  // what the bit gives to the rock; rows take the opposite
+        r[0] = push.x; r[1] = push.y; r[2] = push.z;
+        const Vec<T> lever = push * p[FACE];
+        const Vec<T> row = (lever - t.t * dot(t.t, lever)) / t.n;
+        r[3] = row.x; r[4] = row.y; r[5] = row.z;
+        r[6] = torque;
+    }
+};
+
+}  // namespace dp

@@ -1,0 +1,167 @@
+// Jacobian of the flow between string and hole (fluid/annulus_flow.hpp, same names), four elements side by side; fluid/flow_jacobian.hpp says how.
+//
+// The rows on the string are sums of eight forces, each a scalar times a vector of the motion.  The scalars depend on the stretch lam along
+// the hole, the content, the string's section `outer`, the string's speed V, density, flow, its rate and the pressure gradient; so one
+// vector of rows per unit of each of these is formed, with the speed of the mud at the wall taken together, and multiplied by its change.
+#pragma once
+#include "fluid/annulus_flow.hpp"
+#include "fluid/flow_jacobian.hpp"
+
+namespace dp {
+
+// What rows on the string and along the hole both need.
+struct AnnulusState {
+    PackVec tw1, tw2, tw, g;
+    PackFour x, y, a;
+    Walls walls;
+    Pack L, gw, lam, content, outer, density, thin, w, across, speed, wall, sheared, kept, tau, tau_speed, tau_density;  // thin: 1/area; speed: of the string, V; kept: d(sheared)/dV
+    Gradient by_content, by_outer;
+    AnnulusState(const Pack* X, const Pack* Y, const Pack* A, const Pack* p, const Fluid& f, const Pack& rho, const double* c)
+        : tw1(vec(p + At::TANGENT1)), tw2(vec(p + At::TANGENT2)), x(nodal(X)), y(nodal(Y)), a(nodal(A)), L(p[At::LENGTH]), density(rho) {
+        const PackVec sum = tw1 + tw2, zero = {0.0, 0.0, 0.0};
+        const Pack AO = p[At::OUTER], AW = p[At::HOLE], il = 1.0 / L, narrowing = p[At::POISSON] * 2.0;
+        tw = sum * (1.0 / norm(sum));
+        g = {f.gravity[0], f.gravity[1], f.gravity[2]};
+        gw = dot(g, tw);
+        move_walls(x, y, L, p[At::POISSON], X[AT_P1], X[AT_P2], c[0], c[1], walls);
+        lam = dot(x.r2 - x.r1, tw) * il;
+        content = lam * AW - walls.inner * AO;
+        outer = (1.0 - (walls.stretch - 1.0) * narrowing) * AO;
+        by_content = Gradient{tw * (AW * il * c[0]), zero, zero} + walls.by_inner * -AO;
+        by_outer = walls.by_stretch * (AO * -narrowing);
+        thin = f.density / (density * content);
+        across = X[AT_Q] * thin;
+        w = across * lam;
+        speed = mean_along(y);
+        wall = w + speed;
+        kept = Pack(1.0 - f.clinging);
+        sheared = wall - speed * f.clinging;
+        const WallShears s = wall_shears(f.rheology, sheared, p[At::GAP], 1.0, density);
+        tau = s.stress; tau_speed = s.slope; tau_density = s.by_density;
+    }
+    // along the hole, mean over the element
+    Pack mean_along(const PackFour& u) const { return dot((u.r1 + u.r2) * 0.5 + (u.v1 - u.v2) * (L * (1.0 / 12)), tw); }
+    typedef AnnulusFlow<false, false> At;
+};
+
+// Rows on the string per unit of each variable.
+struct AnnulusRows { PackFour lam, content, outer, speed, density, flow, flow_rate, gradient; };
+
+DP_APART void annulus_rows(const AnnulusState& s, const Pack* X, const Pack* Y, const Pack* p, const PackMatrix& P, Pack& damping, Pack& k1, Pack& k2,
+                           Pack& k3, AnnulusRows& by) {
+    typedef AnnulusFlow<false, false> At;
+    const Pack L = s.L, L2 = L * L, lift = s.density * s.lam * s.outer, half = L * 0.5, twelfth = L2 * (1.0 / 12);
+    const auto cut = [&P](const PackFour& u) -> PackFour { return {u.r1 * P, u.v1 * P, u.r2 * P, u.v2 * P}; };
+    // unit forces: push along the hole, weight and centrifugal force across it, added mass, damping, and the terms of k1, k2, k3
+    const PackFour push = {s.tw1 * (L * 0.35) + s.tw2 * (L * 0.15), s.tw1 * (L2 * 0.05) + s.tw2 * (L2 * (1.0 / 30)),
+                           s.tw1 * (L * 0.15) + s.tw2 * (L * 0.35), s.tw1 * (L2 * (-1.0 / 30)) - s.tw2 * (L2 * 0.05)};
+    const PackVec down = s.g - s.tw * s.gw, bend = -vec(p + At::BEND);
+    const PackFour weight = {down * half, down * twelfth, down * half, down * -twelfth}, guide = {bend * half, bend * twelfth, bend * half, bend * -twelfth};
+    const PackFour mass = cut(consistent(s.a, L)) * (L * (1.0 / 420)), damped = cut(consistent(s.y, L)) * (L * (1.0 / 420));
+    const PackFour slope = cut(slopes(s.x.r2 - s.x.r1, s.x.v1, s.x.v2, L)), curve = cut(stiffness(s.x.r2 - s.x.r1, s.x.v1, s.x.v2, L)) * -1.0;
+    const PackFour swing = cut(slopes(s.y.r2 - s.y.r1, s.y.v1, s.y.v2, L) * 2.0 + at_ends(s.y));
+    const Pack round = p[At::DIAMETER] * 3.14159265358979324, slow = 1.0 / (s.sheared * s.sheared + SLOWEST * SLOWEST), share = s.sheared * slow * round;
+    const Pack drag = s.tau * share, M = s.density * s.lam * (p[At::CHI] * p[At::OUTER]), carried = M * s.thin * Y[AT_Q], gradient = (X[AT_P2] - X[AT_P1]) / L;
+    damping = drag + p[At::DAMPING];
+    k1 = carried + drag * s.across;
+    k2 = M * s.across;
+    k3 = k2 * s.across;
+    // by the speed at the wall, through the stress and the drag it makes; and through the centrifugal force
+    const PackFour dragged = damped + slope * s.across, stress = dragged * share - push * round;
+    const PackFour shear = stress * s.tau_speed + dragged * (s.tau * round * slow * (1.0 - 2.0 * s.sheared * s.sheared * slow));
+    const PackFour turned = guide * (2.0 * lift * s.wall), by_w = shear + turned, lifted = (weight + guide * (s.wall * s.wall)) * lift;
+    const Pack il = 1.0 / s.lam, ic = 1.0 / s.content, ir = 1.0 / s.density;
+    by.lam = by_w * s.across + (lifted + mass * M + slope * carried + swing * k2 + curve * k3) * il;
+    by.content = (by_w * s.w + slope * k1 + swing * k2 + curve * (2.0 * k3)) * -ic;
+    by.outer = push * gradient + lifted * (1.0 / s.outer);
+    by.speed = shear * s.kept + turned;
+    by.density = (lifted + mass * M - by_w * s.w - slope * (drag * s.across) - curve * k3) * ir + stress * s.tau_density;
+    by.flow = (by_w * s.lam + slope * drag + swing * M + curve * (2.0 * k2)) * s.thin;
+    by.flow_rate = slope * (M * s.thin);
+    by.gradient = push * s.outer;
+}
+
+DP_APART void annulus_on_string(const AnnulusState& s, const Pack* X, const Pack* Y, const Pack* p, const Compression& fluid, const double* c,
+                                Pack (*K)[FLOW_WIDTH]) {
+    typedef AnnulusFlow<false, false> At;
+    const PackMatrix P = scalar_matrix(Pack(1.0)) - outer(s.tw, s.tw);
+    Pack damping, k1, k2, k3;
+    AnnulusRows by;
+    annulus_rows(s, X, Y, p, P, damping, k1, k2, k3, by);
+    const Pack L = s.L, push = p[At::OUTER] * L, M = s.density * s.lam * (p[At::CHI] * p[At::OUTER]);
+    const Product products[2] = {{by.content, s.by_content}, {by.outer, s.by_outer}};
+    assemble_string(L, M * c[2] + damping * c[1], k1 * c[0] + k2 * (2.0 * c[1]), k3 * -c[0], k2 * c[1], &P, products, s.walls, push, K);
+    // lam and V change along the hole only
+    const PackFour half = by.speed * (0.5 * c[1]), turn = by.speed * (L * (c[1] / 12)), stretch = by.lam * (c[0] / L);
+    const PackFour upper = half - stretch, lower = half + stretch;
+    const auto rows = [](const PackFour& u, int a) { return a == 0 ? u.r1 : a == 1 ? u.v1 : a == 2 ? u.r2 : u.v2; };
+    for (int a = 0; a < 4; ++a) {
+        add(K, ROWS_AT[a], 0, outer(rows(upper, a), s.tw));
+        add(K, ROWS_AT[a], 3, outer(rows(turn, a), s.tw));
+        add(K, ROWS_AT[a], 7, outer(rows(lower, a), s.tw));
+        add(K, ROWS_AT[a], 10, outer(rows(turn, a), -s.tw));
+    }
+    const PackFour common = by.density * (fluid.density * (0.5 * c[0])), steeper = by.gradient * (c[0] / L);
+    put_column(common - steeper + on_nodes(s.walls.push1) * (push * c[0]), AT_P1, K);
+    put_column(common + steeper + on_nodes(s.walls.push2) * (push * c[0]), AT_P2, K);
+    put_column(by.flow * c[0] + by.flow_rate * c[1], AT_Q, K);
+}
+
+// Rows of mass and of momentum.
+DP_APART void annulus_along(const AnnulusState& s, const Pack* X, const Pack* Y, const Pack* p, const Fluid& f, const Compressed<Pack>& fluid,
+                            const Compression& by, const double* c, Pack (*K)[FLOW_WIDTH]) {
+    typedef AnnulusFlow<false, false> At;
+    const Pack L = s.L, AO = p[At::OUTER], AW = p[At::HOLE], q = X[AT_Q], rho = s.density, ic = 1.0 / s.content;
+    // int psi_j t_w.r_s' ds / L = t_w.(d'/(2 L) +- (v1' - v2')/12)
+    const PackVec d_rate = s.y.r2 - s.y.r1;
+    const Pack opened = dot(d_rate, s.tw), chord = opened * 0.5 / L, tilt = dot(s.y.v1 - s.y.v2, s.tw) * (1.0 / 12);
+    const PackVec way = s.tw * (AW * (0.5 * c[1]) / L), lever = s.tw * (AW * (c[1] / 12));
+    // the hole's area where the element comes to
+    const Pack widening = p[At::WIDENING] * 0.5, widens = s.speed * s.lam * widening, moved = s.lam * widening * c[1];
+    const PackVec deeper = s.tw * (moved * 0.5), turned = s.tw * (moved * L * (1.0 / 12)), longer = s.tw * (s.speed * widening * c[0] / L);
+    const PackFour by_widens = {deeper - longer, turned, deeper + longer, -turned};
+    const Storage storage = {s.content, (chord + tilt) * AW - s.walls.squeeze1 * AO + widens, (chord - tilt) * AW - s.walls.squeeze2 * AO + widens,
+                             on_nodes(s.by_content), on_nodes(s.walls.by_squeeze1 * -AO + Gradient{way, lever, -lever}) + by_widens,
+                             on_nodes(s.walls.by_squeeze2 * -AO + Gradient{way, -lever, lever}) + by_widens};
+    put_mass_rows(storage, fluid, by, L, Y[AT_P1], Y[AT_P2], p[At::CONTROL], c[0], c[1], K);
+    const PackVec head = s.tw * (s.gw * p[At::CONTROL] * (f.density * 1e-7 * MASS_ROW * c[0]));
+    K[AT_P1][0] -= head.x; K[AT_P1][1] -= head.y; K[AT_P1][2] -= head.z;
+    const Pack round = L * 4.0 / p[At::GAP], wet = s.lam * round, drag = s.tau_speed * wet, mass = f.density * s.lam * s.lam * L * ic, started = mass * Y[AT_Q];
+    const Pack carried = rho * s.w, pulled = L * (s.mean_along(s.a) - s.gw);  // acceleration less gravity
+    const Pack by_lam = (started * 2.0 + carried * opened) / s.lam + rho * pulled + s.tau * round + drag * s.across;
+    const Pack by_content = (started + carried * opened + drag * s.w) * -ic, by_speed = drag * s.kept;
+    const Pack by_density = s.lam * pulled - drag * s.w / rho + s.tau_density * wet, by_q = f.density * s.lam * ic * opened + drag * s.lam * s.thin;
+    // along the hole: change of chord, speed and acceleration
+    const Pack chords = by_lam * (c[0] / L) + carried * c[1], means = by_speed * c[1] + rho * s.lam * L * c[2], arm = means * L * (1.0 / 12);
+    const PackVec turn = s.tw * arm, by_r1 = s.tw * (means * 0.5 - chords), by_r2 = s.tw * (means * 0.5 + chords);
+    const PackFour direct = {by_r1, turn, by_r2, -turn};
+    put_row((on_nodes(s.by_content * by_content) + direct) * MOMENTUM_ROW, K[AT_Q]);
+    put_momentum(q, p[At::STEP], p[At::LOSS], f, rho, by, by_density, by_q, mass, c[0], c[1], K[AT_Q]);
+}
+
+inline void annulus_flow_jacobian(const Pack* X, const Pack* Y, const Pack* A, const Pack* p, const Fluid& f, const double* c, const Pack* g1,
+                                  const Pack* g2, Pack (*K)[FLOW_WIDTH]) {
+    typedef AnnulusFlow<false, false> At;
+    const Compressed<Pack> fluid(f, (X[AT_P1] + X[AT_P2]) * 0.5, p[At::WALL]);
+    const Compression by = compression(f, fluid, p[At::WALL]);
+    const AnnulusState s(X, Y, A, p, f, fluid.density, c);
+    clear_spins(K);
+    annulus_on_string(s, X, Y, p, by, c, K);
+    annulus_along(s, X, Y, p, f, fluid, by, c, K);
+    // drag on the turning string: by the spin rates, which move with v as well
+    const Pack torque = p[At::TURNING] * s.L * (c[1] / 6);
+    for (int i = 0; i < 2; ++i) {
+        const Pack first = torque * (i == 0 ? 2.0 : 1.0), second = torque * (i == 0 ? 1.0 : 2.0);
+        Pack* row = K[SPIN_AT[i]];
+        row[6] = first;
+        row[13] = second;
+        for (int k = 0; k < 3; ++k) { row[3 + k] = first * g1[k]; row[10 + k] = second * g2[k]; }
+    }
+}
+
+inline void run_annulus_flow_jacobian(int n, const int* idx, const int* nodes, const double* par, void* fluid, const double* c, const double* spin,
+                                      const double* x, const double* y, const double* a, double* K) {
+    run_flow_jacobian<AnnulusFlow<false, false>::NP, true>(n, idx, nodes, par, fluid, c, spin, x, y, a, K, annulus_flow_jacobian);
+}
+
+}  // namespace dp

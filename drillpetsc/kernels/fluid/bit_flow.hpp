@@ -1,0 +1,135 @@
+// The fluid at the lower end of the string: nozzles (one link with inertance), the mud under the bit, the jet's reaction.
+//
+//   nozzle   L_b q_b' + p_ub - p_i + rho0^2/rho q_b |q_b| / (2 C_d^2 A_n^2) = 0                       [Pa]
+//   chamber  (V_ub/E) p_ub' + dV_ub/dt - q_b added to the mass row of the annulus' lowest node   [m3/s]
+//   string   G v_jet, v_jet = V + w_j t; bore's exit, chamber and face of the bit as one control volume
+// PIPE: there is a bore that ends in a link; ANNULUS: it ends in the mud of the hole, else in a pressure AMBIENT.
+// GROW: the hole's end moves as it is drilled (its displacement and the metres drilled are unknowns of another component).  The chamber keeps
+// volume V_0 + A_w gap about a bit that follows; rock of volume CUT per metre drilled goes into the mud, as if it were mud under its
+// pressure: CUT = 0 where cuttings are removed, the hole's area where they are returned (then they fill just what they leave).
+#pragma once
+#include "fluid/flow.hpp"
+
+namespace dp {
+
+constexpr double FLOW_ROUNDING = 1e-5;  // rounds off q |q| at zero [m3/s]
+constexpr double VALVE_ROUNDING = 3e-7; // flow over which a check valve opens: it must not be felt in forward flow [m3/s]
+constexpr double GAP_ROUNDING = 1e-3;   // distance over which a bit on bottom stops displacing mud [m]
+constexpr double VALVE_CLOSED = 1e4;    // factor on the resistance of a check valve to back flow
+
+template <class T> inline T softplus(const T& g) { return val(g) > 40 ? g : log(1.0 + exp(g)); }
+
+template <bool PIPE, bool ANNULUS, bool HELD, bool GROW = false>
+struct BitFlow {
+    static constexpr int B = HELD ? 0 : 7, PI = B, PA = PI + (PIPE ? 1 : 0), QA = PA + 1, QB = PA + (ANNULUS ? (HELD ? 1 : 2) : 0);
+    static constexpr int MOVED = QB + (PIPE ? 1 : 0), DRILLED = MOVED + 3, D = MOVED + (GROW ? 4 : 0);
+    static constexpr int NSPIN = 0;
+    static constexpr bool PACKED = false;
+    static constexpr int SPINS[1][2] = {{0, 0}};
+    enum { INERTANCE, NOZZLE, LOSS, CHECK, AMBIENT, HOLE, VOLUME, ELASTIC, FACE, ADDED, OPEN, BUOYANT, HELD_GAP, END, AXIS = END + 3, TANGENT = AXIS + 3,
+           CUT = TANGENT + 3, NP };
+    // INERTANCE L_b [kg/m4]; NOZZLE A_n [m2]; LOSS 1/(2 C_d^2 A_n^2) [1/m4]; VOLUME V_0 [m3]; ELASTIC 1/E [1/Pa]; FACE distance from the node to
+    // the face [m]; ADDED chi A_o, OPEN area of the annulus [m2]; BUOYANT volume of rigid items below the node [m3]; END, AXIS
+    // the hole's end (at the start, where it grows) and direction; TANGENT of the hole at the node; CUT [m2]
+
+    template <class T, class S>
+    static void force(int, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
+        evaluate<T, S>(x, y, a, p, *static_cast<const Fluid*>(context), r, nullptr);
+    }
+
+    template <class T, class S>
+    static void evaluate(const T* x, const T* y, const T*, const S* p, const Fluid& f, T* r, double* report) {
+        for (int i = 0; i < D; ++i) r[i] = T(0.0);
+        Vec<T> F = {T(0.0), T(0.0), T(0.0)};
+        const Vec<double> g = vec(f.gravity);
+        T under = T(p[AMBIENT]);
+        if constexpr (ANNULUS) under = x[PA];
+        if constexpr (PIPE) {
+            const T q = x[QB], size = sqrt(q * q + FLOW_ROUNDING * FLOW_ROUNDING);
+            const T closed = 1.0 + (VALVE_CLOSED * 0.5 * p[CHECK]) * (1.0 - q / sqrt(q * q + VALVE_ROUNDING * VALVE_ROUNDING));
+            const T thin = exp(under * (-f.compressibility));  // rho0/rho where the flow leaves
+            const T loss = q * size * closed * thin * (p[LOSS] * f.density);
+            r[QB] = (y[QB] * p[INERTANCE] + under - x[PI] + loss) * MOMENTUM_ROW;
+            r[PI] = q * MASS_ROW;
+            if constexpr (!HELD) {
+                const Tangent<T> t(vec(x + 3), vec(y + 3), vec(y + 3));
+                F += (vec(y) + t.t * (q * thin / p[NOZZLE])) * (q * f.density);
+            }
+            // what leaves the system with the flow: loss, and the speed of the jet where it ends in the open
+            if (report) { report[0] = val(loss * q) * std::exp(-0.5 * f.compressibility * val(x[PI] + under)); report[1] = val(q); report[2] = 0.5 * p[INERTANCE] * val(q) * val(q); }
+        }
+        if constexpr (ANNULUS) {
+            const Compressed<T> c(f, x[PA], p[ELASTIC] - f.compressibility);
+            T gap = T(p[HELD_GAP]), swept = T(0.0);
+            if constexpr (!HELD) {
+                const Tangent<T> t(vec(x + 3), vec(y + 3), vec(y + 3));
+                const Vec<double> end = vec(p + END), axis = vec(p + AXIS);
+                Vec<T> apart = end - vec(x) - t.t * p[FACE], parting = vec(y) + t.t1 * p[FACE];
+                if constexpr (GROW) { apart += vec(x + MOVED); parting = parting - vec(y + MOVED); }
+                gap = dot(apart, axis);
+                const T open = 1.0 / (1.0 + exp(gap * (-1.0 / GAP_ROUNDING)));
+                swept = dot(parting, axis) * open * (-p[HOLE]);
+                if constexpr (GROW) {
+                    if (report) report[6] = val(c.theta) * p[CUT] * val(y[DRILLED]);
+                    swept -= y[DRILLED] * p[CUT];
+                }
+                const Vec<double> tw = vec(p + TANGENT);
+                const T rate = x[QA] * f.density / (c.density * p[OPEN]), M = c.density * p[ADDED] * rate;
+                const Vec<T> carried = (vec(y) + vec(x + 3) * rate) * M;
+                F += carried - tw * dot(carried, tw) + g * (c.density * p[BUOYANT]);
+            }
+            const T volume = p[VOLUME] + p[HOLE] * GAP_ROUNDING * softplus(gap * (1.0 / GAP_ROUNDING));
+            r[PA] = (volume * c.by_p * y[PA] + c.theta * swept) * MASS_ROW;
+            if constexpr (PIPE) r[PA] -= x[QB] * MASS_ROW;
+            if (report) {
+                report[3] = stored_energy(f, val(x[PA]), p[ELASTIC] - f.compressibility, val(volume));
+                report[4] = val(c.theta * volume);
+                if constexpr (!HELD) {  // weight of the mud between bit and bottom, at its middle
+                    Vec<double> end = vec(p + END);
+                    if constexpr (GROW) end += Vec<double>{val(x[MOVED]), val(x[MOVED + 1]), val(x[MOVED + 2])};
+                    const Vec<double> middle = end - vec(p + AXIS) * (0.5 * val(gap));
+                    report[5] = -report[4] * f.density * dot(middle, g);
+                }
+            }
+        }
+        if constexpr (!HELD) { r[0] += F.x; r[1] += F.y; r[2] += F.z; }
+    }
+};
+
+// Where the string leaves the annulus: no mud presses on its section from above, which the virtual work of pressure along it takes for
+// granted at both ends (an outlet under pressure pushes the string out: snubbing force p A_o).
+struct AnnulusTop {
+    static constexpr int D = 8, NP = 1, NSPIN = 0;  // r, v, phi, pressure; area A_o [m2]
+    static constexpr bool PACKED = false;
+    static constexpr int SPINS[1][2] = {{0, 0}};
+    template <class T, class S>
+    static void force(int, const T* x, const T*, const T*, const S* p, void*, T* r) {
+        const Vec<T> v = vec(x + 3), push = v * (x[7] * p[0] / norm(v));
+        r[0] = push.x; r[1] = push.y; r[2] = push.z;
+        r[3] = r[4] = r[5] = r[6] = r[7] = T(0.0);
+    }
+};
+
+// Pressure that a valve at the flow line holds against the outflow -q, added to the row that gives the upper node of the annulus its pressure.
+struct Choke {
+    static constexpr int D = 2, NP = 1, NSPIN = 0;  // pressure of the upper node, flow rate of the first element; 1/(2 C_d^2 A^2) [1/m4]
+    static constexpr bool PACKED = false;
+    static constexpr int SPINS[1][2] = {{0, 0}};
+    template <class T, class S>
+    static void force(int, const T* x, const T*, const T*, const S* p, void* context, T* r) {
+        const Fluid& f = *static_cast<const Fluid*>(context);
+        r[0] = x[1] * sqrt(x[1] * x[1] + FLOW_ROUNDING * FLOW_ROUNDING) * (p[0] * f.density * GIVEN_PRESSURE * MASS_ROW);
+        r[1] = T(0.0);
+    }
+};
+
+// Flow rate that a pump delivers into the bore.
+struct Pump {
+    static constexpr int D = 1, NP = 1, NSPIN = 0;
+    static constexpr bool PACKED = false;
+    static constexpr int SPINS[1][2] = {{0, 0}};
+    template <class T, class S>
+    static void force(int, const T*, const T*, const T*, const S* p, void*, T* r) { r[0] = T(-MASS_ROW * p[0]); }
+};
+
+}  // namespace dp

@@ -1,0 +1,66 @@
+#include "fluid/annulus_flow_jacobian.hpp"
+#include "fluid/bit_flow.hpp"
+#include "fluid/bore_flow_jacobian.hpp"
+
+using namespace dp;
+typedef BoreFlow<false, false> PipePlain;
+typedef BoreFlow<true, false> PipeSplit;
+typedef BoreFlow<false, true> PipeHeld;
+typedef AnnulusFlow<false, false> AnnulusPlain;
+typedef AnnulusFlow<true, false> AnnulusSplit;
+typedef AnnulusFlow<false, true> AnnulusHeld;
+typedef BitFlow<true, true, false> BitNozzle;
+typedef BitFlow<true, false, false> BitJet;
+typedef BitFlow<false, true, false> BitClosed;
+typedef BitFlow<true, true, false, true> BitNozzleGrow;
+typedef BitFlow<false, true, false, true> BitClosedGrow;
+typedef BitFlow<true, true, true> BitNozzleHeld;
+typedef BitFlow<true, false, true> BitJetHeld;
+typedef BitFlow<false, true, true> BitClosedHeld;
+DP_RESIDUAL(bore_flow, PipePlain)
+DP_JACOBIAN(bore_flow, run_bore_flow_jacobian)
+DP_ENTRY(bore_flow_split, PipeSplit)
+DP_ENTRY(bore_flow_held, PipeHeld)
+DP_RESIDUAL(annulus_flow, AnnulusPlain)
+DP_JACOBIAN(annulus_flow, run_annulus_flow_jacobian)
+DP_ENTRY(annulus_flow_split, AnnulusSplit)
+DP_ENTRY(annulus_flow_held, AnnulusHeld)
+DP_ENTRY(bit_flow, BitNozzle)
+DP_ENTRY(bit_flow_jet, BitJet)
+DP_ENTRY(bit_flow_closed, BitClosed)
+DP_ENTRY(bit_flow_grow, BitNozzleGrow)
+DP_ENTRY(bit_flow_closed_grow, BitClosedGrow)
+DP_ENTRY(bit_flow_held, BitNozzleHeld)
+DP_ENTRY(bit_flow_jet_held, BitJetHeld)
+DP_ENTRY(bit_flow_closed_held, BitClosedHeld)
+// the same by differentiating all rows by all unknowns: the oracles of the tests
+DP_JACOBIAN(bore_flow_dual, run_jacobian<PipePlain>)
+DP_JACOBIAN(annulus_flow_dual, run_jacobian<AnnulusPlain>)
+DP_ENTRY(pump, Pump)
+DP_ENTRY(annulus_top, AnnulusTop)
+DP_ENTRY(choke, Choke)
+
+// for tests: the friction of elements side by side, n values each (a multiple of four)
+extern "C" void wall_shears_of_packs(const double* law, int n, const double* w, const double* d, double alpha, const double* density, double* stress, double* slope,
+                                     double* by_density) {
+    for (int i = 0; i < n; i += 4) {
+        const auto four = [i](const double* v) { return Pack(V4{v[i], v[i + 1], v[i + 2], v[i + 3]}); };
+        const WallShears s = wall_shears(law, four(w), four(d), alpha, four(density));
+        for (int l = 0; l < 4; ++l) { stress[i + l] = s.stress.v[l]; slope[i + l] = s.slope.v[l]; by_density[i + l] = s.by_density.v[l]; }
+    }
+}
+
+DP_FLOW_REPORT(bore_flow, PipePlain, dp::FlowReport, 1)
+DP_FLOW_REPORT(bore_flow_split, PipeSplit, dp::FlowReport, 1)
+DP_FLOW_REPORT(bore_flow_held, PipeHeld, dp::FlowReport, 1)
+DP_FLOW_REPORT(annulus_flow, AnnulusPlain, dp::FlowReport, 1)
+DP_FLOW_REPORT(annulus_flow_split, AnnulusSplit, dp::FlowReport, 1)
+DP_FLOW_REPORT(annulus_flow_held, AnnulusHeld, dp::FlowReport, 1)
+DP_FLOW_REPORT(bit_flow, BitNozzle, double, 7)
+DP_FLOW_REPORT(bit_flow_jet, BitJet, double, 7)
+DP_FLOW_REPORT(bit_flow_closed, BitClosed, double, 7)
+DP_FLOW_REPORT(bit_flow_grow, BitNozzleGrow, double, 7)
+DP_FLOW_REPORT(bit_flow_closed_grow, BitClosedGrow, double, 7)
+DP_FLOW_REPORT(bit_flow_held, BitNozzleHeld, double, 7)
+DP_FLOW_REPORT(bit_flow_jet_held, BitJetHeld, double, 7)
+DP_FLOW_REPORT(bit_flow_closed_held, BitClosedHeld, double, 7)

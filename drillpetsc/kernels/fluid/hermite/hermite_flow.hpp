@@ -1,0 +1,148 @@
+// The paper's form of the flow in a channel: volume that has passed, as a cubic between the nodes (formulation: hermite).
+//
+// V(s,t) [m3, at zero pressure] has passed the place s of the string beyond what a reference flow Q(t), the same everywhere, has brought:
+// q = V_t + Q.  Mass is then conserved identically: the content per reference length is mu = mu0 - V' (mu0: at rest, at zero pressure), and
+// the pressure follows from it, mu = c theta(p), with the channel's section c [m2] and theta = exp(beta p)(1 + wall p).  Unknowns at a
+// node: V and p; the end slopes of the cubic are V' = mu0 - c theta(p) with the element's own c, so that p, and not the slope, is common
+// to elements of different section.
+//   momentum, Galerkin   int N_k [rho0/c q_t + ... + 4 tau/d] ds - int N_k' p ds + [N_k p] = 0,   N_k = dV/d(unknown)
+// p is pressure plus the heads rho0^2/rho q^2 (1/A^2 - 1/A_0^2)/2 that speed costs since the channel's uppermost element (areas A, A_0):
+// continuous where the section jumps.  In what the pipe's and the hole's walls and the string feel, the pressure itself enters.
+#pragma once
+#include "fluid/bit_flow.hpp"
+#include "fluid/flow.hpp"
+
+namespace dp {
+
+using std::expm1; using std::log1p;
+inline Pack expm1(const Pack& a) { return Pack(V4{std::expm1(a.v[0]), std::expm1(a.v[1]), std::expm1(a.v[2]), std::expm1(a.v[3])}); }
+inline Pack log1p(const Pack& a) { return Pack(V4{std::log1p(a.v[0]), std::log1p(a.v[1]), std::log1p(a.v[2]), std::log1p(a.v[3])}); }
+template <int N> inline Dual<N> expm1(const Dual<N>& a) { const double e = std::expm1(a.v); return chain(e, e + 1.0, a); }
+template <int N> inline Dual<N> log1p(const Dual<N>& a) { return chain(std::log1p(a.v), 1.0 / (1.0 + a.v), a); }
+
+// four Gauss points on (0, 1)
+constexpr double XI4[4] = {0.069431844202973712, 0.33000947820757187, 0.66999052179242813, 0.93056815579702629};
+constexpr double W4[4] = {0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693};
+
+// value, rate, acceleration
+template <class T>
+struct Jet {
+    T x, y, a;
+    friend Jet operator+(const Jet& u, const Jet& v) { return {u.x + v.x, u.y + v.y, u.a + v.a}; }
+    friend Jet operator-(const Jet& u, const Jet& v) { return {u.x - v.x, u.y - v.y, u.a - v.a}; }
+    friend Jet operator*(const Jet& u, const Jet& v) { return {u.x * v.x, u.x * v.y + u.y * v.x, u.x * v.a + u.y * v.y * 2.0 + u.a * v.x}; }
+    template <class S> Jet times(const S& s) const { return {x * s, y * s, a * s}; }
+};
+
+// theta(p) - 1 and its derivative; p from theta - 1 by two Newton steps from the logarithm, whose error is (wall p)^2/2
+template <class T>
+struct Filled {
+    Jet<T> excess;
+    T by_p;
+    template <class S>
+    Filled(const Fluid& f, const Jet<T>& p, const S& wall) {
+        const double b = f.compressibility;
+        const T e1 = expm1(p.x * b), e = e1 + 1.0, open = 1.0 + p.x * wall;
+        by_p = e * (open * b + wall);
+        const T second = e * (open * (b * b) + wall * (2 * b));
+        excess = {e1 * open + p.x * wall, by_p * p.y, by_p * p.a + second * p.y * p.y};
+    }
+};
+template <class T, class S>
+inline T pressure_of(const Fluid& f, const T& excess, const S& wall) {
+    const double b = f.compressibility;
+    T p = log1p(excess) / (wall + b);
+    for (int k = 0; k < 2; ++k) {
+        const T e1 = expm1(p * b), open = 1.0 + p * wall;
+        p -= (e1 * open + p * wall - excess) / ((e1 + 1.0) * (open * b + wall));
+    }
+    return p;
+}
+
+// heads that the flow q has spent at (near) the pressure p; the density there to first order in p/K
+template <class T, class S>
+inline T heads(const Fluid& f, const T& q, const T& p, const S& steps) { return q * q * (1.0 - p * f.compressibility) * (steps * f.density); }
+
+struct CubicShape {  // times the element's length where SLOPE is odd; derivatives: over it where SLOPE is even
+    double N[4], B[4];
+    explicit CubicShape(double s)
+        : N{1 - s * s * (3 - 2 * s), s * (1 - s) * (1 - s), s * s * (3 - 2 * s), s * s * (s - 1)},
+          B{-6 * s * (1 - s), 1 - 4 * s + 3 * s * s, 6 * s * (1 - s), 3 * s * s - 2 * s} {}
+};
+
+template <class T, class S>
+inline Vec<T> value(const CubicShape& c, const Four<T>& u, const S& L) { return u.r1 * c.N[0] + u.v1 * (L * c.N[1]) + u.r2 * c.N[2] + u.v2 * (L * c.N[3]); }
+template <class T, class S>
+inline Vec<T> slope(const CubicShape& c, const Four<T>& u, const S& il) { return (u.r2 - u.r1) * (il * c.B[2]) + u.v1 * c.B[1] + u.v2 * c.B[3]; }
+
+// The cubic of one element, and its rows.
+template <class T, class S>
+struct VolumeLine {
+    Jet<T> V1, V2, g1, g2, p1, p2;  // g: slopes at the ends [m2]
+    T by1, by2, by_rigid;           // -dg/dp at the ends, -dV1/dp of the rigid item's content
+    T row[4];
+    S L;
+    // c1, c2: section at the ends, less1, less2: the same less that at rest; rigid: content of the item above the element [m3]
+    VolumeLine(const T* x, const T* y, const T* a, const Fluid& f, const S& length, const S& wall, const S& rigid, const Jet<T>& c1, const Jet<T>& less1,
+               const Jet<T>& c2, const Jet<T>& less2) : L(length) {
+        p1 = {x[2], y[2], a[2]}; p2 = {x[3], y[3], a[3]};
+        const Filled<T> h1(f, p1, wall), h2(f, p2, wall);
+        const Jet<T> zero = {T(0.0), T(0.0), T(0.0)};
+        V1 = Jet<T>{x[0], y[0], a[0]} - h1.excess.times(rigid);
+        V2 = {x[1], y[1], a[1]};
+        g1 = zero - (less1 + c1 * h1.excess);
+        g2 = zero - (less2 + c2 * h2.excess);
+        by1 = c1.x * h1.by_p; by2 = c2.x * h2.by_p; by_rigid = h1.by_p * rigid;
+        for (int k = 0; k < 4; ++k) row[k] = T(0.0);
+    }
+    T slope(const CubicShape& c, const S& il) const { return (V2.x - V1.x) * (il * c.B[2]) + g1.x * c.B[1] + g2.x * c.B[3]; }
+    T flow(const CubicShape& c) const { return V1.y * c.N[0] + g1.y * (L * c.N[1]) + V2.y * c.N[2] + g2.y * (L * c.N[3]); }
+    T surge(const CubicShape& c) const { return V1.a * c.N[0] + g1.a * (L * c.N[1]) + V2.a * c.N[2] + g2.a * (L * c.N[3]); }
+    // push: momentum per reference length [Pa/m], at a point of weight w
+    void add(const CubicShape& c, double w, const T& push, const T& p) {
+        row[0] += (push * (L * c.N[0]) - p * c.B[0]) * w;
+        row[1] += (push * (L * c.N[1]) - p * c.B[1]) * (L * w);
+        row[2] += (push * (L * c.N[2]) - p * c.B[2]) * w;
+        row[3] += (push * (L * c.N[3]) - p * c.B[3]) * (L * w);
+    }
+    // momentum [Pa] of the rigid item above, spread over the element, as no jump of p fits in between
+    void spread(const T& push) {
+        const T part = push * (S(1.0) / L);
+        for (int k = 0; k < 4; ++k) add(CubicShape(XI4[k]), W4[k], part, T(0.0));
+    }
+    // rows of V1, V2, p1, p2; those of the pressures by dV/dp, times the bulk modulus
+    void store(const Fluid& f, T* r) const {
+        const double scale = MOMENTUM_ROW / f.compressibility;
+        r[0] = row[0] * MOMENTUM_ROW;
+        r[1] = row[2] * MOMENTUM_ROW;
+        r[2] = (row[1] * by1 + (row[0] - p1.x) * by_rigid) * scale;
+        r[3] = row[3] * by2 * scale;
+    }
+};
+
+// The stretch along an element: a parabola through its values at the ends with the true mean, as the beam has it.  Point by point a bent
+// cubic also holds the square of its slope, which the content would answer with pressure.
+template <class T>
+struct Stretch {
+    T end1, end2, mean;
+    template <class S>
+    Stretch(const Four<T>& x, const S& il) : end1(norm(x.v1)), end2(norm(x.v2)), mean(T(0.0)) {
+        for (int k = 0; k < 4; ++k) mean += norm(dp::slope(CubicShape(XI4[k]), x, il)) * W4[k];
+    }
+    T at(const CubicShape& c) const { return end1 * c.B[1] + mean * c.B[2] + end2 * c.B[3]; }
+};
+
+// section of a tube of area 1 under the stretch n: n (1 - 2 nu (n - 1)), and less 1
+template <class T>
+struct Tube {
+    Jet<T> section, less;
+    template <class S>
+    Tube(const Vec<T>& v, const Vec<T>& w, const Vec<T>& z, const S& nu) {
+        const T n = norm(v), n1 = dot(v, w) / n, n2 = (dot(w, w) + dot(v, z) - n1 * n1) / n;
+        const Jet<T> over = {n - 1.0, n1, n2};
+        less = over * Jet<T>{1.0 - n * (nu * 2.0), n1 * (nu * -2.0), n2 * (nu * -2.0)};
+        section = {less.x + 1.0, less.y, less.a};
+    }
+};
+
+}  // namespace dp

@@ -1,0 +1,214 @@
+// Joints between two parts of the string, and rolling without slip: constraints with multipliers.
+//
+// A joint couples the frame at the end of a rigid arm below one node ("above") with the next node's frame ("below").  A constraint is
+// either c = A.B with A fixed in the frame above, B in the one below, or c = E.D with E above and D the way from the arm's end to the
+// node below.  With virtual rotations psi, dc = (psi_above - psi_below).(A x B), and dc = E.(dr_below - dr_arm) + psi_above.(E x D).
+// Multipliers are in units of SCALE newton (newton metre), constraint rows are multiplied by SCALE: the matrix stays symmetric in statics and
+// its pivots are of one size.  A direction that the joint leaves free has the row -SCALE lambda = 0, so each joint adds exactly six
+// negative eigenvalues to the tangent whatever its kind.
+#pragma once
+#include "core/element.hpp"
+#include "core/frame.hpp"
+
+namespace dp {
+
+enum JointKind { JOINT_FIXED, JOINT_REVOLUTE, JOINT_UNIVERSAL, JOINT_SLIDER };
+enum JointParameter {
+    KIND, ARM,                                // ARM: length of the rigid item between the node above and the joint [m]
+    JOINT_GAUGE1, JOINT_SECOND1 = JOINT_GAUGE1 + 3, JOINT_GAUGE2 = JOINT_SECOND1 + 3, JOINT_SECOND2 = JOINT_GAUGE2 + 3,
+    AXES = JOINT_SECOND2 + 3,                 // 3 x 3, rows: the joint's axes in (tangent, director 2, director 3)
+    SPRING = AXES + 9, DAMPER,                // along a slider [N/m], [N s/m]
+    STOP_IN, STOP_OUT, STOP_STIFFNESS, STOP_ROUNDING,  // ends of a slider's travel [m], [N/m], [m]
+    SCALE,                                    // [N], [N m]
+    JOINT_PARAMETERS
+};
+constexpr double SOFT = 1e-12;  // share of SCALE by which a correction of velocity gives way: makes statics, where it has no row, regular
+
+// Frame of a node with its angular velocity.
+template <class T>
+struct Section {
+    Vec<T> t, d2, d3, turning;
+    T n;
+    Section(const T* x, const T* y, const Vec<double>& reference, const Vec<double>& second) {
+        const Vec<T> v = vec(x + 3), w = vec(y + 3);
+        n = norm(v);
+        t = v / n;
+        directors(reference, second, t, x[6], d2, d3);
+        turning = cross(t, w) / n + t * y[6];
+    }
+    Vec<T> axis(const double* c) const { return t * c[0] + d2 * c[1] + d3 * c[2]; }
+};
+
+template <class T>
+struct JointState {
+    Section<T> above, below;
+    Vec<T> E[3], G[3];    // the joint's axes in either frame
+    Vec<T> way, way_rate; // from the arm's end to the node below, and its rate
+    template <class S>
+    JointState(const T* x, const T* y, const S* p)
+        : above(x, y, vec(p + JOINT_GAUGE1), vec(p + JOINT_SECOND1)), below(x + 7, y + 7, vec(p + JOINT_GAUGE2), vec(p + JOINT_SECOND2)) {
+        for (int i = 0; i < 3; ++i) { E[i] = above.axis(p + AXES + 3 * i); G[i] = below.axis(p + AXES + 3 * i); }
+        way = vec(x + 7) - vec(x) - above.t * p[ARM];
+        way_rate = vec(y + 7) - vec(y) - cross(above.turning, above.t) * p[ARM];
+    }
+};
+
+// Of the six constraints: which are there.  0-2 position (along the axes for a slider, else in space), 3-5 rotation: E1.G2, E1.G3, E2.G3.
+inline bool constrains(int kind, int i) {
+    if (i == 0) return kind != JOINT_SLIDER;
+    if (i == 4) return kind != JOINT_UNIVERSAL;
+    if (i == 5) return kind == JOINT_FIXED || kind == JOINT_SLIDER;
+    return true;
+}
+constexpr int PAIR[3][2] = {{0, 1}, {0, 2}, {1, 2}};
+
+// Force of a slider's spring, damper and stops, positive where they pull its parts together; energy without the damper.
+// Stops: k/2 (q + sqrt(q^2 + e^2)), q the way beyond them: smooth, so that a part that hangs free still finds its stop in statics.
+template <class T, class S>
+inline T slider_force(const T& travel, const T& speed, const S* p) {
+    T f = travel * p[SPRING] + speed * p[DAMPER];
+    if (p[STOP_STIFFNESS] > 0) {
+        const double e = p[STOP_ROUNDING], k = 0.5 * p[STOP_STIFFNESS];
+        const T out = travel - p[STOP_OUT], in = p[STOP_IN] - travel;
+        f += (out + sqrt(out * out + e * e)) * k;
+        f -= (in + sqrt(in * in + e * e)) * k;
+    }
+    return f;
+}
+
+inline double slider_energy(double travel, const double* p) {
+    double u = 0.5 * p[SPRING] * travel * travel;
+    if (p[STOP_STIFFNESS] > 0)
+        for (int end = 0; end < 2; ++end) {
+            const double q = end ? p[STOP_IN] - travel : travel - p[STOP_OUT];
+            const double e = p[STOP_ROUNDING], s = std::sqrt(q * q + e * e);
+            u += 0.25 * p[STOP_STIFFNESS] * (q * q + q * s + e * e * std::asinh(q / e));
+        }
+    return u;
+}
+
+// STABILISED (Gear, Gupta and Leimkuhler, J. Comp. Appl. Math. 12/13:77-90, 1985): the constraints hold for the velocities as well, with six
+// more multipliers that correct the velocities of the node above (see joint_directions).
+template <bool STABILISED>
+struct Joint {
+    static constexpr int D = STABILISED ? 26 : 20, NP = JOINT_PARAMETERS, NSPIN = 2;
+    static constexpr bool PACKED = false;
+    static constexpr int SPINS[2][2] = {{6, 3}, {13, 10}};
+
+    template <class T, class S>
+    static void force(int, const T* x, const T* y, const T*, const S* p, void*, T* r) {
+        const JointState<T> j(x, y, p);
+        const int kind = static_cast<int>(p[KIND]);
+        const double scale = p[SCALE];
+        Vec<T> F = {T(0.0), T(0.0), T(0.0)}, lever = F, moment = F;  // on the part below; moment of F on the one above; moment above
+        for (int i = 0; i < 6; ++i) {
+            r[14 + i] = x[14 + i] * -scale;
+            if constexpr (STABILISED) r[20 + i] = x[20 + i] * (constrains(kind, i) ? -SOFT * scale : -scale);
+            if (!constrains(kind, i)) continue;
+            const T lambda = x[14 + i] * scale;
+            T error, rate;
+            if (i < 3) {
+                if (kind == JOINT_SLIDER) {
+                    const Vec<T> turn = cross(j.E[i], j.way);
+                    error = dot(j.E[i], j.way);
+                    if constexpr (STABILISED) rate = dot(j.E[i], j.way_rate) + dot(turn, j.above.turning);
+                    F += j.E[i] * lambda;
+                    lever += turn * lambda;
+                } else {
+                    const Vec<double> e = {i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0};
+                    error = dot(j.way, e);
+                    if constexpr (STABILISED) rate = dot(j.way_rate, e);
+                    F += Vec<T>{lambda * e.x, lambda * e.y, lambda * e.z};
+                }
+            } else {
+                const Vec<T> &A = j.E[PAIR[i - 3][0]], &B = j.G[PAIR[i - 3][1]], turn = cross(A, B);
+                error = dot(A, B);
+                if constexpr (STABILISED) rate = dot(turn, j.above.turning - j.below.turning);
+                moment += turn * lambda;
+            }
+            r[14 + i] = error * scale;
+            if constexpr (STABILISED) r[20 + i] += rate * scale;
+        }
+        if (kind == JOINT_SLIDER) {
+            const Vec<T> turn = cross(j.above.t, j.way);
+            const T f = slider_force(dot(j.above.t, j.way), dot(j.above.t, j.way_rate) + dot(turn, j.above.turning), p);
+            F += j.above.t * f;
+            lever += turn * f;
+        }
+        const Vec<T> up = moment + lever - cross(j.above.t, F) * p[ARM];
+        const Vec<T> bend1 = cross(up, j.above.t) / j.above.n, bend2 = cross(moment, j.below.t) / j.below.n;
+        r[0] = -F.x; r[1] = -F.y; r[2] = -F.z; r[3] = bend1.x; r[4] = bend1.y; r[5] = bend1.z; r[6] = dot(up, j.above.t);
+        r[7] = F.x; r[8] = F.y; r[9] = F.z; r[10] = -bend2.x; r[11] = -bend2.y; r[12] = -bend2.z; r[13] = -dot(moment, j.below.t);
+    }
+};
+
+// A node that no element reaches from above, or none at all: its slope has length one.
+struct UnitSlope {
+    static constexpr int D = 7, NP = 1, NSPIN = 1;
+    static constexpr bool PACKED = false;
+    static constexpr int SPINS[1][2] = {{6, 3}};
+
+    template <class T, class S>
+    static void force(int, const T* x, const T*, const T*, const S* p, void*, T* r) {
+        const Vec<T> v = vec(x + 3);
+        const T n = norm(v);
+        const Vec<T> f = v * ((n - 1.0) / n * p[0]);
+        r[0] = r[1] = r[2] = r[6] = T(0.0);
+        r[3] = f.x; r[4] = f.y; r[5] = f.z;
+    }
+};
+
+// ---------------------------------------------------------------- rolling
+// A round body rolls without slip: its rim touches a plane, or the wall of a straight round hole from inside.
+//
+// Plane: e points from the body's centre to the lowest point of its rim, the gap is n.(centre + R e) - h.  Hole: e points from the axis
+// of the hole to the centre, the gap is Rh - R minus their distance.  The gap is a holonomic constraint; the point of the body at the
+// contact has no velocity along the two directions of the surface (along the hole only where ALONG is set), which no function of place
+// alone can say.  The multipliers are the force on the body in the same three directions.
+struct Rolling {
+    enum { WALL, CENTER, RADIUS, POINT, NORMAL = POINT + 3, SIDE = NORMAL + 3, HOLE = SIDE + 3, ALONG, ROLL_SCALE, NP };
+    static constexpr int D = 10, NSPIN = 1;
+    static constexpr bool PACKED = false;
+    static constexpr int SPINS[1][2] = {{6, 3}};
+
+    template <class T, class S>
+    static void force(int, const T* x, const T* y, const T*, const S* p, void*, T* r) {
+        const Vec<T> v = vec(x + 3), w = vec(y + 3);
+        const T n = norm(v);
+        const Vec<T> t = v / n, turning = cross(t, w) / n + t * y[6];
+        const Vec<T> centre = vec(x) + t * p[CENTER], speed = vec(y) + cross(turning, t) * p[CENTER];
+        const Vec<double> point = vec(p + POINT), normal = vec(p + NORMAL), side = vec(p + SIDE);
+        const double R = p[RADIUS], scale = p[ROLL_SCALE];
+        Vec<T> e, out, first, second;  // to the contact, normal into the surface's free side, directions in the surface
+        T gap;
+        if (p[WALL] != 0) {
+            const Vec<T> off = centre - point, across = off - normal * dot(off, normal);
+            const T far = norm(across);
+            e = across / far;
+            out = -e;
+            first = cross(normal, e);
+            second = {T(normal.x), T(normal.y), T(normal.z)};
+            gap = p[HOLE] - R - far;
+        } else {
+            const Vec<T> down = t * dot(t, normal) - normal;
+            const T length = norm(down);
+            e = down / length;
+            out = {T(normal.x), T(normal.y), T(normal.z)};
+            first = {T(side.x), T(side.y), T(side.z)};
+            second = cross(out, first);
+            gap = dot(centre - point, normal) - length * R;
+        }
+        const Vec<T> slip = speed + cross(turning, e) * R;
+        const bool along = p[WALL] == 0 || p[ALONG] != 0;
+        const T N = x[7] * scale, f1 = x[8] * scale, f2 = x[9] * scale;
+        Vec<T> F = out * N + first * f1;
+        if (along) F += second * f2;
+        const Vec<T> moment = cross(t * p[CENTER] + e * R, F), bend = cross(moment, t) / n;
+        r[0] = -F.x; r[1] = -F.y; r[2] = -F.z; r[3] = -bend.x; r[4] = -bend.y; r[5] = -bend.z; r[6] = -dot(moment, t);
+        r[7] = -gap * scale;
+        r[8] = -dot(slip, first) * scale;
+        r[9] = along ? -dot(slip, second) * scale : -f2;
+    }
+};
+
+}  // namespace dp
