@@ -28,7 +28,15 @@ extensions = [
 exclude_patterns = ["_build", "Thumbs.db", ".DS_Store", "**/README.md"]
 
 # Markdown
-myst_enable_extensions = ["amsmath", "attrs_inline", "colon_fence", "deflist", "dollarmath", "fieldlist", "substitution"]
+myst_enable_extensions = [
+    "amsmath",
+    "attrs_inline",
+    "colon_fence",
+    "deflist",
+    "dollarmath",
+    "fieldlist",
+    "substitution",
+]
 myst_heading_anchors = 3
 myst_dmath_double_inline = True
 numfig = True
@@ -53,7 +61,8 @@ pygments_dark_style = "monokai"
 suppress_warnings = ["myst.header"]
 
 
-# Formulas without a network: the package sphinx-mathjax-offline brings MathJax 3; without it the pages load MathJax from the web.
+# Formulas without a network: the package sphinx-mathjax-offline brings MathJax 3; without it the pages load
+# MathJax from the web.
 def _mathjax_folder() -> Path | None:
     spec = importlib.util.find_spec("sphinx-mathjax-offline")
     folder = Path(spec.origin).parent / "static" / "mathjax" if spec and spec.origin else None

@@ -2,7 +2,8 @@
 
 A shell block is a fence ```console; its commands are the lines that begin with `$ `.
 A complete case is a fence ```yaml whose first line is `# file: name.yaml`.
-Pages are read in the order of `pages()`; a command may use the cases of its own page and those in `docs/tutorials/cases`.
+Pages are read in the order of `pages()`; a command may use the cases of its own page and those in
+`docs/tutorials/cases`.
 """
 
 from __future__ import annotations
@@ -12,13 +13,19 @@ import sys
 from pathlib import Path
 
 DOCS = Path(__file__).resolve().parent
-FENCE = re.compile(r"^(?P<mark>`{3,})(?P<kind>[\w-]+)[^\n]*\n(?P<text>.*?)^(?P=mark)\s*$", re.MULTILINE | re.DOTALL)
+FENCE = re.compile(
+    r"^(?P<mark>`{3,})(?P<kind>[\w-]+)[^\n]*\n(?P<text>.*?)^(?P=mark)\s*$", re.MULTILINE | re.DOTALL
+)
 FILE = re.compile(r"#\s*file:\s*(\S+)")
 
 
 def pages() -> list[Path]:
     """All pages that may show commands: guide, tutorials, index; in alphabetical order."""
-    return [DOCS / "index.md", *sorted((DOCS / "guide").glob("*.md")), *sorted((DOCS / "tutorials").glob("*.md"))]
+    return [
+        DOCS / "index.md",
+        *sorted((DOCS / "guide").glob("*.md")),
+        *sorted((DOCS / "tutorials").glob("*.md")),
+    ]
 
 
 def blocks(page: str | Path, kind: str) -> list[str]:

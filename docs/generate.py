@@ -15,7 +15,6 @@ from __future__ import annotations
 import argparse
 import re
 import types
-import typing
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -36,7 +35,12 @@ def version() -> str:
 
 def write(folder: Path) -> None:
     """Write all generated pages into a folder; files that are no longer generated are removed."""
-    pages = {**case_pages(), "commands.md": commands_page(), "messages.md": messages_page(), "supported.md": supported_page()}
+    pages = {
+        **case_pages(),
+        "commands.md": commands_page(),
+        "messages.md": messages_page(),
+        "supported.md": supported_page(),
+    }
     for name, text in pages.items():
         file = folder / name
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -47,7 +51,8 @@ def write(folder: Path) -> None:
             old.unlink()
 
 
-# ---------------------------------------------------------------------------------------------------- case file
+# ---------------------------------------------------------------------------------------------------- case
+# file
 @dataclass
 class Key:
     """One row of a table of keys."""
@@ -80,7 +85,8 @@ def blocks_in(annotation: Any) -> Iterator[type]:
 
 
 def case_pages() -> dict[str, str]:
-    """A page for each top-level key of the case file that holds blocks, one for the other keys, and the index."""
+    """A page for each top-level key of the case file that holds blocks, one for the other keys, and the
+    index."""
     case = case_class()
     pages, rows, names = {}, [], []
     for name, info in case.model_fields.items():
@@ -99,7 +105,9 @@ def case_pages() -> dict[str, str]:
         f"{HEAD}(case-keys)=\n# Keys of the case file\n\n"
         "One page a block. A bare number is in the unit of the table; a text carries a unit of its own (`80 rpm`, `2000 m`).\n"
         "A block that is absent is physics that the model does not have.\n\n"
-        + table(rows, code=False) + f"\n```{{toctree}}\n:maxdepth: 1\n:hidden:\n\n{toctree}\n```\n")
+        + table(rows, code=False)
+        + f"\n```{{toctree}}\n:maxdepth: 1\n:hidden:\n\n{toctree}\n```\n"
+    )
     return pages
 
 
@@ -107,7 +115,10 @@ def block_page(name: str, info: Any, key: Key) -> str:
     """Tables of a block and of all blocks inside it."""
     out = [f"{HEAD}(case-{name})=\n# `{name}`\n", sentence(info.description or "") + "\n"]
     if key.allowed or key.default:
-        parts = [f"Allowed: {key.allowed}." if key.allowed else "", f"Default: {key.default}." if key.default else ""]
+        parts = [
+            f"Allowed: {key.allowed}." if key.allowed else "",
+            f"Default: {key.default}." if key.default else "",
+        ]
         out.append(" ".join(part for part in parts if part) + "\n")
     queue, seen = [(block, name) for block in key.blocks], set()
     while queue:
@@ -116,6 +127,7 @@ def block_page(name: str, info: Any, key: Key) -> str:
             continue
         seen.add(block)
         rows = [key_row(n, f) for n, f in block.model_fields.items()]
+        rows.sort(key=lambda row: row.name not in ("kind", "model", "at", "from", "to"))
         out.append(f"## {title_of(block, where)}\n")
         if block.__doc__:
             out.append(markdown(sentence(" ".join(block.__doc__.split()))) + "\n")
@@ -165,14 +177,24 @@ def key_row(name: str, info: Any) -> Key:
     text = info.description or ""
     unit = getattr(quantity, "unit", "") or ""
     if not unit and not is_block(annotation):
-        match = re.search(r"\[([^\]]+)\]", text)
-        unit = match.group(1) if match and " " not in match.group(1).strip() or match and "/" in match.group(1) else ""
-        unit = "" if "," in unit else unit
-    words, blocks = literals(annotation), list(dict.fromkeys(blocks_in(annotation)))
+        units = [
+            word for word in re.findall(r"\[([^\]]+)\]", text) if not re.search(r"[,=]|north|down", word)
+        ]
+        unit = units[0] if len(units) == 1 else ""
+    blocks = list(dict.fromkeys(blocks_in(annotation)))
+    words = literals(annotation) + [
+        word for part in meta for word in words_of(getattr(part, "json_schema_input_type", None))
+    ]
+    words = list(dict.fromkeys(words))
     allowed = allowed_of(annotation, meta, quantity, words, blocks)
-    required = info.is_required()
+    required = info.is_required() or "needed unless" in text
     default = "required" if required else default_of(info, text)
     return Key(info.alias or name, pretty(unit), allowed, default, text, blocks)
+
+
+def words_of(annotation: Any) -> list[str]:
+    """Words that may be written in place of a block, from the type that the schema shows; not the words inside blocks."""
+    return literals(annotation) if get_origin(annotation) in (Literal, Union, types.UnionType) else []
 
 
 def allowed_of(annotation: Any, meta: list[Any], quantity: Any, words: list[str], blocks: list[type]) -> str:
@@ -180,6 +202,8 @@ def allowed_of(annotation: Any, meta: list[Any], quantity: Any, words: list[str]
     parts = []
     if words:
         parts.append(", ".join(f"`{word}`" for word in words))
+    if words and float in get_args(annotation):
+        parts.append("or a number")
     if blocks:
         parts.append("a list of blocks" if is_sequence(annotation) else "a block")
     kind = type(quantity).__name__
@@ -191,8 +215,16 @@ def allowed_of(annotation: Any, meta: list[Any], quantity: Any, words: list[str]
     elif quantity is not None:
         spoken = quantity.allowed() if hasattr(quantity, "allowed") else ""
         spoken = spoken.removesuffix(f" {quantity.unit}") if quantity.unit else spoken
-        parts.append(("a list, each " if is_sequence(annotation) and spoken else "a list of numbers" if is_sequence(annotation) else "")
-                     + (spoken or ("" if is_sequence(annotation) else "any number")))
+        parts.append(
+            (
+                "a list, each "
+                if is_sequence(annotation) and spoken
+                else "a list of numbers"
+                if is_sequence(annotation)
+                else ""
+            )
+            + (spoken or ("" if is_sequence(annotation) else "any number"))
+        )
     for bound, word in (("ge", "at least"), ("le", "at most"), ("min_length", "entries: at least")):
         limits = [getattr(part, bound) for part in meta if getattr(part, bound, None) is not None]
         if limits:
@@ -204,8 +236,11 @@ def allowed_of(annotation: Any, meta: list[Any], quantity: Any, words: list[str]
 
 
 def is_sequence(annotation: Any) -> bool:
-    return get_origin(annotation) in (tuple, list) or any(is_sequence(part) for part in get_args(annotation)
-                                                           if get_origin(annotation) in (Union, types.UnionType, Annotated))
+    return get_origin(annotation) in (tuple, list) or any(
+        is_sequence(part)
+        for part in get_args(annotation)
+        if get_origin(annotation) in (Union, types.UnionType, Annotated)
+    )
 
 
 def default_of(info: Any, text: str) -> str:
@@ -224,12 +259,21 @@ def default_of(info: Any, text: str) -> str:
     if isinstance(value, bool):
         return f"`{str(value).lower()}`"
     if isinstance(value, float):
-        return f"{value:g}"
+        return number(value)
     if value in ("", (), {}, []):
         return "empty"
     if isinstance(value, tuple):
-        return "[" + ", ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in value) + "]"
+        return "[" + ", ".join(number(v) if isinstance(v, float) else str(v) for v in value) + "]"
     return f"`{value}`"
+
+
+def number(value: float) -> str:
+    """2e+09 -> 2e9."""
+    return re.sub(
+        r"e([+-])0*(\d)",
+        lambda m: "e" + m.group(1).replace("+", "") + m.group(2),
+        f"{value:g}" if float(f"{value:g}") == value else f"{value:.10g}",
+    )
 
 
 def pretty(unit: str) -> str:
@@ -243,7 +287,11 @@ def pretty(unit: str) -> str:
 def sentence(text: str) -> str:
     """With a capital first letter and a full stop."""
     text = text.strip()
-    return text[:1].upper() + text[1:] + ("" if text.endswith((".", ":", "")) and text.endswith(".") else ".") if text else ""
+    return (
+        text[:1].upper() + text[1:] + ("" if text.endswith((".", ":", "")) and text.endswith(".") else ".")
+        if text
+        else ""
+    )
 
 
 def markdown(text: str) -> str:
@@ -257,13 +305,18 @@ def table(rows: list[Key], code: bool = True) -> str:
     lines = ["| key | unit | allowed | default | meaning |", "| --- | --- | --- | --- | --- |"]
     for row in rows:
         name = f"`{row.name}`" if code else row.name
-        meaning = re.sub(r"\s*\[(?:[^\]]*)\]", "", row.meaning, count=1) if row.unit else row.meaning
+        meaning = re.sub(
+            r"\s*\[([^\]]*)\]",
+            lambda m, u=row.unit: "" if pretty(m.group(1)) == u else m.group(0),
+            row.meaning,
+        )
         cells = [name, markdown(row.unit), row.allowed, row.default, markdown(meaning)]
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
 
 
-# ---------------------------------------------------------------------------------------------------- commands
+# ----------------------------------------------------------------------------------------------------
+# commands
 def commands_page() -> str:
     """Commands and options from the parser."""
     from drillpetsc.cli import parser
@@ -271,25 +324,41 @@ def commands_page() -> str:
     whole = parser()
     actions = next(a for a in whole._actions if isinstance(a, argparse._SubParsersAction))
     helps = {choice.dest: choice.help or "" for choice in actions._choices_actions}
-    out = [f"{HEAD}(commands-options)=\n# Commands and options\n",
-           "`drillpetsc COMMAND --help` shows the same. Options of PETSc have one dash ({doc}`/guide/solver-options`).\n",
-           "| command | does |\n| --- | --- |"]
+    out = [
+        f"{HEAD}(commands-options)=\n# Commands and options\n",
+        "`drillpetsc COMMAND --help` shows the same. Options of PETSc have one dash ({doc}`/guide/solver-options`).\n",
+        "| command | does |\n| --- | --- |",
+    ]
     out += [f"| [`{name}`](#command-{name}) | {markdown(helps.get(name, ''))} |" for name in actions.choices]
     out.append("")
     for name, sub in actions.choices.items():
         usage = " ".join(sub.format_usage().removeprefix("usage: ").split())
-        out += [f"(command-{name})=\n## `{name}`\n", markdown(sentence(sub.description or "")) + "\n", f"```text\n{usage}\n```\n",
-                "| argument | meaning |\n| --- | --- |"]
+        out += [
+            f"(command-{name})=\n## `{name}`\n",
+            markdown(sentence(sub.description or "")) + "\n",
+            f"```text\n{usage}\n```\n",
+            "| argument | meaning |\n| --- | --- |",
+        ]
         for action in sub._actions:
             if isinstance(action, argparse._HelpAction):
                 continue
             label = "`" + ", ".join(action.option_strings or [str(action.metavar or action.dest)]) + "`"
             if action.option_strings and action.nargs != 0:
-                value = action.metavar or (" \\| ".join(map(str, action.choices)) if action.choices else action.dest.upper())
+                value = action.metavar or (
+                    " \\| ".join(map(str, action.choices)) if action.choices else action.dest.upper()
+                )
                 value = " ".join(value) if isinstance(value, tuple) else str(value)
                 label += f" {value}"
-            text = markdown(action.help or ("the case file" if "CASE" in str(action.metavar) else "the run folder"
-                                            if action.metavar == "RUN" else "where to write"))
+            text = markdown(
+                action.help
+                or (
+                    "the case file"
+                    if "CASE" in str(action.metavar)
+                    else "the run folder"
+                    if action.metavar == "RUN"
+                    else "where to write"
+                )
+            )
             if action.choices and not action.option_strings:
                 text += f" ({', '.join(map(str, action.choices))})"
             out.append(f"| {label} | {text} |")
@@ -299,16 +368,19 @@ def commands_page() -> str:
     return "\n".join(out)
 
 
-# ---------------------------------------------------------------------------------------------------- messages
+# ----------------------------------------------------------------------------------------------------
+# messages
 def messages_page() -> str:
     """The answer to each file of cases/broken."""
     from drillpetsc import load_case
     from drillpetsc.errors import CaseError
 
     folder = ROOT / "cases" / "broken"
-    out = [f"{HEAD}(messages-table)=\n# Answers to wrong case files\n",
-           "Each file of `cases/broken` has one mistake. The program answers with file, line and key, with what was given, "
-           "and with what is allowed. Nothing is written, and the exit status is 2.\n"]
+    out = [
+        f"{HEAD}(messages-table)=\n# Answers to wrong case files\n",
+        "Each file of `cases/broken` has one mistake. The program answers with file, line and key, with what was given, "
+        "and with what is allowed. Nothing is written, and the exit status is 2.\n",
+    ]
     for file in sorted(folder.glob("*.yaml")):
         text = file.read_text(encoding="utf-8", errors="replace")
         first = text.splitlines()[0].lstrip("# ").strip() if text.strip() else "An empty file."
@@ -320,52 +392,91 @@ def messages_page() -> str:
             answer = str(error).replace(f"{folder}/", "")
         else:
             continue
-        out += [f"## {file.stem.replace('-', ' ')}\n", (markdown(first) + "\n") if first else "", f"```text\n{answer}\n```\n"]
+        out += [
+            f"## {file.stem.replace('-', ' ')}\n",
+            (markdown(first) + "\n") if first else "",
+            f"```text\n{answer}\n```\n",
+        ]
     return "\n".join(out)
 
 
-# ---------------------------------------------------------------------------------------------------- what goes together
+# ---------------------------------------------------------------------------------------------------- what
+# goes together
 PIPE = {"kind": "pipe", "length": "100 m", "od": "127 mm", "id": "108.6 mm"}
 BIT = {"kind": "bit", "length": "0.5 m", "od": "215.9 mm"}
-WELL = {"survey": {"md": ["0 m", "200 m"], "inclination": ["0 deg", "0 deg"], "azimuth": ["0 deg", "0 deg"]},
-        "sections": [{"to": "end", "kind": "open_hole", "diameter": "215.9 mm"}]}
-MUD = {"density": "1200 kg/m3", "rheology": {"model": "newtonian", "viscosity": "1 mPa s"}, "flow_rate": "10 l/s"}
-DRILLS = {"well": WELL, "string": [PIPE, BIT], "bottom": {"kind": "bit"}, "formation": {}}
+WELL = {
+    "survey": {"md": ["0 m", "400 m"], "inclination": ["0 deg", "0 deg"], "azimuth": ["0 deg", "0 deg"]},
+    "sections": [{"to": "end", "kind": "open_hole", "diameter": "215.9 mm"}],
+}
+MUD = {
+    "density": "1200 kg/m3",
+    "rheology": {"model": "newtonian", "viscosity": "1 mPa s"},
+    "flow_rate": "10 l/s",
+}
+STABILIZER = {"kind": "stabilizer", "length": "1 m", "od": "0.2 m", "mass": 100}
+# `+above` and `+below` are items that a feature adds to the string, `+end` its last one
+DRILLS = {"well": WELL, "+end": BIT, "bottom": {"kind": "bit"}, "formation": {"drillability": 3e-8}}
 
 FEATURES: dict[str, dict[str, Any]] = {
     "well and contact": {"well": WELL},
-    "bit on bottom": {"well": WELL, "string": [PIPE, BIT], "bottom": {"kind": "bit"}},
+    "bit on bottom": {"well": WELL, "+end": BIT, "bottom": {"kind": "bit"}},
     "drilling (formation)": DRILLS,
     "bit law drag_bit": {**DRILLS, "formation": {"bit_law": "drag_bit"}},
-    "bit law velocity_weakening": {**DRILLS, "formation": {"bit_law": {
-        "kind": "velocity_weakening", "static": "8 kN m", "dynamic": "5 kN m", "speed": "1 rad/s"}}},
-    "mud, mixed": {"well": WELL, "fluid": MUD},
+    "bit law velocity_weakening": {
+        **DRILLS,
+        "formation": {
+            "bit_law": {
+                "kind": "velocity_weakening",
+                "static": "8 kN m",
+                "dynamic": "5 kN m",
+                "speed": "1 rad/s",
+            }
+        },
+    },
+    "mud, mixed": {"well": WELL, "fluid": {**MUD, "formulation": "mixed"}},
     "mud, hermite": {"well": WELL, "fluid": {**MUD, "formulation": "hermite"}},
     "mud, quasi-steady": {"well": WELL, "fluid": {**MUD, "dynamics": "quasi_steady"}},
-    "stabilizer above pipe": {"string": [PIPE, {"kind": "stabilizer", "length": "1 m", "od": "0.2 m", "mass": 100}, PIPE]},
-    "stabilizer at the lower end": {"string": [PIPE, {"kind": "stabilizer", "length": "1 m", "od": "0.2 m", "mass": 100}]},
-    "eccentricity": {"string": [{**PIPE, "eccentricity": "2 mm"}]},
-    "stress-free curvature": {"string": [{**PIPE, "curvature": 1e-4}]},
-    "bent sub": {"string": [PIPE, {**PIPE, "bend": {"angle": "1 deg"}}]},
+    "stabilizer above pipe": {"+above": STABILIZER},
+    "stabilizer at the lower end": {"+below": STABILIZER},
+    "eccentricity": {"+above": {**PIPE, "eccentricity": "2 mm"}},
+    "stress-free curvature": {"+above": {**PIPE, "curvature": 1e-4}},
+    "bent sub": {"+below": {**PIPE, "bend": {"angle": "1 deg"}}},
     "joints": {"joints": [{"kind": "universal", "at": "50 m"}]},
     "loads": {"loads": [{"at": "50 m", "force": [1, 0, 0]}]},
     "rotary drive (driven top)": {"top": {"kind": "driven", "stiffness": 100.0}},
     "axial force at the top": {"top": {"kind": "top_drive", "force": "10 kN"}},
-    "held string (hydraulics)": {"well": WELL, "fluid": MUD, "hold_string": True, "top": "clamped"},
+    "held string (hydraulics)": {"well": WELL, "fluid": MUD, "hold_string": True},
     "quasi-static time": {"time": {"mode": "quasi_static", "end": "1 h"}},
 }
-BASE: dict[str, Any] = {"string": [PIPE], "top": {"kind": "top_drive"}, "time": {"end": "1 s"}}
+BASE: dict[str, Any] = {"top": {"kind": "top_drive"}, "time": {"end": "1 s"}}
 
 
-def refused(*parts: dict[str, Any]) -> str:
-    """Why a case of these parts is refused; empty when it is valid."""
-    from drillpetsc.errors import CaseError
-
-    keys: dict[str, Any] = dict(BASE)
+def assembled(*parts: dict[str, Any]) -> dict[str, Any] | None:
+    """Keys of a case with all these features; None where two features are values of one key."""
+    keys: dict[str, Any] = {}
     for part in parts:
         for name, value in part.items():
-            joined = isinstance(value, dict) and isinstance(keys.get(name), dict) and name in ("fluid", "formation", "beam")
-            keys[name] = {**keys[name], **value} if joined else value
+            if (
+                isinstance(value, dict)
+                and isinstance(keys.get(name), dict)
+                and name in ("fluid", "formation")
+            ):
+                if any(key in keys[name] and keys[name][key] != value[key] for key in value):
+                    return None
+                keys[name] = {**keys[name], **value}
+            elif name in keys and keys[name] != value:
+                return None
+            else:
+                keys[name] = value
+    items = [keys.pop(name, None) for name in ("+above", "+below", "+end")]
+    keys["string"] = [item for item in (items[0], PIPE, items[1], items[2]) if item is not None]
+    return {**BASE, **keys}
+
+
+def refused(keys: dict[str, Any]) -> str:
+    """Why a case is refused; empty when it is valid."""
+    from drillpetsc.errors import CaseError
+
     try:
         case_class()(**keys)
     except CaseError as error:
@@ -375,15 +486,26 @@ def refused(*parts: dict[str, Any]) -> str:
 
 def supported_page() -> str:
     """Feature by formulation, and feature by feature, tried out."""
-    formulations = literals(case_class().model_fields["beam"].annotation.model_fields["formulation"].annotation)
-    out = [f"{HEAD}(supported)=\n# Supported combinations\n",
-           "The tables are found out at build time: a small case of each combination is read, and accepted or refused.\n",
-           "## Beam formulations\n\n| feature | " + " | ".join(f"`{f}`" for f in formulations) + " |\n"
-           + "| --- |" + " --- |" * len(formulations)]
+    formulations = literals(
+        case_class().model_fields["beam"].annotation.model_fields["formulation"].annotation
+    )
+    out = [
+        f"{HEAD}(supported)=\n# Supported combinations\n",
+        "The tables are found out at build time: a small case of each combination is read, and accepted or refused.\n"
+        "A dash marks two values of one key, which cannot stand together.\n",
+        "## Beam formulations\n\n| feature | "
+        + " | ".join(f"`{f}`" for f in formulations)
+        + " |\n"
+        + "| --- |"
+        + " --- |" * len(formulations),
+    ]
     notes: list[str] = []
 
     def cell(*parts: dict[str, Any]) -> str:
-        why = refused(*parts)
+        keys = assembled(*parts)
+        if keys is None:
+            return "-"
+        why = refused(keys)
         if not why:
             return "yes"
         if why not in notes:
@@ -391,22 +513,35 @@ def supported_page() -> str:
         return f"no ({notes.index(why) + 1})"
 
     for name, feature in FEATURES.items():
-        out.append(f"| {name} | " + " | ".join(cell(feature, {"beam": {"formulation": f}}) for f in formulations) + " |")
-    others = ["mud, mixed", "mud, hermite", "joints", "rotary drive (driven top)", "held string (hydraulics)", "quasi-static time",
-              "drilling (formation)"]
-    out.append("\n## Feature by feature\n\n| feature | " + " | ".join(others) + " |\n| --- |" + " --- |" * len(others))
+        out.append(
+            f"| {name} | "
+            + " | ".join(cell(feature, {"beam": {"formulation": f}}) for f in formulations)
+            + " |"
+        )
+    others = [
+        "mud, mixed",
+        "mud, hermite",
+        "joints",
+        "rotary drive (driven top)",
+        "held string (hydraulics)",
+        "quasi-static time",
+        "drilling (formation)",
+    ]
+    out.append(
+        "\n## Feature by feature\n\n| feature | "
+        + " | ".join(others)
+        + " |\n| --- |"
+        + " --- |" * len(others)
+    )
     for name, feature in FEATURES.items():
-        cells = ["" if name == other else cell(*ordered(feature, FEATURES[other])) for other in others]
+        cells = ["" if name == other else cell(feature, FEATURES[other]) for other in others]
         out.append(f"| {name} | " + " | ".join(cells) + " |")
     out.append("\n## Reasons\n")
     out += [f"{i}. {markdown(note)}" for i, note in enumerate(notes, 1)]
-    out.append("\nThe commands `modes` and `study --vary formulation` have limits of their own; their messages name them.\n")
+    out.append(
+        "\nThe commands `modes` and `study --vary formulation` have limits of their own; their messages name them.\n"
+    )
     return "\n".join(out)
-
-
-def ordered(a: dict[str, Any], b: dict[str, Any]) -> tuple[dict[str, Any], ...]:
-    """Parts to overlay, the one with a special string or top last, so that neither feature is lost where both can stand."""
-    return (b, a) if len(str(a.get("string", ""))) >= len(str(b.get("string", ""))) else (a, b)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """drillpetsc: drillstring dynamics on PETSc.  Importing the package starts no MPI and draws nothing.
 
-``Case`` describes a scene (the keys of a case file), ``load_case`` reads one, ``run`` simulates it, ``sweep`` many variations of it.
+``Case`` describes a scene (the keys of a case file), ``load_case`` reads one, ``run`` simulates it, ``sweep``
+many variations of it.
 """
 
 from typing import Any
@@ -18,7 +19,8 @@ def __getattr__(name: str) -> Any:  # so that the import stays quick and starts 
 
 
 def run(case: Any, out: Any = None, **keywords: Any) -> Any:
-    """Simulate a Case, or the case file at a path, and write its run folder (see drillpetsc.analysis.transient.run).
+    """Simulate a Case, or the case file at a path, and write its run folder (see
+    drillpetsc.analysis.transient.run).
 
     PETSc is initialised first if the caller has not done so.
     """
@@ -31,7 +33,8 @@ def run(case: Any, out: Any = None, **keywords: Any) -> Any:
 
 
 def sweep(case_path: Any, values: Any, out: Any = None, **keywords: Any) -> Any:
-    """Simulate every combination of ``values``, {"fluid.flow_rate": ["20 l/s", 0.03], "fluid": ["on", "off"]}, of the case file at a path.
+    """Simulate every combination of ``values``, {"fluid.flow_rate": ["20 l/s", 0.03], "fluid": ["on",
+    "off"]}, of the case file at a path.
 
     See drillpetsc.studies.sweep.sweep.sweep; PETSc is initialised first if the caller has not done so.
     """

@@ -21,74 +21,189 @@ CHANGE = re.compile(r"[A-Za-z_]\w*(\[\d+\]|\.\w+)*\s*=")  # KEY=..., which is no
 
 
 def parser() -> argparse.ArgumentParser:
-    p = argparse.ArgumentParser(prog="drillpetsc", description="Drillstring dynamics on PETSc.", epilog=EPILOG, allow_abbrev=False,
-                                formatter_class=argparse.RawDescriptionHelpFormatter)
+    p = argparse.ArgumentParser(
+        prog="drillpetsc",
+        description="Drillstring dynamics on PETSc.",
+        epilog=EPILOG,
+        allow_abbrev=False,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     p.add_argument("--version", action="version", version=f"drillpetsc {__version__}")
     sub = p.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
     def command(name: str, text: str) -> argparse.ArgumentParser:
-        return sub.add_parser(name, help=text, description=text, epilog=EPILOG, allow_abbrev=False,
-                              formatter_class=argparse.RawDescriptionHelpFormatter)
+        return sub.add_parser(
+            name,
+            help=text,
+            description=text,
+            epilog=EPILOG,
+            allow_abbrev=False,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
 
-    run = command("run", "simulate one case on all ranks, or several wells at once with the ranks shared out over them")
+    run = command(
+        "run", "simulate one case on all ranks, or several wells at once with the ranks shared out over them"
+    )
     run.add_argument("cases", nargs="+", metavar="CASE.yaml")
     run.add_argument("--out", metavar="DIR", help="run folder (default: results/<case>-NNN)")
     run.add_argument("--restart", action="store_true", help="continue from the checkpoint in the run folder")
     run.add_argument("--overwrite", action="store_true", help="replace the results in an existing --out")
-    run.add_argument("--companion", action="store_true",
-                     help="run the case on elements twice as long, too, and state the differences as mesh error in summary.json (one case)")
-    run.add_argument("--progress", choices=("auto", "live", "log", "silent"), default="auto", help="how progress is shown")
-    sweep = command("sweep", "simulate every combination of some values, with the ranks shared out over the combinations")
+    run.add_argument(
+        "--companion",
+        action="store_true",
+        help="run the case on elements twice as long, too, and state the differences as mesh error in summary.json (one case)",
+    )
+    run.add_argument(
+        "--progress", choices=("auto", "live", "log", "silent"), default="auto", help="how progress is shown"
+    )
+    sweep = command(
+        "sweep", "simulate every combination of some values, with the ranks shared out over the combinations"
+    )
     sweep.add_argument("case", metavar="CASE.yaml")
-    sweep.add_argument("values", nargs="+", metavar="KEY=V1,V2",
-                       help="a key of the case file and its values: 'fluid.flow_rate=20 l/s,30 l/s'; commas inside brackets or quotes "
-                            "belong to a value; fluid=on,off leaves a block as it is, and takes it out")
-    sweep.add_argument("--out", metavar="DIR", help="folder of the table and of the members' run folders (default: results/<case>-NNN)")
-    sweep.add_argument("--restart", action="store_true", help="keep members that are done, continue those with a checkpoint")
+    sweep.add_argument(
+        "values",
+        nargs="+",
+        metavar="KEY=V1,V2",
+        help="a key of the case file and its values: 'fluid.flow_rate=20 l/s,30 l/s'; commas inside brackets or quotes "
+        "belong to a value; fluid=on,off leaves a block as it is, and takes it out",
+    )
+    sweep.add_argument(
+        "--out",
+        metavar="DIR",
+        help="folder of the table and of the members' run folders (default: results/<case>-NNN)",
+    )
+    sweep.add_argument(
+        "--restart", action="store_true", help="keep members that are done, continue those with a checkpoint"
+    )
     sweep.add_argument("--overwrite", action="store_true", help="replace the results in an existing --out")
-    sweep.add_argument("--progress", choices=("auto", "silent"), default="auto", help="one line for each member that ends, or none")
-    study = command("study", "error against run time: many runs of a case, a reference, a table and work-precision pictures")
+    sweep.add_argument(
+        "--progress",
+        choices=("auto", "silent"),
+        default="auto",
+        help="one line for each member that ends, or none",
+    )
+    study = command(
+        "study",
+        "error against run time: many runs of a case, a reference, a table and work-precision pictures",
+    )
     study.add_argument("case", metavar="CASE.yaml")
-    study.add_argument("--vary", metavar="WHAT", help="time-step | tolerance | order | mesh | formulation | integrator | solver | ranks")
-    study.add_argument("--curves", nargs="?", const="", metavar="NAMES",
-                       help="instead of --vary, several named curves at once (default: BDF 1 to 3 with fixed steps, BDF2, BDF3 and "
-                            "ARKIMEX over tolerances, the quaternion element with BDF 1 and 2)")
-    study.add_argument("--values", default="", metavar="V1,V2", help="along the curve, or names of curves (default: around the case's own)")
-    study.add_argument("--steps", default="", metavar="H1,H2", help="fixed steps of all curves that have them (default: around the mean)")
-    study.add_argument("--tolerances", default="", metavar="T1,T2", help="tolerances of all adaptive curves (default: around -ts_rtol)")
-    study.add_argument("--outputs", default="", metavar="A,B", help="columns of history.csv and probes.csv to compare (default: up to six)")
-    study.add_argument("--repeats", type=int, default=3, help="runs of each point, for the median of their times (default: 3)")
-    study.add_argument("--reference", default="auto",
-                       help="exact, arkimex, bdf3, bdf2, or a run folder (default: a closed form if there is one, else what works)")
-    study.add_argument("--limit", type=float, default=600.0, metavar="S",
-                       help="wall seconds that one run may take, the reference three times as long (default: 600)")
-    study.add_argument("--few", action="store_true", help="three points a curve, for a quick look (with --curves)")
-    study.add_argument("--out", metavar="DIR", help="folder of table, pictures and runs (default: results/<case>-study-NNN)")
-    study.add_argument("--restart", action="store_true", help="keep points that are done, run the others, failed ones too")
+    study.add_argument(
+        "--vary",
+        metavar="WHAT",
+        help="time-step | tolerance | order | mesh | formulation | integrator | solver | ranks",
+    )
+    study.add_argument(
+        "--curves",
+        nargs="?",
+        const="",
+        metavar="NAMES",
+        help="instead of --vary, several named curves at once (default: BDF 1 to 3 with fixed steps, BDF2, BDF3 and "
+        "ARKIMEX over tolerances, the quaternion element with BDF 1 and 2)",
+    )
+    study.add_argument(
+        "--values",
+        default="",
+        metavar="V1,V2",
+        help="along the curve, or names of curves (default: around the case's own)",
+    )
+    study.add_argument(
+        "--steps",
+        default="",
+        metavar="H1,H2",
+        help="fixed steps of all curves that have them (default: around the mean)",
+    )
+    study.add_argument(
+        "--tolerances",
+        default="",
+        metavar="T1,T2",
+        help="tolerances of all adaptive curves (default: around -ts_rtol)",
+    )
+    study.add_argument(
+        "--outputs",
+        default="",
+        metavar="A,B",
+        help="columns of history.csv and probes.csv to compare (default: up to six)",
+    )
+    study.add_argument(
+        "--repeats",
+        type=int,
+        default=3,
+        help="runs of each point, for the median of their times (default: 3)",
+    )
+    study.add_argument(
+        "--reference",
+        default="auto",
+        help="exact, arkimex, bdf3, bdf2, or a run folder (default: a closed form if there is one, else what works)",
+    )
+    study.add_argument(
+        "--limit",
+        type=float,
+        default=600.0,
+        metavar="S",
+        help="wall seconds that one run may take, the reference three times as long (default: 600)",
+    )
+    study.add_argument(
+        "--few", action="store_true", help="three points a curve, for a quick look (with --curves)"
+    )
+    study.add_argument(
+        "--out", metavar="DIR", help="folder of table, pictures and runs (default: results/<case>-study-NNN)"
+    )
+    study.add_argument(
+        "--restart", action="store_true", help="keep points that are done, run the others, failed ones too"
+    )
     study.add_argument("--overwrite", action="store_true", help="replace the results in an existing --out")
     check = command("check", "read and validate a case, and say what the scene contains and leaves out")
     check.add_argument("case", metavar="CASE.yaml")
     statics = command("statics", "static equilibrium: torque and drag, contact forces, buckling state")
     statics.add_argument("case", metavar="CASE.yaml")
-    statics.add_argument("--motion", choices=("hoist", "lower", "rotate"), help="motion that friction opposes (default: the top's)")
+    statics.add_argument(
+        "--motion",
+        choices=("hoist", "lower", "rotate"),
+        help="motion that friction opposes (default: the top's)",
+    )
     statics.add_argument("--out", metavar="DIR", help="run folder (default: results/<case>-NNN)")
     statics.add_argument("--overwrite", action="store_true", help="replace the results in an existing --out")
-    modes = command("modes", "eigenvalues about the static or steady state: frequencies, damping, stability, mode shapes")
+    modes = command(
+        "modes", "eigenvalues about the static or steady state: frequencies, damping, stability, mode shapes"
+    )
     modes.add_argument("case", metavar="CASE.yaml")
-    modes.add_argument("--count", type=int, default=20, help="how many oscillating modes, the lowest (default: 20)")
-    modes.add_argument("--shift", type=float, metavar="HZ", help="the modes nearest to this frequency instead of the lowest [Hz]")
-    modes.add_argument("--kind", choices=("lateral", "axial", "torsional", "fluid"), help="modes of this kind alone (default: all)")
-    modes.add_argument("--about", choices=("steady", "rest"), default="steady",
-                       help="the state: moving as the top prescribes at time 0, or at rest without friction (default: steady)")
+    modes.add_argument(
+        "--count", type=int, default=20, help="how many oscillating modes, the lowest (default: 20)"
+    )
+    modes.add_argument(
+        "--shift",
+        type=float,
+        metavar="HZ",
+        help="the modes nearest to this frequency instead of the lowest [Hz]",
+    )
+    modes.add_argument(
+        "--kind",
+        choices=("lateral", "axial", "torsional", "fluid"),
+        help="modes of this kind alone (default: all)",
+    )
+    modes.add_argument(
+        "--about",
+        choices=("steady", "rest"),
+        default="steady",
+        help="the state: moving as the top prescribes at time 0, or at rest without friction (default: steady)",
+    )
     modes.add_argument("--out", metavar="DIR", help="run folder (default: results/<case>-NNN)")
     modes.add_argument("--overwrite", action="store_true", help="replace the results in an existing --out")
     view = command("view", "picture or animation of the string in its hole")
     view.add_argument("run", metavar="RUN")
     view.add_argument("--field", default="axial_force [N]", help="what colours the string")
-    view.add_argument("--time", type=float, help="simulated time of the picture [s] (default: the last frame)")
+    view.add_argument(
+        "--time", type=float, help="simulated time of the picture [s] (default: the last frame)"
+    )
     view.add_argument("--animate", action="store_true", help="all frames, as an animation")
-    view.add_argument("--lateral-scale", type=float, help="exaggeration of lateral offsets (default: chosen, and stated in the picture)")
-    view.add_argument("--interval", type=float, nargs=2, metavar=("FROM", "TO"), help="measured depths to look at [m]")
+    view.add_argument(
+        "--lateral-scale",
+        type=float,
+        help="exaggeration of lateral offsets (default: chosen, and stated in the picture)",
+    )
+    view.add_argument(
+        "--interval", type=float, nargs=2, metavar=("FROM", "TO"), help="measured depths to look at [m]"
+    )
     view.add_argument("--out", metavar="FILE")
     plot = command("plot", "time histories, probe orbits, forces along depth, as pictures")
     plot.add_argument("run", metavar="RUN")
@@ -105,7 +220,9 @@ def main(words: list[str] | None = None) -> int:
     arguments, unknown = parser().parse_known_args(ours)
     try:
         if unknown:
-            raise CaseError(at=unknown[0], want="a known --option (see --help), or a PETSc option with one dash")
+            raise CaseError(
+                at=unknown[0], want="a known --option (see --help), or a PETSc option with one dash"
+            )
         if petsc_names and arguments.command not in ("run", "sweep", "study", "statics", "check", "modes"):
             raise CaseError(at=petsc_names[0], want=f"no PETSc options with {arguments.command}")
         return COMMANDS[arguments.command](arguments, petsc_names)
@@ -119,17 +236,27 @@ def main(words: list[str] | None = None) -> int:
 
 
 def _split(words: list[str]) -> tuple[list[str], list[str]]:
-    """Ours: words without a dash and with two; PETSc's: -word and the value after it (a number may be negative)."""
+    """Ours: words without a dash and with two; PETSc's: -word and the value after it (a number may be
+    negative)."""
     ours: list[str] = []
     petsc_names: list[str] = []
     i = 0
     while i < len(words):
         word = words[i]
-        if word.startswith("-") and not word.startswith("--") and word not in ("-h",) and not _is_number(word) and len(word) > 1:
+        if (
+            word.startswith("-")
+            and not word.startswith("--")
+            and word not in ("-h",)
+            and not _is_number(word)
+            and len(word) > 1
+        ):
             petsc_names.append(word)
             following = words[i + 1] if i + 1 < len(words) else "-"
-            if (not following.startswith("-") or _is_number(following)) and not following.endswith((".yaml", ".yml")) and not (
-                    words[0] == "sweep" and CHANGE.match(following)):
+            if (
+                (not following.startswith("-") or _is_number(following))
+                and not following.endswith((".yaml", ".yml"))
+                and not (words[0] == "sweep" and CHANGE.match(following))
+            ):
                 petsc_names.append(following)
                 i += 1
         else:
@@ -147,7 +274,8 @@ def _is_number(word: str) -> bool:
 
 
 def _fail(error: DrillError) -> int:
-    """One message for the whole job: rank 0 speaks, or whoever failed alone; that one then ends the job, in which others wait for it."""
+    """One message for the whole job: rank 0 speaks, or whoever failed alone; that one then ends the job, in
+    which others wait for it."""
     together = _all_here()
     if _rank() == 0 or not together:
         alone = "" if together else f"rank {_rank()}: "
@@ -219,7 +347,14 @@ def _run(arguments, petsc_names: list[str]) -> int:
     from drillpetsc.analysis.summary import closing_lines
     from drillpetsc.analysis.transient import run
 
-    result = run(case, arguments.out, restart=arguments.restart, overwrite=arguments.overwrite, name=name, progress=arguments.progress)
+    result = run(
+        case,
+        arguments.out,
+        restart=arguments.restart,
+        overwrite=arguments.overwrite,
+        name=name,
+        progress=arguments.progress,
+    )
     if _rank() == 0:
         print("\n".join(closing_lines(result.summary, result.folder)))
     if arguments.companion:
@@ -235,8 +370,15 @@ def _run_several(arguments, petsc_names: list[str]) -> int:
     _start_petsc(petsc_names)
     from drillpetsc.studies.sweep.sweep import run_cases
 
-    return _ended(run_cases(arguments.cases, arguments.out, restart=arguments.restart, overwrite=arguments.overwrite,
-                            progress=arguments.progress))
+    return _ended(
+        run_cases(
+            arguments.cases,
+            arguments.out,
+            restart=arguments.restart,
+            overwrite=arguments.overwrite,
+            progress=arguments.progress,
+        )
+    )
 
 
 def _sweep(arguments, petsc_names: list[str]) -> int:
@@ -244,8 +386,16 @@ def _sweep(arguments, petsc_names: list[str]) -> int:
     from drillpetsc.studies.sweep.sweep import sweep
     from drillpetsc.studies.sweep.variations import choices_of
 
-    return _ended(sweep(arguments.case, choices_of(arguments.values), arguments.out, restart=arguments.restart,
-                        overwrite=arguments.overwrite, progress=arguments.progress))
+    return _ended(
+        sweep(
+            arguments.case,
+            choices_of(arguments.values),
+            arguments.out,
+            restart=arguments.restart,
+            overwrite=arguments.overwrite,
+            progress=arguments.progress,
+        )
+    )
 
 
 def _study(arguments, petsc_names: list[str]) -> int:
@@ -256,11 +406,23 @@ def _study(arguments, petsc_names: list[str]) -> int:
     def listed(text: str | None) -> list[str]:
         return split_values(text) if text else []
 
-    result = study(arguments.case, arguments.vary, None if arguments.curves is None else listed(arguments.curves),
-                   values=listed(arguments.values), outputs=listed(arguments.outputs), repeats=arguments.repeats,
-                   reference=arguments.reference, out=arguments.out, restart=arguments.restart, overwrite=arguments.overwrite,
-                   options=options_of(petsc_names), limit=arguments.limit, few=arguments.few, steps=listed(arguments.steps),
-                   tolerances=listed(arguments.tolerances))
+    result = study(
+        arguments.case,
+        arguments.vary,
+        None if arguments.curves is None else listed(arguments.curves),
+        values=listed(arguments.values),
+        outputs=listed(arguments.outputs),
+        repeats=arguments.repeats,
+        reference=arguments.reference,
+        out=arguments.out,
+        restart=arguments.restart,
+        overwrite=arguments.overwrite,
+        options=options_of(petsc_names),
+        limit=arguments.limit,
+        few=arguments.few,
+        steps=listed(arguments.steps),
+        tolerances=listed(arguments.tolerances),
+    )
     print("\n".join(closing_lines(result)))
     return 1 if result.useless else 0
 
@@ -299,8 +461,16 @@ def _modes(arguments, petsc_names: list[str]) -> int:
     _start_petsc(petsc_names)
     from drillpetsc.analysis.modal import run_modes
 
-    lines = run_modes(case, arguments.out, arguments.count, arguments.shift, arguments.kind, arguments.about, arguments.overwrite,
-                      Path(arguments.case).stem)
+    lines = run_modes(
+        case,
+        arguments.out,
+        arguments.count,
+        arguments.shift,
+        arguments.kind,
+        arguments.about,
+        arguments.overwrite,
+        Path(arguments.case).stem,
+    )
     if _rank() == 0:
         print("\n".join(lines))
     return 0
@@ -310,8 +480,21 @@ def _view(arguments, petsc_names: list[str]) -> int:
     from drillpetsc.plotting.view import view
 
     interval = tuple(arguments.interval) if arguments.interval else None
-    return _drawn(lambda: [view(arguments.run, arguments.out, field=arguments.field, time=arguments.time, animate=arguments.animate,
-                                lateral_scale=arguments.lateral_scale, interval=interval, say=print)], arguments.run)
+    return _drawn(
+        lambda: [
+            view(
+                arguments.run,
+                arguments.out,
+                field=arguments.field,
+                time=arguments.time,
+                animate=arguments.animate,
+                lateral_scale=arguments.lateral_scale,
+                interval=interval,
+                say=print,
+            )
+        ],
+        arguments.run,
+    )
 
 
 def _plot(arguments, petsc_names: list[str]) -> int:
@@ -342,5 +525,14 @@ def _schema(arguments, petsc_names: list[str]) -> int:
     return 0
 
 
-COMMANDS = {"run": _run, "sweep": _sweep, "study": _study, "check": _check, "statics": _statics, "modes": _modes, "view": _view,
-            "plot": _plot, "schema": _schema}
+COMMANDS = {
+    "run": _run,
+    "sweep": _sweep,
+    "study": _study,
+    "check": _check,
+    "statics": _statics,
+    "modes": _modes,
+    "view": _view,
+    "plot": _plot,
+    "schema": _schema,
+}

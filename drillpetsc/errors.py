@@ -33,7 +33,9 @@ def plain(text: str, longest: int) -> str:
     text = text if len(text) <= longest else text[: longest - 3] + "..."
     if text.isprintable():
         return text
-    return "".join(c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode("ascii") for c in text)
+    return "".join(
+        c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode("ascii") for c in text
+    )
 
 
 def _rebuild(kind: type[DrillError], state: dict[str, object]) -> DrillError:
@@ -151,7 +153,8 @@ class SolveError(DrillError):
 
 
 class Interrupted(DrillError):
-    """A run that was asked to end by a ``signal`` and did, at ``time`` [s], with a checkpoint in ``folder``."""
+    """A run that was asked to end by a ``signal`` and did, at ``time`` [s], with a checkpoint in
+    ``folder``."""
 
     exit_status = 1
 
@@ -160,5 +163,7 @@ class Interrupted(DrillError):
         self.signal, self.time, self.folder = signal, time, str(folder)
 
     def __str__(self) -> str:
-        return (f"stopped by {self.signal} at {self.time:.6g} s, with a checkpoint\n"
-                f"  continue: the same command with --out {self.folder} --restart")
+        return (
+            f"stopped by {self.signal} at {self.time:.6g} s, with a checkpoint\n"
+            f"  continue: the same command with --out {self.folder} --restart"
+        )

@@ -17,9 +17,12 @@ VERSION = PETSc.Sys.getVersion()
 def own_errors() -> Iterator[None]:
     """Around a call of a PETSc solver: what our callbacks raise comes out as it was raised.
 
-    From 3.22 on petsc4py answers an exception of a callback with its own PETSc.Error, with ours behind it in the chain.
+    From 3.22 on petsc4py answers an exception of a callback with its own PETSc.Error, with ours behind it in
+    the chain.
     """
-    outer = sys.exception()  # handled while the solver is called: in the chain of what it raises, but no callback's
+    outer = (
+        sys.exception()
+    )  # handled while the solver is called: in the chain of what it raises, but no callback's
     try:
         yield
     except PETSc.Error as error:
@@ -48,8 +51,9 @@ def get_section(dm: PETSc.DM) -> PETSc.Section:
 
 
 def square_matrix(vector: PETSc.Vec) -> PETSc.Mat:
-    """An empty matrix for vectors like this one; what DM.createMat makes besides, the pattern of cell closures, is not needed (its
-    places come by ``preallocate_coo``) and fails in 3.18 for a section with fields on part of the vertices."""
+    """An empty matrix for vectors like this one; what DM.createMat makes besides, the pattern of cell
+    closures, is not needed (its places come by ``preallocate_coo``) and fails in 3.18 for a section with
+    fields on part of the vertices."""
     matrix = PETSc.Mat().create(comm=vector.comm)
     matrix.setSizes((vector.getSizes(), vector.getSizes()))
     matrix.setType(PETSc.Mat.Type.AIJ)
@@ -59,7 +63,10 @@ def square_matrix(vector: PETSc.Vec) -> PETSc.Mat:
 
 def preallocate_coo(matrix: PETSc.Mat, rows: np.ndarray, columns: np.ndarray) -> None:
     """Tell ``matrix`` where its values will go; rows, columns: global numbers, negative ones are left out."""
-    rows, columns = np.array(rows, dtype=PETSc.IntType), np.array(columns, dtype=PETSc.IntType)  # PETSc overwrites them
+    rows, columns = (
+        np.array(rows, dtype=PETSc.IntType),
+        np.array(columns, dtype=PETSc.IntType),
+    )  # PETSc overwrites them
     if hasattr(matrix, "setPreallocationCOO"):
         matrix.setPreallocationCOO(rows, columns)
         return
@@ -85,11 +92,16 @@ def set_values_coo(matrix: PETSc.Mat, values: np.ndarray) -> None:
 def not_a_number_reason() -> int:
     """Reason of an SNES that met a residual which is not a number; renamed after 3.22."""
     reasons = PETSc.SNES.ConvergedReason
-    return reasons.DIVERGED_FNORM_NAN if hasattr(reasons, "DIVERGED_FNORM_NAN") else reasons.DIVERGED_FUNCTION_NANORINF
+    return (
+        reasons.DIVERGED_FNORM_NAN
+        if hasattr(reasons, "DIVERGED_FNORM_NAN")
+        else reasons.DIVERGED_FUNCTION_NANORINF
+    )
 
 
 def parallel_lu() -> str | None:
-    """A direct solver for distributed matrices that this PETSc was built with; None where it has none (binaries from PyPI)."""
+    """A direct solver for distributed matrices that this PETSc was built with; None where it has none
+    (binaries from PyPI)."""
     if not hasattr(PETSc.Sys, "hasExternalPackage"):
         return "mumps"  # 3.18 cannot tell; distributions build it in
     return next((name for name in ("mumps", "superlu_dist") if PETSc.Sys.hasExternalPackage(name)), None)

@@ -1,8 +1,9 @@
 """Inputs over time: constant, piecewise linear with jumps, half-cosine ramp.
 
-Each has value(t), rate(t) = d value/dt, integral(t) = exact integral from 0 to t, breaks() = the times at which the
-value or a derivative jumps (the time stepper must land on them) and jumps() = those at which the value itself does.
-At a jump `value(t)` is the value after it, `value(t, before=True)` the one before it; likewise `rate`.
+Each has value(t), rate(t) = d value/dt, integral(t) = exact integral from 0 to t, breaks() = the times at
+which the value or a derivative jumps (the time stepper must land on them) and jumps() = those at which the
+value itself does. At a jump `value(t)` is the value after it, `value(t, before=True)` the one before it;
+likewise `rate`.
 """
 
 from __future__ import annotations
@@ -101,17 +102,22 @@ class PiecewiseLinear:
     def jumps(self) -> tuple[float, ...]:
         pairs = range(1, len(self.times))
         return tuple(
-            self.times[k] for k in pairs if self.times[k] == self.times[k - 1] and self.values[k] != self.values[k - 1]
+            self.times[k]
+            for k in pairs
+            if self.times[k] == self.times[k - 1] and self.values[k] != self.values[k - 1]
         )
 
     def breaks(self) -> tuple[float, ...]:
         jumps = set(self.jumps())
-        return tuple(t for t in sorted(set(self.times)) if t in jumps or self.rate(t) != self.rate(t, before=True))
+        return tuple(
+            t for t in sorted(set(self.times)) if t in jumps or self.rate(t) != self.rate(t, before=True)
+        )
 
 
 @dataclass(frozen=True)
 class Ramp:
-    """From zero to `final` within `duration` [s] by half a cosine: final (1 - cos(pi t/duration))/2; then constant.
+    """From zero to `final` within `duration` [s] by half a cosine: final (1 - cos(pi t/duration))/2; then
+    constant.
 
     Zero before t = 0. Value and rate are continuous; the second derivative jumps at both ends.
     """
@@ -128,7 +134,9 @@ class Ramp:
             return 0.0
         if t >= self.duration:
             return self.final
-        return self.final * math.sin(0.5 * math.pi * t / self.duration) ** 2  # = (1 - cos)/2 without cancellation
+        return (
+            self.final * math.sin(0.5 * math.pi * t / self.duration) ** 2
+        )  # = (1 - cos)/2 without cancellation
 
     def rate(self, t: float, before: bool = False) -> float:
         if not 0.0 < t < self.duration:

@@ -1,11 +1,12 @@
 """Text with a unit -> SI number. The only place that knows units other than SI.
 
-`to_si("9.625 in", "m")` is 0.244475. The second argument is the SI unit that the key wants; anything of another
-dimension is a `UnitError`. A bare number is taken as SI. Angles count as a dimension here (pint itself treats them as
-pure numbers), so `5 Hz` is not a rotation speed and `80 rpm` is not a damping rate.
+`to_si("9.625 in", "m")` is 0.244475. The second argument is the SI unit that the key wants; anything of
+another dimension is a `UnitError`. A bare number is taken as SI. Angles count as a dimension here (pint
+itself treats them as pure numbers), so `5 Hz` is not a rotation speed and `80 rpm` is not a damping rate.
 
-Besides what pint reads: fractions as on a tubing table (`9 5/8 in`), powers without a caret (`g/cm3`, `mm2`), a
-number in a denominator (`3 deg/30 m`, `25 lbf/100 ft^2`), and `s^n` of a power-law consistency (`0.5 Pa s^n`).
+Besides what pint reads: fractions as on a tubing table (`9 5/8 in`), powers without a caret (`g/cm3`, `mm2`),
+a number in a denominator (`3 deg/30 m`, `25 lbf/100 ft^2`), and `s^n` of a power-law consistency (`0.5 Pa
+s^n`).
 """
 
 from __future__ import annotations
@@ -59,13 +60,13 @@ _SAME: dict[str, tuple[str, ...]] = {"N m/rad": ("N m",), "N m s/rad": ("N m s",
 _NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?")
 _FRACTION = re.compile(r"([+-]?)(?:(\d+)[ -])?(\d+)/(\d+)(?=\s)")
 _UNIT = re.compile(r"(?:1\s*/\s*)?[A-Za-z%°µμ(][A-Za-z0-9_%°µμ²³·.^*/() -]*")
-_POWER_OF_NUMBER = re.compile(r"(?:(?<![A-Za-zµμ])\d[\d.]*|\))\s*(?:\^|\*\*)")  # 9^9^9 would be computed, for years
+_POWER_OF_NUMBER = re.compile(
+    r"(?:(?<![A-Za-zµμ])\d[\d.]*|\))\s*(?:\^|\*\*)"
+)  # 9^9^9 would be computed, for years
 _WORDS = re.compile(r"[A-Za-z%µμ°][A-Za-z0-9_%µμ°]*")
 LONGEST = 100  # letters of a number with its unit
 _ANGLE = re.compile(r"(radian|degree|turn|gradian|arcminute|arcsecond)$|^revolutions?_per")
-_COMMON = (
-    "m mm cm km in ft s ms min hour kg g lb tonne N kN MN lbf klbf Pa kPa MPa GPa bar psi ksi rad deg rpm l".split()
-)
+_COMMON = "m mm cm km in ft s ms min hour kg g lb tonne N kN MN lbf klbf Pa kPa MPa GPa bar psi ksi rad deg rpm l".split()
 _COMMON += "gal bbl ppg gpm cP degC degF K J W".split()
 
 
@@ -89,7 +90,8 @@ def wanted(unit: str) -> str:
 
 
 def to_si(value: object, unit: str) -> float:
-    """value (number, or text with a unit) as a float in the SI unit `unit` (a key of DIMENSIONS, or any SI unit)."""
+    """value (number, or text with a unit) as a float in the SI unit `unit` (a key of DIMENSIONS, or any SI
+    unit)."""
     if isinstance(value, str):
         number = _text_to_si(value.strip(), unit)
     elif isinstance(value, (int, float)) and not isinstance(value, bool):
@@ -119,7 +121,8 @@ def _text_to_si(text: str, unit: str) -> float:
 
 
 def _neat(number: float) -> float:
-    """number without the last-digit noise of a conversion (1199.9999999999998 is 1200), if that is all that changes."""
+    """number without the last-digit noise of a conversion (1199.9999999999998 is 1200), if that is all that
+    changes."""
     short = float(f"{number:.12g}")
     return short if abs(short - number) <= 2 * math.ulp(number) else number
 
@@ -154,7 +157,8 @@ def _tidy(unit_text: str) -> str:
 
 @lru_cache(maxsize=1)
 def _registry() -> Any:
-    """The pint registry with the field's own units (half a second to build, so only when a text with a unit is met)."""
+    """The pint registry with the field's own units (half a second to build, so only when a text with a unit
+    is met)."""
     import pint
 
     registry: Any = pint.UnitRegistry(on_redefinition="ignore")

@@ -1,9 +1,11 @@
-"""The benchmark scenes: errors beside simulated seconds per CPU second, median of several runs, shares of the time by phase.
+"""The benchmark scenes: errors beside simulated seconds per CPU second, median of several runs, shares of the
+time by phase.
 
-Each run is a process of its own on one core.  CPU seconds are those of the time integration with its output; for the pendulum without
-output, as its target is.  What the errors are measured against is written in benchmark_reference.py: the exact torsional wave for the
-hanging string, an explicit integrator of order 8 on a finer mesh for the pendulum, a run at a tenth of the tolerance for the scenes with
-contact (first use takes some minutes in all, later ones find the references in the user's cache folder).
+Each run is a process of its own on one core.  CPU seconds are those of the time integration with its output;
+for the pendulum without output, as its target is.  What the errors are measured against is written in
+benchmark_reference.py: the exact torsional wave for the hanging string, an explicit integrator of order 8 on
+a finer mesh for the pendulum, a run at a tenth of the tolerance for the scenes with contact (first use takes
+some minutes in all, later ones find the references in the user's cache folder).
 """
 
 from __future__ import annotations
@@ -23,7 +25,13 @@ from drillpetsc.output import read_frame, read_series, read_table
 
 CASES = Path(__file__).parents[1] / "cases" / "benchmark"
 # simulated per CPU seconds
-TARGETS = {"pendulum": 5.0, "hanging-string": 5.0, "hanging-string-contact": 2.0, "buckled-collar": 3.0, "coupled-2000m": 1.0}
+TARGETS = {
+    "pendulum": 5.0,
+    "hanging-string": 5.0,
+    "hanging-string-contact": 2.0,
+    "buckled-collar": 3.0,
+    "coupled-2000m": 1.0,
+}
 PHASES = ("Residual", "Jacobian", "ChainFactor", "ChainSolve", "Output")
 SETTLED = 2.0  # [s]: means are taken after the start
 Errors = dict[str, float]
@@ -44,8 +52,10 @@ def hanging_errors(folder: Path, fresh: bool) -> Errors:
     history = read_table(folder / "history.csv")
     t, speed = history["time [s]"], history["bit_speed [rad/s]"]
     off = (speed - reference.exact_bit_speed(t, t[-1])) / reference.SPEED
-    return {"rms bit speed / 80 rpm": float(np.sqrt(np.mean(off**2))),
-            "hook load": float(np.max(np.abs(history["hook_load [N]"] / reference.HANGING_WEIGHT - 1)))}
+    return {
+        "rms bit speed / 80 rpm": float(np.sqrt(np.mean(off**2))),
+        "hook load": float(np.max(np.abs(history["hook_load [N]"] / reference.HANGING_WEIGHT - 1))),
+    }
 
 
 def contact_errors(folder: Path, fresh: bool) -> Errors:
@@ -61,9 +71,15 @@ def collar_errors(folder: Path, fresh: bool) -> Errors:
 
 
 def coupled_errors(folder: Path, fresh: bool) -> Errors:
-    columns = {"mean hook load": "hook_load [N]", "mean torque": "surface_torque [N m]", "mean pump pressure": "pump_pressure [Pa]"}
+    columns = {
+        "mean hook load": "hook_load [N]",
+        "mean torque": "surface_torque [N m]",
+        "mean pump pressure": "pump_pressure [Pa]",
+    }
     balance = json.loads((folder / "summary.json").read_text())["mass"]
-    return _against_finer(folder, "coupled-2000m", columns, fresh) | {"mud balance / pumped": abs(balance["error_share"])}
+    return _against_finer(folder, "coupled-2000m", columns, fresh) | {
+        "mud balance / pumped": abs(balance["error_share"])
+    }
 
 
 def _against_finer(folder: Path, model: str, columns: dict[str, str], fresh: bool) -> Errors:
@@ -97,8 +113,12 @@ def call_times(case: Path, calls: int = 40) -> dict[str, float]:
     asm, factor = system.assembly, chain_factor(system)
     x = np.zeros(system.layout.size)
     phases: dict[str, Callable[[], object]] = {
-        "residual": lambda: asm.residual(0.0), "Jacobian": lambda: asm.jacobian(0.0, (1.0, shift, shift**2), True),
-        "factor": lambda: factor.factor(asm.values), "solve": lambda: factor.solve(x, x), "powers": lambda: system.powers(0.0)}
+        "residual": lambda: asm.residual(0.0),
+        "Jacobian": lambda: asm.jacobian(0.0, (1.0, shift, shift**2), True),
+        "factor": lambda: factor.factor(asm.values),
+        "solve": lambda: factor.solve(x, x),
+        "powers": lambda: system.powers(0.0),
+    }
     out = {}
     for name, call in phases.items():
         times = []
@@ -111,7 +131,8 @@ def call_times(case: Path, calls: int = 40) -> dict[str, float]:
 
 
 def fluid_cost(case: Path) -> Errors:
-    """Time of residual, Jacobian, factor and solve with the mud over that without, in one process (best of many calls)."""
+    """Time of residual, Jacobian, factor and solve with the mud over that without, in one process (best of
+    many calls)."""
     text = case.read_text(encoding="utf-8")
     dry = text[: text.index("fluid:")] + text[text.index("gravity:") :]
     with tempfile.TemporaryDirectory() as scratch:
@@ -122,7 +143,8 @@ def fluid_cost(case: Path) -> Errors:
 
 
 def measure(model: str, repeat: int, fresh: bool = False) -> dict:
-    """Figures of ``repeat`` runs of a scene: the one in the middle, with the median of simulated per CPU seconds."""
+    """Figures of ``repeat`` runs of a scene: the one in the middle, with the median of simulated per CPU
+    seconds."""
     runs = []
     for k in range(repeat):
         with tempfile.TemporaryDirectory() as scratch:
@@ -134,15 +156,30 @@ def measure(model: str, repeat: int, fresh: bool = False) -> dict:
             errors |= fluid_cost(CASES / f"{model}.yaml")
         seconds = {p: summary["wall_by_phase"].get(p, 0.0) for p in PHASES}
         cpu = summary["cpu_seconds"] - (seconds["Output"] if model == "pendulum" else 0.0)
-        runs.append({"factor": summary["simulated"] / cpu, "cpu": cpu, "errors": errors, "steps": summary["steps"],
-                     "newton": summary["newton_iterations"], "jacobians": summary["jacobians"],
-                     "phases": {p: s / summary["wall_seconds"] for p, s in seconds.items()}})
+        runs.append(
+            {
+                "factor": summary["simulated"] / cpu,
+                "cpu": cpu,
+                "errors": errors,
+                "steps": summary["steps"],
+                "newton": summary["newton_iterations"],
+                "jacobians": summary["jacobians"],
+                "phases": {p: s / summary["wall_seconds"] for p, s in seconds.items()},
+            }
+        )
     middle = sorted(runs, key=lambda r: r["factor"])[len(runs) // 2]
-    return {**middle, "factor": statistics.median(r["factor"] for r in runs), "scene": model, "target": TARGETS[model]}
+    return {
+        **middle,
+        "factor": statistics.median(r["factor"] for r in runs),
+        "scene": model,
+        "target": TARGETS[model],
+    }
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("scenes", nargs="*", metavar="SCENE", help=f"of {', '.join(TARGETS)} (default: all)")
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--fresh", action="store_true", help="compute the references anew")
@@ -152,12 +189,16 @@ def main() -> None:
     if unknown:
         parser.error(f"unknown scene {', '.join(sorted(unknown))}: allowed are {', '.join(TARGETS)}")
     rows = []
-    print(f"{'scene':24} {'simulated/CPU':>13} {'target':>6}  {'steps':>6} {'Newton':>6} {'Jac.':>5}  shares of the time")
+    print(
+        f"{'scene':24} {'simulated/CPU':>13} {'target':>6}  {'steps':>6} {'Newton':>6} {'Jac.':>5}  shares of the time"
+    )
     for model in arguments.scenes or TARGETS:
         r = measure(model, arguments.repeat, arguments.fresh)
         rows.append(r)
         shares = " ".join(f"{p} {100 * v:.0f}%" for p, v in r["phases"].items())
-        print(f"{model:24} {r['factor']:13.2f} {r['target']:6.1f}  {r['steps']:6d} {r['newton']:6d} {r['jacobians']:5d}  {shares}")
+        print(
+            f"{model:24} {r['factor']:13.2f} {r['target']:6.1f}  {r['steps']:6d} {r['newton']:6d} {r['jacobians']:5d}  {shares}"
+        )
         print(" " * 26 + ", ".join(f"{name} {value:.2e}" for name, value in r["errors"].items()), flush=True)
     if arguments.json:
         Path(arguments.json).write_text(json.dumps(rows, indent=2))

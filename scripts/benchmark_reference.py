@@ -1,4 +1,5 @@
-"""What the benchmark scenes are measured against: exact waves, another integrator on a finer mesh, runs at a finer tolerance.
+"""What the benchmark scenes are measured against: exact waves, another integrator on a finer mesh, runs at a
+finer tolerance.
 
 References that take long are kept in the user's cache folder under a hash of the case file and of this file.
 """
@@ -30,8 +31,11 @@ def cache_folder() -> Path:
 
 
 def cached(case: Path, kind: str, compute: Callable[[], dict], fresh: bool = False) -> dict:
-    """The reference ``kind`` of a case (plain numbers and lists), computed if it is not in the cache or ``fresh`` asks for it."""
-    key = hashlib.sha256(b"\0".join([kind.encode(), case.read_bytes(), Path(__file__).read_bytes()])).hexdigest()[:16]
+    """The reference ``kind`` of a case (plain numbers and lists), computed if it is not in the cache or
+    ``fresh`` asks for it."""
+    key = hashlib.sha256(
+        b"\0".join([kind.encode(), case.read_bytes(), Path(__file__).read_bytes()])
+    ).hexdigest()[:16]
     file = cache_folder() / f"{case.stem}-{kind}-{key}.json"
     if file.exists() and not fresh:
         return json.loads(file.read_text())
@@ -46,10 +50,11 @@ def cached(case: Path, kind: str, compute: Callable[[], dict], fresh: bool = Fal
 
 # ---------------------------------------------------------------------- hanging string
 def exact_bit_speed(times: np.ndarray, end: float) -> np.ndarray:
-    """Bit speed (k,) [rad/s] at ``times`` (k,) [s] <= ``end``: torsional wave in 1800 m of pipe above 200 m of collar, free bit.
+    """Bit speed (k,) [rad/s] at ``times`` (k,) [s] <= ``end``: torsional wave in 1800 m of pipe above 200 m
+    of collar, free bit.
 
-    Characteristics with cells of one travel time each, so exact at the grid's times: same shear wave speed in both sections, impedances
-    in the ratio of their polar moments; top speed half a cosine to 80 rpm in 2 s.
+    Characteristics with cells of one travel time each, so exact at the grid's times: same shear wave speed in
+    both sections, impedances in the ratio of their polar moments; top speed half a cosine to 80 rpm in 2 s.
     """
 
     def inertia(od: float, bore: float) -> float:
@@ -77,11 +82,12 @@ def exact_bit_speed(times: np.ndarray, end: float) -> np.ndarray:
 
 # ---------------------------------------------------------------------- pendulum
 def free_motion(case, elements: int, times: np.ndarray, tolerance: float) -> np.ndarray:
-    """Lower end (k, 2) [m], north and down, at ``times`` (k,) [s] of a straight string let go in the plane of north and down.
+    """Lower end (k, 2) [m], north and down, at ``times`` (k,) [s] of a straight string let go in the plane of
+    north and down.
 
-    DOP853 on M a = -R(x, y, a = 0): the rows R and the constant mass matrix M of the semi-discrete string are the package's; the time
-    integration (explicit, order 8, error control on positions and velocities) is not.  Spin and east stay zero, as all forces lie in the
-    plane.  Mesh of ``elements``.
+    DOP853 on M a = -R(x, y, a = 0): the rows R and the constant mass matrix M of the semi-discrete string are
+    the package's; the time integration (explicit, order 8, error control on positions and velocities) is not.
+    Spin and east stay zero, as all forces lie in the plane.  Mesh of ``elements``.
     """
     from scipy.integrate import solve_ivp
 
@@ -96,7 +102,9 @@ def free_motion(case, elements: int, times: np.ndarray, tolerance: float) -> np.
     move_rigidly(model)
     asm, layout = model.system.assembly, model.system.layout
     held = np.concatenate([f.rows[np.any(f.D != 0, axis=0)] for f in asm.row_replacements])
-    plane = np.concatenate([layout.dofs[f"string.{name}"][:, [0, 2]].ravel() for name in ("position", "tangent")])
+    plane = np.concatenate(
+        [layout.dofs[f"string.{name}"][:, [0, 2]].ravel() for name in ("position", "tangent")]
+    )
     free = np.setdiff1d(plane, held)
     inverse, n = np.linalg.inv(_mass(asm, layout.size)[np.ix_(free, free)]), len(free)
 
@@ -105,7 +113,15 @@ def free_motion(case, elements: int, times: np.ndarray, tolerance: float) -> np.
         return np.concatenate([z[n:], -inverse @ asm.residual(t)[free]])
 
     start = np.concatenate([asm.x[free], asm.y[free]])
-    found = solve_ivp(rate, (0.0, float(times[-1])), start, method="DOP853", rtol=tolerance, atol=1e-2 * tolerance, t_eval=times)
+    found = solve_ivp(
+        rate,
+        (0.0, float(times[-1])),
+        start,
+        method="DOP853",
+        rtol=tolerance,
+        atol=1e-2 * tolerance,
+        t_eval=times,
+    )
     if found.status != 0:
         raise RuntimeError(f"the reference integration stopped: {found.message}")
     end = layout.dofs["string.position"][-1, [0, 2]]
@@ -122,7 +138,8 @@ def _mass(asm, size: int) -> np.ndarray:
 
 
 def pendulum_path(case_file: Path, fresh: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Times (k,) [s] and path (k, 2) [m] of the tip, along the start's direction and upward; twice the elements of the case."""
+    """Times (k,) [s] and path (k, 2) [m] of the tip, along the start's direction and upward; twice the
+    elements of the case."""
 
     def compute() -> dict:
         from drillpetsc.case import load_case
@@ -140,7 +157,18 @@ def pendulum_path(case_file: Path, fresh: bool) -> tuple[np.ndarray, np.ndarray]
 # ---------------------------------------------------------------------- finer runs
 def run_case(case_file: Path, folder: Path, *options: str) -> dict:
     """Run a case in a process of its own; its summary."""
-    command = [sys.executable, "-m", "drillpetsc", "run", str(case_file), "--out", str(folder), "--progress", "silent", *options]
+    command = [
+        sys.executable,
+        "-m",
+        "drillpetsc",
+        "run",
+        str(case_file),
+        "--out",
+        str(folder),
+        "--progress",
+        "silent",
+        *options,
+    ]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return json.loads((folder / "summary.json").read_text())
 

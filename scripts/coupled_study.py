@@ -1,7 +1,9 @@
-"""The first study of the paper (DOI 10.1177/1687814016656703): a 2000 m vertical well with and without drilling fluid.
+"""The first study of the paper (DOI 10.1177/1687814016656703): a 2000 m vertical well with and without
+drilling fluid.
 
-Runs cases/vertical-2000m.yaml, the dry case and variants with single terms of the mud left out; writes a table, and pictures of weight
-on bit and bit speed, of orbits at the probes and of the string's lateral place along depth.
+Runs cases/vertical-2000m.yaml, the dry case and variants with single terms of the mud left out; writes a
+table, and pictures of weight on bit and bit speed, of orbits at the probes and of the string's lateral place
+along depth.
 """
 
 from __future__ import annotations
@@ -24,9 +26,17 @@ VARIANTS: dict[str, tuple[Path, list[str], str]] = {
     "coupled": (COUPLED, [], "all terms"),
     "no-lateral-damping": (COUPLED, [NO_DAMPING], "viscous damping of motion across the hole left out"),
     "no-added-mass": (COUPLED, [NO_MASS], "mud that moves across the hole left out"),
-    "plug": (COUPLED, [NO_DAMPING, "fluid.added_mass=paper_plug"], "the paper's added mass, no lateral damping"),
+    "plug": (
+        COUPLED,
+        [NO_DAMPING, "fluid.added_mass=paper_plug"],
+        "the paper's added mass, no lateral damping",
+    ),
     "neither": (COUPLED, [NO_DAMPING, NO_MASS], "pressure, weight, buoyancy and flow alone"),
-    "neither-still": (COUPLED, [NO_DAMPING, NO_MASS, "fluid.flow_rate=0"], "pressure, weight and buoyancy alone, pump off"),
+    "neither-still": (
+        COUPLED,
+        [NO_DAMPING, NO_MASS, "fluid.flow_rate=0"],
+        "pressure, weight and buoyancy alone, pump off",
+    ),
 }
 PROBES = (600, 1200, 1900)
 
@@ -36,7 +46,12 @@ def figures(folder: Path, summary: dict, end: float) -> dict[str, float]:
     h, p = read_table(folder / "history.csv"), read_table(folder / "probes.csv")
     late, late_p = h["time [s]"] > end / 2, p["time [s]"] > end / 2
     weight, speed = h["wob [N]"][late] / 1e3, h["bit_speed [rad/s]"][late] * 30 / np.pi
-    out = {"mean WOB [kN]": weight.mean(), "std WOB [kN]": weight.std(), "bit speed from [rpm]": speed.min(), "to [rpm]": speed.max()}
+    out = {
+        "mean WOB [kN]": weight.mean(),
+        "std WOB [kN]": weight.std(),
+        "bit speed from [rpm]": speed.min(),
+        "to [rpm]": speed.max(),
+    }
     for depth in PROBES:
         out[f"orbit {depth} m [mm]"] = 1e3 * np.hypot(p[f"x_{depth} [m]"], p[f"y_{depth} [m]"])[late_p].max()
     cost = {"steps": summary["steps"], "real-time factor": summary["real_time_factor"]}
@@ -60,10 +75,13 @@ def histories(folders: dict[str, Path], out: Path) -> None:
 
 
 def orbits(folders: dict[str, Path], out: Path) -> None:
-    """Paths of the string's centre in the hole at the probes; the circle is where the pipe touches the wall."""
+    """Paths of the string's centre in the hole at the probes; the circle is where the pipe touches the
+    wall."""
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(len(folders), 3, figsize=(9, 3.1 * len(folders)), layout="constrained", squeeze=False)
+    figure, axes = plt.subplots(
+        len(folders), 3, figsize=(9, 3.1 * len(folders)), layout="constrained", squeeze=False
+    )
     component = {600: (224.4 - 127) / 2, 1200: (215.9 - 127) / 2, 1900: (215.9 - 177.8) / 2}
     turn = np.linspace(0, 2 * np.pi, 200)
     for row, (name, folder) in zip(axes, folders.items(), strict=True):
@@ -80,7 +98,9 @@ def shapes(folders: dict[str, Path], out: Path) -> None:
     """Offset from the hole's axis along depth in the last frame."""
     import matplotlib.pyplot as plt
 
-    figure, axes = plt.subplots(1, len(folders), figsize=(3.2 * len(folders), 7), sharey=True, layout="constrained", squeeze=False)
+    figure, axes = plt.subplots(
+        1, len(folders), figsize=(3.2 * len(folders), 7), sharey=True, layout="constrained", squeeze=False
+    )
     for axis, (name, folder) in zip(axes[0], folders.items(), strict=True):
         time, file = read_series(folder)[-1]
         data = read_frame(file).point_data
@@ -97,8 +117,15 @@ def shapes(folders: dict[str, Path], out: Path) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--end", type=float, default=20.0, help="simulated time [s]")
-    parser.add_argument("--out", type=Path, default=ROOT / "results" / "coupled-study", help="folder of the runs and pictures")
-    parser.add_argument("variants", nargs="*", metavar="VARIANT", help=f"some of {', '.join(VARIANTS)}; all when none is named")
+    parser.add_argument(
+        "--out", type=Path, default=ROOT / "results" / "coupled-study", help="folder of the runs and pictures"
+    )
+    parser.add_argument(
+        "variants",
+        nargs="*",
+        metavar="VARIANT",
+        help=f"some of {', '.join(VARIANTS)}; all when none is named",
+    )
     given = parser.parse_args()
     unknown = set(given.variants) - set(VARIANTS)
     if unknown:
@@ -108,7 +135,13 @@ def main() -> None:
         file, changes, words = VARIANTS[name]
         folders[name] = given.out / name
         print(f"{name}: {words}", flush=True)
-        result = run(load_case(file, [*changes, f"time.end={given.end}"]), folders[name], overwrite=True, name=name, progress="silent")
+        result = run(
+            load_case(file, [*changes, f"time.end={given.end}"]),
+            folders[name],
+            overwrite=True,
+            name=name,
+            progress="silent",
+        )
         rows[name] = figures(folders[name], result.summary, given.end)
         print("  " + ", ".join(f"{k} {v:.4g}" for k, v in rows[name].items()), flush=True)
     columns = list(next(iter(rows.values())))

@@ -4,8 +4,9 @@
     scripts/extreme X02 X05 --jobs 2    these two, two computations at a time
     scripts/extreme --judge             judges the runs that are in the folder, computes nothing
 
-Each computation is a process of its own on one core.  Times are compared with cases/extreme/cpu_seconds.json, the CPU seconds of the first
-version that passed; a run that is not in it yet is entered.  The exit status is 1 when a criterion is not met.
+Each computation is a process of its own on one core.  Times are compared with cases/extreme/cpu_seconds.json,
+the CPU seconds of the first version that passed; a run that is not in it yet is entered.  The exit status is
+1 when a criterion is not met.
 """
 
 from __future__ import annotations
@@ -27,16 +28,24 @@ LIMIT = 3600  # wall seconds that a computation may take
 
 
 def words(argv: Sequence[str] | None = None) -> argparse.Namespace:
-    p = argparse.ArgumentParser(prog="scripts/extreme", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p = argparse.ArgumentParser(
+        prog="scripts/extreme", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     p.add_argument("scenes", nargs="*", metavar="SCENE", help="X01, X02, ... (default: all)")
     p.add_argument("--jobs", type=int, default=1, help="computations at a time (default: 1)")
-    p.add_argument("--out", type=Path, default=ROOT / "results" / "extreme", help="folder of the run folders (default: results/extreme)")
+    p.add_argument(
+        "--out",
+        type=Path,
+        default=ROOT / "results" / "extreme",
+        help="folder of the run folders (default: results/extreme)",
+    )
     p.add_argument("--judge", action="store_true", help="only judge the runs that are there")
     p.add_argument("--part", help=argparse.SUPPRESS)
     return p.parse_args(argv)
 
 
-# ---------------------------------------------------------------------- one computation, in a process of its own
+# ---------------------------------------------------------------------- one computation, in a process of its
+# own
 def compute(part, out: Path) -> None:
     """One part of a scene into its run folder."""
     import petsc4py
@@ -65,7 +74,11 @@ def start(part, out: Path) -> str:
         )
     except subprocess.TimeoutExpired:
         return f"{part.name}: stopped after {LIMIT} s"
-    return "" if done.returncode == 0 else f"{part.name}: {(done.stderr.strip().splitlines() or ['no message'])[-1]}"
+    return (
+        ""
+        if done.returncode == 0
+        else f"{part.name}: {(done.stderr.strip().splitlines() or ['no message'])[-1]}"
+    )
 
 
 # ---------------------------------------------------------------------- judging
@@ -77,9 +90,16 @@ def judged(model, out: Path, budgets: dict[str, float]) -> list:
     missing = [name for name, run in runs.items() if not (run.folder / "summary.json").is_file()]
     if missing:
         return [holds(model.number, f"{name}: run", "missing", "done", False) for name in missing]
-    failed = [(name, str(q.summary["status"])) for name, q in runs.items() if q.summary.get("status", "done") != "done"]
+    failed = [
+        (name, str(q.summary["status"]))
+        for name, q in runs.items()
+        if q.summary.get("status", "done") != "done"
+    ]
     if failed:
-        return [holds(model.number, f"{name}: run", status.splitlines()[0], "done", False) for name, status in failed]
+        return [
+            holds(model.number, f"{name}: run", status.splitlines()[0], "done", False)
+            for name, status in failed
+        ]
     rows = model.check(runs)
     for part in model.parts:
         if part.kind != "statics":
@@ -95,7 +115,13 @@ def lines(rows: list) -> list[str]:
     """The table as text in columns."""
     cells = [("scene", "criterion", "measured", "allowed", "pass")]
     cells += [
-        (r.model, r.criterion, r.measured if isinstance(r.measured, str) else f"{r.measured:.4g}", r.allowed, "yes" if r.passed else "NO")
+        (
+            r.model,
+            r.criterion,
+            r.measured if isinstance(r.measured, str) else f"{r.measured:.4g}",
+            r.allowed,
+            "yes" if r.passed else "NO",
+        )
         for r in rows
     ]
     width = [max(len(row[k]) for row in cells) for k in range(5)]
@@ -114,11 +140,20 @@ def report(rows: list, scenes) -> str:
         "",
     ]
     for number, title in titles.items():
-        out += [f"## {number}: {title}", "", "| criterion | measured | allowed | pass |", "| --- | --- | --- | --- |"]
+        out += [
+            f"## {number}: {title}",
+            "",
+            "| criterion | measured | allowed | pass |",
+            "| --- | --- | --- | --- |",
+        ]
         for r in rows:
             if r.model == number:
                 measured = r.measured if isinstance(r.measured, str) else f"{r.measured:.4g}"
-                out.append(f"| {r.criterion} | {measured} | {r.allowed} | {'yes' if r.passed else '**NO**'} |".replace("|speed|", "speed"))
+                out.append(
+                    f"| {r.criterion} | {measured} | {r.allowed} | {'yes' if r.passed else '**NO**'} |".replace(
+                        "|speed|", "speed"
+                    )
+                )
         out.append("")
     return "\n".join(out)
 

@@ -1,7 +1,8 @@
 """Mutates valid case files very many times: every outcome must be a validated case or a CaseError that helps.
 
-Each mutant follows from --seed and its number alone. Most are changed as data (what the YAML reader makes of a file), the others as the
-text or as a survey beside it; some of those that stay valid are written and read back, built into a scene, or given to `drillpetsc check`.
+Each mutant follows from --seed and its number alone. Most are changed as data (what the YAML reader makes of
+a file), the others as the text or as a survey beside it; some of those that stay valid are written and read
+back, built into a scene, or given to `drillpetsc check`.
 """
 
 from __future__ import annotations
@@ -32,7 +33,11 @@ from drillpetsc.errors import CaseError
 ROOT = Path(__file__).parents[1]
 MEMORY = 6 << 30  # bytes of address space: what asks for more is a failure, and this machine goes on
 LARGEST_BUILT = 700  # elements: building takes milliseconds
-BUILT_PART, WRITTEN_PART, COMMAND_PART = 10, 10, 200  # one in so many of the accepted is built, written and read, given to the command
+BUILT_PART, WRITTEN_PART, COMMAND_PART = (
+    10,
+    10,
+    200,
+)  # one in so many of the accepted is built, written and read, given to the command
 
 
 @dataclass(frozen=True)
@@ -110,7 +115,9 @@ def mutant(number: int, seed: int, known: list[Seed], folder: Path) -> Mutant:
         data = valid_case(r)
     survey = data["well"]["survey"]
     rows = zip(survey["md"], survey["inclination"], survey["azimuth"], strict=True)
-    table = "\n".join(["md,inclination,azimuth", *(f"{md!r},{3 * k},10" for k, (md, _, _) in enumerate(rows))])
+    table = "\n".join(
+        ["md,inclination,azimuth", *(f"{md!r},{3 * k},10" for k, (md, _, _) in enumerate(rows))]
+    )
     data["well"]["survey"] = "survey.csv"
     return Mutant("survey", file, data=data, survey=mutate_survey(r, table))
 
@@ -121,7 +128,9 @@ def judge(m: Mutant, r: Any, tally: Tally | None) -> str:
     lines = None
     if m.how == "text":
         m.file.write_bytes(m.text)
-        lines = m.text.count(b"\n") + m.text.count(b"\r") + m.text.decode("utf-8", "replace").count("\x85") + 2
+        lines = (
+            m.text.count(b"\n") + m.text.count(b"\r") + m.text.decode("utf-8", "replace").count("\x85") + 2
+        )
     if m.survey:
         (m.file.parent / "survey.csv").write_bytes(m.survey)
     try:
@@ -134,8 +143,11 @@ def judge(m: Mutant, r: Any, tally: Tally | None) -> str:
         given = value_at(m.data, m.path)
         guarded(lambda: check_visible(case, m.path, given))
     elements = sum(element_count(item) for item in case.string if isinstance(item, Flexible))
-    for name, part, stage in (("written and read", WRITTEN_PART, _write_and_read), ("built", BUILT_PART, _build),
-    ("command", COMMAND_PART, _command)):
+    for name, part, stage in (
+        ("written and read", WRITTEN_PART, _write_and_read),
+        ("built", BUILT_PART, _build),
+        ("command", COMMAND_PART, _command),
+    ):
         if r.randint(1, part) == 1 and (name == "written and read" or elements <= LARGEST_BUILT):
             end = stage(case, m)
             if tally is not None:
@@ -171,9 +183,16 @@ def _command(case: Case, m: Mutant) -> str:
 
     if m.how != "text":
         m.file.write_text(case.to_yaml(), encoding="utf-8")
-    with contextlib.redirect_stdout(io.StringIO()) as reported, contextlib.redirect_stderr(io.StringIO()) as refused:
+    with (
+        contextlib.redirect_stdout(io.StringIO()) as reported,
+        contextlib.redirect_stderr(io.StringIO()) as refused,
+    ):
         status = guarded(lambda: main(["check", str(m.file)]), 20.0)
-    if status not in (0, 2) or bool(reported.getvalue()) != (status == 0) or bool(refused.getvalue()) != (status == 2):
+    if (
+        status not in (0, 2)
+        or bool(reported.getvalue()) != (status == 0)
+        or bool(refused.getvalue()) != (status == 2)
+    ):
         raise Failure(f"drillpetsc check ended with {status}")
     return f"status {status}"
 
@@ -214,7 +233,13 @@ def _smaller(m: Mutant):
         for path in places(m.data):
             value = value_at(m.data, path)
             if isinstance(value, str) and len(value) > 30:
-                yield Mutant(m.how, m.file, replaced(m.data, path, value[: len(value) // 2]), survey=m.survey, path=m.path)
+                yield Mutant(
+                    m.how,
+                    m.file,
+                    replaced(m.data, path, value[: len(value) // 2]),
+                    survey=m.survey,
+                    path=m.path,
+                )
         return
     lines = m.text.split(b"\n")
     size = len(lines)
@@ -239,8 +264,11 @@ def as_text(m: Mutant) -> bytes:
 
 
 # ---------------------------------------------------------------------- all
-def run(count: int, seed: int, seconds: float, start: int, keep: Path, say: Any, thorough: bool = False) -> Tally:
-    """Judge mutants from number `start` on; the files of failures go to the folder `keep`. thorough: all stages of all that are valid."""
+def run(
+    count: int, seed: int, seconds: float, start: int, keep: Path, say: Any, thorough: bool = False
+) -> Tally:
+    """Judge mutants from number `start` on; the files of failures go to the folder `keep`. thorough: all
+    stages of all that are valid."""
     known, tally, began = seeds(), Tally(), time.monotonic()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -255,7 +283,9 @@ def run(count: int, seed: int, seconds: float, start: int, keep: Path, say: Any,
                 _keep(tally, m, number, end, keep, say)
             done = number - start + 1
             if done % 10000 == 0:
-                say(f"{done} mutants, {done / (time.monotonic() - began):.0f} a second, {len(tally.failures)} distinct failures")
+                say(
+                    f"{done} mutants, {done / (time.monotonic() - began):.0f} a second, {len(tally.failures)} distinct failures"
+                )
     return tally
 
 
@@ -278,12 +308,18 @@ def table(tally: Tally) -> list[str]:
     kinds, ends = ("data", "text", "survey"), ("valid", "refused", "FAILED")
     rows = [f"{'mutated as':<12}" + "".join(f"{end:>10}" for end in (*ends, "all"))]
     for kind in (*kinds, "all"):
-        counts = [sum(n for (k, e), n in tally.outcomes.items() if e == end and kind in (k, "all")) for end in ends]
+        counts = [
+            sum(n for (k, e), n in tally.outcomes.items() if e == end and kind in (k, "all")) for end in ends
+        ]
         rows.append(f"{kind:<12}" + "".join(f"{n:>10}" for n in (*counts, sum(counts))))
     rows += ["", "of the valid ones"]
     rows += [f"  {name:<28}{count:>10}" for name, count in sorted(tally.stages.items())]
     for name, found in tally.failures.items():
-        rows += ["", f"FAILED {found.count} times, first with number {found.number}: {name}", f"  {found.also}"]
+        rows += [
+            "",
+            f"FAILED {found.count} times, first with number {found.number}: {name}",
+            f"  {found.also}",
+        ]
         rows += [f"  | {line[:160]}" for line in found.text.decode("utf-8", "replace").splitlines()[:30]]
     return rows
 
@@ -293,21 +329,42 @@ def main() -> int:
     p.add_argument("--count", type=int, default=100_000, help="mutants (default: 100000)")
     p.add_argument("--seed", type=int, default=1, help="another seed makes other mutants (default: 1)")
     p.add_argument("--seconds", type=float, default=0.0, help="stop after so many seconds (default: never)")
-    p.add_argument("--start", type=int, default=0, help="number of the first mutant, to go on or to look at one again (default: 0)")
-    p.add_argument("--keep", type=Path, default=ROOT / "results" / "fuzz", help="folder for the files of failures (default: results/fuzz)")
-    p.add_argument("--thorough", action="store_true", help="build, write and check all that stay valid, not one in ten")
+    p.add_argument(
+        "--start",
+        type=int,
+        default=0,
+        help="number of the first mutant, to go on or to look at one again (default: 0)",
+    )
+    p.add_argument(
+        "--keep",
+        type=Path,
+        default=ROOT / "results" / "fuzz",
+        help="folder for the files of failures (default: results/fuzz)",
+    )
+    p.add_argument(
+        "--thorough", action="store_true", help="build, write and check all that stay valid, not one in ten"
+    )
     given = p.parse_args()
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     import petsc4py
 
     petsc4py.init(["fuzz"])
     began = time.monotonic()
-    tally = run(given.count, given.seed, given.seconds, given.start, given.keep,
-                lambda line: print(line, file=sys.stderr, flush=True), given.thorough)
+    tally = run(
+        given.count,
+        given.seed,
+        given.seconds,
+        given.start,
+        given.keep,
+        lambda line: print(line, file=sys.stderr, flush=True),
+        given.thorough,
+    )
     print("\n".join(table(tally)))
     done, took = sum(tally.outcomes.values()), time.monotonic() - began
-    print(f"\n{done} mutants of {len(case_files())} case files and of random cases in {took:.0f} s, seed {given.seed}: "
-          f"{len(tally.failures)} distinct failures")
+    print(
+        f"\n{done} mutants of {len(case_files())} case files and of random cases in {took:.0f} s, seed {given.seed}: "
+        f"{len(tally.failures)} distinct failures"
+    )
     return 1 if tally.failures else 0
 
 

@@ -1,6 +1,8 @@
-"""Random valid cases as plain data, small enough to build in milliseconds; every block of the case format occurs.
+"""Random valid cases as plain data, small enough to build in milliseconds; every block of the case format
+occurs.
 
-`random` is a random.Random or anything with its methods, so that hypothesis may put its own in and shrink what it finds.
+`random` is a random.Random or anything with its methods, so that hypothesis may put its own in and shrink
+what it finds.
 """
 
 from __future__ import annotations
@@ -53,7 +55,9 @@ def valid_case(random: Any) -> Data:
     if maybe(random):
         data["title"] = random.choice(["a scene", "12:30", "yes", "Öl, 日本 🛢", "0x10", "~", "- a: [b"])
     length = sum(item["length"] for item in data["string"])
-    data["string"] = [{key: _written(random, key, value) for key, value in item.items()} for item in data["string"]]
+    data["string"] = [
+        {key: _written(random, key, value) for key, value in item.items()} for item in data["string"]
+    ]
     if has_well:
         data["well"] = _well(random, length + (0.0 if bit else random.choice([0.0, 5.0])))
     if held:
@@ -68,7 +72,12 @@ def valid_case(random: Any) -> Data:
     if bit and maybe(random, 0.6) and data.get("fluid", {}).get("formulation") != "hermite":
         data["formation"] = _formation(random)
     if not has_fluid and maybe(random):
-        data |= random.choice([{"joints": _joints(random)}, {} if _knows_ancf_alone(data) else {"beam": {"formulation": "quaternion"}}])
+        data |= random.choice(
+            [
+                {"joints": _joints(random)},
+                {} if _knows_ancf_alone(data) else {"beam": {"formulation": "quaternion"}},
+            ]
+        )
     return data | _settings(random, has_well, length)
 
 
@@ -81,13 +90,27 @@ def _string(random: Any, bit: bool) -> list[Data]:
     """Items with all lengths as SI numbers; the last is a bit where one is asked for."""
     items: list[Data] = [{"kind": "pipe", "length": 30.0, "od": 0.127, "id": 0.1086, "element_length": 10.0}]
     if maybe(random):
-        items[0] |= {"name": "drill pipe", "friction": 0.25, "curvature": "1e-4 1/m", "curvature_angle": "30 deg"}
+        items[0] |= {
+            "name": "drill pipe",
+            "friction": 0.25,
+            "curvature": "1e-4 1/m",
+            "curvature_angle": "30 deg",
+        }
     if maybe(random):
         steel = {"young": "200 GPa", "density": 7800.0, "damping": {"stiffness": 1e-4, "mass": "0.1 1/s"}}
         items.append({"kind": "pipe", "length": 18.0, "od": 0.1651, "id": 0.0714, "element_length": 6.0, "eccentricity": 2e-3,
                       "material": steel, "initial": {"imperfection": 0.01}})  # fmt: skip
     if maybe(random):
-        items.append({"kind": "stabilizer", "length": 1.5, "od": 0.21, "id": 0.0714, "mass": 200.0, "unbalance": "0.05 kg m"})
+        items.append(
+            {
+                "kind": "stabilizer",
+                "length": 1.5,
+                "od": 0.21,
+                "id": 0.0714,
+                "mass": 200.0,
+                "unbalance": "0.05 kg m",
+            }
+        )
         if maybe(random, 0.5):
             items[-1] |= {"bend": {"angle": "1 deg", "tool_face": "20 deg"}, "inertia": {"axial": 1.0}}
         items.append({"kind": "pipe", "length": 9.0, "od": 0.1651, "id": 0.0714})
@@ -95,7 +118,9 @@ def _string(random: Any, bit: bool) -> list[Data]:
         items.append({"kind": "beam", "length": 8.0, "axial_stiffness": "4e9 N", "bending_stiffness": 9.8e6, "torsional_stiffness": 7.5e6,
                       "mass": "140 kg/m", "polar_inertia": 0.6, "od": 0.15, "id": 0.07, "bend": {"angle": 0.01}})  # fmt: skip
     if maybe(random, 0.2):
-        items.append({"kind": "body", "length": 2.0, "od": 0.15, "id": 0.05, "center_of_gravity": [1.0, 0.0, "1 mm"]})
+        items.append(
+            {"kind": "body", "length": 2.0, "od": 0.15, "id": 0.05, "center_of_gravity": [1.0, 0.0, "1 mm"]}
+        )
     if bit:
         items.append({"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0, "nozzle_area": "400 mm2"})
     return items
@@ -103,13 +128,20 @@ def _string(random: Any, bit: bool) -> list[Data]:
 
 def _joints(random: Any) -> list[Data]:
     hinge = {"at": 15.0, "kind": random.choice(["revolute", "universal", "fixed"])}
-    return [hinge, {"at": "20 m", "kind": "slider", "spring": "1 kN/m", "damping": 10.0, "stroke": [-0.1, "1 cm"]}][: random.randint(1, 2)]
+    return [
+        hinge,
+        {"at": "20 m", "kind": "slider", "spring": "1 kN/m", "damping": 10.0, "stroke": [-0.1, "1 cm"]},
+    ][: random.randint(1, 2)]
 
 
 def _knows_ancf_alone(data: Data) -> bool:
     """Whether the quaternion element does not know all of the scene."""
-    rigid = any(item["kind"] in ("stabilizer", "body", "bit") or "eccentricity" in item for item in data["string"])
-    return rigid or data["top"] == "driven" or isinstance(data["top"], dict) and data["top"]["kind"] == "driven"
+    rigid = any(
+        item["kind"] in ("stabilizer", "body", "bit") or "eccentricity" in item for item in data["string"]
+    )
+    return (
+        rigid or data["top"] == "driven" or isinstance(data["top"], dict) and data["top"]["kind"] == "driven"
+    )
 
 
 def _well(random: Any, end: float) -> Data:
@@ -132,9 +164,20 @@ def _ends(random: Any, bit: bool) -> Data:
         {"kind": "clamped"},
         {"kind": "top_drive", "rotation": turn, "lowering": down},
         {"kind": "top_drive", "rotation": turn, "force": over_time(random, 1e5, "N")},
-        {"kind": "driven", "rotation": turn, "stiffness": 100.0, "damping": "500 N m s/rad", "inertia": "2000 kg m2"},
+        {
+            "kind": "driven",
+            "rotation": turn,
+            "stiffness": 100.0,
+            "damping": "500 N m s/rad",
+            "inertia": "2000 kg m2",
+        },
     ]
-    bottoms: list[Any] = ["free", "pinned", {"kind": "clamped"}, {"kind": "force", "force": [0, 0, "-1 kN"], "moment": [0, "1 N m", 0]}]
+    bottoms: list[Any] = [
+        "free",
+        "pinned",
+        {"kind": "clamped"},
+        {"kind": "force", "force": [0, 0, "-1 kN"], "moment": [0, "1 N m", 0]},
+    ]
     if bit:
         bottoms = ["bit", {"kind": "bit", "stiffness": "1e8 N/m", "friction": 0.3}]
     return {"top": random.choice(tops), "bottom": random.choice(bottoms)}
@@ -145,7 +188,14 @@ def _loads(random: Any, length: float) -> Data:
     if maybe(random):
         loads.append({"at": 7.5, "force": ["1 kN", 0, 0], "value_over": {"time": [0, 1], "value": [0, 1]}})
     if maybe(random):
-        loads.append({"from": 2.0, "to": length - 1.0, "moment": [0, 0, "1 N m/m"], "frame": random.choice(["global", "section"])})
+        loads.append(
+            {
+                "from": 2.0,
+                "to": length - 1.0,
+                "moment": [0, 0, "1 N m/m"],
+                "frame": random.choice(["global", "section"]),
+            }
+        )
     return {"loads": loads} if loads else {}
 
 
@@ -192,7 +242,13 @@ def _formation(random: Any) -> Data:
     if maybe(random):
         rock["rock_anisotropy"] = {"dip": "20 deg", "dip_azimuth": 0.5, "index_dip": 1.05}
     if maybe(random):
-        rock |= {"layers": [{"from": 5.0, "to": 20.0, "drillability": 1e-8}, {"from": "20 m", "threshold": "5 kN"}], "walk": "2 deg"}
+        rock |= {
+            "layers": [
+                {"from": 5.0, "to": 20.0, "drillability": 1e-8},
+                {"from": "20 m", "threshold": "5 kN"},
+            ],
+            "walk": "2 deg",
+        }
     rock["bit_law"] = random.choice(["rop", {"kind": "rop"}, {"kind": "drag_bit", "blades": 5, "wear_flat": "1.2 mm"},
                                      {"kind": "velocity_weakening", "static": "5 kN m", "dynamic": 2000.0, "speed": "30 rpm"}])  # fmt: skip
     return rock
@@ -209,7 +265,18 @@ def _settings(random: Any, has_well: bool, length: float) -> Data:
         if not has_well:
             data["initial"] |= {"inclination": "30 deg", "azimuth": 0.2}
     if maybe(random):
-        data["output"] = {"history_every": "10 ms", "field_every": 0.1, "probes": [3.0, f"{length - 1} m"], "checkpoint_every": 1.0}
+        data["output"] = {
+            "history_every": "10 ms",
+            "field_every": 0.1,
+            "probes": [3.0, f"{length - 1} m"],
+            "checkpoint_every": 1.0,
+        }
     if maybe(random):
-        data["petsc"] = {"ts_type": "bdf", "ts_bdf_order": 2, "ts_rtol": 1e-4, "ts_monitor": None, "q_flag": True}
+        data["petsc"] = {
+            "ts_type": "bdf",
+            "ts_bdf_order": 2,
+            "ts_rtol": 1e-4,
+            "ts_monitor": None,
+            "q_flag": True,
+        }
     return data

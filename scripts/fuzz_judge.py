@@ -1,4 +1,5 @@
-"""Whether reading a case ended as it must: a validated case that holds what was given, or a CaseError that helps."""
+"""Whether reading a case ended as it must: a validated case that holds what was given, or a CaseError that
+helps."""
 
 from __future__ import annotations
 
@@ -32,7 +33,8 @@ class Failure(Exception):
 
 @contextmanager
 def deadline(seconds: float) -> Iterator[None]:
-    """Raise Hang inside when it takes more processor time, which a busy machine does not change (main thread only)."""
+    """Raise Hang inside when it takes more processor time, which a busy machine does not change (main thread
+    only)."""
 
     def ring(number: int, frame: Any) -> None:
         raise Hang(f"longer than {seconds:g} s")
@@ -55,14 +57,21 @@ def guarded(work: Callable[[], Result], seconds: float = 5.0) -> Result:
     except (CaseError, Failure):
         raise
     except (Exception, Hang, SystemExit) as error:
-        frames = [f for f in traceback.extract_tb(error.__traceback__) if "drillpetsc" in f.filename and "fuzz" not in f.filename]
+        frames = [
+            f
+            for f in traceback.extract_tb(error.__traceback__)
+            if "drillpetsc" in f.filename and "fuzz" not in f.filename
+        ]
         where = f"{Path(frames[-1].filename).name} {frames[-1].name}" if frames else "?"
         text = " ".join(str(error).split())[:80]
-        raise Failure(f"{type(error).__name__} in {where}" + (f": {text}" if not isinstance(error, Hang) else "")) from error
+        raise Failure(
+            f"{type(error).__name__} in {where}" + (f": {text}" if not isinstance(error, Hang) else "")
+        ) from error
 
 
 def check_message(error: CaseError, files: tuple[Path, ...], lines: int | None) -> None:
-    """Failure unless the message names file, line, key, what was given and what is allowed, in lines that a terminal can show.
+    """Failure unless the message names file, line, key, what was given and what is allowed, in lines that a
+    terminal can show.
 
     files: in which it may lie; lines: how many the case file has, None where it was never a file.
     """
@@ -72,11 +81,22 @@ def check_message(error: CaseError, files: tuple[Path, ...], lines: int | None) 
             raise Failure("message without what is allowed")
         if each.file is None or Path(each.file) not in files:
             raise Failure(f"message without the file: want {each.want[:40]}")
-        if lines is not None and each.line is not None and Path(each.file) == files[0] and not 1 <= each.line <= lines + 1:
+        if (
+            lines is not None
+            and each.line is not None
+            and Path(each.file) == files[0]
+            and not 1 <= each.line <= lines + 1
+        ):
             raise Failure(f"message with a line that the file does not have: {each.want[:40]}")
         if each.line is None and "UTF-8" not in each.want:
             raise Failure(f"message without a line: want {each.want[:40]}")
-        if not each.at and each.got is None and "UTF-8" not in each.want and "header" not in each.want and "stations" not in each.want:
+        if (
+            not each.at
+            and each.got is None
+            and "UTF-8" not in each.want
+            and "header" not in each.want
+            and "stations" not in each.want
+        ):
             raise Failure(f"message without key or value: want {each.want[:40]}")
         if any(len(row) > LONGEST_LINE + len(each.file) for row in reported.split("\n")):
             raise Failure(f"message with an endless line: want {each.want[:40]}")
@@ -86,19 +106,28 @@ def check_message(error: CaseError, files: tuple[Path, ...], lines: int | None) 
 
 # ---------------------------------------------------------------------- what was given is in the case
 def check_visible(case: Case, path: tuple[str | int, ...], given: Any, held: Any = None) -> None:
-    """Failure unless the value given at the path stands in the validated case, in SI: nothing is replaced or dropped in silence.
+    """Failure unless the value given at the path stands in the validated case, in SI: nothing is replaced or
+    dropped in silence.
 
     held: case_data(case), where it is at hand.
     """
     data: Any = case_data(case) if held is None else held
-    if not path or path[-1] in ("survey", "from") and isinstance(given, str) or path[-1] == "name" and given == "":  # of files; none
+    if (
+        not path
+        or path[-1] in ("survey", "from")
+        and isinstance(given, str)
+        or path[-1] == "name"
+        and given == ""
+    ):  # of files; none
         return
     if path[0] == "contact" and case.hold_string:  # which says that there is none
         return
     if given is None and path[0] != "petsc":  # from Python a key left out; the YAML reader refuses it
         return
     for depth, step in enumerate(path):
-        if isinstance(data, (dict, list)) and (step in data if isinstance(data, dict) else int(step) < len(data)):
+        if isinstance(data, (dict, list)) and (
+            step in data if isinstance(data, dict) else int(step) < len(data)
+        ):
             data = data[step]  # type: ignore[index]
             continue
         if not _dropped_by_contract(case, path[:depth], step, given):
@@ -126,7 +155,8 @@ def _dropped_by_contract(case: Case, block: tuple[str | int, ...], step: str | i
 
 
 def same(given: Any, held: Any) -> bool:
-    """Whether the case holds what was given: a number in SI, a word, a list, a mapping with defaults beside what was given."""
+    """Whether the case holds what was given: a number in SI, a word, a list, a mapping with defaults beside
+    what was given."""
     if type(given) is type(held) and given == held:
         return True
     if isinstance(held, dict):

@@ -1,4 +1,5 @@
-"""Mutations of case data and of case texts: what typing, copying, other programs and malice do to a case file.
+"""Mutations of case data and of case texts: what typing, copying, other programs and malice do to a case
+file.
 
 Every choice is made by `random`: a random.Random, or anything with its methods (hypothesis puts its own in).
 """
@@ -48,7 +49,8 @@ BLOCKS: tuple[Any, ...] = (
     [0] * 300, {str(i): i for i in range(300)},
 )  # fmt: skip
 
-#: keys with values that a block may get beside what it has; the names of the blocks are paths without list numbers
+#: keys with values that a block may get beside what it has; the names of the blocks are paths without list
+#: numbers
 EXTRAS: dict[str, tuple[tuple[str, Any], ...]] = {
     "": (
         ("hold_string", True), ("hold_string", False), ("gravity", 5.0), ("title", "t"), ("initial", {"from": "rest"}), ("contact", "none"),
@@ -156,14 +158,20 @@ def _deep(random: Any, data: Any, old: Any) -> Any:
 
 def _scaled(random: Any, data: Any, old: Any) -> Any:
     near = [0.1, 10, 0.5, 2, 0.9, 1.1, 0.99, 1.01, 0.3, 3, 0, -1]
-    factor = random.choice([*near, *near, 1e3, 1e-3, 1e6, 1e-6, 1e12, 1e-12, 1e20, 1e-20, 1e-40, 1e100, 1e-100])
+    factor = random.choice(
+        [*near, *near, 1e3, 1e-3, 1e6, 1e-6, 1e12, 1e-12, 1e20, 1e-20, 1e-40, 1e100, 1e-100]
+    )
     if isinstance(old, str):
         match = re.match(r"[-+\d.eE]+", old)
         try:
             return f"{float(match.group()) * factor!r}{old[match.end() :]}" if match else old * 2
         except ValueError:
             return old * 2
-    return old * factor if isinstance(old, (int, float)) and not isinstance(old, bool) else random.choice(SCALARS)
+    return (
+        old * factor
+        if isinstance(old, (int, float)) and not isinstance(old, bool)
+        else random.choice(SCALARS)
+    )
 
 
 def _respelt(random: Any, data: Any, old: Any) -> Any:
@@ -174,18 +182,30 @@ def _respelt(random: Any, data: Any, old: Any) -> Any:
         k = random.randint(0, len(old))
         letter = random.choice(list("0123456789eE.-+/^*( )mksNPa\t°²µ,_x'\""))
         return old[:k] + letter + old[k + shift - 1 :]
-    return re.split(r"(?<=\d)\s*(?=[A-Za-z])", old)[0] + random.choice(["", " m", " kg", " deg", " Pa s", "mm", " in"])
+    return re.split(r"(?<=\d)\s*(?=[A-Za-z])", old)[0] + random.choice(
+        ["", " m", " kg", " deg", " Pa s", "mm", " in"]
+    )
 
 
 def _elsewhere(random: Any, data: Any, old: Any) -> Any:
     return value_at(data, random.choice(list(places(data))))  # not copied: nothing is changed in place
 
 
-NEW_VALUES = (_new_scalar, _new_scalar, _new_block, *[_scaled] * 9, *[_respelt] * 3, _elsewhere, _elsewhere, _deep)
+NEW_VALUES = (
+    _new_scalar,
+    _new_scalar,
+    _new_block,
+    *[_scaled] * 9,
+    *[_respelt] * 3,
+    _elsewhere,
+    _elsewhere,
+    _deep,
+)
 
 
 def mutate_data(random: Any, data: dict[str, Any]) -> tuple[dict[str, Any], Path]:
-    """The data with one thing changed, and where (the place of a new value; () when something was taken out or renamed)."""
+    """The data with one thing changed, and where (the place of a new value; () when something was taken out
+    or renamed)."""
     spots = list(places(data))
     if not spots:
         return {random.choice(["string", "top", ""]): random.choice(SCALARS)}, ()
@@ -213,8 +233,21 @@ def _renamed(random: Any, data: Any, path: Path) -> Any:
     if not isinstance(holder, dict):
         return without(data, path)
     old = str(path[-1])
-    new = random.choice([old + "s", old.upper(), old[1:], old[::-1], old + "_", "-" + old, "", old + "." + old, old + "[0]", "π",
-    "a" * 2000])
+    new = random.choice(
+        [
+            old + "s",
+            old.upper(),
+            old[1:],
+            old[::-1],
+            old + "_",
+            "-" + old,
+            "",
+            old + "." + old,
+            old + "[0]",
+            "π",
+            "a" * 2000,
+        ]
+    )
     twin = {new if key == path[-1] else key: value for key, value in holder.items()}
     return replaced(data, path[:-1], twin) if len(path) > 1 else twin
 
@@ -259,7 +292,14 @@ def mutate_text(random: Any, text: str) -> bytes:
     if random.randint(0, 19) == 0:
         k = random.randint(0, len(raw))
         spoilt = random.choice([b"\xff", b"\xfe\xff", b"\xc3", b"\xed\xa0\x80", b"\x00", b"\xef\xbb\xbf"])
-        raw = random.choice([raw[:k] + spoilt + raw[k:], raw[:k], text.encode("utf-16", "replace"), text.encode("latin-1", "replace")])
+        raw = random.choice(
+            [
+                raw[:k] + spoilt + raw[k:],
+                raw[:k],
+                text.encode("utf-16", "replace"),
+                text.encode("latin-1", "replace"),
+            ]
+        )
     return raw
 
 
@@ -307,12 +347,45 @@ def _doubled(random: Any, text: str) -> str:
     return text[:b] + text[a:b] * random.choice([1, 1, 20]) + text[b:]
 
 
-TEXT_CHANGES = (_insert, _insert_line, _insert_value, _insert_value, _delete, _letter, _letter, _line_moved, _doubled)
+TEXT_CHANGES = (
+    _insert,
+    _insert_line,
+    _insert_value,
+    _insert_value,
+    _delete,
+    _letter,
+    _letter,
+    _line_moved,
+    _doubled,
+)
 
 
 # ---------------------------------------------------------------------- surveys
-CELLS = ("", " ", "nan", "inf", "-1", "1e400", "1e300", "1e-300", "abc", "1,5", "1_0", "９", "0x10", "1 m", "'0'", '"', "=1+1", "\x00",
-"9" * 5000, "-0.0", "360", "181", "1e5")
+CELLS = (
+    "",
+    " ",
+    "nan",
+    "inf",
+    "-1",
+    "1e400",
+    "1e300",
+    "1e-300",
+    "abc",
+    "1,5",
+    "1_0",
+    "９",
+    "0x10",
+    "1 m",
+    "'0'",
+    '"',
+    "=1+1",
+    "\x00",
+    "9" * 5000,
+    "-0.0",
+    "360",
+    "181",
+    "1e5",
+)
 
 
 def mutate_survey(random: Any, text: str) -> bytes:
@@ -333,5 +406,11 @@ def mutate_survey(random: Any, text: str) -> bytes:
     elif what == 7:
         rows[k] = rows[k][:-1]
     mark = random.choice([",", ",", ",", ";", "\t", "|", " "])
-    raw = random.choice(["\n", "\n", "\r\n", "\r"]).join(mark.join(row) for row in rows).encode("utf-8", "surrogatepass")
-    return random.choice([raw, raw, raw, raw, b"\xef\xbb\xbf" + raw, raw.decode().encode("utf-16"), raw + b"\xff", b""])
+    raw = (
+        random.choice(["\n", "\n", "\r\n", "\r"])
+        .join(mark.join(row) for row in rows)
+        .encode("utf-8", "surrogatepass")
+    )
+    return random.choice(
+        [raw, raw, raw, raw, b"\xef\xbb\xbf" + raw, raw.decode().encode("utf-16"), raw + b"\xff", b""]
+    )

@@ -1,7 +1,9 @@
-"""Kill a run at random moments, continue it, and compare all its files with those of the run that was left alone.
+"""Kill a run at random moments, continue it, and compare all its files with those of the run that was left
+alone.
 
-The moments are spread evenly over the wall time from the appearance of the run folder to the end, so they fall into steps, rows, frames
-and checkpoints alike.  On one number of ranks the files must agree to the last byte.
+The moments are spread evenly over the wall time from the appearance of the run folder to the end, so they
+fall into steps, rows, frames and checkpoints alike.  On one number of ranks the files must agree to the last
+byte.
 """
 
 from __future__ import annotations
@@ -25,8 +27,8 @@ OTHERS = ("summary.json", "checkpoint.h5")  # they tell wall times
 
 @dataclass
 class Kill:
-    """One kill: wall time after the folder appeared [s], simulated times of the last row and of the checkpoint [s] (None: none yet), what
-    was caught half-way, files that differ in the end."""
+    """One kill: wall time after the folder appeared [s], simulated times of the last row and of the
+    checkpoint [s] (None: none yet), what was caught half-way, files that differ in the end."""
 
     wall: float
     row: float | None
@@ -42,14 +44,28 @@ def command(words: list[str], ranks: int) -> list[str]:
         return alone
     mpirun = shutil.which("mpirun") or "mpirun"
     reported = subprocess.run([mpirun, "--version"], capture_output=True, text=True).stdout
-    return [mpirun, *(["--oversubscribe", "--bind-to", "none"] if "Open" in reported else []), "-n", str(ranks), *alone]
+    return [
+        mpirun,
+        *(["--oversubscribe", "--bind-to", "none"] if "Open" in reported else []),
+        "-n",
+        str(ranks),
+        *alone,
+    ]
 
 
 def start(words: list[str], ranks: int) -> subprocess.Popen:
-    environment = {**os.environ, "OMP_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-                   "OMPI_MCA_mpi_yield_when_idle": "1", "MPIR_CVAR_POLLS_BEFORE_YIELD": "1",
-                   "PYTHONPATH": os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])}
-    return subprocess.Popen(command(words, ranks), env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    environment = {
+        **os.environ,
+        "OMP_NUM_THREADS": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+        "OMPI_MCA_mpi_yield_when_idle": "1",
+        "MPIR_CVAR_POLLS_BEFORE_YIELD": "1",
+        "PYTHONPATH": os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]),
+    }
+    return subprocess.Popen(
+        command(words, ranks), env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    )
 
 
 def finish(words: list[str], ranks: int) -> None:
@@ -57,7 +73,9 @@ def finish(words: list[str], ranks: int) -> None:
     job = start(words, ranks)
     _, reported = job.communicate()
     if job.returncode:
-        raise SystemExit(f"kill-test: a run that nobody killed failed with status {job.returncode}:\n{reported}")
+        raise SystemExit(
+            f"kill-test: a run that nobody killed failed with status {job.returncode}:\n{reported}"
+        )
 
 
 def end_all(job: subprocess.Popen) -> None:
@@ -128,9 +146,19 @@ def half_way(out: Path) -> str:
 
 def differences(one: Path, other: Path) -> list[str]:
     """Names of files that differ or are on one side only."""
-    names = {str(p.relative_to(folder)) for folder in (one, other) for p in folder.rglob("*") if p.is_file() and p.name not in OTHERS}
-    return sorted(n for n in names if not (one / n).is_file() or not (other / n).is_file()
-                  or (one / n).read_bytes() != (other / n).read_bytes())
+    names = {
+        str(p.relative_to(folder))
+        for folder in (one, other)
+        for p in folder.rglob("*")
+        if p.is_file() and p.name not in OTHERS
+    }
+    return sorted(
+        n
+        for n in names
+        if not (one / n).is_file()
+        or not (other / n).is_file()
+        or (one / n).read_bytes() != (other / n).read_bytes()
+    )
 
 
 def show(number: int, kill: Kill) -> str:
@@ -154,7 +182,9 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         whole = Path(folder) / "whole"
         length = duration(case, whole, ranks)
-        print(f"{case.name} on {ranks} rank(s), {length:.3g} s of wall time; killed, continued, compared with the run left alone")
+        print(
+            f"{case.name} on {ranks} rank(s), {length:.3g} s of wall time; killed, continued, compared with the run left alone"
+        )
         print("kill   wall [s]  last row [s] checkpoint [s]   files       caught while writing", flush=True)
         number = 0
         while number < arguments.kills:

@@ -26,8 +26,13 @@ TERMS = (
     ("annulus", "drilling fluid in the annulus"),
 )
 
-WHERE = {"junction": "section changes and rigid items", "top": "the upper end", "bottom": "the lower end",
-         "joint": "joints", "stabilised_joint": "joints"}
+WHERE = {
+    "junction": "section changes and rigid items",
+    "top": "the upper end",
+    "bottom": "the lower end",
+    "joint": "joints",
+    "stabilised_joint": "joints",
+}
 
 
 def describe(case: Case) -> str:
@@ -55,41 +60,67 @@ def _lines(model: DrillingModel) -> list[str]:
     case, mesh, system = model.case, model.mesh, model.system
     lines = [f"{case.title or 'case'}: valid"]
     element = ~mesh.is_joint
-    lines.append(f"  string: {len(case.string)} items, {mesh.total_length:g} m, {int(element.sum())} elements of "
-                 f"{mesh.length[element].min():.3g} to {mesh.length.max():.3g} m, {mesh.nodes} nodes, {len(mesh.bodies)} rigid items")
+    lines.append(
+        f"  string: {len(case.string)} items, {mesh.total_length:g} m, {int(element.sum())} elements of "
+        f"{mesh.length[element].min():.3g} to {mesh.length.max():.3g} m, {mesh.nodes} nodes, {len(mesh.bodies)} rigid items"
+    )
     if case.well is not None:
         q = case.well
-        lines.append(f"  well: {len(q.survey.md)} survey stations to {q.survey.md[-1]:g} m, inclination up to "
-                     f"{np.degrees(max(q.survey.inclination)):.3g} deg, {len(q.sections)} sections")
+        lines.append(
+            f"  well: {len(q.survey.md)} survey stations to {q.survey.md[-1]:g} m, inclination up to "
+            f"{np.degrees(max(q.survey.inclination)):.3g} deg, {len(q.sections)} sections"
+        )
     lines.append(f"  top: {case.top.kind}; bottom: {case.bottom.kind}; start: {case.initial.from_}")
     if _quasi_static(case):
-        lines.append("  time: quasi-static, every moment an equilibrium" + (", while the hole grows" if case.formation is not None else ""))
-    names = {component.name for component in model.components} | ({"curvature"} if mesh.curvature.any() else set())  # the quaternion element has its own
+        lines.append(
+            "  time: quasi-static, every moment an equilibrium"
+            + (", while the hole grows" if case.formation is not None else "")
+        )
+    names = {component.name for component in model.components} | (
+        {"curvature"} if mesh.curvature.any() else set()
+    )  # the quaternion element has its own
     damped = bool(mesh.stiffness_damping.any() or mesh.mass_damping.any())
-    parts = [(model.beam is not None, "axial, bending, torsion, gravity"), (model.beam is not None and not _quasi_static(case), "inertia"),
-             (damped and model.beam is not None, "material damping")]
-    parts += [(name in names, words) for name, words in TERMS] + [(case.formation is not None, _cutting(case.formation))]
+    parts = [
+        (model.beam is not None, "axial, bending, torsion, gravity"),
+        (model.beam is not None and not _quasi_static(case), "inertia"),
+        (damped and model.beam is not None, "material damping"),
+    ]
+    parts += [(name in names, words) for name, words in TERMS] + [
+        (case.formation is not None, _cutting(case.formation))
+    ]
     has, lacks = ([words for there, words in parts if there == wanted] for wanted in (True, False))
     if case.fluid is not None:
         mud = case.fluid
-        lines.append(f"  fluid: {mud.density:g} kg/m3, {mud.rheology.model}, law {mud.rheology.law}, bulk modulus {mud.bulk_modulus:g} Pa")
+        lines.append(
+            f"  fluid: {mud.density:g} kg/m3, {mud.rheology.model}, law {mud.rheology.law}, bulk modulus {mud.bulk_modulus:g} Pa"
+        )
     lines.append("  contains: " + "; ".join(has))
     lines.append("  leaves out (no unknowns, no cost): " + "; ".join(lacks))
     counts = field_counts(system)
     per_node = sum(f.size for f, n in counts if n >= mesh.nodes - 1)
     unknowns, rates = sum(f.size * n for f, n in counts), sum(f.size * n for f, n in counts if f.second_order)
-    lines.append(f"  unknowns: {per_node} per node; {unknowns} solved for in a step, {unknowns + rates} in the state")
+    lines.append(
+        f"  unknowns: {per_node} per node; {unknowns} solved for in a step, {unknowns + rates} in the state"
+    )
     for f, n in counts:
         if f.region in WHERE:
             lines.append(f"    {f.name}: {f.size} at {n} nodes ({WHERE[f.region]})")
     e = len(mesh.upper)
-    step = (3 * COST["residual"] + COST["jacobian"] + COST["factor"] + 2 * COST["solve"] + COST["step"]) * e * 1e-3
-    lines.append(f"  expected cost: about {step:.2g} ms per step on one core"
-                 + (f"; {case.time.end:g} s to simulate" if case.time is not None else ""))
+    step = (
+        (3 * COST["residual"] + COST["jacobian"] + COST["factor"] + 2 * COST["solve"] + COST["step"])
+        * e
+        * 1e-3
+    )
+    lines.append(
+        f"  expected cost: about {step:.2g} ms per step on one core"
+        + (f"; {case.time.end:g} s to simulate" if case.time is not None else "")
+    )
     lines += [f"  {words}" for words in time_scales(model).lines()]
     coarse = coarse_elements(model)
     if coarse.any():
         limit = (240 * mesh.bending_stiffness / (mesh.mass * np.linalg.norm(case.gravity))) ** (1 / 3)
-        lines.append(f"  WARNING: {int(coarse.sum())} elements are longer than {limit[coarse].min():.3g} m = (240 EI/w)^(1/3): "
-                     "their bending cannot hold their own axial load, statics may report negative pivots; shorten element_length")
+        lines.append(
+            f"  WARNING: {int(coarse.sum())} elements are longer than {limit[coarse].min():.3g} m = (240 EI/w)^(1/3): "
+            "their bending cannot hold their own axial load, statics may report negative pivots; shorten element_length"
+        )
     return lines

@@ -1,8 +1,10 @@
-"""Checkpoints: everything a run needs to go on as if it had never stopped, in one file that is whole or not there.
+"""Checkpoints: everything a run needs to go on as if it had never stopped, in one file that is whole or not
+there.
 
-The file is HDF5 behind a first block of 512 bytes (a user block, which HDF5's readers pass over) with the kind, the version and the
-SHA-256 of all that follows: what is cut short or damaged is refused before anything is believed of it.  Arrays are in depth order, so
-another number of ranks can read them; only what cannot matter there is kept by ranks (solvers/newton.py).
+The file is HDF5 behind a first block of 512 bytes (a user block, which HDF5's readers pass over) with the
+kind, the version and the SHA-256 of all that follows: what is cut short or damaged is refused before anything
+is believed of it.  Arrays are in depth order, so another number of ranks can read them; only what cannot
+matter there is kept by ranks (solvers/newton.py).
 """
 
 from __future__ import annotations
@@ -34,10 +36,10 @@ WANT = "the checkpoint.h5 of a run"
 class Checkpoint:
     """State of a run at ``time`` [s].
 
-    fields, rates: name -> (n_nodes, size), unknowns and rates; depths: (n_nodes,) of the nodes [m]; frames: reference frames; rooms: what rooms
-    carry from step to step, by name (``memory``, the same on all ranks); places: what they carry at each "vertex" or "cell"
-    (``get_local_state``, (n_nodes, k) or (n_elements, k) here); books: of the recorder; stepper: of the integrator; notes: plain words and
-    numbers.
+    fields, rates: name -> (n_nodes, size), unknowns and rates; depths: (n_nodes,) of the nodes [m]; frames:
+    reference frames; rooms: what rooms carry from step to step, by name (``memory``, the same on all ranks);
+    places: what they carry at each "vertex" or "cell" (``get_local_state``, (n_nodes, k) or (n_elements, k)
+    here); books: of the recorder; stepper: of the integrator; notes: plain words and numbers.
     """
 
     time: float
@@ -54,14 +56,31 @@ class Checkpoint:
     notes: dict[str, Any] = field(default_factory=dict)
 
 
-def take(model: DrillingModel, recorder: Recorder, integrator: TimeIntegrator, time: float, notes: dict[str, Any] | None = None) -> Checkpoint | None:
-    """Collect the state on rank 0 (None elsewhere), changing nothing; collective, after a step is done with (TimeIntegrator.at_rest)."""
+def take(
+    model: DrillingModel,
+    recorder: Recorder,
+    integrator: TimeIntegrator,
+    time: float,
+    notes: dict[str, Any] | None = None,
+) -> Checkpoint | None:
+    """Collect the state on rank 0 (None elsewhere), changing nothing; collective, after a step is done with
+    (TimeIntegrator.at_rest)."""
     system = model.system
-    components = {component.name: component.get_state() for component in model.components if hasattr(component, "get_state")}
-    places = {component.name: _gathered(system, component.get_local_state()) for component in model.components if hasattr(component, "get_local_state")}
+    components = {
+        component.name: component.get_state()
+        for component in model.components
+        if hasattr(component, "get_state")
+    }
+    places = {
+        component.name: _gathered(system, component.get_local_state())
+        for component in model.components
+        if hasattr(component, "get_local_state")
+    }
     books, stepper = recorder.get_state(), integrator.get_state()
     names = [f.name for f in system.layout.fields]
-    values = system.gather(np.hstack([system.field(n) for n in names] + [system.field(n, "y") for n in names]))
+    values = system.gather(
+        np.hstack([system.field(n) for n in names] + [system.field(n, "y") for n in names])
+    )
     dead = None
     if system.assembly.dead_load is not None:
         place = system.layout.dofs["string.position"]
@@ -74,8 +93,20 @@ def take(model: DrillingModel, recorder: Recorder, integrator: TimeIntegrator, t
     rates = dict(zip(names, parts[len(names) :], strict=True))
     frames = {"ancf": system.frames.reference, "second": system.frames.second, "twist0": system.frames.twist0}
     top = model.top.anchor if model.top is not None else None
-    return Checkpoint(time, fields, rates, np.asarray(model.mesh.node_depth), frames, components, places, books, stepper, dead, top,
-                      notes or {})
+    return Checkpoint(
+        time,
+        fields,
+        rates,
+        np.asarray(model.mesh.node_depth),
+        frames,
+        components,
+        places,
+        books,
+        stepper,
+        dead,
+        top,
+        notes or {},
+    )
 
 
 def _gathered(system: DiscreteSystem, memory: dict[str, FloatArray]) -> dict[str, FloatArray]:
@@ -89,9 +120,15 @@ def write(path: Path, c: Checkpoint) -> None:
     """Write ``c``; the file before it stays until the disk has the new one."""
     import h5py
 
-    tree = {"fields": c.fields, "rates": c.rates, "frames": c.frames, "books": c.books, "stepper": c.stepper,
-            **{f"rooms/{name}": memory for name, memory in c.components.items()},
-            **{f"places/{name}": memory for name, memory in c.places.items()}}
+    tree = {
+        "fields": c.fields,
+        "rates": c.rates,
+        "frames": c.frames,
+        "books": c.books,
+        "stepper": c.stepper,
+        **{f"rooms/{name}": memory for name, memory in c.components.items()},
+        **{f"places/{name}": memory for name, memory in c.places.items()},
+    }
     rest: dict[str, FloatArray | None] = {"depths": c.depths, "imperfection": c.imperfection, "top": c.top}
     # in memory: HDF5 that meets a full disk half-way is hard to leave in good order
     with h5py.File("checkpoint", "w", driver="core", backing_store=False, userblock_size=BLOCK) as file:
@@ -110,11 +147,16 @@ def write(path: Path, c: Checkpoint) -> None:
 
 
 def read(path: str | Path) -> Checkpoint:
-    """Read a checkpoint; raises CaseError when there is none, or it is cut short, damaged or of another kind."""
+    """Read a checkpoint; raises CaseError when there is none, or it is cut short, damaged or of another
+    kind."""
     import h5py
 
     if not Path(path).is_file():
-        raise CaseError(got=str(path), want="a run folder with a checkpoint.h5", hint="was the run stopped before its first checkpoint?")
+        raise CaseError(
+            got=str(path),
+            want="a run folder with a checkpoint.h5",
+            hint="was the run stopped before its first checkpoint?",
+        )
     try:
         data = Path(path).read_bytes()
     except OSError as error:
@@ -123,13 +165,37 @@ def read(path: str | Path) -> Checkpoint:
     try:
         with h5py.File(io.BytesIO(data), "r") as file:
             groups = {g: _arrays(file[g]) for g in ("fields", "rates", "frames", "books", "stepper")}
-            components, places = ({name: _arrays(group) for name, group in file[kind].items()} if kind in file else {}
-                             for kind in ("rooms", "places"))
-            imperfection, top = (np.array(file[name]) if name in file else None for name in ("imperfection", "top"))
-            return Checkpoint(float(file.attrs["time"]), groups["fields"], groups["rates"], np.array(file["depths"]), groups["frames"],
-                              components, places, groups["books"], groups["stepper"], imperfection, top, json.loads(file.attrs["notes"]))
-    except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:  # whole, and yet not what version 2 holds
-        raise CaseError(file=path, want=WANT, hint=f"it was written by another version of drillpetsc ({error})") from None
+            components, places = (
+                {name: _arrays(group) for name, group in file[kind].items()} if kind in file else {}
+                for kind in ("rooms", "places")
+            )
+            imperfection, top = (
+                np.array(file[name]) if name in file else None for name in ("imperfection", "top")
+            )
+            return Checkpoint(
+                float(file.attrs["time"]),
+                groups["fields"],
+                groups["rates"],
+                np.array(file["depths"]),
+                groups["frames"],
+                components,
+                places,
+                groups["books"],
+                groups["stepper"],
+                imperfection,
+                top,
+                json.loads(file.attrs["notes"]),
+            )
+    except (
+        OSError,
+        KeyError,
+        ValueError,
+        TypeError,
+        RuntimeError,
+    ) as error:  # whole, and yet not what version 2 holds
+        raise CaseError(
+            file=path, want=WANT, hint=f"it was written by another version of drillpetsc ({error})"
+        ) from None
 
 
 def _arrays(group) -> dict[str, FloatArray]:
@@ -139,31 +205,50 @@ def _arrays(group) -> dict[str, FloatArray]:
 def _inspect(path: str | Path, data: bytes) -> None:
     """Raise CaseError unless the file is whole and of this version."""
     if data.startswith(OLD_MAGIC):
-        raise CaseError(file=path, got="checkpoint version 1", want=f"version {VERSION}",
-                        hint="it was written by an older drillpetsc: finish the run with that, or start it again")
+        raise CaseError(
+            file=path,
+            got="checkpoint version 1",
+            want=f"version {VERSION}",
+            hint="it was written by an older drillpetsc: finish the run with that, or start it again",
+        )
     if not data.startswith(MAGIC):
-        raise CaseError(file=path, got=f"{len(data)} bytes of something else" if data else "an empty file", want=WANT)
+        raise CaseError(
+            file=path, got=f"{len(data)} bytes of something else" if data else "an empty file", want=WANT
+        )
     words = data[len(MAGIC) : BLOCK].split(b"\n")[0].split()
     if len(words) != 3 or not words[0].isdigit():
         raise CaseError(file=path, got="a damaged first block", want=WANT)
     if int(words[0]) != VERSION:
-        raise CaseError(file=path, got=f"checkpoint version {int(words[0])}", want=f"version {VERSION}",
-                        hint="it was written by another drillpetsc: continue the run with that, or start it again")
+        raise CaseError(
+            file=path,
+            got=f"checkpoint version {int(words[0])}",
+            want=f"version {VERSION}",
+            hint="it was written by another drillpetsc: continue the run with that, or start it again",
+        )
     if hashlib.sha256(data[BLOCK:]).hexdigest().encode() != words[2]:
-        raise CaseError(file=path, got="a file that was cut short or damaged (its checksum is wrong)", want=WANT,
-                        hint="take it from a copy of the run folder, or start the run again with --overwrite")
+        raise CaseError(
+            file=path,
+            got="a file that was cut short or damaged (its checksum is wrong)",
+            want=WANT,
+            hint="take it from a copy of the run folder, or start the run again with --overwrite",
+        )
 
 
 # ---------------------------------------------------------------------- back into a scene
 def restore(model: DrillingModel, c: Checkpoint, at: str = "--restart") -> None:
-    """Put a checkpoint's state into the scene's model; raises CaseError, for the key ``at``, when it is of another string."""
+    """Put a checkpoint's state into the scene's model; raises CaseError, for the key ``at``, when it is of
+    another string."""
     system = model.system
     for f in system.layout.fields:
         values = c.fields.get(f.name)
         if values is None or values.shape != (system.mesh.nodes, f.size):
-            raise CaseError(at=at, want=f"a checkpoint of the same string ({system.mesh.nodes} nodes with {f.name})")
+            raise CaseError(
+                at=at, want=f"a checkpoint of the same string ({system.mesh.nodes} nodes with {f.name})"
+            )
     if not np.allclose(c.depths, model.mesh.node_depth, rtol=0, atol=1e-6):
-        raise CaseError(at=at, want="a checkpoint of the same string", hint="its nodes are elsewhere along the string")
+        raise CaseError(
+            at=at, want="a checkpoint of the same string", hint="its nodes are elsewhere along the string"
+        )
     for f in system.layout.fields:
         system.set_field(f.name, c.fields[f.name])
         system.set_field(f.name, c.rates[f.name], "y")
@@ -184,11 +269,14 @@ def restore(model: DrillingModel, c: Checkpoint, at: str = "--restart") -> None:
             component.set_state(c.components[component.name])
         if component.name in c.places and hasattr(component, "set_local_state"):
             here = {"vertex": system.chain.vertices, "cell": system.chain.cells}
-            component.set_local_state({on: values[here[on]] for on, values in c.places[component.name].items()})
+            component.set_local_state(
+                {on: values[here[on]] for on, values in c.places[component.name].items()}
+            )
 
 
 def start_clock_anew(model: DrillingModel, c: Checkpoint) -> None:
-    """Time begins at 0 again with the state of ``c``: the top goes on from the place and the angle that it has there."""
+    """Time begins at 0 again with the state of ``c``: the top goes on from the place and the angle that it
+    has there."""
     if model.top is None:
         return
     (condition,) = model.top.prescribed()

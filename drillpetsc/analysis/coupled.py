@@ -1,4 +1,5 @@
-"""Fluid and string at rest together: the steady flow in the string as it hangs, the string under the flow's forces, until both agree."""
+"""Fluid and string at rest together: the steady flow in the string as it hangs, the string under the flow's
+forces, until both agree."""
 
 from __future__ import annotations
 
@@ -15,17 +16,22 @@ NEARLY = 1e-6  # enough when rounding stops the rounds
 
 
 def freeze_flow(model: DrillingModel, t: float = 0.0) -> None:
-    """Steady flow in the string where it is now; the fluid then stays as it is (frozen) until ``agree`` or ``release_flow``."""
+    """Steady flow in the string where it is now; the fluid then stays as it is (frozen) until ``agree`` or
+    ``release_flow``."""
     if model.fluid is not None:
         steady_flow(model.system, t)
         model.system.assembly.freeze(fluid_unknowns(model.system))
 
 
-def couple_flow_and_string(model: DrillingModel, solver: StaticNewton, report: Equilibrium, lowering: float = 0.0) -> None:
-    """Steady flow and string in turn, from a string in equilibrium under the frozen flow; raises SolveError where they do not settle.
+def couple_flow_and_string(
+    model: DrillingModel, solver: StaticNewton, report: Equilibrium, lowering: float = 0.0
+) -> None:
+    """Steady flow and string in turn, from a string in equilibrium under the frozen flow; raises SolveError
+    where they do not settle.
 
-    lowering: speed at which the top lets the string down [m/s]; the mud then flows as it does about the moving string (surge).
-    The rounds converge by the ratio of what the fluid and what the steel gives way, a few percent.
+    lowering: speed at which the top lets the string down [m/s]; the mud then flows as it does about the
+    moving string (surge). The rounds converge by the ratio of what the fluid and what the steel gives way, a
+    few percent.
     """
     if model.fluid is None:
         return
@@ -48,11 +54,14 @@ def couple_flow_and_string(model: DrillingModel, solver: StaticNewton, report: E
             return
         best = min(best, size)
         solver.newton_damped(report)
-    raise SolveError(f"string and fluid did not agree on a steady state in {ROUNDS} rounds (last change {size:.1e} of the scales)")
+    raise SolveError(
+        f"string and fluid did not agree on a steady state in {ROUNDS} rounds (last change {size:.1e} of the scales)"
+    )
 
 
 def release_flow(model: DrillingModel) -> None:
-    """All unknowns free again; the flow steady in the string with the rates it has now, the reactions those of this state."""
+    """All unknowns free again; the flow steady in the string with the rates it has now, the reactions those
+    of this state."""
     if model.fluid is not None:
         model.system.assembly.freeze(None)
         steady_flow(model.system, 0.0)

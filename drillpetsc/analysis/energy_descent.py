@@ -1,4 +1,5 @@
-"""Down to a stable state: Newton where it works, else descent of the energy while the wall of the hole grows stiffer."""
+"""Down to a stable state: Newton where it works, else descent of the energy while the wall of the hole grows
+stiffer."""
 
 from __future__ import annotations
 
@@ -14,7 +15,9 @@ SUBSTITUTIONS = 30  # rounds of anything that is solved by substitution
 TRIAL = 100  # descent iterations at each stiffness before a side load is added
 SPRING = 10.0  # travel of the weak spring that carries the weight on bit while the string settles [m]
 NEAR_DEPTH = 1e-6  # the bit is this near its depth when the true bit takes over [m]
-STRONGER = 10.0  # side load that is taken where the asked one does not lead to a stable state, over the asked one
+STRONGER = (
+    10.0  # side load that is taken where the asked one does not lead to a stable state, over the asked one
+)
 SINK = 0.1  # share of the radial clearance that the pipe may sink into the softest wall
 
 
@@ -51,9 +54,11 @@ def clearance(model: DrillingModel) -> float | None:
     return float(max(1e-3, np.min(gap[model.mesh.outer_diameter > 0], initial=0.1)))
 
 
-def stable_state(model: DrillingModel, solver: StaticNewton, soft: TorqueDrag | None, report: Equilibrium) -> None:
-    """Newton where it finds a stable state, else down the energy; from a saddle a small persistent side load leads
-    away."""
+def stable_state(
+    model: DrillingModel, solver: StaticNewton, soft: TorqueDrag | None, report: Equilibrium
+) -> None:
+    """Newton where it finds a stable state, else down the energy; from a saddle a small persistent side load
+    leads away."""
     fraction = model.case.initial.imperfection
     factors = stiffness_steps(model, soft)
     if not solver.energy:
@@ -78,7 +83,9 @@ def stable_state(model: DrillingModel, solver: StaticNewton, soft: TorqueDrag | 
         try:
             _descend(model, solver, report, factors)
             return
-        except SolveError:  # far above its critical load a long string has too flat a way down for so weak a load
+        except (
+            SolveError
+        ):  # far above its critical load a long string has too flat a way down for so weak a load
             if strength > fraction:
                 raise
             keep.restore()
@@ -95,7 +102,11 @@ def _own_imperfection(model: DrillingModel, fraction: float) -> FloatArray:
 
 
 def newton_or_descent(
-    model: DrillingModel, solver: StaticNewton, report: Equilibrium, factors: tuple[float, ...], most: int = ITERATIONS
+    model: DrillingModel,
+    solver: StaticNewton,
+    report: Equilibrium,
+    factors: tuple[float, ...],
+    most: int = ITERATIONS,
 ) -> None:
     """Full Newton steps, or descent where they do not converge; may end in an unstable state."""
     keep = Snapshot(model)
@@ -110,10 +121,14 @@ def newton_or_descent(
 
 
 def _descend(
-    model: DrillingModel, solver: StaticNewton, report: Equilibrium, factors: tuple[float, ...], most: int = ITERATIONS
+    model: DrillingModel,
+    solver: StaticNewton,
+    report: Equilibrium,
+    factors: tuple[float, ...],
+    most: int = ITERATIONS,
 ) -> None:
-    """Down the energy while the contact grows stiffer; the weight on bit acts as a weak spring, long preloaded,
-    meanwhile."""
+    """Down the energy while the contact grows stiffer; the weight on bit acts as a weak spring, long
+    preloaded, meanwhile."""
     if solver.depth is None:
         _harden(model, solver, report, factors, most)
         return
@@ -135,7 +150,9 @@ def _descend(
     solver.newton_free(report)
 
 
-def _harden(model: DrillingModel, solver: StaticNewton, report: Equilibrium, factors: tuple[float, ...], most: int) -> None:
+def _harden(
+    model: DrillingModel, solver: StaticNewton, report: Equilibrium, factors: tuple[float, ...], most: int
+) -> None:
     for factor in factors:
         if model.contact is not None:
             model.contact.set_stiffness(factor)
@@ -147,11 +164,11 @@ def _harden(model: DrillingModel, solver: StaticNewton, report: Equilibrium, fac
 
 
 def stiffness_steps(model: DrillingModel, soft: TorqueDrag | None) -> tuple[float, ...]:
-    """Factors on the contact stiffness, rising to 1: at the first the most loaded part sinks in by a share of its
-    radial clearance.
+    """Factors on the contact stiffness, rising to 1: at the first the most loaded part sinks in by a share of
+    its radial clearance.
 
-    Loads: weight, side load of the soft string, and r F^2/4EI of a helix under the largest compression F (Lubinski,
-    Althouse and Logan, JPT 14(6), 1962).
+    Loads: weight, side load of the soft string, and r F^2/4EI of a helix under the largest compression F
+    (Lubinski, Althouse and Logan, JPT 14(6), 1962).
     """
     gap, contact, mesh = clearance(model), model.case.contact, model.mesh
     if model.contact is None:
@@ -171,8 +188,8 @@ def stiffness_steps(model: DrillingModel, soft: TorqueDrag | None) -> tuple[floa
 
 
 def too_coarse(model: DrillingModel) -> bool:
-    """Elements longer than their bending can hold against the axial load of their weight: L^3 > 240 EI/w (model,
-    section 9.4)."""
+    """Elements longer than their bending can hold against the axial load of their weight: L^3 > 240 EI/w
+    (model, section 9.4)."""
     return bool(coarse_elements(model).any())
 
 

@@ -1,4 +1,5 @@
-"""How a scene starts: along the hole, straight, or in static equilibrium with friction against a given motion."""
+"""How a scene starts: along the hole, straight, or in static equilibrium with friction against a given
+motion."""
 
 from __future__ import annotations
 
@@ -36,8 +37,8 @@ MOTIONS = {"hoist": (-1.0, 0.0), "lower": (1.0, 0.0), "rotate": (0.0, 1.0)}
 class StaticState:
     """Result of ``find_equilibrium``; the state itself is in the scene's model.
 
-    motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes; side: share of the side push of friction that
-    the state could keep; stable: no negative pivot.
+    motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes; side: share of the
+    side push of friction that the state could keep; stable: no negative pivot.
     """
 
     motion: tuple[float, float]
@@ -99,12 +100,15 @@ def move_rigidly(model: DrillingModel) -> None:
     release_flow(model)
 
 
-def find_equilibrium(model: DrillingModel, motion: tuple[float, float] | None = None, climb: bool = True) -> StaticState:
-    """Static equilibrium of the scene, friction opposing ``motion`` (by default what the top prescribes at time 0).
+def find_equilibrium(
+    model: DrillingModel, motion: tuple[float, float] | None = None, climb: bool = True
+) -> StaticState:
+    """Static equilibrium of the scene, friction opposing ``motion`` (by default what the top prescribes at
+    time 0).
 
-    First without friction, to a stable state; then friction is added at once.  climb: friction across the pipe pushes
-    it up the wall of the hole, as it does with a turning pipe at rest there; without, only its torque acts, as
-    torque-and-drag models have it. Raises SolveError when no equilibrium is found.
+    First without friction, to a stable state; then friction is added at once.  climb: friction across the
+    pipe pushes it up the wall of the hole, as it does with a turning pipe at rest there; without, only its
+    torque acts, as torque-and-drag models have it. Raises SolveError when no equilibrium is found.
     """
     if isinstance(model.beam, QuaternionBeam):
         return equilibrium(model, motion, climb)
@@ -113,7 +117,9 @@ def find_equilibrium(model: DrillingModel, motion: tuple[float, float] | None = 
     place_along_hole(model)
     if model.beam is None:
         flow = steady_flow(model.system)
-        return StaticState((0.0, 0.0), Equilibrium(iterations=flow.iterations, increment=flow.increment, converged=True))
+        return StaticState(
+            (0.0, 0.0), Equilibrium(iterations=flow.iterations, increment=flow.increment, converged=True)
+        )
     freeze_flow(model)
     soft = soft_string_start(model, motion)
     solver = _solver(model)
@@ -151,9 +157,11 @@ def find_equilibrium(model: DrillingModel, motion: tuple[float, float] | None = 
     return state
 
 
-def _settle_at_once(model: DrillingModel, solver: StaticNewton, components, state: StaticState, side: float) -> float | None:
-    """Newton with friction from the soft string, which has it already, first without side push; returns the share of
-    side push that it could keep.  None, and all as before, without a stable state."""
+def _settle_at_once(
+    model: DrillingModel, solver: StaticNewton, components, state: StaticState, side: float
+) -> float | None:
+    """Newton with friction from the soft string, which has it already, first without side push; returns the
+    share of side push that it could keep.  None, and all as before, without a stable state."""
     keep, reached = Snapshot(model), None
     for share in sorted({side if state.motion[1] else 1.0, 0.0 if state.motion[1] else 1.0}):
         here = Snapshot(model)
@@ -173,9 +181,11 @@ def _settle_at_once(model: DrillingModel, solver: StaticNewton, components, stat
     return None
 
 
-def _add_friction(model: DrillingModel, solver: StaticNewton, components, state: StaticState, climb: bool) -> float:
-    """Equilibrium with friction against the motion from the frictionless one; returns the share of side push that it
-    could keep."""
+def _add_friction(
+    model: DrillingModel, solver: StaticNewton, components, state: StaticState, climb: bool
+) -> float:
+    """Equilibrium with friction against the motion from the frictionless one; returns the share of side push
+    that it could keep."""
     keep, side = Snapshot(model), 1.0 if climb else 0.0
     for component in components:
         component.impose_sliding_direction(*state.motion, side)
@@ -197,9 +207,11 @@ def _add_friction(model: DrillingModel, solver: StaticNewton, components, state:
     return 0.0 if state.motion[1] else side
 
 
-def _friction_by_substitution(model: DrillingModel, solver: StaticNewton, components, state: StaticState) -> None:
-    """Friction along and about the pipe as dead load, renewed until it no longer changes: every solve has a potential
-    to descend."""
+def _friction_by_substitution(
+    model: DrillingModel, solver: StaticNewton, components, state: StaticState
+) -> None:
+    """Friction along and about the pipe as dead load, renewed until it no longer changes: every solve has a
+    potential to descend."""
     asm, system, motion, report, soft = (
         model.system.assembly,
         model.system,
@@ -227,7 +239,8 @@ def _friction_by_substitution(model: DrillingModel, solver: StaticNewton, compon
             newton_or_descent(model, solver, report, factors)
             last, factors = friction, (1.0,)
         raise SolveError(
-            f"friction did not settle in {SUBSTITUTIONS} rounds (last change {change:.3g} N)", **system.locate_largest_residual(0.0)
+            f"friction did not settle in {SUBSTITUTIONS} rounds (last change {change:.3g} N)",
+            **system.locate_largest_residual(0.0),
         )
     finally:
         asm.dead_load = imperfection
@@ -249,7 +262,9 @@ def _conservative(model: DrillingModel) -> bool:
 def _ask_for_weight(model: DrillingModel, solver: StaticNewton, wob: float) -> None:
     bit, top = model.bit, model.top
     if bit is None:
-        raise CaseError(at="initial.wob", got=f"{wob:g} N", want="a bottom of kind bit, on which the weight can stand")
+        raise CaseError(
+            at="initial.wob", got=f"{wob:g} N", want="a bottom of kind bit, on which the weight can stand"
+        )
     if top is None or not hasattr(top, "shift") or getattr(model.case.top, "force", None) is not None:
         raise CaseError(
             at="initial.wob",

@@ -1,4 +1,5 @@
-"""Quasi-static drilling: string and fluid in equilibrium at every time, the hole's end integrated; steps of seconds to minutes."""
+"""Quasi-static drilling: string and fluid in equilibrium at every time, the hole's end integrated; steps of
+seconds to minutes."""
 
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ LONGEST_STEP = 60.0  # [s]
 
 
 def longest_step(model: DrillingModel) -> float:
-    """Step that the error control may not exceed [s]: what the hole's shape asks for where the string slides down it."""
+    """Step that the error control may not exceed [s]: what the hole's shape asks for where the string slides
+    down it."""
     case = model.case
     assert case.time is not None
     if case.time.step is not None:
@@ -32,10 +34,11 @@ def longest_step(model: DrillingModel) -> float:
 
 
 class QuasiStatic:
-    """Moves a scene without inertia: before each step friction and fluid see the motion that the top prescribes then.
+    """Moves a scene without inertia: before each step friction and fluid see the motion that the top
+    prescribes then.
 
-    The string turns about its own axis without changing place, so its directors stand still (a bent item keeps its tool face while the
-    top does not turn; while it turns its bend averages out).
+    The string turns about its own axis without changing place, so its directors stand still (a bent item
+    keeps its tool face while the top does not turn; while it turns its bend averages out).
     """
 
     def __init__(self, model: DrillingModel):
@@ -43,7 +46,9 @@ class QuasiStatic:
         layout = self.system.layout
         string = np.array([f.name.startswith("string.") for f in layout.fields])
         self.rates = np.zeros(layout.size + 1)
-        self._mask = string[layout.field_of]  # mud keeps its storage: at steps of seconds its waves are gone, its content adds up
+        self._mask = string[
+            layout.field_of
+        ]  # mud keeps its storage: at steps of seconds its waves are gone, its content adds up
         self._bends = [component for component in model.components if isinstance(component, Precurvature)]
         self._average_bends(self.motion(0.0)[1])  # also in the static state it starts from
 
@@ -51,14 +56,24 @@ class QuasiStatic:
         """The integrator of the hole's end, with the string following."""
         longest = longest_step(self.model)
         options: dict[str, Any] = {"ts_adapt_dt_max": longest}
-        d = TimeIntegrator(self.system, first_step=min(FIRST_STEP, longest), controlled=lambda name: name.startswith("hole."), defaults=options)
+        d = TimeIntegrator(
+            self.system,
+            first_step=min(FIRST_STEP, longest),
+            controlled=lambda name: name.startswith("hole."),
+            defaults=options,
+        )
         if not d.condensed:
-            raise CaseError(at="time.mode", got="quasi_static", want="the condensed BDF integrator: no -ts_type and no -snes_type")
+            raise CaseError(
+                at="time.mode",
+                got="quasi_static",
+                want="the condensed BDF integrator: no -ts_type and no -snes_type",
+            )
         d.before_solve.append(self.move)
         return d
 
     def begin(self, t: float = 0.0, share: float = 1.0) -> None:
-        """From the static state to quasi-static motion; share of the side push of friction, as the static state could keep it."""
+        """From the static state to quasi-static motion; share of the side push of friction, as the static
+        state could keep it."""
         asm, self.share = self.system.assembly, share
         asm.take_rates_from(self.rates, self._mask)
         asm.y[:] = asm.a[:] = 0.0
@@ -71,7 +86,9 @@ class QuasiStatic:
         top = self.model.case.top
         lowering = getattr(top, "lowering", None) if getattr(top, "force", None) is None else None
         rotation = getattr(top, "rotation", None)
-        return (lowering.value(t) if lowering is not None else 0.0), (rotation.value(t) if rotation is not None else 0.0)
+        return (lowering.value(t) if lowering is not None else 0.0), (
+            rotation.value(t) if rotation is not None else 0.0
+        )
 
     def move(self, t: float) -> None:
         """Rates of all nodes and the sliding that friction opposes, at ``t``."""

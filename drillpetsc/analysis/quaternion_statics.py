@@ -34,11 +34,21 @@ ITERATIONS = 40
 
 
 # ---------------------------------------------------------------------- rooms
-def quaternion_components(case: Case, mesh: StringMesh, frames: Frames, position: FloatArray, tangent: FloatArray, loads: Sequence[NodeLoad],
-                     breaks: tuple[float, ...], contact: Contact | None) -> tuple[QuaternionBeam, ConstrainedEnd | None, list]:
+def quaternion_components(
+    case: Case,
+    mesh: StringMesh,
+    frames: Frames,
+    position: FloatArray,
+    tangent: FloatArray,
+    loads: Sequence[NodeLoad],
+    breaks: tuple[float, ...],
+    contact: Contact | None,
+) -> tuple[QuaternionBeam, ConstrainedEnd | None, list]:
     """Beam, what holds the top (None: nothing), and all rooms of the string."""
     finest = contact.impact_depth if contact is not None else np.inf
-    beam = QuaternionBeam(mesh, frames, np.array(case.gravity, dtype=float), case.beam.constraint or "index3", finest)
+    beam = QuaternionBeam(
+        mesh, frames, np.array(case.gravity, dtype=float), case.beam.constraint or "index3", finest
+    )
     top, bottom = _top(case, beam, position[0], tangent[0]), _bottom(case, beam, position[-1], tangent[-1])
     components = [beam, *(r for r in (top, bottom) if r is not None)]
     if loads:
@@ -48,20 +58,46 @@ def quaternion_components(case: Case, mesh: StringMesh, frames: Frames, position
     return beam, top, components
 
 
-def _guided(beam: QuaternionBeam, vertex: int, places: int, turns: int, position: FloatArray, tangent: FloatArray, *inputs) -> ConstrainedEnd:
-    return ConstrainedEnd(vertex, beam.mesh.nodes, places, turns, position, beam.start[vertex], tangent, beam.constraint, *inputs)
+def _guided(
+    beam: QuaternionBeam,
+    vertex: int,
+    places: int,
+    turns: int,
+    position: FloatArray,
+    tangent: FloatArray,
+    *inputs,
+) -> ConstrainedEnd:
+    return ConstrainedEnd(
+        vertex,
+        beam.mesh.nodes,
+        places,
+        turns,
+        position,
+        beam.start[vertex],
+        tangent,
+        beam.constraint,
+        *inputs,
+    )
 
 
-def _top(case: Case, beam: QuaternionBeam, position: FloatArray, tangent: FloatArray) -> ConstrainedEnd | None:
+def _top(
+    case: Case, beam: QuaternionBeam, position: FloatArray, tangent: FloatArray
+) -> ConstrainedEnd | None:
     top = case.top
     if isinstance(top, TopDriveCase):
         lowering = None if top.force is not None else top.lowering
         return _guided(beam, 0, 2 if lowering is None else 3, 3, position, tangent, lowering, top.rotation)
     assert isinstance(top, HeldTop)  # the case refuses the others
-    return None if top.kind == "free" else _guided(beam, 0, 3, 3 if top.kind == "clamped" else 1, position, tangent)
+    return (
+        None
+        if top.kind == "free"
+        else _guided(beam, 0, 3, 3 if top.kind == "clamped" else 1, position, tangent)
+    )
 
 
-def _bottom(case: Case, beam: QuaternionBeam, position: FloatArray, tangent: FloatArray) -> ConstrainedEnd | None:
+def _bottom(
+    case: Case, beam: QuaternionBeam, position: FloatArray, tangent: FloatArray
+) -> ConstrainedEnd | None:
     bottom = case.bottom
     if not isinstance(bottom, HeldBottom) or bottom.kind == "free":
         return None
@@ -80,7 +116,8 @@ def place(model: DrillingModel) -> None:
 
 
 def move(model: DrillingModel, lowering: float, rotation: float) -> None:
-    """The rigid motion that the top prescribes at time 0: every node lowered [m/s] and turned about its tangent [rad/s]."""
+    """The rigid motion that the top prescribes at time 0: every node lowered [m/s] and turned about its
+    tangent [rad/s]."""
     m = model.system
     q = np.zeros((m.mesh.nodes, 4))
     q[m.chain.vertices] = 0.5 * rotation * spun(m.field("string.quaternion"))
@@ -90,7 +127,8 @@ def move(model: DrillingModel, lowering: float, rotation: float) -> None:
 
 
 def equilibrium(model: DrillingModel, motion: tuple[float, float] | None, climb: bool) -> StaticState:
-    """The gauge element's equilibrium of the same case, then Newton's method on the quaternion's own rows from there."""
+    """The gauge element's equilibrium of the same case, then Newton's method on the quaternion's own rows
+    from there."""
     from drillpetsc.analysis.equilibrium import find_equilibrium
     from drillpetsc.model.drilling_model import build_model
 
@@ -98,7 +136,9 @@ def equilibrium(model: DrillingModel, motion: tuple[float, float] | None, climb:
     state = find_equilibrium(twin, motion, climb)
     place(model)
     take_over(twin.system, model.system)
-    if isinstance(model.top, ConstrainedEnd) and twin.top is not None:  # statics may have set the top aside, to where the string lies
+    if (
+        isinstance(model.top, ConstrainedEnd) and twin.top is not None
+    ):  # statics may have set the top aside, to where the string lies
         model.top.anchor[: model.top.places] = twin.top.anchor[: model.top.places]
     if isinstance(model.contact, QuaternionContact) and twin.contact is not None:
         model.contact.copy_sliding_direction(twin.contact)
@@ -108,16 +148,21 @@ def equilibrium(model: DrillingModel, motion: tuple[float, float] | None, climb:
         if hasattr(component, "find_hole"):
             component.find_hole(model.system.assembly)
     asm = model.system.assembly
-    asm.freeze(fluid_unknowns(model.system))  # the mud is as about the twin, and flows as about a string that moves as the top has it
+    asm.freeze(
+        fluid_unknowns(model.system)
+    )  # the mud is as about the twin, and flows as about a string that moves as the top has it
     try:
-        state.equilibrium.iterations += settle(model.system, velocity=_lowered(model) if motion is None else None)
+        state.equilibrium.iterations += settle(
+            model.system, velocity=_lowered(model) if motion is None else None
+        )
     finally:
         asm.freeze(None)
     return state
 
 
 def _lowered(model: DrillingModel) -> FloatArray | None:
-    """(nv, 3) velocity [m/s] of the local nodes with which the top lowers the string at time 0, where there is mud to feel it."""
+    """(nv, 3) velocity [m/s] of the local nodes with which the top lowers the string at time 0, where there
+    is mud to feel it."""
     from drillpetsc.analysis.equilibrium import prescribed_motion
 
     lowering = prescribed_motion(model)[0]
@@ -128,16 +173,28 @@ def _lowered(model: DrillingModel) -> FloatArray | None:
 
 
 def take_over(ancf: DiscreteSystem, system: DiscreteSystem) -> None:
-    """The state of a ANCF string on the same nodes, slopes below a junction left aside; and its dead forces."""
+    """The state of a ANCF string on the same nodes, slopes below a junction left aside; and its dead
+    forces."""
     nodes, v, phi = ancf.chain.vertices, ancf.field("string.tangent"), ancf.field("string.spin")[:, 0]
     length = np.linalg.norm(v, axis=1)
     t, a = v / length[:, None], ancf.frames.reference[nodes]
-    small = np.column_stack([1.0 + np.sum(a * t, axis=1), np.cross(a, t)])  # the smallest rotation from a to t
+    small = np.column_stack(
+        [1.0 + np.sum(a * t, axis=1), np.cross(a, t)]
+    )  # the smallest rotation from a to t
     small /= np.linalg.norm(small, axis=1, keepdims=True)
     w, u = small[:, :1], small[:, 1:]
     f = turned(quaternions(ancf.frames)[nodes], phi)
-    q = np.column_stack([w[:, 0] * f[:, 0] - np.sum(u * f[:, 1:], axis=1), w * f[:, 1:] + f[:, :1] * u + np.cross(u, f[:, 1:])])
-    for name, values in (("position", ancf.field("string.position")), ("strain", length[:, None] - 1.0), ("quaternion", q)):
+    q = np.column_stack(
+        [
+            w[:, 0] * f[:, 0] - np.sum(u * f[:, 1:], axis=1),
+            w * f[:, 1:] + f[:, :1] * u + np.cross(u, f[:, 1:]),
+        ]
+    )
+    for name, values in (
+        ("position", ancf.field("string.position")),
+        ("strain", length[:, None] - 1.0),
+        ("quaternion", q),
+    ):
         system.assembly.x[system.layout.dofs[f"string.{name}"]] = values
     for own in system.layout.fields:  # mud, hole, bit
         if not own.name.startswith("string."):
@@ -150,7 +207,8 @@ def take_over(ancf: DiscreteSystem, system: DiscreteSystem) -> None:
 
 
 def settle(system: DiscreteSystem, t: float = 0.0, velocity: FloatArray | None = None) -> int:
-    """Newton's method on the rows at rest from the assembly's x, inputs as at ``t`` [s]; returns the iterations.  Raises SolveError.
+    """Newton's method on the rows at rest from the assembly's x, inputs as at ``t`` [s]; returns the
+    iterations.  Raises SolveError.
 
     velocity: (nv, 3) of the local nodes [m/s], for the drag of mud; none by default.
     """
@@ -177,7 +235,11 @@ def _newton(system: DiscreteSystem, t: float, velocity: FloatArray | None) -> in
         try:
             factor.factor(asm.values)
         except ZeroPivot:
-            raise SolveError("the static tangent is singular", hint="is the string held anywhere?", **system.locate_largest_residual(t)) from None
+            raise SolveError(
+                "the static tangent is singular",
+                hint="is the string held anywhere?",
+                **system.locate_largest_residual(t),
+            ) from None
         factor.solve_owned(rows.getArray(readonly=1), step)
         system.store_unknowns(q)
         q.getArray()[:] -= step
@@ -187,5 +249,7 @@ def _newton(system: DiscreteSystem, t: float, velocity: FloatArray | None) -> in
             system.sum_residual(t, rows)
             return iteration
         before = size
-    raise SolveError(f"statics did not converge in {ITERATIONS} iterations (last increment {before:.1e} of the fields' scales)",
-                     **system.locate_largest_residual(t))
+    raise SolveError(
+        f"statics did not converge in {ITERATIONS} iterations (last increment {before:.1e} of the fields' scales)",
+        **system.locate_largest_residual(t),
+    )

@@ -1,14 +1,15 @@
 """Torque and drag of a string that lies on the wall and has no bending stiffness.
 
-Johancsik, Friesen and Dawson, "Torque and Drag in Directional Wells - Prediction and Measurement", JPT 36(6), 1984
-(SPE 11380), in the form of a differential equation (Sheppard, Wick and Burgess, SPEDE 1987, SPE 15463).  With T the
-axial force (compression negative), M the torque, t the tangent of the hole, kappa = dt/ds, w the buoyed weight per
-length, and md counted downwards:
+Johancsik, Friesen and Dawson, "Torque and Drag in Directional Wells - Prediction and Measurement", JPT 36(6),
+1984 (SPE 11380), in the form of a differential equation (Sheppard, Wick and Burgess, SPEDE 1987, SPE 15463).
+With T the axial force (compression negative), M the torque, t the tangent of the hole, kappa = dt/ds, w the
+buoyed weight per length, and md counted downwards:
 
-    dT/ds = -(w cos I + a mu N)      dM/ds = -c mu N R_o      N = |T kappa + w_perp|      w_perp = w (z - (z.t) t)
+    dT/ds = -(w cos I + a mu N)      dM/ds = -c mu N R_o      N = |T kappa + w_perp|      w_perp = w (z -
+    (z.t) t)
 
-(a, c) = (v, omega R_o) / |(v, omega R_o)| is the slip direction, v positive when hoisting.  Without motion there is
-no friction.
+(a, c) = (v, omega R_o) / |(v, omega R_o)| is the slip direction, v positive when hoisting.  Without motion
+there is no friction.
 """
 
 from __future__ import annotations
@@ -33,11 +34,11 @@ _A11, _A12, _A21, _A22 = 0.25, 0.25 - np.sqrt(3) / 6, 0.25 + np.sqrt(3) / 6, 0.2
 class TorqueDrag:
     """Result along the string; n + 1 boundaries from the top down, n intervals between them.
 
-    md (n+1,) [m]; axial_force (n+1,) [N], compression negative; torque (n+1,) [N m]; contact_force (n+1,) [N/m] and
-    side (n+1, 3), the unit direction from the hole axis to the wall the string is pressed to (zero where it is
-    not), both from the mean of the two sides of a boundary; mean_contact_force (n,) [N/m] over each interval, the
-    one that friction sums to; elongation (n+1,) [m] and twist (n+1,) [rad] counted from the top down to each
-    boundary.
+    md (n+1,) [m]; axial_force (n+1,) [N], compression negative; torque (n+1,) [N m]; contact_force (n+1,)
+    [N/m] and side (n+1, 3), the unit direction from the hole axis to the wall the string is pressed to (zero
+    where it is not), both from the mean of the two sides of a boundary; mean_contact_force (n,) [N/m] over
+    each interval, the one that friction sums to; elongation (n+1,) [m] and twist (n+1,) [rad] counted from
+    the top down to each boundary.
     """
 
     md: Array
@@ -66,7 +67,8 @@ class TorqueDrag:
 
 
 def slip_shares(axial_velocity: float, rotation: float, contact_radius: ArrayLike) -> tuple[Array, Array]:
-    """Axial and circumferential share of the friction, (v, omega R_o)/|(v, omega R_o)|; both zero without motion.
+    """Axial and circumferential share of the friction, (v, omega R_o)/|(v, omega R_o)|; both zero without
+    motion.
 
     axial_velocity [m/s] positive when hoisting, rotation [rad/s], contact_radius (n,) [m].
     """
@@ -92,10 +94,10 @@ def torque_drag(
 ) -> TorqueDrag:
     """Integrates the soft string from the bottom up.
 
-    md (n+1,) [m] interval boundaries, increasing; per interval (n,) or one number for all: weight [N/m] (buoyed,
-    positive down), contact_radius [m], axial_stiffness EA [N], torsional_stiffness GJ [N m2], friction [-] (None:
-    the well's).  bottom_force [N] at md[-1], compression negative; bottom_torque [N m] that the rock takes;
-    axial_velocity [m/s], positive when hoisting; rotation [rad/s].
+    md (n+1,) [m] interval boundaries, increasing; per interval (n,) or one number for all: weight [N/m]
+    (buoyed, positive down), contact_radius [m], axial_stiffness EA [N], torsional_stiffness GJ [N m2],
+    friction [-] (None: the well's).  bottom_force [N] at md[-1], compression negative; bottom_torque [N m]
+    that the rock takes; axial_velocity [m/s], positive when hoisting; rotation [rad/s].
     """
     md = np.asarray(md, dtype=float)
     n = len(md) - 1
@@ -112,7 +114,9 @@ def torque_drag(
     if friction is None:
         mu = well.friction(points)
     else:
-        mu = np.broadcast_to(np.broadcast_to(np.asarray(friction, dtype=float), (n,))[owner][:, None], points.shape)
+        mu = np.broadcast_to(
+            np.broadcast_to(np.asarray(friction, dtype=float), (n,))[owner][:, None], points.shape
+        )
     along, around = slip_shares(axial_velocity, rotation, contact_radius)
     w = weight[owner][:, None]
     down = w * tangent[..., 2]
@@ -145,8 +149,8 @@ def torque_drag(
 def _steps(well: Well, md: Array) -> tuple[Array, NDArray[np.int64]]:
     """Edges of the integration steps (k+1,) [m] and the interval of each step (k,).
 
-    Steps end at every interval boundary, well node and end of a radius or friction transition, so nothing jumps
-    inside one.
+    Steps end at every interval boundary, well node and end of a radius or friction transition, so nothing
+    jumps inside one.
     """
     rows = well.transitions
     marks = np.concatenate([well.node_md, rows[:, 0], rows[:, 0] + rows[:, 1]])
@@ -167,9 +171,9 @@ def _integrate(
 ) -> tuple[Array, Array]:
     """Axial force at the step edges (k+1,) and at the Gauss points (k, 2) [N], from the bottom up.
 
-    h (k,) [m]; at the Gauss points (k, 2): down = w cos I [N/m], drag = a mu [-], curvature and across = w_perp (k,
-    2, 3). N^2 = T^2 |kappa|^2 + 2 T kappa.w_perp + |w_perp|^2; the stage equations are solved by fixed-point
-    iteration (drag kappa h << 1).
+    h (k,) [m]; at the Gauss points (k, 2): down = w cos I [N/m], drag = a mu [-], curvature and across =
+    w_perp (k, 2, 3). N^2 = T^2 |kappa|^2 + 2 T kappa.w_perp + |w_perp|^2; the stage equations are solved by
+    fixed-point iteration (drag kappa h << 1).
     """
     kk = (curvature * curvature).sum(axis=-1)
     kw = (curvature * across).sum(axis=-1)
@@ -202,7 +206,8 @@ def _sum_up(step: Array) -> Array:
 
 
 def _at_boundaries(well: Well, md: Array, tension: Array, weight: Array) -> tuple[Array, Array]:
-    """Contact force (n+1,) [N/m] and side (n+1, 3) at the boundaries, mean of above and below inside the string."""
+    """Contact force (n+1,) [N/m] and side (n+1, 3) at the boundaries, mean of above and below inside the
+    string."""
     load = np.zeros((len(md), 3))
     beside = min(1e-6 * max(1.0, float(md[-1] - md[0]) / 1e3), 0.5 * float(np.diff(md).min()))
     above, below = np.arange(1, len(md)), np.arange(len(md) - 1)  # boundaries with an interval above, below

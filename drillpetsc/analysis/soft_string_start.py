@@ -10,15 +10,17 @@ from drillpetsc.fem.component import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel, hole_depth
 
 ONSET = 1e-5  # half width of the contact's onset [m], RAMP of kernels/contact/contact.hpp
-SIDE_LOAD_THRESHOLD = 0.1  # side load at the top, as a share of the weight, above which the string lies on the wall there
+SIDE_LOAD_THRESHOLD = (
+    0.1  # side load at the top, as a share of the weight, above which the string lies on the wall there
+)
 
 
 def soft_string_start(model: DrillingModel, motion: tuple[float, float]) -> TorqueDrag | None:
-    """Place the string as a soft string with friction against ``motion`` would lie: its stretch and the side of the
-    hole.
+    """Place the string as a soft string with friction against ``motion`` would lie: its stretch and the side
+    of the hole.
 
-    None, and nothing is placed, without contact or where gravity is not vertical.  The top is moved to where it meets
-    the asked weight on bit, and aside where the string lies on the wall there.
+    None, and nothing is placed, without contact or where gravity is not vertical.  The top is moved to where
+    it meets the asked weight on bit, and aside where the string lies on the wall there.
     """
     mesh, well, case = model.mesh, model.well, model.case
     if model.contact is None or well is None:
@@ -33,9 +35,12 @@ def soft_string_start(model: DrillingModel, motion: tuple[float, float]) -> Torq
     weight = model.effective_mass * g
     for b in mesh.bodies:
         if b.node < mesh.nodes - 1:
-            cell = b.node - 1 if mesh.is_joint[b.node] and b.node else b.node  # at a joint there is no element below
+            cell = (
+                b.node - 1 if mesh.is_joint[b.node] and b.node else b.node
+            )  # at a joint there is no element below
             weight[cell] += b.mass * g / mesh.divisor[cell]
-    # a joint between two nodes at one depth has no length: left out, and its lower node takes what the upper one gets
+    # a joint between two nodes at one depth has no length: left out, and its lower node takes what the upper
+    # one gets
     keep = np.diff(depth) > 0
     at = np.concatenate([[0], np.cumsum(keep)])  # place of each node among those that are left
     soft = torque_drag(
@@ -72,8 +77,8 @@ def soft_string_start(model: DrillingModel, motion: tuple[float, float]) -> Torq
 
 
 def _penetration(force: FloatArray, contact) -> FloatArray:
-    """Penetration [m] at which a linear wall carries ``force`` [N/m]; its onset is a parabola, (d + e)^2/4e for |d| <
-    e."""
+    """Penetration [m] at which a linear wall carries ``force`` [N/m]; its onset is a parabola, (d + e)^2/4e
+    for |d| < e."""
     if contact.law != "linear":
         return np.zeros_like(force)
     d = force / contact.stiffness
@@ -81,14 +86,16 @@ def _penetration(force: FloatArray, contact) -> FloatArray:
 
 
 def _hold_aside(top, offset: FloatArray) -> None:
-    """The top holds the string where it lies in the hole, not on the axis (inclined from the surface down): else the
-    first tens of metres hang from the top and torque and drag of a short string are off by percents."""
+    """The top holds the string where it lies in the hole, not on the axis (inclined from the surface down):
+    else the first tens of metres hang from the top and torque and drag of a short string are off by
+    percents."""
     D = top.prescribed()[0].directions
     top.anchor += D[:, :3] @ offset
 
 
 def _pull_below(model: DrillingModel, g: float) -> float:
-    """Axial force on the lowest node from the rigid items that hang on it and from a given force there [N]."""
+    """Axial force on the lowest node from the rigid items that hang on it and from a given force there
+    [N]."""
     mesh, bottom = model.mesh, model.case.bottom
     force = np.array([0.0, 0.0, g * sum(b.mass for b in mesh.bodies if b.node == mesh.nodes - 1)])
     if isinstance(bottom, ForcedBottom):

@@ -32,26 +32,33 @@ COLUMNS: list[tuple[str, str]] = [
 
 
 def static_table(model: DrillingModel, state: StaticState) -> tuple[list[tuple[str, str]], FloatArray | None]:
-    """Columns (name, unit) and the values (n_nodes, columns) at the nodes on rank 0 (None elsewhere), for the model's
-    present state.
+    """Columns (name, unit) and the values (n_nodes, columns) at the nodes on rank 0 (None elsewhere), for the
+    model's present state.
 
-    axial_force: compression negative, torque: positive as the drive turns clockwise; both, bending and contact are
-    the mean of the elements that meet at a node.  buckling_load: 2 sqrt(EI q/r) of Dawson and Paslay (SPE 11167),
-    with the side load q = |w_perp + T kappa| of the string in the hole and the radial clearance r (not a number where q or
-    r is zero), T and w being effective tension and buoyed weight where there is mud; buckling_ratio: compression over it.
+    axial_force: compression negative, torque: positive as the drive turns clockwise; both, bending and
+    contact are the mean of the elements that meet at a node.  buckling_load: 2 sqrt(EI q/r) of Dawson and
+    Paslay (SPE 11167), with the side load q = |w_perp + T kappa| of the string in the hole and the radial
+    clearance r (not a number where q or r is zero), T and w being effective tension and buoyed weight where
+    there is mud; buckling_ratio: compression over it.
     """
     system, scene_mesh = model.system, model.mesh
     asm = system.assembly
     fluid_columns, fluid = flow_table(model)
     if model.beam is None:
-        return [("md", "m"), *fluid_columns], None if fluid is None else np.column_stack([scene_mesh.node_depth, fluid])
+        return [("md", "m"), *fluid_columns], None if fluid is None else np.column_stack(
+            [scene_mesh.node_depth, fluid]
+        )
     cells = model.beam.report(system.layout, asm.x, asm.y)
     if model.fluid is not None:
-        cells[:, [REPORT.index("axial_upper"), REPORT.index("axial_lower")]] += FlowRecorder(system, model.fluid).wall_tension()
+        cells[:, [REPORT.index("axial_upper"), REPORT.index("axial_lower")]] += FlowRecorder(
+            system, model.fluid
+        ).wall_tension()
     contact = model.contact.report(asm)[0][:, :1] if model.contact is not None else np.zeros((len(cells), 1))
     bend = np.linalg.norm(curvatures(model), axis=3).reshape(len(cells), 4)
     nodal = system.gather(np.hstack([system.field("string.position"), system.field("string.tangent")]))
-    cell = system.gather(np.hstack([cells, contact / scene_mesh.divisor[system.chain.cells][:, None], bend]), "cell")
+    cell = system.gather(
+        np.hstack([cells, contact / scene_mesh.divisor[system.chain.cells][:, None], bend]), "cell"
+    )
     if nodal is None or cell is None:
         return COLUMNS + fluid_columns, None
     table = _table(model, nodal, cell, None if fluid is None else fluid[:, -1])
@@ -62,9 +69,10 @@ def static_table(model: DrillingModel, state: StaticState) -> tuple[list[tuple[s
 
 
 def flow_table(model: DrillingModel) -> tuple[list[tuple[str, str]], FloatArray | None]:
-    """Columns of the drilling fluid and their values (n_nodes, columns) on rank 0: pressures and flow rates of the channels, equivalent
-    circulating density p/(g depth) where there is an annulus, and last, with a string, what effective tension has beyond the axial
-    force, -p_i A_i + p_o A_o [N] (areas the mean of the elements that meet at a node)."""
+    """Columns of the drilling fluid and their values (n_nodes, columns) on rank 0: pressures and flow rates
+    of the channels, equivalent circulating density p/(g depth) where there is an annulus, and last, with a
+    string, what effective tension has beyond the axial force, -p_i A_i + p_o A_o [N] (areas the mean of the
+    elements that meet at a node)."""
     if model.fluid is None:
         return [], None
     record, mesh, system = FlowRecorder(model.system, model.fluid), model.mesh, model.system
@@ -85,7 +93,10 @@ def flow_table(model: DrillingModel) -> tuple[list[tuple[str, str]], FloatArray 
         out.append(np.divide(pressure, head, out=np.full(mesh.nodes, np.nan), where=head > 0))
     if model.beam is not None:
         beyond = np.zeros(mesh.nodes)
-        for component, title, sign in (("bore", "internal_pressure [Pa]", -1.0), ("annulus", "annulus_pressure [Pa]", 1.0)):
+        for component, title, sign in (
+            ("bore", "internal_pressure [Pa]", -1.0),
+            ("annulus", "annulus_pressure [Pa]", 1.0),
+        ):
             channel = getattr(model.fluid, component)
             if channel is not None:
                 area = channel.bore.area if component == "bore" else channel.annulus.outer
@@ -99,7 +110,9 @@ def _name_unit(title: str) -> tuple[str, str]:
     return name, unit
 
 
-def _table(model: DrillingModel, nodal: FloatArray, cell: FloatArray, beyond: FloatArray | None = None) -> FloatArray:
+def _table(
+    model: DrillingModel, nodal: FloatArray, cell: FloatArray, beyond: FloatArray | None = None
+) -> FloatArray:
     at_nodes = partial(_at_nodes, element=~model.mesh.is_joint)
     mesh, column = model.mesh, {name: i for i, name in enumerate(REPORT)}
     n = len(REPORT)
@@ -129,7 +142,8 @@ def _table(model: DrillingModel, nodal: FloatArray, cell: FloatArray, beyond: Fl
 
 
 def _at_nodes(upper: FloatArray, lower: FloatArray, element: np.ndarray | None = None) -> FloatArray:
-    """(n+1,) means at the nodes of values at the upper and lower ends of the elements (n,); ``element`` (n,): false for joints."""
+    """(n+1,) means at the nodes of values at the upper and lower ends of the elements (n,); ``element`` (n,):
+    false for joints."""
     out = np.concatenate([upper, lower[-1:]])
     out[1:-1] = 0.5 * (upper[1:] + lower[:-1])
     if element is None:
@@ -141,7 +155,8 @@ def _at_nodes(upper: FloatArray, lower: FloatArray, element: np.ndarray | None =
 
 
 def _linear(values: FloatArray, element: np.ndarray) -> FloatArray:
-    """(n+1,) at the nodes from values constant in each element (n,): means, continued linearly to the ends."""
+    """(n+1,) at the nodes from values constant in each element (n,): means, continued linearly to the
+    ends."""
     out = _at_nodes(values, values, element)
     if len(values) > 1:
         out[0], out[-1] = 1.5 * values[0] - 0.5 * values[1], 1.5 * values[-1] - 0.5 * values[-2]
@@ -149,15 +164,19 @@ def _linear(values: FloatArray, element: np.ndarray) -> FloatArray:
 
 
 def _buckling_load(model: DrillingModel, axial: FloatArray) -> FloatArray:
-    """(n_nodes,) load of sinusoidal buckling [N] of a string that lies in the hole; not a number where it has no such
-    load."""
+    """(n_nodes,) load of sinusoidal buckling [N] of a string that lies in the hole; not a number where it has
+    no such load."""
     mesh, well = model.mesh, model.well
     if well is None or model.contact is None:
         return np.full(mesh.nodes, np.nan)
     _, t, kappa = well.at(mesh.node_depth)
     weight = _at_nodes(model.effective_mass, model.effective_mass)[:, None] * np.array(model.case.gravity)
-    side = np.linalg.norm(weight - t * np.sum(weight * t, axis=1, keepdims=True) + axial[:, None] * kappa, axis=1)
-    component = np.asarray(well.radius(mesh.node_depth)) - _at_nodes(0.5 * mesh.outer_diameter, 0.5 * mesh.outer_diameter)
+    side = np.linalg.norm(
+        weight - t * np.sum(weight * t, axis=1, keepdims=True) + axial[:, None] * kappa, axis=1
+    )
+    component = np.asarray(well.radius(mesh.node_depth)) - _at_nodes(
+        0.5 * mesh.outer_diameter, 0.5 * mesh.outer_diameter
+    )
     inside = (component > 0) & (side > 1e-6 * np.linalg.norm(weight, axis=1))
     square = np.divide(
         _at_nodes(mesh.bending_stiffness, mesh.bending_stiffness) * side,
@@ -171,8 +190,9 @@ def _buckling_load(model: DrillingModel, axial: FloatArray) -> FloatArray:
 def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
     """Figures of a static state, the same on all ranks; SI.
 
-    hook_load: pull of the top on the string, positive up; surface_torque: positive where the drive has to turn it
-    clockwise; stretch: elongation of the whole string by axial force; twist: angle between its ends, not negative.
+    hook_load: pull of the top on the string, positive up; surface_torque: positive where the drive has to
+    turn it clockwise; stretch: elongation of the whole string by axial force; twist: angle between its ends,
+    not negative.
     """
     system, mesh = model.system, model.mesh
     if model.beam is None:
@@ -180,7 +200,9 @@ def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
     asm, cells, report = system.assembly, system.chain.cells, state.equilibrium
     beam = model.beam.report(system.layout, asm.x, asm.y)
     length, column = mesh.length[cells], REPORT.index
-    mean = (beam[:, column("axial_upper")] + 4 * beam[:, column("axial_middle")] + beam[:, column("axial_lower")]) / 6
+    mean = (
+        beam[:, column("axial_upper")] + 4 * beam[:, column("axial_middle")] + beam[:, column("axial_lower")]
+    ) / 6
     local = np.array(
         [
             np.sum(mean * length / mesh.axial_stiffness[cells]),
@@ -189,7 +211,9 @@ def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
             model.drive.torque(0.0, asm) if model.drive is not None else 0.0,
         ]
     )
-    stretch, twist, wob, bit_torque, drive = local if system.comm.size == 1 else system.comm.tompi4py().allreduce(local)
+    stretch, twist, wob, bit_torque, drive = (
+        local if system.comm.size == 1 else system.comm.tompi4py().allreduce(local)
+    )
     force = getattr(model.case.top, "force", None)
     soft = state.soft_string
     out = {
@@ -217,8 +241,9 @@ def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
 
 
 def flow_summary(model: DrillingModel) -> dict[str, Any]:
-    """Figures of the steady flow, the same on all ranks; SI: pressures at pump, under the bit and lost in the nozzles, flows, equivalent
-    circulating density at the bottom (also that of the mud at rest under the same outlet is the density itself, if stiff)."""
+    """Figures of the steady flow, the same on all ranks; SI: pressures at pump, under the bit and lost in the
+    nozzles, flows, equivalent circulating density at the bottom (also that of the mud at rest under the same
+    outlet is the density itself, if stiff)."""
     if model.fluid is None:
         return {}
     system = model.system

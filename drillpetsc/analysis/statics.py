@@ -19,8 +19,14 @@ from drillpetsc.output.well_files import write_well_files
 from drillpetsc.solvers import petsc_options as options
 
 
-def run_statics(case: Case, out: str | Path | None = None, motion: str | None = None, overwrite: bool = False, name: str = "case",
-                comm: PETSc.Comm | None = None) -> list[str]:
+def run_statics(
+    case: Case,
+    out: str | Path | None = None,
+    motion: str | None = None,
+    overwrite: bool = False,
+    name: str = "case",
+    comm: PETSc.Comm | None = None,
+) -> list[str]:
     """Solve for the equilibrium, write statics.csv, string.pvd and summary.json; returns the lines to show.
 
     motion: hoist, lower or rotate; None takes the motion that the top prescribes at time 0.  Collective.
@@ -28,13 +34,19 @@ def run_statics(case: Case, out: str | Path | None = None, motion: str | None = 
     refuse_quaternion(case, "statics")
     comm = comm or PETSc.COMM_WORLD
     if motion is not None and case.well is None:
-        raise CaseError(at="--motion", got=motion, want="a case with a well: without a hole there is no friction")
+        raise CaseError(
+            at="--motion", got=motion, want="a case with a well: without a hole there is no friction"
+        )
     with options.applied(case.petsc):
         model = build_model(case, comm)
         folder = make_folder(comm, name, out, False, overwrite)
         state = find_equilibrium(model, MOTIONS[motion] if motion else None, climb=False)
         columns, values = static_table(model, state)
-        summary = {"title": case.title, **static_summary(model, state), "motion": motion or "as the top prescribes"}
+        summary = {
+            "title": case.title,
+            **static_summary(model, state),
+            "motion": motion or "as the top prescribes",
+        }
         fields = Recorder(model).fields(0.0)
         if comm.rank == 0:
             _write(model, folder, columns, values, summary, fields)
@@ -54,13 +66,21 @@ def _write(model, folder: RunFolder, columns, values, summary, fields) -> None:
 
 def _lines(case: Case, folder: RunFolder, state: StaticState, summary) -> list[str]:
     lines = [f"{case.title or 'case'}: static equilibrium, motion {summary['motion']}"]
-    shown = (("hook_load", "hook load", "N"), ("surface_torque", "surface torque", "N m"), ("wob", "weight on bit", "N"),
-             ("bit_torque", "torque on bit", "N m"), ("stretch", "stretch", "m"), ("twist", "twist", "rad"))
+    shown = (
+        ("hook_load", "hook load", "N"),
+        ("surface_torque", "surface torque", "N m"),
+        ("wob", "weight on bit", "N"),
+        ("bit_torque", "torque on bit", "N m"),
+        ("stretch", "stretch", "m"),
+        ("twist", "twist", "rad"),
+    )
     for key, words, unit in shown:
         if summary.get(key) is not None:
             lines.append(f"  {words:<15} {summary[key]:>14.6g} {unit}")
     stable = "stable" if state.stable else f"UNSTABLE: {state.equilibrium.negative_pivots} negative pivots"
-    lines.append(f"  {stable}; {state.equilibrium.iterations} Newton iterations, residual {state.equilibrium.residual:.2g} N")
+    lines.append(
+        f"  {stable}; {state.equilibrium.iterations} Newton iterations, residual {state.equilibrium.residual:.2g} N"
+    )
     lines += [f"  note: {w}" for w in state.warnings]
     lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {folder.path})")
     return lines

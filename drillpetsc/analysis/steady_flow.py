@@ -1,4 +1,5 @@
-"""Steady flow of the drilling fluid in a string that stands (or moves) as it is: Newton's method on pressures and flow rates."""
+"""Steady flow of the drilling fluid in a string that stands (or moves) as it is: Newton's method on pressures
+and flow rates."""
 
 from __future__ import annotations
 
@@ -15,7 +16,8 @@ from drillpetsc.solvers.newton import chain_factor
 CONVERGED = 1e-12  # increment relative to the fields' scales
 NEARLY = 1e-7  # good enough when rounding stops the iteration
 ITERATIONS = 100
-#: weight of the storage terms [1/s]: a closed bore keeps the level of pressure it has, which the steady equations leave open
+#: weight of the storage terms [1/s]: a closed bore keeps the level of pressure it has, which the steady
+#: equations leave open
 LEVEL = 1e-8
 
 
@@ -48,7 +50,11 @@ def place_fluid(system: DiscreteSystem, fluid: FluidComponents, t: float = 0.0) 
         place, top = position[system.chain.vertices], position[0]
     else:
         place = system.field("string.position")
-        top = system.comm.tompi4py().bcast(place[0] if len(place) else None) if system.comm.size > 1 else place[0]
+        top = (
+            system.comm.tompi4py().bcast(place[0] if len(place) else None)
+            if system.comm.size > 1
+            else place[0]
+        )
     gravity = fluid.constants.gravity
     head = fluid.constants.density * ((place - top) @ gravity)
     level = fluid.annulus.outlet.value(t) if fluid.annulus is not None else 0.0
@@ -71,7 +77,8 @@ def place_fluid(system: DiscreteSystem, fluid: FluidComponents, t: float = 0.0) 
 
 
 def steady_flow(system: DiscreteSystem, t: float = 0.0) -> SteadyFlow:
-    """Solve for pressures and flow rates with the string's place and rates as they are in the assembly; collective.
+    """Solve for pressures and flow rates with the string's place and rates as they are in the assembly;
+    collective.
 
     Raises SolveError where no steady flow is found.
     """
@@ -92,17 +99,26 @@ def steady_flow(system: DiscreteSystem, t: float = 0.0) -> SteadyFlow:
             system.sum_residual(t, f)
             asm.jacobian(t, (1.0, LEVEL, 0.0), condensed=False)
             step = np.zeros(len(system.layout.local_of_owned))
-            f.getArray()[~on_rank[system.layout.local_of_owned]] = 0.0  # the string stays: not even its ends' rounding errors are put right
+            f.getArray()[~on_rank[system.layout.local_of_owned]] = (
+                0.0  # the string stays: not even its ends' rounding errors are put right
+            )
             try:
                 factor.factor(asm.values)
             except ZeroPivot as error:
-                raise SolveError("the steady flow is not determined", time=t, **system.locate_largest_residual(t)) from error
+                raise SolveError(
+                    "the steady flow is not determined", time=t, **system.locate_largest_residual(t)
+                ) from error
             factor.solve_owned(-f.getArray(readonly=1), step)
             owned = system.layout.local_of_owned
-            size = _largest(system, float(np.max(np.abs(step[on_rank[owned]]) * weight[owned][on_rank[owned]], initial=0.0)))
+            size = _largest(
+                system,
+                float(np.max(np.abs(step[on_rank[owned]]) * weight[owned][on_rank[owned]], initial=0.0)),
+            )
             if not np.isfinite(size):
                 raise SolveError("the steady flow ran away", time=t, **system.locate_largest_residual(t))
-            share = min(1.0, 2 * share) if size < best else max(0.1, 0.5 * share)  # yield stress makes full steps overshoot
+            share = (
+                min(1.0, 2 * share) if size < best else max(0.1, 0.5 * share)
+            )  # yield stress makes full steps overshoot
             _move(system, step * share)
             report.iterations += 1
             report.increment = size
@@ -112,12 +128,17 @@ def steady_flow(system: DiscreteSystem, t: float = 0.0) -> SteadyFlow:
             best = min(best, size)
     finally:
         asm.freeze(None)
-    raise SolveError(f"the steady flow did not converge in {ITERATIONS} iterations (last increment {report.increment:.1e} of the scales)",
-                     time=t, hint="a larger fluid.rheology.shear_rate smooths a yield stress", **system.locate_largest_residual(t))
+    raise SolveError(
+        f"the steady flow did not converge in {ITERATIONS} iterations (last increment {report.increment:.1e} of the scales)",
+        time=t,
+        hint="a larger fluid.rheology.shear_rate smooths a yield stress",
+        **system.locate_largest_residual(t),
+    )
 
 
 def _fill_chamber(system: DiscreteSystem) -> None:
-    """With formulation hermite: volumes of the annulus and their rates, at every node alike, for the bit's chamber as it lies and moves."""
+    """With formulation hermite: volumes of the annulus and their rates, at every node alike, for the bit's
+    chamber as it lies and moves."""
     bits = [component for component in system.components if hasattr(component, "out_of_place")]
     if not bits or "annulus.volume" not in system.layout.dofs:
         return

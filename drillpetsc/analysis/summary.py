@@ -17,7 +17,9 @@ FOR_RATES = 5.0  # [m] of new hole below which its waviness, tenths of a degree,
 PHASES = ("Residual", "Jacobian", "ChainFactor", "ChainSolve", "Output")
 
 
-def of_run(model, recorder, integrator, notes, reached: float, start: float, began, marks, error) -> dict[str, Any]:
+def of_run(
+    model, recorder, integrator, notes, reached: float, start: float, began, marks, error
+) -> dict[str, Any]:
     """Everything that summary.json tells; collective unless there is an error."""
     system = model.system
     now = clock.perf_counter(), clock.process_time()
@@ -30,8 +32,12 @@ def of_run(model, recorder, integrator, notes, reached: float, start: float, beg
         "title": model.case.title,
         "status": "done" if error is None else str(error) if interrupted else f"failed: {error}",
         "interrupted": interrupted,
-        "versions": {"drillpetsc": drillpetsc.__version__, "petsc": ".".join(map(str, PETSc.Sys.getVersion())), "numpy": np.__version__,
-                     "python": platform.python_version()},
+        "versions": {
+            "drillpetsc": drillpetsc.__version__,
+            "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
+            "numpy": np.__version__,
+            "python": platform.python_version(),
+        },
         "petsc_options": integrator.options,
         "ranks": system.comm.size,
         "elements": system.chain.size - 1 - len(system.mesh.joints),
@@ -58,7 +64,11 @@ def of_run(model, recorder, integrator, notes, reached: float, start: float, beg
             result["new_hole"] = as_dict(drilled)
     if error is None or isinstance(error, Interrupted):
         row = recorder.history_row(reached, 0.0, 0.0)
-        result["final"] = {f"{n} [{u}]": value for (n, u), value in zip(recorder.columns, row, strict=True) if n not in ("step", "newton")}
+        result["final"] = {
+            f"{n} [{u}]": value
+            for (n, u), value in zip(recorder.columns, row, strict=True)
+            if n not in ("step", "newton")
+        }
     return result
 
 
@@ -67,8 +77,15 @@ def notes_of(state) -> dict[str, Any]:
     if state is None:
         return {}
     e = state.equilibrium
-    return {"statics": {"iterations": e.iterations, "negative_pivots": e.negative_pivots, "residual": float(e.residual),
-                        "imperfection": float(e.imperfection), "warnings": list(state.warnings)}}
+    return {
+        "statics": {
+            "iterations": e.iterations,
+            "negative_pivots": e.negative_pivots,
+            "residual": float(e.residual),
+            "imperfection": float(e.imperfection),
+            "warnings": list(state.warnings),
+        }
+    }
 
 
 def field_counts(system) -> list[tuple[Any, int]]:
@@ -78,18 +95,30 @@ def field_counts(system) -> list[tuple[Any, int]]:
 
 def counts(integrator) -> dict[str, int]:
     c = integrator.counters
-    return {"steps": c.steps, "rejected_steps": c.rejected, "newton_iterations": integrator.newton_iterations(),
-            "jacobians": integrator.jacobian_count(), "failed_solves": integrator.failure_count(),
-            "linear_iterations": integrator.linear_iterations()}
+    return {
+        "steps": c.steps,
+        "rejected_steps": c.rejected,
+        "newton_iterations": integrator.newton_iterations(),
+        "jacobians": integrator.jacobian_count(),
+        "failed_solves": integrator.failure_count(),
+        "linear_iterations": integrator.linear_iterations(),
+    }
 
 
 def energy(recorder) -> dict[str, float]:
-    """Energy balance since the start [J], at the last audit (a run that failed has no later one); the share is relative to the larger of
-    work supplied and peak change of stored energy."""
+    """Energy balance since the start [J], at the last audit (a run that failed has no later one); the share
+    is relative to the larger of work supplied and peak change of stored energy."""
     kinetic, strain, potential = map(float, recorder.energies)
     error = recorder.audited_error
-    return {"kinetic": kinetic, "strain": strain, "potential": potential, "dissipated": recorder.dissipated, "supplied": recorder.supplied,
-            "error": error, "error_share": error / recorder.exchanged}
+    return {
+        "kinetic": kinetic,
+        "strain": strain,
+        "potential": potential,
+        "dissipated": recorder.dissipated,
+        "supplied": recorder.supplied,
+        "error": error,
+        "error_share": error / recorder.exchanged,
+    }
 
 
 def phases() -> dict[str, float]:
@@ -113,18 +142,29 @@ def closing_lines(result: dict[str, Any], folder) -> list[str]:
         f"{result['jacobians']} Jacobians",
     ]
     if e:
-        lines.append(f"  energy error {e['error']:.3g} J ({100 * e['error_share']:.2g} % of the energy exchanged)")
+        lines.append(
+            f"  energy error {e['error']:.3g} J ({100 * e['error_share']:.2g} % of the energy exchanged)"
+        )
     if "mass" in result:
         m = result["mass"]
-        lines.append(f"  mud: {m['pumped']:.6g} m3 pumped, {m['returned']:.6g} m3 returned, balance off by {m['error']:.2g} m3")
+        lines.append(
+            f"  mud: {m['pumped']:.6g} m3 pumped, {m['returned']:.6g} m3 returned, balance off by {m['error']:.2g} m3"
+        )
     if "new_hole" in result:
         q = result["new_hole"]
-        rates = (f", build rate {q['build_rate [deg/30m]']:.3g}, turn rate {q['turn_rate [deg/30m]']:.3g} deg/30 m"
-                 if q["drilled [m]"] >= FOR_RATES else " (too short for rates)")
-        lines.append(f"  drilled {q['drilled [m]']:.4g} m: inclination {q['inclination_start [deg]']:.4g} to "
-                     f"{q['inclination_end [deg]']:.4g} deg{rates}")
+        rates = (
+            f", build rate {q['build_rate [deg/30m]']:.3g}, turn rate {q['turn_rate [deg/30m]']:.3g} deg/30 m"
+            if q["drilled [m]"] >= FOR_RATES
+            else " (too short for rates)"
+        )
+        lines.append(
+            f"  drilled {q['drilled [m]']:.4g} m: inclination {q['inclination_start [deg]']:.4g} to "
+            f"{q['inclination_end [deg]']:.4g} deg{rates}"
+        )
     for warning in (*result.get("statics", {}).get("warnings", ()), *result.get("warnings", ())):
         lines.append(f"  note: {warning}")
     lines.append(f"  results: {folder}")
-    lines.append(f"  look at them: scripts/drillpetsc plot {folder}   scripts/drillpetsc view {folder}   (string.pvd opens in ParaView)")
+    lines.append(
+        f"  look at them: scripts/drillpetsc plot {folder}   scripts/drillpetsc view {folder}   (string.pvd opens in ParaView)"
+    )
     return lines

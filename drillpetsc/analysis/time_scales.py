@@ -1,7 +1,8 @@
 """The shortest times of a scene: impacts, waves across one element; and what they ask of the time step.
 
-Waves across an element: the highest frequency of one free element, which bounds that of any mesh of them (Irons and Treharne, 1971).
-BDF up to order 2 is stable at any step, so these limit no run; they say what a step can resolve, and what an explicit method would need.
+Waves across an element: the highest frequency of one free element, which bounds that of any mesh of them
+(Irons and Treharne, 1971). BDF up to order 2 is stable at any step, so these limit no run; they say what a
+step can resolve, and what an explicit method would need.
 """
 
 from __future__ import annotations
@@ -15,11 +16,16 @@ from drillpetsc.fem.component import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.contact import BitOnBottom, ContactLaw
 
-RESOLVED = 0.3  # share of an impact's duration within which a step may be: beyond, BDF2 makes or loses energy there
+RESOLVED = (
+    0.3  # share of an impact's duration within which a step may be: beyond, BDF2 makes or loses energy there
+)
 STRICT = 0.5  # share that contact.energy_strict caps adaptive steps at
-#: omega^2 of the highest mode of a free element, times (L/c)^2: cubic along its axis with its consistent mass (the larger root of
-#: l^2 - 45 l + 105 = 0 for half the length, times 4), cubic bending (times L^4 mu/EI); torsion, and pressure at the nodes with flow in the
-#: element, are linear with the mean of consistent and lumped mass (storage), [5 1; 1 5]/12, which has the least dispersion
+#: omega^2 of the highest mode of a free element, times (L/c)^2: cubic along its axis with its consistent mass
+#: (the larger root of
+#: l^2 - 45 l + 105 = 0 for half the length, times 4), cubic bending (times L^4 mu/EI); torsion, and pressure
+#: at the nodes with flow in the
+#: element, are linear with the mean of consistent and lumped mass (storage), [5 1; 1 5]/12, which has the
+#: least dispersion
 AXIAL, BENDING, TORSIONAL, MUD = 4 * (45 + sqrt(1605)) / 2, 8400.0, 6.0, 6.0
 
 
@@ -27,8 +33,8 @@ AXIAL, BENDING, TORSIONAL, MUD = 4 * (45 + sqrt(1605)) / 2, 8400.0, 6.0, 6.0
 class TimeScales:
     """Shortest times [s], infinite where the scene has no such thing.
 
-    impact: of a piece of the string on the wall; bit: half a period of the bit on the bottom; axial, torsional, bending, mud: periods of
-    the fastest element.
+    impact: of a piece of the string on the wall; bit: half a period of the bit on the bottom; axial,
+    torsional, bending, mud: periods of the fastest element.
     """
 
     impact: float = np.inf
@@ -45,17 +51,27 @@ class TimeScales:
 
     def lines(self) -> list[str]:
         """In words."""
-        parts = [(self.impact, "impact on the wall"), (self.bit, "bit on the bottom"), (self.axial, "axial wave"),
-                 (self.torsional, "torsional wave"), (self.bending, "bending wave"), (self.mud, "pressure wave")]
+        parts = [
+            (self.impact, "impact on the wall"),
+            (self.bit, "bit on the bottom"),
+            (self.axial, "axial wave"),
+            (self.torsional, "torsional wave"),
+            (self.bending, "bending wave"),
+            (self.mud, "pressure wave"),
+        ]
         named = [f"{words} {format_time(value)}" for value, words in parts if np.isfinite(value)]
         if not named:
             return []
         out = ["time scales (waves: period of the fastest element): " + ", ".join(named)]
         if np.isfinite(self.impact):
-            out.append(f"steps: impacts are resolved below {format_time(RESOLVED * self.impact)}; contact.energy_strict caps them at "
-                       f"{format_time(STRICT * self.impact)}; an explicit method would need {format_time(self.explicit_step)}")
+            out.append(
+                f"steps: impacts are resolved below {format_time(RESOLVED * self.impact)}; contact.energy_strict caps them at "
+                f"{format_time(STRICT * self.impact)}; an explicit method would need {format_time(self.explicit_step)}"
+            )
         else:
-            out.append(f"steps: of any length (BDF 1 and 2); an explicit method would need {format_time(self.explicit_step)}")
+            out.append(
+                f"steps: of any length (BDF 1 and 2); an explicit method would need {format_time(self.explicit_step)}"
+            )
         return out
 
 
@@ -68,10 +84,12 @@ def format_time(seconds: float) -> str:
 
 
 def impact_time(law: ContactLaw, mass: FloatArray, length: FloatArray) -> FloatArray:
-    """(n,) duration [s] of the undamped impact of pieces of ``mass`` [kg/m] and ``length`` [m] at the law's ``restitution_speed`` v.
+    """(n,) duration [s] of the undamped impact of pieces of ``mass`` [kg/m] and ``length`` [m] at the law's
+    ``restitution_speed`` v.
 
-    From m u'' = -k u^p: t = 2 d/v int_0^1 dx / sqrt(1 - x^(p+1)) = 2 d/v sqrt(pi) G(1 + q)/G(1/2 + q), q = 1/(p + 1), with the depth
-    d = ((p + 1) m v^2 / 2k)^q; pi sqrt(m/k) at p = 1, 2.943 d/v at p = 3/2 (Hertz: Timoshenko and Goodier, Theory of Elasticity, 142).
+    From m u'' = -k u^p: t = 2 d/v int_0^1 dx / sqrt(1 - x^(p+1)) = 2 d/v sqrt(pi) G(1 + q)/G(1/2 + q), q =
+    1/(p + 1), with the depth d = ((p + 1) m v^2 / 2k)^q; pi sqrt(m/k) at p = 1, 2.943 d/v at p = 3/2 (Hertz:
+    Timoshenko and Goodier, Theory of Elasticity, 142).
     """
     p = 1.0 if law.law == "linear" else 1.5
     share = mass * length / law.points if law.law == "hertz_point" else mass
@@ -100,7 +118,10 @@ def time_scales(model: DrillingModel) -> TimeScales:
             found["impact"] = float(impact_time(model.contact.law, np.array(masses), np.array(lengths)).min())
     if model.bit is not None:
         stiffness = model.bit.stiffness if isinstance(model.bit, BitOnBottom) else model.bit.contact.stiffness
-        end = sum(b.mass for b in mesh.bodies if b.node == mesh.nodes - 1) + 0.5 * mesh.mass[-1] * mesh.length[-1]
+        end = (
+            sum(b.mass for b in mesh.bodies if b.node == mesh.nodes - 1)
+            + 0.5 * mesh.mass[-1] * mesh.length[-1]
+        )
         found["bit"] = pi * sqrt(float(end) / stiffness)
     if model.fluid is not None:
         found["mud"] = _mud(model)
@@ -132,5 +153,7 @@ def step_warnings(model: DrillingModel, fixed_step: float | None) -> list[str]:
     impact = time_scales(model).impact
     if fixed_step is None or fixed_step <= RESOLVED * impact:
         return []
-    return [f"fixed steps of {format_time(fixed_step)} do not resolve impacts of {format_time(impact)}: rebounds and the energy they keep are not to be "
-            f"trusted (below {format_time(RESOLVED * impact)} they are; or leave the step to -ts_rtol)"]
+    return [
+        f"fixed steps of {format_time(fixed_step)} do not resolve impacts of {format_time(impact)}: rebounds and the energy they keep are not to be "
+        f"trusted (below {format_time(RESOLVED * impact)} they are; or leave the step to -ts_rtol)"
+    ]

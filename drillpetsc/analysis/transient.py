@@ -13,10 +13,24 @@ from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
 from drillpetsc.analysis import checkpoint, summary
-from drillpetsc.analysis.equilibrium import StaticState, find_equilibrium, move_rigidly, place_along_hole, release
+from drillpetsc.analysis.equilibrium import (
+    StaticState,
+    find_equilibrium,
+    move_rigidly,
+    place_along_hole,
+    release,
+)
 from drillpetsc.analysis.memory import Memory
 from drillpetsc.analysis.quasi_static import QuasiStatic
-from drillpetsc.analysis.run_control import FAILED, NOTHING, RESTART_HINT, STOP, RunControl, cannot_write, first_rank_does
+from drillpetsc.analysis.run_control import (
+    FAILED,
+    NOTHING,
+    RESTART_HINT,
+    STOP,
+    RunControl,
+    cannot_write,
+    first_rank_does,
+)
 from drillpetsc.analysis.steady_flow import fluid_unknowns, is_fluid
 from drillpetsc.analysis.time_scales import longest_strict_step, step_warnings
 from drillpetsc.case.case import Case
@@ -45,20 +59,32 @@ class RunResult:
 class _Writer:
     """Files of a run, on rank 0; silent elsewhere.  Rows and frames are taken as their times are passed."""
 
-    def __init__(self, model: DrillingModel, recorder: Recorder, folder: RunFolder | None, restart_time: float | None):
+    def __init__(
+        self, model: DrillingModel, recorder: Recorder, folder: RunFolder | None, restart_time: float | None
+    ):
         self.model, self.recorder, self.folder = model, recorder, folder
         out = model.case.output
         self.every = (float(out.history_every), float(out.field_every))  # type: ignore[arg-type]
-        self.next_row, self.next_frame = ((0, 0) if restart_time is None else (after(restart_time, e) for e in self.every))
+        self.next_row, self.next_frame = (
+            (0, 0) if restart_time is None else (after(restart_time, e) for e in self.every)
+        )
         self.event = PETSc.Log.Event("Output")
         if folder is not None:
             self.history = Table(folder.history, recorder.columns, restart_time=restart_time)
-            self.probes = Table(folder.probes, recorder.probe_columns, restart_time=restart_time) if recorder.probes else None
+            self.probes = (
+                Table(folder.probes, recorder.probe_columns, restart_time=restart_time)
+                if recorder.probes
+                else None
+            )
             self.frames = FieldWriter(folder.path, restart_time=restart_time)
 
     def take(self, t: float, dt: float, newton: int, control: RunControl) -> bool:
-        """Write all rows and the frame that are due at ``t``, and tell whether any was; collective.  ``control`` hears what goes wrong."""
-        row_due, frame_due = passed(self.next_row * self.every[0], t), passed(self.next_frame * self.every[1], t)
+        """Write all rows and the frame that are due at ``t``, and tell whether any was; collective.
+        ``control`` hears what goes wrong."""
+        row_due, frame_due = (
+            passed(self.next_row * self.every[0], t),
+            passed(self.next_frame * self.every[1], t),
+        )
         if not row_due and not frame_due:
             return False
         self.event.begin()
@@ -107,18 +133,29 @@ def passed(due: float, t: float) -> bool:
 
 
 def after(t: float, interval: float) -> int:
-    """Number of the first multiple of the interval that ``t`` has not passed; the same whether a run comes from afar or starts here."""
+    """Number of the first multiple of the interval that ``t`` has not passed; the same whether a run comes
+    from afar or starts here."""
     k = max(0, int(t / interval) - 1)
     while passed(k * interval, t):
         k += 1
     return k
 
 
-def run(case: Case | str | Path, out: str | Path | None = None, *, restart: bool = False, overwrite: bool = False, name: str | None = None,
-        comm: PETSc.Comm | None = None, progress: str = "auto") -> RunResult:
-    """Simulate ``case`` (a Case or the path of a case file) and write its run folder; collective over ``comm``.
+def run(
+    case: Case | str | Path,
+    out: str | Path | None = None,
+    *,
+    restart: bool = False,
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: PETSc.Comm | None = None,
+    progress: str = "auto",
+) -> RunResult:
+    """Simulate ``case`` (a Case or the path of a case file) and write its run folder; collective over
+    ``comm``.
 
-    Raises CaseError for bad input (nothing is written) and SolveError when the run cannot go on (what was written stays).
+    Raises CaseError for bad input (nothing is written) and SolveError when the run cannot go on (what was
+    written stays).
     """
     comm = comm or PETSc.COMM_WORLD
     if not isinstance(case, Case):
@@ -126,7 +163,9 @@ def run(case: Case | str | Path, out: str | Path | None = None, *, restart: bool
 
         name, case = name or Path(case).stem, load_case(case)
     if case.time is None:
-        raise CaseError(at="time", want="a block {end: ...}", hint="for the static state alone use: drillpetsc statics")
+        raise CaseError(
+            at="time", want="a block {end: ...}", hint="for the static state alone use: drillpetsc statics"
+        )
     began = clock.perf_counter(), clock.process_time()
     with options.applied(case.petsc) as used:
         model = build_model(case, comm)
@@ -138,9 +177,13 @@ def run(case: Case | str | Path, out: str | Path | None = None, *, restart: bool
         try:
             saved = _saved(comm, folder, restart)
             if restart and saved is None and comm.rank == 0 and progress != "silent":
-                print(f"{folder.path}: no checkpoint yet, so the run starts from its beginning", file=sys.stderr)
+                print(
+                    f"{folder.path}: no checkpoint yet, so the run starts from its beginning", file=sys.stderr
+                )
             state = _initial(model, case, saved, quasi)
-            return _Run(model, recorder, integrator, folder, saved, state, quasi, gain, began, progress).whole()
+            return _Run(
+                model, recorder, integrator, folder, saved, state, quasi, gain, began, progress
+            ).whole()
         finally:
             folder.release()
 
@@ -158,16 +201,25 @@ def make_integrator(model: DrillingModel, quasi: QuasiStatic | None = None) -> T
 
 
 def _step_limits(model: DrillingModel) -> dict[str, Any]:
-    """PETSc options that cap the step where contact.energy_strict (or -drillpetsc_energy_strict) asks for it."""
+    """PETSc options that cap the step where contact.energy_strict (or -drillpetsc_energy_strict) asks for
+    it."""
     options, contact = PETSc.Options(), model.case.contact
     strict = options.getBool("drillpetsc_energy_strict", contact is not None and contact.energy_strict)
     longest = longest_strict_step(model) if strict else np.inf
     if not np.isfinite(longest):
         return {}
-    fixed = options.getReal(petsc_compat.time_step_option(), 0.0) if options.getString("ts_adapt_type", "basic") == "none" else 0.0
+    fixed = (
+        options.getReal(petsc_compat.time_step_option(), 0.0)
+        if options.getString("ts_adapt_type", "basic") == "none"
+        else 0.0
+    )
     if fixed > longest:
-        raise CaseError(at="petsc.ts_dt", got=f"{fixed:g} s", want=f"at most {longest:.3g} s, half the shortest impact",
-                        hint="contact.energy_strict asks for it")
+        raise CaseError(
+            at="petsc.ts_dt",
+            got=f"{fixed:g} s",
+            want=f"at most {longest:.3g} s, half the shortest impact",
+            hint="contact.energy_strict asks for it",
+        )
     return {"ts_adapt_dt_max": longest}
 
 
@@ -202,7 +254,9 @@ def _saved(comm, folder: RunFolder, restart: bool) -> checkpoint.Checkpoint | No
     return answer
 
 
-def _initial(model: DrillingModel, case: Case, saved: checkpoint.Checkpoint | None, quasi: QuasiStatic | None) -> StaticState | None:
+def _initial(
+    model: DrillingModel, case: Case, saved: checkpoint.Checkpoint | None, quasi: QuasiStatic | None
+) -> StaticState | None:
     """Bring the scene to its state at the start."""
     if saved is not None:
         checkpoint.restore(model, saved)
@@ -235,14 +289,24 @@ class _Run:
     """The motion from the start, or from a checkpoint, to the end, with its files."""
 
     def __init__(self, model, recorder, integrator, folder, saved, state, quasi, gain, began, progress):
-        self.model, self.recorder, self.integrator, self.folder, self.saved = model, recorder, integrator, folder, saved
+        self.model, self.recorder, self.integrator, self.folder, self.saved = (
+            model,
+            recorder,
+            integrator,
+            folder,
+            saved,
+        )
         self.case, self.mpi, self.began = model.case, model.system.comm.tompi4py(), began
         self.first = self.mpi.rank == 0
         self.start = self.t = saved.time if saved is not None else 0.0
         self.notes: dict[str, Any] = saved.notes if saved is not None else summary.notes_of(state)
         if quasi is not None:
             self.notes["share"] = quasi.share
-        fixed = integrator.first_step if integrator.options.get("ts_adapt_type") == "none" and quasi is None else None
+        fixed = (
+            integrator.first_step
+            if integrator.options.get("ts_adapt_type") == "none" and quasi is None
+            else None
+        )
         self.notes["warnings"] = step_warnings(model, fixed)
         self.gain = gain
         self.newton, self.marks, self.progress = 0, began, progress
@@ -263,7 +327,10 @@ class _Run:
         integrator.after_step.append(self._after_step)
         integrator.at_jump.append(recorder.at_jump)
         integrator.at_rest.append(self._at_rest)
-        self.estimate, self.memory = LocalErrorEstimate(integrator), Memory(self.mpi, self.start, self.case.time.end)
+        self.estimate, self.memory = (
+            LocalErrorEstimate(integrator),
+            Memory(self.mpi, self.start, self.case.time.end),
+        )
         self._warn(self.notes["warnings"])
         self.marks = clock.perf_counter(), clock.process_time()
         error: BaseException | None = None
@@ -286,7 +353,12 @@ class _Run:
                 self.bar.message(f"warning: {words}")
 
     def _open(self) -> None:
-        self.writer = _Writer(self.model, self.recorder, self.folder if self.first else None, None if self.saved is None else self.start)
+        self.writer = _Writer(
+            self.model,
+            self.recorder,
+            self.folder if self.first else None,
+            None if self.saved is None else self.start,
+        )
         if self.first and self.saved is None:
             _write_scene(self.model, self.folder)
 
@@ -296,7 +368,11 @@ class _Run:
         if self.start >= end * (1 - TINY):  # nothing is left to do
             return
         k = after(self.start, every)
-        stops = [] if self.integrator.remembers else [j * every for j in range(k, after(end, every)) if j * every < end * (1 - TINY)]
+        stops = (
+            []
+            if self.integrator.remembers
+            else [j * every for j in range(k, after(end, every)) if j * every < end * (1 - TINY)]
+        )
         self.next_save = k
         for stop in [*stops, end]:
             self.integrator.run(self.t, stop, self.model.breaks)
@@ -322,7 +398,11 @@ class _Run:
         if asked == FAILED:
             reported = self.mpi.allreduce(self.control.error)  # of one rank only
             raise SolveError(reported, time=t, hint=RESTART_HINT)
-        due = self.integrator.remembers and passed(self.next_save * every, t) and t < self.case.time.end * (1 - TINY)
+        due = (
+            self.integrator.remembers
+            and passed(self.next_save * every, t)
+            and t < self.case.time.end * (1 - TINY)
+        )
         if due or asked != NOTHING:
             self._save(t)
         if due:
@@ -348,7 +428,17 @@ class _Run:
         model, folder = self.model, self.folder
         self.writer.close()
         self.bar.finish(self.t, self.integrator.counters.steps)
-        result = summary.of_run(model, self.recorder, self.integrator, self.notes, self.t, self.start, self.began, self.marks, error)
+        result = summary.of_run(
+            model,
+            self.recorder,
+            self.integrator,
+            self.notes,
+            self.t,
+            self.start,
+            self.began,
+            self.marks,
+            error,
+        )
         result |= self.estimate.as_dict(error is None) | {"memory": self.memory.as_dict(error is None)}
         if "energy" in result:
             result["energy"] |= self.gain.summary()

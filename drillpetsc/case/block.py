@@ -14,7 +14,9 @@ from drillpetsc.errors import shown
 class Block(BaseModel):
     """A block of the case file. Attribute names are the keys (`from` is `from_`)."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True, use_attribute_docstrings=False)
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", populate_by_name=True, use_attribute_docstrings=False
+    )
 
     later_keys: ClassVar[tuple[str, ...]] = ()
     """Keys of the case format that this version refuses."""
@@ -26,7 +28,10 @@ class Block(BaseModel):
     @classmethod
     def keys(cls) -> list[str]:
         """The keys of this block as written in a case file."""
-        return sorted((field.alias or name for name, field in cls.model_fields.items()), key=lambda key: key != cls.told_by)
+        return sorted(
+            (field.alias or name for name, field in cls.model_fields.items()),
+            key=lambda key: key != cls.told_by,
+        )
 
     @model_validator(mode="before")
     @classmethod
@@ -42,7 +47,9 @@ class Block(BaseModel):
             if key not in allowed:
                 of = f" ({cls.told_by}: {shown(data[cls.told_by])})" if cls.told_by in data else ""
                 hint = suggestion(key, cls.keys())
-                raise refuse(key, got=value, want=f"one of these keys{of}: {', '.join(cls.keys())}", hint=hint)
+                raise refuse(
+                    key, got=value, want=f"one of these keys{of}: {', '.join(cls.keys())}", hint=hint
+                )
         return data
 
     def fill_defaults(self, **values: Any) -> None:
@@ -66,7 +73,8 @@ def tagged_union(
     """(check, tag) for a union of models that differ by `kind`, or by the key named `key`.
 
     check normalises and refuses: kinds named in `short` may be written as a bare word instead of a mapping.
-    tag names the model for pydantic, as `kind:<name of the model>` (the prefix is dropped from key paths in messages).
+    tag names the model for pydantic, as `kind:<name of the model>` (the prefix is dropped from key paths in
+    messages).
     """
     model_of = {kind: model for model in models for kind in kinds_of(model, key)}
     every = ", ".join(model_of)
@@ -79,7 +87,9 @@ def tagged_union(
                 return {key: value}
             if value in model_of:
                 words = ", ".join(short)
-                raise refuse(got=value, want=f"a mapping {{{key}: {value}, ...}}, or one of the words {words}")
+                raise refuse(
+                    got=value, want=f"a mapping {{{key}: {value}, ...}}, or one of the words {words}"
+                )
             raise refuse(got=value, want=f"one of {every}", hint=suggestion(value, model_of))
         if not isinstance(value, Mapping):
             raise refuse(got=value, want=f"a mapping with a {key}, one of {every}")

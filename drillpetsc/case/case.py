@@ -37,11 +37,12 @@ STANDARD_GRAVITY = 9.80665  # [m/s2], ISO 80000-3
 
 
 class Case(Block):
-    """A scene: what hangs in which hole, what drives it, and for how long. A block that is absent is absent physics.
+    """A scene: what hangs in which hole, what drives it, and for how long. A block that is absent is absent
+    physics.
 
-    Built from the keys of a case file: `Case(string=[{"kind": "pipe", "length": "9 m", "od": "5 in"}], top="clamped")`.
-    Numbers are SI, text carries a unit; after construction everything is SI and every default is filled in.
-    Wrong input is a `CaseError`.
+    Built from the keys of a case file: `Case(string=[{"kind": "pipe", "length": "9 m", "od": "5 in"}],
+    top="clamped")`. Numbers are SI, text carries a unit; after construction everything is SI and every
+    default is filled in. Wrong input is a `CaseError`.
     """
 
     # a held string needs no top, so an editor must ask for the one or the other
@@ -56,7 +57,9 @@ class Case(Block):
 
     title: str = Field(default="", description="title of the scene")
     well: Well | None = Field(default=None, description="the hole; without it the string is in free space")
-    string: tuple[StringItem, ...] = Field(min_length=1, description="from the top down; the last item ends at the bit")
+    string: tuple[StringItem, ...] = Field(
+        min_length=1, description="from the top down; the last item ends at the bit"
+    )
     joints: tuple[Joint, ...] = Field(default=(), description="joints in the string, at measured depths")
     material: Material = Field(
         default=Material(), description="material of all items that name no other; steel when not given"
@@ -81,7 +84,9 @@ class Case(Block):
         description="contact with the hole, or none; with a well and without this key, contact with all defaults",
     )
     fluid: Fluid | None = Field(default=None, description="the drilling fluid; without it the scene is dry")
-    formation: Formation | None = Field(default=None, description="the rock that the bit cuts; without it the bit does not drill")
+    formation: Formation | None = Field(
+        default=None, description="the rock that the bit cuts; without it the bit does not drill"
+    )
     loads: tuple[AnyLoad, ...] = Field(default=(), description="point and distributed loads on the string")
     gravity: Annotated[tuple[float, float, float], Vector("m/s^2", along_z=True)] = Field(
         default=(0.0, 0.0, STANDARD_GRAVITY),
@@ -146,7 +151,8 @@ class Case(Block):
 
     @property
     def has_bore(self) -> bool:
-        """Whether there is fluid in the string: not in a solid one, nor in a plugged one that no pump pressure fills."""
+        """Whether there is fluid in the string: not in a solid one, nor in a plugged one that no pump
+        pressure fills."""
         if self.fluid is None or (self.bottom.plugged and self.fluid.pump_pressure is None):
             return False
         return any(isinstance(item, Flexible) and getattr(item, "id", 0.0) > 0 for item in self.string)
@@ -157,7 +163,8 @@ class Case(Block):
         return self.fluid is not None and self.fluid.annulus
 
     def to_yaml(self) -> str:
-        """The case as YAML, in SI numbers and with every default written out; `load_case` reads it back unchanged."""
+        """The case as YAML, in SI numbers and with every default written out; `load_case` reads it back
+        unchanged."""
         from drillpetsc.case.writer import case_yaml
 
         return case_yaml(self)

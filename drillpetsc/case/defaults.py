@@ -1,4 +1,5 @@
-"""Defaults that follow from other keys: materials of items, masses and inertias of rigid items, output intervals."""
+"""Defaults that follow from other keys: materials of items, masses and inertias of rigid items, output
+intervals."""
 
 from __future__ import annotations
 
@@ -25,13 +26,17 @@ def settle_presence(case: Case) -> None:
     if case.fluid is not None:
         annulus = case.well is not None if case.fluid.annulus is None else case.fluid.annulus
         speed = case.fluid.lateral_damping_speed or largest(getattr(case.top, "rotation", None)) or 1.0
-        case.fill_defaults(fluid=case.fluid.model_copy(update={"annulus": annulus, "lateral_damping_speed": speed}))
+        case.fill_defaults(
+            fluid=case.fluid.model_copy(update={"annulus": annulus, "lateral_damping_speed": speed})
+        )
 
 
 def settle_scene(case: Case) -> None:
     """Fill in what the case leaves to its other keys."""
     if case.formation is not None and case.formation.bit_law.stiffness is not None:
-        case.fill_defaults(bottom=case.bottom.model_copy(update={"stiffness": case.formation.bit_law.stiffness}))
+        case.fill_defaults(
+            bottom=case.bottom.model_copy(update={"stiffness": case.formation.bit_law.stiffness})
+        )
     case.fill_defaults(string=tuple(_settled(item, case.material) for item in case.string))
     if case.time is not None:
         case.fill_defaults(output=case.output.settled(case.time.end, case.time.mode == "dynamic"))
@@ -79,7 +84,8 @@ def tube_mass(item: Rigid, density: float) -> float:
 
 
 def tube_inertia(item: Rigid, mass: float) -> Inertia:
-    """Given moments of inertia, else those of a thick-walled tube about its centre [kg m2]; a rod's without a diameter.
+    """Given moments of inertia, else those of a thick-walled tube about its centre [kg m2]; a rod's without a
+    diameter.
 
     axial m (od^2 + id^2)/8; transverse m (3 (ro^2 + ri^2) + length^2)/12 (any table of moments of inertia).
     """

@@ -46,7 +46,8 @@ TOO_DEEP = "blocks in blocks in blocks"
 
 
 def check_plain(value: Any, at: Path = ()) -> None:
-    """Refuses, with a CaseError, data that nobody could show or write: endlessly deep, half letters (surrogates), endless numbers."""
+    """Refuses, with a CaseError, data that nobody could show or write: endlessly deep, half letters
+    (surrogates), endless numbers."""
     if len(at) > MOST_LEVELS:
         raise CaseError(at=written(at[:3]), got=TOO_DEEP, want=f"at most {MOST_LEVELS} levels")
     if isinstance(value, str):
@@ -86,7 +87,8 @@ def unsupported(*at: str | int, got: object = None, what: str) -> PydanticCustom
 def override(data: Mapping[str, Any], change: str) -> dict[str, Any]:
     """A copy of case data with one value replaced: `override(data, "string[1].od=8 in")`.
 
-    The value is read as YAML, so `contact=none`, `top={kind: clamped}` and `output.probes=[1 m, 2 m]` work too.
+    The value is read as YAML, so `contact=none`, `top={kind: clamped}` and `output.probes=[1 m, 2 m]` work
+    too.
     """
     from drillpetsc.case.reader import read_value
 

@@ -36,7 +36,9 @@ def case_error(error: ValidationError, given: Mapping[str, Any]) -> CaseError:
         one = _one(details, given)
         found.setdefault(one.at, one)
     # a list whose only entry is wrong is also "too short" for pydantic: what stands inside says more
-    first, *others = (one for at, one in found.items() if not any(at and _is_inside(other, at) for other in found))
+    first, *others = (
+        one for at, one in found.items() if not any(at and _is_inside(other, at) for other in found)
+    )
     first.also = tuple(others)
     return first
 
@@ -65,7 +67,9 @@ def _words(details: Mapping[str, Any], got: Any) -> tuple[str, str]:
         words = [word.strip("'") for word in context["expected"].replace(" or ", ", ").split(", ")]
         return f"one of {', '.join(words)}" if len(words) > 1 else words[0], suggestion(got, words)
     if kind == "too_short":
-        return f"at least {context['min_length']} entries" if context["min_length"] > 1 else "at least 1 entry", ""
+        return f"at least {context['min_length']} entries" if context[
+            "min_length"
+        ] > 1 else "at least 1 entry", ""
     bounds = {"greater_than_equal": ("at least", "ge"), "less_than_equal": ("at most", "le")}
     if kind in bounds:
         word, key = bounds[kind]
@@ -89,7 +93,12 @@ def _at(given: Any, path: Path) -> Any:
     for step in path:
         if isinstance(given, Mapping) and step in given:
             given = given[step]
-        elif isinstance(step, int) and isinstance(given, Sequence) and not isinstance(given, str) and step < len(given):
+        elif (
+            isinstance(step, int)
+            and isinstance(given, Sequence)
+            and not isinstance(given, str)
+            and step < len(given)
+        ):
             given = given[step]
         else:
             return _MISSING

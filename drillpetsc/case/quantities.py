@@ -1,6 +1,7 @@
 """Types of the values in a case: numbers with a unit, vectors, values over time.
 
-Used as `Annotated[float, Quantity("m", above=0, at_most=20e3)]`; bounds are in SI, and part of messages and schema.
+Used as `Annotated[float, Quantity("m", above=0, at_most=20e3)]`; bounds are in SI, and part of messages and
+schema.
 """
 
 from __future__ import annotations
@@ -16,13 +17,17 @@ from drillpetsc.case.key_paths import refuse, suggestion
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp, TimeFunction
 from drillpetsc.units import DIMENSIONS, UnitError, to_si, wanted
 
-SMALLEST, LARGEST = 1e-60, 1e30  # magnitudes in SI: with these no formula of the scene overflows or divides by zero
+SMALLEST, LARGEST = (
+    1e-60,
+    1e30,
+)  # magnitudes in SI: with these no formula of the scene overflows or divides by zero
 _EXAMPLE_UNITS = {"m": "mm", "Pa": "GPa", "rad": "deg", "rad/s": "rpm", "kg/m^3": "g/cm3", "s": "ms"}
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number in the SI unit `unit` within bounds (SI); text with any unit of the same dimension is converted."""
+    """A number in the SI unit `unit` within bounds (SI); text with any unit of the same dimension is
+    converted."""
 
     unit: str
     above: float | None = None
@@ -67,7 +72,12 @@ class Quantity:
             raise refuse(*at, got=value, want=want, hint=hint)
         if number != 0 and not SMALLEST <= abs(number) <= LARGEST:
             want = f"{DIMENSIONS.get(self.unit, ('a value', ''))[0]} of {SMALLEST:g} to {LARGEST:g} {self.unit}".rstrip()
-            raise refuse(*at, got=value, want=f"{want}, or 0", hint="beyond it, products and quotients are no numbers any more")
+            raise refuse(
+                *at,
+                got=value,
+                want=f"{want}, or 0",
+                hint="beyond it, products and quotients are no numbers any more",
+            )
         return number
 
     def json(self) -> dict[str, Any]:
@@ -85,7 +95,9 @@ class Quantity:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
 
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
         return self.json()
 
 
@@ -114,7 +126,9 @@ class Vector:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
 
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
         number = Quantity(self.unit).json()
         row = {"type": "array", "items": number, "minItems": 3, "maxItems": 3}
         return {"anyOf": [row, *number["anyOf"]]} if self.along_x or self.along_z else row
@@ -163,7 +177,9 @@ class OverTime:
         plain = core_schema.plain_serializer_function_ser_schema(dump_time_function)
         return core_schema.no_info_plain_validator_function(self.read, serialization=plain)
 
-    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
         number, time = Quantity(self.unit).json(), Quantity("s").json()
 
         def mapping(**properties: Any) -> dict[str, Any]:

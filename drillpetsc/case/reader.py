@@ -21,7 +21,8 @@ MOST_VALUES = 300_000  # keys and list entries of a case
 
 
 def load_case(path: str | FilePath, changes: tuple[str, ...] | list[str] = ()) -> Case:
-    """The case in a YAML file; `changes` are `key=value` texts that replace its values (`top.rotation=90 rpm`)."""
+    """The case in a YAML file; `changes` are `key=value` texts that replace its values (`top.rotation=90
+    rpm`)."""
     path = FilePath(path)
     data, lines = read_case_file(path)
     for change in changes:
@@ -45,7 +46,8 @@ def case_from_data(data: Mapping[str, Any], path: FilePath, lines: Lines) -> Cas
 
 
 def _line_of_text(at: str, lines: Lines) -> int:
-    """The same of a path as text; keys of a wrong case may hold dots and brackets, so it is not taken apart."""
+    """The same of a path as text; keys of a wrong case may hold dots and brackets, so it is not taken
+    apart."""
     known = {written(path): line for path, line in lines.items()}
     while at and at not in known:
         at = at[: max(at.rfind("."), at.rfind("["), 0)]
@@ -66,17 +68,23 @@ def read_case_file(path: str | FilePath) -> tuple[dict[str, Any], Lines]:
         with path.open("rb") as file:
             raw = file.read(MOST_BYTES + 1)  # a device may never end
         if len(raw) > MOST_BYTES:
-            raise CaseError(file=path, line=1, got="a larger one", want=f"a file of at most {MOST_BYTES // 10**6} MB")
+            raise CaseError(
+                file=path, line=1, got="a larger one", want=f"a file of at most {MOST_BYTES // 10**6} MB"
+            )
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise CaseError(file=path, want="a text file in UTF-8") from None
     except OSError:
-        suggestion = difflib.get_close_matches(path.name, [other.name for other in path.parent.glob("*.y*ml")], 1)
+        suggestion = difflib.get_close_matches(
+            path.name, [other.name for other in path.parent.glob("*.y*ml")], 1
+        )
         hint = f"did you mean {path.parent / suggestion[0]}?" if suggestion else ""
         raise CaseError(got=path, want="a case file that exists and can be read", hint=hint) from None
     tree = parse(text, path)
     if tree is None:
-        raise CaseError(file=path, line=1, got="an empty file", want="a mapping of keys: string, top, well, ...")
+        raise CaseError(
+            file=path, line=1, got="an empty file", want="a mapping of keys: string, top, well, ..."
+        )
     if not isinstance(tree, dict):
         got = "a list" if isinstance(tree, list) else tree
         raise CaseError(file=path, line=1, got=got, want="a mapping of keys: string, top, well, ...")
@@ -96,23 +104,31 @@ def _plain(node: Any, at: Path, lines: Lines, file: FilePath | None) -> Any:
         raise too_deep(at[:3], file, line_of(at, lines))
     if len(lines) > MOST_VALUES:
         want = f"at most {MOST_VALUES} values, those behind aliases counted each time"
-        raise CaseError(at=written(at[:1]), got="more values", want=want, file=file, line=line_of(at[:1], lines))
+        raise CaseError(
+            at=written(at[:1]), got="more values", want=want, file=file, line=line_of(at[:1], lines)
+        )
     if getattr(getattr(node, "tag", None), "value", None) is not None:
-        raise CaseError(at=written(at), got=node.tag.value, want="no YAML tag (!)", file=file, line=line_of(at, lines))
+        raise CaseError(
+            at=written(at), got=node.tag.value, want="no YAML tag (!)", file=file, line=line_of(at, lines)
+        )
     if isinstance(node, dict):
         return _plain_mapping(node, at, lines, file)
     if isinstance(node, list):
         for i in range(len(node)):
             lines[(*at, i)] = _line(node, i) or line_of(at, lines)
         return [_plain(part, (*at, i), lines, file) for i, part in enumerate(node)]
-    if isinstance(node, bool) or type(node).__name__ == "ScalarBoolean":  # the latter has an anchor, and is no bool for Python
+    if (
+        isinstance(node, bool) or type(node).__name__ == "ScalarBoolean"
+    ):  # the latter has an anchor, and is no bool for Python
         return bool(node)
     for kind in (int, float, str):
         if isinstance(node, kind):
             return kind(node)
     if node is None and not (at and at[0] == "petsc"):
         hint = "the block is empty" if len(at) == 1 else ""
-        raise CaseError(at=written(at), got="nothing", want="a value", hint=hint, file=file, line=line_of(at, lines))
+        raise CaseError(
+            at=written(at), got="nothing", want="a value", hint=hint, file=file, line=line_of(at, lines)
+        )
     if node is not None:
         want = "a number, text, list or mapping"
         raise CaseError(at=written(at), got=node, want=want, file=file, line=line_of(at, lines))
@@ -120,7 +136,8 @@ def _plain(node: Any, at: Path, lines: Lines, file: FilePath | None) -> Any:
 
 
 def _line(node: Any, key: Any) -> int | None:
-    """Line of a key or entry of one of ruamel's mappings or lists, where it has one (merged keys have none)."""
+    """Line of a key or entry of one of ruamel's mappings or lists, where it has one (merged keys have
+    none)."""
     position = (node.lc.data or {}).get(key) if hasattr(node, "lc") else None
     return position[0] + 1 if position else None
 

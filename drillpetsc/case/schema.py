@@ -12,7 +12,8 @@ from drillpetsc.case.key_paths import parsed
 
 
 def case_json_schema() -> dict[str, Any]:
-    """JSON schema (draft 2020-12) of a case file. Units inside texts are beyond it; `drillpetsc check` knows them."""
+    """JSON schema (draft 2020-12) of a case file. Units inside texts are beyond it; `drillpetsc check` knows
+    them."""
     schema = Case.model_json_schema(by_alias=True, mode="validation")
     schema = _tidy(schema)
     return {
@@ -33,9 +34,14 @@ def unit_of(key: str) -> str:
     nodes: list[dict[str, Any]] = [schema]
     for step in parsed(key):
         inside = [option for node in nodes for option in _options(node, schema)]
-        nodes = [node["items"] if isinstance(step, int) else node["properties"][step] for node in inside
-                 if ("items" in node if isinstance(step, int) else step in node.get("properties", {}))]
-    units = {match.group(1) for node in nodes if (match := re.search(r"\[([^\]]+)\]", node.get("description", "")))}
+        nodes = [
+            node["items"] if isinstance(step, int) else node["properties"][step]
+            for node in inside
+            if ("items" in node if isinstance(step, int) else step in node.get("properties", {}))
+        ]
+    units = {
+        match.group(1) for node in nodes if (match := re.search(r"\[([^\]]+)\]", node.get("description", "")))
+    }
     return units.pop().replace("-", "") if len(units) == 1 else ""
 
 
@@ -53,7 +59,9 @@ def _tidy(node: Any) -> Any:
         return [_tidy(part) for part in node]
     if not isinstance(node, dict):
         return node
-    is_names = "type" in node and not isinstance(node["type"], (str, list))  # a mapping of properties, one named `type`
+    is_names = "type" in node and not isinstance(
+        node["type"], (str, list)
+    )  # a mapping of properties, one named `type`
     tidy = {}
     for key, value in node.items():
         if not is_names and (key == "default" and value is None or key == "title" and isinstance(value, str)):

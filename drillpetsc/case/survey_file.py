@@ -1,4 +1,5 @@
-"""Survey from a CSV file: columns md, inclination, azimuth in any order, others ignored; such a file is a run's trajectory.csv."""
+"""Survey from a CSV file: columns md, inclination, azimuth in any order, others ignored; such a file is a
+run's trajectory.csv."""
 
 from __future__ import annotations
 
@@ -20,10 +21,12 @@ _HEADER = re.compile(r"\s*([A-Za-z_ ]+?)\s*(?:[\[(]\s*([^\])]+?)\s*[\])])?\s*")
 
 
 def read_survey(name: str) -> dict[str, list[float]]:
-    """{md: [m], inclination: [rad], azimuth: [rad]} from a CSV file, or from the trajectory.csv of a run folder.
+    """{md: [m], inclination: [rad], azimuth: [rad]} from a CSV file, or from the trajectory.csv of a run
+    folder.
 
-    The first line names the columns, with a unit in brackets if wanted: `md [ft], inclination [deg], azimuth [deg]`.
-    Without a unit, md is in metres and angles are in degrees, as surveys are written. `#` starts a comment line.
+    The first line names the columns, with a unit in brackets if wanted: `md [ft], inclination [deg], azimuth
+    [deg]`. Without a unit, md is in metres and angles are in degrees, as surveys are written. `#` starts a
+    comment line.
     """
     path = _file(name)
     try:
@@ -32,7 +35,9 @@ def read_survey(name: str) -> dict[str, list[float]]:
         raise CaseError(file=path, want="a CSV text file in UTF-8") from None
     except OSError as error:
         raise refuse(got=name, want="a survey file that can be read", hint=str(error)) from None
-    numbered = [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
+    numbered = [
+        (i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")
+    ]
     if not numbered:
         raise CaseError(file=path, line=1, want="a header md, inclination, azimuth and at least two stations")
     head_line, head = numbered[0]
@@ -50,7 +55,8 @@ def read_survey(name: str) -> dict[str, list[float]]:
 
 
 def _file(name: str) -> Path:
-    """The survey file; what is not found beside the case is looked for in the working directory, as run folders are."""
+    """The survey file; what is not found beside the case is looked for in the working directory, as run
+    folders are."""
     folder = FOLDER.get()
     for path in (folder / name, Path(name)):
         if name.strip() and os.path.isdir(path):  # Path.is_dir raises for a name longer than any file's
@@ -62,14 +68,20 @@ def _file(name: str) -> Path:
             return path
     hint = suggestion(name, [other.name for other in folder.glob("*.csv")])
     hint = hint or f"looked in {'' if str(folder) == '.' else f'{folder} and '}the working directory"
-    raise refuse(got=name, want="a survey file that exists, a run folder, or {md: [...], inclination: [...], azimuth: [...]}", hint=hint)
+    raise refuse(
+        got=name,
+        want="a survey file that exists, a run folder, or {md: [...], inclination: [...], azimuth: [...]}",
+        hint=hint,
+    )
 
 
 def _cells(path: Path, line: int, text: str, delimiter: str) -> list[str]:
     try:
         return next(csv.reader([text], delimiter=delimiter))
     except csv.Error as error:  # a cell of more than 131072 letters
-        raise CaseError(got=text, want="cells with a number each", hint=str(error), file=path, line=line) from None
+        raise CaseError(
+            got=text, want="cells with a number each", hint=str(error), file=path, line=line
+        ) from None
 
 
 def _columns(path: Path, line: int, head: list[str]) -> dict[str, tuple[int, str]]:
@@ -80,12 +92,20 @@ def _columns(path: Path, line: int, head: list[str]) -> dict[str, tuple[int, str
         name = match.group(1).lower() if match else ""
         if match and name in _COLUMNS:
             if name in columns:
-                raise CaseError(at=name, got=", ".join(head), want="each of md, inclination, azimuth once", file=path, line=line)
+                raise CaseError(
+                    at=name,
+                    got=", ".join(head),
+                    want="each of md, inclination, azimuth once",
+                    file=path,
+                    line=line,
+                )
             unit = match.group(2) or _COLUMNS[name][1]
             try:
                 to_si(f"1 {unit}", _COLUMNS[name][0])
             except UnitError as error:
-                raise CaseError(at=name, got=title, want=error.want, hint=error.hint, file=path, line=line) from None
+                raise CaseError(
+                    at=name, got=title, want=error.want, hint=error.hint, file=path, line=line
+                ) from None
             columns[name] = (i, unit)
     missing = [key for key in _COLUMNS if key not in columns]
     if missing:
@@ -97,7 +117,9 @@ def _columns(path: Path, line: int, head: list[str]) -> dict[str, tuple[int, str
 def _cell(path: Path, line: int, key: str, cells: list[str], column: int, unit: str) -> float:
     text = cells[column].strip() if column < len(cells) else ""
     try:
-        return to_si(f"{float(text.replace('_', ' '))!r} {unit}", _COLUMNS[key][0])  # Python would read 1_0 as 10
+        return to_si(
+            f"{float(text.replace('_', ' '))!r} {unit}", _COLUMNS[key][0]
+        )  # Python would read 1_0 as 10
     except ValueError as error:
         want = error.want if isinstance(error, UnitError) else f"a number in {unit}"
         raise CaseError(at=key, got=text or "an empty cell", want=want, file=path, line=line) from None

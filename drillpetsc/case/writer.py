@@ -10,7 +10,8 @@ if TYPE_CHECKING:
 
 
 def case_data(case: Case) -> dict[str, Any]:
-    """The case as plain data in SI with every default; keys as in a case file. `Case(**case_data(case)) == case`."""
+    """The case as plain data in SI with every default; keys as in a case file. `Case(**case_data(case)) ==
+    case`."""
     data = case.model_dump(mode="python", by_alias=True, exclude_none=True)
     if case.well is not None and case.contact is None:
         data["contact"] = "none"
@@ -26,7 +27,9 @@ def case_data(case: Case) -> dict[str, Any]:
 
 def _plain(value: Any) -> Any:
     if isinstance(value, dict):
-        return {key: _plain(value[key]) for key in sorted(value, key=lambda key: key not in ("kind", "model"))}
+        return {
+            key: _plain(value[key]) for key in sorted(value, key=lambda key: key not in ("kind", "model"))
+        }
     if isinstance(value, (list, tuple)):
         return [_plain(part) for part in value]
     return value

@@ -1,4 +1,5 @@
-"""YAML 1.2 text -> ruamel's tree, or a CaseError: nothing in a text makes it hang, and nothing is read as YAML 1.1 would."""
+"""YAML 1.2 text -> ruamel's tree, or a CaseError: nothing in a text makes it hang, and nothing is read as
+YAML 1.1 would."""
 
 from __future__ import annotations
 
@@ -29,7 +30,9 @@ def parse(text: str, path: FilePath | None) -> Any:
     except DuplicateKeyError as error:
         line = error.problem_mark.line + 1
         key = str(error.problem).split('"')[1] if '"' in str(error.problem) else ""
-        raise CaseError(at=key, got="a key that stands twice", want="each key once", file=path, line=line) from None
+        raise CaseError(
+            at=key, got="a key that stands twice", want="each key once", file=path, line=line
+        ) from None
     except MarkedYAMLError as error:
         raise _unreadable(error, text, path) from None
     except RecursionError:
@@ -37,7 +40,9 @@ def parse(text: str, path: FilePath | None) -> Any:
     except Exception as error:  # control characters, and whatever ruamel stumbles over
         line = text.count("\n", 0, error.position) + 1 if isinstance(error, ReaderError) else read[0]
         hint = " ".join(str(error).split())[:200]
-        raise CaseError(file=path, line=line, got="text that is not YAML", want="YAML 1.2", hint=hint) from None
+        raise CaseError(
+            file=path, line=line, got="text that is not YAML", want="YAML 1.2", hint=hint
+        ) from None
 
 
 def too_deep(at: Path, file: FilePath | None, line: int) -> CaseError:
@@ -55,8 +60,8 @@ def _refuse_other_versions(text: str, path: FilePath | None) -> None:
 def _loader(path: FilePath | None) -> tuple[Any, list[int]]:
     """A reader of texts, and the line that it has come to.
 
-    It goes no deeper than MOST_LEVELS brackets, for which ruamel would take seconds, and takes words as keys alone: lists or mappings
-    as keys, one in another, would take it centuries.
+    It goes no deeper than MOST_LEVELS brackets, for which ruamel would take seconds, and takes words as keys
+    alone: lists or mappings as keys, one in another, would take it centuries.
     """
     from ruamel.yaml import YAML
     from ruamel.yaml.constructor import RoundTripConstructor
@@ -114,4 +119,6 @@ def _unreadable(error: Any, text: str, path: FilePath | None) -> CaseError:
     if "single document" in str(error):
         return CaseError(got="several documents (---)", want="one case in a file", file=path, line=line)
     problem = " ".join(str(error.problem or error.context or "").split())
-    return CaseError(got=row.strip() or "the end of the file", want="YAML 1.2", hint=problem, file=path, line=line)
+    return CaseError(
+        got=row.strip() or "the end of the file", want="YAML 1.2", hint=problem, file=path, line=line
+    )

@@ -19,9 +19,11 @@ _fix_rows = function("constraint_rows", "ippppp" + "dpp")
 _fix_matrix = function("constraint_matrix", "ippppp")
 _gradient = function("spin_gradient", "ippppddp")
 
-#: weight of a replaced row, position error [m or rad] to force [N]: of the order of a pipe's stiffness, so that one norm fits both
+#: weight of a replaced row, position error [m or rad] to force [N]: of the order of a pipe's stiffness, so
+#: that one norm fits both
 ROW_SCALE = 1.0e6
-#: weight of rates that are given [1/s]: where nothing is stored, a pressure would have no pivot in the block of its own node
+#: weight of rates that are given [1/s]: where nothing is stored, a pressure would have no pivot in the block
+#: of its own node
 LEVEL = 1.0e-4
 
 
@@ -40,7 +42,13 @@ class BoundBlock:
         self.event = PETSc.Log.Event(block.name)
         # addresses once: the arrays stay where they are, only their values change
         self.head = (self.count, pointer(self.index), pointer(block.params), block.context)
-        self.matrix_head = (self.count, pointer(self.index), pointer(self.spins), pointer(block.params), block.context)
+        self.matrix_head = (
+            self.count,
+            pointer(self.index),
+            pointer(self.spins),
+            pointer(block.params),
+            block.context,
+        )
         rows = np.where(self.index < layout.size, self.index, -1)
         self.values_at = 0  # address of the block's entries, set by the assembly
         self.rows = np.repeat(rows, self.width, axis=1).ravel()
@@ -52,7 +60,9 @@ class BoundBlock:
         try:
             self.block.update(t)  # type: ignore[misc]
         except Exception as error:
-            error.add_note(f"in component {self.block.component}, element {self._numbers.min()} to {self._numbers.max()} of the string, time {t:g} s")
+            error.add_note(
+                f"in component {self.block.component}, element {self._numbers.min()} to {self._numbers.max()} of the string, time {t:g} s"
+            )
             raise
 
 
@@ -69,22 +79,38 @@ class RowReplacement:
         self.touching = []  # (block, element, where in the element's rows the vertex's seven stand)
         for item in ready:
             for e in np.flatnonzero((item.index == self.rows[0]).any(axis=1)):
-                slots = [int(np.flatnonzero(item.index[e] == row)[0]) for row in self.rows if row in item.index[e]]
+                slots = [
+                    int(np.flatnonzero(item.index[e] == row)[0]) for row in self.rows if row in item.index[e]
+                ]
                 if len(slots) not in (0, 7):
-                    raise ValueError(f"{item.block.name}: a prescribed vertex needs all of r, v, phi in the block")
+                    raise ValueError(
+                        f"{item.block.name}: a prescribed vertex needs all of r, v, phi in the block"
+                    )
                 self.touching.append((item, int(e), np.array(slots)))
         self.square = (self.D.T @ self.D).ravel()
         self.reaction, self.value, self.rate = (np.zeros(len(self.D)) for _ in range(3))
         self.time: float | None = None
-        self.at = np.array([item.span.start + e * item.width**2 for item, e, _ in self.touching], dtype=np.int64)
+        self.at = np.array(
+            [item.span.start + e * item.width**2 for item, e, _ in self.touching], dtype=np.int64
+        )
         self.width = np.array([item.width for item, _, _ in self.touching], dtype=np.int32)
         self.slots = np.ascontiguousarray([s for *_, s in self.touching], dtype=np.int32).reshape(-1, 7)
         self.keep = np.ascontiguousarray(self.keep)
         self.head = (len(self.D), pointer(self.D), pointer(self.rows))
-        self.rate_at, self.value_at, self.reaction_at = pointer(self.rate), pointer(self.value), pointer(self.reaction)
+        self.rate_at, self.value_at, self.reaction_at = (
+            pointer(self.rate),
+            pointer(self.value),
+            pointer(self.reaction),
+        )
         self.places_at = 0
         self.places: np.ndarray | None = None  # of the rows in the owned part of a vector
-        self.matrix_head = (len(self.at), pointer(self.keep), pointer(self.at), pointer(self.width), pointer(self.slots))
+        self.matrix_head = (
+            len(self.at),
+            pointer(self.keep),
+            pointer(self.at),
+            pointer(self.width),
+            pointer(self.slots),
+        )
 
     def look_up(self, t: float) -> None:
         """Value and rate at ``t``; kept, as all evaluations of a step ask for the same time."""
@@ -96,13 +122,20 @@ class RowReplacement:
 class Assembly:
     """Evaluates the rows of all rooms on this rank.
 
-    x, y, a: (n+1,) unknowns, rates, accelerations in condensed local numbering, the last place a stand-in for absent fields, behind it
-    what follows from the unknowns (``derive`` fills it; DofLayout.derived); r: the residual; values: all Jacobian entries, in the order of ``rows``
-    and ``columns`` (local numbers, -1: left out).
+    x, y, a: (n+1,) unknowns, rates, accelerations in condensed local numbering, the last place a stand-in for
+    absent fields, behind it what follows from the unknowns (``derive`` fills it; DofLayout.derived); r: the
+    residual; values: all Jacobian entries, in the order of ``rows`` and ``columns`` (local numbers, -1: left
+    out).
     """
 
-    def __init__(self, layout: DofLayout, blocks: tuple[ElementBlock, ...], prescribed: tuple[PrescribedMotion, ...], reference: FloatArray,
-                 corrections: tuple[VelocityStabilization, ...] = ()):
+    def __init__(
+        self,
+        layout: DofLayout,
+        blocks: tuple[ElementBlock, ...],
+        prescribed: tuple[PrescribedMotion, ...],
+        reference: FloatArray,
+        corrections: tuple[VelocityStabilization, ...] = (),
+    ):
         self.layout = layout
         n = layout.size
         self.x, self.y, self.a, self.r = (np.zeros(layout.array_length) for _ in range(4))
@@ -118,12 +151,20 @@ class Assembly:
         self.reference = np.ascontiguousarray(reference)
         self.spin_at = np.zeros((0, 2), dtype=np.int32)
         if spin is not None:
-            self.spin_at = np.ascontiguousarray(np.column_stack([spin[:, 0], layout.dofs["string.tangent"][:, 0]]), dtype=np.int32)
+            self.spin_at = np.ascontiguousarray(
+                np.column_stack([spin[:, 0], layout.dofs["string.tangent"][:, 0]]), dtype=np.int32
+            )
         self.spin_gradient = np.zeros((max(1, len(self.spin_at)), 3))
         local = {int(v): i for i, v in enumerate(layout.chain.vertices)}
-        self.row_replacements = [RowReplacement(c, layout, local[c.vertex], self.bound_blocks) for c in prescribed if c.vertex in local]
+        self.row_replacements = [
+            RowReplacement(c, layout, local[c.vertex], self.bound_blocks)
+            for c in prescribed
+            if c.vertex in local
+        ]
         size = where + 49 * sum(f.owned for f in self.row_replacements)
-        self.stabilized = [BoundStabilization(c, layout, self.bound_blocks, self.row_replacements) for c in corrections]
+        self.stabilized = [
+            BoundStabilization(c, layout, self.bound_blocks, self.row_replacements) for c in corrections
+        ]
         self._at_corrected = size  # their entries stand last
         self.values = np.zeros(size + sum(len(c.rows) for c in self.stabilized))
         rows, columns = [b.rows for b in self.bound_blocks], [b.columns for b in self.bound_blocks]
@@ -152,16 +193,24 @@ class Assembly:
         self._still: tuple[np.ndarray, FloatArray, dict[int, np.ndarray]] | None = None
 
     def freeze(self, mask: np.ndarray | None) -> None:
-        """Keep the unknowns of ``mask`` (n,) where they are: their rows and columns are the unit matrix's; None lets all go."""
+        """Keep the unknowns of ``mask`` (n,) where they are: their rows and columns are the unit matrix's;
+        None lets all go."""
         if mask is None or not mask.any():
             self._frozen = None
             return
-        by_row, by_column = (np.append(mask, False)[i] for i in (self.rows, self.columns))  # -1 leads to the last place
-        self._frozen = np.flatnonzero(mask), np.flatnonzero(by_row | by_column), np.flatnonzero(by_row & (self.rows == self.columns))
+        by_row, by_column = (
+            np.append(mask, False)[i] for i in (self.rows, self.columns)
+        )  # -1 leads to the last place
+        self._frozen = (
+            np.flatnonzero(mask),
+            np.flatnonzero(by_row | by_column),
+            np.flatnonzero(by_row & (self.rows == self.columns)),
+        )
 
     def take_rates_from(self, rates: FloatArray | None, mask: np.ndarray | None = None) -> None:
-        """Without inertia: unknowns of ``mask`` (n,) move with ``rates`` (n+1,), looked up at every evaluation, and have no acceleration,
-        whatever the time formula makes of them; the others keep their formula.  None ends it."""
+        """Without inertia: unknowns of ``mask`` (n,) move with ``rates`` (n+1,), looked up at every
+        evaluation, and have no acceleration, whatever the time formula makes of them; the others keep their
+        formula.  None ends it."""
         if rates is None or mask is None or not mask.any():
             self._still = None
             return
@@ -177,7 +226,8 @@ class Assembly:
 
     # ------------------------------------------------------------------ state
     def condense(self, sigma: float) -> None:
-        """Rates and accelerations of a step from ``x``: y = sigma x + v0, a = sigma y + v1, spin rates with their transport."""
+        """Rates and accelerations of a step from ``x``: y = sigma x + v0, a = sigma y + v1, spin rates with
+        their transport."""
         x, y, a, _ = self._state
         _rates(self.layout.size, x, sigma, *self._history, *self._nodes, y, a)
         for c in self.stabilized:
@@ -198,7 +248,14 @@ class Assembly:
     def transport(self) -> FloatArray:
         """c(v).w at each local vertex: spin rate minus rate of the spin angle [rad/s]."""
         out = np.zeros(len(self.spin_at))
-        _transport(len(out), pointer(self.spin_at), pointer(self.reference), pointer(self.x), pointer(self.y), pointer(out))
+        _transport(
+            len(out),
+            pointer(self.spin_at),
+            pointer(self.reference),
+            pointer(self.x),
+            pointer(self.y),
+            pointer(out),
+        )
         return out
 
     # ------------------------------------------------------------------ rows
@@ -233,10 +290,13 @@ class Assembly:
                 if f.places is None:
                     f.places = np.ascontiguousarray(owned_place[f.rows], dtype=np.int32)
                     f.places_at = pointer(f.places)
-                _fix_rows(*f.head, f.places_at, self._state[0], f.value_at, ROW_SCALE, pointer(owned), f.reaction_at)
+                _fix_rows(
+                    *f.head, f.places_at, self._state[0], f.value_at, ROW_SCALE, pointer(owned), f.reaction_at
+                )
 
     def jacobian(self, t: float, c: tuple[float, float, float], condensed: bool) -> None:
-        """All entries c0 dR/dx + c1 dR/dy + c2 dR/da into ``values``; condensed: y moves with x as in ``condense``."""
+        """All entries c0 dR/dx + c1 dR/dy + c2 dR/da into ``values``; condensed: y moves with x as in
+        ``condense``."""
         self._event["Jacobian"].begin()
         if condensed and len(self.spin_at):
             _gradient(*self._nodes, *self._state[:2], c[1], 1.0 / c[1] if c[1] else 0.0, self._spin_at)
@@ -265,7 +325,8 @@ class Assembly:
         self._event["Jacobian"].end()
 
     def _jacobian_without_rates(self, b: BoundBlock, state: tuple) -> None:
-        """Entries of a block some or all of whose unknowns have given rates: their columns by the unknown alone."""
+        """Entries of a block some or all of whose unknowns have given rates: their columns by the unknown
+        alone."""
         assert self._still is not None
         keep = self._still[2][b.span.start]
         if len(keep):
@@ -288,7 +349,8 @@ class Assembly:
                 start += 49
 
     def index_of(self, block: ElementBlock) -> np.ndarray:
-        """(n, d) places of a block's unknowns in x, y, a; of what it sees instead, as it is now, for a room of another element."""
+        """(n, d) places of a block's unknowns in x, y, a; of what it sees instead, as it is now, for a room
+        of another element."""
         found = next((b.index for b in self.bound_blocks if b.block is block), None)
         if found is not None:
             return found
@@ -322,8 +384,16 @@ class Assembly:
         if block.update:
             block.update(t)
         rows = np.zeros_like(self.r)
-        ready.residual(ready.count, pointer(ready.index), pointer(block.params), block.context, pointer(self.x), pointer(self.y),
-                       pointer(self.a), pointer(rows))
+        ready.residual(
+            ready.count,
+            pointer(ready.index),
+            pointer(block.params),
+            block.context,
+            pointer(self.x),
+            pointer(self.y),
+            pointer(self.a),
+            pointer(rows),
+        )
         return float(rows[: self.layout.size] @ self.y[: self.layout.size])
 
 

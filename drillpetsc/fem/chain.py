@@ -1,4 +1,5 @@
-"""The line: one DMPlex for the string, its vertices and cells shared out over the ranks in pieces of neighbouring cells."""
+"""The line: one DMPlex for the string, its vertices and cells shared out over the ranks in pieces of
+neighbouring cells."""
 
 from __future__ import annotations
 
@@ -14,8 +15,9 @@ from drillpetsc.fem.component import IntArray
 class Chain:
     """What a rank holds of the line; numbers are the string's own, from the top.
 
-    vertices: (nv,) global numbers of the local vertices in depth order, ``points`` their DMPlex points, ``owned`` whether this
-    rank owns them; cells: (nc,) global numbers of the cells of this rank in depth order; ``ends`` (nc, 2) local numbers (positions in
+    vertices: (nv,) global numbers of the local vertices in depth order, ``points`` their DMPlex points,
+    ``owned`` whether this rank owns them; cells: (nc,) global numbers of the cells of this rank in depth
+    order; ``ends`` (nc, 2) local numbers (positions in
     ``vertices``) of the upper and lower vertex of each cell.
     """
 
@@ -29,7 +31,8 @@ class Chain:
 
 
 def build_chain(measured_depth: np.ndarray, comm: PETSc.Comm) -> Chain:
-    """Distribute a string with vertices at ``measured_depth`` (n+1,) [m], ascending, over the ranks of ``comm``.
+    """Distribute a string with vertices at ``measured_depth`` (n+1,) [m], ascending, over the ranks of
+    ``comm``.
 
     Every cell belongs to one rank (overlap 0); the partition keeps neighbours together.
     """
@@ -59,7 +62,9 @@ def _describe(plex: PETSc.DMPlex, measured_depth: np.ndarray) -> Chain:
     ghost = set(range(0)) if leaves is None else {int(p) for p in leaves}
     owned = np.array([int(p) not in ghost for p in points], dtype=bool)
     c0, c1 = plex.getHeightStratum(0)
-    ends = np.array([[local_of_point[int(p)] for p in plex.getCone(c)] for c in range(c0, c1)], dtype=np.int32).reshape(-1, 2)
+    ends = np.array(
+        [[local_of_point[int(p)] for p in plex.getCone(c)] for c in range(c0, c1)], dtype=np.int32
+    ).reshape(-1, 2)
     ends.sort(axis=1)
     ends = ends[np.argsort(ends[:, 0], kind="stable")]
     vertices = number[order].astype(np.int32)

@@ -1,6 +1,8 @@
-"""What a room offers to the rest: fields (unknowns), blocks (elements that share a kernel), prescribed components.
+"""What a room offers to the rest: fields (unknowns), blocks (elements that share a kernel), prescribed
+components.
 
-No PETSc and no MPI here: rooms are written against these plain descriptions, ``layout`` and ``assembly`` give them memory.
+No PETSc and no MPI here: rooms are written against these plain descriptions, ``layout`` and ``assembly`` give
+them memory.
 """
 
 from __future__ import annotations
@@ -20,10 +22,11 @@ IntArray = NDArray[np.int32]
 class Field:
     """Unknowns that a room owns at each vertex of a region of the line.
 
-    ``second_order`` unknowns bring their own rate as a further unknown of the time integrator (position and velocity); the others
-    are first-order states or, with ``differential=False``, algebraic; a
-    ``multiplier`` is algebraic, and its rows are constraints.  ``scale`` is the usual magnitude [SI]: tolerances and
-    error messages are relative to it.  ``at_rest`` is the value that stands in where an element refers to the field and it is absent.
+    ``second_order`` unknowns bring their own rate as a further unknown of the time integrator (position and
+    velocity); the others are first-order states or, with ``differential=False``, algebraic; a
+    ``multiplier`` is algebraic, and its rows are constraints.  ``scale`` is the usual magnitude [SI]:
+    tolerances and error messages are relative to it.  ``at_rest`` is the value that stands in where an
+    element refers to the field and it is absent.
     """
 
     name: str
@@ -40,10 +43,11 @@ class Field:
 class ElementBlock:
     """All local elements that share one compiled kernel pair (kernels/core/element.hpp).
 
-    cells/vertices: ``points`` are local numbers of the line; ``slots`` lists (field, end) in the kernel's order, end 0 the upper
-    vertex, 1 the lower one; ``spins`` the ends whose spin angle the kernel uses, in the kernel's order.  ``params``: (n, p) constants.
-    ``update(t)`` refreshes time-dependent parameters before an evaluation; ``context`` is an address handed to the kernel.  ``room``:
-    what messages call it, the name unless given.
+    cells/vertices: ``points`` are local numbers of the line; ``slots`` lists (field, end) in the kernel's
+    order, end 0 the upper vertex, 1 the lower one; ``spins`` the ends whose spin angle the kernel uses, in
+    the kernel's order.  ``params``: (n, p) constants.
+    ``update(t)`` refreshes time-dependent parameters before an evaluation; ``context`` is an address handed
+    to the kernel.  ``room``: what messages call it, the name unless given.
     """
 
     name: str
@@ -66,7 +70,8 @@ class ElementBlock:
 class PrescribedMotion:
     """Components of one vertex whose motion is given: ``directions @ x = value(t)``.
 
-    directions: (m, 7) orthonormal rows over (r, v, phi) of the vertex; value and rate return (m,).  The rows they replace are the
+    directions: (m, 7) orthonormal rows over (r, v, phi) of the vertex; value and rate return (m,).  The rows
+    they replace are the
     reactions: ``names`` says what each is.
     """
 
@@ -79,9 +84,11 @@ class PrescribedMotion:
 
 @dataclass(frozen=True)
 class VelocityStabilization:
-    """Rates that multipliers correct, y += B(x) mu (fem/corrected.py), at the vertices ``points`` (k,), ghosts included.
+    """Rates that multipliers correct, y += B(x) mu (fem/corrected.py), at the vertices ``points`` (k,),
+    ghosts included.
 
-    field: name of mu (m) at these vertices; directions(rows, x): B (k, 7, m) at the places ``rows`` (k, 7) of (r, v, phi) in x.
+    field: name of mu (m) at these vertices; directions(rows, x): B (k, 7, m) at the places ``rows`` (k, 7) of
+    (r, v, phi) in x.
     """
 
     field: str

@@ -1,4 +1,5 @@
-"""A scene given memory: line, layout, assembly, and the way between PETSc's vectors and the kernels' arrays."""
+"""A scene given memory: line, layout, assembly, and the way between PETSc's vectors and the kernels'
+arrays."""
 
 from __future__ import annotations
 
@@ -19,34 +20,62 @@ from drillpetsc.geometry.frames import Frames
 class DiscreteSystem:
     """The discrete scene on this rank.
 
-    rooms: in the order in which they add rows; frames: shared with the beam room; ``comm`` a PETSc or mpi4py communicator.
+    rooms: in the order in which they add rows; frames: shared with the beam room; ``comm`` a PETSc or mpi4py
+    communicator.
     """
 
-    def __init__(self, mesh: StringMesh, frames: Frames, components: Sequence[Component], comm: PETSc.Comm | None = None):
+    def __init__(
+        self,
+        mesh: StringMesh,
+        frames: Frames,
+        components: Sequence[Component],
+        comm: PETSc.Comm | None = None,
+    ):
         self.mesh, self.frames, self.components = mesh, frames, tuple(components)
         # the two nodes of a joint stand at one depth: there the line counts nodes instead
-        self.chain = build_chain(np.arange(mesh.nodes, dtype=float) if mesh.joints else mesh.node_depth, comm or PETSc.COMM_WORLD)
+        self.chain = build_chain(
+            np.arange(mesh.nodes, dtype=float) if mesh.joints else mesh.node_depth, comm or PETSc.COMM_WORLD
+        )
         self.comm = self.chain.plex.comm
         junction = mesh.junction if len(mesh.junction) else np.zeros(mesh.nodes, dtype=bool)
         order = np.arange(mesh.nodes)
-        regions = {"string": order >= 0, "junction": junction, "below_top": order > 0, "bottom": order == mesh.nodes - 1}
+        regions = {
+            "string": order >= 0,
+            "junction": junction,
+            "below_top": order > 0,
+            "bottom": order == mesh.nodes - 1,
+        }
         for component in self.components:
             regions |= component.regions() if hasattr(component, "regions") else {}
         self.regions = regions
-        #: constraint rows with multipliers, whole string: so many negative eigenvalues has the tangent of a stable state
+        #: constraint rows with multipliers, whole string: so many negative eigenvalues has the tangent of a
+        #: stable state
         self.multipliers = sum(getattr(component, "multipliers", 0) for component in self.components)
         #: whether the equations are a DAE of index 2 or 3
-        self.constrained = self.multipliers > 0 or any(hasattr(component, "restore_constraints") for component in self.components)
+        self.constrained = self.multipliers > 0 or any(
+            hasattr(component, "restore_constraints") for component in self.components
+        )
         fields = tuple(f for component in self.components for f in component.fields())
-        # a string with other unknowns than position, slope and spin shows these to the rooms that know them only
+        # a string with other unknowns than position, slope and spin shows these to the rooms that know them
+        # only
         other = next((component for component in self.components if hasattr(component, "translate")), None)
         self.layout = build_dof_layout(self.chain, fields, regions, getattr(other, "derived_fields", None))
         blocks = tuple(b for component in self.components for b in component.blocks(self.chain))
         if other is not None:
             blocks = tuple(map(other.translate, blocks))  # type: ignore[attr-defined]
         prescribed = tuple(p for component in self.components for p in component.prescribed())
-        corrections = tuple(component.corrections(self.chain) for component in self.components if hasattr(component, "corrections"))
-        self.assembly = Assembly(self.layout, blocks, prescribed, frames.reference[self.chain.vertices], tuple(c for c in corrections if c))
+        corrections = tuple(
+            component.corrections(self.chain)
+            for component in self.components
+            if hasattr(component, "corrections")
+        )
+        self.assembly = Assembly(
+            self.layout,
+            blocks,
+            prescribed,
+            frames.reference[self.chain.vertices],
+            tuple(c for c in corrections if c),
+        )
         layout, asm = self.layout, self.assembly
         asm.derive = getattr(other, "derive", None)
         self._x = PETSc.Vec().createWithArray(asm.x[: layout.size], comm=PETSc.COMM_SELF)
@@ -65,8 +94,11 @@ class DiscreteSystem:
         return any(hasattr(component, "signature") for component in self.components)
 
     def signature(self) -> int:
-        """A number that changes when contacts open or close (rooms with ``signature``): the Jacobian is then rebuilt."""
-        return hash(tuple(component.signature() for component in self.components if hasattr(component, "signature")))
+        """A number that changes when contacts open or close (rooms with ``signature``): the Jacobian is then
+        rebuilt."""
+        return hash(
+            tuple(component.signature() for component in self.components if hasattr(component, "signature"))
+        )
 
     # ------------------------------------------------------------------ vectors
     def new_state(self) -> PETSc.Vec:
@@ -123,7 +155,8 @@ class DiscreteSystem:
             self.assembly.replace_rows(t, out.getArray(), self.owned_place)
 
     def sum_local(self, rows: FloatArray) -> FloatArray:
-        """Contributions (n+1,) of this rank's elements to local rows, summed over ranks; (n,) valid at owned unknowns."""
+        """Contributions (n+1,) of this rank's elements to local rows, summed over ranks; (n,) valid at owned
+        unknowns."""
         self.assembly.r[: len(rows)] = rows
         out = self.new_condensed()
         self.layout.condensed_dm.localToGlobal(self._r, out, addv=PETSc.InsertMode.ADD_VALUES)
@@ -132,7 +165,8 @@ class DiscreteSystem:
         return local
 
     def locate_largest_residual(self, t: float) -> dict[str, Any]:
-        """Where the rows are worst: room, element and measured depth of the largest (or first non-finite) residual."""
+        """Where the rows are worst: room, element and measured depth of the largest (or first non-finite)
+        residual."""
         asm, worst = self.assembly, (-1.0, "", -1, 0.0)
         for b in asm.bound_blocks:
             if not b.count:
@@ -142,16 +176,22 @@ class DiscreteSystem:
             size = np.where(bad, np.inf, np.abs(rows)).max(axis=1)
             e = int(size.argmax())
             if size[e] > worst[0]:
-                number = self.chain.cells[b.block.points[e]] if b.block.on == "cell" else self.chain.vertices[b.block.points[e]]
+                number = (
+                    self.chain.cells[b.block.points[e]]
+                    if b.block.on == "cell"
+                    else self.chain.vertices[b.block.points[e]]
+                )
                 worst = (float(size[e]), b.block.component, int(number), float(self.mesh.node_depth[number]))
         if not self._alone:
             worst = max(self.comm.tompi4py().allgather(worst))
         return {"component": worst[1], "element": worst[2], "measured_depth": worst[3]}
 
     def accept(self) -> None:
-        """The state in the assembly stands: tell the rooms that carry something from step to step; collective.
+        """The state in the assembly stands: tell the rooms that carry something from step to step;
+        collective.
 
-        What a room has to say to all ranks it gives as ``news``, zero where it has nothing, and is told the sum.
+        What a room has to say to all ranks it gives as ``news``, zero where it has nothing, and is told the
+        sum.
         """
         component: Any
         for component in self.components:
@@ -168,25 +208,33 @@ class DiscreteSystem:
         return Energies(*(parts if self._alone else self.comm.tompi4py().allreduce(parts)))
 
     def powers(self, t: float) -> Powers:
-        """Dissipated and supplied power at the assembly's x, y, a, summed over ranks; the reactions of the last residual supply."""
+        """Dissipated and supplied power at the assembly's x, y, a, summed over ranks; the reactions of the
+        last residual supply."""
         parts = self.own_powers(t)
         return Powers(*(parts if self._alone else self.comm.tompi4py().allreduce(parts)))
 
     def own_powers(self, t: float) -> FloatArray:
         """(2,) this rank's share of the dissipated and the supplied power [W]."""
         parts = np.array([component.powers(t, self.assembly) for component in self.components]).sum(axis=0)
-        parts[1] += sum(float(f.reaction @ f.condition.rate(t)) for f in self.assembly.row_replacements if f.owned)
+        parts[1] += sum(
+            float(f.reaction @ f.condition.rate(t)) for f in self.assembly.row_replacements if f.owned
+        )
         if self.assembly.dead_load is not None:
             parts[1] += self.assembly.dead_load @ self.assembly.y[: self.layout.size]
         return parts
 
     def reaction(self, name: str) -> float:
-        """Reaction that the prescribed component ``name`` needs (0 where there is none), the same on all ranks [N or N m]."""
+        """Reaction that the prescribed component ``name`` needs (0 where there is none), the same on all
+        ranks [N or N m]."""
         value = 0.0
         for f in self.assembly.row_replacements:
             if f.owned and name in f.condition.names:
                 value += float(f.reaction[f.condition.names.index(name)])
-        value += sum(component.own_reaction(name, self.assembly) for component in self.components if hasattr(component, "own_reaction"))
+        value += sum(
+            component.own_reaction(name, self.assembly)
+            for component in self.components
+            if hasattr(component, "own_reaction")
+        )
         return value if self._alone else float(self.comm.tompi4py().allreduce(value))
 
     def all_entries(self, on_rank: list) -> list:
@@ -196,7 +244,8 @@ class DiscreteSystem:
         return [entry for part in self.comm.tompi4py().allgather(on_rank) for entry in part]
 
     def gather(self, values: FloatArray, on: str = "vertex") -> FloatArray | None:
-        """Values (nv, k) at local vertices, or (nc, k) at local cells, collected on rank 0 in depth order; None elsewhere."""
+        """Values (nv, k) at local vertices, or (nc, k) at local cells, collected on rank 0 in depth order;
+        None elsewhere."""
         chain = self.chain
         if on == "vertex":
             numbers, values, size = chain.vertices[chain.owned], values[chain.owned], chain.size
@@ -215,7 +264,8 @@ class DiscreteSystem:
         return out
 
     def field(self, name: str, what: str = "x") -> FloatArray:
-        """(nv, size) values of a field at local vertices: what = x, y or a; absent places give the field's value at rest."""
+        """(nv, size) values of a field at local vertices: what = x, y or a; absent places give the field's
+        value at rest."""
         place = self.layout.dofs[name]
         values = getattr(self.assembly, what)[np.maximum(place, 0)]
         rest = next(f.at_rest for f in self.layout.fields if f.name == name) if what == "x" else 0.0

@@ -1,7 +1,9 @@
-"""Memory for the fields: PETSc sections over the line, and the tables that lead from a kernel's slot to a place in a vector.
+"""Memory for the fields: PETSc sections over the line, and the tables that lead from a kernel's slot to a
+place in a vector.
 
-Two vectors share one line.  The *state* is what the time integrator sees: all unknowns of a vertex, then the rates of the
-second-order ones.  The *condensed* vector has the unknowns only; the rates follow from them within a step.
+Two vectors share one line.  The *state* is what the time integrator sees: all unknowns of a vertex, then the
+rates of the second-order ones.  The *condensed* vector has the unknowns only; the rates follow from them
+within a step.
 """
 
 from __future__ import annotations
@@ -20,9 +22,10 @@ from drillpetsc.fem.component import ElementBlock, Field, IntArray
 class DofLayout:
     """Sections and tables of a scene.
 
-    dofs[field]: (nv, size) position of a field's components in the condensed local array, -1 where absent (nv local vertices);
-    x_local, y_local: (n,) position of unknown i and of its rate (-1: none) in the local state; x_owned, y_owned: the same in the
-    owned parts of the global vectors; local_of_owned: local number of each owned unknown of the condensed vector.
+    dofs[field]: (nv, size) position of a field's components in the condensed local array, -1 where absent (nv
+    local vertices); x_local, y_local: (n,) position of unknown i and of its rate (-1: none) in the local
+    state; x_owned, y_owned: the same in the owned parts of the global vectors; local_of_owned: local number
+    of each owned unknown of the condensed vector.
     """
 
     chain: Chain
@@ -37,7 +40,9 @@ class DofLayout:
     x_owned: IntArray
     y_owned: IntArray
     local_of_owned: IntArray
-    derived: dict[str, IntArray] = field(default_factory=dict)  # places behind the unknowns of what follows from them
+    derived: dict[str, IntArray] = field(
+        default_factory=dict
+    )  # places behind the unknowns of what follows from them
 
     @property
     def array_length(self) -> int:
@@ -54,7 +59,8 @@ class DofLayout:
         return len(self.x_local)
 
     def index(self, block: ElementBlock) -> IntArray:
-        """(n, d) local positions for a block's slots; absent fields lead to the dummy place behind the end."""
+        """(n, d) local positions for a block's slots; absent fields lead to the dummy place behind the
+        end."""
         rows = self.chain.ends[block.points] if block.on == "cell" else block.points[:, None]
         columns = [self.dofs_of(name)[rows[:, end]] for name, end in block.slots]
         table = np.hstack(columns) if len(block.points) else np.zeros((0, self.width(block)), dtype=np.int32)
@@ -66,12 +72,18 @@ class DofLayout:
     def spin_vertices(self, block: ElementBlock) -> IntArray:
         """(n, spins) local vertex of each spin angle of a block."""
         rows = self.chain.ends[block.points] if block.on == "cell" else block.points[:, None]
-        return np.ascontiguousarray(rows[:, list(block.spins)], dtype=np.int32).reshape(len(block.points), len(block.spins))
+        return np.ascontiguousarray(rows[:, list(block.spins)], dtype=np.int32).reshape(
+            len(block.points), len(block.spins)
+        )
 
 
-def _section(chain: Chain, fields: tuple[Field, ...], regions: dict[str, np.ndarray], with_rates: bool) -> PETSc.DM:
+def _section(
+    chain: Chain, fields: tuple[Field, ...], regions: dict[str, np.ndarray], with_rates: bool
+) -> PETSc.DM:
     dm = chain.plex.clone()
-    wanted = [(f, "") for f in fields] + ([(f, ".rate") for f in fields if f.second_order] if with_rates else [])
+    wanted = [(f, "") for f in fields] + (
+        [(f, ".rate") for f in fields if f.second_order] if with_rates else []
+    )
     section = PETSc.Section().create(comm=chain.plex.comm)
     section.setNumFields(len(wanted))
     section.setChart(*chain.plex.getChart())
@@ -90,10 +102,16 @@ def _section(chain: Chain, fields: tuple[Field, ...], regions: dict[str, np.ndar
     return dm
 
 
-def build_dof_layout(chain: Chain, fields: tuple[Field, ...], regions: dict[str, np.ndarray], derived_fields: dict[str, int] | None = None) -> DofLayout:
+def build_dof_layout(
+    chain: Chain,
+    fields: tuple[Field, ...],
+    regions: dict[str, np.ndarray],
+    derived_fields: dict[str, int] | None = None,
+) -> DofLayout:
     """Lay out ``fields``; ``regions[name]`` is a boolean mask over all vertices of the string (replicated).
 
-    derived_fields: components of what is not unknown but follows from unknowns at every vertex, and is looked up like a field.
+    derived_fields: components of what is not unknown but follows from unknowns at every vertex, and is looked
+    up like a field.
     """
     state, condensed = _section(chain, fields, regions, True), _section(chain, fields, regions, False)
     s_sec, c_sec = petsc_compat.get_section(state), petsc_compat.get_section(condensed)
@@ -121,11 +139,16 @@ def build_dof_layout(chain: Chain, fields: tuple[Field, ...], regions: dict[str,
         count = len(chain.points) * components
         derived[name] = np.arange(behind, behind + count, dtype=np.int32).reshape(-1, components)
         behind += count
-    return DofLayout(chain, fields, state, condensed, dofs, field_of, vertex_of, x_local, y_local, *owned, derived=derived)
+    return DofLayout(
+        chain, fields, state, condensed, dofs, field_of, vertex_of, x_local, y_local, *owned, derived=derived
+    )
 
 
-def _owned_tables(chain: Chain, state: PETSc.DM, condensed: PETSc.DM, x_local, y_local) -> tuple[IntArray, IntArray, IntArray]:
-    """Positions in the owned parts of the global vectors, by sending local numbers through the sections' maps."""
+def _owned_tables(
+    chain: Chain, state: PETSc.DM, condensed: PETSc.DM, x_local, y_local
+) -> tuple[IntArray, IntArray, IntArray]:
+    """Positions in the owned parts of the global vectors, by sending local numbers through the sections'
+    maps."""
     lgm_c = condensed.getLGMap().getIndices()
     lgm_s = state.getLGMap().getIndices()
     first_c = condensed.createGlobalVec().getOwnershipRange()

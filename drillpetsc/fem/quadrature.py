@@ -12,11 +12,13 @@ from drillpetsc.fem.string_mesh import StringMesh
 def rule(points: int, upper: bool = False, lower: bool = False) -> FloatArray:
     """(m, 2) places and weights, exact for polynomials of degree 2 points - 1 at least.
 
-    Gauss's rule (m = points); with a place at the upper or lower end Radau's, at both Lobatto's (m = points + 1); Abramowitz and Stegun,
-    Handbook of Mathematical Functions, 25.4.29 to 25.4.32.
+    Gauss's rule (m = points); with a place at the upper or lower end Radau's, at both Lobatto's (m = points +
+    1); Abramowitz and Stegun, Handbook of Mathematical Functions, 25.4.29 to 25.4.32.
     """
     inside = points - int(upper and lower)
-    x, w = roots_jacobi(inside, float(lower), float(upper)) if inside else (np.zeros(0), np.zeros(0))  # (1 - x)^lower (1 + x)^upper
+    x, w = (
+        roots_jacobi(inside, float(lower), float(upper)) if inside else (np.zeros(0), np.zeros(0))
+    )  # (1 - x)^lower (1 + x)^upper
     w = w / ((1 - x) ** lower * (1 + x) ** upper)
     if upper:
         x, w = np.append(-1.0, x), np.append(2.0 - w.sum() if not lower else 0.5 * (2.0 - w.sum()), w)
@@ -32,8 +34,13 @@ def exposed_ends(mesh: StringMesh, free_top: bool = False) -> tuple[np.ndarray, 
     """
     radius = 0.5 * mesh.outer_diameter
     beside = np.where(mesh.is_joint, np.inf, radius)
-    above, below = np.append(0.0 if free_top else np.inf, beside[:-1]), np.append(beside[1:], 0.0)  # beside an element's two ends
-    for body in mesh.bodies:  # from the top down: the first of a stack lies under the element above, the last over the one below
+    above, below = (
+        np.append(0.0 if free_top else np.inf, beside[:-1]),
+        np.append(beside[1:], 0.0),
+    )  # beside an element's two ends
+    for body in (
+        mesh.bodies
+    ):  # from the top down: the first of a stack lies under the element above, the last over the one below
         if body.node < len(above):
             above[body.node] = body.radius
     for body in reversed(mesh.bodies):

@@ -14,9 +14,11 @@ from drillpetsc.fem.component import FloatArray
 class RigidItem:
     """A rigid part of the string at a node.
 
-    node: number from the top; above: distance from the node down to the item's upper end [m]; length [m]; mass [kg];
-    center: distance from the node down to the centre of gravity [m]; offset: (2,) of the centre of gravity across the axis in the
-    node's directors [m]; axial, transverse: moments of inertia about the centre of gravity [kg m2]; radius [m] outside, 0: none.
+    node: number from the top; above: distance from the node down to the item's upper end [m]; length [m];
+    mass [kg];
+    center: distance from the node down to the centre of gravity [m]; offset: (2,) of the centre of gravity
+    across the axis in the node's directors [m]; axial, transverse: moments of inertia about the centre of
+    gravity [kg m2]; radius [m] outside, 0: none.
     """
 
     name: str
@@ -37,8 +39,9 @@ class RigidItem:
 class StringJoint:
     """A joint: a cell without length between two nodes at the same place.
 
-    depth: measured depth [m]; axes: (3, 3) orthonormal rows, the joint's axes in (tangent, director 2, director 3); spring [N/m], damping
-    [N s/m] along a slider, stroke: the least and largest travel [m] between its stops, of stop_stiffness [N/m].
+    depth: measured depth [m]; axes: (3, 3) orthonormal rows, the joint's axes in (tangent, director 2,
+    director 3); spring [N/m], damping [N s/m] along a slider, stroke: the least and largest travel [m]
+    between its stops, of stop_stiffness [N/m].
     """
 
     depth: float
@@ -56,8 +59,9 @@ class StringJoint:
 class StringMesh:
     """Elements from the top down; all arrays (n,) in SI unless said otherwise.
 
-    upper, lower: measured depth of the element's ends [m]; node_depth: (n+1,) measured depth of the nodes (the upper end of a
-    rigid item that hangs on a node); rigid_above: (n,) length of the rigid items between the upper node and the element [m].
+    upper, lower: measured depth of the element's ends [m]; node_depth: (n+1,) measured depth of the nodes
+    (the upper end of a rigid item that hangs on a node); rigid_above: (n,) length of the rigid items between
+    the upper node and the element [m].
     """
 
     upper: FloatArray
@@ -79,7 +83,9 @@ class StringMesh:
     friction: FloatArray  # nan: the hole's
     bodies: tuple[RigidItem, ...] = ()
     bends: tuple[tuple[int, float, float], ...] = ()  # (node, angle, tool face): kink of a bent sub
-    junction: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))  # (n+1,) nodes with a stretch ratio
+    junction: np.ndarray = field(
+        default_factory=lambda: np.zeros(0, dtype=bool)
+    )  # (n+1,) nodes with a stretch ratio
     joints: tuple[StringJoint, ...] = ()  # their cells have no length and no element
 
     @property
@@ -101,8 +107,11 @@ class StringMesh:
 
     @property
     def loose_slopes(self) -> np.ndarray:
-        """Nodes beside a joint whose slope no element holds at a length: only rigid items hang on them, or a stretch ratio takes it."""
-        joint = np.concatenate([[False], self.is_joint, [False]])  # joint[i], joint[i + 1]: the cells above and below node i
+        """Nodes beside a joint whose slope no element holds at a length: only rigid items hang on them, or a
+        stretch ratio takes it."""
+        joint = np.concatenate(
+            [[False], self.is_joint, [False]]
+        )  # joint[i], joint[i + 1]: the cells above and below node i
         there = np.concatenate([[False], ~self.is_joint, [False]])
         ratio = self.junction if len(self.junction) else np.zeros(self.nodes, dtype=bool)
         held = there[:-1] | (there[1:] & ~ratio)
@@ -120,7 +129,8 @@ class StringMesh:
 
 
 def tube(outer: float, inner: float, young: float, poisson: float, density: float) -> dict[str, float]:
-    """Stiffness and mass of a round tube per length: EA [N], EI, GJ [N m2], mass [kg/m], polar mass moment [kg m]."""
+    """Stiffness and mass of a round tube per length: EA [N], EI, GJ [N m2], mass [kg/m], polar mass moment
+    [kg m]."""
     area = np.pi / 4 * (outer**2 - inner**2)
     inertia = np.pi / 64 * (outer**4 - inner**4)
     shear = young / (2 * (1 + poisson))
@@ -140,11 +150,27 @@ def uniform_string(length: float, elements: int, **section: float) -> StringMesh
     def full(key: str, default: float = 0.0) -> FloatArray:
         return np.full(elements, float(section.get(key, default)))
 
-    names = ("axial_stiffness", "bending_stiffness", "torsional_stiffness", "mass", "polar_inertia", "stiffness_damping", "mass_damping")
+    names = (
+        "axial_stiffness",
+        "bending_stiffness",
+        "torsional_stiffness",
+        "mass",
+        "polar_inertia",
+        "stiffness_damping",
+        "mass_damping",
+    )
     columns: dict[str, Any] = {k: full(k) for k in names}
     return StringMesh(
-        upper=depth[:-1], lower=depth[1:], node_depth=depth, **columns,
-        outer_diameter=full("outer_diameter"), inner_diameter=full("inner_diameter"), rigid_above=np.zeros(elements),
-        eccentricity=np.zeros((elements, 2)), curvature=np.zeros((elements, 2)), item=np.zeros(elements, dtype=int),
-        friction=np.full(elements, np.nan), junction=np.zeros(elements + 1, dtype=bool),
+        upper=depth[:-1],
+        lower=depth[1:],
+        node_depth=depth,
+        **columns,
+        outer_diameter=full("outer_diameter"),
+        inner_diameter=full("inner_diameter"),
+        rigid_above=np.zeros(elements),
+        eccentricity=np.zeros((elements, 2)),
+        curvature=np.zeros((elements, 2)),
+        item=np.zeros(elements, dtype=int),
+        friction=np.full(elements, np.nan),
+        junction=np.zeros(elements + 1, dtype=bool),
     )

@@ -1,9 +1,9 @@
 """The well: centreline, hole radius and friction along measured depth, closest point to the centreline.
 
-Axes x north, y east, z down; measured depth 0 at the origin.  The survey is turned into minimum-curvature arcs
-(Sawaryn and Thorogood, "A Compendium of Directional Calculations Based on the Minimum Curvature Method", SPE 84246,
-2005), every arc is cut into pieces of at most 10 m and 2 deg, and each piece is a cubic Hermite segment.  A `Well`
-is plain data, the same on every rank.
+Axes x north, y east, z down; measured depth 0 at the origin.  The survey is turned into minimum-curvature
+arcs (Sawaryn and Thorogood, "A Compendium of Directional Calculations Based on the Minimum Curvature Method",
+SPE 84246, 2005), every arc is cut into pieces of at most 10 m and 2 deg, and each piece is a cubic Hermite
+segment.  A `Well` is plain data, the same on every rank.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ HEADER, NODE_ROW, STEP_ROW = 4, 16, 6  # doubles in the packed form, see kernels
 class ClosestPoints:
     """Closest points of n positions on the centreline.
 
-    md (n,) [m], centre (n, 3) [m], tangent (n, 3) unit, offset (n, 3) [m] from centre to the position, radius (n,) [m],
-    friction (n,) [-], segment (n,) int32: pass it back as the warm start of the next call.
+    md (n,) [m], centre (n, 3) [m], tangent (n, 3) unit, offset (n, 3) [m] from centre to the position, radius
+    (n,) [m], friction (n,) [-], segment (n,) int32: pass it back as the warm start of the next call.
     """
 
     md: Array
@@ -46,8 +46,8 @@ class Well:
     """Centreline nodes and hole sections; make one with `from_survey`.
 
     node_md (n,) [m], node_position (n, 3) [m], node_tangent (n, 3) unit vectors down the hole; n >= 2.
-    section_to (m,) [m] lower end of each section, section_radius (m,) [m], section_friction (m,) [-], section_kind: m
-    words.
+    section_to (m,) [m] lower end of each section, section_radius (m,) [m], section_friction (m,) [-],
+    section_kind: m words.
     """
 
     node_md: Array
@@ -73,13 +73,15 @@ class Well:
     ) -> Well:
         """Well from a survey and hole sections, both from the surface down.
 
-        md [m], inclination and azimuth [rad]: stations (k,); section_to, section_radius, section_friction: see `Well`.
-        A survey that starts below md 0 is carried straight back to it along its first direction, one that ends above
-        the bottom of the last section straight on to that.  A straight line keeps no nodes between its ends.
-        Raises ValueError when stations or sections are out of order or impossible.
+        md [m], inclination and azimuth [rad]: stations (k,); section_to, section_radius, section_friction:
+        see `Well`. A survey that starts below md 0 is carried straight back to it along its first direction,
+        one that ends above the bottom of the last section straight on to that.  A straight line keeps no
+        nodes between its ends. Raises ValueError when stations or sections are out of order or impossible.
         """
         stations, tangents = _check_survey(md, inclination, azimuth)
-        to, radius, friction, kinds = _check_sections(section_to, section_radius, section_friction, section_kind)
+        to, radius, friction, kinds = _check_sections(
+            section_to, section_radius, section_friction, section_kind
+        )
         if stations[0] > 0:
             stations, tangents = np.r_[0.0, stations], np.vstack([tangents[:1], tangents])
         if to[-1] > stations[-1]:
@@ -97,15 +99,16 @@ class Well:
     def handle(self) -> Array:
         """Tangent length of each Hermite segment (n-1,) [m]: 4 R tan(beta/4) = chord / cos^2(beta/4).
 
-        The second form follows from chord = 2 R sin(beta/2) = 4 R sin(beta/4) cos(beta/4) and holds for straight
-        pieces too.
+        The second form follows from chord = 2 R sin(beta/2) = 4 R sin(beta/4) cos(beta/4) and holds for
+        straight pieces too.
         """
         chord = np.linalg.norm(np.diff(self.node_position, axis=0), axis=1)
         return chord / np.cos(_angle(self.node_tangent[:-1], self.node_tangent[1:]) / 4) ** 2
 
     @cached_property
     def cubic(self) -> tuple[Array, Array]:
-        """Coefficients a2, a3 (n-1, 3) [m] of the segments c(u) = x0 + m t0 u + a2 u^2 + a3 u^3, u from 0 to 1."""
+        """Coefficients a2, a3 (n-1, 3) [m] of the segments c(u) = x0 + m t0 u + a2 u^2 + a3 u^3, u from 0 to
+        1."""
         t0, t1 = self.node_tangent[:-1], self.node_tangent[1:]
         m, dx = self.handle[:, None], np.diff(self.node_position, axis=0)
         a2, a3 = 3 * dx - m * (2 * t0 + t1), m * (t0 + t1) - 2 * dx
@@ -115,11 +118,13 @@ class Well:
         return a2, a3
 
     def at(self, md: ArrayLike) -> tuple[Array, Array, Array]:
-        """Position (..., 3) [m], unit tangent (..., 3) and curvature vector dt/ds (..., 3) [1/m] at md (...) [m].
+        """Position (..., 3) [m], unit tangent (..., 3) and curvature vector dt/ds (..., 3) [1/m] at md (...)
+        [m].
 
-        Measured depth within a segment is s(u) = s0 + u L + (m - L) u (1-u)(1-2u): the cubic with ds/du = m at both
-        ends, so that dc/ds is the unit tangent at every node (C1 in s) and s is the arc length to order beta^4 inside.
-        Beyond both ends the line goes on straight.  At a node the curvature is that of the segment below it.
+        Measured depth within a segment is s(u) = s0 + u L + (m - L) u (1-u)(1-2u): the cubic with ds/du = m
+        at both ends, so that dc/ds is the unit tangent at every node (C1 in s) and s is the arc length to
+        order beta^4 inside. Beyond both ends the line goes on straight.  At a node the curvature is that of
+        the segment below it.
         """
         md = np.asarray(md, dtype=float)
         s = np.clip(md, self.node_md[0], self.node_md[-1])
@@ -154,16 +159,24 @@ class Well:
     # ------------------------------------------------------------------ hole
     @cached_property
     def transitions(self) -> Array:
-        """Where radius or friction changes: rows (start, width, radius above, its change, friction above, its change).
+        """Where radius or friction changes: rows (start, width, radius above, its change, friction above, its
+        change).
 
-        Each section boundary is smoothed over max(0.5 m, 10 |dR|) centred on it, or over the shorter of its two
-        neighbouring sections when that is less, so neighbouring transitions touch at most.
+        Each section boundary is smoothed over max(0.5 m, 10 |dR|) centred on it, or over the shorter of its
+        two neighbouring sections when that is less, so neighbouring transitions touch at most.
         """
         dr, df = np.diff(self.section_radius), np.diff(self.section_friction)
         length = np.diff(np.r_[-np.inf, self.section_to[:-1], np.inf])
         width = np.minimum(np.maximum(0.5, 10 * np.abs(dr)), np.minimum(length[:-1], length[1:]))
         rows = np.stack(
-            [self.section_to[:-1] - width / 2, width, self.section_radius[:-1], dr, self.section_friction[:-1], df],
+            [
+                self.section_to[:-1] - width / 2,
+                width,
+                self.section_radius[:-1],
+                dr,
+                self.section_friction[:-1],
+                df,
+            ],
             axis=1,
         )
         return rows[(dr != 0) | (df != 0)]
@@ -205,14 +218,18 @@ class Well:
     ) -> Well:
         """This well with one more node: md [m] below the last node, position (3,) [m], tangent (3,).
 
-        The last section is lengthened, or a new open-hole section added when radius [m] or friction differ from it.
+        The last section is lengthened, or a new open-hole section added when radius [m] or friction differ
+        from it.
         """
         if md <= self.node_md[-1]:
             raise ValueError(f"the new node at {md} m must lie below the last one at {self.node_md[-1]} m")
         t = np.asarray(tangent, dtype=float)
         r = float(self.section_radius[-1]) if radius is None else radius
         f = float(self.section_friction[-1]) if friction is None else friction
-        new = (r, f) != (self.section_radius[-1], self.section_friction[-1]) and md - self.depth >= SHORTEST_SECTION
+        new = (r, f) != (
+            self.section_radius[-1],
+            self.section_friction[-1],
+        ) and md - self.depth >= SHORTEST_SECTION
         to = np.r_[self.section_to, md] if new else np.r_[self.section_to[:-1], max(md, self.depth)]
         return replace(
             self,
@@ -226,7 +243,8 @@ class Well:
         )
 
     def cut(self, md: float) -> Well:
-        """This well ending at md [m]: a planned path cut off where the hole ends, to drill on with `extended`."""
+        """This well ending at md [m]: a planned path cut off where the hole ends, to drill on with
+        `extended`."""
         if not 0 < md <= self.node_md[-1]:
             raise ValueError(f"cannot end the well at {md} m: its centreline runs to {self.node_md[-1]} m")
         keep = self.node_md < md - 1e-6
@@ -260,8 +278,8 @@ class Well:
         return packed
 
     def packed(self) -> Array:
-        """The well as the C++ kernels read it: one float64 array, laid out as kernels/contact/well.hpp says (read-only,
-        cached).
+        """The well as the C++ kernels read it: one float64 array, laid out as kernels/contact/well.hpp says
+        (read-only, cached).
         """
         return self._packed
 
@@ -299,11 +317,11 @@ def _angle(t0: Array, t1: Array) -> Array:
 def minimum_curvature(
     md: Array, tangents: Array, max_step: float = MAX_STEP, max_angle: float = MAX_ANGLE
 ) -> tuple[Array, Array, Array]:
-    """Nodes on the minimum-curvature arcs between stations md (k,) [m] with unit tangents (k, 3); the first is md 0
-    at the origin.
+    """Nodes on the minimum-curvature arcs between stations md (k,) [m] with unit tangents (k, 3); the first
+    is md 0 at the origin.
 
-    Arc between stations (SPE 84246): x(f) = x1 + (ds/b)[sin(f b) e1 + (1 - cos f b) e2], e1 = t1, e2 = (t2 - cos b
-    t1)/sin b. Returns node md (n,) [m], position (n, 3) [m], tangent (n, 3).
+    Arc between stations (SPE 84246): x(f) = x1 + (ds/b)[sin(f b) e1 + (1 - cos f b) e2], e1 = t1, e2 = (t2 -
+    cos b t1)/sin b. Returns node md (n,) [m], position (n, 3) [m], tangent (n, 3).
     """
     nodes = [(md[0], md[0] * tangents[0], tangents[0])]
     was_straight = False
@@ -349,7 +367,9 @@ def _check_survey(md: ArrayLike, inclination: ArrayLike, azimuth: ArrayLike) -> 
     if s[0] < 0:
         raise ValueError(f"the survey starts at {s[0]} m; measured depth counts from 0 at the rotary table")
     if (bad := np.flatnonzero(np.diff(s) <= 0)).size:
-        raise ValueError(f"survey md must increase: station {bad[0] + 2} at {s[bad[0] + 1]} m follows {s[bad[0]]} m")
+        raise ValueError(
+            f"survey md must increase: station {bad[0] + 2} at {s[bad[0] + 1]} m follows {s[bad[0]]} m"
+        )
     if (bad := np.flatnonzero((i < 0) | (i > np.pi))).size:
         raise ValueError(f"inclination must lie in 0 to pi rad, station {bad[0] + 1} has {i[bad[0]]}")
     t = direction(i, a)

@@ -1,7 +1,8 @@
 """The compiled kernels: one shared library, built on first use and kept until a source or a flag changes.
 
-``lib`` is the opened library.  Every ``*.cpp`` below this folder is part of it.  The file name carries a hash of all sources, the
-compiler and the flags, so a stale library is never used; several processes that start with a cold cache wait for one to build.
+``lib`` is the opened library.  Every ``*.cpp`` below this folder is part of it.  The file name carries a hash
+of all sources, the compiler and the flags, so a stale library is never used; several processes that start
+with a cold cache wait for one to build.
 """
 
 from __future__ import annotations
@@ -41,7 +42,9 @@ def _cpu() -> str:
 
 def library_path() -> Path:
     """Where the library for the present sources, compiler, flags and processor lies."""
-    digest = hashlib.sha256(" ".join((*FLAGS, os.environ.get("CXX", ""), platform.machine(), _cpu())).encode())
+    digest = hashlib.sha256(
+        " ".join((*FLAGS, os.environ.get("CXX", ""), platform.machine(), _cpu())).encode()
+    )
     for source in sorted([*_HERE.rglob("*.cpp"), *_HERE.rglob("*.hpp")]):
         digest.update(source.name.encode() + source.read_bytes())
     default = Path(os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))) / "drillpetsc"
@@ -55,7 +58,16 @@ def _build(target: Path) -> None:
         objects, running = [], []
         for source in sorted(_HERE.rglob("*.cpp")):
             objects.append(str(Path(scratch) / (source.stem + ".o")))
-            command = [compiler, *(f for f in FLAGS if f != "-shared"), "-I", str(_HERE), "-c", str(source), "-o", objects[-1]]
+            command = [
+                compiler,
+                *(f for f in FLAGS if f != "-shared"),
+                "-I",
+                str(_HERE),
+                "-c",
+                str(source),
+                "-o",
+                objects[-1],
+            ]
             running.append((source, subprocess.Popen(command, stderr=subprocess.PIPE, text=True)))
         for source, process in running:
             _, message = process.communicate()

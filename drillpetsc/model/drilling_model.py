@@ -34,10 +34,11 @@ from drillpetsc.time_function import Constant
 
 @dataclass
 class DrillingModel:
-    """The parts of a scene; ``top`` and ``bit`` and ``contact`` are the rooms of these names, None where absent.
+    """The parts of a scene; ``top`` and ``bit`` and ``contact`` are the rooms of these names, None where
+    absent.
 
-    well: the hole as it is now, its newly drilled part included.  position, tangent: (n_nodes, 3) of the string along the hole's axis,
-    unstrained.  A held string has no beam; fluid: the rooms of the
+    well: the hole as it is now, its newly drilled part included.  position, tangent: (n_nodes, 3) of the
+    string along the hole's axis, unstrained.  A held string has no beam; fluid: the rooms of the
     drilling fluid, None in a dry scene.
     """
 
@@ -58,7 +59,8 @@ class DrillingModel:
 
     @property
     def effective_mass(self) -> FloatArray:
-        """(n,) mass per length that the string weighs with [kg/m]: steel and mud in the bore, less the mud it displaces."""
+        """(n,) mass per length that the string weighs with [kg/m]: steel and mud in the bore, less the mud it
+        displaces."""
         mass = self.mesh.mass.copy()
         if self.fluid is not None and self.fluid.bore is not None:
             mass += self.fluid.constants.density * self.fluid.bore.bore.area
@@ -75,7 +77,12 @@ class DrillingModel:
     def breaks(self) -> tuple[float, ...]:
         """Times at which an input jumps or bends [s]."""
         turning = getattr(self.case.top, "rotation", None) if is_quasi_static(self.case) else None
-        return tuple(sorted({b for component in self.components for b in component.breaks()} | set(turning.breaks() if turning is not None else ())))
+        return tuple(
+            sorted(
+                {b for component in self.components for b in component.breaks()}
+                | set(turning.breaks() if turning is not None else ())
+            )
+        )
 
 
 def build_well(case: Case) -> Well | None:
@@ -84,8 +91,15 @@ def build_well(case: Case) -> Well | None:
         return None
     survey, sections = case.well.survey, case.well.sections
     try:
-        return Well.from_survey(np.array(survey.md), np.array(survey.inclination), np.array(survey.azimuth), [q.to for q in sections],
-                                [0.5 * q.diameter for q in sections], [q.friction for q in sections], [q.kind for q in sections])
+        return Well.from_survey(
+            np.array(survey.md),
+            np.array(survey.inclination),
+            np.array(survey.azimuth),
+            [q.to for q in sections],
+            [0.5 * q.diameter for q in sections],
+            [q.friction for q in sections],
+            [q.kind for q in sections],
+        )
     except ValueError as error:
         raise CaseError(at="well", want=str(error)) from None
 
@@ -101,9 +115,13 @@ def build_model(case: Case, comm: PETSc.Comm | None = None) -> DrillingModel:
     components: list = []
     if case.beam.formulation == "quaternion":
         breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
-        mesh = replace(mesh, junction=np.zeros(0, dtype=bool))  # one strain at each node, on both sides of a change of section
+        mesh = replace(
+            mesh, junction=np.zeros(0, dtype=bool)
+        )  # one strain at each node, on both sides of a change of section
         contact, bit = _contact(case, mesh, well, QuaternionContact), _bit(case, mesh, well)
-        beam, top, components = quaternion_components(case, mesh, frames, position, tangent, _loads(case, mesh, tangent), breaks, contact)
+        beam, top, components = quaternion_components(
+            case, mesh, frames, position, tangent, _loads(case, mesh, tangent), breaks, contact
+        )
         if mesh.bodies or mesh.eccentricity.any():
             components.append(RigidBodies(mesh, frames, np.array(case.gravity, dtype=float)))
         components += [bit] if bit is not None else []
@@ -124,7 +142,22 @@ def build_model(case: Case, comm: PETSc.Comm | None = None) -> DrillingModel:
     fluid = build_fluid(case, mesh, well, position, tangent, bit.hole if isinstance(bit, RockBit) else None)
     components += fluid.components if fluid is not None else ()
     system = DiscreteSystem(mesh, frames, components, comm)
-    model = DrillingModel(case, mesh, well, frames, position, tangent, tuple(components), beam, top, drive, contact, bit, system, fluid)
+    model = DrillingModel(
+        case,
+        mesh,
+        well,
+        frames,
+        position,
+        tangent,
+        tuple(components),
+        beam,
+        top,
+        drive,
+        contact,
+        bit,
+        system,
+        fluid,
+    )
     if isinstance(bit, RockBit):
         _let_hole_grow(model, bit)
     return model
@@ -175,10 +208,14 @@ def _top_rooms(case: Case, position: FloatArray, tangent: FloatArray):
         return (None if top.kind == "free" else FixedEnd(0, top.kind, position, tangent)), None
     if isinstance(top, TopDriveCase):
         lowering = None if top.force is not None else top.lowering
-        rotation = Constant(0.0) if is_quasi_static(case) else top.rotation  # turning on the spot changes nothing there
+        rotation = (
+            Constant(0.0) if is_quasi_static(case) else top.rotation
+        )  # turning on the spot changes nothing there
         return TopDrive(position, tangent, rotation, lowering), None
     assert isinstance(top, DrivenTop)
-    return TopDrive(position, tangent, None, top.lowering), RotaryDrive(top.rotation, top.stiffness, top.damping, top.inertia)
+    return TopDrive(position, tangent, None, top.lowering), RotaryDrive(
+        top.rotation, top.stiffness, top.damping, top.inertia
+    )
 
 
 def _top_breaks(case: Case) -> tuple[float, ...]:
@@ -194,7 +231,9 @@ def _bottom_held(case: Case, position: FloatArray, tangent: FloatArray) -> list[
     return [FixedEnd(node, bottom.kind, position, tangent, spin=bottom.kind == "clamped")]
 
 
-def _contact(case: Case, mesh: StringMesh, well: Well | None, kind: type[Contact] = Contact) -> Contact | None:
+def _contact(
+    case: Case, mesh: StringMesh, well: Well | None, kind: type[Contact] = Contact
+) -> Contact | None:
     c = case.contact
     if c is None or well is None:
         return None
@@ -202,7 +241,16 @@ def _contact(case: Case, mesh: StringMesh, well: Well | None, kind: type[Contact
     if c.stribeck is not None:
         kinetic = max(q.friction for q in case.well.sections)  # type: ignore[union-attr]
         ratio, speed = (c.stribeck.static / kinetic if kinetic > 0 else 1.0), c.stribeck.speed
-    law = ContactLaw(c.stiffness, c.law, c.restitution, c.restitution_speed, c.slip_velocity, ratio, speed, c.points_per_element)
+    law = ContactLaw(
+        c.stiffness,
+        c.law,
+        c.restitution,
+        c.restitution_speed,
+        c.slip_velocity,
+        ratio,
+        speed,
+        c.points_per_element,
+    )
     return kind(mesh, well, law, getattr(case, "formation", None) is None, case.top.kind == "free")
 
 
@@ -216,7 +264,16 @@ def _bit(case: Case, mesh: StringMesh, well: Well | None) -> BitOnBottom | RockB
     face = mesh.total_length - mesh.node_depth[-1]
     radius = next((b.radius for b in reversed(mesh.bodies) if b.kind == "bit"), 0.5 * mesh.outer_diameter[-1])
     slip = case.contact.slip_velocity if case.contact else 0.01
-    return BitOnBottom(mesh.nodes - 1, face, radius, bottom.stiffness, bottom.friction, np.asarray(end)[0], np.asarray(axis)[0], slip)
+    return BitOnBottom(
+        mesh.nodes - 1,
+        face,
+        radius,
+        bottom.stiffness,
+        bottom.friction,
+        np.asarray(end)[0],
+        np.asarray(axis)[0],
+        slip,
+    )
 
 
 def hole_depth(case: Case) -> float:
@@ -228,7 +285,11 @@ def hole_depth(case: Case) -> float:
 def _loads(case: Case, mesh: StringMesh, tangent: FloatArray) -> tuple[NodeLoad, ...]:
     out: list[NodeLoad] = []
     for load in case.loads:
-        factor = None if isinstance(load.value_over, Constant) and load.value_over.constant == 1.0 else load.value_over.value
+        factor = (
+            None
+            if isinstance(load.value_over, Constant) and load.value_over.constant == 1.0
+            else load.value_over.value
+        )
         section = load.frame == "section"
         if isinstance(load, LineLoad):
             out += _line_load(load, mesh, section, factor)
@@ -244,9 +305,11 @@ def _loads(case: Case, mesh: StringMesh, tangent: FloatArray) -> tuple[NodeLoad,
 
 
 def _line_load(load: LineLoad, mesh: StringMesh, section: bool, factor) -> list[NodeLoad]:
-    """Consistent nodal loads of a uniform load between two depths: integrals of the cubic shape functions over the covered part.
+    """Consistent nodal loads of a uniform load between two depths: integrals of the cubic shape functions
+    over the covered part.
 
-    In section axes (which turn with the pipe) force and moment are shared out linearly between an element's nodes instead.
+    In section axes (which turn with the pipe) force and moment are shared out linearly between an element's
+    nodes instead.
     """
     f, m, out = np.array(load.force), np.array(load.moment), []
     for e in range(len(mesh.upper)):
@@ -263,5 +326,14 @@ def _line_load(load: LineLoad, mesh: StringMesh, section: bool, factor) -> list[
             slopes = (L * (w @ (x - 2 * x**2 + x**3)), L * (w @ (x**3 - x**2)))
         linear = (w @ (1 - x), w @ x)
         for end in (0, 1):
-            out.append(NodeLoad(e + end, tuple(shares[end] * f), tuple(linear[end] * m), tuple(slopes[end] * f), section, factor))
+            out.append(
+                NodeLoad(
+                    e + end,
+                    tuple(shares[end] * f),
+                    tuple(linear[end] * m),
+                    tuple(slopes[end] * f),
+                    section,
+                    factor,
+                )
+            )
     return out

@@ -20,7 +20,15 @@ from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
 from drillpetsc.physics.fluid.bit_flow import BitEnd, BitFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
-from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, HoleVolume, build_bore, build_walls, metal_below, poisson
+from drillpetsc.physics.fluid.channels import (
+    Annulus,
+    AnnulusWalls,
+    HoleVolume,
+    build_bore,
+    build_walls,
+    metal_below,
+    poisson,
+)
 from drillpetsc.physics.fluid.hermite_flow import HermiteAnnulus, HermiteBit, HermiteBore, volumes_at_rest
 from drillpetsc.physics.fluid.moving_hole import LateralCoefficients, MovingHole
 from drillpetsc.physics.fluid.rheology import Rheology
@@ -32,7 +40,8 @@ NEAREST_WALL = 0.98  # eccentricity above which the added mass stays as it is
 class FluidComponents:
     """Rooms of the drilling fluid; None where the scene has no such channel.
 
-    volumes: with formulation hermite, nodal volumes (n+1,) [m3] by field for still fluid under a pressure at the top [Pa].
+    volumes: with formulation hermite, nodal volumes (n+1,) [m3] by field for still fluid under a pressure at
+    the top [Pa].
     """
 
     constants: FluidConstants
@@ -51,17 +60,33 @@ def build_rheology(case: Case) -> Rheology:
     assert case.fluid is not None
     q = case.fluid.rheology
     consistency, index, yield_stress = flow_constants(q)
-    return Rheology(q.model, law=q.law, consistency=consistency, index=index, yield_stress=yield_stress, shear_rate_eps=q.shear_rate)  # type: ignore[attr-defined]
+    return Rheology(
+        q.model,
+        law=q.law,
+        consistency=consistency,
+        index=index,
+        yield_stress=yield_stress,
+        shear_rate_eps=q.shear_rate,
+    )  # type: ignore[attr-defined]
 
 
-def build_fluid(case: Case, mesh: StringMesh, well: Well | None, position: FloatArray, tangent: FloatArray,
-                hole: GrowingHole | None = None) -> FluidComponents | None:
-    """Rooms of the case's fluid, None without one; position, tangent (n+1, 3) of the nodes along the hole; hole: where the bit drills."""
+def build_fluid(
+    case: Case,
+    mesh: StringMesh,
+    well: Well | None,
+    position: FloatArray,
+    tangent: FloatArray,
+    hole: GrowingHole | None = None,
+) -> FluidComponents | None:
+    """Rooms of the case's fluid, None without one; position, tangent (n+1, 3) of the nodes along the hole;
+    hole: where the bit drills."""
     f = case.fluid
     if f is None:
         return None
     gravity = np.array(case.gravity, dtype=float)
-    constants = FluidConstants(f.density, f.bulk_modulus, gravity, build_rheology(case).parameters(), f.clinging)
+    constants = FluidConstants(
+        f.density, f.bulk_modulus, gravity, build_rheology(case).parameters(), f.clinging
+    )
     narrowing, held = poisson(case, mesh), position if case.hold_string else None
     hermite = f.formulation == "hermite"
     bore_flow: BoreFlow | None = None
@@ -79,8 +104,21 @@ def build_fluid(case: Case, mesh: StringMesh, well: Well | None, position: Float
         sizes = walls.annulus(HoleVolume(well), np.arange(len(mesh.upper)), mesh.upper, mesh.lower)
         chi = _added_mass(case, sizes)
         if not case.hold_string and (hole is not None or not _same_everywhere(well, walls)):
-            moving_hole = MovingHole(mesh, walls, lambda: well if hole is None else hole.well, partial(_sideways, case))
-        around = (mesh, sizes, well, constants, narrowing, _sideways(case, sizes), f.outlet_pressure, f.flow_line, moving_hole, held)
+            moving_hole = MovingHole(
+                mesh, walls, lambda: well if hole is None else hole.well, partial(_sideways, case)
+            )
+        around = (
+            mesh,
+            sizes,
+            well,
+            constants,
+            narrowing,
+            _sideways(case, sizes),
+            f.outlet_pressure,
+            f.flow_line,
+            moving_hole,
+            held,
+        )
         valve = 0.0 if f.choke is None else 1 / (2 * f.choke.discharge_coefficient**2 * f.choke.area**2)
         annulus = HermiteAnnulus(*around, pump=f.flow_rate) if hermite else AnnulusFlow(*around, choke=valve)
     bit: BitFlow | None = None
@@ -90,13 +128,17 @@ def build_fluid(case: Case, mesh: StringMesh, well: Well | None, position: Float
             end = _drilled(end, hole, f.cuttings == "returned")
         bit = BitFlow(mesh.nodes - 1, end, constants, held, moving_hole, hole)
         if hermite:
-            bit = HermiteBit(mesh.nodes - 1, end, constants, f.flow_rate, bore_flow, annulus, position[-1], held)  # type: ignore[arg-type]
+            bit = HermiteBit(
+                mesh.nodes - 1, end, constants, f.flow_rate, bore_flow, annulus, position[-1], held
+            )  # type: ignore[arg-type]
     volumes = None
     if hermite:
         head = f.density * ((position - position[0]) @ gravity)
         volumes = partial(volumes_at_rest, bore_flow, annulus, bit, head)  # type: ignore[arg-type]
         if isinstance(bore_flow, HermiteBore) and bore_flow.closed:
-            bore_flow.kept = float(volumes(f.outlet_pressure.value(0.0) if annulus is not None else 0.0)["bore.volume"][-1])
+            bore_flow.kept = float(
+                volumes(f.outlet_pressure.value(0.0) if annulus is not None else 0.0)["bore.volume"][-1]
+            )
     return FluidComponents(constants, bore_flow, annulus, bit, volumes)
 
 
@@ -111,14 +153,15 @@ def _added_mass(case: Case, sizes: Annulus) -> FloatArray:
 
 @lru_cache(maxsize=256)
 def _added_mass_table(inner: float, outer: float) -> tuple[FloatArray, FloatArray]:
-    """Eccentricities, closer towards the wall, and the added mass there for diameters of string and hole [m]; it has no limit at the wall,
-    the table ends at ``NEAREST_WALL``."""
+    """Eccentricities, closer towards the wall, and the added mass there for diameters of string and hole [m];
+    it has no limit at the wall, the table ends at ``NEAREST_WALL``."""
     places = NEAREST_WALL * np.sin(np.linspace(0, np.pi / 2, 60))
     return places, np.array([chi_eccentric(inner, outer, e) for e in places])
 
 
 def _added_mass_by_place(eccentricity: FloatArray, inner: FloatArray, outer: FloatArray) -> FloatArray:
-    """Added mass (k,) of elements of outer diameters ``inner`` in holes ``outer`` (k,) [m], to 0.1 mm, at eccentricities (k,)."""
+    """Added mass (k,) of elements of outer diameters ``inner`` in holes ``outer`` (k,) [m], to 0.1 mm, at
+    eccentricities (k,)."""
     sizes, which = np.unique(np.round(np.column_stack([inner, outer]), 4), axis=0, return_inverse=True)
     out, which = np.empty(len(eccentricity)), np.ravel(which)
     for k, (d, w) in enumerate(sizes):
@@ -135,22 +178,29 @@ def shear_viscosity(case: Case, shear_rate: FloatArray) -> FloatArray:
 
 
 def _sideways(case: Case, sizes: Annulus) -> LateralCoefficients:
-    """Added mass, damping, and drag of turning; the viscosity is that at the wall of a pipe turning at the reference speed, where the
-    shear rate is 2 omega/(1 - (Do/Dw)^2) (Couette)."""
+    """Added mass, damping, and drag of turning; the viscosity is that at the wall of a pipe turning at the
+    reference speed, where the shear rate is 2 omega/(1 - (Do/Dw)^2) (Couette)."""
     f = case.fluid
     assert f is not None
     inner, outer, speed = sizes.outer_diameter, sizes.hole_diameter, f.lateral_damping_speed
     viscosity = shear_viscosity(case, 2 * speed / (1 - (inner / outer) ** 2))
     if f.lateral_damping == "stokes":
         sizes_used, where = np.unique(np.column_stack([inner, outer, viscosity]), axis=0, return_inverse=True)
-        each = np.array([lateral_damping(d, w, f.density, mu, speed) if mu > 0 else 0.0 for d, w, mu in sizes_used])
+        each = np.array(
+            [lateral_damping(d, w, f.density, mu, speed) if mu > 0 else 0.0 for d, w, mu in sizes_used]
+        )
         damping = each[np.ravel(where)]
     else:
         damping = np.full(len(inner), float(f.lateral_damping))
     turning = np.zeros(len(inner))
     if f.rotation_drag:  # 4 pi mu Ro^2 Rw^2/(Rw^2 - Ro^2) per length and spin (Couette)
         turning = np.pi * viscosity * inner**2 * outer**2 / (outer**2 - inner**2)
-    return LateralCoefficients(_added_mass(case, sizes), damping, turning, _added_mass_by_place if f.added_mass == "eccentric" else None)
+    return LateralCoefficients(
+        _added_mass(case, sizes),
+        damping,
+        turning,
+        _added_mass_by_place if f.added_mass == "eccentric" else None,
+    )
 
 
 def _same_everywhere(well: Well, walls: AnnulusWalls) -> bool:
@@ -159,8 +209,15 @@ def _same_everywhere(well: Well, walls: AnnulusWalls) -> bool:
     return bool(straight) and not len(well.transitions) and len(set(walls.give)) == 1
 
 
-def _bit_end(case: Case, mesh: StringMesh, well: Well | None, sizes: Annulus | None, chi: FloatArray, position: FloatArray,
-             tangent: FloatArray) -> BitEnd:
+def _bit_end(
+    case: Case,
+    mesh: StringMesh,
+    well: Well | None,
+    sizes: Annulus | None,
+    chi: FloatArray,
+    position: FloatArray,
+    tangent: FloatArray,
+) -> BitEnd:
     f, last = case.fluid, case.string[-1]
     assert f is not None
     open_end = case.has_bore and not case.bottom.plugged
@@ -169,18 +226,40 @@ def _bit_end(case: Case, mesh: StringMesh, well: Well | None, sizes: Annulus | N
     if sizes is not None and well is not None:
         points, directions, _ = well.at(np.array([case.well.survey.md[-1]]))  # type: ignore[union-attr]
         end, axis = np.asarray(points)[0], np.asarray(directions)[0]
-    rock = getattr(case.well.sections[-1], "compliance", None) if case.well is not None and f.elastic_walls else None
+    rock = (
+        getattr(case.well.sections[-1], "compliance", None)
+        if case.well is not None and f.elastic_walls
+        else None
+    )
     hole = (0.0, 0.0, 0.0)
     if sizes is not None:
         hole = float(sizes.hole[-1]), float(sizes.hole[-1] - sizes.outer[-1]), float(sizes.outer[-1])
     return BitEnd(
-        bore=float(np.pi / 4 * mesh.inner_diameter[-1] ** 2) if open_end else 0.0, nozzle=nozzle,
-        discharge_coefficient=f.discharge_coefficient, check_valve=f.check_valve, ambient=f.outlet_pressure,
-        hole=hole[0], open=hole[1], outer=hole[2], elasticity=2 * (1 + rock.poisson) / rock.young if rock else 0.0,
-        volume=f.bit_volume, face=mesh.total_length - float(mesh.node_depth[-1]), added=float(chi[-1]), metal=metal_below(case, mesh),
-        end=end, axis=axis, tangent=tangent[-1])
+        bore=float(np.pi / 4 * mesh.inner_diameter[-1] ** 2) if open_end else 0.0,
+        nozzle=nozzle,
+        discharge_coefficient=f.discharge_coefficient,
+        check_valve=f.check_valve,
+        ambient=f.outlet_pressure,
+        hole=hole[0],
+        open=hole[1],
+        outer=hole[2],
+        elasticity=2 * (1 + rock.poisson) / rock.young if rock else 0.0,
+        volume=f.bit_volume,
+        face=mesh.total_length - float(mesh.node_depth[-1]),
+        added=float(chi[-1]),
+        metal=metal_below(case, mesh),
+        end=end,
+        axis=axis,
+        tangent=tangent[-1],
+    )
 
 
 def _drilled(end: BitEnd, hole: GrowingHole, returned: bool) -> BitEnd:
     """The same in a hole that is drilled on: its end is where the bit's centre is on bottom."""
-    return replace(end, end=hole.first, axis=hole.direction, face=end.face - hole.half, cut=np.pi * hole.radius**2 if returned else 0.0)
+    return replace(
+        end,
+        end=hole.first,
+        axis=hole.direction,
+        face=end.face - hole.half,
+        cut=np.pi * hole.radius**2 if returned else 0.0,
+    )

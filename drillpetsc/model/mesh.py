@@ -25,7 +25,11 @@ def build_mesh(case: Case) -> StringMesh:
     Raises CaseError where nothing of the string is flexible.
     """
     if not any(isinstance(item, Flexible) for item in case.string):
-        raise CaseError(at="string", want="at least one flexible item (pipe or beam)", hint="rigid items alone have no element")
+        raise CaseError(
+            at="string",
+            want="at least one flexible item (pipe or beam)",
+            hint="rigid items alone have no element",
+        )
     rows: list = []
     rigid: list = []
     pending: list = []
@@ -46,7 +50,11 @@ def build_mesh(case: Case) -> StringMesh:
         if isinstance(item, Flexible):
             edges = _edges(case, number, item, top, bottom)
             above = sum(q.length for _, q in pending)
-            bent = _bend_of(item) if not pending else next((_bend_of(q) for _, q in pending if _bend_of(q)), _bend_of(item))
+            bent = (
+                _bend_of(item)
+                if not pending
+                else next((_bend_of(q) for _, q in pending if _bend_of(q)), _bend_of(item))
+            )
             for k, (a, b) in enumerate(zip(edges, edges[1:], strict=False)):
                 if k:
                     place_joint(item, a)
@@ -59,8 +67,17 @@ def build_mesh(case: Case) -> StringMesh:
 
 
 def _joint(joint: Joint, cell: int) -> StringJoint:
-    return StringJoint(joint.at, joint.kind, cell, joint.axes, joint.constraint == "stabilised", joint.spring, joint.damping, joint.stroke,
-                       joint.stop_stiffness)
+    return StringJoint(
+        joint.at,
+        joint.kind,
+        cell,
+        joint.axes,
+        joint.constraint == "stabilised",
+        joint.spring,
+        joint.damping,
+        joint.stroke,
+        joint.stop_stiffness,
+    )
 
 
 def _bend_of(item):
@@ -82,7 +99,9 @@ def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -
         if at is not None and top < at < bottom:
             extra.append(at)
     extra += [joint.at for joint in case.joints if top < joint.at < bottom]
-    for at in extra:  # elements as short as the case asks for are kept; what lies on one of their ends is not another
+    for at in (
+        extra
+    ):  # elements as short as the case asks for are kept; what lies on one of their ends is not another
         k = bisect_left(edges, at)
         if min(at - edges[k - 1], edges[k] - at) > SAME_PLACE * max(1.0, at):
             edges.insert(k, at)
@@ -90,7 +109,8 @@ def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -
 
 
 def _with_sections(rows: list) -> list:
-    """Rows of joints take number and item of the element above (below the first): their section counts nowhere, but must be a number."""
+    """Rows of joints take number and item of the element above (below the first): their section counts
+    nowhere, but must be a number."""
     out, last = [], next((row for row in rows if row[0] >= 0), None)
     for row in rows:
         if row[0] >= 0:
@@ -106,7 +126,10 @@ def _section(item: Flexible) -> dict[str, float]:
         damping = m.damping
     else:
         assert isinstance(item, BeamItem)
-        values = {k: getattr(item, k) for k in ("axial_stiffness", "bending_stiffness", "torsional_stiffness", "mass", "polar_inertia")}
+        values = {
+            k: getattr(item, k)
+            for k in ("axial_stiffness", "bending_stiffness", "torsional_stiffness", "mass", "polar_inertia")
+        }
         damping = item.damping
     values |= {"stiffness_damping": damping.stiffness, "mass_damping": damping.mass}
     values |= {"outer_diameter": item.od or 0.0, "inner_diameter": item.id}
@@ -130,8 +153,17 @@ def _assemble(case: Case, rows, rigid, joints: tuple[StringJoint, ...]) -> Strin
     is_joint = np.zeros(n + 2, dtype=bool)  # one more at either end
     is_joint[[1 + j.cell for j in joints]] = True
     sections = {number: _section(item) for number, item, *_ in rows}
-    keys = ("axial_stiffness", "bending_stiffness", "torsional_stiffness", "mass", "polar_inertia", "outer_diameter", "inner_diameter",
-            "stiffness_damping", "mass_damping")
+    keys = (
+        "axial_stiffness",
+        "bending_stiffness",
+        "torsional_stiffness",
+        "mass",
+        "polar_inertia",
+        "outer_diameter",
+        "inner_diameter",
+        "stiffness_damping",
+        "mass_damping",
+    )
     columns: dict[str, Any] = {k: np.array([sections[number][k] for number, *_ in rows]) for k in keys}
     upper, lower = np.array([r[2] for r in rows]), np.array([r[3] for r in rows])
     above = np.array([r[4] for r in rows])
@@ -142,7 +174,12 @@ def _assemble(case: Case, rows, rigid, joints: tuple[StringJoint, ...]) -> Strin
     for _, item, node, _ in rigid:  # a bent rigid item kinks the end of the flexible one above it
         if _bend_of(item) and 0 < node <= n:
             if is_joint[node]:
-                raise CaseError(at="string", got=f"a bend of {item.kind}", want="no bend right below a joint", hint="put a pipe between")
+                raise CaseError(
+                    at="string",
+                    got=f"a bend of {item.kind}",
+                    want="no bend right below a joint",
+                    hint="put a pipe between",
+                )
             bend = _bend_of(item)
             curvature[node - 1] += _polar(bend.angle / (lower[node - 1] - upper[node - 1]), bend.tool_face)
     junction = np.zeros(n + 1, dtype=bool)
@@ -155,15 +192,30 @@ def _assemble(case: Case, rows, rigid, joints: tuple[StringJoint, ...]) -> Strin
         if at is not None:
             node = int(np.argmin(np.abs(node_depth - at)))
             junction[node] |= 0 < node < n
-    for node in np.flatnonzero(is_joint[:-1] | is_joint[1:]):  # no strain is common to the parts at a joint, the bar between it and
-        junction[node] = node < n and not is_joint[node + 1] and above[node] > 0  # the element below is what a ratio stands for
+    for node in np.flatnonzero(
+        is_joint[:-1] | is_joint[1:]
+    ):  # no strain is common to the parts at a joint, the bar between it and
+        junction[node] = (
+            node < n and not is_joint[node + 1] and above[node] > 0
+        )  # the element below is what a ratio stands for
     junction[0] = above[0] > 0 and not is_joint[1] if n else False
     friction = np.array([np.nan if item.friction is None else item.friction for _, item, *_ in rows])
     eccentricity = np.array([_polar(item.eccentricity, item.eccentricity_angle) for _, item, *_ in rows])
     eccentricity[is_joint[1:-1]] = 0.0
-    return StringMesh(upper=upper, lower=lower, node_depth=node_depth, rigid_above=above, eccentricity=eccentricity, curvature=curvature,
-                      item=np.array([r[0] for r in rows]), friction=friction, bodies=bodies, junction=junction,
-                      joints=joints, **columns)
+    return StringMesh(
+        upper=upper,
+        lower=lower,
+        node_depth=node_depth,
+        rigid_above=above,
+        eccentricity=eccentricity,
+        curvature=curvature,
+        item=np.array([r[0] for r in rows]),
+        friction=friction,
+        bodies=bodies,
+        junction=junction,
+        joints=joints,
+        **columns,
+    )
 
 
 def _body(item: Any, node: int, before: float) -> RigidItem:
@@ -171,6 +223,17 @@ def _body(item: Any, node: int, before: float) -> RigidItem:
     offset = np.array(across)
     if item.mass > 0:
         offset = offset + np.array(_polar(item.unbalance / item.mass, item.unbalance_angle))
-    return RigidItem(item.name or item.kind, item.kind, node, before, item.length, item.mass, before + along,
-                     (float(offset[0]), float(offset[1])), item.inertia.axial, item.inertia.transverse,
-                     0.5 * (item.od or 0.0), item.friction)
+    return RigidItem(
+        item.name or item.kind,
+        item.kind,
+        node,
+        before,
+        item.length,
+        item.mass,
+        before + along,
+        (float(offset[0]), float(offset[1])),
+        item.inertia.axial,
+        item.inertia.transverse,
+        0.5 * (item.od or 0.0),
+        item.friction,
+    )

@@ -34,15 +34,28 @@ def build_rock_bit(case: Case, mesh: StringMesh, well: Well) -> RockBit:
         side = c.stiffness * length if c.law == "linear" and length > 0 else bottom.stiffness
         damping = damping_factor(c.restitution, c.restitution_speed)
         contact = BitContact(bottom.stiffness, side, bottom.friction, wall, c.slip_velocity, damping)
-    rock = Rock(_layers(formation, start), formation.reference_speed, formation.reference_weight, formation.walk,
-                formation.direction == "bit_axis", formation.growth == "post_step")
+    rock = Rock(
+        _layers(formation, start),
+        formation.reference_speed,
+        formation.reference_weight,
+        formation.walk,
+        formation.direction == "bit_axis",
+        formation.growth == "post_step",
+    )
     inertia = case.time is None or case.time.mode == "dynamic"  # a bit without inertia cuts steadily
     return RockBit(mesh.nodes - 1, shape, contact, _law(formation.bit_law, radius), rock, hole, inertia)
 
 
 def _law(law, radius: float) -> DragBit | Weakening | None:
     if law.kind == "drag_bit":
-        return DragBit(law.blades, law.specific_energy, law.inclination_ratio, law.contact_stress, law.wear_flat, law.friction)
+        return DragBit(
+            law.blades,
+            law.specific_energy,
+            law.inclination_ratio,
+            law.contact_stress,
+            law.wear_flat,
+            law.friction,
+        )
     if law.kind == "velocity_weakening":
         if law.static is not None:
             return Weakening(law.static, law.dynamic, law.speed)
@@ -61,11 +74,20 @@ def _layers(formation, start: float) -> tuple[Layer, ...]:
 
 
 def _layer(q, start: float) -> Layer:
-    return Layer(start, q.drillability, q.rotary_exponent, q.weight_exponent, q.threshold, q.bit_anisotropy, rock_matrix(q.rock_anisotropy))
+    return Layer(
+        start,
+        q.drillability,
+        q.rotary_exponent,
+        q.weight_exponent,
+        q.threshold,
+        q.bit_anisotropy,
+        rock_matrix(q.rock_anisotropy),
+    )
 
 
 def rock_matrix(rock) -> FloatArray:
-    """(3, 3) M_r = n n + I_1 d d + I_2 s s with the bedding's normal n, the direction of dip d and of strike s (north, east, down).
+    """(3, 3) M_r = n n + I_1 d d + I_2 s s with the bedding's normal n, the direction of dip d and of strike
+    s (north, east, down).
 
     The bedding dips by ``dip`` towards ``dip_azimuth``: a level bed has its normal upright.
     """

@@ -1,7 +1,7 @@
 """What a run leaves on disk: the run folder, its tables, the string over time, the summary.
 
-Plain numpy arrays and dictionaries in, files out. Nothing here knows PETSc, MPI or the case; rank 0 calls it with
-gathered arrays.
+Plain numpy arrays and dictionaries in, files out. Nothing here knows PETSc, MPI or the case; rank 0 calls it
+with gathered arrays.
 meshio is imported by the first function that writes or reads a .vtu, not before.
 """
 

@@ -10,8 +10,8 @@ from drillpetsc.model.drilling_model import DrillingModel
 
 
 def curvatures(model: DrillingModel) -> FloatArray:
-    """(nc, 2, 2, 3) [1/m] of each local element: the curvature vector r' x r''/|r'|^2, then it less the stress-free
-    one; at both ends."""
+    """(nc, 2, 2, 3) [1/m] of each local element: the curvature vector r' x r''/|r'|^2, then it less the
+    stress-free one; at both ends."""
     system, mesh, chain = model.system, model.mesh, model.system.chain
     r, v, phi = (system.field(f"string.{k}") for k in ("position", "tangent", "spin"))
     a, b, e = chain.ends[:, 0], chain.ends[:, 1], chain.cells
@@ -34,6 +34,7 @@ def curvatures(model: DrillingModel) -> FloatArray:
 
 
 def bending_moments(model: DrillingModel) -> FloatArray:
-    """(nc, 2) bending moment [N m] at the upper and lower end of each local element: EI times the curvature beyond the stress-free one."""
+    """(nc, 2) bending moment [N m] at the upper and lower end of each local element: EI times the curvature
+    beyond the stress-free one."""
     bend = np.linalg.norm(curvatures(model)[:, 1], axis=2)
     return model.mesh.bending_stiffness[model.system.chain.cells][:, None] * bend

@@ -1,4 +1,5 @@
-"""Whether a run makes energy out of nothing: time integration may lose some, but gains are the first sign of one that is unstable."""
+"""Whether a run makes energy out of nothing: time integration may lose some, but gains are the first sign of
+one that is unstable."""
 
 from __future__ import annotations
 
@@ -31,12 +32,21 @@ class EnergyGainMonitor:
             return
         self.rows = self.rows + 1 if self.recorder.audited_error > self.limit * self.recorder.exchanged else 0
         if self.rows >= ROWS_ABOVE_LIMIT:
-            raise SolveError(self.message(), time=t, hint="a smaller -ts_rtol, -ts_bdf_order 1 or contact.energy_strict: true may help")
+            raise SolveError(
+                self.message(),
+                time=t,
+                hint="a smaller -ts_rtol, -ts_bdf_order 1 or contact.energy_strict: true may help",
+            )
 
     def summary(self) -> dict[str, Any]:
         """For summary.json: gained, the most at any row [J]; its share; whether that is too much."""
         share = self.recorder.gained / self.recorder.exchanged
-        return {"gained": self.recorder.gained, "gained_share": share, "gain_limit": self.limit, "flag": bool(share > self.limit)}
+        return {
+            "gained": self.recorder.gained,
+            "gained_share": share,
+            "gain_limit": self.limit,
+            "flag": bool(share > self.limit),
+        }
 
     def message(self) -> str:
         """For the user."""

@@ -17,8 +17,9 @@ Column = tuple[str, str]
 class FlowRecorder:
     """Samples the fluid of a scene; sums over ranks are the caller's.
 
-    A sample is (7,): pressures at the pump and at the bit [Pa], flow rates out of the flow line, of the pump and through the bit
-    [m3/s], volume at zero pressure of all fluid [m3], and of the rock that becomes part of it [m3/s].
+    A sample is (7,): pressures at the pump and at the bit [Pa], flow rates out of the flow line, of the pump
+    and through the bit [m3/s], volume at zero pressure of all fluid [m3], and of the rock that becomes part
+    of it [m3/s].
     """
 
     SIZE = 7
@@ -43,11 +44,17 @@ class FlowRecorder:
     def row(self, sample: FloatArray) -> list[float]:
         """Values of ``columns`` from a sample."""
         has_bore = self.fluid.bore is not None
-        return [*([sample[0]] if has_bore else []), sample[1], sample[2], *([sample[3], sample[4]] if has_bore else [])]
+        return [
+            *([sample[0]] if has_bore else []),
+            sample[1],
+            sample[2],
+            *([sample[3], sample[4]] if has_bore else []),
+        ]
 
     @contextmanager
     def taken(self) -> Iterator[None]:
-        """Within this, figures of the channels are worked out once for all who ask; the state must not change."""
+        """Within this, figures of the channels are worked out once for all who ask; the state must not
+        change."""
         with ExitStack() as stack:
             for component in (self.fluid.bore, self.fluid.annulus):
                 if component is not None:
@@ -84,8 +91,9 @@ class FlowRecorder:
         self._sums, self.start_content, self._before = np.zeros(3), float(total[5]), None
 
     def step(self, total: FloatArray, dt: float, fresh: bool) -> None:
-        """Add up what an accepted step brought in and out, by the formula that the pressures took (BDF of order 2): what it makes of a wave
-        front is then no loss of mud.  fresh: the formula starts anew, as PETSc does it, by a half step of order 1."""
+        """Add up what an accepted step brought in and out, by the formula that the pressures took (BDF of
+        order 2): what it makes of a wave front is then no loss of mud.  fresh: the formula starts anew, as
+        PETSc does it, by a half step of order 1."""
         now, old = total[[3, 2, 6]], self._sums
         if fresh or self._before is None:
             before, gap = old, 0.5 * dt
@@ -98,13 +106,21 @@ class FlowRecorder:
         self._sums = (now - a1 * old - a2 * before) / a0
 
     def balance(self, total: FloatArray) -> dict[str, Any]:
-        """Volumes at zero pressure since the start [m3]; the share is relative to the larger of what went in and came out.  With a hole
-        that grows, the content is that of the hole as it is; cuttings: rock that the mud carries, counted as mud."""
+        """Volumes at zero pressure since the start [m3]; the share is relative to the larger of what went in
+        and came out.  With a hole that grows, the content is that of the hole as it is; cuttings: rock that
+        the mud carries, counted as mud."""
         change, (pumped, returned, cuttings) = float(total[5]) - self.start_content, map(float, self._sums)
         error = change - pumped + returned - cuttings
         largest = max(abs(pumped), abs(returned), abs(change), 1e-300)
         rock = {"cuttings": cuttings} if cuttings else {}
-        return {"pumped": pumped, "returned": returned, **rock, "content_change": change, "error": error, "error_share": error / largest}
+        return {
+            "pumped": pumped,
+            "returned": returned,
+            **rock,
+            "content_change": change,
+            "error": error,
+            "error_share": error / largest,
+        }
 
     def get_state(self) -> dict[str, FloatArray]:
         """What a continued run needs to keep counting."""
@@ -122,25 +138,34 @@ class FlowRecorder:
         """Pressures [Pa] at the local vertices."""
         names = {"bore": "internal_pressure [Pa]", "annulus": "annulus_pressure [Pa]"}
         components = {title: getattr(self.fluid, component) for component, title in names.items()}
-        return {title: component.pressures(self.system) for title, component in components.items() if component is not None}
+        return {
+            title: component.pressures(self.system)
+            for title, component in components.items()
+            if component is not None
+        }
 
     def wall_tension(self) -> FloatArray:
-        """(nc, 2) tension [N] of the pipe's wall at both ends of the local elements beyond EA times strain: what keeps a pipe
-        under pressure from growing shorter, 2 nu (p_i A_i - p_o A_o) (Lame)."""
+        """(nc, 2) tension [N] of the pipe's wall at both ends of the local elements beyond EA times strain:
+        what keeps a pipe under pressure from growing shorter, 2 nu (p_i A_i - p_o A_o) (Lame)."""
         chain, out = self.system.chain, np.zeros((len(self.system.chain.cells), 2))
         for component, sign in ((self.fluid.bore, 1.0), (self.fluid.annulus, -1.0)):
             if component is not None:
-                area = (component.bore.area if component is self.fluid.bore else component.annulus.outer)[chain.cells]
+                area = (component.bore.area if component is self.fluid.bore else component.annulus.outer)[
+                    chain.cells
+                ]
                 pressure = component.pressures(self.system)[chain.ends]
                 out += sign * 2 * (component.poisson[chain.cells] * area)[:, None] * pressure
         return out
 
     def pressure_force(self) -> FloatArray:
-        """(nc, 2) what effective tension has beyond that of the wall at both ends of the local elements, -p_i A_i + p_o A_o [N]."""
+        """(nc, 2) what effective tension has beyond that of the wall at both ends of the local elements, -p_i
+        A_i + p_o A_o [N]."""
         chain, out = self.system.chain, np.zeros((len(self.system.chain.cells), 2))
         for component, sign in ((self.fluid.bore, -1.0), (self.fluid.annulus, 1.0)):
             if component is not None:
-                area = (component.bore.area if component is self.fluid.bore else component.annulus.outer)[chain.cells]
+                area = (component.bore.area if component is self.fluid.bore else component.annulus.outer)[
+                    chain.cells
+                ]
                 out += sign * area[:, None] * component.pressures(self.system)[chain.ends]
         return out
 

@@ -14,9 +14,9 @@ Mode = Literal["auto", "live", "log", "silent"]
 class Progress:
     """Shows simulated time, step number, step size, real-time factor and the time still needed.
 
-    update() is called after every accepted step; between two prints it costs a clock reading (well under 1 us).
-    The factor is simulated seconds per wall second over the last prints (about the last 30 s of wall time), so that the
-    estimate follows a run that slows down; finish() gives the one over the whole run.
+    update() is called after every accepted step; between two prints it costs a clock reading (well under 1
+    us). The factor is simulated seconds per wall second over the last prints (about the last 30 s of wall
+    time), so that the estimate follows a run that slows down; finish() gives the one over the whole run.
     """
 
     def __init__(

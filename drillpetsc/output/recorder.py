@@ -1,4 +1,5 @@
-"""What a run measures: figures after every step, rows of the history and of the probes, fields along the string."""
+"""What a run measures: figures after every step, rows of the history and of the probes, fields along the
+string."""
 
 from __future__ import annotations
 
@@ -19,11 +20,18 @@ from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.quaternion.ends import ConstrainedEnd
 
 Column = tuple[str, str]
-#: in a sample: hook load, surface torque, weight on bit, bit torque, bit speed, the bit's face (3), powers (2), drilled, rate; probes
+#: in a sample: hook load, surface torque, weight on bit, bit torque, bit speed, the bit's face (3), powers
+#: (2), drilled, rate; probes
 FIRST_PROBE = 12
 #: what history.csv tells of each joint: name, unit, column of the room's report
-JOINT_COLUMNS = (("force", "N", "tension"), ("side_force", "N", "side_force"), ("torque", "N m", "torque"),
-                 ("bending_moment", "N m", "bending"), ("angle", "rad", "angle"), ("travel", "m", "travel"))
+JOINT_COLUMNS = (
+    ("force", "N", "tension"),
+    ("side_force", "N", "side_force"),
+    ("torque", "N m", "torque"),
+    ("bending_moment", "N m", "bending"),
+    ("angle", "rad", "angle"),
+    ("travel", "m", "travel"),
+)
 
 
 @dataclass(frozen=True)
@@ -36,7 +44,8 @@ class _Probe:
 class Recorder:
     """Samples a scene; every rank calls it, rank 0 gets the values.
 
-    A sample is one vector, summed over ranks: what a rank does not own is zero.  ``columns`` are those of history.csv.
+    A sample is one vector, summed over ranks: what a rank does not own is zero.  ``columns`` are those of
+    history.csv.
     """
 
     def __init__(self, model: DrillingModel):
@@ -44,10 +53,14 @@ class Recorder:
         self.comm = self.system.comm.tompi4py()
         mesh = model.mesh
         self.flow = FlowRecorder(model.system, model.fluid) if model.fluid is not None else None
-        self.probes = [self._locate(depth) for depth in model.case.output.probes] if model.beam is not None else []
+        self.probes = (
+            [self._locate(depth) for depth in model.case.output.probes] if model.beam is not None else []
+        )
         self.joints = mesh.joints if model.beam is not None else ()
         self._face = mesh.total_length - mesh.node_depth[-1]
-        self.has_energies = not is_quasi_static(model.case)  # without inertia, work goes into motion that is not computed
+        self.has_energies = not is_quasi_static(
+            model.case
+        )  # without inertia, work goes into motion that is not computed
         self.columns = self._columns()
         self.probe_columns: list[Column] = [("time", "s")]
         for p in self.probes:
@@ -56,12 +69,18 @@ class Recorder:
             if model.contact is not None:
                 self.probe_columns.append((f"contact_{tag}", "N"))
         self._joints_at = FIRST_PROBE + 5 * len(self.probes)
-        self._width = self._joints_at + len(JOINT_COLUMNS) * len(self.joints) + (FlowRecorder.SIZE if self.flow is not None else 0)
+        self._width = (
+            self._joints_at
+            + len(JOINT_COLUMNS) * len(self.joints)
+            + (FlowRecorder.SIZE if self.flow is not None else 0)
+        )
         self._samples: deque[tuple[float, FloatArray]] = deque(maxlen=3)
         self.dissipated = self.supplied = self.start_energy = 0.0
         self._powers: tuple[float, ...] = (0.0, 0.0)
         self.peak_exchange = self._before_jump = 0.0
-        self.audited_error = self.gained = 0.0  # energy error at the last audit, and its largest value since the start [J]
+        self.audited_error = self.gained = (
+            0.0  # energy error at the last audit, and its largest value since the start [J]
+        )
         self._first_energies = self.energies = np.zeros(3)
         local = {int(v): i for i, v in enumerate(self.system.chain.vertices)}
         self._last = local.get(mesh.nodes - 1, -1)
@@ -79,7 +98,9 @@ class Recorder:
     def _columns(self) -> list[Column]:
         model = self.model
         out: list[Column] = [("time", "s")]
-        if model.beam is not None and (model.top is not None or getattr(model.case.top, "force", None) is not None):
+        if model.beam is not None and (
+            model.top is not None or getattr(model.case.top, "force", None) is not None
+        ):
             out += [("hook_load", "N"), ("surface_torque", "N m")]
         if model.bit is not None:
             out += [("wob", "N"), ("bit_torque", "N m")]
@@ -92,20 +113,29 @@ class Recorder:
         if self.flow is not None:
             out += self.flow.columns
         out += [(f"joint_{j.depth:g}_{name}", unit) for j in self.joints for name, unit, _ in JOINT_COLUMNS]
-        energies: list[Column] = [("kinetic_energy", "J"), ("strain_energy", "J"), ("energy_error", "J")] if self.has_energies else []
+        energies: list[Column] = (
+            [("kinetic_energy", "J"), ("strain_energy", "J"), ("energy_error", "J")]
+            if self.has_energies
+            else []
+        )
         return [*out, *energies, ("step", "s"), ("newton", "-")]
 
     # ------------------------------------------------------------------ sampling
     def sample(self, t: float) -> FloatArray:
-        """All figures at the assembly's state: reactions, bit, probes, powers; (m,), the same on all ranks."""
+        """All figures at the assembly's state: reactions, bit, probes, powers; (m,), the same on all
+        ranks."""
         model, system = self.model, self.system
         asm = system.assembly
         v = np.zeros(self._width)
         for f in asm.row_replacements:
             if f.owned and f.condition.vertex == 0:
                 names = f.condition.names
-                v[0] = -f.reaction[names.index("top.axial_reaction")] if "top.axial_reaction" in names else 0.0
-                v[1] = f.reaction[names.index("top.torque_reaction")] if "top.torque_reaction" in names else 0.0
+                v[0] = (
+                    -f.reaction[names.index("top.axial_reaction")] if "top.axial_reaction" in names else 0.0
+                )
+                v[1] = (
+                    f.reaction[names.index("top.torque_reaction")] if "top.torque_reaction" in names else 0.0
+                )
         if isinstance(model.top, ConstrainedEnd):
             v[0] = -model.top.own_reaction("top.axial_reaction", asm)
             v[1] = model.top.own_reaction("top.torque_reaction", asm)
@@ -122,7 +152,9 @@ class Recorder:
             if p.cell in self._cell:
                 v[FIRST_PROBE + 5 * k : FIRST_PROBE + 5 + 5 * k] = self._probe(p)
         if self.joints:
-            figures = next(component for component in model.components if isinstance(component, Joints)).report(asm)
+            figures = next(
+                component for component in model.components if isinstance(component, Joints)
+            ).report(asm)
             chosen = figures[:, [JOINT_REPORT.index(name) for _, _, name in JOINT_COLUMNS]].ravel()
             v[self._joints_at : self._joints_at + len(chosen)] = chosen
         if self.flow is None:
@@ -149,7 +181,12 @@ class Recorder:
             r[0] = r[0] + mesh.rigid_above[p.cell] * v[0] / np.linalg.norm(v[0])
             v[0] = v[0] * asm.x[place["string.ratio"][a, 0]]
         s, L = p.place, mesh.length[p.cell]
-        x = (1 - 3 * s**2 + 2 * s**3) * r[0] + L * (s - 2 * s**2 + s**3) * v[0] + (3 * s**2 - 2 * s**3) * r[1] + L * (s**3 - s**2) * v[1]
+        x = (
+            (1 - 3 * s**2 + 2 * s**3) * r[0]
+            + L * (s - 2 * s**2 + s**3) * v[0]
+            + (3 * s**2 - 2 * s**3) * r[1]
+            + L * (s**3 - s**2) * v[1]
+        )
         spin = (1 - s) * spins[0] + s * spins[1]
         return np.array([*x, spin, contact.normal_force(e) if contact is not None else 0.0])
 
@@ -165,30 +202,54 @@ class Recorder:
 
     def get_state(self) -> dict[str, FloatArray]:
         """What a continued run needs to keep counting; the same on all ranks."""
-        sums = [self.dissipated, self.supplied, self.start_energy, self.peak_exchange, self._before_jump, self.gained,
-                self.audited_error, *self._powers]
+        sums = [
+            self.dissipated,
+            self.supplied,
+            self.start_energy,
+            self.peak_exchange,
+            self._before_jump,
+            self.gained,
+            self.audited_error,
+            *self._powers,
+        ]
         samples = np.array([[t, *v] for t, v in self._samples])
         flow = self.flow.get_state() if self.flow is not None else {}
-        return {"sums": np.array(sums), "first_energies": self._first_energies, "energies": self.energies, "samples": samples} | flow
+        return {
+            "sums": np.array(sums),
+            "first_energies": self._first_energies,
+            "energies": self.energies,
+            "samples": samples,
+        } | flow
 
     def set_state(self, memory: dict[str, FloatArray]) -> None:
         """Go on from a checkpoint's memory; raises CaseError when the run that left it had other probes."""
         if memory["samples"].shape[1] != 1 + self._width:
             raise CaseError(at="output.probes", want="the probes of the run that is continued")
         sums = list(map(float, memory["sums"]))
-        self.dissipated, self.supplied, self.start_energy, self.peak_exchange, self._before_jump, self.gained, self.audited_error = sums[:7]
+        (
+            self.dissipated,
+            self.supplied,
+            self.start_energy,
+            self.peak_exchange,
+            self._before_jump,
+            self.gained,
+            self.audited_error,
+        ) = sums[:7]
         self._powers = tuple(sums[7:])
         self._first_energies, self.energies = np.array(memory["first_energies"]), np.array(memory["energies"])
         self._samples.extend((float(row[0]), np.array(row[1:])) for row in memory["samples"])
         if self.flow is not None:
             self.flow.set_state(memory)
 
-    def step(self, t: float, dt: float, next_row: float, inputs_at: float | None = None, fresh: bool = False) -> None:
-        """Add up the work of an accepted step; take all its figures only when a row, due at ``next_row`` [s], may need them.
+    def step(
+        self, t: float, dt: float, next_row: float, inputs_at: float | None = None, fresh: bool = False
+    ) -> None:
+        """Add up the work of an accepted step; take all its figures only when a row, due at ``next_row`` [s],
+        may need them.
 
-        inputs_at: time at which the step saw its inputs (just before a jump where it ends on one).  fresh: the first step of the time
-        formula after a start.  The time integrator at most doubles a step, so the step before the one that passes ``next_row`` is among
-        them.
+        inputs_at: time at which the step saw its inputs (just before a jump where it ends on one).  fresh:
+        the first step of the time formula after a start.  The time integrator at most doubles a step, so the
+        step before the one that passes ``next_row`` is among them.
         """
         seen = t if inputs_at is None else inputs_at
         if t + 3.0 * dt >= next_row or self.flow is not None:
@@ -218,22 +279,25 @@ class Recorder:
         self._before_jump = self.energy_error
 
     def add_impulse_work(self, t: float) -> None:
-        """Book the work of the impulse that a jump of rate gives: what the energies gained in the steps whose formula reaches over it.
+        """Book the work of the impulse that a jump of rate gives: what the energies gained in the steps whose
+        formula reaches over it.
 
-        Neither reaction nor rate have a value of their own at the jump, so no sum over these steps stands for their product.
+        Neither reaction nor rate have a value of their own at the jump, so no sum over these steps stands for
+        their product.
         """
         self.audit(t)
         self.supplied += self.energy_error - self._before_jump
 
     @property
     def exchanged(self) -> float:
-        """What an energy error is measured by [J]: the larger of work supplied and peak change of kinetic and strain energy, and never so
-        little that rounding would count."""
+        """What an energy error is measured by [J]: the larger of work supplied and peak change of kinetic and
+        strain energy, and never so little that rounding would count."""
         return max(abs(self.supplied), self.peak_exchange, 1e-9 * float(np.abs(self.energies).sum()), 1e-300)
 
     @property
     def energy_error(self) -> float:
-        """Stored energy gained + dissipated - supplied since the start [J]: what the time integration made or lost."""
+        """Stored energy gained + dissipated - supplied since the start [J]: what the time integration made or
+        lost."""
         return float(self.energies.sum() - self.start_energy + self.dissipated - self.supplied)
 
     def mass_balance(self) -> dict[str, float]:
@@ -243,7 +307,8 @@ class Recorder:
 
     # ------------------------------------------------------------------ rows
     def at(self, t: float) -> FloatArray:
-        """Sample at an output time within the last step: motion by a parabola through three steps, forces by a straight line."""
+        """Sample at an output time within the last step: motion by a parabola through three steps, forces by
+        a straight line."""
         times = [q[0] for q in self._samples]
         if len(times) == 1 or t >= times[-1]:
             return self._samples[-1][1]
@@ -297,8 +362,8 @@ class Recorder:
         return row
 
     def offset(self, points: FloatArray, depth: float | FloatArray) -> FloatArray:
-        """(k, 2) offset of ``points`` (k, 3) from the hole's axis: towards the high side (north in a vertical hole), and to the
-        right of it looking down (east); without a hole, from the straight string."""
+        """(k, 2) offset of ``points`` (k, 3) from the hole's axis: towards the high side (north in a vertical
+        hole), and to the right of it looking down (east); without a hole, from the straight string."""
         if self.model.well is not None:
             foot = self.model.well.project(points)
             tangent, offset = foot.tangent, foot.offset
@@ -314,7 +379,8 @@ class Recorder:
 
     # ------------------------------------------------------------------ fields
     def fields(self, t: float) -> tuple[FloatArray, dict[str, FloatArray]] | None:
-        """Points (n, 3) [m] and point data of the deformed string in depth order, on rank 0; None elsewhere."""
+        """Points (n, 3) [m] and point data of the deformed string in depth order, on rank 0; None
+        elsewhere."""
         system, model, mesh = self.system, self.model, self.model.mesh
         asm = system.assembly
         parts: dict[str, FloatArray] = {}
@@ -348,7 +414,9 @@ class Recorder:
         ends = np.cumsum([p.shape[1] for p in parts.values()])
         return dict(zip(parts, np.split(whole, ends[:-1], axis=1), strict=True))
 
-    def _point_data(self, node: dict[str, FloatArray], cell: dict[str, FloatArray]) -> tuple[FloatArray, dict[str, FloatArray]]:
+    def _point_data(
+        self, node: dict[str, FloatArray], cell: dict[str, FloatArray]
+    ) -> tuple[FloatArray, dict[str, FloatArray]]:
         model, mesh = self.model, self.model.mesh
         element = ~mesh.is_joint
 
@@ -361,7 +429,10 @@ class Recorder:
             count[1:] += element
             return total / np.maximum(count, 1)  # no element at all meets a rigid item between joints
 
-        data = {"md [m]": mesh.node_depth, "outer_radius [m]": at_nodes(0.5 * mesh.outer_diameter, 0.5 * mesh.outer_diameter)}
+        data = {
+            "md [m]": mesh.node_depth,
+            "outer_radius [m]": at_nodes(0.5 * mesh.outer_diameter, 0.5 * mesh.outer_diameter),
+        }
         points = model.position
         if "string" in node:
             points = node["string"][:, :3]
@@ -373,7 +444,11 @@ class Recorder:
         if model.well is not None:
             data["hole_radius [m]"] = model.well.project(points).radius  # where the node is now
         data |= {name: values[:, 0] for name, values in node.items() if name != "string"}
-        data |= {name: at_nodes(values[:, 0], values[:, 0]) for name, values in cell.items() if name not in ("beam", "contact", "pressure")}
+        data |= {
+            name: at_nodes(values[:, 0], values[:, 0])
+            for name, values in cell.items()
+            if name not in ("beam", "contact", "pressure")
+        }
         return points, data
 
     def _string_data(self, node: FloatArray, cell: FloatArray, at_nodes) -> dict[str, FloatArray]:
@@ -385,8 +460,12 @@ class Recorder:
 
         offset = self.offset(node[:, :3], mesh.node_depth)
         data = {
-            "displacement [m]": node[:, :3] - model.position, "velocity [m/s]": node[:, 3:6],
-            "spin [rad/s]": node[:, 6], "spin_angle [rad]": node[:, 7], "offset_x [m]": offset[:, 0], "offset_y [m]": offset[:, 1],
+            "displacement [m]": node[:, :3] - model.position,
+            "velocity [m/s]": node[:, 3:6],
+            "spin [rad/s]": node[:, 6],
+            "spin_angle [rad]": node[:, 7],
+            "offset_x [m]": offset[:, 0],
+            "offset_y [m]": offset[:, 1],
             "axial_force [N]": from_cells("axial_upper", "axial_lower"),
             "torque [N m]": -from_cells("torque"),  # positive as the surface torque: the top turns the string
             "bending_moment [N m]": from_cells("bending_upper", "bending_lower"),
@@ -395,6 +474,9 @@ class Recorder:
         if tube.all():
             area = np.pi / 4 * (mesh.outer_diameter**2 - mesh.inner_diameter**2)
             modulus = np.pi / 32 * (mesh.outer_diameter**4 - mesh.inner_diameter**4) / mesh.outer_diameter
-            stress = [np.abs(cell[:, column[f"axial_{e}"]]) / area + cell[:, column[f"bending_{e}"]] / modulus for e in ("upper", "lower")]
+            stress = [
+                np.abs(cell[:, column[f"axial_{e}"]]) / area + cell[:, column[f"bending_{e}"]] / modulus
+                for e in ("upper", "lower")
+            ]
             data["stress [Pa]"] = at_nodes(*stress)  # largest normal stress of the section, axial and bending
         return data

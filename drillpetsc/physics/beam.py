@@ -1,4 +1,5 @@
-"""The drillstring's beam: axial, bending, torsion, inertia, gravity, material damping (kernels/beam/beam.hpp)."""
+"""The drillstring's beam: axial, bending, torsion, inertia, gravity, material damping
+(kernels/beam/beam.hpp)."""
 
 from __future__ import annotations
 
@@ -14,10 +15,25 @@ from drillpetsc.kernels import function, pointer
 
 _report = function("beam_report", "iippppp")
 _dissipation = function("beam_dissipation", "iipppp", ctypes.c_double)
-REPORT = ("kinetic", "strain", "potential", "axial_upper", "axial_middle", "axial_lower", "torque", "bending_upper",
-          "bending_lower")
-SLOTS = (("string.position", 0), ("string.tangent", 0), ("string.spin", 0), ("string.position", 1), ("string.tangent", 1),
-         ("string.spin", 1))
+REPORT = (
+    "kinetic",
+    "strain",
+    "potential",
+    "axial_upper",
+    "axial_middle",
+    "axial_lower",
+    "torque",
+    "bending_upper",
+    "bending_lower",
+)
+SLOTS = (
+    ("string.position", 0),
+    ("string.tangent", 0),
+    ("string.spin", 0),
+    ("string.position", 1),
+    ("string.tangent", 1),
+    ("string.spin", 1),
+)
 SPLIT_SLOTS = (*SLOTS, ("string.ratio", 0))
 
 POSITION_SCALE = 0.03  # [m], of the order of a string's play in its hole
@@ -25,10 +41,11 @@ _REFERENCE1, _REFERENCE2, _TWIST0 = slice(12, 15), slice(15, 18), 8
 
 
 class Beam:
-    """Elements of the string; unknowns r [m], v = dr/ds [-], phi [rad] at every node, a stretch ratio at junctions.
+    """Elements of the string; unknowns r [m], v = dr/ds [-], phi [rad] at every node, a stretch ratio at
+    junctions.
 
-    finest_motion [m]: depth to which impacts press the string into the wall, in a scene with contact; errors of positions are then
-    measured by it where it is smaller than ``POSITION_SCALE``.
+    finest_motion [m]: depth to which impacts press the string into the wall, in a scene with contact; errors
+    of positions are then measured by it where it is smaller than ``POSITION_SCALE``.
     """
 
     name = "beam"
@@ -50,13 +67,25 @@ class Beam:
 
     def _params(self, e: np.ndarray) -> FloatArray:
         m, f = self.mesh, self.frames
-        columns = [m.length[e], m.axial_stiffness[e], m.bending_stiffness[e], m.torsional_stiffness[e], m.mass[e], m.polar_inertia[e],
-                   m.stiffness_damping[e], m.mass_damping[e], f.twist0[e]]
+        columns = [
+            m.length[e],
+            m.axial_stiffness[e],
+            m.bending_stiffness[e],
+            m.torsional_stiffness[e],
+            m.mass[e],
+            m.polar_inertia[e],
+            m.stiffness_damping[e],
+            m.mass_damping[e],
+            f.twist0[e],
+        ]
         gravity = np.tile(self.gravity, (len(e), 1))
-        return np.ascontiguousarray(np.column_stack([*columns, gravity, f.reference[e], f.reference[e + 1], m.rigid_above[e]]))
+        return np.ascontiguousarray(
+            np.column_stack([*columns, gravity, f.reference[e], f.reference[e + 1], m.rigid_above[e]])
+        )
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
-        """Blocks of the local cells of ``part`` (a Chain), by whether they are damped and hang on a junction."""
+        """Blocks of the local cells of ``part`` (a Chain), by whether they are damped and hang on a
+        junction."""
         e = part.cells
         damped = (self.mesh.stiffness_damping[e] != 0) | (self.mesh.mass_damping[e] != 0)
         split = self.mesh.junction[e] if len(self.mesh.junction) else np.zeros(len(e), dtype=bool)
@@ -66,12 +95,27 @@ class Beam:
         blocks = []
         for is_split in (False, True):
             for is_damped in (False, True):
-                if (is_split and not self.mesh.junction[:-1].any()) or (is_damped and not any_damped) or (not is_damped and all_damped):
+                if (
+                    (is_split and not self.mesh.junction[:-1].any())
+                    or (is_damped and not any_damped)
+                    or (not is_damped and all_damped)
+                ):
                     continue  # the same decision on every rank
-                chosen = np.flatnonzero((split == is_split) & (damped == is_damped) & element).astype(np.int32)
+                chosen = np.flatnonzero((split == is_split) & (damped == is_damped) & element).astype(
+                    np.int32
+                )
                 kernel = "beam" + "_split" * is_split + "_damped" * is_damped
-                blocks.append(ElementBlock(kernel.replace("split", "junction"), kernel, "cell", chosen, SPLIT_SLOTS if is_split else SLOTS,
-                                    (0, 1), self._params(e[chosen])))
+                blocks.append(
+                    ElementBlock(
+                        kernel.replace("split", "junction"),
+                        kernel,
+                        "cell",
+                        chosen,
+                        SPLIT_SLOTS if is_split else SLOTS,
+                        (0, 1),
+                        self._params(e[chosen]),
+                    )
+                )
         self._blocks = tuple(blocks)
         self._part, self._tables = part, None
         return self._blocks
@@ -83,31 +127,49 @@ class Beam:
         return ()
 
     def update_reference_frames(self) -> None:
-        """Take over renewed reference frames and twist offsets from ``frames`` into the blocks' parameters."""
+        """Take over renewed reference frames and twist offsets from ``frames`` into the blocks'
+        parameters."""
         for b in self._blocks:
             e = self._part.cells[b.points]
-            b.params[:, _REFERENCE1], b.params[:, _REFERENCE2] = self.frames.reference[e], self.frames.reference[e + 1]
+            b.params[:, _REFERENCE1], b.params[:, _REFERENCE2] = (
+                self.frames.reference[e],
+                self.frames.reference[e + 1],
+            )
             b.params[:, _TWIST0] = self.frames.twist0[e]
 
     def section(self, state, vertex: int) -> tuple[FloatArray, FloatArray, float]:
         """Position [m], slope and spin rate [rad/s] of a local vertex."""
         place = state.layout.dofs
-        return state.x[place["string.position"][vertex]], state.x[place["string.tangent"][vertex]], state.y[place["string.spin"][vertex, 0]]
+        return (
+            state.x[place["string.position"][vertex]],
+            state.x[place["string.tangent"][vertex]],
+            state.y[place["string.spin"][vertex, 0]],
+        )
 
     def columns(self, state) -> FloatArray:
-        """(nv, 8) at the local vertices: position [m] and velocity [m/s], spin rate [rad/s], spin angle [rad]."""
+        """(nv, 8) at the local vertices: position [m] and velocity [m/s], spin rate [rad/s], spin angle
+        [rad]."""
         r, spin = state.layout.dofs["string.position"], state.layout.dofs["string.spin"]
         return np.hstack([state.x[r], state.y[r], state.y[spin], state.x[spin]])
 
     def report(self, layout: DofLayout, x: FloatArray, y: FloatArray) -> FloatArray:
-        """(nc, 9) per local cell in depth order: the columns of ``REPORT`` [J, J, J, N, N, N, N m, N m, N m]."""
+        """(nc, 9) per local cell in depth order: the columns of ``REPORT`` [J, J, J, N, N, N, N m, N m, N
+        m]."""
         out = np.zeros((len(self._part.cells), len(REPORT)))
         if self._tables is None or self._tables[0] is not layout:
             self._tables = layout, [layout.index(b) for b in self._blocks]
         for b, index in zip(self._blocks, self._tables[1], strict=True):
             if len(b.points):
                 part = np.zeros((len(b.points), len(REPORT)))
-                _report(len(b.points), index.shape[1], pointer(index), pointer(b.params), pointer(x), pointer(y), pointer(part))
+                _report(
+                    len(b.points),
+                    index.shape[1],
+                    pointer(index),
+                    pointer(b.params),
+                    pointer(x),
+                    pointer(y),
+                    pointer(part),
+                )
                 out[b.points] = part
         return out
 
@@ -119,5 +181,12 @@ class Beam:
         for b in self._blocks:
             if "damped" in b.kernel and len(b.points):
                 index = state.index_of(b)
-                lost += _dissipation(len(b.points), index.shape[1], pointer(index), pointer(b.params), pointer(state.x), pointer(state.y))
+                lost += _dissipation(
+                    len(b.points),
+                    index.shape[1],
+                    pointer(index),
+                    pointer(b.params),
+                    pointer(state.x),
+                    pointer(state.y),
+                )
         return Powers(lost)

@@ -1,4 +1,5 @@
-"""The string in its hole: contact and friction along the pipe, of rigid items, and of the bit on the bottom."""
+"""The string in its hole: contact and friction along the pipe, of rigid items, and of the bit on the
+bottom."""
 
 from __future__ import annotations
 
@@ -28,17 +29,36 @@ REPORT = ("normal", "stored", "damping_power", "friction_power", "penetration", 
 class _Law(ctypes.Structure):
     """ContactLaw of kernels/contact/contact.hpp."""
 
-    _fields_ = [("well", ctypes.c_void_p)] + [(n, ctypes.c_double) for n in ("stiffness", "exponent", "damping", "slip", "extra", "decay",
-                "imposed", "axial", "spin", "side")] + [("per_point", ctypes.c_int), ("points", ctypes.c_int)] + \
-               [(n, ctypes.c_void_p) for n in ("at", "normal", "segment", "touching")]
+    _fields_ = (
+        [("well", ctypes.c_void_p)]
+        + [
+            (n, ctypes.c_double)
+            for n in (
+                "stiffness",
+                "exponent",
+                "damping",
+                "slip",
+                "extra",
+                "decay",
+                "imposed",
+                "axial",
+                "spin",
+                "side",
+            )
+        ]
+        + [("per_point", ctypes.c_int), ("points", ctypes.c_int)]
+        + [(n, ctypes.c_void_p) for n in ("at", "normal", "segment", "touching")]
+    )
 
 
 @dataclass(frozen=True)
 class ContactLaw:
     """Constants of the wall contact.
 
-    stiffness per unit length [N/m^2] (``linear``), [N/m^2.5] (``hertz``), or per point [N/m^1.5] (``hertz_point``); restitution at
-    ``restitution_speed`` [m/s]; slip_velocity [m/s] rounds off Coulomb's law; static_ratio = mu_static / mu, stribeck_speed [m/s].
+    stiffness per unit length [N/m^2] (``linear``), [N/m^2.5] (``hertz``), or per point [N/m^1.5]
+    (``hertz_point``); restitution at
+    ``restitution_speed`` [m/s]; slip_velocity [m/s] rounds off Coulomb's law; static_ratio = mu_static / mu,
+    stribeck_speed [m/s].
     """
 
     stiffness: float = 1.0e8
@@ -52,10 +72,11 @@ class ContactLaw:
 
 
 def impact_depth(law: ContactLaw, mass: float, length: float) -> float:
-    """Depth [m] to which a piece of string of ``mass`` [kg/m] that strikes at ``restitution_speed`` v goes into the wall, undamped.
+    """Depth [m] to which a piece of string of ``mass`` [kg/m] that strikes at ``restitution_speed`` v goes
+    into the wall, undamped.
 
-    Its energy m v^2/2 is stored in k d^(p+1)/(p+1), so d = ((p+1) m v^2 / 2k)^(1/(p+1)); for a law per point m is the share of an element
-    of ``length`` [m] that its point carries.
+    Its energy m v^2/2 is stored in k d^(p+1)/(p+1), so d = ((p+1) m v^2 / 2k)^(1/(p+1)); for a law per point
+    m is the share of an element of ``length`` [m] that its point carries.
     """
     power = 1.0 if law.law == "linear" else 1.5
     share = mass * length / law.points if law.law == "hertz_point" else mass
@@ -63,22 +84,27 @@ def impact_depth(law: ContactLaw, mass: float, length: float) -> float:
 
 
 def damping_factor(restitution: float, speed: float) -> float:
-    """c [s/m] of the factor 1 + c * penetration rate that returns ``restitution`` of an impact at ``speed`` [m/s].
+    """c [s/m] of the factor 1 + c * penetration rate that returns ``restitution`` of an impact at ``speed``
+    [m/s].
 
-    With d = c speed the rebound is exact for any exponent: d (1 + e) = ln((1 + d) / (1 - d e)) (from m u du = -k (1 + c u) f dx).
+    With d = c speed the rebound is exact for any exponent: d (1 + e) = ln((1 + d) / (1 - d e)) (from m u du =
+    -k (1 + c u) f dx).
     """
     e = restitution
     if e >= 1.0:
         return 0.0
     if e <= 0.0:
-        raise ValueError("restitution must be above 0: a perfectly plastic impact needs an infinite damping factor")
+        raise ValueError(
+            "restitution must be above 0: a perfectly plastic impact needs an infinite damping factor"
+        )
 
     def miss(d: float) -> float:
         return float(np.log1p(d) - np.log1p(-d * e) - d * (1 + e))
 
     if miss((1 - 1e-14) / e) < 0:  # below e = 0.027: 1 - d e = (1 + d) exp(-d (1 + e)) is less than rounding
         return 1 / e / speed
-    # d = 0 is a root, too; near e = 1 the wanted one is 3/2 (1 - e) (1 + (1 - e) + ...), from the series of the logarithms
+    # d = 0 is a root, too; near e = 1 the wanted one is 3/2 (1 - e) (1 + (1 - e) + ...), from the series of
+    # the logarithms
     if 1 - e < 1e-4:
         return 1.5 * (1 - e) * (2 - e) / speed
     return float(brentq(miss, 0.5 * (1 - e), (1 - 1e-14) / e, xtol=1e-14, rtol=1e-14)) / speed
@@ -87,16 +113,21 @@ def damping_factor(restitution: float, speed: float) -> float:
 class Contact(ComponentBase):
     """Contact of pipes and rigid items with the wall.
 
-    with_bit False: a bit that cuts has its own contact (physics/rock_bit.py); free_top: nothing holds the string's upper end.
+    with_bit False: a bit that cuts has its own contact (physics/rock_bit.py); free_top: nothing holds the
+    string's upper end.
     """
 
     name = "contact"
 
-    def __init__(self, mesh: StringMesh, well: Well, law: ContactLaw, with_bit: bool = True, free_top: bool = False):
+    def __init__(
+        self, mesh: StringMesh, well: Well, law: ContactLaw, with_bit: bool = True, free_top: bool = False
+    ):
         self.mesh, self.well, self.law, self.with_bit, self.free_top = mesh, well, law, with_bit, free_top
         self._packed = np.ascontiguousarray(well.packed())
         length = float(mesh.length.sum())
-        self.impact_depth = impact_depth(law, float(mesh.mass @ mesh.length) / length, length / len(mesh.length))  # of the mean string
+        self.impact_depth = impact_depth(
+            law, float(mesh.mass @ mesh.length) / length, length / len(mesh.length)
+        )  # of the mean string
         self._laws: list[_Law] = []
         self._keep: list[np.ndarray] = []
 
@@ -105,10 +136,25 @@ class Contact(ComponentBase):
         law, at = self.law, rule(self.law.points, *ends)
         n = count * len(at)
         normal, segment, touching = np.zeros(n), np.full(n, -1, dtype=np.int32), np.zeros(n, dtype=np.int8)
-        record = _Law(pointer(self._packed), law.stiffness, 1.0 if law.law == "linear" else 1.5,
-                      damping_factor(law.restitution, law.restitution_speed), law.slip_velocity, law.static_ratio - 1.0,
-                      law.stribeck_speed, 0.0, 0.0, 0.0, 1.0, int(law.law == "hertz_point"), len(at), pointer(at),
-                      pointer(normal), pointer(segment), pointer(touching))
+        record = _Law(
+            pointer(self._packed),
+            law.stiffness,
+            1.0 if law.law == "linear" else 1.5,
+            damping_factor(law.restitution, law.restitution_speed),
+            law.slip_velocity,
+            law.static_ratio - 1.0,
+            law.stribeck_speed,
+            0.0,
+            0.0,
+            0.0,
+            1.0,
+            int(law.law == "hertz_point"),
+            len(at),
+            pointer(at),
+            pointer(normal),
+            pointer(segment),
+            pointer(touching),
+        )
         self._laws.append(record)
         self._keep += [at, normal, segment]
         self._normal.append(normal.reshape(count, len(at)))
@@ -119,7 +165,9 @@ class Contact(ComponentBase):
         m = self.mesh
         self._part = part
         self._touching: list[np.ndarray] = []
-        self._row_of: dict[int, FloatArray] | None = None  # normal forces at the points of a local cell, once asked for
+        self._row_of: dict[int, FloatArray] | None = (
+            None  # normal forces at the points of a local cell, once asked for
+        )
         self._normal: list[np.ndarray] = []
         self._blocks: list[ElementBlock] = []
         junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
@@ -131,10 +179,22 @@ class Contact(ComponentBase):
                 continue
             chosen = np.flatnonzero(on_rank[part.cells]).astype(np.int32)
             e = part.cells[chosen]
-            params = np.ascontiguousarray(np.column_stack([m.length[e], m.rigid_above[e], 0.5 * m.outer_diameter[e], friction[e]]))
-            self._blocks.append(ElementBlock(f"contact_junction{name}" if split else f"contact{name}", "contact_split" if split else "contact",
-                                      "cell", chosen, SPLIT_SLOTS if split else SLOTS, (0, 1), params,
-                                      context=self._context(len(chosen), ends), component="contact"))
+            params = np.ascontiguousarray(
+                np.column_stack([m.length[e], m.rigid_above[e], 0.5 * m.outer_diameter[e], friction[e]])
+            )
+            self._blocks.append(
+                ElementBlock(
+                    f"contact_junction{name}" if split else f"contact{name}",
+                    "contact_split" if split else "contact",
+                    "cell",
+                    chosen,
+                    SPLIT_SLOTS if split else SLOTS,
+                    (0, 1),
+                    params,
+                    context=self._context(len(chosen), ends),
+                    component="contact",
+                )
+            )
         self._blocks += self._on_items(part)
         return tuple(self._blocks)
 
@@ -145,23 +205,45 @@ class Contact(ComponentBase):
             return []
         picked, vertices = local_vertices(part, np.array([b.node for b in items]))
         here = [items[k] for k in picked]
-        params = np.array([[b.above, b.length, b.radius, -1.0 if b.friction is None else b.friction] for b in here]).reshape(-1, 4)
-        return [ElementBlock("contact_bodies", "body_contact", "vertex", vertices, VERTEX_SLOTS, (0,), np.ascontiguousarray(params),
-                      context=self._context(len(here), self._item_ends), component="contact")]
+        params = np.array(
+            [[b.above, b.length, b.radius, -1.0 if b.friction is None else b.friction] for b in here]
+        ).reshape(-1, 4)
+        return [
+            ElementBlock(
+                "contact_bodies",
+                "body_contact",
+                "vertex",
+                vertices,
+                VERTEX_SLOTS,
+                (0,),
+                np.ascontiguousarray(params),
+                context=self._context(len(here), self._item_ends),
+                component="contact",
+            )
+        ]
 
     @property
     def _item_ends(self) -> tuple[bool, bool]:
-        """The ends of rigid items stand out, but for a law per point, whose points stand for so many tool joints."""
+        """The ends of rigid items stand out, but for a law per point, whose points stand for so many tool
+        joints."""
         stands = self.law.law != "hertz_point"
         return stands, stands
 
     def _groups(self) -> list[tuple[str, np.ndarray, tuple[bool, bool]]]:
-        """Name, (n,) mask and ends that stand out, of the elements whose contact is integrated alike; those without such ends first."""
+        """Name, (n,) mask and ends that stand out, of the elements whose contact is integrated alike; those
+        without such ends first."""
         upper, lower = exposed_ends(self.mesh, self.free_top)
         if self.law.law == "hertz_point":
             upper, lower = np.zeros_like(upper), np.zeros_like(lower)
-        found = [(name, (upper == a) & (lower == b), (a, b)) for name, a, b in
-                 (("", False, False), ("_below", False, True), ("_above", True, False), ("_ends", True, True))]
+        found = [
+            (name, (upper == a) & (lower == b), (a, b))
+            for name, a, b in (
+                ("", False, False),
+                ("_below", False, True),
+                ("_above", True, False),
+                ("_ends", True, True),
+            )
+        ]
         return [group for group in found if group[1].any()]
 
     def follow(self, well: Well) -> None:
@@ -172,7 +254,8 @@ class Contact(ComponentBase):
             record.well = pointer(self._packed)
 
     def impose_sliding_direction(self, axial: float, spin: float, side: float = 1.0) -> None:
-        """StaticNewton: friction acts against a rigid motion of the string, ``axial`` [m/s] downward and ``spin`` [rad/s].
+        """StaticNewton: friction acts against a rigid motion of the string, ``axial`` [m/s] downward and
+        ``spin`` [rad/s].
 
         side 0: friction across the pipe gives its torque but does not push it sideways.
         """
@@ -190,14 +273,19 @@ class Contact(ComponentBase):
             record.stiffness = self.law.stiffness * factor
 
     def signature(self) -> int:
-        """Changes whenever a contact opens or closes on this rank; the same in another process (unlike hash)."""
+        """Changes whenever a contact opens or closes on this rank; the same in another process (unlike
+        hash)."""
         return zlib.crc32(b"".join(t.tobytes() for t in self._touching))
 
     def normal_force(self, cell: int) -> float:
         """Normal force on a local cell in the last residual [N]."""
         if self._row_of is None:
-            self._row_of = {int(c): normal[e] for b, normal in zip(self._blocks, self._normal, strict=True) if b.on == "cell"
-                            for e, c in enumerate(b.points)}
+            self._row_of = {
+                int(c): normal[e]
+                for b, normal in zip(self._blocks, self._normal, strict=True)
+                if b.on == "cell"
+                for e, c in enumerate(b.points)
+            }
         normal = self._row_of.get(cell)
         return 0.0 if normal is None else float(normal.sum())
 
@@ -206,8 +294,16 @@ class Contact(ComponentBase):
         out = []
         for b in self._blocks:
             out.append(np.zeros((len(b.points), len(REPORT))))
-            _report(len(out[-1]), KINDS[b.kernel], pointer(state.index_of(b)), pointer(b.params), b.context, pointer(state.x),
-                    pointer(state.y), pointer(out[-1]))
+            _report(
+                len(out[-1]),
+                KINDS[b.kernel],
+                pointer(state.index_of(b)),
+                pointer(b.params),
+                b.context,
+                pointer(state.x),
+                pointer(state.y),
+                pointer(out[-1]),
+            )
         return out
 
     def report(self, state) -> tuple[FloatArray, FloatArray]:
@@ -232,8 +328,17 @@ class BitOnBottom(ComponentBase):
 
     name = "bit"
 
-    def __init__(self, node: int, face: float, radius: float, stiffness: float, friction: float, end: FloatArray, axis: FloatArray,
-                 slip_velocity: float = 0.01):
+    def __init__(
+        self,
+        node: int,
+        face: float,
+        radius: float,
+        stiffness: float,
+        friction: float,
+        end: FloatArray,
+        axis: FloatArray,
+        slip_velocity: float = 0.01,
+    ):
         self.node = node
         self.stiffness = stiffness
         self._row = [face, radius, stiffness, friction, *end, *axis, slip_velocity, -3.0]
@@ -242,7 +347,9 @@ class BitOnBottom(ComponentBase):
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([self.node]))
         params = np.ascontiguousarray(np.tile(self._row, (len(vertices), 1)))
-        self._block = ElementBlock("bit_bottom", "bit_contact", "vertex", vertices, VERTEX_SLOTS, (0,), params)
+        self._block = ElementBlock(
+            "bit_bottom", "bit_contact", "vertex", vertices, VERTEX_SLOTS, (0,), params
+        )
         return (self._block,)
 
     def impose_sliding_direction(self, axial: float, spin: float, side: float = 1.0) -> None:
@@ -260,11 +367,18 @@ class BitOnBottom(ComponentBase):
         if not len(self._block.points):
             return 0.0, 0.0
         out = np.zeros(2)
-        _bit_report(pointer(state.index_of(self._block)), pointer(self._block.params), pointer(state.x), pointer(state.y), pointer(out))
+        _bit_report(
+            pointer(state.index_of(self._block)),
+            pointer(self._block.params),
+            pointer(state.x),
+            pointer(state.y),
+            pointer(out),
+        )
         return float(out[0]), float(out[1])
 
     def depth_of_face(self, state) -> tuple[float, FloatArray]:
-        """How far the face is below the end of the hole [m], and its gradient by the local unknowns (n,); zero without the bit."""
+        """How far the face is below the end of the hole [m], and its gradient by the local unknowns (n,);
+        zero without the bit."""
         gradient = np.zeros(len(state.x))
         if not len(self._block.points):
             return 0.0, gradient[: state.layout.size]
@@ -282,7 +396,8 @@ class BitOnBottom(ComponentBase):
 
     @contextmanager
     def preloaded(self, weight: float, travel: float):
-        """Meanwhile the bit stands on a weak spring that carries ``weight`` [N] after ``travel`` [m], at the depth of ``depth_for``."""
+        """Meanwhile the bit stands on a weak spring that carries ``weight`` [N] after ``travel`` [m], at the
+        depth of ``depth_for``."""
         p = self._block.params
         before = p.copy()
         p[:, 2] = weight / travel

@@ -40,19 +40,36 @@ def _rows(position: FloatArray, tangent: FloatArray, spin: bool) -> FloatArray:
 
 
 class FixedEnd(ComponentBase):
-    """An end that does not move: clamped (position, direction, spin), pinned (position; spin where ``spin``)."""
+    """An end that does not move: clamped (position, direction, spin), pinned (position; spin where
+    ``spin``)."""
 
     name = "held_end"
 
-    def __init__(self, vertex: int, kind: str, position: FloatArray, tangent: FloatArray, spin: bool = True, angle: float = 0.0):
+    def __init__(
+        self,
+        vertex: int,
+        kind: str,
+        position: FloatArray,
+        tangent: FloatArray,
+        spin: bool = True,
+        angle: float = 0.0,
+    ):
         axes = _axes(tangent)
         D = _rows(axes, axes[1:] if kind == "clamped" else axes[:0], spin)
         self.anchor = target = D @ np.concatenate([position, tangent, [angle]])
         still = np.zeros(len(D))
         tilt = ("side_moment_1", "side_moment_2") if kind == "clamped" else ()
-        names = ("axial_reaction", "side_reaction_1", "side_reaction_2", *tilt, *(("torque_reaction",) if spin else ()))
+        names = (
+            "axial_reaction",
+            "side_reaction_1",
+            "side_reaction_2",
+            *tilt,
+            *(("torque_reaction",) if spin else ()),
+        )
         where = "top" if vertex == 0 else "bottom"
-        self._condition = PrescribedMotion(vertex, D, lambda t: target, lambda t: still, tuple(f"{where}.{n}" for n in names))
+        self._condition = PrescribedMotion(
+            vertex, D, lambda t: target, lambda t: still, tuple(f"{where}.{n}" for n in names)
+        )
 
     def shift(self, distance: float) -> None:
         """Move the axial position by ``distance`` [m], down positive."""
@@ -63,14 +80,23 @@ class FixedEnd(ComponentBase):
 
 
 class TopDrive(ComponentBase):
-    """PrescribedMotion rotation [rad/s] and lowering [m/s] of the top node; the replaced rows are hook load and surface torque.
+    """PrescribedMotion rotation [rad/s] and lowering [m/s] of the top node; the replaced rows are hook load
+    and surface torque.
 
-    lowering None: the axial row stays free (a force is prescribed by a load).  rotation None: the spin stays free (``driven``).
+    lowering None: the axial row stays free (a force is prescribed by a load).  rotation None: the spin stays
+    free (``driven``).
     """
 
     name = "top_drive"
 
-    def __init__(self, position: FloatArray, tangent: FloatArray, rotation: Input | None, lowering: Input | None, angle: float = 0.0):
+    def __init__(
+        self,
+        position: FloatArray,
+        tangent: FloatArray,
+        rotation: Input | None,
+        lowering: Input | None,
+        angle: float = 0.0,
+    ):
         axes = _axes(tangent)
         self.inputs = tuple(i for i in (rotation, lowering) if i is not None)
         D = _rows(axes if lowering is not None else axes[1:], axes[1:], rotation is not None)
@@ -83,10 +109,18 @@ class TopDrive(ComponentBase):
             spin[-1] = 1.0
         zero = _Zero()
         down, turn = lowering or zero, rotation or zero
-        names = ["top.axial_reaction"] * (lowering is not None) + ["top.side_reaction_1", "top.side_reaction_2", "top.side_moment_1",
-                 "top.side_moment_2"] + ["top.torque_reaction"] * (rotation is not None)
-        self._condition = PrescribedMotion(0, D, lambda t: start + axial * down.integral(t) + spin * turn.integral(t),
-                                     lambda t: axial * down.value(t) + spin * turn.value(t), tuple(names))
+        names = (
+            ["top.axial_reaction"] * (lowering is not None)
+            + ["top.side_reaction_1", "top.side_reaction_2", "top.side_moment_1", "top.side_moment_2"]
+            + ["top.torque_reaction"] * (rotation is not None)
+        )
+        self._condition = PrescribedMotion(
+            0,
+            D,
+            lambda t: start + axial * down.integral(t) + spin * turn.integral(t),
+            lambda t: axial * down.value(t) + spin * turn.value(t),
+            tuple(names),
+        )
 
     def prescribed(self) -> tuple[PrescribedMotion, ...]:
         return (self._condition,)
@@ -123,7 +157,9 @@ class RotaryDrive(ComponentBase):
             params[:, 3] = self.angle + self.rotation.integral(t)
             params[:, 4] = self.rotation.value(t)
 
-        self._block = ElementBlock("drive", "drive", "vertex", vertices, VERTEX_SLOTS, (0,), params, update=update)
+        self._block = ElementBlock(
+            "drive", "drive", "vertex", vertices, VERTEX_SLOTS, (0,), params, update=update
+        )
         return (self._block,)
 
     def breaks(self) -> tuple[float, ...]:
@@ -155,7 +191,8 @@ class RotaryDrive(ComponentBase):
 
 @dataclass(frozen=True)
 class NodeLoad:
-    """Force [N] and moment [N m] at a node; ``slope``: dead force on the slope [N m], from a load spread along the elements.
+    """Force [N] and moment [N m] at a node; ``slope``: dead force on the slope [N m], from a load spread
+    along the elements.
 
     section: components are along (tangent, director 2, director 3) instead of global axes; factor: over time.
     """
@@ -181,15 +218,25 @@ class Loads(ComponentBase):
         on_rank = [self.loads[k] for k in chosen]
         nodes = np.array([q.node for q in on_rank], dtype=int)
         rows = [[*q.force, *q.moment, *q.slope, float(q.section)] for q in on_rank]
-        params = np.ascontiguousarray(np.hstack([np.array(rows).reshape(-1, 10), self.frames.reference[nodes], self.frames.second[nodes],
-                                                 np.ones((len(on_rank), 1))]))
+        params = np.ascontiguousarray(
+            np.hstack(
+                [
+                    np.array(rows).reshape(-1, 10),
+                    self.frames.reference[nodes],
+                    self.frames.second[nodes],
+                    np.ones((len(on_rank), 1)),
+                ]
+            )
+        )
         timed = [(i, q.factor) for i, q in enumerate(on_rank) if q.factor is not None]
 
         def update(t: float) -> None:
             for i, factor in timed:
                 params[i, 16] = factor(t)
 
-        self._block = ElementBlock("loads", "load", "vertex", vertices, VERTEX_SLOTS, (0,), params, update=update if timed else None)
+        self._block = ElementBlock(
+            "loads", "load", "vertex", vertices, VERTEX_SLOTS, (0,), params, update=update if timed else None
+        )
         self._nodes = nodes
         return (self._block,)
 

@@ -1,10 +1,19 @@
-"""Joints in the string: constraints with multipliers between the two nodes of a cell without length (kernels/joints/joints.hpp)."""
+"""Joints in the string: constraints with multipliers between the two nodes of a cell without length
+(kernels/joints/joints.hpp)."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import ElementBlock, Energies, Field, FloatArray, IntArray, Powers, VelocityStabilization
+from drillpetsc.fem.component import (
+    ElementBlock,
+    Energies,
+    Field,
+    FloatArray,
+    IntArray,
+    Powers,
+    VelocityStabilization,
+)
 from drillpetsc.fem.string_mesh import StringJoint, StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
@@ -15,16 +24,29 @@ _report = function("joint_report", "iippppp")
 _directions = function("joint_directions", "ipppp")
 
 KINDS = ("fixed", "revolute", "universal", "slider")
-REPORT = ("tension", "side_force", "torque", "bending", "angle", "travel", "place_error", "angle_error", "stored", "damping_power")
-SCALE = 1.0e6  # multipliers are in units of this [N, N m], so that their rows and columns are of the size of a pipe's stiffness
+REPORT = (
+    "tension",
+    "side_force",
+    "torque",
+    "bending",
+    "angle",
+    "travel",
+    "place_error",
+    "angle_error",
+    "stored",
+    "damping_power",
+)
+# multipliers are in units of this [N, N m], so that their rows and columns are of the size of a pipe's
+# stiffness
+SCALE = 1.0e6
 STOP_ROUNDING = 1.0e-4  # a stop takes hold over this way [m]
 
 
 class Joints(ComponentBase):
     """All joints of a string.
 
-    Fields: ``joint.load`` (6) at the node below, the multipliers in units of SCALE: force and moment that the joint carries; a
-    stabilised joint has ``joint.correction`` (6) [m/s, rad/s] at the node above.
+    Fields: ``joint.load`` (6) at the node below, the multipliers in units of SCALE: force and moment that the
+    joint carries; a stabilised joint has ``joint.correction`` (6) [m/s, rad/s] at the node above.
     """
 
     name = "joints"
@@ -44,8 +66,10 @@ class Joints(ComponentBase):
         return {"joint": below, "stabilised_joint": above}
 
     def fields(self) -> tuple[Field, ...]:
-        load, correction = (Field(name, 6, region=region, second_order=False, differential=False, multiplier=True)
-                            for name, region in (("joint.load", "joint"), ("joint.correction", "stabilised_joint")))
+        load, correction = (
+            Field(name, 6, region=region, second_order=False, differential=False, multiplier=True)
+            for name, region in (("joint.load", "joint"), ("joint.correction", "stabilised_joint"))
+        )
         return (load, correction) if self._stabilised.any() else (load,)
 
     # ------------------------------------------------------------------ blocks
@@ -66,25 +90,43 @@ class Joints(ComponentBase):
         for stabilised in (False, True):
             if not (self._stabilised == stabilised).any():
                 continue
-            chosen = np.array([k for k, j in enumerate(self.joints) if j.stabilised == stabilised and j.cell in place], dtype=int)
+            chosen = np.array(
+                [k for k, j in enumerate(self.joints) if j.stabilised == stabilised and j.cell in place],
+                dtype=int,
+            )
             cells = self._cells[chosen]
             kinds = np.array([KINDS.index(self.joints[k].kind) for k in chosen], dtype=float)
             tail = np.array([self._row(self.joints[k]) for k in chosen]).reshape(len(chosen), 16)
-            params = np.hstack([kinds[:, None], self.mesh.rigid_above[cells][:, None], self._frame_columns(cells), tail])
+            params = np.hstack(
+                [kinds[:, None], self.mesh.rigid_above[cells][:, None], self._frame_columns(cells), tail]
+            )
             slots = (*SLOTS, ("joint.load", 1), *((("joint.correction", 0),) if stabilised else ()))
             points = np.array([place[int(c)] for c in cells], dtype=np.int32)
             name, kernel = ("joints_stabilised", "joint_stabilised") if stabilised else ("joints", "joint")
-            self._blocks.append(ElementBlock(name, kernel, "cell", points, slots, (0, 1), np.ascontiguousarray(params)))
+            self._blocks.append(
+                ElementBlock(name, kernel, "cell", points, slots, (0, 1), np.ascontiguousarray(params))
+            )
             self._chosen.append(chosen)
         loose = self.mesh.loose_slopes
         extra: tuple[ElementBlock, ...] = ()
         if len(loose):
             _, vertices = local_vertices(part, loose)
-            extra = (ElementBlock("rigid_nodes", "unit_slope", "vertex", vertices, VERTEX_SLOTS, (0,), np.full((len(vertices), 1), SCALE)),)
+            extra = (
+                ElementBlock(
+                    "rigid_nodes",
+                    "unit_slope",
+                    "vertex",
+                    vertices,
+                    VERTEX_SLOTS,
+                    (0,),
+                    np.full((len(vertices), 1), SCALE),
+                ),
+            )
         return (*self._blocks, *extra)
 
     def corrections(self, part) -> VelocityStabilization | None:
-        """What corrects the velocities of the stabilised joints, on every rank that holds a node above one."""
+        """What corrects the velocities of the stabilised joints, on every rank that holds a node above
+        one."""
         if not self._stabilised.any():
             return None
         local = {int(v): i for i, v in enumerate(part.vertices)}
@@ -100,9 +142,13 @@ class Joints(ComponentBase):
 
     def _correction_rows(self) -> FloatArray:
         nodes = self._cells[self._corrected]
-        head = np.array([KINDS.index(self.joints[k].kind) for k in self._corrected], dtype=float).reshape(-1, 1)
+        head = np.array([KINDS.index(self.joints[k].kind) for k in self._corrected], dtype=float).reshape(
+            -1, 1
+        )
         axes = np.array([np.ravel(self.joints[k].axes) for k in self._corrected]).reshape(-1, 9)
-        return np.ascontiguousarray(np.hstack([head, self.frames.reference[nodes], self.frames.second[nodes], axes]))
+        return np.ascontiguousarray(
+            np.hstack([head, self.frames.reference[nodes], self.frames.second[nodes], axes])
+        )
 
     def update_reference_frames(self) -> None:
         for b, chosen in zip(self._blocks, self._chosen, strict=True):
@@ -112,12 +158,21 @@ class Joints(ComponentBase):
 
     # ------------------------------------------------------------------ figures
     def report(self, state) -> FloatArray:
-        """(joints, 10) figures of all joints, zero where another rank has the joint: the columns of ``REPORT``."""
+        """(joints, 10) figures of all joints, zero where another rank has the joint: the columns of
+        ``REPORT``."""
         out = np.zeros((len(self.joints), len(REPORT)))
         for b, chosen in zip(self._blocks, self._chosen, strict=True):
             if len(chosen):
                 index, part = state.layout.index(b), np.zeros((len(chosen), len(REPORT)))
-                _report(len(chosen), index.shape[1], pointer(index), pointer(b.params), pointer(state.x), pointer(state.y), pointer(part))
+                _report(
+                    len(chosen),
+                    index.shape[1],
+                    pointer(index),
+                    pointer(b.params),
+                    pointer(state.x),
+                    pointer(state.y),
+                    pointer(part),
+                )
                 out[chosen] = part
         return out
 

@@ -1,10 +1,11 @@
-"""Upkeep of the reference frames: a node whose tangent has turned far from its reference direction gets a new one; nothing physical
-changes.
+"""Upkeep of the reference frames: a node whose tangent has turned far from its reference direction gets a new
+one; nothing physical changes.
 
-The spin angle is counted from a reference direction a and is singular where the tangent t is opposite to it.  When a.t <
--0.5 the gauge becomes a' = t, the second director is carried along by the smallest rotation, the spin angle changes
-by minus the solid angle of (a, a', v), and each neighbouring element's twist offset takes up what its twist would
-have changed (model, section 7).
+The spin angle is counted from a reference direction a and is singular where the tangent t is opposite to it.
+When a.t <
+-0.5 the gauge becomes a' = t, the second director is carried along by the smallest rotation, the spin angle
+changes by minus the solid angle of (a, a', v), and each neighbouring element's twist offset takes up what its
+twist would have changed (model, section 7).
 """
 
 from __future__ import annotations
@@ -19,11 +20,11 @@ REFERENCE_LIMIT_COSINE = -0.5  # cosine between gauge and tangent below which a 
 
 
 def update_reference_frames(system: DiscreteSystem, frames: Frames) -> bool:
-    """Renew reference frames where needed, in ``frames`` (the same on all ranks), the assembly and all rooms; True where any
-    changed.
+    """Renew reference frames where needed, in ``frames`` (the same on all ranks), the assembly and all rooms;
+    True where any changed.
 
-    Call it between load steps or time steps only: an integrator that keeps earlier spin angles must be restarted
-    after a change.
+    Call it between load steps or time steps only: an integrator that keeps earlier spin angles must be
+    restarted after a change.
     """
     if "string.tangent" not in system.layout.dofs:
         return False
@@ -44,14 +45,17 @@ def update_reference_frames(system: DiscreteSystem, frames: Frames) -> bool:
     changed = before - _twists(system, beam)
     cells = system.chain.cells
     touched = np.isin(cells, [n for n, _ in changes]) | np.isin(cells + 1, [n for n, _ in changes])
-    for cell, offset in system.all_entries(list(zip(cells[touched].tolist(), changed[touched].tolist(), strict=True))):
+    for cell, offset in system.all_entries(
+        list(zip(cells[touched].tolist(), changed[touched].tolist(), strict=True))
+    ):
         frames.twist0[cell] += offset
     _tell(system, frames)
     return True
 
 
 def _far_nodes(system: DiscreteSystem, frames: Frames) -> list[tuple[int, np.ndarray]]:
-    """(node, slope (3,)) of all nodes of the string whose tangent is far from the gauge, the same on all ranks."""
+    """(node, slope (3,)) of all nodes of the string whose tangent is far from the gauge, the same on all
+    ranks."""
     chain, v = system.chain, system.field("string.tangent")
     cosine = np.sum(frames.reference[chain.vertices] * v, axis=1) / np.linalg.norm(v, axis=1)
     far = np.flatnonzero((cosine < REFERENCE_LIMIT_COSINE) & chain.owned)

@@ -1,4 +1,5 @@
-"""Rigid bodies on nodes (stabiliser, bit, drive), unbalance and distributed eccentricity, stress-free curvature."""
+"""Rigid bodies on nodes (stabiliser, bit, drive), unbalance and distributed eccentricity, stress-free
+curvature."""
 
 from __future__ import annotations
 
@@ -51,7 +52,8 @@ def local_vertices(part, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 class RigidBodies(ComponentBase):
-    """Masses off the axis or beside the pipe's own: rigid items on nodes, and pipes whose mass centre lies beside their axis.
+    """Masses off the axis or beside the pipe's own: rigid items on nodes, and pipes whose mass centre lies
+    beside their axis.
 
     balanced: without what is off the axis, which averages out over a turn.
     """
@@ -61,8 +63,12 @@ class RigidBodies(ComponentBase):
     def __init__(self, mesh: StringMesh, frames: Frames, gravity: FloatArray, balanced: bool = False):
         self.mesh, self.frames = mesh, frames
         self.gravity = np.asarray(gravity, dtype=float)
-        # node, mass [kg], centre of gravity along the tangent and in the two directors [m], axial and transverse inertia [kg m2]
-        entries = [(b.node, b.mass, b.center, *((0.0, 0.0) if balanced else b.offset), b.axial, b.transverse) for b in mesh.bodies]
+        # node, mass [kg], centre of gravity along the tangent and in the two directors [m], axial and
+        # transverse inertia [kg m2]
+        entries = [
+            (b.node, b.mass, b.center, *((0.0, 0.0) if balanced else b.offset), b.axial, b.transverse)
+            for b in mesh.bodies
+        ]
         self.entries = np.array(entries, dtype=float).reshape(-1, 7)
         self.eccentric = np.any(mesh.eccentricity != 0, axis=1) & (not balanced)  # (n,) elements
 
@@ -76,12 +82,32 @@ class RigidBodies(ComponentBase):
         for split in (False, True):
             if not (self.eccentric & (junction[:-1] == split)).any():
                 continue  # the same decision on every rank
-            chosen = np.flatnonzero(self.eccentric[part.cells] & (junction[part.cells] == split)).astype(np.int32)
+            chosen = np.flatnonzero(self.eccentric[part.cells] & (junction[part.cells] == split)).astype(
+                np.int32
+            )
             e = part.cells[chosen]
             gravity = np.tile(self.gravity, (len(e), 1))
-            params = np.column_stack([m.length[e], m.mass[e], m.eccentricity[e], m.rigid_above[e], gravity, frame_columns(self.frames, e)])
-            self._blocks.append(ElementBlock("eccentric_junction" if split else "eccentric", "eccentric_split" if split else "eccentric", "cell",
-                                      chosen, SPLIT_SLOTS if split else SLOTS, (0, 1), np.ascontiguousarray(params)))
+            params = np.column_stack(
+                [
+                    m.length[e],
+                    m.mass[e],
+                    m.eccentricity[e],
+                    m.rigid_above[e],
+                    gravity,
+                    frame_columns(self.frames, e),
+                ]
+            )
+            self._blocks.append(
+                ElementBlock(
+                    "eccentric_junction" if split else "eccentric",
+                    "eccentric_split" if split else "eccentric",
+                    "cell",
+                    chosen,
+                    SPLIT_SLOTS if split else SLOTS,
+                    (0, 1),
+                    np.ascontiguousarray(params),
+                )
+            )
             self._cells.append(e)
         return out + tuple(self._blocks)
 
@@ -90,8 +116,12 @@ class RigidBodies(ComponentBase):
         e = self.entries[chosen]
         self._nodes = e[:, 0].astype(int)
         gravity = np.tile(self.gravity, (len(e), 1))
-        params = np.column_stack([e[:, 1:7], gravity, self.frames.reference[self._nodes], self.frames.second[self._nodes]])
-        self._block = ElementBlock("bodies", "body", "vertex", vertices, VERTEX_SLOTS, (0,), np.ascontiguousarray(params))
+        params = np.column_stack(
+            [e[:, 1:7], gravity, self.frames.reference[self._nodes], self.frames.second[self._nodes]]
+        )
+        self._block = ElementBlock(
+            "bodies", "body", "vertex", vertices, VERTEX_SLOTS, (0,), np.ascontiguousarray(params)
+        )
         return self._block
 
     def update_reference_frames(self) -> None:
@@ -105,11 +135,26 @@ class RigidBodies(ComponentBase):
         total = np.zeros(2)
         if len(self._nodes):
             out, index = np.zeros((len(self._nodes), 2)), state.index_of(self._block)
-            _body_energy(len(out), pointer(index), pointer(self._block.params), pointer(state.x), pointer(state.y), pointer(out))
+            _body_energy(
+                len(out),
+                pointer(index),
+                pointer(self._block.params),
+                pointer(state.x),
+                pointer(state.y),
+                pointer(out),
+            )
             total += out.sum(axis=0)
         for b in self._blocks:
             out, index = np.zeros((len(b.points), 2)), state.index_of(b)
-            _eccentric_energy(len(out), index.shape[1], pointer(index), pointer(b.params), pointer(state.x), pointer(state.y), pointer(out))
+            _eccentric_energy(
+                len(out),
+                index.shape[1],
+                pointer(index),
+                pointer(b.params),
+                pointer(state.x),
+                pointer(state.y),
+                pointer(out),
+            )
             total += out.sum(axis=0)
         return Energies(kinetic=float(total[0]), potential=float(total[1]))
 
@@ -120,7 +165,8 @@ def frame_columns(frames: Frames, e: np.ndarray) -> FloatArray:
 
 
 class Precurvature(ComponentBase):
-    """Pipe that is bent when free of stress: curvature (2,) [1/m] in the node directors, element by element."""
+    """Pipe that is bent when free of stress: curvature (2,) [1/m] in the node directors, element by
+    element."""
 
     name = "curvature"
 
@@ -136,9 +182,26 @@ class Precurvature(ComponentBase):
                 continue
             chosen = np.flatnonzero(bent[part.cells] & (junction[part.cells] == split)).astype(np.int32)
             e = part.cells[chosen]
-            params = np.column_stack([m.length[e], m.bending_stiffness[e], m.curvature[e], m.rigid_above[e], frame_columns(self.frames, e)])
-            self._blocks.append(ElementBlock("curvature_junction" if split else "curvature", "curved_split" if split else "curved", "cell",
-                                      chosen, SPLIT_SLOTS if split else SLOTS, (0, 1), np.ascontiguousarray(params)))
+            params = np.column_stack(
+                [
+                    m.length[e],
+                    m.bending_stiffness[e],
+                    m.curvature[e],
+                    m.rigid_above[e],
+                    frame_columns(self.frames, e),
+                ]
+            )
+            self._blocks.append(
+                ElementBlock(
+                    "curvature_junction" if split else "curvature",
+                    "curved_split" if split else "curved",
+                    "cell",
+                    chosen,
+                    SPLIT_SLOTS if split else SLOTS,
+                    (0, 1),
+                    np.ascontiguousarray(params),
+                )
+            )
             self._cells.append(e)
         return tuple(self._blocks)
 
@@ -155,10 +218,14 @@ class Precurvature(ComponentBase):
         total = 0.0
         for b in self._blocks:
             index, out = state.layout.index(b), np.zeros(len(b.points))
-            _curved_energy(len(out), index.shape[1], pointer(index), pointer(b.params), pointer(state.x), pointer(out))
+            _curved_energy(
+                len(out), index.shape[1], pointer(index), pointer(b.params), pointer(state.x), pointer(out)
+            )
             total += out.sum()
         # the constant EI kappa0^2/2 makes the energy of the free shape zero
         for e in self._cells:
             m = self.mesh
-            total += float(np.sum(0.5 * m.bending_stiffness[e] * m.length[e] * np.sum(m.curvature[e] ** 2, axis=1)))
+            total += float(
+                np.sum(0.5 * m.bending_stiffness[e] * m.length[e] * np.sum(m.curvature[e] ** 2, axis=1))
+            )
         return Energies(strain=float(total))

@@ -1,4 +1,5 @@
-"""A bit that cuts rock: contact with bottom and side of its own hole, laws of bit and rock, the hole's end as states (kernels/bit/bit.hpp)."""
+"""A bit that cuts rock: contact with bottom and side of its own hole, laws of bit and rock, the hole's end as
+states (kernels/bit/bit.hpp)."""
 
 from __future__ import annotations
 
@@ -18,12 +19,16 @@ _report = function("bit_rock_report", "ipppppp")
 _rate = function("rock_rate", "pppddp")
 
 CHIPS = 12  # states of the rock's profile ahead of a blade (ProfileBit of kernels/bit/bit.cpp)
-RING_DAMPING = 4.0  # of the shortest wave of that profile, by its length; 3 to 6 keep every wave of a ring from growing
+RING_DAMPING = (
+    4.0  # of the shortest wave of that profile, by its length; 3 to 6 keep every wave of a ring from growing
+)
 LAYER_WIDTH = 0.1  # length over which one layer goes over into the next [m]
 ON_ROCK = -1e-5  # depth from which the bit touches: RAMP of kernels/contact/contact.hpp [m]
 KINDS = {"rop": 0.0, "drag_bit": 1.0, "velocity_weakening": 2.0}
 # columns of the kernel's parameters
-_FACE, _CENTRE, _RADIUS, _HALF, _STIFFNESS, _SIDE, _CLEARANCE, _FRICTION, _WALL, _SLIP, _DAMPING, _END = range(12)
+_FACE, _CENTRE, _RADIUS, _HALF, _STIFFNESS, _SIDE, _CLEARANCE, _FRICTION, _WALL, _SLIP, _DAMPING, _END = (
+    range(12)
+)
 _AXIS, _MODE, _AXIAL, _SPIN, _SHARE, _TORQUE0, _TORQUE1, _HELD, _HOLD = 14, *range(17, 25)
 _PARAMETERS = 28
 MOTION, STATICS, QUASI_STATIC = 0.0, 1.0, 2.0
@@ -32,17 +37,44 @@ MOTION, STATICS, QUASI_STATIC = 0.0, 1.0, 2.0
 class _Law(ctypes.Structure):
     """BitLaw of kernels/bit/bit.hpp."""
 
-    _fields_ = [(n, ctypes.c_double) for n in (
-        "kind", "bit_axis", "walk_cos", "walk_sin", "reference_speed", "reference_weight", "width", "cut", "contact", "torque_cut",
-        "torque_contact", "blades", "onset", "rest", "static_torque", "dynamic_torque", "speed", "by_weight", "turn_rounding",
-    )] + [("layers", ctypes.c_void_p)] + [("count", ctypes.c_int)] + [("derivative", ctypes.c_void_p)] + [("touching", ctypes.c_int)]
+    _fields_ = (
+        [
+            (n, ctypes.c_double)
+            for n in (
+                "kind",
+                "bit_axis",
+                "walk_cos",
+                "walk_sin",
+                "reference_speed",
+                "reference_weight",
+                "width",
+                "cut",
+                "contact",
+                "torque_cut",
+                "torque_contact",
+                "blades",
+                "onset",
+                "rest",
+                "static_torque",
+                "dynamic_torque",
+                "speed",
+                "by_weight",
+                "turn_rounding",
+            )
+        ]
+        + [("layers", ctypes.c_void_p)]
+        + [("count", ctypes.c_int)]
+        + [("derivative", ctypes.c_void_p)]
+        + [("touching", ctypes.c_int)]
+    )
 
 
 @dataclass(frozen=True)
 class Layer:
     """Rock from ``start`` [m] of new hole on.
 
-    drillability D [m/(s N)]; exponents of rotary speed and weight; threshold [N]; anisotropy of the bit I_b; rock (3, 3): M_r, symmetric.
+    drillability D [m/(s N)]; exponents of rotary speed and weight; threshold [N]; anisotropy of the bit I_b;
+    rock (3, 3): M_r, symmetric.
     """
 
     start: float
@@ -58,8 +90,9 @@ class Layer:
 class DragBit:
     """Drag bit (Detournay and Defourny, Int. J. Rock Mech. Min. Sci. 29(1):13, 1992).
 
-    blades; specific_energy eps [Pa]; inclination_ratio zeta [-]; contact_stress sigma [Pa]; wear_flat l [m]; friction mu gamma [-].
-    W = zeta eps a d + sigma a l, T = eps a^2 d/2 + mu gamma sigma a^2 l/2 with the bit's radius a and the depth of cut d per turn.
+    blades; specific_energy eps [Pa]; inclination_ratio zeta [-]; contact_stress sigma [Pa]; wear_flat l [m];
+    friction mu gamma [-]. W = zeta eps a d + sigma a l, T = eps a^2 d/2 + mu gamma sigma a^2 l/2 with the
+    bit's radius a and the depth of cut d per turn.
     """
 
     blades: int = 4
@@ -72,7 +105,8 @@ class DragBit:
 
 @dataclass(frozen=True)
 class Weakening:
-    """Torque that falls from ``static`` to ``dynamic`` over ``speed`` [rad/s]; torques [N m], or lever arms [m] of the weight on bit."""
+    """Torque that falls from ``static`` to ``dynamic`` over ``speed`` [rad/s]; torques [N m], or lever arms
+    [m] of the weight on bit."""
 
     static: float
     dynamic: float
@@ -84,8 +118,9 @@ class Weakening:
 class Rock:
     """Formation and how the hole grows in it.
 
-    layers from the start on; reference_speed [rad/s], reference_weight [N]; walk [rad]; bit_axis: the hole goes along the bit's axis,
-    else along the rate of penetration; post_step: the end is moved between the steps (the paper's rule), else it is a state.
+    layers from the start on; reference_speed [rad/s], reference_weight [N]; walk [rad]; bit_axis: the hole
+    goes along the bit's axis, else along the rate of penetration; post_step: the end is moved between the
+    steps (the paper's rule), else it is a state.
     """
 
     layers: tuple[Layer, ...]
@@ -107,7 +142,8 @@ class BitShape:
 
 @dataclass(frozen=True)
 class BitContact:
-    """stiffness of bottom and side [N/m]; friction of the bottom and of the side (wall); slip [m/s] rounds off both; damping c [s/m]."""
+    """stiffness of bottom and side [N/m]; friction of the bottom and of the side (wall); slip [m/s] rounds
+    off both; damping c [s/m]."""
 
     stiffness: float
     side: float
@@ -118,12 +154,14 @@ class BitContact:
 
 
 def profile_derivative(states: int, length: float) -> FloatArray:
-    """(n, n+1) derivative of a profile by its place at Chebyshev points 0 .. ``length``, the last of which is the inflow.
+    """(n, n+1) derivative of a profile by its place at Chebyshev points 0 .. ``length``, the last of which is
+    the inflow.
 
-    Points x_k = (1 - cos(pi k/n)) length/2; entries from the barycentric weights (Trefethen, Spectral Methods in MATLAB, chapter 6).
-    The Chebyshev modes above two thirds of n are damped besides (spectral viscosity, Tadmor 1989): off bottom the inflow is what flows
-    out, a ring, on which the bare derivative lets one mode grow by 5e-4 per radian.  With the damping none grows; a smooth profile's
-    derivative is as it was (polynomials of degree <= 2 n/3 stay exact, a sine's way through a quarter turn is within 1e-4).
+    Points x_k = (1 - cos(pi k/n)) length/2; entries from the barycentric weights (Trefethen, Spectral Methods
+    in MATLAB, chapter 6). The Chebyshev modes above two thirds of n are damped besides (spectral viscosity,
+    Tadmor 1989): off bottom the inflow is what flows out, a ring, on which the bare derivative lets one mode
+    grow by 5e-4 per radian.  With the damping none grows; a smooth profile's derivative is as it was
+    (polynomials of degree <= 2 n/3 stay exact, a sine's way through a quarter turn is within 1e-4).
     """
     k = np.arange(states + 1)
     x = 0.5 * length * (1 - np.cos(np.pi * k / states))
@@ -139,37 +177,82 @@ def profile_derivative(states: int, length: float) -> FloatArray:
 
 
 class RockBit(ComponentBase):
-    """The bit at the lower end of the string; unknowns hole.end (3) [m] and hole.drilled [m], and a drag bit's profile bit.chips [m].
+    """The bit at the lower end of the string; unknowns hole.end (3) [m] and hole.drilled [m], and a drag
+    bit's profile bit.chips [m].
 
     inertia False: the string moves quasi-statically, a drag bit cuts steadily and needs no profile.
     """
 
     name = "bit"
 
-    def __init__(self, node: int, shape: BitShape, contact: BitContact, law: DragBit | Weakening | None, rock: Rock, hole: GrowingHole,
-                 inertia: bool = True):
-        self.node, self.shape, self.contact, self.law, self.rock, self.hole = node, shape, contact, law, rock, hole
+    def __init__(
+        self,
+        node: int,
+        shape: BitShape,
+        contact: BitContact,
+        law: DragBit | Weakening | None,
+        rock: Rock,
+        hole: GrowingHole,
+        inertia: bool = True,
+    ):
+        self.node, self.shape, self.contact, self.law, self.rock, self.hole = (
+            node,
+            shape,
+            contact,
+            law,
+            rock,
+            hole,
+        )
         self.profiled = isinstance(law, DragBit) and inertia
         self._made = self._law_record()
         self._time = self._accepted = 0.0
-        self._end = np.zeros(4)  # displacement of the hole's end (3) and metres drilled at the last accepted step
+        self._end = np.zeros(
+            4
+        )  # displacement of the hole's end (3) and metres drilled at the last accepted step
 
     # ------------------------------------------------------------------ constants
     def _law_record(self) -> _Law:
         rock, law, a = self.rock, self.law, self.shape.radius
-        rows = [[q.start, q.drillability, q.rotary_exponent, q.weight_exponent, q.threshold, q.bit_anisotropy, *np.ravel(q.rock)]
-                for q in rock.layers]
+        rows = [
+            [
+                q.start,
+                q.drillability,
+                q.rotary_exponent,
+                q.weight_exponent,
+                q.threshold,
+                q.bit_anisotropy,
+                *np.ravel(q.rock),
+            ]
+            for q in rock.layers
+        ]
         self._layers = np.ascontiguousarray(rows, dtype=float)
-        r = _Law(bit_axis=float(rock.bit_axis), walk_cos=np.cos(rock.walk), walk_sin=np.sin(rock.walk),
-                 reference_speed=rock.reference_speed, reference_weight=rock.reference_weight, width=LAYER_WIDTH,
-                 layers=pointer(self._layers), count=len(self._layers),
-                 turn_rounding=self.contact.slip / (2 / 3 * a), rest=1e-4, kind=KINDS["rop"])
+        r = _Law(
+            bit_axis=float(rock.bit_axis),
+            walk_cos=np.cos(rock.walk),
+            walk_sin=np.sin(rock.walk),
+            reference_speed=rock.reference_speed,
+            reference_weight=rock.reference_weight,
+            width=LAYER_WIDTH,
+            layers=pointer(self._layers),
+            count=len(self._layers),
+            turn_rounding=self.contact.slip / (2 / 3 * a),
+            rest=1e-4,
+            kind=KINDS["rop"],
+        )
         self._torque = 0.0, self.contact.friction * a * 2 / 3
         if isinstance(law, DragBit):
             r.kind, r.blades = KINDS["drag_bit"], law.blades
-            r.cut, r.contact = law.inclination_ratio * law.specific_energy * a, law.contact_stress * a * law.wear_flat
-            r.torque_cut, r.torque_contact = 0.5 * law.specific_energy * a**2, 0.5 * law.friction * a * r.contact
-            r.onset = max(r.contact / self.contact.stiffness, 1e-6)  # the wear flat comes into contact as stiffly as a bit on the bottom
+            r.cut, r.contact = (
+                law.inclination_ratio * law.specific_energy * a,
+                law.contact_stress * a * law.wear_flat,
+            )
+            r.torque_cut, r.torque_contact = (
+                0.5 * law.specific_energy * a**2,
+                0.5 * law.friction * a * r.contact,
+            )
+            r.onset = max(
+                r.contact / self.contact.stiffness, 1e-6
+            )  # the wear flat comes into contact as stiffly as a bit on the bottom
             self._derivative = profile_derivative(CHIPS, 2 * np.pi / law.blades)
             r.derivative = pointer(self._derivative)
             share = r.torque_cut / r.cut
@@ -183,8 +266,10 @@ class RockBit(ComponentBase):
     def fields(self) -> tuple[Field, ...]:
         free = not self.rock.post_step
         scale = 1e-3
-        out: tuple[Field, ...] = (Field("hole.end", 3, region="bottom", scale=scale, second_order=False, differential=free),
-                                  Field("hole.drilled", 1, region="bottom", scale=scale, second_order=False, differential=free))
+        out: tuple[Field, ...] = (
+            Field("hole.end", 3, region="bottom", scale=scale, second_order=False, differential=free),
+            Field("hole.drilled", 1, region="bottom", scale=scale, second_order=False, differential=free),
+        )
         if self.profiled:
             out += (Field("bit.chips", CHIPS, region="bottom", scale=1e-4, second_order=False),)
         return out
@@ -197,12 +282,33 @@ class RockBit(ComponentBase):
             slots += (("bit.chips", 0),)
         row = np.zeros(_PARAMETERS)
         s, c = self.shape, self.contact
-        row[: _END] = [s.face, s.face - s.half, s.radius, s.half, c.stiffness, c.side, 0.0, c.friction, c.wall, c.slip, c.damping]
+        row[:_END] = [
+            s.face,
+            s.face - s.half,
+            s.radius,
+            s.half,
+            c.stiffness,
+            c.side,
+            0.0,
+            c.friction,
+            c.wall,
+            c.slip,
+            c.damping,
+        ]
         row[_END : _END + 3] = self.hole.end
         row[_HELD] = float(self.rock.post_step)
         self.params = np.ascontiguousarray(np.tile(row, (len(vertices), 1)))
-        self._block = ElementBlock("bit_rock", "bit_rock_profile" if self.profiled else "bit_rock", "vertex", vertices, slots, (0,), self.params,
-                            context=ctypes.addressof(self._made), update=self._note)
+        self._block = ElementBlock(
+            "bit_rock",
+            "bit_rock_profile" if self.profiled else "bit_rock",
+            "vertex",
+            vertices,
+            slots,
+            (0,),
+            self.params,
+            context=ctypes.addressof(self._made),
+            update=self._note,
+        )
         self._follow()
         return (self._block,)
 
@@ -239,7 +345,9 @@ class RockBit(ComponentBase):
         """Torque on bit = first + second * weight, at a rotation ``spin`` [rad/s]."""
         if not isinstance(self.law, Weakening):
             return self._torque
-        size = self.law.dynamic + (self.law.static - self.law.dynamic) * float(np.exp(-((spin / self.law.speed) ** 2)))
+        size = self.law.dynamic + (self.law.static - self.law.dynamic) * float(
+            np.exp(-((spin / self.law.speed) ** 2))
+        )
         return (0.0, size) if self.law.by_weight else (size, 0.0)
 
     def torque_for(self, weight: float) -> float:
@@ -252,7 +360,8 @@ class RockBit(ComponentBase):
         return weight / self.contact.stiffness
 
     def depth_of_face(self, state) -> tuple[float, FloatArray]:
-        """How far the bit is below the end of the hole [m], and its gradient by the local unknowns (n,); zero without the bit."""
+        """How far the bit is below the end of the hole [m], and its gradient by the local unknowns (n,); zero
+        without the bit."""
         gradient = np.zeros(len(state.x))
         if not self._mine:
             return 0.0, gradient[: state.layout.size]
@@ -269,7 +378,8 @@ class RockBit(ComponentBase):
 
     @contextmanager
     def preloaded(self, weight: float, travel: float):
-        """Meanwhile the bit stands on a weak spring that carries ``weight`` [N] after ``travel`` [m], at the depth of ``depth_for``."""
+        """Meanwhile the bit stands on a weak spring that carries ``weight`` [N] after ``travel`` [m], at the
+        depth of ``depth_for``."""
         p = self.params
         before = p.copy()
         p[:, _STIFFNESS] = weight / travel
@@ -280,8 +390,8 @@ class RockBit(ComponentBase):
             p[:] = before
 
     def first_cut(self, state) -> None:
-        """Drilling as the string moves at the start; a drag bit's profile carries the weight on bit: steady cutting if the bit turns,
-        else a flat indentation."""
+        """Drilling as the string moves at the start; a drag bit's profile carries the weight on bit: steady
+        cutting if the bit turns, else a flat indentation."""
         if not self._mine:
             return
         i = state.index_of(self._block)[0]
@@ -302,7 +412,8 @@ class RockBit(ComponentBase):
 
     # ------------------------------------------------------------------ growth
     def news(self, state) -> FloatArray:
-        """(6,) after an accepted step, zero without the bit: place of the end (3) and metres drilled since the start, time, number of bits.
+        """(6,) after an accepted step, zero without the bit: place of the end (3) and metres drilled since
+        the start, time, number of bits.
 
         By the paper's rule the end is moved now.
         """
@@ -350,12 +461,20 @@ class RockBit(ComponentBase):
 
     # ------------------------------------------------------------------ figures
     def figures(self, state) -> FloatArray:
-        """(11,) weight [N], torque [N m], rate [m/s], side force [N], stored energy [J], power into the rock [W], depth [m], offset of the
-        bit's centre from the hole's axis [m], rate of penetration in space (3) [m/s]; zero without the bit."""
+        """(11,) weight [N], torque [N m], rate [m/s], side force [N], stored energy [J], power into the rock
+        [W], depth [m], offset of the bit's centre from the hole's axis [m], rate of penetration in space (3)
+        [m/s]; zero without the bit."""
         out = np.zeros(11)
         if self._mine:
-            _report(int(self.profiled), pointer(state.index_of(self._block)), pointer(self.params), ctypes.addressof(self._made),
-                    pointer(state.x), pointer(state.y), pointer(out))
+            _report(
+                int(self.profiled),
+                pointer(state.index_of(self._block)),
+                pointer(self.params),
+                ctypes.addressof(self._made),
+                pointer(state.x),
+                pointer(state.y),
+                pointer(out),
+            )
         return out
 
     def weight_and_torque(self, state) -> tuple[float, float]:
@@ -367,11 +486,16 @@ class RockBit(ComponentBase):
         """Metres drilled since the start and rate of penetration [m/s], zero on ranks without the bit."""
         if not self._mine:
             return 0.0, 0.0
-        drilled = self.params[0, _HOLD + 3] if self.rock.post_step else state.x[state.index_of(self._block)[0, 10]]
+        drilled = (
+            self.params[0, _HOLD + 3] if self.rock.post_step else state.x[state.index_of(self._block)[0, 10]]
+        )
         return float(drilled), float(self.figures(state)[2])
 
-    def rate_under(self, force: FloatArray, axis: FloatArray, omega: float, drilled: float = 0.0) -> FloatArray:
-        """(3,) rate of penetration [m/s] under a ``force`` (3,) of the bit on the rock [N], bit axis (3,), rotation [rad/s]."""
+    def rate_under(
+        self, force: FloatArray, axis: FloatArray, omega: float, drilled: float = 0.0
+    ) -> FloatArray:
+        """(3,) rate of penetration [m/s] under a ``force`` (3,) of the bit on the rock [N], bit axis (3,),
+        rotation [rad/s]."""
         out, F, e = np.zeros(3), np.array(force, dtype=float), np.array(axis, dtype=float)
         _rate(ctypes.addressof(self._made), pointer(F), pointer(e), omega, drilled, pointer(out))
         return out
@@ -384,7 +508,8 @@ class RockBit(ComponentBase):
 
 
 def _chip_for(weight: float, cut: float, flat: float, onset: float) -> float:
-    """Chip per blade [m] that carries ``weight`` [N]: cut d + flat e(d/onset) with the smooth onset e of kernels/bit/bit.hpp."""
+    """Chip per blade [m] that carries ``weight`` [N]: cut d + flat e(d/onset) with the smooth onset e of
+    kernels/bit/bit.hpp."""
     from scipy.optimize import brentq
 
     def miss(d: float) -> float:

@@ -1,6 +1,8 @@
-"""Rolling without slip: a round rigid body on a plane, or on the wall of a straight round hole (kernels/joints/joints.hpp).
+"""Rolling without slip: a round rigid body on a plane, or on the wall of a straight round hole
+(kernels/joints/joints.hpp).
 
-The only non-holonomic constraint of the package: the velocity of the body's point at the contact is zero along the surface.
+The only non-holonomic constraint of the package: the velocity of the body's point at the contact is zero
+along the surface.
 """
 
 from __future__ import annotations
@@ -15,36 +17,65 @@ from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, ComponentBase, local_v
 class Rolling(ComponentBase):
     """A body of ``radius`` [m] on ``node``, whose centre is ``center`` [m] along the tangent from it, rolls.
 
-    On a plane through ``point`` with ``normal`` (to the side of the body); or, with ``hole`` [m] the radius of a hole whose axis
-    runs through ``point`` along ``normal``, on its wall: then it slides freely along the hole unless ``grips_along``.
-    Its start must satisfy the constraints in place and velocity.  Rolling has no statics: it does not fix a place.
-    Field ``rolling.force`` (3) in units of SCALE: normal force, and the two forces along the surface.
+    On a plane through ``point`` with ``normal`` (to the side of the body); or, with ``hole`` [m] the radius
+    of a hole whose axis runs through ``point`` along ``normal``, on its wall: then it slides freely along the
+    hole unless ``grips_along``. Its start must satisfy the constraints in place and velocity.  Rolling has no
+    statics: it does not fix a place. Field ``rolling.force`` (3) in units of SCALE: normal force, and the two
+    forces along the surface.
     """
 
     name = "rolling"
 
-    def __init__(self, nodes: int, node: int, radius: float, point: FloatArray, normal: FloatArray, center: float = 0.0,
-                 hole: float | None = None, grips_along: bool = True):
+    def __init__(
+        self,
+        nodes: int,
+        node: int,
+        radius: float,
+        point: FloatArray,
+        normal: FloatArray,
+        center: float = 0.0,
+        hole: float | None = None,
+        grips_along: bool = True,
+    ):
         self.nodes, self.node = nodes, node
         n = np.asarray(normal, dtype=float) / np.linalg.norm(normal)
         side = np.eye(3)[int(np.argmin(np.abs(n)))]
         side = side - n * (side @ n)
         side /= np.linalg.norm(side)
-        self._row = [float(hole is not None), center, radius, *point, *n, *side, hole or 0.0, float(grips_along), SCALE]
+        self._row = [
+            float(hole is not None),
+            center,
+            radius,
+            *point,
+            *n,
+            *side,
+            hole or 0.0,
+            float(grips_along),
+            SCALE,
+        ]
         self.multipliers = 3
 
     def regions(self) -> dict[str, np.ndarray]:
         return {"rolling": np.arange(self.nodes) == self.node}
 
     def fields(self) -> tuple[Field, ...]:
-        return (Field("rolling.force", 3, region="rolling", second_order=False, differential=False, multiplier=True),)
+        return (
+            Field(
+                "rolling.force", 3, region="rolling", second_order=False, differential=False, multiplier=True
+            ),
+        )
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([self.node]))
         params = np.ascontiguousarray(np.tile(self._row, (len(vertices), 1)))
-        return (ElementBlock("rolling", "rolling", "vertex", vertices, (*VERTEX_SLOTS, ("rolling.force", 0)), (0,), params),)
+        return (
+            ElementBlock(
+                "rolling", "rolling", "vertex", vertices, (*VERTEX_SLOTS, ("rolling.force", 0)), (0,), params
+            ),
+        )
 
     def force(self, system) -> FloatArray:
-        """(3,) normal force on the body and the two forces along the surface [N], on the rank of the node; else zero."""
+        """(3,) normal force on the body and the two forces along the surface [N], on the rank of the node;
+        else zero."""
         local = np.flatnonzero((system.chain.vertices == self.node) & system.chain.owned)
         return SCALE * system.field("rolling.force")[local[0]] if len(local) else np.zeros(3)

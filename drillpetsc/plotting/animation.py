@@ -15,7 +15,9 @@ from drillpetsc.plotting.shape import Shape
 def check_suffix(path: Path) -> None:
     """Refuse, before anything is drawn, a film that nothing here can write."""
     if path.suffix.lower() != ".gif" and importlib.util.find_spec("imageio") is None:
-        raise ValueError(f"{path.name}: only .gif can be written here; a film (.mp4) needs imageio with ffmpeg")
+        raise ValueError(
+            f"{path.name}: only .gif can be written here; a film (.mp4) needs imageio with ffmpeg"
+        )
 
 
 def write_animation(
@@ -34,16 +36,24 @@ def write_animation(
         from PIL import Image  # type: ignore[import-untyped,unused-ignore]
 
         palette = _palette(images, colormap)
-        pages = [Image.fromarray(image).quantize(255, palette=palette, dither=Image.Dither.NONE) for image in images]
-        pages[0].save(path, save_all=True, append_images=pages[1:], duration=round(1000 / rate), loop=0, disposal=1)
+        pages = [
+            Image.fromarray(image).quantize(255, palette=palette, dither=Image.Dither.NONE)
+            for image in images
+        ]
+        pages[0].save(
+            path, save_all=True, append_images=pages[1:], duration=round(1000 / rate), loop=0, disposal=1
+        )
         return
     import imageio.v3 as imageio  # type: ignore[import-not-found,unused-ignore]
 
-    imageio.imwrite(path, [image[: image.shape[0] // 2 * 2, : image.shape[1] // 2 * 2] for image in images], fps=rate)
+    imageio.imwrite(
+        path, [image[: image.shape[0] // 2 * 2, : image.shape[1] // 2 * 2] for image in images], fps=rate
+    )
 
 
 def _palette(images: list[np.ndarray], colormap: Any) -> Any:
-    """A palette image of 255 colours: 96 of the field's own, which a few thin lines need, and 159 for all else.
+    """A palette image of 255 colours: 96 of the field's own, which a few thin lines need, and 159 for all
+    else.
 
     The latter from an image with each colour that occurs once, or the wide background would take them all.
     """
@@ -51,7 +61,9 @@ def _palette(images: list[np.ndarray], colormap: Any) -> Any:
 
     seen = np.zeros(0, dtype=np.int32)
     for image in images[:: max(len(images) // 8, 1)]:
-        coarse = image[::2, ::2].reshape(-1, 3).astype(np.int32) & 0xFC  # steps of four: invisible, and fewer colours
+        coarse = (
+            image[::2, ::2].reshape(-1, 3).astype(np.int32) & 0xFC
+        )  # steps of four: invisible, and fewer colours
         seen = np.union1d(seen, coarse[:, 0] << 16 | coarse[:, 1] << 8 | coarse[:, 2])
     once = np.stack((seen >> 16 & 255, seen >> 8 & 255, seen & 255), axis=-1).astype(np.uint8)[None]
     colours = Image.fromarray(once).quantize(158).getpalette() or []

@@ -1,4 +1,5 @@
-"""The path of a hole: section and plan, and the newly drilled part enlarged. Drawn from trajectory.csv alone."""
+"""The path of a hole: section and plan, and the newly drilled part enlarged. Drawn from trajectory.csv
+alone."""
 
 from __future__ import annotations
 
@@ -20,8 +21,8 @@ OLD, NEW = "0.45", LINE_COLORS[1]
 
 
 def well_path(table: Table, title: str, drilled: float = 0.0) -> Any:
-    """The hole as drilled: plan, and depth against horizontal distance from the well head, both true to scale; the last ``drilled``
-    metres are marked as new."""
+    """The hole as drilled: plan, and depth against horizontal distance from the well head, both true to
+    scale; the last ``drilled`` metres are marked as new."""
     if len(table["md [m]"]) < 2:
         return None
     north, east, depth = table["north [m]"], table["east [m]"], table["tvd [m]"]
@@ -34,8 +35,17 @@ def well_path(table: Table, title: str, drilled: float = 0.0) -> Any:
     for axes, across, along in ((section, away, depth), (plan, east, north)):
         axes.plot(across[old], along[old], color=LINE_COLORS[0], linewidth=2)
         if drilled > 0:
-            axes.plot(across[new], along[new], color=NEW, linewidth=3.5, solid_capstyle="butt", label=f"new hole, {drilled:.4g} m")
-    section.set(xlabel="horizontal distance from the well head [m]", ylabel="True vertical depth [m]", title="Section")
+            axes.plot(
+                across[new],
+                along[new],
+                color=NEW,
+                linewidth=3.5,
+                solid_capstyle="butt",
+                label=f"new hole, {drilled:.4g} m",
+            )
+    section.set(
+        xlabel="horizontal distance from the well head [m]", ylabel="True vertical depth [m]", title="Section"
+    )
     span = max(float(np.ptp(depth)), float(np.ptp(away)), 1e-9)
     section.set(
         ylim=(depth.max() + 0.04 * span, depth.min() - 0.04 * span),
@@ -59,7 +69,8 @@ def well_path(table: Table, title: str, drilled: float = 0.0) -> Any:
 
 
 def new_hole(table: Table, title: str, drilled: float) -> Any:
-    """Tracks of inclination, azimuth and dogleg severity beside the depth axis, over the last ``drilled`` metres and ten above them."""
+    """Tracks of inclination, azimuth and dogleg severity beside the depth axis, over the last ``drilled``
+    metres and ten above them."""
     md = table["md [m]"]
     start = md[-1] - drilled
     if drilled <= 0 or len(md) < 3:
@@ -74,19 +85,36 @@ def new_hole(table: Table, title: str, drilled: float) -> Any:
     _track(tracks[1], shown, np.interp(shown, md, turned), start, "Azimuth [deg]")
     local, severity = _severity(table, shown, SHORT_COURSE), _severity(table, shown, COURSE)
     _track(tracks[2], shown, local, start, "Dogleg severity [deg/30 m]", f"over the {SHORT_COURSE:g} m above")
-    tracks[2].plot(severity, shown, color="black", linewidth=1.2, linestyle=(0, (5, 2)), label=f"over the {COURSE:g} m above")
+    tracks[2].plot(
+        severity,
+        shown,
+        color="black",
+        linewidth=1.2,
+        linestyle=(0, (5, 2)),
+        label=f"over the {COURSE:g} m above",
+    )
     tracks[2].set_xlim(0.0, 1.15 * max(severity.max(), local.max(), 1e-3))
     tracks[2].legend(frameon=True, framealpha=0.9, edgecolor="none", fontsize=8.5, loc="best")
     tracks[0].set(ylim=(md[-1] + 0.02 * drilled, top), ylabel="Measured depth [m]")
     for text, place, color in (("old hole", "bottom", OLD), ("new hole", "top", NEW)):
-        tracks[1].annotate(text, (0.98, start), (0, 3 if place == "bottom" else -3), xycoords=tracks[1].get_yaxis_transform(),
-                           textcoords="offset points", va=place, ha="right", fontsize=8.5, color=color)
+        tracks[1].annotate(
+            text,
+            (0.98, start),
+            (0, 3 if place == "bottom" else -3),
+            xycoords=tracks[1].get_yaxis_transform(),
+            textcoords="offset points",
+            va=place,
+            ha="right",
+            fontsize=8.5,
+            color=color,
+        )
     drawing.tight_layout(rect=(0, 0, 1, 0.975))
     return drawing
 
 
 def _severity(table: Table, md: np.ndarray, course: float) -> np.ndarray:
-    """(n,) change of direction over ``course`` [m] above md (n,) [m], [deg/30 m]; directions between stations are interpolated."""
+    """(n,) change of direction over ``course`` [m] above md (n,) [m], [deg/30 m]; directions between stations
+    are interpolated."""
     stations = direction(np.radians(table["inclination [deg]"]), np.radians(table["azimuth [deg]"]))
 
     def at(s: np.ndarray) -> np.ndarray:
@@ -98,7 +126,8 @@ def _severity(table: Table, md: np.ndarray, course: float) -> np.ndarray:
 
 
 def _track(axes: Any, md: np.ndarray, values: np.ndarray, start: float, label: str, name: str = "") -> None:
-    """One quantity downwards, grey in the old hole; at least LEAST_WIDTH wide, so that rounding does not look like walk."""
+    """One quantity downwards, grey in the old hole; at least LEAST_WIDTH wide, so that rounding does not look
+    like walk."""
     axes.plot(values, md, color=NEW, linewidth=1.8, label=name)
     old = md <= start + 1e-6
     axes.plot(values[old], md[old], color=OLD, linewidth=2.2)

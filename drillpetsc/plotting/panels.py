@@ -1,4 +1,5 @@
-"""The panels of a view. Each function draws what stays, and returns a function that draws one time into it."""
+"""The panels of a view. Each function draws what stays, and returns a function that draws one time into
+it."""
 
 from __future__ import annotations
 
@@ -46,7 +47,8 @@ def segments(x: np.ndarray, y: np.ndarray) -> Any:
 
 
 def hole_walls(axes: Any, shape: Shape, size: float) -> None:
-    """Rock on both sides of the hole, between the walls nothing. size: [m] of one unit of the lateral axis."""
+    """Rock on both sides of the hole, between the walls nothing. size: [m] of one unit of the lateral
+    axis."""
     if shape.hole_radius is None:
         axes.axvline(0.0, color=WALL, linewidth=0.6, linestyle=(0, (8, 4)))
         return
@@ -58,7 +60,8 @@ def hole_walls(axes: Any, shape: Shape, size: float) -> None:
 
 
 def offset_track(axes: Any, shape: Shape, paint: Paint, component: int, half: float) -> Update:
-    """Offset of the string against measured depth: the pipe as a ribbon of its diameter between the walls of the hole.
+    """Offset of the string against measured depth: the pipe as a ribbon of its diameter between the walls of
+    the hole.
 
     half: lateral distance shown on each side [m].
     """
@@ -73,7 +76,9 @@ def offset_track(axes: Any, shape: Shape, paint: Paint, component: int, half: fl
     if shape.outer_radius is None:
         body = LineCollection([], cmap=paint.cmap, norm=paint.norm, linewidths=2.0, zorder=3)
     else:
-        body = PolyCollection([], cmap=paint.cmap, norm=paint.norm, linewidths=0, antialiaseds=False, zorder=2)
+        body = PolyCollection(
+            [], cmap=paint.cmap, norm=paint.norm, linewidths=0, antialiaseds=False, zorder=2
+        )
     axes.add_collection(body, autolim=False)
     (center,) = axes.plot([], [], color="black", linewidth=0.6, alpha=0.65, zorder=4)
 
@@ -116,7 +121,8 @@ def field_track(axes: Any, paint: Paint) -> Update:
 
 
 def path_panel(axes: Any, whole: Shape, paint: Paint, interval: tuple[float, float] | None) -> Update:
-    """The string as it lies in the ground, true scale: depth against distance from the well head towards its end."""
+    """The string as it lies in the ground, true scale: depth against distance from the well head towards its
+    end."""
     from matplotlib.collections import LineCollection
 
     north, east = whole.points[-1, 0] - whole.points[0, 0], whole.points[-1, 1] - whole.points[0, 1]
@@ -141,7 +147,14 @@ def path_panel(axes: Any, whole: Shape, paint: Paint, interval: tuple[float, flo
     axes.locator_params(axis="x", nbins=4)
     if interval is not None:
         inside = (whole.md >= interval[0]) & (whole.md <= interval[1])
-        axes.plot(reach[inside], whole.points[inside, 2], color="black", linewidth=7, alpha=0.25, solid_capstyle="butt")
+        axes.plot(
+            reach[inside],
+            whole.points[inside, 2],
+            color="black",
+            linewidth=7,
+            alpha=0.25,
+            solid_capstyle="butt",
+        )
 
     def update(now: Shape) -> None:
         along = (now.points[:, :2] - now.points[0, :2]) @ direction
@@ -152,7 +165,8 @@ def path_panel(axes: Any, whole: Shape, paint: Paint, interval: tuple[float, flo
 
 
 def clearance_panel(axes: Any, shape: Shape, paint: Paint) -> Update:
-    """Looking down the hole: the string's centre as a share of its clearance there; on the circle it touches."""
+    """Looking down the hole: the string's centre as a share of its clearance there; on the circle it
+    touches."""
     from matplotlib.collections import LineCollection
 
     assert shape.hole_radius is not None and shape.outer_radius is not None

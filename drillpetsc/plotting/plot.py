@@ -24,7 +24,8 @@ from drillpetsc.studies.sweep.plan import SWEEP
 
 Table = dict[str, np.ndarray]
 
-# columns that a driller compares share a panel, in this order; every other column joins those of its unit after them
+# columns that a driller compares share a panel, in this order; every other column joins those of its unit
+# after them
 TOGETHER: tuple[tuple[str, ...], ...] = (
     ("hook_load",),
     ("wob",),
@@ -52,7 +53,9 @@ def plot(run: str | os.PathLike, out: str | os.PathLike | None = None) -> list[P
     if (folder.path / SWEEP).is_file():
         pictures = draw_sweep(folder.path, out)
         if not pictures:
-            raise FileNotFoundError(f"no member of the sweep {folder.path} drilled new hole: plot the members")
+            raise FileNotFoundError(
+                f"no member of the sweep {folder.path} drilled new hole: plot the members"
+            )
         return pictures
     into = Path(out) if out is not None else folder.plots
     into.mkdir(parents=True, exist_ok=True)
@@ -72,7 +75,10 @@ def plot(run: str | os.PathLike, out: str | os.PathLike | None = None) -> list[P
         if folder.statics.exists():
             drawings["along_depth"] = _along_depth(read_table(folder.statics), title)
         if folder.trajectory.exists():
-            path, drilled = read_table(folder.trajectory), reported.get("new_hole", {}).get("drilled [m]", 0.0)
+            path, drilled = (
+                read_table(folder.trajectory),
+                reported.get("new_hole", {}).get("drilled [m]", 0.0),
+            )
             drawings["trajectory"] = well_path(path, title, drilled)
             drawings["new_hole"] = new_hole(path, title, drilled)
         files = []
@@ -150,7 +156,8 @@ def _histories(table: Table, panels: list[list[str]], title: str) -> Any:
 
 
 def _level(axes: Any, values: np.ndarray) -> None:
-    """Keep a constant from being magnified until its rounding shows, and axis numbers from hiding behind an offset."""
+    """Keep a constant from being magnified until its rounding shows, and axis numbers from hiding behind an
+    offset."""
     axes.ticklabel_format(axis="y", useOffset=False)
     finite = values[np.isfinite(values)]
     if finite.size and np.ptp(finite) < 1e-6 * np.abs(finite).max():
@@ -160,12 +167,17 @@ def _level(axes: Any, values: np.ndarray) -> None:
 
 def probe_names(table: Table) -> list[str]:
     """The measured depths NNN of the probes, as they stand in the headers, in order."""
-    found = [match.group(1) for title in table if (match := re.fullmatch(r"(?:x|spin)_([\d.]+)", split_name(title)[0]))]
+    found = [
+        match.group(1)
+        for title in table
+        if (match := re.fullmatch(r"(?:x|spin)_([\d.]+)", split_name(title)[0]))
+    ]
     return list(dict.fromkeys(found))
 
 
 def _clearances(folder: RunFolder) -> tuple[np.ndarray, np.ndarray] | None:
-    """(measured depth (n,), hole radius less string radius (n,)) [m] from the last frame; None where there is none."""
+    """(measured depth (n,), hole radius less string radius (n,)) [m] from the last frame; None where there is
+    none."""
     series = read_series(folder.path)
     if not series:
         return None
@@ -176,7 +188,8 @@ def _clearances(folder: RunFolder) -> tuple[np.ndarray, np.ndarray] | None:
 
 
 def _orbits(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, title: str) -> Any:
-    """Path of the string's centre in the hole at each probe, late times dark, with the circle on which it touches."""
+    """Path of the string's centre in the hole at each probe, late times dark, with the circle on which it
+    touches."""
     from matplotlib.collections import LineCollection
 
     names = [name for name in probe_names(table) if f"x_{name} [m]" in table and f"y_{name} [m]" in table]
@@ -186,7 +199,9 @@ def _orbits(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
     columns = min(len(names), 4)
     rows = -(-len(names) // columns)
     drawing = style.figure(max(3.9 * columns, 6.5), 0.7 + 4.1 * rows, dpi=110)
-    drawing.suptitle(f"{title}: orbits of the string's centre", x=0.02, ha="left", fontweight="bold", fontsize=12)
+    drawing.suptitle(
+        f"{title}: orbits of the string's centre", x=0.02, ha="left", fontweight="bold", fontsize=12
+    )
     lines = None
     grid = drawing.subplots(rows, columns, squeeze=False)
     for axes, name in zip(grid.reshape(-1), names, strict=False):
@@ -257,10 +272,14 @@ def _probes(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
             axes.plot(time, values / size, color=color, linewidth=1.0, label=f"{float(name):g} m")
             if column.startswith("distance") and clearances is not None:
                 axes.axhline(
-                    np.interp(float(name), *clearances) / size, color=color, linewidth=0.9, linestyle=(0, (6, 3))
+                    np.interp(float(name), *clearances) / size,
+                    color=color,
+                    linewidth=0.9,
+                    linestyle=(0, (6, 3)),
                 )
         axes.set_ylabel(
-            label(column, unit) + (("\n(dashed: on the wall)") if column.startswith("distance") and clearances else "")
+            label(column, unit)
+            + (("\n(dashed: on the wall)") if column.startswith("distance") and clearances else "")
         )
         axes.margins(x=0.0)
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8.5)
@@ -280,7 +299,9 @@ def _along_depth(table: Table, title: str) -> Any:
     per_row = min(len(numbers), 6)
     rows = -(-len(numbers) // per_row)
     drawing = style.figure(max(1.2 + 2.3 * per_row, 6.0), 0.9 + 7.2 * rows, dpi=110)
-    drawing.suptitle(f"{title}: static equilibrium along the string", x=0.02, ha="left", fontweight="bold", fontsize=12)
+    drawing.suptitle(
+        f"{title}: static equilibrium along the string", x=0.02, ha="left", fontweight="bold", fontsize=12
+    )
     grid = drawing.subplots(rows, per_row, squeeze=False, sharey=True)
     for axes, name in zip(grid.reshape(-1), numbers, strict=False):
         size, unit = display_unit(name, table[name])
@@ -289,7 +310,9 @@ def _along_depth(table: Table, title: str) -> Any:
         if values.min() < 0 < values.max() or values.min() == 0 or values.max() == 0:
             axes.axvline(0.0, color="0.35", linewidth=0.8)
         if split_name(name)[0] == "axial_force":
-            axes.fill_betweenx(depth, np.minimum(values, 0.0), 0.0, color=LINE_COLORS[1], alpha=0.35, linewidth=0)
+            axes.fill_betweenx(
+                depth, np.minimum(values, 0.0), 0.0, color=LINE_COLORS[1], alpha=0.35, linewidth=0
+            )
             axes.set_title("compression shaded", fontsize=8.5, color=LINE_COLORS[1])
         axes.set_xlabel(label(name, unit))
         axes.locator_params(axis="x", nbins=4)

@@ -1,8 +1,8 @@
 """The straightened string in its hole as a shaded picture, by pyvista off screen.
 
-Measured depth runs downward and straight; lateral lengths are drawn `scale` times larger than depths. The camera is
-parallel and looks a little from above, so heights in the picture stay proportional to depth and the picture fits a
-depth axis.
+Measured depth runs downward and straight; lateral lengths are drawn `scale` times larger than depths. The
+camera is parallel and looks a little from above, so heights in the picture stay proportional to depth and the
+picture fits a depth axis.
 """
 
 from __future__ import annotations
@@ -48,16 +48,22 @@ def _opens(library: str) -> bool:
 
 
 def offscreen_window() -> str | None:
-    """Value for VTK_DEFAULT_OPENGL_WINDOW: a window whose library is there; None where VTK (a screen, another system) or the user
-    chooses; empty when there is none, and VTK is better not asked, as it may end the process."""
-    if "VTK_DEFAULT_OPENGL_WINDOW" in os.environ or os.environ.get("DISPLAY") or not sys.platform.startswith("linux"):
+    """Value for VTK_DEFAULT_OPENGL_WINDOW: a window whose library is there; None where VTK (a screen, another
+    system) or the user chooses; empty when there is none, and VTK is better not asked, as it may end the
+    process."""
+    if (
+        "VTK_DEFAULT_OPENGL_WINDOW" in os.environ
+        or os.environ.get("DISPLAY")
+        or not sys.platform.startswith("linux")
+    ):
         return None
     return next((window for window, libraries in OFFSCREEN.items() if any(map(_opens, libraries))), "")
 
 
 @functools.cache
 def why_no_rendering() -> str:
-    """Empty when pyvista can draw on this machine, otherwise the reason; before VTK is imported, which reads its choice of window then.
+    """Empty when pyvista can draw on this machine, otherwise the reason; before VTK is imported, which reads
+    its choice of window then.
 
     Asked of a process of its own, because VTK without a usable OpenGL may end the process that asks.
     """
@@ -67,7 +73,12 @@ def why_no_rendering() -> str:
     try:
         chosen = {} if window is None else {"VTK_DEFAULT_OPENGL_WINDOW": window}
         asked = subprocess.run(
-            [sys.executable, "-c", _PROBE], capture_output=True, text=True, timeout=120, check=False, env={**os.environ, **chosen}
+            [sys.executable, "-c", _PROBE],
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+            env={**os.environ, **chosen},
         )
     except subprocess.TimeoutExpired:
         return "a first off-screen picture took longer than two minutes"
@@ -86,7 +97,9 @@ def loft(md: np.ndarray, offset: np.ndarray, radius: np.ndarray, scale: float) -
     A ring stays level: so it looks when lateral lengths are drawn far larger than depths.
     """
     angle = 2 * np.pi * np.arange(SIDES) / SIDES
-    lateral = offset[:, None, :] + radius[:, None, None] * np.column_stack((np.cos(angle), np.sin(angle)))[None]
+    lateral = (
+        offset[:, None, :] + radius[:, None, None] * np.column_stack((np.cos(angle), np.sin(angle)))[None]
+    )
     depth = np.broadcast_to(-md[:, None, None], (len(md), SIDES, 1))
     return np.concatenate((scale * lateral, depth), axis=2).reshape(-1, 3)
 
@@ -96,18 +109,23 @@ def loft_faces(count: int) -> np.ndarray:
     ring, corner = np.meshgrid(np.arange(count - 1) * SIDES, np.arange(SIDES), indexing="ij")
     beside = (corner + 1) % SIDES
     four = np.full_like(ring, 4)
-    faces = np.stack((four, ring + corner, ring + beside, ring + SIDES + beside, ring + SIDES + corner), axis=-1)
+    faces = np.stack(
+        (four, ring + corner, ring + beside, ring + SIDES + beside, ring + SIDES + corner), axis=-1
+    )
     return faces.reshape(-1)
 
 
 class Rendering:
     """One pyvista scene that is drawn again for each time: hole built once, string moved and coloured.
 
-    pixels: (width, height) of the picture. span: (upper, lower) measured depth [m] at its upper and lower edge, for
-    the hole's axis, which is the middle of the picture's width. A pixel is as many metres wide as it is high.
+    pixels: (width, height) of the picture. span: (upper, lower) measured depth [m] at its upper and lower
+    edge, for the hole's axis, which is the middle of the picture's width. A pixel is as many metres wide as
+    it is high.
     """
 
-    def __init__(self, shape: Shape, scale: float, span: tuple[float, float], pixels: tuple[int, int]) -> None:
+    def __init__(
+        self, shape: Shape, scale: float, span: tuple[float, float], pixels: tuple[int, int]
+    ) -> None:
         import pyvista
 
         self.scale = scale
@@ -117,26 +135,37 @@ class Rendering:
         self.body = np.maximum(body, 0.006 * width / scale)  # a thin string keeps a few pixels
         if shape.hole_radius is not None:
             center = np.zeros((len(shape.md), 2))
-            hole = pyvista.PolyData(loft(shape.md, center, shape.hole_radius, scale), loft_faces(len(shape.md)))
+            hole = pyvista.PolyData(
+                loft(shape.md, center, shape.hole_radius, scale), loft_faces(len(shape.md))
+            )
             self.plotter.add_mesh(hole, color="#9c8058", opacity=0.40, ambient=0.35, culling="back")
             self.plotter.add_mesh(hole, color="#9c8058", opacity=0.07, ambient=0.5, culling="front")
-        self.string = pyvista.PolyData(loft(shape.md, shape.offset, self.body, scale), loft_faces(len(shape.md)))
+        self.string = pyvista.PolyData(
+            loft(shape.md, shape.offset, self.body, scale), loft_faces(len(shape.md))
+        )
         self.string.point_data["rgb"] = np.zeros((self.string.n_points, 3), dtype=np.uint8)
         self.plotter.add_mesh(self.string, scalars="rgb", rgb=True, ambient=0.38, diffuse=0.8, specular=0.15)
         self._aim(span)
-        self.close = weakref.finalize(self, self.plotter.close)  # pyvista itself keeps every plotter until it is closed
+        self.close = weakref.finalize(
+            self, self.plotter.close
+        )  # pyvista itself keeps every plotter until it is closed
 
     def _aim(self, span: tuple[float, float]) -> None:
         camera, height = self.plotter.camera, span[1] - span[0]
         focus = np.array([0.0, 0.0, -0.5 * (span[0] + span[1])])
-        away = np.array([np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)])
+        away = np.array(
+            [np.cos(ELEVATION) * np.cos(AZIMUTH), np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION)]
+        )
         camera.focal_point, camera.position, camera.up = focus, focus + 4 * height * away, (0.0, 0.0, 1.0)
         self.plotter.enable_parallel_projection()
-        camera.parallel_scale = 0.5 * height * np.cos(ELEVATION)  # depths are foreshortened by the camera's elevation
+        camera.parallel_scale = (
+            0.5 * height * np.cos(ELEVATION)
+        )  # depths are foreshortened by the camera's elevation
         self.plotter.reset_camera_clipping_range()
 
     def image(self, shape: Shape, colors: np.ndarray) -> np.ndarray:
-        """The picture (h, w, 4) uint8, transparent where nothing is. colors: (n, 3) in 0..1 at the nodes of shape."""
+        """The picture (h, w, 4) uint8, transparent where nothing is. colors: (n, 3) in 0..1 at the nodes of
+        shape."""
         self.string.points[:] = loft(shape.md, shape.offset, self.body, self.scale)
         self.string.point_data["rgb"][:] = np.repeat((255 * colors).astype(np.uint8), SIDES, axis=0)
         self.string.GetPoints().Modified()
@@ -147,6 +176,6 @@ class Rendering:
 
 
 def project(offset: np.ndarray) -> np.ndarray:
-    """Where the same camera sees the string, sideways: (n,) lateral position in the picture [m]. For the picture
-    without pyvista."""
+    """Where the same camera sees the string, sideways: (n,) lateral position in the picture [m]. For the
+    picture without pyvista."""
     return -np.sin(AZIMUTH) * offset[:, 0] + np.cos(AZIMUTH) * offset[:, 1]

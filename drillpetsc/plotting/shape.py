@@ -1,4 +1,5 @@
-"""The string at one time as the pictures need it: depth, offset from the hole centre, radii, the chosen field."""
+"""The string at one time as the pictures need it: depth, offset from the hole centre, radii, the chosen
+field."""
 
 from __future__ import annotations
 
@@ -11,14 +12,18 @@ import numpy as np
 from drillpetsc.output.files.fields import Frame, cross_section_axes
 from drillpetsc.output.files.tables import split_name
 
-LARGE = 0.02  # lateral displacement over length above which a string without a hole is drawn in its true shape
+LARGE = (
+    0.02  # lateral displacement over length above which a string without a hole is drawn in its true shape
+)
 
 
 @dataclass(frozen=True)
 class Shape:
-    """md: (n,) measured depth [m]. offset: (n, 2) string centre from the hole centre (without a hole: from where the
-    string was at rest) [m]. hole_radius, outer_radius: (n,) [m] or None. points: (n, 3) [m]. values: (n,) [SI].
-    bent: the string has no hole and has left its first line so far that only its true shape says something."""
+    """md: (n,) measured depth [m]. offset: (n, 2) string centre from the hole centre (without a hole: from
+    where the string was at rest) [m]. hole_radius, outer_radius: (n,) [m] or None. points: (n, 3) [m].
+    values: (n,) [SI].
+    bent: the string has no hole and has left its first line so far that only its true shape says
+    something."""
 
     time: float
     md: np.ndarray
@@ -89,8 +94,9 @@ def cut(shape: Shape, interval: tuple[float, float] | None) -> Shape:
 
 
 def smooth(shape: Shape, pieces: int) -> Shape:
-    """The same string with `pieces` parts between two nodes: cubic through the nodes with the slopes that central
-    differences give, the field and the radii straight between them. For the eye only: values at nodes do not change."""
+    """The same string with `pieces` parts between two nodes: cubic through the nodes with the slopes that
+    central differences give, the field and the radii straight between them. For the eye only: values at nodes
+    do not change."""
     if pieces < 2 or len(shape.md) < 3:
         return shape
     md = shape.md

@@ -1,4 +1,5 @@
-"""Names, units and colours that a drilling engineer reads at a glance. No plotting package is imported at the top."""
+"""Names, units and colours that a drilling engineer reads at a glance. No plotting package is imported at the
+top."""
 
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ WORDS = {
     "step": "Time step",
 }
 
-# unit -> displayed units from the smallest: (text, size in the SI unit); taken is the last that is not above the values
+# unit -> displayed units from the smallest: (text, size in the SI unit); taken is the last that is not above
+# the values
 STEPS: dict[str, list[tuple[str, float]]] = {
     "N": [("N", 1.0), ("kN", 1e3), ("MN", 1e6)],
     "N m": [("N m", 1.0), ("kN m", 1e3)],
@@ -74,8 +76,9 @@ def label(title: str, unit: str) -> str:
 def color_scale(title: str, low: float, high: float) -> tuple[Any, Any]:
     """(norm, colormap) for values from low to high in displayed units.
 
-    A quantity that changes sign gets blue above zero and red below, each side stretched to its own extreme: 50 kN of
-    compression stays visible beside 800 kN of tension. One that does not change sign gets a sequential map.
+    A quantity that changes sign gets blue above zero and red below, each side stretched to its own extreme:
+    50 kN of compression stays visible beside 800 kN of tension. One that does not change sign gets a
+    sequential map.
     """
     import matplotlib as mpl
     from matplotlib.colors import Normalize, TwoSlopeNorm

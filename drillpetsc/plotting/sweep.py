@@ -1,4 +1,5 @@
-"""Pictures of a sweep whose members drilled new hole: paths, inclination and build rate. Drawn from sweep.csv and each trajectory.csv.
+"""Pictures of a sweep whose members drilled new hole: paths, inclination and build rate. Drawn from sweep.csv
+and each trajectory.csv.
 
 Colour tells the first varied key, the marker the second; a member without fluid is dashed black.
 """
@@ -34,9 +35,10 @@ DRY: dict[str, Any] = {"color": "black", "linewidth": 1.7, "linestyle": (0, (5, 
 
 @dataclass(frozen=True)
 class Path3:
-    """New hole of a member.  values: key -> word; md (n,) [m], inclination (n,) [deg]; along, up, right (n,) [m]: in the direction of the
-    old hole's end, from its straight continuation towards the high side, and to the right of that; tilt [rad]: inclination of the end of
-    the old hole, azimuth [deg] of that; build [deg/30 m]: average build rate."""
+    """New hole of a member.  values: key -> word; md (n,) [m], inclination (n,) [deg]; along, up, right (n,)
+    [m]: in the direction of the old hole's end, from its straight continuation towards the high side, and to
+    the right of that; tilt [rad]: inclination of the end of the old hole, azimuth [deg] of that; build
+    [deg/30 m]: average build rate."""
 
     values: dict[str, str]
     numbers: dict[str, float]
@@ -55,7 +57,8 @@ class Path3:
 
 
 def draw_sweep(sweep: str | os.PathLike, out: str | os.PathLike | None = None) -> list[Path]:
-    """Draw what the members drilled, into ``out`` or the sweep's folder; returns the files written, none where nobody drilled."""
+    """Draw what the members drilled, into ``out`` or the sweep's folder; returns the files written, none
+    where nobody drilled."""
     folder = Path(sweep)
     paths = drilled_paths(folder)
     if not paths:
@@ -76,7 +79,8 @@ def draw_sweep(sweep: str | os.PathLike, out: str | os.PathLike | None = None) -
 
 # ---------------------------------------------------------------------- what the folder tells
 def drilled_paths(folder: Path) -> list[Path3]:
-    """The new hole of every member that is done and has one; the rate of one that was broken off would not compare."""
+    """The new hole of every member that is done and has one; the rate of one that was broken off would not
+    compare."""
     table = read_table(folder / SWEEP)
     titles = list(table)
     keys = [title for title in titles[1 : titles.index("status")] if not title.endswith(" (SI)")]
@@ -87,8 +91,14 @@ def drilled_paths(folder: Path) -> list[Path3]:
         if table["status"][i] != "done" or not length > 0 or not file.is_file():
             continue
         words = {key: _word(table[key][i], units[key]) for key in keys}
-        numbers = {key: x for key in keys if np.isfinite(x := _number(table.get(f"{key} (SI)", table[key])[i]))}
-        found.append(_new_part(words, numbers, read_table(file), float(length), float(table["build_rate [deg/30m]"][i])))
+        numbers = {
+            key: x for key in keys if np.isfinite(x := _number(table.get(f"{key} (SI)", table[key])[i]))
+        }
+        found.append(
+            _new_part(
+                words, numbers, read_table(file), float(length), float(table["build_rate [deg/30m]"][i])
+            )
+        )
     return found
 
 
@@ -106,15 +116,31 @@ def _number(word: Any) -> float:
         return np.nan
 
 
-def _new_part(values: dict[str, str], numbers: dict[str, float], table: dict[str, np.ndarray], length: float, build: float) -> Path3:
+def _new_part(
+    values: dict[str, str],
+    numbers: dict[str, float],
+    table: dict[str, np.ndarray],
+    length: float,
+    build: float,
+) -> Path3:
     md, inclination, azimuth = table["md [m]"], table["inclination [deg]"], table["azimuth [deg]"]
     first = int(np.argmin(np.abs(md - (md[-1] - length))))
     place = np.column_stack([table[f"{name} [m]"] for name in ("north", "east", "tvd")])[first:]
     ahead = direction(np.radians(inclination[first]), np.radians(azimuth[first]))
     above = high_side(ahead)
     away = place - place[0]
-    return Path3(values, numbers, md[first:], inclination[first:], away @ ahead, away @ above, away @ np.cross(ahead, above),
-                 float(np.radians(inclination[first])), float(azimuth[first]), build)
+    return Path3(
+        values,
+        numbers,
+        md[first:],
+        inclination[first:],
+        away @ ahead,
+        away @ above,
+        away @ np.cross(ahead, above),
+        float(np.radians(inclination[first])),
+        float(azimuth[first]),
+        build,
+    )
 
 
 # ---------------------------------------------------------------------- who is who
@@ -140,7 +166,11 @@ def _looks(paths: list[Path3]) -> list[dict[str, Any]]:
             looks.append({**DRY, "zorder": 5, "label": ", ".join(["no fluid", *others])})
             continue
         color = colors[ranks[keys[0]].index(p.values[keys[0]])] if keys else LINE_COLORS[0]
-        look = {"color": color, "linewidth": 1.3, "label": ", ".join(p.values[key] for key in keys) or "new hole"}
+        look = {
+            "color": color,
+            "linewidth": 1.3,
+            "label": ", ".join(p.values[key] for key in keys) or "new hole",
+        }
         if len(keys) > 1:
             marker = MARKERS[ranks[keys[1]].index(p.values[keys[1]]) % len(MARKERS)]
             look |= {"marker": marker, "markersize": 5, "markerfacecolor": "white"}
@@ -149,7 +179,8 @@ def _looks(paths: list[Path3]) -> list[dict[str, Any]]:
 
 
 def _markers(look: dict[str, Any], count: int, number: int) -> dict[str, Any]:
-    """The look with markers at some of the ``count`` points only, others for each member, so that none hides another."""
+    """The look with markers at some of the ``count`` points only, others for each member, so that none hides
+    another."""
     if "marker" not in look:
         return look
     step = max(count // 6, 1)
@@ -160,8 +191,15 @@ def _legend(drawing: Any, axes: Any, paths: list[Path3]) -> None:
     """Names of the lines to the right of everything, headed by the keys."""
     keys = varied(paths)
     handles, labels = axes.get_legend_handles_labels()
-    drawing.legend(handles, labels, title=",\n".join(keys) if keys else None, loc="outside right center", frameon=False, fontsize=9,
-                   ncols=1 + len(labels) // 30)
+    drawing.legend(
+        handles,
+        labels,
+        title=",\n".join(keys) if keys else None,
+        loc="outside right center",
+        frameon=False,
+        fontsize=9,
+        ncols=1 + len(labels) // 30,
+    )
 
 
 def _figure(width: float, height: float, title: str) -> Any:
@@ -174,7 +212,8 @@ def _figure(width: float, height: float, title: str) -> Any:
 
 # ---------------------------------------------------------------------- pictures
 def trajectories(paths: list[Path3], title: str) -> Any:
-    """Vertical section along the hole's azimuth, plan view, and where the holes end; offsets exaggerated as stated."""
+    """Vertical section along the hole's azimuth, plan view, and where the holes end; offsets exaggerated as
+    stated."""
     length = max(float(p.along[-1]) for p in paths)
     drawing = _figure(15.0, 6.2, f"{title}: new hole, {length:.4g} m")
     section, plan, ends = drawing.subplots(1, 3, width_ratios=(1.5, 1, 1))
@@ -208,13 +247,21 @@ def _section(axes: Any, paths: list[Path3], length: float) -> None:
     _offset_scale(axes, p, length, largest, sign * scale)
     axes.set_aspect("equal", adjustable="datalim")
     axes.invert_yaxis()
-    where = f"azimuth {p.azimuth:.4g} deg" if np.ptp([q.azimuth for q in paths]) < 1e-3 else "the old hole's azimuth"
-    axes.set(xlabel=f"departure along {where} [m]", ylabel="depth below the start of new hole [m]",
-             title=f"Vertical section: offsets from the straight continuation {scale:g} times")
+    where = (
+        f"azimuth {p.azimuth:.4g} deg"
+        if np.ptp([q.azimuth for q in paths]) < 1e-3
+        else "the old hole's azimuth"
+    )
+    axes.set(
+        xlabel=f"departure along {where} [m]",
+        ylabel="depth below the start of new hole [m]",
+        title=f"Vertical section: offsets from the straight continuation {scale:g} times",
+    )
 
 
 def _in_section(p: Path3, along: np.ndarray, up: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Departure and depth (n,) [m] of points along the old hole's direction and up from it (both (n,) [m])."""
+    """Departure and depth (n,) [m] of points along the old hole's direction and up from it (both (n,)
+    [m])."""
     s, c = np.sin(p.tilt), np.cos(p.tilt)
     return along * s + up * c, along * c - up * s
 
@@ -225,15 +272,26 @@ def _offset_scale(axes: Any, p: Path3, length: float, largest: float, scale: flo
     marks = step * np.arange(int(1.2 * largest / step) + 1)
     beyond = np.full(len(marks), 1.03 * length)
     away, down = _in_section(p, beyond, scale * marks)
-    axes.plot(away, down, color="0.35", linewidth=0.9, marker="|" if p.tilt < np.pi / 4 else "_", markersize=7)
+    axes.plot(
+        away, down, color="0.35", linewidth=0.9, marker="|" if p.tilt < np.pi / 4 else "_", markersize=7
+    )
     aside = 11 * np.sin(p.tilt), -11 * np.cos(p.tilt)  # further down the hole
     for i in (0, -1):
-        axes.annotate(f"{1e3 * marks[i]:.4g} mm", (away[i], down[i]), aside, textcoords="offset points", va="center",
-                      ha="center" if p.tilt < np.pi / 6 else "left", fontsize=8, color="0.25")
+        axes.annotate(
+            f"{1e3 * marks[i]:.4g} mm",
+            (away[i], down[i]),
+            aside,
+            textcoords="offset points",
+            va="center",
+            ha="center" if p.tilt < np.pi / 6 else "left",
+            fontsize=8,
+            color="0.25",
+        )
 
 
 def _plan(axes: Any, paths: list[Path3]) -> None:
-    """From above: along the hole's azimuth true, to the right of it exaggerated; across the hole where it is nearly vertical."""
+    """From above: along the hole's azimuth true, to the right of it exaggerated; across the hole where it is
+    nearly vertical."""
     leaning = paths[0].tilt > NEAR_VERTICAL
     across = [p.along * np.sin(p.tilt) + p.up * np.cos(p.tilt) if leaning else p.up for p in paths]
     widest = max(float(np.abs(p.right).max()) for p in paths)
@@ -246,20 +304,36 @@ def _plan(axes: Any, paths: list[Path3]) -> None:
     unit = 1e3 if scale > 1 else 1.0
     axes.set_aspect(unit / scale, adjustable="datalim")
     aim = "departure along the hole's azimuth [m]" if leaning else "north [m]"
-    axes.set(xlabel=f"to the right of the straight continuation [{'mm' if scale > 1 else 'm'}]" if leaning else "east [m]", ylabel=aim,
-             title=f"Plan view: offsets to the right {scale:g} times" if leaning else "Plan view")
+    axes.set(
+        xlabel=f"to the right of the straight continuation [{'mm' if scale > 1 else 'm'}]"
+        if leaning
+        else "east [m]",
+        ylabel=aim,
+        title=f"Plan view: offsets to the right {scale:g} times" if leaning else "Plan view",
+    )
 
 
 def _ends(axes: Any, paths: list[Path3]) -> None:
     """The ends of the new holes, looking down the old one."""
     for p, look in zip(paths, _looks(paths), strict=True):
         spot = {"marker": "x", "markeredgewidth": 2} if p.dry else {"marker": look.get("marker", "o")}
-        axes.plot(1e3 * p.right[-1], 1e3 * p.up[-1], linestyle="", color=look["color"], markersize=8, markerfacecolor="white", **spot)
+        axes.plot(
+            1e3 * p.right[-1],
+            1e3 * p.up[-1],
+            linestyle="",
+            color=look["color"],
+            markersize=8,
+            markerfacecolor="white",
+            **spot,
+        )
     axes.margins(0.15)
     axes.ticklabel_format(useOffset=False)
     vertical = paths[0].tilt < 1e-6
-    axes.set(xlabel="east [mm]" if vertical else "to the right [mm]", ylabel="north [mm]" if vertical else "to the high side [mm]",
-             title="Ends, off the straight continuation")
+    axes.set(
+        xlabel="east [mm]" if vertical else "to the right [mm]",
+        ylabel="north [mm]" if vertical else "to the high side [mm]",
+        title="Ends, off the straight continuation",
+    )
 
 
 def inclinations(paths: list[Path3], title: str) -> Any:
@@ -276,7 +350,8 @@ def inclinations(paths: list[Path3], title: str) -> Any:
 
 
 def build_rates(paths: list[Path3], title: str) -> Any:
-    """Average build rate over the first numeric key, a line for each value of the others; without fluid: level and dashed."""
+    """Average build rate over the first numeric key, a line for each value of the others; without fluid:
+    level and dashed."""
     keys = varied(paths)
     numeric = [key for key in keys if all(key in p.numbers for p in paths if p.values[key] != ABSENT)]
     if len(numeric) < 2:
@@ -292,8 +367,15 @@ def build_rates(paths: list[Path3], title: str) -> Any:
     unit, size = shown_unit(first, paths)
     for number, (words, members) in enumerate(groups.items()):
         members = sorted(members, key=lambda p: p.numbers[first])
-        axes.plot([p.numbers[first] / size for p in members], [p.build for p in members], color=LINE_COLORS[number % len(LINE_COLORS)],
-                  marker=MARKERS[number % len(MARKERS)], markersize=6, linewidth=1.5, label=", ".join(words))
+        axes.plot(
+            [p.numbers[first] / size for p in members],
+            [p.build for p in members],
+            color=LINE_COLORS[number % len(LINE_COLORS)],
+            marker=MARKERS[number % len(MARKERS)],
+            markersize=6,
+            linewidth=1.5,
+            label=", ".join(words),
+        )
     for p in paths:
         if first not in p.numbers:
             axes.axhline(p.build, **DRY, label="no fluid" if p.dry else ", ".join(p.values.values()))
@@ -307,7 +389,8 @@ def build_rates(paths: list[Path3], title: str) -> Any:
 
 
 def shown_unit(key: str, paths: list[Path3]) -> tuple[str, float]:
-    """Unit in which all values of a key were given and its size in SI; the SI unit when they were given in several."""
+    """Unit in which all values of a key were given and its size in SI; the SI unit when they were given in
+    several."""
     units, size = set(), 1.0
     for p in paths:
         if key in p.numbers:

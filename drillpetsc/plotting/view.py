@@ -1,8 +1,8 @@
 """`drillpetsc view RUN`: the deformed string in its hole, as a picture or an animation, without a display.
 
-A string of kilometres in a hole of centimetres shows nothing at true scale. The hole is therefore drawn straight along
-measured depth with lateral lengths enlarged by a stated factor, once as a shaded view and once as two sections with the
-pipe's true width between the walls; the well's true path stands beside it.
+A string of kilometres in a hole of centimetres shows nothing at true scale. The hole is therefore drawn
+straight along measured depth with lateral lengths enlarged by a stated factor, once as a shaded view and once
+as two sections with the pipe's true width between the walls; the well's true path stands beside it.
 """
 
 from __future__ import annotations
@@ -48,11 +48,14 @@ def view(
 ) -> Path:
     """Draw the string of a run; returns the file written.
 
-    out: file to write; by default view.png or view.gif in the run's plots folder. A .mp4 needs imageio with ffmpeg.
+    out: file to write; by default view.png or view.gif in the run's plots folder. A .mp4 needs imageio with
+    ffmpeg.
     field: what colours the string, with or without its unit.
-    time: a float is a simulated time [s] (the nearest frame is taken), an int an index (-1 the last, as by default).
+    time: a float is a simulated time [s] (the nearest frame is taken), an int an index (-1 the last, as by
+    default).
     animate: all times, at most max_frames evenly chosen ones.
-    lateral_scale: how many times larger lateral lengths are drawn than depths; by default the clearance shows.
+    lateral_scale: how many times larger lateral lengths are drawn than depths; by default the clearance
+    shows.
     interval: (from, to) measured depth [m] to look at.
     renderer: the shaded view by pyvista, or flat by matplotlib where there is no OpenGL ("auto" finds out).
     say: gets a sentence when something had to be done differently.
@@ -72,7 +75,9 @@ def view(
     with style.look():
         paint = _paint(shapes, field, interval)
         drawing = style.figure(*SIZE, dpi=72 if animate else 120)
-        draw = _compose(drawing, shapes, paint, str(title or folder.path.name), lateral_scale, interval, renderer, say)
+        draw = _compose(
+            drawing, shapes, paint, str(title or folder.path.name), lateral_scale, interval, renderer, say
+        )
         if not animate:
             draw(shapes[-1])
             drawing.savefig(path)
@@ -86,7 +91,9 @@ def _chosen(
 ) -> list[tuple[float, Path]]:
     """The frames to draw."""
     if not series:
-        raise FileNotFoundError(f"{folder} holds no string.pvd with frames: nothing to view (is field_every set?)")
+        raise FileNotFoundError(
+            f"{folder} holds no string.pvd with frames: nothing to view (is field_every set?)"
+        )
     if animate:
         picks = np.unique(np.linspace(0, len(series) - 1, min(max_frames, len(series))).round().astype(int))
         return [series[k] for k in picks]
@@ -175,7 +182,8 @@ def _straightened(
     renderer: Renderer,
     say: Callable[[str], None] | None,
 ) -> tuple[list[Update], str]:
-    """Shaded view, two sections and the field along measured depth; the path and the clearance at the right."""
+    """Shaded view, two sections and the field along measured depth; the path and the clearance at the
+    right."""
     whole = shapes[-1]
     parts = [cut(shape, interval) for shape in shapes]
     first = parts[-1]
@@ -272,7 +280,8 @@ def _shaded_panel(
 
 
 def _flat_panel(axes: Any, shape: Shape, paint: Paint, half: float) -> Update:
-    """The hole and the string as the shaded view's camera sees them, in flat colours. half: width to each side [m]."""
+    """The hole and the string as the shaded view's camera sees them, in flat colours. half: width to each
+    side [m]."""
 
     def turned(now: Shape) -> Shape:
         return replace(now, offset=np.column_stack((render.project(now.offset), np.zeros(len(now.md)))))
@@ -285,7 +294,12 @@ def _flat_panel(axes: Any, shape: Shape, paint: Paint, half: float) -> Update:
 def _true_shape(drawing: Any, shapes: list[Shape], paint: Paint) -> list[Update]:
     """Two views at true scale of a string that has left its line."""
     moves = [max(float(np.ptp(shape.points[:, across])) for shape in shapes) for across in (0, 1)]
-    sides = [across for across in (0, 1) if moves[across] > 1e-3 * max(moves)]  # a plane motion needs one view
+    sides = [
+        across for across in (0, 1) if moves[across] > 1e-3 * max(moves)
+    ]  # a plane motion needs one view
     left = {1: (0.2,), 2: (0.05, 0.51)}[len(sides)]
     boxes = [drawing.add_axes((start, 0.08, 0.42 if len(sides) > 1 else 0.55, 0.8)) for start in left]
-    return [panels.true_shape_panel(axes, shapes, paint, across) for axes, across in zip(boxes, sides, strict=True)]
+    return [
+        panels.true_shape_panel(axes, shapes, paint, across)
+        for axes, across in zip(boxes, sides, strict=True)
+    ]

@@ -15,14 +15,20 @@ COLORS = (*style.LINE_COLORS, "#4a4a4a", "#2aa198", "#e0a030", "#6c3b1f")
 NORM = "rms"
 
 
-def draw_study(reported: Mapping[str, Any], into: Path, norm: str = NORM, name: str = "", dpi: float = 100) -> list[Path]:
-    """work_precision.png and orders.png (speed_up.png where ranks vary), ``name`` in front; nothing where no point has an error."""
+def draw_study(
+    reported: Mapping[str, Any], into: Path, norm: str = NORM, name: str = "", dpi: float = 100
+) -> list[Path]:
+    """work_precision.png and orders.png (speed_up.png where ranks vary), ``name`` in front; nothing where no
+    point has an error."""
     if reported["vary"] == "ranks":
         return [_speed_up(reported, into / f"{name}speed_up.png", dpi)] if reported["speed_up"] else []
     if not reported["outputs"]:
         return []
     files = []
-    for kind, abscissa, label in (("work_precision", "cpu", "CPU time [s]"), ("orders", "abscissa", reported["abscissa"])):
+    for kind, abscissa, label in (
+        ("work_precision", "cpu", "CPU time [s]"),
+        ("orders", "abscissa", reported["abscissa"]),
+    ):
         drawing = _panels(reported, abscissa, label, norm, dpi)
         files.append(into / f"{name}{kind}.png")
         drawing.savefig(files[-1])
@@ -40,7 +46,9 @@ def _panels(reported: Mapping[str, Any], abscissa: str, label: str, norm: str, d
         grid = drawing.subplots(rows, columns, squeeze=False)
         what = "error over CPU time" if abscissa == "cpu" else f"error over {label.split(' [')[0]}"
         drawing.suptitle(f"{reported['title']}: {what}", x=0.02, ha="left", fontweight="bold", fontsize=12)
-        drawing.text(0.02, 0.008, _note(reported), fontsize=7.5, color="0.3", ha="left", va="bottom", wrap=True)
+        drawing.text(
+            0.02, 0.008, _note(reported), fontsize=7.5, color="0.3", ha="left", va="bottom", wrap=True
+        )
         for axes, name in zip(grid.reshape(-1), outputs, strict=False):
             _panel(axes, reported, name, curves, abscissa, norm)
             axes.set(xlabel=label, ylabel=f"{norm} error / range", title=_title(name))
@@ -67,7 +75,9 @@ def _note(reported: Mapping[str, Any]) -> str:
     return f"Reference: {reference['what']}. Dashed: its own error, where it is known. Crosses: points that failed."
 
 
-def _panel(axes: Any, reported: Mapping[str, Any], name: str, curves: Sequence[str], abscissa: str, norm: str) -> None:
+def _panel(
+    axes: Any, reported: Mapping[str, Any], name: str, curves: Sequence[str], abscissa: str, norm: str
+) -> None:
     drawn: list[tuple[float, float]] = []
     failed: list[tuple[int, Mapping[str, Any]]] = []
     for k, curve in enumerate(curves):
@@ -78,8 +88,14 @@ def _panel(axes: Any, reported: Mapping[str, Any], name: str, curves: Sequence[s
         failed += [(k, p) for p in on_rank if p["status"] != "done"]
         color, marker = COLORS[k % len(COLORS)], MARKERS[k % len(MARKERS)]
         suffix = f" ({len(on_rank) - len(good)} failed)" if len(good) < len(on_rank) else ""
-        axes.plot(*(zip(*shown, strict=True) if shown else ((), ())), color=color, marker=marker, markersize=4.5, linewidth=1.3,
-                  label=curve + suffix)
+        axes.plot(
+            *(zip(*shown, strict=True) if shown else ((), ())),
+            color=color,
+            marker=marker,
+            markersize=4.5,
+            linewidth=1.3,
+            label=curve + suffix,
+        )
     if drawn:
         axes.set(xscale="log", yscale="log")
         axes.grid(True, which="both", alpha=0.18, linewidth=0.5)
@@ -99,8 +115,15 @@ def _crosses(axes: Any, failed: Sequence[tuple[int, Mapping[str, Any]]], absciss
     for k, p in failed:
         known = abscissa == "abscissa" and p["petsc"].get("ts_dt")
         x = p["value"] if known else 0.985 - 0.03 * (k % 8)
-        axes.plot(x, 0.975, "x", color=COLORS[k % len(COLORS)], markersize=6, clip_on=False,
-                  transform=axes.get_xaxis_transform() if known else axes.transAxes)
+        axes.plot(
+            x,
+            0.975,
+            "x",
+            color=COLORS[k % len(COLORS)],
+            markersize=6,
+            clip_on=False,
+            transform=axes.get_xaxis_transform() if known else axes.transAxes,
+        )
 
 
 def _few_labels(axis: Any, values: Sequence[float]) -> None:
@@ -123,7 +146,14 @@ def _guides(axes: Any, drawn: Sequence[tuple[float, float]]) -> None:
     axes.set_ylim(low / 2, high * 3)
     for slope in (1, 2, 3, 4):
         end = max(left, right * (low / high) ** (1 / slope))
-        axes.plot([end, right], [high * (end / right) ** slope, high], color="0.75", linewidth=0.8, linestyle=":", zorder=1)
+        axes.plot(
+            [end, right],
+            [high * (end / right) ** slope, high],
+            color="0.75",
+            linewidth=0.8,
+            linestyle=":",
+            zorder=1,
+        )
         axes.annotate(str(slope), (end, high * (end / right) ** slope), fontsize=7.5, color="0.5")
 
 
@@ -132,9 +162,16 @@ def _speed_up(reported: Mapping[str, Any], file: Path, dpi: float) -> Path:
         drawing = style.figure(5.6, 4.2, dpi=dpi)
         axes = drawing.subplots()
         ranks = sorted(int(n) for n in reported["speed_up"])
-        axes.plot(ranks, [reported["speed_up"][str(n)] for n in ranks], "o-", color=COLORS[0], label="measured")
+        axes.plot(
+            ranks, [reported["speed_up"][str(n)] for n in ranks], "o-", color=COLORS[0], label="measured"
+        )
         axes.plot(ranks, ranks, ":", color="0.6", label="ideal")
-        axes.set(xlabel="ranks", ylabel="wall time on 1 rank / wall time", title=f"{reported['title']}: speed-up", xticks=ranks)
+        axes.set(
+            xlabel="ranks",
+            ylabel="wall time on 1 rank / wall time",
+            title=f"{reported['title']}: speed-up",
+            xticks=ranks,
+        )
         axes.legend(frameon=False)
         drawing.tight_layout()
         drawing.savefig(file)

@@ -1,7 +1,9 @@
-"""What a multistep formula knows of earlier steps, so that a run continued from a checkpoint takes the steps of one that never stopped.
+"""What a multistep formula knows of earlier steps, so that a run continued from a checkpoint takes the steps
+of one that never stopped.
 
-PETSc shows nobody the history of its BDF.  The accepted states are therefore noted here, and a continued run steps through them with a
-solver that only hands out what was noted: TSBDF then holds the same times and vectors, bit for bit.
+PETSc shows nobody the history of its BDF.  The accepted states are therefore noted here, and a continued run
+steps through them with a solver that only hands out what was noted: TSBDF then holds the same times and
+vectors, bit for bit.
 """
 
 from __future__ import annotations
@@ -20,9 +22,10 @@ State = tuple[FloatArray, FloatArray]  # unknowns and rates (n+1,) of an assembl
 class BdfHistory:
     """Accepted states since the formula was started, the last ``depth`` of them.
 
-    depth: a formula of order p, its predictor and its error estimate see p + 1 earlier states.  times [s]; steps [s]: what PETSc was
-    asked for from each state to the next, which is not the rounded difference of the times; half: the state in the middle of the first
-    step, which TSBDF computes at each start and sees until it has enough others.
+    depth: a formula of order p, its predictor and its error estimate see p + 1 earlier states.  times [s];
+    steps [s]: what PETSc was asked for from each state to the next, which is not the rounded difference of
+    the times; half: the state in the middle of the first step, which TSBDF computes at each start and sees
+    until it has enough others.
     """
 
     depth: int
@@ -34,7 +37,13 @@ class BdfHistory:
 
     def begin(self, t: float, x: FloatArray, y: FloatArray) -> None:
         """The formula starts afresh from this state."""
-        self.times, self.steps, self.states, self.half, self._solved = [t], [], [(x.copy(), y.copy())], None, []
+        self.times, self.steps, self.states, self.half, self._solved = (
+            [t],
+            [],
+            [(x.copy(), y.copy())],
+            None,
+            [],
+        )
 
     def solved(self, x: FloatArray, y: FloatArray) -> None:
         """A stage was solved for; of the first step the two last stages count, the half and the whole one."""
@@ -55,8 +64,8 @@ class BdfHistory:
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self, system: DiscreteSystem) -> dict[str, FloatArray]:
-        """times (k,), steps (k - 1,), states (k or k + 1, 2, nodes, m): unknowns and rates of all fields, the half step last; on rank 0.
-        Collective.  Empty before the first start."""
+        """times (k,), steps (k - 1,), states (k or k + 1, 2, nodes, m): unknowns and rates of all fields, the
+        half step last; on rank 0. Collective.  Empty before the first start."""
         if not self.states:
             return {}
         states = self.states if self.half is None else [*self.states, self.half]
@@ -65,12 +74,19 @@ class BdfHistory:
         if whole is None:
             return {}
         whole = whole.reshape(len(whole), len(states), 2, -1)
-        return {"times": np.array(self.times), "steps": np.array(self.steps), "states": np.moveaxis(whole, 0, 2)}
+        return {
+            "times": np.array(self.times),
+            "steps": np.array(self.steps),
+            "states": np.moveaxis(whole, 0, 2),
+        }
 
     def set_state(self, system: DiscreteSystem, memory: dict[str, FloatArray]) -> None:
         """Take up a checkpoint's memory."""
         self.times, self.steps = memory["times"].tolist(), memory["steps"].tolist()
-        states = [(_local(system, x, system.assembly.x), _local(system, y, system.assembly.y)) for x, y in memory["states"]]
+        states = [
+            (_local(system, x, system.assembly.x), _local(system, y, system.assembly.y))
+            for x, y in memory["states"]
+        ]
         self.states, rest = states[: len(self.times)], states[len(self.times) :]
         self.half, self._solved = (rest[0] if rest else None), []
 

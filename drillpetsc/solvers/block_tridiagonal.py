@@ -1,4 +1,5 @@
-"""ElementBlock tridiagonal LU of one run of nodes on one process: the packed storage and the calls into kernels/chain/chain.cpp."""
+"""ElementBlock tridiagonal LU of one run of nodes on one process: the packed storage and the calls into
+kernels/chain/chain.cpp."""
 
 from __future__ import annotations
 
@@ -7,7 +8,9 @@ import numpy as np
 from drillpetsc.kernels import function, pointer
 
 LARGEST_BLOCK = 32  # unknowns per node; MAX_LD of kernels/chain/chain.cpp
-_SIZE, _LD, _DIAG, _UPPER, _LOWER, _LFAC, _LEFT, _TOP, _VEC = range(9)  # columns of the table, as in kernels/chain/chain.cpp
+_SIZE, _LD, _DIAG, _UPPER, _LOWER, _LFAC, _LEFT, _TOP, _VEC = range(
+    9
+)  # columns of the table, as in kernels/chain/chain.cpp
 
 _factor = function("chain_factor", "iippppppppdppp", int)
 _forward = function("chain_forward", "iippppp")
@@ -26,7 +29,8 @@ def aligned(count: int) -> np.ndarray:
 class Piece:
     """Packed blocks of one run of nodes on one process; knows no MPI.
 
-    sizes: (n,) unknowns per node; keep: bit 0 / 1: the first / last node is a joint, left over by the elimination.
+    sizes: (n,) unknowns per node; keep: bit 0 / 1: the first / last node is a joint, left over by the
+    elimination.
     vec: padded vectors have ``length`` entries; node i starts at ``table[i, VEC]``.
     """
 
@@ -51,18 +55,23 @@ class Piece:
         self.n, self.keep, self.table, self.length = n, keep, table, int(ld.sum())
         self.store, self.inverse = aligned(end), aligned(self.length)
         self.pivot = np.zeros(self.length, dtype=np.int32)
-        self.stats = np.zeros(4)  # column without a pivot, smallest and largest pivot ratio, node of the smallest
+        self.stats = np.zeros(
+            4
+        )  # column without a pivot, smallest and largest pivot ratio, node of the smallest
         self.saved: np.ndarray | None = None
         self.blocks: np.ndarray | None = None
         self._piece = (n, keep, pointer(table), pointer(self.store))
         self._lu = (pointer(self.inverse), pointer(self.pivot))
 
     def place_entries(self, row_node, row_at, column_node, column_at, source) -> None:
-        """values[source] goes to (component row_at of row_node, component column_at of column_node); all (m,) int."""
+        """values[source] goes to (component row_at of row_node, component column_at of column_node); all (m,)
+        int."""
         t, step = self.table, column_node - row_node
         if np.any(np.abs(step) > 1):
             k = int(np.flatnonzero(np.abs(step) > 1)[0])
-            raise ValueError(f"an entry couples local nodes {row_node[k]} and {column_node[k]}: not neighbours")
+            raise ValueError(
+                f"an entry couples local nodes {row_node[k]} and {column_node[k]}: not neighbours"
+            )
         block = np.choose(step + 1, [t[row_node, _LOWER], t[row_node, _DIAG], t[row_node, _UPPER]])
         by_node = np.argsort(row_node, kind="stable")
         self.slot = (block + column_at * t[row_node, _LD] + row_at)[by_node].astype(np.int32)
@@ -71,7 +80,8 @@ class Piece:
         self._entries = (pointer(self.start), pointer(self.slot), pointer(self.source))
 
     def joints(self) -> list[np.ndarray]:
-        """Places in ``store`` of the blocks that the elimination leaves, the rows of the first kept node first."""
+        """Places in ``store`` of the blocks that the elimination leaves, the rows of the first kept node
+        first."""
         t, last, b = self.table, self.n - 1, self.table[:, _SIZE]
         ends = self.kept()
         out = []
@@ -86,18 +96,24 @@ class Piece:
         saved = 0 if self.saved is None else pointer(self.saved)
         blocks = 0 if self.blocks is None else pointer(self.blocks)
         stats = pointer(self.stats)
-        return _factor(*self._piece, *self._entries, pointer(values), *self._lu, tolerance, stats, saved, blocks)
+        return _factor(
+            *self._piece, *self._entries, pointer(values), *self._lu, tolerance, stats, saved, blocks
+        )
 
     def forward(self, vec: np.ndarray) -> None:
-        """Towards the joints: eliminated nodes get D^-1 (...), joints what is left of their right-hand side."""
+        """Towards the joints: eliminated nodes get D^-1 (...), joints what is left of their right-hand
+        side."""
         _forward(*self._piece, *self._lu, pointer(vec))
 
     def backward(self, vec: np.ndarray) -> None:
         """From the joints, which hold their solution, to all nodes."""
         _backward(*self._piece, pointer(vec))
 
-    def solve(self, source: np.ndarray, b: np.ndarray, vec: np.ndarray, target: np.ndarray, x: np.ndarray) -> None:
-        """x[target] = solution for b[source], without joints; source, target: (length,), -1 where there is nothing."""
+    def solve(
+        self, source: np.ndarray, b: np.ndarray, vec: np.ndarray, target: np.ndarray, x: np.ndarray
+    ) -> None:
+        """x[target] = solution for b[source], without joints; source, target: (length,), -1 where there is
+        nothing."""
         n, _, table, store = self._piece
         arrays = [pointer(a) for a in (source, b, vec, target, x)]
         _solve(n, table, store, *self._lu, self.length, *arrays)
@@ -147,6 +163,8 @@ class Piece:
             S = self.blocks[first[:, None, None] + (ld * np.arange(b)[:, None] + np.arange(b))]
             S = 0.5 * (S + S.transpose(0, 2, 1))
             size = np.abs(S).max(axis=2)
-            scale = np.exp2(-np.round(0.5 * np.log2(np.where(size > 0, size, 1.0))))  # a congruence: signs stay
+            scale = np.exp2(
+                -np.round(0.5 * np.log2(np.where(size > 0, size, 1.0)))
+            )  # a congruence: signs stay
             count += int(np.sum(np.linalg.eigvalsh(scale[:, :, None] * S * scale[:, None, :]) < 0))
         return count

@@ -1,15 +1,15 @@
 """Exact direct solver for the equations of one drillstring: block tridiagonal LU, shared out over the ranks.
 
-The unknowns live on the nodes of a chain; each rank holds a run of neighbouring elements and all their nodes, so the
-end node of a run also stands on the neighbouring rank.  Serially this is the block Thomas algorithm (Golub & Van
-Loan, Matrix Computations, 4th ed., section 4.5.1) with partial pivoting inside the pivot block.  In parallel every
-rank eliminates its own nodes towards its joints; what is left is a block tridiagonal system of the joints, one fewer
-than ranks, which all ranks assemble from one Allgatherv and solve alike (the partition method: Wang 1981, ACM Trans.
-Math. Softw. 7(2):170-183).
+The unknowns live on the nodes of a chain; each rank holds a run of neighbouring elements and all their nodes,
+so the end node of a run also stands on the neighbouring rank.  Serially this is the block Thomas algorithm
+(Golub & Van Loan, Matrix Computations, 4th ed., section 4.5.1) with partial pivoting inside the pivot block.
+In parallel every rank eliminates its own nodes towards its joints; what is left is a block tridiagonal system
+of the joints, one fewer than ranks, which all ranks assemble from one Allgatherv and solve alike (the
+partition method: Wang 1981, ACM Trans. Math. Softw. 7(2):170-183).
 
-Work per node of block size b, leading term: 14/3 b^3 towards one joint (first and last rank, and serial: LU of the
-pivot block 2/3, two-sided solve 2, update of the next block 2), 38/3 b^3 between two joints (the fill to the first
-joint costs one more solve, 2, and three more products, 6).
+Work per node of block size b, leading term: 14/3 b^3 towards one joint (first and last rank, and serial: LU
+of the pivot block 2/3, two-sided solve 2, update of the next block 2), 38/3 b^3 between two joints (the fill
+to the first joint costs one more solve, 2, and three more products, 6).
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ from drillpetsc.errors import SolveError
 from drillpetsc.kernels import function, pointer
 from drillpetsc.solvers.block_tridiagonal import LARGEST_BLOCK, Piece, aligned
 
-#: numbers before the blocks of a rank's message: failed node (-1: none), its column, smallest and largest pivot ratio,
+#: numbers before the blocks of a rank's message: failed node (-1: none), its column, smallest and largest
+#: pivot ratio,
 #: node of the smallest
 _HEADER = 5
 
@@ -62,7 +63,8 @@ def _check_local(nodes: np.ndarray, sizes: np.ndarray, node_of_dof: np.ndarray) 
 
 
 def _chain_order(runs: list) -> list[int]:
-    """Ranks with nodes, in the order of the chain; runs[rank]: None or first and last node, size and owners of both."""
+    """Ranks with nodes, in the order of the chain; runs[rank]: None or first and last node, size and owners
+    of both."""
     order = sorted((r for r, run in enumerate(runs) if run), key=lambda r: runs[r][0])
     if not order:
         raise ValueError("no rank holds a node of the string")
@@ -74,7 +76,9 @@ def _chain_order(runs: list) -> list[int]:
             text = f"rank {a} ends at node {joint} ({a_size} unknowns), rank {b} starts at node {b_first} ({b_size})"
             raise ValueError(text)
         if any(p == q for p, q in zip(a_owned, b_owned, strict=True)):
-            raise ValueError(f"ranks {a} and {b}: an unknown of their joint, node {joint}, needs exactly one owner")
+            raise ValueError(
+                f"ranks {a} and {b}: an unknown of their joint, node {joint}, needs exactly one owner"
+            )
     return order
 
 
@@ -89,26 +93,38 @@ class _Message:
 
 
 class ChainFactor:
-    """Factors of the matrix of one chain; built once for a mesh, refilled by ``factor`` and used by ``solve``.
+    """Factors of the matrix of one chain; built once for a mesh, refilled by ``factor`` and used by
+    ``solve``.
 
     comm: communicator of the chain (PETSc's, mpi4py's, or None for one process); collective.
-    nodes: (n,) numbers along the chain of the local nodes, ascending by one; empty on a rank without elements.
-    node_of_dof: (size,) position in ``nodes`` of every unknown of the ghosted local vector; the unknowns of a shared
-    node must come in the same order on both ranks.
+    nodes: (n,) numbers along the chain of the local nodes, ascending by one; empty on a rank without
+    elements.
+    node_of_dof: (size,) position in ``nodes`` of every unknown of the ghosted local vector; the unknowns of a
+    shared node must come in the same order on both ranks.
     local_of_owned: (owned,) local number of each owned unknown, in the order of the global vector.
-    rows, columns: (m,) local numbers of the matrix entries; entries with a negative number are left out, duplicates add
-    up, and so do the contributions of two ranks to their joint.
+    rows, columns: (m,) local numbers of the matrix entries; entries with a negative number are left out,
+    duplicates add up, and so do the contributions of two ranks to their joint.
     refine: steps of iterative refinement in every solve.
-    pivot_tolerance: a pivot must exceed this fraction of the largest entry of its column in the diagonal block.
+    pivot_tolerance: a pivot must exceed this fraction of the largest entry of its column in the diagonal
+    block.
 
-    After ``factor``: smallest_pivot and growth, the smallest and largest of that ratio of |pivot| to the column of the
-    diagonal block over all nodes and ranks (columns that are zero in the block not counted), and smallest_pivot_node.
-    factor_flops, solve_flops: work of one call on this rank, the joint system included.
+    After ``factor``: smallest_pivot and growth, the smallest and largest of that ratio of |pivot| to the
+    column of the diagonal block over all nodes and ranks (columns that are zero in the block not counted),
+    and smallest_pivot_node. factor_flops, solve_flops: work of one call on this rank, the joint system
+    included.
     """
 
     def __init__(
-        self, comm: Any, nodes: np.ndarray, node_of_dof: np.ndarray, local_of_owned: np.ndarray, rows: np.ndarray,
-        columns: np.ndarray, *, refine: int = 0, pivot_tolerance: float = 1e-15,
+        self,
+        comm: Any,
+        nodes: np.ndarray,
+        node_of_dof: np.ndarray,
+        local_of_owned: np.ndarray,
+        rows: np.ndarray,
+        columns: np.ndarray,
+        *,
+        refine: int = 0,
+        pivot_tolerance: float = 1e-15,
     ) -> None:
         comm = comm.tompi4py() if hasattr(comm, "tompi4py") else comm
         self.comm = comm if comm is not None and comm.size > 1 else None
@@ -213,15 +229,25 @@ class ChainFactor:
 
     # ------------------------------------------------------------------ numbers
     def factor(self, values: np.ndarray) -> None:
-        """Factor the matrix with entries values (m,); collective.  Without a pivot raises ZeroPivot on every rank."""
+        """Factor the matrix with entries values (m,); collective.  Without a pivot raises ZeroPivot on every
+        rank."""
         values = np.ascontiguousarray(values, dtype=float)
         if values.shape != (self._entries,):
             raise ValueError(f"{values.shape} values for {self._entries} entries")
         piece = self.piece
         bad = piece.factor(values, self.pivot_tolerance)
         column, smallest, largest, where = piece.stats
-        heads = np.array([[self.nodes[bad] if bad >= 0 else -1, column, smallest, largest,
-                           self.nodes[int(where)] if where >= 0 else -1]])
+        heads = np.array(
+            [
+                [
+                    self.nodes[bad] if bad >= 0 else -1,
+                    column,
+                    smallest,
+                    largest,
+                    self.nodes[int(where)] if where >= 0 else -1,
+                ]
+            ]
+        )
         if self.comm is not None:
             message = self._matrix_message
             message.sent[:_HEADER] = heads
@@ -248,7 +274,9 @@ class ChainFactor:
             np.take(vec, self._kept, out=message.sent)
             message.exchange(self.comm)
             shared[:] = 0.0
-            _scatter_add(len(message.received), pointer(self._received_rhs), pointer(message.received), pointer(shared))
+            _scatter_add(
+                len(message.received), pointer(self._received_rhs), pointer(message.received), pointer(shared)
+            )
             self.joint.forward(shared)
             self.joint.backward(shared)
             vec[self._kept] = shared[self._from_joint]
@@ -273,7 +301,8 @@ class ChainFactor:
         _scatter(n, pointer(target), pointer(vec), pointer(x))
 
     def solve(self, b: np.ndarray, x: np.ndarray) -> None:
-        """Solve for ghosted local arrays (size,): b is read at owned entries, x filled at ghosts too.  Collective."""
+        """Solve for ghosted local arrays (size,): b is read at owned entries, x filled at ghosts too.
+        Collective."""
         self._check(b, x, self.size)
         self._solve(self._owned_of_place, b, self._of_place, x)
 
@@ -288,10 +317,11 @@ class ChainFactor:
             raise ValueError(f"b and x must be float arrays of length {size}, got {got}")
 
     def negative_pivots(self, values: np.ndarray) -> int:
-        """Number of negative eigenvalues of the symmetric matrix with entries values (m,); factors it too.  Collective.
+        """Number of negative eigenvalues of the symmetric matrix with entries values (m,); factors it too.
+        Collective.
 
-        Sylvester's law of inertia for the block LDL^T factorisation (no exchange between blocks): the inertia is the
-        sum of the inertias of the pivot blocks (Haynsworth 1968, Linear Algebra Appl. 1(1):73-81).
+        Sylvester's law of inertia for the block LDL^T factorisation (no exchange between blocks): the inertia
+        is the sum of the inertias of the pivot blocks (Haynsworth 1968, Linear Algebra Appl. 1(1):73-81).
         """
         pieces = self.piece, self.joint
         for piece in pieces:
@@ -316,11 +346,13 @@ _NUMERIC_ZERO_PIVOT = 2  # PC_FACTOR_NUMERIC_ZEROPIVOT of PCFailedReason
 
 
 class ChainPC:
-    """Context of a PETSc PC of type python: exact solve with ``chain``, for KSP preonly or around a lagged factor.
+    """Context of a PETSc PC of type python: exact solve with ``chain``, for KSP preonly or around a lagged
+    factor.
 
-    PETSc calls ``setUp`` when the state of the operator changed (assemble it, or call its stateIncrease); the matrix is
-    factored again only if ``provider.version`` moved on.  stop: a missing pivot raises ZeroPivot; else the KSP diverges
-    with DIVERGED_PC_FAILED, so that a time step can be cut, and ``error`` keeps the reason.
+    PETSc calls ``setUp`` when the state of the operator changed (assemble it, or call its stateIncrease); the
+    matrix is factored again only if ``provider.version`` moved on.  stop: a missing pivot raises ZeroPivot;
+    else the KSP diverges with DIVERGED_PC_FAILED, so that a time step can be cut, and ``error`` keeps the
+    reason.
     """
 
     def __init__(self, chain: ChainFactor, provider: MatrixValues, *, stop: bool = True):

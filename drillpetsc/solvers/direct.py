@@ -1,7 +1,9 @@
-"""The default Newton iteration of a step: chain factor, one residual an iteration, steps shortened only where they overshoot.
+"""The default Newton iteration of a step: chain factor, one residual an iteration, steps shortened only where
+they overshoot.
 
-It is an SNES of type python, so any ``-q_snes_type`` takes its place.  What it saves against ``newtonls`` with line search ``cp`` are
-the two residuals per iteration that the search spends even where the full step is fine.
+It is an SNES of type python, so any ``-q_snes_type`` takes its place.  What it saves against ``newtonls``
+with line search ``cp`` are the two residuals per iteration that the search spends even where the full step is
+fine.
 """
 
 from __future__ import annotations
@@ -20,9 +22,13 @@ Reason = PETSc.SNES.ConvergedReason
 
 
 def does_work(field: Field) -> bool:
-    """Whether the rows of a field are forces along its unknowns: those of the string, not constraints, and not the balances of mud, whose
-    product with a step has no sign to search by."""
-    return not field.multiplier and field.name.split(".")[0] not in ("bore", "annulus") and field.name != "bit.flow"
+    """Whether the rows of a field are forces along its unknowns: those of the string, not constraints, and
+    not the balances of mud, whose product with a step has no sign to search by."""
+    return (
+        not field.multiplier
+        and field.name.split(".")[0] not in ("bore", "annulus")
+        and field.name != "bit.flow"
+    )
 
 
 class DirectNewton:
@@ -96,7 +102,8 @@ class DirectNewton:
         return float(rows[self.forces] @ self.step[self.forces])
 
     def _shorten(self, x, unknowns: np.ndarray, rows: np.ndarray, before: float) -> np.ndarray:
-        """Go back along the step to where the rows no longer point along it (one secant), if it went too far."""
+        """Go back along the step to where the rows no longer point along it (one secant), if it went too
+        far."""
         owner, step = self.owner, self.step
         after = self._along(rows)
         if owner.system.comm.size > 1:

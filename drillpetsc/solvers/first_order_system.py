@@ -1,7 +1,9 @@
-"""The whole first-order system, assembled: for other integrators and solvers than the condensed default (studies, oracles).
+"""The whole first-order system, assembled: for other integrators and solvers than the condensed default
+(studies, oracles).
 
-Rows of a second-order unknown: x' - y = 0 (for a spin angle phi' - omega + c(v).w = 0) and the dynamic row in place of y'.
-Of the seven rows of either kind at a prescribed vertex, those along D become D x = value and D y = rate (index 1).
+Rows of a second-order unknown: x' - y = 0 (for a spin angle phi' - omega + c(v).w = 0) and the dynamic row in
+place of y'. Of the seven rows of either kind at a prescribed vertex, those along D become D x = value and D y
+= rate (index 1).
 """
 
 from __future__ import annotations
@@ -18,27 +20,40 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 
 #: integrators for implicit first-order systems with algebraic rows
 IMPLICIT = ("bdf", "beuler", "cn", "theta", "alpha", "arkimex", "dirk", "rosw")
-#: those that keep their order with constraints on places (Brenan, Campbell and Petzold, Numerical Solution of IVPs in DAEs, section 3.2)
+#: those that keep their order with constraints on places (Brenan, Campbell and Petzold, Numerical Solution of
+#: IVPs in DAEs, section 3.2)
 HIGH_INDEX = ("bdf", "beuler")
 
 
 def refuse_integrator(kind: str, multipliers: bool = False) -> None:
-    """Raise CaseError for an integrator that cannot treat an implicit system with algebraic (prescribed) rows, or one whose constraints
-    have multipliers (index 3)."""
+    """Raise CaseError for an integrator that cannot treat an implicit system with algebraic (prescribed)
+    rows, or one whose constraints have multipliers (index 3)."""
     if multipliers and kind not in HIGH_INDEX:
-        raise CaseError(at="petsc.ts_type", got=kind, want=" | ".join(HIGH_INDEX),
-                        hint="joints and the quaternion element keep constraints (index 3 or 2): stages of other integrators lose their "
-                        "order or fail there")
+        raise CaseError(
+            at="petsc.ts_type",
+            got=kind,
+            want=" | ".join(HIGH_INDEX),
+            hint="joints and the quaternion element keep constraints (index 3 or 2): stages of other integrators lose their "
+            "order or fail there",
+        )
     if kind not in IMPLICIT:
-        raise CaseError(at="petsc.ts_type", got=kind, want=" | ".join(IMPLICIT),
-                        hint="prescribed motions are algebraic rows and the mass matrix is not diagonal: the integrator must be implicit "
-                        "and made for first-order systems")
+        raise CaseError(
+            at="petsc.ts_type",
+            got=kind,
+            want=" | ".join(IMPLICIT),
+            hint="prescribed motions are algebraic rows and the mass matrix is not diagonal: the integrator must be implicit "
+            "and made for first-order systems",
+        )
     try:
         PETSc.TS().create(comm=PETSc.COMM_SELF).setType(kind)
     except PETSc.Error:
         version = ".".join(map(str, PETSc.Sys.getVersion()))
-        raise CaseError(at="petsc.ts_type", got=kind, want=" | ".join(k for k in IMPLICIT if k != kind),
-                        hint=f"PETSc {version}, which is in use here, has no integrator of this name") from None
+        raise CaseError(
+            at="petsc.ts_type",
+            got=kind,
+            want=" | ".join(k for k in IMPLICIT if k != kind),
+            hint=f"PETSc {version}, which is in use here, has no integrator of this name",
+        ) from None
 
 
 class FirstOrderSystem:
@@ -47,13 +62,23 @@ class FirstOrderSystem:
     def __init__(self, system: DiscreteSystem):
         self.system, self.jacobians = system, 0
         if any(getattr(component, "restores", False) for component in system.components):
-            raise CaseError(at="beam.constraint", got="stabilized", want="index3 or index2",
-                            hint="ts_type or snes_type in petsc ask for the whole system, whose solutions nobody restores")
+            raise CaseError(
+                at="beam.constraint",
+                got="stabilized",
+                want="index3 or index2",
+                hint="ts_type or snes_type in petsc ask for the whole system, whose solutions nobody restores",
+            )
         if system.assembly.stabilized:
-            raise CaseError(at="joints", got="constraint: stabilised", want="constraint: position",
-                            hint="ts_type or snes_type in petsc ask for the whole system, which knows no corrected velocities")
+            raise CaseError(
+                at="joints",
+                got="constraint: stabilised",
+                want="constraint: position",
+                hint="ts_type or snes_type in petsc ask for the whole system, which knows no corrected velocities",
+            )
         self._t = 0.0  # of the last evaluation
-        self._wrong: dict[str, Any] = {}  # where rows were last not finite, kept while the steps shrink towards that time
+        self._wrong: dict[
+            str, Any
+        ] = {}  # where rows were last not finite, kept while the steps shrink towards that time
         self._wrong_until = 0.0
         layout, asm = system.layout, system.assembly
         self._rated = layout.y_local >= 0
@@ -64,7 +89,9 @@ class FirstOrderSystem:
         rows, columns = self._places()
         lgm = layout.state_dm.getLGMap().getIndices()
         self.matrix = petsc_compat.square_matrix(system.new_state())
-        petsc_compat.preallocate_coo(self.matrix, *(np.where(i >= 0, lgm[np.maximum(i, 0)], -1) for i in (rows, columns)))
+        petsc_compat.preallocate_coo(
+            self.matrix, *(np.where(i >= 0, lgm[np.maximum(i, 0)], -1) for i in (rows, columns))
+        )
         self._values = np.zeros(len(rows))
         self._first_order = np.flatnonzero((asm.columns >= 0) & ~self._rated[np.maximum(asm.columns, 0)])
         held = np.zeros(layout.size, dtype=bool)
@@ -73,8 +100,8 @@ class FirstOrderSystem:
         self._moves = ~held[self._every], ~held[self._spin_nodes]  # kinematic rows that keep their usual form
 
     def _places(self) -> tuple[np.ndarray, np.ndarray]:
-        """Local rows and columns of all entries (-1: left out): the kinematic rows by x and y, their spin coupling by v and w, all blocks
-        by x and by y, and three 7x7 blocks for each prescribed vertex."""
+        """Local rows and columns of all entries (-1: left out): the kinematic rows by x and y, their spin
+        coupling by v and w, all blocks by x and by y, and three 7x7 blocks for each prescribed vertex."""
         system, layout, asm, every = self.system, self.system.layout, self.system.assembly, self._every
         owned = system.owned_place >= 0
         x, y = layout.x_local, layout.y_local
@@ -86,7 +113,9 @@ class FirstOrderSystem:
         here = np.where(asm.rows >= 0, dynamic[np.maximum(asm.rows, 0)], -1)
         rows += [here, here]
         # the rate of a first-order unknown is that of the unknown itself, and so is its column
-        columns += [np.where(asm.columns >= 0, place[np.maximum(asm.columns, 0)], -1) for place in (x, dynamic)]
+        columns += [
+            np.where(asm.columns >= 0, place[np.maximum(asm.columns, 0)], -1) for place in (x, dynamic)
+        ]
         for f in self._fixed:
             for row, column in ((x, x), (x, y), (y, y)):
                 rows.append(np.repeat(row[f.rows], 7))
@@ -94,19 +123,34 @@ class FirstOrderSystem:
         return np.concatenate(rows), np.concatenate(columns)
 
     def default_solver(self, options: PETSc.Options) -> None:
-        """A direct solver where the options ask for no other: the rows of a stiff string are too far apart in size for ILU."""
+        """A direct solver where the options ask for no other: the rows of a stiff string are too far apart in
+        size for ILU."""
         defaults = {"ksp_type": "preonly", "pc_type": "lu"}
-        if self.system.comm.size > 1 or self.system.constrained:  # PETSc's own LU does not pivot, and a multiplier has no diagonal
+        if (
+            self.system.comm.size > 1 or self.system.constrained
+        ):  # PETSc's own LU does not pivot, and a multiplier has no diagonal
             solver = petsc_compat.parallel_lu()
             if solver:
                 defaults |= {"pc_factor_mat_solver_type": solver}
             elif self.system.constrained:
-                defaults |= {"ksp_type": "gmres", "ksp_rtol": "1e-10", "pc_type": "redundant", "redundant_pc_type": "lu",
-                             "redundant_pc_factor_shift_type": "nonzero"}
+                defaults |= {
+                    "ksp_type": "gmres",
+                    "ksp_rtol": "1e-10",
+                    "pc_type": "redundant",
+                    "redundant_pc_type": "lu",
+                    "redundant_pc_factor_shift_type": "nonzero",
+                }
             else:
                 defaults |= {"pc_type": "redundant", "redundant_pc_type": "lu"}
-            if options.getString("ts_type", "") == "arkimex":  # its first step is another TS with a dense matrix, for which there is no LU
-                defaults = {"ksp_type": "gmres", "ksp_rtol": "1e-10", "pc_type": "bjacobi", "sub_pc_type": "lu"}
+            if (
+                options.getString("ts_type", "") == "arkimex"
+            ):  # its first step is another TS with a dense matrix, for which there is no LU
+                defaults = {
+                    "ksp_type": "gmres",
+                    "ksp_rtol": "1e-10",
+                    "pc_type": "bjacobi",
+                    "sub_pc_type": "lu",
+                }
         if options.hasName("ksp_type") or options.hasName("pc_type"):
             defaults = {}
         defaults["snes_stol"] = "1e-12"
@@ -120,9 +164,16 @@ class FirstOrderSystem:
         self._t = t
         system.load_state(state, rate)
         system.sum_residual(t, self._condensed)
-        if not np.isfinite(self._condensed.norm()) and not self._wrong:  # steps of 1e-40 s spoil all rows later
+        if (
+            not np.isfinite(self._condensed.norm()) and not self._wrong
+        ):  # steps of 1e-40 s spoil all rows later
             self._wrong, self._wrong_until = system.locate_largest_residual(t), t + 1e-9
-        out, r, s, v = f.getArray(), self._condensed.getArray(readonly=1), state.getArray(readonly=1), rate.getArray(readonly=1)
+        out, r, s, v = (
+            f.getArray(),
+            self._condensed.getArray(readonly=1),
+            state.getArray(readonly=1),
+            rate.getArray(readonly=1),
+        )
         has = layout.y_owned >= 0
         out[np.where(has, layout.y_owned, layout.x_owned)] = r
         out[layout.x_owned[has]] = v[layout.x_owned[has]] - s[layout.y_owned[has]]
@@ -141,7 +192,12 @@ class FirstOrderSystem:
         system.load_state(state, rate)
         self.jacobians += 1
         by_v, by_w = spin_derivatives(asm)
-        parts = [shift * self._moves[0], -1.0 * self._moves[0], by_v * self._moves[1][:, None], by_w * self._moves[1][:, None]]
+        parts = [
+            shift * self._moves[0],
+            -1.0 * self._moves[0],
+            by_v * self._moves[1][:, None],
+            by_w * self._moves[1][:, None],
+        ]
         for weights in ((1.0, 0.0, 0.0), (0.0, 1.0, shift)):
             asm.jacobian(t, weights, condensed=False)
             parts.append(self._without_fixed(asm.values))
@@ -170,11 +226,13 @@ class FirstOrderSystem:
         return self._wrong or self.system.locate_largest_residual(self._t)
 
     def accept(self, ts) -> None:
-        """Bring the assembly to the accepted state; accelerations, reactions and rates of first-order unknowns are those of the last
-        evaluation."""
+        """Bring the assembly to the accepted state; accelerations, reactions and rates of first-order
+        unknowns are those of the last evaluation."""
         if ts.getTime() > self._wrong_until:
             self._wrong = {}
         asm, first_order = self.system.assembly, np.flatnonzero(~self._rated)
-        rates = asm.y[first_order].copy()  # of the last evaluation: the state has none of first-order unknowns
+        rates = asm.y[
+            first_order
+        ].copy()  # of the last evaluation: the state has none of first-order unknowns
         self.system.load_state(ts.getSolution())
         asm.y[first_order] = rates

@@ -1,11 +1,13 @@
 """The scene linearised about the state its model has: R(x, y, a) = 0 becomes (K + s C + s^2 M) u = 0.
 
-K = dR/dx, C = dR/dy, M = dR/da.  The rates of most unknowns are y = x', a = x''; that of a spin angle is the spin omega = phi' + c(v).v',
-and its small change (phi' + c.v')s + (d(c.v')/dv).v is put in:  y = (s P + G) u, a = s y with the row c(v) in P beside the unit matrix and
-d(c.v')/dv in G.  So  K + C G,  C P + M G,  M P  stand for K, C, M.  PrescribedMotion components of the ends do not move: u = T q with orthonormal
-columns over what is left, rows are those along T.
+K = dR/dx, C = dR/dy, M = dR/da.  The rates of most unknowns are y = x', a = x''; that of a spin angle is the
+spin omega = phi' + c(v).v', and its small change (phi' + c.v')s + (d(c.v')/dv).v is put in:  y = (s P + G) u,
+a = s y with the row c(v) in P beside the unit matrix and d(c.v')/dv in G.  So  K + C G,  C P + M G,  M P
+stand for K, C, M.  PrescribedMotion components of the ends do not move: u = T q with orthonormal columns over
+what is left, rows are those along T.
 
-The matrices are collected on rank 0, and the roots are found there (a string has a few thousand unknowns: seconds); every rank gets them.
+The matrices are collected on rank 0, and the roots are found there (a string has a few thousand unknowns:
+seconds); every rank gets them.
 """
 
 from __future__ import annotations
@@ -26,9 +28,11 @@ _PARTS = (slice(0, 3), slice(3, 6), slice(6, 7))  # position, slope, spin angle 
 
 @dataclass(frozen=True)
 class Linearised:
-    """K, C, M (n, n) of all unknowns of the scene, prescribed ones included, and T (n, q) the motions that the ends leave free.
+    """K, C, M (n, n) of all unknowns of the scene, prescribed ones included, and T (n, q) the motions that
+    the ends leave free.
 
-    field (n,) number of each unknown's field, node (n,) from the top, component (n,); scale (n,) usual size, second (n,) order.
+    field (n,) number of each unknown's field, node (n,) from the top, component (n,); scale (n,) usual size,
+    second (n,) order.
     """
 
     K: sparse.csr_matrix
@@ -42,7 +46,8 @@ class Linearised:
     second: np.ndarray
 
     def pencil(self, reference: float) -> QuadraticEigenproblem:
-        """The problem in the free motions; a column of T lies within one field of one node, so it has that field's order and scale."""
+        """The problem in the free motions; a column of T lies within one field of one node, so it has that
+        field's order and scale."""
         parent = np.asarray(abs(self.T).argmax(axis=0)).ravel()
         K, C, M = (sparse.csr_matrix(self.T.T @ A @ self.T) for A in (self.K, self.C, self.M))
         return QuadraticEigenproblem(K, C, M, self.second[parent], self.scale[parent], reference)
@@ -69,8 +74,13 @@ def linearise(system: DiscreteSystem, t: float = 0.0) -> Linearised | None:
         for k, place in enumerate(places.T):
             component[place[place >= 0]] = k
     on_rank = layout.local_of_owned
-    unknowns = [layout.field_of[on_rank], layout.chain.vertices[layout.vertex_of[on_rank]], component[on_rank], system.scale[on_rank],
-                layout.y_local[on_rank] >= 0]
+    unknowns = [
+        layout.field_of[on_rank],
+        layout.chain.vertices[layout.vertex_of[on_rank]],
+        component[on_rank],
+        system.scale[on_rank],
+        layout.y_local[on_rank] >= 0,
+    ]
     piece = (entries, _spins(system, numbers), _held(system, numbers), unknowns)
     pieces = [piece] if system.comm.size == 1 else system.comm.tompi4py().gather(piece)
     return None if pieces is None else _put_together(pieces)
@@ -82,11 +92,17 @@ def _spins(system: DiscreteSystem, numbers: IntArray) -> list[np.ndarray]:
     by_v, by_w = spin_derivatives(asm)
     on_rank = system.owned_place[asm.spin_at[:, 0]] >= 0 if len(asm.spin_at) else np.zeros(0, dtype=bool)
     spin, tangent = asm.spin_at[on_rank, 0], asm.spin_at[on_rank, 1:2] + np.arange(3)
-    return [np.repeat(numbers[spin], 3), numbers[tangent.ravel()], by_w[on_rank].ravel(), by_v[on_rank].ravel()]
+    return [
+        np.repeat(numbers[spin], 3),
+        numbers[tangent.ravel()],
+        by_w[on_rank].ravel(),
+        by_v[on_rank].ravel(),
+    ]
 
 
 def _held(system: DiscreteSystem, numbers: IntArray) -> list[tuple[IntArray, list[np.ndarray]]]:
-    """Unknowns (7,) of each prescribed vertex that this rank owns, and a basis (7, k) of what each of its parts may do."""
+    """Unknowns (7,) of each prescribed vertex that this rank owns, and a basis (7, k) of what each of its
+    parts may do."""
     out = []
     for f in system.assembly.row_replacements:
         if f.owned:
@@ -99,7 +115,9 @@ def _held(system: DiscreteSystem, numbers: IntArray) -> list[tuple[IntArray, lis
 
 def _put_together(pieces) -> Linearised:
     """The whole system from what the ranks sent; numbers of unknowns run through the ranks."""
-    field, node, component, scale, second = (np.concatenate(q) for q in zip(*(p[3] for p in pieces), strict=True))
+    field, node, component, scale, second = (
+        np.concatenate(q) for q in zip(*(p[3] for p in pieces), strict=True)
+    )
     n = len(field)
     rows, columns, *values = (np.concatenate(q) for q in zip(*(p[0] for p in pieces), strict=True))
     K, C, M = (sparse.csr_matrix((v, (rows, columns)), shape=(n, n)) for v in values)
@@ -121,4 +139,6 @@ def _free_motions(n: int, held: list[tuple[IntArray, list[np.ndarray]]]) -> spar
             columns.append(np.tile(q + np.arange(k), len(basis)))
             values.append(basis.ravel())
             q += k
-    return sparse.csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(n, q))
+    return sparse.csr_matrix(
+        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(n, q)
+    )

@@ -1,9 +1,11 @@
-"""Error of a run, estimated while it runs: what the time formula left out in every step, summed up by unknown.
+"""Error of a run, estimated while it runs: what the time formula left out in every step, summed up by
+unknown.
 
-A step of BDF k solves p'(t_n) = f, p the polynomial through x_n and the k states before it.  With D the divided difference of order k + 1
-of the last k + 2 states, x'(t_n) - p'(t_n) = D prod_i (t_n - t_(n-i)), i = 1..k, and x_n enters p'(t_n) with the coefficient
-sum_i 1/(t_n - t_(n-i)); so the local error is e = D prod_i (t_n - t_(n-i)) / sum_i 1/(t_n - t_(n-i)), at a fixed step h and k = 2
-2/9 h^3 x''' (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, III.2).
+A step of BDF k solves p'(t_n) = f, p the polynomial through x_n and the k states before it.  With D the
+divided difference of order k + 1 of the last k + 2 states, x'(t_n) - p'(t_n) = D prod_i (t_n - t_(n-i)), i =
+1..k, and x_n enters p'(t_n) with the coefficient sum_i 1/(t_n - t_(n-i)); so the local error is e = D prod_i
+(t_n - t_(n-i)) / sum_i 1/(t_n - t_(n-i)), at a fixed step h and k = 2 2/9 h^3 x''' (Hairer, Norsett, Wanner,
+Solving Ordinary Differential Equations I, III.2).
 
 Sums of e are not the error at the end: motion may damp what was left out, or let it grow.
 """
@@ -18,17 +20,24 @@ import numpy as np
 from drillpetsc.fem.component import FloatArray
 
 UNITS = {"position": "m", "tangent": "-", "spin": "rad", "ratio": "-", "pressure": "Pa", "flow": "m3/s"}
-MEANING = ("local errors of the time formula by unknown, largest over the string: of one step; sum: of their sizes over all steps (nothing "
-           "cancels); net: of their sum with signs.  Not damped, not amplified by the motion")
+MEANING = (
+    "local errors of the time formula by unknown, largest over the string: of one step; sum: of their sizes over all steps (nothing "
+    "cancels); net: of their sum with signs.  Not damped, not amplified by the motion"
+)
 
 
 class LocalErrorEstimate:
-    """Sums of local errors of a run with BDF, step by step of ``dynamics``, and its evaluations of the rows.  No other integrator is
-    estimated."""
+    """Sums of local errors of a run with BDF, step by step of ``dynamics``, and its evaluations of the rows.
+    No other integrator is estimated."""
 
     def __init__(self, integrator: Any):
         system, options = integrator.system, integrator.options
-        self.system, self.order, self.estimated, self.steps = system, int(options.get("ts_bdf_order", 2)), 0, 0
+        self.system, self.order, self.estimated, self.steps = (
+            system,
+            int(options.get("ts_bdf_order", 2)),
+            0,
+            0,
+        )
         self.works = options.get("ts_type", "bdf") == "bdf"
         self._residuals = self.system.assembly.evaluations
         layout = system.layout
@@ -41,7 +50,8 @@ class LocalErrorEstimate:
         integrator.after_step.append(lambda t, dt: self.step(t, integrator.fresh))
 
     def step(self, t: float, fresh: bool) -> None:
-        """The state in the assembly is that of an accepted step at ``t`` [s]; fresh: the first of its formula."""
+        """The state in the assembly is that of an accepted step at ``t`` [s]; fresh: the first of its
+        formula."""
         if not self.works:
             return
         self.steps += 1
@@ -77,13 +87,23 @@ class LocalErrorEstimate:
                 from mpi4py import MPI
 
                 found = {key: comm.allreduce(value, op=MPI.MAX) for key, value in found.items()}
-            unknowns[f.name] = {"unit": UNITS.get(f.name.split(".")[-1], "SI"), "usual_size": f.scale, **found}
-        return {"method": f"divided differences of BDF {self.order}", "meaning": MEANING, "steps": self.estimated,
-                "steps_without": self.steps - self.estimated, "unknowns": unknowns}
+            unknowns[f.name] = {
+                "unit": UNITS.get(f.name.split(".")[-1], "SI"),
+                "usual_size": f.scale,
+                **found,
+            }
+        return {
+            "method": f"divided differences of BDF {self.order}",
+            "meaning": MEANING,
+            "steps": self.estimated,
+            "steps_without": self.steps - self.estimated,
+            "unknowns": unknowns,
+        }
 
 
 def local_error(times: list[float], states: list[FloatArray], order: int) -> FloatArray:
-    """Local error (n,) of the last of ``order + 2`` states (n,) at ``times`` [s], rising; see the head of this file."""
+    """Local error (n,) of the last of ``order + 2`` states (n,) at ``times`` [s], rising; see the head of
+    this file."""
     now = times[-1]
     gaps = [now - t for t in times[-2 : -order - 2 : -1]]
     scale = float(np.prod(gaps)) / sum(1 / g for g in gaps)

@@ -1,7 +1,8 @@
-"""Newton's method on the condensed unknowns: convergence by scaled increments, a factor that is kept while it serves.
+"""Newton's method on the condensed unknowns: convergence by scaled increments, a factor that is kept while it
+serves.
 
-The velocities of a step follow from the unknowns (y = shift x + v0), so only the unknowns are solved for: an inner PETSc SNES with
-prefix ``q_``, whose options all work.
+The velocities of a step follow from the unknowns (y = shift x + v0), so only the unknowns are solved for: an
+inner PETSc SNES with prefix ``q_``, whose options all work.
 """
 
 from __future__ import annotations
@@ -22,7 +23,8 @@ STALLED = 1e-10  # an increment that no longer falls below this share of the sca
 
 @dataclass
 class Lag:
-    """When a kept Jacobian still serves: same shift within ``shift_change``, contraction below ``contraction``, at most
+    """When a kept Jacobian still serves: same shift within ``shift_change``, contraction below
+    ``contraction``, at most
     ``iterations`` taken with it, contact unchanged."""
 
     shift_change: float = 0.2
@@ -69,13 +71,26 @@ class CondensedNewton:
         options = PETSc.Options(prefix)
         chosen = options.hasName("snes_linesearch_type")
         if not chosen:
-            # contact and friction make Newton overshoot; "cp" finds where the rows stop pointing along the step, by residuals alone
+            # contact and friction make Newton overshoot; "cp" finds where the rows stop pointing along the
+            # step, by residuals alone
             # (measured on the whirling 2000 m string: a third of the iterations, no failed step)
-            # mixed with the balances of mud, rows along the step have no meaning: after a jump the search stands still
+            # mixed with the balances of mud, rows along the step have no meaning: after a jump the search
+            # stands still
             forces = all(does_work(f) for f in system.layout.fields)
             options.setValue("snes_linesearch_type", "cp" if system.has_contact and forces else "basic")
-        petsc_names = ("snes_type", "snes_linesearch_type", "ksp_type", "pc_type", "snes_monitor", "snes_converged_reason", "ksp_monitor")
-        self.direct = not any(options.hasName(name) for name in petsc_names if name != "snes_linesearch_type") and not chosen
+        petsc_names = (
+            "snes_type",
+            "snes_linesearch_type",
+            "ksp_type",
+            "pc_type",
+            "snes_monitor",
+            "snes_converged_reason",
+            "ksp_monitor",
+        )
+        self.direct = (
+            not any(options.hasName(name) for name in petsc_names if name != "snes_linesearch_type")
+            and not chosen
+        )
         if self.direct:
             snes.setType("python")
             snes.setPythonContext(DirectNewton(self))
@@ -160,7 +175,8 @@ class CondensedNewton:
         return self.convergence_reason(its, step, bool(np.isfinite(norms[2])))
 
     def convergence_reason(self, its: int, step: np.ndarray, finite: bool) -> int:
-        """Reason after ``its`` iterations, the last of which moved the owned unknowns by ``step``; 0: go on."""
+        """Reason after ``its`` iterations, the last of which moved the owned unknowns by ``step``; 0: go
+        on."""
         if not finite:
             return petsc_compat.not_a_number_reason()
         if its == 0:
@@ -194,7 +210,8 @@ class CondensedNewton:
             self.lag.good = False
 
     def get_state(self) -> dict[str, np.ndarray]:
-        """The kept factor, as the entries it was made of, and what was learned about convergence; whole on rank 0.  Collective."""
+        """The kept factor, as the entries it was made of, and what was learned about convergence; whole on
+        rank 0.  Collective."""
         lag, mpi = self.lag, self.system.comm.tompi4py()
         if lag is None or not lag.good:
             return {"newton": np.array([self.eta])}
@@ -202,11 +219,16 @@ class CondensedNewton:
         parts = [(on_rank, lag.signature)] if mpi.size == 1 else mpi.gather((on_rank, lag.signature))
         if parts is None:
             return {}
-        return {"newton": np.array([self.eta, lag.shift]), "entries": np.concatenate([p[0] for p in parts]),
-                "shares": np.array([len(p[0]) for p in parts]), "signatures": np.array([p[1] for p in parts])}
+        return {
+            "newton": np.array([self.eta, lag.shift]),
+            "entries": np.concatenate([p[0] for p in parts]),
+            "shares": np.array([len(p[0]) for p in parts]),
+            "signatures": np.array([p[1] for p in parts]),
+        }
 
     def set_state(self, memory: dict[str, np.ndarray]) -> None:
-        """Take up a memory; of one left by another number of ranks only the convergence, as their entries are shared out differently."""
+        """Take up a memory; of one left by another number of ranks only the convergence, as their entries are
+        shared out differently."""
         asm, mpi = self.system.assembly, self.system.comm.tompi4py()
         self.forget()
         self.eta = float(memory["newton"][0])
@@ -217,7 +239,11 @@ class CondensedNewton:
         start = int(shares[: mpi.rank].sum())
         asm.values[:] = memory["entries"][start : start + len(asm.values)]
         asm.version += 1
-        self.lag.shift, self.lag.signature, self.lag.good = float(memory["newton"][1]), int(memory["signatures"][mpi.rank]), True
+        self.lag.shift, self.lag.signature, self.lag.good = (
+            float(memory["newton"][1]),
+            int(memory["signatures"][mpi.rank]),
+            True,
+        )
         if self.direct:
             self.factor.factor(asm.values)
         elif self.assembled:
@@ -226,13 +252,17 @@ class CondensedNewton:
             self.matrix.assemble()
 
     def solve(self, t: float, shift: float) -> int:
-        """Solve at time ``t`` with rates y = shift x + v0; returns the SNES reason (negative: not converged)."""
+        """Solve at time ``t`` with rates y = shift x + v0; returns the SNES reason (negative: not
+        converged)."""
         self.t, self.shift = t, shift
         if self.lag and self._turning:  # unknowns that turn with the string take the Jacobian along
             self.lag.good = False
-        # what one step showed of the contraction is trusted less in the next (Hairer and Wanner, Solving ODEs II, IV.8)
+        # what one step showed of the contraction is trusted less in the next (Hairer and Wanner, Solving ODEs
+        # II, IV.8)
         self.eta = 1.0 if self.eta > 1.0 else max(self.eta, 1e-10) ** 0.8
-        if self.lag and self.lag.good:  # a factor made for another step length leaves an error of this share in each iteration
+        if (
+            self.lag and self.lag.good
+        ):  # a factor made for another step length leaves an error of this share in each iteration
             off = abs((shift / self.lag.shift) ** 2 - 1.0)
             self.eta = max(self.eta, off / max(1.0 - off, 0.1))
         self.system.store_unknowns(self.q)
@@ -266,7 +296,15 @@ def _min():
 def chain_factor(system: DiscreteSystem) -> ChainFactor:
     """The direct solver for this model's chain of nodes."""
     layout, asm = system.layout, system.assembly
-    # a constraint's pivot is of the order of the step's square, without cancellation: small is no sign of a singular matrix there
+    # a constraint's pivot is of the order of the step's square, without cancellation: small is no sign of a
+    # singular matrix there
     smallest = 1e-25 if system.multipliers else 1e-15
-    return ChainFactor(system.comm, layout.chain.vertices, layout.vertex_of, layout.local_of_owned, asm.rows, asm.columns,
-                       pivot_tolerance=smallest)
+    return ChainFactor(
+        system.comm,
+        layout.chain.vertices,
+        layout.vertex_of,
+        layout.local_of_owned,
+        asm.rows,
+        asm.columns,
+        pivot_tolerance=smallest,
+    )

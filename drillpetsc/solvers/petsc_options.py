@@ -12,14 +12,29 @@ from petsc4py import PETSc
 from drillpetsc.errors import CaseError
 
 #: options that PETSc reads late (views, logs) or that belong to PETSc's own start
-LATE = ("view", "monitor", "log_", "malloc", "options_left", "options_table", "help", "on_error", "fp_trap", "checkstack", "reason",
-        "debugger",
-        "no_signal_handler", "petsc", "info")
+LATE = (
+    "view",
+    "monitor",
+    "log_",
+    "malloc",
+    "options_left",
+    "options_table",
+    "help",
+    "on_error",
+    "fp_trap",
+    "checkstack",
+    "reason",
+    "debugger",
+    "no_signal_handler",
+    "petsc",
+    "info",
+)
 
 
 @contextmanager
 def applied(case_options: Mapping[str, object]) -> Iterator[list[str]]:
-    """Put the options of a case below those of the command line while a run lasts; yields the names the user gave."""
+    """Put the options of a case below those of the command line while a run lasts; yields the names the user
+    gave."""
     database = PETSc.Options()
     before = dict(database.getAll())
     for name, value in case_options.items():
@@ -61,12 +76,40 @@ def refuse_unread(names: Iterable[str]) -> None:
 
 def not_an_option(name: str, where: str) -> CaseError:
     near = difflib.get_close_matches(name, KNOWN, n=1)
-    return CaseError(at=f"petsc option -{name}", want=f"an option that PETSc or drillpetsc reads in {where}",
-                     hint=f"did you mean -{near[0]}?" if near else "check the spelling and the prefix (-q_ for the condensed Newton)")
+    return CaseError(
+        at=f"petsc option -{name}",
+        want=f"an option that PETSc or drillpetsc reads in {where}",
+        hint=f"did you mean -{near[0]}?"
+        if near
+        else "check the spelling and the prefix (-q_ for the condensed Newton)",
+    )
 
 
-KNOWN = ("ts_type", "ts_bdf_order", "ts_rtol", "ts_dt", "ts_time_step", "ts_adapt_type", "ts_adapt_clip",
-         "ts_adapt_dt_max", "ts_adapt_dt_min", "ts_max_reject",
-         "ts_adapt_wnormtype", "ts_max_steps", "ts_max_snes_failures", "snes_type", "q_snes_stol", "q_snes_max_it", "q_snes_rtol",
-         "q_snes_linesearch_type", "q_ksp_type", "q_pc_type", "q_pc_factor_mat_ordering_type", "ksp_type", "pc_type",
-         "drillpetsc_energy_strict", "drillpetsc_stop_on_gain", "drillpetsc_gain_limit")
+KNOWN = (
+    "ts_type",
+    "ts_bdf_order",
+    "ts_rtol",
+    "ts_dt",
+    "ts_time_step",
+    "ts_adapt_type",
+    "ts_adapt_clip",
+    "ts_adapt_dt_max",
+    "ts_adapt_dt_min",
+    "ts_max_reject",
+    "ts_adapt_wnormtype",
+    "ts_max_steps",
+    "ts_max_snes_failures",
+    "snes_type",
+    "q_snes_stol",
+    "q_snes_max_it",
+    "q_snes_rtol",
+    "q_snes_linesearch_type",
+    "q_ksp_type",
+    "q_pc_type",
+    "q_pc_factor_mat_ordering_type",
+    "ksp_type",
+    "pc_type",
+    "drillpetsc_energy_strict",
+    "drillpetsc_stop_on_gain",
+    "drillpetsc_gain_limit",
+)

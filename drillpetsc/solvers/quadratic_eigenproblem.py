@@ -1,13 +1,15 @@
-"""Eigenvalues s of (K + s C + s^2 M) u = 0 near a point of the complex plane, or the slowest ones; numpy and scipy only, one process.
+"""Eigenvalues s of (K + s C + s^2 M) u = 0 near a point of the complex plane, or the slowest ones; numpy and
+scipy only, one process.
 
-M and C may be singular: an unknown of first order has no column in M, an algebraic one none in C either.  With v = s u of the
-second-order unknowns the problem is A z = s B z, z = (u, v),
+M and C may be singular: an unknown of first order has no column in M, an algebraic one none in C either.
+With v = s u of the second-order unknowns the problem is A z = s B z, z = (u, v),
 
     [ 0   I  ] [u]     [ S   0  ] [u]
     [ -K -C2 ] [v] = s [ C1  M2 ] [v]
 
-where S picks the second-order unknowns, C1 has the columns of the others and C2, M2 their own.  B is singular: its infinite roots
-become zeros of Op = (A - sigma B)^-1 B, whose eigenvalues are 1/(s - sigma).  Op needs one factor of K + sigma C + sigma^2 M only:
+where S picks the second-order unknowns, C1 has the columns of the others and C2, M2 their own.  B is
+singular: its infinite roots become zeros of Op = (A - sigma B)^-1 B, whose eigenvalues are 1/(s - sigma).  Op
+needs one factor of K + sigma C + sigma^2 M only:
 
     u = -(K + sigma C + sigma^2 M)^-1 [C1 u0 + M2 v0 + (C2 + sigma M2) S u0],   v = S u0 + sigma S u.
 """
@@ -34,16 +36,19 @@ WRONG = 1e-6  # backward error above which a root is none
 NEUTRAL = 1e-6  # growth below this share of |s| is rounding (measured up to 1.2e-7 on 12 km)
 SLOW = 4  # one slow real root is shown for so many oscillating ones
 CHECKED = 4  # roots of the deflated operator that are looked at for one that was missed
-RESOLVED = 1e-11  # eigenvalues of the operator below this share of the largest are rounding of a zero: infinite roots
+# eigenvalues of the operator below this share of the largest are rounding of a zero: infinite roots
+RESOLVED = 1e-11
 ROUNDS = 40
 DISCS = 200
 
 
 @dataclass(frozen=True)
 class QuadraticEigenproblem:
-    """K [N/m, say], C, M: (n, n) sparse; second (n,): which unknowns are of second order; scale (n,): their usual sizes.
+    """K [N/m, say], C, M: (n, n) sparse; second (n,): which unknowns are of second order; scale (n,): their
+    usual sizes.
 
-    reference [1/s]: a slow rate of the system, by which rates are scaled; shifts are real multiples of it where no other is asked for.
+    reference [1/s]: a slow rate of the system, by which rates are scaled; shifts are real multiples of it
+    where no other is asked for.
     """
 
     K: sparse.csr_matrix
@@ -65,8 +70,9 @@ class QuadraticEigenproblem:
 
 @dataclass(frozen=True)
 class Eigenvalues:
-    """s (m,) [1/s], of each conjugate pair the one with Im s >= 0; u (n, m) its vector; error (m,): of the equation, relative to the sum
-    of its terms' norms; ``radius``: all roots nearer than this to the shift are here [1/s]."""
+    """s (m,) [1/s], of each conjugate pair the one with Im s >= 0; u (n, m) its vector; error (m,): of the
+    equation, relative to the sum of its terms' norms; ``radius``: all roots nearer than this to the shift are
+    here [1/s]."""
 
     s: np.ndarray
     u: np.ndarray
@@ -104,7 +110,9 @@ class _Scaled:
         try:
             factor = sparse_linalg.splu(shifted)
         except RuntimeError as error:
-            raise SolveError("the linearised system is singular at the shift", hint="give another --shift") from error
+            raise SolveError(
+                "the linearised system is singular at the shift", hint="give another --shift"
+            ) from error
         second = sparse.csr_matrix(self.C2 + sigma * self.M2)
         complex_factor = np.iscomplexobj(shifted)
 
@@ -124,23 +132,29 @@ class _Scaled:
     def error(self, s: np.ndarray, u: np.ndarray) -> FloatArray:
         """Backward error of each root in the norm of the largest entry."""
         terms = self.K @ u, s * (self.C @ u), s**2 * (self.M @ u)
-        weight = sum(abs(f) * sparse_linalg.norm(A, np.inf) for f, A in ((s**0, self.K), (s, self.C), (s**2, self.M)))
+        weight = sum(
+            abs(f) * sparse_linalg.norm(A, np.inf) for f, A in ((s**0, self.K), (s, self.C), (s**2, self.M))
+        )
         return np.abs(sum(terms)).max(axis=0) / (weight * np.abs(u).max(axis=0))
 
 
 # ---------------------------------------------------------------------- engines
 def _arpack(apply, size: int, count: int, kind: type, seed: int) -> np.ndarray:
-    """Vectors of about ``count`` eigenvalues of largest size: implicitly restarted Arnoldi (Lehoucq, Sorensen, Yang 1998)."""
+    """Vectors of about ``count`` eigenvalues of largest size: implicitly restarted Arnoldi (Lehoucq,
+    Sorensen, Yang 1998)."""
     start: np.ndarray = np.random.default_rng(seed).standard_normal(size).astype(kind)
     op = sparse_linalg.LinearOperator((size, size), matvec=apply, dtype=kind)
     try:
-        return sparse_linalg.eigs(op, count, which="LM", v0=start, ncv=min(size, max(2 * count + 2, 40)), maxiter=100 * count)[1]
+        return sparse_linalg.eigs(
+            op, count, which="LM", v0=start, ncv=min(size, max(2 * count + 2, 40)), maxiter=100 * count
+        )[1]
     except sparse_linalg.ArpackNoConvergence as error:
         return error.eigenvectors
 
 
 def _slepc(apply, size: int, count: int, kind: type, seed: int) -> np.ndarray:
-    """The same by SLEPc's Krylov-Schur method; options with the prefix ``modes_``.  For the number type that PETSc has."""
+    """The same by SLEPc's Krylov-Schur method; options with the prefix ``modes_``.  For the number type that
+    PETSc has."""
     from petsc4py import PETSc
     from slepc4py import SLEPc  # type: ignore
 
@@ -192,10 +206,11 @@ def _span(Q: np.ndarray, W: np.ndarray, real: bool) -> np.ndarray:
 
 
 def _leading(apply, size: int, count: int, real: bool, engine: str) -> tuple[np.ndarray, np.ndarray, float]:
-    """Eigenvalues of largest size and their vectors: at least ``count``, and none is missed that is larger than the third value given.
+    """Eigenvalues of largest size and their vectors: at least ``count``, and none is missed that is larger
+    than the third value given.
 
-    A Krylov space shows a multiple eigenvalue only by way of rounding.  So the operator is asked again with what was found projected
-    out, until it has nothing left of that size.
+    A Krylov space shows a multiple eigenvalue only by way of rounding.  So the operator is asked again with
+    what was found projected out, until it has nothing left of that size.
     """
     kind: type = float if real else complex
     method = _slepc if engine == "slepc" or (engine == "auto" and _has_slepc(kind)) else _arpack
@@ -210,7 +225,10 @@ def _leading(apply, size: int, count: int, real: bool, engine: str) -> tuple[np.
 
         W = method(deflated, size, wanted, kind, seed)
         if not W.shape[1]:
-            raise SolveError("no eigenvalue of the linearised scene converged", hint="give another --shift or a smaller --count")
+            raise SolveError(
+                "no eigenvalue of the linearised scene converged",
+                hint="give another --shift or a smaller --count",
+            )
         Q = _span(Q, W, real)
         small, turn = np.linalg.eig(Q.conj().T @ apply(Q))
         order = np.argsort(-np.abs(small))
@@ -219,15 +237,19 @@ def _leading(apply, size: int, count: int, real: bool, engine: str) -> tuple[np.
         if seed and edge <= before * (1 + 1e-8):  # nothing came in among the first ``count``
             return values, vectors, edge
         wanted = CHECKED
-    raise SolveError(f"the eigenvalues near the shift were not complete after {ROUNDS} rounds", hint="give another --shift")
+    raise SolveError(
+        f"the eigenvalues near the shift were not complete after {ROUNDS} rounds", hint="give another --shift"
+    )
 
 
 # ---------------------------------------------------------------------- roots
-def eigenvalues_near(pencil: QuadraticEigenproblem, shift: complex, count: int, engine: str = "auto") -> Eigenvalues:
+def eigenvalues_near(
+    pencil: QuadraticEigenproblem, shift: complex, count: int, engine: str = "auto"
+) -> Eigenvalues:
     """At least ``count`` roots nearest to ``shift`` [1/s] (both of a pair count); all of a small system.
 
-    engine: dense, arpack, slepc, or auto: dense up to DENSE_BELOW, then SLEPc where it is installed and has the number type of the
-    shift, else ARPACK.  Raises SolveError where nothing converges.
+    engine: dense, arpack, slepc, or auto: dense up to DENSE_BELOW, then SLEPc where it is installed and has
+    the number type of the shift, else ARPACK.  Raises SolveError where nothing converges.
     """
     scaled, w = _Scaled(pencil), pencil.reference
     sigma: Any = complex(shift) / w
@@ -247,21 +269,32 @@ def eigenvalues_near(pencil: QuadraticEigenproblem, shift: complex, count: int, 
     error = scaled.error(s, u)
     good = (error < WRONG) if edge == 0.0 else (error < WRONG) & (np.abs(values) > edge * (1 + SAME))
     radius = w / (edge * (1 + SAME)) if edge else np.inf
-    return _upper(Eigenvalues(s[good] * w, pencil.scale[:, None] * u[:, good], error[good], radius), pencil.reference)
+    return _upper(
+        Eigenvalues(s[good] * w, pencil.scale[:, None] * u[:, good], error[good], radius), pencil.reference
+    )
 
 
 def _upper(roots: Eigenvalues, reference: float) -> Eigenvalues:
     """Without the lower half plane; what is real to rounding is made real."""
-    s = np.where(np.abs(roots.s.imag) <= REAL * np.maximum(np.abs(roots.s), REAL * reference), roots.s.real, roots.s)
+    s = np.where(
+        np.abs(roots.s.imag) <= REAL * np.maximum(np.abs(roots.s), REAL * reference), roots.s.real, roots.s
+    )
     return Eigenvalues(s, roots.u, roots.error, roots.radius).chosen(s.imag >= 0)
 
 
-def lowest_eigenvalues(pencil: QuadraticEigenproblem, count: int, engine: str = "auto", wanted: Callable[[Eigenvalues], np.ndarray] | None = None) -> Eigenvalues:
-    """The ``count`` oscillating roots of lowest |Im s|, some of the slowest real ones, and all that grow of those seen; sorted by |Im s|,
-    real ones by growth.  wanted(roots) -> (m,) mask: which roots count; the others are left out.
+def lowest_eigenvalues(
+    pencil: QuadraticEigenproblem,
+    count: int,
+    engine: str = "auto",
+    wanted: Callable[[Eigenvalues], np.ndarray] | None = None,
+) -> Eigenvalues:
+    """The ``count`` oscillating roots of lowest |Im s|, some of the slowest real ones, and all that grow of
+    those seen; sorted by |Im s|, real ones by growth.  wanted(roots) -> (m,) mask: which roots count; the
+    others are left out.
 
-    Discs about shifts, first near zero, then ever higher up the imaginary axis, until there are enough; within a disc every root is
-    found.  A root so far to the left that no disc reaches it is not seen: it dies out within a fraction of a period of those found.
+    Discs about shifts, first near zero, then ever higher up the imaginary axis, until there are enough;
+    within a disc every root is found.  A root so far to the left that no disc reaches it is not seen: it dies
+    out within a fraction of a period of those found.
     """
     first = OFF_ROOT * pencil.reference
     found: list[Eigenvalues] = []
@@ -270,7 +303,11 @@ def lowest_eigenvalues(pencil: QuadraticEigenproblem, count: int, engine: str = 
     for _ in range(DISCS):
         shift = 1j * height if discs else complex(first)
         roots = eigenvalues_near(pencil, shift, most, engine)
-        new = np.all([abs(z - c) > r for c, r in discs for z in (roots.s, np.conj(roots.s))] or [np.ones(len(roots.s), bool)], axis=0)
+        new = np.all(
+            [abs(z - c) > r for c, r in discs for z in (roots.s, np.conj(roots.s))]
+            or [np.ones(len(roots.s), bool)],
+            axis=0,
+        )
         roots, disc = roots.chosen(new), (shift, roots.radius)
         counts = wanted(roots) if wanted else new[new]
         enough += int((counts & (roots.s.imag > 0)).sum())

@@ -1,10 +1,10 @@
-"""Static equilibrium: Newton on the potential energy, kept downhill by a shift where the tangent is not positive
-definite.
+"""Static equilibrium: Newton on the potential energy, kept downhill by a shift where the tangent is not
+positive definite.
 
-The frictionless problem has an energy; its minima are the stable states.  Each step solves with K + sigma M, sigma
-raised until no pivot is negative (Sylvester), and is shortened by the slope along it, so a straight buckled string
-cannot be returned unless nothing disturbs it - then a small persistent side load is added.  Friction in the imposed
-sliding direction follows, by plain Newton.
+The frictionless problem has an energy; its minima are the stable states.  Each step solves with K + sigma M,
+sigma raised until no pivot is negative (Sylvester), and is shortened by the slope along it, so a straight
+buckled string cannot be returned unless nothing disturbs it - then a small persistent side load is added.
+Friction in the imposed sliding direction follows, by plain Newton.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ CONVERGED = 2.0e-9  # increment relative to the fields' scales
 STALLED = 1.0e-5  # good enough when rounding stops the descent
 ITERATIONS = 600
 FREE_ITERATIONS = 40
-STALL_WINDOW = (
-    8  # full Newton steps without a smaller increment before they are given up (contacts that open and close for ever)
-)
+# full Newton steps without a smaller increment before they are given up (contacts that open and close for
+# ever)
+STALL_WINDOW = 8
 TURN = 0.4  # largest change of a node's slope in one step
 
 
@@ -47,13 +47,15 @@ class Equilibrium:
 class StaticNewton:
     """Static solver of one model; the state is the assembly's x, rates are zero.
 
-    energy: the loads have a potential, so inertia and descent are meaningful; clearance: smallest radial clearance [m]
-    (None: no well). weight_on_bit: (target [N], unit) where ``unit(model)`` gives (present depth of the bit below the
-    hole's end [m], its gradient by the local unknowns (n,), depth that gives the target [m]); the top's axial
-    position then follows.
+    energy: the loads have a potential, so inertia and descent are meaningful; clearance: smallest radial
+    clearance [m] (None: no well). weight_on_bit: (target [N], unit) where ``unit(model)`` gives (present
+    depth of the bit below the hole's end [m], its gradient by the local unknowns (n,), depth that gives the
+    target [m]); the top's axial position then follows.
     """
 
-    def __init__(self, system: DiscreteSystem, energy: bool = True, clearance: float | None = None, t: float = 0.0):
+    def __init__(
+        self, system: DiscreteSystem, energy: bool = True, clearance: float | None = None, t: float = 0.0
+    ):
         self.system, self.energy, self.t = system, energy, t
         self.limit = 0.5 * clearance if clearance else 0.2 * float(system.mesh.node_depth[-1])
         self.factor = chain_factor(system)
@@ -63,14 +65,16 @@ class StaticNewton:
         self.rates: FloatArray | None = None  # (n+1,) of a steady motion; at rest without it
         self._mine = system.owned_place >= 0
         self._entries = self._shift_entries()
-        self._top_rows = next((f for f in system.assembly.row_replacements if f.owned and f.condition.vertex == 0), None)
+        self._top_rows = next(
+            (f for f in system.assembly.row_replacements if f.owned and f.condition.vertex == 0), None
+        )
 
     def _shift_entries(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Where the shift M goes: for position and slope, (vertices (k,), places (k, 3, 3) of a diagonal block in the
-        values).
+        """Where the shift M goes: for position and slope, (vertices (k,), places (k, 3, 3) of a diagonal
+        block in the values).
 
-        Only owned vertices, each once; M = h (I - t t^T) for positions and h^3/100 (I - t t^T) for slopes: side
-        springs.
+        Only owned vertices, each once; M = h (I - t t^T) for positions and h^3/100 (I - t t^T) for slopes:
+        side springs.
         """
         system, asm = self.system, self.system.assembly
         chain = system.chain
@@ -88,7 +92,12 @@ class StaticNewton:
                         if vertex not in found:
                             k = slot + np.arange(3)
                             found[vertex] = item.span.start + e * item.width**2 + k[:, None] * item.width + k
-            out.append((np.array(list(found), dtype=int), np.array(list(found.values()), dtype=int).reshape(-1, 3, 3)))
+            out.append(
+                (
+                    np.array(list(found), dtype=int),
+                    np.array(list(found.values()), dtype=int).reshape(-1, 3, 3),
+                )
+            )
         return out
 
     def _node_size(self) -> FloatArray:
@@ -105,10 +114,15 @@ class StaticNewton:
     def largest(self, value: float) -> float:
         from mpi4py import MPI
 
-        return value if self.system.comm.size == 1 else float(self.system.comm.tompi4py().allreduce(value, op=MPI.MAX))
+        return (
+            value
+            if self.system.comm.size == 1
+            else float(self.system.comm.tompi4py().allreduce(value, op=MPI.MAX))
+        )
 
     def rows(self) -> FloatArray:
-        """Residual at rest (or in the steady motion ``rates``), summed, as a ghosted local array valid at owned unknowns."""
+        """Residual at rest (or in the steady motion ``rates``), summed, as a ghosted local array valid at
+        owned unknowns."""
         system, asm = self.system, self.system.assembly
         asm.y[:], asm.a[:] = 0.0 if self.rates is None else self.rates, 0.0
         asm.forget_inputs()
@@ -118,8 +132,8 @@ class StaticNewton:
         return local
 
     def _gradient(self, rows: FloatArray) -> FloatArray:
-        """Derivative of the energy by (r, v, phi): rows of v get back what the spin coordinate takes; prescribed rows
-        are zero."""
+        """Derivative of the energy by (r, v, phi): rows of v get back what the spin coordinate takes;
+        prescribed rows are zero."""
         asm, g = self.system.assembly, rows.copy()
         for f in asm.row_replacements:
             g[f.rows] = f.keep @ g[f.rows]
@@ -201,8 +215,8 @@ class StaticNewton:
         return min(self.limit / max(self.largest(side), 1e-300), TURN / max(self.largest(turn), 1e-300))
 
     def _search(self, x0: FloatArray, p: FloatArray, slope0: float, alpha: float, most: float) -> float:
-        """Length of the step: shorter while the energy rises again beyond it, up to ``most`` while it still falls
-        steeply."""
+        """Length of the step: shorter while the energy rises again beyond it, up to ``most`` while it still
+        falls steeply."""
         good, shrunk = 0.0, False
         for _ in range(12):
             slope = self._slope_at(x0, p, alpha)
@@ -215,7 +229,9 @@ class StaticNewton:
             if good:
                 break
             shrunk = True
-            alpha *= min(0.7, max(0.1, slope0 / (slope0 - slope))) if np.isfinite(slope) and slope > 0 else 0.3
+            alpha *= (
+                min(0.7, max(0.1, slope0 / (slope0 - slope))) if np.isfinite(slope) and slope > 0 else 0.3
+            )
         return good or alpha
 
     def _slope_at(self, x0: FloatArray, p: FloatArray, alpha: float) -> float:
@@ -235,13 +251,16 @@ class StaticNewton:
         by_top = self.sum(float(gradient[self._mine] @ s[self._mine]))
         if abs(by_top) < 1e-12:
             raise SolveError(
-                "the top's position does not reach the bit", hint="wob needs a top with a prescribed axial position"
+                "the top's position does not reach the bit",
+                hint="wob needs a top with a prescribed axial position",
             )
         move = (target - self.sum(depth) - here) / by_top
         p += move * s
         return move
 
-    def _newton(self, shifted: bool, report: Equilibrium, search: bool = True, most: int = ITERATIONS) -> None:
+    def _newton(
+        self, shifted: bool, report: Equilibrium, search: bool = True, most: int = ITERATIONS
+    ) -> None:
         asm, n = self.system.assembly, self.system.layout.size
         sigma, best, weight = 0.0, np.inf, 1.0 / self.system.scale
         quiet, begun = 0, len(report.history)
@@ -252,7 +271,9 @@ class StaticNewton:
             if shifted:
                 sigma = self._positive_factor(sigma)
             elif self._factor(0.0) < 0:
-                raise SolveError("the static tangent is singular", **self.system.locate_largest_residual(self.t))
+                raise SolveError(
+                    "the static tangent is singular", **self.system.locate_largest_residual(self.t)
+                )
             p = np.zeros(n)
             self.factor.solve(-self._with_constraints(g), p)
             move = self._bring_to_depth(p) if self.depth else 0.0
@@ -270,9 +291,16 @@ class StaticNewton:
             report.history.append(size)
             report.increment = size
             if not np.isfinite(size):
-                raise SolveError("the static solution ran away", **self.system.locate_largest_residual(self.t))
+                raise SolveError(
+                    "the static solution ran away", **self.system.locate_largest_residual(self.t)
+                )
             quiet += size < STALLED and size > 0.8 * best  # rounding: small, and no longer falling
-            if alpha == 1.0 and sigma == 0.0 and (size < CONVERGED or quiet >= 3) or (quiet >= 8 and size < CONVERGED):
+            if (
+                alpha == 1.0
+                and sigma == 0.0
+                and (size < CONVERGED or quiet >= 3)
+                or (quiet >= 8 and size < CONVERGED)
+            ):
                 report.converged = True
                 return
             best = min(best, size)
@@ -320,8 +348,8 @@ class StaticNewton:
         return report
 
     def newton_free(self, report: Equilibrium) -> None:
-        """Full Newton steps, the quickest way where they work; SolveError where they do not converge to a stable
-        state."""
+        """Full Newton steps, the quickest way where they work; SolveError where they do not converge to a
+        stable state."""
         self._begin(report)
         self._newton(False, report, search=False, most=FREE_ITERATIONS)
         self._end(report)
@@ -329,8 +357,8 @@ class StaticNewton:
             raise SolveError("the static state is unstable", **self.system.locate_largest_residual(self.t))
 
     def minimise_energy(self, report: Equilibrium, most: int = ITERATIONS) -> None:
-        """Down the energy, by steps with a positive definite tangent; ends in a stable state, or on a saddle when
-        started there."""
+        """Down the energy, by steps with a positive definite tangent; ends in a stable state, or on a saddle
+        when started there."""
         self._begin(report)
         self._newton(self.energy, report, most=most)
         self._end(report)
@@ -342,10 +370,13 @@ class StaticNewton:
             x[f.rows] += f.D.T @ (f.condition.value(self.t) - f.D @ x[f.rows])
 
     def _end(self, report: Equilibrium) -> None:
-        report.residual = self.largest(float(np.max(np.abs(self._gradient(self.rows())[self._mine]), initial=0.0)))
+        report.residual = self.largest(
+            float(np.max(np.abs(self._gradient(self.rows())[self._mine]), initial=0.0))
+        )
 
     def newton_damped(self, report: Equilibrium) -> None:
-        """Newton without a potential (friction) from a state close by; raises SolveError when it does not converge."""
+        """Newton without a potential (friction) from a state close by; raises SolveError when it does not
+        converge."""
         energy, self.energy = self.energy, False
         try:
             self.newton_free(report)
@@ -358,8 +389,8 @@ class StaticNewton:
         return self._factor(0.0)
 
     def push_aside(self, fraction: float, weight: FloatArray, seed: int = 1) -> None:
-        """Persistent random side loads of standard deviation ``fraction`` times ``weight`` (n_nodes,) [N] at the
-        nodes."""
+        """Persistent random side loads of standard deviation ``fraction`` times ``weight`` (n_nodes,) [N] at
+        the nodes."""
         system, asm = self.system, self.system.assembly
         rng = np.random.default_rng(seed)
         loads = fraction * weight[:, None] * rng.standard_normal((system.mesh.nodes, 2))

@@ -42,13 +42,24 @@ def finished(tmp_path_factory) -> Path:
     (folder / "small.yaml").write_text(CASE)
     done = drillpetsc("run", "small.yaml", "--out", "run", "-ts_rtol", "1e-3", cwd=folder)
     assert done.returncode == 0, done.stderr
-    assert "real-time factor" in done.stdout and "energy error" in done.stdout and "results: run" in done.stdout
+    assert (
+        "real-time factor" in done.stdout and "energy error" in done.stdout and "results: run" in done.stdout
+    )
     return folder
 
 
 def test_run_folder_holds_the_contract(finished):
     run = finished / "run"
-    for name in ("history.csv", "probes.csv", "trajectory.csv", "string.pvd", "well.vtu", "summary.json", "checkpoint.h5", "case.yaml"):
+    for name in (
+        "history.csv",
+        "probes.csv",
+        "trajectory.csv",
+        "string.pvd",
+        "well.vtu",
+        "summary.json",
+        "checkpoint.h5",
+        "case.yaml",
+    ):
         assert (run / name).exists(), name
     history = read_table(run / "history.csv")
     assert np.allclose(history["time [s]"], np.arange(11) * 0.02)
@@ -62,7 +73,9 @@ def test_run_folder_holds_the_contract(finished):
     assert summary["steps"] > 0 and abs(summary["energy"]["error_share"]) < 0.05
     frames = read_series(run)
     assert len(frames) == 3
-    assert {"axial_force [N]", "torque [N m]", "contact_force [N/m]", "displacement [m]"} <= set(read_frame(frames[-1][1]).point_data)
+    assert {"axial_force [N]", "torque [N m]", "contact_force [N/m]", "displacement [m]"} <= set(
+        read_frame(frames[-1][1]).point_data
+    )
 
 
 def test_hook_load_of_the_start_is_the_weight_along_the_hole(finished):
@@ -81,8 +94,12 @@ def test_an_existing_folder_is_refused_and_untouched(finished):
 
 
 def test_runs_without_out_are_numbered(finished):
-    short = CASE.replace("end: 0.2 s", "end: 0.002 s").replace("checkpoint_every: 0.1 s", "checkpoint_every: 1 s")
-    short = short.replace("history_every: 0.02 s, field_every: 0.1 s", "history_every: 0.001 s, field_every: 0.002 s")
+    short = CASE.replace("end: 0.2 s", "end: 0.002 s").replace(
+        "checkpoint_every: 0.1 s", "checkpoint_every: 1 s"
+    )
+    short = short.replace(
+        "history_every: 0.02 s, field_every: 0.1 s", "history_every: 0.001 s, field_every: 0.002 s"
+    )
     (finished / "short.yaml").write_text(short)
     for _ in range(2):
         assert drillpetsc("run", "short.yaml", cwd=finished).returncode == 0
@@ -90,7 +107,8 @@ def test_runs_without_out_are_numbered(finished):
 
 
 def test_a_run_stopped_at_a_checkpoint_goes_on_identically(finished):
-    """The first half, then --restart with the whole case: the history equals the uninterrupted one to the last digit."""
+    """The first half, then --restart with the whole case: the history equals the uninterrupted one to the
+    last digit."""
     (finished / "half.yaml").write_text(CASE.replace("end: 0.2 s", "end: 0.1 s"))
     assert drillpetsc("run", "half.yaml", "--out", "parts", "-ts_rtol", "1e-3", cwd=finished).returncode == 0
     done = drillpetsc("run", "small.yaml", "--out", "parts", "--restart", "-ts_rtol", "1e-3", cwd=finished)
@@ -126,11 +144,14 @@ def test_check_says_what_is_there_and_what_is_not(finished):
 
 
 def test_statics_motion_changes_the_hook_load(finished):
-    """Incline at 60 degrees, friction 0.2: hoisting adds mu W sin, lowering takes it off (soft string, exact)."""
+    """Incline at 60 degrees, friction 0.2: hoisting adds mu W sin, lowering takes it off (soft string,
+    exact)."""
     area = np.pi / 4 * np.array([0.127**2 - 0.1086**2, 0.1715**2 - 0.0714**2])
     weight = 7850 * 9.80665 * float(area @ [30, 20])
     for motion, sign in (("hoist", 1), ("lower", -1)):
-        done = drillpetsc("statics", "small.yaml", "--motion", motion, "--out", f"statics-{motion}", cwd=finished)
+        done = drillpetsc(
+            "statics", "small.yaml", "--motion", motion, "--out", f"statics-{motion}", cwd=finished
+        )
         assert done.returncode == 0, done.stderr
         summary = json.loads((finished / f"statics-{motion}" / "summary.json").read_text())
         expected = weight * (0.5 + sign * 0.2 * np.sin(np.pi / 3))
@@ -148,7 +169,9 @@ def test_help_names_the_commands_and_petsc():
 def test_import_starts_no_mpi_and_draws_nothing():
     heavy = ("mpi4py.MPI", "petsc4py.PETSc", "pyvista", "matplotlib", "vtk")
     code = f"import sys, drillpetsc; print([m for m in {heavy} if m in sys.modules])"
-    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=Path(__file__).parents[2])
+    out = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, cwd=Path(__file__).parents[2]
+    )
     assert out.stdout.strip() == "[]", out.stdout + out.stderr
 
 

@@ -1,4 +1,5 @@
-"""`drillpetsc sweep` of a case that drills: pictures at the end, and a member that cannot be computed leaves the others complete."""
+"""`drillpetsc sweep` of a case that drills: pictures at the end, and a member that cannot be computed leaves
+the others complete."""
 
 from __future__ import annotations
 
@@ -43,13 +44,20 @@ def swept(tmp_path_factory) -> Path:
 
 
 def test_a_member_that_fails_leaves_the_others_complete(swept):
-    """10 m/h for 180 s are 0.5 m, but for what the string shortens or lengthens as the weight on bit settles."""
+    """10 m/h for 180 s are 0.5 m, but for what the string shortens or lengthens as the weight on bit
+    settles."""
     table = read_table(swept / "sweep.csv")
     assert table["status"].tolist() == ["done"] * 4 + ["failed"] * 2
-    assert table["time [s]"][:4] == pytest.approx(180.0) and table["drilled [m]"][:4] == pytest.approx(0.5, abs=0.05)
-    assert np.all(np.isnan(table["drilled [m]"][4:])) and all("static" in message for message in table["message"][4:])
+    assert table["time [s]"][:4] == pytest.approx(180.0) and table["drilled [m]"][:4] == pytest.approx(
+        0.5, abs=0.05
+    )
+    assert np.all(np.isnan(table["drilled [m]"][4:])) and all(
+        "static" in message for message in table["message"][4:]
+    )
     for name, length in zip(table["folder"][:4], table["drilled [m]"][:4], strict=True):
-        assert read_table(swept / name / "trajectory.csv")["md [m]"][-1] == pytest.approx(120 + length, abs=1e-9)
+        assert read_table(swept / name / "trajectory.csv")["md [m]"][-1] == pytest.approx(
+            120 + length, abs=1e-9
+        )
 
 
 def test_pictures_are_drawn_at_the_end(swept):

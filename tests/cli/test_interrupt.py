@@ -34,9 +34,15 @@ FILES = ("history.csv", "probes.csv", "string.pvd", "trajectory.csv")
 
 def start(folder: Path, *words: str, command: str = "run") -> subprocess.Popen:
     """drillpetsc run ... in ``folder``."""
-    environment = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
+    environment = {
+        **os.environ,
+        "OMP_NUM_THREADS": "1",
+        "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")]),
+    }
     line = [sys.executable, "-m", "drillpetsc", command, *words, "--progress", "silent"]
-    return subprocess.Popen(line, cwd=folder, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    return subprocess.Popen(
+        line, cwd=folder, env=environment, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
 
 
 def wait_for_rows(file: Path, rows: int, job: subprocess.Popen) -> None:
@@ -70,14 +76,20 @@ def whole(tmp_path_factory) -> Path:
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_signal_ends_the_run_with_a_checkpoint_that_goes_on_identically(whole, number):
-    """Stopped at any step (not at a time of output): exit status 1, the words to continue with, and every file in the end the same."""
+    """Stopped at any step (not at a time of output): exit status 1, the words to continue with, and every
+    file in the end the same."""
     name = f"stopped-{number}"
     job = start(whole, "case.yaml", "--out", name)
     wait_for_rows(whole / name / "history.csv", 15, job)
     job.send_signal(number)
     _, err = job.communicate(timeout=60)
     assert job.returncode == 1, err
-    assert signal.Signals(number).name in err and "--restart" in err and f"--out {name}" in err and "Traceback" not in err
+    assert (
+        signal.Signals(number).name in err
+        and "--restart" in err
+        and f"--out {name}" in err
+        and "Traceback" not in err
+    )
     summary = json.loads((whole / name / "summary.json").read_text())
     assert summary["interrupted"] and 0 < summary["time"] < 1
     assert abs(summary["energy"]["error_share"]) < 0.05 and "hook_load [N]" in summary["final"]
@@ -95,7 +107,11 @@ def test_sigusr1_asks_for_a_checkpoint_and_the_run_goes_on(whole):
     first = (whole / "saved" / "checkpoint.h5").stat().st_mtime_ns  # the one of time 0
     job.send_signal(signal.SIGUSR1)
     end = time.monotonic() + 20
-    while (whole / "saved" / "checkpoint.h5").stat().st_mtime_ns == first and job.poll() is None and time.monotonic() < end:
+    while (
+        (whole / "saved" / "checkpoint.h5").stat().st_mtime_ns == first
+        and job.poll() is None
+        and time.monotonic() < end
+    ):
         time.sleep(0.002)
     assert job.poll() is None, "the run ended before it could be seen to write"
     assert (whole / "saved" / "checkpoint.h5").stat().st_mtime_ns != first
@@ -105,7 +121,8 @@ def test_sigusr1_asks_for_a_checkpoint_and_the_run_goes_on(whole):
 
 
 def test_a_killed_run_goes_on_identically(whole):
-    """SIGKILL after a third and after two thirds of the rows; scripts/kill-test does it at 50 random moments."""
+    """SIGKILL after a third and after two thirds of the rows; scripts/kill-test does it at 50 random
+    moments."""
     (whole / "often.yaml").write_text(CASE.replace("100 s", "50 ms"))
     for share in (1 / 3, 2 / 3):
         name = f"killed-{share:.2f}"
@@ -120,7 +137,8 @@ def test_a_killed_run_goes_on_identically(whole):
 
 
 def test_a_stopped_sweep_starts_no_further_member_and_goes_on_later(whole):
-    """SIGTERM in the first of two members: that one is saved, the second has not begun; --restart does both."""
+    """SIGTERM in the first of two members: that one is saved, the second has not begun; --restart does
+    both."""
     values = ["case.yaml", "contact.stiffness=1e8,1.1e8", "--out", "sweep"]
     job = start(whole, *values, command="sweep")
     first, second = (whole / "sweep" / f"member-{k:03d}" for k in (1, 2))
@@ -128,16 +146,22 @@ def test_a_stopped_sweep_starts_no_further_member_and_goes_on_later(whole):
     job.send_signal(signal.SIGTERM)
     out, err = job.communicate(timeout=60)
     assert job.returncode == 1 and "stopped by SIGTERM" in out + err, out + err
-    assert json.loads((first / "summary.json").read_text())["interrupted"] and not (second / "history.csv").exists()
+    assert (
+        json.loads((first / "summary.json").read_text())["interrupted"]
+        and not (second / "history.csv").exists()
+    )
     out, err = (job := start(whole, *values, "--restart", command="sweep")).communicate(timeout=120)
     assert job.returncode == 0 and "2 of 2 members done" in out, out + err
     same(whole / "run", first)  # 1e8 is the default
 
 
 def test_a_full_disk_ends_the_run_in_order_and_it_can_go_on(whole):
-    """No file may grow beyond a limit (half a row is taken there, as on a disk that is full), which the history meets in the middle
-    of a row: a message, exit status 1, whole rows and frames; with room again the run goes on to the same files."""
-    (whole / "fine.yaml").write_text(CASE.replace("history_every: 0.01 s", "history_every: 0.5 ms").replace("100 s", "0.2 s"))
+    """No file may grow beyond a limit (half a row is taken there, as on a disk that is full), which the
+    history meets in the middle of a row: a message, exit status 1, whole rows and frames; with room again the
+    run goes on to the same files."""
+    (whole / "fine.yaml").write_text(
+        CASE.replace("history_every: 0.01 s", "history_every: 0.5 ms").replace("100 s", "0.2 s")
+    )
     _, err = (job := start(whole, "fine.yaml", "--out", "fine")).communicate(timeout=120)
     assert job.returncode == 0, err
     limit = (whole / "fine" / "checkpoint.h5").stat().st_size + 4000
@@ -146,7 +170,11 @@ def test_a_full_disk_ends_the_run_in_order_and_it_can_go_on(whole):
     wait_for_rows(whole / "full" / "history.csv", 1, job)
     resource.prlimit(job.pid, resource.RLIMIT_FSIZE, (limit, limit))
     _, err = job.communicate(timeout=120)
-    assert job.returncode == 1 and "cannot write full/history.csv: No space left on device" in err and "--restart" in err, err
+    assert (
+        job.returncode == 1
+        and "cannot write full/history.csv: No space left on device" in err
+        and "--restart" in err
+    ), err
     assert "Traceback" not in err
     text = (whole / "full" / "history.csv").read_text()
     assert text.endswith("\n") and limit - 300 < len(text) <= limit
@@ -159,7 +187,8 @@ def test_a_full_disk_ends_the_run_in_order_and_it_can_go_on(whole):
 
 
 def test_a_signal_reaches_the_run_once():
-    """NOTHING before, STOP and the signal's name after; handlers are put back; a request to save is answered once."""
+    """NOTHING before, STOP and the signal's name after; handlers are put back; a request to save is answered
+    once."""
 
     class Alone:
         size, rank = 1, 0

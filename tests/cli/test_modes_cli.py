@@ -57,17 +57,25 @@ def test_run_folder(folder):
         assert (run / name).exists(), name
     count = len(table["mode [-]"])
     assert np.sum(table["frequency [Hz]"] > 0) >= 8 and np.all(np.diff(table["frequency [Hz]"]) >= 0)
-    assert sorted(f.name for f in (run / "modes").iterdir()) == [f"mode_{k:02d}.vtu" for k in range(1, count + 1)]
+    assert sorted(f.name for f in (run / "modes").iterdir()) == [
+        f"mode_{k:02d}.vtu" for k in range(1, count + 1)
+    ]
     data = read_frame(run / "modes" / "mode_01.vtu").point_data
-    assert {"displacement [m]", "spin_angle [rad]", "bore_pressure [Pa]", "annulus_flow_imaginary [m3/s]"} <= set(data)
+    assert {
+        "displacement [m]",
+        "spin_angle [rad]",
+        "bore_pressure [Pa]",
+        "annulus_flow_imaginary [m3/s]",
+    } <= set(data)
     summary = json.loads((run / "summary.json").read_text())
     assert summary["stable"] and summary["margin"] < 0 and summary["modes"] == count
     assert summary["rotation"] == pytest.approx(2 * np.pi)
 
 
 def test_modes_of_one_kind(folder):
-    """--kind fluid leaves the lateral ones out.  Bore (closed by the pump) and annulus (open) of one length and areas A1, A2:
-    tan^2(2 pi f L/a) = A2/A1, with 1291 m/s in the mud alone lowered by the walls' give, at most by a tenth."""
+    """--kind fluid leaves the lateral ones out.  Bore (closed by the pump) and annulus (open) of one length
+    and areas A1, A2: tan^2(2 pi f L/a) = A2/A1, with 1291 m/s in the mud alone lowered by the walls' give, at
+    most by a tenth."""
     done = drillpetsc("modes", "wet.yaml", "--out", "fluid", "--kind", "fluid", "--count", "3", cwd=folder)
     assert done.returncode == 0, done.stderr
     table = read_table(folder / "fluid" / "modes.csv")
@@ -79,9 +87,22 @@ def test_modes_of_one_kind(folder):
 
 
 def test_rest_and_nearest(folder):
-    """--about rest has no rotation; --shift finds the torsion of a pipe held at the top, f = sqrt(G/rho)/4L."""
+    """--about rest has no rotation; --shift finds the torsion of a pipe held at the top, f =
+    sqrt(G/rho)/4L."""
     wave = np.sqrt(206e9 / 2.6 / 7850) / 800
-    done = drillpetsc("modes", "dry.yaml", "--out", "near", "--about", "rest", "--shift", f"{wave:.4f}", "--count", "2", cwd=folder)
+    done = drillpetsc(
+        "modes",
+        "dry.yaml",
+        "--out",
+        "near",
+        "--about",
+        "rest",
+        "--shift",
+        f"{wave:.4f}",
+        "--count",
+        "2",
+        cwd=folder,
+    )
     assert done.returncode == 0, done.stderr
     assert "modes about rest" in done.stdout
     table = read_table(folder / "near" / "modes.csv")

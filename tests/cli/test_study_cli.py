@@ -40,18 +40,33 @@ def disc(case, t: np.ndarray) -> dict[str, np.ndarray]:
     """Speed w of the disc: w'' + q^2 w = q^2 W (1 - cos a t)/2, q^2 = k/J, a = pi/ramp, at rest at first:
     w = W/2 [1 - cos qt - q^2/(q^2 - a^2) (cos at - cos qt)]."""
     q, a = np.sqrt(STIFFNESS / INERTIA), np.pi / RAMP
-    return {"bit_speed": SPEED / 2 * (1 - np.cos(q * t) - q**2 / (q**2 - a**2) * (np.cos(a * t) - np.cos(q * t)))}
+    return {
+        "bit_speed": SPEED / 2 * (1 - np.cos(q * t) - q**2 / (q**2 - a**2) * (np.cos(a * t) - np.cos(q * t)))
+    }
 
 
 def program(*words: object, cwd: Path) -> subprocess.CompletedProcess:
-    return subprocess.run([sys.executable, "-m", "drillpetsc", *map(str, words)], capture_output=True, text=True, cwd=cwd, timeout=300)
+    return subprocess.run(
+        [sys.executable, "-m", "drillpetsc", *map(str, words)],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        timeout=300,
+    )
 
 
 def test_order_of_bdf2_is_seen(case_file, tmp_path):
-    """Disc that a shaft drags along (period 0.31 s), fixed steps of 4, 2 and 1 ms: order 2 within 0.2 of BDF2, and its confidence
-    interval is told."""
-    result = study(case_file, "time-step", values=["4 ms", "2 ms", "1 ms"], repeats=1, out=tmp_path / "out", exact=disc,
-                   say=lambda line: None)
+    """Disc that a shaft drags along (period 0.31 s), fixed steps of 4, 2 and 1 ms: order 2 within 0.2 of
+    BDF2, and its confidence interval is told."""
+    result = study(
+        case_file,
+        "time-step",
+        values=["4 ms", "2 ms", "1 ms"],
+        repeats=1,
+        out=tmp_path / "out",
+        exact=disc,
+        say=lambda line: None,
+    )
     assert result.failed == 0
     order = result.findings["orders"]["bdf2-fixed"]["bit_speed"]["rms"]
     assert order["points"] == 3
@@ -62,11 +77,27 @@ def test_order_of_bdf2_is_seen(case_file, tmp_path):
 
 
 def test_curve_against_a_run_of_another_integrator(case_file, tmp_path):
-    """`--curves`: the reference is a run by BDF3 and tells its own error, smaller than those of the points; a tolerance 100 times smaller
-    gives a smaller error."""
+    """`--curves`: the reference is a run by BDF3 and tells its own error, smaller than those of the points; a
+    tolerance 100 times smaller gives a smaller error."""
     out = tmp_path / "out"
-    done = program("study", case_file, "--curves", "bdf2", "--few", "--repeats", 1, "--outputs", "bit_speed",
-                   "--reference", "bdf3", "--out", out, "-ts_max_steps", "100000", cwd=tmp_path)
+    done = program(
+        "study",
+        case_file,
+        "--curves",
+        "bdf2",
+        "--few",
+        "--repeats",
+        1,
+        "--outputs",
+        "bit_speed",
+        "--reference",
+        "bdf3",
+        "--out",
+        out,
+        "-ts_max_steps",
+        "100000",
+        cwd=tmp_path,
+    )
     assert done.returncode == 0, done.stderr
     reported = json.loads((out / "study.json").read_text(encoding="utf-8"))
     assert "bdf3" in reported["reference"]["what"]
@@ -78,12 +109,30 @@ def test_curve_against_a_run_of_another_integrator(case_file, tmp_path):
     assert (out / "orders.png").is_file()
 
 
-@pytest.mark.parametrize(("words", "status", "tells"), [
-    (["--vary", "wind"], 2, "time-step | tolerance"),
-    ([], 2, "either --vary or --curves"),
-    (["--vary", "time-step", "--values", "10 kg"], 2, "--values"),
-    (["--vary", "tolerance", "--values", "1e-3", "-ts_bdf_ordr", "2", "--repeats", "1", "--reference", "bdf2"], 1, "ts_bdf_ordr"),
-])
+@pytest.mark.parametrize(
+    ("words", "status", "tells"),
+    [
+        (["--vary", "wind"], 2, "time-step | tolerance"),
+        ([], 2, "either --vary or --curves"),
+        (["--vary", "time-step", "--values", "10 kg"], 2, "--values"),
+        (
+            [
+                "--vary",
+                "tolerance",
+                "--values",
+                "1e-3",
+                "-ts_bdf_ordr",
+                "2",
+                "--repeats",
+                "1",
+                "--reference",
+                "bdf2",
+            ],
+            1,
+            "ts_bdf_ordr",
+        ),
+    ],
+)
 def test_exit_status(case_file, tmp_path, words, status, tells):
     """2 for bad input with nothing written; 1 where every run fails, with the reason in its point."""
     done = program("study", case_file, *words, "--out", tmp_path / "out", cwd=tmp_path)
@@ -93,12 +142,19 @@ def test_exit_status(case_file, tmp_path, words, status, tells):
 
 
 def test_companion_states_time_and_mesh_error(tmp_path):
-    """A shaft that turns with its inertia, 8 elements against 4: differences of bit speed are stated as shares of its range, and the
-    time error of the spin angle is of the size of the tolerance times its usual size."""
+    """A shaft that turns with its inertia, 8 elements against 4: differences of bit speed are stated as
+    shares of its range, and the time error of the spin angle is of the size of the tolerance times its usual
+    size."""
     file = tmp_path / "shaft.yaml"
-    file.write_text(CASE.replace("polar_inertia: 1e-9", "polar_inertia: 2").replace("element_length: 1 m", "element_length: 0.125 m"),
-                    encoding="utf-8")
-    done = program("run", file, "--out", "out", "--companion", "--progress", "silent", "-ts_rtol", "1e-5", cwd=tmp_path)
+    file.write_text(
+        CASE.replace("polar_inertia: 1e-9", "polar_inertia: 2").replace(
+            "element_length: 1 m", "element_length: 0.125 m"
+        ),
+        encoding="utf-8",
+    )
+    done = program(
+        "run", file, "--out", "out", "--companion", "--progress", "silent", "-ts_rtol", "1e-5", cwd=tmp_path
+    )
     assert done.returncode == 0, done.stderr
     assert "mesh, against elements twice as long" in done.stdout
     reported = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["error_estimate"]

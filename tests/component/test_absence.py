@@ -14,8 +14,10 @@ from drillpetsc.output.recorder import Recorder
 PIPE = {"kind": "pipe", "length": 30, "od": 0.127, "id": 0.1086}
 COLLAR = {"kind": "pipe", "length": 20, "od": 0.1778, "id": 0.0714}
 BIT = {"kind": "bit", "length": 0.5, "od": 0.2, "mass": 60}
-WELL = {"survey": {"md": [0, 60], "inclination": [0.1, 0.1], "azimuth": [0, 0]},
-        "sections": [{"to": 60, "kind": "casing", "diameter": 0.2159, "friction": 0.2}]}
+WELL = {
+    "survey": {"md": [0, 60], "inclination": [0.1, 0.1], "azimuth": [0, 0]},
+    "sections": [{"to": 60, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
+}
 DRIVE = {"kind": "top_drive", "rotation": 1.0}
 DAMPED = {"damping": {"stiffness": 1e-4}}
 
@@ -23,57 +25,203 @@ BASE = {"time", "bit_speed", "bit_depth", "kinetic_energy", "strain_energy", "en
 HELD = {"hook_load", "surface_torque"}
 BOTTOM = {"wob", "bit_torque", "hole_depth"}
 
-# scene: (case, unknowns per ordinary node, extra unknowns, log events, history columns, point arrays beyond the usual)
+# scene: (case, unknowns per ordinary node, extra unknowns, log events, history columns, point arrays beyond
+# the usual)
 SCENES = {
     "free pipe": ({"string": [PIPE], "top": "free"}, 7, 0, {"beam"}, BASE, set()),
     "hung pipe": ({"string": [PIPE], "top": DRIVE}, 7, 0, {"beam"}, BASE | HELD, set()),
-    "damped": ({"string": [PIPE], "top": DRIVE, "material": DAMPED}, 7, 0, {"beam_damped"}, BASE | HELD, set()),
-    "section change": ({"string": [PIPE, COLLAR], "top": DRIVE}, 7, 1, {"beam", "beam_junction"}, BASE | HELD, set()),
-    "unbalanced": ({"string": [{**PIPE, "eccentricity": 0.002}], "top": DRIVE}, 7, 0, {"beam", "eccentric"}, BASE | HELD, set()),
-    "bent": ({"string": [{**PIPE, "curvature": 1e-4}], "top": DRIVE}, 7, 0, {"beam", "curvature"}, BASE | HELD, set()),
-    "loaded": ({"string": [PIPE], "top": DRIVE, "loads": [{"at": 30, "force": [1, 0, 0]}]}, 7, 0, {"beam", "loads"}, BASE | HELD, set()),
-    "driven": ({"string": [PIPE], "top": {"kind": "driven", "stiffness": 1e3}}, 7, 0, {"beam", "drive"}, BASE | HELD, set()),
-    "in a hole": ({"string": [PIPE], "top": DRIVE, "well": WELL}, 7, 0, {"beam", "contact", "contact_below"}, BASE | HELD,
-                  {"contact_force [N/m]", "hole_radius [m]"}),
-    "hole without contact": ({"string": [PIPE], "top": DRIVE, "well": WELL, "contact": "none"}, 7, 0, {"beam"}, BASE | HELD,
-                             {"hole_radius [m]"}),
-    "bit on bottom": ({"string": [PIPE, BIT], "top": DRIVE, "well": WELL, "bottom": "bit"}, 7, 0,
-                      {"beam", "bodies", "contact", "contact_bodies", "bit_bottom"}, BASE | HELD | BOTTOM,
-                      {"contact_force [N/m]", "hole_radius [m]"}),
+    "damped": (
+        {"string": [PIPE], "top": DRIVE, "material": DAMPED},
+        7,
+        0,
+        {"beam_damped"},
+        BASE | HELD,
+        set(),
+    ),
+    "section change": (
+        {"string": [PIPE, COLLAR], "top": DRIVE},
+        7,
+        1,
+        {"beam", "beam_junction"},
+        BASE | HELD,
+        set(),
+    ),
+    "unbalanced": (
+        {"string": [{**PIPE, "eccentricity": 0.002}], "top": DRIVE},
+        7,
+        0,
+        {"beam", "eccentric"},
+        BASE | HELD,
+        set(),
+    ),
+    "bent": (
+        {"string": [{**PIPE, "curvature": 1e-4}], "top": DRIVE},
+        7,
+        0,
+        {"beam", "curvature"},
+        BASE | HELD,
+        set(),
+    ),
+    "loaded": (
+        {"string": [PIPE], "top": DRIVE, "loads": [{"at": 30, "force": [1, 0, 0]}]},
+        7,
+        0,
+        {"beam", "loads"},
+        BASE | HELD,
+        set(),
+    ),
+    "driven": (
+        {"string": [PIPE], "top": {"kind": "driven", "stiffness": 1e3}},
+        7,
+        0,
+        {"beam", "drive"},
+        BASE | HELD,
+        set(),
+    ),
+    "in a hole": (
+        {"string": [PIPE], "top": DRIVE, "well": WELL},
+        7,
+        0,
+        {"beam", "contact", "contact_below"},
+        BASE | HELD,
+        {"contact_force [N/m]", "hole_radius [m]"},
+    ),
+    "hole without contact": (
+        {"string": [PIPE], "top": DRIVE, "well": WELL, "contact": "none"},
+        7,
+        0,
+        {"beam"},
+        BASE | HELD,
+        {"hole_radius [m]"},
+    ),
+    "bit on bottom": (
+        {"string": [PIPE, BIT], "top": DRIVE, "well": WELL, "bottom": "bit"},
+        7,
+        0,
+        {"beam", "bodies", "contact", "contact_bodies", "bit_bottom"},
+        BASE | HELD | BOTTOM,
+        {"contact_force [N/m]", "hole_radius [m]"},
+    ),
 }
 MUD = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}}
 HOLE = {"contact_force [N/m]", "hole_radius [m]"}
-INSIDE, AROUND = ({f"{side}_{what}" for what in ("pressure [Pa]", "flow [m3/s]", "speed [m/s]")} for side in ("internal", "annulus"))
+INSIDE, AROUND = (
+    {f"{side}_{what}" for what in ("pressure [Pa]", "flow [m3/s]", "speed [m/s]")}
+    for side in ("internal", "annulus")
+)
 PUMPED = {"pump_pressure", "bit_pressure", "outlet_flow", "pump_flow", "bit_flow"}
-# with mud: unknowns per node 7 of the string, 2 of each channel; a flow rate less than nodes, one more for the link at the bit
+# with mud: unknowns per node 7 of the string, 2 of each channel; a flow rate less than nodes, one more for
+# the link at the bit
 WET = {
-    "pipe with flow": ({"string": [PIPE], "top": DRIVE, "fluid": MUD}, 9, 0, {"beam", "bore_flow", "pump", "bit_flow"},
-                       BASE | HELD | PUMPED, INSIDE),
-    "coupled": ({"string": [PIPE, BIT], "top": DRIVE, "well": WELL, "bottom": "bit", "fluid": MUD}, 11, -1,
-                {"beam", "bodies", "contact", "contact_bodies", "bit_bottom", "bore_flow", "pump", "annulus_flow", "annulus_top",
-                 "bit_flow"},
-                BASE | HELD | BOTTOM | PUMPED, HOLE | INSIDE | AROUND),
-    "coupled, section change": ({"string": [PIPE, COLLAR], "top": DRIVE, "well": WELL, "fluid": MUD}, 11, 0,
-                                {"beam", "beam_junction", "contact", "contact_junction_above", "contact_below", "bore_flow",
-                                 "bore_flow_junction", "pump", "annulus_flow", "annulus_flow_junction", "annulus_top", "bit_flow"},
-                                BASE | HELD | PUMPED, HOLE | INSIDE | AROUND),
-    "mud in the bore only": ({"string": [PIPE], "top": DRIVE, "well": WELL, "fluid": {**MUD, "annulus": False}}, 9, 0,
-                             {"beam", "contact", "contact_below", "bore_flow", "pump", "bit_flow"}, BASE | HELD | PUMPED, HOLE | INSIDE),
-    "plugged and empty": ({"string": [PIPE], "top": DRIVE, "well": WELL, "bottom": {"kind": "free", "plugged": True}, "fluid": MUD}, 9, -1,
-                          {"beam", "contact", "contact_below", "annulus_flow", "annulus_top", "bit_flow"},
-                          BASE | HELD | {"bit_pressure", "outlet_flow"},
-                           HOLE | AROUND),
-    "held": ({"string": [PIPE], "hold_string": True, "well": WELL, "fluid": MUD}, 4, -1, {"bore_flow", "pump", "annulus_flow", "bit_flow"},
-             (BASE - {"bit_speed", "bit_depth"}) | PUMPED, {"hole_radius [m]"} | INSIDE | AROUND),
-    "with a choke": ({"string": [PIPE], "hold_string": True, "well": WELL, "fluid": {**MUD, "choke": {"area": 3e-4}}}, 4, -1,
-                     {"bore_flow", "pump", "annulus_flow", "choke", "bit_flow"}, (BASE - {"bit_speed", "bit_depth"}) | PUMPED,
-                     {"hole_radius [m]"} | INSIDE | AROUND),
-    "held, bore only": ({"string": [PIPE], "hold_string": True, "fluid": MUD}, 2, 0, {"bore_flow", "pump", "bit_flow"},
-                        (BASE - {"bit_speed", "bit_depth"}) | PUMPED, INSIDE),
+    "pipe with flow": (
+        {"string": [PIPE], "top": DRIVE, "fluid": MUD},
+        9,
+        0,
+        {"beam", "bore_flow", "pump", "bit_flow"},
+        BASE | HELD | PUMPED,
+        INSIDE,
+    ),
+    "coupled": (
+        {"string": [PIPE, BIT], "top": DRIVE, "well": WELL, "bottom": "bit", "fluid": MUD},
+        11,
+        -1,
+        {
+            "beam",
+            "bodies",
+            "contact",
+            "contact_bodies",
+            "bit_bottom",
+            "bore_flow",
+            "pump",
+            "annulus_flow",
+            "annulus_top",
+            "bit_flow",
+        },
+        BASE | HELD | BOTTOM | PUMPED,
+        HOLE | INSIDE | AROUND,
+    ),
+    "coupled, section change": (
+        {"string": [PIPE, COLLAR], "top": DRIVE, "well": WELL, "fluid": MUD},
+        11,
+        0,
+        {
+            "beam",
+            "beam_junction",
+            "contact",
+            "contact_junction_above",
+            "contact_below",
+            "bore_flow",
+            "bore_flow_junction",
+            "pump",
+            "annulus_flow",
+            "annulus_flow_junction",
+            "annulus_top",
+            "bit_flow",
+        },
+        BASE | HELD | PUMPED,
+        HOLE | INSIDE | AROUND,
+    ),
+    "mud in the bore only": (
+        {"string": [PIPE], "top": DRIVE, "well": WELL, "fluid": {**MUD, "annulus": False}},
+        9,
+        0,
+        {"beam", "contact", "contact_below", "bore_flow", "pump", "bit_flow"},
+        BASE | HELD | PUMPED,
+        HOLE | INSIDE,
+    ),
+    "plugged and empty": (
+        {
+            "string": [PIPE],
+            "top": DRIVE,
+            "well": WELL,
+            "bottom": {"kind": "free", "plugged": True},
+            "fluid": MUD,
+        },
+        9,
+        -1,
+        {"beam", "contact", "contact_below", "annulus_flow", "annulus_top", "bit_flow"},
+        BASE | HELD | {"bit_pressure", "outlet_flow"},
+        HOLE | AROUND,
+    ),
+    "held": (
+        {"string": [PIPE], "hold_string": True, "well": WELL, "fluid": MUD},
+        4,
+        -1,
+        {"bore_flow", "pump", "annulus_flow", "bit_flow"},
+        (BASE - {"bit_speed", "bit_depth"}) | PUMPED,
+        {"hole_radius [m]"} | INSIDE | AROUND,
+    ),
+    "with a choke": (
+        {"string": [PIPE], "hold_string": True, "well": WELL, "fluid": {**MUD, "choke": {"area": 3e-4}}},
+        4,
+        -1,
+        {"bore_flow", "pump", "annulus_flow", "choke", "bit_flow"},
+        (BASE - {"bit_speed", "bit_depth"}) | PUMPED,
+        {"hole_radius [m]"} | INSIDE | AROUND,
+    ),
+    "held, bore only": (
+        {"string": [PIPE], "hold_string": True, "fluid": MUD},
+        2,
+        0,
+        {"bore_flow", "pump", "bit_flow"},
+        (BASE - {"bit_speed", "bit_depth"}) | PUMPED,
+        INSIDE,
+    ),
 }
-USUAL = {"md [m]", "displacement [m]", "velocity [m/s]", "spin [rad/s]", "spin_angle [rad]", "offset_x [m]", "offset_y [m]",
-         "axial_force [N]",
-         "torque [N m]", "bending_moment [N m]", "outer_radius [m]", "stress [Pa]"}
+USUAL = {
+    "md [m]",
+    "displacement [m]",
+    "velocity [m/s]",
+    "spin [rad/s]",
+    "spin_angle [rad]",
+    "offset_x [m]",
+    "offset_y [m]",
+    "axial_force [N]",
+    "torque [N m]",
+    "bending_moment [N m]",
+    "outer_radius [m]",
+    "stress [Pa]",
+}
 
 
 @pytest.mark.parametrize("name", [*SCENES, *WET])
@@ -82,10 +230,16 @@ def test_scene_has_what_it_needs_and_nothing_else(name):
     model = build_model(Case(**keys))
     system, nodes = model.system, model.mesh.nodes
     assert system.layout.size == per_node * nodes + extra
-    string = 0 if "hold_string" in keys else 7 * nodes + sum(n for f, n in field_counts(system) if f.region == "junction")
+    string = (
+        0
+        if "hold_string" in keys
+        else 7 * nodes + sum(n for f, n in field_counts(system) if f.region == "junction")
+    )
     assert system.new_state().getSize() == system.layout.size + string  # of the string, rates too
     assert {b.block.name for b in system.assembly.bound_blocks} == events
-    assert len(system.assembly.values) == sum(b.count * b.width**2 for b in system.assembly.bound_blocks) + 49 * len(system.assembly.row_replacements)
+    assert len(system.assembly.values) == sum(
+        b.count * b.width**2 for b in system.assembly.bound_blocks
+    ) + 49 * len(system.assembly.row_replacements)
     recorder = Recorder(model)
     assert {c for c, _ in recorder.columns} == columns
     place_along_hole(model)

@@ -15,8 +15,21 @@ from drillpetsc.physics.rock_bit import CHIPS, BitContact, BitShape, DragBit, La
 from tests.helpers.scenes import GRAVITY, SECTION, SHIFT, curved_tangents, dense, residual
 
 ANISOTROPIC = np.array([[1.0, 0.05, 0.02], [0.05, 0.9, -0.03], [0.02, -0.03, 1.1]])
-KINDS = ["rop", "rop_layers", "rop_bitaxis", "rop_loose", "drag", "drag_backwards", "weakening", "weakening_byweight", "rop_poststep",
-         "drag_statics", "rop_statics", "rop_quasi", "drag_quasi"]
+KINDS = [
+    "rop",
+    "rop_layers",
+    "rop_bitaxis",
+    "rop_loose",
+    "drag",
+    "drag_backwards",
+    "weakening",
+    "weakening_byweight",
+    "rop_poststep",
+    "drag_statics",
+    "rop_statics",
+    "rop_quasi",
+    "drag_quasi",
+]
 
 
 def bit(kind: str, hole: GrowingHole) -> RockBit:
@@ -24,8 +37,18 @@ def bit(kind: str, hole: GrowingHole) -> RockBit:
     layers = (Layer(-1.0, 2e-4, 1.3, 1.4, 3.0, 0.3, ANISOTROPIC),)
     if "layers" in words:
         layers += (Layer(0.25, 6e-4, 0.7, 1.0, 0.0, 0.5, np.eye(3)),)
-    rock = Rock(layers, reference_speed=2.0, reference_weight=40.0, walk=0.2, bit_axis="bitaxis" in words, post_step="poststep" in words)
-    law = {"drag": DragBit(3, 2e3, 0.6, 400.0, 0.05, 0.5), "weakening": Weakening(0.8, 0.3, 2.0, "byweight" in words)}.get(words[0])
+    rock = Rock(
+        layers,
+        reference_speed=2.0,
+        reference_weight=40.0,
+        walk=0.2,
+        bit_axis="bitaxis" in words,
+        post_step="poststep" in words,
+    )
+    law = {
+        "drag": DragBit(3, 2e3, 0.6, 400.0, 0.05, 0.5),
+        "weakening": Weakening(0.8, 0.3, 2.0, "byweight" in words),
+    }.get(words[0])
     contact = BitContact(800.0, 500.0, 0.4, 0.3, 0.5, 0.0 if "statics" in words or "quasi" in words else 0.2)
     return RockBit(4, BitShape(0.3, 0.2, 0.15), contact, law, rock, hole, inertia="quasi" not in words)
 
@@ -34,8 +57,15 @@ def build(kind: str, seed: int = 7) -> tuple[DiscreteSystem, RockBit]:
     rng = np.random.default_rng(seed)
     mesh, tangents = uniform_string(4.0, 4, **SECTION), curved_tangents(6)
     frames = transported_frames(tangents[:5])
-    well = Well.from_survey(np.arange(6.0), np.arccos(tangents[:, 2]), np.arctan2(tangents[:, 1], tangents[:, 0]), [5.0], [0.2], [0.3],
-                            max_step=1.0).cut(4.3)
+    well = Well.from_survey(
+        np.arange(6.0),
+        np.arccos(tangents[:, 2]),
+        np.arctan2(tangents[:, 1], tangents[:, 0]),
+        [5.0],
+        [0.2],
+        [0.3],
+        max_step=1.0,
+    ).cut(4.3)
     hole = GrowingHole(well, 0.15, 0.26 if "loose" in kind else 0.2, 0.3)
     component = bit(kind, hole)
     system = DiscreteSystem(mesh, frames, [Beam(mesh, frames, GRAVITY), component])
@@ -60,7 +90,10 @@ def build(kind: str, seed: int = 7) -> tuple[DiscreteSystem, RockBit]:
     asm.v0[ends] = [0.1, 0.02, 0.05] - SHIFT * asm.x[ends]
     if "bit.chips" in where:
         asm.x[where["bit.chips"][4]] = 0.29 + 0.01 * rng.standard_normal(CHIPS)
-    for word, impose in (("statics", component.impose_sliding_direction), ("quasi", component.drill_quasi_static)):
+    for word, impose in (
+        ("statics", component.impose_sliding_direction),
+        ("quasi", component.drill_quasi_static),
+    ):
         if word in kind:
             impose(0.2, 3.0, 0.7)
     return system, component
@@ -83,13 +116,18 @@ def test_jacobian_matches_central_differences(kind):
         r = [residual(system, x0 + k * e, 0.4) for k in (-2, -1, 1, 2)]
         F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * h)
     size = np.abs(J).max(axis=1)
-    assert np.abs(J - F).max(axis=1) == pytest.approx(np.zeros(n), abs=1e-6 * max(1.0, float(np.median(size)))) or \
-        (np.abs(J - F).max(axis=1) <= 2e-7 * np.maximum(size, np.median(size))).all()
+    assert (
+        np.abs(J - F).max(axis=1) == pytest.approx(np.zeros(n), abs=1e-6 * max(1.0, float(np.median(size))))
+        or (np.abs(J - F).max(axis=1) <= 2e-7 * np.maximum(size, np.median(size))).all()
+    )
 
 
-@pytest.mark.parametrize("kind", [k for k in KINDS if "statics" not in k and "quasi" not in k and "poststep" not in k])
+@pytest.mark.parametrize(
+    "kind", [k for k in KINDS if "statics" not in k and "quasi" not in k and "poststep" not in k]
+)
 def test_power_of_the_bit_is_stored_or_goes_into_the_rock(kind):
-    """Rows of the string times its velocity = change of the springs' energy along the motion + what the room reports as dissipated."""
+    """Rows of the string times its velocity = change of the springs' energy along the motion + what the room
+    reports as dissipated."""
     system, component = build(kind)
     asm = system.assembly
     residual(system, asm.x[:-1].copy(), 0.4)

@@ -14,10 +14,13 @@ from tests.helpers.scenes import KINDS, SHIFT, build, dense, residual
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
-    """S = K + shift C + shift^2 M of every kernel, prescribed rows included, against fourth-order differences."""
+    """S = K + shift C + shift^2 M of every kernel, prescribed rows included, against fourth-order
+    differences."""
     system, t = build(kind), 0.4
     asm, n = system.assembly, system.layout.size
-    free = np.eye(n)  # prescribed components stay where they belong: their rows fix them, whatever the columns say
+    free = np.eye(
+        n
+    )  # prescribed components stay where they belong: their rows fix them, whatever the columns say
     for f in asm.row_replacements:
         asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
         free[np.ix_(f.rows, f.rows)] = f.keep
@@ -41,7 +44,8 @@ def test_condensed_jacobian_matches_central_differences(kind):
 
 @pytest.mark.parametrize("kind", [k for k in KINDS if k not in ("topdrive", "clamped")])
 def test_rows_times_velocity_is_the_change_of_energy(kind):
-    """y.R = d(kinetic + strain + potential)/dt + dissipated - supplied along the motion: the semi-discrete energy balance."""
+    """y.R = d(kinetic + strain + potential)/dt + dissipated - supplied along the motion: the semi-discrete
+    energy balance."""
     system, t = build(kind), 0.4
     asm = system.assembly
     asm.condense(SHIFT)
@@ -58,13 +62,16 @@ def test_rows_times_velocity_is_the_change_of_energy(kind):
 
     h = 1e-4
     rate = (stored(-2 * h) - 8 * stored(-h) + 8 * stored(h) - stored(2 * h)) / (12 * h)
-    assert power - 0.0 == pytest.approx(rate + powers.dissipated - powers.supplied, rel=2e-7, abs=1e-6 * (abs(rate) + abs(power)))
+    assert power - 0.0 == pytest.approx(
+        rate + powers.dissipated - powers.supplied, rel=2e-7, abs=1e-6 * (abs(rate) + abs(power))
+    )
 
 
 @pytest.mark.parametrize("kind", ["beam", "beam_damped", "bodies_junction", "curvature"])
 def test_free_motion_keeps_momentum_and_angular_momentum(kind):
-    """Forces of the free string without gravity sum to zero, their moments too (inertia included): the residual of a rigid virtual
-    motion vanishes for the elastic part.  Checked by differences of the residual with and without rates."""
+    """Forces of the free string without gravity sum to zero, their moments too (inertia included): the
+    residual of a rigid virtual motion vanishes for the elastic part.  Checked by differences of the residual
+    with and without rates."""
     system = build(kind)
     for b in system.assembly.bound_blocks:  # no gravity
         where = {"beam": 9, "body": 6, "eccentric": 5}.get(b.block.kernel.split("_")[0])
@@ -111,7 +118,9 @@ def test_contact_sees_a_state_that_is_not_a_number(kind):
 
 
 @pytest.mark.parametrize("kind", [k for k in KINDS if "contact" in k])
-@pytest.mark.parametrize("what", ["radius of the pipe", "friction of the pipe", "radius of the hole", "stiffness"])
+@pytest.mark.parametrize(
+    "what", ["radius of the pipe", "friction of the pipe", "radius of the hole", "stiffness"]
+)
 def test_contact_passes_on_what_is_not_a_number(kind, what):
     """No comparison may take it for "no clearance", "friction not given" or "does not touch"."""
     system = build(kind)
@@ -119,7 +128,10 @@ def test_contact_passes_on_what_is_not_a_number(kind, what):
     blocks = [b for b in asm.bound_blocks if b.block.name.startswith("contact")]
     before = [asm.block_rows(b, 0.4) for b in blocks]
     touching = [(rows != 0).any(axis=1) for rows in before]
-    assert np.concatenate(touching).any() and np.isfinite(np.concatenate([rows.ravel() for rows in before])).all()
+    assert (
+        np.concatenate(touching).any()
+        and np.isfinite(np.concatenate([rows.ravel() for rows in before])).all()
+    )
     for b in blocks:
         if what.endswith("of the pipe"):
             b.block.params[:, 2 if what.startswith("radius") else 3] = np.nan

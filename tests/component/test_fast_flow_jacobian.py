@@ -1,4 +1,5 @@
-"""Closed-form Jacobians of the channels against those that differentiate all rows by all unknowns; friction of elements side by side."""
+"""Closed-form Jacobians of the channels against those that differentiate all rows by all unknowns; friction
+of elements side by side."""
 
 from __future__ import annotations
 
@@ -13,20 +14,35 @@ from tests.helpers.flow_scenes import WIDENING, build
 from tests.helpers.scenes import GRAVITY
 
 LAWS = {
-    "water": Rheology("newtonian", law="blend", consistency=1e-3, index=1.0, yield_stress=0.0, shear_rate_eps=1.0),
-    "power_law": Rheology("power_law", law="blend", consistency=0.5, index=0.7, yield_stress=0.0, shear_rate_eps=1.0),
-    "bingham": Rheology("bingham", law="blend", consistency=0.02, index=1.0, yield_stress=5.0, shear_rate_eps=1.0),
-    "exact": Rheology("herschel_bulkley", law="exact", consistency=0.3, index=0.6, yield_stress=4.0, shear_rate_eps=1.0),
-    "inviscid": Rheology("newtonian", law="blend", consistency=0.0, index=1.0, yield_stress=0.0, shear_rate_eps=1.0),
+    "water": Rheology(
+        "newtonian", law="blend", consistency=1e-3, index=1.0, yield_stress=0.0, shear_rate_eps=1.0
+    ),
+    "power_law": Rheology(
+        "power_law", law="blend", consistency=0.5, index=0.7, yield_stress=0.0, shear_rate_eps=1.0
+    ),
+    "bingham": Rheology(
+        "bingham", law="blend", consistency=0.02, index=1.0, yield_stress=5.0, shear_rate_eps=1.0
+    ),
+    "exact": Rheology(
+        "herschel_bulkley", law="exact", consistency=0.3, index=0.6, yield_stress=4.0, shear_rate_eps=1.0
+    ),
+    "inviscid": Rheology(
+        "newtonian", law="blend", consistency=0.0, index=1.0, yield_stress=0.0, shear_rate_eps=1.0
+    ),
 }
-# columns of the kernels; the three after STEP: minor losses, whether the upper node's pressure is given, that pressure
+# columns of the kernels; the three after STEP: minor losses, whether the upper node's pressure is given, that
+# pressure
 POISSON, STEP = 2, {"bore_flow": 8, "annulus_flow": 13}
 
 
-def _elements(kernel: str, law: str, seed: int, count: int, turbulent: bool, weights: np.ndarray) -> tuple[FluidConstants, list]:
-    """Elements of a moving string, four of a scene and some of them again, with minor losses and one given pressure.
+def _elements(
+    kernel: str, law: str, seed: int, count: int, turbulent: bool, weights: np.ndarray
+) -> tuple[FluidConstants, list]:
+    """Elements of a moving string, four of a scene and some of them again, with minor losses and one given
+    pressure.
 
-    Returns the fluid, which must outlive the rest, and the arguments of ``_jacobian`` after the number of elements.
+    Returns the fluid, which must outlive the rest, and the arguments of ``_jacobian`` after the number of
+    elements.
     """
     fluid = FluidConstants(3.0, 60.0, GRAVITY, LAWS[law].parameters(), 0.4)
     system = build("pipe_annulus_bit", seed, fluid)
@@ -37,7 +53,9 @@ def _elements(kernel: str, law: str, seed: int, count: int, turbulent: bool, wei
             system.set_field(name, 300.0 * rng.standard_normal((5, 1)))
     block = next(b for b in asm.bound_blocks if b.block.kernel == kernel)
     chosen = np.arange(count) % block.count
-    index, spins = (np.ascontiguousarray(table[chosen]) for table in (block.index, block.spins.reshape(block.count, -1)))
+    index, spins = (
+        np.ascontiguousarray(table[chosen]) for table in (block.index, block.spins.reshape(block.count, -1))
+    )
     params, step = np.ascontiguousarray(block.block.params[chosen]), STEP[kernel]
     params[:, step : step + 2] = rng.uniform(-2.0, 2.0, (count, 2))
     params[0, step + 2 : step + 4] = 1.0, 0.7
@@ -53,8 +71,9 @@ def _elements(kernel: str, law: str, seed: int, count: int, turbulent: bool, wei
 @pytest.mark.parametrize("kernel", STEP)
 @pytest.mark.parametrize("count", [4, 7])
 def test_closed_form_gives_the_derivative_of_the_rows(kernel, triple, count):
-    """Equal to rounding, row by row, for any combination of positions, rates and accelerations, with walls that give and rigid ones,
-    laminar and turbulent, for fluids with and without a stress explicit in the speed."""
+    """Equal to rounding, row by row, for any combination of positions, rates and accelerations, with walls
+    that give and rigid ones, laminar and turbulent, for fluids with and without a stress explicit in the
+    speed."""
     for seed, law in enumerate(LAWS):
         for turbulent in (False, True):
             fluid, arguments = _elements(kernel, law, seed, count, turbulent, np.array(TRIPLES[triple]))
@@ -66,18 +85,23 @@ def test_closed_form_gives_the_derivative_of_the_rows(kernel, triple, count):
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("alpha", [0.0, 1.0])
 def test_friction_of_elements_side_by_side(law, alpha):
-    """Stress, slope and derivative by the density as those of one element, from no flow to far beyond turbulence."""
+    """Stress, slope and derivative by the density as those of one element, from no flow to far beyond
+    turbulence."""
     rng, n = np.random.default_rng(2), 2000
     w = 10.0 ** rng.uniform(-9, 5, n) * rng.choice([-1.0, 1.0], n)
     w[:4] = 0.0
     d, density, kind = rng.uniform(0.03, 0.4, n), rng.uniform(800.0, 2200.0, n), np.full(n, alpha)
     p, many = LAWS[law].parameters(), np.full((3, n), np.nan)
-    function("wall_shears_of_packs", "pippdpppp")(pointer(p), n, pointer(w), pointer(d), alpha, pointer(density), *map(pointer, many))
+    function("wall_shears_of_packs", "pippdpppp")(
+        pointer(p), n, pointer(w), pointer(d), alpha, pointer(density), *map(pointer, many)
+    )
 
     def one_by_one(density: np.ndarray) -> np.ndarray:
         """(2, n) stress [Pa] and slope [Pa s/m]."""
         out = np.full((2, n), np.nan)
-        function("rheology_wall_shear", "pipppppp")(pointer(p), n, *map(pointer, (w, d, kind, density)), *map(pointer, out))
+        function("rheology_wall_shear", "pipppppp")(
+            pointer(p), n, *map(pointer, (w, d, kind, density)), *map(pointer, out)
+        )
         return out
 
     stress, slope = one_by_one(density)

@@ -1,4 +1,5 @@
-"""Jacobians by local derivatives against those that differentiate all rows by all unknowns (kernels/core/element.hpp)."""
+"""Jacobians by local derivatives against those that differentiate all rows by all unknowns
+(kernels/core/element.hpp)."""
 
 from __future__ import annotations
 
@@ -10,12 +11,17 @@ from tests.helpers.scenes import build
 
 LENGTH, BETA, ALPHA, GAUGE1, GAUGE2, OFFSET, PARAMETERS = 0, 6, 7, 12, 15, 18, 19
 SIGMA = 7.3
-TRIPLES = {"condensed": (1.0, SIGMA, SIGMA**2), "stiffness": (1.0, 0.0, 0.0), "rates": (0.0, 1.0, SIGMA),
-           "mass": (0.0, 0.0, 1.0)}
+TRIPLES = {
+    "condensed": (1.0, SIGMA, SIGMA**2),
+    "stiffness": (1.0, 0.0, 0.0),
+    "rates": (0.0, 1.0, SIGMA),
+    "mass": (0.0, 0.0, 1.0),
+}
 
 
 def _elements(count: int, unknowns: int, rng: np.random.Generator):
-    """Bent, stretched, moving elements with own nodes: index, nodes, params, x, y, a; d(omega)/dv of each node."""
+    """Bent, stretched, moving elements with own nodes: index, nodes, params, x, y, a; d(omega)/dv of each
+    node."""
     n = count * unknowns
     index = rng.permutation(n).astype(np.int32).reshape(count, unknowns)
     nodes = rng.permutation(2 * count).astype(np.int32).reshape(count, 2)
@@ -52,14 +58,17 @@ def _jacobian(name, count, index, nodes, params, context, weights, spin, x, y, a
 @pytest.mark.parametrize("kernel", ["beam", "beam_damped", "beam_split", "beam_split_damped"])
 @pytest.mark.parametrize("count", [4, 7])
 def test_local_derivatives_give_the_derivative_of_the_rows(kernel, triple, count):
-    """Equal to rounding for any combination of positions, rates and accelerations, last lanes of a pack included."""
+    """Equal to rounding for any combination of positions, rates and accelerations, last lanes of a pack
+    included."""
     unknowns = 15 if "split" in kernel else 14
     rng = np.random.default_rng(5)
     for _ in range(20):
         index, nodes, params, x, y, a, spin = _elements(count, unknowns, rng)
         weights = np.array(TRIPLES[triple])
-        fast, wide = (_jacobian(name, count, index, nodes, params, None, weights, spin, x, y, a)
-                      for name in (kernel, kernel + "_dual"))
+        fast, wide = (
+            _jacobian(name, count, index, nodes, params, None, weights, spin, x, y, a)
+            for name in (kernel, kernel + "_dual")
+        )
         assert np.abs(wide).max() > 1e-2
         error = np.abs(fast - wide).max(axis=(1, 2)) / np.abs(wide).max(axis=(1, 2))
         assert error.max() < 1e-13
@@ -79,8 +88,18 @@ def test_local_derivatives_of_the_contact(kind, triple):
         kernel = "contact_split" if "junction" in kind else "contact"
         block = next(b for b in asm.bound_blocks if b.block.kernel == kernel)
         spin = np.random.default_rng(seed).standard_normal(asm.spin_gradient.shape)
-        arguments = (block.count, block.index, block.spins, block.block.params, block.block.context, weights, spin,
-                     asm.x, asm.y, asm.a)
+        arguments = (
+            block.count,
+            block.index,
+            block.spins,
+            block.block.params,
+            block.block.context,
+            weights,
+            spin,
+            asm.x,
+            asm.y,
+            asm.a,
+        )
         fast, wide = (_jacobian(name, *arguments) for name in (kernel, kernel + "_dual"))
         scale = np.abs(wide).max(axis=(1, 2))
         assert (np.abs(fast - wide).max(axis=(1, 2)) <= 1e-13 * scale).all()

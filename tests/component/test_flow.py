@@ -1,4 +1,5 @@
-"""What the rooms of the drilling fluid must keep: exact Jacobian, conservation of mass, balance of momentum and energy."""
+"""What the rooms of the drilling fluid must keep: exact Jacobian, conservation of mass, balance of momentum
+and energy."""
 
 from __future__ import annotations
 
@@ -20,7 +21,8 @@ def stiff_fluid() -> FluidConstants:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
-    """Every block of every flow kernel against fourth-order differences, relative to the largest entry of its row."""
+    """Every block of every flow kernel against fourth-order differences, relative to the largest entry of its
+    row."""
     system, t = build(kind), 0.4
     asm, n = system.assembly, system.layout.size
     free = np.eye(n)
@@ -42,9 +44,14 @@ def test_condensed_jacobian_matches_central_differences(kind):
 
 
 def mean_speeds(system) -> np.ndarray:
-    """(4,) mean speed of the elements along the hole (int of the cubic shapes), from the lower end of a rigid item above on."""
+    """(4,) mean speed of the elements along the hole (int of the cubic shapes), from the lower end of a rigid
+    item above on."""
     mesh, component = system.mesh, system.components[-1]
-    u, v, w = system.field("string.position", "y"), system.field("string.tangent"), system.field("string.tangent", "y")
+    u, v, w = (
+        system.field("string.position", "y"),
+        system.field("string.tangent"),
+        system.field("string.tangent", "y"),
+    )
     ratio, rate = np.ones(5), np.zeros(5)
     if len(mesh.junction) and mesh.junction.any():
         ratio, rate = system.field("string.ratio")[:, 0], system.field("string.ratio", "y")[:, 0]
@@ -53,14 +60,16 @@ def mean_speeds(system) -> np.ndarray:
     upper = u[:-1] + mesh.rigid_above[:, None] * turning[:-1]
     slope = np.where(mesh.junction[:-1, None], w[:-1] * ratio[:-1, None] + v[:-1] * rate[:-1, None], w[:-1])
     mean = (upper + u[1:]) / 2 + (slope - w[1:]) * mesh.length[:, None] / 12
-    tangents = component._directions(component.well, mesh.upper, mesh.lower)[:, :6].reshape(4, 2, 3).sum(axis=1)
+    tangents = (
+        component._directions(component.well, mesh.upper, mesh.lower)[:, :6].reshape(4, 2, 3).sum(axis=1)
+    )
     return np.sum(mean * tangents, axis=1) / np.linalg.norm(tangents, axis=1)
 
 
 @pytest.mark.parametrize("kind", [k for k in KINDS if not {"held", "bit", "pump"} & set(k.split("_"))])
 def test_mass_rows_add_up_to_the_change_of_content(kind):
-    """Sum of the storage of all elements = d(content)/dt by central differences of the content along the motion, the hole's area that of
-    the place where an element's mean point along the hole comes to."""
+    """Sum of the storage of all elements = d(content)/dt by central differences of the content along the
+    motion, the hole's area that of the place where an element's mean point along the hole comes to."""
     system = build(kind)
     component = system.components[-1]
     asm, h = system.assembly, 1e-5
@@ -71,26 +80,32 @@ def test_mass_rows_add_up_to_the_change_of_content(kind):
     for k in (-2, -1, 1, 2):
         asm.x[:] = x0 + k * h * y
         for b, area in zip(component._blocks, areas, strict=True):
-            b.params[:, HOLE] = area + (k * h * speed[b.points] * b.params[:, WIDENING] if "widening" in kind else 0.0)
+            b.params[:, HOLE] = area + (
+                k * h * speed[b.points] * b.params[:, WIDENING] if "widening" in kind else 0.0
+            )
         content.append(component.figures(asm)[:, 4].sum())
     for b, area in zip(component._blocks, areas, strict=True):
         b.params[:, HOLE] = area
     asm.x[:] = x0
     rate = (content[0] - 8 * content[1] + 8 * content[2] - content[3]) / (12 * h)
     storage = component.figures(asm)[:, 5:7].sum()
-    # content of the motion at constant theta' (the mean pressure's): exact for the string, to the rounding of differences for pressure
+    # content of the motion at constant theta' (the mean pressure's): exact for the string, to the rounding of
+    # differences for pressure
     assert storage == pytest.approx(rate, rel=1e-6)
 
 
 @pytest.mark.parametrize("kind", ["pipe", "annulus"])
 def test_energy_balance_of_an_almost_incompressible_fluid(kind):
-    """V.F + (q + A V) R_q + (p - rho g.r) R_p over all rows = d(energy)/dt + dissipated + [p A_w V], for any motion of string and fluid.
+    """V.F + (q + A V) R_q + (p - rho g.r) R_p over all rows = d(energy)/dt + dissipated + [p A_w V], for any
+    motion of string and fluid.
 
-    V: speed of the string along the hole, only in the annulus, where the mud's own speed is w + V; A, A_w: areas of annulus and hole.
+    V: speed of the string along the hole, only in the annulus, where the mud's own speed is w + V; A, A_w:
+    areas of annulus and hole.
 
-    The rows are equations of motion; multiplied by the velocities (heads for the mass rows) they belong to, they are the balance of energy.
-    It holds up to what the model drops, (flow speed / wave speed)^2, to squares of flow speeds times rows of mass that are not zero
-    in a random state, and to products of shape functions taken at element means.
+    The rows are equations of motion; multiplied by the velocities (heads for the mass rows) they belong to,
+    they are the balance of energy. It holds up to what the model drops, (flow speed / wave speed)^2, to
+    squares of flow speeds times rows of mass that are not zero in a random state, and to products of shape
+    functions taken at element means.
     """
     system = build(kind, fluid=stiff_fluid(), noise=0.003)
     asm, component = system.assembly, system.components[-1]
@@ -100,7 +115,10 @@ def test_energy_balance_of_an_almost_incompressible_fluid(kind):
         if kind == "annulus":
             b.params[:, 4] = 0.3  # a hole of one size
     asm.condense(SHIFT)
-    pressure, flow = system.layout.dofs[f"{component.name}.pressure"][:, 0], system.layout.dofs[f"{component.name}.flow"][1:, 0]
+    pressure, flow = (
+        system.layout.dofs[f"{component.name}.pressure"][:, 0],
+        system.layout.dofs[f"{component.name}.flow"][1:, 0],
+    )
     string = np.setdiff1d(np.arange(system.layout.size), np.concatenate([pressure, flow]))
     x, y, a = asm.x.copy(), asm.y.copy(), asm.a.copy()
 
@@ -120,28 +138,52 @@ def test_energy_balance_of_an_almost_incompressible_fluid(kind):
     speed, ends = np.zeros(4), 0.0
     if kind == "annulus":
         u, w = system.field("string.position", "y"), system.field("string.tangent", "y")
-        t = np.array([component._directions(component.well, np.array([k]), np.array([k + 1.0]))[0, :6].reshape(2, 3).sum(axis=0) for k in range(4)])
+        t = np.array(
+            [
+                component._directions(component.well, np.array([k]), np.array([k + 1.0]))[0, :6]
+                .reshape(2, 3)
+                .sum(axis=0)
+                for k in range(4)
+            ]
+        )
         t /= np.linalg.norm(t, axis=1, keepdims=True)
         speed = np.sum(((u[:-1] + u[1:]) / 2 + (w[:-1] - w[1:]) / 12) * t, axis=1)
         ends = 0.3 * (x[pressure[-1]] * u[-1] @ t[-1] - x[pressure[0]] * u[0] @ t[0])
     head = x[pressure] - 3.0 * (system.field("string.position") @ GRAVITY)
-    parts = rows[string] * y[string], 1e2 * rows[flow] * (x[flow] + 0.174 * speed), 1e-6 * rows[pressure] * head
+    parts = (
+        rows[string] * y[string],
+        1e2 * rows[flow] * (x[flow] + 0.174 * speed),
+        1e-6 * rows[pressure] * head,
+    )
     size, lost = sum(np.abs(q).sum() for q in parts), component.figures(asm)[:, 3].sum()
     print(kind, sum(q.sum() for q in parts), rate + lost + ends, rate, lost, ends, size)
     assert sum(q.sum() for q in parts) == pytest.approx(rate + lost + ends, abs=0.01 * size)
 
 
 def test_added_mass_follows_the_place_in_the_hole():
-    """added_mass: eccentric takes potential flow between eccentric circles at the place of each element's middle."""
+    """added_mass: eccentric takes potential flow between eccentric circles at the place of each element's
+    middle."""
     from drillpetsc.analysis.equilibrium import place_along_hole
     from drillpetsc.case import Case
     from drillpetsc.model.drilling_model import build_model
     from drillpetsc.physics.fluid.added_mass import chi_eccentric
 
-    well = {"survey": {"md": [0, 60], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": 60, "kind": "casing", "diameter": 0.2159, "friction": 0.2}]}
-    model = build_model(Case(string=[{"kind": "pipe", "length": 40, "od": 0.127, "id": 0.1086}], top="clamped", well=well,
-                             fluid={"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}, "added_mass": "eccentric"}))
+    well = {
+        "survey": {"md": [0, 60], "inclination": [0, 0], "azimuth": [0, 0]},
+        "sections": [{"to": 60, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
+    }
+    model = build_model(
+        Case(
+            string=[{"kind": "pipe", "length": 40, "od": 0.127, "id": 0.1086}],
+            top="clamped",
+            well=well,
+            fluid={
+                "density": 1200,
+                "rheology": {"model": "newtonian", "viscosity": 0.02},
+                "added_mass": "eccentric",
+            },
+        )
+    )
     place_along_hole(model)
     component, block = model.fluid.annulus, model.fluid.annulus._blocks[0]
     aside = np.array([0.0, 0.25, 0.5, 0.75, 0.9]) * 0.5 * (0.2159 - 0.127)

@@ -1,4 +1,5 @@
-"""What the rooms of the drilling fluid by passed volumes must keep: exact Jacobian, conservation of mass by construction."""
+"""What the rooms of the drilling fluid by passed volumes must keep: exact Jacobian, conservation of mass by
+construction."""
 
 from __future__ import annotations
 
@@ -22,17 +23,35 @@ from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
 from tests.helpers.scenes import GRAVITY, SECTION, SHIFT, dense, residual
 
-KINDS = ("pipe", "pipe_junction", "pipe_closed", "annulus_bit", "annulus_bit_junction", "pipe_annulus_bit",
-         "pipe_annulus_bit_junction_topdrive", "pipe_bit", "pipe_held", "pipe_annulus_bit_held", "pipe_bit_held", "annulus_bit_held")
+KINDS = (
+    "pipe",
+    "pipe_junction",
+    "pipe_closed",
+    "annulus_bit",
+    "annulus_bit_junction",
+    "pipe_annulus_bit",
+    "pipe_annulus_bit_junction_topdrive",
+    "pipe_bit",
+    "pipe_held",
+    "pipe_annulus_bit_held",
+    "pipe_bit_held",
+    "annulus_bit_held",
+)
 
 
 def build(kind: str, seed: int = 5) -> DiscreteSystem:
-    """DiscreteSystem of ``kind`` (words joined by _) in a random moving state: fluid of density 3, bulk modulus 60, in a curved hole."""
+    """DiscreteSystem of ``kind`` (words joined by _) in a random moving state: fluid of density 3, bulk
+    modulus 60, in a curved hole."""
     rng, n = np.random.default_rng(seed), np.ones(4)
     mesh = uniform_string(4.0, 4, **SECTION, inner_diameter=0.3)
     if "junction" in kind:
         body = RigidItem("stabiliser", "stabilizer", 1, 0.0, 0.3, 1.3, 0.15, (0.0, 0.0), 0.2, 0.4, 0.25)
-        mesh = replace(mesh, junction=np.array([0, 1, 0, 0, 0], bool), rigid_above=np.array([0, 0.3, 0, 0.0]), bodies=(body,))
+        mesh = replace(
+            mesh,
+            junction=np.array([0, 1, 0, 0, 0], bool),
+            rigid_above=np.array([0, 0.3, 0, 0.0]),
+            bodies=(body,),
+        )
     inclination = np.array([0.0, 0.05, 0.15, 0.3, 0.4, 0.5])
     well = Well.from_survey(np.arange(6.0), inclination, 0.3 * np.ones(6), [10.0], [0.3], [0.3], max_step=1.0)
     position, tangents, _ = map(np.asarray, well.at(np.arange(5.0)))
@@ -50,13 +69,29 @@ def build(kind: str, seed: int = 5) -> DiscreteSystem:
     if "annulus" in kind:
         sizes = Annulus(0.126 * n, np.array([0.28, 0.28, 0.3, 0.3]), 2e-3 * n, 0.15 * n)
         side = LateralCoefficients(np.array([2.0, 2.0, 1.5, 1.5]), 0.3 * n, 0.2 * n)
-        annulus = HermiteAnnulus(mesh, sizes, well, fluid, 0.3 * n, side, Constant(0.4), 0.1, None, held, pump=pump)
+        annulus = HermiteAnnulus(
+            mesh, sizes, well, fluid, 0.3 * n, side, Constant(0.4), 0.1, None, held, pump=pump
+        )
     components += [r for r in (pipe, annulus) if r is not None]
     if "bit" in kind:
         end, axis, _ = map(np.asarray, well.at(np.array([4.6])))
-        lower = BitEnd(bore=0.05 if pipe else 0.0, nozzle=0.03, discharge_coefficient=0.9, check_valve=False, ambient=Constant(0.2),
-                       hole=0.3 if annulus else 0.0, open=0.17, outer=0.126, elasticity=1e-3, volume=0.05, face=0.2, added=1.5, metal=0.02,
-                       end=end[0], axis=axis[0])
+        lower = BitEnd(
+            bore=0.05 if pipe else 0.0,
+            nozzle=0.03,
+            discharge_coefficient=0.9,
+            check_valve=False,
+            ambient=Constant(0.2),
+            hole=0.3 if annulus else 0.0,
+            open=0.17,
+            outer=0.126,
+            elasticity=1e-3,
+            volume=0.05,
+            face=0.2,
+            added=1.5,
+            metal=0.02,
+            end=end[0],
+            axis=axis[0],
+        )
         components.append(HermiteBit(4, lower, fluid, pump, pipe, annulus, position[-1], held))
     system = DiscreteSystem(mesh, frames, components)
     asm, size = system.assembly, system.layout.size
@@ -68,7 +103,9 @@ def build(kind: str, seed: int = 5) -> DiscreteSystem:
             system.set_field("string.ratio", np.full((5, 1), 1.05))
     for f in system.layout.fields:
         if not f.name.startswith("string"):
-            system.set_field(f.name, (0.002 if f.name.endswith("volume") else 2.0) * rng.standard_normal((5, 1)))
+            system.set_field(
+                f.name, (0.002 if f.name.endswith("volume") else 2.0) * rng.standard_normal((5, 1))
+            )
     asm.y[:-1] = 0.2 * rng.standard_normal(size)
     asm.v0[:] = asm.y[:-1] - 2.3 * asm.x[:-1]
     asm.v1[:] = 0.3 * rng.standard_normal(size)
@@ -77,7 +114,8 @@ def build(kind: str, seed: int = 5) -> DiscreteSystem:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
-    """Every block of every kernel against fourth-order differences, relative to the largest entry of its row."""
+    """Every block of every kernel against fourth-order differences, relative to the largest entry of its
+    row."""
     system, t = build(kind), 0.4
     asm, n = system.assembly, system.layout.size
     free = np.eye(n)
@@ -99,9 +137,12 @@ def test_condensed_jacobian_matches_central_differences(kind):
     assert np.abs((J - F) @ free / scale).max() < 3e-7
 
 
-@pytest.mark.parametrize("kind", ["pipe_bit", "pipe_annulus_bit", "pipe_annulus_bit_held", "pipe_annulus_bit_junction_topdrive"])
+@pytest.mark.parametrize(
+    "kind", ["pipe_bit", "pipe_annulus_bit", "pipe_annulus_bit_held", "pipe_annulus_bit_junction_topdrive"]
+)
 def test_content_changes_by_what_passes_the_ends(kind):
-    """Mass is conserved by construction: d(content)/dt, by differences along any motion, is what enters at the pump less what leaves."""
+    """Mass is conserved by construction: d(content)/dt, by differences along any motion, is what enters at
+    the pump less what leaves."""
     system = build(kind)
     asm, components = system.assembly, [r for r in system.components if hasattr(r, "upper_flow")]
     bit = system.components[-1]
@@ -113,13 +154,16 @@ def test_content_changes_by_what_passes_the_ends(kind):
         content.append(sum(r.figures(asm)[:, 4].sum() for r in components) + bit.figures(asm)[4])
     asm.x[:] = x0
     rate = (content[0] - 8 * content[1] + 8 * content[2] - content[3]) / (12 * h)
-    through = sum(r.upper_flow(asm) for r in components) - (0.0 if len(components) == 2 else bit.figures(asm)[1])
+    through = sum(r.upper_flow(asm) for r in components) - (
+        0.0 if len(components) == 2 else bit.figures(asm)[1]
+    )
     assert abs(through) > 0.01
     assert rate == pytest.approx(through, rel=1e-8)
 
 
 def test_reference_flow_has_no_jumps():
-    """Equal to the pump's flow but for a second after a jump, continuous with its stated rate, and exact to differences."""
+    """Equal to the pump's flow but for a second after a jump, continuous with its stated rate, and exact to
+    differences."""
     flow = PiecewiseLinear((0.0, 2.0, 2.0, 4.0, 4.0), (0.03, 0.02, 0.0, 0.01, 0.04))
     reference, h = Reference(flow), 1e-6
     for t in (1.0, 3.5, 5.5):
@@ -127,4 +171,6 @@ def test_reference_flow_has_no_jumps():
     for t in (2.0, 2.0 + WINDOW, 4.0):
         assert reference.value(t) == pytest.approx(reference.value(t - 1e-12), abs=1e-12)
     for t in (0.5, 2.3, 4.7):
-        assert reference.rate(t) == pytest.approx((reference.value(t + h) - reference.value(t - h)) / (2 * h), rel=1e-6)
+        assert reference.rate(t) == pytest.approx(
+            (reference.value(t + h) - reference.value(t - h)) / (2 * h), rel=1e-6
+        )

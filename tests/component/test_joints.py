@@ -1,4 +1,5 @@
-"""Joints and rolling as rooms: exact Jacobian, workless constraints, action and reaction; nothing where there are none."""
+"""Joints and rolling as rooms: exact Jacobian, workless constraints, action and reaction; nothing where there
+are none."""
 
 from __future__ import annotations
 
@@ -9,9 +10,16 @@ from drillpetsc.physics.joints import KINDS, SCALE
 from tests.helpers.joint_scenes import joint_component, random_state, rolling_state
 from tests.helpers.scenes import SHIFT, dense, residual
 
-STATES = {**{f"{kind}{' stabilised' * s}": (lambda k=kind, s=s: random_state(k, s)) for kind in KINDS for s in (False, True)},
-          "universal stabilised beside a held node": lambda: random_state("universal", True, held=True),
-          "rolling on a plane": lambda: rolling_state(False), "rolling in a hole": lambda: rolling_state(True)}
+STATES = {
+    **{
+        f"{kind}{' stabilised' * s}": (lambda k=kind, s=s: random_state(k, s))
+        for kind in KINDS
+        for s in (False, True)
+    },
+    "universal stabilised beside a held node": lambda: random_state("universal", True, held=True),
+    "rolling on a plane": lambda: rolling_state(False),
+    "rolling in a hole": lambda: rolling_state(True),
+}
 MECHANICAL = ("string.position", "string.tangent", "string.spin")
 
 
@@ -23,8 +31,8 @@ def scaled(system) -> np.ndarray:
 
 @pytest.mark.parametrize("name", STATES)
 def test_condensed_jacobian_matches_central_differences(name):
-    """Fourth-order differences of all rows by all unknowns; the corrections' own change with the place (of order mu) is left out on
-    purpose, so they are zero here."""
+    """Fourth-order differences of all rows by all unknowns; the corrections' own change with the place (of
+    order mu) is left out on purpose, so they are zero here."""
     system, t = STATES[name](), 0.0
     if "joint.correction" in system.layout.dofs:
         system.set_field("joint.correction", np.zeros((5, 6)))
@@ -49,8 +57,8 @@ def test_condensed_jacobian_matches_central_differences(name):
 
 @pytest.mark.parametrize("name", [n for n in STATES if "stabilised" not in n])
 def test_multipliers_do_the_work_of_their_constraints(name):
-    """Rows times velocity = sum of multiplier times rate of its (holonomic) constraint row: forces are the transposed derivative of the
-    constraints; a spring's, a stop's and a damper's part apart."""
+    """Rows times velocity = sum of multiplier times rate of its (holonomic) constraint row: forces are the
+    transposed derivative of the constraints; a spring's, a stop's and a damper's part apart."""
     system, t = STATES[name](), 0.0
     asm = system.assembly
     asm.condense(SHIFT)
@@ -66,8 +74,12 @@ def test_multipliers_do_the_work_of_their_constraints(name):
     def rows() -> np.ndarray:
         out = np.zeros_like(asm.r)
         for e in range(ready.count):
-            ready.residual(1, *(a.ctypes.data for a in (ready.index[e], ready.block.params[e])), ready.block.context,
-                           *(a.ctypes.data for a in (asm.x, asm.y, asm.a, out)))
+            ready.residual(
+                1,
+                *(a.ctypes.data for a in (ready.index[e], ready.block.params[e])),
+                ready.block.context,
+                *(a.ctypes.data for a in (asm.x, asm.y, asm.a, out)),
+            )
         return out
 
     here = rows()
@@ -93,7 +105,8 @@ def test_multipliers_do_the_work_of_their_constraints(name):
 
 
 def test_slider_forces_balance_on_the_way_between_its_parts():
-    """Forces of a slider sum to zero, and so do their moments, though its parts are apart; its arm included."""
+    """Forces of a slider sum to zero, and so do their moments, though its parts are apart; its arm
+    included."""
     system = random_state("slider")
     asm = system.assembly
     asm.condense(SHIFT)

@@ -1,4 +1,5 @@
-"""Rooms of the ANCF element on the quaternion's unknowns: exact Jacobian, and the same power as on their own unknowns."""
+"""Rooms of the ANCF element on the quaternion's unknowns: exact Jacobian, and the same power as on their own
+unknowns."""
 
 from __future__ import annotations
 
@@ -31,13 +32,18 @@ def reference(kind: str) -> DiscreteSystem:
 
 
 def pair(kind: str, seed: int = 2) -> tuple[DiscreteSystem, DiscreteSystem]:
-    """Gauge and quaternion model in the same state, moving alike: rates with |q| = 1, accelerations of the slopes to match."""
+    """Gauge and quaternion model in the same state, moving alike: rates with |q| = 1, accelerations of the
+    slopes to match."""
     one, twin = reference(kind), reference(kind)
     components = [r for r in twin.components if not isinstance(r, (Beam, TopDrive, Contact))]
-    other = DiscreteSystem(twin.mesh, twin.frames, [QuaternionBeam(twin.mesh, twin.frames, GRAVITY), *components])
+    other = DiscreteSystem(
+        twin.mesh, twin.frames, [QuaternionBeam(twin.mesh, twin.frames, GRAVITY), *components]
+    )
     take_over(one, other)
     asm, rng = other.assembly, np.random.default_rng(seed)
-    asm.v0[:], asm.v1[:] = 0.3 * rng.standard_normal((2, len(asm.v0))) - SHIFT * np.array([asm.x[: len(asm.v0)], 0 * asm.v0])
+    asm.v0[:], asm.v1[:] = 0.3 * rng.standard_normal((2, len(asm.v0))) - SHIFT * np.array(
+        [asm.x[: len(asm.v0)], 0 * asm.v0]
+    )
     asm.condense(SHIFT)
     on_the_manifold(other)
     x, y, a, h = asm.x.copy(), asm.y.copy(), asm.a.copy(), 1e-5
@@ -59,7 +65,8 @@ def pair(kind: str, seed: int = 2) -> tuple[DiscreteSystem, DiscreteSystem]:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_power_is_that_of_the_gauge_element(kind):
-    """Sum of row times rate of every element of every room: the adapter only expresses the same forces in other unknowns."""
+    """Sum of row times rate of every element of every room: the adapter only expresses the same forces in
+    other unknowns."""
     one, other = pair(kind)
     compared = 0
     for b in other.assembly.bound_blocks:
@@ -70,17 +77,22 @@ def test_power_is_that_of_the_gauge_element(kind):
         petsc_names = other.assembly.block_rows(b, T), other.assembly.y[b.index]
         ours = one.assembly.block_rows(on_rank, T), one.assembly.y[on_rank.index]
         nodes = 2 if b.block.on == "cell" else 1
-        total = [np.sum(rows[:, : width * nodes] * y[:, : width * nodes], axis=1) for (rows, y), width in ((petsc_names, 8), (ours, 7))]
+        total = [
+            np.sum(rows[:, : width * nodes] * y[:, : width * nodes], axis=1)
+            for (rows, y), width in ((petsc_names, 8), (ours, 7))
+        ]
         assert total[0] == pytest.approx(total[1], rel=2e-7, abs=2e-7 * np.abs(ours[0]).max())
-        assert petsc_names[0][:, 8 * nodes :] == pytest.approx(ours[0][:, 7 * nodes :], rel=1e-7, abs=1e-7 * np.abs(ours[0]).max())
+        assert petsc_names[0][:, 8 * nodes :] == pytest.approx(
+            ours[0][:, 7 * nodes :], rel=1e-7, abs=1e-7 * np.abs(ours[0]).max()
+        )
         compared += 1
     assert compared >= 1
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_jacobian_matches_central_differences(kind):
-    """K + shift C + shift^2 M of all rows against fourth-order differences; off the unit length, too.  Steps of 1e-5, as one flow of the
-    annulus is close to where it turns."""
+    """K + shift C + shift^2 M of all rows against fourth-order differences; off the unit length, too.  Steps
+    of 1e-5, as one flow of the annulus is close to where it turns."""
     _, system = pair(kind)
     n, h = system.layout.size, 1e-5
     at = system.layout.dofs["string.quaternion"]
@@ -102,5 +114,9 @@ def test_components_see_the_unknowns_they_know():
     pairs = [(r, q) for r in one.components for q in other.components if type(r) is type(q)]
     assert len(pairs) == 3
     for on_rank, petsc_names in pairs:
-        assert list(petsc_names.energies(T, other.assembly)) == pytest.approx(list(on_rank.energies(T, one.assembly)), rel=1e-9)
-        assert list(petsc_names.powers(T, other.assembly)) == pytest.approx(list(on_rank.powers(T, one.assembly)), rel=1e-9)
+        assert list(petsc_names.energies(T, other.assembly)) == pytest.approx(
+            list(on_rank.energies(T, one.assembly)), rel=1e-9
+        )
+        assert list(petsc_names.powers(T, other.assembly)) == pytest.approx(
+            list(on_rank.powers(T, one.assembly)), rel=1e-9
+        )

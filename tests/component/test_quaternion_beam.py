@@ -1,4 +1,5 @@
-"""The quaternion element's rows: exact Jacobian, rigid motion, momentum, energy, loads and constraints (what every room must keep)."""
+"""The quaternion element's rows: exact Jacobian, rigid motion, momentum, energy, loads and constraints (what
+every room must keep)."""
 
 from __future__ import annotations
 
@@ -19,13 +20,25 @@ from drillpetsc.physics.quaternion.ends import ConstrainedEnd, QuaternionLoads
 from drillpetsc.time_function import Constant, Ramp
 from tests.helpers.scenes import GRAVITY, SECTION, SHIFT, curved_tangents, dense, differences, residual
 
-KINDS = ["beam", "beam_damped", "beam_curved", "beam_damped_curved", "loads", "topdrive", "weighted", "pinned", "clamped",
-         "contact", "contact_hertz"]
+KINDS = [
+    "beam",
+    "beam_damped",
+    "beam_curved",
+    "beam_damped_curved",
+    "loads",
+    "topdrive",
+    "weighted",
+    "pinned",
+    "clamped",
+    "contact",
+    "contact_hertz",
+]
 FORMS = ["index3", "index2", "stabilized"]
 
 
 def build(kind: str, seed: int = 3, constraint: str = "index3", gravity=GRAVITY) -> DiscreteSystem:
-    """DiscreteSystem of ``kind`` (words joined by _): four bent, stretched, twisted, moving elements with random multipliers; |q| = 1."""
+    """DiscreteSystem of ``kind`` (words joined by _): four bent, stretched, twisted, moving elements with
+    random multipliers; |q| = 1."""
     rng = np.random.default_rng(seed)
     mesh, tangents = uniform_string(4.0, 4, **SECTION), curved_tangents(5)
     if "damped" in kind:
@@ -38,13 +51,29 @@ def build(kind: str, seed: int = 3, constraint: str = "index3", gravity=GRAVITY)
     position = np.cumsum(np.vstack([[0, 0, 0], tangents[:-1]]), axis=0)
 
     def end(node, places, turns, *inputs):
-        components.append(ConstrainedEnd(node, 5, places, turns, position[node], beam.start[node], tangents[node], constraint, *inputs))
+        components.append(
+            ConstrainedEnd(
+                node, 5, places, turns, position[node], beam.start[node], tangents[node], constraint, *inputs
+            )
+        )
 
     if "loads" in kind:
-        components.append(QuaternionLoads((NodeLoad(2, (1.0, -2.0, 3.0), (0.5, 0.2, -0.7), (0.3, -0.1, 0.4)),
-                                      NodeLoad(4, (4.0, 1.0, 2.0), (0.3, 2.0, 1.0), section=True, factor=lambda t: 1 + t))))
+        components.append(
+            QuaternionLoads(
+                (
+                    NodeLoad(2, (1.0, -2.0, 3.0), (0.5, 0.2, -0.7), (0.3, -0.1, 0.4)),
+                    NodeLoad(4, (4.0, 1.0, 2.0), (0.3, 2.0, 1.0), section=True, factor=lambda t: 1 + t),
+                )
+            )
+        )
     if "topdrive" in kind or "weighted" in kind:
-        end(0, 2 if "weighted" in kind else 3, 3, None if "weighted" in kind else Constant(0.3), Ramp(1.0, 2.0))
+        end(
+            0,
+            2 if "weighted" in kind else 3,
+            3,
+            None if "weighted" in kind else Constant(0.3),
+            Ramp(1.0, 2.0),
+        )
     if "pinned" in kind:
         end(0, 3, 1)
         end(4, 3, 0)
@@ -53,8 +82,16 @@ def build(kind: str, seed: int = 3, constraint: str = "index3", gravity=GRAVITY)
     offset, noise = np.zeros(3), 0.1
     if "contact" in kind:
         inclination, azimuth = np.arccos(tangents[:, 2]), np.arctan2(tangents[:, 1], tangents[:, 0])
-        well = Well.from_survey(np.arange(5.0), inclination, azimuth, [1.7, 10.0], [0.2, 0.26], [0.3, 0.2], max_step=1.0)
-        law = ContactLaw(stiffness=500.0, law="hertz" if "hertz" in kind else "linear", slip_velocity=0.5, static_ratio=1.5, points=3)
+        well = Well.from_survey(
+            np.arange(5.0), inclination, azimuth, [1.7, 10.0], [0.2, 0.26], [0.3, 0.2], max_step=1.0
+        )
+        law = ContactLaw(
+            stiffness=500.0,
+            law="hertz" if "hertz" in kind else "linear",
+            slip_velocity=0.5,
+            static_ratio=1.5,
+            points=3,
+        )
         components.append(QuaternionContact(mesh, well, law))
         position, offset, noise = np.asarray(well.at(np.arange(5.0))[0]), np.array([0.15, 0.1, 0.0]), 0.02
     system = DiscreteSystem(mesh, frames, components)
@@ -71,7 +108,8 @@ def build(kind: str, seed: int = 3, constraint: str = "index3", gravity=GRAVITY)
 
 
 def on_the_manifold(system: DiscreteSystem) -> None:
-    """Rates of the present x without a part along q, accelerations with that part -q'.q', as the constraint has them."""
+    """Rates of the present x without a part along q, accelerations with that part -q'.q', as the constraint
+    has them."""
     asm, at = system.assembly, system.layout.dofs["string.quaternion"]
     q, y, a = asm.x[at], asm.y[at], asm.a[at]
     asm.y[at] = y = y - q * np.sum(q * y, axis=1, keepdims=True)
@@ -81,7 +119,8 @@ def on_the_manifold(system: DiscreteSystem) -> None:
 @pytest.mark.parametrize("constraint", FORMS)
 @pytest.mark.parametrize("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind, constraint):
-    """K + shift C + shift^2 M of all rows, constraints included, against fourth-order differences; off the unit length, too."""
+    """K + shift C + shift^2 M of all rows, constraints included, against fourth-order differences; off the
+    unit length, too."""
     system, t = build(kind, constraint=constraint), 0.4
     n = system.layout.size
     at = system.layout.dofs["string.quaternion"]
@@ -96,10 +135,12 @@ def test_condensed_jacobian_matches_central_differences(kind, constraint):
         assert np.abs(J[rows] - F[rows]).max() < 3e-7 * np.abs(J[rows]).max()
 
 
-@pytest.mark.parametrize("kind", ["beam", "beam_damped", "beam_curved", "beam_damped_curved", "loads", "contact", "contact_hertz"])
+@pytest.mark.parametrize(
+    "kind", ["beam", "beam_damped", "beam_curved", "beam_damped_curved", "loads", "contact", "contact_hertz"]
+)
 def test_rows_times_velocity_is_the_change_of_energy(kind):
-    """y.R = d(kinetic + strain + potential)/dt + dissipated - supplied along a motion that keeps |q| = 1: the forces are the gradient
-    of the energies."""
+    """y.R = d(kinetic + strain + potential)/dt + dissipated - supplied along a motion that keeps |q| = 1: the
+    forces are the gradient of the energies."""
     system, t = build(kind), 0.4
     asm = system.assembly
     asm.condense(SHIFT)
@@ -117,7 +158,9 @@ def test_rows_times_velocity_is_the_change_of_energy(kind):
 
     h = 1e-4
     rate = (stored(-2 * h) - 8 * stored(-h) + 8 * stored(h) - stored(2 * h)) / (12 * h)
-    assert power == pytest.approx(rate + powers.dissipated - powers.supplied, rel=2e-7, abs=1e-6 * (abs(rate) + abs(power)))
+    assert power == pytest.approx(
+        rate + powers.dissipated - powers.supplied, rel=2e-7, abs=1e-6 * (abs(rate) + abs(power))
+    )
 
 
 def rigid(turn: np.ndarray, q: np.ndarray) -> np.ndarray:
@@ -128,7 +171,8 @@ def rigid(turn: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("kind", ["beam", "beam_curved"])
 def test_a_rigid_motion_changes_no_strain_energy(kind):
-    """Objective: turned by half a turn and moved, the strain energy of a bent, twisted string stays to rounding."""
+    """Objective: turned by half a turn and moved, the strain energy of a bent, twisted string stays to
+    rounding."""
     system = build(kind)
     before = system.energies(0.0).strain
     turn = np.array([0.1, 0.7, -0.5, 0.5]) / np.linalg.norm([0.1, 0.7, -0.5, 0.5])
@@ -158,7 +202,8 @@ def test_a_turning_straight_string_has_no_strain_rate():
 
 @pytest.mark.parametrize("kind", ["beam", "beam_damped", "beam_curved"])
 def test_inner_forces_and_moments_sum_to_zero(kind):
-    """Rows of the free string at rest without gravity do no work on a rigid virtual motion, dq = (0, turn) q / 2."""
+    """Rows of the free string at rest without gravity do no work on a rigid virtual motion, dq = (0, turn) q
+    / 2."""
     system = build(kind, gravity=np.zeros(3))
     asm, place = system.assembly, system.layout.dofs
     asm.x[place["string.multiplier"]] = 0.0
@@ -173,11 +218,19 @@ def test_inner_forces_and_moments_sum_to_zero(kind):
 
 
 def test_pure_bending_and_twist_have_the_strains_of_the_arc():
-    """Nodes on a helix-free circle of radius R, frames turned by tau per length about the tangent: interior curvature 1/R, twist tau, to
-    the fourth order in the element's bend (Hermite interpolation of an arc)."""
+    """Nodes on a helix-free circle of radius R, frames turned by tau per length about the tangent: interior
+    curvature 1/R, twist tau, to the fourth order in the element's bend (Hermite interpolation of an arc)."""
     errors = []
     for n in (4, 8):
-        mesh = uniform_string(1.0, n, axial_stiffness=1.0, bending_stiffness=1.0, torsional_stiffness=1.0, mass=1.0, polar_inertia=1.0)
+        mesh = uniform_string(
+            1.0,
+            n,
+            axial_stiffness=1.0,
+            bending_stiffness=1.0,
+            torsional_stiffness=1.0,
+            mass=1.0,
+            polar_inertia=1.0,
+        )
         s, tau = mesh.node_depth, 0.7
         t = np.column_stack([np.sin(s), 0 * s, np.cos(s)])
         frames = transported_frames(t)
@@ -187,13 +240,16 @@ def test_pure_bending_and_twist_have_the_strains_of_the_arc():
         system.set_field("string.strain", np.zeros((n + 1, 1)))
         system.set_field("string.quaternion", turned(beam.start, tau * s))
         report = beam.report(system.layout, system.assembly.x, system.assembly.y)
-        errors.append((np.abs(report[:, 6] - tau).max(), abs(system.energies(0.0).strain - 0.5 * (1 + tau**2))))
+        errors.append(
+            (np.abs(report[:, 6] - tau).max(), abs(system.energies(0.0).strain - 0.5 * (1 + tau**2)))
+        )
         assert errors[-1][0] < 0.02 and report[:, 7] == pytest.approx(1.0, rel=0.02)
     assert errors[0][1] > 10 * errors[1][1]
 
 
 def test_orientations_follow_the_frames():
-    """Each q turns e1, e2 into tangent and second director; turned about its own axis, the second into cos b2 + sin b3."""
+    """Each q turns e1, e2 into tangent and second director; turned about its own axis, the second into cos b2
+    + sin b3."""
     frames = transported_frames(curved_tangents(6))
     q = turned(quaternions(frames), 0.4)
     e1, e2 = spun(q), np.column_stack([-q[:, 2], -q[:, 3], q[:, 0], q[:, 1]])  # q e1, q e2

@@ -12,23 +12,70 @@ from tests.helpers.motion import beam, straight
 
 RADIUS = 0.108  # of the bit and the hole [m]
 TURNING = 4 * np.pi  # 120 rpm [rad/s]
-DRAG = {"kind": "drag_bit", "blades": 4, "specific_energy": 60e6, "inclination_ratio": 0.6, "contact_stress": 60e6, "wear_flat": 1.2e-3,
-        "friction": 0.6}
+DRAG = {
+    "kind": "drag_bit",
+    "blades": 4,
+    "specific_energy": 60e6,
+    "inclination_ratio": 0.6,
+    "contact_stress": 60e6,
+    "wear_flat": 1.2e-3,
+    "friction": 0.6,
+}
 
 
-def drilling(formation: dict[str, Any], top: Any, *, length: float = 1.0, elements: int = 1, axial: float = 1e10, bending: float = 1e9,
-             torsional: float = 1e9, mass: float = 10.0, polar: float = 1.0, inclination: float = 0.0, azimuth: float = 0.0,
-             damping: float = 0.0, stiffness: float = 1e8, friction: float = 0.3, component: float = 0.0, **more) -> DrillingModel:
-    """A straight string in a straight hole of its own length, the bit (radius RADIUS) on bottom, in weightless moving_hole.
+def drilling(
+    formation: dict[str, Any],
+    top: Any,
+    *,
+    length: float = 1.0,
+    elements: int = 1,
+    axial: float = 1e10,
+    bending: float = 1e9,
+    torsional: float = 1e9,
+    mass: float = 10.0,
+    polar: float = 1.0,
+    inclination: float = 0.0,
+    azimuth: float = 0.0,
+    damping: float = 0.0,
+    stiffness: float = 1e8,
+    friction: float = 0.3,
+    component: float = 0.0,
+    **more,
+) -> DrillingModel:
+    """A straight string in a straight hole of its own length, the bit (radius RADIUS) on bottom, in
+    weightless moving_hole.
 
-    length [m]; stiffnesses EA [N], EI, GJ [N m2]; mass [kg/m]; polar [kg m]; damping: Kelvin-Voigt [s]; stiffness of the bottom [N/m]
-    and its friction; room: clearance of the hole in which the string stands [m].
+    length [m]; stiffnesses EA [N], EI, GJ [N m2]; mass [kg/m]; polar [kg m]; damping: Kelvin-Voigt [s];
+    stiffness of the bottom [N/m] and its friction; room: clearance of the hole in which the string stands
+    [m].
     """
-    item = beam(length, elements, axial, bending, torsional, mass, polar, od=2 * RADIUS, damping={"stiffness": damping})
-    well = {"survey": {"md": [0, length], "inclination": [inclination] * 2, "azimuth": [azimuth] * 2},
-            "sections": [{"to": length, "kind": "open_hole", "diameter": 2 * (RADIUS + component), "friction": 0.0}]}
-    case = {"string": [item], "well": well, "contact": None, "top": top, "bottom": {"kind": "bit", "stiffness": stiffness,
-            "friction": friction}, "formation": formation, "gravity": 0.0, "initial": {"from": "straight"}}
+    item = beam(
+        length,
+        elements,
+        axial,
+        bending,
+        torsional,
+        mass,
+        polar,
+        od=2 * RADIUS,
+        damping={"stiffness": damping},
+    )
+    well = {
+        "survey": {"md": [0, length], "inclination": [inclination] * 2, "azimuth": [azimuth] * 2},
+        "sections": [
+            {"to": length, "kind": "open_hole", "diameter": 2 * (RADIUS + component), "friction": 0.0}
+        ],
+    }
+    case = {
+        "string": [item],
+        "well": well,
+        "contact": None,
+        "top": top,
+        "bottom": {"kind": "bit", "stiffness": stiffness, "friction": friction},
+        "formation": formation,
+        "gravity": 0.0,
+        "initial": {"from": "straight"},
+    }
     return straight(**{**case, **more})
 
 

@@ -1,4 +1,5 @@
-"""A short string with fluid in and around it, in a random moving state: for the contract tests of the flow rooms."""
+"""A short string with fluid in and around it, in a random moving state: for the contract tests of the flow
+rooms."""
 
 from __future__ import annotations
 
@@ -23,20 +24,41 @@ from drillpetsc.time_function import Constant, Ramp
 from tests.helpers.scenes import GRAVITY, SECTION
 
 WIDENING = 28  # column of kernels/fluid/annulus_flow.hpp
-KINDS = ("pipe", "pipe_junction", "annulus", "annulus_junction", "pipe_annulus_bit", "pipe_annulus_bit_junction_topdrive", "pipe_bit",
-         "annulus_bit", "pipe_pump", "pipe_annulus_bit_held", "pipe_bit_held", "annulus_bit_held", "annulus_widening",
-         "annulus_junction_widening", "pipe_annulus_bit_drilled", "annulus_bit_drilled")
+KINDS = (
+    "pipe",
+    "pipe_junction",
+    "annulus",
+    "annulus_junction",
+    "pipe_annulus_bit",
+    "pipe_annulus_bit_junction_topdrive",
+    "pipe_bit",
+    "annulus_bit",
+    "pipe_pump",
+    "pipe_annulus_bit_held",
+    "pipe_bit_held",
+    "annulus_bit_held",
+    "annulus_widening",
+    "annulus_junction_widening",
+    "pipe_annulus_bit_drilled",
+    "annulus_bit_drilled",
+)
 
 
 class Drilled(ComponentBase):
     """The unknowns of a hole that grows, without a bit that drills it."""
 
     def fields(self) -> tuple[Field, ...]:
-        return tuple(Field(f"hole.{name}", size, region="bottom", second_order=False) for name, size in (("end", 3), ("drilled", 1)))
+        return tuple(
+            Field(f"hole.{name}", size, region="bottom", second_order=False)
+            for name, size in (("end", 3), ("drilled", 1))
+        )
 
 
-def build(kind: str, seed: int = 5, fluid: FluidConstants | None = None, noise: float = 0.05) -> DiscreteSystem:
-    """DiscreteSystem of ``kind`` (words joined by _): fluid of density 3, bulk modulus 60, power law, in a curved hole.
+def build(
+    kind: str, seed: int = 5, fluid: FluidConstants | None = None, noise: float = 0.05
+) -> DiscreteSystem:
+    """DiscreteSystem of ``kind`` (words joined by _): fluid of density 3, bulk modulus 60, power law, in a
+    curved hole.
 
     widening: its elements come into parts of other areas; drilled: the hole's end moves, cuttings returned.
     """
@@ -46,7 +68,12 @@ def build(kind: str, seed: int = 5, fluid: FluidConstants | None = None, noise: 
     mesh = uniform_string(4.0, 4, **SECTION, inner_diameter=0.3)
     if "junction" in kind:
         body = RigidItem("stabiliser", "stabilizer", 1, 0.0, 0.3, 1.3, 0.15, (0.0, 0.0), 0.2, 0.4, 0.25)
-        mesh = replace(mesh, junction=np.array([0, 1, 0, 0, 0], bool), rigid_above=np.array([0, 0.3, 0, 0.0]), bodies=(body,))
+        mesh = replace(
+            mesh,
+            junction=np.array([0, 1, 0, 0, 0], bool),
+            rigid_above=np.array([0, 0.3, 0, 0.0]),
+            bodies=(body,),
+        )
     inclination = np.array([0.0, 0.05, 0.15, 0.3, 0.4, 0.5])
     well = Well.from_survey(np.arange(6.0), inclination, 0.3 * np.ones(6), [10.0], [0.3], [0.3], max_step=1.0)
     position, tangents, _ = map(np.asarray, well.at(np.arange(5.0)))
@@ -62,15 +89,33 @@ def build(kind: str, seed: int = 5, fluid: FluidConstants | None = None, noise: 
     sizes = Annulus(0.126 * n, np.array([0.28, 0.28, 0.3, 0.3]), 2e-3 * n, 0.15 * n)
     if "pipe" in kind:
         pressure = Ramp(0.5, 1.0) if "pump" in kind else None
-        components.append(BoreFlow(mesh, bore, fluid, poisson, None if pressure else Ramp(0.03, 1.0), pressure, held))
+        components.append(
+            BoreFlow(mesh, bore, fluid, poisson, None if pressure else Ramp(0.03, 1.0), pressure, held)
+        )
     if "annulus" in kind:
         side = LateralCoefficients(np.array([2.0, 2.0, 1.5, 1.5]), 0.3 * n, 0.2 * n)
-        components.append(AnnulusFlow(mesh, sizes, well, fluid, poisson, side, Constant(0.4), 0.1, None, held))
+        components.append(
+            AnnulusFlow(mesh, sizes, well, fluid, poisson, side, Constant(0.4), 0.1, None, held)
+        )
     if "bit" in kind:
-        end = BitEnd(bore=0.05 if "pipe" in kind else 0.0, nozzle=0.03, discharge_coefficient=0.9, check_valve=False, ambient=Constant(0.2),
-                     hole=0.3 if "annulus" in kind else 0.0, open=0.17, outer=0.126, elasticity=1e-3, volume=0.05, face=0.2, added=1.5,
-                     metal=0.02, end=np.asarray(well.at(np.array([4.6]))[0])[0], axis=np.asarray(well.at(np.array([4.6]))[1])[0],
-                     cut=0.29 if "drilled" in kind else 0.0)
+        end = BitEnd(
+            bore=0.05 if "pipe" in kind else 0.0,
+            nozzle=0.03,
+            discharge_coefficient=0.9,
+            check_valve=False,
+            ambient=Constant(0.2),
+            hole=0.3 if "annulus" in kind else 0.0,
+            open=0.17,
+            outer=0.126,
+            elasticity=1e-3,
+            volume=0.05,
+            face=0.2,
+            added=1.5,
+            metal=0.02,
+            end=np.asarray(well.at(np.array([4.6]))[0])[0],
+            axis=np.asarray(well.at(np.array([4.6]))[1])[0],
+            cut=0.29 if "drilled" in kind else 0.0,
+        )
         hole = GrowingHole(well.cut(4.6), 0.1, 0.3, 0.3) if "drilled" in kind else None
         components += [Drilled()] if hole is not None else []
         components.append(BitFlow(4, end, fluid, held, None, hole))

@@ -19,8 +19,14 @@ def fixed(step: float, **more) -> dict:
     return {"ts_adapt_type": "none", "ts_dt": step, **more}
 
 
-def integrate(system: DiscreteSystem, end: float, petsc: dict | None = None, call: Callable[[float, float], None] | None = None,
-              breaks: tuple[float, ...] = (), start: float = 0.0) -> TimeIntegrator:
+def integrate(
+    system: DiscreteSystem,
+    end: float,
+    petsc: dict | None = None,
+    call: Callable[[float, float], None] | None = None,
+    breaks: tuple[float, ...] = (),
+    start: float = 0.0,
+) -> TimeIntegrator:
     """Run ``model`` from its present state at ``start`` to ``end`` [s]; call(t, dt) after every step."""
     with applied({} if petsc is None else petsc):
         integrator = TimeIntegrator(system)
@@ -30,7 +36,13 @@ def integrate(system: DiscreteSystem, end: float, petsc: dict | None = None, cal
     return integrator
 
 
-def watched(system: DiscreteSystem, end: float, watch: Callable[[DiscreteSystem], object], breaks: tuple[float, ...] = (), **petsc) -> np.ndarray:
+def watched(
+    system: DiscreteSystem,
+    end: float,
+    watch: Callable[[DiscreteSystem], object],
+    breaks: tuple[float, ...] = (),
+    **petsc,
+) -> np.ndarray:
     """Run from 0 to ``end`` [s]; rows (t, *watch(model)) of all accepted steps."""
     rows: list[list[float]] = []
     integrate(system, end, petsc, lambda t, dt: rows.append([t, *np.atleast_1d(watch(system))]), breaks)
@@ -46,7 +58,25 @@ def straight(**case) -> DrillingModel:
     return model
 
 
-def beam(length: float, elements: int, axial: float, bending: float, torsional: float, mass: float, polar: float, **more) -> dict:
+def beam(
+    length: float,
+    elements: int,
+    axial: float,
+    bending: float,
+    torsional: float,
+    mass: float,
+    polar: float,
+    **more,
+) -> dict:
     """A beam item of a case; SI."""
-    return {"kind": "beam", "length": length, "axial_stiffness": axial, "bending_stiffness": bending, "torsional_stiffness": torsional,
-            "mass": mass, "polar_inertia": polar, "element_length": length / elements, **more}
+    return {
+        "kind": "beam",
+        "length": length,
+        "axial_stiffness": axial,
+        "bending_stiffness": bending,
+        "torsional_stiffness": torsional,
+        "mass": mass,
+        "polar_inertia": polar,
+        "element_length": length / elements,
+        **more,
+    }

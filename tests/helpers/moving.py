@@ -16,7 +16,9 @@ def straight_model(mesh, components=(), gravity=(0.0, 0.0, 0.0)) -> DiscreteSyst
     frames = transported_frames(tangent)
     position = mesh.node_depth[:, None] * tangent
     others = [component(frames, position, tangent) for component in components]
-    depth = min((component.impact_depth for component in others if isinstance(component, Contact)), default=np.inf)
+    depth = min(
+        (component.impact_depth for component in others if isinstance(component, Contact)), default=np.inf
+    )
     system = DiscreteSystem(mesh, frames, [Beam(mesh, frames, np.array(gravity), depth), *others])
     system.set_field("string.position", position)
     system.set_field("string.tangent", tangent)

@@ -31,30 +31,47 @@ def have_mpi() -> bool:
 def start_mpi(n: int, script: str | Path, args: tuple[str, ...] | list[str] = ()) -> subprocess.Popen:
     """Start ``python script *args`` on n ranks.
 
-    Ranks that wait give the processor away (both MPI libraries spin by default, and the ranks may outnumber the cores).
+    Ranks that wait give the processor away (both MPI libraries spin by default, and the ranks may outnumber
+    the cores).
     """
     found = _mpirun()
     assert found is not None, "no mpirun found"
     command, open_mpi = found
-    # PETSc has started MPI in this process, which leaves its mark in the environment: a new job must not take it for its own
-    env = {k: v for k, v in os.environ.items() if not k.startswith(("PMIX", "PMI_", "PRTE_")) and (
-        not k.startswith("OMPI_") or k.startswith(("OMPI_MCA_rmaps", "OMPI_ALLOW")))}
+    # PETSc has started MPI in this process, which leaves its mark in the environment: a new job must not take
+    # it for its own
+    env = {
+        k: v
+        for k, v in os.environ.items()
+        if not k.startswith(("PMIX", "PMI_", "PRTE_"))
+        and (not k.startswith("OMPI_") or k.startswith(("OMPI_MCA_rmaps", "OMPI_ALLOW")))
+    }
     env |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     env["PYTHONPATH"] = os.pathsep.join([str(ROOT), *filter(None, [env.get("PYTHONPATH")])])
     if open_mpi:
-        env.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_mpi_yield_when_idle="1")
+        env.update(
+            OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_mpi_yield_when_idle="1"
+        )
         options = ["--oversubscribe", "--bind-to", "none"]
     else:
         env.update(MPIR_CVAR_POLLS_BEFORE_YIELD="1")  # 0 would never yield
         options = []
     line = [command, *options, "-n", str(n), sys.executable, str(script), *args]
     return subprocess.Popen(
-        line, env=env, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+        line,
+        env=env,
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
     )
 
 
-def run_mpi(n: int, script: str | Path, args: tuple[str, ...] | list[str] = (), timeout: float = 120.0) -> str:
-    """Run ``python script *args`` on n ranks; returns what was printed, or raises AssertionError with all output.
+def run_mpi(
+    n: int, script: str | Path, args: tuple[str, ...] | list[str] = (), timeout: float = 120.0
+) -> str:
+    """Run ``python script *args`` on n ranks; returns what was printed, or raises AssertionError with all
+    output.
 
     After ``timeout`` [s] the whole job is ended: a deadlock is a failed test, not a hanging one.
     """

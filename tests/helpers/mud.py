@@ -1,5 +1,5 @@
-"""Scenes of the hydraulics checks: bore and annulus of 2000 m of drill pipe in an open hole, together or one alone; and the wall friction
-of a Herschel-Bulkley mud, written independently.  SI."""
+"""Scenes of the hydraulics checks: bore and annulus of 2000 m of drill pipe in an open hole, together or one
+alone; and the wall friction of a Herschel-Bulkley mud, written independently.  SI."""
 
 from __future__ import annotations
 
@@ -14,13 +14,22 @@ OUTER, INNER, HOLE, LENGTH = 0.127, 0.1086, 0.2159, 2000.0  # [m]
 DENSITY, GRAVITY, NOZZLE, COEFFICIENT = 1200.0, 9.81, 380e-6, 0.95
 YIELD, CONSISTENCY, INDEX = 3.0, 0.3, 0.75
 BORE, SOLID, OPEN = (np.pi / 4 * a for a in (INNER**2, OUTER**2, HOLE**2 - OUTER**2))  # [m2]
-MUD = {"density": DENSITY, "rheology": {"model": "herschel_bulkley", "yield_stress": YIELD, "consistency": CONSISTENCY, "index": INDEX}}
+MUD = {
+    "density": DENSITY,
+    "rheology": {
+        "model": "herschel_bulkley",
+        "yield_stress": YIELD,
+        "consistency": CONSISTENCY,
+        "index": INDEX,
+    },
+}
 INVISCID = {"density": DENSITY, "rheology": {"model": "newtonian", "viscosity": 0.0}}
 RIGID = {"bulk_modulus": 1e14, "elastic_walls": False}
 
 
 def wall_stress(speed: float, density: float, diameter: float, slot: bool) -> float:
-    """Blend of API RP 13D's type as the model notes have it (section 6), written here once more; shear rates rounded below 1 1/s."""
+    """Blend of API RP 13D's type as the model notes have it (section 6), written here once more; shear rates
+    rounded below 1 1/s."""
     a, n = float(slot), INDEX
     rate = 8 * ((3 - a) * n + 1) / ((4 - a) * n) * (1 + a / 2) * speed / diameter
     smooth = np.sqrt(rate**2 + 1.0)
@@ -44,27 +53,48 @@ def string(length: float = LENGTH, elements: int = 100, **bit) -> list[dict]:
 
 def hole(depth: float, **section) -> dict:
     survey = {"md": [0.0, depth], "inclination": [0.0, 0.0], "azimuth": [0.0, 0.0]}
-    return {"survey": survey, "sections": [{"to": depth, "kind": "open_hole", "diameter": HOLE, "friction": 0.3, **section}]}
+    return {
+        "survey": survey,
+        "sections": [{"to": depth, "kind": "open_hole", "diameter": HOLE, "friction": 0.3, **section}],
+    }
 
 
 def loop(fluid: dict, elements: int = 100, length: float = LENGTH, **case) -> DrillingModel:
     """FixedEnd string with a bit half a metre above the bottom, bore and annulus, at rest in its place."""
-    model = {"well": hole(length + 0.5), "string": string(length, elements, nozzle_area=NOZZLE), "hold_string": True,
-             "bottom": "bit", "gravity": GRAVITY, "fluid": {**MUD, **fluid}}
+    model = {
+        "well": hole(length + 0.5),
+        "string": string(length, elements, nozzle_area=NOZZLE),
+        "hold_string": True,
+        "bottom": "bit",
+        "gravity": GRAVITY,
+        "fluid": {**MUD, **fluid},
+    }
     return build_model(Case(**{**model, **case}))
 
 
 def bore(fluid: dict, elements: int, length: float = LENGTH, plugged: bool = False, **case) -> DrillingModel:
     """FixedEnd string in free space without gravity: its bore alone, open or plugged at its lower end."""
-    model = {"string": string(length, elements), "hold_string": True, "bottom": {"kind": "free", "plugged": plugged}, "gravity": 0.0,
-             "fluid": {**INVISCID, **fluid}}
+    model = {
+        "string": string(length, elements),
+        "hold_string": True,
+        "bottom": {"kind": "free", "plugged": plugged},
+        "gravity": 0.0,
+        "fluid": {**INVISCID, **fluid},
+    }
     return build_model(Case(**{**model, **case}))
 
 
 def annulus(fluid: dict, elements: int, length: float = LENGTH, **section) -> DrillingModel:
-    """FixedEnd, plugged and empty string without gravity: the annulus alone, closed right under the string."""
-    model = {"well": hole(length, **section), "string": string(length, elements), "hold_string": True,
-             "bottom": {"kind": "free", "plugged": True}, "gravity": 0.0, "fluid": {**INVISCID, "bit_volume": 0.0, **fluid}}
+    """FixedEnd, plugged and empty string without gravity: the annulus alone, closed right under the
+    string."""
+    model = {
+        "well": hole(length, **section),
+        "string": string(length, elements),
+        "hold_string": True,
+        "bottom": {"kind": "free", "plugged": True},
+        "gravity": 0.0,
+        "fluid": {**INVISCID, "bit_volume": 0.0, **fluid},
+    }
     return build_model(Case(**model))
 
 
@@ -86,11 +116,19 @@ def flows(model: DrillingModel, component: str) -> np.ndarray:
     return model.system.field(f"{component}.flow")[1:, 0].copy()
 
 
-def history(model: DrillingModel, end: float, step: float, component: str = "bore", **options) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times (k,), pressures (k, n+1) and flow rates (k, n) of a run in steps of one length from the steady state, that state included."""
+def history(
+    model: DrillingModel, end: float, step: float, component: str = "bore", **options
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Times (k,), pressures (k, n+1) and flow rates (k, n) of a run in steps of one length from the steady
+    state, that state included."""
     started(model)
     rows = [(0.0, pressures(model, component), flows(model, component))]
-    integrate(model.system, end, fixed(step, q_snes_stol=1e-13, **options), breaks=model.breaks,
-              call=lambda t, dt: rows.append((t, pressures(model, component), flows(model, component))))
+    integrate(
+        model.system,
+        end,
+        fixed(step, q_snes_stol=1e-13, **options),
+        breaks=model.breaks,
+        call=lambda t, dt: rows.append((t, pressures(model, component), flows(model, component))),
+    )
     t, p, q = zip(*rows, strict=True)
     return np.array(t), np.array(p), np.array(q)

@@ -1,4 +1,5 @@
-"""Run folders made by hand for the tests of output and drawing: a helix of known size in a hole, a swinging rod."""
+"""Run folders made by hand for the tests of output and drawing: a helix of known size in a hole, a swinging
+rod."""
 
 from __future__ import annotations
 
@@ -13,8 +14,8 @@ PITCH = 400.0  # [m]
 
 
 def helix_frame(time: float, count: int = 81) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Deformed positions (n, 3) [m] and point data of a vertical string that lies as a helix in its hole and turns with
-    1 rad/s. Axial force falls linearly from 800 kN to -50 kN."""
+    """Deformed positions (n, 3) [m] and point data of a vertical string that lies as a helix in its hole and
+    turns with 1 rad/s. Axial force falls linearly from 800 kN to -50 kN."""
     md = np.linspace(0.0, LENGTH, count)
     angle = 2 * np.pi * md / PITCH - time
     offset = AMPLITUDE * np.column_stack((np.cos(angle), np.sin(angle)))
@@ -33,13 +34,16 @@ def helix_frame(time: float, count: int = 81) -> tuple[np.ndarray, dict[str, np.
 
 
 def make_run(folder: Path, frames: int = 4, well: bool = True) -> RunFolder:
-    """A run folder with frames at 0, 1, 2, ... s, histories, one probe at 600 m, statics, trajectory and summary."""
+    """A run folder with frames at 0, 1, 2, ... s, histories, one probe at 600 m, statics, trajectory and
+    summary."""
     run = RunFolder.create("helix", out=folder)
     fields = FieldWriter(run.path)
     for k in range(frames):
         points, data = helix_frame(float(k))
         if not well:
-            data = {name: array for name, array in data.items() if "offset" not in name and "radius" not in name}
+            data = {
+                name: array for name, array in data.items() if "offset" not in name and "radius" not in name
+            }
         fields.write(float(k), points, data)
     time = np.linspace(0.0, frames - 1.0, 101)
     history = [
@@ -68,7 +72,14 @@ def make_run(folder: Path, frames: int = 4, well: bool = True) -> RunFolder:
         zero = 0.0 * md
         write_table(
             run.trajectory,
-            [("md", "m"), ("inclination", "deg"), ("azimuth", "deg"), ("north", "m"), ("east", "m"), ("tvd", "m")],
+            [
+                ("md", "m"),
+                ("inclination", "deg"),
+                ("azimuth", "deg"),
+                ("north", "m"),
+                ("east", "m"),
+                ("tvd", "m"),
+            ],
             [md, zero, zero, zero, zero, md],
         )
         write_well(run.well, md, np.column_stack((zero, zero, md)), np.full(21, HOLE), np.full(21, 0.3))

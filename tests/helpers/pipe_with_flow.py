@@ -1,8 +1,8 @@
-"""A straight pipe that conveys fluid, alone or in a filled hole: its scene, its motion across the axis linearised, and the same from a
-spectral solution of the linear equation.
+"""A straight pipe that conveys fluid, alone or in a filled hole: its scene, its motion across the axis
+linearised, and the same from a spectral solution of the linear equation.
 
-Everything is in the units of the pipe: lengths in L, times in sqrt(m_all L^4/EI) with m_all the mass per length of pipe and fluid in it,
-forces in EI/L^2.
+Everything is in the units of the pipe: lengths in L, times in sqrt(m_all L^4/EI) with m_all the mass per
+length of pipe and fluid in it, forces in EI/L^2.
 """
 
 from __future__ import annotations
@@ -21,7 +21,12 @@ from tests.helpers.moving import matrices
 LENGTH, BENDING, DENSITY, OUTER, INNER = 10.0, 1e4, 1000.0, 0.12, 0.1  # [m], [N m2], [kg/m3], [m], [m]
 BORE, SOLID = np.pi / 4 * INNER**2, np.pi / 4 * OUTER**2  # [m2]
 FORCE = BENDING / LENGTH**2  # unit of force [N]
-INCOMPRESSIBLE = {"density": DENSITY, "bulk_modulus": 1e14, "elastic_walls": False, "rheology": {"model": "newtonian", "viscosity": 0.0}}
+INCOMPRESSIBLE = {
+    "density": DENSITY,
+    "bulk_modulus": 1e14,
+    "elastic_walls": False,
+    "rheology": {"model": "newtonian", "viscosity": 0.0},
+}
 
 
 @dataclass(frozen=True)
@@ -44,10 +49,26 @@ class Tube:
         return float(np.sqrt((self.mass + DENSITY * BORE) * LENGTH**4 / BENDING))
 
     def case(self, fluid: dict, top="pinned", bottom="pinned", **keys) -> Case:
-        item = {"kind": "beam", "length": LENGTH, "axial_stiffness": self.axial, "bending_stiffness": BENDING, "torsional_stiffness": 1e4,
-                "mass": self.mass, "polar_inertia": 1.0, "od": OUTER, "id": INNER, "element_length": LENGTH / self.elements}
-        model = {"string": [item], "top": top, "bottom": bottom, "gravity": 0.0, "initial": {"imperfection": 0.0},
-                 "fluid": {**INCOMPRESSIBLE, **fluid}}
+        item = {
+            "kind": "beam",
+            "length": LENGTH,
+            "axial_stiffness": self.axial,
+            "bending_stiffness": BENDING,
+            "torsional_stiffness": 1e4,
+            "mass": self.mass,
+            "polar_inertia": 1.0,
+            "od": OUTER,
+            "id": INNER,
+            "element_length": LENGTH / self.elements,
+        }
+        model = {
+            "string": [item],
+            "top": top,
+            "bottom": bottom,
+            "gravity": 0.0,
+            "initial": {"imperfection": 0.0},
+            "fluid": {**INCOMPRESSIBLE, **fluid},
+        }
         if self.hole:
             survey = {"md": [0.0, LENGTH + 2], "inclination": [0.0, 0.0], "azimuth": [0.0, 0.0]}
             section = {"to": LENGTH + 2, "kind": "casing", "diameter": self.hole, "friction": 0.0}
@@ -70,7 +91,8 @@ def flow_of(u: float) -> float:
 
 
 def across(model: DrillingModel) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """K, C, M (m, m) of the free motion of a vertical string in one plane, in SI; it must not depend on anything else."""
+    """K, C, M (m, m) of the free motion of a vertical string in one plane, in SI; it must not depend on
+    anything else."""
     system = model.system
     place = system.layout.dofs
     on_rank = np.concatenate([place["string.position"][:, 0], place["string.tangent"][:, 0]])
@@ -107,15 +129,24 @@ def fastest_growing(s: np.ndarray) -> complex:
     return complex(s[np.argmax(s.real)])
 
 
-# ---------------------------------------------------------------------- the linear equation, solved by polynomials over the whole length
-ENDS = {"cantilever": Polynomial([0, 0, 1]), "pinned": Polynomial([0, 1, -1]), "clamped": Polynomial([0, 0, 1, -2, 1])}
+# ---------------------------------------------------------------------- the linear equation, solved by
+# polynomials over the whole length
+ENDS = {
+    "cantilever": Polynomial([0, 0, 1]),
+    "pinned": Polynomial([0, 1, -1]),
+    "clamped": Polynomial([0, 0, 1, -2, 1]),
+}
 
 
-def spectral(ends: str, tension=(0.0,), centrifugal=0.0, coriolis=0.0, damping=0.0, drag=0.0, mass=1.0, terms: int = 14) -> np.ndarray:
-    """Eigenvalues s of  y'''' - (T y')' + centrifugal y'' + coriolis y_t' + damping y_t + drag y' + mass y_tt = 0 on 0..1.
+def spectral(
+    ends: str, tension=(0.0,), centrifugal=0.0, coriolis=0.0, damping=0.0, drag=0.0, mass=1.0, terms: int = 14
+) -> np.ndarray:
+    """Eigenvalues s of  y'''' - (T y')' + centrifugal y'' + coriolis y_t' + damping y_t + drag y' + mass y_tt
+    = 0 on 0..1.
 
-    tension: coefficients of the polynomial T(x).  Galerkin's method with Legendre polynomials times what makes them meet the ends; moment
-    and shear of a free end are zero in the weak form of y'''' alone, so T(1) must be zero there.
+    tension: coefficients of the polynomial T(x).  Galerkin's method with Legendre polynomials times what
+    makes them meet the ends; moment and shear of a free end are zero in the weak form of y'''' alone, so T(1)
+    must be zero there.
     """
     T = Polynomial(tension)
     assert ends != "cantilever" or abs(T(1.0)) < 1e-9
@@ -129,6 +160,6 @@ def spectral(ends: str, tension=(0.0,), centrifugal=0.0, coriolis=0.0, damping=0
 
 
 def conveying(u: float, beta: float, gamma: float = 0.0, ends: str = "cantilever") -> np.ndarray:
-    """Eigenvalues of a pipe with flow, y'''' + [u^2 - gamma (1 - x)] y'' + 2 sqrt(beta) u y_t' + gamma y' + y_tt = 0 (Paidoussis,
-    Fluid-Structure Interactions, vol. 1, section 3.1)."""
+    """Eigenvalues of a pipe with flow, y'''' + [u^2 - gamma (1 - x)] y'' + 2 sqrt(beta) u y_t' + gamma y' +
+    y_tt = 0 (Paidoussis, Fluid-Structure Interactions, vol. 1, section 3.1)."""
     return spectral(ends, (gamma, -gamma), u**2, 2 * np.sqrt(beta) * u)

@@ -18,8 +18,14 @@ from drillpetsc.time_function import Constant, Ramp
 
 SHIFT = 2.3
 GRAVITY = np.array([1.0, 2.0, 9.0])
-SECTION = {"axial_stiffness": 1e3, "bending_stiffness": 10.0, "torsional_stiffness": 8.0, "mass": 2.0, "polar_inertia": 0.3,
-           "outer_diameter": 0.4}
+SECTION = {
+    "axial_stiffness": 1e3,
+    "bending_stiffness": 10.0,
+    "torsional_stiffness": 8.0,
+    "mass": 2.0,
+    "polar_inertia": 0.3,
+    "outer_diameter": 0.4,
+}
 
 
 def curved_tangents(nodes: int) -> np.ndarray:
@@ -54,8 +60,17 @@ def build(kind: str, seed: int = 3) -> DiscreteSystem:
     if "curvature" in kind:
         components.append(Precurvature(mesh, frames))
     if "loads" in kind:
-        components.append(Loads((NodeLoad(2, force=(1.0, -2.0, 3.0), moment=(0.5, 0.2, -0.7)),
-                            NodeLoad(4, force=(4.0, 1.0, 2.0), moment=(0.3, 2.0, 1.0), section=True, factor=lambda t: 1 + t)), frames))
+        components.append(
+            Loads(
+                (
+                    NodeLoad(2, force=(1.0, -2.0, 3.0), moment=(0.5, 0.2, -0.7)),
+                    NodeLoad(
+                        4, force=(4.0, 1.0, 2.0), moment=(0.3, 2.0, 1.0), section=True, factor=lambda t: 1 + t
+                    ),
+                ),
+                frames,
+            )
+        )
     if "drive" in kind:
         components.append(RotaryDrive(Ramp(1.0, 2.0), 3.0, 0.7, 0.4))
     if "topdrive" in kind:
@@ -65,9 +80,16 @@ def build(kind: str, seed: int = 3) -> DiscreteSystem:
     if "contact" in kind:
         inclination = np.arccos(tangents[:, 2])
         azimuth = np.arctan2(tangents[:, 1], tangents[:, 0])
-        well = Well.from_survey(np.arange(5.0), inclination, azimuth, [1.7, 10.0], [0.2, 0.26], [0.3, 0.2], max_step=1.0)
-        law = ContactLaw(stiffness=500.0, law="hertz" if "hertz" in kind else "linear", slip_velocity=0.5,
-                         static_ratio=1.5 if "stribeck" in kind else 1.0, points=3)
+        well = Well.from_survey(
+            np.arange(5.0), inclination, azimuth, [1.7, 10.0], [0.2, 0.26], [0.3, 0.2], max_step=1.0
+        )
+        law = ContactLaw(
+            stiffness=500.0,
+            law="hertz" if "hertz" in kind else "linear",
+            slip_velocity=0.5,
+            static_ratio=1.5 if "stribeck" in kind else 1.0,
+            points=3,
+        )
         components.append(Contact(mesh, well, law))
         position, tangents, _ = well.at(np.arange(5.0))
         if "bit" in kind:
@@ -82,15 +104,32 @@ def build(kind: str, seed: int = 3) -> DiscreteSystem:
         system.set_field("string.ratio", np.full((5, 1), 1.2))
     asm = system.assembly
     asm.v0[:], asm.v1[:] = rng.standard_normal(len(asm.v0)), rng.standard_normal(len(asm.v1))
-    if "drive" in kind:  # a drive turns about the held direction of its node: there spin rate and rate of the angle are one
+    if (
+        "drive" in kind
+    ):  # a drive turns about the held direction of its node: there spin rate and rate of the angle are one
         here = system.layout.dofs["string.tangent"][0]
         asm.x[here] = 1.1 * curved_tangents(1)[0]
         asm.v0[here] = -SHIFT * asm.x[here]
     return system
 
 
-KINDS = ["beam", "beam_damped", "beam_junction", "beam_damped_junction", "bodies", "bodies_junction", "curvature", "curvature_junction",
-         "loads", "drive", "topdrive", "clamped", "contact", "contact_hertz_stribeck", "contact_junction_bodies_bit"]
+KINDS = [
+    "beam",
+    "beam_damped",
+    "beam_junction",
+    "beam_damped_junction",
+    "bodies",
+    "bodies_junction",
+    "curvature",
+    "curvature_junction",
+    "loads",
+    "drive",
+    "topdrive",
+    "clamped",
+    "contact",
+    "contact_hertz_stribeck",
+    "contact_junction_bodies_bit",
+]
 
 
 def dense(system: DiscreteSystem) -> np.ndarray:

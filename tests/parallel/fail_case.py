@@ -23,7 +23,11 @@ def spoiled(self: Assembly, t: float):
     if PETSc.COMM_WORLD.rank == 1 and t > 0.02:
         if not Path(CLOCK).exists():
             Path(CLOCK).write_text(repr(time.time()))
-        pieces = [b for b in self.bound_blocks if b.block.component == "contact" and b.block.on == "cell" and len(b.block.points)]
+        pieces = [
+            b
+            for b in self.bound_blocks
+            if b.block.component == "contact" and b.block.on == "cell" and len(b.block.points)
+        ]
         contact = max(pieces, key=lambda b: b.block.points[-1])
         if KIND == "exception":
             contact.block.update = lambda t: 1 / 0

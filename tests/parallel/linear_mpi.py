@@ -1,4 +1,5 @@
-"""Checks of the chain solver on the ranks it is started with; prints one line of JSON, read by test_linear_mpi.py."""
+"""Checks of the chain solver on the ranks it is started with; prints one line of JSON, read by
+test_linear_mpi.py."""
 
 from __future__ import annotations
 
@@ -33,11 +34,14 @@ class Local:
     values: np.ndarray
 
     def factor(self, **options) -> ChainFactor:
-        return ChainFactor(COMM, self.nodes, self.node_of_dof, self.local_of_owned, self.rows, self.columns, **options)
+        return ChainFactor(
+            COMM, self.nodes, self.node_of_dof, self.local_of_owned, self.rows, self.columns, **options
+        )
 
 
 def chain(sizes, seed, symmetric=False, scale=None):
-    """Element matrices of a random chain (nodes of the given sizes), its first unknowns, and the dense matrix."""
+    """Element matrices of a random chain (nodes of the given sizes), its first unknowns, and the dense
+    matrix."""
     rng = np.random.default_rng(seed)
     first = np.concatenate([[0], np.cumsum(sizes)])
     elements, dense = [], np.zeros((first[-1], first[-1]))
@@ -53,7 +57,8 @@ def chain(sizes, seed, symmetric=False, scale=None):
 
 
 def share(elements, first, cuts, owner="lower", order=None) -> Local:
-    """Elements cuts[q] to cuts[q+1] go to rank order[q]; joints belong to the lower or upper run, or both ("split").
+    """Elements cuts[q] to cuts[q+1] go to rank order[q]; joints belong to the lower or upper run, or both
+    ("split").
 
     Local numbers run from the bottom up, so that neither node nor rank order can be taken for granted.
     """
@@ -68,7 +73,9 @@ def share(elements, first, cuts, owner="lower", order=None) -> Local:
         for k, dof in enumerate(range(first[nodes[i]], first[nodes[i] + 1])):
             number.append(dof)
             node_of_dof.append(i)
-            lower = {"lower": True, "upper": False, "split": k % 2 == 0}[owner]  # the joint belongs to the run below it
+            lower = {"lower": True, "upper": False, "split": k % 2 == 0}[
+                owner
+            ]  # the joint belongs to the run below it
             here = True
             if i == 0 and not first_run:
                 here = lower
@@ -84,7 +91,13 @@ def share(elements, first, cuts, owner="lower", order=None) -> Local:
     flat = [np.concatenate([np.zeros(0)] + part) for part in (rows, columns, values)]
     ints = [np.array(x, dtype=np.int32) for x in (number, node_of_dof)]
     return Local(
-        nodes, ints[1], ints[0], np.flatnonzero(owned), flat[0].astype(np.int32), flat[1].astype(np.int32), flat[2]
+        nodes,
+        ints[1],
+        ints[0],
+        np.flatnonzero(owned),
+        flat[0].astype(np.int32),
+        flat[1].astype(np.int32),
+        flat[2],
     )
 
 
@@ -93,7 +106,8 @@ def even(count):
 
 
 def solved(part: Local, dense, **options) -> tuple[float, np.ndarray]:
-    """Largest error, relative to the dense solution, over all local unknowns of all ranks; and the whole solution."""
+    """Largest error, relative to the dense solution, over all local unknowns of all ranks; and the whole
+    solution."""
     rng = np.random.default_rng(99)
     b = rng.standard_normal(len(dense))
     exact = np.linalg.solve(dense, b)
@@ -121,7 +135,9 @@ def check_solutions(report) -> None:
     report["x"] = x.tolist()
     report["refined"], x = solved(share(elements, first, even(count)), dense, refine=1)
     report["x_refined"] = x.tolist()
-    report["ranks_upside_down"], _ = solved(share(elements, first, even(count), order=list(range(SIZE))[::-1]), dense)
+    report["ranks_upside_down"], _ = solved(
+        share(elements, first, even(count), order=list(range(SIZE))[::-1]), dense
+    )
     uneven = [0, *range(1, SIZE), count]
     report["uneven"], _ = solved(share(elements, first, uneven), dense)
     report["rank_without_element"], _ = solved(share(elements, first, [0] * SIZE + [count]), dense)
@@ -191,7 +207,10 @@ def check_work(report) -> None:
     elements, first, _ = chain(sizes, 9)
     part = share(elements, first, even(225))
     f = part.factor()
-    report["factor_flops"], report["solve_flops"] = COMM.allgather(f.factor_flops), COMM.allgather(f.solve_flops)
+    report["factor_flops"], report["solve_flops"] = (
+        COMM.allgather(f.factor_flops),
+        COMM.allgather(f.solve_flops),
+    )
 
 
 def check_pc(report) -> None:
@@ -239,7 +258,9 @@ def check_pc(report) -> None:
     y.axpy(-0.5, x)
     report["pc_half"] = y.norm() / x.norm()
     report["pc_factorisations_new"] = context.factorisations
-    report["pc_event_counts"] = [PETSc.Log.Event(n).getPerfInfo()["count"] for n in ("ChainFactor", "ChainSolve")]
+    report["pc_event_counts"] = [
+        PETSc.Log.Event(n).getPerfInfo()["count"] for n in ("ChainFactor", "ChainSolve")
+    ]
 
 
 def main() -> None:

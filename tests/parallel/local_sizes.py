@@ -15,11 +15,17 @@ from drillpetsc.solvers.newton import chain_factor  # noqa: E402
 case = load_case(sys.argv[1])
 whole = build_model(case, PETSc.COMM_SELF)
 part = build_model(case, PETSc.COMM_WORLD)
-line = json.dumps({
-    "unknowns": part.system.layout.size, "all_unknowns": whole.system.layout.size,
-    "elements": len(part.system.chain.cells), "all_elements": len(whole.system.chain.cells),
-    "values": len(part.system.assembly.values), "all_values": len(whole.system.assembly.values),
-    "factor_flops": chain_factor(part.system).factor_flops, "serial_flops": chain_factor(whole.system).factor_flops,
-})
+line = json.dumps(
+    {
+        "unknowns": part.system.layout.size,
+        "all_unknowns": whole.system.layout.size,
+        "elements": len(part.system.chain.cells),
+        "all_elements": len(whole.system.chain.cells),
+        "values": len(part.system.assembly.values),
+        "all_values": len(whole.system.assembly.values),
+        "factor_flops": chain_factor(part.system).factor_flops,
+        "serial_flops": chain_factor(whole.system).factor_flops,
+    }
+)
 sys.stdout.write(line + "\n")  # in one piece: the lines of two ranks must not mix
 sys.stdout.flush()

@@ -1,6 +1,7 @@
 """A job of several members on several ranks, with faults on purpose: run_ensemble.py WHAT WORDS...
 
-plain: the command line as it is.  nap: members do nothing but sleep, so that the share of each rank does not depend on the machine.
+plain: the command line as it is.  nap: members do nothing but sleep, so that the share of each rank does not
+depend on the machine.
 lost: on teams of several ranks the last rank leaves the computation alone, the others wait for it.
 """
 

@@ -19,6 +19,8 @@ for kind in sys.argv[1:]:
     )
     options = {"snes_type": "newtonls"} if kind == "bdf" else {"ts_type": kind}
     integrate(model.system, 0.1, fixed(1e-3, snes_rtol=1e-11, **options), breaks=model.breaks)
-    end = model.system.gather(np.hstack([model.system.field("string.position"), model.system.field("string.spin")]))
+    end = model.system.gather(
+        np.hstack([model.system.field("string.position"), model.system.field("string.spin")])
+    )
     if end is not None:
         print("END", kind, *map(repr, end[-1].tolist()), flush=True)

@@ -1,4 +1,5 @@
-"""A lying, turning quaternion string, and one with mud and a bit, fixed steps: prints its motion and reactions (rank 0)."""
+"""A lying, turning quaternion string, and one with mud and a bit, fixed steps: prints its motion and
+reactions (rank 0)."""
 
 import sys
 
@@ -28,7 +29,12 @@ for constraint in ("index3", "stabilized"):
     energies = m.energies(0.0)
     end = m.gather(np.hstack([model.beam.columns(m.assembly), m.field("string.multiplier")]))
     if end is not None:
-        print("END", constraint, *map(repr, [*end[-1].tolist(), *reactions, energies.kinetic, energies.strain]), flush=True)
+        print(
+            "END",
+            constraint,
+            *map(repr, [*end[-1].tolist(), *reactions, energies.kinetic, energies.strain]),
+            flush=True,
+        )
 
 model = build_model(with_everything("quaternion"))
 find_equilibrium(model)
@@ -38,7 +44,16 @@ recorder = Recorder(model)
 recorder.begin(0.0)
 integrate(model.system, 0.04, fixed(2e-3, q_snes_stol=1e-11), breaks=model.breaks)
 figures = recorder.sample(0.04)
-names = ["hook_load", "surface_torque", "wob", "bit_torque", "pump_pressure", "bit_pressure", "hole_depth", "bit_speed"]
+names = [
+    "hook_load",
+    "surface_torque",
+    "wob",
+    "bit_torque",
+    "pump_pressure",
+    "bit_pressure",
+    "hole_depth",
+    "bit_speed",
+]
 row = recorder.history_row(0.04, 0.0, 0.0)
 if model.system.comm.rank == 0:
     place = [name for name, _ in recorder.columns]

@@ -16,7 +16,10 @@ SCRIPT = Path(__file__).parent / "run_case.py"
 EXACT = ["-ts_adapt_type", "none", "-ts_dt", "2e-3", "-q_snes_stol", "1e-12"]
 FORMATIONS = {
     "rop": {"drillability": 2e-6, "freeze_interval": 0.005},
-    "drag_bit": {"bit_law": {"kind": "drag_bit", "specific_energy": 3e6, "contact_stress": 3e6}, "freeze_interval": 0.005},
+    "drag_bit": {
+        "bit_law": {"kind": "drag_bit", "specific_energy": 3e6, "contact_stress": 3e6},
+        "freeze_interval": 0.005,
+    },
     "post_step": {"drillability": 2e-6, "growth": "post_step", "freeze_interval": 0.005},
 }
 
@@ -24,23 +27,38 @@ FORMATIONS = {
 @pytest.mark.parallel
 @pytest.mark.parametrize("law", list(FORMATIONS))
 def test_new_hole_agrees_on_1_2_and_3_ranks(law, tmp_path):
-    """0.12 s of turning and cutting in an inclined hole with walls: histories and the path of the hole agree to rounding, all ranks freeze
-    the same stations (issue: 1, 2 and 3 ranks)."""
-    well = {"survey": {"md": [0, 40.2], "inclination": [0.5, 0.5], "azimuth": [1, 1]},
-            "sections": [{"to": 40.2, "kind": "open_hole", "diameter": 0.216, "friction": 0.25}]}
+    """0.12 s of turning and cutting in an inclined hole with walls: histories and the path of the hole agree
+    to rounding, all ranks freeze the same stations (issue: 1, 2 and 3 ranks)."""
+    well = {
+        "survey": {"md": [0, 40.2], "inclination": [0.5, 0.5], "azimuth": [1, 1]},
+        "sections": [{"to": 40.2, "kind": "open_hole", "diameter": 0.216, "friction": 0.25}],
+    }
     pipe = {"kind": "pipe", "length": 40.0, "od": 0.127, "id": 0.1086, "element_length": 10}
     beds = {"dip": 0.4, "dip_azimuth": 2.5, "index_dip": 0.9, "index_strike": 0.95}
-    case = {"string": [pipe, {"kind": "bit", "length": 0.2, "od": 0.216, "mass": 60}], "well": well, "bottom": "bit",
-            "contact": {"stiffness": 1e7}, "formation": {**FORMATIONS[law], "rock_anisotropy": beds},
-            "top": {"kind": "top_drive", "rotation": 12.0, "lowering": 0.3}, "initial": {"from": "straight"}, "time": {"end": 0.12},
-            "output": {"history_every": 0.02, "field_every": 0.12}}
+    case = {
+        "string": [pipe, {"kind": "bit", "length": 0.2, "od": 0.216, "mass": 60}],
+        "well": well,
+        "bottom": "bit",
+        "contact": {"stiffness": 1e7},
+        "formation": {**FORMATIONS[law], "rock_anisotropy": beds},
+        "top": {"kind": "top_drive", "rotation": 12.0, "lowering": 0.3},
+        "initial": {"from": "straight"},
+        "time": {"end": 0.12},
+        "output": {"history_every": 0.02, "field_every": 0.12},
+    }
     path = tmp_path / "case.yaml"
     path.write_text(yaml.safe_dump(case))
     runs = []
     for n in (1, 2, 3):
         out = tmp_path / f"ranks{n}"
         run_mpi(n, SCRIPT, [str(path), str(out), *EXACT], timeout=200)
-        runs.append((read_table(out / "history.csv"), read_table(out / "trajectory.csv"), json.loads((out / "summary.json").read_text())))
+        runs.append(
+            (
+                read_table(out / "history.csv"),
+                read_table(out / "trajectory.csv"),
+                json.loads((out / "summary.json").read_text()),
+            )
+        )
     history, path_of_hole, summary = runs[0]
     assert path_of_hole["md [m]"][-1] > 40.202
     for other, its_path, its_summary in runs[1:]:

@@ -16,31 +16,68 @@ from tests.helpers.mpi import run_mpi
 from tests.parallel.test_restart import files, run_with_copies
 
 SCRIPT = Path(__file__).parent / "run_case.py"
-MUD = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}, "bulk_modulus": 2e9, "flow_rate": 0.02,
-       "cuttings": "returned"}
+MUD = {
+    "density": 1200,
+    "rheology": {"model": "newtonian", "viscosity": 0.02},
+    "bulk_modulus": 2e9,
+    "flow_rate": 0.02,
+    "cuttings": "returned",
+}
 BEDS = {"dip": 0.4, "dip_azimuth": 2.5, "index_dip": 0.95}
-QUASI = {"time": {"end": 40, "mode": "quasi_static"}, "output": {"history_every": 2, "field_every": 20, "checkpoint_every": 6},
-         "fluid": MUD, "top": {"kind": "top_drive", "rotation": 12.0, "lowering": 3e-3}}
-MOTION = {"time": {"end": 0.12}, "output": {"history_every": 0.01, "field_every": 0.04, "checkpoint_every": 0.015},
-          "top": {"kind": "top_drive", "rotation": 12.0, "lowering": 0.1}}
+QUASI = {
+    "time": {"end": 40, "mode": "quasi_static"},
+    "output": {"history_every": 2, "field_every": 20, "checkpoint_every": 6},
+    "fluid": MUD,
+    "top": {"kind": "top_drive", "rotation": 12.0, "lowering": 3e-3},
+}
+MOTION = {
+    "time": {"end": 0.12},
+    "output": {"history_every": 0.01, "field_every": 0.04, "checkpoint_every": 0.015},
+    "top": {"kind": "top_drive", "rotation": 12.0, "lowering": 0.1},
+}
 RUNS = {
-    "quasi-static, mud": (QUASI, {"drillability": 5e-8, "freeze_interval": 0.02, "layers": [{"from": 80.03, "drillability": 3e-8}]}),
+    "quasi-static, mud": (
+        QUASI,
+        {"drillability": 5e-8, "freeze_interval": 0.02, "layers": [{"from": 80.03, "drillability": 3e-8}]},
+    ),
     "plain rate": (MOTION, {"drillability": 2e-6, "freeze_interval": 0.002}),
-    "chips": (MOTION, {"bit_law": {"kind": "drag_bit", "specific_energy": 3e6, "contact_stress": 3e6}, "freeze_interval": 0.002}),
-    "weakening": (MOTION, {"drillability": 2e-6, "bit_law": {"kind": "velocity_weakening", "static": 900, "dynamic": 500, "speed": 1}}),
+    "chips": (
+        MOTION,
+        {
+            "bit_law": {"kind": "drag_bit", "specific_energy": 3e6, "contact_stress": 3e6},
+            "freeze_interval": 0.002,
+        },
+    ),
+    "weakening": (
+        MOTION,
+        {
+            "drillability": 2e-6,
+            "bit_law": {"kind": "velocity_weakening", "static": 900, "dynamic": 500, "speed": 1},
+        },
+    ),
     "moved after steps": (MOTION, {"drillability": 2e-6, "growth": "post_step", "freeze_interval": 0.002}),
 }
 
 
 def write(folder: Path, more: dict, formation: dict) -> Path:
     """A case of 80 m in a hole that builds, the bit on bottom with 20 kN."""
-    well = {"survey": {"md": [0, 80], "inclination": [0.4, 0.55], "azimuth": [1, 1]},
-            "sections": [{"to": 80, "kind": "open_hole", "diameter": 0.216, "friction": 0.25}]}
-    string = [{"kind": "pipe", "length": 50, "od": 0.127, "id": 0.1086, "element_length": 10},
-              {"kind": "pipe", "length": 29.7, "od": 0.1715, "id": 0.0714, "element_length": 5},
-              {"kind": "bit", "length": 0.3, "od": 0.216, "mass": 60, "nozzle_area": 4e-4}]
-    case = {"well": well, "string": string, "bottom": "bit", "formation": {**formation, "rock_anisotropy": BEDS},
-            "initial": {"from": "statics", "wob": 20e3}, **more}
+    well = {
+        "survey": {"md": [0, 80], "inclination": [0.4, 0.55], "azimuth": [1, 1]},
+        "sections": [{"to": 80, "kind": "open_hole", "diameter": 0.216, "friction": 0.25}],
+    }
+    string = [
+        {"kind": "pipe", "length": 50, "od": 0.127, "id": 0.1086, "element_length": 10},
+        {"kind": "pipe", "length": 29.7, "od": 0.1715, "id": 0.0714, "element_length": 5},
+        {"kind": "bit", "length": 0.3, "od": 0.216, "mass": 60, "nozzle_area": 4e-4},
+    ]
+    case = {
+        "well": well,
+        "string": string,
+        "bottom": "bit",
+        "formation": {**formation, "rock_anisotropy": BEDS},
+        "initial": {"from": "statics", "wob": 20e3},
+        **more,
+    }
     path = folder / "case.yaml"
     path.write_text(yaml.safe_dump(case))
     return path
@@ -48,7 +85,8 @@ def write(folder: Path, more: dict, formation: dict) -> Path:
 
 @pytest.mark.parametrize("kind", RUNS)
 def test_drilling_continued_from_any_checkpoint_is_the_same_to_the_last_bit(kind, tmp_path, monkeypatch):
-    """State, frozen stations of the new hole, live end, chips: every file of the continued run is that of the whole one."""
+    """State, frozen stations of the new hole, live end, chips: every file of the continued run is that of the
+    whole one."""
     path = write(tmp_path, *RUNS[kind])
     copies = run_with_copies(path, tmp_path / "run", monkeypatch)
     whole = files(tmp_path / "run")
@@ -62,14 +100,21 @@ def test_drilling_continued_from_any_checkpoint_is_the_same_to_the_last_bit(kind
 
 @pytest.mark.parallel
 def test_quasi_static_drilling_agrees_on_1_2_and_3_ranks(tmp_path):
-    """Twelve seconds with mud, Newton to rounding: the histories differ by rounding only (1e-8), the steps not at all."""
+    """Twelve seconds with mud, Newton to rounding: the histories differ by rounding only (1e-8), the steps
+    not at all."""
     more, formation = RUNS["quasi-static, mud"]
-    path = write(tmp_path, {**more, "time": {"end": 12, "mode": "quasi_static"}, "petsc": {"q_snes_stol": 1e-10}}, formation)
+    path = write(
+        tmp_path,
+        {**more, "time": {"end": 12, "mode": "quasi_static"}, "petsc": {"q_snes_stol": 1e-10}},
+        formation,
+    )
     run(load_case(path), tmp_path / "ranks1", progress="silent")
     for n in (2, 3):
         run_mpi(n, SCRIPT, [str(path), str(tmp_path / f"ranks{n}")], timeout=200)
-    runs = [(read_table(out / "history.csv"), json.loads((out / "summary.json").read_text()))
-            for out in (tmp_path / f"ranks{n}" for n in (1, 2, 3))]
+    runs = [
+        (read_table(out / "history.csv"), json.loads((out / "summary.json").read_text()))
+        for out in (tmp_path / f"ranks{n}" for n in (1, 2, 3))
+    ]
     history, summary = runs[0]
     assert history["hole_depth [m]"][-1] > 80.012
     for other, its_summary in runs[1:]:

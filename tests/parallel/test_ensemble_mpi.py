@@ -14,7 +14,9 @@ from tests.helpers.mpi import run_mpi
 
 SCRIPT = Path(__file__).parent / "run_ensemble.py"
 MACHINE = ("wall [s]", "real_time_factor [-]", "ranks")
-FINE = CASE.replace("id: 108.6 mm", "id: 108.6 mm, element_length: 0.5 m").replace("id: 71.4 mm", "id: 71.4 mm, element_length: 0.5 m")
+FINE = CASE.replace("id: 108.6 mm", "id: 108.6 mm, element_length: 0.5 m").replace(
+    "id: 71.4 mm", "id: 71.4 mm, element_length: 0.5 m"
+)
 
 pytestmark = pytest.mark.parallel
 
@@ -39,7 +41,9 @@ def test_the_table_does_not_depend_on_the_ranks(small):
     tables = []
     for n in (1, 2, 3):
         out = small / f"out{n}"
-        assert "exit status 0" in job(n, "plain", "sweep", str(small / "small.yaml"), *WORDS, "--out", str(out))
+        assert "exit status 0" in job(
+            n, "plain", "sweep", str(small / "small.yaml"), *WORDS, "--out", str(out)
+        )
         tables.append(read_table(out / "sweep.csv"))
         assert {rank for ranks in who(out) for rank in ranks} == set(range(n))
     for other in tables[1:]:
@@ -56,7 +60,9 @@ def test_four_equal_members_on_two_ranks_are_two_each(small):
 
 def test_a_failing_member_leaves_the_others_complete(small):
     words = (f"petsc={{ts_rtol: 1e-3}},{HOPELESS}", "top.rotation=60 rpm,90 rpm")
-    assert "exit status 1" in job(2, "plain", "sweep", str(small / "small.yaml"), *words, "--out", str(small / "out"))
+    assert "exit status 1" in job(
+        2, "plain", "sweep", str(small / "small.yaml"), *words, "--out", str(small / "out")
+    )
     table = read_table(small / "out" / "sweep.csv")
     assert table["status"].tolist() == ["done"] * 2 + ["failed"] * 2
     assert np.all(table["time [s]"][:2] == 0.05)
@@ -64,27 +70,48 @@ def test_a_failing_member_leaves_the_others_complete(small):
 
 def test_an_option_that_no_member_reads_is_refused_on_all_ranks(small):
     words = ("petsc={ts_rtol: 1e-3},{ts_rtoll: 1}", "top.rotation=60 rpm,90 rpm")
-    assert "exit status 2" in job(2, "plain", "sweep", str(small / "small.yaml"), *words, "--out", str(small / "out"))
+    assert "exit status 2" in job(
+        2, "plain", "sweep", str(small / "small.yaml"), *words, "--out", str(small / "out")
+    )
     assert not (small / "out").exists()
 
 
 def test_a_team_of_two_ranks_survives_a_member_that_fails_on_both(small):
-    """Three wells on three ranks, the first the costliest by far and hopeless: its two ranks tell, and end with the others."""
-    (small / "bad.yaml").write_text(FINE.replace("{ts_rtol: 1e-3}", HOPELESS).replace("end: 0.05 s", "end: 5 s"))
+    """Three wells on three ranks, the first the costliest by far and hopeless: its two ranks tell, and end
+    with the others."""
+    (small / "bad.yaml").write_text(
+        FINE.replace("{ts_rtol: 1e-3}", HOPELESS).replace("end: 0.05 s", "end: 5 s")
+    )
     cases = [str(small / f"{name}.yaml") for name in ("bad", "fine", "small", "fine", "small")]
     assert "exit status 1" in job(3, "plain", "run", *cases, "--out", str(small / "out"))
     table = read_table(small / "out" / "wells.csv")
     assert table["status"].tolist() == ["failed"] + ["done"] * 4 and "Newton" in table["message"][0]
     assert table["folder"].tolist() == ["bad", "fine", "small", "fine-2", "small-2"]
     assert who(small / "out")[0] == [0, 1]
-    one, two = (read_table(small / "out" / name / "history.csv")["hook_load [N]"] for name in ("fine", "fine-2"))
+    one, two = (
+        read_table(small / "out" / name / "history.csv")["hook_load [N]"] for name in ("fine", "fine-2")
+    )
     assert one == pytest.approx(two, rel=1e-6)  # one of them may have run on two ranks
 
 
 def test_a_rank_that_is_lost_in_a_team_holds_up_no_other_team(small):
-    """It cannot be called back, so the job is ended, but only when the other teams have done all their members."""
+    """It cannot be called back, so the job is ended, but only when the other teams have done all their
+    members."""
     with pytest.raises(AssertionError, match="exit status 1 on 3 ranks"):
-        job(3, "lost", "sweep", str(small / "fine.yaml"), "time.end=1 s,0.01 s,0.02 s,0.03 s", "--out", str(small / "out"))
+        job(
+            3,
+            "lost",
+            "sweep",
+            str(small / "fine.yaml"),
+            "time.end=1 s,0.01 s,0.02 s,0.03 s",
+            "--out",
+            str(small / "out"),
+        )
     table = read_table(small / "out" / "sweep.csv")
-    assert table["status"].tolist() == ["failed", "done", "done", "done"] and table["ranks"].tolist() == [2, 1, 1, 1]
+    assert table["status"].tolist() == ["failed", "done", "done", "done"] and table["ranks"].tolist() == [
+        2,
+        1,
+        1,
+        1,
+    ]
     assert "on rank 1 alone: RuntimeError: gone" in table["message"][0]

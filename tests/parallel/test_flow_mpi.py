@@ -13,16 +13,33 @@ from tests.helpers.mpi import run_mpi
 from tests.helpers.mud import hole, loop
 
 PUMP = {"flow_rate": {"time": [0.0, 0.02, 0.05, 9.0], "value": [0.03, 0.03, 0.01, 0.01]}, "flow_line": 2.0}
-LOWERED = {"kind": "top_drive", "rotation": 10.0, "lowering": {"time": [0.0, 0.1, 0.2], "value": [0.3, 0.3, 0.0]}}
+LOWERED = {
+    "kind": "top_drive",
+    "rotation": 10.0,
+    "lowering": {"time": [0.0, 0.1, 0.2], "value": [0.3, 0.3, 0.0]},
+}
 EXACT = ["-ts_adapt_type", "none", "-ts_dt", "2e-3", "-q_snes_stol", "1e-12"]
 SMALL = {"surface_torque [N m]": 1e-2, "bit_torque [N m]": 1e-2}  # what is zero but for rounding
 FREE = {"hold_string": False, "well": hole(160.0), "top": LOWERED}
 SCENES: dict[str, dict] = {
     "held": {"fluid": PUMP},
     "moving": {"fluid": PUMP, "bottom": {"kind": "free"}, "contact": {"stiffness": 1e7}, **FREE},
-    "drilling": {"fluid": {**PUMP, "cuttings": "returned"}, "bottom": "bit", "formation": {"drillability": 5e-6}, "contact": "none",
-                 **FREE, "well": hole(150.5), "top": {**LOWERED, "lowering": 0.01}, "initial": {"wob": 2e3}},
-    "plugged": {"fluid": {"flow_line": 2.0}, "bottom": {"kind": "free", "plugged": True}, "contact": "none", **FREE},
+    "drilling": {
+        "fluid": {**PUMP, "cuttings": "returned"},
+        "bottom": "bit",
+        "formation": {"drillability": 5e-6},
+        "contact": "none",
+        **FREE,
+        "well": hole(150.5),
+        "top": {**LOWERED, "lowering": 0.01},
+        "initial": {"wob": 2e3},
+    },
+    "plugged": {
+        "fluid": {"flow_line": 2.0},
+        "bottom": {"kind": "free", "plugged": True},
+        "contact": "none",
+        **FREE,
+    },
 }
 
 
@@ -35,16 +52,19 @@ def runs(tmp_path_factory) -> list[Path]:
         loop(case.pop("fluid"), 30, 150.0, **case).case.dump(cases / f"{kind}.yaml")
     for n in (1, 2, 3):
         folders.append(tmp_path_factory.mktemp(f"ranks{n}"))
-        run_mpi(n, Path(__file__).with_name("run_flow.py"), [str(cases), str(folders[-1]), *EXACT], timeout=200)
+        run_mpi(
+            n, Path(__file__).with_name("run_flow.py"), [str(cases), str(folders[-1]), *EXACT], timeout=200
+        )
     return folders
 
 
 @pytest.mark.parallel
 @pytest.mark.parametrize("kind", SCENES)
 def test_flow_agrees_on_1_2_and_3_ranks(kind, runs):
-    """Pump turned down; string held, turning and lowered, drilling, or plugged and lowered; fixed steps: histories agree to 1e-9 of
-    each column's size, counts of steps are the same.  Newton's tolerance lies at rounding here: where contact switches, or a bit
-    stands on bottom, a step in a hundred may take one iteration more or less."""
+    """Pump turned down; string held, turning and lowered, drilling, or plugged and lowered; fixed steps:
+    histories agree to 1e-9 of each column's size, counts of steps are the same.  Newton's tolerance lies at
+    rounding here: where contact switches, or a bit stands on bottom, a step in a hundred may take one
+    iteration more or less."""
     tables = [read_table(folder / kind / "history.csv") for folder in runs]
     reported = [json.loads((folder / kind / "summary.json").read_text()) for folder in runs]
     assert [t["ranks"] for t in reported] == [1, 2, 3]
@@ -52,9 +72,15 @@ def test_flow_agrees_on_1_2_and_3_ranks(kind, runs):
     assert np.ptp(flow) > 0.1 * np.abs(flow).max()  # something goes on
     for other, summary in zip(tables[1:], reported[1:], strict=True):
         for column, values in tables[0].items():
-            if not column.startswith(("energy_error", "newton")):  # a difference of large numbers; counts see below
-                assert np.abs(other[column] - values).max() <= 1e-9 * max(np.abs(values).max(), SMALL.get(column, 0.0)), column
+            if not column.startswith(
+                ("energy_error", "newton")
+            ):  # a difference of large numbers; counts see below
+                assert np.abs(other[column] - values).max() <= 1e-9 * max(
+                    np.abs(values).max(), SMALL.get(column, 0.0)
+                ), column
         assert summary["steps"] == reported[0]["steps"]
-        assert abs(summary["newton_iterations"] - reported[0]["newton_iterations"]) <= (6 if kind in ("drilling", "moving") else 0)
+        assert abs(summary["newton_iterations"] - reported[0]["newton_iterations"]) <= (
+            6 if kind in ("drilling", "moving") else 0
+        )
         for figure in ("pumped", "returned", "content_change"):
             assert summary["mass"][figure] == pytest.approx(reported[0]["mass"][figure], rel=1e-9)

@@ -35,7 +35,8 @@ EXACT = ["-ts_adapt_type", "none", "-ts_dt", "1e-3", "-q_snes_stol", "1e-12"]
 
 @pytest.mark.parallel
 def test_joints_agree_on_1_2_and_3_ranks(tmp_path):
-    """StaticNewton, then fixed steps with Newton to rounding: histories, reactions of the joints among them, agree to 1e-7 of each column.
+    """StaticNewton, then fixed steps with Newton to rounding: histories, reactions of the joints among them,
+    agree to 1e-7 of each column.
 
     Three ranks meet at the node above a stabilised joint and at the one below another."""
     case = tmp_path / "joints.yaml"

@@ -1,4 +1,5 @@
-"""The chain solver on 1, 2 and 3 ranks against dense solves and against itself (checks are made in linear_mpi.py)."""
+"""The chain solver on 1, 2 and 3 ranks against dense solves and against itself (checks are made in
+linear_mpi.py)."""
 
 from __future__ import annotations
 
@@ -42,7 +43,8 @@ def test_number_of_ranks_does_not_matter(ranks, x):
 
 @pytest.mark.parametrize("ranks", RANKS)
 def test_inertia(ranks):
-    """Expected: signs of the eigenvalues of the dense matrix; the third matrix has unknowns scaled by 1e-3 to 1e3."""
+    """Expected: signs of the eigenvalues of the dense matrix; the third matrix has unknowns scaled by 1e-3 to
+    1e3."""
     for counted, expected in report(ranks)["inertia"]:
         assert counted == expected
 
@@ -63,14 +65,16 @@ def test_inconsistent_pieces_are_refused_on_every_rank(ranks):
 
 
 def test_two_ranks_share_the_work():
-    """Eliminating from both ends towards the joint costs nothing extra: half the work each, plus the joint itself."""
+    """Eliminating from both ends towards the joint costs nothing extra: half the work each, plus the joint
+    itself."""
     for work in ("factor_flops", "solve_flops"):
         serial, halves = report(1)[work][0], report(2)[work]
         assert max(halves) <= 0.55 * serial
 
 
 def test_price_of_a_piece_between_two_joints():
-    """Leading terms 38/3 against 14/3 b^3 (derivation in drillpetsc.solvers.chain_lu): 2.71 for large blocks, less for b = 7."""
+    """Leading terms 38/3 against 14/3 b^3 (derivation in drillpetsc.solvers.chain_lu): 2.71 for large blocks,
+    less for b = 7."""
     first, inner, last = report(3)["factor_flops"]
     assert first == last
     assert 2.4 < inner / first < 38 / 14
@@ -78,7 +82,8 @@ def test_price_of_a_piece_between_two_joints():
 
 @pytest.mark.parametrize("ranks", RANKS)
 def test_as_petsc_preconditioner(ranks):
-    """KSP preonly: the residual with PETSc's own matrix vanishes, and the factor is renewed only with new values."""
+    """KSP preonly: the residual with PETSc's own matrix vanishes, and the factor is renewed only with new
+    values."""
     reported = report(ranks)
     assert reported["pc_residual"] < 1e-12
     assert reported["pc_factorisations_same"] == 1

@@ -16,12 +16,15 @@ SCRIPT = Path(__file__).with_name("run_plain.py")
 @pytest.mark.parallel
 def test_other_integrators_agree_on_1_2_and_3_ranks():
     """Same steps, systems solved to rounding: position [m] and spin [rad] of the lower end agree to 1e-10."""
-    # arkimex of newer PETSc is of first order with prescribed rows (test_dynamics_integrators.py), and its solves fail in parallel
+    # arkimex of newer PETSc is of first order with prescribed rows (test_dynamics_integrators.py), and its
+    # solves fail in parallel
     kinds = ["bdf", "theta", "rosw"] + ["arkimex"] * (petsc_compat.VERSION < (3, 19, 0))
     runs = []
     for n in (1, 2, 3):
         lines = run_mpi(n, SCRIPT, kinds).splitlines()
-        runs.append(np.array([[float(w) for w in line.split()[2:]] for line in lines if line.startswith("END")]))
+        runs.append(
+            np.array([[float(w) for w in line.split()[2:]] for line in lines if line.startswith("END")])
+        )
     assert runs[0].shape == (len(kinds), 4)
     for other in runs[1:]:
         assert np.abs(other - runs[0]).max() < 1e-10

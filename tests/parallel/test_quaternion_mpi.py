@@ -14,13 +14,18 @@ SCRIPT = Path(__file__).with_name("run_quaternion.py")
 
 @pytest.mark.parallel
 def test_a_quaternion_string_agrees_on_1_2_and_3_ranks():
-    """Static start and 20 steps in contact, both forms of the constraints: motion, multipliers, reactions and energies agree to 1e-8 of
-    their sizes (systems solved to rounding; friction of 0.01 m/s slip velocity multiplies it)."""
+    """Static start and 20 steps in contact, both forms of the constraints: motion, multipliers, reactions and
+    energies agree to 1e-8 of their sizes (systems solved to rounding; friction of 0.01 m/s slip velocity
+    multiplies it)."""
     runs, muddy = [], []
     for n in (1, 2, 3):
         reported = run_mpi(n, SCRIPT).splitlines()
-        runs.append(np.array([[float(w) for w in line.split()[2:]] for line in reported if line.startswith("END")]))
-        muddy += [np.array([float(w) for w in line.split()[1:]]) for line in reported if line.startswith("MUD")]
+        runs.append(
+            np.array([[float(w) for w in line.split()[2:]] for line in reported if line.startswith("END")])
+        )
+        muddy += [
+            np.array([float(w) for w in line.split()[1:]]) for line in reported if line.startswith("MUD")
+        ]
     one = runs[0]
     assert one.shape == (2, 13)
     assert [len(row) for row in muddy] == [8, 8, 8] and (muddy[0] != 0).all()

@@ -20,7 +20,8 @@ from drillpetsc.output.files.atomic import remove_leftovers, replace_file
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 
-# a whirling string in contact, with a bend of the rotation at 40 ms and a jump of the lowering at 60 ms, and mud
+# a whirling string in contact, with a bend of the rotation at 40 ms and a jump of the lowering at 60 ms, and
+# mud
 CASE = """
 well:
   survey: {md: [0 m, 60 m], inclination: [40 deg, 70 deg], azimuth: [0 deg, 10 deg]}
@@ -56,8 +57,11 @@ def options():
 
 def files(folder: Path) -> dict[str, bytes]:
     """All files of a run that hold no wall time."""
-    return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*"))
-            if p.is_file() and p.name not in ("summary.json", "checkpoint.h5")}
+    return {
+        str(p.relative_to(folder)): p.read_bytes()
+        for p in sorted(folder.rglob("*"))
+        if p.is_file() and p.name not in ("summary.json", "checkpoint.h5")
+    }
 
 
 def run_with_copies(case: Path, out: Path, monkeypatch) -> list[Path]:
@@ -86,8 +90,11 @@ KINDS = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_run_continued_from_any_checkpoint_is_the_same_to_the_last_bit(kind, tmp_path, monkeypatch, options):
-    """Every file, from checkpoints in the start of the formula, in full order, at a bend, after a jump, and at the end."""
+def test_a_run_continued_from_any_checkpoint_is_the_same_to_the_last_bit(
+    kind, tmp_path, monkeypatch, options
+):
+    """Every file, from checkpoints in the start of the formula, in full order, at a bend, after a jump, and
+    at the end."""
     options(**KINDS[kind])
     (tmp_path / "case.yaml").write_text(CASE)
     copies = run_with_copies(tmp_path / "case.yaml", tmp_path / "run", monkeypatch)
@@ -103,15 +110,22 @@ def test_checkpoints_change_no_number(tmp_path):
     """With a checkpoint every 3 ms and with none but the first and the last."""
     results = []
     for every in ("3 ms", "10 s"):
-        (tmp_path / "case.yaml").write_text(CASE.replace("checkpoint_every: 3 ms", f"checkpoint_every: {every}"))
-        results.append(files(run(load_case(tmp_path / "case.yaml"), tmp_path / every[:2].strip(), progress="silent").folder))
+        (tmp_path / "case.yaml").write_text(
+            CASE.replace("checkpoint_every: 3 ms", f"checkpoint_every: {every}")
+        )
+        results.append(
+            files(
+                run(load_case(tmp_path / "case.yaml"), tmp_path / every[:2].strip(), progress="silent").folder
+            )
+        )
     for name in results[0].keys() - {"case.yaml"}:
         assert results[0][name] == results[1][name], name
 
 
 @pytest.mark.parametrize("interval", [0.1, 0.01, 1e-3, 1 / 3])
 def test_the_next_output_is_the_same_for_a_run_that_starts_there(interval):
-    """Counting on from time to time and asking at a time alone agree, also where steps land beside multiples by rounding."""
+    """Counting on from time to time and asking at a time alone agree, also where steps land beside multiples
+    by rounding."""
     counted, t = 0, 0.0
     for k in range(1, 200):
         for t in (k * interval * (1 - 3e-10), k * interval * (1 + 2e-16), k * interval + 0.3 * interval):
@@ -148,7 +162,10 @@ DAMAGE = {
     "last byte missing": (lambda data: data[:-1], "cut short or damaged"),
     "one bit in the middle": (_flip(0.5), "cut short or damaged"),
     "one bit at the end": (_flip(0.9999), "cut short or damaged"),
-    "one bit of the checksum": (lambda data: data[:40] + bytes([data[40] ^ 1]) + data[41:], "cut short or damaged"),
+    "one bit of the checksum": (
+        lambda data: data[:40] + bytes([data[40] ^ 1]) + data[41:],
+        "cut short or damaged",
+    ),
     "no checksum": (lambda data: data[:22] + b"\n" * 490 + data[512:], "a damaged first block"),
     "longer": (lambda data: data + b"\0", "cut short or damaged"),
     "text": (lambda data: b"time,hook_load\n0,1\n", "something else"),
@@ -187,13 +204,16 @@ def test_without_a_checkpoint_a_restart_is_a_start(saved, tmp_path):
 
 
 def test_rows_and_frames_cut_in_the_middle_are_made_again(tmp_path, monkeypatch):
-    """Half a row, rows after the checkpoint, a frame that the list does not name, temporary files: all gone in the end."""
+    """Half a row, rows after the checkpoint, a frame that the list does not name, temporary files: all gone
+    in the end."""
     (tmp_path / "case.yaml").write_text(CASE)
     copies = run_with_copies(tmp_path / "case.yaml", tmp_path / "run", monkeypatch)
     copy, whole = copies[len(copies) // 2], files(tmp_path / "run")
     for name in ("history.csv", "probes.csv"):
         written = len((copy / name).read_bytes())
-        (copy / name).write_bytes(whole[name][: written + 150])  # the run went on: one row more, and part of the next
+        (copy / name).write_bytes(
+            whole[name][: written + 150]
+        )  # the run went on: one row more, and part of the next
     (copy / "string" / "000099.vtu").write_bytes(b"half a frame")
     (copy / "string" / ".123-000100.vtu").write_bytes(b"half a frame")
     (copy / ".123-checkpoint.h5").write_bytes(b"half a checkpoint")
@@ -247,8 +267,23 @@ def test_conservation_stands_in_the_summary_of_every_run(saved):
 
     reported = json.loads((saved / "summary.json").read_text())
     history = read_table(saved / "history.csv")
-    assert set(reported["energy"]) >= {"kinetic", "strain", "potential", "dissipated", "supplied", "error", "error_share", "gained", "flag"}
-    assert reported["energy"]["error"] == history["energy_error [J]"][-1] or reported["time"] > history["time [s]"][-1]
+    assert set(reported["energy"]) >= {
+        "kinetic",
+        "strain",
+        "potential",
+        "dissipated",
+        "supplied",
+        "error",
+        "error_share",
+        "gained",
+        "flag",
+    }
+    assert (
+        reported["energy"]["error"] == history["energy_error [J]"][-1]
+        or reported["time"] > history["time [s]"][-1]
+    )
     assert abs(reported["energy"]["error_share"]) < 0.05 and not reported["energy"]["flag"]
     assert reported["mass"]["pumped"] == pytest.approx(0.02 * 2e-3, rel=1e-6)  # 20 l/s for 2 ms
-    assert abs(reported["mass"]["error_share"]) < 5e-3  # 0.1 ml in a start of 40 ml: the jump from flow at rest to flow in motion
+    assert (
+        abs(reported["mass"]["error_share"]) < 5e-3
+    )  # 0.1 ml in a start of 40 ml: the jump from flow at rest to flow in motion

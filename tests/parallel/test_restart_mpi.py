@@ -17,7 +17,9 @@ from tests.helpers.mpi import ROOT, run_mpi, start_mpi
 from tests.parallel.test_restart import CASE, files
 
 RUN = ROOT / "tests" / "parallel" / "run_case.py"
-LONG = CASE.replace("time: {end: 0.1 s}", "time: {end: 0.3 s}").replace("checkpoint_every: 3 ms", "checkpoint_every: 50 ms")
+LONG = CASE.replace("time: {end: 0.1 s}", "time: {end: 0.3 s}").replace(
+    "checkpoint_every: 3 ms", "checkpoint_every: 50 ms"
+)
 
 
 def children(number: int) -> list[int]:
@@ -48,7 +50,8 @@ def wait_for_rows(file: Path, rows: int, job) -> None:
 @pytest.mark.parallel
 @pytest.mark.parametrize("reached", [0, 1])
 def test_a_signal_to_one_of_two_ranks_stops_both_and_the_run_goes_on_identically(reached, tmp_path):
-    """SIGTERM to one rank alone: both stop at the same step, with a checkpoint; continued on 2 ranks, every file is the same."""
+    """SIGTERM to one rank alone: both stop at the same step, with a checkpoint; continued on 2 ranks, every
+    file is the same."""
     (tmp_path / "case.yaml").write_text(LONG)
     run_mpi(2, RUN, [str(tmp_path / "case.yaml"), str(tmp_path / "whole")], timeout=200)
     job = start_mpi(2, RUN, [str(tmp_path / "case.yaml"), str(tmp_path / "stopped")])
@@ -67,16 +70,26 @@ def test_a_signal_to_one_of_two_ranks_stops_both_and_the_run_goes_on_identically
 
 @pytest.mark.parallel
 def test_another_number_of_ranks_goes_on_the_same_way(tmp_path):
-    """From a checkpoint of 1 rank on 1 and on 2 ranks, Newton to 1e-12: all columns agree to 1e-8 of their size over the 0.2 s after it
-    (issue 6; the energy error is a small difference of large numbers, and step and Newton count are not results)."""
-    text = (ROOT / "cases" / "lying-string.yaml").read_text().replace("history_every: 0.05 s", "history_every: 5 ms")
+    """From a checkpoint of 1 rank on 1 and on 2 ranks, Newton to 1e-12: all columns agree to 1e-8 of their
+    size over the 0.2 s after it (issue 6; the energy error is a small difference of large numbers, and step
+    and Newton count are not results)."""
+    text = (
+        (ROOT / "cases" / "lying-string.yaml")
+        .read_text()
+        .replace("history_every: 0.05 s", "history_every: 5 ms")
+    )
     for name, end in (("half", "0.3 s"), ("case", "0.5 s")):
         (tmp_path / f"{name}.yaml").write_text(text.replace("time: {end: 1 s}", f"time: {{end: {end}}}"))
     exact = ["-q_snes_stol", "1e-12"]
     run_mpi(1, RUN, [str(tmp_path / "half.yaml"), str(tmp_path / "ranks1"), *exact])
     shutil.copytree(tmp_path / "ranks1", tmp_path / "ranks2")
     for n in (1, 2):
-        run_mpi(n, RUN, [str(tmp_path / "case.yaml"), str(tmp_path / f"ranks{n}"), "--restart", *exact], timeout=200)
+        run_mpi(
+            n,
+            RUN,
+            [str(tmp_path / "case.yaml"), str(tmp_path / f"ranks{n}"), "--restart", *exact],
+            timeout=200,
+        )
     one, two = (read_table(tmp_path / f"ranks{n}" / "history.csv") for n in (1, 2))
     assert one["time [s]"][-1] == 0.5
     for column, values in one.items():
@@ -86,13 +99,17 @@ def test_another_number_of_ranks_goes_on_the_same_way(tmp_path):
 
 
 @pytest.mark.parallel
-@pytest.mark.parametrize("kind, words", [
-    ("nan", ("component contact", "element 4", "Newton")),
-    ("exception", ("ZeroDivisionError", "in component contact, element", "rank 1")),
-    ("error", ("rank 1: spoiled on purpose", "component contact")),
-])
+@pytest.mark.parametrize(
+    "kind, words",
+    [
+        ("nan", ("component contact", "element 4", "Newton")),
+        ("exception", ("ZeroDivisionError", "in component contact, element", "rank 1")),
+        ("error", ("rank 1: spoiled on purpose", "component contact")),
+    ],
+)
 def test_what_goes_wrong_on_one_rank_ends_the_job_in_words(kind, words, tmp_path):
-    """Not a number, an exception, an error of one rank alone: within 10 s the job is over, with a status and the place."""
+    """Not a number, an exception, an error of one rank alone: within 10 s the job is over, with a status and
+    the place."""
     (tmp_path / "case.yaml").write_text(LONG)
     clock = tmp_path / "clock"
     arguments = [kind, str(tmp_path / "case.yaml"), str(tmp_path / "run"), str(clock)]

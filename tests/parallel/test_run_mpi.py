@@ -18,11 +18,17 @@ EXACT = ["-ts_adapt_type", "none", "-ts_dt", "2e-3", "-q_snes_stol", "1e-12"]
 
 @pytest.mark.parallel
 def test_a_contact_rich_second_agrees_on_1_2_and_3_ranks(tmp_path):
-    """Fixed steps and Newton to rounding: histories agree to 1e-8 of each column's size (issue: 1, 2 and 3 ranks)."""
+    """Fixed steps and Newton to rounding: histories agree to 1e-8 of each column's size (issue: 1, 2 and 3
+    ranks)."""
     runs = []
     for n in (1, 2, 3):
         out = tmp_path / f"ranks{n}"
-        run_mpi(n, ROOT / "tests" / "parallel" / "run_case.py", [str(ROOT / "cases" / "lying-string.yaml"), str(out), *EXACT], timeout=300)
+        run_mpi(
+            n,
+            ROOT / "tests" / "parallel" / "run_case.py",
+            [str(ROOT / "cases" / "lying-string.yaml"), str(out), *EXACT],
+            timeout=300,
+        )
         runs.append((read_table(out / "history.csv"), json.loads((out / "summary.json").read_text())))
     one = runs[0][0]
     for other, summary in runs[1:]:
@@ -39,7 +45,12 @@ def test_a_contact_rich_second_agrees_on_1_2_and_3_ranks(tmp_path):
 @pytest.mark.parallel
 def test_no_rank_holds_the_whole_string(tmp_path):
     """Local sizes on 2 ranks are about half of the string; so is the factor work."""
-    out = run_mpi(2, ROOT / "tests" / "parallel" / "local_sizes.py", [str(ROOT / "cases" / "vertical-2000m.yaml")], timeout=120)
+    out = run_mpi(
+        2,
+        ROOT / "tests" / "parallel" / "local_sizes.py",
+        [str(ROOT / "cases" / "vertical-2000m.yaml")],
+        timeout=120,
+    )
     words = [json.loads(line) for line in out.splitlines() if line.startswith("{")]
     assert len(words) == 2
     for w in words:

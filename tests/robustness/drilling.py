@@ -8,12 +8,15 @@ from tests.robustness.contact import GRAVITY, pipe_mass
 from tests.robustness.criteria import Row, Runs, at_least, at_most, common, holds, near
 
 CUT = 3e-3  # cut of a turn, with the way of 2 ms between rows at 0.5 m/s [m]
-BETWEEN_ROWS = 1e-7  # [m]: a row between two steps is read off a parabola, which may lie this much above the next
+BETWEEN_ROWS = (
+    1e-7  # [m]: a row between two steps is read off a parabola, which may lie this much above the next
+)
 
 
 def stick_slip(runs: Runs) -> list[Row]:
-    """X04: one mode with a torque that falls at once from T_s to T_c.  With J = J_bit + rho I_p L/3 (the string's share of the first mode),
-    k = GJ/L, w = sqrt(k/J), x = (T_s - T_c)/k: it slips for 2 (pi - atan(x w/Omega))/w and sticks for 2 x/Omega (closed form of P25)."""
+    """X04: one mode with a torque that falls at once from T_s to T_c.  With J = J_bit + rho I_p L/3 (the
+    string's share of the first mode), k = GJ/L, w = sqrt(k/J), x = (T_s - T_c)/k: it slips for 2 (pi - atan(x
+    w/Omega))/w and sticks for 2 x/Omega (closed form of P25)."""
     run = runs["x04-stick-slip"]
     pipe, bit = run.case.string
     law = run.case.formation.bit_law
@@ -39,8 +42,9 @@ def stick_slip(runs: Runs) -> list[Row]:
 
 
 def off_bottom(runs: Runs) -> list[Row]:
-    """X17.  A negative chip would pull the bit down, so the weight tells of it; a profile that had lost rock while the bit hung would
-    be met deeper than it was left, by more than the cut of a turn (2 mm at 15 kN)."""
+    """X17.  A negative chip would pull the bit down, so the weight tells of it; a profile that had lost rock
+    while the bit hung would be met deeper than it was left, by more than the cut of a turn (2 mm at 15
+    kN)."""
     run = runs["x17-off-bottom"]
     h = run.history
     t = h["time"]
@@ -52,7 +56,12 @@ def off_bottom(runs: Runs) -> list[Row]:
     return [
         *common("X17", run),
         at_least("X17", "lift-off [m]", lift, 0.10),
-        at_most("X17", "fall of the hole's depth between rows [m]", float(max(0.0, -np.diff(h["hole_depth"]).min())), BETWEEN_ROWS),
+        at_most(
+            "X17",
+            "fall of the hole's depth between rows [m]",
+            float(max(0.0, -np.diff(h["hole_depth"]).min())),
+            BETWEEN_ROWS,
+        ),
         at_most("X17", "rate of penetration off bottom [m/s]", float(np.abs(h["rop"][off]).max()), 0.0),
         at_most("X17", "growth of the hole while the bit hangs [m]", float(np.ptp(first)), BETWEEN_ROWS),
         holds(
@@ -63,8 +72,19 @@ def off_bottom(runs: Runs) -> list[Row]:
             float(h["wob"][hanging].max()) == 0.0 and float(np.abs(h["bit_torque"][hanging]).max()) == 0.0,
         ),
         at_least("X17", "least weight on bit (a negative chip would pull) [N]", float(h["wob"].min()), 0.0),
-        holds("X17", "drills on after it is back, hole grown by [m]", float(last - first[-1]), "> 0", bool(last > first[-1])),
-        at_most("X17", "rock met again where it was left: distance [m]", abs(float(h["bit_depth"][back] - h["hole_depth"][back])), CUT),
+        holds(
+            "X17",
+            "drills on after it is back, hole grown by [m]",
+            float(last - first[-1]),
+            "> 0",
+            bool(last > first[-1]),
+        ),
+        at_most(
+            "X17",
+            "rock met again where it was left: distance [m]",
+            abs(float(h["bit_depth"][back] - h["hole_depth"][back])),
+            CUT,
+        ),
     ]
 
 
@@ -76,7 +96,12 @@ def reverse(runs: Runs) -> list[Row]:
     rows = [*common("X18", back), *common("X18", still, gain=False)]
     return [
         *rows,
-        at_most("X18", "reverse: rate of penetration while it turns back [m/s]", float(np.abs(h["rop"][turned]).max()), 0.0),
+        at_most(
+            "X18",
+            "reverse: rate of penetration while it turns back [m/s]",
+            float(np.abs(h["rop"][turned]).max()),
+            0.0,
+        ),
         holds(
             "X18",
             "reverse: torque turns over",
@@ -84,9 +109,22 @@ def reverse(runs: Runs) -> list[Row]:
             "+ to -",
             bool(h["bit_torque"][turned].min() < 0),
         ),
-        at_most("X18", "no rotation: metres drilled", float(still.history["hole_depth"][-1] - still.history["hole_depth"][0]), 1e-12),
-        at_most("X18", "no rotation: change of energy that is not booked [J]", float(np.abs(still.history["energy_error"]).max()), 1e-6),
-        *(at_most("X18", f"{q.name}: Newton iterations of a step", float(q.history["newton"].max()), 14) for q in (back, still)),
+        at_most(
+            "X18",
+            "no rotation: metres drilled",
+            float(still.history["hole_depth"][-1] - still.history["hole_depth"][0]),
+            1e-12,
+        ),
+        at_most(
+            "X18",
+            "no rotation: change of energy that is not booked [J]",
+            float(np.abs(still.history["energy_error"]).max()),
+            1e-6,
+        ),
+        *(
+            at_most("X18", f"{q.name}: Newton iterations of a step", float(q.history["newton"].max()), 14)
+            for q in (back, still)
+        ),
     ]
 
 
@@ -109,7 +147,13 @@ def rock_extremes(runs: Runs) -> list[Row]:
                 float(rate * h["time"][-1]),
                 0.01,
             ),
-            near("X21", f"{name}: hook load + weight on bit [N]", float(h["hook_load"][-1] + h["wob"][-1]), weight, 0.01),
+            near(
+                "X21",
+                f"{name}: hook load + weight on bit [N]",
+                float(h["hook_load"][-1] + h["wob"][-1]),
+                weight,
+                0.01,
+            ),
             at_least("X21", f"{name}: shortest step [s]", float(steps.min()), 1e-3),
         ]
     return rows

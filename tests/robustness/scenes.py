@@ -5,18 +5,46 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from tests.robustness.contact import clearance, fixed_steps, friction, in_the_wall, stiff_contact, unbalance, washout
+from tests.robustness.contact import (
+    clearance,
+    fixed_steps,
+    friction,
+    in_the_wall,
+    stiff_contact,
+    unbalance,
+    washout,
+)
 from tests.robustness.criteria import Check
 from tests.robustness.drilling import off_bottom, reverse, rock_extremes, stick_slip
-from tests.robustness.mud import deep_mud, hour, pump_trip, soft_mud, stiff_mud, surge, thick_and_thin, tiny_elements
-from tests.robustness.string import deep_well, dogleg, dropped_bit, few_elements, helix, inextensible, lock_up, pull_free, tripping
+from tests.robustness.mud import (
+    deep_mud,
+    hour,
+    pump_trip,
+    soft_mud,
+    stiff_mud,
+    surge,
+    thick_and_thin,
+    tiny_elements,
+)
+from tests.robustness.string import (
+    deep_well,
+    dogleg,
+    dropped_bit,
+    few_elements,
+    helix,
+    inextensible,
+    lock_up,
+    pull_free,
+    tripping,
+)
 
 
 @dataclass(frozen=True)
 class Part:
     """One computation: name of its run folder, case file without its ending, what is done with it.
 
-    wall: from inside the wall (extreme_start); motion: that friction opposes in statics; weight_on_bit [N]: instead of the case's.
+    wall: from inside the wall (extreme_start); motion: that friction opposes in statics; weight_on_bit [N]:
+    instead of the case's.
     """
 
     name: str
@@ -43,18 +71,27 @@ def _runs(*names: str) -> tuple[Part, ...]:
 LOADS = (4e3, 8e3, 12e3, 17e3, 25e3, 42e3, 60e3, 85e3)  # weights on bit of X22 [N]
 
 SCENES: tuple[ExtremeScene, ...] = (
-    ExtremeScene("X01", "12 km S-well", (Part("x01-statics", "x01-deep-well", "statics"), *_runs("x01-deep-well")), deep_well),
+    ExtremeScene(
+        "X01",
+        "12 km S-well",
+        (Part("x01-statics", "x01-deep-well", "statics"), *_runs("x01-deep-well")),
+        deep_well,
+    ),
     ExtremeScene("X02", "contact of 1e10 N/m2", _runs("x02-stiff-contact"), stiff_contact),
     ExtremeScene("X03", "dropped bit, 200 t", _runs("x03-dropped-bit"), dropped_bit),
     ExtremeScene("X04", "stick-slip at 5 rpm", _runs("x04-stick-slip"), stick_slip),
-    ExtremeScene("X05", "mass offset of 50 mm at 300 rpm", _runs("x05-unbalance-1e8", "x05-unbalance-1e10"), unbalance),
+    ExtremeScene(
+        "X05", "mass offset of 50 mm at 300 rpm", _runs("x05-unbalance-1e8", "x05-unbalance-1e10"), unbalance
+    ),
     ExtremeScene(
         "X06",
         "clearance 1 mm to 0",
         _runs("x06-clearance-1mm", "x06-clearance-100um", "x06-clearance-zero", "x06-casing-in-hole"),
         clearance,
     ),
-    ExtremeScene("X07", "thin and thick mud", _runs("x07-mud-default", "x07-mud-thin", "x07-mud-thick"), thick_and_thin),
+    ExtremeScene(
+        "X07", "thin and thick mud", _runs("x07-mud-default", "x07-mud-thin", "x07-mud-thick"), thick_and_thin
+    ),
     ExtremeScene("X08", "pump trip", _runs("x08-pump-trip", "x08-pump-trip-viscous"), pump_trip),
     ExtremeScene(
         "X09",
@@ -69,28 +106,55 @@ SCENES: tuple[ExtremeScene, ...] = (
     ExtremeScene(
         "X10",
         "dogleg of 30 deg in 30 m",
-        (Part("x10-statics", "x10-dogleg", "statics"), Part("x10-fine-statics", "x10-dogleg-fine", "statics"), *_runs("x10-dogleg")),
+        (
+            Part("x10-statics", "x10-dogleg", "statics"),
+            Part("x10-fine-statics", "x10-dogleg-fine", "statics"),
+            *_runs("x10-dogleg"),
+        ),
         dogleg,
     ),
     ExtremeScene("X11", "lock-up of coiled tubing", _runs("x11-lock-up"), lock_up),
     ExtremeScene("X12", "pull-free snap", _runs("x12-pull-free"), pull_free),
-    ExtremeScene("X13", "nearly inextensible tubing", _runs("x13-coiled-tubing", "x13-inextensible"), inextensible),
     ExtremeScene(
-        "X14", "one and two elements", _runs("x14-one-element-10m", "x14-one-element-1000m", "x14-two-elements-bend"), few_elements
+        "X13", "nearly inextensible tubing", _runs("x13-coiled-tubing", "x13-inextensible"), inextensible
     ),
-    ExtremeScene("X15", "fixed long steps", _runs("x15-bdf1-50ms", "x15-bdf1-500ms", "x15-bdf2-50ms", "x15-bdf2-500ms"), fixed_steps),
     ExtremeScene(
-        "X16", "start inside the wall", (Part("x16-pressed", "x16-start-in-the-wall", "wall"), *_runs("x16-start-in-the-wall")), in_the_wall
+        "X14",
+        "one and two elements",
+        _runs("x14-one-element-10m", "x14-one-element-1000m", "x14-two-elements-bend"),
+        few_elements,
+    ),
+    ExtremeScene(
+        "X15",
+        "fixed long steps",
+        _runs("x15-bdf1-50ms", "x15-bdf1-500ms", "x15-bdf2-50ms", "x15-bdf2-500ms"),
+        fixed_steps,
+    ),
+    ExtremeScene(
+        "X16",
+        "start inside the wall",
+        (Part("x16-pressed", "x16-start-in-the-wall", "wall"), *_runs("x16-start-in-the-wall")),
+        in_the_wall,
     ),
     ExtremeScene("X17", "off bottom and back", _runs("x17-off-bottom"), off_bottom),
     ExtremeScene("X18", "reverse and no rotation", _runs("x18-reverse", "x18-zero-rotation"), reverse),
-    ExtremeScene("X19", "friction 0, 1 and a jump", _runs("x19-friction-zero", "x19-friction-one", "x19-friction-jump"), friction),
+    ExtremeScene(
+        "X19",
+        "friction 0, 1 and a jump",
+        _runs("x19-friction-zero", "x19-friction-one", "x19-friction-jump"),
+        friction,
+    ),
     ExtremeScene("X20", "washout", _runs("x20-washout"), washout),
-    ExtremeScene("X21", "drillability 1e-5 and 1e-12", _runs("x21-soft-rock", "x21-undrillable"), rock_extremes),
+    ExtremeScene(
+        "X21", "drillability 1e-5 and 1e-12", _runs("x21-soft-rock", "x21-undrillable"), rock_extremes
+    ),
     ExtremeScene(
         "X22",
         "buckling to ten critical loads",
-        (*_runs("x22-helix"), *(Part(f"x22-wob-{w / 1e3:02.0f}kN", "x22-helix", "statics", None, w) for w in LOADS)),
+        (
+            *_runs("x22-helix"),
+            *(Part(f"x22-wob-{w / 1e3:02.0f}kN", "x22-helix", "statics", None, w) for w in LOADS),
+        ),
         helix,
     ),
     ExtremeScene("Y01", "12 km S-well with mud", _runs("y01-deep-well-mud"), deep_mud),

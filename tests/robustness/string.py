@@ -1,4 +1,5 @@
-"""Criteria of the scenes of waves, statics and meshes: X01, X03, X09 to X14, X22 (shared list of extreme scenes)."""
+"""Criteria of the scenes of waves, statics and meshes: X01, X03, X09 to X14, X22 (shared list of extreme
+scenes)."""
 
 from __future__ import annotations
 
@@ -13,12 +14,16 @@ from tests.robustness.criteria import Row, Run, Runs, allowed_penetration, at_mo
 def section(item) -> tuple[float, float, float]:
     """EA [N], EI [N m2] and axial impedance Z_a = A sqrt(E rho) [N s/m] of a pipe item."""
     area, second = np.pi / 4 * (item.od**2 - item.id**2), np.pi / 64 * (item.od**4 - item.id**4)
-    return item.material.young * area, item.material.young * second, float(area * np.sqrt(item.material.young * item.material.density))
+    return (
+        item.material.young * area,
+        item.material.young * second,
+        float(area * np.sqrt(item.material.young * item.material.density)),
+    )
 
 
 def deep_well(runs: Runs) -> list[Row]:
-    """X01: statics of 12 km, and a minute of rotation; the torque is looked at over the last ten seconds, 1.3 round trips of a torsional
-    wave."""
+    """X01: statics of 12 km, and a minute of rotation; the torque is looked at over the last ten seconds, 1.3
+    round trips of a torsional wave."""
     run, reported = runs["x01-deep-well"], runs["x01-statics"].summary
     weight = sum(pipe_mass(item) * item.length * GRAVITY for item in run.case.string[:2])
     torque = run.after(50.0, "surface_torque")
@@ -27,14 +32,21 @@ def deep_well(runs: Runs) -> list[Row]:
         *common("X01", run),
         at_most("X01", "Newton iterations of the statics", reported["iterations"], 199),
         at_most("X01", "residual of the statics over the weight", reported["residual"] / weight, 1e-6),
-        near("X01", "hook load, soft string's [N]", reported["hook_load"], reported["soft_string"]["hook_load"], 0.015),
+        near(
+            "X01",
+            "hook load, soft string's [N]",
+            reported["hook_load"],
+            reported["soft_string"]["hook_load"],
+            0.015,
+        ),
         at_most("X01", "band of the surface torque over its mean, 50 to 60 s", band, 0.02),
     ]
 
 
 def dropped_bit(runs: Runs) -> list[Row]:
-    """X03: collars that meet the bottom at v press on it with Z_a v until the wave comes back from their upper end; afterwards, at rest,
-    the weight is what the top went on by while it braked, at most EA/L times that way."""
+    """X03: collars that meet the bottom at v press on it with Z_a v until the wave comes back from their
+    upper end; afterwards, at rest, the weight is what the top went on by while it braked, at most EA/L times
+    that way."""
     run = runs["x03-dropped-bit"]
     pipe, collar, _ = run.case.string
     t, h = run.history["time"], run.history
@@ -45,7 +57,12 @@ def dropped_bit(runs: Runs) -> list[Row]:
     return [
         *common("X03", run),
         at_most("X03", "rebound speed [m/s]", float(-speed.min()), reached),
-        at_most("X03", "peak weight on bit [N]", float(h["wob"].max()), 1.3 * (section(collar)[2] * reached + static)),
+        at_most(
+            "X03",
+            "peak weight on bit [N]",
+            float(h["wob"].max()),
+            1.3 * (section(collar)[2] * reached + static),
+        ),
         near(
             "X03",
             "weight on bit before the wave is back, Z_a v [N]",
@@ -57,7 +74,8 @@ def dropped_bit(runs: Runs) -> list[Row]:
 
 
 def tripping(runs: Runs) -> list[Row]:
-    """X09: tension at the top at most static + 1.1 Z_a dv + drag, the drag being hoisting less rotating in the statics of the same well."""
+    """X09: tension at the top at most static + 1.1 Z_a dv + drag, the drag being hoisting less rotating in
+    the statics of the same well."""
     run, up, still = runs["x09-trip-fast"], runs["x09-hoist"].summary, runs["x09-rotate"].summary
     hook = run.history["hook_load"]
     limit = hook[0] + 1.1 * section(run.case.string[0])[2] * 2.0 + up["hook_load"] - still["hook_load"]
@@ -67,15 +85,23 @@ def tripping(runs: Runs) -> list[Row]:
     return [
         *common("X09", run),
         at_most("X09", "peak of the hook load [N]", float(hook.max()), float(limit)),
-        at_most("X09", "penetration in the curve [m]", float(run.penetration[:, curve].max()), allowed_penetration(run)),
-        at_most("X09", "failed Newton solves (fewer than any burst of more than 5)", reported["failed_solves"], 5),
+        at_most(
+            "X09",
+            "penetration in the curve [m]",
+            float(run.penetration[:, curve].max()),
+            allowed_penetration(run),
+        ),
+        at_most(
+            "X09", "failed Newton solves (fewer than any burst of more than 5)", reported["failed_solves"], 5
+        ),
     ]
 
 
 def dogleg(runs: Runs) -> list[Row]:
-    """X10: stress of a pipe that follows its hole, E OD/2 kappa, in the middle third of the dogleg (R = 57.3 m less the play on its inner
-    side); contact forces under elements of half the length, as totals of dogleg and kink (single points of a stiff wall carry more or less
-    of them).  Projection: measured depths of the places that the nodes are found at rise with the nodes, none by more than its element."""
+    """X10: stress of a pipe that follows its hole, E OD/2 kappa, in the middle third of the dogleg (R = 57.3
+    m less the play on its inner side); contact forces under elements of half the length, as totals of dogleg
+    and kink (single points of a stiff wall carry more or less of them).  Projection: measured depths of the
+    places that the nodes are found at rise with the nodes, none by more than its element."""
     run, fine = runs["x10-statics"], runs["x10-fine-statics"]
     item, s = run.case.string[1], run.statics
     middle = (s["md"] > 310.0) & (s["md"] < 320.0)
@@ -83,12 +109,26 @@ def dogleg(runs: Runs) -> list[Row]:
     component = 0.5 * (run.case.well.sections[0].diameter - item.od)
     expected = item.material.young * item.od / 2 / (radius - component)
     rows = [
-        holds("X10", "statics converged, negative pivots", run.summary["negative_pivots"], "0", run.summary["negative_pivots"] == 0),
-        near("X10", "bending stress in the dogleg's middle, E OD/2 kappa [Pa]", float(s["bending_stress"][middle].mean()), expected, 0.05),
+        holds(
+            "X10",
+            "statics converged, negative pivots",
+            run.summary["negative_pivots"],
+            "0",
+            run.summary["negative_pivots"] == 0,
+        ),
+        near(
+            "X10",
+            "bending stress in the dogleg's middle, E OD/2 kappa [Pa]",
+            float(s["bending_stress"][middle].mean()),
+            expected,
+            0.05,
+        ),
     ]
     for where, start, end in (("dogleg", 296.0, 334.0), ("kink", 396.0, 407.0)):
         coarse, half = _total(run.statics, start, end), _total(fine.statics, start, end)
-        rows.append(near("X10", f"contact force of the {where}, of elements half as long [N]", coarse, half, 0.05))
+        rows.append(
+            near("X10", f"contact force of the {where}, of elements half as long [N]", coarse, half, 0.05)
+        )
     rows.append(_found_in_order(run))
     return rows + common("X10", runs["x10-dogleg"])
 
@@ -111,12 +151,14 @@ def _found_in_order(run: Run) -> Row:
 
 
 def lock_up(runs: Runs) -> list[Row]:
-    """X11: the load at the end of a helix that slides along the hole; the locked state is the creep after 3.4 s, in which it must not fall.
+    """X11: the load at the end of a helix that slides along the hole; the locked state is the creep after 3.4
+    s, in which it must not fall.
 
-    A helix of q radians per length presses with N = r (F q^2 - EI q^4) (bending of a helix of small slope, curvature r q^2), so that
-    dF/ds = -mu N gives F_end = EI q^2 + (F - EI q^2) exp(-mu r q^2 L).  F/(1 + mu r F L/4EI) is the same with the pitch of least energy,
-    q^2 = F/2EI, which a pipe takes without friction.  Friction holds it on the pitch that it got, and where it changes its hand: q is the
-    mean of the run.  The balance with the contact force as computed needs no helix.
+    A helix of q radians per length presses with N = r (F q^2 - EI q^4) (bending of a helix of small slope,
+    curvature r q^2), so that dF/ds = -mu N gives F_end = EI q^2 + (F - EI q^2) exp(-mu r q^2 L).  F/(1 + mu r
+    F L/4EI) is the same with the pitch of least energy, q^2 = F/2EI, which a pipe takes without friction.
+    Friction holds it on the pitch that it got, and where it changes its hand: q is the mean of the run.  The
+    balance with the contact force as computed needs no helix.
     """
     run = runs["x11-lock-up"]
     item, h = run.case.string[0], run.history
@@ -134,16 +176,32 @@ def lock_up(runs: Runs) -> list[Row]:
     held = mu * float(trapezoid(data["contact_force"][-1], data["md"][0]))
     return [
         *common("X11", run),
-        holds("X11", "load at the top over the helical load", load / helical, ">= 2.95", load / helical >= 2.95),
+        holds(
+            "X11", "load at the top over the helical load", load / helical, ">= 2.95", load / helical >= 2.95
+        ),
         near("X11", "load at the end, of a helix [N]", float(end.mean()), float(coiled), 0.10),
-        near("X11", "load lost on the way, friction times contact force [N]", load - float(end.mean()), held, 0.05),
-        holds("X11", "helix: turns of either hand over the length", turns, "> 10 (pitch 7 to 9 m)", turns > 10),
-        at_most("X11", "fall of the end's load while locked, over it", float(max(0.0, -(np.diff(end).min())) / end.mean()), 0.01),
+        near(
+            "X11",
+            "load lost on the way, friction times contact force [N]",
+            load - float(end.mean()),
+            held,
+            0.05,
+        ),
+        holds(
+            "X11", "helix: turns of either hand over the length", turns, "> 10 (pitch 7 to 9 m)", turns > 10
+        ),
+        at_most(
+            "X11",
+            "fall of the end's load while locked, over it",
+            float(max(0.0, -(np.diff(end).min())) / end.mean()),
+            0.01,
+        ),
     ]
 
 
 def pull_free(runs: Runs) -> list[Row]:
-    """X12: the first speed is F/Z_a; released energy F^2 L/2EA, of which kinetic energy is what is left to go."""
+    """X12: the first speed is F/Z_a; released energy F^2 L/2EA, of which kinetic energy is what is left to
+    go."""
     run = runs["x12-pull-free"]
     item, h = run.case.string[0], run.history
     t, force = h["time"], 4e5
@@ -153,29 +211,53 @@ def pull_free(runs: Runs) -> list[Row]:
     before, after = float(np.median(h["step"][(t > 0.02) & (t < 0.1)])), float(h["step"][t > 5.0].max())
     return [
         *common("X12", run),
-        near("X12", "first speed of the bit [m/s]", float(speed[(t > 0.104) & (t < 0.12)].mean()), force / impedance, 0.05),
-        at_most(
-            "X12", "kinetic energy after 5 s, over the released energy", float(run.after(5.0, "kinetic_energy").max()) / released, 0.05
+        near(
+            "X12",
+            "first speed of the bit [m/s]",
+            float(speed[(t > 0.104) & (t < 0.12)].mean()),
+            force / impedance,
+            0.05,
         ),
-        holds("X12", "longest step after the rest is back, over that before", after / before, ">= 0.5", after >= 0.5 * before),
+        at_most(
+            "X12",
+            "kinetic energy after 5 s, over the released energy",
+            float(run.after(5.0, "kinetic_energy").max()) / released,
+            0.05,
+        ),
+        holds(
+            "X12",
+            "longest step after the rest is back, over that before",
+            after / before,
+            ">= 0.5",
+            after >= 0.5 * before,
+        ),
     ]
 
 
 def inextensible(runs: Runs) -> list[Row]:
-    """X13: torque, speed of the end and offsets of the string over their largest value, with EA as it is and a thousand times that."""
+    """X13: torque, speed of the end and offsets of the string over their largest value, with EA as it is and
+    a thousand times that."""
     one, other = runs["x13-coiled-tubing"], runs["x13-inextensible"]
     rows = [*common("X13", one), *common("X13", other)]
     pairs = [(c, one.history[c], other.history[c]) for c in ("surface_torque", "bit_speed")]
     pairs += [(c, one.probes[c], other.probes[c]) for c in ("x_100", "y_100", "x_190", "y_190")]
     for name, a, b in pairs:
-        rows.append(at_most("X13", f"difference of {name}", float(np.abs(a - b).max() / np.abs(a).max()), 0.01))
-    return [*rows, at_most("X13", "steps over those with the true EA", other.summary["steps"] / one.summary["steps"], 3)]
+        rows.append(
+            at_most("X13", f"difference of {name}", float(np.abs(a - b).max() / np.abs(a).max()), 0.01)
+        )
+    return [
+        *rows,
+        at_most("X13", "steps over those with the true EA", other.summary["steps"] / one.summary["steps"], 3),
+    ]
 
 
 def few_elements(runs: Runs) -> list[Row]:
-    """X14: hook load w L, stretch w L^2/2EA, cantilever w L^4/8EI (small slopes: L tip^2 makes 0.05 % of it); too long an element is named
-    as such, by `check` and by the statics.  In mud the hook load is that of steel in air less what the end's pressure lifts, W - p A_s."""
-    short, long, bend = (runs[f"x14-{name}"] for name in ("one-element-10m", "one-element-1000m", "two-elements-bend"))
+    """X14: hook load w L, stretch w L^2/2EA, cantilever w L^4/8EI (small slopes: L tip^2 makes 0.05 % of it);
+    too long an element is named as such, by `check` and by the statics.  In mud the hook load is that of
+    steel in air less what the end's pressure lifts, W - p A_s."""
+    short, long, bend = (
+        runs[f"x14-{name}"] for name in ("one-element-10m", "one-element-1000m", "two-elements-bend")
+    )
     rows = [row for run in (short, long, bend) for row in common("X14", run)]
     item, bar = long.case.string[0], short.case.string[0]
     ea, ei, _ = section(item)
@@ -188,7 +270,13 @@ def few_elements(runs: Runs) -> list[Row]:
     return [
         *rows,
         near("X14", "1000 m: hook load, w L [N]", float(long.history["hook_load"][0]), w * 1000, 1e-6),
-        near("X14", "1000 m: stretch, w L^2/2EA [m]", float(long.history["bit_depth"][0]) - 1000, w * 1e6 / (2 * ea), 1e-3),
+        near(
+            "X14",
+            "1000 m: stretch, w L^2/2EA [m]",
+            float(long.history["bit_depth"][0]) - 1000,
+            w * 1e6 / (2 * ea),
+            1e-3,
+        ),
         near(
             "X14",
             "10 m in mud: hook load, W - p A_s [N]",
@@ -196,7 +284,9 @@ def few_elements(runs: Runs) -> list[Row]:
             w * 10 - float(short.history["bit_pressure"][0]) * metal,
             1e-3,
         ),
-        near("X14", "two elements: deflection of the tip, w L^4/8EI [m]", float(tip), w * 1e4 / (8 * ei), 2e-3),
+        near(
+            "X14", "two elements: deflection of the tip, w L^4/8EI [m]", float(tip), w * 1e4 / (8 * ei), 2e-3
+        ),
         holds(
             "X14",
             "1000 m: negative pivots, explained",
@@ -215,7 +305,8 @@ def _described(run: Run) -> str:
 
 
 def helix(runs: Runs) -> list[Row]:
-    """X22: from no weight to ten times the first critical load 1.94 (EI w^2)^(1/3) (Lubinski, 1950), each load from the straight string."""
+    """X22: from no weight to ten times the first critical load 1.94 (EI w^2)^(1/3) (Lubinski, 1950), each
+    load from the straight string."""
     case = runs["x22-helix"].case
     item = case.string[0]
     critical = 1.94 * (section(item)[1] * (pipe_mass(item) * GRAVITY) ** 2) ** (1 / 3)
@@ -225,10 +316,25 @@ def helix(runs: Runs) -> list[Row]:
         reported, data = run.summary, run.frames[1]
         load = reported["wob"] / critical
         rows += [
-            holds("X22", f"{load:.2f} critical loads: negative pivots", reported["negative_pivots"], "0", reported["negative_pivots"] == 0),
-            at_most("X22", f"{load:.2f} critical loads: penetration [m]", float(run.penetration.max()), allowed_penetration(run)),
+            holds(
+                "X22",
+                f"{load:.2f} critical loads: negative pivots",
+                reported["negative_pivots"],
+                "0",
+                reported["negative_pivots"] == 0,
+            ),
+            at_most(
+                "X22",
+                f"{load:.2f} critical loads: penetration [m]",
+                float(run.penetration.max()),
+                allowed_penetration(run),
+            ),
         ]
         if load > 5:
             side = float(np.hypot(data["offset_x"], data["offset_y"]).max())
-            rows.append(holds("X22", f"{load:.2f} critical loads: on the wall, offset [m]", side, "> 0.04", side > 0.04))
+            rows.append(
+                holds(
+                    "X22", f"{load:.2f} critical loads: on the wall, offset [m]", side, "> 0.04", side > 0.04
+                )
+            )
     return rows

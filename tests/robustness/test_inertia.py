@@ -1,7 +1,9 @@
-"""A mass centre far beside the axis (X05): the kinetic energy is that of the mass where it is, and never negative.
+"""A mass centre far beside the axis (X05): the kinetic energy is that of the mass where it is, and never
+negative.
 
-With the mass of an eccentric pipe lumped at the nodes beside the beam's consistent mass it was negative for short waves, from an offset of
-20 mm on (collars of 171.5 mm), and a run at 50 mm grew without bound within 0.04 s.
+With the mass of an eccentric pipe lumped at the nodes beside the beam's consistent mass it was negative for
+short waves, from an offset of 20 mm on (collars of 171.5 mm), and a run at 50 mm grew without bound within
+0.04 s.
 """
 
 from __future__ import annotations
@@ -19,10 +21,27 @@ POLAR = DENSITY * np.pi / 32 * (OUTER**4 - INNER**4)  # [kg m]
 
 
 def collar(offset: float, elements: int, joined: bool = False) -> DrillingModel:
-    """A free collar on the north axis; joined: a stabilizer without mass between its halves, so that an element hangs below it."""
-    half = {"kind": "pipe", "od": OUTER, "id": INNER, "eccentricity": offset, "element_length": LENGTH / elements}
-    body = {"kind": "stabilizer", "length": 0.5, "od": 0.2, "mass": 1e-9, "inertia": {"axial": 1e-9, "transverse": 1e-9}}
-    string = [{**half, "length": LENGTH / 2}, body, {**half, "length": LENGTH / 2}] if joined else [{**half, "length": LENGTH}]
+    """A free collar on the north axis; joined: a stabilizer without mass between its halves, so that an
+    element hangs below it."""
+    half = {
+        "kind": "pipe",
+        "od": OUTER,
+        "id": INNER,
+        "eccentricity": offset,
+        "element_length": LENGTH / elements,
+    }
+    body = {
+        "kind": "stabilizer",
+        "length": 0.5,
+        "od": 0.2,
+        "mass": 1e-9,
+        "inertia": {"axial": 1e-9, "transverse": 1e-9},
+    }
+    string = (
+        [{**half, "length": LENGTH / 2}, body, {**half, "length": LENGTH / 2}]
+        if joined
+        else [{**half, "length": LENGTH}]
+    )
     model = build_model(Case(string=string, top="free", initial={"inclination": np.pi / 2}, gravity=0.0))
     place_along_hole(model)
     return model
@@ -34,7 +53,9 @@ def mass_matrix(model: DrillingModel) -> np.ndarray:
     asm.jacobian(0.0, (0.0, 0.0, 1.0), condensed=False)
     M = np.zeros((n, n))
     for item in asm.bound_blocks:
-        for index, K in zip(item.index, asm.values[item.span].reshape(item.count, item.width, item.width), strict=True):
+        for index, K in zip(
+            item.index, asm.values[item.span].reshape(item.count, item.width, item.width), strict=True
+        ):
             M[np.ix_(index, index)] += K
     d = np.sqrt(np.diag(M))
     return M / np.outer(d, d)
@@ -51,7 +72,8 @@ def test_mass_matrix_is_positive_definite(offset, elements, joined):
 
 @pytest.mark.parametrize("elements", [1, 3])
 def test_kinetic_energy_of_a_rigid_motion(elements):
-    """Axis moving with u, turning with Omega: m |u + Omega t x e|^2/2 + Omega^2 polar inertia/2 per length, exact for any mesh."""
+    """Axis moving with u, turning with Omega: m |u + Omega t x e|^2/2 + Omega^2 polar inertia/2 per length,
+    exact for any mesh."""
     offset, spin = 0.05, 7.0
     speed = np.array([0.3, -1.1, 0.7])
     model = collar(offset, elements)

@@ -1,4 +1,5 @@
-"""The quick ones of the extreme scenes, with the criteria of drillpetsc.extreme_* (closed forms and their sources stand there).
+"""The quick ones of the extreme scenes, with the criteria of drillpetsc.extreme_* (closed forms and their
+sources stand there).
 
 scripts/extreme runs them all.
 """
@@ -46,8 +47,12 @@ def test_a_run_that_gains_energy_or_sinks_in_does_not_pass(tmp_path):
         return [row.criterion.split(": ")[1].split(" [")[0] for row in common("X14", run) if not row.passed]
 
     assert missed() == []
-    assert missed(summary=lambda s: s | {"energy": s["energy"] | {"gained_share": 0.02}}) == ["energy gained / exchanged"]
+    assert missed(summary=lambda s: s | {"energy": s["energy"] | {"gained_share": 0.02}}) == [
+        "energy gained / exchanged"
+    ]
     assert missed(summary=lambda s: s | {"rejected_steps": 4 * s["steps"]}) == ["rejected / accepted steps"]
     assert missed(history=lambda h: h | {"hook_load": h["hook_load"] * np.nan}) == ["finite"]
-    assert missed(penetration=lambda p: p + 0.05 * (np.arange(len(p)) > 0)[:, None]) == ["penetration at the frames"]
+    assert missed(penetration=lambda p: p + 0.05 * (np.arange(len(p)) > 0)[:, None]) == [
+        "penetration at the frames"
+    ]
     assert missed(summary=lambda s: s | {"status": "failed: x"}) == ["done"]

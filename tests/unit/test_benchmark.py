@@ -16,8 +16,8 @@ import benchmark_reference as reference  # noqa: E402
 
 
 def test_torsional_wave_on_its_first_way_down():
-    """The wave is at the bit after L/c, passes from pipe to collar with 2 Z1/(Z1 + Z2), Z as the polar moment, and doubles at the free
-    end; the next part of it comes 400 m later."""
+    """The wave is at the bit after L/c, passes from pipe to collar with 2 Z1/(Z1 + Z2), Z as the polar
+    moment, and doubles at the free end; the next part of it comes 400 m later."""
     c = np.sqrt(206e9 / 2.6 / 7850.0)
     pipe, collar = 0.127**4 - 0.1086**4, 0.1778**4 - 0.0714**4
     after = np.linspace(0.01, 0.12, 12)
@@ -28,10 +28,25 @@ def test_torsional_wave_on_its_first_way_down():
 
 
 def test_the_independent_integration_of_a_nearly_rigid_pendulum():
-    """A hinged rod let go at 60 degrees from the vertical hangs down after K(sin 30 deg) sqrt(2 L/(3 g)) (elliptic integral)."""
-    rod = {"kind": "beam", "length": 0.5, "axial_stiffness": 2e4, "bending_stiffness": 1.0, "torsional_stiffness": 1.0, "mass": 0.02,
-           "polar_inertia": 1e-7, "element_length": 0.5}
-    case = Case(string=[rod], top="pinned", bottom="free", gravity=9.81, initial={"from": "straight", "inclination": np.pi / 3})
+    """A hinged rod let go at 60 degrees from the vertical hangs down after K(sin 30 deg) sqrt(2 L/(3 g))
+    (elliptic integral)."""
+    rod = {
+        "kind": "beam",
+        "length": 0.5,
+        "axial_stiffness": 2e4,
+        "bending_stiffness": 1.0,
+        "torsional_stiffness": 1.0,
+        "mass": 0.02,
+        "polar_inertia": 1e-7,
+        "element_length": 0.5,
+    }
+    case = Case(
+        string=[rod],
+        top="pinned",
+        bottom="free",
+        gravity=9.81,
+        initial={"from": "straight", "inclination": np.pi / 3},
+    )
     down = ellipk(0.25) * np.sqrt(2 * 0.5 / (3 * 9.81))
     north, depth = reference.free_motion(case, 1, np.array([0.0, down]), 1e-6).T
     assert north == pytest.approx([0.5 * np.sin(np.pi / 3), 0.0], abs=2e-3)
@@ -53,7 +68,9 @@ def test_a_reference_is_computed_once_for_a_case(tmp_path, monkeypatch):
     case.write_text("gravity: 1.62 m/s2\n")
     assert reference.cached(case, "kind", compute)["value"] == 3.0
     assert reference.cached(case, "kind", compute, fresh=True)["value"] == 4.0
-    assert len(list((tmp_path / "cache" / "references").iterdir())) == 3  # two texts, two kinds; no scratch file is left
+    assert (
+        len(list((tmp_path / "cache" / "references").iterdir())) == 3
+    )  # two texts, two kinds; no scratch file is left
 
 
 def test_means_are_taken_over_the_settled_part():

@@ -42,7 +42,8 @@ def test_rate_is_the_derivative_of_the_value(function: TimeFunction, t: float) -
     h = 1e-4
     assume(smooth_around(function, t, 2 * h))
     difference = (function.value(t + h) - function.value(t - h)) / (2 * h)
-    # error of the difference: h^2/6 times the third derivative, at most 100/2 (pi/0.01)^3 for the ramp, and rounding
+    # error of the difference: h^2/6 times the third derivative, at most 100/2 (pi/0.01)^3 for the ramp, and
+    # rounding
     scale = 100 / 2 * (math.pi / function.duration) ** 3 if isinstance(function, Ramp) else 0.0
     assert function.rate(t) == pytest.approx(difference, abs=scale * h**2 / 6 + 1e-9)
 

@@ -1,7 +1,8 @@
-"""Fluid between string and hole, through the finished scene: added mass, lateral damping, flow along the string, both channels together.
+"""Fluid between string and hole, through the finished scene: added mass, lateral damping, flow along the
+string, both channels together.
 
-As in test_pipes_conveying_fluid.py; chi = (Dw^2 + Do^2)/(Dw^2 - Do^2) is the added over the displaced mass of a cylinder in a concentric
-hole (potential flow; Paidoussis, Fluid-Structure Interactions, vol. 2).
+As in test_pipes_conveying_fluid.py; chi = (Dw^2 + Do^2)/(Dw^2 - Do^2) is the added over the displaced mass of
+a cylinder in a concentric hole (potential flow; Paidoussis, Fluid-Structure Interactions, vol. 2).
 """
 
 from __future__ import annotations
@@ -50,16 +51,24 @@ def slowest_root(tube: Tube, **fluid) -> complex:
 # ---------------------------------------------------------------------- still fluid
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_confined_added_mass_from_the_frequency(ratio):
-    """F04: pipe of 0.6 and displaced fluid of 0.4 of one mass: frequency 1/sqrt(.6 + .4 chi) of that mass's alone (.95346, .83822, .59568),
-    so chi within 1e-4; undamped.  The same for a ratio that is given, and the paper's plug flow Do^2/(Dw^2 - Do^2)."""
+    """F04: pipe of 0.6 and displaced fluid of 0.4 of one mass: frequency 1/sqrt(.6 + .4 chi) of that mass's
+    alone (.95346, .83822, .59568), so chi within 1e-4; undamped.  The same for a ratio that is given, and the
+    paper's plug flow Do^2/(Dw^2 - Do^2)."""
     displaced = DENSITY * SOLID
     tube, beam = Tube(1.5 * displaced, 16, hole=ratio * OUTER), np.pi**4 * BENDING / LENGTH**4
-    for option, chi in (("confined", chi_of(ratio)), ("paper_plug", 1 / (ratio**2 - 1)), (7.5, 7.5), ("none", 0.0)):
+    for option, chi in (
+        ("confined", chi_of(ratio)),
+        ("paper_plug", 1 / (ratio**2 - 1)),
+        (7.5, 7.5),
+        ("none", 0.0),
+    ):
         s = slowest_root(tube, added_mass=option)
         assert abs(s.real) < 1e-9 * s.imag
         assert (beam / s.imag**2 - tube.mass) / displaced == pytest.approx(chi, abs=1e-4 * (chi + 1.5))
     s = slowest_root(tube)
-    assert s.imag / np.sqrt(beam / (2.5 * displaced)) == pytest.approx(1 / np.sqrt(0.6 + 0.4 * chi_of(ratio)), rel=2e-5)
+    assert s.imag / np.sqrt(beam / (2.5 * displaced)) == pytest.approx(
+        1 / np.sqrt(0.6 + 0.4 * chi_of(ratio)), rel=2e-5
+    )
 
 
 def test_lateral_damping_is_the_number_given():
@@ -76,8 +85,8 @@ STOKES = {(1.25, 100.0): 11.07, (1.25, 1e4): 0.3685, (2.0, 100.0): 0.7218, (2.0,
 
 @pytest.mark.parametrize(("ratio", "number"), STOKES)
 def test_lateral_damping_from_viscous_flow(ratio, number):
-    """F05: decay of the first mode of a pipe in a viscous fluid, C_d of the exact solution of the Stokes equations at S = Omega Ro^2/nu
-    (verification.md; Chen, Wambsganss and Jendrzejczyk 1976) within 0.1 %."""
+    """F05: decay of the first mode of a pipe in a viscous fluid, C_d of the exact solution of the Stokes
+    equations at S = Omega Ro^2/nu (verification.md; Chen, Wambsganss and Jendrzejczyk 1976) within 0.1 %."""
     tube, speed = Tube(30.0, 16, hole=ratio * OUTER), 0.5
     viscosity = DENSITY * speed * OUTER**2 / 4 / number
     law = {"model": "newtonian", "viscosity": float(viscosity)}
@@ -87,9 +96,10 @@ def test_lateral_damping_from_viscous_flow(ratio, number):
 
 
 def test_vibration_in_a_filled_hole():
-    """F04 in a run: a pinned pipe let go from rest in its first mode, 8 elements, BDF2 with omega dt = 0.03: period within 0.1 % and decay
-    within 0.5 % of s^2 (m + chi rho A_o) + s k_v + EI (pi/L)^4 = 0 (BDF2 slows it by (omega dt)^2/3 = 0.03 %).  The push is small beside
-    sqrt(EI/EA) = 1 mm, as fixed ends stretch the pipe that bends."""
+    """F04 in a run: a pinned pipe let go from rest in its first mode, 8 elements, BDF2 with omega dt = 0.03:
+    period within 0.1 % and decay within 0.5 % of s^2 (m + chi rho A_o) + s k_v + EI (pi/L)^4 = 0 (BDF2 slows
+    it by (omega dt)^2/3 = 0.03 %).  The push is small beside sqrt(EI/EA) = 1 mm, as fixed ends stretch the
+    pipe that bends."""
     tube, damping = Tube(30.0, 8, hole=1.7 * OUTER), 12.0
     mass = tube.mass + chi_of(1.7) * DENSITY * SOLID
     decay = 0.5 * damping / mass
@@ -97,13 +107,20 @@ def test_vibration_in_a_filled_hole():
     model = tube.at_rest({"lateral_damping": damping}, bottom=PLUGGED)
     release(model)
     move_rigidly(model)
-    x, r, v = model.mesh.node_depth / LENGTH, *(model.system.field(f"string.{k}").copy() for k in ("position", "tangent"))
+    x, r, v = (
+        model.mesh.node_depth / LENGTH,
+        *(model.system.field(f"string.{k}").copy() for k in ("position", "tangent")),
+    )
     r[:, 0], v[:, 0] = 2e-6 * np.sin(np.pi * x), 2e-6 * np.pi / LENGTH * np.cos(np.pi * x)
     model.system.set_field("string.position", r)
     model.system.set_field("string.tangent", v)
     path: list[tuple[float, float]] = []
-    integrate(model.system, 4.2 * 2 * np.pi / omega, fixed(0.03 / omega),
-              call=lambda t, dt: path.append((t, model.system.field("string.position")[4, 0])))
+    integrate(
+        model.system,
+        4.2 * 2 * np.pi / omega,
+        fixed(0.03 / omega),
+        call=lambda t, dt: path.append((t, model.system.field("string.position")[4, 0])),
+    )
     t, y = np.array(path).T
     k = np.flatnonzero((y[:-1] > 0) & (y[1:] <= 0))
     falls = t[k] - y[k] * (t[k + 1] - t[k]) / (y[k + 1] - y[k])
@@ -116,28 +133,35 @@ def test_vibration_in_a_filled_hole():
 # ---------------------------------------------------------------------- flow
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_flow_in_and_around_a_pinned_pipe_buckles_it(ratio):
-    """Down the bore and up the annulus, inviscid, all pressures zero: bends out where rho A_i U_i^2 + chi rho A_o U_o^2 = pi^2 EI/L2
-    (annulus alone: u_o = pi/sqrt(chi), fluid.md 8.4); within 5e-5 at 16 elements, of fourth order."""
+    """Down the bore and up the annulus, inviscid, all pressures zero: bends out where rho A_i U_i^2 + chi rho
+    A_o U_o^2 = pi^2 EI/L2 (annulus alone: u_o = pi/sqrt(chi), fluid.md 8.4); within 5e-5 at 16 elements, of
+    fourth order."""
     annulus = (ratio**2 - 1) * SOLID
     exact = np.pi / LENGTH * np.sqrt(BENDING / DENSITY / (1 / BORE + chi_of(ratio) * SOLID / annulus**2))
     error = []
     for n in (4, 8, 16):
         tube = Tube(10.0, n, hole=ratio * OUTER)
-        q = brentq(lambda q, tube=tube: softest(tube.at_rest({"flow_rate": float(q)})), 0.9 * exact, 1.1 * exact, xtol=1e-8 * exact)
+        q = brentq(
+            lambda q, tube=tube: softest(tube.at_rest({"flow_rate": float(q)})),
+            0.9 * exact,
+            1.1 * exact,
+            xtol=1e-8 * exact,
+        )
         error.append(q / exact - 1)
     assert 0 < error[2] < 5e-5
     assert error[0] / error[1] > 12 and error[1] / error[2] > 12
 
 
 def test_flow_around_a_pinned_pipe_buckles_it_either_way():
-    """An added mass so large (chi = 1000) that the bore has a share of 0.5 %: u_o = U_o L sqrt(rho A_o/EI) = pi/sqrt(chi), less that share,
-    in normal and in reverse circulation."""
+    """An added mass so large (chi = 1000) that the bore has a share of 0.5 %: u_o = U_o L sqrt(rho A_o/EI) =
+    pi/sqrt(chi), less that share, in normal and in reverse circulation."""
     tube, chi = Tube(10.0, 16, hole=1.7 * OUTER), 1000.0
     annulus = (1.7**2 - 1) * SOLID
     share = 1 / BORE / (1 / BORE + chi * SOLID / annulus**2)
     assert share < 6e-3
     near = np.pi / np.sqrt(chi) / LENGTH * np.sqrt(BENDING / (DENSITY * SOLID)) * annulus
     for way in (1.0, -1.0):
+
         def stiffness(q: float, way: float = way) -> float:
             return softest(tube.at_rest({"flow_rate": float(way * q), "added_mass": chi}))
 
@@ -145,19 +169,31 @@ def test_flow_around_a_pinned_pipe_buckles_it_either_way():
         assert q / near == pytest.approx(np.sqrt(1 - share), rel=5e-5)
 
 
-# ---------------------------------------------------------------------- bore and annulus of a hanging cantilever
-def hanging(u: float, ratio: float, viscosity: float, damping: float, elements: int, mass: float = 10.0) -> np.ndarray:
-    """Eigenvalues [1/s] of the assembled scene, bore down and annulus up (u < 0: reversed), u = U_i L sqrt(rho A_i/EI)."""
+# ---------------------------------------------------------------------- bore and annulus of a hanging
+# cantilever
+def hanging(
+    u: float, ratio: float, viscosity: float, damping: float, elements: int, mass: float = 10.0
+) -> np.ndarray:
+    """Eigenvalues [1/s] of the assembled scene, bore down and annulus up (u < 0: reversed), u = U_i L
+    sqrt(rho A_i/EI)."""
     tube = Tube(mass, elements, hole=ratio * OUTER)
-    fluid = {"flow_rate": flow_of(u), "lateral_damping": damping, "rheology": {"model": "newtonian", "viscosity": viscosity}}
+    fluid = {
+        "flow_rate": flow_of(u),
+        "lateral_damping": damping,
+        "rheology": {"model": "newtonian", "viscosity": viscosity},
+    }
     model = tube.at_rest(fluid, top="clamped", bottom="free", gravity=GRAVITY)
     return roots_of(*across(model))
 
 
-def hanging_by_spectrum(u: float, ratio: float, viscosity: float, damping: float, mass: float = 10.0) -> np.ndarray:
-    """The same from the linear equation (fluid.md 4: slender-body added momentum, Lighthill 1960; drag along the relative velocity)
+def hanging_by_spectrum(
+    u: float, ratio: float, viscosity: float, damping: float, mass: float = 10.0
+) -> np.ndarray:
+    """The same from the linear equation (fluid.md 4: slender-body added momentum, Lighthill 1960; drag along
+    the relative velocity)
 
-        EI y'''' - (T y')' + rho A_i (d_t + U_i d_s)^2 y + chi rho A_o (d_t + U_o d_s)^2 y + m y_tt + k_v y_t + F/|U_o| (y_t + U_o y') = 0,
+        EI y'''' - (T y')' + rho A_i (d_t + U_i d_s)^2 y + chi rho A_o (d_t + U_o d_s)^2 y + m y_tt + k_v y_t
+        + F/|U_o| (y_t + U_o y') = 0,
 
     the mass of the bore's fluid in full, F = tau pi D_o the wall shear, T falling to 0 at the free end by
     (m + rho A_i - rho A_o) g less the lift F Dw/(Dw - Do) of flow upwards (pressure and shear together).
@@ -166,7 +202,11 @@ def hanging_by_spectrum(u: float, ratio: float, viscosity: float, damping: float
     added, annulus = chi_of(ratio) * DENSITY * SOLID, (ratio**2 - 1) * SOLID
     q = flow_of(u)
     U_i, U_o = q / BORE, -q / annulus
-    shear = float(wall_shear(Rheology.newtonian(viscosity), abs(U_o), (ratio - 1) * OUTER, 1, DENSITY)) if viscosity else 0.0
+    shear = (
+        float(wall_shear(Rheology.newtonian(viscosity), abs(U_o), (ratio - 1) * OUTER, 1, DENSITY))
+        if viscosity
+        else 0.0
+    )
     force = shear * np.pi * OUTER
     weight = (mass + DENSITY * (BORE - SOLID)) * GRAVITY - np.sign(q) * force * ratio / (ratio - 1)
     drag = force / abs(U_o)
@@ -192,7 +232,8 @@ HANGING = [  # u, hole over string, viscosity [Pa s], k_v [N s/m2]
 
 @pytest.mark.parametrize(("u", "ratio", "viscosity", "damping"), HANGING)
 def test_roots_of_a_hanging_pipe_with_flow_in_and_around_it(u, ratio, viscosity, damping):
-    """First three complex roots (frequency and growth) against the spectral solution: 1e-4 at 16 elements, of fourth order."""
+    """First three complex roots (frequency and growth) against the spectral solution: 1e-4 at 16 elements, of
+    fourth order."""
     exact = oscillating(hanging_by_spectrum(u, ratio, viscosity, damping), 3)
     error = [np.abs(oscillating(hanging(u, ratio, viscosity, damping, n), 3) / exact - 1) for n in (4, 8, 16)]
     assert error[2].max() < 1e-4
@@ -201,8 +242,10 @@ def test_roots_of_a_hanging_pipe_with_flow_in_and_around_it(u, ratio, viscosity,
 
 @pytest.mark.parametrize(("ratio", "damping", "near"), [(3.0, 0.0, 4.7), (1.5, 5.0, 0.6), (1.5, 10.0, 1.2)])
 def test_hanging_pipe_flutters(ratio, damping, near):
-    """Critical bore speed: a wide annulus leaves it to the bore, a narrow one flutters at a low flow, in proportion to the damping in still
-    fluid (Paidoussis, Luu and Prabhakar, J. Fluids Struct. 24, 2008: their pattern; fluid.md 8.4)."""
+    """Critical bore speed: a wide annulus leaves it to the bore, a narrow one flutters at a low flow, in
+    proportion to the damping in still fluid (Paidoussis, Luu and Prabhakar, J. Fluids Struct. 24, 2008: their
+    pattern; fluid.md 8.4)."""
+
     def critical(roots) -> float:
         return brentq(lambda u: fastest_growing(roots(u)).real, 0.4 * near, 1.6 * near, xtol=1e-8)
 
@@ -213,7 +256,8 @@ def test_hanging_pipe_flutters(ratio, damping, near):
 
 
 def test_outlet_pressure_between_fixed_ends_stiffens_the_pipe():
-    """Fixed ends, empty and plugged: T = p_o A_o, omega^2 (m + chi rho A_o) = EI (pi/L)^4 + p_o A_o (pi/L)^2."""
+    """Fixed ends, empty and plugged: T = p_o A_o, omega^2 (m + chi rho A_o) = EI (pi/L)^4 + p_o A_o
+    (pi/L)^2."""
     tube = Tube(30.0, 16, hole=1.7 * OUTER)
     s = slowest_root(tube, outlet_pressure=7 * FORCE / SOLID)
     mass = tube.mass + chi_of(1.7) * DENSITY * SOLID

@@ -1,7 +1,9 @@
-"""The drag bit of a scene: steady cutting, wear flat, standstill and reverse, lift-off, small vibrations (P25-P26, X17, X18).
+"""The drag bit of a scene: steady cutting, wear flat, standstill and reverse, lift-off, small vibrations
+(P25-P26, X17, X18).
 
 Law: Detournay and Defourny, Int. J. Rock Mech. Min. Sci. 29(1):13, 1992, W = zeta eps a d + sigma a l and
-T = eps a^2 d/2 + mu gamma sigma a^2 l/2, with the depth of cut d per turn; every blade cuts into the groove of the blade before it.
+T = eps a^2 d/2 + mu gamma sigma a^2 l/2, with the depth of cut d per turn; every blade cuts into the groove
+of the blade before it.
 """
 
 from __future__ import annotations
@@ -30,11 +32,18 @@ def feed(depth: float, turning: float = TURNING) -> float:
 def figures(model: DrillingModel, end: float, **petsc) -> np.ndarray:
     """Rows (t, weight, torque, rate, drilled) of all steps."""
     bit = bit_of(model)
-    return watched(model.system, end, lambda m: [*bit.figures(m.assembly)[:3], unknowns(model, "hole.drilled")[0]], model.breaks, **petsc)
+    return watched(
+        model.system,
+        end,
+        lambda m: [*bit.figures(m.assembly)[:3], unknowns(model, "hole.drilled")[0]],
+        model.breaks,
+        **petsc,
+    )
 
 
 def iterations(model: DrillingModel, end: float, step: float) -> tuple[list[int], int, int]:
-    """Newton iterations of every step of a run with fixed steps, how many steps were rejected, how often Newton failed."""
+    """Newton iterations of every step of a run with fixed steps, how many steps were rejected, how often
+    Newton failed."""
     counts: list[int] = []
     with applied(fixed(step)):
         integrator = TimeIntegrator(model.system)
@@ -43,7 +52,9 @@ def iterations(model: DrillingModel, end: float, step: float) -> tuple[list[int]
     return np.diff([0, *counts]).tolist(), integrator.counters.rejected, integrator.failure_count()
 
 
-@pytest.mark.parametrize(("depth", "weight", "torque", "rate"), [(4e-3, 23.328e3, 1651.62, 28.8), (8e-3, 38.880e3, 3051.30, 57.6)])
+@pytest.mark.parametrize(
+    ("depth", "weight", "torque", "rate"), [(4e-3, 23.328e3, 1651.62, 28.8), (8e-3, 38.880e3, 3051.30, 57.6)]
+)
 def test_steady_cutting(depth, weight, torque, rate):
     """P26: at 120 rpm, from a bit that has just touched a smooth bottom; steady after a few quarter turns."""
     last = figures(drilling({"bit_law": DRAG}, lowered(feed(depth))), 0.8, **fixed(2e-3))[-1]
@@ -51,21 +62,24 @@ def test_steady_cutting(depth, weight, torque, rate):
 
 
 def test_wear_flat_in_incomplete_contact():
-    """A chip thinner than the depth over which the wear flat comes into contact: the flat carries the share 3u^2 - 2u^3 of its full force
-    (kernels/bit/bit.hpp; full contact stress needs a depth of cut, Detournay and Defourny 1992; the share is ours, its use is tested),
-    times (1 + s(U'))/2 with s = v/sqrt(v^2 + e^2), e = 0.1 mm/s (model page, section 4.4)."""
+    """A chip thinner than the depth over which the wear flat comes into contact: the flat carries the share
+    3u^2 - 2u^3 of its full force (kernels/bit/bit.hpp; full contact stress needs a depth of cut, Detournay
+    and Defourny 1992; the share is ours, its use is tested), times (1 + s(U'))/2 with s = v/sqrt(v^2 + e^2),
+    e = 0.1 mm/s (model page, section 4.4)."""
     depth, onset = 1e-4, CONTACT / 1e8
     u = depth / 4 / onset
     share = u * u * (3 - 2 * u) * 0.5 * (1 + feed(depth) / np.hypot(feed(depth), 1e-4))
     last = figures(drilling({"bit_law": DRAG}, lowered(feed(depth))), 1.0, **fixed(2e-3))[-1]
     assert 0.2 < share < 0.8
-    assert last[1:4] == pytest.approx([CUT * depth + share * CONTACT, 0.5 * 60e6 * RADIUS**2 * depth + share * RUB, feed(depth)], rel=1e-3)
+    assert last[1:4] == pytest.approx(
+        [CUT * depth + share * CONTACT, 0.5 * 60e6 * RADIUS**2 * depth + share * RUB, feed(depth)], rel=1e-3
+    )
 
 
 @pytest.mark.parametrize("turning", [-TURNING, 0.0])
 def test_a_bit_that_does_not_turn_forward_cuts_nothing(turning):
-    """X18: 30 kN on a bit that stands still or turns backward: no rock goes, the profile stays, only the flats rub, against the turning,
-    with no more than their full friction."""
+    """X18: 30 kN on a bit that stands still or turns backward: no rock goes, the profile stays, only the
+    flats rub, against the turning, with no more than their full friction."""
     loads = [{"at": 1.0, "force": [0, 0, 30e3]}]
     model = drilling({"bit_law": DRAG}, {"kind": "top_drive", "rotation": turning, "force": 0.0}, loads=loads)
     rows = figures(model, 0.5, ts_rtol=1e-3)
@@ -80,8 +94,11 @@ def test_a_bit_that_does_not_turn_forward_cuts_nothing(turning):
 
 @pytest.mark.parametrize("rotation", [0.0, -TURNING, {"time": [0.0, 0.2, 0.8], "value": [10.0, 10.0, -10.0]}])
 def test_newton_stays_short_at_standstill_and_in_reverse(rotation):
-    """X18: fewer than 15 iterations a step of 5 ms and no failed step, at standstill, in reverse and through zero."""
-    model = drilling({"bit_law": DRAG}, {"kind": "top_drive", "rotation": rotation, "lowering": 8e-3}, axial=1e7)
+    """X18: fewer than 15 iterations a step of 5 ms and no failed step, at standstill, in reverse and through
+    zero."""
+    model = drilling(
+        {"bit_law": DRAG}, {"kind": "top_drive", "rotation": rotation, "lowering": 8e-3}, axial=1e7
+    )
     counts, rejected, failures = iterations(model, 1.0, 5e-3)
     assert max(counts) < 15
     assert rejected == failures == 0
@@ -92,7 +109,8 @@ LIFT_TIMES, LIFT = [0, 0.5, 0.52, 0.72, 0.74, 0.95, 0.97, 1.19, 1.21, 3], 0.5
 
 
 def lifted(h: float = 1.0) -> tuple[DrillingModel, np.ndarray]:
-    """X17 small: steady cutting, 11 cm off bottom and back at 0.5 m/s.  Rows (t, weight, rate, depth of the face, drilled, profile ...)."""
+    """X17 small: steady cutting, 11 cm off bottom and back at 0.5 m/s.  Rows (t, weight, rate, depth of the
+    face, drilled, profile ...)."""
     v = feed(4e-3)
     lowering = {"time": LIFT_TIMES, "value": [v, v, -LIFT, -LIFT, 0, 0, LIFT, LIFT, v, v]}
     model = drilling({"bit_law": DRAG}, {"kind": "top_drive", "rotation": TURNING, "lowering": lowering})
@@ -100,7 +118,13 @@ def lifted(h: float = 1.0) -> tuple[DrillingModel, np.ndarray]:
 
     def watch(system):
         f = bit.figures(system.assembly)
-        return [f[0], f[2], system.field("string.position")[-1, 2] - 1.0, *unknowns(model, "hole.drilled"), *unknowns(model, "bit.chips")]
+        return [
+            f[0],
+            f[2],
+            system.field("string.position")[-1, 2] - 1.0,
+            *unknowns(model, "hole.drilled"),
+            *unknowns(model, "bit.chips"),
+        ]
 
     return model, watched(model.system, 2.2, watch, model.breaks, ts_rtol=1e-4)
 
@@ -108,11 +132,19 @@ def lifted(h: float = 1.0) -> tuple[DrillingModel, np.ndarray]:
 def test_lift_off_keeps_the_uncut_rock():
     """X17: the hole never gets shorter, nothing is cut off bottom, and what was cut is what is missing.
 
-    The rock below the bit stands at the mean of the blades' profile B; each turn takes off blades * chip, so metres drilled = change of
-    that mean.  In steady cutting B falls evenly over one chip from the face, so after all that the hole is half a chip short of the face.
+    The rock below the bit stands at the mean of the blades' profile B; each turn takes off blades * chip, so
+    metres drilled = change of that mean.  In steady cutting B falls evenly over one chip from the face, so
+    after all that the hole is half a chip short of the face.
     """
     _, rows = lifted()
-    t, weight, rate, face, drilled, profile = rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3], rows[:, 4], rows[:, 5:]
+    t, weight, rate, face, drilled, profile = (
+        rows[:, 0],
+        rows[:, 1],
+        rows[:, 2],
+        rows[:, 3],
+        rows[:, 4],
+        rows[:, 5:],
+    )
     off = (t > 0.53) & (t < 1.15)
     assert off.sum() > 20
     assert np.diff(drilled).min() >= -1e-15 and weight.min() >= 0.0 and rate.min() >= 0.0
@@ -120,14 +152,18 @@ def test_lift_off_keeps_the_uncut_rock():
     assert drilled[off][0] > 3e-3  # it had cut before
     chip = 1e-3
     # uncut rock stays
-    assert profile[off].min() > face[t < 0.5].max() - 1.5 * chip and profile[off].max() < face[t < 0.52].max() + 0.2 * chip
+    assert (
+        profile[off].min() > face[t < 0.5].max() - 1.5 * chip
+        and profile[off].max() < face[t < 0.52].max() + 0.2 * chip
+    )
     assert weight[-1] == pytest.approx(CUT * 4e-3 + CONTACT, rel=1e-3)
     assert drilled[-1] == pytest.approx(face[-1] - 0.5 * chip, abs=1e-3 * chip)
 
 
 def test_a_profile_that_goes_round_off_bottom_does_not_grow():
-    """Off bottom the inflow is what the blade ahead leaves, B(2 pi/n) = B(0): B_t = omega B_xi on a ring, whose parts only turn.  A
-    discrete profile may lose its short waves but no part of it may grow, or hours of turning off bottom make rock out of nothing."""
+    """Off bottom the inflow is what the blade ahead leaves, B(2 pi/n) = B(0): B_t = omega B_xi on a ring,
+    whose parts only turn.  A discrete profile may lose its short waves but no part of it may grow, or hours
+    of turning off bottom make rock out of nothing."""
     D = profile_derivative(CHIPS, 0.5 * np.pi)
     ring = D[:, :CHIPS].copy()
     ring[:, 0] += D[:, CHIPS]
@@ -138,21 +174,54 @@ def test_a_profile_that_goes_round_off_bottom_does_not_grow():
 LENGTH, MASS = 10.0, 5e3
 
 
-def vibration(damping: float, stiffness: float, turning: float, chip: float, wear_flat: float, end: float, step: float) -> np.ndarray:
-    """Displacement [m] beside steady cutting of a mass on a spring above a drag bit, after a push of 0.1 mm/s; every ``step`` [s].
+def vibration(
+    damping: float, stiffness: float, turning: float, chip: float, wear_flat: float, end: float, step: float
+) -> np.ndarray:
+    """Displacement [m] beside steady cutting of a mass on a spring above a drag bit, after a push of 0.1
+    mm/s; every ``step`` [s].
 
-    The spring with its parallel damper is a massless, damped beam; the bit starts in the profile of steady cutting, under its weight.
+    The spring with its parallel damper is a massless, damped beam; the bit starts in the profile of steady
+    cutting, under its weight.
     """
-    pipe = beam(LENGTH, 1, stiffness * LENGTH, 1e9, 1e10, 1e-6, 1e-3, od=2 * RADIUS, damping={"stiffness": damping / stiffness})
-    item = {"kind": "bit", "length": 0.1, "od": 2 * RADIUS, "mass": MASS, "inertia": {"axial": 10.0, "transverse": 100.0}}
+    pipe = beam(
+        LENGTH,
+        1,
+        stiffness * LENGTH,
+        1e9,
+        1e10,
+        1e-6,
+        1e-3,
+        od=2 * RADIUS,
+        damping={"stiffness": damping / stiffness},
+    )
+    item = {
+        "kind": "bit",
+        "length": 0.1,
+        "od": 2 * RADIUS,
+        "mass": MASS,
+        "inertia": {"axial": 10.0, "transverse": 100.0},
+    }
     depth, speed = LENGTH + 0.1, feed(4 * chip, turning)
-    well = {"survey": {"md": [0, depth], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": depth, "kind": "open_hole", "diameter": 2 * RADIUS, "friction": 0.0}]}
-    model = straight(string=[pipe, item], well=well, contact=None, top=lowered(speed, turning), gravity=0.0, initial={"from": "straight"},
-                     bottom={"kind": "bit", "stiffness": 1e8, "friction": 0.0}, formation={"bit_law": DRAG | {"wear_flat": wear_flat}})
+    well = {
+        "survey": {"md": [0, depth], "inclination": [0, 0], "azimuth": [0, 0]},
+        "sections": [{"to": depth, "kind": "open_hole", "diameter": 2 * RADIUS, "friction": 0.0}],
+    }
+    model = straight(
+        string=[pipe, item],
+        well=well,
+        contact=None,
+        top=lowered(speed, turning),
+        gravity=0.0,
+        initial={"from": "straight"},
+        bottom={"kind": "bit", "stiffness": 1e8, "friction": 0.0},
+        formation={"bit_law": DRAG | {"wear_flat": wear_flat}},
+    )
     system, bit = model.system, bit_of(model)
     weight = 4 * chip * CUT + CONTACT * wear_flat / 1.2e-3
-    pressed, sunk = weight / stiffness, weight / 1e8  # the profile of steady cutting follows from the weight at rest
+    pressed, sunk = (
+        weight / stiffness,
+        weight / 1e8,
+    )  # the profile of steady cutting follows from the weight at rest
     assert isinstance(model.top, TopDrive)
     model.top.shift(pressed + sunk)
     system.set_field("string.position", np.outer([pressed + sunk, LENGTH + sunk], [0, 0, 1]))
@@ -165,14 +234,22 @@ def vibration(damping: float, stiffness: float, turning: float, chip: float, wea
 
 @pytest.mark.parametrize(
     ("damping", "stiffness", "turning", "wear_flat", "growing", "end", "step"),
-    [(1e4, 2e7, TURNING, 0.0, True, 0.6, 5e-4), (1e5, 2e7, 15.0, 1.2e-3, True, 1.0, 4e-4), (2e5, 2e7, 20.0, 0.0, False, 1.0, 5e-4)],
+    [
+        (1e4, 2e7, TURNING, 0.0, True, 0.6, 5e-4),
+        (1e5, 2e7, 15.0, 1.2e-3, True, 1.0, 4e-4),
+        (2e5, 2e7, 20.0, 0.0, False, 1.0, 5e-4),
+    ],
     ids=["unstable", "near_neutral", "stable"],
 )
-def test_small_vibrations_grow_as_the_delay_equation_says(damping, stiffness, turning, wear_flat, growing, end, step):
-    """Growth rate and frequency: rightmost root of m u'' + c u' + k u = -4 zeta eps a (u(t) - u(t - tau)), within 2 %; tau a quarter turn.
+def test_small_vibrations_grow_as_the_delay_equation_says(
+    damping, stiffness, turning, wear_flat, growing, end, step
+):
+    """Growth rate and frequency: rightmost root of m u'' + c u' + k u = -4 zeta eps a (u(t) - u(t - tau)),
+    within 2 %; tau a quarter turn.
 
-    The roots come from delay_roots.py, where the argument principle confirms that none lies further right; the run's from a matrix pencil.
-    A wear flat that stays engaged on a bit that goes down adds a constant force only.
+    The roots come from delay_roots.py, where the argument principle confirms that none lies further right;
+    the run's from a matrix pencil. A wear flat that stays engaged on a bit that goes down adds a constant
+    force only.
     """
     equation = Regenerative(MASS, damping, stiffness, 4 * CUT, 0.5 * np.pi / turning)
     root = equation.roots(1)[0]

@@ -1,4 +1,5 @@
-"""Order in time of the hole's growth (P28); steps that are rejected, and nodes that are frozen, leave no trace (P29, P30)."""
+"""Order in time of the hole's growth (P28); steps that are rejected, and nodes that are frozen, leave no
+trace (P29, P30)."""
 
 from __future__ import annotations
 
@@ -45,20 +46,38 @@ class Wave:
 
 
 def spring_bit(post_step: bool) -> tuple[DiscreteSystem, RockBit]:
-    """P28 in equilibrium at t = 0 (100 kN: spring pressed by 0.5 m, bit 0.5 mm in the bottom), everything going down at 10 mm/s.
+    """P28 in equilibrium at t = 0 (100 kN: spring pressed by 0.5 m, bit 0.5 mm in the bottom), everything
+    going down at 10 mm/s.
 
-    The spring is a massless beam; the damper lies parallel to it (Kelvin-Voigt), its time constant c/k = 0.1 s.
+    The spring is a massless beam; the damper lies parallel to it (Kelvin-Voigt), its time constant c/k = 0.1
+    s.
     """
-    mesh = uniform_string(LENGTH, 1, axial_stiffness=SPRING * LENGTH, bending_stiffness=1e13, torsional_stiffness=1e6, mass=1e-9,
-                          polar_inertia=1e-9, stiffness_damping=DAMPING / SPRING, outer_diameter=0.2)
-    mesh = replace(mesh, bodies=(RigidItem("bit", "bit", 1, 0.0, 0.0, MASS, 0.0, (0.0, 0.0), 100.0, 100.0, 0.1),))
+    mesh = uniform_string(
+        LENGTH,
+        1,
+        axial_stiffness=SPRING * LENGTH,
+        bending_stiffness=1e13,
+        torsional_stiffness=1e6,
+        mass=1e-9,
+        polar_inertia=1e-9,
+        stiffness_damping=DAMPING / SPRING,
+        outer_diameter=0.2,
+    )
+    mesh = replace(
+        mesh, bodies=(RigidItem("bit", "bit", 1, 0.0, 0.0, MASS, 0.0, (0.0, 0.0), 100.0, 100.0, 0.1),)
+    )
     depth = LENGTH - 5e-4
     hole = GrowingHole(Well.from_survey([0, depth], [0, 0], [0, 0], [depth], [0.1], [0.0]), 0.05, 0.1, 0.0)
     rock = Rock((Layer(-1.0, DRILLABILITY, 0.0, 1.0, 0.0, 0.2, np.eye(3)),), post_step=post_step)
     bit = RockBit(1, BitShape(0.0, 0.1, 0.05), BitContact(BOTTOM, BOTTOM, 0.0, 0.0), None, rock, hole)
-    system = straight_model(mesh, [lambda frames, x, t: RigidBodies(mesh, frames, np.zeros(3)),
-                                  lambda frames, x, t: TopDrive(x[0] + 0.5 * DOWN, t[0], Constant(0.0), Wave()),
-                                  lambda frames, x, t: bit])
+    system = straight_model(
+        mesh,
+        [
+            lambda frames, x, t: RigidBodies(mesh, frames, np.zeros(3)),
+            lambda frames, x, t: TopDrive(x[0] + 0.5 * DOWN, t[0], Constant(0.0), Wave()),
+            lambda frames, x, t: bit,
+        ],
+    )
     system.set_field("string.position", np.outer([0.5, LENGTH], DOWN))
     system.set_field("string.tangent", np.outer([1 - 0.5 / LENGTH] * 2, DOWN))
     bit.release_sliding_direction()
@@ -68,7 +87,8 @@ def spring_bit(post_step: bool) -> tuple[DiscreteSystem, RockBit]:
 
 
 def exact_depth(end: float) -> float:
-    """Metres drilled: m x'' = k (T - x) + c (T' - x') - W, s' = D W, W the bottom spring with its C1 onset; explicit, order 8."""
+    """Metres drilled: m x'' = k (T - x) + c (T' - x') - W, s' = D W, W the bottom spring with its C1 onset;
+    explicit, order 8."""
     top = Wave()
 
     def weight(d: float) -> float:
@@ -79,17 +99,25 @@ def exact_depth(end: float) -> float:
         pull = SPRING * (0.5005 + top.integral(t) - q[0]) + DAMPING * (top.value(t) - q[1])
         return [q[1], (pull - W) / MASS, DRILLABILITY * W]
 
-    return float(solve_ivp(rates, (0.0, end), [5e-4, 0.01, 0.0], method="DOP853", rtol=1e-12, atol=1e-16).y[2, -1])
+    return float(
+        solve_ivp(rates, (0.0, end), [5e-4, 0.01, 0.0], method="DOP853", rtol=1e-12, atol=1e-16).y[2, -1]
+    )
 
 
-@pytest.mark.parametrize(("post_step", "order", "least", "most"), [(False, 2, 1.9, 2.1), (False, 1, 0.95, 1.05), (True, 2, 0.9, 1.1)],
-                         ids=["bdf2", "bdf1", "post_step"])
+@pytest.mark.parametrize(
+    ("post_step", "order", "least", "most"),
+    [(False, 2, 1.9, 2.1), (False, 1, 0.95, 1.05), (True, 2, 0.9, 1.1)],
+    ids=["bdf2", "bdf1", "post_step"],
+)
 def test_order_of_the_hole_depth(post_step, order, least, most):
-    """P28: the end as a state takes the integrator's order, the paper's rule between the steps is of order 1 whatever the integrator."""
+    """P28: the end as a state takes the integrator's order, the paper's rule between the steps is of order 1
+    whatever the integrator."""
     errors, exact = [], exact_depth(1.0)
     for step in (0.01, 0.005, 0.0025):
         system, bit = spring_bit(post_step)
-        integrate(system, 1.0, fixed(step, ts_bdf_order=order, q_snes_stol=1e-14, q_snes_linesearch_type="basic"))
+        integrate(
+            system, 1.0, fixed(step, ts_bdf_order=order, q_snes_stol=1e-14, q_snes_linesearch_type="basic")
+        )
         errors.append(abs(bit.progress(system.assembly)[0] - exact))
     measured = np.log2(np.array(errors[:-1]) / errors[1:])
     assert (measured >= least).all() and (measured <= most).all()
@@ -101,16 +129,26 @@ def vertical_case(freeze: float, rows: float, frames: float) -> Case:
     """Half a metre of new hole in 5 s, straight down, in unsteady motion."""
     lowering = {"time": [0.0, 1.0, 2.0, 5.0], "value": [0.05, 0.15, 0.1, 0.1]}
     pipe = beam(20.0, 2, 6e8, 1e6, 9e5, 30.0, 0.1, od=0.127)
-    well = {"survey": {"md": [0, 20.2], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": 20.2, "kind": "open_hole", "diameter": 2 * RADIUS, "friction": 0.25}]}
+    well = {
+        "survey": {"md": [0, 20.2], "inclination": [0, 0], "azimuth": [0, 0]},
+        "sections": [{"to": 20.2, "kind": "open_hole", "diameter": 2 * RADIUS, "friction": 0.25}],
+    }
     formation = {"drillability": 2e-6, "rotary_exponent": 0.0, "freeze_interval": freeze}
-    return Case(string=[pipe, {"kind": "bit", "length": 0.2, "od": 2 * RADIUS, "mass": 60.0}], well=well, bottom="bit",
-                top={"kind": "top_drive", "rotation": 0.0, "lowering": lowering}, formation=formation,
-                initial={"from": "straight"}, time={"end": 5.0}, output={"history_every": rows, "field_every": frames})
+    return Case(
+        string=[pipe, {"kind": "bit", "length": 0.2, "od": 2 * RADIUS, "mass": 60.0}],
+        well=well,
+        bottom="bit",
+        top={"kind": "top_drive", "rotation": 0.0, "lowering": lowering},
+        formation=formation,
+        initial={"from": "straight"},
+        time={"end": 5.0},
+        output={"history_every": rows, "field_every": frames},
+    )
 
 
 def test_freezing_and_output_change_no_step(tmp_path):
-    """P29: stations of the new hole every 2 cm or every 10 m, 500 rows or 5: the same steps and the same Newton iterations."""
+    """P29: stations of the new hole every 2 cm or every 10 m, 500 rows or 5: the same steps and the same
+    Newton iterations."""
     found = []
     for i, keys in enumerate([(0.02, 0.01, 0.2), (10.0, 1.0, 5.0)]):
         summary = run(vertical_case(*keys), out=tmp_path / f"run{i}", progress="silent").summary
@@ -125,7 +163,8 @@ BEDS = {"dip": 0.6, "dip_azimuth": 1.0, "index_dip": 0.8, "index_strike": 0.9}
 
 
 def go(model: DrillingModel, times: np.ndarray, every: int, **petsc) -> tuple[np.ndarray, TimeIntegrator]:
-    """States (metres drilled, place of the end, profile) at ``times``; every ``every``-th Newton solve is made to fail, 0: none."""
+    """States (metres drilled, place of the end, profile) at ``times``; every ``every``-th Newton solve is
+    made to fail, 0: none."""
     rows, calls = [], 0
     with applied(petsc):
         integrator = TimeIntegrator(model.system)
@@ -147,7 +186,8 @@ def go(model: DrillingModel, times: np.ndarray, every: int, **petsc) -> tuple[np
 
 @pytest.mark.parametrize("law", ["rop", DRAG], ids=["rop", "drag_bit"])
 def test_rejected_steps_leave_no_trace(law):
-    """P30: with every 7th solve failing after it has changed the state, depth, end, profile and frozen nodes agree within 10 rtol.
+    """P30: with every 7th solve failing after it has changed the state, depth, end, profile and frozen nodes
+    agree within 10 rtol.
 
     Of the length drilled.
     """
@@ -156,15 +196,21 @@ def test_rejected_steps_leave_no_trace(law):
     times = np.array([0.4, 0.8, 1.2]) if law == "rop" else np.array([0.25, 0.5, 0.75])
     for every in (0, 7):
         formation = {"bit_law": law, "freeze_interval": 0.01, "drillability": 1e-6, "rock_anisotropy": BEDS}
-        model = drilling(formation, lowered(0.08), axial=1e9, bending=1e5, damping=1e-2, stiffness=1e7, inclination=0.3)
+        model = drilling(
+            formation, lowered(0.08), axial=1e9, bending=1e5, damping=1e-2, stiffness=1e7, inclination=0.3
+        )
         states, integrator = go(model, times, every, ts_rtol=rtol)
         runs.append((states, bit_of(model).hole, integrator))
     (one, hole, quiet), (other, beside, noisy) = runs
     assert noisy.counters.rejected > 10 + quiet.counters.rejected
     assert one[-1, 0] > 0.05 and abs(one[-1, 2]) > 1e-3  # new hole, and it walks
     assert other[:, :4] == pytest.approx(one[:, :4], abs=10 * rtol * one[-1, 0])
-    assert other[-1] == pytest.approx(one[-1], abs=10 * rtol * one[-1, 0])  # the profile once the kink of the first touch is cut away
+    assert other[-1] == pytest.approx(
+        one[-1], abs=10 * rtol * one[-1, 0]
+    )  # the profile once the kink of the first touch is cut away
     a, b = hole.get_state()["nodes"], beside.get_state()["nodes"]
     assert len(a) == len(b)
     assert b[:, :4] == pytest.approx(a[:, :4], abs=10 * rtol * one[-1, 0])
-    assert b[:, 4:] == pytest.approx(a[:, 4:], abs=10 * rtol * one[-1, 0] / 0.005)  # slopes over half an interval
+    assert b[:, 4:] == pytest.approx(
+        a[:, 4:], abs=10 * rtol * one[-1, 0] / 0.005
+    )  # slopes over half an interval

@@ -18,27 +18,50 @@ from tests.helpers.bit_scenes import RADIUS, TURNING, bit_of, unknowns
 from tests.helpers.motion import beam
 
 DRILLABILITY, WEIGHT, LENGTH = 1e-5, 1e4, 100.0  # m/(s N), N, m: 0.1 m/s
-FACE = 2 * RADIUS  # length of the bit: as high as wide, its cutting part is a ball, and forces on it pass through its middle
+FACE = (
+    2 * RADIUS
+)  # length of the bit: as high as wide, its cutting part is a ball, and forces on it pass through its middle
 
 
-def drilled(formation: dict[str, Any], across: Any, end: float, inclination: float = 0.0, azimuth: float = 0.0,
-            bending: float = 1e6) -> DrillingModel:
-    """The scene after ``end`` [s] of quasi-static drilling under given forces: 10 kN along the hole and ``across`` times 1 N to the north
-    (the high side's opposite), both at the bit's upper end, on a string so long and slender that it adds less than 0.3 % of the side force.
+def drilled(
+    formation: dict[str, Any],
+    across: Any,
+    end: float,
+    inclination: float = 0.0,
+    azimuth: float = 0.0,
+    bending: float = 1e6,
+) -> DrillingModel:
+    """The scene after ``end`` [s] of quasi-static drilling under given forces: 10 kN along the hole and
+    ``across`` times 1 N to the north (the high side's opposite), both at the bit's upper end, on a string so
+    long and slender that it adds less than 0.3 % of the side force.
 
-    bending EI [N m2]: a side force F tilts the bit by F * 0.108 m * LENGTH/EI, and the string gives back 3 EI/LENGTH^3 times the offset.
+    bending EI [N m2]: a side force F tilts the bit by F * 0.108 m * LENGTH/EI, and the string gives back 3
+    EI/LENGTH^3 times the offset.
     """
     item = beam(LENGTH, 4, 1e3 * LENGTH, bending, 1e6, 1e-3, 1e-3, od=FACE - 1e-9)
     bit = {"kind": "bit", "length": FACE, "od": 2 * RADIUS, "mass": 1.0}
     depth = LENGTH + FACE
-    well = {"survey": {"md": [0, depth], "inclination": [inclination] * 2, "azimuth": [azimuth] * 2},
-            "sections": [{"to": depth, "kind": "open_hole", "diameter": 2 * RADIUS, "friction": 0.0}]}
+    well = {
+        "survey": {"md": [0, depth], "inclination": [inclination] * 2, "azimuth": [azimuth] * 2},
+        "sections": [{"to": depth, "kind": "open_hole", "diameter": 2 * RADIUS, "friction": 0.0}],
+    }
     along, side = direction(inclination, azimuth), direction(inclination + np.pi / 2, azimuth)
-    loads = [{"at": LENGTH, "force": (WEIGHT * along).tolist()}, {"at": LENGTH, "force": side.tolist(), "value_over": across}]
-    case = Case(string=[item, bit], well=well, contact="none", loads=loads, gravity=0.0, time={"end": end, "mode": "quasi_static"},
-                top={"kind": "top_drive", "rotation": TURNING, "lowering": DRILLABILITY * WEIGHT}, initial={"from": "statics"},
-                bottom={"kind": "bit", "stiffness": 1e8, "friction": 0.0},
-                formation={"drillability": DRILLABILITY, "rotary_exponent": 0.0, "freeze_interval": 0.1, **formation})
+    loads = [
+        {"at": LENGTH, "force": (WEIGHT * along).tolist()},
+        {"at": LENGTH, "force": side.tolist(), "value_over": across},
+    ]
+    case = Case(
+        string=[item, bit],
+        well=well,
+        contact="none",
+        loads=loads,
+        gravity=0.0,
+        time={"end": end, "mode": "quasi_static"},
+        top={"kind": "top_drive", "rotation": TURNING, "lowering": DRILLABILITY * WEIGHT},
+        initial={"from": "statics"},
+        bottom={"kind": "bit", "stiffness": 1e8, "friction": 0.0},
+        formation={"drillability": DRILLABILITY, "rotary_exponent": 0.0, "freeze_interval": 0.1, **formation},
+    )
     model = build_model(case)
     find_equilibrium(model)
     with applied({"ts_rtol": 1e-5}):
@@ -56,9 +79,11 @@ def frozen(model: DrillingModel) -> np.ndarray:
 
 
 def test_constant_build_under_a_growing_side_force():
-    """Isotropic bit and rock under (q t, 0, W): north' = D q t, down' = D W, so north = q z^2/(2 D W^2): 0.1 rad/m here.
+    """Isotropic bit and rock under (q t, 0, W): north' = D q t, down' = D W, so north = q z^2/(2 D W^2): 0.1
+    rad/m here.
 
-    The stations lie on that parabola and along it, the end drills its arc length; 0.3 % for what the string adds to the side force.
+    The stations lie on that parabola and along it, the end drills its arc length; 0.3 % for what the string
+    adds to the side force.
     """
     q, end = 100.0, 10.0
     model = drilled({"bit_anisotropy": 1.0}, {"time": [0, 100], "value": [0, 100 * q]}, end)
@@ -76,8 +101,11 @@ def test_constant_build_under_a_growing_side_force():
 
 @pytest.mark.parametrize(("way", "sideways"), [("rop_vector", 0.2), ("bit_axis", 0.0)])
 def test_direction_of_the_hole(way, sideways):
-    """Side force of 1 kN at 10 kN, inclined hole: the end goes atan(0.2 * 0.1) off the bit's axis along the rate, or along the axis."""
-    model = drilled({"bit_anisotropy": 0.2, "direction": way}, 1e3, 3.0, inclination=0.5, azimuth=2.0, bending=1e8)
+    """Side force of 1 kN at 10 kN, inclined hole: the end goes atan(0.2 * 0.1) off the bit's axis along the
+    rate, or along the axis."""
+    model = drilled(
+        {"bit_anisotropy": 0.2, "direction": way}, 1e3, 3.0, inclination=0.5, azimuth=2.0, bending=1e8
+    )
     along, side = direction(0.5, 2.0), direction(0.5 + np.pi / 2, 2.0)
     end = unknowns(model, "hole.end")
     assert end @ along == pytest.approx(DRILLABILITY * WEIGHT * 3.0, rel=2e-3)
@@ -90,7 +118,8 @@ def test_direction_of_the_hole(way, sideways):
 def test_radius_of_the_new_hole(overgauge, interval):
     """Radius = the bit's plus overgauge, once past the smooth change of section.
 
-    A bit in a tight hole has no clearance; in a wide one it leans on the wall only after that much: offset = clearance + force/stiffness.
+    A bit in a tight hole has no clearance; in a wide one it leans on the wall only after that much: offset =
+    clearance + force/stiffness.
     """
     model = drilled({"overgauge": overgauge, "freeze_interval": interval}, 1e3, 10.0, bending=1e8)
     bit = bit_of(model)
@@ -100,14 +129,18 @@ def test_radius_of_the_new_hole(overgauge, interval):
     assert bit.hole.radial_clearance(RADIUS) == pytest.approx(max(overgauge, 0.0), abs=1e-12)
     figures = bit.figures(model.system.assembly)
     assert figures[7] == pytest.approx(max(overgauge, 0.0) + figures[3] / 1e8, abs=1e-6)
-    assert figures[3] == pytest.approx(1e3 - WEIGHT * 0.02, rel=0.02)  # the bottom, tilted by 0.2 * 0.1, carries a part of it
+    assert figures[3] == pytest.approx(
+        1e3 - WEIGHT * 0.02, rel=0.02
+    )  # the bottom, tilted by 0.2 * 0.1, carries a part of it
 
 
 @pytest.mark.parametrize(("interval", "longest"), [(0.5, 0.2), (0.1, 0.2)], ids=["short_steps", "long_steps"])
 def test_stations_of_a_wandering_end_lie_on_its_arc(interval, longest):
-    """GrowingHole alone, led along a circle of 30 deg/30 m in irregular steps: stations on the circle, along it, at even depths.
+    """GrowingHole alone, led along a circle of 30 deg/30 m in irregular steps: stations on the circle, along
+    it, at even depths.
 
-    Positions come from cubics between steps, directions from chords of half an interval: errors (0.5 h)^2/(24 R^2) = 8e-7 rad.
+    Positions come from cubics between steps, directions from chords of half an interval: errors (0.5 h)^2/(24
+    R^2) = 8e-7 rad.
     """
     radius, rng = 57.3, np.random.default_rng(5)
     well = Well.from_survey([0, 30.0], [0, 0], [0, 0], [30.0], [0.108], [0.3])
@@ -128,4 +161,6 @@ def test_stations_of_a_wandering_end_lie_on_its_arc(interval, longest):
     assert late.sum() > 20
     assert nodes[late, 1:4] == pytest.approx((hole.first + circle(q))[late], abs=2e-6)
     angle = (q[late] - 1.0) / radius
-    assert nodes[late, 4:] == pytest.approx(np.stack([np.sin(angle), 0 * angle, np.cos(angle)], axis=-1), abs=2e-5)
+    assert nodes[late, 4:] == pytest.approx(
+        np.stack([np.sin(angle), 0 * angle, np.cos(angle)], axis=-1), abs=2e-5
+    )

@@ -15,22 +15,40 @@ INERTIA, STIFFNESS, TURNING, STATIC, DYNAMIC = 374.0, 473.0, 50 * 2 * np.pi / 60
 
 
 def case() -> dict:
-    """A massless torsion spring of 1 m with the inertia in the bit, pressed on rock that cannot be drilled by 10 kN."""
+    """A massless torsion spring of 1 m with the inertia in the bit, pressed on rock that cannot be drilled by
+    10 kN."""
     pipe = beam(1.0, 1, 1e8, 1e9, STIFFNESS, 1e-3, 1e-6, od=2 * RADIUS)
-    bit = {"kind": "bit", "length": 0.1, "od": 2 * RADIUS, "mass": 100.0, "inertia": {"axial": INERTIA, "transverse": 10.0}}
-    well = {"survey": {"md": [0, 1.1], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": 1.1, "kind": "open_hole", "diameter": 2 * RADIUS, "friction": 0.0}]}
+    bit = {
+        "kind": "bit",
+        "length": 0.1,
+        "od": 2 * RADIUS,
+        "mass": 100.0,
+        "inertia": {"axial": INERTIA, "transverse": 10.0},
+    }
+    well = {
+        "survey": {"md": [0, 1.1], "inclination": [0, 0], "azimuth": [0, 0]},
+        "sections": [{"to": 1.1, "kind": "open_hole", "diameter": 2 * RADIUS, "friction": 0.0}],
+    }
     law = {"kind": "velocity_weakening", "static": STATIC, "dynamic": DYNAMIC, "speed": 0.02}
-    return {"string": [pipe, bit], "well": well, "contact": "none", "top": {"kind": "top_drive", "rotation": float(TURNING)},
-            "bottom": {"kind": "bit", "stiffness": 1e8, "friction": 0.0}, "formation": {"drillability": 0, "bit_law": law}, "gravity": 0.0,
-            "initial": {"from": "straight"}, "loads": [{"at": 1.0, "force": [0, 0, 10e3]}]}
+    return {
+        "string": [pipe, bit],
+        "well": well,
+        "contact": "none",
+        "top": {"kind": "top_drive", "rotation": float(TURNING)},
+        "bottom": {"kind": "bit", "stiffness": 1e8, "friction": 0.0},
+        "formation": {"drillability": 0, "bit_law": law},
+        "gravity": 0.0,
+        "initial": {"from": "straight"},
+        "loads": [{"at": 1.0, "force": [0, 0, 10e3]}],
+    }
 
 
 def closed_form() -> tuple[float, float, float]:
     """Slip and stick times [s] and largest speed [rad/s] of the limit of instant weakening.
 
-    Let go at a twist of STATIC/k, the bit swings about DYNAMIC/k: with w = sqrt(k/J) and x0 = (STATIC - DYNAMIC)/k its speed is
-    Omega (1 - cos wt) + x0 w sin wt, zero again at tan(wt/2) = -x0 w/Omega; the twist is then x0 short of the middle, 2 x0 below release.
+    Let go at a twist of STATIC/k, the bit swings about DYNAMIC/k: with w = sqrt(k/J) and x0 = (STATIC -
+    DYNAMIC)/k its speed is Omega (1 - cos wt) + x0 w sin wt, zero again at tan(wt/2) = -x0 w/Omega; the twist
+    is then x0 short of the middle, 2 x0 below release.
     """
     w, x0 = np.sqrt(STIFFNESS / INERTIA), (STATIC - DYNAMIC) / STIFFNESS
     slip = 2 * (np.pi - np.arctan(x0 * w / TURNING)) / w
@@ -65,6 +83,10 @@ def test_period_and_speed():
 def test_through_a_case_file(tmp_path):
     """The same limit cycle from a file, started with the string turning as its top does."""
     path = tmp_path / "stick-slip.yaml"
-    path.write_text(yaml.safe_dump(case() | {"time": {"end": 18.0}, "output": {"history_every": 0.01, "field_every": 9.0}}))
+    path.write_text(
+        yaml.safe_dump(
+            case() | {"time": {"end": 18.0}, "output": {"history_every": 0.01, "field_every": 9.0}}
+        )
+    )
     table = read_table(run(path, out=tmp_path / "run", progress="silent").folder / "history.csv")
     assert phases(table["time [s]"], table["bit_speed [rad/s]"]) == pytest.approx(closed_form(), rel=0.02)

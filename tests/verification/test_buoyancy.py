@@ -1,7 +1,8 @@
-"""Archimedes, through the finished scene: what mud at rest and in motion does to hook load and tension (F08; fluid.md 4.3, 4.4, 8.5, C9).
+"""Archimedes, through the finished scene: what mud at rest and in motion does to hook load and tension (F08;
+fluid.md 4.3, 4.4, 8.5, C9).
 
-Drill pipe of 127 x 108.6 mm in a hole of 215.9 mm, mud of 1200 kg/m3, steel of 7850 kg/m3.  ``stiff``: a beam whose axial stiffness
-(1e12 N) leaves no stretch, rigid walls; then closed forms hold to rounding.
+Drill pipe of 127 x 108.6 mm in a hole of 215.9 mm, mud of 1200 kg/m3, steel of 7850 kg/m3.  ``stiff``: a beam
+whose axial stiffness (1e12 N) leaves no stretch, rigid walls; then closed forms hold to rounding.
 """
 
 from __future__ import annotations
@@ -21,35 +22,74 @@ OUTER, BORE, OPEN = (np.pi / 4 * d**2 for d in (OD, ID, HOLE))
 METAL = OUTER - BORE
 WEIGHT = STEEL * METAL * G * LENGTH  # 262.1933 kN
 STIFF = 1e14  # bulk modulus [Pa] of a mud that does not give way
-MUD_OF_TABLE = {"model": "herschel_bulkley", "yield_stress": 3.0, "consistency": 0.3, "index": 0.75}  # fluid.md 8.2
+MUD_OF_TABLE = {
+    "model": "herschel_bulkley",
+    "yield_stress": 3.0,
+    "consistency": 0.3,
+    "index": 0.75,
+}  # fluid.md 8.2
 PLUGGED = {"kind": "free", "plugged": True}
 
 
-def piece(length: float = LENGTH, elements: int = 40, stiff: bool = True, od: float = OD, bore: float = ID) -> dict:
+def piece(
+    length: float = LENGTH, elements: int = 40, stiff: bool = True, od: float = OD, bore: float = ID
+) -> dict:
     """One flexible item."""
     out = {"length": length, "od": od, "id": bore, "element_length": length / elements}
     if not stiff:
         return {"kind": "pipe", **out}
     mass = STEEL * np.pi / 4 * (od**2 - bore**2)
     inertia = np.pi / 64 * (od**4 - bore**4)
-    return {"kind": "beam", "axial_stiffness": 1e12, "bending_stiffness": 206e9 * inertia, "torsional_stiffness": 1e6, "mass": mass,
-            "polar_inertia": 0.1, **out}
+    return {
+        "kind": "beam",
+        "axial_stiffness": 1e12,
+        "bending_stiffness": 206e9 * inertia,
+        "torsional_stiffness": 1e6,
+        "mass": mass,
+        "polar_inertia": 0.1,
+        **out,
+    }
 
 
 def bit(nozzles: float | None = None, **keys) -> dict:
-    return {"kind": "bit", "length": 0.0, "od": 0.13, **({} if nozzles is None else {"nozzle_area": nozzles}), **keys}
+    return {
+        "kind": "bit",
+        "length": 0.0,
+        "od": 0.13,
+        **({} if nozzles is None else {"nozzle_area": nozzles}),
+        **keys,
+    }
 
 
 def straight_hole(inclination: float = 0.0, end: float = LENGTH + 20) -> dict:
-    return {"survey": {"md": [0.0, end], "inclination": [inclination] * 2, "azimuth": [0.0, 0.0]},
-            "sections": [{"to": end, "kind": "open_hole", "diameter": HOLE, "friction": 0.0}]}
+    return {
+        "survey": {"md": [0.0, end], "inclination": [inclination] * 2, "azimuth": [0.0, 0.0]},
+        "sections": [{"to": end, "kind": "open_hole", "diameter": HOLE, "friction": 0.0}],
+    }
 
 
-def hung(string: list | None = None, modulus: float = STIFF, stiff: bool = True, fluid: dict | None = None, hole: dict | None = None,
-         **keys) -> tuple[DrillingModel, StaticState, dict]:
+def hung(
+    string: list | None = None,
+    modulus: float = STIFF,
+    stiff: bool = True,
+    fluid: dict | None = None,
+    hole: dict | None = None,
+    **keys,
+) -> tuple[DrillingModel, StaticState, dict]:
     """DrillingModel, state and summary of a string that hangs at rest, its upper end clamped."""
-    mud = {"density": MUD, "bulk_modulus": modulus, "elastic_walls": not stiff, "rheology": {"model": "newtonian", "viscosity": 0.0}}
-    case = {"string": string or [piece(stiff=stiff)], "top": "clamped", "bottom": "free", "gravity": G, "fluid": mud | (fluid or {})}
+    mud = {
+        "density": MUD,
+        "bulk_modulus": modulus,
+        "elastic_walls": not stiff,
+        "rheology": {"model": "newtonian", "viscosity": 0.0},
+    }
+    case = {
+        "string": string or [piece(stiff=stiff)],
+        "top": "clamped",
+        "bottom": "free",
+        "gravity": G,
+        "fluid": mud | (fluid or {}),
+    }
     if case["fluid"].get("annulus", True):
         case["well"] = hole or straight_hole()
     model = build_model(Case(**(case | keys)))
@@ -72,17 +112,24 @@ def column(model: DrillingModel, state: StaticState, name: str) -> np.ndarray:
 @pytest.mark.parametrize("inclination", [0.0, 60.0])
 @pytest.mark.parametrize("plugged", [False, True])
 def test_hook_load_of_a_stiff_string(plugged, inclination, modulus):
-    """F08: W - p_b A_s with an open end (222.1128 kN vertical, incompressible; 222.018 kN at 2.5 GPa), W - p_b A_o plugged and empty
-    (113.0693 kN); in a frictionless hole of 60 degrees the components along it, and across the weight less the mud displaced."""
+    """F08: W - p_b A_s with an open end (222.1128 kN vertical, incompressible; 222.018 kN at 2.5 GPa), W -
+    p_b A_o plugged and empty (113.0693 kN); in a frictionless hole of 60 degrees the components along it, and
+    across the weight less the mud displaced."""
     tilt = np.radians(inclination)
-    model, _, figures = hung(modulus=modulus, hole=straight_hole(tilt), bottom={"kind": "free", "plugged": plugged},
-                             string=[piece(elements=50)])
+    model, _, figures = hung(
+        modulus=modulus,
+        hole=straight_hole(tilt),
+        bottom={"kind": "free", "plugged": plugged},
+        string=[piece(elements=50)],
+    )
     area = OUTER if plugged else METAL
     exact = WEIGHT * np.cos(tilt) - pressure(modulus, LENGTH * np.cos(tilt)) * area
     if inclination == 0 and not plugged:
         assert exact == pytest.approx(222.1128e3 if modulus == STIFF else 222.018e3, rel=2e-6)
     assert figures["hook_load"] == pytest.approx(exact, rel=1e-6)
-    assert figures["bit_pressure"] == pytest.approx(pressure(modulus, LENGTH * np.cos(tilt)), rel=1e-6)  # at the hole's axis
+    assert figures["bit_pressure"] == pytest.approx(
+        pressure(modulus, LENGTH * np.cos(tilt)), rel=1e-6
+    )  # at the hole's axis
     if inclination and modulus == STIFF:
         side = model.contact.report(model.system.assembly)[0][:, 0].sum()
         assert side == pytest.approx((WEIGHT - MUD * G * area * LENGTH) * np.sin(tilt), rel=1e-6)
@@ -91,10 +138,16 @@ def test_hook_load_of_a_stiff_string(plugged, inclination, modulus):
 @pytest.mark.parametrize("inclination", [0.0, 60.0])
 @pytest.mark.parametrize("plugged", [False, True])
 def test_hook_load_of_a_steel_string_in_compressible_mud(plugged, inclination):
-    """F08 with everything that gives way: stretch, walls, mud of 2.5 GPa; within 2e-4 (the stretched string reaches 0.15 m deeper)."""
+    """F08 with everything that gives way: stretch, walls, mud of 2.5 GPa; within 2e-4 (the stretched string
+    reaches 0.15 m deeper)."""
     tilt = np.radians(inclination)
-    _, _, figures = hung(modulus=2.5e9, stiff=False, hole=straight_hole(tilt), bottom={"kind": "free", "plugged": plugged},
-                         string=[piece(elements=50, stiff=False)])
+    _, _, figures = hung(
+        modulus=2.5e9,
+        stiff=False,
+        hole=straight_hole(tilt),
+        bottom={"kind": "free", "plugged": plugged},
+        string=[piece(elements=50, stiff=False)],
+    )
     exact = WEIGHT * np.cos(tilt) - pressure(2.5e9, LENGTH * np.cos(tilt)) * (OUTER if plugged else METAL)
     assert figures["hook_load"] == pytest.approx(exact, rel=2e-4)
 
@@ -109,7 +162,8 @@ def test_hook_load_with_mud_inside_only():
 
 
 def test_collars_and_pipe_lose_the_mud_they_displace():
-    """Two sizes of pipe in still mud, shoulders included: sum of W (1 - rho/rho_s), and the wall tension at the end is -p A_s there."""
+    """Two sizes of pipe in still mud, shoulders included: sum of W (1 - rho/rho_s), and the wall tension at
+    the end is -p A_s there."""
     string = [piece(800.0, 32), piece(200.0, 8, od=0.1715, bore=0.0714)]
     model, state, figures = hung(string)
     collar = np.pi / 4 * (0.1715**2 - 0.0714**2)
@@ -118,26 +172,43 @@ def test_collars_and_pipe_lose_the_mud_they_displace():
 
 
 def test_hook_load_in_a_curved_hole():
-    """Vertical, then 5 deg/30 m to 60 degrees, frictionless: pushed along the hole the string does work against its buoyed weight times the
-    true depth of its end alone; and the jet's thrust.  Within 1e-4 (6.5 mm of room sideways)."""
+    """Vertical, then 5 deg/30 m to 60 degrees, frictionless: pushed along the hole the string does work
+    against its buoyed weight times the true depth of its end alone; and the jet's thrust.  Within 1e-4 (6.5
+    mm of room sideways)."""
     radius, end = 30 / np.radians(5), 560.0
     md = [0.0, 100.0, *(100.0 + 30 * k for k in range(1, 13)), 600.0]
     tilt = [0.0, 0.0, *(np.radians(5.0 * k) for k in range(1, 13)), np.pi / 3]
-    hole = {"survey": {"md": md, "inclination": tilt, "azimuth": [0.0] * len(md)},
-            "sections": [{"to": 600.0, "kind": "open_hole", "diameter": 0.14, "friction": 0.0}]}
+    hole = {
+        "survey": {"md": md, "inclination": tilt, "azimuth": [0.0] * len(md)},
+        "sections": [{"to": 600.0, "kind": "open_hole", "diameter": 0.14, "friction": 0.0}],
+    }
     depth, jet = 100 + radius * np.sin(np.pi / 3) + 0.5 * (end - 460), MUD * 0.02**2 / 380e-6
-    for keys, line, thrust in (({}, METAL, 0.0), ({"bottom": PLUGGED}, OUTER, 0.0), ({"fluid": {"flow_rate": 0.02}}, METAL, jet)):
+    for keys, line, thrust in (
+        ({}, METAL, 0.0),
+        ({"bottom": PLUGGED}, OUTER, 0.0),
+        ({"fluid": {"flow_rate": 0.02}}, METAL, jet),
+    ):
         string = [piece(end, 112)] + ([bit(380e-6)] if thrust else [])
         _, _, figures = hung(string, hole=hole, **keys)
-        assert figures["hook_load"] == pytest.approx((STEEL * METAL - MUD * line) * G * depth - thrust, rel=1e-4)
+        assert figures["hook_load"] == pytest.approx(
+            (STEEL * METAL - MUD * line) * G * depth - thrust, rel=1e-4
+        )
 
 
 @pytest.mark.parametrize("plugged", [False, True])
 def test_buoyancy_across_an_inclined_string(plugged):
-    """20 m between hinges at 60 degrees, off the wall: the side reactions carry (m + rho A_i - rho A_o) g L sin I (plugged: no rho A_i)."""
-    model, _, _ = hung([piece(20.0, 8)], hole=straight_hole(np.pi / 3), contact="none", top="pinned",
-                       bottom={"kind": "pinned", "plugged": plugged})
-    sides = np.array([[model.system.reaction(f"{end}.side_reaction_{k}") for k in (1, 2)] for end in ("top", "bottom")]).sum(axis=0)
+    """20 m between hinges at 60 degrees, off the wall: the side reactions carry (m + rho A_i - rho A_o) g L
+    sin I (plugged: no rho A_i)."""
+    model, _, _ = hung(
+        [piece(20.0, 8)],
+        hole=straight_hole(np.pi / 3),
+        contact="none",
+        top="pinned",
+        bottom={"kind": "pinned", "plugged": plugged},
+    )
+    sides = np.array(
+        [[model.system.reaction(f"{end}.side_reaction_{k}") for k in (1, 2)] for end in ("top", "bottom")]
+    ).sum(axis=0)
     line = STEEL * METAL - MUD * OUTER + (0.0 if plugged else MUD * BORE)
     assert np.linalg.norm(sides) == pytest.approx(line * G * 20.0 * np.sin(np.pi / 3), rel=1e-5)
 
@@ -145,8 +216,8 @@ def test_buoyancy_across_an_inclined_string(plugged):
 # ---------------------------------------------------------------------- effective tension
 @pytest.mark.parametrize(("modulus", "plugged"), [(STIFF, False), (STIFF, True), (2.5e9, False)])
 def test_effective_tension_falls_by_the_buoyed_weight(modulus, plugged):
-    """dT_eff/ds = -(rho_s A_s + rho_i A_i - rho_o A_o) g with the mud's density at its depth; hook load at the top, 0 at the end, open or
-    plugged (fluid.md 4.4)."""
+    """dT_eff/ds = -(rho_s A_s + rho_i A_i - rho_o A_o) g with the mud's density at its depth; hook load at
+    the top, 0 at the end, open or plugged (fluid.md 4.4)."""
     model, state, figures = hung(modulus=modulus, bottom={"kind": "free", "plugged": plugged})
     tension, s = column(model, state, "effective_tension"), model.mesh.node_depth
     bore = 0.0 if plugged else BORE
@@ -154,12 +225,15 @@ def test_effective_tension_falls_by_the_buoyed_weight(modulus, plugged):
     exact = STEEL * METAL * G * (LENGTH - s) - below * (OUTER - bore)
     assert tension == pytest.approx(exact, abs=1e-6 * WEIGHT)
     assert tension[0] == pytest.approx(figures["hook_load"], rel=1e-6)
-    assert column(model, state, "axial_force")[-1] == pytest.approx(-pressure(modulus) * (OUTER - bore), rel=1e-6)
+    assert column(model, state, "axial_force")[-1] == pytest.approx(
+        -pressure(modulus) * (OUTER - bore), rel=1e-6
+    )
 
 
 @pytest.mark.parametrize("plugged", [False, True])
 def test_effective_tension_with_elastic_walls(plugged):
-    """The same where walls give way: T_wall = EA eps + 2 nu (p_i A_i - p_o A_o) (fluid.md 4.4), T_eff(L) = 0."""
+    """The same where walls give way: T_wall = EA eps + 2 nu (p_i A_i - p_o A_o) (fluid.md 4.4), T_eff(L) =
+    0."""
     model, state, figures = hung(stiff=False, bottom={"kind": "free", "plugged": plugged})
     tension = column(model, state, "effective_tension")
     assert tension[0] == pytest.approx(figures["hook_load"], rel=1e-6)
@@ -168,12 +242,17 @@ def test_effective_tension_with_elastic_walls(plugged):
 
 @pytest.mark.parametrize("fixed_end", [False, True])
 def test_ballooning(fixed_end):
-    """1000 m of steel pipe, 100 bar inside, no weight: +52.8 mm plugged, -79.2 mm where a force takes the plug's push (fluid.md 4.4),
-    EA eps = [1 - 2 nu (1 + 2 eps)] p A_i - F with the narrowing of a stretched bore in full."""
+    """1000 m of steel pipe, 100 bar inside, no weight: +52.8 mm plugged, -79.2 mm where a force takes the
+    plug's push (fluid.md 4.4), EA eps = [1 - 2 nu (1 + 2 eps)] p A_i - F with the narrowing of a stretched
+    bore in full."""
     p, EA, nu = 1e7, 206e9 * METAL, 0.3
     push = p * BORE if fixed_end else 0.0
-    _, _, figures = hung(stiff=False, gravity=0.0, fluid={"annulus": False, "pump_pressure": p},
-                         bottom={"kind": "force", "force": [0.0, 0.0, -push], "plugged": True})
+    _, _, figures = hung(
+        stiff=False,
+        gravity=0.0,
+        fluid={"annulus": False, "pump_pressure": p},
+        bottom={"kind": "force", "force": [0.0, 0.0, -push], "plugged": True},
+    )
     strain = ((1 - 2 * nu) * p * BORE - push) / (EA + 4 * nu * p * BORE)
     assert figures["stretch"] == pytest.approx(strain * LENGTH, rel=1e-7)
     assert figures["stretch"] == pytest.approx(-79.2e-3 if fixed_end else 52.8e-3, rel=1e-3)
@@ -182,9 +261,10 @@ def test_ballooning(fixed_end):
 # ---------------------------------------------------------------------- circulation
 @pytest.mark.parametrize("rate", [0.03, -0.03])
 def test_hook_load_under_circulation(rate):
-    """30 l/s through 380 mm2: still load less hydraulic lift (pi/4) D_o D_w dp of the annulus' friction (wall shear pi D_o tau L and
-    pressure A_o 4 tau L/(D_w - D_o)), less the jet's thrust rho q^2/A_n; reversed, the lift pulls down and the thrust still lifts.
-    dp = 8.6809 bar (half of table 8.2); nothing else: what the bore's friction pushes down hangs on its pressure."""
+    """30 l/s through 380 mm2: still load less hydraulic lift (pi/4) D_o D_w dp of the annulus' friction (wall
+    shear pi D_o tau L and pressure A_o 4 tau L/(D_w - D_o)), less the jet's thrust rho q^2/A_n; reversed, the
+    lift pulls down and the thrust still lifts. dp = 8.6809 bar (half of table 8.2); nothing else: what the
+    bore's friction pushes down hangs on its pressure."""
     nozzles = 380e-6
     law = Rheology.herschel_bulkley(consistency=0.3, index=0.75, yield_stress=3.0)
     tau = float(wall_shear(law, rate / (OPEN - OUTER), HOLE - OD, 1, MUD))
@@ -203,10 +283,16 @@ def test_hook_load_under_circulation(rate):
 
 @pytest.mark.parametrize("rate", [0.03, -0.03])
 def test_hook_load_under_circulation_of_compressible_mud(rate):
-    """Balance of momentum of string and bore's mud: hook = W + g M_i - p_b A_o - pi D_o tau L - (rho_0 q)^2/(rho_b A_n), and of the
-    annulus' mud: p_b A_a = g M_a + pi (D_o + D_w) tau L; M_i, M_a the masses that the channels hold."""
-    model, _, figures = hung([piece(), bit(380e-6)], modulus=2.5e9, fluid={"rheology": MUD_OF_TABLE, "flow_rate": rate})
-    inside, around = (MUD * channel.figures(model.system.assembly)[:, 4].sum() for channel in (model.fluid.bore, model.fluid.annulus))
+    """Balance of momentum of string and bore's mud: hook = W + g M_i - p_b A_o - pi D_o tau L - (rho_0
+    q)^2/(rho_b A_n), and of the annulus' mud: p_b A_a = g M_a + pi (D_o + D_w) tau L; M_i, M_a the masses
+    that the channels hold."""
+    model, _, figures = hung(
+        [piece(), bit(380e-6)], modulus=2.5e9, fluid={"rheology": MUD_OF_TABLE, "flow_rate": rate}
+    )
+    inside, around = (
+        MUD * channel.figures(model.system.assembly)[:, 4].sum()
+        for channel in (model.fluid.bore, model.fluid.annulus)
+    )
     shear = (figures["bit_pressure"] * (OPEN - OUTER) - G * around) / (OD + HOLE) * OD
     thrust = MUD * rate**2 / 380e-6 * np.exp(-figures["bit_pressure"] / 2.5e9)
     exact = WEIGHT + G * inside - figures["bit_pressure"] * OUTER - shear - thrust
@@ -215,7 +301,8 @@ def test_hook_load_under_circulation_of_compressible_mud(rate):
 
 
 def test_open_end_has_no_thrust():
-    """Inviscid flow out of the open bore takes the momentum that it brought: T_eff = 0 there, and the swivel's rho A_i U^2 is all."""
+    """Inviscid flow out of the open bore takes the momentum that it brought: T_eff = 0 there, and the
+    swivel's rho A_i U^2 is all."""
     rate = 0.03
     model, state, figures = hung(fluid={"flow_rate": rate})
     assert figures["hook_load"] == pytest.approx(WEIGHT * (1 - MUD / STEEL) - MUD * rate**2 / BORE, rel=1e-7)
@@ -231,8 +318,9 @@ SHORT_BIT = bit(length=0.5, mass=120.0)
 @pytest.mark.parametrize("plugged", [False, True])
 @pytest.mark.parametrize("below", [[STABILIZER], [BODY], [STABILIZER, BODY]])
 def test_rigid_items_lose_the_mud_they_displace(below, plugged):
-    """Metal of a rigid item is its mass over its density; open, hook load is the sum of W (1 - rho/rho_s) whatever the bores, as these are
-    full of mud; plugged and empty, the bores are displaced, too.  A bit at the end is solid."""
+    """Metal of a rigid item is its mass over its density; open, hook load is the sum of W (1 - rho/rho_s)
+    whatever the bores, as these are full of mud; plugged and empty, the bores are displaced, too.  A bit at
+    the end is solid."""
     string = [piece(300.0, 12), *below, piece(300.0, 12), SHORT_BIT]
     model, _, figures = hung(string, bottom={"kind": "free", "plugged": plugged})
     masses = [item.mass for item in model.case.string if item.kind not in ("beam",)]
@@ -249,18 +337,22 @@ def test_rigid_item_of_another_bore_between_pumped_pipes():
 
 
 def test_weight_of_mud_in_a_rigid_item_acts_across_too():
-    """The string between hinges at 60 degrees with a rigid item inside it: side reactions carry all the buoyed weight."""
+    """The string between hinges at 60 degrees with a rigid item inside it: side reactions carry all the
+    buoyed weight."""
     string = [piece(10.0, 4), STABILIZER, piece(10.0, 4)]
     model, _, _ = hung(string, hole=straight_hole(np.pi / 3), contact="none", top="pinned", bottom="pinned")
-    sides = np.array([[model.system.reaction(f"{end}.side_reaction_{k}") for k in (1, 2)] for end in ("top", "bottom")]).sum(axis=0)
+    sides = np.array(
+        [[model.system.reaction(f"{end}.side_reaction_{k}") for k in (1, 2)] for end in ("top", "bottom")]
+    ).sum(axis=0)
     mass = 300.0 + STEEL * METAL * 20.0
     assert np.linalg.norm(sides) == pytest.approx(mass * (1 - MUD / STEEL) * G * np.sin(np.pi / 3), rel=1e-5)
 
 
 @pytest.mark.parametrize("plugged", [False, True])
 def test_an_outlet_under_pressure_pushes_the_string_out(plugged):
-    """The string leaves the annulus at the top, where nothing presses down on its section: a back pressure p lessens the hook load by
-    what it pushes up with, p A_s on the face of an open end (and p A_i on the swivel, p A_o altogether), p A_o on a plug."""
+    """The string leaves the annulus at the top, where nothing presses down on its section: a back pressure p
+    lessens the hook load by what it pushes up with, p A_s on the face of an open end (and p A_i on the
+    swivel, p A_o altogether), p A_o on a plug."""
     end = {"kind": "free", "plugged": plugged}
     free, under = (hung(bottom=end, fluid={"outlet_pressure": p})[2]["hook_load"] for p in (0.0, 5e6))
     assert free - under == pytest.approx(5e6 * OUTER, rel=1e-6)

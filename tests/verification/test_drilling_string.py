@@ -1,4 +1,5 @@
-"""Drilling with a whole string: without inertia against full dynamics, step lengths, and the balance of forces."""
+"""Drilling with a whole string: without inertia against full dynamics, step lengths, and the balance of
+forces."""
 
 from __future__ import annotations
 
@@ -21,14 +22,19 @@ PIPE, COLLAR = (0.127, 0.1086), (0.1715, 0.0714)  # outer and inner diameter [m]
 PIPE_LENGTH, COLLAR_LENGTH, BIT_LENGTH, BIT_DIAMETER, BIT_MASS = 240.0, 59.5, 0.5, 0.2159, 60.0
 DEPTH = PIPE_LENGTH + COLLAR_LENGTH + BIT_LENGTH
 TEN_METRES_AN_HOUR = 10 / 3600
-MUD = {"density": 1200.0, "rheology": {"model": "power_law", "consistency": 0.5, "index": 0.7}, "bulk_modulus": 2e9, "flow_rate": 0.03}
+MUD = {
+    "density": 1200.0,
+    "rheology": {"model": "power_law", "consistency": 0.5, "index": 0.7},
+    "bulk_modulus": 2e9,
+    "flow_rate": 0.03,
+}
 
 
 class Run(NamedTuple):
     """What a run left; arrays over its steps.
 
-    t [s]; hook, weight [N]: hook load and weight on bit; torque: at the surface and the bit (n, 2) [N m]; drilled [m]; end (n, 3): of
-    the hole [m].
+    t [s]; hook, weight [N]: hook load and weight on bit; torque: at the surface and the bit (n, 2) [N m];
+    drilled [m]; end (n, 3): of the hole [m].
     """
 
     model: DrillingModel
@@ -41,18 +47,37 @@ class Run(NamedTuple):
     end: np.ndarray
 
 
-def case(inclination: float | list[float], mode: str, end: float, *, wob: float = 60e3, element: float = 10.0, **more: Any) -> Case:
-    """300 m of pipe, collars and bit on bottom in a straight hole, or in one that builds to the last of some inclinations [rad]."""
+def case(
+    inclination: float | list[float],
+    mode: str,
+    end: float,
+    *,
+    wob: float = 60e3,
+    element: float = 10.0,
+    **more: Any,
+) -> Case:
+    """300 m of pipe, collars and bit on bottom in a straight hole, or in one that builds to the last of some
+    inclinations [rad]."""
     angles = inclination if isinstance(inclination, list) else [inclination] * 3
-    well = {"survey": {"md": [0, 100, DEPTH], "inclination": angles, "azimuth": [0.35] * 3},
-            "sections": [{"to": DEPTH, "kind": "open_hole", "diameter": BIT_DIAMETER, "friction": 0.25}]}
-    string = [{"kind": "pipe", "length": length, "od": od, "id": bore, "element_length": size}
-              for length, (od, bore), size in ((PIPE_LENGTH, PIPE, element), (COLLAR_LENGTH, COLLAR, 0.7 * element))]
+    well = {
+        "survey": {"md": [0, 100, DEPTH], "inclination": angles, "azimuth": [0.35] * 3},
+        "sections": [{"to": DEPTH, "kind": "open_hole", "diameter": BIT_DIAMETER, "friction": 0.25}],
+    }
+    string = [
+        {"kind": "pipe", "length": length, "od": od, "id": bore, "element_length": size}
+        for length, (od, bore), size in ((PIPE_LENGTH, PIPE, element), (COLLAR_LENGTH, COLLAR, 0.7 * element))
+    ]
     bit = {"kind": "bit", "length": BIT_LENGTH, "od": BIT_DIAMETER, "mass": BIT_MASS, "nozzle_area": 4e-4}
-    whole = {"well": well, "material": {"damping": {"stiffness": 1e-3}}, "string": [*string, bit],
-             "bottom": "bit", "formation": {"drillability": 2.8e-8},
-             "top": {"kind": "top_drive", "rotation": 4 * np.pi, "lowering": TEN_METRES_AN_HOUR},
-             "initial": {"from": "statics", "wob": wob}, "time": {"end": end, "mode": mode}}
+    whole = {
+        "well": well,
+        "material": {"damping": {"stiffness": 1e-3}},
+        "string": [*string, bit],
+        "bottom": "bit",
+        "formation": {"drillability": 2.8e-8},
+        "top": {"kind": "top_drive", "rotation": 4 * np.pi, "lowering": TEN_METRES_AN_HOUR},
+        "initial": {"from": "statics", "wob": wob},
+        "time": {"end": end, "mode": mode},
+    }
     return Case(**{**whole, **more})
 
 
@@ -89,11 +114,15 @@ def section(diameters: tuple[float, float]) -> float:
 def test_without_inertia_drills_as_the_mean_of_the_motion(mud: dict[str, Any]) -> None:
     """A hole that builds to 30 degrees, turning at 120 rpm, the weight on bit rising by a tenth in 6 s.
 
-    What inertia does to the means: the string stretches as a spring of k = 3.6 MN/m under a bit that goes into the rock with D = 2.8e-8
-    m/(s N) (time constant 1/(k D) = 10 s), and its waves (2 L/c = 0.12 s) are a hundredth of that.  So 1 % of the change of the forces,
-    0.1 % of what they are; side motion has films of mud to overcome, which equilibrium has not: another 0.2 %.
+    What inertia does to the means: the string stretches as a spring of k = 3.6 MN/m under a bit that goes
+    into the rock with D = 2.8e-8 m/(s N) (time constant 1/(k D) = 10 s), and its waves (2 L/c = 0.12 s) are a
+    hundredth of that.  So 1 % of the change of the forces,
+    0.1 % of what they are; side motion has films of mud to overcome, which equilibrium has not: another 0.2
+    %.
     """
-    still, moving = (follow(case([0, 0, np.pi / 6], mode, 6.0, **mud)) for mode in ("quasi_static", "dynamic"))
+    still, moving = (
+        follow(case([0, 0, np.pi / 6], mode, 6.0, **mud)) for mode in ("quasi_static", "dynamic")
+    )
     late = moving.t > 2.0
     span = np.diff(moving.t, prepend=0.0)[late]
 
@@ -116,8 +145,11 @@ def test_without_inertia_drills_as_the_mean_of_the_motion(mud: dict[str, Any]) -
 
 # ---------------------------------------------------------------------- steps
 def test_depth_does_not_depend_on_the_step() -> None:
-    """Ten minutes in a hole that builds to 30 degrees, three longest steps and three tolerances: 1 mm (issue)."""
-    choices: list[dict[str, Any]] = [{"time": {"end": 600, "mode": "quasi_static", "step": step}} for step in (5, 20, 60)]
+    """Ten minutes in a hole that builds to 30 degrees, three longest steps and three tolerances: 1 mm
+    (issue)."""
+    choices: list[dict[str, Any]] = [
+        {"time": {"end": 600, "mode": "quasi_static", "step": step}} for step in (5, 20, 60)
+    ]
     choices += [{"petsc": {"ts_rtol": tolerance}} for tolerance in (1e-3, 1e-5)]
     runs = [follow(case([0, 0, np.pi / 6], "quasi_static", 600.0, **choice)) for choice in choices]
     assert [np.diff(r.t).max() > 0.99 * step for r, step in zip(runs, (5, 20), strict=False)] == [True, True]
@@ -130,13 +162,24 @@ def test_depth_does_not_depend_on_the_step() -> None:
 # ---------------------------------------------------------------------- balance of forces
 @pytest.mark.parametrize("density", [0.0, 1200.0], ids=["dry", "mud"])
 def test_hook_load_weight_on_bit_and_weight_balance(density: float) -> None:
-    """Vertical: hook load + weight on bit = weight less that of the mud displaced (Archimedes; mud at rest), 0.1 % (issue).
+    """Vertical: hook load + weight on bit = weight less that of the mud displaced (Archimedes; mud at rest),
+    0.1 % (issue).
 
-    Steel of 7850 kg/m3, the bit's too: between its blades there is mud.  Mud of 2 GPa is denser by 0.1 % at 300 m (-20 N); that it follows
-    the string down makes its column lighter by what the wall holds (+60 N), and what the string is lowered displaces more (-40 N).
+    Steel of 7850 kg/m3, the bit's too: between its blades there is mud.  Mud of 2 GPa is denser by 0.1 % at
+    300 m (-20 N); that it follows the string down makes its column lighter by what the wall holds (+60 N),
+    and what the string is lowered displaces more (-40 N).
     """
     mud = {"fluid": {**MUD, "density": density, "flow_rate": 0.0}} if density else {}
-    run = follow(case(0.0, "quasi_static", 120.0, wob=20e3, **mud, initial={"from": "statics", "wob": 20e3, "imperfection": 0.0}))
+    run = follow(
+        case(
+            0.0,
+            "quasi_static",
+            120.0,
+            wob=20e3,
+            **mud,
+            initial={"from": "statics", "wob": 20e3, "imperfection": 0.0},
+        )
+    )
     volume = section(PIPE) * PIPE_LENGTH + section(COLLAR) * COLLAR_LENGTH
     weight = GRAVITY * (1 - density / STEEL) * (STEEL * volume + BIT_MASS)
     assert run.drilled[-1] > 0.15 and np.ptp(run.weight) > 10e3
@@ -144,9 +187,11 @@ def test_hook_load_weight_on_bit_and_weight_balance(density: float) -> None:
 
 
 def test_side_friction_takes_its_part_of_the_weight_when_sliding() -> None:
-    """Straight hole of 30 degrees, not turning: hook load + weight on bit = W cos I - friction of all that lies on the wall.
+    """Straight hole of 30 degrees, not turning: hook load + weight on bit = W cos I - friction of all that
+    lies on the wall.
 
-    That is 0.25 of the normal force, the string's and the bit's; W sin I but for what the top's bearing carries.
+    That is 0.25 of the normal force, the string's and the bit's; W sin I but for what the top's bearing
+    carries.
     """
     formation = {"drillability": 2.8e-8, "rotary_exponent": 0.0}
     top = {"kind": "top_drive", "rotation": 0.0, "lowering": TEN_METRES_AN_HOUR}
@@ -158,4 +203,6 @@ def test_side_friction_takes_its_part_of_the_weight_when_sliding() -> None:
     normal += model.drilling.figures(model.system.assembly)[3]
     assert normal == pytest.approx(weight * 0.5, rel=0.03)
     assert run.drilled[-1] > 0.05
-    assert run.hook[-1] + run.weight[-1] == pytest.approx(weight * np.cos(np.pi / 6) - 0.25 * normal, rel=1e-3)
+    assert run.hook[-1] + run.weight[-1] == pytest.approx(
+        weight * np.cos(np.pi / 6) - 0.25 * normal, rel=1e-3
+    )

@@ -1,5 +1,5 @@
-"""The assembled first-order system beside the condensed one: exact Jacobian, other solvers and integrators, what each refuses; and
-steps that fail."""
+"""The assembled first-order system beside the condensed one: exact Jacobian, other solvers and integrators,
+what each refuses; and steps that fail."""
 
 from __future__ import annotations
 
@@ -47,7 +47,8 @@ def test_plain_jacobian_matches_central_differences(kind):
 
 # ---------------------------------------------------------------------- integrators
 def swinging():
-    """A soft string that hangs askew from a top drive which starts to turn: prescribed rows, large rotations, no damping."""
+    """A soft string that hangs askew from a top drive which starts to turn: prescribed rows, large rotations,
+    no damping."""
     return straight(
         string=[beam(0.5, 4, 2000.0, 6.667e-4, 1e-3, 0.02, 1.7e-7)],
         top={"kind": "top_drive", "rotation": {"ramp": 0.2, "value": 10.0}},
@@ -61,17 +62,24 @@ def swung(options: dict) -> tuple[np.ndarray, float, object]:
     model = swinging()
     integrator = integrate(model.system, END, options, breaks=model.breaks)
     m = model.system
-    return np.append(m.field("string.position")[-1], m.field("string.spin")[-1]), float(m.field("string.spin")[0, 0]), integrator
+    return (
+        np.append(m.field("string.position")[-1], m.field("string.spin")[-1]),
+        float(m.field("string.spin")[0, 0]),
+        integrator,
+    )
 
 
 @pytest.fixture(scope="module")
 def reference() -> np.ndarray:
-    """The same motion by a third-order Rosenbrock method (another formula, another solution of the stages), ten times finer."""
+    """The same motion by a third-order Rosenbrock method (another formula, another solution of the stages),
+    ten times finer."""
     return swung(fixed(5e-5, ts_type="rosw"))[0]
 
 
 #: seen with 3.26.1: the error halves with the step as soon as an end is prescribed; a free string is exact
-NEWER_ARKIMEX = pytest.mark.xfail(PETSc.Sys.getVersion() >= (3, 19, 0), reason="of first order with prescribed rows")
+NEWER_ARKIMEX = pytest.mark.xfail(
+    PETSc.Sys.getVersion() >= (3, 19, 0), reason="of first order with prescribed rows"
+)
 
 
 @pytest.mark.parametrize(
@@ -98,7 +106,8 @@ def test_integrators_and_solvers_agree(reference, options, limit):
 
 
 def test_condensed_and_plain_newton_are_one_method():
-    """The same formula solved to convergence: condensed and plain BDF2 differ by no more than the solvers' tolerances."""
+    """The same formula solved to convergence: condensed and plain BDF2 differ by no more than the solvers'
+    tolerances."""
     a = swung(fixed(1e-3, q_snes_stol=1e-11))[0]
     b = swung(fixed(1e-3, **PLAIN, snes_rtol=1e-12))[0]
     assert np.abs(a - b).max() < 1e-8
@@ -106,13 +115,16 @@ def test_condensed_and_plain_newton_are_one_method():
 
 @pytest.mark.parametrize("kind", ["bdf", "arkimex", "rosw", "theta"])
 def test_adaptive_steps_of_other_integrators(reference, kind):
-    """Error control works with the plain system: rows of rates and of prescribed components are left out of it."""
+    """Error control works with the plain system: rows of rates and of prescribed components are left out of
+    it."""
     end, _, integrator = swung({"ts_type": kind, "ts_rtol": 1e-4, **PLAIN})
     assert np.abs(end - reference).max() < 2e-3
     assert 10 < integrator.counters.steps < 2000
 
 
-@pytest.mark.parametrize("name", ["q_snes_type newtonls", "q_snes_linesearch_type bt", "q_pc_type lu", "ts_bdf_order 1"])
+@pytest.mark.parametrize(
+    "name", ["q_snes_type newtonls", "q_snes_linesearch_type bt", "q_pc_type lu", "ts_bdf_order 1"]
+)
 def test_options_of_the_condensed_newton(reference, name):
     """Other solvers of the condensed system reach the same motion."""
     key, value = name.split()
@@ -123,7 +135,12 @@ def test_options_of_the_condensed_newton(reference, name):
 @pytest.mark.parametrize("kind", ["rk", "euler", "ssp", "alpha2", "basicsymplectic"])
 def test_integrators_that_cannot_treat_prescribed_rows_are_refused(kind, tmp_path):
     """Explicit and second-order integrators: bad input, with what is allowed, and nothing is written."""
-    case = Case(string=[beam(10.0, 1, 1e8, 1e6, 1e6, 10.0, 0.1)], top="clamped", time={"end": 0.1}, petsc={"ts_type": kind})
+    case = Case(
+        string=[beam(10.0, 1, 1e8, 1e6, 1e6, 10.0, 0.1)],
+        top="clamped",
+        time={"end": 0.1},
+        petsc={"ts_type": kind},
+    )
     with pytest.raises(CaseError, match="arkimex"):
         run(case, out=tmp_path / "out", progress="silent")
     assert not (tmp_path / "out").exists()
@@ -131,7 +148,8 @@ def test_integrators_that_cannot_treat_prescribed_rows_are_refused(kind, tmp_pat
 
 # ---------------------------------------------------------------------- steps that fail
 def spoil(system, every: int, component: str = "beam") -> list[int]:
-    """Make the rows of a room's first element not a number in every ``every``-th evaluation; returns the counter of evaluations."""
+    """Make the rows of a room's first element not a number in every ``every``-th evaluation; returns the
+    counter of evaluations."""
     ready, count = next(b for b in system.assembly.bound_blocks if b.block.name == component), [0]
     kernel, first = ready.residual, int(ready.index[0, 0])
 
@@ -147,13 +165,21 @@ def spoil(system, every: int, component: str = "beam") -> list[int]:
 
 @pytest.mark.parametrize(("plain", "every"), [(False, 7), (True, 41)])
 def test_a_step_that_fails_is_cut_not_accepted(reference, plain, every):
-    """As P30: every 7th evaluation fails; the motion is that of the undisturbed run within ten times the tolerance.
+    """As P30: every 7th evaluation fails; the motion is that of the undisturbed run within ten times the
+    tolerance.
 
-    (Every 41st with newtonls, whose line search spends more evaluations on a step and survives some of the failures.)
+    (Every 41st with newtonls, whose line search spends more evaluations on a step and survives some of the
+    failures.)
     """
     model, taken = swinging(), []
     count = spoil(model.system, every)
-    integrator = integrate(model.system, END, {"ts_rtol": 1e-4, **(PLAIN if plain else {})}, lambda t, dt: taken.append(t), model.breaks)
+    integrator = integrate(
+        model.system,
+        END,
+        {"ts_rtol": 1e-4, **(PLAIN if plain else {})},
+        lambda t, dt: taken.append(t),
+        model.breaks,
+    )
     assert count[0] > 500 and integrator.failure_count() > count[0] / every / 4
     assert np.all(np.diff(taken) > 0) and taken[-1] == pytest.approx(END)
     end = np.append(model.system.field("string.position")[-1], model.system.field("string.spin")[-1])
@@ -162,7 +188,8 @@ def test_a_step_that_fails_is_cut_not_accepted(reference, plain, every):
 
 @pytest.mark.parametrize("plain", [False, True])
 def test_a_run_that_cannot_go_on_says_where(plain):
-    """From 0.05 s on the second element's rows are not a number: the error names time, room, element and measured depth."""
+    """From 0.05 s on the second element's rows are not a number: the error names time, room, element and
+    measured depth."""
     model = swinging()
     system = model.system
     ready, now = next(b for b in system.assembly.bound_blocks if b.block.name == "beam"), [0.0]
@@ -172,7 +199,13 @@ def test_a_run_that_cannot_go_on_says_where(plain):
 
     ready.block.update = update
     with pytest.raises(SolveError) as caught:
-        integrate(system, END, {"ts_rtol": 1e-4, **(PLAIN if plain else {})}, lambda t, dt: now.__setitem__(0, t), model.breaks)
+        integrate(
+            system,
+            END,
+            {"ts_rtol": 1e-4, **(PLAIN if plain else {})},
+            lambda t, dt: now.__setitem__(0, t),
+            model.breaks,
+        )
     error = caught.value
     assert error.time == pytest.approx(0.05, abs=1e-3) and error.time == now[0]
     assert (error.component, error.element, error.measured_depth) == ("beam", 1, pytest.approx(0.125))
@@ -180,8 +213,13 @@ def test_a_run_that_cannot_go_on_says_where(plain):
 
 def test_a_run_that_fails_keeps_what_it_wrote(tmp_path, monkeypatch):
     """Through the user's door: SolveError (exit status 1), the history up to the failure stays."""
-    case = Case(string=[{"kind": "pipe", "length": 10.0, "od": 0.127, "id": 0.1}], top={"kind": "top_drive", "rotation": 5.0},
-                initial={"from": "straight"}, time={"end": 1.0}, output={"history_every": 0.01})
+    case = Case(
+        string=[{"kind": "pipe", "length": 10.0, "od": 0.127, "id": 0.1}],
+        top={"kind": "top_drive", "rotation": 5.0},
+        initial={"from": "straight"},
+        time={"end": 1.0},
+        output={"history_every": 0.01},
+    )
     made = Beam.blocks
 
     def broken(self, part):

@@ -1,4 +1,5 @@
-"""Free and damped motion against independent integration and closed forms; what friction and impacts do to a short string."""
+"""Free and damped motion against independent integration and closed forms; what friction and impacts do to a
+short string."""
 
 from __future__ import annotations
 
@@ -37,7 +38,8 @@ def rod(system) -> tuple[np.ndarray, np.ndarray]:
 
 # ---------------------------------------------------------------------- free motion
 def tumble(step: float, end: float) -> tuple[float, float, float]:
-    """A stiff free string that tumbles and spins, no forces: change of momentum, relative ones of energy and angular momentum."""
+    """A stiff free string that tumbles and spins, no forces: change of momentum, relative ones of energy and
+    angular momentum."""
     model = straight(string=[beam(2.0, 6, 1e7, 4e3, 30.0, 1.0, 0.05)], top="free", bottom="free", gravity=0.0)
     m = model.system
     turn = np.array([1.0, 2.0, 0.0])
@@ -46,13 +48,20 @@ def tumble(step: float, end: float) -> tuple[float, float, float]:
     m.set_field("string.spin", np.full((7, 1), 5.0), "y")
     (p, h), energy, reference = rod(m), sum(m.energies(0.0)), m.frames.reference.copy()
     integrate(m, end, fixed(step, q_snes_stol=1e-10))
-    assert np.any(m.frames.reference != reference) == (end > 1.0)  # reference frames are renewed beyond 120 degrees
+    assert np.any(m.frames.reference != reference) == (
+        end > 1.0
+    )  # reference frames are renewed beyond 120 degrees
     q, k = rod(m)
-    return float(np.abs(q - p).max()), abs(sum(m.energies(end)) / energy - 1), float(np.linalg.norm(k - h) / np.linalg.norm(h))
+    return (
+        float(np.abs(q - p).max()),
+        abs(sum(m.energies(end)) / energy - 1),
+        float(np.linalg.norm(k - h) / np.linalg.norm(h)),
+    )
 
 
 def test_free_tumbling_string_keeps_momentum_and_nearly_energy():
-    """Momentum to rounding (a linear invariant of BDF); energy and angular momentum drift with order 2, also past renewals of reference frames."""
+    """Momentum to rounding (a linear invariant of BDF); energy and angular momentum drift with order 2, also
+    past renewals of reference frames."""
     runs = np.array([tumble(h, 0.8) for h in (0.01, 0.005, 0.0025)])
     assert np.all(runs[:, 0] < 1e-10)
     assert np.log2(runs[:-1, 1:] / runs[1:, 1:]) == pytest.approx(2.0, abs=0.15)
@@ -64,8 +73,8 @@ SWING = 0.4
 
 
 def pendulum():
-    """The strip of the first benchmark with four elements, hinged and horizontal; its weight sets in within 0.2 s, as a half cosine, so
-    that no ringing of unresolved modes hides the order."""
+    """The strip of the first benchmark with four elements, hinged and horizontal; its weight sets in within
+    0.2 s, as a half cosine, so that no ringing of unresolved modes hides the order."""
     weight = {"from": 0.0, "to": 0.5, "force": [0, 0, 0.02 * 9.81], "value_over": {"ramp": 0.2, "value": 1.0}}
     return straight(
         string=[beam(0.5, 4, 2000.0, 6.6666667e-4, 1e-3, 0.02, 1.7333e-7)],
@@ -78,7 +87,8 @@ def pendulum():
 
 @pytest.fixture(scope="module")
 def independent() -> np.ndarray:
-    """Tip of the pendulum after SWING by DOP853 on M a = -R(x, y, a = 0), written out here without the time integration of the package."""
+    """Tip of the pendulum after SWING by DOP853 on M a = -R(x, y, a = 0), written out here without the time
+    integration of the package."""
     m = pendulum().system
     asm, layout = m.assembly, m.layout
     M = moving.matrices(m)[2]
@@ -102,7 +112,9 @@ def swing_error(exact: np.ndarray, options: dict) -> tuple[float, int]:
     """Error of the tip over the length, and the number of steps."""
     model = pendulum()
     integrator = integrate(model.system, SWING, options, breaks=model.breaks)
-    return float(np.linalg.norm(model.system.field("string.position")[-1] - exact) / 0.5), integrator.counters.steps
+    return float(
+        np.linalg.norm(model.system.field("string.position")[-1] - exact) / 0.5
+    ), integrator.counters.steps
 
 
 def test_flexible_pendulum_converges_with_order_two(independent):
@@ -113,31 +125,47 @@ def test_flexible_pendulum_converges_with_order_two(independent):
 
 
 def test_tolerance_rules_the_error_of_the_pendulum(independent):
-    """-ts_rtol a hundred times smaller: more steps, and an error at least ten times smaller, against the independent integrator."""
-    (coarse, few), (fine, many) = (swing_error(independent, {"ts_rtol": tolerance}) for tolerance in (1e-3, 1e-5))
+    """-ts_rtol a hundred times smaller: more steps, and an error at least ten times smaller, against the
+    independent integrator."""
+    (coarse, few), (fine, many) = (
+        swing_error(independent, {"ts_rtol": tolerance}) for tolerance in (1e-3, 1e-5)
+    )
     assert many > 3 * few and fine < 0.1 * coarse
 
 
 # ---------------------------------------------------------------------- torsion
 def test_torsional_frequencies_with_a_heavy_bit():
-    """P24: 2000 m of drill pipe, J = 300 kg m2 at the free end: c tan x = (string inertia)/J with x = omega L/c; .180895 and .840968 Hz."""
+    """P24: 2000 m of drill pipe, J = 300 kg m2 at the free end: c tan x = (string inertia)/J with x = omega
+    L/c; .180895 and .840968 Hz."""
     pipe = {"kind": "pipe", "length": 2000.0, "od": 0.127, "id": 0.1086, "element_length": 20.0}
     bit = {"kind": "body", "length": 0.0, "mass": 1.0, "inertia": {"axial": 300.0, "transverse": 1.0}}
     m = straight(
-        string=[pipe, bit], top="clamped", bottom="free", gravity=0.0, material={"young": 206e9, "poisson": 0.3, "density": 7850.0}
+        string=[pipe, bit],
+        top="clamped",
+        bottom="free",
+        gravity=0.0,
+        material={"young": 206e9, "poisson": 0.3, "density": 7850.0},
     ).system
     K, _, M = moving.matrices(m)
     spin = m.layout.dofs["string.spin"][1:, 0]
-    found = np.sqrt(scipy.linalg.eigh(K[np.ix_(spin, spin)], M[np.ix_(spin, spin)], eigvals_only=True)[:2]) / 2 / np.pi
+    found = (
+        np.sqrt(scipy.linalg.eigh(K[np.ix_(spin, spin)], M[np.ix_(spin, spin)], eigvals_only=True)[:2])
+        / 2
+        / np.pi
+    )
     speed, share = np.sqrt(206e9 / 2.6 / 7850.0), 7850.0 * 2 * 5.941888e-6 * 2000.0 / 300.0
-    exact = [brentq(lambda x: x * np.tan(x) - share, a + 1e-9, a + np.pi / 2 - 1e-9) * speed / 2000 / 2 / np.pi for a in (0.0, np.pi)]
+    exact = [
+        brentq(lambda x: x * np.tan(x) - share, a + 1e-9, a + np.pi / 2 - 1e-9) * speed / 2000 / 2 / np.pi
+        for a in (0.0, np.pi)
+    ]
     assert exact == pytest.approx([0.180895, 0.840968], rel=1e-5)
     assert found == pytest.approx(exact, rel=1e-4)
 
 
 def test_a_jump_of_the_rotation_through_the_whole_program(tmp_path):
-    """A time that stands twice: the surface torque is Z_t (296.371 N m s) times 2 rad/s from the jump on, and nothing before; the first
-    characteristic is back after 2L/c = 1.26 s (1000 m of open-ended pipe at 0.63 s)."""
+    """A time that stands twice: the surface torque is Z_t (296.371 N m s) times 2 rad/s from the jump on, and
+    nothing before; the first characteristic is back after 2L/c = 1.26 s (1000 m of open-ended pipe at 0.63
+    s)."""
     rotation = {"time": [0.0, 0.2, 0.2, 1.0], "value": [0.0, 0.0, 2.0, 2.0]}
     case = Case(
         string=[{"kind": "pipe", "length": 1000.0, "od": 0.127, "id": 0.1086}],
@@ -158,7 +186,13 @@ def test_a_jump_of_the_rotation_through_the_whole_program(tmp_path):
 
 
 # ---------------------------------------------------------------------- damping and whirl
-SHAFT = {"axial_stiffness": 1e7, "bending_stiffness": 1e4, "torsional_stiffness": 1e6, "mass": 10.0, "polar_inertia": 1e-3}
+SHAFT = {
+    "axial_stiffness": 1e7,
+    "bending_stiffness": 1e4,
+    "torsional_stiffness": 1e6,
+    "mass": 10.0,
+    "polar_inertia": 1e-3,
+}
 LENGTH = 10.0
 OMEGA = (np.pi / LENGTH) ** 2 * np.sqrt(1e4 / 10.0)  # first mode, hinged ends
 
@@ -172,7 +206,9 @@ class Spinning(ComponentBase):
         start, rate = np.append(position, 0.0), np.array([0.0, 0.0, 0.0, speed])
         keep = slice(None) if held else slice(3, 4)
         names = ("x", "y", "z", "torque")[keep]
-        self._condition = PrescribedMotion(vertex, D[keep], lambda t: (start + rate * t)[keep], lambda t: rate[keep], names)
+        self._condition = PrescribedMotion(
+            vertex, D[keep], lambda t: (start + rate * t)[keep], lambda t: rate[keep], names
+        )
 
     def prescribed(self):
         return (self._condition,)
@@ -194,8 +230,12 @@ def bend(system, x: float, y: float, what: str) -> None:
     """Add the first mode with mid-span amplitudes x, y to positions (what = "x") or rates ("y")."""
     s, k = system.mesh.node_depth, np.pi / LENGTH
     side = np.array([[x, y, 0.0]])
-    system.set_field("string.position", system.field("string.position", what) + np.sin(k * s)[:, None] * side, what)
-    system.set_field("string.tangent", system.field("string.tangent", what) + k * np.cos(k * s)[:, None] * side, what)
+    system.set_field(
+        "string.position", system.field("string.position", what) + np.sin(k * s)[:, None] * side, what
+    )
+    system.set_field(
+        "string.tangent", system.field("string.tangent", what) + k * np.cos(k * s)[:, None] * side, what
+    )
 
 
 def orbit(system, n: int) -> float:
@@ -203,7 +243,8 @@ def orbit(system, n: int) -> float:
 
 
 def growth(speed: float, turns: float, **damping) -> float:
-    """Growth rate of the amplitude of forward whirl in the first mode [1/s]: log of sqrt(x^2 + (x'/omega)^2) over some turns."""
+    """Growth rate of the amplitude of forward whirl in the first mode [1/s]: log of sqrt(x^2 + (x'/omega)^2)
+    over some turns."""
     n = 8
     system = hinged_shaft(n, speed, **damping)
     bend(system, 1e-4, 0.0, "x")
@@ -220,8 +261,8 @@ def growth(speed: float, turns: float, **damping) -> float:
 
 @pytest.mark.parametrize("share", [0.7, 1.3])
 def test_internal_damping_whirl_in_a_run(share):
-    """Forward whirl of a turning shaft grows at (c_i (Omega/omega - 1) - c_e)/2, c_i = beta omega^2, c_e = alpha: zero at
-    Omega = omega (1 + c_e/c_i), the threshold (first order in the damping)."""
+    """Forward whirl of a turning shaft grows at (c_i (Omega/omega - 1) - c_e)/2, c_i = beta omega^2, c_e =
+    alpha: zero at Omega = omega (1 + c_e/c_i), the threshold (first order in the damping)."""
     beta, alpha = 0.01 / OMEGA, 0.01 * OMEGA
     speed = share * OMEGA * (1 + alpha / (beta * OMEGA**2))
     rate = 0.5 * (beta * OMEGA**2 * (speed / OMEGA - 1) - alpha)
@@ -230,7 +271,8 @@ def test_internal_damping_whirl_in_a_run(share):
 
 @pytest.mark.parametrize("ratio", [0.5, 1.5])
 def test_synchronous_whirl_amplitude(ratio):
-    """Eccentricity e sin(pi s/L), which is the first mode: started on the orbit e q/(1 - q), q = (Omega/omega)^2, the shaft stays on it."""
+    """Eccentricity e sin(pi s/L), which is the first mode: started on the orbit e q/(1 - q), q =
+    (Omega/omega)^2, the shaft stays on it."""
     n, e, speed = 32, 1e-3, ratio * OMEGA
     q = ratio**2
     system = hinged_shaft(n, speed, e * np.sin(np.pi * (np.arange(n) + 0.5) / n))
@@ -238,7 +280,9 @@ def test_synchronous_whirl_amplitude(ratio):
     second = system.frames.second[0]  # the eccentricity points this way at t = 0
     bend(system, *(amplitude * second[:2]), "x")
     bend(system, *(speed * amplitude * np.array([-second[1], second[0]])), "y")
-    integrate(system, 3 * 2 * np.pi / OMEGA, fixed(0.02 / OMEGA), lambda t, dt: watched.append(orbit(system, n)))
+    integrate(
+        system, 3 * 2 * np.pi / OMEGA, fixed(0.02 / OMEGA), lambda t, dt: watched.append(orbit(system, n))
+    )
     assert np.array(watched) == pytest.approx(abs(amplitude), rel=0.01)
 
 
@@ -273,7 +317,8 @@ def test_three_impacts_in_a_row():
 
 
 def whirl(friction: float) -> tuple[float, float]:
-    """Rate [rad/s] and orbit radius [m] of a shaft at 120 rpm that friction drives from half the rolling speed."""
+    """Rate [rad/s] and orbit radius [m] of a shaft at 120 rpm that friction drives from half the rolling
+    speed."""
     speed, pipe, wall = 4 * np.pi, 0.0857, 0.108
     components = [lambda f, p, t, k=k: Spinning(k, p[k], speed, held=False) for k in (0, 1)]
     system = block(hole(wall, friction), ContactLaw(slip_velocity=1e-3), pipe, components, mass=50.0)
@@ -281,15 +326,21 @@ def whirl(friction: float) -> tuple[float, float]:
     system.set_field("string.position", np.array([[start, 0, 0], [start, 0, 1.0]]))
     system.set_field("string.position", np.tile([0, -0.5 * speed * pipe, 0], (2, 1)), "y")
     system.set_field("string.spin", np.full((2, 1), speed), "y")
-    rows = watched(system, 0.8, lambda m: [*m.field("string.position")[0, :2], *m.field("string.position", "y")[0, :2]],
-                            ts_rtol=1e-6, ts_dt=1e-5)
+    rows = watched(
+        system,
+        0.8,
+        lambda m: [*m.field("string.position")[0, :2], *m.field("string.position", "y")[0, :2]],
+        ts_rtol=1e-6,
+        ts_dt=1e-5,
+    )
     _, x, y, u, v = rows[rows[:, 0] > 0.7].T
     radius = np.hypot(x, y)
     return float(np.mean((x * v - y * u) / radius**2)), float(radius.mean())
 
 
 def test_backward_whirl_comes_from_friction_alone():
-    """P11: starting at half the rolling speed friction brings the whirl to -omega R_s/orbit radius (-48.2932 rad/s for a rigid wall), to
+    """P11: starting at half the rolling speed friction brings the whirl to -omega R_s/orbit radius (-48.2932
+    rad/s for a rigid wall), to
     0.5 %; the rate does not depend on the friction coefficient, to 1e-4."""
     rates = []
     for friction in (0.1, 0.25, 0.5):

@@ -1,4 +1,5 @@
-"""Damping by the material, impacts and friction on the wall against closed forms; whirl is in test_dynamics_motion."""
+"""Damping by the material, impacts and friction on the wall against closed forms; whirl is in
+test_dynamics_motion."""
 
 from __future__ import annotations
 
@@ -13,7 +14,13 @@ from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad
 from tests.helpers.motion import watched
 from tests.helpers.moving import matrices, straight_model
 
-SHAFT = {"axial_stiffness": 1e7, "bending_stiffness": 1e4, "torsional_stiffness": 1e6, "mass": 10.0, "polar_inertia": 0.01}
+SHAFT = {
+    "axial_stiffness": 1e7,
+    "bending_stiffness": 1e4,
+    "torsional_stiffness": 1e6,
+    "mass": 10.0,
+    "polar_inertia": 0.01,
+}
 L = 10.0
 OMEGA1 = (np.pi / L) ** 2 * np.sqrt(SHAFT["bending_stiffness"] / SHAFT["mass"])  # pinned-pinned, 3.121 rad/s
 
@@ -23,7 +30,8 @@ def shaft(n: int, **more):
 
 
 def _free(system) -> np.ndarray:
-    """Unknowns left by hinges at both ends that leave the direction free: no position of the ends, no spin of the top."""
+    """Unknowns left by hinges at both ends that leave the direction free: no position of the ends, no spin of
+    the top."""
     place = system.layout.dofs
     gone = {*place["string.position"][0], *place["string.position"][-1], place["string.spin"][0, 0]}
     return np.array([i for i in range(system.layout.size) if i not in gone])
@@ -55,8 +63,16 @@ LYING = Well.from_survey(np.array([0.0, 50.0]), np.full(2, np.pi / 2), np.zeros(
 
 def _block(law: ContactLaw, speed: float):
     """A stiff piece of 1 m and 25 kg, radius 0.1 m, in a hole of radius 0.102 m, moving sideways."""
-    mesh = uniform_string(1.0, 1, axial_stiffness=1e9, bending_stiffness=1e8, torsional_stiffness=1e8, mass=25.0, polar_inertia=0.1,
-                          outer_diameter=0.2)
+    mesh = uniform_string(
+        1.0,
+        1,
+        axial_stiffness=1e9,
+        bending_stiffness=1e8,
+        torsional_stiffness=1e8,
+        mass=25.0,
+        polar_inertia=0.1,
+        outer_diameter=0.2,
+    )
     system = straight_model(mesh, [lambda f, p, t: Contact(mesh, HOLE, law)])
     system.set_field("string.position", np.tile([speed, 0.0, 0.0], (2, 1)), "y")
     return system
@@ -66,17 +82,23 @@ def _block(law: ContactLaw, speed: float):
 @pytest.mark.parametrize("restitution", [0.8, 0.5, 0.2])
 @pytest.mark.parametrize("law, stiffness", [("linear", 1e8), ("hertz", 1e9)])
 def test_restitution_of_an_impact(law, stiffness, restitution, tolerance, share):
-    """P04: 25 kg at 1 m/s against 1e8 N/m (linear) or 1e9 N/m^1.5 (Hertz) with the factor from d(1+e) = ln((1+d)/(1-de)): rebound e, to
+    """P04: 25 kg at 1 m/s against 1e8 N/m (linear) or 1e9 N/m^1.5 (Hertz) with the factor from d(1+e) =
+    ln((1+d)/(1-de)): rebound e, to
     0.5 % at -ts_rtol 1e-5; to 2 % at the default 1e-4."""
-    system = _block(ContactLaw(stiffness=stiffness, law=law, restitution=restitution, slip_velocity=1e-2), 1.0)
+    system = _block(
+        ContactLaw(stiffness=stiffness, law=law, restitution=restitution, slip_velocity=1e-2), 1.0
+    )
     rows = watched(system, 0.0065, lambda m: m.field("string.position", "y")[0, 0], ts_rtol=tolerance)
     assert rows[-1, 1] == pytest.approx(-restitution, rel=share)
 
 
-@pytest.mark.parametrize("law, stiffness, depth", [("linear", 1e8, 5.0e-4), ("hertz", 1e9, 9.952679e-4), ("hertz_point", 1e9, 0.75427e-3)])
+@pytest.mark.parametrize(
+    "law, stiffness, depth",
+    [("linear", 1e8, 5.0e-4), ("hertz", 1e9, 9.952679e-4), ("hertz_point", 1e9, 0.75427e-3)],
+)
 def test_positions_are_as_exact_as_impacts_are_deep(law, stiffness, depth):
-    """P06: elastic depths of 25 kg/m at 1 m/s; a law per point has half of the mass on each of two points of a 1 m element, which makes
-    it 2^-0.4 as deep.  A soft wall leaves the usual scale of positions."""
+    """P06: elastic depths of 25 kg/m at 1 m/s; a law per point has half of the mass on each of two points of
+    a 1 m element, which makes it 2^-0.4 as deep.  A soft wall leaves the usual scale of positions."""
     system = _block(ContactLaw(stiffness=stiffness, law=law), 1.0)
     scale = system.scale[system.layout.dofs["string.position"].ravel()]
     assert scale == pytest.approx(depth, rel=1e-5)
@@ -91,12 +113,16 @@ def test_damping_factor(restitution, factor):
 
 
 @pytest.mark.parametrize(
-    "law, stiffness, duration, depth", [("linear", 1e8, 1.570796e-3, 5.0e-4), ("hertz", 1e9, 2.929347e-3, 9.952679e-4)]
+    "law, stiffness, duration, depth",
+    [("linear", 1e8, 1.570796e-3, 5.0e-4), ("hertz", 1e9, 2.929347e-3, 9.952679e-4)],
 )
 def test_elastic_impact_duration_and_depth(law, stiffness, duration, depth):
-    """P06: elastic impact of 25 kg at 1 m/s, durations and penetrations of the linear and the Hertz spring (exact)."""
+    """P06: elastic impact of 25 kg at 1 m/s, durations and penetrations of the linear and the Hertz spring
+    (exact)."""
     system = _block(ContactLaw(stiffness=stiffness, law=law, restitution=1.0), 1.0)
-    rows = watched(system, 0.007, lambda m: m.field("string.position")[0, 0] + 0.1 - 0.102, ts_rtol=1e-7, ts_dt=1e-5)
+    rows = watched(
+        system, 0.007, lambda m: m.field("string.position")[0, 0] + 0.1 - 0.102, ts_rtol=1e-7, ts_dt=1e-5
+    )
     t, deep = rows.T
     assert deep.max() == pytest.approx(depth, rel=0.005)
     change = np.flatnonzero(deep[:-1] * deep[1:] < 0)
@@ -105,9 +131,18 @@ def test_elastic_impact_duration_and_depth(law, stiffness, duration, depth):
 
 
 def test_regularised_friction_creeps_as_it_must():
-    """P08: F = mu N / 2 on a pipe that lies in a horizontal hole: v = eps F / sqrt((mu N)^2 - F^2) = 5.7735e-4 m/s at eps = 1e-3."""
-    mesh = uniform_string(1.0, 1, axial_stiffness=1e9, bending_stiffness=1e8, torsional_stiffness=1e8, mass=25.0, polar_inertia=0.1,
-                          outer_diameter=0.2)
+    """P08: F = mu N / 2 on a pipe that lies in a horizontal hole: v = eps F / sqrt((mu N)^2 - F^2) =
+    5.7735e-4 m/s at eps = 1e-3."""
+    mesh = uniform_string(
+        1.0,
+        1,
+        axial_stiffness=1e9,
+        bending_stiffness=1e8,
+        torsional_stiffness=1e8,
+        mass=25.0,
+        polar_inertia=0.1,
+        outer_diameter=0.2,
+    )
     weight = 25.0 * 9.81
     from drillpetsc.fem.discrete_system import DiscreteSystem
     from drillpetsc.geometry.frames import transported_frames
@@ -117,19 +152,32 @@ def test_regularised_friction_creeps_as_it_must():
     frames = transported_frames(tangent)
     law = ContactLaw(slip_velocity=1e-3, stiffness=1e7)
     load = Loads((NodeLoad(0, force=tuple(0.5 * 0.3 * weight * tangent[0])),), frames)
-    system = DiscreteSystem(mesh, frames, [Beam(mesh, frames, np.array([0, 0, 9.81])), load, Contact(mesh, LYING, law)])
+    system = DiscreteSystem(
+        mesh, frames, [Beam(mesh, frames, np.array([0, 0, 9.81])), load, Contact(mesh, LYING, law)]
+    )
     system.set_field("string.position", position + np.array([0, 0, 0.002 + weight / 1e7]))
     system.set_field("string.tangent", tangent)
-    rows = watched(system, 0.2, lambda m: m.field("string.position", "y")[0] @ tangent[0], ts_rtol=1e-7, ts_dt=1e-5)
+    rows = watched(
+        system, 0.2, lambda m: m.field("string.position", "y")[0] @ tangent[0], ts_rtol=1e-7, ts_dt=1e-5
+    )
     # the pipe rocks a little on its elastic bed, undamped at this size: the mean creeps
     assert rows[:, 1][rows[:, 0] > 0.1].mean() == pytest.approx(5.7735e-4, rel=2e-3)
 
 
 def test_wall_brake_stops_a_spinning_pipe():
-    """P09: J = 20 kg m2 at 15 rad/s, N = 2000 N, mu = 0.3, R = 0.0635 m: stops at 7.8740 s after 9.3989 revolutions."""
+    """P09: J = 20 kg m2 at 15 rad/s, N = 2000 N, mu = 0.3, R = 0.0635 m: stops at 7.8740 s after 9.3989
+    revolutions."""
     hole = Well.from_survey(np.array([0.0, 50.0]), np.zeros(2), np.zeros(2), [50.0], [0.0655], [0.3])
-    mesh = uniform_string(1.0, 1, axial_stiffness=1e9, bending_stiffness=1e9, torsional_stiffness=1e9, mass=25.0, polar_inertia=20.0,
-                          outer_diameter=0.127)
+    mesh = uniform_string(
+        1.0,
+        1,
+        axial_stiffness=1e9,
+        bending_stiffness=1e9,
+        torsional_stiffness=1e9,
+        mass=25.0,
+        polar_inertia=20.0,
+        outer_diameter=0.127,
+    )
     pressed = np.array([0.002 + 2000.0 / 1e8, 0.0, 0.0])
     components = [
         lambda f, p, t: Contact(mesh, hole, ContactLaw(slip_velocity=1e-4)),
@@ -139,7 +187,9 @@ def test_wall_brake_stops_a_spinning_pipe():
     system = straight_model(mesh, components)
     system.set_field("string.position", np.array([pressed, pressed + [0, 0, 1.0]]))
     system.set_field("string.spin", np.full((2, 1), 15.0), "y")
-    rows = watched(system, 8.5, lambda m: [m.field("string.spin", "y")[0, 0], m.field("string.spin")[0, 0]], ts_rtol=1e-5)
+    rows = watched(
+        system, 8.5, lambda m: [m.field("string.spin", "y")[0, 0], m.field("string.spin")[0, 0]], ts_rtol=1e-5
+    )
     t, speed, angle = rows.T
     assert 15.0 - np.interp(7.0, t, speed) == pytest.approx(1.905 * 7.0, rel=2e-3)
     assert t[np.flatnonzero(speed > 0.02)[-1]] == pytest.approx(7.8740, rel=0.005)

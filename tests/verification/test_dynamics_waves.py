@@ -27,14 +27,21 @@ def bit_speed(system):
 
 
 def test_torque_step_plateau_and_top_torque():
-    """P23: 2 kN m on the free end of 2000 m of pipe: bit speed T/Z = 6.74829 rad/s until 2L/c, then its negative; top torque 2T.
+    """P23: 2 kN m on the free end of 2000 m of pipe: bit speed T/Z = 6.74829 rad/s until 2L/c, then its
+    negative; top torque 2T.
 
     Characteristics of the torsional wave, Z = GJ/c = 296.371 N m s.
     """
     n = 200
     mesh = uniform_string(LENGTH, n, **PIPE)
     system = straight_model(mesh, [clamp, lambda f, p, t: Loads((NodeLoad(n, moment=(0, 0, 2000.0)),), f)])
-    rows = watched(system, 2.4, lambda m: [bit_speed(m), m.reaction("top.torque_reaction")], ts_adapt_type="none", ts_dt=2e-3)
+    rows = watched(
+        system,
+        2.4,
+        lambda m: [bit_speed(m), m.reaction("top.torque_reaction")],
+        ts_adapt_type="none",
+        ts_dt=2e-3,
+    )
     t, speed, torque = rows.T
     period = 2 * LENGTH / TORSION
     first = (t > 0.2 * period) & (t < 0.8 * period)
@@ -47,7 +54,8 @@ def test_torque_step_plateau_and_top_torque():
 
 @pytest.mark.parametrize("kind, speed", [("torsion", 3176.96), ("axial", 5122.70)])
 def test_arrival_of_a_wave(kind, speed):
-    """P22: half level at the bottom after L/c: .629532 s torsion, .390419 s axial, from a short half-cosine start at the top."""
+    """P22: half level at the bottom after L/c: .629532 s torsion, .390419 s axial, from a short half-cosine
+    start at the top."""
     n = 400
     mesh = uniform_string(LENGTH, n, **PIPE)
     zero, start = Constant(0.0), Ramp(0.04, 0.1)
@@ -55,7 +63,11 @@ def test_arrival_of_a_wave(kind, speed):
     system = straight_model(mesh, [lambda f, p, t: TopDrive(p[0], t[0], *inputs)])
 
     def watch(m):
-        return m.field("string.spin", "y")[-1, 0] if kind == "torsion" else m.field("string.position", "y")[-1, 2]
+        return (
+            m.field("string.spin", "y")[-1, 0]
+            if kind == "torsion"
+            else m.field("string.position", "y")[-1, 2]
+        )
 
     t, value = watched(system, LENGTH / speed + 0.06, watch, (0.04,), ts_adapt_type="none", ts_dt=5e-4).T
     half = np.interp(0.1, value, t)  # the free end doubles the wave: half of 2 x 0.1
@@ -63,7 +75,8 @@ def test_arrival_of_a_wave(kind, speed):
 
 
 def test_spin_up_against_the_exact_torsional_wave():
-    """Top speed a half cosine to 80 rpm in 2 s: bit speed is the sum of delayed inputs (method of characteristics, exact)."""
+    """Top speed a half cosine to 80 rpm in 2 s: bit speed is the sum of delayed inputs (method of
+    characteristics, exact)."""
     n, top = 225, 80 * 2 * np.pi / 60
     mesh = uniform_string(LENGTH, n, **PIPE)
     system = straight_model(mesh, [lambda f, p, t: TopDrive(p[0], t[0], Ramp(2.0, top), Constant(0.0))])
@@ -72,6 +85,7 @@ def test_spin_up_against_the_exact_torsional_wave():
     def exact(t):
         def f(s):
             return np.where(s <= 0, 0, np.where(s >= 2, 1, 0.5 * (1 - np.cos(np.pi * s / 2)))) * top
+
         return sum(2 * (-1) ** k * f(t - (2 * k + 1) * delay) for k in range(8))
 
     errors = []
@@ -93,7 +107,8 @@ def test_spin_up_against_the_exact_torsional_wave():
 
 
 def test_order_in_time_is_two():
-    """Free torsional vibration in the first mode, phi = A cos(omega t) sin(pi s / 2L), clamped-free: BDF2 converges with order 2."""
+    """Free torsional vibration in the first mode, phi = A cos(omega t) sin(pi s / 2L), clamped-free: BDF2
+    converges with order 2."""
     n = 40
     mesh = uniform_string(LENGTH, n, **PIPE)
     omega = np.pi * TORSION / (2 * LENGTH)
@@ -103,7 +118,9 @@ def test_order_in_time_is_two():
     for dt in steps:
         system = straight_model(mesh, [clamp])
         system.set_field("string.spin", shape[:, None])
-        t, angle = watched(system, 2.0, lambda m: m.field("string.spin")[-1, 0], ts_adapt_type="none", ts_dt=dt).T
+        t, angle = watched(
+            system, 2.0, lambda m: m.field("string.spin")[-1, 0], ts_adapt_type="none", ts_dt=dt
+        ).T
         errors.append(abs(angle[-1] - np.cos(omega * t[-1])))
     rate = np.polyfit(np.log(steps[1:]), np.log(errors[1:]), 1)[0]
     assert abs(rate - 2.0) < 0.15
@@ -111,8 +128,9 @@ def test_order_in_time_is_two():
 
 
 def test_axial_wave_at_a_section_change():
-    """Force step on the free end of a collar below a pipe: the reflected velocity is (Z2 - Z1)/(Z1 + Z2) of the incident one,
-    Z = sqrt(EA mu) (plane waves in stepped bars); seen at the loaded end as v0 (1 + 2 r).  The junction works in dynamics."""
+    """Force step on the free end of a collar below a pipe: the reflected velocity is (Z2 - Z1)/(Z1 + Z2) of
+    the incident one, Z = sqrt(EA mu) (plane waves in stepped bars); seen at the loaded end as v0 (1 + 2 r).
+    The junction works in dynamics."""
     n, force = 200, 1e4
     collar = tube(0.1778, 0.0714, 206e9, 0.3, 7850.0)
     mesh = uniform_string(LENGTH, n, **PIPE)
@@ -122,8 +140,17 @@ def test_axial_wave_at_a_section_change():
     junction[n // 2] = True
     mesh = replace(mesh, junction=junction, **columns)
     ramp = Ramp(0.05, 1.0)
-    system = straight_model(mesh, [clamp, lambda f, p, t: Loads((NodeLoad(n, force=(0, 0, force), factor=ramp.value),), f)])
-    t, speed = watched(system, 0.72, lambda m: m.field("string.position", "y")[-1, 2], (0.05,), ts_adapt_type="none", ts_dt=5e-4).T
+    system = straight_model(
+        mesh, [clamp, lambda f, p, t: Loads((NodeLoad(n, force=(0, 0, force), factor=ramp.value),), f)]
+    )
+    t, speed = watched(
+        system,
+        0.72,
+        lambda m: m.field("string.position", "y")[-1, 2],
+        (0.05,),
+        ts_adapt_type="none",
+        ts_dt=5e-4,
+    ).T
     z1, z2 = (np.sqrt(q["axial_stiffness"] * q["mass"]) for q in (PIPE, collar))
     c = np.sqrt(206e9 / 7850.0)
     back = 2 * (LENGTH / 2) / c  # 0.39 s
@@ -138,21 +165,26 @@ def test_a_spinning_hung_string_keeps_its_speed_for_1000_revolutions():
     """No torque, no damping: the spin rate does not drift (phi = Omega t is exact for BDF)."""
     n, speed = 10, 80 * 2 * np.pi / 60
     mesh = uniform_string(100.0, n, **PIPE)
-    system = straight_model(mesh, [lambda f, p, t: TopDrive(p[0], t[0], None, Constant(0.0))], gravity=(0, 0, 9.81))
+    system = straight_model(
+        mesh, [lambda f, p, t: TopDrive(p[0], t[0], None, Constant(0.0))], gravity=(0, 0, 9.81)
+    )
     s = mesh.node_depth
     strain = PIPE["mass"] * 9.81 * (100.0 - s) / PIPE["axial_stiffness"]
     stretch = PIPE["mass"] * 9.81 / PIPE["axial_stiffness"] * (100.0 * s - s**2 / 2)
     system.set_field("string.position", np.column_stack([0 * s, 0 * s, s + stretch]))
     system.set_field("string.tangent", np.column_stack([0 * s, 0 * s, 1 + strain]))
     system.set_field("string.spin", np.full((n + 1, 1), speed), "y")
-    rows = watched(system, 750.0, lambda m: m.field("string.spin", "y")[:, 0], ts_adapt_type="none", ts_dt=0.25)
+    rows = watched(
+        system, 750.0, lambda m: m.field("string.spin", "y")[:, 0], ts_adapt_type="none", ts_dt=0.25
+    )
     assert np.abs(rows[-1, 1:] / speed - 1).max() < 1e-9
     angle = system.field("string.spin")[:, 0]
     assert angle == pytest.approx(speed * 750.0, rel=1e-9)
 
 
 def test_a_jump_of_the_top_speed_is_landed_on():
-    """A rotation that jumps at 0.5 s: the run steps exactly there, and the bit sees twice the jump after L/c."""
+    """A rotation that jumps at 0.5 s: the run steps exactly there, and the bit sees twice the jump after
+    L/c."""
     jump = PiecewiseLinear((0.0, 0.5, 0.5, 5.0), (0.0, 0.0, 1.0, 1.0))
     mesh = uniform_string(LENGTH, 100, **PIPE)
     system = straight_model(mesh, [lambda f, p, t: TopDrive(p[0], t[0], jump, Constant(0.0))])

@@ -10,21 +10,30 @@ from drillpetsc.output import read_table
 
 
 def test_a_jump_of_rotation_leaves_no_gap_in_the_books(tmp_path):
-    """A hung pipe whose top jumps from 60 to 90 rpm: the drive supplies impedance GJ/c times the jump times its new speed (d'Alembert),
-    and the balance closes before and after."""
+    """A hung pipe whose top jumps from 60 to 90 rpm: the drive supplies impedance GJ/c times the jump times
+    its new speed (d'Alembert), and the balance closes before and after."""
     pipe = {"kind": "pipe", "length": 200, "od": 0.127, "id": 0.1086, "element_length": 5}
     rotation = {"time": [0, 0.02, 0.02, 1], "value": ["60 rpm", "60 rpm", "90 rpm", "90 rpm"]}
-    case = Case(string=[pipe], top={"kind": "top_drive", "rotation": rotation}, time={"end": 0.05}, gravity=0.0,
-                output={"history_every": 0.001}, petsc={"ts_rtol": 1e-6})
+    case = Case(
+        string=[pipe],
+        top={"kind": "top_drive", "rotation": rotation},
+        time={"end": 0.05},
+        gravity=0.0,
+        output={"history_every": 0.001},
+        petsc={"ts_rtol": 1e-6},
+    )
     h = read_table(run(case, tmp_path / "jump", progress="silent").folder / "history.csv")
     t, stored = h["time [s]"], h["kinetic_energy [J]"] + h["strain_energy [J]"]
     shear, density, polar = 206e9 / 2.6, 7850.0, np.pi / 32 * (0.127**4 - 0.1086**4)
     jump = np.pi
-    impedance = polar * np.sqrt(shear * density)  # [N m s]; the drive's torque is impedance * jump, at its new speed
+    impedance = polar * np.sqrt(
+        shear * density
+    )  # [N m s]; the drive's torque is impedance * jump, at its new speed
     late = t > 0.025
     gained = np.polyfit(t[late], stored[late], 1)[0]
     expected = impedance * jump * 3 * np.pi
     assert gained == pytest.approx(expected, rel=0.02)
-    # the books take the jump's own work from the balance, so what the string gains at the jump is checked without them
+    # the books take the jump's own work from the balance, so what the string gains at the jump is checked
+    # without them
     assert stored[-1] - stored[0] == pytest.approx(expected * (t[-1] - 0.02), rel=0.005)
     assert np.abs(h["energy_error [J]"]).max() < 2e-3 * stored.max()

@@ -12,11 +12,15 @@ PIPE = {"kind": "pipe", "length": 100.0, "od": 0.127, "id": 0.1086, "element_len
 
 
 def test_a_turning_string_goes_on_from_a_run(tmp_path):
-    """A string in steady rotation and lowering has no torque and goes down by speed times time in each of two runs (rigid motion);
-    the second one's clock begins anew, its top drive at the angle and depth at which the first one's ended."""
+    """A string in steady rotation and lowering has no torque and goes down by speed times time in each of two
+    runs (rigid motion); the second one's clock begins anew, its top drive at the angle and depth at which the
+    first one's ended."""
     top = {"kind": "top_drive", "rotation": "60 rpm", "lowering": 0.1}
     first = run(Case(string=[PIPE], top=top, time={"end": 0.3}), tmp_path / "first")
-    second = run(Case(string=[PIPE], top=top, time={"end": 0.3}, initial={"from": str(first.folder)}), tmp_path / "second")
+    second = run(
+        Case(string=[PIPE], top=top, time={"end": 0.3}, initial={"from": str(first.folder)}),
+        tmp_path / "second",
+    )
     one, two = (read_table(q.folder / "history.csv") for q in (first, second))
     assert two["time [s]"][0] == 0.0
     assert two["bit_depth [m]"][0] == pytest.approx(one["bit_depth [m]"][-1], abs=1e-9)

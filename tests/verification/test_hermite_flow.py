@@ -1,6 +1,7 @@
 """Formulation hermite against closed forms and against formulation mixed.
 
-Numbers of the wave tests: shared model page on the fluid, section 8.1 (frequencies of the form with cubic volumes) and check C12.
+Numbers of the wave tests: shared model page on the fluid, section 8.1 (frequencies of the form with cubic
+volumes) and check C12.
 """
 
 from __future__ import annotations
@@ -28,8 +29,10 @@ from drillpetsc.time_function import Constant
 BOTH = ("mixed", "hermite")
 MUD = {"model": "herschel_bulkley", "yield_stress": 3, "consistency": 0.3, "index": 0.75}
 WATER = {"model": "newtonian", "viscosity": 0}
-HOLE = {"survey": {"md": [0, 2000], "inclination": [0, 0], "azimuth": [0, 0]},
-        "sections": [{"to": 2000, "kind": "casing", "diameter": 0.2159, "friction": 0.2}]}
+HOLE = {
+    "survey": {"md": [0, 2000], "inclination": [0, 0], "azimuth": [0, 0]},
+    "sections": [{"to": 2000, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
+}
 
 
 def pipe(length: float, element: float, bore: float = 0.1086, outer: float = 0.127) -> dict:
@@ -38,9 +41,18 @@ def pipe(length: float, element: float, bore: float = 0.1086, outer: float = 0.1
 
 def loop(formulation: str, element: float = 50.0, **fluid) -> Case:
     """2000 m of pipe, collars and nozzles in a hole of 215.9 mm."""
-    string = [pipe(1800, element), pipe(199, element, 0.0714, 0.1778),
-              {"kind": "bit", "length": 1, "od": 0.2159, "mass": 60, "nozzle_area": 380e-6}]
-    mud = {"density": 1200, "rheology": MUD, "bulk_modulus": 2.5e9, "flow_rate": 0.03, "formulation": formulation}
+    string = [
+        pipe(1800, element),
+        pipe(199, element, 0.0714, 0.1778),
+        {"kind": "bit", "length": 1, "od": 0.2159, "mass": 60, "nozzle_area": 380e-6},
+    ]
+    mud = {
+        "density": 1200,
+        "rheology": MUD,
+        "bulk_modulus": 2.5e9,
+        "flow_rate": 0.03,
+        "formulation": formulation,
+    }
     return Case(string=string, hold_string=True, well=HOLE, bottom="bit", fluid=mud | fluid)
 
 
@@ -77,18 +89,22 @@ def half_cosine(start: float, duration: float, flow: float) -> dict:
 
 # ---------------------------------------------------------------------- steady
 def test_steady_pressures_of_an_almost_incompressible_mud():
-    """At a bulk modulus of 1e14 Pa and with rigid walls both forms have the exact sum of losses, also across the change of section."""
+    """At a bulk modulus of 1e14 Pa and with rigid walls both forms have the exact sum of losses, also across
+    the change of section."""
     found = {}
     for form in BOTH:
         model = build_model(loop(form, bulk_modulus=1e14, elastic_walls=False))
         find_equilibrium(model)
-        found[form] = np.concatenate([component.pressures(model.system) for component in (model.fluid.bore, model.fluid.annulus)])
+        found[form] = np.concatenate(
+            [component.pressures(model.system) for component in (model.fluid.bore, model.fluid.annulus)]
+        )
     assert found["mixed"][0] > 1e7
     assert np.abs(found["hermite"] - found["mixed"]).max() < 1e-10 * np.abs(found["mixed"]).max()
 
 
 def test_steady_circulation_by_the_sum_of_losses():
-    """The mud's own bulk modulus, both forms on two meshes: pump pressures agree to 1e-4, and the closer the finer."""
+    """The mud's own bulk modulus, both forms on two meshes: pump pressures agree to 1e-4, and the closer the
+    finer."""
     gap = []
     for element in (100.0, 50.0):
         found = []
@@ -103,11 +119,14 @@ def test_steady_circulation_by_the_sum_of_losses():
 
 # ---------------------------------------------------------------------- waves
 def frequencies(elements: int) -> np.ndarray:
-    """Angular frequencies over the exact a (k - 1/2) pi/L of a frictionless pipe, shut at its upper end and open at the lower."""
+    """Angular frequencies over the exact a (k - 1/2) pi/L of a frictionless pipe, shut at its upper end and
+    open at the lower."""
     length, bulk, density, area = 2000.0, 2e9, 1200.0, np.full(elements, 0.0093)
     mesh = uniform_string(length, elements, outer_diameter=0.127, inner_diameter=0.1086)
     straight = np.linspace(0, length, elements + 1)[:, None] * [0, 0, 1.0]
-    law = Rheology("newtonian", law="blend", consistency=1e-9, index=1.0, yield_stress=0.0, shear_rate_eps=1.0)
+    law = Rheology(
+        "newtonian", law="blend", consistency=1e-9, index=1.0, yield_stress=0.0, shear_rate_eps=1.0
+    )
     fluid = FluidConstants(density, bulk, np.zeros(3), law.parameters())
     component = HermiteBore(mesh, Bore(area, 0 * area, area), fluid, 0 * area, Constant(0.0), False, straight)
     system = DiscreteSystem(mesh, transported_frames(np.tile([0, 0, 1.0], (elements + 1, 1))), [component])
@@ -121,7 +140,10 @@ def frequencies(elements: int) -> np.ndarray:
         return out
 
     pressure, free = place["bore.pressure"][:, 0], np.setdiff1d(np.arange(n), place["bore.volume"][:1, 0])
-    right, left = np.ones(n), np.ones(n)  # rows of pressures are those of slopes times -bulk modulus: symmetric without it
+    right, left = (
+        np.ones(n),
+        np.ones(n),
+    )  # rows of pressures are those of slopes times -bulk modulus: symmetric without it
     right[pressure], left[pressure] = bulk / length, -1 / length
     K, M = ((left[:, None] * A * right)[np.ix_(free, free)] for A in (matrix(1, 0, 0), matrix(0, 0, 1)))
     for A in (K, M):
@@ -131,7 +153,8 @@ def frequencies(elements: int) -> np.ndarray:
 
 
 def test_frequencies_are_of_sixth_order():
-    """Table 8.1: errors +9.1e-10, +4.1e-6, +1.5e-4 of modes 3, 11, 21 with 40 elements, order 5.8; largest frequency 3.1 of mode 40's."""
+    """Table 8.1: errors +9.1e-10, +4.1e-6, +1.5e-4 of modes 3, 11, 21 with 40 elements, order 5.8; largest
+    frequency 3.1 of mode 40's."""
     coarse, fine, finer = frequencies(20) - 1, frequencies(40) - 1, frequencies(80) - 1
     assert fine[[2, 10, 20]] == pytest.approx([9.1e-10, 4.1e-6, 1.5e-4], rel=0.03)
     assert (fine[-1] + 1) * (len(fine) - 0.5) / 39.5 == pytest.approx(3.1, rel=0.02)
@@ -141,18 +164,31 @@ def test_frequencies_are_of_sixth_order():
 
 def water(string: list, flow: dict, formulation: str = "hermite") -> Case:
     """A frictionless pipe that ends open, without weight."""
-    fluid = {"density": 1200, "rheology": WATER, "bulk_modulus": 2e9, "elastic_walls": False, "flow_rate": flow, "formulation": formulation}
+    fluid = {
+        "density": 1200,
+        "rheology": WATER,
+        "bulk_modulus": 2e9,
+        "elastic_walls": False,
+        "flow_rate": flow,
+        "formulation": formulation,
+    }
     return Case(string=string, hold_string=True, gravity=[0, 0, 0], fluid=fluid)
 
 
 def test_joukowsky_plateau_and_its_arrival():
-    """A pump that stops at once: pressure falls by rho a dV at the pump, in the mean to 0.5 %; half of it reaches 1000 m after 1000 m/a."""
+    """A pump that stops at once: pressure falls by rho a dV at the pump, in the mean to 0.5 %; half of it
+    reaches 1000 m after 1000 m/a."""
     flow, area, stop = 0.02, np.pi / 4 * 0.1086**2, 0.1
     a = np.sqrt(2e9 / 1200)
-    model, integrator = begun(water([pipe(2000, 2000 / 60)], {"time": [0, stop, stop], "value": [flow, flow, 0.0]}), ts_adapt_type="none",
-                            ts_dt=0.005)
+    model, integrator = begun(
+        water([pipe(2000, 2000 / 60)], {"time": [0, stop, stop], "value": [flow, flow, 0.0]}),
+        ts_adapt_type="none",
+        ts_dt=0.005,
+    )
     rows = []
-    integrator.after_step.append(lambda t, h: rows.append((t, *model.fluid.bore.pressures(model.system)[[0, 30]])))
+    integrator.after_step.append(
+        lambda t, h: rows.append((t, *model.fluid.bore.pressures(model.system)[[0, 30]]))
+    )
     run(integrator, model, 2.5)
     t, top, middle = np.array(rows).T
     plateau = 1200 * a * flow / area
@@ -164,26 +200,36 @@ def test_joukowsky_plateau_and_its_arrival():
 
 
 def test_a_wave_through_an_area_step():
-    """C7: a smooth front of pressure p goes on with 2 A1/(A1 + A2) p; both nodes beside the step are there within 0.1 %."""
+    """C7: a smooth front of pressure p goes on with 2 A1/(A1 + A2) p; both nodes beside the step are there
+    within 0.1 %."""
     flow, bores = 0.02, (0.1086, 0.0714)
     stop = half_cosine(0.05, 0.4, flow)
-    model, integrator = begun(water([pipe(1000, 25), pipe(1000, 25, bores[1])], stop), ts_adapt_type="none", ts_dt=0.002)
+    model, integrator = begun(
+        water([pipe(1000, 25), pipe(1000, 25, bores[1])], stop), ts_adapt_type="none", ts_dt=0.002
+    )
     before = model.fluid.bore.pressures(model.system).copy()
     rows = []
-    integrator.after_step.append(lambda t, h: rows.append(model.fluid.bore.pressures(model.system)) if 1.5 < t < 1.7 else None)
+    integrator.after_step.append(
+        lambda t, h: rows.append(model.fluid.bore.pressures(model.system)) if 1.5 < t < 1.7 else None
+    )
     run(integrator, model, 1.7)
     change = np.array(rows).mean(axis=0) - before
     a, (one, two) = np.sqrt(2e9 / 1200), np.pi / 4 * np.array(bores) ** 2
     through = -1200 * a * flow / one * 2 * one / (one + two)
     after = flow + through * two / (1200 * a)  # the flow that goes on
-    speed = 600 * (1 / two**2 - 1 / one**2) * (after**2 - flow**2)  # heads that the narrow part no longer costs (Bernoulli)
+    speed = (
+        600 * (1 / two**2 - 1 / one**2) * (after**2 - flow**2)
+    )  # heads that the narrow part no longer costs (Bernoulli)
     assert change[39:42] == pytest.approx(through - np.array([0, 0, speed]), rel=1e-3)
 
 
 # ---------------------------------------------------------------------- against the mixed form
 def test_pump_stop_in_both_forms():
-    """C12: pump pressure after a half-cosine stop of 0.5 s, within 0.5 % of the swing in the mean square; contents change alike."""
-    (t, mixed, _), (other, hermite, _) = (history(loop(form, flow_rate=half_cosine(0.2, 0.5, 0.03)), 0.01, 4.0) for form in BOTH)
+    """C12: pump pressure after a half-cosine stop of 0.5 s, within 0.5 % of the swing in the mean square;
+    contents change alike."""
+    (t, mixed, _), (other, hermite, _) = (
+        history(loop(form, flow_rate=half_cosine(0.2, 0.5, 0.03)), 0.01, 4.0) for form in BOTH
+    )
     swing = np.ptp(mixed[:, 0])
     assert swing > 5e6
     gap = np.interp(t, other, hermite[:, 0]) - mixed[:, 0]
@@ -193,7 +239,8 @@ def test_pump_stop_in_both_forms():
 
 
 def test_a_pump_that_stops_at_once():
-    """The reference flow follows a jump slowly; the flow that enters jumps all the same; the books of volume close (but for restarts)."""
+    """The reference flow follows a jump slowly; the flow that enters jumps all the same; the books of volume
+    close (but for restarts)."""
     stop = {"time": [0, 0.1, 0.1], "value": [0.03, 0.03, 0.0]}
     model, integrator = begun(loop("hermite", flow_rate=stop), ts_adapt_type="none", ts_dt=0.01)
     record, rows = FlowRecorder(model.system, model.fluid), []
@@ -210,7 +257,9 @@ def test_a_pump_that_stops_at_once():
     balance = record.balance(table[-1, 1:])
     assert balance["content_change"] < -0.01
     assert abs(balance["error"]) < 1e-6 * abs(balance["content_change"])
-    assert model.system.field("bore.volume")[0, 0] == pytest.approx(-0.015, rel=1e-6)  # half a window of the jump
+    assert model.system.field("bore.volume")[0, 0] == pytest.approx(
+        -0.015, rel=1e-6
+    )  # half a window of the jump
 
 
 def test_volumes_stay_bounded_over_hours_of_pumping():
@@ -228,12 +277,16 @@ def test_volumes_stay_bounded_over_hours_of_pumping():
 
 
 @pytest.mark.parametrize("held", [True, False], ids=["held", "hanging"])
-@pytest.mark.parametrize("kind", ["reverse", "bore only", "annulus only", "plugged", "no chamber", "check valve", "back pressure"])
+@pytest.mark.parametrize(
+    "kind", ["reverse", "bore only", "annulus only", "plugged", "no chamber", "check valve", "back pressure"]
+)
 def test_steady_states_of_other_scenes(kind, held):
     """Pressures at both ends and the load on the hook as with formulation mixed."""
     nozzles = {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60, "nozzle_area": 380e-6}
-    well = {"survey": {"md": [0, 320], "inclination": [0.2, 0.4], "azimuth": [0, 0]},
-            "sections": [{"to": 320, "kind": "casing", "diameter": 0.2159, "friction": 0.2}]}
+    well = {
+        "survey": {"md": [0, 320], "inclination": [0.2, 0.4], "azimuth": [0, 0]},
+        "sections": [{"to": 320, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
+    }
     mud = {"density": 1200, "rheology": MUD, "flow_rate": 0.02}
     more: dict = {"bottom": "bit", "string": [pipe(200, 20), pipe(100, 20, 0.0714, 0.1778), nozzles]}
     if kind == "reverse":
@@ -252,23 +305,50 @@ def test_steady_states_of_other_scenes(kind, held):
         mud["outlet_pressure"] = 5e6
     found = []
     for form in BOTH:
-        model = build_model(Case(top="clamped", hold_string=held, well=well, fluid=mud | {"formulation": form}, **more))
+        model = build_model(
+            Case(top="clamped", hold_string=held, well=well, fluid=mud | {"formulation": form}, **more)
+        )
         find_equilibrium(model)
         sample = Recorder(model).sample(0.0)
-        found.append(np.concatenate([sample[:1], sample[-6:-4], [r.pressures(model.system)[0] for r in model.fluid.components[:-1]]]))
+        found.append(
+            np.concatenate(
+                [
+                    sample[:1],
+                    sample[-6:-4],
+                    [r.pressures(model.system)[0] for r in model.fluid.components[:-1]],
+                ]
+            )
+        )
     assert found[1] == pytest.approx(found[0], rel=2e-4, abs=500.0)
 
 
 def test_coupled_with_a_string_that_is_lowered():
-    """Inclined, with collars and a stabilizer between: hook load and pressures at the start, returned flow, the first tenth of a second."""
+    """Inclined, with collars and a stabilizer between: hook load and pressures at the start, returned flow,
+    the first tenth of a second."""
     survey = {"md": [0, 700], "inclination": [0.1, 0.6], "azimuth": [0, 0]}
-    well = {"survey": survey, "sections": [{"to": 700, "kind": "casing", "diameter": 0.2159, "friction": 0.2}]}
-    string = [pipe(500, 25), {"kind": "stabilizer", "length": 1.5, "od": 0.21, "id": 0.0714, "mass": 200}, pipe(100, 25, 0.0714, 0.1778),
-              {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60, "nozzle_area": 380e-6}]
-    found, lowering = {}, {"ramp": 1.0, "value": 0.5}  # from rest: hermite does not start with the surge of a moving string
+    well = {
+        "survey": survey,
+        "sections": [{"to": 700, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
+    }
+    string = [
+        pipe(500, 25),
+        {"kind": "stabilizer", "length": 1.5, "od": 0.21, "id": 0.0714, "mass": 200},
+        pipe(100, 25, 0.0714, 0.1778),
+        {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60, "nozzle_area": 380e-6},
+    ]
+    found, lowering = (
+        {},
+        {"ramp": 1.0, "value": 0.5},
+    )  # from rest: hermite does not start with the surge of a moving string
     for form in BOTH:
         mud = {"density": 1200, "rheology": MUD, "flow_rate": 0.02, "formulation": form}
-        case = Case(string=string, top={"kind": "top_drive", "lowering": lowering, "rotation": 1.0}, well=well, bottom="bit", fluid=mud)
+        case = Case(
+            string=string,
+            top={"kind": "top_drive", "lowering": lowering, "rotation": 1.0},
+            well=well,
+            bottom="bit",
+            fluid=mud,
+        )
         model, integrator = begun(case)
         recorder = Recorder(model)
         start = recorder.sample(0.0)
@@ -277,7 +357,13 @@ def test_coupled_with_a_string_that_is_lowered():
     load, torque, (pump, bit, returned) = 0, 1, range(-6, -3)
     mixed, hermite = found["mixed"], found["hermite"]
     # at the start, then in motion, where a mesh of 25 m leaves waves of its own in both
-    for column, start, later in ((load, 1e-5, 1e-3), (torque, 1e-5, 1e-3), (pump, 1e-4, 1e-3), (bit, 1e-4, 1e-3), (returned, 2e-4, 1e-3)):
+    for column, start, later in (
+        (load, 1e-5, 1e-3),
+        (torque, 1e-5, 1e-3),
+        (pump, 1e-4, 1e-3),
+        (bit, 1e-4, 1e-3),
+        (returned, 2e-4, 1e-3),
+    ):
         assert hermite[0, column] == pytest.approx(mixed[0, column], rel=start)
         assert hermite[1, column] == pytest.approx(mixed[1, column], rel=later)
     assert hermite[0, returned] == pytest.approx(0.02, rel=1e-6)

@@ -1,4 +1,5 @@
-"""Steady hydraulics of a held string: losses, hydrostatics, nozzles, ends; model notes sections 8.2, 9 (C4, C5)."""
+"""Steady hydraulics of a held string: losses, hydrostatics, nozzles, ends; model notes sections 8.2, 9 (C4,
+C5)."""
 
 from __future__ import annotations
 
@@ -35,25 +36,33 @@ from tests.helpers.mud import (
 )
 
 HEAD = DENSITY * GRAVITY * LENGTH
-TABLE = {5: (14.8392, 6.4570, 1.1510, 7.2311, 1236.856), 30: (95.9407, 37.1428, 41.4361, 17.3618, 1288.490),
-         60: (308.8715, 116.3963, 165.7446, 26.7307, 1336.242)}  # pump, pipe, bit, annulus [bar], ECD [kg/m3]
+TABLE = {
+    5: (14.8392, 6.4570, 1.1510, 7.2311, 1236.856),
+    30: (95.9407, 37.1428, 41.4361, 17.3618, 1288.490),
+    60: (308.8715, 116.3963, 165.7446, 26.7307, 1336.242),
+}  # pump, pipe, bit, annulus [bar], ECD [kg/m3]
 
 
 def losses(model) -> np.ndarray:
     """(5,) pump pressure, losses in pipe, bit, annulus [Pa], equivalent circulating density [kg/m3]."""
     p, o = pressures(model, "bore"), pressures(model, "annulus")
-    return np.array([p[0], p[0] - p[-1] + HEAD, p[-1] - o[-1], o[-1] - o[0] - HEAD, o[-1] / (GRAVITY * LENGTH)])
+    return np.array(
+        [p[0], p[0] - p[-1] + HEAD, p[-1] - o[-1], o[-1] - o[0] - HEAD, o[-1] / (GRAVITY * LENGTH)]
+    )
 
 
-def nozzle_loss(q: float, density: float = DENSITY, coefficient: float = COEFFICIENT, area: float = NOZZLE) -> float:
+def nozzle_loss(
+    q: float, density: float = DENSITY, coefficient: float = COEFFICIENT, area: float = NOZZLE
+) -> float:
     """rho (q rho0/rho / A)^2 / 2 Cd^2 of a flow rate at zero pressure [Pa]; |q| is rounded at 1e-5 m3/s."""
     return DENSITY**2 / density * q * np.hypot(q, 1e-5) / (2 * coefficient**2 * area**2)
 
 
 @pytest.mark.parametrize("q", [5, 30, 60, -30])
 def test_losses_of_the_loop(q):
-    """C5 [l/s]: the table within its printed digits (1e-4 asked); each loss and their sum from the formula of the blend written out in
-    mud.py, within 1e-5 (at 1e14 Pa, mud under 235 bar weighs 3 Pa more: 5e-6 of the least loss).  Flow the other way: the opposite."""
+    """C5 [l/s]: the table within its printed digits (1e-4 asked); each loss and their sum from the formula of
+    the blend written out in mud.py, within 1e-5 (at 1e14 Pa, mud under 235 bar weighs 3 Pa more: 5e-6 of the
+    least loss).  Flow the other way: the opposite."""
     flow = 1e-3 * q
     found = losses(started(loop({**RIGID, "flow_rate": flow})))
     pump, pipe, bit, annulus, ecd = TABLE[abs(q)]
@@ -61,7 +70,13 @@ def test_losses_of_the_loop(q):
     assert found[:4] == pytest.approx(sign * 1e5 * np.array([pump, pipe, bit, annulus]), rel=2e-5)
     if q > 0:
         assert found[4] == pytest.approx(ecd, abs=1e-3)
-    exact = np.array([LENGTH * friction(flow, BORE, INNER, False), nozzle_loss(flow), LENGTH * friction(flow, OPEN, HOLE - OUTER, True)])
+    exact = np.array(
+        [
+            LENGTH * friction(flow, BORE, INNER, False),
+            nozzle_loss(flow),
+            LENGTH * friction(flow, OPEN, HOLE - OUTER, True),
+        ]
+    )
     assert found[1:4] == pytest.approx(exact, rel=1e-5)
     assert found[0] == pytest.approx(exact.sum(), rel=1e-6)
 
@@ -69,8 +84,8 @@ def test_losses_of_the_loop(q):
 @pytest.mark.parametrize("elements", [1, 3, 40])
 @pytest.mark.parametrize("q", [0.002, 0.03])
 def test_friction_is_exact_with_any_number_of_elements(q, elements):
-    """Laminar and turbulent flow through a bore at 1e14 Pa: 4 tau L/d at the mean density within 1e-10 (what is left, the square of the
-    pressure over the bulk modulus, is below 1e-14)."""
+    """Laminar and turbulent flow through a bore at 1e14 Pa: 4 tau L/d at the mean density within 1e-10 (what
+    is left, the square of the pressure over the bulk modulus, is below 1e-14)."""
     model = started(bore({**MUD, **RIGID, "flow_rate": q}, elements))
     p = pressures(model, "bore")
     density = DENSITY * (1 + 0.5 * p[0] / 1e14)
@@ -78,21 +93,26 @@ def test_friction_is_exact_with_any_number_of_elements(q, elements):
 
 
 def test_second_order_in_the_mesh_with_a_compressible_mud():
-    """Loop of mud of 2 GPa against p' = rho g - 4 tau/d with rho = rho0 exp(p/K), solved to 1e-12; walls that give change no steady state.
+    """Loop of mud of 2 GPa against p' = rho g - 4 tau/d with rho = rho0 exp(p/K), solved to 1e-12; walls that
+    give change no steady state.
 
-    That leaves out d(rho w^2)/ds, as the model does: (w/c)^2 of the pressure's change, 6e-6.  100 elements: 1e-9."""
+    That leaves out d(rho w^2)/ds, as the model does: (w/c)^2 of the pressure's change, 6e-6.  100 elements:
+    1e-9."""
     q, K = 0.03, 2e9
 
     def slope(area: float, diameter: float, slot: bool, flow: float):
         def right(s, p):
             rho = DENSITY * np.exp(p[0] / K)
             return [rho * GRAVITY - friction(flow, area, diameter, slot, rho)]
+
         return right
 
     way = {"rtol": 1e-12, "atol": 1e-3, "method": "DOP853"}
     under = solve_ivp(slope(OPEN, HOLE - OUTER, True, -q), (0, LENGTH), [0.0], **way).y[0, -1]
     above = under + nozzle_loss(q, DENSITY * np.exp(under / K))
-    exact = np.array([solve_ivp(slope(BORE, INNER, False, q), (LENGTH, 0), [above], **way).y[0, -1], above, under])
+    exact = np.array(
+        [solve_ivp(slope(BORE, INNER, False, q), (LENGTH, 0), [above], **way).y[0, -1], above, under]
+    )
     errors = []
     for n in (2, 4, 8, 100):
         model = started(loop({"bulk_modulus": K, "flow_rate": q}, n))
@@ -104,8 +124,9 @@ def test_second_order_in_the_mesh_with_a_compressible_mud():
 
 
 def test_jacobian_of_turbulent_flow_of_a_soft_mud():
-    """Friction depends on the pressure through the density (in the speed and in the Reynolds number): the derivative is that of central
-    differences, at a modulus of 0.2 GPa, where it is 1e-2 of the pressure's own."""
+    """Friction depends on the pressure through the density (in the speed and in the Reynolds number): the
+    derivative is that of central differences, at a modulus of 0.2 GPa, where it is 1e-2 of the pressure's
+    own."""
     system = started(bore({**MUD, "bulk_modulus": 2e8, "elastic_walls": False, "flow_rate": 0.03}, 2)).system
     asm, exact, vector = system.assembly, matrices(system)[0], system.new_condensed()
 
@@ -124,7 +145,8 @@ def test_jacobian_of_turbulent_flow_of_a_soft_mud():
 
 
 def test_density_grows_with_depth():
-    """Still mud, rho = rho0 exp(p/K): p_b = -K ln(1 - rho0 g L/K), 1.4e6 Pa above rho0 g L at K = 2 GPa; second order in the mesh."""
+    """Still mud, rho = rho0 exp(p/K): p_b = -K ln(1 - rho0 g L/K), 1.4e6 Pa above rho0 g L at K = 2 GPa;
+    second order in the mesh."""
     K = 2e9
     exact = -K * np.log1p(-DENSITY * GRAVITY * LENGTH / K)
     assert exact - HEAD > 1e5
@@ -140,7 +162,8 @@ def test_density_grows_with_depth():
 
 @pytest.mark.parametrize(("coefficient", "bar"), [(0.95, 130.938), (0.98, 123.044), (1.03, 111.388)])
 def test_pressure_loss_of_nozzles(coefficient, bar):
-    """C4: three nozzles of 12/32 in, 30 l/s of 1200 kg/m3: 213.767 mm2, the pressure losses given; power lost dp q, 392.8 kW at 0.95."""
+    """C4: three nozzles of 12/32 in, 30 l/s of 1200 kg/m3: 213.767 mm2, the pressure losses given; power lost
+    dp q, 392.8 kW at 0.95."""
     area = 3 * np.pi / 4 * (12 / 32 * 0.0254) ** 2
     assert area == pytest.approx(213.767e-6, rel=1e-5)
     parts = string(nozzle_area=area)
@@ -154,7 +177,8 @@ def test_pressure_loss_of_nozzles(coefficient, bar):
 
 @pytest.mark.parametrize("q", [0.005, 0.03, -0.03])
 def test_given_pump_pressure_gives_back_the_flow(q):
-    """The pump pressure of a flow rate, prescribed, must bring that flow rate: start from another state, same solution."""
+    """The pump pressure of a flow rate, prescribed, must bring that flow rate: start from another state, same
+    solution."""
     p = pressures(started(loop({"flow_rate": q}, 20)), "bore")[0]
     model = started(loop({"pump_pressure": float(p)}, 20))
     assert flows(model, "bore") == pytest.approx(q, rel=1e-9)
@@ -162,49 +186,68 @@ def test_given_pump_pressure_gives_back_the_flow(q):
 
 
 def test_check_valve_lets_next_to_nothing_back():
-    """Inviscid mud, 50 bar on the annulus and none on the bore: back flow Cd A sqrt(2 dp/rho), a hundredth of it behind a valve of 1e4
-    times the resistance (1 %: q |q| is rounded at 1e-5 m3/s).  Forward, the valve's rounding adds 1e4/4 (3e-7/q)^2 to the loss, which
-    at 5 l/s is 1e-5 of it."""
+    """Inviscid mud, 50 bar on the annulus and none on the bore: back flow Cd A sqrt(2 dp/rho), a hundredth of
+    it behind a valve of 1e4 times the resistance (1 %: q |q| is rounded at 1e-5 m3/s).  Forward, the valve's
+    rounding adds 1e4/4 (3e-7/q)^2 to the loss, which at 5 l/s is 1e-5 of it."""
     back = COEFFICIENT * NOZZLE * np.sqrt(2 * 50e5 / DENSITY)
     ends = {**INVISCID, **RIGID, "pump_pressure": 0.0, "outlet_pressure": 50e5}
     assert flows(started(loop(ends, 4)), "bore") == pytest.approx(-back, rel=1e-5)
     shut = flows(started(loop({**ends, "check_valve": True}, 4)), "bore")
     assert shut == pytest.approx(-0.01 * back, rel=1e-2)
     ends |= {"pump_pressure": 50e5, "outlet_pressure": 0.0, "check_valve": True}
-    assert flows(started(loop(ends, 4)), "bore") == pytest.approx(back * (1 - 1250 * (3e-7 / back) ** 2), rel=1e-6)
+    assert flows(started(loop(ends, 4)), "bore") == pytest.approx(
+        back * (1 - 1250 * (3e-7 / back) ** 2), rel=1e-6
+    )
 
 
 @pytest.mark.parametrize("with_annulus", [False, True])
 def test_sealed_bore_under_pump_pressure(with_annulus):
-    """Plugged string, pump pressure on it: hydrostatic pressure under it, p = -K ln(exp(-p0/K) - rho0 g s/K); nothing flows anywhere."""
+    """Plugged string, pump pressure on it: hydrostatic pressure under it, p = -K ln(exp(-p0/K) - rho0 g s/K);
+    nothing flows anywhere."""
     K, p0 = 2e9, 200e5
     fluid = {"bulk_modulus": K, "pump_pressure": p0, "annulus": with_annulus}
     model = started(loop(fluid, 100, bottom={"kind": "bit", "plugged": True}))
     s = model.mesh.node_depth
-    assert pressures(model, "bore") == pytest.approx(-K * np.log(np.exp(-p0 / K) - DENSITY * GRAVITY * s / K), rel=1e-8)
+    assert pressures(model, "bore") == pytest.approx(
+        -K * np.log(np.exp(-p0 / K) - DENSITY * GRAVITY * s / K), rel=1e-8
+    )
     assert np.abs(flows(model, "bore")).max() < 1e-9
     if with_annulus:
-        assert pressures(model, "annulus") == pytest.approx(-K * np.log1p(-DENSITY * GRAVITY * s / K), rel=1e-8)
+        assert pressures(model, "annulus") == pytest.approx(
+            -K * np.log1p(-DENSITY * GRAVITY * s / K), rel=1e-8
+        )
         assert np.abs(flows(model, "annulus")).max() < 1e-9
 
 
 def test_a_choke_holds_its_pressure_against_the_outflow():
-    """rho q^2/(2 Cd^2 A^2) on top of the outlet's pressure, forward and (inward) in reverse circulation; the pump pressure rises by it."""
+    """rho q^2/(2 Cd^2 A^2) on top of the outlet's pressure, forward and (inward) in reverse circulation; the
+    pump pressure rises by it."""
     drop = DENSITY * 0.03**2 / (2 * 0.9**2 * 400e-6**2)
     valve = {"choke": {"area": 400e-6, "discharge_coefficient": 0.9}, "outlet_pressure": 2e5}
     for q in (0.03, -0.03):
-        with_valve, without = (pressures(started(loop({**RIGID, "flow_rate": q, **more}, 20)), "bore")[0] for more in (valve, {}))
+        with_valve, without = (
+            pressures(started(loop({**RIGID, "flow_rate": q, **more}, 20)), "bore")[0] for more in (valve, {})
+        )
         top = pressures(started(loop({**RIGID, "flow_rate": q, **valve}, 20)), "annulus")[0]
         assert top == pytest.approx(2e5 + np.sign(q) * drop, rel=1e-6)
         assert with_valve - without == pytest.approx(2e5 + np.sign(q) * drop, rel=1e-6)
 
 
 def test_the_pressure_outside_a_string_without_annulus_follows_its_input():
-    """Stiff mud at rest in the bore alone: the open end has the outlet's pressure, at the start and after its ramp in a run."""
+    """Stiff mud at rest in the bore alone: the open end has the outlet's pressure, at the start and after its
+    ramp in a run."""
     outlet = {"time": [0, 0.01, 0.02, 1], "value": ["2 bar", "2 bar", "5 bar", "5 bar"]}
-    fluid = {"density": DENSITY, "rheology": {"model": "newtonian", "viscosity": 1.0}, "outlet_pressure": outlet}
-    case = Case(string=[{"kind": "pipe", "length": 20, "od": 0.127, "id": 0.02, "element_length": 5}], hold_string=True, fluid=fluid,
-                gravity=0.0)
+    fluid = {
+        "density": DENSITY,
+        "rheology": {"model": "newtonian", "viscosity": 1.0},
+        "outlet_pressure": outlet,
+    }
+    case = Case(
+        string=[{"kind": "pipe", "length": 20, "od": 0.127, "id": 0.02, "element_length": 5}],
+        hold_string=True,
+        fluid=fluid,
+        gravity=0.0,
+    )
     model = build_model(case)
     find_equilibrium(model)
     assert pressures(model, "bore") == pytest.approx(2e5, rel=1e-9)

@@ -27,7 +27,11 @@ from tests.helpers.motion import beam, fixed, integrate, straight
 G = 9.81
 EXACT = {"q_snes_stol": 1e-12}
 AXIAL = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-HINGE = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (-1.0, 0.0, 0.0))  # about director 3: across the plane in which a level string swings
+HINGE = (
+    (0.0, 0.0, 1.0),
+    (0.0, 1.0, 0.0),
+    (-1.0, 0.0, 0.0),
+)  # about director 3: across the plane in which a level string swings
 UP, NORTH = np.array([0.0, 0.0, -1.0]), np.array([1.0, 0.0, 0.0])
 
 
@@ -38,10 +42,12 @@ def figure(system, name: str) -> float:
 
 # ---------------------------------------------------------------------- double pendulum
 def double_pendulum(t: float, inertia: float) -> np.ndarray:
-    """Angles from the vertical and their rates of two rods of 1 m and 1 kg, from rest at 90 degrees, after ``t`` [s].
+    """Angles from the vertical and their rates of two rods of 1 m and 1 kg, from rest at 90 degrees, after
+    ``t`` [s].
 
     Lagrange's equations of two bodies with centres half way and ``inertia`` about them [kg m2]; DOP853.
     """
+
     def rate(_, z):
         a, b, da, db = z
         c, s = 0.5 * np.cos(a - b), 0.5 * np.sin(a - b)
@@ -49,14 +55,26 @@ def double_pendulum(t: float, inertia: float) -> np.ndarray:
         f = np.array([-s * db**2 - 1.5 * G * np.sin(a), s * da**2 - 0.5 * G * np.sin(b)])
         return [da, db, *np.linalg.solve(M, f)]
 
-    return solve_ivp(rate, (0.0, t), [np.pi / 2, np.pi / 2, 0.0, 0.0], method="DOP853", rtol=1e-11, atol=1e-12).y[:, -1]
+    return solve_ivp(
+        rate, (0.0, t), [np.pi / 2, np.pi / 2, 0.0, 0.0], method="DOP853", rtol=1e-11, atol=1e-12
+    ).y[:, -1]
 
 
 def two_bodies():
-    """Two rigid rods, level towards the north, on a pivot and a hinge: no element, 14 unknowns and the six multipliers."""
-    mesh = chain_of_bodies((body(0, 1.0, 1.0, 1e-3, 1 / 12), body(1, 1.0, 1.0, 1e-3, 1 / 12)), (StringJoint(1.0, "revolute", 0, HINGE),))
+    """Two rigid rods, level towards the north, on a pivot and a hinge: no element, 14 unknowns and the six
+    multipliers."""
+    mesh = chain_of_bodies(
+        (body(0, 1.0, 1.0, 1e-3, 1 / 12), body(1, 1.0, 1.0, 1e-3, 1 / 12)),
+        (StringJoint(1.0, "revolute", 0, HINGE),),
+    )
     position = np.array([[0.0, 0, 0], [1.0, 0, 0]])
-    return place(mesh, position, NORTH, [lambda frames: FixedEnd(0, "pinned", position[0], NORTH, spin=False)], [0, 0, G])
+    return place(
+        mesh,
+        position,
+        NORTH,
+        [lambda frames: FixedEnd(0, "pinned", position[0], NORTH, spin=False)],
+        [0, 0, G],
+    )
 
 
 def angles(tangent: np.ndarray) -> np.ndarray:
@@ -64,7 +82,8 @@ def angles(tangent: np.ndarray) -> np.ndarray:
 
 
 def test_rigid_double_pendulum_converges_with_order_two():
-    """Angles after 1 s against the independent integration: order 2 +- 0.15, below 1e-4 rad with steps of 1 ms."""
+    """Angles after 1 s against the independent integration: order 2 +- 0.15, below 1e-4 rad with steps of 1
+    ms."""
     exact, errors = double_pendulum(1.0, 1 / 12)[:2], []
     for h in (4e-3, 2e-3, 1e-3):
         system = two_bodies()
@@ -75,8 +94,13 @@ def test_rigid_double_pendulum_converges_with_order_two():
 
 
 def two_beams(constraint: str):
-    return straight(string=[beam(2.0, 2, 1e9, 1e7, 1e7, 1.0, 1e-3)], top="pinned", gravity=G, initial={"inclination": np.pi / 2},
-                    joints=[{"at": 1.0, "kind": "revolute", "axis": [0, 0, 1], "constraint": constraint}])
+    return straight(
+        string=[beam(2.0, 2, 1e9, 1e7, 1e7, 1.0, 1e-3)],
+        top="pinned",
+        gravity=G,
+        initial={"inclination": np.pi / 2},
+        joints=[{"at": 1.0, "kind": "revolute", "axis": [0, 0, 1], "constraint": constraint}],
+    )
 
 
 @pytest.mark.parametrize("constraint", ["position", "stabilised"])
@@ -89,8 +113,8 @@ def test_double_pendulum_of_two_stiff_beams(constraint):
 
 
 def misfits(system) -> tuple[float, float]:
-    """Largest misfit of the first joint's constraints in place and angle [m, rad], and of their rates [m/s, rad/s] by central
-    differences along the motion."""
+    """Largest misfit of the first joint's constraints in place and angle [m, rad], and of their rates [m/s,
+    rad/s] by central differences along the motion."""
     asm = system.assembly
     ready = next(b for b in asm.bound_blocks if b.block.name.startswith("joints"))
     flow, x0 = asm.y.copy(), asm.x.copy()
@@ -108,12 +132,21 @@ def misfits(system) -> tuple[float, float]:
 
 @pytest.mark.parametrize("constraint, end, speed", [("position", 20.0, 1e-2), ("stabilised", 100.0, 1e-9)])
 def test_constraints_do_not_drift(constraint, end, speed):
-    """A soft rod with a body of 0.5 m at its end, and a universal joint with another rod below it, swing freely in space: misfits stay
-    below 1e-9 (issue: over 100 s); the velocities fit only to the order of the time formula unless stabilised."""
+    """A soft rod with a body of 0.5 m at its end, and a universal joint with another rod below it, swing
+    freely in space: misfits stay below 1e-9 (issue: over 100 s); the velocities fit only to the order of the
+    time formula unless stabilised."""
     rod = beam(1.0, 1, 1e4, 1e2, 1e2, 1.0, 1e-2)
-    model = straight(string=[rod, {"kind": "body", "length": 0.5, "mass": 0.4, "inertia": {"axial": 0.01, "transverse": 0.02}}, rod],
-                     top="pinned", gravity=[2.0, 3.0, G], initial={"inclination": 0.7},
-                     joints=[{"at": 1.5, "kind": "universal", "axis": [0, 0.6, 0.8], "constraint": constraint}])
+    model = straight(
+        string=[
+            rod,
+            {"kind": "body", "length": 0.5, "mass": 0.4, "inertia": {"axial": 0.01, "transverse": 0.02}},
+            rod,
+        ],
+        top="pinned",
+        gravity=[2.0, 3.0, G],
+        initial={"inclination": 0.7},
+        joints=[{"at": 1.5, "kind": "universal", "axis": [0, 0.6, 0.8], "constraint": constraint}],
+    )
     worst, bent = np.zeros(2), []
 
     def watch(t, dt):
@@ -135,7 +168,9 @@ class HeldDirection(ComponentBase):
         D = np.zeros((2, 7))
         D[:, 3:6] = across
         value = across @ tangent
-        self._condition = PrescribedMotion(node, D, lambda t: value, lambda t: np.zeros(2), ("bearing_1", "bearing_2"))
+        self._condition = PrescribedMotion(
+            node, D, lambda t: value, lambda t: np.zeros(2), ("bearing_1", "bearing_2")
+        )
 
     def prescribed(self):
         return (self._condition,)
@@ -143,15 +178,23 @@ class HeldDirection(ComponentBase):
 
 @pytest.mark.parametrize("bend", [0.2, 0.7])
 def test_speed_ratio_of_a_universal_joint(bend):
-    """Two shafts at an angle b: omega2/omega1 = cos b/(1 - sin^2 b cos^2 theta), theta from the plane of the shafts to the driving pin
-    (e.g. Shigley, Mechanical Engineering Design, on universal joints); torques the other way round: no power is lost."""
+    """Two shafts at an angle b: omega2/omega1 = cos b/(1 - sin^2 b cos^2 theta), theta from the plane of the
+    shafts to the driving pin (e.g. Shigley, Mechanical Engineering Design, on universal joints); torques the
+    other way round: no power is lost."""
     speed, axial, h = 3.0, 0.4, 2e-3
-    mesh = chain_of_bodies((body(0, 1.0, 2.0, 0.3, 0.5), body(1, 1.0, 2.0, axial, 0.5)),
-                           (StringJoint(1.0, "universal", 0, ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))),))
+    mesh = chain_of_bodies(
+        (body(0, 1.0, 2.0, 0.3, 0.5), body(1, 1.0, 2.0, axial, 0.5)),
+        (StringJoint(1.0, "universal", 0, ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))),),
+    )
     down = -UP
-    lower = np.array([0.0, np.sin(bend), np.cos(bend)])  # bent about north, the pin of the part above at the start: theta 90 degrees
+    lower = np.array(
+        [0.0, np.sin(bend), np.cos(bend)]
+    )  # bent about north, the pin of the part above at the start: theta 90 degrees
     across = np.array([NORTH, np.cross(lower, NORTH)])
-    components = [lambda frames: TopDrive(np.zeros(3), down, Constant(speed), Constant(0.0)), lambda frames: HeldDirection(1, lower, across)]
+    components = [
+        lambda frames: TopDrive(np.zeros(3), down, Constant(speed), Constant(0.0)),
+        lambda frames: HeldDirection(1, lower, across),
+    ]
     system = place(mesh, np.array([[0.0, 0, 0], [0, 0, 1.0]]), down, components)
     tangent = np.array([down, lower])
     system.set_field("string.tangent", tangent)
@@ -163,8 +206,9 @@ def test_speed_ratio_of_a_universal_joint(bend):
         root = 1 - np.sin(bend) ** 2 * np.cos(theta) ** 2
         ratio = np.cos(bend) / root
         ratios.append(system.field("string.spin", "y")[1, 0] / speed - ratio)
-        # torque on the driven shaft: axial inertia times d(omega2)/dt; the driving torque is that times the ratio
-        rate = -speed**2 * np.cos(bend) * np.sin(bend) ** 2 * np.sin(2 * theta) / root**2
+        # torque on the driven shaft: axial inertia times d(omega2)/dt; the driving torque is that times the
+        # ratio
+        rate = -(speed**2) * np.cos(bend) * np.sin(bend) ** 2 * np.sin(2 * theta) / root**2
         torques.append(figure(system, "torque") - axial * rate * ratio)
 
     integrate(system, 2.0, fixed(h, **EXACT), watch)
@@ -176,8 +220,12 @@ def test_speed_ratio_of_a_universal_joint(bend):
 # ---------------------------------------------------------------------- slider
 def telescope(**slider):
     """2 m of 20 kg/m, with a slider half way, hung from a clamp."""
-    return {"string": [beam(2.0, 2, 1e8, 1e5, 1e5, 20.0, 0.01)], "top": "clamped", "gravity": G,
-            "joints": [{"at": 1.0, "kind": "slider", **slider}]}
+    return {
+        "string": [beam(2.0, 2, 1e8, 1e5, 1e5, 20.0, 0.01)],
+        "top": "clamped",
+        "gravity": G,
+        "joints": [{"at": 1.0, "kind": "slider", **slider}],
+    }
 
 
 def test_part_below_a_slider_falls_freely():
@@ -189,7 +237,8 @@ def test_part_below_a_slider_falls_freely():
 
 
 def test_part_below_a_shock_sub_oscillates():
-    """A slider with a spring: travel = (m g/k)(1 - cos sqrt(k/m) t) of the rigid part below (20 kg), 2 % off for its own elasticity."""
+    """A slider with a spring: travel = (m g/k)(1 - cos sqrt(k/m) t) of the rigid part below (20 kg), 2 % off
+    for its own elasticity."""
     k = 2e4
     model = straight(**telescope(spring=k))
     w, seen = np.sqrt(k / 20.0), []
@@ -199,10 +248,13 @@ def test_part_below_a_shock_sub_oscillates():
 
 
 def test_part_below_a_slider_stops_and_comes_to_rest():
-    """It falls on a stop, bounces within the stroke, and a damper brings it to rest where the stop carries its weight:
-    k/2 (q + sqrt(q^2 + e^2)) = m g, with the damper's force gone."""
+    """It falls on a stop, bounces within the stroke, and a damper brings it to rest where the stop carries
+    its weight: k/2 (q + sqrt(q^2 + e^2)) = m g, with the damper's force gone."""
     k, stroke = 1e6, 0.05
-    model = straight(**telescope(stroke=[-0.01, stroke], stop_stiffness=k, damping=2e3), material={"damping": {"stiffness": 1e-4}})
+    model = straight(
+        **telescope(stroke=[-0.01, stroke], stop_stiffness=k, damping=2e3),
+        material={"damping": {"stiffness": 1e-4}},
+    )
     most = []
     integrate(model.system, 2.0, {"ts_rtol": 1e-4}, lambda t, dt: most.append(figure(model.system, "travel")))
     rest = brentq(lambda q: 0.5 * k * (q + np.hypot(q, STOP_ROUNDING)) - 20 * G, -1, 1)
@@ -222,8 +274,14 @@ def test_statics_finds_the_stop_of_a_slider():
 
 def test_modes_of_a_hinged_string():
     """Two rods of 1 m on pivots, 1 kg each: det(K - w^2 M) = 0 of the double pendulum, in either plane."""
-    model = build_model(Case(string=[beam(2.0, 4, 1e7, 1e5, 1e5, 1.0, 1e-3)], top="pinned", gravity=G,
-                             joints=[{"at": 1.0, "kind": "universal"}]))
+    model = build_model(
+        Case(
+            string=[beam(2.0, 4, 1e7, 1e5, 1e5, 1.0, 1e-3)],
+            top="pinned",
+            gravity=G,
+            joints=[{"at": 1.0, "kind": "universal"}],
+        )
+    )
     modes.settle(model)
     found = modes.modes(model, count=8)
     pendulum = [q for q in found.frequency if 0.1 < q < 10.0]
@@ -232,11 +290,17 @@ def test_modes_of_a_hinged_string():
 
 
 def test_whole_assembled_system_takes_the_same_steps():
-    """BDF with PETSc's own Newton on all unknowns at once, and what it refuses: other integrators, corrected velocities."""
+    """BDF with PETSc's own Newton on all unknowns at once, and what it refuses: other integrators, corrected
+    velocities."""
     tips = []
     for options in ({}, {"snes_type": "newtonls"}):
-        model = straight(string=[beam(2.0, 2, 1e4, 1e2, 1e2, 1.0, 1e-3)], top="pinned", gravity=G, initial={"inclination": 0.7},
-                         joints=[{"at": 1.0, "kind": "revolute", "axis": [0, 0, 1]}])
+        model = straight(
+            string=[beam(2.0, 2, 1e4, 1e2, 1e2, 1.0, 1e-3)],
+            top="pinned",
+            gravity=G,
+            initial={"inclination": 0.7},
+            joints=[{"at": 1.0, "kind": "revolute", "axis": [0, 0, 1]}],
+        )
         integrate(model.system, 0.1, fixed(1e-3, **options))
         tips.append(model.system.field("string.position")[-1])
     assert tips[0] == pytest.approx(tips[1], abs=1e-8)
@@ -249,24 +313,31 @@ def test_whole_assembled_system_takes_the_same_steps():
 def test_a_string_without_joints_has_nothing_of_them():
     """No field, no block, no column; with one: a node more (7 unknowns) and six multipliers."""
     case = {"string": [beam(2.0, 2, 1e4, 1e2, 1e2, 1.0, 1e-3)], "top": "pinned"}
-    without, joined = (build_model(Case(**case, joints=joints)) for joints in ([], [{"at": 1.0, "kind": "universal"}]))
+    without, joined = (
+        build_model(Case(**case, joints=joints)) for joints in ([], [{"at": 1.0, "kind": "universal"}])
+    )
     assert joined.system.layout.size - without.system.layout.size == 13
     assert not any("joint" in name for name in without.system.layout.dofs) and without.system.multipliers == 0
     assert {b.block.name for b in without.system.assembly.bound_blocks} == {"beam"}
     assert not any(name.startswith("joint") for name, _ in Recorder(without).columns)
-    assert {f"joint_1_{name}" for name in ("force", "torque", "angle", "travel")} <= {name for name, _ in Recorder(joined).columns}
+    assert {f"joint_1_{name}" for name in ("force", "torque", "angle", "travel")} <= {
+        name for name, _ in Recorder(joined).columns
+    }
 
 
 # ---------------------------------------------------------------------- reactions worked out by hand
 def test_reactions_of_a_swinging_rod():
-    """A rod of mass m, length l falls from level about a hinge under a clamped body: with c = cos of the angle from the vertical the
-    hinge carries m g c + m w^2 l/2 along and m g sin/4 across, w^2 = 3 g c/l (energy; e.g. any mechanics text); order 2 in the step."""
+    """A rod of mass m, length l falls from level about a hinge under a clamped body: with c = cos of the
+    angle from the vertical the hinge carries m g c + m w^2 l/2 along and m g sin/4 across, w^2 = 3 g c/l
+    (energy; e.g. any mechanics text); order 2 in the step."""
     m, l, end, errors = 3.0, 1.2, 0.35, []
     for h in (2e-3, 1e-3):
         bodies = body(0, 0.5, 1.0, 1e-3, 0.1), body(1, l, m, 1e-3, m * l**2 / 12)
         mesh = chain_of_bodies(bodies, (StringJoint(0.5, "revolute", 0, HINGE),))
         position = np.array([[0.0, 0, 0], [0.5, 0, 0]])
-        system = place(mesh, position, NORTH, [lambda frames: FixedEnd(0, "clamped", position[0], NORTH)], [0, 0, G])  # noqa: B023
+        system = place(
+            mesh, position, NORTH, [lambda frames: FixedEnd(0, "clamped", np.zeros(3), NORTH)], [0, 0, G]
+        )
         integrate(system, end, fixed(h, **EXACT))
         t = system.field("string.tangent")[1]
         c = t[2] / np.linalg.norm(t)
@@ -281,11 +352,18 @@ def test_reactions_of_a_swinging_rod():
 
 
 def test_reactions_in_a_hanging_turned_string():
-    """What hangs and turns below a joint: its weight, and the moment at the lower end, through every kind that carries them."""
+    """What hangs and turns below a joint: its weight, and the moment at the lower end, through every kind
+    that carries them."""
     for kind in ("fixed", "revolute", "universal"):
-        model = build_model(Case(string=[beam(6.0, 3, 1e8, 1e5, 1e5, 20.0, 0.01)], top="clamped", gravity=G,
-                                 joints=[{"at": 2.5, "kind": kind}],
-                                 bottom={"kind": "force", "force": [0, 0, 500], "moment": [0, 0, -70.0]}))
+        model = build_model(
+            Case(
+                string=[beam(6.0, 3, 1e8, 1e5, 1e5, 20.0, 0.01)],
+                top="clamped",
+                gravity=G,
+                joints=[{"at": 2.5, "kind": kind}],
+                bottom={"kind": "force", "force": [0, 0, 500], "moment": [0, 0, -70.0]},
+            )
+        )
         state = find_equilibrium(model)
         assert state.equilibrium.converged
         assert figure(model.system, "tension") == pytest.approx(20.0 * 3.5 * G + 500.0, rel=1e-9)
@@ -294,35 +372,62 @@ def test_reactions_in_a_hanging_turned_string():
 
 
 def test_reactions_of_a_level_beam_with_a_hinge():
-    """Gerber's beam, clamped at one end and pinned at the other, with a hinge half way: the hinge carries the shear w l/4 of the
-    simple beam beyond it and no moment; the clamp w l^2/4 (small deflection: 1e-4 of the length)."""
+    """Gerber's beam, clamped at one end and pinned at the other, with a hinge half way: the hinge carries the
+    shear w l/4 of the simple beam beyond it and no moment; the clamp w l^2/4 (small deflection: 1e-4 of the
+    length)."""
     w, length = 2.0 * G, 4.0
-    model = build_model(Case(string=[beam(length, 8, 1e8, 1e6, 1e6, 2.0, 0.01)], top="clamped", bottom="pinned", gravity=G,
-                             initial={"inclination": np.pi / 2}, joints=[{"at": 2.0, "kind": "revolute", "axis": [0, 0, 1]}]))
+    model = build_model(
+        Case(
+            string=[beam(length, 8, 1e8, 1e6, 1e6, 2.0, 0.01)],
+            top="clamped",
+            bottom="pinned",
+            gravity=G,
+            initial={"inclination": np.pi / 2},
+            joints=[{"at": 2.0, "kind": "revolute", "axis": [0, 0, 1]}],
+        )
+    )
     assert find_equilibrium(model).stable
     assert figure(model.system, "side_force") == pytest.approx(w * length / 4, rel=1e-5)
     assert figure(model.system, "bending") < 1e-5
-    assert np.hypot(*(model.system.reaction(f"top.side_moment_{i}") for i in (1, 2))) == pytest.approx(w * length**2 / 4, rel=1e-5)
+    assert np.hypot(*(model.system.reaction(f"top.side_moment_{i}") for i in (1, 2))) == pytest.approx(
+        w * length**2 / 4, rel=1e-5
+    )
 
 
 # ---------------------------------------------------------------------- a joint that joins
 def whirling(joints=()) -> np.ndarray:
-    """Loads at the top, spin and place of the tip of an eccentric pipe, a stabiliser and a pipe that turn on the wall of a hole,
-    after 0.15 s; first the hook load of their statics."""
+    """Loads at the top, spin and place of the tip of an eccentric pipe, a stabiliser and a pipe that turn on
+    the wall of a hole, after 0.15 s; first the hook load of their statics."""
     pipe = {"kind": "pipe", "length": 6.0, "od": 0.127, "id": 0.1, "element_length": 3.0}
     ball = {"kind": "stabilizer", "length": 0.4, "od": 0.19, "mass": 40.0, "unbalance": 0.05}
-    well = {"survey": {"md": [0, 20], "inclination": [0.5, 0.5], "azimuth": [0, 0]},
-            "sections": [{"to": 20, "kind": "casing", "diameter": 0.2, "friction": 0.2}]}
-    model = build_model(Case(string=[{**pipe, "eccentricity": 0.002}, ball, pipe], well=well, joints=joints,
-                             top={"kind": "top_drive", "rotation": 6.0}, material={"damping": {"stiffness": 1e-3}}))
+    well = {
+        "survey": {"md": [0, 20], "inclination": [0.5, 0.5], "azimuth": [0, 0]},
+        "sections": [{"to": 20, "kind": "casing", "diameter": 0.2, "friction": 0.2}],
+    }
+    model = build_model(
+        Case(
+            string=[{**pipe, "eccentricity": 0.002}, ball, pipe],
+            well=well,
+            joints=joints,
+            top={"kind": "top_drive", "rotation": 6.0},
+            material={"damping": {"stiffness": 1e-3}},
+        )
+    )
     find_equilibrium(model)
     m = model.system
     start = -m.reaction("top.axial_reaction")
     release(model)
     move_rigidly(model)
     integrate(m, 0.15, fixed(1e-3, **EXACT))
-    return np.array([start, -m.reaction("top.axial_reaction"), m.reaction("top.torque_reaction"), m.field("string.spin", "y")[-1, 0],
-                     *m.field("string.position")[-1]])
+    return np.array(
+        [
+            start,
+            -m.reaction("top.axial_reaction"),
+            m.reaction("top.torque_reaction"),
+            m.field("string.spin", "y")[-1, 0],
+            *m.field("string.position")[-1],
+        ]
+    )
 
 
 @pytest.fixture(scope="module")
@@ -333,18 +438,23 @@ def jointless() -> np.ndarray:
 @pytest.mark.parametrize("constraint", ["position", "stabilised"])
 @pytest.mark.parametrize("at", [3.0, 6.0, 6.4])
 def test_a_fixed_joint_is_no_joint(at, constraint, jointless):
-    """With contact, friction, damping and eccentric mass; in a pipe and at either end of a rigid item.  In the pipe the parts have axial
-    strains of their own at the joint, so agreement is to what one strain for both leaves of the mesh's error."""
-    assert whirling([{"at": at, "kind": "fixed", "constraint": constraint}]) == pytest.approx(jointless, rel=1e-6, abs=1e-7)
+    """With contact, friction, damping and eccentric mass; in a pipe and at either end of a rigid item.  In
+    the pipe the parts have axial strains of their own at the joint, so agreement is to what one strain for
+    both leaves of the mesh's error."""
+    assert whirling([{"at": at, "kind": "fixed", "constraint": constraint}]) == pytest.approx(
+        jointless, rel=1e-6, abs=1e-7
+    )
 
 
 # ---------------------------------------------------------------------- rolling
 def test_coin_that_rolls_in_a_circle():
-    """A disc of radius R rolls steadily with its axis at an angle q to the vertical, its centre on a circle of radius b, turning at W:
-    W^2 = m g R cos q/(sin q [b (I3/R + m R) + I1 cos q]), spin about its axis -W b/R.
+    """A disc of radius R rolls steadily with its axis at an angle q to the vertical, its centre on a circle
+    of radius b, turning at W: W^2 = m g R cos q/(sin q [b (I3/R + m R) + I1 cos q]), spin about its axis -W
+    b/R.
 
-    From d(L)/dt = W up x L = moment of the ground's forces m g and m W^2 b about the centre, with L = I3 w3 t - I1 W sin(q) e, e the way
-    to the contact.  After one turn it is back; the multipliers are those forces; order 2 in the step."""
+    From d(L)/dt = W up x L = moment of the ground's forces m g and m W^2 b about the centre, with L = I3 w3 t
+    - I1 W sin(q) e, e the way to the contact.  After one turn it is back; the multipliers are those forces;
+    order 2 in the step."""
     q, R, m, b = 1.0, 0.5, 2.0, 1.2
     I3, I1 = 0.5 * m * R**2, 0.25 * m * R**2
     W = np.sqrt(m * G * R * np.cos(q) / (np.sin(q) * (b * (I3 / R + m * R) + I1 * np.cos(q))))
@@ -352,7 +462,9 @@ def test_coin_that_rolls_in_a_circle():
     centre = b * NORTH + R * np.sin(q) * UP
     errors = []
     for steps in (800, 1600):
-        half = [body(i, 0.0, 0.5 * m, 0.5 * I3, 0.5 * I1) for i in (0, 1)]  # two halves that a fixed joint makes one
+        half = [
+            body(i, 0.0, 0.5 * m, 0.5 * I3, 0.5 * I1) for i in (0, 1)
+        ]  # two halves that a fixed joint makes one
         mesh = chain_of_bodies(tuple(half), (StringJoint(0.0, "fixed", 0),))
         component = Rolling(2, 0, R, np.zeros(3), UP)
         system = place(mesh, np.tile(centre, (2, 1)), axis, [lambda frames: component], [0, 0, G])  # noqa: B023
@@ -371,12 +483,14 @@ def test_coin_that_rolls_in_a_circle():
 
 
 def test_bit_that_rolls_backwards_round_its_hole():
-    """Backward whirl without slip: a body of radius R that spins at w in a hole of radius Rh goes round at -w R/(Rh - R); the wall
-    pushes with m (Rh - R) times the square of that (Jansen 1992, Non-linear rotor dynamics as applied to oilwell drillstring
-    vibrations, J. Sound Vib. 147(1):115-135, pure rolling)."""
+    """Backward whirl without slip: a body of radius R that spins at w in a hole of radius Rh goes round at -w
+    R/(Rh - R); the wall pushes with m (Rh - R) times the square of that (Jansen 1992, Non-linear rotor
+    dynamics as applied to oilwell drillstring vibrations, J. Sound Vib. 147(1):115-135, pure rolling)."""
     R, hole, m, spin = 0.10, 0.11, 30.0, 5.0
     whirl = -spin * R / (hole - R)
-    mesh = chain_of_bodies((body(0, 0.0, 0.5 * m, 0.1, 0.2), body(1, 0.0, 0.5 * m, 0.1, 0.2)), (StringJoint(0.0, "fixed", 0),))
+    mesh = chain_of_bodies(
+        (body(0, 0.0, 0.5 * m, 0.1, 0.2), body(1, 0.0, 0.5 * m, 0.1, 0.2)), (StringJoint(0.0, "fixed", 0),)
+    )
     component = Rolling(2, 0, R, np.zeros(3), -UP, hole=hole, grips_along=False)
     start = (hole - R) * NORTH
     system = place(mesh, np.tile(start, (2, 1)), -UP, [lambda frames: component])
@@ -384,6 +498,8 @@ def test_bit_that_rolls_backwards_round_its_hole():
     system.set_field("string.spin", np.full((2, 1), spin), "y")
     end = 2 * np.pi / abs(whirl)
     integrate(system, 1.25 * end, fixed(end / 1600, **EXACT))
-    assert system.field("string.position")[0] == pytest.approx(np.cross(np.sign(whirl) * -UP, start), abs=1e-4 * (hole - R) * 2 * np.pi)
+    assert system.field("string.position")[0] == pytest.approx(
+        np.cross(np.sign(whirl) * -UP, start), abs=1e-4 * (hole - R) * 2 * np.pi
+    )
     assert component.force(system)[0] == pytest.approx(m * (hole - R) * whirl**2, rel=1e-3)
     assert system.field("string.spin", "y")[0, 0] == pytest.approx(spin, rel=1e-5)

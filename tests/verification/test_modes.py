@@ -1,4 +1,5 @@
-"""Modes of linearised scenes against closed forms, and the solver of the eigenvalue problem against polynomials."""
+"""Modes of linearised scenes against closed forms, and the solver of the eigenvalue problem against
+polynomials."""
 
 from __future__ import annotations
 
@@ -21,18 +22,30 @@ from drillpetsc.output import read_frame, read_table
 from drillpetsc.physics.contact import Contact, ContactLaw
 from drillpetsc.physics.end_conditions import FixedEnd, TopDrive
 from drillpetsc.solvers.linearization import linearise
-from drillpetsc.solvers.quadratic_eigenproblem import QuadraticEigenproblem, eigenvalues_near, lowest_eigenvalues
+from drillpetsc.solvers.quadratic_eigenproblem import (
+    QuadraticEigenproblem,
+    eigenvalues_near,
+    lowest_eigenvalues,
+)
 from drillpetsc.time_function import Constant
 from tests.helpers.flow_scenes import build
 from tests.helpers.motion import straight
 from tests.helpers.moving import straight_model
 
 L, EA, EI, GJ, MASS, POLAR = 10.0, 2e7, 1.2e5, 9.4e4, 27.0, 0.09
-BETA_CANTILEVER = [brentq(lambda b: np.cos(b) * np.cosh(b) + 1, *bracket, xtol=1e-14) for bracket in ((1, 3), (4, 6), (7, 9))]
+BETA_CANTILEVER = [
+    brentq(lambda b: np.cos(b) * np.cosh(b) + 1, *bracket, xtol=1e-14) for bracket in ((1, 3), (4, 6), (7, 9))
+]
 
 
 def rod(elements: int = 16, length: float = L, **more) -> dict:
-    values = {"axial_stiffness": EA, "bending_stiffness": EI, "torsional_stiffness": GJ, "mass": MASS, "polar_inertia": POLAR}
+    values = {
+        "axial_stiffness": EA,
+        "bending_stiffness": EI,
+        "torsional_stiffness": GJ,
+        "mass": MASS,
+        "polar_inertia": POLAR,
+    }
     return {"kind": "beam", "length": length, "element_length": length / elements, **values, **more}
 
 
@@ -51,11 +64,13 @@ def rates(m, kind: str) -> np.ndarray:
 # ---------------------------------------------------------------------- rods
 @pytest.mark.parametrize("engine", ["dense", "arpack"])
 def test_clamped_free_rod(engine):
-    """(beta/L)^2 sqrt(EI/m), cos beta cosh beta = -1; (2k - 1) pi/2L sqrt(EA/m) and sqrt(GJ/J) (Blevins, Formulas for Natural Frequency,
-    tables 8-1, 8-16, 8-19); every lateral one twice, nothing damped."""
+    """(beta/L)^2 sqrt(EI/m), cos beta cosh beta = -1; (2k - 1) pi/2L sqrt(EA/m) and sqrt(GJ/J) (Blevins,
+    Formulas for Natural Frequency, tables 8-1, 8-16, 8-19); every lateral one twice, nothing damped."""
     m = found(24, engine, string=[rod()], top="clamped")
     lateral, odd = rates(m, "lateral"), np.array([1, 3, 5]) * np.pi / 2 / L
-    assert lateral[:6] == pytest.approx(np.repeat((np.array(BETA_CANTILEVER) / L) ** 2 * np.sqrt(EI / MASS), 2), rel=1e-4)
+    assert lateral[:6] == pytest.approx(
+        np.repeat((np.array(BETA_CANTILEVER) / L) ** 2 * np.sqrt(EI / MASS), 2), rel=1e-4
+    )
     assert rates(m, "axial")[:1] == pytest.approx(odd[:1] * np.sqrt(EA / MASS), rel=1e-6)
     assert rates(m, "torsional")[:2] == pytest.approx(odd[:2] * np.sqrt(GJ / POLAR), rel=1e-4)
     assert np.all(np.diff(m.frequency) >= 0) and m.count >= 24
@@ -74,7 +89,8 @@ def test_pinned_pinned_rod():
 
 
 def test_shapes_of_the_cantilever():
-    """Lowest shapes: cosh x - cos x - s (sinh x - sin x), x = beta z/L, and sin(pi z/2L) for stretch, largest value 1, and real."""
+    """Lowest shapes: cosh x - cos x - s (sinh x - sin x), x = beta z/L, and sin(pi z/2L) for stretch, largest
+    value 1, and real."""
     m = found(20, string=[rod()], top="clamped")
     z, b = np.linspace(0, 1, 17), BETA_CANTILEVER[0]
     s = (np.cosh(b) + np.cos(b)) / (np.sinh(b) + np.sin(b))
@@ -88,8 +104,9 @@ def test_shapes_of_the_cantilever():
 
 
 def test_hung_string():
-    """String almost without stiffness hung by one end, both planes: j0n/2 sqrt(g/L) (Bernoulli's chain); L 100 m, 40 kg/m, EI 100 N m2,
-    whose own share, of the order of EI k^2/T with k = 2 omega/sqrt(g L) at the middle, is below 2e-4 for three modes."""
+    """String almost without stiffness hung by one end, both planes: j0n/2 sqrt(g/L) (Bernoulli's chain); L
+    100 m, 40 kg/m, EI 100 N m2, whose own share, of the order of EI k^2/T with k = 2 omega/sqrt(g L) at the
+    middle, is below 2e-4 for three modes."""
     string = rod(40, 100.0, bending_stiffness=100.0, mass=40.0, axial_stiffness=7e8)
     m = found(8, string=[string], top="pinned", gravity=9.81)
     expected = jn_zeros(0, 3) / 2 * np.sqrt(9.81 / 100)
@@ -97,12 +114,16 @@ def test_hung_string():
     assert m.unstable == 0
 
 
-@pytest.mark.parametrize("kind, stiffness, inertia", [("axial", EA, MASS), ("torsional", GJ, POLAR), ("lateral", EI, MASS)])
+@pytest.mark.parametrize(
+    "kind, stiffness, inertia", [("axial", EA, MASS), ("torsional", GJ, POLAR), ("lateral", EI, MASS)]
+)
 def test_stiffness_damping(kind, stiffness, inertia):
     """sigma = E (eps + beta eps'): damping ratio beta omega/2 of every mode, omega its undamped rate |s|."""
     beta = 2e-4
     m = found(2, kind=kind, string=[rod(damping={"stiffness": beta})], top="clamped")
-    factors = (np.array(BETA_CANTILEVER[:1]) / L) ** 2 if kind == "lateral" else np.array([1, 3]) * np.pi / 2 / L
+    factors = (
+        (np.array(BETA_CANTILEVER[:1]) / L) ** 2 if kind == "lateral" else np.array([1, 3]) * np.pi / 2 / L
+    )
     omega = (np.repeat(factors, 2) if kind == "lateral" else factors) * np.sqrt(stiffness / inertia)
     swings = m.frequency > 0  # modes above 2/beta do not
     assert np.abs(m.eigenvalue[swings]) == pytest.approx(omega, rel=1e-4)
@@ -111,8 +132,8 @@ def test_stiffness_damping(kind, stiffness, inertia):
 
 
 def test_overdamped_and_slow_roots():
-    """Mass damping alpha: s^2 + alpha s + omega^2 = 0 for each mode; alpha between 2 omega_1 and 2 omega_2: the first mode splits into two
-    real roots, the others swing."""
+    """Mass damping alpha: s^2 + alpha s + omega^2 = 0 for each mode; alpha between 2 omega_1 and 2 omega_2:
+    the first mode splits into two real roots, the others swing."""
     omega = (np.array(BETA_CANTILEVER) / L) ** 2 * np.sqrt(EI / MASS)
     alpha = omega[0] + omega[1]
     m = found(8, string=[rod(damping={"mass": float(alpha)})], top="clamped")
@@ -120,15 +141,19 @@ def test_overdamped_and_slow_roots():
     assert m.eigenvalue[:2] == pytest.approx([slow, slow], rel=1e-4)
     assert m.damping_ratio[:2] == pytest.approx([1.0, 1.0])
     swinging = m.eigenvalue[m.frequency > 0][:2]
-    assert swinging == pytest.approx(np.repeat(-alpha / 2 + 1j * np.sqrt(omega[1] ** 2 - alpha**2 / 4), 2), rel=3e-4)
+    assert swinging == pytest.approx(
+        np.repeat(-alpha / 2 + 1j * np.sqrt(omega[1] ** 2 - alpha**2 / 4), 2), rel=3e-4
+    )
     assert m.margin == pytest.approx(slow, rel=1e-4) and m.unstable == 0
 
 
 def test_torsion_with_the_inertia_of_the_bit():
-    """P24: 2000 m of drill pipe, top fixed, 300 kg m2 at the bit: x tan x = J_pipe/J_bit; f1 .180895, f2 .840968 Hz.  The lateral modes
-    in between number a hundred."""
-    string = [{"kind": "pipe", "length": 2000.0, "od": 0.127, "id": 0.1086, "element_length": 20.0},
-              {"kind": "body", "mass": 100.0, "inertia": {"axial": 300.0, "transverse": 300.0}}]
+    """P24: 2000 m of drill pipe, top fixed, 300 kg m2 at the bit: x tan x = J_pipe/J_bit; f1 .180895, f2
+    .840968 Hz.  The lateral modes in between number a hundred."""
+    string = [
+        {"kind": "pipe", "length": 2000.0, "od": 0.127, "id": 0.1086, "element_length": 20.0},
+        {"kind": "body", "mass": 100.0, "inertia": {"axial": 300.0, "transverse": 300.0}},
+    ]
     m = found(2, kind="torsional", string=string, top="clamped", gravity=9.81)
     assert m.frequency[:2] == pytest.approx([0.180895, 0.840968], rel=1e-3)
     model = build_model(Case(string=string, top="clamped", gravity=9.81))
@@ -141,11 +166,14 @@ def test_torsion_with_the_inertia_of_the_bit():
 def column(share: float):
     """A cantilever under an axial dead load, as a share of Euler's pi^2 EI/4 L^2, kept straight."""
     load = share * np.pi**2 * EI / (4 * L**2)
-    return found(6, string=[rod(axial_stiffness=1e9)], top="clamped", bottom={"kind": "force", "force": [0, 0, -load]})
+    return found(
+        6, string=[rod(axial_stiffness=1e9)], top="clamped", bottom={"kind": "force", "force": [0, 0, -load]}
+    )
 
 
 def test_divergence_beyond_the_load_of_euler():
-    """Stable at 0.99, two diverging modes (two planes) at 1.01, and the square of the lowest root passes zero at Euler's load."""
+    """Stable at 0.99, two diverging modes (two planes) at 1.01, and the square of the lowest root passes zero
+    at Euler's load."""
     below, above = column(0.99), column(1.01)
     assert below.unstable == 0 and below.diverging == 0
     assert (above.unstable, above.diverging, above.fluttering) == (2, 2, 0)
@@ -168,14 +196,33 @@ class Hinge(TopDrive):
     def __init__(self, position, tangent, speed):
         super().__init__(position, tangent, Constant(speed), Constant(0.0))
         c, keep = self._condition, [0, 1, 2, 5]
-        self._condition = replace(c, directions=c.directions[keep], value=lambda t: c.value(t)[keep], rate=lambda t: c.rate(t)[keep],
-                                  names=tuple(c.names[i] for i in keep))
+        self._condition = replace(
+            c,
+            directions=c.directions[keep],
+            value=lambda t: c.value(t)[keep],
+            rate=lambda t: c.rate(t)[keep],
+            names=tuple(c.names[i] for i in keep),
+        )
 
 
 def whirl(n: int, speed: float, polar: float) -> np.ndarray:
     """Lowest six rates [rad/s] of a hinged shaft that spins."""
-    mesh = uniform_string(L, n, axial_stiffness=EA, bending_stiffness=EI, torsional_stiffness=1e7, mass=MASS, polar_inertia=polar)
-    system = straight_model(mesh, [lambda f, p, t: Hinge(p[0], t[0], speed), lambda f, p, t: FixedEnd(n, "pinned", p[-1], t[-1], spin=False)])
+    mesh = uniform_string(
+        L,
+        n,
+        axial_stiffness=EA,
+        bending_stiffness=EI,
+        torsional_stiffness=1e7,
+        mass=MASS,
+        polar_inertia=polar,
+    )
+    system = straight_model(
+        mesh,
+        [
+            lambda f, p, t: Hinge(p[0], t[0], speed),
+            lambda f, p, t: FixedEnd(n, "pinned", p[-1], t[-1], spin=False),
+        ],
+    )
     system.set_field("string.spin", np.full((n + 1, 1), speed), "y")
     s = lowest_eigenvalues(linearise(system).pencil(10.0), 6).s
     assert np.abs(s.real).max() < 1e-9
@@ -183,9 +230,10 @@ def whirl(n: int, speed: float, polar: float) -> np.ndarray:
 
 
 def test_gyroscopic_splitting_of_a_spinning_shaft():
-    """Pinned shaft with polar inertia J at Omega, no inertia of tilting: with w = x + iy of wave number k, mu w'' - i J Omega k^2 w' +
-    EI k^4 w = 0, so the rates solve mu q^2 -+ J Omega k^2 q - EI k^4 = 0: forward whirl above, backward below the rate at rest (rotor
-    dynamics, e.g. Genta, TimeIntegrator of Rotating Systems, ch. 4).  The spin momentum stands at the nodes: second order."""
+    """Pinned shaft with polar inertia J at Omega, no inertia of tilting: with w = x + iy of wave number k, mu
+    w'' - i J Omega k^2 w' + EI k^4 w = 0, so the rates solve mu q^2 -+ J Omega k^2 q - EI k^4 = 0: forward
+    whirl above, backward below the rate at rest (rotor dynamics, e.g. Genta, TimeIntegrator of Rotating
+    Systems, ch. 4).  The spin momentum stands at the nodes: second order."""
     speed, polar, expected = 300.0, 2.0, []
     for k in np.arange(1, 4) * np.pi / L:
         half = polar * speed * k**2 / (2 * MASS)
@@ -196,11 +244,20 @@ def test_gyroscopic_splitting_of_a_spinning_shaft():
 
 
 def test_pipe_lying_in_a_hole():
-    """A rigid piece at rest on the wall, without friction: it bounces at sqrt(k/mu) on the contact's stiffness per length and swings
-    along the wall at sqrt(g/d), d the distance of its axis from the hole's; the wall above, which it does not touch, is not there."""
+    """A rigid piece at rest on the wall, without friction: it bounces at sqrt(k/mu) on the contact's
+    stiffness per length and swings along the wall at sqrt(g/d), d the distance of its axis from the hole's;
+    the wall above, which it does not touch, is not there."""
     g, mass, stiffness, component = 9.81, 25.0, 1e6, 0.002
-    mesh = uniform_string(1.0, 1, axial_stiffness=1e9, bending_stiffness=1e8, torsional_stiffness=1e8, mass=mass, polar_inertia=0.1,
-                          outer_diameter=0.2)
+    mesh = uniform_string(
+        1.0,
+        1,
+        axial_stiffness=1e9,
+        bending_stiffness=1e8,
+        torsional_stiffness=1e8,
+        mass=mass,
+        polar_inertia=0.1,
+        outer_diameter=0.2,
+    )
     hole = Well.from_survey(np.array([0.0, 50.0]), np.zeros(2), np.zeros(2), [50.0], [0.1 + component], [0.0])
     law = ContactLaw(stiffness=stiffness, restitution=1.0)
     system = straight_model(mesh, [lambda f, p, t: Contact(mesh, hole, law)], gravity=(g, 0.0, 0.0))
@@ -215,8 +272,8 @@ def test_pipe_lying_in_a_hole():
 
 
 def test_linearised_rows_are_those_of_the_residual():
-    """String, bore, annulus and bit in a random state that spins and slides: x + u e^(st) with true rates, for three rates s and random u;
-    central differences of the residual against (K + s C + s^2 M) u."""
+    """String, bore, annulus and bit in a random state that spins and slides: x + u e^(st) with true rates,
+    for three rates s and random u; central differences of the residual against (K + s C + s^2 M) u."""
     system = build("pipe_annulus_bit_junction_topdrive")
     asm, layout = system.assembly, system.layout
     asm.y[layout.dofs["string.tangent"]] = 0.0
@@ -265,15 +322,21 @@ BORE = np.pi / 4 * ID**2
 
 def conveying(flow: float, length: float, elements: int, bulk_modulus: float, **case) -> dict:
     """A pipe with an inviscid fluid in rigid walls, nothing around it; flow [m3/s]."""
-    fluid = {"density": DENSITY, "rheology": {"model": "newtonian", "viscosity": 0.0}, "bulk_modulus": bulk_modulus, "flow_rate": flow,
-             "elastic_walls": False}
+    fluid = {
+        "density": DENSITY,
+        "rheology": {"model": "newtonian", "viscosity": 0.0},
+        "bulk_modulus": bulk_modulus,
+        "flow_rate": flow,
+        "elastic_walls": False,
+    }
     pipe = {"kind": "pipe", "length": length, "od": OD, "id": ID, "element_length": length / elements}
     return {"string": [pipe], "material": {"young": 206e9, "poisson": 0.0}, "fluid": fluid, **case}
 
 
 def test_sound_in_a_held_bore():
-    """Only first-order unknowns: closed at the pump, open below: odd quarter waves (2k - 1) a/4L, a = sqrt(K/rho), L with the open end's
-    correction 0.61 of the bore's radius (Levine and Schwinger 1948); 40 elements, second order."""
+    """Only first-order unknowns: closed at the pump, open below: odd quarter waves (2k - 1) a/4L, a =
+    sqrt(K/rho), L with the open end's correction 0.61 of the bore's radius (Levine and Schwinger 1948); 40
+    elements, second order."""
     m = found(3, **conveying(0.0, 200.0, 40, 2e9, hold_string=True))
     swinging = m.frequency[m.frequency > 0][:3]
     wave = np.sqrt(2e9 / DENSITY) / (4 * (200.0 + 0.61 * ID / 2))
@@ -283,8 +346,8 @@ def test_sound_in_a_held_bore():
 
 
 def test_pipe_conveying_fluid_diverges_at_pi():
-    """Pinned ends: stable below, diverging in both planes above u = U L sqrt(m_f/EI) = pi (Paidoussis, Fluid-Structure Interactions 1,
-    ch. 3); the square of the lowest rate passes zero there."""
+    """Pinned ends: stable below, diverging in both planes above u = U L sqrt(m_f/EI) = pi (Paidoussis,
+    Fluid-Structure Interactions 1, ch. 3); the square of the lowest rate passes zero there."""
     length, stiffness = 20.0, 206e9 * np.pi / 64 * (OD**4 - ID**4)
     ends = {"top": "pinned", "bottom": "pinned"}
     one = np.sqrt(stiffness / (DENSITY * BORE)) / length * BORE  # flow rate at u = 1
@@ -296,14 +359,22 @@ def test_pipe_conveying_fluid_diverges_at_pi():
 
 # ---------------------------------------------------------------------- pencil
 def dae(copies: int, seed: int = 4) -> tuple[QuadraticEigenproblem, np.ndarray]:
-    """Oscillators, each pushed by the lagged state of a first-order unknown, and an algebraic unknown that follows, all mixed:
-    m x'' + d x' + k x - b p = 0,  tau p' + p + c x' = 0,  q - x = 0:  (m s^2 + d s + k)(tau s + 1) + b c s = 0.  Each ``copies`` times.
+    """Oscillators, each pushed by the lagged state of a first-order unknown, and an algebraic unknown that
+    follows, all mixed: m x'' + d x' + k x - b p = 0,  tau p' + p + c x' = 0,  q - x = 0:  (m s^2 + d s +
+    k)(tau s + 1) + b c s = 0.  Each ``copies`` times.
     """
     rng, blocks, roots = np.random.default_rng(seed), [], []
-    for m, d, k, tau, b, c in ((1.0, 0.1, 4.0, 0.5, 1.0, 0.3), (2.0, 0.0, 90.0, 0.1, 3.0, -0.2), (1.0, 0.3, -2.0, 2.0, 0.5, 1.0),
-                               (1.5, 0.0, 900.0, 0.05, 1.0, 1.0), (1.0, 9.0, 4.0, 1.0, 0.2, 0.2)):
+    for m, d, k, tau, b, c in (
+        (1.0, 0.1, 4.0, 0.5, 1.0, 0.3),
+        (2.0, 0.0, 90.0, 0.1, 3.0, -0.2),
+        (1.0, 0.3, -2.0, 2.0, 0.5, 1.0),
+        (1.5, 0.0, 900.0, 0.05, 1.0, 1.0),
+        (1.0, 9.0, 4.0, 1.0, 0.2, 0.2),
+    ):
         for _ in range(copies):
-            blocks.append(([[k, -b, 0], [0, 1, 0], [-1, 0, 1]], [[d, 0, 0], [c, tau, 0], [0, 0, 0]], np.diag([m, 0, 0])))
+            blocks.append(
+                ([[k, -b, 0], [0, 1, 0], [-1, 0, 1]], [[d, 0, 0], [c, tau, 0], [0, 0, 0]], np.diag([m, 0, 0]))
+            )
             roots.append(np.roots([m * tau, m + d * tau, k * tau + d + b * c, k]))
     K, C, M = (sparse.block_diag(part).toarray() for part in zip(*blocks, strict=True))
     n, second = len(K), np.tile([True, False, False], len(blocks))
@@ -318,7 +389,8 @@ def dae(copies: int, seed: int = 4) -> tuple[QuadraticEigenproblem, np.ndarray]:
 @pytest.mark.parametrize("engine", ["dense", "arpack"])
 @pytest.mark.parametrize("copies", [1, 6])
 def test_roots_of_an_algebraic_differential_system(engine, copies):
-    """All finite roots of the polynomials, each as often as it should be, and no infinite one; the growing ones are seen."""
+    """All finite roots of the polynomials, each as often as it should be, and no infinite one; the growing
+    ones are seen."""
     pencil, exact = dae(copies)
     exact = exact[exact.imag >= 0]
     exact = exact[np.argsort(np.abs(exact - 0.87))]
@@ -327,7 +399,9 @@ def test_roots_of_an_algebraic_differential_system(engine, copies):
     got = got.chosen(np.argsort(np.abs(got.s - 0.87)))
     assert len(got.s) >= some if engine == "arpack" else len(got.s) == len(exact)
     for root in got.s:
-        assert np.sum(np.abs(got.s - root) < 1e-5 * abs(root)) == np.sum(np.abs(exact - root) < 1e-5 * abs(root))
+        assert np.sum(np.abs(got.s - root) < 1e-5 * abs(root)) == np.sum(
+            np.abs(exact - root) < 1e-5 * abs(root)
+        )
     assert np.sort_complex(got.s) == pytest.approx(np.sort_complex(exact[: len(got.s)]), rel=1e-6)
     assert got.grows.sum() == np.sum(exact[: len(got.s)].real > 0) > 0
     residual = pencil.K @ got.u + got.s * (pencil.C @ got.u) + got.s**2 * (pencil.M @ got.u)
@@ -335,13 +409,16 @@ def test_roots_of_an_algebraic_differential_system(engine, copies):
 
 
 def test_discs_climb_past_a_crowd_of_slow_roots():
-    """300 relaxations at -0.01 to -3 1/s hide the oscillators i k (k = 5, 5, 6, ... 44) from a search near zero; the ten lowest are found,
-    the double one twice, in the right order."""
+    """300 relaxations at -0.01 to -3 1/s hide the oscillators i k (k = 5, 5, 6, ... 44) from a search near
+    zero; the ten lowest are found, the double one twice, in the right order."""
     slow = np.linspace(0.01, 3.0, 300)
     swing = np.concatenate([[5.0], np.arange(5.0, 45.0)])
     n = len(slow) + len(swing)
     second = np.arange(n) >= len(slow)
-    K, C, M = (sparse.csr_matrix(sparse.diags(d.astype(float))) for d in (np.concatenate([slow, swing**2]), ~second, second))
+    K, C, M = (
+        sparse.csr_matrix(sparse.diags(d.astype(float)))
+        for d in (np.concatenate([slow, swing**2]), ~second, second)
+    )
     pencil = QuadraticEigenproblem(K, C, M, second, np.ones(n), 0.1)
     roots = lowest_eigenvalues(pencil, 10, "arpack")
     assert roots.s[roots.s.imag > 0] == pytest.approx(1j * swing[:10], rel=1e-9)
@@ -352,7 +429,9 @@ def test_slepc_where_it_is_installed():
     """SLEPc's Krylov-Schur finds the same roots as ARPACK's Arnoldi."""
     pytest.importorskip("slepc4py.SLEPc", exc_type=ImportError)
     pencil, _ = dae(6)
-    one, other = (np.sort_complex(eigenvalues_near(pencil, 0.87, 30, engine).s) for engine in ("slepc", "arpack"))
+    one, other = (
+        np.sort_complex(eigenvalues_near(pencil, 0.87, 30, engine).s) for engine in ("slepc", "arpack")
+    )
     assert one == pytest.approx(other, rel=1e-7)
 
 

@@ -1,4 +1,5 @@
-"""Mud in, mud out, mud inside: conservation of mass by the program's own figures; model notes section 9 (C11)."""
+"""Mud in, mud out, mud inside: conservation of mass by the program's own figures; model notes section 9
+(C11)."""
 
 from __future__ import annotations
 
@@ -12,8 +13,18 @@ from tests.helpers.mud import hole, loop, started
 
 PUMP = 0.03  # [m3/s]
 STOPPED = {"time": [0.0, 0.5, 1.0, 9.0], "value": [PUMP, PUMP, 0.0, 0.0]}
-MOVING = {"hold_string": False, "contact": "none", "bottom": {"kind": "free"}, "length": 1000.0, "well": hole(1050.0),
-          "top": {"kind": "top_drive", "rotation": 10.0, "lowering": {"time": [0.0, 0.2, 1.0], "value": [0.3, 0.3, 0.0]}}}
+MOVING = {
+    "hold_string": False,
+    "contact": "none",
+    "bottom": {"kind": "free"},
+    "length": 1000.0,
+    "well": hole(1050.0),
+    "top": {
+        "kind": "top_drive",
+        "rotation": 10.0,
+        "lowering": {"time": [0.0, 0.2, 1.0], "value": [0.3, 0.3, 0.0]},
+    },
+}
 SCENES = {"held": {}, "moving": MOVING}
 
 
@@ -23,10 +34,11 @@ def scene_of(kind: str, elements: int = 40, flow=STOPPED, **case) -> DrillingMod
 
 
 def surplus(model: DrillingModel, t: float) -> float:
-    """Storage rate of channels, of the mud under the bit and of the hole above the string, with y of the integrator, less pumped, plus
-    returned [m3/s at zero pressure].
+    """Storage rate of channels, of the mud under the bit and of the hole above the string, with y of the
+    integrator, less pumped, plus returned [m3/s at zero pressure].
 
-    Under the bit: content (1/K + c/(1 + c p)) p' - theta A_w V, theta = exp(p/K)(1 + c p), c the give of the wall, V the string's speed.
+    Under the bit: content (1/K + c/(1 + c p)) p' - theta A_w V, theta = exp(p/K)(1 + c p), c the give of the
+    wall, V the string's speed.
     """
     f, asm = model.fluid, model.system.assembly
     assert f is not None and f.bore is not None and f.annulus is not None and f.bit is not None
@@ -45,17 +57,25 @@ def surplus(model: DrillingModel, t: float) -> float:
 
 @pytest.mark.parametrize("kind", SCENES)
 def test_every_step_keeps_the_mass(kind):
-    """C11: storage = pumped - returned after every accepted step of a pump stop, 1e-12 of the pump's flow, Newton to rounding and steps of
-    20 ms.  (Rounding of rates: of x over the step; a string at 1000 m and steps of 1 ms would leave 1e-11.)"""
+    """C11: storage = pumped - returned after every accepted step of a pump stop, 1e-12 of the pump's flow,
+    Newton to rounding and steps of 20 ms.  (Rounding of rates: of x over the step; a string at 1000 m and
+    steps of 1 ms would leave 1e-11.)"""
     model, seen = started(scene_of(kind)), []
-    integrate(model.system, 1.5, fixed(0.02, q_snes_stol=1e-14), lambda t, dt: seen.append(surplus(model, t)), model.breaks)
+    integrate(
+        model.system,
+        1.5,
+        fixed(0.02, q_snes_stol=1e-14),
+        lambda t, dt: seen.append(surplus(model, t)),
+        model.breaks,
+    )
     assert len(seen) >= 75
     assert np.abs(seen).max() < 1e-12 * PUMP
 
 
 @pytest.mark.parametrize("kind", SCENES)
 def test_default_tolerances_keep_the_mass_of_a_step_within_theirs(kind):
-    """Steps and Newton by default: what Newton's tolerance (2e-6 of the flow scale, 1e-2 m3/s) leaves, 2e-8 m3/s times a few."""
+    """Steps and Newton by default: what Newton's tolerance (2e-6 of the flow scale, 1e-2 m3/s) leaves, 2e-8
+    m3/s times a few."""
     model, seen = started(scene_of(kind)), []
     run = integrate(model.system, 1.5, {}, lambda t, dt: seen.append(surplus(model, t)), model.breaks)
     assert run.counters.steps > 20
@@ -63,8 +83,11 @@ def test_default_tolerances_keep_the_mass_of_a_step_within_theirs(kind):
 
 
 def test_an_hour_of_pumping(tmp_path):
-    """30 l/s for an hour, steps as long as they get: 108 m3 in, as much out, and the content as it was: 1e-9 of that."""
-    case = loop({"flow_rate": PUMP}, 10, time={"end": 3600.0}, output={"history_every": 60.0, "field_every": 3600.0}).case
+    """30 l/s for an hour, steps as long as they get: 108 m3 in, as much out, and the content as it was: 1e-9
+    of that."""
+    case = loop(
+        {"flow_rate": PUMP}, 10, time={"end": 3600.0}, output={"history_every": 60.0, "field_every": 3600.0}
+    ).case
     mass = drillpetsc.run(case, tmp_path / "hour", progress="silent").summary["mass"]
     for figure in ("pumped", "returned"):
         assert mass[figure] == pytest.approx(108.0, rel=1e-9)
@@ -73,11 +96,14 @@ def test_an_hour_of_pumping(tmp_path):
 
 @pytest.mark.parametrize("kind", SCENES)
 def test_closing_balance_of_a_run(kind, tmp_path):
-    """A pump stop from start to end: pumped, returned and change of content agree within 3e-5 of the largest by default tolerances and
-    3e-6 with a tenth of them (the content is no linear function of the pressure: second order in the step); pumped as scheduled."""
+    """A pump stop from start to end: pumped, returned and change of content agree within 3e-5 of the largest
+    by default tolerances and 3e-6 with a tenth of them (the content is no linear function of the pressure:
+    second order in the step); pumped as scheduled."""
     for most, petsc in ((3e-5, {}), (3e-6, {"ts_rtol": 1e-5})):
         case = scene_of(kind, 100, time={"end": 4.0}, petsc=petsc).case
         mass = drillpetsc.run(case, tmp_path / "stop", progress="silent", overwrite=True).summary["mass"]
         assert mass["pumped"] == pytest.approx(0.75 * PUMP, rel=1e-3)
         assert abs(mass["content_change"]) > 1e-2
-        assert abs(mass["content_change"] - mass["pumped"] + mass["returned"]) < most * max(mass["pumped"], mass["returned"])
+        assert abs(mass["content_change"] - mass["pumped"] + mass["returned"]) < most * max(
+            mass["pumped"], mass["returned"]
+        )

@@ -1,8 +1,10 @@
-"""Mud while the hole grows: what comes back, and that none is lost; model notes sections 3.4, 8.2, 9 (C10, C11).
+"""Mud while the hole grows: what comes back, and that none is lost; model notes sections 3.4, 8.2, 9 (C10,
+C11).
 
-A bit that drills at V under a string let down at V: the steel that enters takes A_o V of the hole above, A_o the section of the pipe at the
-top.  The new hole takes A_w V.  With cuttings removed mud fills it, A_w V - A_o V = A_a V less than is pumped comes back; with cuttings
-returned the rock goes up as well, and A_o V more comes back than is pumped.
+A bit that drills at V under a string let down at V: the steel that enters takes A_o V of the hole above, A_o
+the section of the pipe at the top.  The new hole takes A_w V.  With cuttings removed mud fills it, A_w V -
+A_o V = A_a V less than is pumped comes back; with cuttings returned the rock goes up as well, and A_o V more
+comes back than is pumped.
 """
 
 from __future__ import annotations
@@ -16,7 +18,20 @@ from drillpetsc.analysis.steady_flow import steady_flow
 from drillpetsc.case import Case
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import read_table
-from tests.helpers.mud import DENSITY, GRAVITY, HOLE, MUD, NOZZLE, OPEN, OUTER, RIGID, SOLID, hole, loop, started
+from tests.helpers.mud import (
+    DENSITY,
+    GRAVITY,
+    HOLE,
+    MUD,
+    NOZZLE,
+    OPEN,
+    OUTER,
+    RIGID,
+    SOLID,
+    hole,
+    loop,
+    started,
+)
 from tests.verification.test_tripping import pipe
 
 PUMP, TURNING, WEIGHT = 0.03, 12.0, 2e4  # [m3/s], [rad/s], [N]
@@ -28,15 +43,29 @@ BACK = {"removed": PUMP - OPEN * ROP, "returned": PUMP + SOLID * ROP}
 def drilling(cuttings: str, length: float, modulus: float = 1e14, **case) -> DrillingModel:
     """A stiff string that drills straight down at ``ROP`` under ``WEIGHT``; modulus: of the mud [Pa]."""
     string = [{**pipe(length, 10), "bending_stiffness": 1e9}, {**BIT, "length": 0.5}]
-    top, rock = {"kind": "top_drive", "lowering": ROP, "rotation": TURNING}, {"drillability": ROP / WEIGHT, "reference_speed": TURNING}
+    top, rock = (
+        {"kind": "top_drive", "lowering": ROP, "rotation": TURNING},
+        {"drillability": ROP / WEIGHT, "reference_speed": TURNING},
+    )
     mud = {**RIGID, "bulk_modulus": modulus, "flow_rate": PUMP, "cuttings": cuttings}
-    return loop(mud, hold_string=False, top=top, bottom="bit", contact="none", formation=rock, well=hole(length + 0.5), string=string,
-                initial={"wob": WEIGHT}, **case)
+    return loop(
+        mud,
+        hold_string=False,
+        top=top,
+        bottom="bit",
+        contact="none",
+        formation=rock,
+        well=hole(length + 0.5),
+        string=string,
+        initial={"wob": WEIGHT},
+        **case,
+    )
 
 
 @pytest.mark.parametrize("cuttings", BACK)
 def test_return_of_a_bit_that_drills(cuttings):
-    """C10: 29.76058 l/s at 10 mm/s with cuttings removed, 30.12668 l/s with cuttings returned (mud of 1e14 Pa: 1e-8)."""
+    """C10: 29.76058 l/s at 10 mm/s with cuttings removed, 30.12668 l/s with cuttings returned (mud of 1e14
+    Pa: 1e-8)."""
     model = started(drilling(cuttings, 2000.0))
     system, n = model.system, model.mesh.nodes
     system.set_field("hole.end", np.tile([0.0, 0.0, ROP], (n, 1)), "y")
@@ -48,32 +77,54 @@ def test_return_of_a_bit_that_drills(cuttings):
 
 
 @pytest.mark.parametrize("cuttings", BACK)
-@pytest.mark.parametrize("mode, end, modulus, most", [("dynamic", 1.0, 1e14, 1e-8), ("quasi_static", 400.0, 2e9, 1e-5)])
+@pytest.mark.parametrize(
+    "mode, end, modulus, most", [("dynamic", 1.0, 1e14, 1e-8), ("quasi_static", 400.0, 2e9, 1e-5)]
+)
 def test_books_of_a_drilling_run(cuttings, mode, end, modulus, most, tmp_path):
-    """From the start of drilling on, 1 s with and 400 s without inertia: the return of steady drilling (at the start the hole does not
-    grow yet; under 24 bar mud of 2 GPa is denser by 1.2e-3), the volume of cuttings A_w ROP t, and the books of mud, which close within
-    1e-8 of what was pumped (1e-5 without inertia, whose longer steps see the jump of the hole's rate at the start)."""
-    case = drilling(cuttings, 200.0, modulus, time={"end": end, "mode": mode}, output={"history_every": end / 10}).case
+    """From the start of drilling on, 1 s with and 400 s without inertia: the return of steady drilling (at
+    the start the hole does not grow yet; under 24 bar mud of 2 GPa is denser by 1.2e-3), the volume of
+    cuttings A_w ROP t, and the books of mud, which close within 1e-8 of what was pumped (1e-5 without
+    inertia, whose longer steps see the jump of the hole's rate at the start)."""
+    case = drilling(
+        cuttings, 200.0, modulus, time={"end": end, "mode": mode}, output={"history_every": end / 10}
+    ).case
     result = drillpetsc.run(case, tmp_path / "run", progress="silent")
     table, mass = read_table(result.folder / "history.csv"), result.summary["mass"]
     assert table["rop [m/s]"][5:] == pytest.approx(ROP, rel=2e-3)
-    assert table["outlet_flow [m3/s]"][5:] == pytest.approx(BACK[cuttings], rel=1e-5 if modulus > 1e12 else 3e-5)
-    assert mass.get("cuttings", 0.0) == pytest.approx(0.25 * np.pi * HOLE**2 * ROP * end if cuttings == "returned" else 0.0, rel=2e-3)
+    assert table["outlet_flow [m3/s]"][5:] == pytest.approx(
+        BACK[cuttings], rel=1e-5 if modulus > 1e12 else 3e-5
+    )
+    assert mass.get("cuttings", 0.0) == pytest.approx(
+        0.25 * np.pi * HOLE**2 * ROP * end if cuttings == "returned" else 0.0, rel=2e-3
+    )
     assert mass["content_change"] == pytest.approx(OPEN * ROP * end, rel=2e-3)
     assert abs(mass["error"]) < most * mass["pumped"]
 
 
-CURVED = {"survey": {"md": [0.0, 100.0, 300.0, 340.0], "inclination": [0.0, 0.0, 0.35, 0.35], "azimuth": [0.0] * 4},
-          "sections": [{"to": 155.0, "kind": "casing", "diameter": 0.2445, "friction": 0.2},
-                       {"to": 340.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.2}]}
+CURVED = {
+    "survey": {"md": [0.0, 100.0, 300.0, 340.0], "inclination": [0.0, 0.0, 0.35, 0.35], "azimuth": [0.0] * 4},
+    "sections": [
+        {"to": 155.0, "kind": "casing", "diameter": 0.2445, "friction": 0.2},
+        {"to": 340.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.2},
+    ],
+}
 
 
 def in_curved_hole(**case) -> dict:
     """Case of 300 m of pipe in a hole that bends and narrows, the mud still and stiff."""
-    string = [{"kind": "pipe", "length": 200, "od": OUTER, "id": 0.1086, "element_length": 10.0},
-              {"kind": "pipe", "length": 100, "od": 0.14, "id": 0.07, "element_length": 10.0}]
+    string = [
+        {"kind": "pipe", "length": 200, "od": OUTER, "id": 0.1086, "element_length": 10.0},
+        {"kind": "pipe", "length": 100, "od": 0.14, "id": 0.07, "element_length": 10.0},
+    ]
     mud = {"density": DENSITY, "rheology": {"model": "newtonian", "viscosity": 0.0}, **RIGID}
-    return {"well": CURVED, "string": string, "top": {"kind": "top_drive", "lowering": 0.1}, "gravity": GRAVITY, "fluid": mud, **case}
+    return {
+        "well": CURVED,
+        "string": string,
+        "top": {"kind": "top_drive", "lowering": 0.1},
+        "gravity": GRAVITY,
+        "fluid": mud,
+        **case,
+    }
 
 
 def shifted(model: DrillingModel, by: float) -> None:
@@ -84,9 +135,9 @@ def shifted(model: DrillingModel, by: float) -> None:
 
 
 def test_annulus_follows_a_string_that_slides_down_a_curved_hole():
-    """20 m further down, in steps of 4 cm: the pressure under the string is that of its true vertical depth, and the content of the annulus
-    that of the hole there less that of the pipe (2e-5: chord and arc of an element differ by angle^2/24, 1.3e-5); as if it had started
-    there."""
+    """20 m further down, in steps of 4 cm: the pressure under the string is that of its true vertical depth,
+    and the content of the annulus that of the hole there less that of the pipe (2e-5: chord and arc of an
+    element differ by angle^2/24, 1.3e-5); as if it had started there."""
     model = build_model(Case(**in_curved_hole()))
     place_along_hole(model)
     component, asm = model.fluid.annulus, model.system.assembly
@@ -97,10 +148,20 @@ def test_annulus_follows_a_string_that_slides_down_a_curved_hole():
     steady_flow(model.system)
     ends = model.mesh.node_depth[[0, -1]] + 20.0
     pipes = 0.25 * np.pi * (200 * OUTER**2 + 100 * 0.14**2)
-    assert model.system.field("annulus.pressure")[-1, 0] == pytest.approx(DENSITY * GRAVITY * model.well.at(ends[1])[0][2], rel=1e-6)
+    assert model.system.field("annulus.pressure")[-1, 0] == pytest.approx(
+        DENSITY * GRAVITY * model.well.at(ends[1])[0][2], rel=1e-6
+    )
     holes = np.pi * np.array([0.5 * 0.2445, 0.5 * 0.2159]) ** 2
-    w, r, d = 0.5, 0.5 * 0.2445, 0.5 * (0.2159 - 0.2445)  # transition: int (r + d (3 u^2 - 2 u^3))^2 du = r^2 + r d + 13/35 d^2
-    around = holes[0] * (155 - w / 2 - ends[0]) + holes[1] * (ends[1] - 155 - w / 2) + np.pi * w * (r**2 + r * d + 13 / 35 * d**2)
+    w, r, d = (
+        0.5,
+        0.5 * 0.2445,
+        0.5 * (0.2159 - 0.2445),
+    )  # transition: int (r + d (3 u^2 - 2 u^3))^2 du = r^2 + r d + 13/35 d^2
+    around = (
+        holes[0] * (155 - w / 2 - ends[0])
+        + holes[1] * (ends[1] - 155 - w / 2)
+        + np.pi * w * (r**2 + r * d + 13 / 35 * d**2)
+    )
     assert component.figures(asm)[:, 4].sum() == pytest.approx(around - pipes, rel=2e-5)
     walked = [b.params.copy() for b in component._blocks]
     fresh = build_model(Case(**in_curved_hole()))
@@ -109,13 +170,16 @@ def test_annulus_follows_a_string_that_slides_down_a_curved_hole():
     fresh.fluid.annulus.find_hole(fresh.system.assembly)
     for b, params in zip(fresh.fluid.annulus._blocks, walked, strict=True):
         assert params[:, :10] == pytest.approx(b.params[:, :10], rel=1e-4)
-        assert params[:, 10:13] == pytest.approx(b.params[:, 10:13], rel=2e-2)  # renewed at changes of diameter of a hundredth
+        assert params[:, 10:13] == pytest.approx(
+            b.params[:, 10:13], rel=2e-2
+        )  # renewed at changes of diameter of a hundredth
         assert params[:, 13] == pytest.approx(b.params[:, 13], rel=1e-4, abs=1e-9)
         assert params[:, 18:28] == pytest.approx(b.params[:, 18:28], abs=2e-5)
 
 
 def test_continued_run_knows_the_hole_as_it_was():
-    """What the rooms remember for a checkpoint puts a fresh scene's elements and chamber into the same state, to the last digit."""
+    """What the rooms remember for a checkpoint puts a fresh scene's elements and chamber into the same state,
+    to the last digit."""
     model, again = (build_model(Case(**in_curved_hole(bottom="free"))) for _ in range(2))
     place_along_hole(model)
     steady_flow(model.system)
@@ -132,14 +196,25 @@ def test_continued_run_knows_the_hole_as_it_was():
 
 
 def test_drilling_round_a_bend(tmp_path):
-    """Quasi-static, 5 m of new hole under a bent hole of two sizes: pumped less A_a ROP comes back, A_a between the pipe at the top and the
-    new hole; the books of mud close within 3e-6 of what was pumped."""
-    string = [{"kind": "pipe", "length": 269.7, "od": OUTER, "id": 0.1086}, {"kind": "pipe", "length": 70, "od": 0.1715, "id": 0.0714},
-              {**BIT, "length": 0.3}]
-    case = Case(**in_curved_hole(
-        string=string, top={"kind": "top_drive", "lowering": 0.005, "rotation": TURNING}, bottom="bit", initial={"wob": 3e4},
-        formation={"drillability": 0.005 / 3e4, "reference_speed": TURNING}, fluid={**MUD, "flow_rate": PUMP},
-        time={"end": 1000.0, "mode": "quasi_static"}, output={"history_every": 100.0}))
+    """Quasi-static, 5 m of new hole under a bent hole of two sizes: pumped less A_a ROP comes back, A_a
+    between the pipe at the top and the new hole; the books of mud close within 3e-6 of what was pumped."""
+    string = [
+        {"kind": "pipe", "length": 269.7, "od": OUTER, "id": 0.1086},
+        {"kind": "pipe", "length": 70, "od": 0.1715, "id": 0.0714},
+        {**BIT, "length": 0.3},
+    ]
+    case = Case(
+        **in_curved_hole(
+            string=string,
+            top={"kind": "top_drive", "lowering": 0.005, "rotation": TURNING},
+            bottom="bit",
+            initial={"wob": 3e4},
+            formation={"drillability": 0.005 / 3e4, "reference_speed": TURNING},
+            fluid={**MUD, "flow_rate": PUMP},
+            time={"end": 1000.0, "mode": "quasi_static"},
+            output={"history_every": 100.0},
+        )
+    )
     result = drillpetsc.run(case, tmp_path / "run", progress="silent")
     mass, table = result.summary["mass"], read_table(result.folder / "history.csv")
     assert table["hole_depth [m]"][-1] == pytest.approx(345.0, abs=0.05)

@@ -19,16 +19,29 @@ INTERVAL = 0.5  # between the nodes of new hole [m]
 
 def drilling(survey: Any, last: dict[str, Any], end: float) -> Case:
     """A rotary assembly with a stabiliser that drills 10 m/h from the end of a bent hole."""
-    return Case(**{
-        "well": {"survey": survey, "sections": [{"to": 60, "kind": "casing", "diameter": 0.2244},
-                                                {"kind": "open_hole", "diameter": 0.2159, **last}]},
-        "string": [{"kind": "pipe", "length": 60, "od": 0.127, "id": 0.1086, "element_length": 6},
-                   {"kind": "pipe", "length": 58, "od": 0.1715, "id": 0.0714, "element_length": 4},
-                   {"kind": "stabilizer", "length": 1.5, "od": 0.212, "id": 0.0714, "mass": 200},
-                   {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60}],
-        "top": {"kind": "top_drive", "rotation": "120 rpm", "lowering": "10 m/h"}, "bottom": {"kind": "bit"},
-        "formation": {"freeze_interval": INTERVAL}, "initial": {"wob": 6e4}, "time": {"end": end, "mode": "quasi_static"},
-        "output": {"history_every": 36.0}})
+    return Case(
+        **{
+            "well": {
+                "survey": survey,
+                "sections": [
+                    {"to": 60, "kind": "casing", "diameter": 0.2244},
+                    {"kind": "open_hole", "diameter": 0.2159, **last},
+                ],
+            },
+            "string": [
+                {"kind": "pipe", "length": 60, "od": 0.127, "id": 0.1086, "element_length": 6},
+                {"kind": "pipe", "length": 58, "od": 0.1715, "id": 0.0714, "element_length": 4},
+                {"kind": "stabilizer", "length": 1.5, "od": 0.212, "id": 0.0714, "mass": 200},
+                {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60},
+            ],
+            "top": {"kind": "top_drive", "rotation": "120 rpm", "lowering": "10 m/h"},
+            "bottom": {"kind": "bit"},
+            "formation": {"freeze_interval": INTERVAL},
+            "initial": {"wob": 6e4},
+            "time": {"end": end, "mode": "quasi_static"},
+            "output": {"history_every": 36.0},
+        }
+    )
 
 
 @pytest.fixture(scope="module")
@@ -41,9 +54,10 @@ def drilled(tmp_path_factory):
 
 
 def test_the_centreline_is_that_of_the_drilled_hole(drilled):
-    """Between two nodes the survey misses at most FAITHFUL, whatever the bit did there (closed form: unit/case/test_hole_as_survey.py),
-    and
-    the old hole's arcs are exact; so at no station the two are further apart than FAITHFUL for each node of the new hole."""
+    """Between two nodes the survey misses at most FAITHFUL, whatever the bit did there (closed form:
+    unit/case/test_hole_as_survey.py), and
+    the old hole's arcs are exact; so at no station the two are further apart than FAITHFUL for each node of
+    the new hole."""
     table = read_table(drilled / "trajectory.csv")
     md, place = table["md [m]"], np.column_stack([table[f"{name} [m]"] for name in ("north", "east", "tvd")])
     case = drilling(str(drilled), {}, 36.0)
@@ -58,11 +72,16 @@ def test_the_centreline_is_that_of_the_drilled_hole(drilled):
 
 
 def test_the_next_case_drills_on(drilled, tmp_path):
-    """From the end of the hole, with the weight on bit asked for, though its string was not lengthened: the top starts lower."""
-    drillpetsc.run(drilling(str(drilled / "trajectory.csv"), {"to": "end"}, 180.0), tmp_path / "run", progress="silent")
+    """From the end of the hole, with the weight on bit asked for, though its string was not lengthened: the
+    top starts lower."""
+    drillpetsc.run(
+        drilling(str(drilled / "trajectory.csv"), {"to": "end"}, 180.0), tmp_path / "run", progress="silent"
+    )
     old, new = (read_table(folder / "trajectory.csv")["md [m]"] for folder in (drilled, tmp_path / "run"))
     history = read_table(tmp_path / "run" / "history.csv")
     assert history["hole_depth [m]"][0] == pytest.approx(old[-1], abs=1e-6)
     assert history["wob [N]"][0] == pytest.approx(6e4, rel=0.01)
-    assert new[-1] == pytest.approx(old[-1] + 0.5, abs=0.03)  # 180 s at 10 m/h, but for the shortening of the string
+    assert new[-1] == pytest.approx(
+        old[-1] + 0.5, abs=0.03
+    )  # 180 s at 10 m/h, but for the shortening of the string
     assert set(old) <= set(new)

@@ -1,8 +1,10 @@
-"""A pipe that conveys fluid, through the finished scene: what flow, pressure and tension do to its stiffness and stability (F01 to F03).
+"""A pipe that conveys fluid, through the finished scene: what flow, pressure and tension do to its stiffness
+and stability (F01 to F03).
 
-Steady states from find_equilibrium, K = dR/dx, C = dR/dy, M = dR/da of the assembled rows; inviscid, incompressible fluid.
-u = U L sqrt(rho A_i/EI), beta = fluid over all mass, gamma = (all mass) g L^3/EI; frequencies omega in sqrt(EI/(all mass))/L^2.
-Source, unless said: Paidoussis, Fluid-Structure Interactions, vol. 1 (1998), chapter 3.
+Steady states from find_equilibrium, K = dR/dx, C = dR/dy, M = dR/da of the assembled rows; inviscid,
+incompressible fluid. u = U L sqrt(rho A_i/EI), beta = fluid over all mass, gamma = (all mass) g L^3/EI;
+frequencies omega in sqrt(EI/(all mass))/L^2. Source, unless said: Paidoussis, Fluid-Structure Interactions,
+vol. 1 (1998), chapter 3.
 """
 
 from __future__ import annotations
@@ -40,7 +42,9 @@ CLAMPED_FREE, CLAMPED_PINNED = 3.5160153, 15.4182057  # (beta_1)^2 of cos cosh =
 SLIDING = {"kind": "top_drive", "force": 0.0}
 
 
-def divergence(elements: int, near: float, beta: float = 0.5, stretch: float = 0.0, pressure: float = 0.0, **ends) -> float:
+def divergence(
+    elements: int, near: float, beta: float = 0.5, stretch: float = 0.0, pressure: float = 0.0, **ends
+) -> float:
     """u at which the stiffness across loses its definiteness."""
     tube = Tube.of(beta, elements)
 
@@ -60,7 +64,8 @@ HELD = {
 
 @pytest.mark.parametrize("ends", HELD)
 def test_pipe_held_at_both_ends_diverges(ends):
-    """F01: the centrifugal load rho A U^2 is Euler's load, u = pi, 2 pi, 4.4934: 5e-5 at 16 elements, of fourth order, from above."""
+    """F01: the centrifugal load rho A U^2 is Euler's load, u = pi, 2 pi, 4.4934: 5e-5 at 16 elements, of
+    fourth order, from above."""
     where, exact = HELD[ends]
     error = [divergence(n, exact, **where) / exact - 1 for n in (4, 8, 16)]
     assert 0 < error[2] < 5e-5
@@ -74,10 +79,13 @@ def test_divergence_does_not_depend_on_the_mass_of_the_fluid():
 
 @pytest.mark.parametrize("way", ["tension", "pressure"])
 def test_divergence_under_tension_and_pressure(way):
-    """Tension 5 EI/L2 adds to Euler's load, pressure p A = 4 EI/L2 between fixed ends takes from it: u^2 = pi^2 + 5, pi^2 - 4."""
+    """Tension 5 EI/L2 adds to Euler's load, pressure p A = 4 EI/L2 between fixed ends takes from it: u^2 =
+    pi^2 + 5, pi^2 - 4."""
     tube = Tube.of(0.5)
     exact = np.sqrt(np.pi**2 + 5) if way == "tension" else np.sqrt(np.pi**2 - 4)
-    load = {"stretch": 5 * FORCE * LENGTH / tube.axial} if way == "tension" else {"pressure": 4 * FORCE / BORE}
+    load = (
+        {"stretch": 5 * FORCE * LENGTH / tube.axial} if way == "tension" else {"pressure": 4 * FORCE / BORE}
+    )
     error = [divergence(n, exact, **load) / exact - 1 for n in (4, 8, 16)]
     assert 0 < error[2] < 5e-5
     assert error[0] / error[1] > 12 and error[1] / error[2] > 12
@@ -85,8 +93,8 @@ def test_divergence_under_tension_and_pressure(way):
 
 # ---------------------------------------------------------------------- frequencies
 def test_frequencies_of_a_pinned_pipe_with_flow():
-    """u = 2, beta 0.5: omega of the spectral solution (7.45357, 37.6321, 87.1044), errors at 8 elements as in the study and of fourth
-    order; the flow is conservative here, so nothing grows or decays."""
+    """u = 2, beta 0.5: omega of the spectral solution (7.45357, 37.6321, 87.1044), errors at 8 elements as in
+    the study and of fourth order; the flow is conservative here, so nothing grows or decays."""
     exact = oscillating(conveying(2.0, 0.5, ends="pinned"), 3)
     assert exact.imag == pytest.approx([7.45357, 37.6321, 87.1044], rel=2e-6)
     error = []
@@ -100,8 +108,8 @@ def test_frequencies_of_a_pinned_pipe_with_flow():
 
 
 def test_all_unknowns_together_have_the_same_roots():
-    """The whole linearised scene, pressures and flow rates (first order) included, has each root across the pipe twice (two planes), and
-    no root that grows."""
+    """The whole linearised scene, pressures and flow rates (first order) included, has each root across the
+    pipe twice (two planes), and no root that grows."""
     tube = Tube.of(0.5, 6)
     model = tube.at_rest({"flow_rate": flow_of(2.0)})
     free, drop = np.eye(model.system.layout.size), []
@@ -109,11 +117,13 @@ def test_all_unknowns_together_have_the_same_roots():
         base = null_space(f.D)
         free[np.ix_(f.rows, f.rows)] = 0.0
         free[np.ix_(f.rows, f.rows[: base.shape[1]])] = base
-        drop += list(f.rows[base.shape[1]:])
+        drop += list(f.rows[base.shape[1] :])
     free = np.delete(free, drop, axis=1)
     K, C, M = (free.T @ A @ free for A in matrices(model.system))
     zero, one = np.zeros_like(K), np.eye(len(K))
-    alpha, beta = eigvals(np.block([[zero, one], [-K, -C]]), np.block([[one, zero], [zero, M]]), homogeneous_eigvals=True)
+    alpha, beta = eigvals(
+        np.block([[zero, one], [-K, -C]]), np.block([[one, zero], [zero, M]]), homogeneous_eigvals=True
+    )
     s = alpha[np.abs(beta) > 1e-10 * np.abs(alpha)] / beta[np.abs(beta) > 1e-10 * np.abs(alpha)]
     for root in oscillating(roots_of(*across(model)), 3):
         assert np.sum(np.abs(s - root) < 1e-6 * abs(root)) == 2
@@ -124,12 +134,15 @@ def test_all_unknowns_together_have_the_same_roots():
 # ---------------------------------------------------------------------- pressure at rest
 @pytest.mark.parametrize("load", [0.0, 5.0, 50.0])
 def test_pressure_does_not_move_the_frequency_of_a_blind_pipe(load):
-    """p A_i (in EI/L2) on a blind end that is free to slide: wall tension p A_i, effective tension 0, first frequency that of the empty
-    pipe's stiffness (fluid.md 8.3): clamped-free, and clamped-pinned with an upper end that slides."""
+    """p A_i (in EI/L2) on a blind end that is free to slide: wall tension p A_i, effective tension 0, first
+    frequency that of the empty pipe's stiffness (fluid.md 8.3): clamped-free, and clamped-pinned with an
+    upper end that slides."""
     tube = Tube.of(0.5)
     fluid = {"pump_pressure": load * FORCE / BORE}
-    for ends, exact in (({"top": "clamped", "bottom": {"kind": "free", "plugged": True}}, CLAMPED_FREE),
-                        ({"top": SLIDING, "bottom": {"kind": "pinned", "plugged": True}}, CLAMPED_PINNED)):
+    for ends, exact in (
+        ({"top": "clamped", "bottom": {"kind": "free", "plugged": True}}, CLAMPED_FREE),
+        ({"top": SLIDING, "bottom": {"kind": "pinned", "plugged": True}}, CLAMPED_PINNED),
+    ):
         model = tube.at_rest(fluid, **ends)
         cells = model.beam.report(model.system.layout, model.system.assembly.x, model.system.assembly.y)
         assert cells[:, 3:6] == pytest.approx(load * FORCE, abs=1e-5 * FORCE)
@@ -138,15 +151,19 @@ def test_pressure_does_not_move_the_frequency_of_a_blind_pipe(load):
 
 @pytest.mark.parametrize("load", [0.0, 5.0, 50.0, 200.0])
 def test_outside_pressure_does_not_buckle_a_closed_pipe(load):
-    """p_o A_o up to 200 EI/L2 on an empty closed pipe: the wall is compressed by it, up to 80 times a cantilever's Euler load, and
-    the frequency in still fluid stays (fluid.md 8.3)."""
+    """p_o A_o up to 200 EI/L2 on an empty closed pipe: the wall is compressed by it, up to 80 times a
+    cantilever's Euler load, and the frequency in still fluid stays (fluid.md 8.3)."""
     tube = Tube(50.0, 16, hole=2 * OUTER)
     chi = (2**2 + 1) / (2**2 - 1)
     exact = CLAMPED_FREE * np.sqrt(BENDING / (tube.mass + chi * DENSITY * SOLID)) / LENGTH**2
     fluid = {"outlet_pressure": load * FORCE / SOLID, "lateral_damping": "none"}
-    held = SLIDING | {"force": -load * FORCE}  # against being pushed out of the hole, where nothing presses on the section's upper side
-    for ends, factor in (({"top": "clamped", "bottom": {"kind": "free", "plugged": True}}, 1.0),
-                         ({"top": held, "bottom": {"kind": "pinned", "plugged": True}}, CLAMPED_PINNED / CLAMPED_FREE)):
+    held = SLIDING | {
+        "force": -load * FORCE
+    }  # against being pushed out of the hole, where nothing presses on the section's upper side
+    for ends, factor in (
+        ({"top": "clamped", "bottom": {"kind": "free", "plugged": True}}, 1.0),
+        ({"top": held, "bottom": {"kind": "pinned", "plugged": True}}, CLAMPED_PINNED / CLAMPED_FREE),
+    ):
         model = tube.at_rest(fluid, **ends)
         cells = model.beam.report(model.system.layout, model.system.assembly.x, model.system.assembly.y)
         assert cells[:, 3:6] == pytest.approx(-load * FORCE, abs=1e-5 * FORCE)
@@ -155,24 +172,35 @@ def test_outside_pressure_does_not_buckle_a_closed_pipe(load):
 
 @pytest.mark.parametrize("load", [5.0, 9.0])
 def test_pressure_between_fixed_ends_softens_the_pipe(load):
-    """No wall tension, so effective tension -p A_i: omega^2 = pi^4 - pi^2 p A_i L2/EI (6.93261 and 2.92962)."""
+    """No wall tension, so effective tension -p A_i: omega^2 = pi^4 - pi^2 p A_i L2/EI (6.93261 and
+    2.92962)."""
     omega, error = np.sqrt(np.pi**4 - np.pi**2 * load), []
     for n in (4, 8, 16):
         tube = Tube.of(0.5, n)
-        s = oscillating(roots_of(*across(tube.at_rest({"outlet_pressure": load * FORCE / BORE}))), 1) * tube.time
+        s = (
+            oscillating(roots_of(*across(tube.at_rest({"outlet_pressure": load * FORCE / BORE}))), 1)
+            * tube.time
+        )
         error.append(float(s[0].imag / omega - 1))
     assert error[2] < 5e-5
     assert error[0] / error[1] > 12 and error[1] / error[2] > 12
 
 
 def test_elastic_wall_between_fixed_ends_takes_over_part_of_the_pressure():
-    """A steel tube that widens under pressure pulls at its fixed ends, T = 2 nu p A_i (thick tube, Lame), so the effective tension is
+    """A steel tube that widens under pressure pulls at its fixed ends, T = 2 nu p A_i (thick tube, Lame), so
+    the effective tension is
     -(1 - 2 nu) p A_i and omega^2 = pi^4 - pi^2 (1 - 2 nu) p A_i L2/EI."""
     young, nu = 206e9, 0.3
     bending = young * np.pi / 64 * (OUTER**4 - 0.1**4)
     pressure = 8.0 * bending / LENGTH**2 / BORE
-    item = {"kind": "pipe", "length": LENGTH, "od": OUTER, "id": 0.1, "element_length": LENGTH / 16,
-            "material": {"young": young, "poisson": nu}}
+    item = {
+        "kind": "pipe",
+        "length": LENGTH,
+        "od": OUTER,
+        "id": 0.1,
+        "element_length": LENGTH / 16,
+        "material": {"young": young, "poisson": nu},
+    }
     tube = Tube.of(0.5)
     model = tube.at_rest({"outlet_pressure": pressure, "elastic_walls": True}, string=[item])
     mass = 7850 * (SOLID - BORE) + DENSITY * BORE
@@ -203,8 +231,8 @@ FLUTTER = {  # beta, gamma: u and omega as published (verification.md, F02 and F
 
 @pytest.mark.parametrize(("beta", "gamma"), FLUTTER)
 def test_cantilever_flutters(beta, gamma):
-    """F02 and F03, standing and hanging cantilevers: published u and omega within 0.2 % at 16 elements; the spectral solution within 3e-5,
-    of fourth order."""
+    """F02 and F03, standing and hanging cantilevers: published u and omega within 0.2 % at 16 elements; the
+    spectral solution within 3e-5, of fourth order."""
     u, omega = FLUTTER[beta, gamma]
     exact = brentq(lambda u: fastest_growing(conveying(u, beta, gamma)).real, 0.95 * u, 1.05 * u, xtol=1e-10)
     at = fastest_growing(conveying(exact, beta, gamma)).imag
@@ -218,8 +246,9 @@ def test_cantilever_flutters(beta, gamma):
 
 @pytest.mark.parametrize(("u", "grows"), [(5.3, False), (5.9, True)])
 def test_cantilever_in_motion_below_and_above_the_critical_speed(u, grows):
-    """The run itself, 8 elements, small push, BDF2 with omega dt = 0.1: growth rate and frequency of the spectral solution within 0.02 and
-    1 % (BDF2 slows an oscillation by (omega dt)^2/3 = 0.33 %), so it dies out at u = 5.3 and grows at 5.9 (critical 5.591)."""
+    """The run itself, 8 elements, small push, BDF2 with omega dt = 0.1: growth rate and frequency of the
+    spectral solution within 0.02 and 1 % (BDF2 slows an oscillation by (omega dt)^2/3 = 0.33 %), so it dies
+    out at u = 5.3 and grows at 5.9 (critical 5.591)."""
     tube = Tube.of(0.2, 8)
     model = tube.at_rest({"flow_rate": flow_of(u)}, top="clamped", bottom="free")
     release(model)
@@ -230,8 +259,12 @@ def test_cantilever_in_motion_below_and_above_the_critical_speed(u, grows):
     model.system.set_field("string.position", speed, "y")
     model.system.set_field("string.tangent", turning, "y")
     tip: list[tuple[float, float]] = []
-    integrate(model.system, 4.5 * tube.time, fixed(0.1 / 13.7 * tube.time),
-              call=lambda t, dt: tip.append((t / tube.time, model.system.field("string.position")[-1, 0])))
+    integrate(
+        model.system,
+        4.5 * tube.time,
+        fixed(0.1 / 13.7 * tube.time),
+        call=lambda t, dt: tip.append((t / tube.time, model.system.field("string.position")[-1, 0])),
+    )
     t, y = np.array(tip).T
     peaks = [k for k in range(1, len(y) - 1) if (y[k] - y[k - 1]) * (y[k + 1] - y[k]) <= 0 and t[k] > 1.5]
     tops = []
@@ -247,8 +280,12 @@ def test_cantilever_in_motion_below_and_above_the_critical_speed(u, grows):
 
 
 def test_modes_tell_stable_from_unstable():
-    """The `modes` command's own figures 0.2 % below and above the critical speeds: none grows, then one in each plane; and its roots."""
-    for ends, beta, critical, kind in ((("pinned", "pinned"), 0.5, np.pi, "diverging"), (("clamped", "free"), 0.2, 5.5914, "fluttering")):
+    """The `modes` command's own figures 0.2 % below and above the critical speeds: none grows, then one in
+    each plane; and its roots."""
+    for ends, beta, critical, kind in (
+        (("pinned", "pinned"), 0.5, np.pi, "diverging"),
+        (("clamped", "free"), 0.2, 5.5914, "fluttering"),
+    ):
         tube = Tube.of(beta)
         for u, count in ((0.998 * critical, 0), (1.002 * critical, 2)):
             model = build_model(tube.case({"flow_rate": flow_of(u)}, top=ends[0], bottom=ends[1]))
@@ -260,7 +297,10 @@ def test_modes_tell_stable_from_unstable():
 
 
 def test_the_spectral_solution_gives_known_beams():
-    """The reference itself: cantilever 3.5160, pinned pi^2, clamped-clamped 22.3733, and a pinned beam with tension."""
+    """The reference itself: cantilever 3.5160, pinned pi^2, clamped-clamped 22.3733, and a pinned beam with
+    tension."""
     for ends, exact in (("cantilever", 3.5160153), ("pinned", np.pi**2), ("clamped", 22.3732854)):
         assert oscillating(spectral(ends), 1).imag == pytest.approx([exact], rel=1e-7)
-    assert oscillating(spectral("pinned", (7.0,)), 1).imag == pytest.approx([np.sqrt(np.pi**4 + 7 * np.pi**2)], rel=1e-9)
+    assert oscillating(spectral("pinned", (7.0,)), 1).imag == pytest.approx(
+        [np.sqrt(np.pi**4 + 7 * np.pi**2)], rel=1e-9
+    )

@@ -14,18 +14,31 @@ from tests.helpers.motion import fixed
 LENGTH, FRICTION = 60.0, 0.25
 PIPE = {"kind": "pipe", "length": LENGTH, "od": 0.1715, "id": 0.0714, "element_length": 6.0}
 WEIGHT = 7850 * np.pi / 4 * (0.1715**2 - 0.0714**2) * 9.81  # per length, of steel [N/m]
-WELL = {"survey": {"md": [0, 100], "inclination": [np.pi / 2] * 2, "azimuth": [0.35, 0.35]},
-        "sections": [{"to": 100, "kind": "open_hole", "diameter": 0.2159, "friction": FRICTION}]}
+WELL = {
+    "survey": {"md": [0, 100], "inclination": [np.pi / 2] * 2, "azimuth": [0.35, 0.35]},
+    "sections": [{"to": 100, "kind": "open_hole", "diameter": 0.2159, "friction": FRICTION}],
+}
 
 
 def lying(formulation: str, **more) -> Case:
-    return Case(**({"string": [PIPE], "well": WELL, "gravity": 9.81, "bottom": "free", "beam": {"formulation": formulation},
-                    "top": {"kind": "top_drive", "lowering": 0.3}} | more))
+    return Case(
+        **(
+            {
+                "string": [PIPE],
+                "well": WELL,
+                "gravity": 9.81,
+                "bottom": "free",
+                "beam": {"formulation": formulation},
+                "top": {"kind": "top_drive", "lowering": 0.3},
+            }
+            | more
+        )
+    )
 
 
 def test_a_string_that_lies_in_a_level_hole_is_pushed_in_against_friction():
-    """Static start, friction against the lowering: the wall carries the weight w L, the top, which holds the string where it lies, pushes
-    with mu w L."""
+    """Static start, friction against the lowering: the wall carries the weight w L, the top, which holds the
+    string where it lies, pushes with mu w L."""
     model = build_model(lying("quaternion"))
     find_equilibrium(model)
     reports, _ = model.contact.report(model.system.assembly)
@@ -37,13 +50,22 @@ def test_a_string_that_lies_in_a_level_hole_is_pushed_in_against_friction():
 
 
 def test_it_slides_and_turns_as_the_gauge_string(tmp_path):
-    """Lowered and spun up for 0.3 s: hook load, torque and bit speed over time beside the ANCF element's, at fixed steps."""
+    """Lowered and spun up for 0.3 s: hook load, torque and bit speed over time beside the ANCF element's, at
+    fixed steps."""
     top = {"kind": "top_drive", "rotation": {"ramp": 0.15, "value": 6.0}, "lowering": 0.1}
     found = {}
     for formulation in ("ancf", "quaternion"):
-        case = lying(formulation, top=top, time={"end": 0.3}, petsc=fixed(1e-3), output={"history_every": 0.01, "probes": [30.0]})
+        case = lying(
+            formulation,
+            top=top,
+            time={"end": 0.3},
+            petsc=fixed(1e-3),
+            output={"history_every": 0.01, "probes": [30.0]},
+        )
         result = run(case, tmp_path / formulation, progress="silent")
-        found[formulation] = read_table(result.folder / "history.csv") | read_table(result.folder / "probes.csv")
+        found[formulation] = read_table(result.folder / "history.csv") | read_table(
+            result.folder / "probes.csv"
+        )
     for column in ("surface_torque [N m]", "bit_speed [rad/s]", "x_30 [m]", "contact_30 [N]"):
         a, b = found["ancf"][column], found["quaternion"][column]
         assert np.sqrt(np.mean((a - b)[1:] ** 2)) < 0.02 * np.abs(a).max(), column

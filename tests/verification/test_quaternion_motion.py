@@ -1,4 +1,5 @@
-"""The quaternion element in motion: what the time formulas do to spin, constraints and multipliers; against the ANCF element."""
+"""The quaternion element in motion: what the time formulas do to spin, constraints and multipliers; against
+the ANCF element."""
 
 from __future__ import annotations
 
@@ -49,9 +50,10 @@ def spin_freely(constraint: str, order: int, step: float, end: float = 1.0) -> S
 def test_bdf1_brakes_a_free_spin(constraint, share):
     """dW/dt = -W^3 h/share, so W = W0/sqrt(1 + 2 W0^2 h t/share), with no torque acting.
 
-    In the plane of q and q e1 a spinning q turns by a = W h/2 a step.  The rate (q_n - q_(n-1))/h has a part along q of (1 - cos a)/h, and
-    its difference a part across of (1 - cos a) sin a 2/h^2 = W^3 h/8: half of the false W' = W^3 h/4 (string.md 9.6).  Where the rate has
-    no part along q (stabilized), what is left is |q'|(1 - cos a)/h: half as much.
+    In the plane of q and q e1 a spinning q turns by a = W h/2 a step.  The rate (q_n - q_(n-1))/h has a part
+    along q of (1 - cos a)/h, and its difference a part across of (1 - cos a) sin a 2/h^2 = W^3 h/8: half of
+    the false W' = W^3 h/4 (string.md 9.6).  Where the rate has no part along q (stabilized), what is left is
+    |q'|(1 - cos a)/h: half as much.
     """
     for step in (0.005, 0.0025):
         expected = SPEED / np.sqrt(1 + 2 * SPEED**2 * step / share)
@@ -66,8 +68,8 @@ def test_bdf2_brakes_it_by_the_start_and_by_the_third_power():
 
 
 def test_index_2_keeps_the_spin_and_loses_the_length():
-    """q_n = q_(n-1) + h q'_n with q_n.q'_n = 0: |q_n|^2 = |q_(n-1)|^2 - h^2 |q'_n|^2 with |q'| = W |q|/2, so |q| = (1 + W^2 h^2/4)^(-N/2);
-    the spin rate of the turning parameters does not change."""
+    """q_n = q_(n-1) + h q'_n with q_n.q'_n = 0: |q_n|^2 = |q_(n-1)|^2 - h^2 |q'_n|^2 with |q'| = W |q|/2, so
+    |q| = (1 + W^2 h^2/4)^(-N/2); the spin rate of the turning parameters does not change."""
     h = 0.01
     end = spin_freely("index2", 1, h)
     assert end.speed == pytest.approx(SPEED, rel=1e-5)
@@ -76,19 +78,28 @@ def test_index_2_keeps_the_spin_and_loses_the_length():
 
 @pytest.mark.parametrize("constraint", FORMS)
 def test_the_multiplier_of_the_length_is_inertia_times_speed_squared(constraint):
-    """Lagrange's equations of T = J W^2/2, W = 2 (q* q')_1, along q: 2 lambda |q|^2 = 2 J W^2; an end node has J = jp L/4."""
+    """Lagrange's equations of T = J W^2/2, W = 2 (q* q')_1, along q: 2 lambda |q|^2 = 2 J W^2; an end node
+    has J = jp L/4."""
     end = spin_freely(constraint, 1, 0.0025)
-    assert end.multiplier == pytest.approx(end.inertia * (end.speed * end.length**2) ** 2 / end.length**2, rel=1e-6)
+    assert end.multiplier == pytest.approx(
+        end.inertia * (end.speed * end.length**2) ** 2 / end.length**2, rel=1e-6
+    )
 
 
 # ---------------------------------------------------------------------- orders in time
 def swing(constraint: str | None, step: float, order: int, end: float = 0.4):
-    """The strip of the first benchmark, hinged and horizontal, its weight set in smoothly, damped so that no ringing hides the orders:
-    tip, its velocity, force on the hinge."""
+    """The strip of the first benchmark, hinged and horizontal, its weight set in smoothly, damped so that no
+    ringing hides the orders: tip, its velocity, force on the hinge."""
     item = beam(0.5, 4, 2000.0, 6.6666667e-4, 1e-3, 0.02, 1.7333e-7, damping={"stiffness": 2e-3})
     weight = {"from": 0.0, "to": 0.5, "force": [0, 0, 0.02 * 9.81], "value_over": {"ramp": 0.2, "value": 1.0}}
-    model = straight(string=[item], top="pinned", gravity=0.0, loads=[weight], initial={"inclination": np.pi / 2},
-                     beam=quaternion(constraint) if constraint else {})
+    model = straight(
+        string=[item],
+        top="pinned",
+        gravity=0.0,
+        loads=[weight],
+        initial={"inclination": np.pi / 2},
+        beam=quaternion(constraint) if constraint else {},
+    )
     m = model.system
     integrate(m, end, fixed(step, ts_bdf_order=order, q_snes_stol=1e-9), breaks=model.breaks)
     force = np.array([m.reaction("top.axial_reaction"), m.reaction("top.side_reaction_1")])
@@ -104,8 +115,8 @@ def finest() -> list[np.ndarray]:
 
 @pytest.mark.parametrize("constraint, order", [(c, k) for c in FORMS for k in (1, 2)])
 def test_order_in_time(finest, constraint, order):
-    """Constant steps: k for positions, velocities and multipliers alike, also at index 3 (Loetstedt and Petzold, Math. Comp. 46, 1986; the
-    order that multipliers lose there is one of changing steps)."""
+    """Constant steps: k for positions, velocities and multipliers alike, also at index 3 (Loetstedt and
+    Petzold, Math. Comp. 46, 1986; the order that multipliers lose there is one of changing steps)."""
     errors = []
     for step in (4e-3, 2e-3, 1e-3):
         found = swing(constraint, step, order)
@@ -116,7 +127,8 @@ def test_order_in_time(finest, constraint, order):
 
 
 def test_it_swings_as_the_gauge_element(finest):
-    """The same motion of another discretisation in space and other unknowns: tip within a thousandth of the length on four elements."""
+    """The same motion of another discretisation in space and other unknowns: tip within a thousandth of the
+    length on four elements."""
     reference = swing(None, 4e-4, 2)
     assert np.linalg.norm(reference[0] - finest[0]) < 5e-4
     assert reference[2] == pytest.approx(finest[2], rel=0.02)
@@ -124,47 +136,72 @@ def test_it_swings_as_the_gauge_element(finest):
 
 # ---------------------------------------------------------------------- top drive
 def driven(constraint: str | None, **case):
-    data = {"string": [beam(20.0, 4, 1e7, 2e4, 1.5e4, 30.0, 0.3)], "gravity": 9.81, "initial": {"from": "rest"},
-            "beam": quaternion(constraint) if constraint else {}}
+    data = {
+        "string": [beam(20.0, 4, 1e7, 2e4, 1.5e4, 30.0, 0.3)],
+        "gravity": 9.81,
+        "initial": {"from": "rest"},
+        "beam": quaternion(constraint) if constraint else {},
+    }
     return straight(**(data | case))
 
 
 def test_spin_up_follows_the_gauge_element():
-    """A short string spun up by its top: bit speed and surface torque over time, both elements at 1 ms with BDF2."""
+    """A short string spun up by its top: bit speed and surface torque over time, both elements at 1 ms with
+    BDF2."""
     found = {}
     for constraint in (None, "index3", "stabilized"):
-        model, rows = driven(constraint, top={"kind": "top_drive", "rotation": {"ramp": 0.2, "value": 8.0}}), []
+        model, rows = (
+            driven(constraint, top={"kind": "top_drive", "rotation": {"ramp": 0.2, "value": 8.0}}),
+            [],
+        )
         m, beam = model.system, model.beam
 
         def watch(t, dt, m=m, component=beam, rows=rows):
-            rows.append([component.section(m.assembly, m.mesh.nodes - 1)[2], m.reaction("top.torque_reaction")])
+            rows.append(
+                [component.section(m.assembly, m.mesh.nodes - 1)[2], m.reaction("top.torque_reaction")]
+            )
 
         integrate(m, 0.5, fixed(1e-3), watch, model.breaks)
         found[constraint] = np.array(rows)
     reference = found[None]
     for constraint in ("index3", "stabilized"):
         off = np.abs(found[constraint] - reference).max(axis=0) / np.abs(reference).max(axis=0)
-        assert off[0] < 2e-3 and np.median(np.abs(found[constraint] - reference)[:, 1]) < 2e-3 * np.abs(reference[:, 1]).max()
+        assert (
+            off[0] < 2e-3
+            and np.median(np.abs(found[constraint] - reference)[:, 1]) < 2e-3 * np.abs(reference[:, 1]).max()
+        )
 
 
 def test_hook_load_and_torque_of_a_smooth_start_are_mass_times_acceleration():
-    """Lowered and turned by half-cosine ramps so slow that the string follows as a rigid body: hook load m (g - a), torque J dW/dt at the
-    middle of the ramp (a = pi v/2T); waves are a per cent (travel time 0.03 s of 4 s)."""
+    """Lowered and turned by half-cosine ramps so slow that the string follows as a rigid body: hook load m (g
+    - a), torque J dW/dt at the middle of the ramp (a = pi v/2T); waves are a per cent (travel time 0.03 s of
+    4 s)."""
     T, v, w = 4.0, 2.0, 5.0
     top = {"kind": "top_drive", "rotation": {"ramp": T, "value": w}, "lowering": {"ramp": T, "value": v}}
     for constraint in FORMS:
-        model = driven(constraint, top=top, string=[beam(20.0, 2, 1e8, 2e4, 1.5e6, 30.0, 0.3, damping={"stiffness": 5e-3})])
+        model = driven(
+            constraint,
+            top=top,
+            string=[beam(20.0, 2, 1e8, 2e4, 1.5e6, 30.0, 0.3, damping={"stiffness": 5e-3})],
+        )
         settle(model.system)
         integrate(model.system, T / 2, fixed(0.01))
         m = model.system
-        assert -m.reaction("top.axial_reaction") == pytest.approx(600.0 * (9.81 - np.pi * v / (2 * T)), rel=3e-3)
+        assert -m.reaction("top.axial_reaction") == pytest.approx(
+            600.0 * (9.81 - np.pi * v / (2 * T)), rel=3e-3
+        )
         assert m.reaction("top.torque_reaction") == pytest.approx(6.0 * np.pi * w / (2 * T), rel=1e-2)
 
 
 def test_no_drift_over_100_seconds():
-    """Stabilized, 2000 steps of 50 ms of a turning, swinging string: lengths of q, their rates and the prescribed end hold to 1e-9."""
-    model = driven("stabilized", top={"kind": "top_drive", "rotation": 8.0, "lowering": 0.05}, gravity=[0.5, 0.0, 9.8],
-                   string=[beam(20.0, 2, 1e7, 2e4, 1.5e4, 30.0, 0.3, damping={"stiffness": 1e-3, "mass": 0.05})])
+    """Stabilized, 2000 steps of 50 ms of a turning, swinging string: lengths of q, their rates and the
+    prescribed end hold to 1e-9."""
+    model = driven(
+        "stabilized",
+        top={"kind": "top_drive", "rotation": 8.0, "lowering": 0.05},
+        gravity=[0.5, 0.0, 9.8],
+        string=[beam(20.0, 2, 1e7, 2e4, 1.5e4, 30.0, 0.3, damping={"stiffness": 1e-3, "mass": 0.05})],
+    )
     m = model.system
     worst = np.zeros(3)
 
@@ -181,14 +218,19 @@ def test_no_drift_over_100_seconds():
 
 # ---------------------------------------------------------------------- whole runs
 CASE = {
-    "string": [beam(20.0, 4, 1e7, 2e4, 1.5e4, 30.0, 0.3)], "gravity": [1.0, 0, 9.8], "beam": quaternion(), "time": {"end": 0.2},
+    "string": [beam(20.0, 4, 1e7, 2e4, 1.5e4, 30.0, 0.3)],
+    "gravity": [1.0, 0, 9.8],
+    "beam": quaternion(),
+    "time": {"end": 0.2},
     "top": {"kind": "top_drive", "rotation": {"ramp": 0.1, "value": 8.0}, "lowering": 0.2},
-    "output": {"history_every": 0.02, "field_every": 0.1, "probes": [10.0], "checkpoint_every": 0.1}, "petsc": fixed(2e-3),
+    "output": {"history_every": 0.02, "field_every": 0.1, "probes": [10.0], "checkpoint_every": 0.1},
+    "petsc": fixed(2e-3),
 }
 
 
 def test_a_run_writes_its_files_and_goes_on_from_its_checkpoint(tmp_path):
-    """Histories, probes, fields and the energy balance of a whole run; a run stopped half way and continued ends alike."""
+    """Histories, probes, fields and the energy balance of a whole run; a run stopped half way and continued
+    ends alike."""
     whole = run(Case(**CASE), tmp_path / "whole", progress="silent")
     history = read_table(whole.folder / "history.csv")
     reference = run(Case(**(CASE | {"beam": {}})), tmp_path / "ancf", progress="silent")
@@ -203,12 +245,15 @@ def test_a_run_writes_its_files_and_goes_on_from_its_checkpoint(tmp_path):
     assert len(list((whole.folder / "string").glob("*.vtu"))) == 3
     run(Case(**(CASE | {"time": {"end": 0.1}})), tmp_path / "half", progress="silent")
     rest = run(Case(**CASE), tmp_path / "half", restart=True, progress="silent")
-    assert rest.summary["final"]["bit_depth [m]"] == pytest.approx(whole.summary["final"]["bit_depth [m]"], abs=1e-10)
+    assert rest.summary["final"]["bit_depth [m]"] == pytest.approx(
+        whole.summary["final"]["bit_depth [m]"], abs=1e-10
+    )
     assert json.loads((whole.folder / "summary.json").read_text())["unknowns"] == 5 * 9 + 6
 
 
 def test_the_error_control_works_on_the_motion_alone(tmp_path):
-    """Adaptive BDF2 at index 3: multipliers and rates are left out of the error norm (with them no step is ever accepted, petsc.md 2)."""
+    """Adaptive BDF2 at index 3: multipliers and rates are left out of the error norm (with them no step is
+    ever accepted, petsc.md 2)."""
     result = run(Case(**(CASE | {"petsc": {"ts_rtol": 1e-4}})), tmp_path / "run", progress="silent")
     fixed_run = run(Case(**CASE), tmp_path / "fixed", progress="silent")
     assert result.summary["rejected_steps"] < 0.2 * result.summary["steps"]
@@ -217,8 +262,10 @@ def test_the_error_control_works_on_the_motion_alone(tmp_path):
 
 
 PIPE = {"kind": "pipe", "length": 90, "od": 0.127, "id": 0.1086}
-WELL = {"survey": {"md": [0, 100], "inclination": [0, 0], "azimuth": [0, 0]},
-        "sections": [{"to": 100, "kind": "casing", "diameter": 0.2159, "friction": 0.2}]}
+WELL = {
+    "survey": {"md": [0, 100], "inclination": [0, 0], "azimuth": [0, 0]},
+    "sections": [{"to": 100, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
+}
 MUD = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}}
 
 
@@ -238,7 +285,13 @@ def test_what_it_cannot_yet_is_refused(key, more):
 def test_another_runs_end_is_no_start_yet(tmp_path):
     run(Case(string=[PIPE], top="clamped", time={"end": 1e-3}), tmp_path / "run", progress="silent")
     with pytest.raises(CaseError, match="not with quaternion yet: the end of another run"):
-        Case(string=[PIPE], top="clamped", beam=quaternion(), initial={"from": str(tmp_path / "run")}, time={"end": 1.0})
+        Case(
+            string=[PIPE],
+            top="clamped",
+            beam=quaternion(),
+            initial={"from": str(tmp_path / "run")},
+            time={"end": 1.0},
+        )
 
 
 @pytest.mark.parametrize("command", [run_statics, run_modes])
@@ -259,7 +312,8 @@ def test_solvers_for_other_systems_are_refused(constraint, options, key):
 
 @pytest.mark.parametrize("constraint", ["index3", "index2"])
 def test_the_assembled_system_takes_the_same_steps(constraint):
-    """PETSc's own Newton on the whole first-order system, and beuler for BDF1: the condensed solution to its tolerance."""
+    """PETSc's own Newton on the whole first-order system, and beuler for BDF1: the condensed solution to its
+    tolerance."""
     top = {"kind": "top_drive", "rotation": {"ramp": 0.02, "value": 8.0}}
 
     def end(**options):

@@ -1,6 +1,8 @@
-"""Whole scenes on the quaternion element: mud, rigid items, unbalance, a bit that drills; against the ANCF element.
+"""Whole scenes on the quaternion element: mud, rigid items, unbalance, a bit that drills; against the ANCF
+element.
 
-Both are of order 4 in space, so with elements short enough they agree; what an element of the other kind misses is told by each test.
+Both are of order 4 in space, so with elements short enough they agree; what an element of the other kind
+misses is told by each test.
 """
 
 from __future__ import annotations
@@ -26,7 +28,11 @@ def both(name: str, folder: Path, change) -> list[dict[str, np.ndarray]]:
         change(data)
         data["beam"] = {"formulation": element}
         result = run(case_from_data(data, CASES / name, {}), folder / element, progress="silent")
-        tables = [read_table(result.folder / file) for file in ("history.csv", "probes.csv") if (result.folder / file).exists()]
+        tables = [
+            read_table(result.folder / file)
+            for file in ("history.csv", "probes.csv")
+            if (result.folder / file).exists()
+        ]
         out.append({k: v for table in tables for k, v in table.items()} | {"summary": result.summary})  # type: ignore[dict-item]
     return out
 
@@ -36,7 +42,8 @@ def rms(one: dict[str, Any], other: dict[str, Any], column: str) -> float:
 
 
 def test_flutter(tmp_path):
-    """A pipe that conveys fluid above the critical speed: 4 s of its growing flutter, on 1.25 m elements, within 1 % of its range."""
+    """A pipe that conveys fluid above the critical speed: 4 s of its growing flutter, on 1.25 m elements,
+    within 1 % of its range."""
     reference, other = both("study-flutter.yaml", tmp_path, lambda data: data["time"].update(end="4 s"))
     assert np.ptp(reference["x_10 [m]"]) > 0.02
     assert rms(reference, other, "x_10 [m]") < 0.01
@@ -46,26 +53,56 @@ def test_flutter(tmp_path):
 def test_stick_slip(tmp_path):
     """A bit that sticks, breaks loose and drills: the instant of breaking loose and what follows, 6 s.
 
-    Euler parameters are interpolated linearly: the twist of an element (12 rad over 20 of them here) must stay well below pi.
+    Euler parameters are interpolated linearly: the twist of an element (12 rad over 20 of them here) must
+    stay well below pi.
     """
     reference, other = both("study-stick-slip.yaml", tmp_path, lambda data: data["time"].update(end="6 s"))
     for column, off in (("bit_speed [rad/s]", 0.02), ("surface_torque [N m]", 0.01), ("wob [N]", 0.01)):
         assert rms(reference, other, column) < off, column
-    assert other["summary"]["new_hole"]["drilled [m]"] == pytest.approx(reference["summary"]["new_hole"]["drilled [m]"], rel=0.01)
+    assert other["summary"]["new_hole"]["drilled [m]"] == pytest.approx(
+        reference["summary"]["new_hole"]["drilled [m]"], rel=0.01
+    )
 
 
 def model(element: str, **more: Any) -> Case:
-    """60 m in a bent hole with all that the element takes: mud inside and outside, a change of section, unbalance, stabilizer, bit."""
-    well = {"survey": {"md": [0, 30, 61], "inclination": [0.2, 0.3, 0.5], "azimuth": [0.1, 0.1, 0.3]},
-            "sections": [{"to": 61, "kind": "open_hole", "diameter": 0.2159, "friction": 0.3}]}
-    string = [{"kind": "pipe", "length": 30, "od": 0.127, "id": 0.1086, "element_length": 2.5},
-              {"kind": "pipe", "length": 29, "od": 0.1715, "id": 0.0714, "element_length": 2.5, "eccentricity": 0.003, "curvature": 1e-4},
-              {"kind": "stabilizer", "length": 1.5, "od": 0.21, "id": 0.0714, "mass": 200, "unbalance": 0.1},
-              {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60, "nozzle_area": 4e-4}]
-    mud = {"density": 1200, "rheology": {"model": "power_law", "consistency": 0.5, "index": 0.7}, "bulk_modulus": 2e9, "flow_rate": 0.02}
-    whole = {"well": well, "string": string, "top": {"kind": "top_drive", "rotation": 10.0}, "bottom": {"kind": "bit"}, "fluid": mud,
-             "formation": {"drillability": 1e-7}, "initial": {"from": "statics", "wob": 20e3}, "time": {"end": 0.3},
-             "beam": {"formulation": element}, "output": {"history_every": 0.01, "probes": [30.0, 55.0]}}
+    """60 m in a bent hole with all that the element takes: mud inside and outside, a change of section,
+    unbalance, stabilizer, bit."""
+    well = {
+        "survey": {"md": [0, 30, 61], "inclination": [0.2, 0.3, 0.5], "azimuth": [0.1, 0.1, 0.3]},
+        "sections": [{"to": 61, "kind": "open_hole", "diameter": 0.2159, "friction": 0.3}],
+    }
+    string = [
+        {"kind": "pipe", "length": 30, "od": 0.127, "id": 0.1086, "element_length": 2.5},
+        {
+            "kind": "pipe",
+            "length": 29,
+            "od": 0.1715,
+            "id": 0.0714,
+            "element_length": 2.5,
+            "eccentricity": 0.003,
+            "curvature": 1e-4,
+        },
+        {"kind": "stabilizer", "length": 1.5, "od": 0.21, "id": 0.0714, "mass": 200, "unbalance": 0.1},
+        {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60, "nozzle_area": 4e-4},
+    ]
+    mud = {
+        "density": 1200,
+        "rheology": {"model": "power_law", "consistency": 0.5, "index": 0.7},
+        "bulk_modulus": 2e9,
+        "flow_rate": 0.02,
+    }
+    whole = {
+        "well": well,
+        "string": string,
+        "top": {"kind": "top_drive", "rotation": 10.0},
+        "bottom": {"kind": "bit"},
+        "fluid": mud,
+        "formation": {"drillability": 1e-7},
+        "initial": {"from": "statics", "wob": 20e3},
+        "time": {"end": 0.3},
+        "beam": {"formulation": element},
+        "output": {"history_every": 0.01, "probes": [30.0, 55.0]},
+    }
     return Case(**(whole | more))
 
 
@@ -76,15 +113,24 @@ def test_everything_at_once(tmp_path):
         folder = run(model(element), tmp_path / element, progress="silent").folder
         tables.append(read_table(folder / "history.csv") | read_table(folder / "probes.csv"))
     reference, other = tables
-    for column, scale in (("hook_load [N]", 1e5), ("wob [N]", 2e4), ("surface_torque [N m]", 2e3), ("bit_torque [N m]", 1e3),
-                          ("pump_pressure [Pa]", 1e7), ("bit_pressure [Pa]", 1e6), ("hole_depth [m]", 1e-3), ("bit_speed [rad/s]", 10.0)):
+    for column, scale in (
+        ("hook_load [N]", 1e5),
+        ("wob [N]", 2e4),
+        ("surface_torque [N m]", 2e3),
+        ("bit_torque [N m]", 1e3),
+        ("pump_pressure [Pa]", 1e7),
+        ("bit_pressure [Pa]", 1e6),
+        ("hole_depth [m]", 1e-3),
+        ("bit_speed [rad/s]", 10.0),
+    ):
         assert np.abs(reference[column] - other[column]).max() < 0.02 * scale, column
     for column in ("x_30 [m]", "y_30 [m]", "x_55 [m]", "y_55 [m]"):
         assert np.abs(reference[column] - other[column]).max() < 1e-3, column
 
 
 def test_a_restart_goes_on_alike(tmp_path):
-    """Ended at half of it and continued from there: the history of a run in one go, but for the step that ends at the half."""
+    """Ended at half of it and continued from there: the history of a run in one go, but for the step that
+    ends at the half."""
     half = run(model("quaternion", time={"end": 0.1}), tmp_path / "half", progress="silent")
     run(model("quaternion", time={"end": 0.2}), tmp_path / "half", restart=True, progress="silent")
     whole = run(model("quaternion", time={"end": 0.2}), tmp_path / "whole", progress="silent")
@@ -95,16 +141,27 @@ def test_a_restart_goes_on_alike(tmp_path):
 
 
 def test_lowered_in_mud_it_starts_in_equilibrium(tmp_path):
-    """Let down at 1 m/s through circulating mud: hook load at the start that of the ANCF element, drag of the mud included."""
+    """Let down at 1 m/s through circulating mud: hook load at the start that of the ANCF element, drag of the
+    mud included."""
     pipe = {"kind": "pipe", "length": 600, "od": 0.127, "id": 0.1086, "element_length": 20}
-    well = {"survey": {"md": [0, 700], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": 700, "kind": "casing", "diameter": 0.2159, "friction": 0.2}]}
+    well = {
+        "survey": {"md": [0, 700], "inclination": [0, 0], "azimuth": [0, 0]},
+        "sections": [{"to": 700, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
+    }
     mud = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.1}, "flow_rate": 0.02}
     loads = []
     for element in ("ancf", "quaternion"):
         for speed in (0.0, 1.0):
-            case = Case(well=well, string=[pipe], top={"kind": "top_drive", "lowering": speed}, bottom="free", fluid=mud,
-                        beam={"formulation": element}, time={"end": 0.02}, output={"history_every": 0.01})
+            case = Case(
+                well=well,
+                string=[pipe],
+                top={"kind": "top_drive", "lowering": speed},
+                bottom="free",
+                fluid=mud,
+                beam={"formulation": element},
+                time={"end": 0.02},
+                output={"history_every": 0.01},
+            )
             folder = run(case, tmp_path / f"{element}{speed}", progress="silent").folder
             loads.append(read_table(folder / "history.csv")["hook_load [N]"])
     still, lowered, *other = loads

@@ -1,4 +1,5 @@
-"""The quaternion element at rest: large bending, twist, weight, reactions; orders of the mesh and where they are lost."""
+"""The quaternion element at rest: large bending, twist, weight, reactions; orders of the mesh and where they
+are lost."""
 
 from __future__ import annotations
 
@@ -19,35 +20,49 @@ RISING = {"time": [0, 1], "value": [0, 1]}
 
 def cantilever(elements: int, axial: float, steps: int, **load):
     """Unit cantilever (L = EI = 1) hanging down, clamped above, loaded at its tip in ``steps`` steps."""
-    model = straight(string=[beam(1.0, elements, axial, 1.0, 0.8, 1.0, 0.01)], top="clamped", gravity=0.0, beam=QUATERNION,
-                     loads=[{"at": 1.0, "value_over": RISING, **load}])
+    model = straight(
+        string=[beam(1.0, elements, axial, 1.0, 0.8, 1.0, 0.01)],
+        top="clamped",
+        gravity=0.0,
+        beam=QUATERNION,
+        loads=[{"at": 1.0, "value_over": RISING, **load}],
+    )
     for t in np.linspace(0, 1, steps + 1)[1:]:
         settle(model.system, t)
     return model.system
 
 
 def test_a_moment_rolls_the_string_up_to_a_circle():
-    """M = 2 pi EI/L closes the circle exactly: the tip misses the root with order 4 in the mesh; the clamp holds -M."""
+    """M = 2 pi EI/L closes the circle exactly: the tip misses the root with order 4 in the mesh; the clamp
+    holds -M."""
     gaps = []
     for n in (4, 8, 16):
         system = cantilever(n, 1e4, 40, moment=[0, 2 * np.pi, 0])
         r = system.field("string.position")
         gaps.append(np.linalg.norm(r[-1] - r[0]))
-        assert system.reaction("top.side_moment_2") == pytest.approx(-2 * np.pi, rel=1e-9)  # the second axis points north, the third east
-        assert abs(system.reaction("top.torque_reaction")) < 1e-9 and abs(system.reaction("top.axial_reaction")) < 1e-9
+        assert system.reaction("top.side_moment_2") == pytest.approx(
+            -2 * np.pi, rel=1e-9
+        )  # the second axis points north, the third east
+        assert (
+            abs(system.reaction("top.torque_reaction")) < 1e-9
+            and abs(system.reaction("top.axial_reaction")) < 1e-9
+        )
     assert gaps[-1] < 2e-4
     assert np.log2(np.array(gaps[:-1]) / gaps[1:]) == pytest.approx(4.0, abs=0.5)
 
 
 def bent(force: float, axial: float) -> np.ndarray:
-    """Tip (x, z) of the extensible Kirchhoff rod, L = EI = 1, under a dead force across its axis at the start, by shooting.
+    """Tip (x, z) of the extensible Kirchhoff rod, L = EI = 1, under a dead force across its axis at the
+    start, by shooting.
 
     x' = (1+e) sin th, z' = (1+e) cos th, th' = m, m' = -(1+e) P cos th, e = P sin th/EA, m(1) = 0.
     """
+
     def line(m0: float):
         def rate(s, q):
             stretch = 1 + force * np.sin(q[2]) / axial
             return [stretch * np.sin(q[2]), stretch * np.cos(q[2]), q[3], -stretch * force * np.cos(q[2])]
+
         return solve_ivp(rate, (0, 1), [0, 0, 0, m0], rtol=1e-11, atol=1e-13).y[:, -1]
 
     return line(brentq(lambda m: line(m)[3], 0.3 * force, force, xtol=1e-13))[:2]
@@ -60,16 +75,17 @@ def tip_errors(axial: float, elements: tuple[int, ...]) -> np.ndarray:
 
 
 def test_a_tip_force_bends_the_string_with_order_four():
-    """P L2/EI = 10, EA L2/EI = 1e4 against shooting, order 4 or better; inextensible value 0.81061, 0.44500 (Mattiasson, Int. J. Numer.
-    Meth. Engng 17, 1981)."""
+    """P L2/EI = 10, EA L2/EI = 1e4 against shooting, order 4 or better; inextensible value 0.81061, 0.44500
+    (Mattiasson, Int. J. Numer. Meth. Engng 17, 1981)."""
     assert bent(10.0, 1e9) == pytest.approx([0.81061, 1 - 0.55500], abs=1e-5)
     errors = tip_errors(1e4, (4, 8, 16))
     assert errors[-1] < 1e-5 and np.all(np.log2(errors[:-1] / errors[1:]) > 3.9)
 
 
 def test_a_stiff_axis_locks_coarse_meshes():
-    """Why not always 4: with EA integrated at three points, an element has three axial constraints for its seven displacements, and at
-    EA L2/EI = 1e6 the error falls with order 2 until elements are short (string.md 9.2: "full 3/2 locks"; the ANCF element does not)."""
+    """Why not always 4: with EA integrated at three points, an element has three axial constraints for its
+    seven displacements, and at EA L2/EI = 1e6 the error falls with order 2 until elements are short
+    (string.md 9.2: "full 3/2 locks"; the ANCF element does not)."""
     errors = tip_errors(1e6, (4, 8, 16, 32))
     orders = np.log2(errors[:-1] / errors[1:])
     assert orders[0] == pytest.approx(2.0, abs=0.3) and orders[-1] > 3.9
@@ -77,7 +93,8 @@ def test_a_stiff_axis_locks_coarse_meshes():
 
 
 def test_reactions_of_a_bent_cantilever_are_those_of_its_free_body():
-    """Dead force P at the tip: the clamp gives -P and the moment -P z_tip of the deformed lever, to rounding."""
+    """Dead force P at the tip: the clamp gives -P and the moment -P z_tip of the deformed lever, to
+    rounding."""
     system = cantilever(3, 1e4, 10, force=[10, 0, 0])
     lever = system.field("string.position")[-1, 2]
     assert system.reaction("top.side_reaction_1") == pytest.approx(-10.0, rel=1e-10)
@@ -86,7 +103,8 @@ def test_reactions_of_a_bent_cantilever_are_those_of_its_free_body():
 
 
 def test_a_hung_string_carries_its_weight():
-    """Stretch w L2/2EA and hook load w L, from the static start of a case (gauge equilibrium taken over, then its own Newton)."""
+    """Stretch w L2/2EA and hook load w L, from the static start of a case (gauge equilibrium taken over, then
+    its own Newton)."""
     L, w, EA = 100.0, 40 * 9.81, 1e8
     case = Case(string=[beam(L, 5, EA, 1e6, 8e5, 40.0, 0.2)], top="clamped", gravity=9.81, beam=QUATERNION)
     model = build_model(case)
@@ -99,12 +117,18 @@ def test_a_hung_string_carries_its_weight():
 def test_an_end_torque_twists_a_straight_string():
     """Ten elements under T turn by T L/GJ, less a share h^4/60 with h half the angle of an element.
 
-    Linear quaternions turn unevenly: phi' = 2 sin h/(1 - 2 s (1-s)(1 - cos h)), whose square has the mean of its mean's square times
-    1 + h^4/180, so U = GJ phi^2/2L (1 + h^4/180) and T = dU/dphi = GJ phi/L (1 + h^4/60).
+    Linear quaternions turn unevenly: phi' = 2 sin h/(1 - 2 s (1-s)(1 - cos h)), whose square has the mean of
+    its mean's square times 1 + h^4/180, so U = GJ phi^2/2L (1 + h^4/180) and T = dU/dphi = GJ phi/L (1 +
+    h^4/60).
     """
     T, n, x = 1.0, 10, 0.5
-    model = straight(string=[beam(1.0, n, 1e4, 1.0, T / (n * x), 1.0, 0.01)], top="clamped", gravity=0.0, beam=QUATERNION,
-                     loads=[{"at": 1.0, "moment": [0, 0, T], "value_over": RISING}])
+    model = straight(
+        string=[beam(1.0, n, 1e4, 1.0, T / (n * x), 1.0, 0.01)],
+        top="clamped",
+        gravity=0.0,
+        beam=QUATERNION,
+        loads=[{"at": 1.0, "moment": [0, 0, T], "value_over": RISING}],
+    )
     for t in np.linspace(0, 1, 11)[1:]:
         settle(model.system, t)
     # nodes turn monotonously, so the angle is counted from node to node
@@ -115,9 +139,11 @@ def test_an_end_torque_twists_a_straight_string():
 
 @pytest.mark.parametrize("curvature, side", [(0.5, 0), (0.5, 1)])
 def test_a_bent_pipe_rests_in_its_own_shape(curvature, side):
-    """Stress-free curvature k in the section's second or third axis and no load: an arc, tip at (1 - cos kL)/k; no strain energy.
+    """Stress-free curvature k in the section's second or third axis and no load: an arc, tip at (1 - cos
+    kL)/k; no strain energy.
 
-    kappa = t x t': curvature along the third axis (east here) bends towards north (east x down).  Order 4 in k L/n.
+    kappa = t x t': curvature along the third axis (east here) bends towards north (east x down).  Order 4 in
+    k L/n.
     """
     n, L = 8, 1.0
     # curvature_angle 0: along the second axis (north); 90 degrees: along the third (east)

@@ -1,7 +1,8 @@
-"""StaticNewton of the string in its hole: contact, torque and drag, buckling (verification tests P07, P10, P12-P16,
-P18-P21, X22).
+"""StaticNewton of the string in its hole: contact, torque and drag, buckling (verification tests P07, P10,
+P12-P16, P18-P21, X22).
 
-Numbers of the shared verification table; drill pipe of 127 x 108.6 mm of 242 N/m in a hole of 215.9 mm unless said.
+Numbers of the shared verification table; drill pipe of 127 x 108.6 mm of 242 N/m in a hole of 215.9 mm unless
+said.
 """
 
 from __future__ import annotations
@@ -44,7 +45,14 @@ def string_in(well, item=PIPE, element_length: float = 10.0, **keys) -> Case:
     """One item over the whole hole, held by a top drive."""
     whole = {**item, "length": well["survey"]["md"][-1], "element_length": element_length}
     return Case(
-        **{"well": well, "string": [whole], "top": {"kind": "top_drive"}, "bottom": "free", "gravity": 9.81, **keys}
+        **{
+            "well": well,
+            "string": [whole],
+            "top": {"kind": "top_drive"},
+            "bottom": "free",
+            "gravity": 9.81,
+            **keys,
+        }
     )
 
 
@@ -58,8 +66,11 @@ def solved(case: Case, motion=(0.0, 0.0), climb: bool = False):
 # ---------------------------------------------------------------------- contact
 @pytest.mark.parametrize("points", [2, 3, 5, 9])
 def test_penetration_does_not_depend_on_the_number_of_points(points):
-    """P07: pipe at rest on the low side, 10 m elements, k' = 1e6: penetration w/k' = 2.42e-4 m within 0.1 %."""
-    case = string_in(hole([0.0, 100.0], [90.0, 90.0]), contact={"stiffness": 1e6, "points_per_element": points})
+    """P07: pipe at rest on the low side, 10 m elements, k' = 1e6: penetration w/k' = 2.42e-4 m within 0.1
+    %."""
+    case = string_in(
+        hole([0.0, 100.0], [90.0, 90.0]), contact={"stiffness": 1e6, "points_per_element": points}
+    )
     model, _, _ = solved(case)
     cells, _ = model.contact.report(model.system.assembly)
     assert cells[3:7, 4] == pytest.approx(WEIGHT / 1e6, rel=1e-3)
@@ -69,11 +80,12 @@ def test_penetration_does_not_depend_on_the_number_of_points(points):
 @pytest.mark.parametrize("elements", [2, 4])
 @pytest.mark.parametrize("points", [1, 2, 4])
 def test_tip_that_rests_on_the_wall(elements, points, tmp_path):
-    """Collar of 10 m held along the axis of a level hole: its tip hangs down to the wall, c = 54.25 mm below the axis, with a force of
-    R = 3 EI/L^3 (w L^4/8EI - c) (propped cantilever; Gere and Goodno, Mechanics of Materials, appendix on deflections).
+    """Collar of 10 m held along the axis of a level hole: its tip hangs down to the wall, c = 54.25 mm below
+    the axis, with a force of R = 3 EI/L^3 (w L^4/8EI - c) (propped cantilever; Gere and Goodno, Mechanics of
+    Materials, appendix on deflections).
 
-    With c > w L^4/72EI = 24 mm the tip is its lowest place and alone touches, of weight 1/m^2 in Radau's rule of m places, so it goes in
-    by m^2 R/(k' l), l the element.
+    With c > w L^4/72EI = 24 mm the tip is its lowest place and alone touches, of weight 1/m^2 in Radau's rule
+    of m places, so it goes in by m^2 R/(k' l), l the element.
     """
     od, bore, length = 0.1715, 0.0714, 10.0
     area, second = np.pi / 4 * (od**2 - bore**2), np.pi / 64 * (od**4 - bore**4)
@@ -81,20 +93,32 @@ def test_tip_that_rests_on_the_wall(elements, points, tmp_path):
     collar = {"kind": "pipe", "length": length, "od": od, "id": bore, "element_length": length / elements}
     well = hole([0.0, 20.0], [90.0, 90.0])
     well["sections"][0]["diameter"] = 0.28
-    case = Case(well=well, string=[collar], top={"kind": "clamped"}, bottom="free", gravity=9.81,
-                material={"young": 206e9, "density": 7850.0, "damping": {"mass": 20.0}}, contact={"points_per_element": points},
-                initial={"from": "straight"}, time={"end": 3.0}, output={"field_every": 3.0})
+    case = Case(
+        well=well,
+        string=[collar],
+        top={"kind": "clamped"},
+        bottom="free",
+        gravity=9.81,
+        material={"young": 206e9, "density": 7850.0, "damping": {"mass": 20.0}},
+        contact={"points_per_element": points},
+        initial={"from": "straight"},
+        time={"end": 3.0},
+        output={"field_every": 3.0},
+    )
     frame = read_frame(read_series(run(case, tmp_path / "run", progress="silent").folder)[-1][1])
     down, contact = -frame.point_data["offset_x [m]"], frame.point_data["contact_force [N/m]"]
     force = 3 * bending / length**3 * (load * length**4 / (8 * bending) - component)
     assert abs(down[0]) < 1e-12
-    assert down[-1] - component == pytest.approx((points + 1) ** 2 * force / (1e8 * length / elements), abs=2e-5)
+    assert down[-1] - component == pytest.approx(
+        (points + 1) ** 2 * force / (1e8 * length / elements), abs=2e-5
+    )
     assert contact[-1] * length / elements == pytest.approx(force, rel=0.01)
 
 
 @pytest.mark.parametrize("friction", [0.1, 0.3])
 def test_turning_pipe_climbs_the_wall(friction):
-    """P10: contact at atan(mu) from the low side, on the side that the pipe climbs; N = W cos, torque = W sin R."""
+    """P10: contact at atan(mu) from the low side, on the side that the pipe climbs; N = W cos, torque = W sin
+    R."""
     model, state, _ = solved(
         string_in(hole([0.0, 120.0], [90.0, 90.0], friction), element_length=4.0), ROTATE, climb=True
     )
@@ -102,7 +126,8 @@ def test_turning_pipe_climbs_the_wall(friction):
     angle = np.arctan(friction)
     middle = slice(12, 18)
     offset = model.system.field("string.position")[middle] - model.position[middle]
-    # looking north along the hole, the lowest fibre of a clockwise turning pipe moves west and friction pushes it east
+    # looking north along the hole, the lowest fibre of a clockwise turning pipe moves west and friction
+    # pushes it east
     assert np.arctan2(offset[:, 1], offset[:, 2]) == pytest.approx(angle, abs=1e-3)
     cells, _ = model.contact.report(model.system.assembly)
     assert cells[middle, 0] / 4 == pytest.approx(WEIGHT * np.cos(angle), rel=1e-3)
@@ -111,7 +136,8 @@ def test_turning_pipe_climbs_the_wall(friction):
 
 # ---------------------------------------------------------------------- torque and drag
 def test_capstan():
-    """P12: weightless string over 90 degrees, mu 0.25, 100 kN below: T = T0 exp(mu pi/2) = 148.097 kN within 0.5 %."""
+    """P12: weightless string over 90 degrees, mu 0.25, 100 kN below: T = T0 exp(mu pi/2) = 148.097 kN within
+    0.5 %."""
     md = np.linspace(0, BUILD_RADIUS * np.pi / 2, 19)
     case = string_in(
         hole(md, np.linspace(0, 90, 19), 0.25),
@@ -129,14 +155,16 @@ INCLINE = [(HOIST, 183.873e3, 0.0), (LOWER, 58.127e3, 0.0), (ROTATE, 121.000e3, 
 
 @pytest.mark.parametrize(("motion", "hook", "torque"), INCLINE)
 def test_incline(motion, hook, torque):
-    """P13: 60 degrees, 1000 m, mu 0.3: w L (cos I + mu sin I), w L (cos I - mu sin I), w L cos I and mu w L sin I R
-    within 0.3 %."""
+    """P13: 60 degrees, 1000 m, mu 0.3: w L (cos I + mu sin I), w L (cos I - mu sin I), w L cos I and mu w L
+    sin I R within 0.3 %."""
     model, state, figures = solved(string_in(hole([0.0, 1000.0], [60.0, 60.0], 0.3)), motion)
     assert figures["hook_load"] == pytest.approx(hook, rel=3e-4)
     assert figures["surface_torque"] == pytest.approx(torque, rel=1e-3)
     columns, table = static_table(model, state)
     names = [name for name, _ in columns]
-    assert table[:, names.index("axial_force")] == pytest.approx(hook * (1 - table[:, 0] / 1000), abs=2e-3 * hook)
+    assert table[:, names.index("axial_force")] == pytest.approx(
+        hook * (1 - table[:, 0] / 1000), abs=2e-3 * hook
+    )
     assert table[:, names.index("torque")] == pytest.approx(
         torque * (1 - table[:, 0] / 1000), abs=max(1e-6, 3e-3 * torque)
     )
@@ -144,14 +172,16 @@ def test_incline(motion, hook, torque):
 
 
 def test_incline_turning_pipe_that_climbs():
-    """As P13, the pipe free to climb: it rests at atan(mu), so the torque is smaller by cos(atan(mu)) (P10)."""
+    """As P13, the pipe free to climb: it rests at atan(mu), so the torque is smaller by cos(atan(mu))
+    (P10)."""
     _, _, figures = solved(string_in(hole([0.0, 1000.0], [60.0, 60.0], 0.3)), ROTATE, climb=True)
     assert figures["hook_load"] == pytest.approx(121.000e3, rel=1e-4)
     assert figures["surface_torque"] == pytest.approx(3992.5 / np.hypot(1, 0.3), rel=5e-3)
 
 
 def test_incline_pulling_and_turning():
-    """P14: 0.3 m/s with 60 rpm: slip shares .600978/.799265, hook load 158.786 kN, torque 3191.0 N m within 0.5 %."""
+    """P14: 0.3 m/s with 60 rpm: slip shares .600978/.799265, hook load 158.786 kN, torque 3191.0 N m within
+    0.5 %."""
     _, _, figures = solved(string_in(hole([0.0, 1000.0], [60.0, 60.0], 0.3)), (-0.3, 2 * np.pi))
     assert figures["hook_load"] == pytest.approx(158.786e3, rel=1e-3)
     assert figures["surface_torque"] == pytest.approx(3191.0, rel=2e-3)
@@ -166,7 +196,9 @@ def test_build_curve(motion, hook, torque):
     end = np.pi / 3
     md = np.linspace(0, BUILD_RADIUS * end, 13)
     bottom = {"kind": "force", "force": [3e5 * np.sin(end), 0, 3e5 * np.cos(end)]}
-    _, _, figures = solved(string_in(hole(md, np.linspace(0, 60, 13), 0.25), element_length=5.0, bottom=bottom), motion)
+    _, _, figures = solved(
+        string_in(hole(md, np.linspace(0, 60, 13), 0.25), element_length=5.0, bottom=bottom), motion
+    )
     assert figures["hook_load"] == pytest.approx(hook, rel=2e-3)
     assert figures["surface_torque"] == pytest.approx(torque, rel=2e-3)
 
@@ -187,8 +219,8 @@ def test_j_well(motion, hook, torque):
     ("stiffness", "element_length", "touches"), [(1e8, 1.0, (10.5, 12.8)), (1e9, 0.5, (11.5, 12.8))]
 )
 def test_pendulum_collar(stiffness, element_length, touches):
-    """P18: collar of 1000 N/m in a straight 10 degree hole, bit hinged on the axis, no axial force: side force
-    q L_T/2 = 1102.87 N with L_T = (24 EI r/q)^(1/4) = 12.7024 m, q = w sin I.
+    """P18: collar of 1000 N/m in a straight 10 degree hole, bit hinged on the axis, no axial force: side
+    force q L_T/2 = 1102.87 N with L_T = (24 EI r/q)^(1/4) = 12.7024 m, q = w sin I.
 
     Gravity across the hole alone takes out the axial force: a horizontal hole and the weight w sin 10 deg.
     """
@@ -211,7 +243,9 @@ def test_pendulum_collar(stiffness, element_length, touches):
     assert abs(model.system.reaction("bottom.side_reaction_1")) == pytest.approx(1102.87, rel=1e-3)
     cells, _ = model.contact.report(model.system.assembly)
     last = np.flatnonzero(cells[:, 0] > 1.0)[-1]
-    assert touches[0] < 40 - model.mesh.lower[last] and 40 - model.mesh.upper[last] < touches[1] + element_length
+    assert (
+        touches[0] < 40 - model.mesh.lower[last] and 40 - model.mesh.upper[last] < touches[1] + element_length
+    )
 
 
 # ---------------------------------------------------------------------- buckling
@@ -237,14 +271,16 @@ class SideHold(FixedEnd):
         super().__init__(vertex, "pinned", position, tangent, spin=False)
         all_of_it = self._condition
         D, target = all_of_it.directions[1:], self.anchor[1:]
-        self._condition = PrescribedMotion(vertex, D, lambda t: target, lambda t: np.zeros(2), all_of_it.names[1:])
+        self._condition = PrescribedMotion(
+            vertex, D, lambda t: target, lambda t: np.zeros(2), all_of_it.names[1:]
+        )
 
 
 @pytest.mark.parametrize("element_length", [4.0, 2.0])
 def test_sinusoidal_buckling_load_of_horizontal_pipe(element_length):
-    """P19: 200 m of pipe hinged where it lies; the tangent gains a negative pivot at 163.508 kN (16 half waves;
-    163.267 kN for an endless pipe, 2 sqrt(EI w/r) of Dawson and Paslay), within 0.5 % for elements up to 4 m and k' =
-    1e8."""
+    """P19: 200 m of pipe hinged where it lies; the tangent gains a negative pivot at 163.508 kN (16 half
+    waves; 163.267 kN for an endless pipe, 2 sqrt(EI w/r) of Dawson and Paslay), within 0.5 % for elements up
+    to 4 m and k' = 1e8."""
     assert DAWSON_PASLAY == pytest.approx(163.267e3, rel=1e-5)
     model = build_model(string_in(HORIZONTAL, element_length=element_length))
     lying = model.position + [0, 0, ROOM]
@@ -279,14 +315,19 @@ def test_sinusoidal_buckling_load_of_horizontal_pipe(element_length):
     assert low == pytest.approx(163.508e3, rel=5e-3)
 
 
-@pytest.mark.parametrize(("share", "least", "most"), [(0.9, 0.0, 0.1), (1.1, 0.3, 1.5), (3.0, 1.6, np.pi + 0.1)])
+@pytest.mark.parametrize(
+    ("share", "least", "most"), [(0.9, 0.0, 0.1), (1.1, 0.3, 1.5), (3.0, 1.6, np.pi + 0.1)]
+)
 def test_after_buckling(share, least, most):
-    """P20: largest angle from the low side below 0.1 rad at 0.9 of the critical load, above 0.3 at 1.1; at 3 a helix
-    goes around the hole (above pi/2 at least; loading turns the sinus into a helix at 2.83, Mitchell). No negative
-    pivots at the end."""
+    """P20: largest angle from the low side below 0.1 rad at 0.9 of the critical load, above 0.3 at 1.1; at 3
+    a helix goes around the hole (above pi/2 at least; loading turns the sinus into a helix at 2.83,
+    Mitchell). No negative pivots at the end."""
     case = pushed(share * DAWSON_PASLAY, imperfection=1e-2)
     rng = np.random.default_rng(5)
-    loads = [{"at": float(4 * k), "force": [0.0, *(1e-2 * WEIGHT * 4 * rng.standard_normal(2))]} for k in range(2, 49)]
+    loads = [
+        {"at": float(4 * k), "force": [0.0, *(1e-2 * WEIGHT * 4 * rng.standard_normal(2))]}
+        for k in range(2, 49)
+    ]
     model, state, _ = solved(Case(**{**case_keys(case), "loads": loads}) if share < 1 else case)
     offset = model.system.field("string.position") - model.position
     angle = np.abs(np.arctan2(offset[:, 1], offset[:, 2]))[5:-5].max()
@@ -295,13 +336,16 @@ def test_after_buckling(share, least, most):
 
 
 def case_keys(case: Case) -> dict:
-    return {name: getattr(case, name) for name in ("well", "string", "top", "bottom", "gravity", "initial", "contact")}
+    return {
+        name: getattr(case, name)
+        for name in ("well", "string", "top", "bottom", "gravity", "initial", "contact")
+    }
 
 
 def test_helix_presses_on_the_wall():
-    """P21: weightless helix under 300 kN, 8 pitches, ends on the wall: mean contact force over the middle half r
-    F^2/(4 EI) = 817.076 N/m, pitch 2 pi sqrt(2 EI/F) = 17.9486 m, bending moment r F/2 = 6667.5 N m (Lubinski;
-    Mitchell): 2 %, 5 %, 3 %."""
+    """P21: weightless helix under 300 kN, 8 pitches, ends on the wall: mean contact force over the middle
+    half r F^2/(4 EI) = 817.076 N/m, pitch 2 pi sqrt(2 EI/F) = 17.9486 m, bending moment r F/2 = 6667.5 N m
+    (Lubinski; Mitchell): 2 %, 5 %, 3 %."""
     force, elements = 3e5, 160
     pitch = 2 * np.pi * np.sqrt(2 * BENDING / force)
     length = 8 * pitch
@@ -340,8 +384,8 @@ def test_helix_presses_on_the_wall():
 
 @pytest.mark.parametrize("multiple", [0.5, 1.0, 3.0, 10.0])
 def test_weight_on_bit_in_a_vertical_hole(multiple):
-    """X22: weight on bit up to ten times Lubinski's first critical load 1.94 (EI w^2)^(1/3), frictionless: stable,
-    held by the wall."""
+    """X22: weight on bit up to ten times Lubinski's first critical load 1.94 (EI w^2)^(1/3), frictionless:
+    stable, held by the wall."""
     weight_on_bit = multiple * 1.94 * (BENDING * WEIGHT**2) ** (1 / 3)
     case = Case(
         well=hole([0.0, 500.0], [0.0, 0.0]),
@@ -363,8 +407,8 @@ def test_weight_on_bit_in_a_vertical_hole(multiple):
 
 
 def test_vertical_string_on_bottom_with_bent_collars():
-    """cases/vertical-2000m-dry.yaml: hook load = weight - 50 kN, torque at the bit mu W 2/3 R; the string stays within
-    the hole."""
+    """cases/vertical-2000m-dry.yaml: hook load = weight - 50 kN, torque at the bit mu W 2/3 R; the string
+    stays within the hole."""
     case = load_case(CASES.parent / "vertical-2000m-dry.yaml")
     model, state, figures = solved(case, (0.0, 8.4), climb=True)
     mesh = model.mesh
@@ -382,9 +426,9 @@ def test_vertical_string_on_bottom_with_bent_collars():
 @pytest.mark.parametrize("motion", [ROTATE, HOIST, LOWER])
 @pytest.mark.parametrize("weight_on_bit", [0.0, 1e5])
 def test_s_well_of_12_km(motion, weight_on_bit):
-    """X01: 600 elements, fewer than 200 Newton iterations, hook load within 1.5 % of the soft string (and the torque
-    within 2.5 %), residual below 1e-6 of the weight (``solved``); the string off bottom, or with 100 kN on the
-    bit."""
+    """X01: 600 elements, fewer than 200 Newton iterations, hook load within 1.5 % of the soft string (and the
+    torque within 2.5 %), residual below 1e-6 of the weight (``solved``); the string off bottom, or with 100
+    kN on the bit."""
     case = load_case(CASES / "x01-s-well-12km.yaml")
     if not weight_on_bit:
         keys = {name: getattr(case, name) for name in ("well", "string", "top", "contact", "gravity")}

@@ -1,7 +1,7 @@
 """The string element in statics against closed forms and independent solutions (no hole).
 
-Orders and error limits are those of the formulation's published study: roll-up and elastica are of fourth order in
-the element length, frequencies as tabulated there.
+Orders and error limits are those of the formulation's published study: roll-up and elastica are of fourth
+order in the element length, frequencies as tabulated there.
 """
 
 from __future__ import annotations
@@ -38,14 +38,17 @@ def rod(length, elements, axial, bending, torsional, **more):
 
 
 def cantilever(item, loads, **more):
-    case = Case(string=[item], top="clamped", bottom="free", gravity=0.0, initial=HORIZONTAL, loads=loads, **more)
+    case = Case(
+        string=[item], top="clamped", bottom="free", gravity=0.0, initial=HORIZONTAL, loads=loads, **more
+    )
     model = build_model(case)
     place_along_hole(model)
     return model
 
 
 def load_in_steps(model, steps: int, energy: bool) -> Equilibrium:
-    """Loads grow in ``steps`` equal steps (their factor over time is t); reference frames are kept up in between."""
+    """Loads grow in ``steps`` equal steps (their factor over time is t); reference frames are kept up in
+    between."""
     solver, report = StaticNewton(model.system, energy=energy), Equilibrium()
     for k in range(1, steps + 1):
         solver.t = k / steps
@@ -56,7 +59,8 @@ def load_in_steps(model, steps: int, energy: bool) -> Equilibrium:
 
 # ---------------------------------------------------------------------- bending
 def rolled_up(elements: int, axial: float) -> tuple[float, int]:
-    """Gap of a cantilever of length 1, EI 1, bent by an end moment 2 pi EI/L; Newton iterations of ten load steps."""
+    """Gap of a cantilever of length 1, EI 1, bent by an end moment 2 pi EI/L; Newton iterations of ten load
+    steps."""
     model = cantilever(
         rod(1.0, elements, axial, 1.0, 1.0), [{"at": 1.0, "moment": [0, 0, 2 * np.pi], "value_over": RISE}]
     )
@@ -65,8 +69,8 @@ def rolled_up(elements: int, axial: float) -> tuple[float, int]:
 
 
 def test_end_moment_rolls_the_rod_into_a_circle():
-    """Exact: a closed circle (kappa = M/EI = 2 pi/L). Error 2.9e-2, 1.6e-3, 9.7e-5 for 4, 8, 16 elements at EA L2/EI
-    1e4 (order 4)."""
+    """Exact: a closed circle (kappa = M/EI = 2 pi/L). Error 2.9e-2, 1.6e-3, 9.7e-5 for 4, 8, 16 elements at
+    EA L2/EI 1e4 (order 4)."""
     gaps, work = zip(*(rolled_up(n, 1e4) for n in (4, 8, 16)), strict=True)
     assert gaps == pytest.approx((2.9e-2, 1.6e-3, 9.7e-5), rel=0.1)
     assert np.log2(gaps[1] / gaps[2]) > 3.9
@@ -75,15 +79,24 @@ def test_end_moment_rolls_the_rod_into_a_circle():
 
 @pytest.mark.parametrize("axial", [1e6, 1e8])
 def test_roll_up_does_not_lock(axial):
-    """At EA L2/EI 1e6 the study has 1.7e-3 with 8 elements and 1.0e-4 with 16; a hundredfold EA changes nothing."""
+    """At EA L2/EI 1e6 the study has 1.7e-3 with 8 elements and 1.0e-4 with 16; a hundredfold EA changes
+    nothing."""
     assert rolled_up(8, axial)[0] == pytest.approx(1.7e-3, rel=0.1)
     assert rolled_up(16, axial)[0] == pytest.approx(1.0e-4, rel=0.1)
 
 
 def test_gauge_renewal_changes_nothing_physical():
-    """Energies, residual and reactions of a bent, twisted, damped-free string with a stress-free curvature, before
-    and after."""
-    loads = [{"at": 1.0, "moment": [1.0, 0.3, 0.2], "force": [0.1, 0.2, 0.2], "frame": "section", "value_over": RISE}]
+    """Energies, residual and reactions of a bent, twisted, damped-free string with a stress-free curvature,
+    before and after."""
+    loads = [
+        {
+            "at": 1.0,
+            "moment": [1.0, 0.3, 0.2],
+            "force": [0.1, 0.2, 0.2],
+            "frame": "section",
+            "value_over": RISE,
+        }
+    ]
     model = cantilever(rod(1.0, 8, 1e4, 1.0, 0.8, curvature=2.6, curvature_angle=0.4), loads)
     solver = StaticNewton(model.system, energy=False)
     for k in range(1, 9):
@@ -110,8 +123,8 @@ def test_gauge_renewal_changes_nothing_physical():
 def elastica_tip(load: float, axial: float) -> np.ndarray:
     """(x, y) of the tip of a horizontal cantilever, L = EI = 1, dead tip force ``load`` in +y, by shooting.
 
-    Plane extensible rod: theta' = m (moment over EI), m' = -(x' Fy - y' Fx), stretch 1 + N/EA with N = F.t; unknown
-    m(0), m(1) = 0.
+    Plane extensible rod: theta' = m (moment over EI), m' = -(x' Fy - y' Fx), stretch 1 + N/EA with N = F.t;
+    unknown m(0), m(1) = 0.
     """
 
     def rates(s, q):
@@ -131,7 +144,9 @@ def test_elastica_is_fourth_order_whatever_the_axial_stiffness(axial):
     """P L2/EI = 10: tip errors 8.2e-4, 5.2e-5, 3.2e-6 with 4, 8, 16 elements, against a shooting solution."""
     exact, errors = elastica_tip(10.0, axial), []
     for n in (4, 8, 16):
-        model = cantilever(rod(1.0, n, axial, 1.0, 1.0), [{"at": 1.0, "force": [0, 10.0, 0], "value_over": RISE}])
+        model = cantilever(
+            rod(1.0, n, axial, 1.0, 1.0), [{"at": 1.0, "force": [0, 10.0, 0], "value_over": RISE}]
+        )
         load_in_steps(model, 4, energy=True)
         errors.append(np.linalg.norm(model.system.field("string.position")[-1, :2] - exact))
     assert errors == pytest.approx([8.2e-4, 5.2e-5, 3.2e-6], rel=0.15)
@@ -143,13 +158,19 @@ BEND_GJ = 1e7 / 2 / 6  # nu 0, square section 1x1 with J = 1/6 as in the publica
 
 
 def bend_reference(load: float) -> np.ndarray:
-    """Tip of the 45 degree bend by shooting the rod equations: r' = (1 + N/EA) t, d_i' = kappa x d_i, M' = -r' x F,
-    kappa = M.t/GJ t + (M - M.t t)/EI + d2/R; clamped along x, stress-free curvature about d2 (pointing to -z)."""
+    """Tip of the 45 degree bend by shooting the rod equations: r' = (1 + N/EA) t, d_i' = kappa x d_i, M' =
+    -r' x F, kappa = M.t/GJ t + (M - M.t t)/EI + d2/R; clamped along x, stress-free curvature about d2
+    (pointing to -z)."""
     force = np.array([0.0, 0.0, load])
 
     def rates(s, q):
         t, d2, d3, moment = q[3:6], q[6:9], q[9:12], q[12:]
-        kappa = (moment @ t) / BEND_GJ * t + (moment @ d2) / BEND_EI * d2 + (moment @ d3) / BEND_EI * d3 + d2 / RADIUS
+        kappa = (
+            (moment @ t) / BEND_GJ * t
+            + (moment @ d2) / BEND_EI * d2
+            + (moment @ d3) / BEND_EI * d3
+            + d2 / RADIUS
+        )
         tangent = (1 + force @ t / BEND_EA) * t
         return np.concatenate(
             [tangent, np.cross(kappa, t), np.cross(kappa, d2), np.cross(kappa, d3), -np.cross(tangent, force)]
@@ -171,8 +192,9 @@ PUBLISHED = {300.0: (22.33, 58.84, 40.08), 450.0: (18.62, 52.32, 48.39), 600.0: 
 
 @pytest.mark.parametrize("load", PUBLISHED)
 def test_bend_of_45_degrees(load):
-    """Bathe and Bolourchi 1979; values of Simo and Vu-Quoc 1986 with 8 elements, here within 0.15 of the length 78.5;
-    and the shooting solution within 4e-4 of the length, as interpolated directors are of second order."""
+    """Bathe and Bolourchi 1979; values of Simo and Vu-Quoc 1986 with 8 elements, here within 0.15 of the
+    length 78.5; and the shooting solution within 4e-4 of the length, as interpolated directors are of second
+    order."""
     model = cantilever(
         rod(BEND_LENGTH, 8, BEND_EA, BEND_EI, BEND_GJ, curvature=1 / RADIUS),
         [{"at": BEND_LENGTH, "force": [0, 0, load], "value_over": RISE}],
@@ -190,7 +212,8 @@ def test_bend_of_45_degrees(load):
 # ---------------------------------------------------------------------- torsion
 @pytest.mark.parametrize(("elements", "limit"), [(4, 3.1e-2), (8, 2.3e-3), (16, 1.5e-4)])
 def test_clamped_rod_buckles_under_twist(elements, limit):
-    """Exact M L/EI = 8.98682 (tan(x/2) = x/2, the clamped rod of Greenhill's problem); errors 3.0 %, 0.22 %, 1.4e-4."""
+    """Exact M L/EI = 8.98682 (tan(x/2) = x/2, the clamped rod of Greenhill's problem); errors 3.0 %, 0.22 %,
+    1.4e-4."""
     length, bending, torsional = 2.0, 3.0, 2.5
     case = Case(
         string=[rod(length, elements, 1e5, bending, torsional)],
@@ -221,8 +244,8 @@ def test_clamped_rod_buckles_under_twist(elements, limit):
 
 
 def test_ten_turns_of_torsion_in_one_step():
-    """Twist M L/GJ = 20 pi over 20 elements: pi per element and no branch; linear, so one Newton step (and one to see
-    it)."""
+    """Twist M L/GJ = 20 pi over 20 elements: pi per element and no branch; linear, so one Newton step (and
+    one to see it)."""
     case = Case(
         string=[rod(100.0, 20, 1e8, 1e6, 8e5)],
         top="clamped",
@@ -239,7 +262,8 @@ def test_ten_turns_of_torsion_in_one_step():
 @pytest.mark.parametrize("elements", [10, 40])
 def test_section_change_with_a_point_load(elements):
     """1800 m of pipe over 200 m of collar (EA ratio 4) hung in air, 50 kN pulling down at the junction: tip
-    displacement (w1 L1^2/2 + (w2 L2 + F) L1)/EA1 + w2 L2^2/2 EA2, and the forces beside the junction, to rounding."""
+    displacement (w1 L1^2/2 + (w2 L2 + F) L1)/EA1 + w2 L2^2/2 EA2, and the forces beside the junction, to
+    rounding."""
     g, l1, l2, ea1, ea2, m1, m2, force = 9.81, 1800.0, 200.0, 7e8, 2.8e9, 27.0, 150.0, 5e4
 
     def part(length, axial, bending, mass, count):
@@ -269,7 +293,9 @@ def test_section_change_with_a_point_load(elements):
     here = 9 * elements
     assert cells[here - 1, 5] == pytest.approx(m2 * g * l2 + force, rel=1e-8)
     assert cells[here, 3] == pytest.approx(m2 * g * l2, rel=1e-8)
-    assert model.system.reaction("top.axial_reaction") == pytest.approx(-(m1 * l1 + m2 * l2) * g - force, rel=1e-10)
+    assert model.system.reaction("top.axial_reaction") == pytest.approx(
+        -(m1 * l1 + m2 * l2) * g - force, rel=1e-10
+    )
     assert state.equilibrium.iterations <= 6
 
 
@@ -340,7 +366,10 @@ def test_frequencies_of_a_clamped_free_string(elements):
         held[f.rows] = np.any(f.D != 0, axis=0)
     position, slope, spin = (layout.dofs[f"string.{k}"] for k in ("position", "tangent", "spin"))
     modes = (2 * np.arange(1, 4) - 1) * np.pi / 2 / length
-    beta = [brentq(lambda b: np.cos(b) * np.cosh(b) + 1, *bracket, xtol=1e-14) for bracket in ((1, 3), (4, 6), (7, 9))]
+    beta = [
+        brentq(lambda b: np.cos(b) * np.cosh(b) + 1, *bracket, xtol=1e-14)
+        for bracket in ((1, 3), (4, 6), (7, 9))
+    ]
     exact = (
         modes * np.sqrt(ea / mass),
         modes * np.sqrt(gj / polar),

@@ -1,4 +1,5 @@
-"""What a time step may not do: pass over a failed Newton, over an impact that is to be resolved, over a break; and make energy."""
+"""What a time step may not do: pass over a failed Newton, over an impact that is to be resolved, over a
+break; and make energy."""
 
 from __future__ import annotations
 
@@ -15,11 +16,18 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.output import read_table
 from drillpetsc.solvers.newton import CondensedNewton
 
-WELL = {"survey": {"md": [0, 60], "inclination": ["60 deg", "60 deg"], "azimuth": [0, 0]},
-        "sections": [{"to": 60, "kind": "casing", "diameter": "215.9 mm", "friction": 0.2}]}
-LYING = {"well": WELL, "string": [{"kind": "pipe", "length": "50 m", "od": "127 mm", "id": "108.6 mm"}],
-         "top": {"kind": "top_drive", "rotation": "60 rpm"}, "bottom": "free", "time": {"end": "60 ms"},
-         "output": {"history_every": "1 ms", "field_every": "1 s"}}
+WELL = {
+    "survey": {"md": [0, 60], "inclination": ["60 deg", "60 deg"], "azimuth": [0, 0]},
+    "sections": [{"to": 60, "kind": "casing", "diameter": "215.9 mm", "friction": 0.2}],
+}
+LYING = {
+    "well": WELL,
+    "string": [{"kind": "pipe", "length": "50 m", "od": "127 mm", "id": "108.6 mm"}],
+    "top": {"kind": "top_drive", "rotation": "60 rpm"},
+    "bottom": "free",
+    "time": {"end": "60 ms"},
+    "output": {"history_every": "1 ms", "field_every": "1 s"},
+}
 IMPACT = np.pi * np.sqrt(7850 * np.pi / 4 * (0.127**2 - 0.1086**2) / 1e8)  # t_c = pi sqrt(m'/k')
 
 
@@ -71,7 +79,8 @@ def test_fixed_steps_too_long_for_impacts_are_told(tmp_path, options):
 
 @pytest.mark.parametrize("fixed", [True, False])
 def test_a_failed_newton_is_never_accepted(fixed, tmp_path, options, monkeypatch):
-    """Newton that fails on every step longer than 0.4 ms: all accepted ones are shorter, and the run is done."""
+    """Newton that fails on every step longer than 0.4 ms: all accepted ones are shorter, and the run is
+    done."""
     solve, failed = CondensedNewton.solve, []
 
     def stubborn(self, t, shift):
@@ -92,12 +101,17 @@ def test_a_failed_newton_is_never_accepted(fixed, tmp_path, options, monkeypatch
 
 
 def test_fixed_steps_land_on_breaks(tmp_path, options):
-    """Steps of 7 ms and a rotation that changes its slope at 10 ms: the speed of the top there is exact in every row around it, which it
-    is not when a step reaches over the break."""
+    """Steps of 7 ms and a rotation that changes its slope at 10 ms: the speed of the top there is exact in
+    every row around it, which it is not when a step reaches over the break."""
     options(ts_adapt_type="none", ts_dt=7e-3)
     rotation = {"time": ["0 s", "10 ms", "1 s"], "value": ["60 rpm", "90 rpm", "90 rpm"]}
-    case = {"string": [{"kind": "pipe", "length": "30 m", "od": "127 mm", "id": "108.6 mm"}], "top": {"kind": "top_drive",
-            "rotation": rotation}, "bottom": "free", "time": {"end": "31 ms"}, "output": {"history_every": "1 ms", "field_every": "1 s"}}
+    case = {
+        "string": [{"kind": "pipe", "length": "30 m", "od": "127 mm", "id": "108.6 mm"}],
+        "top": {"kind": "top_drive", "rotation": rotation},
+        "bottom": "free",
+        "time": {"end": "31 ms"},
+        "output": {"history_every": "1 ms", "field_every": "1 s"},
+    }
     (tmp_path / "case.yaml").write_text(yaml.safe_dump(case))
     steps = []
     from drillpetsc.solvers import time_integrator as integrator
@@ -117,17 +131,31 @@ def test_fixed_steps_land_on_breaks(tmp_path, options):
 
 
 def test_energy_out_of_nothing_is_flagged_and_can_stop_the_run(tmp_path, options):
-    """BDF of order 3 is not stable for all undamped waves (its stability region leaves out part of the imaginary axis: Hairer and Wanner,
-    Solving ODEs II, V.1): a string that swings in its own axial waves gains energy.  BDF of order 1 only loses."""
-    case = {"string": [{"kind": "pipe", "length": "100 m", "od": "127 mm", "id": "108.6 mm"}], "top": "clamped",
-            "bottom": {"kind": "force", "force": [0, 0, 1e5]}, "initial": {"from": "rest"}, "time": {"end": "0.3 s"},
-            "output": {"history_every": "5 ms", "field_every": "1 s"}}
+    """BDF of order 3 is not stable for all undamped waves (its stability region leaves out part of the
+    imaginary axis: Hairer and Wanner, Solving ODEs II, V.1): a string that swings in its own axial waves
+    gains energy.  BDF of order 1 only loses."""
+    case = {
+        "string": [{"kind": "pipe", "length": "100 m", "od": "127 mm", "id": "108.6 mm"}],
+        "top": "clamped",
+        "bottom": {"kind": "force", "force": [0, 0, 1e5]},
+        "initial": {"from": "rest"},
+        "time": {"end": "0.3 s"},
+        "output": {"history_every": "5 ms", "field_every": "1 s"},
+    }
     options(ts_adapt_type="none", ts_dt=3e-3, ts_bdf_order=1)
     _, reported = computed(tmp_path, case)
-    assert not reported["energy"]["flag"] and reported["energy"]["gained_share"] < 1e-6 and reported["warnings"] == []
+    assert (
+        not reported["energy"]["flag"]
+        and reported["energy"]["gained_share"] < 1e-6
+        and reported["warnings"] == []
+    )
     options(ts_bdf_order=3)
     history, reported = computed(tmp_path, case, "order3")
-    assert reported["energy"]["flag"] and reported["energy"]["gained_share"] > 0.01 and "gained" in reported["warnings"][0]
+    assert (
+        reported["energy"]["flag"]
+        and reported["energy"]["gained_share"] > 0.01
+        and "gained" in reported["warnings"][0]
+    )
     assert reported["energy"]["gained"] == pytest.approx(history["energy_error [J]"].max())
     options(drillpetsc_stop_on_gain=True)
     with pytest.raises(SolveError, match="gained"):

@@ -1,4 +1,5 @@
-"""Stick-slip of a whole 2000 m string against its waves (characteristics) and against the closed form of one mode."""
+"""Stick-slip of a whole 2000 m string against its waves (characteristics) and against the closed form of one
+mode."""
 
 from __future__ import annotations
 
@@ -15,7 +16,11 @@ from drillpetsc.model.drilling_model import build_model
 from tests.helpers.motion import watched
 
 CASES = Path(__file__).parents[2] / "cases"
-LENGTH, RIGIDITY, PIPE = 2000.0, 9.4156072e5, 7850 * 2 * 5.941888e-6  # m, GJ of 127 x 108.6 mm [N m2], rho J_p [kg m]
+LENGTH, RIGIDITY, PIPE = (
+    2000.0,
+    9.4156072e5,
+    7850 * 2 * 5.941888e-6,
+)  # m, GJ of 127 x 108.6 mm [N m2], rho J_p [kg m]
 BIT, DRAG = 311.8, 0.1  # inertia at the end [kg m2], damping by mass [1/s]
 TURNING, RAMP = 50 * np.pi / 30, 4.0  # of the top [rad/s], time in which it gets there [s]
 STATIC, DYNAMIC, WEAKENING = 10e3, 5e3, 0.1  # torque on bit [N m], speed over which it falls [rad/s]
@@ -24,7 +29,8 @@ TWIST = RIGIDITY / LENGTH  # stiffness of the string [N m/rad]
 
 
 class Cycles(NamedTuple):
-    """loose: times at which the bit breaks loose; slip: how long it turns then [s]; peak: its largest speed then [rad/s]."""
+    """loose: times at which the bit breaks loose; slip: how long it turns then [s]; peak: its largest speed
+    then [rad/s]."""
 
     loose: np.ndarray
     slip: np.ndarray
@@ -48,7 +54,8 @@ def rotation(t: float) -> float:
 
 
 def friction(speed: float) -> tuple[float, float]:
-    """Torque on bit and its slope: the law of shared/model/contact-bit-statics.md 4.4, rounded off at a hundredth of the speed."""
+    """Torque on bit and its slope: the law of shared/model/contact-bit-statics.md 4.4, rounded off at a
+    hundredth of the speed."""
     rounding = WEAKENING / 100
     size = np.hypot(speed, rounding)
     fall = (STATIC - DYNAMIC) * np.exp(-((speed / WEAKENING) ** 2))
@@ -57,10 +64,11 @@ def friction(speed: float) -> tuple[float, float]:
 
 
 def characteristics(end: float, cells: int = 200) -> tuple[np.ndarray, np.ndarray]:
-    """Time and speed of the bit: rho J_p (w_t + d w) = -T_s, T_t = -GJ w_s along s = const +- c t; T: torque handed down.
+    """Time and speed of the bit: rho J_p (w_t + d w) = -T_s, T_t = -GJ w_s along s = const +- c t; T: torque
+    handed down.
 
-    T + Z w goes down and T - Z w up unchanged but for the drag (trapezoidal), the bit's J w' = T - friction by the trapezoidal rule.
-    Second order in the cell; at 200 cells within 5e-4 of the periods of 400.
+    T + Z w goes down and T - Z w up unchanged but for the drag (trapezoidal), the bit's J w' = T - friction
+    by the trapezoidal rule. Second order in the cell; at 200 cells within 5e-4 of the periods of 400.
     """
     h = LENGTH / cells / SPEED
     drag = 0.5 * PIPE * DRAG * h * SPEED
@@ -89,8 +97,8 @@ def characteristics(end: float, cells: int = 200) -> tuple[np.ndarray, np.ndarra
 class OneMode(NamedTuple):
     """Stick-slip in the first mode of the pipe with the bit.
 
-    frequency w [rad/s] from x tan x = rho J_p L/J_bit, x = w L/c; share g = k/(J_eq w^2) of the bit's motion that is in that mode, with
-    J_eq = J_bit + rho J_p L (1/2 - sin 2x/(4x))/sin^2 x.
+    frequency w [rad/s] from x tan x = rho J_p L/J_bit, x = w L/c; share g = k/(J_eq w^2) of the bit's motion
+    that is in that mode, with J_eq = J_bit + rho J_p L (1/2 - sin 2x/(4x))/sin^2 x.
     """
 
     x: float
@@ -104,7 +112,8 @@ class OneMode(NamedTuple):
 
     @property
     def slip(self) -> float:
-        """The twist swings about T_c/k from +A, growing with the top's speed, until it does so again: (pi + 2 a)/w, tan a = W/(w A)."""
+        """The twist swings about T_c/k from +A, growing with the top's speed, until it does so again: (pi + 2
+        a)/w, tan a = W/(w A)."""
         return (np.pi + 2 * np.arctan(TURNING / (self.frequency * self.component))) / self.frequency
 
     @property
@@ -120,8 +129,10 @@ class OneMode(NamedTuple):
     def left_torque(self) -> float:
         """Largest torque of the waves that the slip leaves in the pipe [N m].
 
-        At the end of the slip the twist is that of the mode, -A sin(x s/L)/sin x, which differs from the straight line -A s/L of the stuck
-        pipe: waves between two fixed ends, with the torque k A (1 - x cot x) at the bit at first and after every round trip 2 L/c.
+        At the end of the slip the twist is that of the mode, -A sin(x s/L)/sin x, which differs from the
+        straight line -A s/L of the stuck
+        pipe: waves between two fixed ends, with the torque k A (1 - x cot x) at the bit at first and after
+        every round trip 2 L/c.
         """
         return TWIST * self.component * (1 - self.x / np.tan(self.x))
 
@@ -132,8 +143,13 @@ class OneMode(NamedTuple):
 
     @property
     def uncertain(self) -> float:
-        """What the second mode, shaken by that torque, changes of the slip at its two ends [s]: its speed over the bit's acceleration."""
-        second = brentq(lambda x: x * np.sin(x) - PIPE * LENGTH / BIT * np.cos(x), np.pi, 1.5 * np.pi) * SPEED / LENGTH
+        """What the second mode, shaken by that torque, changes of the slip at its two ends [s]: its speed
+        over the bit's acceleration."""
+        second = (
+            brentq(lambda x: x * np.sin(x) - PIPE * LENGTH / BIT * np.cos(x), np.pi, 1.5 * np.pi)
+            * SPEED
+            / LENGTH
+        )
         return 2 * self.left_torque / (BIT * second) / (self.frequency**2 * self.component)
 
 
@@ -147,7 +163,8 @@ def one_mode(bit: float) -> OneMode:
 
 @pytest.fixture(scope="module")
 def run() -> np.ndarray:
-    """Rows (time, bit speed, torque on bit, weight on bit) of three cycles of cases/stick-slip-2000m.yaml on a coarser mesh."""
+    """Rows (time, bit speed, torque on bit, weight on bit) of three cycles of cases/stick-slip-2000m.yaml on
+    a coarser mesh."""
     case = load_case(CASES / "stick-slip-2000m.yaml", ["string[0].element_length=50 m"])
     model = build_model(case)
     find_equilibrium(model)
@@ -164,7 +181,8 @@ def run() -> np.ndarray:
 
 
 def test_bit_speed_is_that_of_the_torsional_waves(run: np.ndarray) -> None:
-    """Breaking loose, slipping and largest speed of three cycles: mesh and step are felt in the waves' steep fronts."""
+    """Breaking loose, slipping and largest speed of three cycles: mesh and step are felt in the waves' steep
+    fronts."""
     ours, waves = cycles(run[:, 0], run[:, 1]), cycles(*characteristics(25.0))
     assert len(waves.loose) == 3
     assert ours.loose == pytest.approx(waves.loose, abs=0.03)
@@ -173,7 +191,8 @@ def test_bit_speed_is_that_of_the_torsional_waves(run: np.ndarray) -> None:
 
 
 def test_first_slip_is_that_of_one_mode(run: np.ndarray) -> None:
-    """Out of a straight twist: only the first mode slips; of the lumped inertia the third of the pipe's belongs to the bit.
+    """Out of a straight twist: only the first mode slips; of the lumped inertia the third of the pipe's
+    belongs to the bit.
 
     Twice the weakening's width is passed after w/(rate of w) = 0.2/13 s and so long before the end.
     """
@@ -192,7 +211,8 @@ def test_period_is_that_of_one_mode_and_the_waves_it_leaves(run: np.ndarray) -> 
 
 
 def test_bit_sticks_does_not_turn_back_and_carries_the_weight(run: np.ndarray) -> None:
-    """Stuck it creeps at eps T/sqrt(T_s^2 - T^2) for T < T_s, eps = 1e-3 rad/s; the torque never exceeds the static one."""
+    """Stuck it creeps at eps T/sqrt(T_s^2 - T^2) for T < T_s, eps = 1e-3 rad/s; the torque never exceeds the
+    static one."""
     speed, torque, weight = run[:, 1:].T
     ours = cycles(run[:, 0], speed)
     for stop, loose in zip(ours.loose[:2] + ours.slip[:2], ours.loose[1:], strict=True):

@@ -37,7 +37,8 @@ class HeldTop(Block):
 
 
 class DrivenTop(Block):
-    """A rotary drive with its own inertia, held at `rotation` by a spring and a damper (PI control); clamped otherwise.
+    """A rotary drive with its own inertia, held at `rotation` by a spring and a damper (PI control); clamped
+    otherwise.
 
     torque on the drive = stiffness * (prescribed angle - angle) + damping * (prescribed speed - speed).
     """
@@ -69,7 +70,8 @@ class TopDrive(Block):
     rotation: RotationSpeed = Field(default=_ZERO, description=_ROTATION)
     lowering: Speed = Field(default=_ZERO, description=_LOWERING)
     force: Annotated[TimeFunction, OverTime("N")] | None = Field(
-        default=None, description="axial force at the top over time [N], positive in pull, instead of a lowering"
+        default=None,
+        description="axial force at the top over time [N], positive in pull, instead of a lowering",
     )
 
     @model_validator(mode="after")
@@ -93,7 +95,9 @@ class ForcedBottom(Block):
 
     kind: Literal["force"] = Field(description="a given force and moment")
     force: Force = Field(default=(0.0, 0.0, 0.0), description="force on the string [N], north, east, down")
-    moment: Moment = Field(default=(0.0, 0.0, 0.0), description="moment on the string [N m], north, east, down")
+    moment: Moment = Field(
+        default=(0.0, 0.0, 0.0), description="moment on the string [N m], north, east, down"
+    )
     plugged: Plugged = Field(default=False, description=_PLUGGED)
 
 
@@ -101,20 +105,26 @@ class BitBottom(Block):
     """A bit that stands on the end of the hole."""
 
     kind: Literal["bit"] = Field(description="a bit on the end of the hole")
-    stiffness: Annotated[float, Quantity("N/m", above=0)] = Field(default=1e8, description="contact stiffness [N/m]")
+    stiffness: Annotated[float, Quantity("N/m", above=0)] = Field(
+        default=1e8, description="contact stiffness [N/m]"
+    )
     friction: Friction = Field(default=0.3, description="friction coefficient of the face on the rock [-]")
     plugged: Plugged = Field(default=False, description=_PLUGGED)
 
 
 _top, _top_tag = tagged_union(HeldTop, DrivenTop, TopDrive, short=("clamped", "pinned", "free"))
-_bottom, _bottom_tag = tagged_union(HeldBottom, ForcedBottom, BitBottom, short=("free", "pinned", "clamped", "bit"))
+_bottom, _bottom_tag = tagged_union(
+    HeldBottom, ForcedBottom, BitBottom, short=("free", "pinned", "clamped", "bit")
+)
 
 Top = Annotated[
     Annotated[HeldTop, Tag("kind:HeldTop")]
     | Annotated[DrivenTop, Tag("kind:DrivenTop")]
     | Annotated[TopDrive, Tag("kind:TopDrive")],
     Discriminator(_top_tag),
-    BeforeValidator(_top, json_schema_input_type=Literal["clamped", "pinned", "free"] | HeldTop | DrivenTop | TopDrive),
+    BeforeValidator(
+        _top, json_schema_input_type=Literal["clamped", "pinned", "free"] | HeldTop | DrivenTop | TopDrive
+    ),
 ]
 
 Bottom = Annotated[
@@ -124,7 +134,10 @@ Bottom = Annotated[
     Discriminator(_bottom_tag),
     BeforeValidator(
         _bottom,
-        json_schema_input_type=Literal["free", "pinned", "clamped", "bit"] | HeldBottom | ForcedBottom | BitBottom,
+        json_schema_input_type=Literal["free", "pinned", "clamped", "bit"]
+        | HeldBottom
+        | ForcedBottom
+        | BitBottom,
     ),
 ]
 
@@ -180,7 +193,9 @@ def _load(value: Any) -> Any:
     if isinstance(value, Load):
         return value
     if not isinstance(value, dict):
-        raise refuse(got=value, want="a mapping {at: ..., force: [...]} or {from: ..., to: ..., force: [...]}")
+        raise refuse(
+            got=value, want="a mapping {at: ..., force: [...]} or {from: ..., to: ..., force: [...]}"
+        )
     if "at" in value and ("from" in value or "to" in value):
         raise refuse("at", got=value["at"], want="either at (a point) or from and to (distributed)")
     if not {"at", "from", "from_", "to"} & set(value):

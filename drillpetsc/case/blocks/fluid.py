@@ -53,7 +53,9 @@ class PowerLaw(Rheology):
 class WithYieldStress(Rheology):
     """What the models with a yield stress have in common."""
 
-    later_values: ClassVar[dict[str, tuple[str, ...]]] = {"law": ("api",)}  # its formulas are those of a power law
+    later_values: ClassVar[dict[str, tuple[str, ...]]] = {
+        "law": ("api",)
+    }  # its formulas are those of a power law
 
     law: Literal["blend", "exact"] = Field(
         default="blend",
@@ -106,7 +108,8 @@ def flow_constants(rheology: Rheology) -> tuple[float, float, float]:
     """(consistency [Pa s^n], index n [-], yield stress [Pa]) of any model, as if it were Herschel-Bulkley's.
 
     stress = yield stress + consistency * shear rate^n holds for all but casson, whose sqrt(stress) is
-    sqrt(yield stress) + sqrt(consistency * shear rate): its plastic viscosity stands as the consistency, with n = 1.
+    sqrt(yield stress) + sqrt(consistency * shear rate): its plastic viscosity stands as the consistency, with
+    n = 1.
     """
     if isinstance(rheology, Newtonian):
         return rheology.viscosity, 1.0, 0.0
@@ -158,13 +161,16 @@ class Fluid(Block):
         "0 when neither this nor a pump_pressure is given"
     )
     pump_pressure: Annotated[TimeFunction, OverTime("Pa")] | None = Field(
-        default=None, description="gauge pressure at the string's upper end over time [Pa], instead of a flow_rate"
+        default=None,
+        description="gauge pressure at the string's upper end over time [Pa], instead of a flow_rate",
     )
     outlet_pressure: Annotated[TimeFunction, OverTime("Pa")] = Field(
         default=Constant(0.0),
         description="gauge pressure at the flow line, or without an annulus at the string's lower end, over time [Pa]",
     )
-    choke: Choke | None = Field(default=None, description="a valve between annulus and outlet; none when not given")
+    choke: Choke | None = Field(
+        default=None, description="a valve between annulus and outlet; none when not given"
+    )
     flow_line: Annotated[float, Quantity("m", at_most=50e3)] = Field(
         default=0.0, description="depth of the flow line below the rotary table, straight down [m]"
     )
@@ -208,7 +214,8 @@ class Fluid(Block):
         "1 rad/s when that does not turn"
     )
     clinging: Annotated[float, Quantity("", at_least=0, at_most=1)] = Field(
-        default=0.45, description="part of the string's axial speed that the fluid in the annulus takes on [-]"
+        default=0.45,
+        description="part of the string's axial speed that the fluid in the annulus takes on [-]",
     )
     rotation_drag: bool = Field(
         default=False, strict=True, description="viscous torque of the annulus fluid on the turning string"
@@ -219,7 +226,11 @@ class Fluid(Block):
         "returned: the rock goes up with the fluid, which keeps its volume (needs a formation)",
     )
 
-    @field_validator("added_mass", mode="plain", json_schema_input_type=Literal["confined", "eccentric", "paper_plug", "none"] | float)
+    @field_validator(
+        "added_mass",
+        mode="plain",
+        json_schema_input_type=Literal["confined", "eccentric", "paper_plug", "none"] | float,
+    )
     @classmethod
     def _added_mass(cls, value: Any) -> Any:
         return _word_or_number(value, ("confined", "eccentric", "paper_plug"), ADDED_MASS)

@@ -15,29 +15,52 @@ from drillpetsc.case.quantities import Quantity
 
 Drillability = Annotated[float, Quantity("m/(s N)", at_least=0, at_most=1e-3)]
 BitAnisotropy = Annotated[
-    float, Quantity("", above=0, at_most=1, why="drillability sideways of the bit over that ahead of it; at 1 it cuts all ways alike")
+    float,
+    Quantity(
+        "",
+        above=0,
+        at_most=1,
+        why="drillability sideways of the bit over that ahead of it; at 1 it cuts all ways alike",
+    ),
 ]
 RotaryExponent = Annotated[float, Quantity("", at_least=0, at_most=3)]
 WeightExponent = Annotated[float, Quantity("", at_least=0.1, at_most=4)]
 Threshold = Annotated[float, Quantity("N", at_least=0)]
-Index = Annotated[float, Quantity("", above=0, at_most=2, why="drillability along the bedding over that across it; mostly 0.9 to 1.1")]
+Index = Annotated[
+    float,
+    Quantity(
+        "", above=0, at_most=2, why="drillability along the bedding over that across it; mostly 0.9 to 1.1"
+    ),
+]
 Depth = Annotated[float, Quantity("m", at_least=0, at_most=50e3)]
 Stiffness = Annotated[float, Quantity("N/m", above=0)] | None
 
 SAME_DEPTH = 1e-6  # [m] between the end of a layer and the beginning of the next
-OF_A_LAYER = ("drillability", "bit_anisotropy", "rock_anisotropy", "rotary_exponent", "weight_exponent", "threshold")
+OF_A_LAYER = (
+    "drillability",
+    "bit_anisotropy",
+    "rock_anisotropy",
+    "rotary_exponent",
+    "weight_exponent",
+    "threshold",
+)
 
-_DRILLABILITY = "rate of penetration over force, at reference_speed and reference_weight [m/(s N)]; 0 cannot be drilled"
+_DRILLABILITY = (
+    "rate of penetration over force, at reference_speed and reference_weight [m/(s N)]; 0 cannot be drilled"
+)
 _BIT = "drillability sideways of the bit over that ahead of it [-]"
 _ROCK = "bedding of the rock"
 _ROTARY = "exponent of the rotation speed over reference_speed [-]"
 _WEIGHT = "exponent of the weight on bit over reference_weight in the rate of penetration [-]"
 _THRESHOLD = "weight on bit below which nothing is cut [N]"
-_STIFFNESS = "contact stiffness of bit on rock [N/m]; the same thing as bottom.stiffness, which takes this value"
+_STIFFNESS = (
+    "contact stiffness of bit on rock [N/m]; the same thing as bottom.stiffness, which takes this value"
+)
 
 
 class RockAnisotropy(Block):
-    """Rock in beds: M_r = n n^T + index_dip d d^T + index_strike s s^T, n across the bedding, d down dip, s along strike."""
+    """Rock in beds: M_r = n n^T + index_dip d d^T + index_strike s s^T, n across the bedding, d down dip, s
+    along strike."""
 
     dip: Annotated[float, Quantity("rad", at_least=0, at_most=math.pi / 2)] = Field(
         default=0.0, description="angle of the bedding from the horizontal [rad]"
@@ -45,8 +68,12 @@ class RockAnisotropy(Block):
     dip_azimuth: Annotated[float, Quantity("rad", at_least=-2 * math.pi, at_most=2 * math.pi)] = Field(
         default=0.0, description="azimuth, from north over east, in which the bedding goes down [rad]"
     )
-    index_dip: Index = Field(default=1.0, description="drillability down dip over that across the bedding [-]")
-    index_strike: Index = Field(default=1.0, description="drillability along strike over that across the bedding [-]")
+    index_dip: Index = Field(
+        default=1.0, description="drillability down dip over that across the bedding [-]"
+    )
+    index_strike: Index = Field(
+        default=1.0, description="drillability along strike over that across the bedding [-]"
+    )
 
 
 class Layer(Block):
@@ -73,7 +100,8 @@ class RopLaw(Block):
 
 
 class DragBit(Block):
-    """Blades that cut and rub (Detournay and Defourny), each in the groove that the blade before it has left."""
+    """Blades that cut and rub (Detournay and Defourny), each in the groove that the blade before it has
+    left."""
 
     kind: Literal["drag_bit"] = Field(description="blades that cut and rub")
     blades: int = Field(default=4, ge=1, le=20, strict=True, description="number of blades [-]")
@@ -90,7 +118,8 @@ class DragBit(Block):
         default=1.2e-3, description="width of all wear flats together [m]; 0 for a sharp bit"
     )
     friction: Friction = Field(
-        default=0.6, description="friction of the wear flats times the factor of the bit's shape, mu gamma [-]"
+        default=0.6,
+        description="friction of the wear flats times the factor of the bit's shape, mu gamma [-]",
     )
     stiffness: Stiffness = Field(default=None, description=_STIFFNESS)
 
@@ -106,10 +135,12 @@ class VelocityWeakening(Block):
         default=None, description="torque at high speed [N m]"
     )
     static_friction: Friction | None = Field(
-        default=None, description="instead of static: that torque over weight on bit times 2/3 of the bit's radius [-]"
+        default=None,
+        description="instead of static: that torque over weight on bit times 2/3 of the bit's radius [-]",
     )
     dynamic_friction: Friction | None = Field(
-        default=None, description="instead of dynamic: that torque over weight on bit times 2/3 of the bit's radius [-]"
+        default=None,
+        description="instead of dynamic: that torque over weight on bit times 2/3 of the bit's radius [-]",
     )
     speed: Annotated[float, Quantity("rad/s", above=0)] = Field(
         description="rotation speed over which the torque falls [rad/s]"
@@ -119,7 +150,9 @@ class VelocityWeakening(Block):
     @model_validator(mode="after")
     def _one_pair(self) -> VelocityWeakening:
         torques, frictions = ("static", "dynamic"), ("static_friction", "dynamic_friction")
-        of_torques, of_frictions = ([key for key in keys if getattr(self, key) is not None] for keys in (torques, frictions))
+        of_torques, of_frictions = (
+            [key for key in keys if getattr(self, key) is not None] for keys in (torques, frictions)
+        )
         want = "static and dynamic (torques), or static_friction and dynamic_friction (over the weight on bit): one of the two pairs"
         if of_torques and of_frictions:
             raise refuse(of_frictions[0], got=getattr(self, of_frictions[0]), want=want)
@@ -141,7 +174,9 @@ BitLaw = Annotated[
     | Annotated[DragBit, Tag("kind:DragBit")]
     | Annotated[VelocityWeakening, Tag("kind:VelocityWeakening")],
     Discriminator(_law_tag),
-    BeforeValidator(_law, json_schema_input_type=Literal["rop", "drag_bit"] | RopLaw | DragBit | VelocityWeakening),
+    BeforeValidator(
+        _law, json_schema_input_type=Literal["rop", "drag_bit"] | RopLaw | DragBit | VelocityWeakening
+    ),
 ]
 
 
@@ -161,10 +196,12 @@ class Formation(Block):
         default=1e5, description="weight on bit of the drillability [N]"
     )
     walk: Annotated[float, Quantity("rad", at_least=-math.pi / 4, at_most=math.pi / 4)] = Field(
-        default=0.0, description="angle about the bit's axis by which the bit moves beside the side force [rad]"
+        default=0.0,
+        description="angle about the bit's axis by which the bit moves beside the side force [rad]",
     )
     overgauge: Annotated[float, Quantity("m")] = Field(
-        default=0.0, description="radius of the new hole less that of the bit [m]; negative for an under-gauge hole"
+        default=0.0,
+        description="radius of the new hole less that of the bit [m]; negative for an under-gauge hole",
     )
     growth: Literal["state", "post_step"] = Field(
         default="state",
@@ -178,7 +215,8 @@ class Formation(Block):
         default=0.5, description="distance between stations of the new hole [m]"
     )
     layers: tuple[Layer, ...] = Field(
-        default=(), description="other rock, from the first layer down; above it the values of this block hold"
+        default=(),
+        description="other rock, from the first layer down; above it the values of this block hold",
     )
     bit_law: BitLaw = Field(default=RopLaw(kind="rop"), description="torque and weight of the bit as it cuts")
 
@@ -190,7 +228,8 @@ class Formation(Block):
         return self
 
     def _settled_layers(self) -> tuple[Layer, ...]:
-        """The layers with all values filled in; below a last one that ends, one more with the formation's own values."""
+        """The layers with all values filled in; below a last one that ends, one more with the formation's own
+        values."""
         whole: list[Layer] = []
         for i, layer in enumerate(self.layers):
             end = self.layers[i + 1].from_ if i + 1 < len(self.layers) else layer.to
@@ -205,7 +244,8 @@ class Formation(Block):
         return tuple(whole)
 
     def rock_at(self, md: float) -> Formation | Layer:
-        """What holds the drillability, the anisotropies, the exponents and the threshold at the measured depth md [m]."""
+        """What holds the drillability, the anisotropies, the exponents and the threshold at the measured
+        depth md [m]."""
         return next((layer for layer in reversed(self.layers) if md >= layer.from_), self)
 
 
@@ -221,15 +261,21 @@ def _check_depths(layers: tuple[Layer, ...]) -> None:
         if layer.to is None or abs(below.from_ - layer.to) <= SAME_DEPTH:
             continue
         ends = f"{min(layer.to, below.from_):g} m to {max(layer.to, below.from_):g} m"
-        gap = f"formation gap: no rock from {ends}" if below.from_ > layer.to else f"formation overlap: two layers from {ends}"
-        raise refuse("layers", i, "from", got=below.from_, want=f"{layer.to:g} m, where the layer above ends", hint=gap)
+        gap = (
+            f"formation gap: no rock from {ends}"
+            if below.from_ > layer.to
+            else f"formation overlap: two layers from {ends}"
+        )
+        raise refuse(
+            "layers", i, "from", got=below.from_, want=f"{layer.to:g} m, where the layer above ends", hint=gap
+        )
 
 
 def largest_turn_of_rock(rock: RockAnisotropy) -> float:
     """Largest angle [rad] between a vector x and M_r x.
 
-    For a symmetric positive definite matrix of condition number k it is arcsin((k - 1)/(k + 1)), in the plane of the
-    extreme eigenvectors (Gustafson and Rao, Numerical Range, 1997: the antieigenvalue).
+    For a symmetric positive definite matrix of condition number k it is arcsin((k - 1)/(k + 1)), in the plane
+    of the extreme eigenvectors (Gustafson and Rao, Numerical Range, 1997: the antieigenvalue).
     """
     indices = (1.0, rock.index_dip, rock.index_strike)
     ratio = max(indices) / min(indices)
@@ -237,11 +283,13 @@ def largest_turn_of_rock(rock: RockAnisotropy) -> float:
 
 
 def largest_turn_of_bit(sideways: float, walk: float) -> float:
-    """Largest angle [rad] between x and M_b x, M_b = e e^T + I W (1 - e e^T), W turning by the walk about e; I in (0, 1].
+    """Largest angle [rad] between x and M_b x, M_b = e e^T + I W (1 - e e^T), W turning by the walk about e;
+    I in (0, 1].
 
     With u = (part of x across e)^2 / (part along e)^2 and c = cos(walk) the cosine of the angle is
     (1 + I c u) / sqrt((1 + u)(1 + I^2 u)). Its one stationary point is the minimum
-    u = (1 + I^2 - 2 I c) / (I (c (1 + I^2) - 2 I)); where that is not positive, the cosine falls to c at u = infinity.
+    u = (1 + I^2 - 2 I c) / (I (c (1 + I^2) - 2 I)); where that is not positive, the cosine falls to c at u =
+    infinity.
     """
     c, square = math.cos(walk), sideways**2
     slope = c * (1 + square) - 2 * sideways
@@ -252,11 +300,12 @@ def largest_turn_of_bit(sideways: float, walk: float) -> float:
 
 
 def check_turning(sideways: float, rock: RockAnisotropy, walk: float, at: tuple[str | int, ...]) -> None:
-    """Refuses rock and bit of which the symmetric part of M_r M_b is not positive definite for every axis of the bit.
+    """Refuses rock and bit of which the symmetric part of M_r M_b is not positive definite for every axis of
+    the bit.
 
-    x . M_r M_b x = (M_r x) . (M_b x) is positive for all x as long as M_r x and M_b x are less than a right angle apart.
-    As the bit's axis may have any direction, both largest turns can happen to one x in one plane, away from each other:
-    so their sum must be below a right angle.
+    x . M_r M_b x = (M_r x) . (M_b x) is positive for all x as long as M_r x and M_b x are less than a right
+    angle apart. As the bit's axis may have any direction, both largest turns can happen to one x in one
+    plane, away from each other: so their sum must be below a right angle.
     """
     bit = largest_turn_of_bit(sideways, walk)
     if largest_turn_of_rock(rock) + bit < math.pi / 2:

@@ -17,11 +17,18 @@ if TYPE_CHECKING:
 
 TOLERANCE = 1e-6  # [m] depths closer than this are one
 _SLIDER = ("slider",)
-_KINDS_OF = {"axis": ("revolute", "universal"), "spring": _SLIDER, "damping": _SLIDER, "stroke": _SLIDER, "stop_stiffness": _SLIDER}
+_KINDS_OF = {
+    "axis": ("revolute", "universal"),
+    "spring": _SLIDER,
+    "damping": _SLIDER,
+    "stroke": _SLIDER,
+    "stop_stiffness": _SLIDER,
+}
 
 
 class Joint(Block):
-    """A joint at one measured depth; it has no length and no mass. Rigid items (`{kind: body}`) beside it give it both."""
+    """A joint at one measured depth; it has no length and no mass. Rigid items (`{kind: body}`) beside it
+    give it both."""
 
     kind: Literal["fixed", "revolute", "universal", "slider"] = Field(
         description="fixed: nothing moves; revolute: a hinge about one axis; universal: bends both ways and carries torque, as a Hooke "
@@ -38,13 +45,20 @@ class Joint(Block):
         description="position: the parts fit in place (index 3); stabilised: their velocities fit as well (Gear, Gupta and "
         "Leimkuhler; index 2)",
     )
-    spring: Annotated[float, Quantity("N/m", at_least=0)] = Field(default=0.0, description="stiffness along a slider [N/m] (shock sub)")
-    damping: Annotated[float, Quantity("N s/m", at_least=0)] = Field(default=0.0, description="damping along a slider [N s/m]")
-    stroke: tuple[Annotated[float, Quantity("m")], Annotated[float, Quantity("m")]] | None = Field(
-        default=None, description="least and largest travel of a slider between its stops [m], 0 as the string is given; "
-        "no stops when not given"
+    spring: Annotated[float, Quantity("N/m", at_least=0)] = Field(
+        default=0.0, description="stiffness along a slider [N/m] (shock sub)"
     )
-    stop_stiffness: Annotated[float, Quantity("N/m", above=0)] = Field(default=1e8, description="stiffness of a slider's stops [N/m]")
+    damping: Annotated[float, Quantity("N s/m", at_least=0)] = Field(
+        default=0.0, description="damping along a slider [N s/m]"
+    )
+    stroke: tuple[Annotated[float, Quantity("m")], Annotated[float, Quantity("m")]] | None = Field(
+        default=None,
+        description="least and largest travel of a slider between its stops [m], 0 as the string is given; "
+        "no stops when not given",
+    )
+    stop_stiffness: Annotated[float, Quantity("N/m", above=0)] = Field(
+        default=1e8, description="stiffness of a slider's stops [N/m]"
+    )
 
     @model_validator(mode="after")
     def _fits_its_kind(self) -> Joint:
@@ -62,7 +76,8 @@ class Joint(Block):
 
     @property
     def axes(self) -> tuple[tuple[float, float, float], ...]:
-        """(3, 3) orthonormal rows in (tangent, director 2, director 3): the axis first; for a universal joint, second the pin below."""
+        """(3, 3) orthonormal rows in (tangent, director 2, director 3): the axis first; for a universal
+        joint, second the pin below."""
         x, y, z = (q / math.hypot(*self.axis) for q in self.axis)
         if self.kind in ("fixed", "slider"):
             return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
@@ -82,14 +97,33 @@ def check_joints(case: Case) -> None:
     seen: dict[float, int] = {}
     for i, joint in enumerate(case.joints):
         if case.hold_string:
-            raise refuse("joints", i, got=joint.kind, want="no joints in a string that hold_string keeps still")
+            raise refuse(
+                "joints", i, got=joint.kind, want="no joints in a string that hold_string keeps still"
+            )
         if case.fluid is not None:
-            raise refuse("joints", i, got=joint.kind, want="no joints in a scene with a fluid (not available in this version)")
+            raise refuse(
+                "joints",
+                i,
+                got=joint.kind,
+                want="no joints in a scene with a fluid (not available in this version)",
+            )
         if not TOLERANCE < joint.at < end - TOLERANCE:
-            raise refuse("joints", i, "at", got=joint.at, want=f"a measured depth inside the string, between 0 and {end:g} m")
+            raise refuse(
+                "joints",
+                i,
+                "at",
+                got=joint.at,
+                want=f"a measured depth inside the string, between 0 and {end:g} m",
+            )
         for other, k in seen.items():
             if abs(other - joint.at) <= TOLERANCE:
-                raise refuse("joints", i, "at", got=joint.at, want=f"another depth than that of joints[{k}]: one joint at a place")
+                raise refuse(
+                    "joints",
+                    i,
+                    "at",
+                    got=joint.at,
+                    want=f"another depth than that of joints[{k}]: one joint at a place",
+                )
         seen[joint.at] = i
         for k, (item, (above, below)) in enumerate(zip(case.string, case.item_depths, strict=True)):
             if not isinstance(item, Flexible) and above + TOLERANCE < joint.at < below - TOLERANCE:
@@ -102,12 +136,27 @@ def _no_loose_item(case: Case) -> None:
     """Rigid items alone between joints, or between one and an end, need a mass and inertia of their own."""
     marks = [0.0, *sorted(joint.at for joint in case.joints), case.string_length]
     for above, below in zip(marks, marks[1:], strict=False):
-        inside = [i for i, (a, b) in enumerate(case.item_depths) if b > above + TOLERANCE and a < below - TOLERANCE]
+        inside = [
+            i for i, (a, b) in enumerate(case.item_depths) if b > above + TOLERANCE and a < below - TOLERANCE
+        ]
         if len(marks) == 2 or any(isinstance(case.string[i], Flexible) for i in inside):
             continue
         for i, joint in enumerate(case.joints):
             if joint.at == below and joint.constraint == "stabilised":
                 want = "constraint: position, or a pipe or beam above the joint"
-                raise refuse("joints", i, "constraint", got=joint.constraint, want=want, hint="only rigid items hang above it")
+                raise refuse(
+                    "joints",
+                    i,
+                    "constraint",
+                    got=joint.constraint,
+                    want=want,
+                    hint="only rigid items hang above it",
+                )
         if all(case.string[i].mass == 0 for i in inside):  # type: ignore[union-attr]
-            raise refuse("string", inside[0], "mass", got=0.0, want="a mass: only rigid items hang between the joints here")
+            raise refuse(
+                "string",
+                inside[0],
+                "mass",
+                got=0.0,
+                want="a mass: only rigid items hang between the joints here",
+            )

@@ -33,7 +33,9 @@ class BeamTheory(Block):
     @model_validator(mode="after")
     def _settled(self) -> BeamTheory:
         if self.formulation == "ancf" and self.constraint is not None:
-            raise refuse("constraint", got=self.constraint, want="no constraint unless formulation is quaternion")
+            raise refuse(
+                "constraint", got=self.constraint, want="no constraint unless formulation is quaternion"
+            )
         if self.formulation == "quaternion" and self.constraint is None:
             self.fill_defaults(constraint="index3")
         return self
@@ -54,7 +56,8 @@ class Initial(Block):
     inclination: Angle = Field(default=0.0, description="inclination of a string without a well [rad]")
     azimuth: Angle = Field(default=0.0, description="azimuth of a string without a well [rad]")
     imperfection: Annotated[float, Quantity("", at_least=0, at_most=1)] = Field(
-        default=1e-3, description="sideways load as a fraction of the weight [-], to leave an unstable equilibrium"
+        default=1e-3,
+        description="sideways load as a fraction of the weight [-], to leave an unstable equilibrium",
     )
 
     @field_validator("from_", mode="before")
@@ -88,7 +91,8 @@ class Time(Block):
         description="dynamic: with inertia; quasi_static: string and fluid in equilibrium at every moment, while the hole grows",
     )
     step: Annotated[float, Quantity("s", above=0)] | None = Field(
-        default=None, description="first and largest step of a quasi-static run [s]; the solver's choice when not given"
+        default=None,
+        description="first and largest step of a quasi-static run [s]; the solver's choice when not given",
     )
 
     @model_validator(mode="after")
@@ -116,8 +120,11 @@ class Output(Block):
     field_every: Interval = derived_default(
         "interval of the string's pictures [s]; end/100, not below history_every, when not given"
     )
-    probes: Annotated[tuple[Annotated[float, Quantity("m", at_least=0)], ...], BeforeValidator(as_list)] = Field(
-        default=(), description="measured depths along the string [m] that get their own columns in probes.csv"
+    probes: Annotated[tuple[Annotated[float, Quantity("m", at_least=0)], ...], BeforeValidator(as_list)] = (
+        Field(
+            default=(),
+            description="measured depths along the string [m] that get their own columns in probes.csv",
+        )
     )
     checkpoint_every: Interval = derived_default("interval of checkpoint.h5 [s]; end/10 when not given")
 
@@ -126,7 +133,9 @@ class Output(Block):
         names = [f"{probe:g}" for probe in self.probes]
         for i, name in enumerate(names):
             if name in names[:i]:
-                raise refuse("probes", i, got=self.probes[i], want=f"probes at different depths; {name} m stands twice")
+                raise refuse(
+                    "probes", i, got=self.probes[i], want=f"probes at different depths; {name} m stands twice"
+                )
         return self
 
     def settled(self, end: float, fast: bool = True) -> Output:

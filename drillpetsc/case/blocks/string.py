@@ -53,7 +53,9 @@ class Material(Block):
 class Bend(Block):
     """A kink at the upper end of an item (bent sub)."""
 
-    angle: Annotated[float, Quantity("rad", at_least=0, at_most=math.pi / 2)] = Field(description="bend angle [rad]")
+    angle: Annotated[float, Quantity("rad", at_least=0, at_most=math.pi / 2)] = Field(
+        description="bend angle [rad]"
+    )
     tool_face: Angle = Field(
         default=0.0, description="direction of the bend about the axis, in the item's section [rad]"
     )
@@ -70,7 +72,9 @@ class ItemInitial(Block):
 class Inertia(Block):
     """Moments of inertia of a rigid item about its centre of gravity; a hollow cylinder's when not given."""
 
-    axial: Annotated[float, Quantity("kg m^2", at_least=0)] = derived_default("about the string's axis [kg m2]")
+    axial: Annotated[float, Quantity("kg m^2", at_least=0)] = derived_default(
+        "about the string's axis [kg m2]"
+    )
     transverse: Annotated[float, Quantity("kg m^2", at_least=0)] = derived_default(
         "about an axis across the string through the centre of gravity [kg m2]"
     )
@@ -92,7 +96,11 @@ class Item(Block):
         if outer is not None and inner >= outer:
             raise refuse("id", got=inner, want=f"an inner diameter below the outer, {outer:g} m")
         if outer is not None and inner > outer * (1 - THINNEST):
-            raise refuse("id", got=inner, want=f"a wall of at least {THINNEST / 2 * outer:g} m inside the outer diameter, {outer:g} m")
+            raise refuse(
+                "id",
+                got=inner,
+                want=f"a wall of at least {THINNEST / 2 * outer:g} m inside the outer diameter, {outer:g} m",
+            )
         if 0 < inner < NARROWEST:
             raise refuse("id", got=inner, want=f"0 (solid), or an inner diameter of at least {NARROWEST:g} m")
         if outer is None and inner:
@@ -110,7 +118,9 @@ class Flexible(Item):
         default=10.0, description="aimed length of an element [m]; rounded so that elements fit the item"
     )
     eccentricity: Offset = Field(default=0.0, description="offset of the mass centre from the axis [m]")
-    eccentricity_angle: Angle = Field(default=0.0, description="direction of the eccentricity in the section [rad]")
+    eccentricity_angle: Angle = Field(
+        default=0.0, description="direction of the eccentricity in the section [rad]"
+    )
     curvature: Annotated[float, Quantity("1/m", at_least=0, at_most=100)] = Field(
         default=0.0, description="stress-free curvature [1/m]"
     )
@@ -124,7 +134,9 @@ class Flexible(Item):
     def _mass_centre_inside(self) -> Flexible:
         outer = getattr(self, "od", None)
         if outer is not None and self.eccentricity > outer / 2:
-            raise refuse("eccentricity", got=self.eccentricity, want=f"at most the outer radius, {outer / 2:g} m")
+            raise refuse(
+                "eccentricity", got=self.eccentricity, want=f"at most the outer radius, {outer / 2:g} m"
+            )
         return self
 
 
@@ -148,7 +160,9 @@ class Beam(Flexible):
     polar_inertia: Annotated[float, Quantity("kg m", above=0)] = Field(
         description="polar mass moment of inertia per length [kg m]"
     )
-    od: Diameter | None = Field(default=None, description="outer diameter [m]; needed in a well and with a fluid")
+    od: Diameter | None = Field(
+        default=None, description="outer diameter [m]; needed in a well and with a fluid"
+    )
     id: Bore = Field(default=0.0, description="inner diameter [m]")
     damping: Damping = derived_default("damping; keys left out are the case's material.damping")
 
@@ -171,7 +185,9 @@ class Rigid(Item):
         "[m] below the item's upper end along the axis, or [along the axis, two offsets across it]; "
         "half the length when not given"
     )
-    material: Material = derived_default("material of this item (for its density); keys left out are the case's")
+    material: Material = derived_default(
+        "material of this item (for its density); keys left out are the case's"
+    )
 
     @model_validator(mode="after")
     def _mass_known(self) -> Rigid:
@@ -205,7 +221,8 @@ class Bit(Rigid):
     length: RigidLength = Field(description="length [m]")
     od: Diameter = Field(description="diameter of the bit [m]")
     nozzle_area: Annotated[float, Quantity("m^2", above=0, at_most=0.1)] | None = Field(
-        default=None, description="total flow area of the nozzles [m2] (used by a fluid); the open bore when not given"
+        default=None,
+        description="total flow area of the nozzles [m2] (used by a fluid); the open bore when not given",
     )
 
 

@@ -26,8 +26,8 @@ class Survey(Block):
     inclination: tuple[Annotated[float, Quantity("rad", at_least=0, at_most=math.pi)], ...] = Field(
         description="inclinations from the vertical [rad]"
     )
-    azimuth: tuple[Annotated[float, Quantity("rad", at_least=-2 * math.pi, at_most=2 * math.pi)], ...] = Field(
-        description="azimuths from north over east [rad]"
+    azimuth: tuple[Annotated[float, Quantity("rad", at_least=-2 * math.pi, at_most=2 * math.pi)], ...] = (
+        Field(description="azimuths from north over east [rad]")
     )
 
     @model_validator(mode="after")
@@ -70,14 +70,19 @@ class Section(Block):
 
     later_keys: ClassVar[tuple[str, ...]] = ("roughness",)
 
-    to: Annotated[float, Quantity("m", above=0, at_most=50e3), WrapValidator(_depth_or_end)] = derived_default(
-        "measured depth of its lower end [m]; for the last section `end`, or nothing: the last station of the survey"
+    to: Annotated[float, Quantity("m", above=0, at_most=50e3), WrapValidator(_depth_or_end)] = (
+        derived_default(
+            "measured depth of its lower end [m]; for the last section `end`, or nothing: the last station of the survey"
+        )
     )
     kind: Literal["casing", "open_hole"] = Field(description="cased or open hole")
     diameter: Annotated[float, Quantity("m", above=0, at_most=10)] = Field(description="inner diameter [m]")
-    friction: Friction = derived_default("friction coefficient [-]; 0.2 in casing, 0.3 in open hole when not given")
+    friction: Friction = derived_default(
+        "friction coefficient [-]; 0.2 in casing, 0.3 in open hole when not given"
+    )
     compliance: Compliance | None = Field(
-        default=None, description="elasticity of the wall (used by a fluid in the annulus); rigid when not given"
+        default=None,
+        description="elasticity of the wall (used by a fluid in the annulus); rigid when not given",
     )
 
     @model_validator(mode="after")
@@ -94,17 +99,26 @@ class Well(Block):
         description="stations md, inclination, azimuth; or the name of a CSV file with these columns, or of a run folder: its hole, "
         "as drilled"
     )
-    sections: tuple[Section, ...] = Field(min_length=1, description="casing and open hole, from the surface down")
+    sections: tuple[Section, ...] = Field(
+        min_length=1, description="casing and open hole, from the surface down"
+    )
 
     @model_validator(mode="after")
     def _covered(self) -> Well:
         above, last = 0.0, len(self.sections) - 1
         if self.sections[last].to is None:
-            self.fill_defaults(sections=(*self.sections[:last], self.sections[last].model_copy(update={"to": self.survey.md[-1]})))
+            self.fill_defaults(
+                sections=(
+                    *self.sections[:last],
+                    self.sections[last].model_copy(update={"to": self.survey.md[-1]}),
+                )
+            )
         for i, section in enumerate(self.sections):
             if section.to is None:
                 hint = "only the last section may leave it to the survey"
-                raise refuse("sections", i, "to", want="the measured depth of the section's lower end", hint=hint)
+                raise refuse(
+                    "sections", i, "to", want="the measured depth of the section's lower end", hint=hint
+                )
             if section.to <= above:
                 want = f"rising depths: below the section above, {above:g} m"
                 raise refuse("sections", i, "to", got=section.to, want=want)
@@ -122,10 +136,13 @@ class Well(Block):
 
 
 class Stribeck(Block):
-    """Friction that falls from a static to the kinetic coefficient: mu_k + (mu_s - mu_k) exp(-(v/speed)^2)."""
+    """Friction that falls from a static to the kinetic coefficient: mu_k + (mu_s - mu_k)
+    exp(-(v/speed)^2)."""
 
     static: Friction = Field(description="static friction coefficient [-]")
-    speed: Annotated[float, Quantity("m/s", above=0)] = Field(description="slip speed over which it falls [m/s]")
+    speed: Annotated[float, Quantity("m/s", above=0)] = Field(
+        description="slip speed over which it falls [m/s]"
+    )
 
 
 STIFFNESS_UNIT = {"linear": "Pa", "hertz": "N/m^2.5", "hertz_point": "N/m^1.5"}
@@ -154,9 +171,12 @@ class Contact(Block):
         default=0.01, description="slip speed over which friction builds up [m/s]"
     )
     stribeck: Stribeck | None = Field(default=None, description="static friction; none when not given")
-    points_per_element: int = Field(default=2, ge=1, le=16, strict=True, description="contact points per element [-]")
+    points_per_element: int = Field(
+        default=2, ge=1, le=16, strict=True, description="contact points per element [-]"
+    )
     energy_strict: bool = Field(
-        default=False, strict=True,
+        default=False,
+        strict=True,
         description="true: no step longer than half the shortest impact, so that impacts keep their books of energy",
     )
 

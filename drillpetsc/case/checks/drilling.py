@@ -23,9 +23,17 @@ def check_drilling(case: Case) -> None:
     if case.formation is None:
         return
     if case.well is None:
-        raise refuse("formation", want="no formation without a well", hint="the bit drills on from the end of the hole; give a well")
+        raise refuse(
+            "formation",
+            want="no formation without a well",
+            hint="the bit drills on from the end of the hole; give a well",
+        )
     if case.hold_string:
-        raise refuse("formation", want="no formation with a held string", hint="a bit that is held cuts nothing; leave hold_string out")
+        raise refuse(
+            "formation",
+            want="no formation with a held string",
+            hint="a bit that is held cuts nothing; leave hold_string out",
+        )
     if not isinstance(case.bottom, BitBottom):
         want = f"no formation with bottom {case.bottom.kind}"
         raise refuse("formation", want=want, hint="a bit cuts the rock: bottom: {kind: bit}")
@@ -43,7 +51,14 @@ def _bit_passes(case: Case) -> None:
         if bit.od > section.diameter + SAME_LENGTH and top < case.string_length - SAME_LENGTH:
             place = f"the {section.kind.replace('_', ' ')} from {top:g} m to {section.to:g} m"
             want = f"at most the diameter of {place}, {section.diameter:g} m"
-            raise refuse("string", len(case.string) - 1, "od", got=bit.od, want=want, hint="the bit is larger than the hole above it")
+            raise refuse(
+                "string",
+                len(case.string) - 1,
+                "od",
+                got=bit.od,
+                want=want,
+                hint="the bit is larger than the hole above it",
+            )
         top = section.to
 
 
@@ -65,7 +80,9 @@ def _new_hole(case: Case) -> None:
     assert diameter is not None  # checked with the bottom
     if abs(wider) >= diameter / 10:
         want = f"between {-diameter / 10:g} m and {diameter / 10:g} m, a tenth of the bit's diameter"
-        raise refuse("formation", "overgauge", got=wider, want=want, hint="it is added to the radius of the new hole")
+        raise refuse(
+            "formation", "overgauge", got=wider, want=want, hint="it is added to the radius of the new hole"
+        )
     if not isinstance(bit, Bit) or (case.contact is None and not case.has_annulus):
         return
     for i, item in enumerate(case.string[:-1]):
@@ -87,4 +104,10 @@ def check_time(case: Case) -> None:
         raise refuse("top", "kind", got="driven", want="no drive in a quasi-static run", hint=hint)
     if case.initial.from_ in ("rest", "straight"):
         want = "statics, or a run folder, with time.mode quasi_static"
-        raise refuse("initial", "from", got=case.initial.from_, want=want, hint="every moment of such a run is an equilibrium")
+        raise refuse(
+            "initial",
+            "from",
+            got=case.initial.from_,
+            want=want,
+            hint="every moment of such a run is an equilibrium",
+        )

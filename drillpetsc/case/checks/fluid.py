@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 
 
 def check_held_string(case: Case) -> None:
-    """A string that is held has no unknowns: nothing may move or load it, and a fluid must be there to flow."""
+    """A string that is held has no unknowns: nothing may move or load it, and a fluid must be there to
+    flow."""
     if not case.hold_string:
         return
     if case.fluid is None:
@@ -67,14 +68,17 @@ def _annulus(case: Case) -> None:
 
 
 def _lower_end(case: Case) -> None:
-    """A plugged string takes no flow; one that nothing fills from above either is empty, and wants an annulus."""
+    """A plugged string takes no flow; one that nothing fills from above either is empty, and wants an
+    annulus."""
     fluid = case.fluid
     assert fluid is not None
     if not case.bottom.plugged or fluid.pump_pressure is not None:
         return
     if largest(fluid.flow_rate) > 0:
         hint = "plugged: false, or flow_rate 0, or a pump_pressure instead of a flow_rate"
-        raise refuse("bottom", "plugged", got=True, want="an open lower end where the pump has a flow rate", hint=hint)
+        raise refuse(
+            "bottom", "plugged", got=True, want="an open lower end where the pump has a flow rate", hint=hint
+        )
     if not fluid.annulus:
         hint = "plugged: false, or an annulus, or a pump_pressure"
         want = "a string that is not sealed at both ends: no fluid would be left in this scene"
@@ -85,7 +89,11 @@ def _bore(case: Case) -> None:
     """The bore goes through: all flexible items have one, or none has and nothing is pumped."""
     fluid = case.fluid
     assert fluid is not None
-    solid = [i for i, item in enumerate(case.string) if isinstance(item, Flexible) and getattr(item, "id", 0.0) == 0]
+    solid = [
+        i
+        for i, item in enumerate(case.string)
+        if isinstance(item, Flexible) and getattr(item, "id", 0.0) == 0
+    ]
     if not solid:
         return
     want = "an inner diameter above 0"

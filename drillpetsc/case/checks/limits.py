@@ -41,9 +41,18 @@ def check_quaternion(case: Case) -> None:
 def refuse_quaternion(case: Case, command: str) -> None:
     """Raises CaseError where a command knows the ANCF element only."""
     if case.beam.formulation == "quaternion":
-        raise CaseError(at="beam.formulation", got="quaternion", want=f"ancf with {command}: not with quaternion yet",
-                        hint="the string is the same, in other unknowns")
+        raise CaseError(
+            at="beam.formulation",
+            got="quaternion",
+            want=f"ancf with {command}: not with quaternion yet",
+            hint="the string is the same, in other unknowns",
+        )
 
 
 def _not_yet(*at: str | int, got: Any = None, what: str, hint: str = "") -> PydanticCustomError:
-    return refuse(*at, got=got, want=f"not with quaternion yet: {what}", hint=hint or "leave it out, or take beam.formulation ancf")
+    return refuse(
+        *at,
+        got=got,
+        want=f"not with quaternion yet: {what}",
+        hint=hint or "leave it out, or take beam.formulation ancf",
+    )

@@ -40,7 +40,9 @@ def check_scene(case: Case) -> None:
 def _bit_last(case: Case) -> None:
     for i, item in enumerate(case.string[:-1]):
         if isinstance(item, Bit):
-            raise refuse("string", i, "kind", got="bit", want="a bit only as the last item; else stabilizer or body")
+            raise refuse(
+                "string", i, "kind", got="bit", want="a bit only as the last item; else stabilizer or body"
+            )
     if not any(isinstance(item, (Pipe, Beam)) for item in case.string):
         raise refuse("string", got=f"{len(case.string)} rigid items", want="at least one pipe or beam")
 
@@ -48,7 +50,9 @@ def _bit_last(case: Case) -> None:
 def _well_or_none(case: Case) -> None:
     if case.well is None:
         if case.contact is not None:
-            raise refuse("contact", want="no contact without a well", hint="give a well, or leave contact out")
+            raise refuse(
+                "contact", want="no contact without a well", hint="give a well, or leave contact out"
+            )
         if case.bottom.kind == "bit":
             hint = "a bit stands on the hole's end; give a well"
             raise refuse("bottom", got="bit", want="free, pinned, clamped or force without a well", hint=hint)
@@ -72,7 +76,9 @@ def _string_in_hole(case: Case) -> None:
         return
     for i, (item, (above, below)) in enumerate(zip(case.string, case.item_depths, strict=True)):
         if isinstance(item, Beam) and item.od is None:
-            raise refuse("string", i, "od", want="an outer diameter: the scene has a well", hint="or contact: none")
+            raise refuse(
+                "string", i, "od", want="an outer diameter: the scene has a well", hint="or contact: none"
+            )
         if isinstance(item, (Pipe, Beam)):
             _fits(case.well, i, item.od, above, below)
 
@@ -92,7 +98,9 @@ def _fits(well: Well, i: int, outer: float | None, above: float, below: float) -
 def _bit_on_bottom(case: Case) -> None:
     if case.bottom.kind == "bit" and case.string[-1].od is None:
         last = len(case.string) - 1
-        raise refuse("string", last, "od", want="an outer diameter of the last item, for the torque of the bit")
+        raise refuse(
+            "string", last, "od", want="an outer diameter of the last item, for the torque of the bit"
+        )
 
 
 def _start(case: Case) -> None:

@@ -11,7 +11,11 @@ if TYPE_CHECKING:
     from drillpetsc.case.case import Case
 
 MOST_ELEMENTS = 200_000  # some 5 to 10 GB with fluid and contact; 12 km of string at 6 cm
-MOST_WRITINGS = {"history_every": 10**7, "field_every": 10**6, "checkpoint_every": 10**6}  # rows, pictures, checkpoints of a run
+MOST_WRITINGS = {
+    "history_every": 10**7,
+    "field_every": 10**6,
+    "checkpoint_every": 10**6,
+}  # rows, pictures, checkpoints of a run
 
 
 def element_count(item: Flexible) -> int:
@@ -27,7 +31,9 @@ def check_size(case: Case) -> None:
         item = case.string[i]
         want = f"at most {MOST_ELEMENTS} elements in the string; with this it has {sum(counts.values()):.6g}"
         hint = f"elements of {max(1e-3, 2 * case.string_length / MOST_ELEMENTS):.2g} m would do"
-        raise refuse("string", i, "element_length", got=getattr(item, "element_length", None), want=want, hint=hint)
+        raise refuse(
+            "string", i, "element_length", got=getattr(item, "element_length", None), want=want, hint=hint
+        )
     if case.time is None:
         return
     output = case.output.settled(case.time.end)

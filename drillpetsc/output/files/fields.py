@@ -1,5 +1,5 @@
-"""The string over time (string.pvd, string/NNNNNN.vtu) and the hole's wall (well.vtu), for ParaView and pyvista as
-they are.
+"""The string over time (string.pvd, string/NNNNNN.vtu) and the hole's wall (well.vtu), for ParaView and
+pyvista as they are.
 
 meshio writes and reads every .vtu, behind `_write_vtu` and `read_frame`.
 """
@@ -40,8 +40,10 @@ def _write_vtu(
     cell_data: Mapping[str, np.ndarray],
     compress: bool,
 ) -> None:
-    """The one place that writes through meshio. Binary; zlib when compress (a smaller file in about four times the
-    time: milliseconds for a few hundred nodes, which a run that writes ten frames a simulated second notices)."""
+    """The one place that writes through meshio. Binary; zlib when compress (a smaller file in about four
+    times the
+    time: milliseconds for a few hundred nodes, which a run that writes ten frames a simulated second
+    notices)."""
     import meshio
 
     mesh = meshio.Mesh(
@@ -59,7 +61,9 @@ def _checked(data: Mapping[str, np.ndarray] | None, count: int, where: str) -> d
         array = np.ascontiguousarray(values)
         array = array.astype(np.int32) if array.dtype == bool else array
         if array.ndim not in (1, 2) or len(array) != count:
-            raise ValueError(f"{where} data {name!r} has shape {array.shape}, wanted ({count},) or ({count}, k)")
+            raise ValueError(
+                f"{where} data {name!r} has shape {array.shape}, wanted ({count},) or ({count}, k)"
+            )
         arrays[name] = array
     return arrays
 
@@ -70,7 +74,9 @@ class FieldWriter:
     With `restart_time` a series is continued: frames later than that time are removed, numbering goes on.
     """
 
-    def __init__(self, folder: str | os.PathLike, *, restart_time: float | None = None, compress: bool = False) -> None:
+    def __init__(
+        self, folder: str | os.PathLike, *, restart_time: float | None = None, compress: bool = False
+    ) -> None:
         """folder: the run folder; string.pvd and string/ are made in it."""
         self.series = Path(folder) / "string.pvd"
         self.frames = Path(folder) / "string"
@@ -80,7 +86,9 @@ class FieldWriter:
         self._new: list[Path] = []  # frames that the disk may not have yet
         if restart_time is not None and self.series.exists():
             latest = restart_time + 1e-12 * abs(restart_time)
-            self._entries = [(time, f"string/{file.name}") for time, file in read_series(folder) if time <= latest]
+            self._entries = [
+                (time, f"string/{file.name}") for time, file in read_series(folder) if time <= latest
+            ]
         kept = {name for _, name in self._entries}
         for file in self.frames.glob("[0-9]*.vtu"):
             if f"string/{file.name}" not in kept:
@@ -97,8 +105,10 @@ class FieldWriter:
     ) -> Path:
         """Write one frame.
 
-        time: [s]. points: (n, 3) deformed positions [m], in order along the string; n - 1 straight lines join them.
-        point_data: {"axial_force [N]": (n,), "displacement [m]": (n, 3), ...}; cell_data the same with n - 1 values.
+        time: [s]. points: (n, 3) deformed positions [m], in order along the string; n - 1 straight lines join
+        them.
+        point_data: {"axial_force [N]": (n,), "displacement [m]": (n, 3), ...}; cell_data the same with n - 1
+        values.
         """
         points = np.ascontiguousarray(points, dtype=float)
         if points.ndim != 2 or points.shape[1] != 3 or len(points) < 2:
@@ -109,7 +119,8 @@ class FieldWriter:
         on_cells = _checked(cell_data, count - 1, "cell")
         name = f"{self._next:06d}.vtu"
         path = replace_file(
-            self.frames / name, lambda file: _write_vtu(file, points, "line", lines, at_points, on_cells, self.compress)
+            self.frames / name,
+            lambda file: _write_vtu(file, points, "line", lines, at_points, on_cells, self.compress),
         )
         self._next += 1
         self._new.append(path)
@@ -118,14 +129,16 @@ class FieldWriter:
         return path
 
     def flush(self) -> None:
-        """Wait until the disk has every frame and their list (for a checkpoint; a kill of the process needs no flush)."""
+        """Wait until the disk has every frame and their list (for a checkpoint; a kill of the process needs
+        no flush)."""
         for file in (*self._new, *([self.frames] if self._new else []), self.series, self.series.parent):
             to_disk(file)
         self._new = []
 
     def _write_series(self) -> None:
         sets = "".join(
-            f'    <DataSet timestep="{time!r}" group="" part="0" file="{name}"/>\n' for time, name in self._entries
+            f'    <DataSet timestep="{time!r}" group="" part="0" file="{name}"/>\n'
+            for time, name in self._entries
         )
         replace_text(
             self.series,
@@ -168,13 +181,16 @@ def write_well(
 ) -> Path:
     """Write the hole's wall as a tube of quadrilaterals around its axis.
 
-    md: (n,) measured depth [m], not falling. center: (n, 3) axis of the hole [m]. radius: (n,) [m]. friction: (n,) [-].
-    A step of the radius is a station given twice, above and below it. extra: more {"name [unit]": (n,)}.
+    md: (n,) measured depth [m], not falling. center: (n, 3) axis of the hole [m]. radius: (n,) [m]. friction:
+    (n,) [-]. A step of the radius is a station given twice, above and below it. extra: more {"name [unit]":
+    (n,)}.
     """
     md, center = np.asarray(md, dtype=float), np.asarray(center, dtype=float)
     count = len(md)
     if count < 2 or center.shape != (count, 3):
-        raise ValueError(f"the well needs two stations or more and a center (n, 3), got {md.shape} and {center.shape}")
+        raise ValueError(
+            f"the well needs two stations or more and a center (n, 3), got {md.shape} and {center.shape}"
+        )
     stations = {"md [m]": md, "radius [m]": np.asarray(radius, dtype=float)}
     if friction is not None:
         stations["friction [-]"] = np.asarray(friction, dtype=float)
@@ -185,19 +201,19 @@ def write_well(
     points = (center[:, None, :] + stations["radius [m]"][:, None, None] * around).reshape(-1, 3)
     ring, corner = np.meshgrid(np.arange(count - 1) * sides, np.arange(sides), indexing="ij")
     beside = (corner + 1) % sides
-    quads = np.stack((ring + corner, ring + beside, ring + sides + beside, ring + sides + corner), axis=-1).reshape(
-        -1, 4
-    )
+    quads = np.stack(
+        (ring + corner, ring + beside, ring + sides + beside, ring + sides + corner), axis=-1
+    ).reshape(-1, 4)
     data = {name: np.repeat(values, sides, axis=0) for name, values in stations.items()}
     return replace_file(path, lambda file: _write_vtu(file, points, "quad", quads, data, {}, True))
 
 
 def cross_section_axes(center: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Two unit vectors (n, 3) each, square to the polyline center (n, 3) [m] and to each other, turning as little as
-    possible along it.
+    """Two unit vectors (n, 3) each, square to the polyline center (n, 3) [m] and to each other, turning as
+    little as possible along it.
 
-    Double reflection: Wang, Juettler, Zheng, Liu 2008, Computation of rotation minimizing frames, ACM Transactions
-    on Graphics 27(1). Stations that coincide share one tangent.
+    Double reflection: Wang, Juettler, Zheng, Liu 2008, Computation of rotation minimizing frames, ACM
+    Transactions on Graphics 27(1). Stations that coincide share one tangent.
     """
     steps = np.diff(center, axis=0)
     lengths = np.linalg.norm(steps, axis=1)
@@ -211,7 +227,9 @@ def cross_section_axes(center: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     tangent = np.vstack((chord[:1], chord[:-1] + chord[1:], chord[-1:]))
     tangent /= np.linalg.norm(tangent, axis=1)[:, None]
     first = np.empty_like(center)
-    start = np.eye(3)[np.argmin(np.abs(tangent[0]))]  # the axis furthest from the tangent: north for a vertical hole
+    start = np.eye(3)[
+        np.argmin(np.abs(tangent[0]))
+    ]  # the axis furthest from the tangent: north for a vertical hole
     first[0] = start - (start @ tangent[0]) * tangent[0]
     first[0] /= np.linalg.norm(first[0])
     for k in range(len(center) - 1):

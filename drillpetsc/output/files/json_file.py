@@ -18,9 +18,9 @@ from drillpetsc.output.files.atomic import replace_text
 def plain(value: object) -> object:
     """The value in JSON's own types.
 
-    numpy scalars and arrays become numbers and lists, NaN and infinity (which JSON does not have) null, complex numbers
-    [real, imaginary], dataclasses and mappings objects, paths and anything unknown text: a summary must never fail
-    a finished run.
+    numpy scalars and arrays become numbers and lists, NaN and infinity (which JSON does not have) null,
+    complex numbers [real, imaginary], dataclasses and mappings objects, paths and anything unknown text: a
+    summary must never fail a finished run.
     """
     if value is None or isinstance(value, str | bool):
         return value
@@ -47,7 +47,9 @@ def plain(value: object) -> object:
 
 def write_summary(path: str | os.PathLike, summary: Mapping[str, object]) -> Path:
     """Write the summary, in the order of its keys."""
-    return replace_text(path, json.dumps(plain(summary), indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    return replace_text(
+        path, json.dumps(plain(summary), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    )
 
 
 def read_summary(path: str | os.PathLike) -> dict:

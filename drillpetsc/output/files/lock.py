@@ -26,17 +26,27 @@ class RunFolderBusy(FileExistsError):
 def take(folder: Path) -> None:
     """Hold the folder for this process; RunFolderBusy when another one that is alive has it.
 
-    A lock of a process that has ended (on this host) is taken over; of one on another host nobody here can know, so it counts as alive.
-    What is asked and written meanwhile is guarded by a lock of the operating system on the file, so that only one of two can win.
+    A lock of a process that has ended (on this host) is taken over; of one on another host nobody here can
+    know, so it counts as alive. What is asked and written meanwhile is guarded by a lock of the operating
+    system on the file, so that only one of two can win.
     """
     file = (folder / NAME).absolute()
     with _guarded(file) as number:
         owner = _read(number)
         if owner is not None and not _is_me(owner) and _is_alive(owner):
-            reported = f"{folder} is in use by process {owner['pid']} on {owner['host']} since {owner['since']}"
-            elsewhere = "" if owner["host"] == socket.gethostname() else f" (if that run is over, remove {file})"
+            reported = (
+                f"{folder} is in use by process {owner['pid']} on {owner['host']} since {owner['since']}"
+            )
+            elsewhere = (
+                "" if owner["host"] == socket.gethostname() else f" (if that run is over, remove {file})"
+            )
             raise RunFolderBusy(f"{reported}: wait for it, or give another --out{elsewhere}")
-        me = {"host": socket.gethostname(), "pid": os.getpid(), "started": _started(os.getpid()), "since": time.strftime("%F %T")}
+        me = {
+            "host": socket.gethostname(),
+            "pid": os.getpid(),
+            "started": _started(os.getpid()),
+            "since": time.strftime("%F %T"),
+        }
         _write(number, me)
     _held[file] = os.getpid()
 
@@ -72,7 +82,9 @@ def _guarded(file: Path) -> Iterator[int]:
         try:
             try:
                 fcntl.flock(number, fcntl.LOCK_EX)
-            except OSError:  # some network file systems have none: then two that start within a millisecond may both win
+            except (
+                OSError
+            ):  # some network file systems have none: then two that start within a millisecond may both win
                 pass
             if _is_at(number, file):
                 yield number
@@ -93,7 +105,13 @@ def _read(number: int) -> dict[str, Any] | None:
     """The owner as written; None in a new file, or one that was cut short by a kill."""
     try:
         owner = json.loads(os.pread(number, 4096, 0) or b"null")
-        return owner if isinstance(owner, dict) and {"host", "pid", "since"} <= set(owner) and isinstance(owner["pid"], int) else None
+        return (
+            owner
+            if isinstance(owner, dict)
+            and {"host", "pid", "since"} <= set(owner)
+            and isinstance(owner["pid"], int)
+            else None
+        )
     except ValueError:
         return None
 
@@ -105,7 +123,11 @@ def _write(number: int, owner: dict[str, Any]) -> None:
 
 
 def _is_me(owner: dict[str, Any]) -> bool:
-    return (owner["host"], owner["pid"], owner.get("started")) == (socket.gethostname(), os.getpid(), _started(os.getpid()))
+    return (owner["host"], owner["pid"], owner.get("started")) == (
+        socket.gethostname(),
+        os.getpid(),
+        _started(os.getpid()),
+    )
 
 
 def _is_alive(owner: dict[str, Any]) -> bool:
@@ -117,7 +139,10 @@ def _is_alive(owner: dict[str, Any]) -> bool:
         return False
     except PermissionError:  # somebody else's process
         pass
-    return owner.get("started") in (None, _started(owner["pid"]))  # else its number has gone to another process
+    return owner.get("started") in (
+        None,
+        _started(owner["pid"]),
+    )  # else its number has gone to another process
 
 
 def _started(pid: int) -> int | None:

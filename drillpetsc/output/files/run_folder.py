@@ -82,14 +82,17 @@ class RunFolder:
     ) -> RunFolder:
         """Make, or for a restart find, the folder of a run.
 
-        without out         results/<case_name>-NNN, the next number above those that exist; made by one mkdir, so
-                            two runs that start together get two folders. With restart: the latest such folder.
+        without out         results/<case_name>-NNN, the next number above those that exist; made by one
+        mkdir, so
+                            two runs that start together get two folders. With restart: the latest such
+                            folder.
         out, new            made, with its parents
-        out, exists         RunFolderExists, unless restart (kept as it is) or overwrite (the files of the contract
+        out, exists         RunFolderExists, unless restart (kept as it is) or overwrite (the files of the
+        contract
                             are removed, others kept)
         restart, not there  RunFolderMissing
-        another process     RunFolderBusy, before anything is removed; the folder is this process's until `release` or its
-        writes there        end (output/files/lock.py)
+        another process     RunFolderBusy, before anything is removed; the folder is this process's until
+        `release` or its writes there        end (output/files/lock.py)
         """
         if restart and overwrite:
             raise ValueError("restart and overwrite exclude each other: one keeps what the other removes")
@@ -107,7 +110,9 @@ class RunFolder:
             path.mkdir(parents=True)
         except FileExistsError:
             if not path.is_dir():
-                raise RunFolderExists(f"output folder {path} exists and is not a folder: give another --out") from None
+                raise RunFolderExists(
+                    f"output folder {path} exists and is not a folder: give another --out"
+                ) from None
             if not overwrite:
                 raise RunFolderExists(
                     f"output folder {path} exists: give another --out, "
@@ -134,7 +139,8 @@ class RunFolder:
         return cls(numbers[max(numbers)])
 
     def release(self) -> None:
-        """Let other processes write here: nothing more is written by this one. Without effect in one that does not hold the folder."""
+        """Let other processes write here: nothing more is written by this one. Without effect in one that
+        does not hold the folder."""
         lock.release(self.path)
 
     def tidy(self) -> None:

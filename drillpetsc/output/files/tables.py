@@ -1,7 +1,7 @@
 """CSV tables: header `name [unit]`, SI values, each number written so that reading it gives the same double.
 
-`Table` grows row by row while the run goes on (history.csv, probes.csv); `write_table` writes one whole (statics.csv,
-trajectory.csv). A column that belongs to absent physics is simply not in the caller's list.
+`Table` grows row by row while the run goes on (history.csv, probes.csv); `write_table` writes one whole
+(statics.csv, trajectory.csv). A column that belongs to absent physics is simply not in the caller's list.
 """
 
 from __future__ import annotations
@@ -45,9 +45,10 @@ def _number(value: float) -> str:
 class Table:
     """An append-only CSV whose first column is the time in seconds.
 
-    A row goes to the operating system in one unbuffered write as it is added (about 15 us for 17 columns), so a
-    killed run has lost nothing. With `restart_time` an existing table is continued: rows later than that time, and
-    a last row that a full disk or a power cut left incomplete, are dropped first; the columns must be as before.
+    A row goes to the operating system in one unbuffered write as it is added (about 15 us for 17 columns), so
+    a killed run has lost nothing. With `restart_time` an existing table is continued: rows later than that
+    time, and a last row that a full disk or a power cut left incomplete, are dropped first; the columns must
+    be as before.
     """
 
     def __init__(

@@ -1,6 +1,7 @@
 """Added mass and viscous damping of a string that moves sideways in a fluid-filled annulus.
 
-The fluid's force per length on a cylinder of diameter D_o that oscillates with the lateral velocity V at the angular frequency Omega:
+The fluid's force per length on a cylinder of diameter D_o that oscillates with the lateral velocity V at the
+angular frequency Omega:
 
     F = -rho A_o (C_m dV/dt + C_d Omega V),   A_o = pi D_o^2/4
 
@@ -16,15 +17,17 @@ from scipy.special import ive, kve
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-QUASI_STEADY = 1e-3  # S (ratio - 1)^2 below which inertia is left out: the four functions become nearly dependent there, and the share
+# S (ratio - 1)^2 below which inertia is left out: the four functions become nearly dependent there, and the
+# share
+QUASI_STEADY = 1e-3
 # of inertia in C_d, measured against the exact solution just above, is below 1e-6
 
 
 def chi_confined(outer_diameter: ArrayLike, hole_diameter: ArrayLike) -> Array:
     """Added mass over displaced mass [-] of a concentric cylinder, (D_w^2 + D_o^2)/(D_w^2 - D_o^2).
 
-    Potential flow with phi = (A r + B/r) cos(theta); Paidoussis, Fluid-Structure Interactions, vol. 2.  Diameters (n,) [m] of string
-    and hole.
+    Potential flow with phi = (A r + B/r) cos(theta); Paidoussis, Fluid-Structure Interactions, vol. 2.
+    Diameters (n,) [m] of string and hole.
     """
     inner, outer = np.asarray(outer_diameter, dtype=float) ** 2, np.asarray(hole_diameter, dtype=float) ** 2
     return (outer + inner) / (outer - inner)
@@ -33,11 +36,12 @@ def chi_confined(outer_diameter: ArrayLike, hole_diameter: ArrayLike) -> Array:
 def chi_eccentric(outer_diameter: float, hole_diameter: float, eccentricity: float) -> float:
     """Added mass over displaced mass [-] of an eccentric cylinder, the same along the offset and across it.
 
-    eccentricity: offset of the axes over the radial clearance, 0 <= e < 1.  Potential flow in bipolar coordinates (tau, sigma), where the
-    circles are tau_1 (string) and tau_2 (hole): x/c = 1 + 2 sum exp(-n tau) cos(n sigma), y/c = 2 sum exp(-n tau) sin(n sigma).  The
-    stream function of a motion U along x is U y on the string and 0 on the hole, psi = 2 c U sum exp(-n tau_1)
-    sinh(n(tau - tau_2))/sinh(n(tau_1 - tau_2)) sin(n sigma); a motion along y has cos(n sigma) instead.  The kinetic energy
-    rho/2 int psi dpsi/dtau dsigma over the string gives, with a = c/sinh(tau_1),
+    eccentricity: offset of the axes over the radial clearance, 0 <= e < 1.  Potential flow in bipolar
+    coordinates (tau, sigma), where the circles are tau_1 (string) and tau_2 (hole): x/c = 1 + 2 sum exp(-n
+    tau) cos(n sigma), y/c = 2 sum exp(-n tau) sin(n sigma).  The stream function of a motion U along x is U y
+    on the string and 0 on the hole, psi = 2 c U sum exp(-n tau_1) sinh(n(tau - tau_2))/sinh(n(tau_1 - tau_2))
+    sin(n sigma); a motion along y has cos(n sigma) instead.  The kinetic energy rho/2 int psi dpsi/dtau
+    dsigma over the string gives, with a = c/sinh(tau_1),
 
         chi = 4 sinh^2(tau_1) sum_n n exp(-2 n tau_1) coth(n(tau_1 - tau_2)).
     """
@@ -50,23 +54,27 @@ def chi_eccentric(outer_diameter: float, hole_diameter: float, eccentricity: flo
     tau_1 = np.arccosh((b * b - a * a - d * d) / (2 * a * d))
     tau_2 = np.arccosh((b * b - a * a + d * d) / (2 * b * d))
     n = np.arange(1, int(np.ceil(20.0 / tau_1)) + 2)
-    terms = n * np.exp(-2.0 * (n - 1) * tau_1) / np.tanh(n * (tau_1 - tau_2))  # 4 sinh^2(tau_1) exp(-2 tau_1) = (1 - exp(-2 tau_1))^2
+    terms = (
+        n * np.exp(-2.0 * (n - 1) * tau_1) / np.tanh(n * (tau_1 - tau_2))
+    )  # 4 sinh^2(tau_1) exp(-2 tau_1) = (1 - exp(-2 tau_1))^2
     return float(np.expm1(-2.0 * tau_1) ** 2 * terms.sum())
 
 
 def stokes_coefficients(stokes_number: ArrayLike, ratio: ArrayLike) -> tuple[Array, Array]:
     """(C_m, C_d) [-] of a cylinder oscillating in a concentric annulus of viscous fluid, small amplitude.
 
-    stokes_number S = Omega R_o^2/nu > 0; ratio = hole over string diameter > 1; they broadcast.  Exact solution of the unsteady Stokes
-    equations (Chen, Wambsganss and Jendrzejczyk, J. Appl. Mech. 43, 1976, 325-329), derived here: lengths in R_o, speeds in the
-    cylinder's, stream function f(r) sin(theta) exp(i Omega t) with
+    stokes_number S = Omega R_o^2/nu > 0; ratio = hole over string diameter > 1; they broadcast.  Exact
+    solution of the unsteady Stokes equations (Chen, Wambsganss and Jendrzejczyk, J. Appl. Mech. 43, 1976,
+    325-329), derived here: lengths in R_o, speeds in the cylinder's, stream function f(r) sin(theta) exp(i
+    Omega t) with
 
         f = A/r + B r + C I_1(l r) + D K_1(l r),  l = sqrt(i S);   f(1) = f'(1) = 1, f(ratio) = f'(ratio) = 0.
 
     The pressure belongs to A and B only, the shear stress at the wall is mu l^2 (C I_1 + D K_1), and together
-    C_m - i C_d = 2 A - 1.  With k = 1/ratio the damping is C_d = (2 sqrt(2)/sqrt(S)) (1 + k^3)/(1 - k^2)^2 within a few per cent
-    where S (1 - k)^2 > 1e4.  For slow motion, S (ratio - 1)^2 < QUASI_STEADY, steady Stokes flow has
-    C_d S = 4/(ln(ratio) - (ratio^2 - 1)/(ratio^2 + 1)), and C_m keeps the value it has at that limit.
+    C_m - i C_d = 2 A - 1.  With k = 1/ratio the damping is C_d = (2 sqrt(2)/sqrt(S)) (1 + k^3)/(1 - k^2)^2
+    within a few per cent where S (1 - k)^2 > 1e4.  For slow motion, S (ratio - 1)^2 < QUASI_STEADY, steady
+    Stokes flow has C_d S = 4/(ln(ratio) - (ratio^2 - 1)/(ratio^2 + 1)), and C_m keeps the value it has at
+    that limit.
     """
     S, R = np.broadcast_arrays(np.asarray(stokes_number, dtype=float), np.asarray(ratio, dtype=float))
     if not (np.all(S > 0) and np.all(R > 1)):
@@ -79,24 +87,31 @@ def stokes_coefficients(stokes_number: ArrayLike, ratio: ArrayLike) -> tuple[Arr
 def steady_resistance(ratio: ArrayLike) -> Array:
     """Limit of C_d S [-] for slow motion: force = (C_d S) pi mu V per length.
 
-    Steady Stokes flow between concentric cylinders, f = A/r + B r + C r ln(r) + D r^3 with the walls as in `stokes_coefficients`; the
-    force is that of the Stokeslet C.
+    Steady Stokes flow between concentric cylinders, f = A/r + B r + C r ln(r) + D r^3 with the walls as in
+    `stokes_coefficients`; the force is that of the Stokeslet C.
     """
     R = np.asarray(ratio, dtype=float)
     return 4.0 / (np.log(R) - (R**2 - 1.0) / (R**2 + 1.0))
 
 
 def _unsteady(S: Array, R: Array) -> tuple[Array, Array]:
-    """Solution of the four wall conditions; the Bessel functions are scaled, so that no exponential overflows."""
+    """Solution of the four wall conditions; the Bessel functions are scaled, so that no exponential
+    overflows."""
     l = np.sqrt(1j * S)
     decay = np.exp(l.real * (1.0 - R)) + 0j
 
     def rows(r: Array, growing: Complex, falling: Complex) -> tuple[list[Complex], list[Complex]]:
-        """Value and derivative over |l| of the four functions at r; the two factors undo the scaling of I_1 and K_1."""
+        """Value and derivative over |l| of the four functions at r; the two factors undo the scaling of I_1
+        and K_1."""
         z, size = l * r, np.abs(l)
         i1, k1 = ive(1, z), kve(1, z)
         value = [1.0 / r + 0j, r + 0j, i1 * growing, k1 * falling]
-        slope = [-1.0 / r**2 + 0j, 1.0 + 0j * r, l * (ive(0, z) - i1 / z) * growing, -l * (kve(0, z) + k1 / z) * falling]
+        slope = [
+            -1.0 / r**2 + 0j,
+            1.0 + 0j * r,
+            l * (ive(0, z) - i1 / z) * growing,
+            -l * (kve(0, z) + k1 / z) * falling,
+        ]
         return value, [s / size for s in slope]
 
     one = np.ones_like(R)
@@ -110,16 +125,23 @@ def _unsteady(S: Array, R: Array) -> tuple[Array, Array]:
 
 
 def lateral_damping(
-    outer_diameter: ArrayLike, hole_diameter: ArrayLike, density: ArrayLike, apparent_viscosity: ArrayLike, omega: ArrayLike
+    outer_diameter: ArrayLike,
+    hole_diameter: ArrayLike,
+    density: ArrayLike,
+    apparent_viscosity: ArrayLike,
+    omega: ArrayLike,
 ) -> Array:
     """Damping force per length and lateral speed, C_d rho A_o Omega [N s/m2].
 
-    Diameters [m] of string and hole, density [kg/m3], apparent_viscosity [Pa s], omega [rad/s] the frequency (or whirl speed) of the
-    motion; all broadcast.  At omega = 0 the steady Stokes value; without viscosity zero.
+    Diameters [m] of string and hole, density [kg/m3], apparent_viscosity [Pa s], omega [rad/s] the frequency
+    (or whirl speed) of the motion; all broadcast.  At omega = 0 the steady Stokes value; without viscosity
+    zero.
     """
     D, W, rho, mu, speed = (
         np.asarray(v, dtype=float)
-        for v in np.broadcast_arrays(outer_diameter, hole_diameter, density, apparent_viscosity, np.abs(omega))
+        for v in np.broadcast_arrays(
+            outer_diameter, hole_diameter, density, apparent_viscosity, np.abs(omega)
+        )
     )
     ratio = W / D
     stokes = np.divide(rho * speed * D**2 / 4.0, mu, out=np.full(D.shape, np.inf), where=mu > 0)

@@ -13,32 +13,54 @@ from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, LateralCoefficients
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
 
-# columns of the kernel: areas and wall, gaps, motion across, step of area, given pressure, hole's tangents and curvature, change of area
+# columns of the kernel: areas and wall, gaps, motion across, step of area, given pressure, hole's tangents
+# and curvature, change of area
 _HOLE, _WALL, _GAPS, _SIDEWAYS, _CHI, _STEP = 4, 6, slice(8, 10), slice(10, 13), 10, 13
 _CONTROLLED, _TANGENTS, _WIDENING = 16, slice(18, 27), 28
 
 
 class AnnulusFlow(ChannelFlow):
-    """Flow in the annulus: pressure [Pa] at the nodes, flow rate at zero pressure [m3/s] in the elements, towards the bit.
+    """Flow in the annulus: pressure [Pa] at the nodes, flow rate at zero pressure [m3/s] in the elements,
+    towards the bit.
 
-    outlet: gauge pressure at the flow line over time, which lies ``flow_line`` [m] below the rotary table.  moving_hole: the hole as it is
-    now, where sizes and directions depend on the place of the elements (None: they stay those at the start).  choke: 1/(2 C_d^2 A^2) of a
-    valve at the flow line [1/m4], 0 without one.
+    outlet: gauge pressure at the flow line over time, which lies ``flow_line`` [m] below the rotary table.
+    moving_hole: the hole as it is now, where sizes and directions depend on the place of the elements (None:
+    they stay those at the start).  choke: 1/(2 C_d^2 A^2) of a valve at the flow line [1/m4], 0 without one.
     """
 
     name = "annulus"
     spins = (0, 1)
     resizes = True  # areas follow the hole as well as directions
 
-    def __init__(self, mesh: StringMesh, annulus: Annulus, well: Well, fluid: FluidConstants, poisson: FloatArray, sideways: LateralCoefficients,
-                 outlet: TimeFunction, flow_line: float = 0.0, moving_hole: MovingHole | None = None,
-                 held_at: FloatArray | None = None, choke: float = 0.0):
+    def __init__(
+        self,
+        mesh: StringMesh,
+        annulus: Annulus,
+        well: Well,
+        fluid: FluidConstants,
+        poisson: FloatArray,
+        sideways: LateralCoefficients,
+        outlet: TimeFunction,
+        flow_line: float = 0.0,
+        moving_hole: MovingHole | None = None,
+        held_at: FloatArray | None = None,
+        choke: float = 0.0,
+    ):
         super().__init__(mesh, fluid, held_at is not None)
         self.choke = choke
-        self.annulus, self.well, self.poisson, self.sideways, self.outlet = annulus, well, poisson, sideways, outlet
+        self.annulus, self.well, self.poisson, self.sideways, self.outlet = (
+            annulus,
+            well,
+            poisson,
+            sideways,
+            outlet,
+        )
         self.flow_line, self.moving_hole, self.held_at = flow_line, moving_hole, held_at
         self._top_place: FloatArray | None = None  # (3,) of the upper node when it last looked at the hole
-        self._outer, self._hole = annulus.outer_diameter, annulus.hole_diameter  # (n,): those that ``sideways`` is of
+        self._outer, self._hole = (
+            annulus.outer_diameter,
+            annulus.hole_diameter,
+        )  # (n,): those that ``sideways`` is of
 
     def _directions(self, well: Well, upper: FloatArray, lower: FloatArray) -> FloatArray:
         """(k, 9) tangents at both ends, at measured depths (k,) [m], and curvature in the middle [1/m]."""
@@ -56,24 +78,65 @@ class AnnulusFlow(ChannelFlow):
             drop = (self.held_at[e + 1] - self.held_at[e]) @ self.fluid.gravity
             head = 0.5 * (self.held_at[e + 1] + self.held_at[e]) @ self.fluid.gravity
         control = np.where(e == 0, 1.0, 0.0)
-        return np.column_stack([
-            length, m.rigid_above[e] if self.held_at is None else zero, self.poisson[e], a.outer[e], a.hole[e], a.outer_above[e], a.wall[e],
-            a.outer_diameter[e], a.gap[e], a.gap_above[e], s.added[e], s.damping[e], s.turning[e], step, zero, control, zero, drop,
-            self._directions(self.well, m.upper[e], m.lower[e]), head, zero])
+        return np.column_stack(
+            [
+                length,
+                m.rigid_above[e] if self.held_at is None else zero,
+                self.poisson[e],
+                a.outer[e],
+                a.hole[e],
+                a.outer_above[e],
+                a.wall[e],
+                a.outer_diameter[e],
+                a.gap[e],
+                a.gap_above[e],
+                s.added[e],
+                s.damping[e],
+                s.turning[e],
+                step,
+                zero,
+                control,
+                zero,
+                drop,
+                self._directions(self.well, m.upper[e], m.lower[e]),
+                head,
+                zero,
+            ]
+        )
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         elements = super().blocks(part)
         if self.choke:
             first = np.flatnonzero(part.cells == 0).astype(np.int32)
             slots = (("annulus.pressure", 0), ("annulus.flow", 1))
-            valve = ElementBlock("choke", "choke", "cell", first, slots, (), np.full((len(first), 1), self.choke), context=self.fluid.address)
+            valve = ElementBlock(
+                "choke",
+                "choke",
+                "cell",
+                first,
+                slots,
+                (),
+                np.full((len(first), 1), self.choke),
+                context=self.fluid.address,
+            )
             valve.keep = (self.fluid,)
             elements = (*elements, valve)
         if self.held:
             return elements
         _, vertices = local_vertices(part, np.array([0]))
         area = np.full((len(vertices), 1), self.annulus.outer[0])
-        return (*elements, ElementBlock("annulus_top", "annulus_top", "vertex", vertices, (*VERTEX_SLOTS, ("annulus.pressure", 0)), (), area))
+        return (
+            *elements,
+            ElementBlock(
+                "annulus_top",
+                "annulus_top",
+                "vertex",
+                vertices,
+                (*VERTEX_SLOTS, ("annulus.pressure", 0)),
+                (),
+                area,
+            ),
+        )
 
     def _update_of(self, block: ElementBlock):
         if self._top is None or self._top[0] is not block:
@@ -94,7 +157,8 @@ class AnnulusFlow(ChannelFlow):
         self._look(state, False)
 
     def accept(self, state) -> None:
-        """Follow the string in its hole at an accepted state; the added mass, where it depends on the place."""
+        """Follow the string in its hole at an accepted state; the added mass, where it depends on the
+        place."""
         self._look(state, True)
         if self.sideways.by_eccentricity is not None:
             self._renew_added_mass(state)
@@ -118,15 +182,21 @@ class AnnulusFlow(ChannelFlow):
         """Parameters (n, p) of the ``rows`` (k,) of a block, which are the local ``cells`` (k,)."""
         e, nodes, m = self._part.cells[cells], self._part.ends[cells], self.mesh
         ends = around.depth[nodes]
-        params[rows, _TANGENTS] = self._directions(around.current_well(), ends[:, 0] + m.rigid_above[e], ends[:, 1])
+        params[rows, _TANGENTS] = self._directions(
+            around.current_well(), ends[:, 0] + m.rigid_above[e], ends[:, 1]
+        )
         if not self.resizes:
             return
         own, over = around.annulus(e, ends), np.maximum(e - 1, 0)
-        other = around.annulus(over, np.column_stack([ends[:, 0] - m.length[over] - m.rigid_above[over], ends[:, 0]]))
+        other = around.annulus(
+            over, np.column_stack([ends[:, 0] - m.length[over] - m.rigid_above[over], ends[:, 0]])
+        )
         params[rows, _HOLE], params[rows, _WIDENING] = around.sizes(nodes)
         params[rows, _WALL] = own.wall
         params[rows, _GAPS] = np.column_stack([own.gap, own.gap_above])
-        params[rows, _STEP] = np.where(e > 0, 0.5 * (1 / (own.hole - own.outer) ** 2 - 1 / (other.hole - other.outer) ** 2), 0.0)
+        params[rows, _STEP] = np.where(
+            e > 0, 0.5 * (1 / (own.hole - own.outer) ** 2 - 1 / (other.hole - other.outer) ** 2), 0.0
+        )
         new = np.abs(own.hole_diameter - self._hole[e]) > OTHER_SIZE * self._hole[e]
         if new.any():
             s = around.sideways(own.only(new))
@@ -140,17 +210,25 @@ class AnnulusFlow(ChannelFlow):
         r, v = (state.x[state.where(f"string.{name}")] for name in ("position", "tangent"))
         upper, lower, e = chain.ends[:, 0], chain.ends[:, 1], chain.cells
         middle = 0.5 * (r[upper] + r[lower]) + 0.125 * m.length[e][:, None] * (v[upper] - v[lower])
-        well, outer, hole = self.well if self.moving_hole is None else self.moving_hole.current_well(), self._outer[e], self._hole[e]
+        well, outer, hole = (
+            self.well if self.moving_hole is None else self.moving_hole.current_well(),
+            self._outer[e],
+            self._hole[e],
+        )
         value = chi(np.linalg.norm(well.project(middle).offset, axis=1) / (0.5 * (hole - outer)), outer, hole)
         for b in self._blocks:
             b.params[:, _CHI] = value[b.points]
 
     def get_local_state(self) -> dict[str, FloatArray]:
-        """What the local nodes (nv, 7) and elements (nc, p) know of the hole, for a checkpoint; nothing where it is the same all over."""
+        """What the local nodes (nv, 7) and elements (nc, p) know of the hole, for a checkpoint; nothing where
+        it is the same all over."""
         around, part = self.moving_hole, self._part
         if around is None or self.held or not around.placed:
             return {}
-        nodes, elements = np.zeros((len(part.vertices), 7)), np.zeros((len(part.cells), self._blocks[0].params.shape[1] + 1))
+        nodes, elements = (
+            np.zeros((len(part.vertices), 7)),
+            np.zeros((len(part.cells), self._blocks[0].params.shape[1] + 1)),
+        )
         nodes[:, :4] = around.get_state()
         nodes[:, 4:] = self._top_place if self._top_place is not None else 0.0
         for b in self._blocks:
@@ -164,7 +242,10 @@ class AnnulusFlow(ChannelFlow):
             return
         around.set_state(memory["vertex"][:, :4])
         for b in self._blocks:
-            b.params[:], self._hole[part.cells[b.points]] = memory["cell"][b.points, :-1], memory["cell"][b.points, -1]
+            b.params[:], self._hole[part.cells[b.points]] = (
+                memory["cell"][b.points, :-1],
+                memory["cell"][b.points, -1],
+            )
         if self._top is not None and self.resizes:
             self._top_place = np.array(memory["vertex"][0, 4:])
 
@@ -174,7 +255,8 @@ class AnnulusFlow(ChannelFlow):
     def outflow(self, state) -> float | None:
         """Flow rate out of the flow line [m3/s]; None where this rank has not the upper end.
 
-        What leaves the upper node, less what the hole takes up between it and the fixed flow line as the node moves down.
+        What leaves the upper node, less what the hole takes up between it and the fixed flow line as the node
+        moves down.
         """
         flow = self.upper_flow(state)
         if flow is None:
@@ -187,7 +269,8 @@ class AnnulusFlow(ChannelFlow):
         return float(-flow - (area - self.annulus.outer[0]) * speed)
 
     def content_above(self, state) -> float:
-        """Volume between the upper node and the flow line [m3] (up to a constant); 0 where this rank has not the upper end."""
+        """Volume between the upper node and the flow line [m3] (up to a constant); 0 where this rank has not
+        the upper end."""
         if self._top is None or self.held:
             return 0.0
         (block, row), around = self._top, self.moving_hole
@@ -195,7 +278,9 @@ class AnnulusFlow(ChannelFlow):
         if around is None or self._top_place is None:
             return float((self.annulus.hole[0] - self.annulus.outer[0]) * (place @ along))
         way = (place - self._top_place) @ along
-        return float(around.volume[0] + around.area[0] * way - self.annulus.outer[0] * (around.depth[0] + way))
+        return float(
+            around.volume[0] + around.area[0] * way - self.annulus.outer[0] * (around.depth[0] + way)
+        )
 
     def energies(self, t: float, state) -> Energies:
         return Energies(*map(float, self.figures(state)[:, :3].sum(axis=0)))
@@ -205,5 +290,7 @@ class AnnulusFlow(ChannelFlow):
         supplied, flow = 0.0, self.upper_flow(state)
         if flow is not None and self._top is not None:
             speed = figures[int(self._top[0].points[self._top[1]]), FIGURES.index("speed")]
-            supplied = flow * (float(self.fluid.enthalpy(self.upper_pressure(state))) + 0.5 * self.fluid.density * speed**2)
+            supplied = flow * (
+                float(self.fluid.enthalpy(self.upper_pressure(state))) + 0.5 * self.fluid.density * speed**2
+            )
         return Powers(float(figures[:, FIGURES.index("dissipated")].sum()), supplied)

@@ -1,4 +1,5 @@
-"""Drilling fluid at the string's lower end: nozzles or open end, mud under the bit, reaction of the jet (kernels/fluid/bit_flow.hpp)."""
+"""Drilling fluid at the string's lower end: nozzles or open end, mud under the bit, reaction of the jet
+(kernels/fluid/bit_flow.hpp)."""
 
 from __future__ import annotations
 
@@ -16,7 +17,17 @@ from drillpetsc.time_function import TimeFunction
 
 END_CORRECTION = 0.61  # of an open unflanged pipe, in radii: Levine and Schwinger, Phys. Rev. 73:383, 1948
 # columns of the kernel
-_AMBIENT, _HOLE, _VOLUME, _FACE, _ADDED, _OPEN, _END, _AXIS, _TANGENT = 4, 5, 6, 8, 9, 10, slice(13, 16), slice(16, 19), slice(19, 22)
+_AMBIENT, _HOLE, _VOLUME, _FACE, _ADDED, _OPEN, _END, _AXIS, _TANGENT = (
+    4,
+    5,
+    6,
+    8,
+    9,
+    10,
+    slice(13, 16),
+    slice(16, 19),
+    slice(19, 22),
+)
 GAP_ROUNDING = 1e-3  # as in kernels/fluid/bit_flow.hpp [m]
 NOZZLE_LENGTH = 0.1  # length over which mud speeds up in a nozzle [m]
 
@@ -25,12 +36,14 @@ NOZZLE_LENGTH = 0.1  # length over which mud speeds up in a nozzle [m]
 class BitEnd:
     """Lower end of the string.
 
-    bore: area of the last element's bore [m2] (0: no link); nozzle: flow area [m2] (0: an open end, without loss);
-    discharge coefficient; check_valve; ambient [Pa] over time: pressure outside where there is no annulus; hole, open, outer: areas of
-    the hole and of the last annulus and string [m2] (hole 0: no annulus); elasticity d(ln content)/dp of the chamber's walls [1/Pa]; volume
-    [m3] of the chamber with the bit on bottom; face [m] below the last node (what meets ``end`` on bottom); added mass ratio; metal [m3] of
-    rigid items below the last node; end, axis (3,): lower end of the hole and its direction; tangent (3,) of the hole at the last node, by
-    default the axis; cut: rock that goes into the mud per metre drilled [m2].
+    bore: area of the last element's bore [m2] (0: no link); nozzle: flow area [m2] (0: an open end, without
+    loss); discharge coefficient; check_valve; ambient [Pa] over time: pressure outside where there is no
+    annulus; hole, open, outer: areas of the hole and of the last annulus and string [m2] (hole 0: no
+    annulus); elasticity d(ln content)/dp of the chamber's walls [1/Pa]; volume [m3] of the chamber with the
+    bit on bottom; face [m] below the last node (what meets ``end`` on bottom); added mass ratio; metal [m3]
+    of rigid items below the last node; end, axis (3,): lower end of the hole and its direction; tangent (3,)
+    of the hole at the last node, by default the axis; cut: rock that goes into the mud per metre drilled
+    [m2].
     """
 
     bore: float
@@ -55,22 +68,40 @@ class BitEnd:
 class BitFlow(ComponentBase):
     """One link and one chamber at the last node: unknown q_b [m3/s] where the bore ends in a link.
 
-    hole: it grows, its end moved by the fields hole.end (3,) [m] and hole.drilled [m] of the room that drills.  moving_hole: the hole as
-    it is now, where its size or direction depends on the place (None: they stay those at the start).
+    hole: it grows, its end moved by the fields hole.end (3,) [m] and hole.drilled [m] of the room that
+    drills.  moving_hole: the hole as it is now, where its size or direction depends on the place (None: they
+    stay those at the start).
     """
 
     name = "bit_flow"
 
-    def __init__(self, node: int, end: BitEnd, fluid: FluidConstants, held_at: FloatArray | None = None,
-                 moving_hole: MovingHole | None = None, hole: GrowingHole | None = None):
-        self.node, self.end, self.fluid, self.held_at, self.moving_hole = node, end, fluid, held_at, moving_hole
+    def __init__(
+        self,
+        node: int,
+        end: BitEnd,
+        fluid: FluidConstants,
+        held_at: FloatArray | None = None,
+        moving_hole: MovingHole | None = None,
+        hole: GrowingHole | None = None,
+    ):
+        self.node, self.end, self.fluid, self.held_at, self.moving_hole = (
+            node,
+            end,
+            fluid,
+            held_at,
+            moving_hole,
+        )
         self.has_link, self.has_annulus = end.bore > 0, end.hole > 0
         self.growing = hole if self.has_annulus and held_at is None else None
         self._depth: float | None = None  # measured depth of the node when it last looked at the hole [m]
         self._size = end.hole  # area that the added mass is of [m2]
 
     def fields(self) -> tuple[Field, ...]:
-        return (Field("bit.flow", 1, region="bottom", scale=FLOW_SCALE, second_order=False),) if self.has_link else ()
+        return (
+            (Field("bit.flow", 1, region="bottom", scale=FLOW_SCALE, second_order=False),)
+            if self.has_link
+            else ()
+        )
 
     def _parameters(self) -> list[float]:
         e, f = self.end, self.fluid
@@ -78,9 +109,25 @@ class BitFlow(ComponentBase):
         length = NOZZLE_LENGTH if e.nozzle else END_CORRECTION * np.sqrt(e.bore / np.pi)
         loss = 1 / (2 * e.discharge_coefficient**2 * area**2) if e.nozzle else 0.0
         gap = 0.0 if self.held_at is None else float((e.end - self.held_at[-1]) @ e.axis) - e.face
-        return [f.density * length / max(area, 1e-300), max(area, 1e-300), loss, float(e.check_valve), e.ambient.value(0.0), e.hole,
-                e.volume, 1 / f.bulk_modulus + e.elasticity, e.face, e.added * e.outer, max(e.open, 1e-300), e.metal, gap, *e.end,
-                *e.axis, *(e.axis if e.tangent is None else e.tangent), e.cut]
+        return [
+            f.density * length / max(area, 1e-300),
+            max(area, 1e-300),
+            loss,
+            float(e.check_valve),
+            e.ambient.value(0.0),
+            e.hole,
+            e.volume,
+            1 / f.bulk_modulus + e.elasticity,
+            e.face,
+            e.added * e.outer,
+            max(e.open, 1e-300),
+            e.metal,
+            gap,
+            *e.end,
+            *e.axis,
+            *(e.axis if e.tangent is None else e.tangent),
+            e.cut,
+        ]
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([self.node]))
@@ -94,12 +141,24 @@ class BitFlow(ComponentBase):
             slots += (("bit.flow", 0),)
         if self.growing is not None:
             slots += (("hole.end", 0), ("hole.drilled", 0))
-        kernel = "bit_flow" + ("" if self.has_link and self.has_annulus else "_jet" if self.has_link else "_closed")
+        kernel = "bit_flow" + (
+            "" if self.has_link and self.has_annulus else "_jet" if self.has_link else "_closed"
+        )
         kernel += "_held" * held + "_grow" * (self.growing is not None)
         params = np.ascontiguousarray(np.tile(self._parameters(), (len(vertices), 1)))
         update = None if self.has_annulus else lambda t: self.renew(params, t)
         self._part = part
-        self._block = ElementBlock("bit_flow", kernel, "vertex", vertices, slots, (), params, context=self.fluid.address, update=update)
+        self._block = ElementBlock(
+            "bit_flow",
+            kernel,
+            "vertex",
+            vertices,
+            slots,
+            (),
+            params,
+            context=self.fluid.address,
+            update=update,
+        )
         self._block.keep = (self.fluid,)
         self._report = function(f"{kernel}_report", "ipppppp")
         return (self._block,)
@@ -118,8 +177,9 @@ class BitFlow(ComponentBase):
         self._look(state, True)
 
     def _look(self, state, keep: bool) -> None:
-        """Size and direction of the hole at the last node and at the hole's end.  During a run the chamber keeps the volume it has: only
-        the rate at which it changes from now on is that of the new size; before, it is that of the hole below the bit."""
+        """Size and direction of the hole at the last node and at the hole's end.  During a run the chamber
+        keeps the volume it has: only the rate at which it changes from now on is that of the new size;
+        before, it is that of the hole below the bit."""
         around, block = self.moving_hole, self._block
         if around is None or not self.has_annulus or self.held_at is not None or not len(block.points):
             return
@@ -130,14 +190,23 @@ class BitFlow(ComponentBase):
         if depth == self._depth and np.array_equal(axis, p[_AXIS]):
             return
         keep, before = keep and self._depth is not None, self._chamber(p, x)
-        p[_HOLE], p[_TANGENT], p[_AXIS], p[_END] = around.area[node], around.current_well().at(depth)[1], axis, end
+        p[_HOLE], p[_TANGENT], p[_AXIS], p[_END] = (
+            around.area[node],
+            around.current_well().at(depth)[1],
+            axis,
+            end,
+        )
         p[_OPEN], self._depth = p[_HOLE] - self.end.outer, depth
         gap = max(0.0, self._gap(p, x))
         below = float(around.hole.volume(np.array(depth + gap))) - around.volume[node]
-        p[_VOLUME] = p[_VOLUME] + before - self._chamber(p, x) if keep else self.end.volume + below - p[_HOLE] * gap
+        p[_VOLUME] = (
+            p[_VOLUME] + before - self._chamber(p, x) if keep else self.end.volume + below - p[_HOLE] * gap
+        )
         if abs(p[_HOLE] - self._size) > 2 * OTHER_SIZE * self._size:
             last = np.array([self.node - 1])
-            sizes = around.annulus(last, np.array([[depth - around.mesh.length[-1] - around.mesh.rigid_above[-1], depth]]))
+            sizes = around.annulus(
+                last, np.array([[depth - around.mesh.length[-1] - around.mesh.rigid_above[-1], depth]])
+            )
             p[_ADDED], self._size = float(around.sideways(sizes).added[0]) * self.end.outer, p[_HOLE]
 
     def get_local_state(self) -> dict[str, FloatArray]:
@@ -158,7 +227,8 @@ class BitFlow(ComponentBase):
             self._block.params[:], self._depth, self._size = row[:-2], float(row[-2]), float(row[-1])
 
     def _gap(self, p: FloatArray, x: FloatArray) -> float:
-        """Distance from the bit's face to the hole's end [m] at unknowns ``x`` of the block, with parameters ``p``."""
+        """Distance from the bit's face to the hole's end [m] at unknowns ``x`` of the block, with parameters
+        ``p``."""
         end = p[_END] + (x[-4:-1] if self.growing is not None else 0.0)
         return float((end - x[:3] - x[3:6] * (p[_FACE] / np.linalg.norm(x[3:6]))) @ p[_AXIS])
 
@@ -170,12 +240,19 @@ class BitFlow(ComponentBase):
         return () if self.has_annulus else self.end.ambient.breaks()
 
     def figures(self, state) -> FloatArray:
-        """(7,) lost power [W], flow [m3/s], kinetic and stored energy [J], content [m3] and potential [J] of the chamber, cuttings that go
-        into it [m3/s at zero pressure]; this rank's."""
+        """(7,) lost power [W], flow [m3/s], kinetic and stored energy [J], content [m3] and potential [J] of
+        the chamber, cuttings that go into it [m3/s at zero pressure]; this rank's."""
         out = np.zeros((1, 7))
         if len(self._block.points):
-            self._report(1, pointer(state.index_of(self._block)), pointer(self._block.params), self._block.context, pointer(state.x),
-                         pointer(state.y), pointer(out))
+            self._report(
+                1,
+                pointer(state.index_of(self._block)),
+                pointer(self._block.params),
+                self._block.context,
+                pointer(state.x),
+                pointer(state.y),
+                pointer(out),
+            )
         return out[0]
 
     def energies(self, t: float, state) -> Energies:
@@ -188,8 +265,14 @@ class BitFlow(ComponentBase):
         if not self.has_link:
             return Powers()
         e, mass = self.end, self.fluid.density * flow
-        arriving = 0.5 * mass * (flow / e.bore) ** 2  # what the bore's flow brings; a nozzle's pressure loss makes the jet afresh
-        if self.has_annulus:  # the jet comes to rest in the chamber, the annulus starts with a speed of its own
+        arriving = (
+            0.5 * mass * (flow / e.bore) ** 2
+        )  # what the bore's flow brings; a nozzle's pressure loss makes the jet afresh
+        if (
+            self.has_annulus
+        ):  # the jet comes to rest in the chamber, the annulus starts with a speed of its own
             return Powers(float(lost + arriving - 0.5 * mass * (flow / e.open) ** 2))
         jet = 0.5 * mass * (flow / (e.nozzle or e.bore)) ** 2
-        return Powers(float(lost + arriving - jet), float(-flow * self.fluid.enthalpy(e.ambient.value(t)) - jet))
+        return Powers(
+            float(lost + arriving - jet), float(-flow * self.fluid.enthalpy(e.ambient.value(t)) - jet)
+        )

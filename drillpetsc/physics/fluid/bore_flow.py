@@ -15,18 +15,33 @@ _CONTROLLED = 11  # column of the given pressure, as in the kernel
 
 
 class BoreFlow(ChannelFlow):
-    """Flow in the bore: pressure [Pa] at the nodes, flow rate at zero pressure [m3/s] in the elements, towards the bit.
+    """Flow in the bore: pressure [Pa] at the nodes, flow rate at zero pressure [m3/s] in the elements,
+    towards the bit.
 
-    flow_rate or pump_pressure over time feeds the upper end.  poisson: (n,), 0 where stretch does not narrow the bore.  slope: (n+1, 3)
-    places of the nodes for a string that is held.
+    flow_rate or pump_pressure over time feeds the upper end.  poisson: (n,), 0 where stretch does not narrow
+    the bore.  slope: (n+1, 3) places of the nodes for a string that is held.
     """
 
     name = "bore"
 
-    def __init__(self, mesh: StringMesh, bore: Bore, fluid: FluidConstants, poisson: FloatArray, flow_rate: TimeFunction | None,
-                 pump_pressure: TimeFunction | None = None, held_at: FloatArray | None = None):
+    def __init__(
+        self,
+        mesh: StringMesh,
+        bore: Bore,
+        fluid: FluidConstants,
+        poisson: FloatArray,
+        flow_rate: TimeFunction | None,
+        pump_pressure: TimeFunction | None = None,
+        held_at: FloatArray | None = None,
+    ):
         super().__init__(mesh, fluid, held_at is not None)
-        self.bore, self.poisson, self.flow_rate, self.pump_pressure, self.held_at = bore, poisson, flow_rate, pump_pressure, held_at
+        self.bore, self.poisson, self.flow_rate, self.pump_pressure, self.held_at = (
+            bore,
+            poisson,
+            flow_rate,
+            pump_pressure,
+            held_at,
+        )
 
     def parameters(self, e: np.ndarray) -> FloatArray:
         m, b = self.mesh, self.bore
@@ -39,8 +54,24 @@ class BoreFlow(ChannelFlow):
             drop = (self.held_at[e + 1] - self.held_at[e]) @ self.fluid.gravity
             head = 0.5 * (self.held_at[e + 1] + self.held_at[e]) @ self.fluid.gravity
         control = np.where((e == 0) & (self.pump_pressure is not None), 1.0, 0.0)
-        return np.column_stack([length, m.rigid_above[e] if self.held_at is None else zero, self.poisson[e], b.area[e], b.area_above[e],
-                                b.wall[e], b.diameter[e], b.diameter_above[e], step, zero, control, zero, drop, head])
+        return np.column_stack(
+            [
+                length,
+                m.rigid_above[e] if self.held_at is None else zero,
+                self.poisson[e],
+                b.area[e],
+                b.area_above[e],
+                b.wall[e],
+                b.diameter[e],
+                b.diameter_above[e],
+                step,
+                zero,
+                control,
+                zero,
+                drop,
+                head,
+            ]
+        )
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         elements = super().blocks(part)
@@ -53,7 +84,9 @@ class BoreFlow(ChannelFlow):
         def update(t: float) -> None:
             params[:, 0] = flow.value(t)
 
-        self._pump = ElementBlock("pump", "pump", "vertex", vertices, (("bore.pressure", 0),), (), params, update=update)
+        self._pump = ElementBlock(
+            "pump", "pump", "vertex", vertices, (("bore.pressure", 0),), (), params, update=update
+        )
         return (*elements, self._pump)
 
     def _update_of(self, block: ElementBlock):
@@ -84,5 +117,7 @@ class BoreFlow(ChannelFlow):
         supplied, flow = 0.0, self.pumped(t, state)
         if flow is not None and self._top is not None:
             speed = figures[int(self._top[0].points[self._top[1]]), FIGURES.index("speed")]
-            supplied = flow * (float(self.fluid.enthalpy(self.upper_pressure(state))) + 0.5 * self.fluid.density * speed**2)
+            supplied = flow * (
+                float(self.fluid.enthalpy(self.upper_pressure(state))) + 0.5 * self.fluid.density * speed**2
+            )
         return Powers(float(figures[:, FIGURES.index("dissipated")].sum()), supplied)

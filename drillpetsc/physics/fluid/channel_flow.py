@@ -14,20 +14,36 @@ from drillpetsc.kernels import function, pointer
 from drillpetsc.physics.beam import SLOTS, SPLIT_SLOTS
 from drillpetsc.physics.rigid_bodies import ComponentBase
 
-FIGURES = ("kinetic", "stored", "potential", "dissipated", "content", "storage_upper", "storage_lower", "speed", "density")
+FIGURES = (
+    "kinetic",
+    "stored",
+    "potential",
+    "dissipated",
+    "content",
+    "storage_upper",
+    "storage_lower",
+    "speed",
+    "density",
+)
 PRESSURE_SCALE, FLOW_SCALE = 1.0e7, 1.0e-2  # usual magnitudes [Pa], [m3/s]
 
 
 class _Fluid(ctypes.Structure):
     """Fluid of kernels/fluid/flow.hpp."""
 
-    _fields_ = [("density", ctypes.c_double), ("compressibility", ctypes.c_double), ("gravity", ctypes.c_double * 3),
-                ("clinging", ctypes.c_double), ("rheology", ctypes.c_void_p)]
+    _fields_ = [
+        ("density", ctypes.c_double),
+        ("compressibility", ctypes.c_double),
+        ("gravity", ctypes.c_double * 3),
+        ("clinging", ctypes.c_double),
+        ("rheology", ctypes.c_void_p),
+    ]
 
 
 @dataclass
 class FluidConstants:
-    """Density at zero gauge pressure [kg/m3], bulk modulus [Pa], gravity (3,) [m/s2], rheology as kernels/fluid/rheology.hpp wants it.
+    """Density at zero gauge pressure [kg/m3], bulk modulus [Pa], gravity (3,) [m/s2], rheology as
+    kernels/fluid/rheology.hpp wants it.
 
     ``address`` is what the kernels are given; the object must outlive them.
     """
@@ -40,12 +56,19 @@ class FluidConstants:
 
     def __post_init__(self) -> None:
         self.rheology = np.ascontiguousarray(self.rheology, dtype=float)
-        record = _Fluid(self.density, 1.0 / self.bulk_modulus, (ctypes.c_double * 3)(*self.gravity), self.clinging, pointer(self.rheology))
+        record = _Fluid(
+            self.density,
+            1.0 / self.bulk_modulus,
+            (ctypes.c_double * 3)(*self.gravity),
+            self.clinging,
+            pointer(self.rheology),
+        )
         self._record = record
         self.address = ctypes.addressof(record)
 
     def enthalpy(self, pressure: FloatArray | float) -> FloatArray | float:
-        """Flow work of pressure [Pa], per volume at zero pressure [J/m3]: int dp rho0/rho = K (1 - exp(-p/K))."""
+        """Flow work of pressure [Pa], per volume at zero pressure [J/m3]: int dp rho0/rho = K (1 -
+        exp(-p/K))."""
         return -self.bulk_modulus * np.expm1(-np.asarray(pressure) / self.bulk_modulus)
 
 
@@ -61,8 +84,10 @@ class ChannelFlow(ComponentBase):
         self._taken: FloatArray | None = None
 
     def fields(self) -> tuple[Field, ...]:
-        return (Field(f"{self.name}.pressure", 1, scale=PRESSURE_SCALE, second_order=False),
-                Field(f"{self.name}.flow", 1, region="below_top", scale=FLOW_SCALE, second_order=False))
+        return (
+            Field(f"{self.name}.pressure", 1, scale=PRESSURE_SCALE, second_order=False),
+            Field(f"{self.name}.flow", 1, region="below_top", scale=FLOW_SCALE, second_order=False),
+        )
 
     def own_slots(self) -> tuple[tuple[str, int], ...]:
         """Slots of the channel's own unknowns, in the order of the kernel."""
@@ -78,7 +103,8 @@ class ChannelFlow(ComponentBase):
         raise NotImplementedError
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
-        """Blocks of the local cells: those below a junction apart, and none of the string's unknowns when it is held."""
+        """Blocks of the local cells: those below a junction apart, and none of the string's unknowns when it
+        is held."""
         m, own = self.mesh, self.own_slots()
         junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
         self._part, self._blocks, self._reports = part, [], []
@@ -90,8 +116,16 @@ class ChannelFlow(ComponentBase):
             kernel = self.kernel + ("_held" if self.held else "_split" if kind else "")
             slots = own if self.held else (SPLIT_SLOTS if kind else SLOTS) + own
             spins = () if self.held else self.spins
-            block = ElementBlock(f"{self.name}_flow" + ("_junction" if kind else ""), kernel, "cell", chosen, slots, spins,
-                          np.ascontiguousarray(self.parameters(part.cells[chosen])), context=self.fluid.address)
+            block = ElementBlock(
+                f"{self.name}_flow" + ("_junction" if kind else ""),
+                kernel,
+                "cell",
+                chosen,
+                slots,
+                spins,
+                np.ascontiguousarray(self.parameters(part.cells[chosen])),
+                context=self.fluid.address,
+            )
             block.keep = (self.fluid,)
             self._blocks.append(block)
             self._reports.append(function(f"{kernel}_report", "ipppppp"))
@@ -122,12 +156,21 @@ class ChannelFlow(ComponentBase):
         for b, report in zip(self._blocks, self._reports, strict=True):
             if len(b.points):
                 index, part = state.index_of(b), np.zeros((len(b.points), len(FIGURES)))
-                report(len(b.points), pointer(index), pointer(b.params), b.context, pointer(state.x), pointer(state.y), pointer(part))
+                report(
+                    len(b.points),
+                    pointer(index),
+                    pointer(b.params),
+                    b.context,
+                    pointer(state.x),
+                    pointer(state.y),
+                    pointer(part),
+                )
                 out[b.points] = part
         return out
 
     def upper_flow(self, state) -> float | None:
-        """Flow rate into the channel's upper end as mass conservation has it [m3/s]; None where this rank has not the end."""
+        """Flow rate into the channel's upper end as mass conservation has it [m3/s]; None where this rank has
+        not the end."""
         if self._top is None:
             return None
         block, row = self._top

@@ -1,7 +1,8 @@
-"""The channels of the drilling fluid: bore of the string and annulus, element by element, from string, hole and materials.
+"""The channels of the drilling fluid: bore of the string and annulus, element by element, from string, hole
+and materials.
 
-A rigid item between two elements is part of the channel of the element below it; its metal, mass over density, is what it takes
-from hole and bore, whatever the shape of its blades.
+A rigid item between two elements is part of the channel of the element below it; its metal, mass over
+density, is what it takes from hole and bore, whatever the shape of its blades.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ _GAUSS = np.polynomial.legendre.leggauss(4)  # exact to degree 7
 
 @dataclass(frozen=True)
 class Bore:
-    """Bore of the string; all (n,) SI: area [m2], wall d(ln area)/dp [1/Pa], area_above of the rigid item above the element."""
+    """Bore of the string; all (n,) SI: area [m2], wall d(ln area)/dp [1/Pa], area_above of the rigid item
+    above the element."""
 
     area: FloatArray
     wall: FloatArray
@@ -38,7 +40,8 @@ class Bore:
 
 @dataclass(frozen=True)
 class Annulus:
-    """Space between string and hole; all (n,) SI: outer and hole areas [m2], wall d(ln area)/dp [1/Pa], outer_above of rigid items."""
+    """Space between string and hole; all (n,) SI: outer and hole areas [m2], wall d(ln area)/dp [1/Pa],
+    outer_above of rigid items."""
 
     outer: FloatArray
     hole: FloatArray
@@ -68,7 +71,8 @@ class Annulus:
 
 
 def poisson(case: Case, mesh: StringMesh) -> FloatArray:
-    """(n,) Poisson's ratio by which the section narrows under stretch; 0 for pieces given by stiffnesses, and for rigid walls."""
+    """(n,) Poisson's ratio by which the section narrows under stretch; 0 for pieces given by stiffnesses, and
+    for rigid walls."""
     assert case.fluid is not None
     if not case.fluid.elastic_walls:
         return np.zeros(len(mesh.upper))
@@ -76,19 +80,23 @@ def poisson(case: Case, mesh: StringMesh) -> FloatArray:
 
 
 def _constants(case: Case, number: int) -> tuple[float, float]:
-    """Young's modulus [Pa] and Poisson's ratio of a string item; a piece given by its stiffnesses has a rigid wall."""
+    """Young's modulus [Pa] and Poisson's ratio of a string item; a piece given by its stiffnesses has a rigid
+    wall."""
     item = case.string[number]
     return (item.material.young, item.material.poisson) if isinstance(item, Pipe) else (np.inf, 0.0)
 
 
 def _rigid_runs(case: Case, mesh: StringMesh) -> tuple[FloatArray, FloatArray]:
-    """(n+1, 2) mean bore area and metal area [m2] of the rigid items that hang on each node, and (n+1,) their metal volume [m3]."""
+    """(n+1, 2) mean bore area and metal area [m2] of the rigid items that hang on each node, and (n+1,) their
+    metal volume [m3]."""
     area, volume, length = np.zeros((mesh.nodes, 2)), np.zeros(mesh.nodes), np.zeros(mesh.nodes)
     items = [item for item in case.string if isinstance(item, Rigid)]
     for item, body in zip(items, mesh.bodies, strict=True):
         density = getattr(item, "material", case.material).density
         bore = np.pi / 4 * (getattr(item, "id", 0.0) or 0.0) ** 2
-        if bore == 0.0:  # solid as far as the case tells: what flows through is as wide as in the pipe beside it
+        if (
+            bore == 0.0
+        ):  # solid as far as the case tells: what flows through is as wide as in the pipe beside it
             bore = np.pi / 4 * mesh.inner_diameter[min(body.node, len(mesh.upper) - 1)] ** 2
         area[body.node] += np.array([bore * body.length, body.mass / density])
         volume[body.node] += body.mass / density
@@ -110,8 +118,8 @@ def build_bore(case: Case, mesh: StringMesh) -> Bore:
 
 
 class HoleVolume:
-    """Volume of a well's hole from measured depth 0 downwards, exact: the radius squared is a polynomial of degree 6 between the places
-    where a transition begins or ends."""
+    """Volume of a well's hole from measured depth 0 downwards, exact: the radius squared is a polynomial of
+    degree 6 between the places where a transition begins or ends."""
 
     def __init__(self, well: Well):
         rows = well.transitions
@@ -124,7 +132,8 @@ class HoleVolume:
         return half * (self.area(middle[..., None] + half[..., None] * _GAUSS[0]) @ _GAUSS[1])
 
     def area(self, md: FloatArray | float) -> FloatArray:
-        """Area [m2] at md (...) [m]; above the rotary table and below the last section that of the section next to it."""
+        """Area [m2] at md (...) [m]; above the rotary table and below the last section that of the section
+        next to it."""
         return np.pi * np.asarray(self.well.radius(md)) ** 2
 
     def volume(self, md: FloatArray) -> FloatArray:
@@ -135,9 +144,9 @@ class HoleVolume:
 
 @dataclass(frozen=True)
 class AnnulusWalls:
-    """What bounds the annulus besides the hole's size: outer, inner radius (n,) [m] of the elements, their Young's modulus [Pa] and
-    Poisson's ratio, mean section of the string about their upper node (n,) [m2]; give (m,) [1/Pa] of the rock of each hole section down
-    to section_to (m,) [m]; elastic or rigid."""
+    """What bounds the annulus besides the hole's size: outer, inner radius (n,) [m] of the elements, their
+    Young's modulus [Pa] and Poisson's ratio, mean section of the string about their upper node (n,) [m2];
+    give (m,) [1/Pa] of the rock of each hole section down to section_to (m,) [m]; elastic or rigid."""
 
     outer: FloatArray
     inner: FloatArray
@@ -150,16 +159,25 @@ class AnnulusWalls:
     elastic: bool
 
     def annulus(self, hole: HoleVolume, e: np.ndarray, upper: FloatArray, lower: FloatArray) -> Annulus:
-        """Annulus of the elements ``e`` (k,) with their ends at measured depths ``upper``, ``lower`` (k,) [m].
+        """Annulus of the elements ``e`` (k,) with their ends at measured depths ``upper``, ``lower`` (k,)
+        [m].
 
-        Elasticity (Lame): 2/(Rw^2 - Ro^2) {Rw^2 (1 + nu_r)/E_r + (Ro^2/E) [(Ro^2 + Ri^2)/(Ro^2 - Ri^2) - nu]}; the first term is that of
-        rock without end (left out where a section gives no compliance: a rigid wall).
+        Elasticity (Lame): 2/(Rw^2 - Ro^2) {Rw^2 (1 + nu_r)/E_r + (Ro^2/E) [(Ro^2 + Ri^2)/(Ro^2 - Ri^2) -
+        nu]}; the first term is that of rock without end (left out where a section gives no compliance: a
+        rigid wall).
         """
-        top, outer, inner, wall = upper - self.rigid_above[e], self.outer[e] ** 2, self.inner[e] ** 2, np.zeros(len(e))
+        top, outer, inner, wall = (
+            upper - self.rigid_above[e],
+            self.outer[e] ** 2,
+            self.inner[e] ** 2,
+            np.zeros(len(e)),
+        )
         area = (hole.volume(lower) - hole.volume(top)) / (lower - top)
         if self.elastic:
             square = area / np.pi
-            section = np.minimum(np.searchsorted(self.section_to, 0.5 * (upper + lower)), len(self.section_to) - 1)
+            section = np.minimum(
+                np.searchsorted(self.section_to, 0.5 * (upper + lower)), len(self.section_to) - 1
+            )
             steel = outer / self.young[e] * ((outer + inner) / (outer - inner) - self.poisson[e])
             wall = 2 / (square - outer) * (square * self.give[section] + steel)
         return Annulus(np.pi * outer, area, wall, self.outer_above[e])
@@ -172,8 +190,17 @@ def build_walls(case: Case, mesh: StringMesh) -> AnnulusWalls:
     young, nu = np.array([_constants(case, k) for k in mesh.item]).T
     runs, _ = _rigid_runs(case, mesh)
     above = np.where(mesh.rigid_above > 0, runs[:-1].sum(axis=1), np.pi * outer**2)
-    return AnnulusWalls(outer, 0.5 * mesh.inner_diameter, young, nu, above, mesh.rigid_above, np.array([q.to for q in sections]),
-                        np.array([_give(q) for q in sections]), case.fluid.elastic_walls)
+    return AnnulusWalls(
+        outer,
+        0.5 * mesh.inner_diameter,
+        young,
+        nu,
+        above,
+        mesh.rigid_above,
+        np.array([q.to for q in sections]),
+        np.array([_give(q) for q in sections]),
+        case.fluid.elastic_walls,
+    )
 
 
 def _give(section) -> float:

@@ -1,8 +1,10 @@
-"""The channels by the volume that has passed, as the paper has them (``formulation: hermite``; kernels/fluid/hermite/hermite_flow.hpp).
+"""The channels by the volume that has passed, as the paper has them (``formulation: hermite``;
+kernels/fluid/hermite/hermite_flow.hpp).
 
-Unknowns at every node: the volume that has passed it beyond a reference flow Q(t), and the pressure (with the heads of the flow's speed
-since the channel's uppermost element).  Any Q does for which volumes stay small; here it is the pump's flow, its jumps drawn out over
-a second, in the annulus with the other sign, so that steady circulation is a state of rest.
+Unknowns at every node: the volume that has passed it beyond a reference flow Q(t), and the pressure (with the
+heads of the flow's speed since the channel's uppermost element).  Any Q does for which volumes stay small;
+here it is the pump's flow, its jumps drawn out over a second, in the annulus with the other sign, so that
+steady circulation is a state of rest.
 """
 
 from __future__ import annotations
@@ -27,23 +29,37 @@ SMALLEST = 1e-4  # chamber that is left under a bit on bottom where the case giv
 _REST_GAP = 12  # column of kernels/fluid/bit_flow.hpp
 WINDOW = 1.0  # time over which the reference follows a jump of the pump [s]
 # columns of kernels/fluid/hermite/hermite_bore.hpp and kernels/fluid/hermite/hermite_annulus.hpp
-_PIPE = {"heads": 8, "reference": 9, "given": 10, "flow": 11, "surge": 14, "closed": 15, "pumped": 16, "kept": 17}
+_PIPE = {
+    "heads": 8,
+    "reference": 9,
+    "given": 10,
+    "flow": 11,
+    "surge": 14,
+    "closed": 15,
+    "pumped": 16,
+    "kept": 17,
+}
 _ANNULUS = {"heads": 13, "reference": 14, "controlled": 16, "surge": 28}
 _TANGENTS = slice(18, 24)
 
 
 @dataclass(frozen=True)
 class Reference:
-    """The pump's flow [m3/s] without jumps: q(t) - sum of D_k (1 + cos(pi (t - t_k)/W))/2 over the jumps D_k of the last W = ``WINDOW``."""
+    """The pump's flow [m3/s] without jumps: q(t) - sum of D_k (1 + cos(pi (t - t_k)/W))/2 over the jumps D_k
+    of the last W = ``WINDOW``."""
 
     flow: TimeFunction
 
     @cached_property
     def _jumps(self) -> tuple[tuple[float, float], ...]:
-        return tuple((t, self.flow.value(t) - self.flow.value(t, before=True)) for t in self.flow.jumps() if t > 0)
+        return tuple(
+            (t, self.flow.value(t) - self.flow.value(t, before=True)) for t in self.flow.jumps() if t > 0
+        )
 
     def value(self, t: float) -> float:
-        late = sum(0.5 * d * (1 + np.cos(np.pi * (t - at) / WINDOW)) for at, d in self._jumps if 0 <= t - at < WINDOW)
+        late = sum(
+            0.5 * d * (1 + np.cos(np.pi * (t - at) / WINDOW)) for at, d in self._jumps if 0 <= t - at < WINDOW
+        )
         return float(self.flow.value(t) - late)
 
     def behind(self, t: float) -> float:
@@ -53,7 +69,11 @@ class Reference:
 
     def rate(self, t: float) -> float:
         """Rate just before ``t``: that of the step which ends there."""
-        late = sum(0.5 * d * np.pi / WINDOW * np.sin(np.pi * (t - at) / WINDOW) for at, d in self._jumps if 0 <= t - at < WINDOW)
+        late = sum(
+            0.5 * d * np.pi / WINDOW * np.sin(np.pi * (t - at) / WINDOW)
+            for at, d in self._jumps
+            if 0 <= t - at < WINDOW
+        )
         return float(self.flow.rate(t, before=True) + late)
 
 
@@ -80,13 +100,24 @@ def _pressures(component: ChannelFlow, system, reference: float, heads: FloatArr
     """(nv,) pressure above the node [Pa]: the unknown less the heads (n,) of the element above."""
     flow = system.field(f"{component.name}.volume", "y")[:, 0] + reference
     total = system.field(f"{component.name}.pressure")[:, 0]
-    return total - component.fluid.density * (1 - total / component.fluid.bulk_modulus) * heads[np.maximum(system.chain.vertices - 1, 0)] * flow**2
+    return (
+        total
+        - component.fluid.density
+        * (1 - total / component.fluid.bulk_modulus)
+        * heads[np.maximum(system.chain.vertices - 1, 0)]
+        * flow**2
+    )
 
 
-def volumes_at_rest(bore: HermiteBore | None, annulus: HermiteAnnulus | None, bit: HermiteBit | None, head: FloatArray,
-                    level: float) -> dict[str, FloatArray]:
-    """Nodal volumes (n+1,) [m3] by field under the pressures level + ``head`` (n+1,) [Pa]: none at the pump, then less by what each element
-    and the chamber have taken up; pressure straight between the nodes."""
+def volumes_at_rest(
+    bore: HermiteBore | None,
+    annulus: HermiteAnnulus | None,
+    bit: HermiteBit | None,
+    head: FloatArray,
+    level: float,
+) -> dict[str, FloatArray]:
+    """Nodal volumes (n+1,) [m3] by field under the pressures level + ``head`` (n+1,) [Pa]: none at the pump,
+    then less by what each element and the chamber have taken up; pressure straight between the nodes."""
     out, passed = {}, 0.0
     pressure = level + head
     if bore is not None:
@@ -106,15 +137,27 @@ def _taken_up(component: HermiteBore | HermiteAnnulus, wall: FloatArray, pressur
     """(n,) volume at zero pressure that each element holds beyond its own at zero pressure [m3]."""
     m = component.mesh
     length = m.length + m.rigid_above
-    ends = [np.expm1(p / component.fluid.bulk_modulus) * (1 + wall * p) + wall * p for p in (pressure[:-1], pressure[1:])]
+    ends = [
+        np.expm1(p / component.fluid.bulk_modulus) * (1 + wall * p) + wall * p
+        for p in (pressure[:-1], pressure[1:])
+    ]
     return component.content * length * 0.5 * (ends[0] + ends[1])
 
 
 class HermiteBore(BoreFlow):
-    """Bore fed by a pump of given flow.  closed: nothing leaves at its lower end, where the volume then stays at ``kept`` [m3]."""
+    """Bore fed by a pump of given flow.  closed: nothing leaves at its lower end, where the volume then stays
+    at ``kept`` [m3]."""
 
-    def __init__(self, mesh, bore: Bore, fluid, poisson: FloatArray, flow_rate: TimeFunction, closed: bool,
-                 held_at: FloatArray | None = None):
+    def __init__(
+        self,
+        mesh,
+        bore: Bore,
+        fluid,
+        poisson: FloatArray,
+        flow_rate: TimeFunction,
+        closed: bool,
+        held_at: FloatArray | None = None,
+    ):
         super().__init__(mesh, bore, fluid, poisson, flow_rate, None, held_at)
         self.closed, self.reference, self.heads = closed, Reference(flow_rate), _heads(bore.area)
         self._now, self.kept = self.reference.value(0.0), 0.0
@@ -133,7 +176,10 @@ class HermiteBore(BoreFlow):
     def parameters(self, e: np.ndarray) -> FloatArray:
         table = np.hstack([super().parameters(e), np.zeros((len(e), 4))])
         table[:, _PIPE["heads"]], table[:, _PIPE["given"]] = self.heads[e], e == 0
-        table[:, _PIPE["closed"]], table[:, _PIPE["kept"]] = self.closed * (e == len(self.mesh.upper) - 1), self.kept
+        table[:, _PIPE["closed"]], table[:, _PIPE["kept"]] = (
+            self.closed * (e == len(self.mesh.upper) - 1),
+            self.kept,
+        )
         return table
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
@@ -143,7 +189,10 @@ class HermiteBore(BoreFlow):
     def _update_of(self, block: ElementBlock):
         def update(t: float) -> None:
             self._now = self.reference.value(t)
-            block.params[:, _PIPE["reference"]], block.params[:, _PIPE["surge"]] = self._now, self.reference.rate(t)
+            block.params[:, _PIPE["reference"]], block.params[:, _PIPE["surge"]] = (
+                self._now,
+                self.reference.rate(t),
+            )
             block.params[:, _PIPE["flow"]] = self.flow_rate.value(t)  # type: ignore[union-attr]
             block.params[:, _PIPE["pumped"]] = self.reference.behind(t)
 
@@ -171,8 +220,8 @@ class HermiteBore(BoreFlow):
 
 
 class HermiteAnnulus(AnnulusFlow):
-    """Annulus whose reference flow is the pump's upwards.  Its sizes stay those at the start: the pressure follows from the volume that an
-    element holds, and would jump with it."""
+    """Annulus whose reference flow is the pump's upwards.  Its sizes stay those at the start: the pressure
+    follows from the volume that an element holds, and would jump with it."""
 
     resizes = False
 
@@ -194,7 +243,9 @@ class HermiteAnnulus(AnnulusFlow):
 
     def parameters(self, e: np.ndarray) -> FloatArray:
         steps = np.diff(self.heads, prepend=0.0)
-        table = np.column_stack([super().parameters(e)[:, :-1], np.zeros(len(e)), steps[e]])  # no change of area
+        table = np.column_stack(
+            [super().parameters(e)[:, :-1], np.zeros(len(e)), steps[e]]
+        )  # no change of area
         table[:, _ANNULUS["heads"]] = self.heads[e]
         return table
 
@@ -205,7 +256,10 @@ class HermiteAnnulus(AnnulusFlow):
             if others is not None:
                 others(t)
             self._now = -self.reference.value(t)
-            block.params[:, _ANNULUS["reference"]], block.params[:, _ANNULUS["surge"]] = self._now, -self.reference.rate(t)
+            block.params[:, _ANNULUS["reference"]], block.params[:, _ANNULUS["surge"]] = (
+                self._now,
+                -self.reference.rate(t),
+            )
 
         return update
 
@@ -222,7 +276,11 @@ class HermiteAnnulus(AnnulusFlow):
         if not self.held:
             along = block.params[row, _TANGENTS].reshape(2, 3).sum(axis=0)
             along = along / np.linalg.norm(along)
-            pressure += self.fluid.density * float(self.fluid.gravity @ along) * float(along @ state.x[state.index_of(block)[row, :3]])
+            pressure += (
+                self.fluid.density
+                * float(self.fluid.gravity @ along)
+                * float(along @ state.x[state.index_of(block)[row, :3]])
+            )
         return pressure
 
     def flows(self, system) -> FloatArray:
@@ -235,14 +293,26 @@ class HermiteAnnulus(AnnulusFlow):
 class HermiteBit(BitFlow):
     """Nozzles and chamber without unknowns of their own (kernels/fluid/hermite/hermite_bit.hpp).
 
-    rest_at: (3,) place of the lowest node at which the volumes count from; heads of the channels' lowest elements are theirs.
+    rest_at: (3,) place of the lowest node at which the volumes count from; heads of the channels' lowest
+    elements are theirs.
     """
 
-    def __init__(self, node: int, end, fluid, pump: TimeFunction, bore: HermiteBore | None, annulus: HermiteAnnulus | None,
-                 rest_at: FloatArray, held_at: FloatArray | None = None):
+    def __init__(
+        self,
+        node: int,
+        end,
+        fluid,
+        pump: TimeFunction,
+        bore: HermiteBore | None,
+        annulus: HermiteAnnulus | None,
+        rest_at: FloatArray,
+        held_at: FloatArray | None = None,
+    ):
         super().__init__(node, replace(end, volume=max(end.volume, SMALLEST)), fluid, held_at)
         self.reference, self.rest_gap = Reference(pump), float((end.end - rest_at) @ end.axis) - end.face
-        self.last_heads = [0.0 if component is None else float(component.heads[-1]) for component in (bore, annulus)]
+        self.last_heads = [
+            0.0 if component is None else float(component.heads[-1]) for component in (bore, annulus)
+        ]
 
     def fields(self) -> tuple[Field, ...]:
         return ()
@@ -251,8 +321,15 @@ class HermiteBit(BitFlow):
         _, vertices = local_vertices(part, np.array([self.node]))
         held = self.held_at is not None
         slots: tuple = () if held else VERTEX_SLOTS
-        slots += (("bore.volume", 0),) * self.has_link + (("annulus.volume", 0), ("annulus.pressure", 0)) * self.has_annulus
-        kernel = "hermite_bit" + ("" if self.has_link and self.has_annulus else "_jet" if self.has_link else "_closed") + "_held" * held
+        slots += (("bore.volume", 0),) * self.has_link + (
+            ("annulus.volume", 0),
+            ("annulus.pressure", 0),
+        ) * self.has_annulus
+        kernel = (
+            "hermite_bit"
+            + ("" if self.has_link and self.has_annulus else "_jet" if self.has_link else "_closed")
+            + "_held" * held
+        )
         row = [*self._parameters(), 0.0, 0.0, *self.last_heads]
         row[_REST_GAP] = self.rest_gap
         params = np.ascontiguousarray(np.tile(row, (len(vertices), 1)))
@@ -262,7 +339,17 @@ class HermiteBit(BitFlow):
             self.renew(params, t)
 
         update(0.0)
-        self._block = ElementBlock("bit_flow", kernel, "vertex", vertices, slots, (), params, context=self.fluid.address, update=update)
+        self._block = ElementBlock(
+            "bit_flow",
+            kernel,
+            "vertex",
+            vertices,
+            slots,
+            (),
+            params,
+            context=self.fluid.address,
+            update=update,
+        )
         self._block.keep = (self.fluid,)
         self._report = function(f"{kernel}_report", "ipppppp")
         return (self._block,)
@@ -272,20 +359,29 @@ class HermiteBit(BitFlow):
         return self.end.volume + self.end.hole * GAP_ROUNDING * float(np.logaddexp(0.0, gap / GAP_ROUNDING))
 
     def out_of_place(self, state) -> tuple[float, float]:
-        """(volume [m3], volume rate [m3/s]) at zero pressure that the annulus' volumes lack: for the chamber to have the annulus' lowest
-        pressure, and for it to keep it in the motion of the bit; this rank's share."""
+        """(volume [m3], volume rate [m3/s]) at zero pressure that the annulus' volumes lack: for the chamber
+        to have the annulus' lowest pressure, and for it to keep it in the motion of the bit; this rank's
+        share."""
         index, e = state.index_of(self._block), self.end
         if not self.has_annulus or not len(index):
             return 0.0, 0.0
         gap, widens = self.rest_gap, 0.0
         if self.held_at is None:
-            (r, v), (rate, turn) = ([which[index[0, a : a + 3]] for a in (0, 3)] for which in (state.x, state.y))
+            (r, v), (rate, turn) = (
+                [which[index[0, a : a + 3]] for a in (0, 3)] for which in (state.x, state.y)
+            )
             size = np.linalg.norm(v)
             t, t1 = v / size, (turn - v * (v @ turn) / size**2) / size
             gap = float((e.end - r - t * e.face) @ e.axis)
-            widens = -e.hole / (1 + np.exp(-np.clip(gap / GAP_ROUNDING, -700.0, 700.0))) * float((rate + t1 * e.face) @ e.axis)
+            widens = (
+                -e.hole
+                / (1 + np.exp(-np.clip(gap / GAP_ROUNDING, -700.0, 700.0)))
+                * float((rate + t1 * e.face) @ e.axis)
+            )
         pressure = state.x[index[0, -1]]
         theta = np.exp(pressure / self.fluid.bulk_modulus) * (1 + pressure * e.elasticity)
         passed = state.x[index[0, -2]] + (state.x[index[0, -3]] if self.has_link else 0.0)
         volume = self.chamber_volume(gap)
-        return float((volume - self.chamber_volume(self.rest_gap)) + volume * (theta - 1) - passed), float(theta * widens)
+        return float((volume - self.chamber_volume(self.rest_gap)) + volume * (theta - 1) - passed), float(
+            theta * widens
+        )

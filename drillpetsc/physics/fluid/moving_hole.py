@@ -1,10 +1,13 @@
-"""The hole about the elements of a string that moves along it: where their nodes are, and how much hole there is above each.
+"""The hole about the elements of a string that moves along it: where their nodes are, and how much hole there
+is above each.
 
-A node at measured depth s has the volume W of hole above it; dW/dt = a ds/dt with the hole's area a at the node.  An element between two
-nodes has W2 - W1, the chamber under the bit what is left below the last one: nothing is lost between them.  The rows of mass contain
-these rates (WIDENING in kernels/fluid/annulus_flow.hpp is a2 - a1 over the length), so what the hole is wider or narrower at the new place
-flows in or out as mud.  Looking at the hole anew, W has grown by a times the way, just what the rates brought: mass is kept whatever a is.
-It is chosen such that W becomes the hole's true volume ``AHEAD`` further on.
+A node at measured depth s has the volume W of hole above it; dW/dt = a ds/dt with the hole's area a at the
+node.  An element between two nodes has W2 - W1, the chamber under the bit what is left below the last one:
+nothing is lost between them.  The rows of mass contain these rates (WIDENING in
+kernels/fluid/annulus_flow.hpp is a2 - a1 over the length), so what the hole is wider or narrower at the new
+place flows in or out as mud.  Looking at the hole anew, W has grown by a times the way, just what the rates
+brought: mass is kept whatever a is. It is chosen such that W becomes the hole's true volume ``AHEAD`` further
+on.
 """
 
 from __future__ import annotations
@@ -21,14 +24,16 @@ from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, HoleVolume
 
 REFRESH = 0.01  # a node looks at the hole anew after this way [m]: over it, 3 deg/30 m turn the hole by 2e-5
 AHEAD = 0.5  # [m], as long as the shortest transition of a hole between two diameters
-OTHER_SIZE = 0.01  # relative change of the hole's diameter after which added mass and damping are worked out anew
+OTHER_SIZE = (
+    0.01  # relative change of the hole's diameter after which added mass and damping are worked out anew
+)
 
 
 @dataclass(frozen=True)
 class LateralCoefficients:
-    """What mud does to a string that moves across the hole: added mass over displaced mass (n,), damping (n,) [N s/m2], and torque
-    per length and spin (n,) [N s].  by_eccentricity gives the added mass (k,) of elements of outer diameters and in holes of diameters (k,)
-    [m] at eccentricities (k,) from 0 to 1."""
+    """What mud does to a string that moves across the hole: added mass over displaced mass (n,), damping (n,)
+    [N s/m2], and torque per length and spin (n,) [N s].  by_eccentricity gives the added mass (k,) of
+    elements of outer diameters and in holes of diameters (k,) [m] at eccentricities (k,) from 0 to 1."""
 
     added: FloatArray
     damping: FloatArray
@@ -39,12 +44,18 @@ class LateralCoefficients:
 class MovingHole:
     """The hole as it is now, and the local nodes in it.
 
-    current_well: the hole, a new object whenever it has grown.  sideways: from the sizes of elements to what mud does to them.
-    (nv,) each, when the node last looked: depth, measured [m]; volume of hole above it [m3]; area [m2]; ahead, the way for which that is
-    good [m].
+    current_well: the hole, a new object whenever it has grown.  sideways: from the sizes of elements to what
+    mud does to them. (nv,) each, when the node last looked: depth, measured [m]; volume of hole above it
+    [m3]; area [m2]; ahead, the way for which that is good [m].
     """
 
-    def __init__(self, mesh: StringMesh, walls: AnnulusWalls, current_well: Callable[[], Well], sideways: Callable[[Annulus], LateralCoefficients]):
+    def __init__(
+        self,
+        mesh: StringMesh,
+        walls: AnnulusWalls,
+        current_well: Callable[[], Well],
+        sideways: Callable[[Annulus], LateralCoefficients],
+    ):
         self.mesh, self.walls, self.current_well, self.sideways = mesh, walls, current_well, sideways
         self._hole = HoleVolume(current_well())
         self._near: np.ndarray | None = None
@@ -75,11 +86,15 @@ class MovingHole:
     def look(self, depths: FloatArray, keep: bool) -> np.ndarray:
         """Let the nodes that have moved, now at ``depths`` (nv,), look at the hole; returns which (nv,) did.
 
-        keep: volumes grow by what the rates of flow have brought (a node that has come further than it could foresee takes the hole as it
-        finds it); without, they are the hole's.
+        keep: volumes grow by what the rates of flow have brought (a node that has come further than it could
+        foresee takes the hole as it finds it); without, they are the hole's.
         """
         if not self.placed:
-            self.depth, (self.volume, self.area, self.ahead), keep = depths.copy(), np.zeros((3, len(depths))), False
+            self.depth, (self.volume, self.area, self.ahead), keep = (
+                depths.copy(),
+                np.zeros((3, len(depths))),
+                False,
+            )
             moved = np.ones(len(depths), dtype=bool)
         else:
             moved = np.abs(depths - self.depth) > REFRESH
@@ -87,7 +102,9 @@ class MovingHole:
             hole, here, way = self.hole, depths[moved], depths[moved] - self.depth[moved]
             volume, ahead = hole.volume(here), np.full(len(here), AHEAD)
             if keep:
-                volume = np.where(np.abs(way) > self.ahead[moved], volume, self.volume[moved] + self.area[moved] * way)
+                volume = np.where(
+                    np.abs(way) > self.ahead[moved], volume, self.volume[moved] + self.area[moved] * way
+                )
                 ahead = np.copysign(np.maximum(AHEAD, 2 * np.abs(way)), way)
             self.depth[moved], self.volume[moved], self.ahead[moved] = here, volume, np.abs(ahead)
             self.area[moved] = (hole.volume(here + ahead) - volume) / ahead
@@ -97,7 +114,9 @@ class MovingHole:
         """Mean area of the hole [m2] between nodes ``ends`` (k, 2), and its change with their depth [m]."""
         first, second = ends.T
         length = self.depth[second] - self.depth[first]
-        return (self.volume[second] - self.volume[first]) / length, (self.area[second] - self.area[first]) / length
+        return (self.volume[second] - self.volume[first]) / length, (
+            self.area[second] - self.area[first]
+        ) / length
 
     def get_state(self) -> FloatArray:
         """(nv, 4) what a continued run needs to know."""

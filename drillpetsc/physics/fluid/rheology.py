@@ -1,25 +1,30 @@
 """Rheology of the drilling fluid and its wall friction in pipe and annulus.
 
-`Rheology` is plain data; `Rheology.parameters()` is the flat array that the kernels take.  The wall shear stress tau is signed and
-odd in the mean speed w, and has a continuous derivative through zero flow and through the transition to turbulence; the pressure
-falls by 4 tau / d_h per length, with d_h the bore, or the hole minus the string diameter.
+`Rheology` is plain data; `Rheology.parameters()` is the flat array that the kernels take.  The wall shear
+stress tau is signed and odd in the mean speed w, and has a continuous derivative through zero flow and
+through the transition to turbulence; the pressure falls by 4 tau / d_h per length, with d_h the bore, or the
+hole minus the string diameter.
 
 Models: tau = tau_y + K gamma^n (newtonian, power_law, bingham, herschel_bulkley are its cases), and casson,
 sqrt(tau) = sqrt(tau_y) + sqrt(K gamma).  Laws, alpha = 0 pipe, 1 annulus (a slot):
 
-blend   tau_lam = {[(4-alpha)/(3-alpha)]^n tau_y/g_e + K g_e^(n-1)} g,  g = 8 G w/d_h,  g_e^2 = g^2 + shear_rate_eps^2,
+blend   tau_lam = {[(4-alpha)/(3-alpha)]^n tau_y/g_e + K g_e^(n-1)} g,  g = 8 G w/d_h,  g_e^2 = g^2 +
+shear_rate_eps^2,
         G = [((3-alpha)n+1)/((4-alpha)n)](1+alpha/2); Re = 8 rho w^2/tau_lam; friction factors f_lam = 16/Re,
         f_tr = 16 Re/(3470-1370n)^2, f_tu = a/Re^b, a = (log10 n + 3.93)/50, b = (1.75 - log10 n)/7;
-        f^12 = f_lam^12 + (f_tr^-8 + f_tu^-8)^(-12/8).  Structure and constants of API RP 13D (2006 and later), recalled.
-        The explicit laminar stress of a fluid with yield stress is at most 2.2 % off in a pipe and 6 % in a slot up to
-        tau_y/tau_w = 0.5, and too high near gelling.  Casson has no explicit form: its exact one is used.
-api     power law only, Baker Hughes, Drilling Fluids Reference Manual (2006), p. 9-14: Metzner-Reed Reynolds number, f = 16/Re in a
-        pipe, 24/Re in an annulus, a/Re^b above 4270-1370n, a straight line from 3470-1370n; the two kinks are rounded within
-        40 in Re (the values outside do not change).
-exact   tau_lam from the integrated profile of the pipe (Rabinowitsch, Buckingham) or of the slot; transition and turbulence as blend.
+        f^12 = f_lam^12 + (f_tr^-8 + f_tu^-8)^(-12/8).  Structure and constants of API RP 13D (2006 and
+        later), recalled. The explicit laminar stress of a fluid with yield stress is at most 2.2 % off in a
+        pipe and 6 % in a slot up to tau_y/tau_w = 0.5, and too high near gelling.  Casson has no explicit
+        form: its exact one is used.
+api     power law only, Baker Hughes, Drilling Fluids Reference Manual (2006), p. 9-14: Metzner-Reed Reynolds
+number, f = 16/Re in a
+        pipe, 24/Re in an annulus, a/Re^b above 4270-1370n, a straight line from 3470-1370n; the two kinks are
+        rounded within 40 in Re (the values outside do not change).
+exact   tau_lam from the integrated profile of the pipe (Rabinowitsch, Buckingham) or of the slot; transition
+and turbulence as blend.
 
-With n the flow index of a Casson fluid is 1.  A gel below its yield stress is not held but creeps: `shear_rate_eps` smooths the yield.
-The constants a and b are those of n = 0.05 for any smaller index.
+With n the flow index of a Casson fluid is 1.  A gel below its yield stress is not held but creeps:
+`shear_rate_eps` smooths the yield. The constants a and b are those of n = 0.05 for any smaller index.
 """
 
 from __future__ import annotations
@@ -45,8 +50,8 @@ _wall_shear = function("rheology_wall_shear", "pipppppp")
 class Rheology:
     """A drilling fluid's flow curve and friction law.
 
-    consistency K [Pa s^n] (the viscosity, or plastic viscosity, [Pa s] of models with n = 1), index n [-], yield_stress [Pa],
-    shear_rate_eps [1/s]: shear rate below which stresses go smoothly to zero.
+    consistency K [Pa s^n] (the viscosity, or plastic viscosity, [Pa s] of models with n = 1), index n [-],
+    yield_stress [Pa], shear_rate_eps [1/s]: shear rate below which stresses go smoothly to zero.
     """
 
     model: str
@@ -60,9 +65,18 @@ class Rheology:
     def __post_init__(self) -> None:
         """Refuses what no kernel can evaluate; fills the packed form once."""
         if self.model not in MODELS or self.law not in LAWS:
-            raise ValueError(f"rheology {self.model!r}, {self.law!r}: models are {', '.join(MODELS)}; laws {', '.join(LAWS)}")
-        if not (self.consistency >= 0 and self.yield_stress >= 0 and self.shear_rate_eps > 0 and 0 < self.index <= 2):
-            raise ValueError("rheology: want consistency and yield_stress not negative, shear_rate_eps above 0, index in (0, 2]")
+            raise ValueError(
+                f"rheology {self.model!r}, {self.law!r}: models are {', '.join(MODELS)}; laws {', '.join(LAWS)}"
+            )
+        if not (
+            self.consistency >= 0
+            and self.yield_stress >= 0
+            and self.shear_rate_eps > 0
+            and 0 < self.index <= 2
+        ):
+            raise ValueError(
+                "rheology: want consistency and yield_stress not negative, shear_rate_eps above 0, index in (0, 2]"
+            )
         if self.index != 1 and self.model in ("newtonian", "bingham", "casson"):
             raise ValueError(f"rheology: a {self.model} fluid has index 1, not {self.index}")
         if self.yield_stress > 0 and (self.law == "api" or self.model in ("newtonian", "power_law")):
@@ -71,7 +85,15 @@ class Rheology:
             raise ValueError("rheology: the law api is that of a power law")
         packed = np.zeros(_size())
         kind = int(self.model == "casson")
-        _pack(kind, LAWS.index(self.law), self.consistency, self.index, self.yield_stress, self.shear_rate_eps, pointer(packed))
+        _pack(
+            kind,
+            LAWS.index(self.law),
+            self.consistency,
+            self.index,
+            self.yield_stress,
+            self.shear_rate_eps,
+            pointer(packed),
+        )
         packed.setflags(write=False)
         object.__setattr__(self, "_parameters", packed)
 
@@ -81,29 +103,41 @@ class Rheology:
         return cls("newtonian", law, viscosity, shear_rate_eps=shear_rate_eps)
 
     @classmethod
-    def power_law(cls, consistency: float, index: float, law: str = "blend", shear_rate_eps: float = 1.0) -> Rheology:
+    def power_law(
+        cls, consistency: float, index: float, law: str = "blend", shear_rate_eps: float = 1.0
+    ) -> Rheology:
         """Consistency [Pa s^n] and index n [-]."""
         return cls("power_law", law, consistency, index, shear_rate_eps=shear_rate_eps)
 
     @classmethod
-    def bingham(cls, plastic_viscosity: float, yield_stress: float, law: str = "blend", shear_rate_eps: float = 1.0) -> Rheology:
+    def bingham(
+        cls, plastic_viscosity: float, yield_stress: float, law: str = "blend", shear_rate_eps: float = 1.0
+    ) -> Rheology:
         """Plastic viscosity [Pa s] and yield stress [Pa]."""
         return cls("bingham", law, plastic_viscosity, 1.0, yield_stress, shear_rate_eps)
 
     @classmethod
-    def casson(cls, plastic_viscosity: float, yield_stress: float, law: str = "blend", shear_rate_eps: float = 1.0) -> Rheology:
+    def casson(
+        cls, plastic_viscosity: float, yield_stress: float, law: str = "blend", shear_rate_eps: float = 1.0
+    ) -> Rheology:
         """Plastic viscosity [Pa s] and yield stress [Pa]."""
         return cls("casson", law, plastic_viscosity, 1.0, yield_stress, shear_rate_eps)
 
     @classmethod
     def herschel_bulkley(
-        cls, consistency: float, index: float, yield_stress: float, law: str = "blend", shear_rate_eps: float = 1.0
+        cls,
+        consistency: float,
+        index: float,
+        yield_stress: float,
+        law: str = "blend",
+        shear_rate_eps: float = 1.0,
     ) -> Rheology:
         """Consistency [Pa s^n], index n [-] and yield stress [Pa]."""
         return cls("herschel_bulkley", law, consistency, index, yield_stress, shear_rate_eps)
 
     def parameters(self) -> Array:
-        """The law as the kernels take it, (RHEOLOGY_SIZE,), entries as in kernels/fluid/rheology.hpp; read only."""
+        """The law as the kernels take it, (RHEOLOGY_SIZE,), entries as in kernels/fluid/rheology.hpp; read
+        only."""
         return self._parameters
 
     def apparent_viscosity(self, shear_rate: ArrayLike) -> Array:
@@ -127,16 +161,20 @@ def wall_shear_and_slope(
     return stress.reshape(shape), slope.reshape(shape)
 
 
-def wall_shear(law: Rheology, speed: ArrayLike, diameter: ArrayLike, annulus: ArrayLike, density: ArrayLike) -> Array:
+def wall_shear(
+    law: Rheology, speed: ArrayLike, diameter: ArrayLike, annulus: ArrayLike, density: ArrayLike
+) -> Array:
     """Signed wall shear stress [Pa].
 
-    speed: mean speed [m/s]; diameter: hydraulic diameter [m], the bore, or hole minus string diameter; annulus: true for an annulus;
-    density [kg/m3].  All broadcast together.
+    speed: mean speed [m/s]; diameter: hydraulic diameter [m], the bore, or hole minus string diameter;
+    annulus: true for an annulus; density [kg/m3].  All broadcast together.
     """
     return wall_shear_and_slope(law, speed, diameter, annulus, density)[0]
 
 
-def pressure_gradient(law: Rheology, speed: ArrayLike, diameter: ArrayLike, annulus: ArrayLike, density: ArrayLike) -> Array:
+def pressure_gradient(
+    law: Rheology, speed: ArrayLike, diameter: ArrayLike, annulus: ArrayLike, density: ArrayLike
+) -> Array:
     """Frictional pressure loss per length, 4 tau/d_h [Pa/m], arguments as `wall_shear`."""
     return 4.0 * wall_shear(law, speed, diameter, annulus, density) / np.asarray(diameter, dtype=float)
 
@@ -154,20 +192,24 @@ class DialConstants:
 def from_dial_readings(R600: float, R300: float, R100: float, R3: float) -> DialConstants:
     """Power-law constants from the dial readings [deg] of a rotational viscometer at 600, 300, 100 and 3 rpm.
 
-    API RP 13D, third edition, 1995: n_p = 3.32 log10(R600/R300), K_p = 5.11 R600/1022^n_p, n_a = 0.657 log10(R100/R3),
-    K_a = 5.11 R100/170.2^n_a, K in dyn s^n/cm2 = 0.1 Pa s^n.
+    API RP 13D, third edition, 1995: n_p = 3.32 log10(R600/R300), K_p = 5.11 R600/1022^n_p, n_a = 0.657
+    log10(R100/R3), K_a = 5.11 R100/170.2^n_a, K in dyn s^n/cm2 = 0.1 Pa s^n.
     """
     n_p, n_a = 3.32 * np.log10(R600 / R300), 0.657 * np.log10(R100 / R3)
-    return DialConstants(float(n_p), float(0.511 * R600 / 1022**n_p), float(n_a), float(0.511 * R100 / 170.2**n_a))
+    return DialConstants(
+        float(n_p), float(0.511 * R600 / 1022**n_p), float(n_a), float(0.511 * R100 / 170.2**n_a)
+    )
 
 
-def eccentricity_factor(eccentricity: ArrayLike, diameter_ratio: ArrayLike, index: float, turbulent: bool = False) -> Array:
+def eccentricity_factor(
+    eccentricity: ArrayLike, diameter_ratio: ArrayLike, index: float, turbulent: bool = False
+) -> Array:
     """Pressure loss of an eccentric annulus over that of the concentric one [-].
 
-    Haciislamoglu and Langlinais, "Non-Newtonian flow in eccentric annuli", J. Energy Resour. Technol. 112, 1990, 163-169, and
-    Haciislamoglu and Cartalos, SPE 28304, 1994, for turbulent flow; the coefficients are recalled, not re-read.  eccentricity: offset
-    of the axes over half the difference of the diameters, 0 to 0.95; diameter_ratio: string over hole diameter, 0.3 to 0.9; index: flow
-    index, 0.4 to 1.
+    Haciislamoglu and Langlinais, "Non-Newtonian flow in eccentric annuli", J. Energy Resour. Technol. 112,
+    1990, 163-169, and Haciislamoglu and Cartalos, SPE 28304, 1994, for turbulent flow; the coefficients are
+    recalled, not re-read.  eccentricity: offset of the axes over half the difference of the diameters, 0 to
+    0.95; diameter_ratio: string over hole diameter, 0.3 to 0.9; index: flow index, 0.4 to 1.
     """
     e, k = np.asarray(eccentricity, dtype=float), np.asarray(diameter_ratio, dtype=float)
     c1, c2, c3 = (0.048, 2.0 / 3.0, 0.285) if turbulent else (0.072, 1.5, 0.96)

@@ -1,8 +1,9 @@
-"""The paper's string element: position, normal strain and Euler parameters at each node (kernels/quaternion/quaternion_beam.hpp).
+"""The paper's string element: position, normal strain and Euler parameters at each node
+(kernels/quaternion/quaternion_beam.hpp).
 
-The Euler parameters have unit length by a multiplier, which makes the equations a DAE.  The constraint may stand on positions (index 3), on
-velocities (index 2, the length drifts), or on velocities with the length restored after each step (stabilized: coordinate projection, Eich,
-SIAM J. Numer. Anal. 30, 1993).
+The Euler parameters have unit length by a multiplier, which makes the equations a DAE.  The constraint may
+stand on positions (index 3), on velocities (index 2, the length drifts), or on velocities with the length
+restored after each step (stabilized: coordinate projection, Eich, SIAM J. Numer. Anal. 30, 1993).
 """
 
 from __future__ import annotations
@@ -31,11 +32,14 @@ NODE_SLOTS = tuple((name, 0) for name in NODE)
 GAUGE_NODE = ("string.position", "string.tangent", "string.spin")
 LEVELS = {"index3": 3.0, "index2": 2.0, "stabilized": 2.0}
 ROW_SCALE = 1.0e6  # of constraint rows, so that one norm fits them and the forces
-UNCONTROLLED_SCALE = 1.0e30  # scale of a multiplier: it is linear in the rows and right where the motion is; its own rounding grows as 1/step^2
+# scale of a multiplier: it is linear in the rows and right where the motion is; its own rounding grows as
+# 1/step^2
+UNCONTROLLED_SCALE = 1.0e30
 
 
 def quaternions(frames: Frames) -> FloatArray:
-    """(n, 4) Euler parameters of the node frames (tangent, second director, third), scalar first; neighbours on one side."""
+    """(n, 4) Euler parameters of the node frames (tangent, second director, third), scalar first; neighbours
+    on one side."""
     out = np.empty((len(frames.reference), 4))
     for i, (a, b) in enumerate(zip(frames.reference, frames.second, strict=True)):
         R = np.column_stack([a, b, np.cross(a, b)])
@@ -67,13 +71,24 @@ class _StartFrames(ctypes.Structure):
 
 
 class QuaternionBeam:
-    """Elements of the string with unknowns r [m], eps [-], q [-] and the multiplier of |q| = 1 [N m] at every node."""
+    """Elements of the string with unknowns r [m], eps [-], q [-] and the multiplier of |q| = 1 [N m] at every
+    node."""
 
     name = "beam"
     turning = True  # its unknowns turn with the string, and so do its Jacobian's entries
-    derived_fields = {"string.tangent": 3, "string.spin": 1}  # what rooms of the ANCF element see: slope, spin angle, and their rates
+    derived_fields = {
+        "string.tangent": 3,
+        "string.spin": 1,
+    }  # what rooms of the ANCF element see: slope, spin angle, and their rates
 
-    def __init__(self, mesh: StringMesh, frames: Frames, gravity: FloatArray, constraint: str = "index3", finest_motion: float = np.inf):
+    def __init__(
+        self,
+        mesh: StringMesh,
+        frames: Frames,
+        gravity: FloatArray,
+        constraint: str = "index3",
+        finest_motion: float = np.inf,
+    ):
         self.mesh, self.frames, self.constraint = mesh, frames, constraint
         self.position_scale = min(POSITION_SCALE, finest_motion)
         self.gravity = np.asarray(gravity, dtype=float)
@@ -89,7 +104,8 @@ class QuaternionBeam:
         )
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
-        """Elements of the local cells of ``part`` (a Chain), damped ones apart, and the unit lengths of this rank's nodes."""
+        """Elements of the local cells of ``part`` (a Chain), damped ones apart, and the unit lengths of this
+        rank's nodes."""
         m, e, self._part = self.mesh, part.cells, part
         damped = (m.stiffness_damping != 0) | (m.mass_damping != 0)
         self._elements = []
@@ -97,35 +113,67 @@ class QuaternionBeam:
             if (damped == is_damped).any():
                 chosen = np.flatnonzero(damped[e] == is_damped).astype(np.int32)
                 kernel = "quaternion_beam" + "_damped" * is_damped
-                self._elements.append(ElementBlock("beam" + "_damped" * is_damped, kernel, "cell", chosen, SLOTS, (), self._params(e[chosen])))
+                self._elements.append(
+                    ElementBlock(
+                        "beam" + "_damped" * is_damped,
+                        kernel,
+                        "cell",
+                        chosen,
+                        SLOTS,
+                        (),
+                        self._params(e[chosen]),
+                    )
+                )
         _, vertices = local_vertices(part, np.arange(m.nodes))
         length = np.tile([LEVELS[self.constraint], ROW_SCALE], (len(vertices), 1))
         slots = (("string.quaternion", 0), ("string.multiplier", 0))
-        self._length = ElementBlock("unit_length", "unit_length", "vertex", vertices, slots, (), np.ascontiguousarray(length))
+        self._length = ElementBlock(
+            "unit_length", "unit_length", "vertex", vertices, slots, (), np.ascontiguousarray(length)
+        )
         return (*self._elements, self._length)
 
     def _params(self, e: np.ndarray) -> FloatArray:
         m = self.mesh
-        columns = [m.length[e], m.axial_stiffness[e], m.bending_stiffness[e], m.torsional_stiffness[e], m.mass[e], m.polar_inertia[e],
-                   m.stiffness_damping[e], m.mass_damping[e], m.curvature[e], np.tile(self.gravity, (len(e), 1))]
+        columns = [
+            m.length[e],
+            m.axial_stiffness[e],
+            m.bending_stiffness[e],
+            m.torsional_stiffness[e],
+            m.mass[e],
+            m.polar_inertia[e],
+            m.stiffness_damping[e],
+            m.mass_damping[e],
+            m.curvature[e],
+            np.tile(self.gravity, (len(e), 1)),
+        ]
         return np.ascontiguousarray(np.column_stack(columns))
 
     def translate(self, block: ElementBlock) -> ElementBlock:
-        """A block of the ANCF element's unknowns on those of this one (kernels/quaternion/on_quaternion.hpp); others as they are.
+        """A block of the ANCF element's unknowns on those of this one (kernels/quaternion/on_quaternion.hpp);
+        others as they are.
 
-        Constants are shared, so that a room that renews its own renews these; Assembly.index_of leads it to the view.
+        Constants are shared, so that a room that renews its own renews these; Assembly.index_of leads it to
+        the view.
         """
         if not any(name in self.derived_fields for name, _ in block.slots):
             return block
         nodes = sum(name == "string.position" for name, _ in block.slots)
         assert block.slots[: 3 * nodes] == tuple((name, end) for end in range(nodes) for name in GAUGE_NODE)
         chain = self._part
-        frames = self.start[chain.vertices[chain.ends[block.points] if block.on == "cell" else block.points[:, None]]]
+        frames = self.start[
+            chain.vertices[chain.ends[block.points] if block.on == "cell" else block.points[:, None]]
+        ]
         frames = np.ascontiguousarray(frames, dtype=float)
         record = _StartFrames(block.context, pointer(frames))
         slots = tuple((name, end) for end in range(nodes) for name in NODE) + block.slots[3 * nodes :]
-        return replace(block, kernel=f"quaternion_{block.kernel}", slots=slots, spins=(), context=ctypes.addressof(record),
-                       keep=(*block.keep, frames, record))
+        return replace(
+            block,
+            kernel=f"quaternion_{block.kernel}",
+            slots=slots,
+            spins=(),
+            context=ctypes.addressof(record),
+            keep=(*block.keep, frames, record),
+        )
 
     def derive(self, state) -> None:
         """Fill the state's view."""
@@ -157,7 +205,8 @@ class QuaternionBeam:
 
     # ------------------------------------------------------------------ figures
     def motion(self, state) -> FloatArray:
-        """(nv, 8) at the local vertices: slope r' (3), tangent (3), spin rate [rad/s], spin angle from the frame at the start [rad]."""
+        """(nv, 8) at the local vertices: slope r' (3), tangent (3), spin rate [rad/s], spin angle from the
+        frame at the start [rad]."""
         at, frame = self._places(state.layout)
         out = np.zeros((len(at), 8))
         _motion(len(out), pointer(at), pointer(frame), pointer(state.x), pointer(state.y), pointer(out))
@@ -177,17 +226,21 @@ class QuaternionBeam:
         return state.x[state.layout.dofs["string.position"][vertex]], motion[:3], float(motion[6])
 
     def columns(self, state) -> FloatArray:
-        """(nv, 8) at the local vertices: position [m] and velocity [m/s], spin rate [rad/s], spin angle [rad]."""
+        """(nv, 8) at the local vertices: position [m] and velocity [m/s], spin rate [rad/s], spin angle
+        [rad]."""
         place, motion = state.layout.dofs["string.position"], self.motion(state)
         return np.hstack([state.x[place], state.y[place], motion[:, 6:]])
 
     def report(self, layout: DofLayout, x: FloatArray, y: FloatArray) -> FloatArray:
-        """(nc, 9) per local cell in depth order: the columns of ``rooms.beam.REPORT``; bending is that beyond the stress-free shape."""
+        """(nc, 9) per local cell in depth order: the columns of ``rooms.beam.REPORT``; bending is that beyond
+        the stress-free shape."""
         out = np.zeros((len(self._part.cells), len(REPORT)))
         for b in self._elements:
             if len(b.points):
                 part, index = np.zeros((len(b.points), len(REPORT))), layout.index(b)
-                _report(len(b.points), pointer(index), pointer(b.params), pointer(x), pointer(y), pointer(part))
+                _report(
+                    len(b.points), pointer(index), pointer(b.params), pointer(x), pointer(y), pointer(part)
+                )
                 out[b.points] = part
         return out
 
@@ -198,5 +251,11 @@ class QuaternionBeam:
         lost = 0.0
         for b in self._elements:
             if "damped" in b.kernel and len(b.points):
-                lost += _dissipation(len(b.points), pointer(state.index_of(b)), pointer(b.params), pointer(state.x), pointer(state.y))
+                lost += _dissipation(
+                    len(b.points),
+                    pointer(state.index_of(b)),
+                    pointer(b.params),
+                    pointer(state.x),
+                    pointer(state.y),
+                )
         return Powers(lost)

@@ -24,9 +24,22 @@ class QuaternionContact(Contact):
             chosen = np.flatnonzero((mask & (m.outer_diameter > 0))[part.cells]).astype(np.int32)
             e = part.cells[chosen]
             friction = np.where(np.isnan(m.friction[e]), -1.0, m.friction[e])
-            params = np.ascontiguousarray(np.column_stack([m.length[e], np.zeros(len(e)), 0.5 * m.outer_diameter[e], friction]))
-            self._blocks.append(ElementBlock(f"contact{name}", "quaternion_contact", "cell", chosen, SLOTS, (), params,
-                                      context=self._context(len(chosen), ends), component="contact"))
+            params = np.ascontiguousarray(
+                np.column_stack([m.length[e], np.zeros(len(e)), 0.5 * m.outer_diameter[e], friction])
+            )
+            self._blocks.append(
+                ElementBlock(
+                    f"contact{name}",
+                    "quaternion_contact",
+                    "cell",
+                    chosen,
+                    SLOTS,
+                    (),
+                    params,
+                    context=self._context(len(chosen), ends),
+                    component="contact",
+                )
+            )
         self._blocks += self._on_items(part)
         return tuple(self._blocks)
 
@@ -41,7 +54,14 @@ class QuaternionContact(Contact):
     def _figures(self, state) -> list[FloatArray]:
         tables = [np.zeros((len(b.points), len(REPORT))) for b in self._blocks]
         for b, out in zip(self._blocks, tables, strict=True):
-            given = pointer(state.index_of(b)), pointer(b.params), b.context, pointer(state.x), pointer(state.y), pointer(out)
+            given = (
+                pointer(state.index_of(b)),
+                pointer(b.params),
+                b.context,
+                pointer(state.x),
+                pointer(state.y),
+                pointer(out),
+            )
             if b.on == "cell":
                 _report(len(out), *given)
             else:

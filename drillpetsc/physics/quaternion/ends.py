@@ -1,4 +1,5 @@
-"""Ends and loads of the quaternion string (kernels/quaternion/quaternion_ends.cpp): constraints with multipliers, which are the reactions."""
+"""Ends and loads of the quaternion string (kernels/quaternion/quaternion_ends.cpp): constraints with
+multipliers, which are the reactions."""
 
 from __future__ import annotations
 
@@ -10,23 +11,51 @@ from drillpetsc.physics.end_conditions import Input, NodeLoad
 from drillpetsc.physics.quaternion.beam import LEVELS, NODE_SLOTS, ROW_SCALE, UNCONTROLLED_SCALE, spun, turned
 from drillpetsc.physics.rigid_bodies import ComponentBase, local_vertices
 
-_AXES, _VALUE, _RATE, _GOAL, _GOAL_RATE = slice(2, 11), slice(11, 14), slice(14, 17), slice(17, 21), slice(21, 25)
+_AXES, _VALUE, _RATE, _GOAL, _GOAL_RATE = (
+    slice(2, 11),
+    slice(11, 14),
+    slice(14, 17),
+    slice(17, 21),
+    slice(21, 25),
+)
 _PLACES = ("axial_reaction", "side_reaction_1", "side_reaction_2")
-_TURNS = ("torque_reaction", "side_moment_1", "side_moment_2")  # about the tangent, and about the section's two axes
+_TURNS = (
+    "torque_reaction",
+    "side_moment_1",
+    "side_moment_2",
+)  # about the tangent, and about the section's two axes
 
 
 class ConstrainedEnd(ComponentBase):
     """An end whose place and orientation are given: clamped, pinned, or moved by a top drive.
 
-    places 3: along the tangent and two directions across; 2: across only (the axial force is a load).  turns 3: the whole section; 1: its
-    spin about the tangent; 0: none.  ``lowering`` [m/s] and ``rotation`` [rad/s] over time, None: at rest.
+    places 3: along the tangent and two directions across; 2: across only (the axial force is a load).  turns
+    3: the whole section; 1: its spin about the tangent; 0: none.  ``lowering`` [m/s] and ``rotation`` [rad/s]
+    over time, None: at rest.
     """
 
     name = "guided_end"
 
-    def __init__(self, vertex: int, nodes: int, places: int, turns: int, position: FloatArray, orientation: FloatArray, tangent: FloatArray,
-                 constraint: str, lowering: Input | None = None, rotation: Input | None = None):
-        self.vertex, self.nodes, self.places, self.turns, self.constraint = vertex, nodes, places, turns, constraint
+    def __init__(
+        self,
+        vertex: int,
+        nodes: int,
+        places: int,
+        turns: int,
+        position: FloatArray,
+        orientation: FloatArray,
+        tangent: FloatArray,
+        constraint: str,
+        lowering: Input | None = None,
+        rotation: Input | None = None,
+    ):
+        self.vertex, self.nodes, self.places, self.turns, self.constraint = (
+            vertex,
+            nodes,
+            places,
+            turns,
+            constraint,
+        )
         self.inputs, self._orientation = (lowering, rotation), orientation
         side = high_side(tangent)
         self._axes = np.array([tangent, side, np.cross(tangent, side)])[3 - places :]
@@ -36,7 +65,16 @@ class ConstrainedEnd(ComponentBase):
 
     def fields(self) -> tuple[Field, ...]:
         name = f"string.{self._where}_reaction"
-        return (Field(name, len(self.names), region=self._where, scale=UNCONTROLLED_SCALE, second_order=False, differential=False),)
+        return (
+            Field(
+                name,
+                len(self.names),
+                region=self._where,
+                scale=UNCONTROLLED_SCALE,
+                second_order=False,
+                differential=False,
+            ),
+        )
 
     def regions(self) -> dict[str, np.ndarray]:
         """The end that is guided."""
@@ -49,7 +87,9 @@ class ConstrainedEnd(ComponentBase):
         params[:, _AXES] = np.vstack([self._axes, np.zeros((3 - self.places, 3))]).ravel()
         slots = (("string.position", 0), ("string.quaternion", 0), (f"string.{self._where}_reaction", 0))
         kernel = f"guided_{self.places}{self.turns}"
-        self._block = ElementBlock(self.name, kernel, "vertex", vertices, slots, (), params, update=self._update)
+        self._block = ElementBlock(
+            self.name, kernel, "vertex", vertices, slots, (), params, update=self._update
+        )
         return (self._block,)
 
     def _update(self, t: float) -> None:
@@ -77,7 +117,8 @@ class ConstrainedEnd(ComponentBase):
         return tuple(b for i in self.inputs if i is not None for b in i.breaks())
 
     def restore_constraints(self, state) -> None:
-        """At the end of a solve in the stabilized form: the end stands and moves exactly as given at the time of the last rows."""
+        """At the end of a solve in the stabilized form: the end stands and moves exactly as given at the time
+        of the last rows."""
         if len(self._block.points):
             p, index, n = self._block.params[0], state.index_of(self._block)[0], self.places
             r, q, axes = index[:3], index[3:7], self._axes
@@ -133,7 +174,16 @@ class QuaternionLoads(ComponentBase):
             for i, factor in timed:
                 params[i, 10] = factor(t)
 
-        self._block = ElementBlock("loads", "quaternion_load", "vertex", vertices, NODE_SLOTS, (), params, update=update if timed else None)
+        self._block = ElementBlock(
+            "loads",
+            "quaternion_load",
+            "vertex",
+            vertices,
+            NODE_SLOTS,
+            (),
+            params,
+            update=update if timed else None,
+        )
         return (self._block,)
 
     def breaks(self) -> tuple[float, ...]:

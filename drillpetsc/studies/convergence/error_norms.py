@@ -13,7 +13,10 @@ FloatArray = npt.NDArray[np.float64]
 NORMS = ("max", "rms", "end", "mean")
 UNRESOLVED = 0.3  # of the range: above it a run has little to do with the reference, and no order shows
 CLEAR = 3.0  # an error is the run's own where it is so many times larger than that of the reference
-FURTHER, FLAT = 4.0, 0.4  # how far a curve of error over time is continued beyond its last point, and how steep it must be
+FURTHER, FLAT = (
+    4.0,
+    0.4,
+)  # how far a curve of error over time is continued beyond its last point, and how steep it must be
 SAME = 1e-9  # a range below this share of the size is rounding: the output stands still
 
 
@@ -24,24 +27,33 @@ def extent(reference: FloatArray) -> float:
 
 
 def moves(values: FloatArray) -> bool:
-    """Whether an output (k,) changes by more than a millionth of its size, and more than rounding may leave of nothing (1e-12 in SI)."""
+    """Whether an output (k,) changes by more than a millionth of its size, and more than rounding may leave
+    of nothing (1e-12 in SI)."""
     return extent(values) > max(1e-6 * float(np.abs(values).max()), 1e-12)
 
 
 def errors_of(values: FloatArray, reference: FloatArray) -> dict[str, float]:
-    """Errors of values (k,) against the reference (k,), as shares of the reference's range: largest, root mean square over the rows, in
-    the last row, and of the mean over the rows (the norm that is left for chaotic motion)."""
+    """Errors of values (k,) against the reference (k,), as shares of the reference's range: largest, root
+    mean square over the rows, in the last row, and of the mean over the rows (the norm that is left for
+    chaotic motion)."""
     span = extent(reference)
     if span == 0.0:
-        raise ValueError("the output stands still in the reference: there is no range that errors could be relative to")
+        raise ValueError(
+            "the output stands still in the reference: there is no range that errors could be relative to"
+        )
     off = (values - reference) / span
-    return {"max": float(np.abs(off).max()), "rms": float(np.sqrt(np.mean(off**2))), "end": float(abs(off[-1])),
-            "mean": float(abs(off.mean()))}
+    return {
+        "max": float(np.abs(off).max()),
+        "rms": float(np.sqrt(np.mean(off**2))),
+        "end": float(abs(off[-1])),
+        "mean": float(abs(off.mean())),
+    }
 
 
 @dataclass(frozen=True)
 class Order:
-    """Slope of log(error) over log(step), the ends of its 95 % confidence interval, and how many points it is from."""
+    """Slope of log(error) over log(step), the ends of its 95 % confidence interval, and how many points it is
+    from."""
 
     value: float
     low: float
@@ -53,15 +65,23 @@ class Order:
 
 
 def observed_order(steps: FloatArray, errors: FloatArray, floor: float = 0.0) -> Order | None:
-    """Least squares through log(error) over log(step) (scipy.stats.linregress), of points (n,) that show an order: finite errors below
-    UNRESOLVED and CLEAR above ``floor``, the error of the reference itself.  None where fewer than three are left.
+    """Least squares through log(error) over log(step) (scipy.stats.linregress), of points (n,) that show an
+    order: finite errors below UNRESOLVED and CLEAR above ``floor``, the error of the reference itself.  None
+    where fewer than three are left.
 
-    The interval is slope +- t standard error, t the 97.5 % quantile of Student's distribution for points - 2 degrees of freedom.
+    The interval is slope +- t standard error, t the 97.5 % quantile of Student's distribution for points - 2
+    degrees of freedom.
     """
     from scipy import stats
 
     steps, errors = np.asarray(steps, dtype=float), np.asarray(errors, dtype=float)
-    good = np.isfinite(errors) & np.isfinite(steps) & (errors > max(CLEAR * floor, 0.0)) & (errors < UNRESOLVED) & (steps > 0)
+    good = (
+        np.isfinite(errors)
+        & np.isfinite(steps)
+        & (errors > max(CLEAR * floor, 0.0))
+        & (errors < UNRESOLVED)
+        & (steps > 0)
+    )
     if good.sum() < 3 or len(np.unique(steps[good])) < 3:
         return None
     fit = stats.linregress(np.log(steps[good]), np.log(errors[good]))
@@ -71,8 +91,8 @@ def observed_order(steps: FloatArray, errors: FloatArray, floor: float = 0.0) ->
 
 @dataclass(frozen=True)
 class Cost:
-    """Seconds for an error; how: `between` two points, `below` the cheapest point (it is already better), or `beyond` the best point, by
-    its curve's last slope."""
+    """Seconds for an error; how: `between` two points, `below` the cheapest point (it is already better), or
+    `beyond` the best point, by its curve's last slope."""
 
     seconds: float
     how: str
@@ -82,10 +102,11 @@ class Cost:
 
 
 def cost_of(target: float, errors: FloatArray, seconds: FloatArray) -> Cost | None:
-    """What an error of ``target`` costs on a curve of errors (n,) and seconds (n,) [s]: straight lines between points in logarithms.
+    """What an error of ``target`` costs on a curve of errors (n,) and seconds (n,) [s]: straight lines
+    between points in logarithms.
 
-    Only points that no cheaper point beats count.  `beyond` is at most FURTHER away in error, on a curve that still falls by more than
-    time^-FLAT; None where the curve tells nothing.
+    Only points that no cheaper point beats count.  `beyond` is at most FURTHER away in error, on a curve that
+    still falls by more than time^-FLAT; None where the curve tells nothing.
     """
     errors, seconds = np.asarray(errors, dtype=float), np.asarray(seconds, dtype=float)
     good = np.isfinite(errors) & np.isfinite(seconds) & (errors > 0) & (seconds > 0)
@@ -116,8 +137,8 @@ def _log_line(x: float, xa: float, ya: float, xb: float, yb: float) -> float:
 
 @dataclass(frozen=True)
 class Extrapolated:
-    """values (k,) for mesh size 0; order: as seen from three meshes (NaN where their differences do not shrink); error: of the values
-    as estimated, rms over the rows, in the unit of the values."""
+    """values (k,) for mesh size 0; order: as seen from three meshes (NaN where their differences do not
+    shrink); error: of the values as estimated, rms over the rows, in the unit of the values."""
 
     values: FloatArray
     order: float
@@ -125,11 +146,13 @@ class Extrapolated:
 
 
 def richardson(coarse: FloatArray, middle: FloatArray, fine: FloatArray, ratio: float = 2.0) -> Extrapolated:
-    """Values (k,) at three meshes, each ``ratio`` times finer than the one before, extrapolated to mesh size 0.
+    """Values (k,) at three meshes, each ``ratio`` times finer than the one before, extrapolated to mesh size
+    0.
 
-    With an error C h^p: p = log(|coarse - middle|/|middle - fine|)/log(ratio), limit = fine + (fine - middle)/(ratio^p - 1) (Roache,
-    Verification and Validation in Computational Science and Engineering, 1998).  Where the differences do not shrink, the finest mesh
-    stands, with its distance to the middle one as error.
+    With an error C h^p: p = log(|coarse - middle|/|middle - fine|)/log(ratio), limit = fine + (fine -
+    middle)/(ratio^p - 1) (Roache, Verification and Validation in Computational Science and Engineering,
+    1998).  Where the differences do not shrink, the finest mesh stands, with its distance to the middle one
+    as error.
     """
 
     def size(v: FloatArray) -> float:
@@ -146,4 +169,8 @@ def richardson(coarse: FloatArray, middle: FloatArray, fine: FloatArray, ratio: 
 
 
 def plain_order(order: Order | None) -> dict[str, Any] | None:
-    return None if order is None else {"order": order.value, "low": order.low, "high": order.high, "points": order.points}
+    return (
+        None
+        if order is None
+        else {"order": order.value, "low": order.low, "high": order.high, "points": order.points}
+    )

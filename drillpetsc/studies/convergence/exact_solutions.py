@@ -1,6 +1,8 @@
-"""Closed forms of scenes that have one, for studies: waves along a string or a bore, by the method of characteristics.
+"""Closed forms of scenes that have one, for studies: waves along a string or a bore, by the method of
+characteristics.
 
-Each looks at the case and answers None where its assumptions do not hold; nothing here depends on a case's name.
+Each looks at the case and answers None where its assumptions do not hold; nothing here depends on a case's
+name.
 """
 
 from __future__ import annotations
@@ -25,7 +27,8 @@ SAME_SPEED = 1e-9
 
 
 def exact_outputs(case: Case, times: FloatArray) -> tuple[Outputs, str] | None:
-    """Outputs name -> (k,) [SI] at ``times`` (k,) [s] that a closed form gives for this case, and its name; None where there is none."""
+    """Outputs name -> (k,) [SI] at ``times`` (k,) [s] that a closed form gives for this case, and its name;
+    None where there is none."""
     for name, form in FORMS.items():
         found = form(case, times)
         if found is not None:
@@ -34,11 +37,15 @@ def exact_outputs(case: Case, times: FloatArray) -> tuple[Outputs, str] | None:
 
 
 # ---------------------------------------------------------------------- waves
-def characteristics(impedance: FloatArray, cell_time: float, top: Callable[[float], float], end: float) -> tuple[FloatArray, FloatArray]:
-    """Times [s] and speed [m/s or rad/s] at the free lower end of a chain of cells that a wave passes in ``cell_time`` each.
+def characteristics(
+    impedance: FloatArray, cell_time: float, top: Callable[[float], float], end: float
+) -> tuple[FloatArray, FloatArray]:
+    """Times [s] and speed [m/s or rad/s] at the free lower end of a chain of cells that a wave passes in
+    ``cell_time`` each.
 
-    impedance: (n,) of each cell; top: prescribed speed of the upper end.  Speeds are a downward and an upward wave in each cell; at a joint
-    both sides have the speed 2 (Za d + Zb u)/(Za + Zb), so this is exact at the cell times (d'Alembert).
+    impedance: (n,) of each cell; top: prescribed speed of the upper end.  Speeds are a downward and an upward
+    wave in each cell; at a joint both sides have the speed 2 (Za d + Zb u)/(Za + Zb), so this is exact at the
+    cell times (d'Alembert).
     """
     n = len(impedance)
     steps = int(end / cell_time) + 2
@@ -56,7 +63,8 @@ def characteristics(impedance: FloatArray, cell_time: float, top: Callable[[floa
 
 
 def _sections(case: Case, stiffness: str, inertia: str) -> tuple[FloatArray, float] | None:
-    """Impedance (n,) of cells of one travel time, and that time [s]; None for strings that are not of one wave speed or have bodies."""
+    """Impedance (n,) of cells of one travel time, and that time [s]; None for strings that are not of one
+    wave speed or have bodies."""
     rows = []
     for item in case.string:
         if isinstance(item, Pipe) and item.bend is None and item.eccentricity == 0 and item.curvature == 0:
@@ -68,7 +76,13 @@ def _sections(case: Case, stiffness: str, inertia: str) -> tuple[FloatArray, flo
             return None
         if damping.stiffness or damping.mass:
             return None
-        rows.append((item.length, math.sqrt(values[stiffness] / values[inertia]), math.sqrt(values[stiffness] * values[inertia])))
+        rows.append(
+            (
+                item.length,
+                math.sqrt(values[stiffness] / values[inertia]),
+                math.sqrt(values[stiffness] * values[inertia]),
+            )
+        )
     lengths, speeds, impedances = map(np.array, zip(*rows, strict=True))
     if np.ptp(speeds) > SAME_SPEED * speeds[0]:
         return None
@@ -76,7 +90,9 @@ def _sections(case: Case, stiffness: str, inertia: str) -> tuple[FloatArray, flo
     if np.any(np.abs(millimetres / 1e3 - lengths) > 1e-9 * lengths):
         return None
     cell = int(np.gcd.reduce(millimetres))
-    cell //= max(1, round(cell * 1000 / int(millimetres.sum())))  # at least a thousand cells, for times between theirs
+    cell //= max(
+        1, round(cell * 1000 / int(millimetres.sum()))
+    )  # at least a thousand cells, for times between theirs
     if cell == 0 or millimetres.sum() // cell > MOST_CELLS or np.any(millimetres % cell):
         return None
     return np.repeat(impedances, millimetres // cell), cell * 1e-3 / float(speeds[0])
@@ -84,17 +100,30 @@ def _sections(case: Case, stiffness: str, inertia: str) -> tuple[FloatArray, flo
 
 def _free_string(case: Case) -> bool:
     """Straight below a top drive, lower end free, nothing around it."""
-    return (case.well is None and case.fluid is None and not case.loads and not case.hold_string and case.bottom.kind == "free"
-            and isinstance(case.top, TopDrive) and case.top.force is None and case.beam.formulation in ("ancf", "quaternion"))
+    return (
+        case.well is None
+        and case.fluid is None
+        and not case.loads
+        and not case.hold_string
+        and case.bottom.kind == "free"
+        and isinstance(case.top, TopDrive)
+        and case.top.force is None
+        and case.beam.formulation in ("ancf", "quaternion")
+    )
 
 
 def _vertical(case: Case) -> bool:
-    return (case.initial.inclination == 0 and case.gravity[0] == case.gravity[1] == 0 and case.gravity[2] >= 0
-            and case.initial.from_ in ("statics", "rest", "straight"))
+    return (
+        case.initial.inclination == 0
+        and case.gravity[0] == case.gravity[1] == 0
+        and case.gravity[2] >= 0
+        and case.initial.from_ in ("statics", "rest", "straight")
+    )
 
 
 def torsional_wave(case: Case, times: FloatArray) -> Outputs | None:
-    """Bit speed of a string hung from a top drive that turns: torsional waves, c = sqrt(GJ/polar inertia), impedance sqrt(GJ x inertia).
+    """Bit speed of a string hung from a top drive that turns: torsional waves, c = sqrt(GJ/polar inertia),
+    impedance sqrt(GJ x inertia).
 
     Weight and stretch do not touch them (a straight string).  At time 0 the string turns as the top does.
     """
@@ -112,10 +141,18 @@ def _end_speed(cells: tuple[FloatArray, float], drive: TimeFunction, times: Floa
 
 
 def line_of_mud(case: Case, times: FloatArray) -> Outputs | None:
-    """Pressure at the pump of a held string full of mud without friction, its lower end open: Joukowsky's waves rho c q/A, reversed at
-    the open end after each L/c (small flow: the mud's compression is linear).  Rigid bore: c = sqrt(K/rho)."""
+    """Pressure at the pump of a held string full of mud without friction, its lower end open: Joukowsky's
+    waves rho c q/A, reversed at the open end after each L/c (small flow: the mud's compression is linear).
+    Rigid bore: c = sqrt(K/rho)."""
     f = case.fluid
-    if f is None or not case.hold_string or f.annulus or f.elastic_walls or f.pump_pressure is not None or case.bottom.plugged:
+    if (
+        f is None
+        or not case.hold_string
+        or f.annulus
+        or f.elastic_walls
+        or f.pump_pressure is not None
+        or case.bottom.plugged
+    ):
         return None
     if f.rheology.model != "newtonian" or f.rheology.viscosity != 0 or any(case.gravity):
         return None
@@ -128,7 +165,9 @@ def line_of_mud(case: Case, times: FloatArray) -> Outputs | None:
     flow = f.flow_rate
 
     def pressure(t: float) -> float:
-        echoes = sum((-1) ** k * 2 * (flow.value(t - k * back) - flow.value(0.0)) for k in range(1, int(t / back) + 1))
+        echoes = sum(
+            (-1) ** k * 2 * (flow.value(t - k * back) - flow.value(0.0)) for k in range(1, int(t / back) + 1)
+        )
         return impedance * (flow.value(t) - flow.value(0.0) + echoes)
 
     return {"pump_pressure": np.array([pressure(float(t)) for t in times])}
@@ -138,4 +177,3 @@ FORMS: dict[str, Callable[[Case, FloatArray], Outputs | None]] = {
     "torsional wave by characteristics": torsional_wave,
     "pressure wave by characteristics (Joukowsky)": line_of_mud,
 }
-

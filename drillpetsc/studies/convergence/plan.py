@@ -1,6 +1,7 @@
 """What a study runs: curves of points, each point a case with some keys and PETSc options changed.
 
-Steps and tolerances follow the case: around the mean step of a run as it stands (the pilot), and around its tolerance.
+Steps and tolerances follow the case: around the mean step of a run as it stands (the pilot), and around its
+tolerance.
 """
 
 from __future__ import annotations
@@ -32,7 +33,10 @@ FEWEST_ROWS = 50  # of the history, for norms over time
 INTEGRATORS: dict[str, tuple[Options, bool]] = {
     "bdf1": ({"ts_type": "bdf", "ts_bdf_order": "1"}, True),
     "bdf2": ({"ts_type": "bdf", "ts_bdf_order": "2"}, True),
-    "bdf3": ({"ts_type": "bdf", "ts_bdf_order": "3", "ts_adapt_clip": "0.2,1.5"}, True),  # zero-stable while the steps grow
+    "bdf3": (
+        {"ts_type": "bdf", "ts_bdf_order": "3", "ts_adapt_clip": "0.2,1.5"},
+        True,
+    ),  # zero-stable while the steps grow
     "arkimex": ({"ts_type": "arkimex", "ts_arkimex_type": "4", "ts_arkimex_fully_implicit": "true"}, True),
     "arkimex3": ({"ts_type": "arkimex", "ts_arkimex_type": "3", "ts_arkimex_fully_implicit": "true"}, True),
     "rosw": ({"ts_type": "rosw"}, True),
@@ -51,7 +55,8 @@ SOLVERS: dict[str, Options] = {
 DEFAULT_SOLVERS = ("condensed", "petsc-lu", "line-search-bt", "assembled")
 DEFAULT_INTEGRATORS = ("bdf1", "bdf2", "bdf3", "arkimex", "cn")
 FORMULATIONS = ("ancf", "quaternion")
-#: curves of --curves: name -> (integrator, steps chosen by itself, formulation; the last is the case's own where it is empty)
+#: curves of --curves: name -> (integrator, steps chosen by itself, formulation; the last is the case's own
+#: where it is empty)
 CURVES: dict[str, tuple[str, bool, str]] = {
     "bdf1-fixed": ("bdf1", False, ""),
     "bdf2-fixed": ("bdf2", False, ""),
@@ -68,7 +73,8 @@ DEFAULT_CURVES = tuple(CURVES)[:-1]
 
 @dataclass(frozen=True)
 class Point:
-    """One point: changes of the case's keys (`key=value`), PETSc options on top of the case's, and on how many ranks it runs.
+    """One point: changes of the case's keys (`key=value`), PETSc options on top of the case's, and on how
+    many ranks it runs.
 
     value: what varies along the curve (step [s], tolerance, factor on the element lengths, ranks).
     """
@@ -83,10 +89,11 @@ class Point:
 
 @dataclass(frozen=True)
 class Base:
-    """The case of a study: its file, its data, options of the command line, and the scales that points are chosen by.
+    """The case of a study: its file, its data, options of the command line, and the scales that points are
+    chosen by.
 
-    tolerance: -ts_rtol of the case; history_every: interval of the rows [s]; step: mean step of the pilot [s] (0: not known);
-    steps [s], tolerances: of all curves, where they are given.
+    tolerance: -ts_rtol of the case; history_every: interval of the rows [s]; step: mean step of the pilot [s]
+    (0: not known); steps [s], tolerances: of all curves, where they are given.
     """
 
     path: Path
@@ -106,8 +113,13 @@ class Base:
         return {**(self.data.get("petsc") or {}), **self.options}
 
 
-def read_base(path: str | Path, options: Options, changes: Sequence[str] = (), steps: Sequence[str] = (),
-              tolerances: Sequence[str] = ()) -> Base:
+def read_base(
+    path: str | Path,
+    options: Options,
+    changes: Sequence[str] = (),
+    steps: Sequence[str] = (),
+    tolerances: Sequence[str] = (),
+) -> Base:
     """The case file of a study; raises CaseError where it cannot run."""
     path = Path(path)
     data, lines = read_case_file(path)
@@ -118,21 +130,38 @@ def read_base(path: str | Path, options: Options, changes: Sequence[str] = (), s
         raise CaseError(at="time", want="a block {end: ...}", file=path)
     every = float(case.output.settled(case.time.end).history_every)  # type: ignore[arg-type]
     petsc = {**case.petsc, **options}
-    return Base(path, data, lines, options, case.time.end, float(petsc.get("ts_rtol", TOLERANCE)), min(every, case.time.end / FEWEST_ROWS),
-                steps=tuple(numbers("time-step", steps, "--steps")), tolerances=tuple(numbers("tolerance", tolerances, "--tolerances")))
+    return Base(
+        path,
+        data,
+        lines,
+        options,
+        case.time.end,
+        float(petsc.get("ts_rtol", TOLERANCE)),
+        min(every, case.time.end / FEWEST_ROWS),
+        steps=tuple(numbers("time-step", steps, "--steps")),
+        tolerances=tuple(numbers("tolerance", tolerances, "--tolerances")),
+    )
 
 
 def case_of(base: Base, point: Point) -> Case:
-    """The case of a point, with all its options in its own `petsc` block; raises CaseError for what is not allowed."""
+    """The case of a point, with all its options in its own `petsc` block; raises CaseError for what is not
+    allowed."""
     data = base.data
-    every = {"output.history_every": base.history_every, "output.field_every": base.end, "output.checkpoint_every": base.end}
+    every = {
+        "output.history_every": base.history_every,
+        "output.field_every": base.end,
+        "output.checkpoint_every": base.end,
+    }
     for change in (*(f"{key}={value!r}" for key, value in every.items()), *point.changes):
         data = override(data, change)
-    return case_from_data({**data, "petsc": _fitting({**base.own_options, **point.petsc})}, base.path, base.lines)
+    return case_from_data(
+        {**data, "petsc": _fitting({**base.own_options, **point.petsc})}, base.path, base.lines
+    )
 
 
 def _fitting(petsc: dict[str, Any]) -> dict[str, Any]:
-    """Options without those that only integrators or solvers other than the chosen ones read (the run would refuse them)."""
+    """Options without those that only integrators or solvers other than the chosen ones read (the run would
+    refuse them)."""
     kind = str(petsc.get("ts_type", "bdf"))
     condensed = kind == "bdf" and str(petsc.get("snes_type", "python")) == "python"
 
@@ -149,18 +178,26 @@ def _fitting(petsc: dict[str, Any]) -> dict[str, Any]:
 def mesh_changes(base: Base, factor: float) -> tuple[str, ...]:
     """Changes that make every element ``factor`` times as long (an item keeps at least one)."""
     case = case_from_data(base.data, base.path, base.lines)
-    return tuple(f"string[{i}].element_length={min(factor * item.element_length, item.length)!r}"
-                 for i, item in enumerate(case.string) if isinstance(item, Flexible))
+    return tuple(
+        f"string[{i}].element_length={min(factor * item.element_length, item.length)!r}"
+        for i, item in enumerate(case.string)
+        if isinstance(item, Flexible)
+    )
 
 
 # ---------------------------------------------------------------------- values along a curve
 def default_steps(base: Base) -> list[float]:
-    """Fixed steps [s] around the pilot's mean step, snapped to binary parts or multiples of the rows' interval: steps end on rows."""
+    """Fixed steps [s] around the pilot's mean step, snapped to binary parts or multiples of the rows'
+    interval: steps end on rows."""
     if base.steps:
         return list(base.steps)
     mean = base.step or base.history_every
     power = round(float(np.log2(mean / base.history_every)))
-    return [base.history_every * 2.0**power * f for f in STEP_FACTORS if base.history_every * 2.0**power * f <= base.end / 4]
+    return [
+        base.history_every * 2.0**power * f
+        for f in STEP_FACTORS
+        if base.history_every * 2.0**power * f <= base.end / 4
+    ]
 
 
 def default_tolerances(base: Base) -> list[float]:
@@ -172,26 +209,47 @@ def default_tolerances(base: Base) -> list[float]:
 
 
 def newton_tolerance(base: Base, step: float, order: int) -> float:
-    """-ts_rtol of a run with fixed steps, which there only rules Newton's iteration: as small as the local error of such a step is expected
-    to be, tolerance (step/mean step)^(order + 1), and never above the case's; a looser one would cover the order."""
+    """-ts_rtol of a run with fixed steps, which there only rules Newton's iteration: as small as the local
+    error of such a step is expected to be, tolerance (step/mean step)^(order + 1), and never above the
+    case's; a looser one would cover the order."""
     mean = base.step or base.history_every
     return float(np.clip(base.tolerance * (step / mean) ** (order + 1), TIGHTEST, base.tolerance))
 
 
-def fixed_points(curve: str, base: Base, steps: Sequence[float], petsc: Options, changes: tuple[str, ...] = ()) -> list[Point]:
+def fixed_points(
+    curve: str, base: Base, steps: Sequence[float], petsc: Options, changes: tuple[str, ...] = ()
+) -> list[Point]:
     order = int(petsc.get("ts_bdf_order", 4 if "arkimex" in petsc.get("ts_type", "") else 2))
-    return [Point(curve, f"{h:.6g}s", h, changes, {**petsc, "ts_adapt_type": "none", "ts_dt": repr(float(h)),
-                                                   "ts_rtol": repr(newton_tolerance(base, h, order))}) for h in steps]
+    return [
+        Point(
+            curve,
+            f"{h:.6g}s",
+            h,
+            changes,
+            {
+                **petsc,
+                "ts_adapt_type": "none",
+                "ts_dt": repr(float(h)),
+                "ts_rtol": repr(newton_tolerance(base, h, order)),
+            },
+        )
+        for h in steps
+    ]
 
 
-def adaptive_points(curve: str, tolerances: Sequence[float], petsc: Options, changes: tuple[str, ...] = ()) -> list[Point]:
+def adaptive_points(
+    curve: str, tolerances: Sequence[float], petsc: Options, changes: tuple[str, ...] = ()
+) -> list[Point]:
     petsc = {**petsc, "ts_adapt_type": "basic"}
-    return [Point(curve, f"{tol:.6g}", tol, changes, {**petsc, "ts_rtol": repr(float(tol))}) for tol in tolerances]
+    return [
+        Point(curve, f"{tol:.6g}", tol, changes, {**petsc, "ts_rtol": repr(float(tol))}) for tol in tolerances
+    ]
 
 
 # ---------------------------------------------------------------------- plans
 def plan_of(vary: str, base: Base, values: Sequence[str] = ()) -> list[Point]:
-    """The points of ``--vary``; values: along the curve, or for order, formulation, integrator and solver the curves."""
+    """The points of ``--vary``; values: along the curve, or for order, formulation, integrator and solver the
+    curves."""
     if vary in ("time-step", "tolerance", "mesh", "ranks"):
         return _one_curve(vary, base, numbers(vary, values))
     return _several_curves(vary, base, values)
@@ -222,12 +280,18 @@ def _several_curves(vary: str, base: Base, values: Sequence[str]) -> list[Point]
     elif vary == "formulation":
         for word in values or FORMULATIONS:
             _one_of(word, FORMULATIONS, vary)
-            points += fixed_points(f"{word}-bdf2-fixed", base, steps, INTEGRATORS["bdf2"][0], (f"beam.formulation={word}",))
+            points += fixed_points(
+                f"{word}-bdf2-fixed", base, steps, INTEGRATORS["bdf2"][0], (f"beam.formulation={word}",)
+            )
     elif vary == "integrator":
         for word in values or DEFAULT_INTEGRATORS:
             _one_of(word, tuple(INTEGRATORS), vary)
             petsc, adaptive = INTEGRATORS[word]
-            points += adaptive_points(word, tolerances, petsc) if adaptive else fixed_points(f"{word}-fixed", base, steps, petsc)
+            points += (
+                adaptive_points(word, tolerances, petsc)
+                if adaptive
+                else fixed_points(f"{word}-fixed", base, steps, petsc)
+            )
     else:
         for word in values or DEFAULT_SOLVERS:
             if not word.startswith("-"):
@@ -248,13 +312,19 @@ def plan_curves(names: Sequence[str], base: Base, few: bool = False) -> list[Poi
         integrator, adaptive, formulation = CURVES[name]
         petsc = dict(INTEGRATORS[integrator][0])
         changes = (f"beam.formulation={formulation}",) if formulation else ()
-        points += adaptive_points(name, tolerances, petsc, changes) if adaptive else fixed_points(name, base, steps, petsc, changes)
+        points += (
+            adaptive_points(name, tolerances, petsc, changes)
+            if adaptive
+            else fixed_points(name, base, steps, petsc, changes)
+        )
     return points
 
 
 def _one_of(word: str, allowed: Sequence[str], what: str) -> None:
     if word not in allowed:
-        raise CaseError(at=f"--{'curves' if what == 'curves' else 'values'}", got=word, want=" | ".join(allowed))
+        raise CaseError(
+            at=f"--{'curves' if what == 'curves' else 'values'}", got=word, want=" | ".join(allowed)
+        )
 
 
 def numbers(vary: str, words: Sequence[str], option: str = "--values") -> list[float]:
@@ -266,7 +336,9 @@ def numbers(vary: str, words: Sequence[str], option: str = "--values") -> list[f
         except (ValueError, CaseError):
             value = float("nan")
         if not value > 0 or (vary == "ranks" and value != int(value)):
-            kind = {"time-step": "times above 0, such as 1 ms", "ranks": "whole numbers above 0"}.get(vary, "numbers above 0")
+            kind = {"time-step": "times above 0, such as 1 ms", "ranks": "whole numbers above 0"}.get(
+                vary, "numbers above 0"
+            )
             raise CaseError(at=option, got=word, want=kind)
         found.append(value)
     return found
@@ -303,9 +375,14 @@ def _is_number(word: str) -> bool:
 
 
 def finest_tolerance(points: Sequence[Point], base: Base) -> float:
-    """Smallest -ts_rtol among the points with error control, for the reference to do better; without such points what would lead to the
-    shortest of the fixed steps, by the local error of order 3 of the default formula."""
-    controlled = [float(p.petsc.get("ts_rtol", base.tolerance)) for p in points if p.petsc.get("ts_adapt_type") != "none"]
+    """Smallest -ts_rtol among the points with error control, for the reference to do better; without such
+    points what would lead to the shortest of the fixed steps, by the local error of order 3 of the default
+    formula."""
+    controlled = [
+        float(p.petsc.get("ts_rtol", base.tolerance))
+        for p in points
+        if p.petsc.get("ts_adapt_type") != "none"
+    ]
     if controlled:
         return min(controlled)
     return min((newton_tolerance(base, p.value, 2) for p in points), default=base.tolerance)

@@ -1,4 +1,5 @@
-"""What the points of a study are measured against: a closed form, or a separately integrated finer run; never one of the points."""
+"""What the points of a study are measured against: a closed form, or a separately integrated finer run; never
+one of the points."""
 
 from __future__ import annotations
 
@@ -14,7 +15,15 @@ from drillpetsc.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.studies.convergence.error_norms import errors_of, extent, richardson
 from drillpetsc.studies.convergence.exact_solutions import exact_outputs
-from drillpetsc.studies.convergence.plan import INTEGRATORS, TIGHTEST, Base, Point, case_of, finest_tolerance, mesh_changes
+from drillpetsc.studies.convergence.plan import (
+    INTEGRATORS,
+    TIGHTEST,
+    Base,
+    Point,
+    case_of,
+    finest_tolerance,
+    mesh_changes,
+)
 from drillpetsc.studies.convergence.runs import Measured, Runner, measure, outputs_of
 
 FloatArray = npt.NDArray[np.float64]
@@ -33,7 +42,8 @@ CANDIDATES = ("arkimex", "bdf3", "bdf2")  # the first that can treat the scene w
 class Reference:
     """times: (k,) [s]; values: name -> (k,) [SI]; words: what it is; exact: whether a closed form.
 
-    errors: its own error by output, as a share of the output's range, rms (NaN: not estimated); refused: what else was tried.
+    errors: its own error by output, as a share of the output's range, rms (NaN: not estimated); refused: what
+    else was tried.
     """
 
     times: FloatArray
@@ -64,9 +74,16 @@ class Bench:
         return measure(self.base, point, self.out, 1, limit or self.limit, self.run, self.keep)
 
 
-def find_reference(bench: Bench, vary: str, points: Sequence[Point], choice: str, times: FloatArray, exact: Exact | None = None
-                   ) -> Reference | None:
-    """The reference that ``choice`` asks for (auto, exact, arkimex, bdf3, bdf2 or a run folder); None where no run of it comes to an end.
+def find_reference(
+    bench: Bench,
+    vary: str,
+    points: Sequence[Point],
+    choice: str,
+    times: FloatArray,
+    exact: Exact | None = None,
+) -> Reference | None:
+    """The reference that ``choice`` asks for (auto, exact, arkimex, bdf3, bdf2 or a run folder); None where
+    no run of it comes to an end.
 
     times: (k,) [s] of the history's rows.
     """
@@ -77,7 +94,12 @@ def find_reference(bench: Bench, vary: str, points: Sequence[Point], choice: str
         if found is not None:
             return found
         if choice == "exact":
-            raise CaseError(at="--reference", got="exact", want="a scene with a closed form", hint="auto takes a fine run instead")
+            raise CaseError(
+                at="--reference",
+                got="exact",
+                want="a scene with a closed form",
+                hint="auto takes a fine run instead",
+            )
     if choice not in ("auto", *CANDIDATES):
         return _of_folder(Path(choice))
     if vary == "mesh":
@@ -98,7 +120,9 @@ def _of_folder(folder: Path) -> Reference:
     try:
         times, values, _ = outputs_of(folder)
     except (OSError, ValueError, KeyError) as error:
-        raise CaseError(at="--reference", got=str(folder), want="a run folder with a history.csv", hint=str(error)) from None
+        raise CaseError(
+            at="--reference", got=str(folder), want="a run folder with a history.csv", hint=str(error)
+        ) from None
     return Reference(times, values, f"the run {folder.name}, given")
 
 
@@ -112,9 +136,11 @@ def _of_run(bench: Bench, point: Point, words: str, limit: float | None = None) 
 
 
 def _integrated(bench: Bench, points: Sequence[Point], candidates: Sequence[str]) -> Reference | None:
-    """A run by another integrator at a tenth of the finest tolerance, and its distance to one ten times looser as its own error.
+    """A run by another integrator at a tenth of the finest tolerance, and its distance to one ten times
+    looser as its own error.
 
-    The first candidate that is sure of itself (a formula that is not stable for the scene comes to its end far off), else the surest.
+    The first candidate that is sure of itself (a formula that is not stable for the scene comes to its end
+    far off), else the surest.
     """
     surest: Reference | None = None
     tolerance = max(FINER * finest_tolerance(points, bench.base), TIGHTEST)
@@ -123,19 +149,39 @@ def _integrated(bench: Bench, points: Sequence[Point], candidates: Sequence[str]
     for name in candidates:
         petsc = {**INTEGRATORS[name][0], "ts_adapt_type": "basic", "ts_adapt_dt_max": longest}
         both = LOOSER * tolerance, tolerance
-        pair = [Point("reference", f"{name}-{tol:.3g}", tol, petsc={**petsc, "ts_rtol": repr(tol)}) for tol in both]
+        pair = [
+            Point("reference", f"{name}-{tol:.3g}", tol, petsc={**petsc, "ts_rtol": repr(tol)})
+            for tol in both
+        ]
         bench.say(f"reference by {name} at a tolerance of {tolerance:.3g} ...")
-        loose = _of_run(bench, pair[0], f"{name}, tolerance {LOOSER * tolerance:.3g}", 0.5 * REFERENCE_TIME_FACTOR * bench.limit)
-        tight = _of_run(bench, pair[1], f"{name}, tolerance {tolerance:.3g}", REFERENCE_TIME_FACTOR * bench.limit) if loose is not None else None
+        loose = _of_run(
+            bench,
+            pair[0],
+            f"{name}, tolerance {LOOSER * tolerance:.3g}",
+            0.5 * REFERENCE_TIME_FACTOR * bench.limit,
+        )
+        tight = (
+            _of_run(bench, pair[1], f"{name}, tolerance {tolerance:.3g}", REFERENCE_TIME_FACTOR * bench.limit)
+            if loose is not None
+            else None
+        )
         if loose is None or tight is None:
             refused.append(name)
             continue
-        used = " (an integrator of the curves, too)" if any(_integrator(p, bench.base) == name for p in points) else ""
+        used = (
+            " (an integrator of the curves, too)"
+            if any(_integrator(p, bench.base) == name for p in points)
+            else ""
+        )
         own = distance(loose.values, tight.values)
-        found = replace(tight, words=f"separate run by {tight.words}{used}", errors=own, refused=tuple(refused))
+        found = replace(
+            tight, words=f"separate run by {tight.words}{used}", errors=own, refused=tuple(refused)
+        )
         if max(own.values(), default=0.0) < ACCEPTED_REFERENCE_ERROR:
             return found
-        bench.say(f"reference, {name}: off by {max(own.values()):.2g} of the range from itself at {LOOSER:g} times the tolerance")
+        bench.say(
+            f"reference, {name}: off by {max(own.values()):.2g} of the range from itself at {LOOSER:g} times the tolerance"
+        )
         if surest is None or max(own.values()) < max(surest.errors.values()):
             surest = found
     return surest
@@ -143,25 +189,42 @@ def _integrated(bench: Bench, points: Sequence[Point], candidates: Sequence[str]
 
 def _integrator(point: Point, base: Base) -> str:
     options = {**base.own_options, **point.petsc}
-    return f"bdf{options.get('ts_bdf_order', 2)}" if options.get("ts_type", "bdf") == "bdf" else str(options["ts_type"])
+    return (
+        f"bdf{options.get('ts_bdf_order', 2)}"
+        if options.get("ts_type", "bdf") == "bdf"
+        else str(options["ts_type"])
+    )
 
 
 def distance(a: dict[str, FloatArray], b: dict[str, FloatArray]) -> dict[str, float]:
-    """Rms difference of the outputs of two runs, as a share of the range in the second; outputs that stand still are left out."""
-    return {name: errors_of(a[name], b[name])["rms"] for name in b if name in a and len(a[name]) == len(b[name]) and extent(b[name]) > 0}
+    """Rms difference of the outputs of two runs, as a share of the range in the second; outputs that stand
+    still are left out."""
+    return {
+        name: errors_of(a[name], b[name])["rms"]
+        for name in b
+        if name in a and len(a[name]) == len(b[name]) and extent(b[name]) > 0
+    }
 
 
 def _extrapolated(bench: Bench, points: Sequence[Point], integrator: str) -> Reference | None:
-    """Richardson from three meshes: the finest of the points, and two and four times finer ones; separate runs at a tenth of the points'
-    tolerance."""
+    """Richardson from three meshes: the finest of the points, and two and four times finer ones; separate
+    runs at a tenth of the points' tolerance."""
     finest = min(p.value for p in points)
     tolerance = max(FINER * finest_tolerance(points, bench.base), TIGHTEST)
     runs: list[Reference] = []
     for part in (1.0, 0.5, 0.25):
         petsc = {**INTEGRATORS[integrator][0], "ts_adapt_type": "basic", "ts_rtol": repr(tolerance)}
-        point = Point("reference", f"mesh-{part * finest:g}", part * finest, mesh_changes(bench.base, part * finest), petsc)
+        point = Point(
+            "reference",
+            f"mesh-{part * finest:g}",
+            part * finest,
+            mesh_changes(bench.base, part * finest),
+            petsc,
+        )
         bench.say(f"reference on elements of {part * finest:g} times the case's length ...")
-        made = _of_run(bench, point, f"{integrator}, tolerance {tolerance:.3g}", REFERENCE_TIME_FACTOR * bench.limit)
+        made = _of_run(
+            bench, point, f"{integrator}, tolerance {tolerance:.3g}", REFERENCE_TIME_FACTOR * bench.limit
+        )
         if made is None:
             return None
         runs.append(made)
@@ -172,5 +235,11 @@ def _extrapolated(bench: Bench, points: Sequence[Point], integrator: str) -> Ref
         span = extent(found.values)
         values[name], orders[name] = found.values, found.order
         errors[name] = found.error / span if span else math.nan
-    return Reference(runs[-1].times, values, f"Richardson from three meshes, elements {finest:g}, {finest / 2:g}, {finest / 4:g} times the "
-                     f"case's; the finest by {runs[-1].words}", errors=errors, orders=orders)
+    return Reference(
+        runs[-1].times,
+        values,
+        f"Richardson from three meshes, elements {finest:g}, {finest / 2:g}, {finest / 4:g} times the "
+        f"case's; the finest by {runs[-1].words}",
+        errors=errors,
+        orders=orders,
+    )

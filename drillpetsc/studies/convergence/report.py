@@ -13,48 +13,105 @@ import numpy as np
 from drillpetsc.output import write_table
 from drillpetsc.output.files.atomic import replace_text
 from drillpetsc.output.files.json_file import plain
-from drillpetsc.studies.convergence.error_norms import NORMS, cost_of, errors_of, extent, moves, observed_order, plain_order
+from drillpetsc.studies.convergence.error_norms import (
+    NORMS,
+    cost_of,
+    errors_of,
+    extent,
+    moves,
+    observed_order,
+    plain_order,
+)
 from drillpetsc.studies.convergence.reference import Reference
 from drillpetsc.studies.convergence.runs import NUMERICS, Measured
 
 Row = dict[str, Any]
 
 MOST_OUTPUTS = 6
-FIRST = ("bit_speed", "wob", "hook_load", "pump_pressure", "bit_depth", "surface_torque", "bit_torque", "rop", "bit_pressure",
-         "outlet_flow")
+FIRST = (
+    "bit_speed",
+    "wob",
+    "hook_load",
+    "pump_pressure",
+    "bit_depth",
+    "surface_torque",
+    "bit_torque",
+    "rop",
+    "bit_pressure",
+    "outlet_flow",
+)
 DIVERGED = 10.0  # rms error over range of a run that came to its end, but not to a result
 PLATEAU = 1.5  # errors within this ratio are one level, steps beyond it are different
 TARGETS = (0.1, 0.01, 0.001)  # errors whose cost is told
-COLUMNS = (("curve", "-"), ("point", "-"), ("value", "-"), ("ranks", "-"), ("status", "-"), ("step", "s"), ("elements", "-"),
-           ("steps", "-"), ("rejected_steps", "-"), ("newton_iterations", "-"), ("linear_iterations", "-"), ("jacobians", "-"),
-           ("residuals", "-"), ("wall", "s"), ("wall_spread", "s"), ("cpu", "s"), ("cpu_spread", "s"), ("energy_error", "-"))
+COLUMNS = (
+    ("curve", "-"),
+    ("point", "-"),
+    ("value", "-"),
+    ("ranks", "-"),
+    ("status", "-"),
+    ("step", "s"),
+    ("elements", "-"),
+    ("steps", "-"),
+    ("rejected_steps", "-"),
+    ("newton_iterations", "-"),
+    ("linear_iterations", "-"),
+    ("jacobians", "-"),
+    ("residuals", "-"),
+    ("wall", "s"),
+    ("wall_spread", "s"),
+    ("cpu", "s"),
+    ("cpu_spread", "s"),
+    ("energy_error", "-"),
+)
 
 
 def chosen_outputs(reference: Reference, outputs: Sequence[str]) -> list[str]:
-    """Outputs to compare: those asked for, or up to MOST_OUTPUTS of those that move, what a driller looks at first."""
+    """Outputs to compare: those asked for, or up to MOST_OUTPUTS of those that move, what a driller looks at
+    first."""
     if outputs:
         return [name for name in outputs if extent(reference.values[name]) > 0]
-    moving = [name for name, v in reference.values.items() if name not in NUMERICS and np.isfinite(v).all() and moves(v)]
+    moving = [
+        name
+        for name, v in reference.values.items()
+        if name not in NUMERICS and np.isfinite(v).all() and moves(v)
+    ]
     return sorted(moving, key=_rank)[:MOST_OUTPUTS]
 
 
 def _rank(name: str) -> int:
-    """Place in the queue: what is named in FIRST, then offsets at probes, then the rest (contact forces at probes last)."""
+    """Place in the queue: what is named in FIRST, then offsets at probes, then the rest (contact forces at
+    probes last)."""
     if name in FIRST:
         return FIRST.index(name)
     return len(FIRST) + (0 if name[:2] in ("x_", "y_") else 2 if name.startswith("contact") else 1)
 
 
-def table_rows(measured: Sequence[Measured], found: Mapping[int, Mapping[str, np.ndarray]], reference: Reference | None,
-               outputs: Sequence[str] = ()) -> list[Row]:
-    """One row a point: what it is, what it cost, and `error_<output>_<norm>` for each output (None where there is none)."""
+def table_rows(
+    measured: Sequence[Measured],
+    found: Mapping[int, Mapping[str, np.ndarray]],
+    reference: Reference | None,
+    outputs: Sequence[str] = (),
+) -> list[Row]:
+    """One row a point: what it is, what it cost, and `error_<output>_<norm>` for each output (None where
+    there is none)."""
     names = chosen_outputs(reference, outputs) if reference is not None else []
     rows = []
     for k, m in enumerate(measured):
-        row: Row = {"curve": m.point.curve, "point": m.point.label, "value": m.point.value, "ranks": m.point.ranks, "status": m.status,
-                    "step": m.step, **{name: m.counts.get(name) for name, _ in COLUMNS[6:13]}, "wall": m.median("wall"),
-                    "wall_spread": m.spread("wall"), "cpu": m.median("cpu"), "cpu_spread": m.spread("cpu"), "energy_error": m.energy_error,
-                    "message": m.message}
+        row: Row = {
+            "curve": m.point.curve,
+            "point": m.point.label,
+            "value": m.point.value,
+            "ranks": m.point.ranks,
+            "status": m.status,
+            "step": m.step,
+            **{name: m.counts.get(name) for name, _ in COLUMNS[6:13]},
+            "wall": m.median("wall"),
+            "wall_spread": m.spread("wall"),
+            "cpu": m.median("cpu"),
+            "cpu_spread": m.spread("cpu"),
+            "energy_error": m.energy_error,
+            "message": m.message,
+        }
         for name in names:
             assert reference is not None
             values = found.get(k, {}).get(name)
@@ -64,16 +121,28 @@ def table_rows(measured: Sequence[Measured], found: Mapping[int, Mapping[str, np
                 fits = False
             reported = errors_of(values, reference.values[name]) if fits else dict.fromkeys(NORMS, math.nan)  # type: ignore[arg-type]
             if reported["rms"] > DIVERGED:
-                row.update(status="failed", message=f"diverged: {name} is off by {reported['rms']:.2g} times its range")
+                row.update(
+                    status="failed",
+                    message=f"diverged: {name} is off by {reported['rms']:.2g} times its range",
+                )
             row |= {f"error_{name}_{norm}": reported[norm] for norm in NORMS}
         rows.append(row)
     return rows
 
 
-def findings(vary: str, measured: Sequence[Measured], rows: Sequence[Row], reference: Reference | None, units: Mapping[str, str],
-             length: float) -> dict[str, Any]:
-    """What study.json tells beside its heading: outputs and their ranges, the reference, orders, costs of given errors, all points."""
-    names = [key[6:-4] for key in rows[0] if key.startswith("error_") and key.endswith("_rms")] if rows else []
+def findings(
+    vary: str,
+    measured: Sequence[Measured],
+    rows: Sequence[Row],
+    reference: Reference | None,
+    units: Mapping[str, str],
+    length: float,
+) -> dict[str, Any]:
+    """What study.json tells beside its heading: outputs and their ranges, the reference, orders, costs of
+    given errors, all points."""
+    names = (
+        [key[6:-4] for key in rows[0] if key.startswith("error_") and key.endswith("_rms")] if rows else []
+    )
     curves = list(dict.fromkeys(row["curve"] for row in rows))
     orders: dict[str, Any] = {}
     costs: dict[str, Any] = {}
@@ -84,25 +153,55 @@ def findings(vary: str, measured: Sequence[Measured], rows: Sequence[Row], refer
         orders[curve], costs[curve] = {}, {}
         for name in names:
             floor = _floor(reference, rows, name, vary, length)
-            by_norm = {norm: np.array([row[f"error_{name}_{norm}"] for row in on_rank], dtype=float) for norm in NORMS}
-            orders[curve][name] = {norm: plain_order(observed_order(steps, e, floor)) for norm, e in by_norm.items()}
+            by_norm = {
+                norm: np.array([row[f"error_{name}_{norm}"] for row in on_rank], dtype=float)
+                for norm in NORMS
+            }
+            orders[curve][name] = {
+                norm: plain_order(observed_order(steps, e, floor)) for norm, e in by_norm.items()
+            }
             if vary != "ranks":
-                found = {f"{target:g}": cost_of(target, by_norm["rms"], cpu) for target in TARGETS if target > floor}
-                costs[curve][name] = {key: {"seconds": c.seconds, "how": c.how} for key, c in found.items() if c is not None}
+                found = {
+                    f"{target:g}": cost_of(target, by_norm["rms"], cpu)
+                    for target in TARGETS
+                    if target > floor
+                }
+                costs[curve][name] = {
+                    key: {"seconds": c.seconds, "how": c.how} for key, c in found.items() if c is not None
+                }
     about = None
     if reference is not None:
-        about = {"what": reference.words, "closed_form": reference.exact, "own_error": {n: reference.errors.get(n) for n in names},
-                 "mesh_order": {n: reference.orders[n] for n in names if n in reference.orders}, "refused": list(reference.refused)}
-    return {"outputs": {n: {"unit": units.get(n, ""), "range": extent(reference.values[n])} for n in names} if reference else {},
-            "norms": "errors as shares of the output's range in the reference: max over the rows, rms over the rows, end = last row, "
-            "mean = of the mean over the rows", "abscissa": "element length [m]" if vary == "mesh" else "mean step [s]",
-            "reference": about, "orders": orders, "cpu_seconds_at_rms_error": costs, "speed_up": _speed_up(rows) if vary == "ranks" else {},
-            "points": [_told(row, m, vary, length) for row, m in zip(rows, measured, strict=True)]}
+        about = {
+            "what": reference.words,
+            "closed_form": reference.exact,
+            "own_error": {n: reference.errors.get(n) for n in names},
+            "mesh_order": {n: reference.orders[n] for n in names if n in reference.orders},
+            "refused": list(reference.refused),
+        }
+    return {
+        "outputs": {n: {"unit": units.get(n, ""), "range": extent(reference.values[n])} for n in names}
+        if reference
+        else {},
+        "norms": "errors as shares of the output's range in the reference: max over the rows, rms over the rows, end = last row, "
+        "mean = of the mean over the rows",
+        "abscissa": "element length [m]" if vary == "mesh" else "mean step [s]",
+        "reference": about,
+        "orders": orders,
+        "cpu_seconds_at_rms_error": costs,
+        "speed_up": _speed_up(rows) if vary == "ranks" else {},
+        "points": [_told(row, m, vary, length) for row, m in zip(rows, measured, strict=True)],
+    }
 
 
 def _told(row: Row, m: Measured, vary: str, length: float) -> dict[str, Any]:
     options = {"petsc": dict(m.point.petsc), "changes": list(m.point.changes)}
-    return {**row, "abscissa": abscissa(vary, row, length), "walls": list(m.wall), "cpus": list(m.cpu), **options}
+    return {
+        **row,
+        "abscissa": abscissa(vary, row, length),
+        "walls": list(m.wall),
+        "cpus": list(m.cpu),
+        **options,
+    }
 
 
 def abscissa(vary: str, row: Row, length: float) -> float:
@@ -111,8 +210,8 @@ def abscissa(vary: str, row: Row, length: float) -> float:
 
 
 def _floor(reference: Reference | None, rows: Sequence[Row], name: str, vary: str, length: float) -> float:
-    """Error below which a curve says nothing of its own: that of the reference; with a closed form the level, the mesh's or the time's, at
-    which points of quite different steps or elements end up, if they do."""
+    """Error below which a curve says nothing of its own: that of the reference; with a closed form the level,
+    the mesh's or the time's, at which points of quite different steps or elements end up, if they do."""
     if reference is None:
         return 0.0
     if not reference.exact:

@@ -26,8 +26,24 @@ from drillpetsc.studies.convergence.plan import Base, Point, case_of
 
 FloatArray = npt.NDArray[np.float64]
 
-NUMERICS = ("time", "step", "newton", "energy_error", "kinetic_energy", "strain_energy")  # no outputs by default
-COUNTS = ("elements", "steps", "rejected_steps", "newton_iterations", "linear_iterations", "jacobians", "residuals", "failed_solves")
+NUMERICS = (
+    "time",
+    "step",
+    "newton",
+    "energy_error",
+    "kinetic_energy",
+    "strain_energy",
+)  # no outputs by default
+COUNTS = (
+    "elements",
+    "steps",
+    "rejected_steps",
+    "newton_iterations",
+    "linear_iterations",
+    "jacobians",
+    "residuals",
+    "failed_solves",
+)
 NEEDED = ("summary.json", "history.csv", "probes.csv", "case.yaml")  # of a run folder, afterwards
 OURS = "drillpetsc: "  # in front of the program's own messages
 DONE, FAILED = "done", "failed"
@@ -49,7 +65,8 @@ Runner = Callable[[Job], str]
 
 @dataclass(frozen=True)
 class Measured:
-    """A point with what its runs came to.  wall, cpu: of the time loop, a value a repeat [s]; counts: of the first run; step: mean [s]."""
+    """A point with what its runs came to.  wall, cpu: of the time loop, a value a repeat [s]; counts: of the
+    first run; step: mean [s]."""
 
     point: Point
     status: str
@@ -75,8 +92,11 @@ class Measured:
         return max(times) - min(times) if times else float("nan")
 
 
-def measure(base: Base, point: Point, out: Path, repeats: int, limit: float, run: Runner, keep: bool = True) -> Measured:
-    """Run a point ``repeats`` times below ``out``; one that is there, done and of the same case is kept (``keep``)."""
+def measure(
+    base: Base, point: Point, out: Path, repeats: int, limit: float, run: Runner, keep: bool = True
+) -> Measured:
+    """Run a point ``repeats`` times below ``out``; one that is there, done and of the same case is kept
+    (``keep``)."""
     home = out / "runs" / _word(point.curve) / _word(point.label)
     try:
         text = case_of(base, point).to_yaml()
@@ -98,10 +118,20 @@ def measure(base: Base, point: Point, out: Path, repeats: int, limit: float, run
         summaries.append(read_summary(RunFolder(folder).summary))
         _tidy(folder, first=k == 0)
     first = summaries[0]
-    return _store(home, Measured(
-        point, DONE, "", str((home / "run-1").relative_to(out)), tuple(s["wall_seconds"] for s in summaries),
-        tuple(s["cpu_seconds"] for s in summaries), {name: int(first[name]) for name in COUNTS if first.get(name) is not None},
-        first["simulated"] / max(first["steps"], 1), float(first.get("energy", {}).get("error_share") or 0.0)))
+    return _store(
+        home,
+        Measured(
+            point,
+            DONE,
+            "",
+            str((home / "run-1").relative_to(out)),
+            tuple(s["wall_seconds"] for s in summaries),
+            tuple(s["cpu_seconds"] for s in summaries),
+            {name: int(first[name]) for name in COUNTS if first.get(name) is not None},
+            first["simulated"] / max(first["steps"], 1),
+            float(first.get("energy", {}).get("error_share") or 0.0),
+        ),
+    )
 
 
 def _kept(home: Path, point: Point, text: str, repeats: int) -> Measured | None:
@@ -109,11 +139,22 @@ def _kept(home: Path, point: Point, text: str, repeats: int) -> Measured | None:
         reported = json.loads((home / "point.json").read_text(encoding="utf-8"))
         if (home / "case.yaml").read_text(encoding="utf-8") != text:
             return None
-        old = Measured(**{**reported, "point": Point(**{**reported["point"], "changes": tuple(reported["point"]["changes"])}),
-                          "wall": tuple(reported["wall"]), "cpu": tuple(reported["cpu"])})
+        old = Measured(
+            **{
+                **reported,
+                "point": Point(**{**reported["point"], "changes": tuple(reported["point"]["changes"])}),
+                "wall": tuple(reported["wall"]),
+                "cpu": tuple(reported["cpu"]),
+            }
+        )
     except (OSError, ValueError, KeyError, TypeError):
         return None
-    enough = old.done and len(old.wall) >= repeats and old.point.ranks == point.ranks and (home / "run-1" / "summary.json").is_file()
+    enough = (
+        old.done
+        and len(old.wall) >= repeats
+        and old.point.ranks == point.ranks
+        and (home / "run-1" / "summary.json").is_file()
+    )
     return Measured(**{**vars(old), "point": point}) if enough else None
 
 
@@ -144,7 +185,8 @@ def _one_line(what: object) -> str:
 
 # ---------------------------------------------------------------------- outputs of a run
 def outputs_of(folder: Path) -> tuple[FloatArray, dict[str, FloatArray], dict[str, str]]:
-    """Times (k,) [s], outputs name -> (k,) [SI] and their units, from history.csv and probes.csv of a run folder."""
+    """Times (k,) [s], outputs name -> (k,) [SI] and their units, from history.csv and probes.csv of a run
+    folder."""
     values: dict[str, FloatArray] = {}
     units: dict[str, str] = {}
     run = RunFolder(folder)
@@ -162,7 +204,18 @@ def outputs_of(folder: Path) -> tuple[FloatArray, dict[str, FloatArray], dict[st
 # ---------------------------------------------------------------------- processes
 def run_process(job: Job) -> str:
     """Run `drillpetsc run` in a process of its own, under mpirun where more than one rank is asked for."""
-    words = [sys.executable, "-m", "drillpetsc", "run", str(job.case), "--out", str(job.folder), "--overwrite", "--progress", "silent"]
+    words = [
+        sys.executable,
+        "-m",
+        "drillpetsc",
+        "run",
+        str(job.case),
+        "--out",
+        str(job.folder),
+        "--overwrite",
+        "--progress",
+        "silent",
+    ]
     environment = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
     if job.ranks > 1:
         launcher = find_launcher()
@@ -170,7 +223,14 @@ def run_process(job: Job) -> str:
             return "no mpirun found: install one for the MPI of the PETSc in use, or put it into PATH"
         words = [*launcher, "-n", str(job.ranks), *words]
         environment |= launcher_environment()
-    process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment, start_new_session=True)
+    process = subprocess.Popen(
+        words,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
+        start_new_session=True,
+    )
     try:
         _, complaint = process.communicate(timeout=job.limit)
     except subprocess.TimeoutExpired:
@@ -194,7 +254,8 @@ def find_launcher() -> list[str] | None:
 
 
 def launcher_environment() -> Mapping[str, str]:
-    """Open MPI refuses root otherwise, and more ranks than cores are the user's choice (names that other MPIs do not read)."""
+    """Open MPI refuses root otherwise, and more ranks than cores are the user's choice (names that other MPIs
+    do not read)."""
     new = {"OMPI_MCA_rmaps_base_oversubscribe": "1"}
     if hasattr(os, "geteuid") and os.geteuid() == 0:
         new |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}

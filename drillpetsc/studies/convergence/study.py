@@ -41,7 +41,8 @@ REPEATS = 3
 
 @dataclass(frozen=True)
 class StudyResult:
-    """folder: of study.csv, study.json and pictures; rows: one a point; findings: the content of study.json."""
+    """folder: of study.csv, study.json and pictures; rows: one a point; findings: the content of
+    study.json."""
 
     folder: Path
     rows: tuple[dict[str, Any], ...]
@@ -59,21 +60,42 @@ class StudyResult:
         return self.failed == len(self.rows) or self.findings["reference"] is None
 
 
-def study(case: str | Path, vary: str | None = None, curves: Sequence[str] | None = None, *, values: Sequence[str | float] = (),
-          outputs: Sequence[str] = (), repeats: int = REPEATS, reference: str = "auto", out: str | Path | None = None,
-          restart: bool = False, overwrite: bool = False, options: Mapping[str, Any] | None = None, limit: float = LIMIT, few: bool = False,
-          steps: Sequence[str | float] = (), tolerances: Sequence[str | float] = (), changes: Sequence[str] = (),
-          run: Runner = run_process, exact: Exact | None = None, say: Callable[[str], None] | None = None) -> StudyResult:
-    """Run a study of a case file: ``vary`` one thing (VARIED), or the named ``curves``; values along the curve, or names of curves.
+def study(
+    case: str | Path,
+    vary: str | None = None,
+    curves: Sequence[str] | None = None,
+    *,
+    values: Sequence[str | float] = (),
+    outputs: Sequence[str] = (),
+    repeats: int = REPEATS,
+    reference: str = "auto",
+    out: str | Path | None = None,
+    restart: bool = False,
+    overwrite: bool = False,
+    options: Mapping[str, Any] | None = None,
+    limit: float = LIMIT,
+    few: bool = False,
+    steps: Sequence[str | float] = (),
+    tolerances: Sequence[str | float] = (),
+    changes: Sequence[str] = (),
+    run: Runner = run_process,
+    exact: Exact | None = None,
+    say: Callable[[str], None] | None = None,
+) -> StudyResult:
+    """Run a study of a case file: ``vary`` one thing (VARIED), or the named ``curves``; values along the
+    curve, or names of curves.
 
-    reference: auto | exact | arkimex | bdf3 | bdf2 | a run folder; exact: a closed form of the caller's; options: PETSc's, for every run;
-    changes: `key=value` of the case file, for every run; limit: wall seconds of one run; few: three points a curve; steps, tolerances: of
-    all curves that need them, in place of those around the case's own.
+    reference: auto | exact | arkimex | bdf3 | bdf2 | a run folder; exact: a closed form of the caller's;
+    options: PETSc's, for every run;
+    changes: `key=value` of the case file, for every run; limit: wall seconds of one run; few: three points a
+    curve; steps, tolerances: of all curves that need them, in place of those around the case's own.
     Raises CaseError for bad input, before anything is written; a run that fails is a point marked failed.
     """
     tell = say or (lambda line: print(line, file=sys.stderr, flush=True))
     words = [str(v) for v in values]
-    base = read_base(case, as_options(options or {}), changes, [str(v) for v in steps], [str(v) for v in tolerances])
+    base = read_base(
+        case, as_options(options or {}), changes, [str(v) for v in steps], [str(v) for v in tolerances]
+    )
     _refuse_nonsense(base, vary, curves, words, repeats, reference)
     folder = _folder(Path(case).stem, out, restart, overwrite)
     bench = Bench(base, folder, limit, run, restart, tell)
@@ -85,13 +107,23 @@ def study(case: str | Path, vary: str | None = None, curves: Sequence[str] | Non
     for number, point in enumerate(points, 1):
         made = measure(bench.base, point, folder, repeats, limit, run, restart)
         measured.append(made)
-        cost = f"{made.counts.get('steps', 0)} steps, {made.median('cpu'):.3g} CPU s" if made.done else f"failed: {made.message}"
+        cost = (
+            f"{made.counts.get('steps', 0)} steps, {made.median('cpu'):.3g} CPU s"
+            if made.done
+            else f"failed: {made.message}"
+        )
         tell(f"[{number}/{len(points)}] {point.curve} {point.label}: {cost}")
     return _result(bench, vary or "curves", measured, refers, outputs)
 
 
-def _refuse_nonsense(base: Base, vary: str | None, curves: Sequence[str] | None, words: Sequence[str], repeats: int,
-                     reference: str) -> None:
+def _refuse_nonsense(
+    base: Base,
+    vary: str | None,
+    curves: Sequence[str] | None,
+    words: Sequence[str],
+    repeats: int,
+    reference: str,
+) -> None:
     if (vary is None) == (curves is None):
         raise CaseError(want="either --vary or --curves")
     if vary is not None and vary not in VARIED:
@@ -99,15 +131,24 @@ def _refuse_nonsense(base: Base, vary: str | None, curves: Sequence[str] | None,
     if repeats < 1:
         raise CaseError(at="--repeats", got=repeats, want="1 or more")
     if ranks_here() > 1:
-        raise CaseError(got=f"{ranks_here()} ranks", want="study without mpirun",
-                        hint="its runs are processes of their own; --vary ranks calls mpirun itself")
+        raise CaseError(
+            got=f"{ranks_here()} ranks",
+            want="study without mpirun",
+            hint="its runs are processes of their own; --vary ranks calls mpirun itself",
+        )
     if reference not in ("auto", "exact", "arkimex", "bdf3", "bdf2") and not Path(reference).is_dir():
-        raise CaseError(at="--reference", got=reference, want="auto | exact | arkimex | bdf3 | bdf2, or a run folder that exists")
+        raise CaseError(
+            at="--reference",
+            got=reference,
+            want="auto | exact | arkimex | bdf3 | bdf2, or a run folder that exists",
+        )
     case_of(base, Point("", "", 0.0))
     _points(base, vary, curves, words, False)
 
 
-def _points(base: Base, vary: str | None, curves: Sequence[str] | None, words: Sequence[str], few: bool) -> list[Point]:
+def _points(
+    base: Base, vary: str | None, curves: Sequence[str] | None, words: Sequence[str], few: bool
+) -> list[Point]:
     if curves is not None:
         return plan_curves(curves or DEFAULT_CURVES, base, few)
     assert vary is not None
@@ -128,12 +169,15 @@ def _folder(name: str, out: str | Path | None, restart: bool, overwrite: bool) -
 
 
 def _with_pilot(bench: Bench) -> Base:
-    """The base with the mean step of the case as it stands; also compiles the kernels, so that no timed run does."""
+    """The base with the mean step of the case as it stands; also compiles the kernels, so that no timed run
+    does."""
     made = bench.one(Point("pilot", "as-it-stands", 0.0))
     if not made.done:
         bench.say(f"the case as it stands fails: {made.message}")
         return bench.base
-    bench.say(f"the case as it stands: {made.counts['steps']} steps, mean {made.step:.3g} s, {made.median('cpu'):.3g} CPU s")
+    bench.say(
+        f"the case as it stands: {made.counts['steps']} steps, mean {made.step:.3g} s, {made.median('cpu'):.3g} CPU s"
+    )
     return replace(bench.base, step=made.step)
 
 
@@ -143,7 +187,9 @@ def _times(bench: Bench) -> np.ndarray:
     return np.arange(int(math.floor(bench.base.end / every * (1 + 1e-9))) + 1) * every
 
 
-def _result(bench: Bench, vary: str, measured: Sequence[Measured], refers: Reference | None, outputs: Sequence[str]) -> StudyResult:
+def _result(
+    bench: Bench, vary: str, measured: Sequence[Measured], refers: Reference | None, outputs: Sequence[str]
+) -> StudyResult:
     units: dict[str, str] = {}
     found: dict[int, dict[str, np.ndarray]] = {}
     for k, m in enumerate(measured):
@@ -155,9 +201,15 @@ def _result(bench: Bench, vary: str, measured: Sequence[Measured], refers: Refer
             raise CaseError(at="--outputs", got=wrong[0], want=" | ".join(refers.values))
     rows = table_rows(measured, found, refers, outputs)
     case = case_of(bench.base, Point("", "", 0.0))
-    reported = {"title": case.title or bench.base.path.stem, "case": bench.base.path.name, "vary": vary, "machine": _machine(),
-            "simulated": bench.base.end, "history_every": bench.base.history_every,
-            **findings(vary, measured, rows, refers, units, case.string_length)}
+    reported = {
+        "title": case.title or bench.base.path.stem,
+        "case": bench.base.path.name,
+        "vary": vary,
+        "machine": _machine(),
+        "simulated": bench.base.end,
+        "history_every": bench.base.history_every,
+        **findings(vary, measured, rows, refers, units, case.string_length),
+    }
     files = write_results(bench.out, rows, reported)
     if refers is None and measured and not any(m.done for m in measured):
         bench.say("no point came to an end")
@@ -169,7 +221,9 @@ def _machine() -> dict[str, Any]:
     name = platform.processor()
     try:
         with open("/proc/cpuinfo", encoding="utf-8") as file:
-            name = next((line.partition(":")[2].strip() for line in file if line.startswith("model name")), name)
+            name = next(
+                (line.partition(":")[2].strip() for line in file if line.startswith("model name")), name
+            )
     except OSError:
         pass
     return {"processor": name, "cores": os.cpu_count(), "python": platform.python_version()}
@@ -183,14 +237,18 @@ def closing_lines(result: StudyResult) -> list[str]:
     for row in result.rows:
         if row["status"] != "done":
             failed.setdefault((row["curve"], row["message"]), []).append(row["point"])
-    lines += [f"  {curve} at {', '.join(points)} failed: {message}" for (curve, message), points in failed.items()]
+    lines += [
+        f"  {curve} at {', '.join(points)} failed: {message}" for (curve, message), points in failed.items()
+    ]
     if reported["reference"] is not None:
         lines.append(f"  reference: {reported['reference']['what']}")
     for curve, by_output in reported["orders"].items():
         for name, by_norm in by_output.items():
             order = by_norm.get("rms")
             if order:
-                lines.append(f"  order of {curve} in {name}: {order['order']:.2f} ({order['low']:.2f} to {order['high']:.2f}, rms)")
+                lines.append(
+                    f"  order of {curve} in {name}: {order['order']:.2f} ({order['low']:.2f} to {order['high']:.2f}, rms)"
+                )
     lines += [f"  {file}" for file in result.files]
     return lines
 

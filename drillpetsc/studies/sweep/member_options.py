@@ -18,7 +18,8 @@ from drillpetsc.solvers import petsc_options as options
 
 
 def refuse_misspelt(comm: PETSc.Comm, cases: Sequence[Case]) -> None:
-    """Raise CaseError for an option, of the command line or of a case, that no scene of ``cases`` reads; collective over ``comm``.
+    """Raise CaseError for an option, of the command line or of a case, that no scene of ``cases`` reads;
+    collective over ``comm``.
 
     Rank 0 sets up one scene, and more of other physics as long as an option is left that none has read.
     """
@@ -32,7 +33,9 @@ def refuse_misspelt(comm: PETSc.Comm, cases: Sequence[Case]) -> None:
     if isinstance(answer, CaseError):
         raise answer
     for name in answer or ():
-        PETSc.Options().hasName(name)  # asking counts as reading: a member whose scene leaves it unread runs all the same
+        PETSc.Options().hasName(
+            name
+        )  # asking counts as reading: a member whose scene leaves it unread runs all the same
 
 
 def _left(given: Sequence[str], cases: Sequence[Case]) -> list[str]:
@@ -67,7 +70,8 @@ def _physics(case: Case) -> Hashable:
 
 
 def _read(case: Case) -> list[str]:
-    """Options that the solvers of a case read, or may read at the end, of those of the command line and of the case."""
+    """Options that the solvers of a case read, or may read at the end, of those of the command line and of
+    the case."""
     with options.applied(case.petsc) as used:
         model = build_model(case, PETSc.COMM_SELF)
         integrator = make_integrator(model, QuasiStatic(model) if is_quasi_static(case) else None)

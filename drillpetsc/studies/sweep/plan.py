@@ -1,4 +1,5 @@
-"""Where the members of an ensemble are computed, and what is left to do there; one process decides this, before any runs."""
+"""Where the members of an ensemble are computed, and what is left to do there; one process decides this,
+before any runs."""
 
 from __future__ import annotations
 
@@ -17,24 +18,41 @@ PICTURES = ("trajectory.png", "inclination.png", "build_rate.png")  # of what th
 Out = str | Path | None
 
 
-def plan_sweep(title: str, name: str, members: list[Member], out: Out, restart: bool, overwrite: bool) -> Plan:
+def plan_sweep(
+    title: str, name: str, members: list[Member], out: Out, restart: bool, overwrite: bool
+) -> Plan:
     if restart and out is None:
         out = _latest_sweep(name)
-    found = RunFolder.create(name, out, restart=restart, overwrite=overwrite)  # held until the job ends (ensemble._Job.end)
+    found = RunFolder.create(
+        name, out, restart=restart, overwrite=overwrite
+    )  # held until the job ends (ensemble._Job.end)
     folder = found.path
     if restart and not (folder / SWEEP).is_file():
         found.release()
-        raise CaseError(at="--out", got=str(folder), want=f"the folder of a sweep, with a {SWEEP}", hint="--restart continues a sweep")
+        raise CaseError(
+            at="--out",
+            got=str(folder),
+            want=f"the folder of a sweep, with a {SWEEP}",
+            hint="--restart continues a sweep",
+        )
     if overwrite:
         _clear(folder)
-    places = _places(folder, members) if restart else [MemberFolder(folder / m.name, AGAIN if overwrite else NEW) for m in members]
+    places = (
+        _places(folder, members)
+        if restart
+        else [MemberFolder(folder / m.name, AGAIN if overwrite else NEW) for m in members]
+    )
     return Plan(title, SWEEP, folder, _state(folder), tuple(members), tuple(places))
 
 
 def _latest_sweep(name: str) -> Path:
-    sweeps = sorted(Path("results").glob(f"{name}-*/{SWEEP}"), key=lambda file: (len(file.parent.name), file.parent.name))
+    sweeps = sorted(
+        Path("results").glob(f"{name}-*/{SWEEP}"), key=lambda file: (len(file.parent.name), file.parent.name)
+    )
     if not sweeps:
-        raise CaseError(got=f"results/{name}-NNN", want="a sweep to continue", hint="name its folder with --out")
+        raise CaseError(
+            got=f"results/{name}-NNN", want="a sweep to continue", hint="name its folder with --out"
+        )
     return sweeps[-1].parent
 
 
@@ -57,7 +75,8 @@ def _state(folder: Path) -> Path:
 
 
 def _places(folder: Path, members: list[Member]) -> list[MemberFolder]:
-    """For a restart: the folder in which the same case was run, wherever it stands; a new one for a member that has none."""
+    """For a restart: the folder in which the same case was run, wherever it stands; a new one for a member
+    that has none."""
     known: dict[str, list[Path]] = {}
     for path in sorted(folder.glob("member-*")):
         if text := _case_text(path):
@@ -92,7 +111,9 @@ def _action(folder: Path) -> str:
 
 
 def plan_wells(members: list[Member], out: Out, restart: bool, overwrite: bool) -> Plan:
-    folder = RunFolder.create("wells", out, restart=restart, overwrite=overwrite).path if out is not None else None
+    folder = (
+        RunFolder.create("wells", out, restart=restart, overwrite=overwrite).path if out is not None else None
+    )
     places = []
     for m in members:
         path = folder / m.name if folder is not None else _latest(m.name) if restart else None
@@ -106,7 +127,14 @@ def plan_wells(members: list[Member], out: Out, restart: bool, overwrite: bool) 
             places.append(MemberFolder(path, AGAIN if overwrite else NEW))
     if folder is not None:
         return Plan("", WELLS, folder, _state(folder), tuple(members), tuple(places))
-    return Plan("", WELLS, None, Path(tempfile.mkdtemp(prefix=".wells-", dir="results")), tuple(members), tuple(places))
+    return Plan(
+        "",
+        WELLS,
+        None,
+        Path(tempfile.mkdtemp(prefix=".wells-", dir="results")),
+        tuple(members),
+        tuple(places),
+    )
 
 
 def _again(path: Path, m: Member) -> MemberFolder:

@@ -1,4 +1,5 @@
-"""Several runs in one job: sweeps over the values of a case, and several wells; the ranks are shared out over them."""
+"""Several runs in one job: sweeps over the values of a case, and several wells; the ranks are shared out over
+them."""
 
 from __future__ import annotations
 
@@ -31,8 +32,8 @@ from drillpetsc.studies.sweep.worker_groups import WorkerGroup, split, team_size
 
 @dataclass(frozen=True)
 class SweepResult:
-    """folder: of table and summary (None: there are none); table: its file; rows: one a member; pictures: of what was drilled; the same on
-    all ranks."""
+    """folder: of table and summary (None: there are none); table: its file; rows: one a member; pictures: of
+    what was drilled; the same on all ranks."""
 
     folder: Path | None
     table: Path | None
@@ -45,11 +46,20 @@ class SweepResult:
         return sum(row["status"] != "done" for row in self.rows)
 
 
-def sweep(case: str | Path, values: Mapping[str, Iterable[Any]], out: str | Path | None = None, *, restart: bool = False,
-          overwrite: bool = False, comm: PETSc.Comm | None = None, progress: str = "auto") -> SweepResult:
+def sweep(
+    case: str | Path,
+    values: Mapping[str, Iterable[Any]],
+    out: str | Path | None = None,
+    *,
+    restart: bool = False,
+    overwrite: bool = False,
+    comm: PETSc.Comm | None = None,
+    progress: str = "auto",
+) -> SweepResult:
     """Simulate every combination of ``values`` (key of the case file -> values); collective over ``comm``.
 
-    Raises CaseError, before anything runs, for what is wrong in any member; a member that fails later is told in its row.
+    Raises CaseError, before anything runs, for what is wrong in any member; a member that fails later is told
+    in its row.
     restart: members that are done are kept, those with a checkpoint continued, the others run.
     """
     comm = comm or PETSc.COMM_WORLD
@@ -62,16 +72,29 @@ def sweep(case: str | Path, values: Mapping[str, Iterable[Any]], out: str | Path
     return _run_all(comm, progress, lambda: plan_sweep(title, name, members, out, restart, overwrite))
 
 
-def run_cases(paths: Sequence[str | Path], out: str | Path | None = None, *, restart: bool = False, overwrite: bool = False,
-              comm: PETSc.Comm | None = None, progress: str = "auto") -> SweepResult:
-    """Simulate several case files, each into its own run folder: results/<case>-NNN, or ``out``/<case>; as ``sweep`` else."""
+def run_cases(
+    paths: Sequence[str | Path],
+    out: str | Path | None = None,
+    *,
+    restart: bool = False,
+    overwrite: bool = False,
+    comm: PETSc.Comm | None = None,
+    progress: str = "auto",
+) -> SweepResult:
+    """Simulate several case files, each into its own run folder: results/<case>-NNN, or ``out``/<case>; as
+    ``sweep`` else."""
     comm = comm or PETSc.COMM_WORLD
     members: list[Member] = []
     names: list[str] = []
     for number, path in enumerate(paths, 1):
         case, stem = load_case(path), Path(path).stem
         if case.time is None:
-            raise CaseError(at="time", want="a block {end: ...}", file=path, hint="for the static state alone use: drillpetsc statics")
+            raise CaseError(
+                at="time",
+                want="a block {end: ...}",
+                file=path,
+                hint="for the static state alone use: drillpetsc statics",
+            )
         name, again = stem, 1
         while name in names:
             again += 1
@@ -104,7 +127,9 @@ def _run_all(comm: PETSc.Comm, progress: str, make_plan: Callable[[], Plan]) -> 
     if isinstance(answer, CaseError):
         raise answer
     plan: Plan = answer
-    order = sorted((m for m in plan.members if plan.place(m).action != KEEP), key=lambda m: (-m.cost, m.number))
+    order = sorted(
+        (m for m in plan.members if plan.place(m).action != KEEP), key=lambda m: (-m.cost, m.number)
+    )
     sizes = team_sizes([m.cost for m in order], [m.elements for m in order], mpi.size)
     job = _Job(plan, order, sizes, mpi, progress, clock.perf_counter())
     if mpi.rank == 0:
@@ -122,11 +147,17 @@ def _run_all(comm: PETSc.Comm, progress: str, make_plan: Callable[[], Plan]) -> 
         rows = job.end({o.number: o for each in reported for o in each})
         pictures = _pictures(plan, rows)
     rows, pictures = mpi.bcast((rows, pictures))
-    return SweepResult(plan.folder, plan.folder / plan.table if plan.folder is not None else None, tuple(rows), tuple(pictures))
+    return SweepResult(
+        plan.folder,
+        plan.folder / plan.table if plan.folder is not None else None,
+        tuple(rows),
+        tuple(pictures),
+    )
 
 
 def _pictures(plan: Plan, rows: list[dict[str, Any]]) -> list[Path]:
-    """Pictures of what the members of a sweep drilled; none, and nothing is imported for them, when they drilled nothing."""
+    """Pictures of what the members of a sweep drilled; none, and nothing is imported for them, when they
+    drilled nothing."""
     if plan.folder is None or plan.table != SWEEP or not any(row.get("drilled [m]", 0.0) > 0 for row in rows):
         return []
     try:
@@ -134,13 +165,18 @@ def _pictures(plan: Plan, rows: list[dict[str, Any]]) -> list[Path]:
 
         return draw_sweep(plan.folder)
     except Exception as error:  # the results are there, whatever happens to their pictures
-        print(f"drillpetsc: no pictures of the sweep: {type(error).__name__}: {error}", file=sys.stderr, flush=True)
+        print(
+            f"drillpetsc: no pictures of the sweep: {type(error).__name__}: {error}",
+            file=sys.stderr,
+            flush=True,
+        )
         return []
 
 
 @dataclass(frozen=True)
 class _Job:
-    """order: members to be computed, the costliest first; sizes: ranks of each team; began: clock reading [s]."""
+    """order: members to be computed, the costliest first; sizes: ranks of each team; began: clock reading
+    [s]."""
 
     plan: Plan
     order: list[Member]
@@ -151,8 +187,15 @@ class _Job:
     stopped: list[str] = field(default_factory=list)  # the signal that ended a member, and with it the job
 
     def facts(self) -> dict[str, Any]:
-        return {"ranks": self.mpi.size, "teams": self.sizes, "wall_seconds": clock.perf_counter() - self.began,
-                "versions": {"drillpetsc": drillpetsc.__version__, "petsc": ".".join(map(str, PETSc.Sys.getVersion()))}}
+        return {
+            "ranks": self.mpi.size,
+            "teams": self.sizes,
+            "wall_seconds": clock.perf_counter() - self.began,
+            "versions": {
+                "drillpetsc": drillpetsc.__version__,
+                "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
+            },
+        }
 
     def begin(self) -> None:
         """Outcomes of members that are kept, and the claims of those that the teams begin with."""
@@ -161,7 +204,9 @@ class _Job:
             if action == KEEP:
                 reported = read_summary(RunFolder(folder).summary)
                 wall = reported.get("wall_seconds", 0.0) + reported.get("start_seconds", 0.0)
-                table.keep_outcome(self.plan, Outcome(m.number, "done", wall=wall, figures=table.figures(folder)))
+                table.keep_outcome(
+                    self.plan, Outcome(m.number, "done", wall=wall, figures=table.figures(folder))
+                )
         for m in self.order[: len(self.sizes)]:
             table.claim(self.plan, m)
         table.write(self.plan, self.facts())
@@ -198,7 +243,8 @@ class _Job:
     def _free(self, ranks: int) -> int:
         """Take the costliest member that nobody has, for a team of so many ranks; 0 when there is none.
 
-        A string too short for a large team is left to the smaller ones, of which there is one whenever members outnumber the teams.
+        A string too short for a large team is left to the smaller ones, of which there is one whenever
+        members outnumber the teams.
         """
         fitting = (m for m in self.order[len(self.sizes) :] if ranks == 1 or m.elements >= 2 * ranks)
         return next((m.number for m in fitting if table.claim(self.plan, m)), 0)
@@ -210,8 +256,15 @@ class _Job:
         stage.push()
         message = ""
         try:
-            run(member.case, place.folder, restart=place.action == CONTINUE, overwrite=place.action == AGAIN, name=member.name,
-                comm=team.comm, progress="silent")
+            run(
+                member.case,
+                place.folder,
+                restart=place.action == CONTINUE,
+                overwrite=place.action == AGAIN,
+                name=member.name,
+                comm=team.comm,
+                progress="silent",
+            )
         except DrillError as error:
             message = str(error)
             if isinstance(error, Interrupted):
@@ -230,8 +283,14 @@ class _Job:
         folder = self.plan.place(member).folder
         if message and folder.is_dir() and not any(folder.iterdir()):
             folder.rmdir()  # made beforehand, and nothing came of it
-        return Outcome(member.number, "failed" if message else "done", "; ".join(" ".join(part.split()) for part in message.splitlines()),
-                       team.ranks, wall, table.figures(folder))
+        return Outcome(
+            member.number,
+            "failed" if message else "done",
+            "; ".join(" ".join(part.split()) for part in message.splitlines()),
+            team.ranks,
+            wall,
+            table.figures(folder),
+        )
 
     def _tell(self, outcome: Outcome, member: Member) -> None:
         """Renew the table, and one line to the user."""
@@ -240,7 +299,11 @@ class _Job:
         if self.progress == "silent":
             return
         ended = sum(row["status"] in ("done", "failed") for row in rows)
-        ranks = f"rank {outcome.ranks[0]}" if len(outcome.ranks) == 1 else f"ranks {outcome.ranks[0]} to {outcome.ranks[-1]}"
+        ranks = (
+            f"rank {outcome.ranks[0]}"
+            if len(outcome.ranks) == 1
+            else f"ranks {outcome.ranks[0]} to {outcome.ranks[-1]}"
+        )
         line = f"[{ended}/{len(rows)}] {member.label}: {outcome.status}, {duration(outcome.wall)} wall on {ranks}"
         print(line + (f": {outcome.message}" if outcome.message else ""), file=sys.stderr, flush=True)
 
@@ -248,7 +311,8 @@ class _Job:
         return self.plan.state / f"team-{number}"
 
     def _give_up(self, team: WorkerGroup, member: Member, message: str, wall: float) -> None:
-        """End the job when others of this team are stuck in a member that ended here, but let all other teams finish first.
+        """End the job when others of this team are stuck in a member that ended here, but let all other teams
+        finish first.
 
         A rank that waits in a computation for one that left it cannot be called back.
         """
@@ -257,8 +321,11 @@ class _Job:
         self._left(team.number).touch()
         wait_for_files([self._left(number) for number in range(len(self.sizes))])
         table.write(self.plan, {**self.facts(), "ended": True})
-        print("drillpetsc: a member failed on some of its ranks alone, so the job is ended; the other teams have finished",
-              file=sys.stderr, flush=True)
+        print(
+            "drillpetsc: a member failed on some of its ranks alone, so the job is ended; the other teams have finished",
+            file=sys.stderr,
+            flush=True,
+        )
         self.mpi.Abort(1)
 
 

@@ -1,6 +1,8 @@
-"""The table of an ensemble: one row a member, written whole again each time a member ends, and the files that members leave for it.
+"""The table of an ensemble: one row a member, written whole again each time a member ends, and the files that
+members leave for it.
 
-Ranks that compute different members share nothing but these files: a claim says that a member is taken, an outcome that it has ended.
+Ranks that compute different members share nothing but these files: a claim says that a member is taken, an
+outcome that it has ended.
 """
 
 from __future__ import annotations
@@ -23,7 +25,16 @@ from drillpetsc.output import RunFolder, read_summary, read_table, write_summary
 from drillpetsc.output.files.atomic import replace_text
 
 #: columns of history.csv whose mean says nothing
-NO_MEAN = ("time", "bit_depth", "hole_depth", "kinetic_energy", "strain_energy", "energy_error", "step", "newton")
+NO_MEAN = (
+    "time",
+    "bit_depth",
+    "hole_depth",
+    "kinetic_energy",
+    "strain_energy",
+    "energy_error",
+    "step",
+    "newton",
+)
 NEW, AGAIN, CONTINUE, KEEP = "new", "again", "continue", "keep"
 
 
@@ -31,8 +42,8 @@ NEW, AGAIN, CONTINUE, KEEP = "new", "again", "continue", "keep"
 class Member:
     """One run of an ensemble.
 
-    number: from 1; name: in front of its run folder's number; values: what tells it from the others, column -> word; numbers: column ->
-    the same in SI, where it is a number; elements: of its mesh.
+    number: from 1; name: in front of its run folder's number; values: what tells it from the others, column
+    -> word; numbers: column -> the same in SI, where it is a number; elements: of its mesh.
     """
 
     number: int
@@ -44,7 +55,8 @@ class Member:
 
     @property
     def cost(self) -> float:
-        """Expected, in elements times simulated seconds: a step costs as much as the string has elements (describe.COST)."""
+        """Expected, in elements times simulated seconds: a step costs as much as the string has elements
+        (describe.COST)."""
         assert self.case.time is not None
         return self.elements * float(self.case.time.end)
 
@@ -55,7 +67,8 @@ class Member:
 
 @dataclass(frozen=True)
 class MemberFolder:
-    """Where a member's run folder lies, and what is to be done there: NEW, AGAIN (what is there is replaced), CONTINUE or KEEP."""
+    """Where a member's run folder lies, and what is to be done there: NEW, AGAIN (what is there is replaced),
+    CONTINUE or KEEP."""
 
     folder: Path
     action: str
@@ -63,8 +76,8 @@ class MemberFolder:
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a member ended.  status: done or failed; ranks: numbers in the whole job of the ranks that computed it, none when an earlier
-    job did; wall [s]; figures: of its run folder."""
+    """How a member ended.  status: done or failed; ranks: numbers in the whole job of the ranks that computed
+    it, none when an earlier job did; wall [s]; figures: of its run folder."""
 
     number: int
     status: str
@@ -76,7 +89,8 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Plan:
-    """An ensemble about to run.  folder: where table and summary go, None for neither; state: folder of claims and outcomes."""
+    """An ensemble about to run.  folder: where table and summary go, None for neither; state: folder of
+    claims and outcomes."""
 
     title: str
     table: str
@@ -91,7 +105,8 @@ class Plan:
 
 # ---------------------------------------------------------------------- claims and outcomes
 def claim(plan: Plan, member: Member) -> bool:
-    """Take a member; false when another team has it.  One create that only one can win, so no rank waits for another."""
+    """Take a member; false when another team has it.  One create that only one can win, so no rank waits for
+    another."""
     try:
         os.close(os.open(plan.state / f"{member.number}.claim", os.O_CREAT | os.O_EXCL))
     except FileExistsError:
@@ -114,7 +129,8 @@ def outcomes(plan: Plan) -> dict[int, Outcome]:
 
 @contextmanager
 def _alone(plan: Plan) -> Iterator[None]:
-    """One writer at a time, or without a lock where the file system has none: then the last row may come with the next writing."""
+    """One writer at a time, or without a lock where the file system has none: then the last row may come with
+    the next writing."""
     with open(plan.state / "lock", "w") as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX)
@@ -125,13 +141,18 @@ def _alone(plan: Plan) -> Iterator[None]:
 
 # ---------------------------------------------------------------------- rows
 def figures(folder: Path) -> dict[str, float]:
-    """What a run folder says about its run: title with unit -> value.  Final values, shares of error, means over the last half."""
+    """What a run folder says about its run: title with unit -> value.  Final values, shares of error, means
+    over the last half."""
     run = RunFolder(folder)
     if not run.summary.is_file():
         return {}
     reported = read_summary(run.summary)
-    out = {"time [s]": reported.get("time"), "real_time_factor [-]": reported.get("real_time_factor"), "steps [-]": reported.get("steps"),
-           "energy_error_share [-]": reported.get("energy", {}).get("error_share")}
+    out = {
+        "time [s]": reported.get("time"),
+        "real_time_factor [-]": reported.get("real_time_factor"),
+        "steps [-]": reported.get("steps"),
+        "energy_error_share [-]": reported.get("energy", {}).get("error_share"),
+    }
     if "mass" in reported:
         out["mass_error_share [-]"] = reported["mass"].get("error_share")
     out |= reported.get("final", {}) | reported.get("new_hole", {})
@@ -148,13 +169,18 @@ def _means(history: Path) -> dict[str, float]:
     if len(time) < 2:
         return {}
     late = time >= 0.5 * (time[0] + time[-1])
-    return {f"mean_{title}": float(values[late].mean()) for title, values in table.items()
-            if title.split(" [")[0] not in NO_MEAN and values.dtype.kind == "f"}
+    return {
+        f"mean_{title}": float(values[late].mean())
+        for title, values in table.items()
+        if title.split(" [")[0] not in NO_MEAN and values.dtype.kind == "f"
+    }
 
 
 def rows(plan: Plan, ended: dict[int, Outcome]) -> list[dict[str, Any]]:
     """One row a member; all have the same columns, nan where a member has no such figure."""
-    titles = list(dict.fromkeys(title for m in plan.members if m.number in ended for title in ended[m.number].figures))
+    titles = list(
+        dict.fromkeys(title for m in plan.members if m.number in ended for title in ended[m.number].figures)
+    )
     also_si = [key for key in plan.members[0].values if _in_words(plan.members, key)]
     out = []
     for m in plan.members:
@@ -162,9 +188,17 @@ def rows(plan: Plan, ended: dict[int, Outcome]) -> list[dict[str, Any]]:
         if outcome is None:
             status = "running" if (plan.state / f"{m.number}.claim").exists() else "waiting"
             outcome = Outcome(m.number, status, wall=np.nan)
-        row: dict[str, Any] = {"member": m.number, **m.values, **{f"{key} (SI)": m.numbers.get(key, np.nan) for key in also_si}}
-        row |= {"status": outcome.status, "folder": os.path.relpath(folder, plan.folder) if plan.folder else str(folder),
-                "ranks": len(outcome.ranks), "wall [s]": outcome.wall}
+        row: dict[str, Any] = {
+            "member": m.number,
+            **m.values,
+            **{f"{key} (SI)": m.numbers.get(key, np.nan) for key in also_si},
+        }
+        row |= {
+            "status": outcome.status,
+            "folder": os.path.relpath(folder, plan.folder) if plan.folder else str(folder),
+            "ranks": len(outcome.ranks),
+            "wall [s]": outcome.wall,
+        }
         row |= {title: outcome.figures.get(title, np.nan) for title in titles}
         out.append({**row, "message": outcome.message})
     return out
@@ -172,6 +206,7 @@ def rows(plan: Plan, ended: dict[int, Outcome]) -> list[dict[str, Any]]:
 
 def _in_words(members: Sequence[Member], key: str) -> bool:
     """Whether values of ``key`` are numbers that do not look like it (`20 l/s`)."""
+
     def plain(word: str) -> bool:
         try:
             float(word)
@@ -183,7 +218,8 @@ def _in_words(members: Sequence[Member], key: str) -> bool:
 
 
 def write(plan: Plan, began: dict[str, Any], ended: dict[int, Outcome] | None = None) -> list[dict[str, Any]]:
-    """Write table and summary as things stand now (``ended``: given when the outcomes on file may be incomplete); returns the rows.
+    """Write table and summary as things stand now (``ended``: given when the outcomes on file may be
+    incomplete); returns the rows.
 
     began: what the summary tells about the whole job: ranks, teams, petsc.
     """
@@ -201,12 +237,23 @@ def write(plan: Plan, began: dict[str, Any], ended: dict[int, Outcome] | None = 
         return table
 
 
-def _summary(plan: Plan, table: list[dict[str, Any]], ended: dict[int, Outcome], began: dict[str, Any]) -> dict[str, Any]:
-    count = {status: sum(row["status"] == status for row in table) for status in ("done", "failed", "running", "waiting")}
+def _summary(
+    plan: Plan, table: list[dict[str, Any]], ended: dict[int, Outcome], began: dict[str, Any]
+) -> dict[str, Any]:
+    count = {
+        status: sum(row["status"] == status for row in table)
+        for status in ("done", "failed", "running", "waiting")
+    }
     over = count["running"] + count["waiting"] == 0
     status = ("failed" if count["failed"] else "done") if over else "running"
     if not over and began.get("ended"):
         status = "stopped"
     ranks = {number: list(outcome.ranks) for number, outcome in ended.items()}
-    return {"title": plan.title, "status": status, "table": plan.table, **count, **began,
-            "members": [{**row, "computed_by": ranks.get(row["member"], [])} for row in table]}
+    return {
+        "title": plan.title,
+        "status": status,
+        "table": plan.table,
+        **count,
+        **began,
+        "members": [{**row, "computed_by": ranks.get(row["member"], [])} for row in table],
+    }

@@ -1,7 +1,9 @@
-"""Variations of a case: `KEY=V1,V2` words, or lists of Python values, become cases, all of them checked before any runs.
+"""Variations of a case: `KEY=V1,V2` words, or lists of Python values, become cases, all of them checked
+before any runs.
 
-A value is written as in the case file (`20 l/s`, `none`, `{kind: clamped}`); commas inside brackets or quotes belong to the value.
-`on` and `off` switch a block: off takes it out of the case, on leaves it as the file has it.
+A value is written as in the case file (`20 l/s`, `none`, `{kind: clamped}`); commas inside brackets or quotes
+belong to the value. `on` and `off` switch a block: off takes it out of the case, on leaves it as the file has
+it.
 """
 
 from __future__ import annotations
@@ -21,13 +23,28 @@ from drillpetsc.errors import CaseError
 
 ABSENT = "-"  # in place of a value whose block is switched off
 MOST_ERRORS = 5  # told at once
-WITHOUT = {"contact": "none"}  # blocks that a case has unless it says otherwise: what stands for their absence
-SETTINGS = ("material", "beam", "initial", "time", "output", "petsc", "bottom", "top", "string", "well.survey", "well.sections")
+WITHOUT = {
+    "contact": "none"
+}  # blocks that a case has unless it says otherwise: what stands for their absence
+SETTINGS = (
+    "material",
+    "beam",
+    "initial",
+    "time",
+    "output",
+    "petsc",
+    "bottom",
+    "top",
+    "string",
+    "well.survey",
+    "well.sections",
+)
 
 
 @dataclass(frozen=True)
 class Variation:
-    """One member of a sweep; values: key -> word as given, ABSENT where the key lies in a block that is off."""
+    """One member of a sweep; values: key -> word as given, ABSENT where the key lies in a block that is
+    off."""
 
     values: dict[str, str]
     case: Case
@@ -51,12 +68,15 @@ class Variation:
 
 
 def choices_of(words: Sequence[str]) -> dict[str, list[str]]:
-    """Keys and their values from words such as `fluid.flow_rate=20 l/s,30 l/s`; raises CaseError for anything else."""
+    """Keys and their values from words such as `fluid.flow_rate=20 l/s,30 l/s`; raises CaseError for anything
+    else."""
     choices: dict[str, list[str]] = {}
     for word in words:
         key, separator, text = word.partition("=")
         if not separator or not key.strip():
-            raise CaseError(got=word, want="KEY=V1,V2 with a key of the case file, such as fluid.flow_rate=20 l/s,30 l/s")
+            raise CaseError(
+                got=word, want="KEY=V1,V2 with a key of the case file, such as fluid.flow_rate=20 l/s,30 l/s"
+            )
         if key.strip() in choices:
             raise CaseError(at=key.strip(), got=text, want="each key once, with all its values in one list")
         choices[key.strip()] = split_values(text)
@@ -72,7 +92,11 @@ def choices_from(values: Mapping[str, Iterable[Any]]) -> dict[str, list[str]]:
 
 
 def _word(value: Any) -> str:
-    return value if isinstance(value, str) else json.dumps(value, default=lambda v: v.tolist() if hasattr(v, "tolist") else str(v))
+    return (
+        value
+        if isinstance(value, str)
+        else json.dumps(value, default=lambda v: v.tolist() if hasattr(v, "tolist") else str(v))
+    )
 
 
 def checked_choices(choices: dict[str, list[str]]) -> dict[str, list[str]]:
@@ -86,7 +110,12 @@ def checked_choices(choices: dict[str, list[str]]) -> dict[str, list[str]]:
             raise CaseError(at=key, want=f"each key once; {paths[path]} is the same")
         paths[path] = key
         if not words or not all(words):
-            raise CaseError(at=key, got=",".join(words), want="one value or more, none of them empty", hint="commas separate values")
+            raise CaseError(
+                at=key,
+                got=",".join(words),
+                want="one value or more, none of them empty",
+                hint="commas separate values",
+            )
         twice = next((word for i, word in enumerate(words) if word in words[:i]), None)
         if twice is not None:
             raise CaseError(at=key, got=twice, want="each value once")
@@ -113,7 +142,8 @@ def split_values(text: str) -> list[str]:
 
 
 def variations(path: str | Path, choices: dict[str, list[str]]) -> list[Variation]:
-    """All combinations, the last key varying fastest; those that differ only inside a block that is off are one.
+    """All combinations, the last key varying fastest; those that differ only inside a block that is off are
+    one.
 
     Raises one CaseError that names the keys and values of everything that is wrong.
     """
@@ -159,7 +189,11 @@ def _changed(data: dict[str, Any], values: dict[str, str]) -> dict[str, Any]:
         if word == ABSENT:
             continue
         try:
-            data = _switched(data, key, word == "on") if word in ("on", "off") else override(data, f"{key}={word}")
+            data = (
+                _switched(data, key, word == "on")
+                if word in ("on", "off")
+                else override(data, f"{key}={word}")
+            )
         except CaseError as error:
             raise CaseError(at=key, got=word, want=error.want, hint=error.hint) from None
     return data
@@ -177,10 +211,15 @@ def _switched(data: dict[str, Any], key: str, on: bool) -> dict[str, Any]:
     if not on and key in WITHOUT:
         return override(data, f"{key}={WITHOUT[key]}")
     if key in SETTINGS or isinstance(last, int) or (above and not there):
-        raise CaseError(want="on and off only for a block of physics that the file has, such as fluid", hint="give its values instead")
+        raise CaseError(
+            want="on and off only for a block of physics that the file has, such as fluid",
+            hint="give its values instead",
+        )
     if on and not there and key not in WITHOUT:
-        raise CaseError(want="on and off only for a block of physics that the file has",
-                        hint=f"write the block {key} into the case file; off leaves it out")
+        raise CaseError(
+            want="on and off only for a block of physics that the file has",
+            hint=f"write the block {key} into the case file; off leaves it out",
+        )
     if on:
         return data
     if not there:

@@ -1,7 +1,7 @@
 """Soft string against closed forms (verification table P12 to P17).
 
-Steel drill pipe 127 x 108.6 mm of that table: EA 7.0137489e8 N, GJ 9.4156072e5 N m2, contact radius 63.5 mm, buoyed
-weight 242 N/m.
+Steel drill pipe 127 x 108.6 mm of that table: EA 7.0137489e8 N, GJ 9.4156072e5 N m2, contact radius 63.5 mm,
+buoyed weight 242 N/m.
 """
 
 import numpy as np
@@ -30,10 +30,14 @@ def test_p12_capstan():
     well = hole([0, 300], [0, 90], 0.25)
     result = run(well, 300, n=7, weight=0.0, bottom_force=1e5, **PULL)
     assert result.hook_load == pytest.approx(148.097e3, rel=1e-5)
-    assert result.contact_force == pytest.approx(result.axial_force * (np.pi / 2) / 300, rel=1e-5)  # N = T/R, ends too
+    assert result.contact_force == pytest.approx(
+        result.axial_force * (np.pi / 2) / 300, rel=1e-5
+    )  # N = T/R, ends too
 
 
-@pytest.mark.parametrize(("motion", "load"), [(PULL, 183.873e3), (SLACK, 58.127e3), (TURN, 121.0e3), ({}, 121.0e3)])
+@pytest.mark.parametrize(
+    ("motion", "load"), [(PULL, 183.873e3), (SLACK, 58.127e3), (TURN, 121.0e3), ({}, 121.0e3)]
+)
 def test_p13_incline(motion, load):
     """w L (cos I + a mu sin I) at I = 60 deg; rotating torque mu w sin I R L = 3992.5 N m."""
     result = run(hole([0, 1000], [60, 60], 0.3), 1000, **motion)
@@ -92,14 +96,20 @@ def test_turn_and_build_against_reference_integration():
 
     exact = solve_ivp(rate, (0, length), [bottom], method="DOP853", rtol=1e-10, atol=1e-3).y[0, -1]
     result = run(
-        hole([0, length], np.degrees(inclination), mu, np.degrees(azimuth)), length, n=11, bottom_force=bottom, **SLACK
+        hole([0, length], np.degrees(inclination), mu, np.degrees(azimuth)),
+        length,
+        n=11,
+        bottom_force=bottom,
+        **SLACK,
     )
     assert result.hook_load == pytest.approx(exact, rel=2e-5)
 
 
 def test_p17_hanging_stretch_and_twist():
     """Own weight of steel in air, rho g L^2/(2 E) = 0.747655 m; twist M L/GJ = 21.24133 rad."""
-    result = run(hole([0, 2000], [0, 0], 0.3), 2000, n=13, weight=7850 * 9.81 * 3.4047325e-3, bottom_torque=1e4, **TURN)
+    result = run(
+        hole([0, 2000], [0, 0], 0.3), 2000, n=13, weight=7850 * 9.81 * 3.4047325e-3, bottom_torque=1e4, **TURN
+    )
     assert result.stretch == pytest.approx(0.747655, rel=2e-6)
     assert result.twist[-1] == pytest.approx(21.24133, rel=2e-6)
     assert result.elongation[0] == 0.0 and np.all(np.diff(result.elongation) > 0)
@@ -135,7 +145,9 @@ def test_sections_of_the_string_and_reversed_rotation():
     well = hole([0, 1000], [60, 60], 0.3)
     result = torque_drag(well, md, weight, radius, EA, GJ, rotation=-5.0, bottom_force=-5e4)
     length, s, c = np.array([600.0, 400.0]), np.sin(np.pi / 3), np.cos(np.pi / 3)
-    assert result.axial_force == pytest.approx([-5e4 + c * (weight @ length), -5e4 + c * 4e5, -5e4], rel=1e-12)
+    assert result.axial_force == pytest.approx(
+        [-5e4 + c * (weight @ length), -5e4 + c * 4e5, -5e4], rel=1e-12
+    )
     assert result.torque == pytest.approx(
         [-0.3 * s * (weight * radius) @ length, -0.3 * s * 1000 * 0.085 * 400, 0.0], rel=1e-12
     )

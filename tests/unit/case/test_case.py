@@ -74,7 +74,12 @@ def test_defaults() -> None:
 def test_contact_comes_with_the_well_unless_none() -> None:
     contact = simple(well=well()).contact
     assert contact is not None
-    assert (contact.law, contact.stiffness, contact.restitution, contact.restitution_speed) == ("linear", 1e8, 0.5, 1.0)
+    assert (contact.law, contact.stiffness, contact.restitution, contact.restitution_speed) == (
+        "linear",
+        1e8,
+        0.5,
+        1.0,
+    )
     assert (contact.slip_velocity, contact.points_per_element, contact.stribeck) == (0.01, 2, None)
     assert simple(well=well(), contact="none").contact is None
     assert simple(contact="none").contact is None
@@ -132,7 +137,8 @@ def test_a_beam_takes_its_damping_from_the_case() -> None:
 
 
 def test_mass_and_inertia_of_a_rigid_item_are_those_of_a_tube() -> None:
-    """A thick tube: m (ro^2 + ri^2)/2 along, m (3 (ro^2 + ri^2) + l^2)/12 across (any table of moments of inertia).
+    """A thick tube: m (ro^2 + ri^2)/2 along, m (3 (ro^2 + ri^2) + l^2)/12 across (any table of moments of
+    inertia).
 
     Here ro 0.1 m, ri 0.05 m, l 2 m, density 1000 kg/m3.
     """
@@ -143,12 +149,21 @@ def test_mass_and_inertia_of_a_rigid_item_are_those_of_a_tube() -> None:
     assert item.inertia.axial == pytest.approx(mass * 0.0125 / 2, rel=1e-14)
     assert item.inertia.transverse == pytest.approx(mass * (3 * 0.0125 + 4) / 12, rel=1e-14)
     assert item.center_of_gravity == (1.0, 0.0, 0.0)
-    given = simple(string=[PIPE, {**body, "mass": 5, "inertia": {"axial": "2 kg m2"}, "center_of_gravity": "10 cm"}])
+    given = simple(
+        string=[PIPE, {**body, "mass": 5, "inertia": {"axial": "2 kg m2"}, "center_of_gravity": "10 cm"}]
+    )
     item = given.string[1]
     assert (item.mass, item.inertia.axial, item.center_of_gravity) == (5.0, 2.0, (0.1, 0.0, 0.0))
     assert item.inertia.transverse == pytest.approx(5 * (3 * 0.0125 + 4) / 12, rel=1e-14)
-    weight = simple(string=[PIPE, {"kind": "body", "mass": "1 t", "center_of_gravity": [0.1, "2 mm", 0]}]).string[1]
-    assert (weight.mass, weight.length, weight.inertia.axial, weight.inertia.transverse) == (1000.0, 0.0, 0.0, 0.0)
+    weight = simple(
+        string=[PIPE, {"kind": "body", "mass": "1 t", "center_of_gravity": [0.1, "2 mm", 0]}]
+    ).string[1]
+    assert (weight.mass, weight.length, weight.inertia.axial, weight.inertia.transverse) == (
+        1000.0,
+        0.0,
+        0.0,
+        0.0,
+    )
     assert weight.center_of_gravity == (0.1, 0.002, 0.0)
     assert error_of(string=[PIPE, {"kind": "body"}]).at == "string[1].mass"
 
@@ -163,7 +178,9 @@ def test_values_over_time() -> None:
     table = rotation({"time": ["0 s", "1 min", 60], "value": [0, "60 rpm", 0]})
     assert table.times == (0.0, 60.0, 60.0)
     assert table.values == (0.0, pytest.approx(speed), 0.0)
-    assert rotation({"time": np.array([0.0, 1.0]), "value": np.array([0.0, 2.0])}) == PiecewiseLinear((0, 1), (0, 2))
+    assert rotation({"time": np.array([0.0, 1.0]), "value": np.array([0.0, 2.0])}) == PiecewiseLinear(
+        (0, 1), (0, 2)
+    )
     assert rotation(Ramp(1.0, 2.0)) == Ramp(1.0, 2.0)
 
 
@@ -193,7 +210,12 @@ def test_gravity_and_loads() -> None:
         {"from": 10, "to": "20 m", "force": ["1 N/m", 0, 0], "moment": [0, 0, "2 N m/m"], "frame": "section"},
     ]
     point, line = simple(loads=loads).loads
-    assert (point.at, point.force, point.moment, point.frame) == (90.0, (0.0, 0.0, -1000.0), (0.0, 0.0, 0.0), "global")
+    assert (point.at, point.force, point.moment, point.frame) == (
+        90.0,
+        (0.0, 0.0, -1000.0),
+        (0.0, 0.0, 0.0),
+        "global",
+    )
     assert point.value_over == Ramp(1.0, 1.0)
     assert (line.from_, line.to, line.force, line.moment) == (10.0, 20.0, (1.0, 0.0, 0.0), (0.0, 0.0, 2.0))
 
@@ -275,7 +297,9 @@ def test_cases_and_errors_travel_between_ranks() -> None:
     failure = pickle.loads(
         pickle.dumps(SolveError("diverged", time=1.5, component="contact", element=3, measured_depth=27.0))
     )
-    assert str(failure) == "diverged\n  where:   time 1.5 s, component contact, element 3, measured depth 27 m"
+    assert (
+        str(failure) == "diverged\n  where:   time 1.5 s, component contact, element 3, measured depth 27 m"
+    )
     assert failure.exit_status == 1
 
 

@@ -1,4 +1,5 @@
-"""The rock, the bit's laws and quasi-static time in a case: defaults, layers, what follows from other blocks, round trips."""
+"""The rock, the bit's laws and quasi-static time in a case: defaults, layers, what follows from other blocks,
+round trips."""
 
 import math
 from pathlib import Path
@@ -18,13 +19,18 @@ from drillpetsc.errors import CaseError
 PIPE: dict[str, Any] = {"kind": "pipe", "length": "90 m", "od": "5 in", "id": "4.276 in"}
 BIT: dict[str, Any] = {"kind": "bit", "length": 0.5, "od": "8.5 in", "mass": "60 kg"}
 SECTION: dict[str, Any] = {"to": 100, "kind": "open_hole", "diameter": "8.5 in"}
-WELL: dict[str, Any] = {"survey": {"md": [0, 100], "inclination": [0, 0], "azimuth": [0, 0]}, "sections": [SECTION]}
+WELL: dict[str, Any] = {
+    "survey": {"md": [0, 100], "inclination": [0, 0], "azimuth": [0, 0]},
+    "sections": [SECTION],
+}
 WATER: dict[str, Any] = {"density": 1000, "rheology": {"model": "newtonian", "viscosity": "1 cP"}}
 TURNING: dict[str, Any] = {"kind": "top_drive", "rotation": "80 rpm", "lowering": "10 m/h"}
 
 
 def scene(**keys: Any) -> Case:
-    return Case(**{"string": [PIPE, BIT], "well": WELL, "top": TURNING, "bottom": "bit", "formation": {}, **keys})
+    return Case(
+        **{"string": [PIPE, BIT], "well": WELL, "top": TURNING, "bottom": "bit", "formation": {}, **keys}
+    )
 
 
 def rock(**keys: Any) -> Formation:
@@ -42,7 +48,12 @@ def error_of(**keys: Any) -> CaseError:
 def test_defaults() -> None:
     """Those of the case format and of the model page."""
     made = rock()
-    assert (made.drillability, made.bit_anisotropy, made.rotary_exponent, made.weight_exponent) == (2.8e-8, 0.2, 1.0, 1.0)
+    assert (made.drillability, made.bit_anisotropy, made.rotary_exponent, made.weight_exponent) == (
+        2.8e-8,
+        0.2,
+        1.0,
+        1.0,
+    )
     assert (made.threshold, made.reference_speed, made.reference_weight) == (0.0, 4 * math.pi, 1e5)
     beds = made.rock_anisotropy
     assert (beds.dip, beds.dip_azimuth, beds.index_dip, beds.index_strike) == (0.0, 0.0, 1.0, 1.0)
@@ -57,7 +68,9 @@ def test_defaults_of_the_bit_laws() -> None:
     drag = rock(bit_law="drag_bit").bit_law
     assert (drag.blades, drag.specific_energy, drag.inclination_ratio) == (4, 60e6, 0.6)
     assert (drag.contact_stress, drag.wear_flat, drag.friction) == (60e6, 1.2e-3, 0.6)
-    weak = rock(bit_law={"kind": "velocity_weakening", "static": "5 kN m", "dynamic": 3000, "speed": "10 rpm"}).bit_law
+    weak = rock(
+        bit_law={"kind": "velocity_weakening", "static": "5 kN m", "dynamic": 3000, "speed": "10 rpm"}
+    ).bit_law
     assert (weak.static, weak.dynamic, weak.static_friction, weak.dynamic_friction) == (5e3, 3e3, None, None)
     assert weak.speed == pytest.approx(math.pi / 3)
     keys = {"kind": "velocity_weakening", "static_friction": 0.5, "dynamic_friction": 0.5, "speed": 1}
@@ -66,29 +79,59 @@ def test_defaults_of_the_bit_laws() -> None:
 
 def test_units() -> None:
     """10 m/h under 100 kN is 10/3600 m/s over 1e5 N."""
-    made = rock(drillability="10 m/h/(100 kN)", walk="-10 deg", overgauge="-2 mm", reference_speed="60 rpm", threshold="1 t g_0")
+    made = rock(
+        drillability="10 m/h/(100 kN)",
+        walk="-10 deg",
+        overgauge="-2 mm",
+        reference_speed="60 rpm",
+        threshold="1 t g_0",
+    )
     assert made.drillability == pytest.approx(10 / 3600 / 1e5, rel=1e-12)
     assert (made.walk, made.overgauge) == (pytest.approx(-math.pi / 18), -2e-3)
     assert (made.reference_speed, made.threshold) == (pytest.approx(2 * math.pi), pytest.approx(9806.65))
 
 
 def test_a_layer_takes_the_rest_from_the_formation() -> None:
-    own = {"drillability": 5e-8, "bit_anisotropy": 0.3, "rotary_exponent": 0.8, "weight_exponent": 1.5, "threshold": "2 kN"}
+    own = {
+        "drillability": 5e-8,
+        "bit_anisotropy": 0.3,
+        "rotary_exponent": 0.8,
+        "weight_exponent": 1.5,
+        "threshold": "2 kN",
+    }
     beds = {"dip": "20 deg", "dip_azimuth": "90 deg", "index_dip": 0.95}
-    layers = [{"from": 100, "drillability": 0}, {"from": "150 m", "rock_anisotropy": {"dip": 0, "index_strike": 1.1}, "threshold": 0}]
+    layers = [
+        {"from": 100, "drillability": 0},
+        {"from": "150 m", "rock_anisotropy": {"dip": 0, "index_strike": 1.1}, "threshold": 0},
+    ]
     made = rock(**own, rock_anisotropy=beds, layers=layers)
     first, second = made.layers
     assert (first.from_, first.to, first.drillability) == (100.0, 150.0, 0.0)
     assert first.rock_anisotropy == made.rock_anisotropy
-    assert (first.bit_anisotropy, first.rotary_exponent, first.weight_exponent, first.threshold) == (0.3, 0.8, 1.5, 2e3)
+    assert (first.bit_anisotropy, first.rotary_exponent, first.weight_exponent, first.threshold) == (
+        0.3,
+        0.8,
+        1.5,
+        2e3,
+    )
     assert (second.from_, second.to, second.drillability, second.threshold) == (150.0, None, 5e-8, 0.0)
     mixed = second.rock_anisotropy
-    assert (mixed.dip, mixed.dip_azimuth, mixed.index_dip, mixed.index_strike) == (0.0, pytest.approx(math.pi / 2), 0.95, 1.1)
+    assert (mixed.dip, mixed.dip_azimuth, mixed.index_dip, mixed.index_strike) == (
+        0.0,
+        pytest.approx(math.pi / 2),
+        0.95,
+        1.1,
+    )
 
 
 def test_which_rock_lies_where() -> None:
     """Above the first layer, and below a last one that ends, it is the formation's own."""
-    made = rock(layers=[{"from": 100, "to": 110, "drillability": 1e-8}, {"from": 110, "to": 120, "drillability": 2e-8}])
+    made = rock(
+        layers=[
+            {"from": 100, "to": 110, "drillability": 1e-8},
+            {"from": 110, "to": 120, "drillability": 2e-8},
+        ]
+    )
     assert [made.rock_at(md).drillability for md in (0, 99.9, 100, 110, 119.9, 120, 5e3)] == [
         2.8e-8, 2.8e-8, 1e-8, 2e-8, 2e-8, 2.8e-8, 2.8e-8]  # fmt: skip
     open_below = rock(layers=[{"from": 0, "drillability": 1e-8}])
@@ -102,15 +145,21 @@ def test_the_stiffness_of_law_and_bottom_is_one() -> None:
         assert scene(formation=given).bottom.stiffness == 2e8
         assert scene(formation=given, bottom={"kind": "bit", "friction": 0.5}).bottom.stiffness == 2e8
         assert scene(formation=given, bottom={"kind": "bit", "stiffness": 2e8}).bottom.stiffness == 2e8
-        assert error_of(formation=given, bottom={"kind": "bit", "stiffness": 1e8}).at == "formation.bit_law.stiffness"
+        assert (
+            error_of(formation=given, bottom={"kind": "bit", "stiffness": 1e8}).at
+            == "formation.bit_law.stiffness"
+        )
     assert scene(bottom={"kind": "bit", "stiffness": 3e8}).bottom.stiffness == 3e8
     assert scene().bottom.stiffness == 1e8
 
 
 def least_power(sideways: float, beds: RockAnisotropy, walk: float) -> float:
-    """Smallest eigenvalue of sym(M_r M_b) over a sphere of axes e, by the matrices themselves (dip 0: n, d, s are z, x, y)."""
+    """Smallest eigenvalue of sym(M_r M_b) over a sphere of axes e, by the matrices themselves (dip 0: n, d, s
+    are z, x, y)."""
     m_rock = np.diag([beds.index_dip, beds.index_strike, 1.0])
-    theta, phi = (q.ravel() for q in np.meshgrid(np.linspace(0, math.pi, 61), np.linspace(0, 2 * math.pi, 121)))
+    theta, phi = (
+        q.ravel() for q in np.meshgrid(np.linspace(0, math.pi, 61), np.linspace(0, 2 * math.pi, 121))
+    )
     e = np.stack((np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)), axis=1)
     along = e[:, :, None] * e[:, None, :]
     across = np.eye(3) - along
@@ -122,8 +171,8 @@ def least_power(sideways: float, beds: RockAnisotropy, walk: float) -> float:
 @pytest.mark.parametrize("walk", [0.0, 0.3, -math.pi / 4])
 @pytest.mark.parametrize("sideways", [0.05, 0.2, 0.6, 1.0])
 def test_where_the_bit_would_move_against_the_force(sideways: float, walk: float) -> None:
-    """Just inside the limit on the ratio of the rock's indices sym(M_r M_b) is positive definite for every direction of
-    the bit, just outside it is not: eigenvalues over a sphere of directions, 3 degrees apart."""
+    """Just inside the limit on the ratio of the rock's indices sym(M_r M_b) is positive definite for every
+    direction of the bit, just outside it is not: eigenvalues over a sphere of directions, 3 degrees apart."""
     bit = largest_turn_of_bit(sideways, walk)
     if bit < 1e-6:  # a round bit moves along with the force in any rock
         hard = RockAnisotropy(index_dip=1e-2, index_strike=2)
@@ -131,12 +180,17 @@ def test_where_the_bit_would_move_against_the_force(sideways: float, walk: float
         assert least_power(sideways, hard, walk) > 0
         return
     ratio = (1 + math.cos(bit)) / (1 - math.cos(bit))
-    fine, wrong = (RockAnisotropy(index_dip=1 / r, index_strike=1 / math.sqrt(r)) for r in (0.97 * ratio, 1.03 * ratio))
+    fine, wrong = (
+        RockAnisotropy(index_dip=1 / r, index_strike=1 / math.sqrt(r)) for r in (0.97 * ratio, 1.03 * ratio)
+    )
     check_turning(sideways, fine, walk, ())
     assert least_power(sideways, fine, walk) > 0
     assert least_power(sideways, wrong, walk) < 0
     beds = {"index_dip": wrong.index_dip, "index_strike": wrong.index_strike}
-    assert error_of(formation={"bit_anisotropy": sideways, "walk": walk, "rock_anisotropy": beds}).at == "formation.rock_anisotropy"
+    assert (
+        error_of(formation={"bit_anisotropy": sideways, "walk": walk, "rock_anisotropy": beds}).at
+        == "formation.rock_anisotropy"
+    )
 
 
 def test_a_layer_is_checked_with_what_it_takes_from_the_formation() -> None:
@@ -150,8 +204,12 @@ def test_a_layer_is_checked_with_what_it_takes_from_the_formation() -> None:
 
 def test_a_bit_passes_all_sections_above_it() -> None:
     """Also without a formation; what lies below the string does not matter."""
+
     def sections(first: str, second: str, depth: float) -> dict[str, Any]:
-        return {**WELL, "sections": [{"to": depth, "kind": "casing", "diameter": first}, {**SECTION, "diameter": second}]}
+        return {
+            **WELL,
+            "sections": [{"to": depth, "kind": "casing", "diameter": first}, {**SECTION, "diameter": second}],
+        }
 
     assert scene(well=sections("8.5 in", "8.5 in", 50), formation=None).string[1].od == 0.2159
     for formation in ({}, None):
@@ -170,7 +228,9 @@ def test_formation_with_and_without_contact_and_fluid() -> None:
 
 def test_hoisting_with_a_cutting_bit_is_allowed() -> None:
     """The bit lifts off and the hole stays as it is."""
-    hoisted = scene(top={"kind": "top_drive", "lowering": {"time": [0, 10, 10], "value": [0.003, 0.003, -0.1]}})
+    hoisted = scene(
+        top={"kind": "top_drive", "lowering": {"time": [0, 10, 10], "value": [0.003, 0.003, -0.1]}}
+    )
     assert hoisted.formation is not None
 
 
@@ -181,7 +241,10 @@ def test_quasi_static_time(tmp_path: Path) -> None:
     assert free is not None and free.step is None
     assert scene(time={"end": 5}).time.mode == "dynamic"  # type: ignore[union-attr]
     (tmp_path / "checkpoint.h5").touch()
-    assert scene(time={"end": 5, "mode": "quasi_static"}, initial={"from": str(tmp_path)}).time.mode == "quasi_static"  # type: ignore[union-attr]
+    assert (
+        scene(time={"end": 5, "mode": "quasi_static"}, initial={"from": str(tmp_path)}).time.mode
+        == "quasi_static"
+    )  # type: ignore[union-attr]
     for start in ("rest", "straight"):
         assert error_of(time={"end": 5, "mode": "quasi_static"}, initial={"from": start}).at == "initial.from"
 
@@ -216,8 +279,14 @@ def test_quasi_static_time(tmp_path: Path) -> None:
         ({"bit_law": "velocity_weakening"}, "bit_law"),
         ({"bit_law": {"kind": "velocity_weakening", "static": 2, "dynamic": 1}}, "bit_law.speed"),
         ({"bit_law": {"kind": "velocity_weakening", "static": 2, "speed": 1}}, "bit_law.dynamic"),
-        ({"bit_law": {"kind": "velocity_weakening", "dynamic_friction": 2, "speed": 1}}, "bit_law.static_friction"),
-        ({"bit_law": {"kind": "velocity_weakening", "static": 1, "dynamic": 2, "speed": 1}}, "bit_law.dynamic"),
+        (
+            {"bit_law": {"kind": "velocity_weakening", "dynamic_friction": 2, "speed": 1}},
+            "bit_law.static_friction",
+        ),
+        (
+            {"bit_law": {"kind": "velocity_weakening", "static": 1, "dynamic": 2, "speed": 1}},
+            "bit_law.dynamic",
+        ),
         ({"bit_law": {"kind": "drag_bit", "blades": 21}}, "bit_law.blades"),
         ({"bit_law": {"kind": "drag_bit", "wear_flat": "-1 mm"}}, "bit_law.wear_flat"),
         ({"bit_law": {"kind": "drag_bit", "stiffness": 0}}, "bit_law.stiffness"),
@@ -238,11 +307,35 @@ def test_a_value_out_of_range_is_explained() -> None:
     "keys",
     [
         {},
-        {"formation": {"layers": [{"from": 100, "to": 110, "drillability": 0}, {"from": 110, "to": 150, "rock_anisotropy": {"dip": 0.1}}]}},
-        {"formation": {"bit_law": {"kind": "drag_bit", "blades": 5, "stiffness": 5e7}, "rock_anisotropy": {"index_dip": 0.9}}},
-        {"formation": {"bit_law": {"kind": "velocity_weakening", "static": 2, "dynamic": 1, "speed": 1}, "growth": "post_step"}},
-        {"formation": {"overgauge": -1e-3}, "contact": "none", "time": {"end": 60, "mode": "quasi_static", "step": 5}},
-        {"fluid": {**WATER, "cuttings": "returned", "dynamics": "quasi_steady"}, "bottom": {"kind": "bit", "stiffness": 2e8}},
+        {
+            "formation": {
+                "layers": [
+                    {"from": 100, "to": 110, "drillability": 0},
+                    {"from": 110, "to": 150, "rock_anisotropy": {"dip": 0.1}},
+                ]
+            }
+        },
+        {
+            "formation": {
+                "bit_law": {"kind": "drag_bit", "blades": 5, "stiffness": 5e7},
+                "rock_anisotropy": {"index_dip": 0.9},
+            }
+        },
+        {
+            "formation": {
+                "bit_law": {"kind": "velocity_weakening", "static": 2, "dynamic": 1, "speed": 1},
+                "growth": "post_step",
+            }
+        },
+        {
+            "formation": {"overgauge": -1e-3},
+            "contact": "none",
+            "time": {"end": 60, "mode": "quasi_static", "step": 5},
+        },
+        {
+            "fluid": {**WATER, "cuttings": "returned", "dynamics": "quasi_steady"},
+            "bottom": {"kind": "bit", "stiffness": 2e8},
+        },
     ],
 )
 def test_a_written_case_reads_back_the_same(keys: dict[str, Any], tmp_path: Path) -> None:
@@ -254,7 +347,9 @@ def test_a_written_case_reads_back_the_same(keys: dict[str, Any], tmp_path: Path
 
 def test_described_in_words() -> None:
     formation = {"bit_law": "drag_bit", "layers": [{"from": 100, "drillability": 1e-9}]}
-    has, lacks = describe(scene(formation=formation, time={"end": 60, "mode": "quasi_static"})).split("leaves out")
+    has, lacks = describe(scene(formation=formation, time={"end": 60, "mode": "quasi_static"})).split(
+        "leaves out"
+    )
     assert "bit cutting rock (law drag_bit, drillability 1e-09 to 2.8e-08 m/(s N), 1 layer)" in has
     assert "quasi-static" in has and "inertia" not in has and "inertia" in lacks
     has, lacks = describe(scene(formation=None, time={"end": 60})).split("leaves out")

@@ -30,11 +30,19 @@ SCENES: list[dict[str, Any]] = [
     {"well": WELL, "contact": {"stribeck": {"static": 0.4, "speed": 0.1}}, "time": {"end": 3}},
     {"top": {"kind": "driven", "rotation": {"ramp": 2, "value": "80 rpm"}, "damping": "5 N m s/rad"}},
     {"top": {"kind": "top_drive", "force": {"time": [0, 1, 1], "value": [1, 2, "-3 kN"]}}},
-    {"bottom": {"kind": "force", "moment": [0, 0, "1 N m"]}, "initial": {"from": "straight", "inclination": "90 deg"}},
+    {
+        "bottom": {"kind": "force", "moment": [0, 0, "1 N m"]},
+        "initial": {"from": "straight", "inclination": "90 deg"},
+    },
     {"loads": [{"from": 1, "to": 2, "force": [0, 0, 1], "value_over": {"ramp": 1, "value": 1}}]},
     {
         "string": [
-            {**PIPE, "bend": {"angle": "1 deg"}, "material": {"young": "70 GPa"}, "initial": {"imperfection": 0.01}}
+            {
+                **PIPE,
+                "bend": {"angle": "1 deg"},
+                "material": {"young": "70 GPa"},
+                "initial": {"imperfection": 0.01},
+            }
         ]
     },
     {"string": [{**PIPE, "material": {"young": "70 GPa"}}, PIPE], "material": {"density": 2700}},
@@ -50,7 +58,12 @@ SCENES: list[dict[str, Any]] = [
         "bottom": {"kind": "pinned", "plugged": True},
         "fluid": {
             "density": "12 lb/gal",
-            "rheology": {"model": "casson", "plastic_viscosity": "10 cP", "yield_stress": "2 Pa", "law": "exact"},
+            "rheology": {
+                "model": "casson",
+                "plastic_viscosity": "10 cP",
+                "yield_stress": "2 Pa",
+                "law": "exact",
+            },
             "pump_pressure": {"ramp": 2, "value": "100 bar"},
             "lateral_damping": "5 N s/m^2",
         },
@@ -96,7 +109,9 @@ def test_yaml_anchors_and_merges(tmp_path: Path) -> None:
 def test_survey_files(text: str, tmp_path: Path) -> None:
     (tmp_path / "survey.csv").write_text(text, encoding="utf-8")
     scene = "well:\n  survey: survey.csv\n  sections: [{to: 30 m, kind: casing, diameter: 10 in}]\n"
-    (tmp_path / "case.yaml").write_text(scene + "string: [{kind: pipe, length: 9 m, od: 5 in}]\ntop: clamped\n")
+    (tmp_path / "case.yaml").write_text(
+        scene + "string: [{kind: pipe, length: 9 m, od: 5 in}]\ntop: clamped\n"
+    )
     case = load_case(tmp_path / "case.yaml")
     assert case.well is not None
     assert case.well.survey.md == pytest.approx((0.0, 30.0))
@@ -117,7 +132,9 @@ def test_survey_files(text: str, tmp_path: Path) -> None:
         ("md,inclination,azimuth\n0,0,0\n30,nan,0\n", 3, "angle"),
     ],
 )
-def test_broken_survey_files(text: str, line: int, want: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_broken_survey_files(
+    text: str, line: int, want: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "survey.csv").write_text(text)
     monkeypatch.chdir(tmp_path)
     sections = [{"to": 30, "kind": "casing", "diameter": 0.25}]

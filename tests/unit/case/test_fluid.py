@@ -15,7 +15,13 @@ from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
 
 PIPE: dict[str, Any] = {"kind": "pipe", "length": "90 m", "od": "5 in", "id": "4.276 in"}
 SOLID: dict[str, Any] = {**PIPE, "id": 0}
-BIT: dict[str, Any] = {"kind": "bit", "length": 0.5, "od": "8.5 in", "mass": "60 kg", "nozzle_area": "400 mm2"}
+BIT: dict[str, Any] = {
+    "kind": "bit",
+    "length": 0.5,
+    "od": "8.5 in",
+    "mass": "60 kg",
+    "nozzle_area": "400 mm2",
+}
 WATER: dict[str, Any] = {"density": 1000, "rheology": {"model": "newtonian", "viscosity": "1 cP"}}
 WELL: dict[str, Any] = {
     "survey": {"md": [0, 100], "inclination": [0, 0], "azimuth": [0, 0]},
@@ -46,7 +52,12 @@ def test_defaults() -> None:
     assert (made.flow_rate, made.pump_pressure, made.outlet_pressure) == (Constant(0.0), None, Constant(0.0))
     assert (made.bulk_modulus, made.flow_line, made.bit_volume) == (2e9, 0.0, pytest.approx(7e-3))
     assert (made.discharge_coefficient, made.clinging) == (0.95, 0.45)
-    assert (made.annulus, made.elastic_walls, made.check_valve, made.rotation_drag) == (True, True, False, False)
+    assert (made.annulus, made.elastic_walls, made.check_valve, made.rotation_drag) == (
+        True,
+        True,
+        False,
+        False,
+    )
     assert (made.formulation, made.dynamics, made.cuttings) == ("mixed", "full", "removed")
     assert (made.added_mass, made.lateral_damping, made.lateral_damping_speed) == ("confined", "stokes", 1.0)
     assert (made.rheology.law, made.rheology.shear_rate) == ("blend", 1.0)
@@ -79,7 +90,12 @@ PLASTIC = {"yield_stress": "25 lbf/100 ft^2", "plastic_viscosity": "20 mPa s"}
         ({"model": "bingham", **PLASTIC}, (0.02, 1.0, 11.97006)),
         ({"model": "casson", **PLASTIC, "law": "exact"}, (0.02, 1.0, 11.97006)),
         (
-            {"model": "herschel_bulkley", "consistency": "300 mPa s^n", "index": 0.75, "yield_stress": "3 Pa"},
+            {
+                "model": "herschel_bulkley",
+                "consistency": "300 mPa s^n",
+                "index": 0.75,
+                "yield_stress": "3 Pa",
+            },
             (0.3, 0.75, 3.0),
         ),
     ],
@@ -148,14 +164,20 @@ def test_a_rigid_item_may_fill_the_hole_and_have_no_bore() -> None:
 
 def test_a_held_string() -> None:
     """Neither a top nor contact; the ends and the hole are still there for the fluid."""
-    case = Case(string=[PIPE, BIT], well=WELL, hold_string=True, bottom="bit", fluid=WATER, contact={"stiffness": 1e7})
+    case = Case(
+        string=[PIPE, BIT], well=WELL, hold_string=True, bottom="bit", fluid=WATER, contact={"stiffness": 1e7}
+    )
     assert case.hold_string and case.contact is None and case.well is not None
     assert (case.top.kind, case.bottom.kind) == ("clamped", "bit")
     still = Case(string=[PIPE], hold_string=True, fluid=WATER, top={"kind": "top_drive", "lowering": 0})
     assert still.top.kind == "top_drive"
     assert not scene().hold_string
     held = {"hold_string": True, "string": [PIPE], "fluid": WATER}
-    for top, at in (({"lowering": 1}, "top.lowering"), ({"force": "1 kN"}, "top.force"), (TURNING, "top.rotation")):
+    for top, at in (
+        ({"lowering": 1}, "top.lowering"),
+        ({"force": "1 kN"}, "top.force"),
+        (TURNING, "top.rotation"),
+    ):
         with pytest.raises(CaseError) as caught:
             Case(**held, top={"kind": "top_drive", **top})
         assert caught.value.at == at
@@ -206,7 +228,13 @@ def test_a_plugged_string_of_a_dry_scene_is_no_mistake() -> None:
     assert Case(string=[PIPE], top="clamped", bottom={"kind": "pinned", "plugged": True}).bottom.plugged
 
 
-anything = st.none() | st.booleans() | st.floats() | st.text(max_size=6) | st.sampled_from(["1 m", "none", [1], {"ramp": 1}])
+anything = (
+    st.none()
+    | st.booleans()
+    | st.floats()
+    | st.text(max_size=6)
+    | st.sampled_from(["1 m", "none", [1], {"ramp": 1}])
+)
 
 
 @settings(max_examples=300, suppress_health_check=[HealthCheck.too_slow], deadline=None)

@@ -34,7 +34,9 @@ from fuzz_judge import Failure, check_message, check_round_trip, check_visible, 
 from fuzz_mutations import mutate_data, mutate_survey, mutate_text, places, replaced, value_at  # noqa: E402
 
 # the same examples each time: a test suite is no place for surprises; scripts/fuzz --seed looks elsewhere
-quick = settings(max_examples=150, derandomize=True, database=None, deadline=None, suppress_health_check=list(HealthCheck))
+quick = settings(
+    max_examples=150, derandomize=True, database=None, deadline=None, suppress_health_check=list(HealthCheck)
+)
 slow = settings(quick, max_examples=40)
 choices = st.integers(0, 10**9).map(random.Random)
 
@@ -89,7 +91,11 @@ def test_a_mutated_text_is_a_case_or_refused(folder: Path, r: Any, seed: fuzz.Se
     try:
         guarded(lambda: load_case(file))
     except CaseError as error:
-        check_message(error, (file,), raw.count(b"\n") + raw.count(b"\r") + raw.decode("utf-8", "replace").count("\x85") + 2)
+        check_message(
+            error,
+            (file,),
+            raw.count(b"\n") + raw.count(b"\r") + raw.decode("utf-8", "replace").count("\x85") + 2,
+        )
 
 
 SCENE = case_data(Case(**valid_case(random.Random(24))))
@@ -119,7 +125,10 @@ def test_a_mutated_survey_is_a_hole_or_refused(folder: Path, r: Any) -> None:
     (folder / "survey.csv").write_bytes(raw)
     hole = [{"to": 30, "kind": "open_hole", "diameter": 0.3}]
     pipe = {"kind": "pipe", "length": 9, "od": 0.1}
-    read({"string": [pipe], "top": "pinned", "well": {"survey": "survey.csv", "sections": hole}}, folder / "case.yaml")
+    read(
+        {"string": [pipe], "top": "pinned", "well": {"survey": "survey.csv", "sections": hole}},
+        folder / "case.yaml",
+    )
 
 
 @slow
@@ -152,7 +161,8 @@ def test_the_script_counts_its_mutants(tmp_path: Path) -> None:
 
 
 def test_the_script_shows_the_smallest_case_that_fails(tmp_path: Path) -> None:
-    """A fault put in by hand: friction above 0.4 is a traceback; all that is left of the case is what a pipe in a hole needs."""
+    """A fault put in by hand: friction above 0.4 is a traceback; all that is left of the case is what a pipe
+    in a hole needs."""
     m = fuzz.Mutant("data", tmp_path / "case.yaml", valid_case(random.Random(3)))
 
     def verdict(less: fuzz.Mutant, number: int, tally: object = None, every_stage: bool = False) -> str:
@@ -168,8 +178,11 @@ def test_the_script_shows_the_smallest_case_that_fails(tmp_path: Path) -> None:
     assert least.data is not None and set(least.data) == {"string", "top"} and len(least.data["string"]) == 1
 
 
-# ---------------------------------------------------------------------- texts that once went wrong, or would have
-BOMB = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + "".join(f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]\n" for i in range(1, 12))
+# ---------------------------------------------------------------------- texts that once went wrong, or would
+# have
+BOMB = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + "".join(
+    f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]\n" for i in range(1, 12)
+)
 START = "top: clamped\nstring:\n- {kind: pipe, od: 0.1, length: 9}\n"
 
 
@@ -190,7 +203,8 @@ START = "top: clamped\nstring:\n- {kind: pipe, od: 0.1, length: 9}\n"
         (START + 'title: "\\ud800"', 4, "Unicode"),
         (START + "gravity: 1" + "0" * 400, 4, "308 digits"),
         (START + "petsc: {x: 0x" + "F" * 5000 + "}", 4, "308 digits"),
-        (START + "gravity: 9.8 m^9**9**9/s^2", 4, "one number, then its unit"),  # would be computed, for years
+        # would be computed, for years
+        (START + "gravity: 9.8 m^9**9**9/s^2", 4, "one number, then its unit"),
         (START + "gravity: 9.8 m/s^2" + "*m/m" * 30, 4, "at most 100 letters"),
         (START + "time: {end: 12:30:45}", 4, "a time"),  # 45045 s in YAML 1.1
         (START + "hold_string: yes", 4, "true or false"),
@@ -224,7 +238,9 @@ def test_told_within_a_second_and_with_its_line(tmp_path: Path, text: str, line:
 
 
 def test_an_anchor_on_true_is_true(tmp_path: Path) -> None:
-    (tmp_path / "case.yaml").write_text(START + "bottom: {kind: free, plugged: &yes true}\npetsc: {x: *yes}", encoding="utf-8")
+    (tmp_path / "case.yaml").write_text(
+        START + "bottom: {kind: free, plugged: &yes true}\npetsc: {x: *yes}", encoding="utf-8"
+    )
     case = load_case(tmp_path / "case.yaml")
     assert case.bottom.plugged is True and case.petsc == {"x": True}
 
@@ -260,7 +276,11 @@ def test_a_short_item_deep_down_keeps_its_element(depth: float) -> None:
     mesh = build_mesh(Case(top="clamped", string=[*long, short, {**short, "length": 9.0}]))
     assert mesh.outer_diameter[-2 if not long else -1] == 0.2
     assert mesh.lower[-1] == pytest.approx(depth + 9.005, rel=1e-12)
-    assert (mesh.lower > mesh.upper).all() and mesh.item.max() == 1 + bool(long) and set(mesh.item) == set(range(2 + bool(long)))
+    assert (
+        (mesh.lower > mesh.upper).all()
+        and mesh.item.max() == 1 + bool(long)
+        and set(mesh.item) == set(range(2 + bool(long)))
+    )
 
 
 # ---------------------------------------------------------------------- values
@@ -308,17 +328,25 @@ def test_an_input_over_time_is_written_as_it_is_read(given_: Any) -> None:
 
 @given(inputs_over_time(), st.floats(-1e4, 1e6), st.floats(0.0, 1e4))
 def test_value_rate_and_integral_agree(given_: Any, t: float, later: float) -> None:
-    """Between breaks a constant or straight line is exact by the middle; a ramp lies within its value and its largest rate."""
+    """Between breaks a constant or straight line is exact by the middle; a ramp lies within its value and its
+    largest rate."""
     function = OverTime("N").read(given_)
     breaks = function.breaks()
     ends = [t, *(b for b in breaks if t < b < t + later), t + later]
-    size = max(map(abs, getattr(function, "values", [getattr(function, "final", getattr(function, "constant", 0.0))])))
+    size = max(
+        map(
+            abs, getattr(function, "values", [getattr(function, "final", getattr(function, "constant", 0.0))])
+        )
+    )
     area = 0.0
     for a, b in zip(ends, ends[1:], strict=False):
         first, last, middle = function.value(a), function.value(b, before=True), function.value((a + b) / 2)
         rounding = 1e-9 * size
         if isinstance(function, Ramp):
-            assert abs(last - first) <= abs(function.final) * math.pi / 2 * (b - a) / function.duration * (1 + 1e-9) + rounding
+            assert (
+                abs(last - first)
+                <= abs(function.final) * math.pi / 2 * (b - a) / function.duration * (1 + 1e-9) + rounding
+            )
             assert min(first, last) - rounding <= middle <= max(first, last) + rounding
             area = math.nan
             continue
@@ -337,7 +365,9 @@ def test_value_rate_and_integral_agree(given_: Any, t: float, later: float) -> N
 @given(inputs_over_time())
 def test_a_value_jumps_at_its_jumps_alone(given_: Any) -> None:
     function = OverTime("N").read(given_)
-    times = function.times if isinstance(function, PiecewiseLinear) else (0.0, getattr(function, "duration", 1.0))
+    times = (
+        function.times if isinstance(function, PiecewiseLinear) else (0.0, getattr(function, "duration", 1.0))
+    )
     for t in times:
         assert (function.value(t) != function.value(t, before=True)) == (t in function.jumps())
 

@@ -1,4 +1,5 @@
-"""A drilled hole as the survey of the next case: run folders, sections down to the survey's end, stations close enough together."""
+"""A drilled hole as the survey of the next case: run folders, sections down to the survey's end, stations
+close enough together."""
 
 from __future__ import annotations
 
@@ -32,7 +33,10 @@ def test_a_section_may_end_two_surveys() -> None:
     """The section itself is left as it is."""
     section = Section(**OPEN)
     longer = {**SURVEY, "md": [0, 200]}
-    assert [Hole(survey=survey, sections=[section]).sections[0].to for survey in (SURVEY, longer)] == [120.5, 200]
+    assert [Hole(survey=survey, sections=[section]).sections[0].to for survey in (SURVEY, longer)] == [
+        120.5,
+        200,
+    ]
 
 
 def test_sections_still_have_to_meet_the_survey() -> None:
@@ -46,7 +50,9 @@ SCENE = "well: {survey: NAME, sections: [{kind: open_hole, diameter: 1 ft}]}\nst
 
 @pytest.mark.parametrize("name", ["run", "run/trajectory.csv"])
 @pytest.mark.parametrize("place", ["case", "shell"])
-def test_a_run_folder_is_a_survey(name: str, place: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_folder_is_a_survey(
+    name: str, place: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Beside the case file, or below the working directory as run folders are."""
     (tmp_path / "shell").mkdir()
     (tmp_path / "case").mkdir()
@@ -57,13 +63,21 @@ def test_a_run_folder_is_a_survey(name: str, place: str, tmp_path: Path, monkeyp
     monkeypatch.chdir(tmp_path / "shell")
     hole = load_case(tmp_path / "case" / "a.yaml").well
     assert hole is not None and hole.survey.md == (0.0, 30.25) and hole.sections[0].to == 30.25
-    assert hole.survey.inclination[1] == pytest.approx(np.pi / 2) and hole.survey.azimuth[1] == pytest.approx(np.pi)
+    assert hole.survey.inclination[1] == pytest.approx(np.pi / 2) and hole.survey.azimuth[1] == pytest.approx(
+        np.pi
+    )
 
 
 def test_where_it_looked_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     with pytest.raises(CaseError, match="looked in the working directory"):
-        Case(**{"string": [{"kind": "pipe", "length": 9, "od": 0.1}], "top": "clamped", "well": {"survey": "r-001", "sections": [OPEN]}})
+        Case(
+            **{
+                "string": [{"kind": "pipe", "length": 9, "od": 0.1}],
+                "top": "clamped",
+                "well": {"survey": "r-001", "sections": [OPEN]},
+            }
+        )
 
 
 # ---------------------------------------------------------------------- stations
@@ -76,17 +90,20 @@ def missed(well: Well, md: np.ndarray) -> np.ndarray:
 
 
 def ledge(height: float, length: float = 0.5) -> Well:
-    """A vertical hole of 100 m that steps aside by ``height`` over ``length``, and goes on straight for 2 m (all [m])."""
+    """A vertical hole of 100 m that steps aside by ``height`` over ``length``, and goes on straight for 2 m
+    (all [m])."""
     well = Well.from_survey([0.0, 100.0], [0.0, 0.0], [0.0, 0.0], [100.0], [0.1], [0.3])
     for s in (length, length + 1, length + 2):
-        well = well.extended(100 + s, [height, 0, 100 + s], [1e-9, 0, 1.0])  # nodes of one direction would be a straight line
+        well = well.extended(
+            100 + s, [height, 0, 100 + s], [1e-9, 0, 1.0]
+        )  # nodes of one direction would be a straight line
     return well
 
 
 @pytest.mark.parametrize(("height", "pieces"), [(4e-3, 7), (0.8e-3, 3), (0.9e-4, 1)])
 def test_stations_on_a_ledge(height: float, pieces: int) -> None:
-    """x = d (3 u^2 - 2 u^3): both ends upright, so a survey of them misses all of d; k pieces miss d/k^2, for the trapezoidal rule gives
-    1 - 1/k^2 for the integral of 6 u (1 - u).  k follows from 1e-4 m."""
+    """x = d (3 u^2 - 2 u^3): both ends upright, so a survey of them misses all of d; k pieces miss d/k^2, for
+    the trapezoidal rule gives 1 - 1/k^2 for the integral of 6 u (1 - u).  k follows from 1e-4 m."""
     well, md = ledge(height), np.array([0.0, 100.0, 100.5, 101.5, 102.5])
     close = faithful(well, md)
     assert len(close) == len(md) + pieces - 1 and set(md) <= set(close)
@@ -100,18 +117,22 @@ def test_arcs_need_no_more_stations() -> None:
     md = np.linspace(0.0, 150.0, 16)
     well = Well.from_survey([0.0, 150.0], [0.0, 1.5], [0.4, 0.4], [150.0], [0.1], [0.3])
     assert np.array_equal(faithful(well, md), md)
-    assert minimum_curvature(md, well.at(md)[1], 10.0, 0.1)[1][-1] == pytest.approx(well.at(150.0)[0], abs=1e-6)
+    assert minimum_curvature(md, well.at(md)[1], 10.0, 0.1)[1][-1] == pytest.approx(
+        well.at(150.0)[0], abs=1e-6
+    )
 
 
 def test_change_of_curvature_along_the_hole() -> None:
-    """A clothoid, kappa = s/(R L): stations h apart miss by h^2/12 of the change of curvature (trapezoidal rule); wherever between the
-    stations one looks, the hole is not further off than at its end."""
+    """A clothoid, kappa = s/(R L): stations h apart miss by h^2/12 of the change of curvature (trapezoidal
+    rule); wherever between the stations one looks, the hole is not further off than at its end."""
     radius, length, h = 50.0, 10.0, 0.5
     s = np.linspace(0.0, length, int(length / h) + 1)
     fine = np.linspace(0.0, length, 20001)
     turn = fine**2 / (2 * radius * length)
     place = np.column_stack([np.sin(turn), np.zeros_like(turn), np.cos(turn)])
-    path = np.vstack([np.zeros(3), np.cumsum(0.5 * (place[1:] + place[:-1]) * np.diff(fine)[:, None], axis=0)])
+    path = np.vstack(
+        [np.zeros(3), np.cumsum(0.5 * (place[1:] + place[:-1]) * np.diff(fine)[:, None], axis=0)]
+    )
     well = Well.from_survey([0.0, 100.0], [0.0, 0.0], [0.0, 0.0], [100.0], [0.1], [0.3])
     for i in range(1, len(s)):
         k = i * (len(fine) - 1) // (len(s) - 1)

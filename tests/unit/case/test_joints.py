@@ -23,9 +23,20 @@ def scene(joints: list[dict[str, Any]], **keys: Any) -> Case:
 
 
 def test_defaults_and_units() -> None:
-    one, two = scene([{"at": "900 cm", "kind": "revolute"}, {"at": 10, "kind": "slider", "stroke": ["-10 cm", "1.5 m"]}]).joints
-    assert (one.at, one.axis, one.constraint, one.stroke) == (pytest.approx(9.0), (0.0, 1.0, 0.0), "position", None)
-    assert two.stroke == (pytest.approx(-0.1), 1.5) and (two.spring, two.damping, two.stop_stiffness) == (0.0, 0.0, 1e8)
+    one, two = scene(
+        [{"at": "900 cm", "kind": "revolute"}, {"at": 10, "kind": "slider", "stroke": ["-10 cm", "1.5 m"]}]
+    ).joints
+    assert (one.at, one.axis, one.constraint, one.stroke) == (
+        pytest.approx(9.0),
+        (0.0, 1.0, 0.0),
+        "position",
+        None,
+    )
+    assert two.stroke == (pytest.approx(-0.1), 1.5) and (two.spring, two.damping, two.stop_stiffness) == (
+        0.0,
+        0.0,
+        1e8,
+    )
     assert Case(string=[PIPE], top="clamped").joints == ()
 
 
@@ -53,9 +64,19 @@ REFUSED: list[tuple[list[dict[str, Any]], dict[str, Any], str, str]] = [
     ([{"at": 19, "kind": "fixed"}], {}, "joints[0].at", "inside the string"),
     ([{"at": 25, "kind": "fixed"}], {}, "joints[0].at", "inside the string"),
     ([{"at": 9.2, "kind": "fixed"}], {}, "joints[0].at", "an end of the rigid item string[1], 9 or 9.5 m"),
-    ([{"at": 9, "kind": "fixed"}, {"at": 9, "kind": "slider"}], {}, "joints[1].at", "another depth than that of joints[0]"),
+    (
+        [{"at": 9, "kind": "fixed"}, {"at": 9, "kind": "slider"}],
+        {},
+        "joints[1].at",
+        "another depth than that of joints[0]",
+    ),
     ([{"at": 9, "kind": "ball"}], {}, "joints[0].kind", "universal"),
-    ([{"at": 9, "kind": "slider", "axis": [0, 0, 1]}], {}, "joints[0].axis", "no axis for a joint of kind slider"),
+    (
+        [{"at": 9, "kind": "slider", "axis": [0, 0, 1]}],
+        {},
+        "joints[0].axis",
+        "no axis for a joint of kind slider",
+    ),
     ([{"at": 9, "kind": "universal", "axis": [1, 0, 1]}], {}, "joints[0].axis", "across the string"),
     ([{"at": 9, "kind": "revolute", "axis": [0, 0, 0]}], {}, "joints[0].axis", "not all zero"),
     ([{"at": 9, "kind": "universal", "stroke": [0, 1]}], {}, "joints[0].stroke", "only for slider"),
@@ -63,9 +84,18 @@ REFUSED: list[tuple[list[dict[str, Any]], dict[str, Any], str, str]] = [
     ([{"at": 9, "kind": "revolute", "spring": 5}], {}, "joints[0].spring", "only for slider"),
     ([{"at": 9, "kind": "fixed"}], {"hold_string": True, "fluid": MUD}, "joints[0]", "hold_string"),
     ([{"at": 9, "kind": "fixed"}], {"fluid": MUD}, "joints[0]", "fluid"),
-    ([{"at": 9, "kind": "fixed"}, {"at": 9.5, "kind": "fixed", "constraint": "stabilised"}], {}, "joints[1].constraint", "position"),
-    ([{"at": 9, "kind": "fixed"}, {"at": 9.5, "kind": "fixed"}],
-     {"string": [PIPE, {**BODY, "mass": 0}, PIPE]}, "string[1].mass", "a mass"),
+    (
+        [{"at": 9, "kind": "fixed"}, {"at": 9.5, "kind": "fixed", "constraint": "stabilised"}],
+        {},
+        "joints[1].constraint",
+        "position",
+    ),
+    (
+        [{"at": 9, "kind": "fixed"}, {"at": 9.5, "kind": "fixed"}],
+        {"string": [PIPE, {**BODY, "mass": 0}, PIPE]},
+        "string[1].mass",
+        "a mass",
+    ),
 ]
 
 
@@ -77,13 +107,23 @@ def test_refused(joints: list[dict[str, Any]], keys: dict[str, Any], at: str, wa
 
 
 def test_mesh_around_joints() -> None:
-    """Two nodes at one depth with nothing between; ratios only between rigid items and the element below them; a slope that no element
-    holds where a rigid item hangs between joints or below the last."""
-    mesh = build_mesh(scene([{"at": 4, "kind": "fixed"}, {"at": 9, "kind": "revolute"}, {"at": 9.5, "kind": "universal"},
-                             {"at": 18.5, "kind": "universal"}]))
+    """Two nodes at one depth with nothing between; ratios only between rigid items and the element below
+    them; a slope that no element holds where a rigid item hangs between joints or below the last."""
+    mesh = build_mesh(
+        scene(
+            [
+                {"at": 4, "kind": "fixed"},
+                {"at": 9, "kind": "revolute"},
+                {"at": 9.5, "kind": "universal"},
+                {"at": 18.5, "kind": "universal"},
+            ]
+        )
+    )
     cells = [j.cell for j in mesh.joints]
     assert mesh.node_depth == pytest.approx([0, 3, 4, 4, 6, 9, 9, 9.5, 12.5, 15.5, 18.5, 18.5])
-    assert cells == [2, 5, 6, 10] and np.all(mesh.length[cells] == 0) and np.all(mesh.length[~mesh.is_joint] > 0)
+    assert (
+        cells == [2, 5, 6, 10] and np.all(mesh.length[cells] == 0) and np.all(mesh.length[~mesh.is_joint] > 0)
+    )
     assert mesh.rigid_above[cells] == pytest.approx([0, 0, 0.5, 0])
     assert [(b.node, b.above) for b in mesh.bodies] == [(6, 0.0), (11, 0.0)]
     assert not mesh.junction.any()
@@ -95,4 +135,6 @@ def test_mesh_around_joints() -> None:
 
 def test_a_bend_right_below_a_joint_has_no_place() -> None:
     with pytest.raises(CaseError, match="bend"):
-        build_mesh(scene([{"at": 9, "kind": "fixed"}], string=[PIPE, {**BODY, "bend": {"angle": 0.01}}, PIPE]))
+        build_mesh(
+            scene([{"at": 9, "kind": "fixed"}], string=[PIPE, {**BODY, "bend": {"angle": 0.01}}, PIPE])
+        )

@@ -40,7 +40,8 @@ def errors(value: Any, schema: dict[str, Any], at: str = "") -> Iterator[str]:
     if "const" in schema and value != schema["const"] or "enum" in schema and value not in schema["enum"]:
         yield f"{at}: other value"
     if "type" in schema and (
-        not isinstance(value, KINDS[schema["type"]]) or (isinstance(value, bool) and schema["type"] != "boolean")
+        not isinstance(value, KINDS[schema["type"]])
+        or (isinstance(value, bool) and schema["type"] != "boolean")
     ):
         yield f"{at}: not of type {schema['type']}"
         return
@@ -60,7 +61,11 @@ def errors(value: Any, schema: dict[str, Any], at: str = "") -> Iterator[str]:
             yield from errors(part, schema.get("items", {}), f"{at}[{i}]")
     if isinstance(value, (int, float)):
         below = value < schema.get("minimum", value) or value <= schema.get("exclusiveMinimum", value - 1)
-        if below or value > schema.get("maximum", value) or value >= schema.get("exclusiveMaximum", value + 1):
+        if (
+            below
+            or value > schema.get("maximum", value)
+            or value >= schema.get("exclusiveMaximum", value + 1)
+        ):
             yield f"{at}: out of range"
 
 
@@ -87,9 +92,12 @@ def test_every_key_of_a_block_is_described() -> None:
     bare = [f"{name}.{key}" for name, block in blocks.items() for key, part in block.get("properties", {}).items()
             if not part.get("description")]  # fmt: skip
     assert bare == []
-    assert all(block.get("additionalProperties") is False for block in blocks.values() if "properties" in block)
+    assert all(
+        block.get("additionalProperties") is False for block in blocks.values() if "properties" in block
+    )
 
 
 def test_schema_file_is_the_current_one() -> None:
-    """When this fails: python -c "from drillpetsc.case import write_schema; write_schema('cases/schema.json')"."""
+    """When this fails: python -c "from drillpetsc.case import write_schema;
+    write_schema('cases/schema.json')"."""
     assert json.loads((CASES / "schema.json").read_text()) == SCHEMA

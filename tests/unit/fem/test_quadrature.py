@@ -25,14 +25,16 @@ def test_rules_integrate_polynomials(points, upper, lower):
 
 
 def test_known_rules():
-    """Abramowitz and Stegun table 25.6 (Lobatto, three points: Simpson's rule); Radau of two points: 1/3 and 1 with 3/4 and 1/4."""
+    """Abramowitz and Stegun table 25.6 (Lobatto, three points: Simpson's rule); Radau of two points: 1/3 and
+    1 with 3/4 and 1/4."""
     assert rule(2, True, True) == pytest.approx(np.array([[0, 1 / 6], [0.5, 4 / 6], [1, 1 / 6]]), abs=1e-14)
     assert rule(1, False, True) == pytest.approx(np.array([[1 / 3, 0.75], [1, 0.25]]), abs=1e-14)
     assert rule(1, True, False) == pytest.approx(np.array([[0, 0.25], [2 / 3, 0.75]]), abs=1e-14)
 
 
 def test_ends_that_stand_out():
-    """Thick pieces beside thin ones, the free end; not the end that the drive holds, nor beside a thicker rigid item."""
+    """Thick pieces beside thin ones, the free end; not the end that the drive holds, nor beside a thicker
+    rigid item."""
     mesh = uniform_string(60.0, 6, outer_diameter=0.127)
     thick = mesh.outer_diameter.copy()
     thick[2:4] = 0.17

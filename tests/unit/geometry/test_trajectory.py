@@ -31,7 +31,9 @@ def test_dogleg_of_the_minimum_curvature_example():
 
 
 def test_angles_of_a_vertical_hole_and_across_north():
-    inclination, azimuth = angles([[0, 0, 1.0], *direction(np.radians([30.0, 30.0]), np.radians([355.0, 5.0]))])
+    inclination, azimuth = angles(
+        [[0, 0, 1.0], *direction(np.radians([30.0, 30.0]), np.radians([355.0, 5.0]))]
+    )
     assert np.degrees(inclination) == pytest.approx([0.0, 30.0, 30.0])
     assert np.degrees(azimuth) == pytest.approx([0.0, 355.0, 5.0])
 
@@ -48,17 +50,20 @@ def test_turn_rate_across_north_at_constant_inclination():
 
 @pytest.mark.parametrize("step", [0.004, 0.11])
 def test_growing_hole_follows_an_arc(step):
-    """A hole drilled on a circle of 300 m: build rate 30/300 rad per 30 m; nodes and directions on the circle (closed form).
+    """A hole drilled on a circle of 300 m: build rate 30/300 rad per 30 m; nodes and directions on the circle
+    (closed form).
 
-    The wall may follow only when the end has moved on by a millimetre; directions come from chords and a parabola, right to second
-    order in the spacing of the nodes: (0.5 m)^2/(24 R^2) of their curvature.
+    The wall may follow only when the end has moved on by a millimetre; directions come from chords and a
+    parabola, right to second order in the spacing of the nodes: (0.5 m)^2/(24 R^2) of their curvature.
     """
     radius, azimuth, half = 300.0, 0.7, 0.1
     hole = GrowingHole(vertical(), half, 0.12, 0.25)
     path = np.arange(step, 6.0, step)
     for drilled in path:
         behind = drilled - half
-        place = arc(np.array([behind]), radius, azimuth)[0][0] if behind > 0 else np.array([0, 0, 100.0 + behind])
+        place = (
+            arc(np.array([behind]), radius, azimuth)[0][0] if behind > 0 else np.array([0, 0, 100.0 + behind])
+        )
         hole.follow(drilled, place)
     nodes = hole.well.node_md[1:-1]
     new = nodes[nodes > 101.0] - 100.0  # nodes above lie across the jump of curvature

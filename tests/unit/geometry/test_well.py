@@ -26,7 +26,8 @@ def hole(md, inclination, azimuth=None, **kw):
 
 
 def derivatives(well, x):
-    """Values (n, 16) and derivatives (n, 16, 3) of the kernel's closest point by x, from forward-mode duals."""
+    """Values (n, 16) and derivatives (n, 16, 3) of the kernel's closest point by x, from forward-mode
+    duals."""
     x = np.ascontiguousarray(x, dtype=float)
     n = len(x)
     segment, value, slope = np.full(n, -1, np.int32), np.empty((n, 16)), np.empty((n, 16, 3))
@@ -39,9 +40,9 @@ def derivatives(well, x):
 def gap(well, x, contact_radius=0.0635):
     """Gap function rho + R_o - R of the model page, and its gradient."""
     value, slope = derivatives(well, x)
-    return value[:, FIELD["rho"]] + contact_radius - value[:, FIELD["radius"]], slope[:, FIELD["rho"]] - slope[
-        :, FIELD["radius"]
-    ]
+    return value[:, FIELD["rho"]] + contact_radius - value[:, FIELD["radius"]], slope[
+        :, FIELD["rho"]
+    ] - slope[:, FIELD["radius"]]
 
 
 def around(well, md, radius, angle):
@@ -54,8 +55,8 @@ def around(well, md, radius, angle):
 
 
 def fourth_order(f, x, step):
-    """Central difference of order 4: second order is too coarse for n, whose third derivative is 1/rho^3 (rho ~
-    1 cm here).
+    """Central difference of order 4: second order is too coarse for n, whose third derivative is 1/rho^3 (rho
+    ~ 1 cm here).
     """
     return (8 * (f(x + step) - f(x - step)) - (f(x + 2 * step) - f(x - 2 * step))) / (12 * np.abs(step).max())
 
@@ -126,7 +127,9 @@ def test_densification_and_straight_holes():
     assert steps[0] == 100 and steps[1:].max() <= 10 + 1e-9 and turn.max() <= 2 + 1e-6
     assert len(arc.node_md) == 1 + 1 + 10 + 15
     stations = np.arange(0, 2001, 30.0)
-    assert len(hole(stations, 0 * stations, stations).node_md) == 2  # azimuth of a vertical hole means nothing
+    assert (
+        len(hole(stations, 0 * stations, stations).node_md) == 2
+    )  # azimuth of a vertical hole means nothing
 
 
 def test_survey_starting_below_the_surface_and_hole_below_the_last_station():
@@ -140,7 +143,8 @@ def test_survey_starting_below_the_surface_and_hole_below_the_last_station():
 
 
 def test_azimuth_crossing_north_is_the_turned_well():
-    """355 -> 5 deg equals 85 -> 95 deg turned by 90 deg about the vertical, and never goes the long way round."""
+    """355 -> 5 deg equals 85 -> 95 deg turned by 90 deg about the vertical, and never goes the long way
+    round."""
     a, b = hole([0, 100, 300], [30, 60, 60], [355, 355, 5]), hole([0, 100, 300], [30, 60, 60], [85, 85, 95])
     s = np.linspace(-10, 320, 67)
     for va, vb in zip(a.at(s), b.at(s), strict=True):
@@ -175,14 +179,20 @@ def test_impossible_wells_are_refused(md, inclination, sections, message):
 
 
 # ---------------------------------------------------------------- sections
-STEPPED = {"section_to": [300, 301, 2000], "section_radius": [0.16, 0.12, 0.108], "section_friction": [0.2, 0.25, 0.3]}
+STEPPED = {
+    "section_to": [300, 301, 2000],
+    "section_radius": [0.16, 0.12, 0.108],
+    "section_friction": [0.2, 0.25, 0.3],
+}
 
 
 def test_radius_transition():
     """Width max(0.5 m, 10 |dR|), half the change at the boundary, steepest slope 1.5 dR/width; transitions
     never overlap.
     """
-    well = hole([0, 2000], [0, 0], section_to=[800, 2000], section_radius=[0.2, 0.1], section_friction=[0.2, 0.3])
+    well = hole(
+        [0, 2000], [0, 0], section_to=[800, 2000], section_radius=[0.2, 0.1], section_friction=[0.2, 0.3]
+    )
     assert well.transitions[0, :2] == pytest.approx([799.5, 1.0])
     assert well.radius([0, 799.5, 800, 800.5, 3000]) == pytest.approx([0.2, 0.2, 0.15, 0.1, 0.1])
     assert well.friction([799.4, 800, 900]) == pytest.approx([0.2, 0.25, 0.3])
@@ -198,7 +208,9 @@ def test_radius_transition():
     assert width == pytest.approx([0.3, 0.3]) and start[1] >= start[0] + width[0] - 1e-12
     assert close.radius([300, 300.15, 300.3]) == pytest.approx([0.175, 0.15, 0.125])
     assert close.kind(300.2) == "open_hole"
-    same = hole([0, 2000], [0, 0], section_to=[300, 2000], section_radius=[0.1, 0.1], section_friction=[0.3, 0.3])
+    same = hole(
+        [0, 2000], [0, 0], section_to=[300, 2000], section_radius=[0.1, 0.1], section_friction=[0.3, 0.3]
+    )
     assert len(same.transitions) == 0
 
 
@@ -213,7 +225,8 @@ def test_kernel_and_python_agree_on_radius_and_friction():
 
 # ---------------------------------------------------------------- closest point
 def bent():
-    """Vertical, 30 deg/30 m dogleg, three-dimensional turn, straight tail; two radius changes inside the curves."""
+    """Vertical, 30 deg/30 m dogleg, three-dimensional turn, straight tail; two radius changes inside the
+    curves."""
     to, radius, mu = [95, 180, 400], [0.16, 0.12, 0.108], [0.2, 0.25, 0.3]
     return hole(
         [0, 60, 90, 120, 260, 400],
@@ -226,8 +239,8 @@ def bent():
 
 
 def test_p03_derivatives_against_central_differences():
-    """200 random states, a third of them where R'(s) != 0: every output of the projection and the gap gradient
-    to 1e-6.
+    """200 random states, a third of them where R'(s) != 0: every output of the projection and the gap
+    gradient to 1e-6.
     """
     well, rng = bent(), np.random.default_rng(3)
     md = np.r_[rng.uniform(-20, 430, 134), rng.uniform(94.8, 95.2, 33), rng.uniform(179.8, 180.2, 33)]
@@ -263,7 +276,8 @@ def test_p03_derivatives_against_the_formulas():
 
 @pytest.mark.parametrize("distance", [0.0, 1e-9, 0.04, 3.0, 20.0])
 def test_points_at_a_known_distance(distance):
-    """A point set off normally at md comes back with that md, centre and offset; near the axis and far from it."""
+    """A point set off normally at md comes back with that md, centre and offset; near the axis and far from
+    it."""
     well, rng = bent(), np.random.default_rng(7)
     md = rng.uniform(-50, 450, 300)
     x = around(well, md, np.full(300, distance), rng.uniform(0, 6, 300))
@@ -280,7 +294,12 @@ def test_any_warm_start_finds_the_same_point():
     well, rng = bent(), np.random.default_rng(11)
     x = around(well, rng.uniform(-20, 430, 300), rng.uniform(0, 0.1, 300), rng.uniform(0, 6, 300))
     cold = well.project(x)
-    for hint in (rng.integers(0, len(well.node_md) - 1, 300), cold.segment, np.full(300, 10**6), np.full(300, -7)):
+    for hint in (
+        rng.integers(0, len(well.node_md) - 1, 300),
+        cold.segment,
+        np.full(300, 10**6),
+        np.full(300, -7),
+    ):
         warm = well.project(x, hint)
         assert warm.md == pytest.approx(cold.md, abs=1e-9) and (warm.segment == cold.segment).all()
 
@@ -295,8 +314,8 @@ def test_beyond_both_ends_the_hole_goes_on_straight():
 
 
 def test_strong_dogleg_near_the_centre_of_curvature_gives_finite_answers():
-    """90 deg in 15 m (R = 9.55 m): inside the evolute the point is exact; at the centre every answer is equally
-    near and finite.
+    """90 deg in 15 m (R = 9.55 m): inside the evolute the point is exact; at the centre every answer is
+    equally near and finite.
     """
     length = 15.0
     radius = length / (np.pi / 2)
@@ -335,7 +354,9 @@ def test_extended_well_continues_the_curve():
         )
     assert longer.depth == 110 and well.depth == 100 and len(well.node_md) == 2
     x, t, k = longer.at(107.3)
-    assert x == pytest.approx([radius * (1 - np.cos(7.3 / radius)), 0, 100 + radius * np.sin(7.3 / radius)], abs=1e-9)
+    assert x == pytest.approx(
+        [radius * (1 - np.cos(7.3 / radius)), 0, 100 + radius * np.sin(7.3 / radius)], abs=1e-9
+    )
     assert np.linalg.norm(k) == pytest.approx(1 / radius, rel=1e-4)
     wider = longer.extended(120, longer.at(120)[0], longer.at(120)[1], radius=0.12, friction=0.3)
     assert wider.radius([105, 119]) == pytest.approx([0.10795, 0.12])

@@ -71,7 +71,9 @@ def test_the_series_is_whole_after_every_frame(tmp_path: Path) -> None:
     )
 
 
-def test_a_failing_write_leaves_series_and_frames_as_they_were(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failing_write_leaves_series_and_frames_as_they_were(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     fields = FieldWriter(tmp_path)
     fields.write(0.0, *helix_frame(0.0))
     before = {file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()}
@@ -100,7 +102,9 @@ for k in range(10**9):
 
 
 def test_a_killed_run_leaves_only_whole_frames(tmp_path: Path) -> None:
-    writer = subprocess.Popen([sys.executable, "-c", _WRITES_FOREVER, str(tmp_path)], stdout=subprocess.PIPE, text=True)
+    writer = subprocess.Popen(
+        [sys.executable, "-c", _WRITES_FOREVER, str(tmp_path)], stdout=subprocess.PIPE, text=True
+    )
     assert writer.stdout is not None
     for line in writer.stdout:
         if int(line) >= 30:
@@ -138,8 +142,9 @@ def quarter_bend(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_the_wall_is_a_closed_tube_around_the_axis(tmp_path: Path) -> None:
-    """Every point lies a radius from its station, square to the axis (the arc's exact tangents, which the means of
-    chords at inner stations of an evenly divided arc are by symmetry); area: the polygon's girth times arc length."""
+    """Every point lies a radius from its station, square to the axis (the arc's exact tangents, which the
+    means of chords at inner stations of an evenly divided arc are by symmetry); area: the polygon's girth
+    times arc length."""
     count, sides = 61, 24
     md, center = quarter_bend(count)
     mesh = pyvista.read(
@@ -169,7 +174,9 @@ def test_a_step_of_the_radius_is_a_station_given_twice(tmp_path: Path) -> None:
     center = np.column_stack((0 * md, 0 * md, md))
     mesh = pyvista.read(write_well(tmp_path / "well.vtu", md, center, np.array([0.12, 0.12, 0.1, 0.1])))
     away = np.hypot(mesh.points[:, 0], mesh.points[:, 1])
-    assert np.allclose(away[mesh.points[:, 2] < 700], 0.12) and np.allclose(away[mesh.points[:, 2] > 900], 0.1)
+    assert np.allclose(away[mesh.points[:, 2] < 700], 0.12) and np.allclose(
+        away[mesh.points[:, 2] > 900], 0.1
+    )
     assert set(np.round(away[mesh.points[:, 2] == 800.0], 12)) == {0.12, 0.1}
 
 
@@ -180,8 +187,9 @@ def test_a_well_without_length_is_refused(tmp_path: Path) -> None:
 
 
 def test_the_cross_section_turns_as_little_as_possible_on_a_space_curve() -> None:
-    """On a helix (a cos t, a sin t, c t) a frame without twist turns against the normal (-cos t, -sin t, 0) by
-    the integral of the torsion, tau = c / (a^2 + c^2) (do Carmo 1976, section 1-5), over s = t sqrt(a^2 + c^2)."""
+    """On a helix (a cos t, a sin t, c t) a frame without twist turns against the normal (-cos t, -sin t, 0)
+    by the integral of the torsion, tau = c / (a^2 + c^2) (do Carmo 1976, section 1-5), over s = t sqrt(a^2 +
+    c^2)."""
     a, c = 200.0, 150.0
     t = np.linspace(0, 3.0, 1201)
     center = np.column_stack((a * np.cos(t), a * np.sin(t), c * t))

@@ -73,12 +73,30 @@ def test_a_failing_write_keeps_the_old_summary(tmp_path: Path, monkeypatch: pyte
 
 
 @pytest.mark.parametrize(
-    "name", ["drillpetsc.output", "drillpetsc.output.progress", "drillpetsc.plotting.view", "drillpetsc.plotting.plot"]
+    "name",
+    [
+        "drillpetsc.output",
+        "drillpetsc.output.progress",
+        "drillpetsc.plotting.view",
+        "drillpetsc.plotting.plot",
+    ],
 )
 def test_importing_brings_no_drawing_package_and_no_mpi(name: str) -> None:
     code = f"import sys, {name}; print(*sys.modules)"
     loaded = set(
-        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+        subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=True
+        ).stdout.split()
     )
     assert name in loaded
-    assert not loaded & {"pyvista", "vtk", "vtkmodules", "matplotlib", "meshio", "PIL", "mpi4py", "petsc4py", "rich"}
+    assert not loaded & {
+        "pyvista",
+        "vtk",
+        "vtkmodules",
+        "matplotlib",
+        "meshio",
+        "PIL",
+        "mpi4py",
+        "petsc4py",
+        "rich",
+    }

@@ -1,4 +1,5 @@
-"""Two jobs never write into one run folder: the second is refused while the first is alive, wherever it was killed."""
+"""Two jobs never write into one run folder: the second is refused while the first is alive, wherever it was
+killed."""
 
 from __future__ import annotations
 
@@ -23,7 +24,9 @@ def holder(folder: Path) -> subprocess.Popen[str]:
     """A process that holds the folder until it is killed or its input ends."""
     code = "import sys; from pathlib import Path; from drillpetsc.output.files import lock; lock.take(Path(sys.argv[1]))"
     code += "; print('held', flush=True); sys.stdin.read()"
-    process = subprocess.Popen([sys.executable, "-c", code, str(folder)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, str(folder)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
     assert process.stdout is not None and process.stdout.readline() == "held\n"
     return process
 
@@ -76,7 +79,9 @@ def test_nobody_here_knows_whether_a_process_elsewhere_is_alive(tmp_path: Path) 
     assert (tmp_path / lock.NAME).is_file()  # not ours to remove
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", '{"pid": 1}', '{"host": "x", "pid": "y", "since": ""}', "\x00" * 9])
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", '{"pid": 1}', '{"host": "x", "pid": "y", "since": ""}', "\x00" * 9]
+)
 def test_a_lock_cut_short_is_nobodys(tmp_path: Path, text: str) -> None:
     (tmp_path / lock.NAME).write_text(text)
     lock.take(tmp_path)

@@ -39,8 +39,8 @@ def run(shown: Progress, clock: Clock, wall: float, speed: float, end: float) ->
 
 
 def test_a_log_gets_one_plain_line_every_few_seconds(clock: Clock) -> None:
-    """10 wall seconds at twice real time in a run of 60 s: lines at 5 s and 10 s, factor 2, 20 s left after the first
-    has (60 - 10) / 2 = 25 s."""
+    """10 wall seconds at twice real time in a run of 60 s: lines at 5 s and 10 s, factor 2, 20 s left after
+    the first has (60 - 10) / 2 = 25 s."""
     log = io.StringIO()
     run(Progress(end=60.0, stream=log), clock, 10.45, 2.0, 60.0)
     lines = log.getvalue().splitlines()
@@ -82,8 +82,8 @@ def test_silent_says_nothing(clock: Clock) -> None:
 
 
 def test_the_estimate_follows_a_run_that_slows_down(clock: Clock) -> None:
-    """60 wall s at factor 10, then 60 wall s at factor 1: the last 30 s decide, so 39 s of 699 are 39 wall seconds away
-    (all since the start would promise 7)."""
+    """60 wall s at factor 10, then 60 wall s at factor 1: the last 30 s decide, so 39 s of 699 are 39 wall
+    seconds away (all since the start would promise 7)."""
     log = io.StringIO()
     shown = Progress(end=699.0, stream=log)
     simulated = 0.0

@@ -35,7 +35,9 @@ def test_two_columns_of_one_name_and_commas_are_refused(tmp_path: Path) -> None:
 
 
 @given(st.lists(st.floats(allow_nan=False), min_size=1, max_size=20))
-def test_a_number_reads_back_as_the_same_double(tmp_path_factory: pytest.TempPathFactory, values: list[float]) -> None:
+def test_a_number_reads_back_as_the_same_double(
+    tmp_path_factory: pytest.TempPathFactory, values: list[float]
+) -> None:
     path = tmp_path_factory.mktemp("table") / "a.csv"
     with Table(path, [("time", "s"), ("x", "m")]) as table:
         for k, value in enumerate(values):
@@ -67,7 +69,9 @@ for k in range(10**9):
 
 def test_a_killed_run_has_every_row_it_added(tmp_path: Path) -> None:
     path = tmp_path / "history.csv"
-    writer = subprocess.Popen([sys.executable, "-c", _WRITES_FOREVER, str(path)], stdout=subprocess.PIPE, text=True)
+    writer = subprocess.Popen(
+        [sys.executable, "-c", _WRITES_FOREVER, str(path)], stdout=subprocess.PIPE, text=True
+    )
     assert writer.stdout is not None
     for line in writer.stdout:
         if int(line) >= 200:
@@ -138,7 +142,8 @@ def test_whole_tables_refuse_what_does_not_fit(tmp_path: Path) -> None:
 
 
 def test_a_row_costs_little(tmp_path: Path) -> None:
-    """20 us a row of 17 columns was asked for; the bound leaves room for a slow disk, not for reopening the file."""
+    """20 us a row of 17 columns was asked for; the bound leaves room for a slow disk, not for reopening the
+    file."""
     row = list(np.random.default_rng(0).normal(size=17))
     with Table(tmp_path / "history.csv", [(f"c{k}", "N") for k in range(17)]) as table:
         best = np.inf

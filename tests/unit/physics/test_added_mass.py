@@ -1,4 +1,5 @@
-"""Added mass and damping in the annulus against closed forms and the tables of fluid page 4.2 and verification F04, F05."""
+"""Added mass and damping in the annulus against closed forms and the tables of fluid page 4.2 and
+verification F04, F05."""
 
 import numpy as np
 import pytest
@@ -33,11 +34,14 @@ def test_eccentric_table(ratio, chi):
 
 @pytest.mark.parametrize("e", [0.0, 0.3, 0.6, 0.95])
 def test_eccentric_thin_gap(e):
-    """Gap c(1 - e cos t) much thinner than the radius a: the fluid's speed is U a sin(t)/gap, its kinetic energy
-    rho U^2 a^3/(2 c) int sin^2/(1 - e cos) dt, so chi = (a/c) 2/(1 + sqrt(1 - e^2)), up to terms of c/a.
+    """Gap c(1 - e cos t) much thinner than the radius a: the fluid's speed is U a sin(t)/gap, its kinetic
+    energy rho U^2 a^3/(2 c) int sin^2/(1 - e cos) dt, so chi = (a/c) 2/(1 + sqrt(1 - e^2)), up to terms of
+    c/a.
     """
     a, c = 0.5, 5e-5
-    assert chi_eccentric(2 * a, 2 * (a + c), e) == pytest.approx(a / c * 2 / (1 + np.sqrt(1 - e**2)), rel=2e-4)
+    assert chi_eccentric(2 * a, 2 * (a + c), e) == pytest.approx(
+        a / c * 2 / (1 + np.sqrt(1 - e**2)), rel=2e-4
+    )
 
 
 def test_eccentric_is_continuous_at_the_centre():
@@ -55,7 +59,12 @@ def test_eccentric_refuses(outer, hole, e):
 
 @pytest.mark.parametrize(
     ("ratio", "S", "mass", "damping"),
-    [(1.25, 100, 5.739, 11.07), (1.25, 1e4, 4.883, 0.3685), (2.0, 100, 2.209, 0.7218), (2.0, 1e4, 1.723, 0.0580)],
+    [
+        (1.25, 100, 5.739, 11.07),
+        (1.25, 1e4, 4.883, 0.3685),
+        (2.0, 100, 2.209, 0.7218),
+        (2.0, 1e4, 1.723, 0.0580),
+    ],
 )
 def test_f05_stokes(ratio, S, mass, damping):
     """F05: exact Stokes solution (Wambsganss, Chen)."""
@@ -66,7 +75,8 @@ def test_f05_stokes(ratio, S, mass, damping):
 
 @pytest.mark.parametrize("ratio", [1.2, 1.7, 2.5])
 def test_stokes_thin_boundary_layers(ratio):
-    """S -> infinity: C_m -> chi and C_d -> (2 sqrt(2)/sqrt(S)) (1 + k^3)/(1 - k^2)^2, k = 1/ratio; nothing overflows."""
+    """S -> infinity: C_m -> chi and C_d -> (2 sqrt(2)/sqrt(S)) (1 + k^3)/(1 - k^2)^2, k = 1/ratio; nothing
+    overflows."""
     k, S = 1 / ratio, np.array([1e8, 1e10])
     mass, damping = stokes_coefficients(S, ratio)
     assert mass == pytest.approx(chi_confined(1.0, ratio), rel=2e-3)
@@ -74,7 +84,8 @@ def test_stokes_thin_boundary_layers(ratio):
 
 
 def test_stokes_unbounded():
-    """A cylinder alone (Stokes 1851): C_m = 1 + 4/sqrt(2 S), C_d = 4/sqrt(2 S) + 2/S up to S^-3/2, here at S = 1e4, walls 50 radii away."""
+    """A cylinder alone (Stokes 1851): C_m = 1 + 4/sqrt(2 S), C_d = 4/sqrt(2 S) + 2/S up to S^-3/2, here at S
+    = 1e4, walls 50 radii away."""
     mass, damping = stokes_coefficients(1e4, 50.0)
     assert mass == pytest.approx(1 + 4 / np.sqrt(2e4), rel=2e-3)
     assert damping == pytest.approx(4 / np.sqrt(2e4) + 2e-4, rel=2e-3)
@@ -82,7 +93,8 @@ def test_stokes_unbounded():
 
 @pytest.mark.parametrize("ratio", [1.02, 1.25, 2.0, 5.0])
 def test_stokes_slow_motion(ratio):
-    """S -> 0: force 4 pi mu V/(ln R - (R^2-1)/(R^2+1)) per length; the exact solution runs into it without a step."""
+    """S -> 0: force 4 pi mu V/(ln R - (R^2-1)/(R^2+1)) per length; the exact solution runs into it without a
+    step."""
     limit = 4 / (np.log(ratio) - (ratio**2 - 1) / (ratio**2 + 1))
     switch = 1e-3 / (ratio - 1) ** 2
     S = np.array([1e-9, 0.999 * switch, 1.001 * switch, 10 * switch])
@@ -93,16 +105,20 @@ def test_stokes_slow_motion(ratio):
 
 
 def test_stokes_thin_gap_squeeze_film():
-    """A slow thin film has the parabolic profile, mean square speed 6/5 of the squared mean: 6/5 of the inviscid added mass."""
+    """A slow thin film has the parabolic profile, mean square speed 6/5 of the squared mean: 6/5 of the
+    inviscid added mass."""
     mass, _ = stokes_coefficients(1.0, 1.002)
     assert mass / chi_confined(1.0, 1.002) == pytest.approx(1.2, rel=3e-3)
 
 
 def test_lateral_damping():
-    """C_d rho A_o Omega with C_d 11.07 at S = 100, ratio 1.25: D_o 0.2 m, rho 1000, mu 1 Pa s, Omega = S mu/(rho R_o^2) = 10 rad/s."""
+    """C_d rho A_o Omega with C_d 11.07 at S = 100, ratio 1.25: D_o 0.2 m, rho 1000, mu 1 Pa s, Omega = S
+    mu/(rho R_o^2) = 10 rad/s."""
     found = lateral_damping(0.2, 0.25, 1000.0, 1.0, [10.0, -10.0, 0.0])
     slow = 4 * np.pi / (np.log(1.25) - (1.25**2 - 1) / (1.25**2 + 1))
-    assert found == pytest.approx([11.07 * 1000 * np.pi * 0.01 * 10, 11.07 * 1000 * np.pi * 0.01 * 10, slow], rel=4e-4)
+    assert found == pytest.approx(
+        [11.07 * 1000 * np.pi * 0.01 * 10, 11.07 * 1000 * np.pi * 0.01 * 10, slow], rel=4e-4
+    )
     assert lateral_damping(0.2, 0.25, 1000.0, 0.0, 10.0) == 0.0
 
 

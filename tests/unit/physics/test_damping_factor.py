@@ -11,11 +11,15 @@ from scipy.integrate import solve_ivp
 from drillpetsc.physics.contact import damping_factor
 
 
-@pytest.mark.parametrize("restitution", [1e-3, 0.02, 0.0269, 0.0271, 0.1, 0.5, 0.9, 0.99, 0.9998, 0.99995, 1 - 1e-9])
+@pytest.mark.parametrize(
+    "restitution", [1e-3, 0.02, 0.0269, 0.0271, 0.1, 0.5, 0.9, 0.99, 0.9998, 0.99995, 1 - 1e-9]
+)
 def test_an_impact_returns_its_restitution(restitution: float) -> None:
-    """Independent integration of m x'' = -k x (1 + c x') from x = 0, x' = 1 m/s until the force is over, with m = k = 1.
+    """Independent integration of m x'' = -k x (1 + c x') from x = 0, x' = 1 m/s until the force is over, with
+    m = k = 1.
 
-    The energy lost is 1 - e^2 of what was there; near e = 1 it is the integral of c x x'^2, which keeps its digits.
+    The energy lost is 1 - e^2 of what was there; near e = 1 it is the integral of c x x'^2, which keeps its
+    digits.
     """
     c = damping_factor(restitution, 1.0)
 
@@ -40,6 +44,12 @@ def test_a_slower_impact_is_damped_by_as_much_more(restitution: float) -> None:
 
 
 def test_every_restitution_has_a_damping_that_falls_with_it() -> None:
-    e = np.unique(np.concatenate([np.geomspace(1e-3, 1, 2000, endpoint=False), 1 - np.geomspace(1e-15, 0.5, 2000)]))
+    e = np.unique(
+        np.concatenate([np.geomspace(1e-3, 1, 2000, endpoint=False), 1 - np.geomspace(1e-15, 0.5, 2000)])
+    )
     found = np.array([damping_factor(x, 1.0) for x in e])
-    assert (np.diff(found) < 1e-9 * found[:-1]).all() and found[-1] > 0 and math.isclose(found[0], 1e3, rel_tol=1e-6)
+    assert (
+        (np.diff(found) < 1e-9 * found[:-1]).all()
+        and found[-1] > 0
+        and math.isclose(found[0], 1e3, rel_tol=1e-6)
+    )

@@ -1,4 +1,5 @@
-"""Wall friction against closed forms, published worked examples and integrated profiles (fluid page C1 to C3, verification F07)."""
+"""Wall friction against closed forms, published worked examples and integrated profiles (fluid page C1 to C3,
+verification F07)."""
 
 import numpy as np
 import pytest
@@ -17,7 +18,10 @@ from drillpetsc.physics.fluid.rheology import (
 
 INCH, FOOT, GPM, PPG, PSI = 0.0254, 0.3048, 6.30902e-5, 119.8264, 6894.757  # m, m, m3/s, kg/m3, Pa
 CENTIPOISE, LB_PER_100_SQ_FT = 1e-3, 0.4788026  # Pa s, Pa
-PIPE, ANNULUS = 0.03 / (np.pi / 4 * 0.1086**2), 0.03 / (np.pi / 4 * (0.2159**2 - 0.127**2))  # speeds of 30 l/s [m/s]
+PIPE, ANNULUS = (
+    0.03 / (np.pi / 4 * 0.1086**2),
+    0.03 / (np.pi / 4 * (0.2159**2 - 0.127**2)),
+)  # speeds of 30 l/s [m/s]
 STILL = 1e-12  # kg/m3: a fluid so light that it is laminar at any speed
 
 FLUIDS = {
@@ -50,7 +54,8 @@ def speed(gpm, outer, inner=0.0):
 
 
 def test_c1_dial_readings():
-    """C1: constants of R600/300/100/3 = 65/39/20/3, third edition of API RP 13D; in dyn s^n/cm2 they are 2.017 and 6.336."""
+    """C1: constants of R600/300/100/3 = 65/39/20/3, third edition of API RP 13D; in dyn s^n/cm2 they are
+    2.017 and 6.336."""
     d = from_dial_readings(65, 39, 20, 3)
     found = [d.pipe_index, d.pipe_consistency, d.annulus_index, d.annulus_consistency]
     assert found == pytest.approx([0.7365, 0.2017, 0.5413, 0.6336], rel=2e-4)
@@ -70,7 +75,10 @@ def test_c1_pressure_losses(outer, inner, length, loss):
     d = from_dial_readings(65, 39, 20, 3)
     constants = (d.annulus_consistency, d.annulus_index) if inner else (d.pipe_consistency, d.pipe_index)
     w = 17.66529e-3 / (np.pi / 4 * (outer**2 - inner**2))
-    found = pressure_gradient(Rheology.power_law(*constants, "api"), w, outer - inner, inner > 0, 1497.83) * length
+    found = (
+        pressure_gradient(Rheology.power_law(*constants, "api"), w, outer - inner, inner > 0, 1497.83)
+        * length
+    )
     assert found == pytest.approx(loss, rel=1e-4)
 
 
@@ -85,7 +93,9 @@ def test_c1_pressure_losses(outer, inner, length, loss):
 )
 def test_c2_blend(fluid, stress):
     """C2: wall shear of 30 l/s of 1200 kg/m3 in 108.6 mm and in 215.9 around 127 mm."""
-    assert wall_shear(fluid, [PIPE, ANNULUS], [0.1086, 0.0889], [False, True], 1200.0) == pytest.approx(stress, abs=5.1e-5)
+    assert wall_shear(fluid, [PIPE, ANNULUS], [0.1086, 0.0889], [False, True], 1200.0) == pytest.approx(
+        stress, abs=5.1e-5
+    )
 
 
 def test_c3_exact_laminar():
@@ -99,8 +109,10 @@ def test_c3_exact_laminar():
 
 
 def test_published_turbulent_power_law_in_pipe():
-    """API RP 13D (3rd ed., 1995) as worked in Texas A&M's PETE 411, lesson 13: 280 gal/min, 12.5 lb/gal, dials 65/39/20/3, drill pipe
-    3.78 in x 11400 ft: Re 6616, f 0.007126, 0.05837 psi/ft, 665 psi.  Their density and flow constants are rounded (0.3 %).
+    """API RP 13D (3rd ed., 1995) as worked in Texas A&M's PETE 411, lesson 13: 280 gal/min, 12.5 lb/gal,
+    dials 65/39/20/3, drill pipe
+    3.78 in x 11400 ft: Re 6616, f 0.007126, 0.05837 psi/ft, 665 psi.  Their density and flow constants are
+    rounded (0.3 %).
     """
     d = from_dial_readings(65, 39, 20, 3)
     fluid = Rheology.power_law(d.pipe_consistency, d.pipe_index, "api")
@@ -113,7 +125,8 @@ def test_published_turbulent_power_law_in_pipe():
 
 
 def test_published_laminar_bingham_in_pipe():
-    """Drilling Engineering course text (Heriot-Watt, recalled as its origin), hydraulics exercise 2: 150 gal/min,
+    """Drilling Engineering course text (Heriot-Watt, recalled as its origin), hydraulics exercise 2: 150
+    gal/min,
     4.276 in, PV 20 cP, YP 15 lb/100 sq ft, 10 lb/gal:
     0.018 psi/ft.  Their 20 x 3.35/(1500 x 4.276^2) + 15/(225 x 4.276) is 0.018034.
     """
@@ -126,21 +139,30 @@ def test_published_laminar_bingham_in_pipe():
     ("hole", "pipe", "length", "psi"), [(8.755, 4.5, 6500, 73), (8.5, 4.5, 3000, 38), (8.5, 6.75, 450, 31)]
 )
 def test_published_laminar_bingham_in_annulus(hole, pipe, length, psi):
-    """Guo and Liu, Applied Drilling Circulation Systems, example 2.5: 300 gal/min, 10.5 lb/gal, PV 35 cP, YP 6 lb/100 sq ft in three
-    annuli [in], [ft].  Losses are printed without decimals; the collars' one is early in our transition (below 1 %).
+    """Guo and Liu, Applied Drilling Circulation Systems, example 2.5: 300 gal/min, 10.5 lb/gal, PV 35 cP, YP
+    6 lb/100 sq ft in three annuli [in], [ft].  Losses are printed without decimals; the collars' one is early
+    in our transition (below 1 %).
     """
     fluid = Rheology.bingham(35 * CENTIPOISE, 6 * LB_PER_100_SQ_FT)
-    loss = pressure_gradient(fluid, speed(300, hole, pipe), (hole - pipe) * INCH, True, 10.5 * PPG) * length * FOOT / PSI
+    loss = (
+        pressure_gradient(fluid, speed(300, hole, pipe), (hole - pipe) * INCH, True, 10.5 * PPG)
+        * length
+        * FOOT
+        / PSI
+    )
     assert loss == pytest.approx(psi, abs=0.5)
 
 
 @pytest.mark.parametrize("law", ["blend", "api"])
 @pytest.mark.parametrize("reynolds", [1e4, 3e4, 1e5])
 def test_turbulent_newtonian_against_prandtl_karman(reynolds, law):
-    """Smooth pipe, 1/sqrt(f) = 4 log10(Re sqrt(f)) - 0.4 (Prandtl, von Karman): a/Re^b is a Blasius line, 4 % from it up to Re 1e5."""
+    """Smooth pipe, 1/sqrt(f) = 4 log10(Re sqrt(f)) - 0.4 (Prandtl, von Karman): a/Re^b is a Blasius line, 4 %
+    from it up to Re 1e5."""
     f = brentq(lambda f: 1 / np.sqrt(f) - 4 * np.log10(reynolds * np.sqrt(f)) + 0.4, 1e-3, 0.1)
     w = reynolds * 1e-3 / (1000 * 0.1)
-    assert wall_shear(Rheology.newtonian(1e-3, law), w, 0.1, False, 1000.0) == pytest.approx(500 * f * w**2, rel=0.04)
+    assert wall_shear(Rheology.newtonian(1e-3, law), w, 0.1, False, 1000.0) == pytest.approx(
+        500 * f * w**2, rel=0.04
+    )
 
 
 # ---------------------------------------------------------------- closed forms
@@ -157,7 +179,8 @@ def test_hagen_poiseuille_and_slot():
 
 @pytest.mark.parametrize("plug", [0.05, 0.5, 0.9])
 def test_buckingham_reiner(plug):
-    """Bingham in a pipe: 8 mu w/D = tau (1 - 4 p/3 + p^4/3), in a slot 12 mu w/d_h = tau (1 - 3 p/2 + p^3/2), p = tau_y/tau."""
+    """Bingham in a pipe: 8 mu w/D = tau (1 - 4 p/3 + p^4/3), in a slot 12 mu w/d_h = tau (1 - 3 p/2 + p^3/2),
+    p = tau_y/tau."""
     tau = 7.2 / plug
     fluid = Rheology.bingham(0.02, 7.2, "exact", shear_rate_eps=1e-6)
     pipe = tau * (1 - 4 * plug / 3 + plug**4 / 3) * 0.1 / (8 * 0.02)
@@ -169,9 +192,15 @@ PROFILES = {
     "newtonian": (Rheology.newtonian(0.02, "exact", 1e-6), lambda t: t / 0.02),
     "power_law": (Rheology.power_law(0.4, 0.7, "exact", 1e-6), lambda t: (t / 0.4) ** (1 / 0.7)),
     "bingham": (Rheology.bingham(0.02, 5.0, "exact", 1e-6), lambda t: (t - 5) / 0.02),
-    "herschel_bulkley": (Rheology.herschel_bulkley(0.3, 0.6, 5.0, "exact", 1e-6), lambda t: ((t - 5) / 0.3) ** (1 / 0.6)),
+    "herschel_bulkley": (
+        Rheology.herschel_bulkley(0.3, 0.6, 5.0, "exact", 1e-6),
+        lambda t: ((t - 5) / 0.3) ** (1 / 0.6),
+    ),
     "casson": (Rheology.casson(0.02, 5.0, "exact", 1e-6), lambda t: (np.sqrt(t) - np.sqrt(5)) ** 2 / 0.02),
-    "casson blend": (Rheology.casson(0.02, 5.0, "blend", 1e-6), lambda t: (np.sqrt(t) - np.sqrt(5)) ** 2 / 0.02),
+    "casson blend": (
+        Rheology.casson(0.02, 5.0, "blend", 1e-6),
+        lambda t: (np.sqrt(t) - np.sqrt(5)) ** 2 / 0.02,
+    ),
 }
 
 
@@ -179,7 +208,8 @@ PROFILES = {
 @pytest.mark.parametrize("plug", [0.02, 0.5, 0.95])
 @pipe_and_annulus
 def test_exact_against_the_integrated_profile(fluid, rate, plug, annulus):
-    """Shear stress tau y/y_w at y from the axis (or mid-plane); u(y) = integral of the shear rate; mean of u over the section."""
+    """Shear stress tau y/y_w at y from the axis (or mid-plane); u(y) = integral of the shear rate; mean of u
+    over the section."""
     tau, d = 5.0 / plug, 0.1
     wall = d / 4 if annulus else d / 2
     edge = wall * plug if fluid.yield_stress else 0.0  # of the plug
@@ -197,7 +227,8 @@ def test_exact_against_the_integrated_profile(fluid, rate, plug, annulus):
 
 @pipe_and_annulus
 def test_explicit_yield_stress_law_is_near_the_exact_one(annulus):
-    """Fluid page, section 6: at most 2.2 % off in a pipe at tau_y/tau_w <= 0.5, 6 % for Bingham in a slot at 0.5; too high near gelling."""
+    """Fluid page, section 6: at most 2.2 % off in a pipe at tau_y/tau_w <= 0.5, 6 % for Bingham in a slot at
+    0.5; too high near gelling."""
     w = np.geomspace(1e-3, 10, 200)
     near = wall_shear(Rheology.bingham(0.02, 5.0, shear_rate_eps=1e-3), w, 0.1, annulus, STILL)
     exact = wall_shear(Rheology.bingham(0.02, 5.0, "exact", 1e-3), w, 0.1, annulus, STILL)
@@ -211,15 +242,21 @@ def test_explicit_yield_stress_law_is_near_the_exact_one(annulus):
 
 
 def api_speed(reynolds, n, K, d, annulus, density):
-    """Speed of a Metzner-Reed Reynolds number: rho w^(2-n) d^n = Re 8^(n-1) K ((3n+1)/4n)^n, annulus 12 and (2n+1)/3n."""
-    k = 12 ** (n - 1) * ((2 * n + 1) / (3 * n)) ** n if annulus else 8 ** (n - 1) * ((3 * n + 1) / (4 * n)) ** n
+    """Speed of a Metzner-Reed Reynolds number: rho w^(2-n) d^n = Re 8^(n-1) K ((3n+1)/4n)^n, annulus 12 and
+    (2n+1)/3n."""
+    k = (
+        12 ** (n - 1) * ((2 * n + 1) / (3 * n)) ** n
+        if annulus
+        else 8 ** (n - 1) * ((3 * n + 1) / (4 * n)) ** n
+    )
     return (reynolds * k * K / (density * d**n)) ** (1 / (2 - n))
 
 
 @pytest.mark.parametrize("n", [0.4, 0.7, 1.0])
 @pipe_and_annulus
 def test_f07_regimes(n, annulus):
-    """F07: 16/Re or 24/Re below 3470-1370n, a/Re^b above 4270-1370n, straight between them; the kinks are rounded within 40 in Re."""
+    """F07: 16/Re or 24/Re below 3470-1370n, a/Re^b above 4270-1370n, straight between them; the kinks are
+    rounded within 40 in Re."""
     K, d, density, lam = 0.2, 0.1, 1200.0, 24 if annulus else 16
     low, high = 3470 - 1370 * n, 4270 - 1370 * n
     a, b = (np.log10(n) + 3.93) / 50, (1.75 - np.log10(n)) / 7
@@ -234,11 +271,14 @@ def test_f07_regimes(n, annulus):
 @pytest.mark.parametrize("kink", [3470 - 1370 * 0.7, 4270 - 1370 * 0.7])
 @pipe_and_annulus
 def test_api_rounding_is_smooth(kink, annulus):
-    """Across both ends of a rounding the slope does not jump, and the rounded friction factor stays within 1 % of the kinked one."""
+    """Across both ends of a rounding the slope does not jump, and the rounded friction factor stays within 1
+    % of the kinked one."""
     fluid = Rheology.power_law(0.2, 0.7, "api", shear_rate_eps=1e-9)
 
     def at(reynolds):
-        return wall_shear_and_slope(fluid, api_speed(np.array(reynolds), 0.7, 0.2, 0.1, annulus, 1200.0), 0.1, annulus, 1200.0)
+        return wall_shear_and_slope(
+            fluid, api_speed(np.array(reynolds), 0.7, 0.2, 0.1, annulus, 1200.0), 0.1, annulus, 1200.0
+        )
 
     for end in (kink - 40, kink + 40):
         stress, slope = at([end * (1 - 1e-10), end * (1 + 1e-10)])
@@ -258,10 +298,12 @@ SPEEDS = np.concatenate([np.geomspace(1e-8, 20, 300), -np.geomspace(1e-8, 20, 29
 @every_fluid
 @pipe_and_annulus
 def test_derivative(fluid, annulus):
-    """Fourth-order central differences of the stress, |w| 1e-8 to 20 m/s: through zero, transition and turbulence.
+    """Fourth-order central differences of the stress, |w| 1e-8 to 20 m/s: through zero, transition and
+    turbulence.
 
-    The steps are small beside the regularised speed (about 0.01 m/s) and the transition; where one of them straddles an end of the API
-    law's roundings, at which the second derivative jumps, the difference is only of first order.
+    The steps are small beside the regularised speed (about 0.01 m/s) and the transition; where one of them
+    straddles an end of the API law's roundings, at which the second derivative jumps, the difference is only
+    of first order.
     """
     h = 3e-4 * np.hypot(SPEEDS, 0.01)
     moved = [wall_shear(fluid, SPEEDS + k * h, 0.1, annulus, 1200.0) for k in (-2, -1, 1, 2)]
@@ -277,7 +319,8 @@ def test_derivative(fluid, annulus):
 @every_fluid
 @pipe_and_annulus
 def test_odd_and_rising(fluid, annulus):
-    """tau(-w) = -tau(w) to the last bit, zero at rest; the slope is positive, so a given pressure has one speed."""
+    """tau(-w) = -tau(w) to the last bit, zero at rest; the slope is positive, so a given pressure has one
+    speed."""
     stress, slope = wall_shear_and_slope(fluid, SPEEDS, 0.1, annulus, 1200.0)
     mirrored, mirrored_slope = wall_shear_and_slope(fluid, -SPEEDS, 0.1, annulus, 1200.0)
     assert np.array_equal(stress, -mirrored) and np.array_equal(slope, mirrored_slope)
@@ -286,28 +329,39 @@ def test_odd_and_rising(fluid, annulus):
 
 
 def test_slope_at_rest():
-    """8 G/d_h (c_y/eps + K eps^(n-1)): Herschel-Bulkley in a pipe, G = (3n+1)/4n, c_y = (4/3)^n tau_y; slot G = (2n+1)/2n, (3/2)^n."""
+    """8 G/d_h (c_y/eps + K eps^(n-1)): Herschel-Bulkley in a pipe, G = (3n+1)/4n, c_y = (4/3)^n tau_y; slot G
+    = (2n+1)/2n, (3/2)^n."""
     fluid, n = Rheology.herschel_bulkley(0.3, 0.75, 3.0, shear_rate_eps=0.5), 0.75
     _, slope = wall_shear_and_slope(fluid, 0.0, 0.1, [False, True], 1200.0)
-    for found, G, c in zip(slope, [(3 * n + 1) / (4 * n), (2 * n + 1) / (2 * n)], [4 / 3, 3 / 2], strict=True):
+    for found, G, c in zip(
+        slope, [(3 * n + 1) / (4 * n), (2 * n + 1) / (2 * n)], [4 / 3, 3 / 2], strict=True
+    ):
         assert found == pytest.approx(80 * G * (c**n * 3.0 / 0.5 + 0.3 * 0.5 ** (n - 1)), rel=1e-13)
 
 
 @pytest.mark.parametrize(
     ("model", "law"),
-    [(m, law) for m in ("newtonian", "power_law", "bingham", "casson", "herschel_bulkley") for law in ("blend", "exact")]
+    [
+        (m, law)
+        for m in ("newtonian", "power_law", "bingham", "casson", "herschel_bulkley")
+        for law in ("blend", "exact")
+    ]
     + [("newtonian", "api"), ("power_law", "api")],
 )
 def test_inviscid_fluid_has_no_friction(model, law):
     """Neither viscosity nor yield stress: exactly zero at any speed, no NaN."""
-    stress, slope = wall_shear_and_slope(Rheology(model, law), [[0.0, 1e-8, 3.0, -20.0]], 0.1, [[False], [True]], 1200.0)
+    stress, slope = wall_shear_and_slope(
+        Rheology(model, law), [[0.0, 1e-8, 3.0, -20.0]], 0.1, [[False], [True]], 1200.0
+    )
     assert np.array_equal(stress, np.zeros((2, 4))) and np.array_equal(slope, np.zeros((2, 4)))
 
 
 @every_fluid
 def test_extremes_are_finite(fluid):
     """Any state a Newton step may try."""
-    stress, slope = wall_shear_and_slope(fluid, [0, 1e-300, 1e-20, 1e6, -1e12], 0.01, [[False], [True]], 2000.0)
+    stress, slope = wall_shear_and_slope(
+        fluid, [0, 1e-300, 1e-20, 1e6, -1e12], 0.01, [[False], [True]], 2000.0
+    )
     assert np.all(np.isfinite(stress)) and np.all(np.isfinite(slope))
 
 
@@ -316,14 +370,17 @@ def test_dual_numbers(fluid):
     """The template with four directional derivatives gives value and slope times the seeds."""
     w, seed = SPEEDS[::20].copy(), np.tile([1.0, -2.0, 0.0, 0.5], (len(SPEEDS[::20]), 1))
     out, packed = np.empty((len(w), 5)), fluid.parameters()
-    function("rheology_wall_shear_dual", "pippdddp")(pointer(packed), len(w), pointer(w), pointer(seed), 0.1, 1.0, 1200.0, pointer(out))
+    function("rheology_wall_shear_dual", "pippdddp")(
+        pointer(packed), len(w), pointer(w), pointer(seed), 0.1, 1.0, 1200.0, pointer(out)
+    )
     stress, slope = wall_shear_and_slope(fluid, w, 0.1, True, 1200.0)
     assert np.array_equal(out[:, 0], stress)
     assert out[:, 1:] == pytest.approx(slope[:, None] * seed, rel=1e-15)
 
 
 def test_special_cases_agree():
-    """Bingham is Herschel-Bulkley with n = 1, a power law one without yield stress, Newton both; Casson without yield stress is Newton."""
+    """Bingham is Herschel-Bulkley with n = 1, a power law one without yield stress, Newton both; Casson
+    without yield stress is Newton."""
     w, args = SPEEDS[::7], (0.1, True, 1200.0)
     for law in ("blend", "exact"):
         for special, general in [
@@ -333,21 +390,31 @@ def test_special_cases_agree():
             (Rheology.newtonian(0.02, law), Rheology.bingham(0.02, 0.0, law)),
         ]:
             assert wall_shear(special, w, *args) == pytest.approx(wall_shear(general, w, *args), rel=1e-13)
-    thin = Rheology.herschel_bulkley(0.4, 0.7, 1e-9, "exact")  # through the inversion: must meet the closed form
-    assert wall_shear(thin, w, *args) == pytest.approx(wall_shear(Rheology.power_law(0.4, 0.7), w, *args), rel=1e-7)
+    thin = Rheology.herschel_bulkley(
+        0.4, 0.7, 1e-9, "exact"
+    )  # through the inversion: must meet the closed form
+    assert wall_shear(thin, w, *args) == pytest.approx(
+        wall_shear(Rheology.power_law(0.4, 0.7), w, *args), rel=1e-7
+    )
 
 
 def test_eccentricity_factor():
-    """Fluid page, section 6: k .588, n .7; e .5 -> .7706, .9 -> .5315 laminar, .8778, .7031 turbulent; 1 when concentric."""
+    """Fluid page, section 6: k .588, n .7; e .5 -> .7706, .9 -> .5315 laminar, .8778, .7031 turbulent; 1 when
+    concentric."""
     assert eccentricity_factor([0.0, 0.5, 0.9], 0.588, 0.7) == pytest.approx([1.0, 0.7706, 0.5315], abs=2e-4)
-    assert eccentricity_factor([0.0, 0.5, 0.9], 0.588, 0.7, True) == pytest.approx([1.0, 0.8778, 0.7031], abs=2e-4)
+    assert eccentricity_factor([0.0, 0.5, 0.9], 0.588, 0.7, True) == pytest.approx(
+        [1.0, 0.8778, 0.7031], abs=2e-4
+    )
 
 
 def test_apparent_viscosity():
-    """Stress over shear rate at 100 1/s: 3/100 + 0.3 x 100^-0.25; Casson (sqrt(4) + sqrt(0.02 x 100))^2/100."""
+    """Stress over shear rate at 100 1/s: 3/100 + 0.3 x 100^-0.25; Casson (sqrt(4) + sqrt(0.02 x
+    100))^2/100."""
     fluid = Rheology.herschel_bulkley(0.3, 0.75, 3.0, shear_rate_eps=1e-6)
     assert fluid.apparent_viscosity(100.0) == pytest.approx(0.03 + 0.3 * 100**-0.25)
-    assert Rheology.casson(0.02, 4.0, shear_rate_eps=1e-6).apparent_viscosity(100.0) == pytest.approx((2 + np.sqrt(2)) ** 2 / 100)
+    assert Rheology.casson(0.02, 4.0, shear_rate_eps=1e-6).apparent_viscosity(100.0) == pytest.approx(
+        (2 + np.sqrt(2)) ** 2 / 100
+    )
 
 
 @pytest.mark.parametrize(

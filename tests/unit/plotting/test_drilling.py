@@ -1,4 +1,5 @@
-"""Pictures of new hole: what they show against holes on circles, who is who, and that a sweep never suffers from them."""
+"""Pictures of new hole: what they show against holes on circles, who is who, and that a sweep never suffers
+from them."""
 
 from __future__ import annotations
 
@@ -16,20 +17,40 @@ from drillpetsc.geometry.well import Well, direction
 from drillpetsc.output import RunFolder, read_table, write_summary, write_table
 from drillpetsc.plotting import hole_path
 from drillpetsc.plotting.plot import plot
-from drillpetsc.plotting.sweep import build_rates, draw_sweep, drilled_paths, inclinations, round_scale, trajectories
+from drillpetsc.plotting.sweep import (
+    build_rates,
+    draw_sweep,
+    drilled_paths,
+    inclinations,
+    round_scale,
+    trajectories,
+)
 from drillpetsc.studies.sweep import sweep as ensemble
 from drillpetsc.studies.sweep.plan import PICTURES
 from drillpetsc.studies.sweep.table import Plan
 
 START = 100.0  # depth of the old hole, straight from the surface [m]
-COLUMNS = [("md", "m"), ("inclination", "deg"), ("azimuth", "deg"), ("north", "m"), ("east", "m"), ("tvd", "m"),
-           ("dogleg_severity", "deg/30m")]
+COLUMNS = [
+    ("md", "m"),
+    ("inclination", "deg"),
+    ("azimuth", "deg"),
+    ("north", "m"),
+    ("east", "m"),
+    ("tvd", "m"),
+    ("dogleg_severity", "deg/30m"),
+]
 
 
-def write_hole(file: Path, inclination: float, azimuth: float, build: float, turn: float, length: float) -> None:
-    """A straight hole of START [m] at these angles [deg], then ``length`` [m] of new hole that builds and turns evenly [deg in all]."""
+def write_hole(
+    file: Path, inclination: float, azimuth: float, build: float, turn: float, length: float
+) -> None:
+    """A straight hole of START [m] at these angles [deg], then ``length`` [m] of new hole that builds and
+    turns evenly [deg in all]."""
     md = np.array([0.0, START, START + length])
-    angle, aim = np.radians([inclination, inclination, inclination + build]), np.radians([azimuth, azimuth, azimuth + turn])
+    angle, aim = (
+        np.radians([inclination, inclination, inclination + build]),
+        np.radians([azimuth, azimuth, azimuth + turn]),
+    )
     well = Well.from_survey(md, angle, aim, [md[-1]], [0.1], [0.3])
     s = np.unique(np.r_[np.linspace(0, START, 11), np.linspace(START, md[-1], 41)])
     place, tangent, _ = well.at(s)
@@ -37,7 +58,9 @@ def write_hole(file: Path, inclination: float, azimuth: float, build: float, tur
     write_table(file, COLUMNS, [s, one, two, *place.T, np.full(len(s), 7.0)])
 
 
-def make_sweep(folder: Path, header: str, rows: list[str], holes: list[tuple[float, ...]], status: str = "done") -> Path:
+def make_sweep(
+    folder: Path, header: str, rows: list[str], holes: list[tuple[float, ...]], status: str = "done"
+) -> Path:
     """A sweep's folder: rows ``values,si`` and holes (inclination, azimuth, build, turn, length)."""
     folder.mkdir()
     names, *si = header.split("|")
@@ -55,7 +78,13 @@ def make_sweep(folder: Path, header: str, rows: list[str], holes: list[tuple[flo
 
 def study(folder: Path, inclination: float = 40.0) -> Path:
     """Flow rate 10 l/s and 20 l/s times density 1000 and 1200, and a dry one."""
-    rows = ["on,10 l/s,1000,0.01", "on,10 l/s,1200,0.01", "on,20 l/s,1000,0.02", "on,20 l/s,1200,0.02", "off,-,-,nan"]
+    rows = [
+        "on,10 l/s,1000,0.01",
+        "on,10 l/s,1200,0.01",
+        "on,20 l/s,1000,0.02",
+        "on,20 l/s,1200,0.02",
+        "off,-,-,nan",
+    ]
     holes = [(inclination, 30.0, 0.5 + 0.1 * k, 0.02 * k, 20.0) for k in range(5)]
     return make_sweep(folder, "fluid,fluid.flow_rate,fluid.density|fluid.flow_rate (SI)", rows, holes)
 
@@ -65,31 +94,42 @@ def test_every_picture_of_a_study_has_ink(inclination: float, tmp_path: Path) ->
     files = draw_sweep(study(tmp_path / "out", inclination))
     assert [file.name for file in files] == list(PICTURES)
     for file in files:
-        assert file.parent == tmp_path / "out" and len(np.unique(np.asarray(Image.open(file).convert("L")))) > 20
+        assert (
+            file.parent == tmp_path / "out" and len(np.unique(np.asarray(Image.open(file).convert("L")))) > 20
+        )
 
 
 def test_offsets_are_those_of_a_circle(tmp_path: Path) -> None:
-    """New hole on a circle that builds 0.6 deg in 20 m: R = 20 m/0.6 deg, up R (1 - cos 0.6 deg), along R sin 0.6 deg."""
-    folder = make_sweep(tmp_path / "out", "top.rotation|top.rotation (SI)", ["60 rpm,6.28"], [(40.0, 30.0, 0.6, 0.0, 20.0)])
+    """New hole on a circle that builds 0.6 deg in 20 m: R = 20 m/0.6 deg, up R (1 - cos 0.6 deg), along R sin
+    0.6 deg."""
+    folder = make_sweep(
+        tmp_path / "out", "top.rotation|top.rotation (SI)", ["60 rpm,6.28"], [(40.0, 30.0, 0.6, 0.0, 20.0)]
+    )
     (path,) = drilled_paths(folder)
     turn = np.radians(0.6)
     radius = 20.0 / turn
     assert (path.md[0], path.md[-1], path.azimuth) == (START, START + 20.0, pytest.approx(30.0))
     assert path.up[-1] == pytest.approx(radius * (1 - np.cos(turn)), rel=1e-6)
     assert path.along[-1] == pytest.approx(radius * np.sin(turn), rel=1e-9)
-    assert path.right == pytest.approx(np.zeros(len(path.md)), abs=1e-9) and np.degrees(path.tilt) == pytest.approx(40.0)
+    assert path.right == pytest.approx(np.zeros(len(path.md)), abs=1e-9) and np.degrees(
+        path.tilt
+    ) == pytest.approx(40.0)
 
 
 def test_a_turn_to_larger_azimuth_lies_to_the_right(tmp_path: Path) -> None:
-    """Looking north, east is on the right: a level hole that turns by 1 deg in 20 m ends R (1 - cos 1 deg) aside."""
-    folder = make_sweep(tmp_path / "out", "top.rotation|top.rotation (SI)", ["60 rpm,6.28"], [(90.0, 0.0, 0.0, 1.0, 20.0)])
+    """Looking north, east is on the right: a level hole that turns by 1 deg in 20 m ends R (1 - cos 1 deg)
+    aside."""
+    folder = make_sweep(
+        tmp_path / "out", "top.rotation|top.rotation (SI)", ["60 rpm,6.28"], [(90.0, 0.0, 0.0, 1.0, 20.0)]
+    )
     (path,) = drilled_paths(folder)
     assert path.right[-1] == pytest.approx(20.0 / np.radians(1.0) * (1 - np.cos(np.radians(1.0))), rel=1e-6)
     assert abs(path.up[-1]) < 1e-9
 
 
 def test_the_section_shows_offsets_as_many_times_as_it_says(tmp_path: Path) -> None:
-    """Largest offset 0.157 m (0.9 deg in 20 m: L^2/2R): 0.35 of 20 m is 44.6 times that, the next rounder number below is 20."""
+    """Largest offset 0.157 m (0.9 deg in 20 m: L^2/2R): 0.35 of 20 m is 44.6 times that, the next rounder
+    number below is 20."""
     drawing = trajectories(drilled_paths(study(tmp_path / "out")), "t")
     section, plan, ends = drawing.axes[:3]
     assert section.get_title().endswith(" 20 times")
@@ -100,7 +140,9 @@ def test_the_section_shows_offsets_as_many_times_as_it_says(tmp_path: Path) -> N
         assert line.get_xdata() * s + line.get_ydata() * c == pytest.approx(path.along, abs=1e-9)
     for path, line, end in zip(paths, plan.lines, ends.lines, strict=False):
         assert line.get_xdata() == pytest.approx(1e3 * path.right)
-        assert (end.get_xdata()[0], end.get_ydata()[0]) == pytest.approx((1e3 * path.right[-1], 1e3 * path.up[-1]))
+        assert (end.get_xdata()[0], end.get_ydata()[0]) == pytest.approx(
+            (1e3 * path.right[-1], 1e3 * path.up[-1])
+        )
     scale = float(plan.get_title().split()[-2])
     assert plan.get_aspect() == pytest.approx(1e3 / scale)  # a metre down is as long as 1000/scale mm aside
 
@@ -108,7 +150,12 @@ def test_the_section_shows_offsets_as_many_times_as_it_says(tmp_path: Path) -> N
 def test_colour_tells_the_first_key_the_marker_the_second_and_the_dry_one_is_dashed(tmp_path: Path) -> None:
     lines = inclinations(drilled_paths(study(tmp_path / "out")), "t").axes[0].lines
     assert [line.get_label() for line in lines] == [
-        "10 l/s, 1000 kg/m3", "10 l/s, 1200 kg/m3", "20 l/s, 1000 kg/m3", "20 l/s, 1200 kg/m3", "no fluid"]
+        "10 l/s, 1000 kg/m3",
+        "10 l/s, 1200 kg/m3",
+        "20 l/s, 1000 kg/m3",
+        "20 l/s, 1200 kg/m3",
+        "no fluid",
+    ]
     colors, markers = [line.get_color() for line in lines], [line.get_marker() for line in lines]
     assert colors[0] == colors[1] != colors[2] == colors[3] and colors[4] == "black"
     assert markers[0] == markers[2] != markers[1] == markers[3]
@@ -129,17 +176,27 @@ def test_build_rates_over_the_first_key_a_line_a_density(tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("header", "rows", "pictures"),
     [
-        ("top.rotation|top.rotation (SI)", [f"{k} rpm,{k / 9.55}" for k in range(60, 72)], 2),  # more values than colours
+        (
+            "top.rotation|top.rotation (SI)",
+            [f"{k} rpm,{k / 9.55}" for k in range(60, 72)],
+            2,
+        ),  # more values than colours
         ("fluid", ["on", "off"], 2),
         ("bottom", ["bit", "{kind: bit}"], 2),
-        ("top.rotation,formation.bit_anisotropy|top.rotation (SI)", ["60 rpm,0.1,6.28", "60 rpm,0.2,6.28", "1 Hz,0.2,6.28"], 3),
+        (
+            "top.rotation,formation.bit_anisotropy|top.rotation (SI)",
+            ["60 rpm,0.1,6.28", "60 rpm,0.2,6.28", "1 Hz,0.2,6.28"],
+            3,
+        ),
         ("fluid.density,title,top.rotation", ["1000,a,6", "1000,b,7", "1200,a,6", "1200,b,7"], 3),
     ],
 )
 def test_other_sweeps(header: str, rows: list[str], pictures: int, tmp_path: Path) -> None:
     holes = [(40.0, 30.0, 0.1 * k, 0.0, 10.0 + k) for k in range(len(rows))]
     folder = make_sweep(tmp_path / "out", header, rows, holes)
-    assert [file.parent for file in plot(folder, tmp_path / "again")] == [tmp_path / "again"] * pictures  # as `drillpetsc plot` draws them
+    assert [file.parent for file in plot(folder, tmp_path / "again")] == [
+        tmp_path / "again"
+    ] * pictures  # as `drillpetsc plot` draws them
 
 
 def test_what_was_broken_off_or_not_drilled_is_not_drawn(tmp_path: Path) -> None:
@@ -153,13 +210,31 @@ def test_what_was_broken_off_or_not_drilled_is_not_drawn(tmp_path: Path) -> None
 
 
 def test_scales_are_round() -> None:
-    assert [round_scale(x) for x in (0.3, 1.0, 1.9, 2.0, 4.9, 5.0, 9.9, 10.0, 499.0, 500.0)] == [1, 1, 1, 2, 2, 5, 5, 10, 200, 500]
+    assert [round_scale(x) for x in (0.3, 1.0, 1.9, 2.0, 4.9, 5.0, 9.9, 10.0, 499.0, 500.0)] == [
+        1,
+        1,
+        1,
+        2,
+        2,
+        5,
+        5,
+        10,
+        200,
+        500,
+    ]
 
 
 def test_units_of_keys() -> None:
-    known = {"fluid.density": "kg/m3", "string[2].od": "m", "formation.layers[0].drillability": "m/(s N)", "top.rotation": "rad/s"}
+    known = {
+        "fluid.density": "kg/m3",
+        "string[2].od": "m",
+        "formation.layers[0].drillability": "m/(s N)",
+        "top.rotation": "rad/s",
+    }
     assert {key: unit_of(key) for key in known} == known
-    assert [unit_of(key) for key in ("title", "well.sections[0].friction", "nonsense", "top.nonsense[2]")] == [""] * 4
+    assert [
+        unit_of(key) for key in ("title", "well.sections[0].friction", "nonsense", "top.nonsense[2]")
+    ] == [""] * 4
 
 
 # ---------------------------------------------------------------------- at the end of a sweep
@@ -179,10 +254,12 @@ def test_a_drawing_that_fails_does_not_fail_the_sweep(tmp_path: Path, capsys: py
 
 
 def test_a_sweep_without_new_hole_imports_no_matplotlib(tmp_path: Path) -> None:
-    code = ("import sys; from pathlib import Path; from drillpetsc.studies.sweep import sweep as ensemble\n"
-            "from drillpetsc.studies.sweep.table import Plan\n"
-            "plan = Plan('', 'sweep.csv', Path('.'), Path('.'), (), ())\n"
-            "assert ensemble._pictures(plan, [{'wob [N]': 1.0}]) == [] and 'matplotlib' not in sys.modules")
+    code = (
+        "import sys; from pathlib import Path; from drillpetsc.studies.sweep import sweep as ensemble\n"
+        "from drillpetsc.studies.sweep.table import Plan\n"
+        "plan = Plan('', 'sweep.csv', Path('.'), Path('.'), (), ())\n"
+        "assert ensemble._pictures(plan, [{'wob [N]': 1.0}]) == [] and 'matplotlib' not in sys.modules"
+    )
     subprocess.run([sys.executable, "-c", code], check=True, cwd=tmp_path)
 
 
@@ -201,14 +278,20 @@ def test_a_run_marks_its_new_hole(tmp_path: Path) -> None:
 
 
 def test_tracks_of_the_new_hole(tmp_path: Path) -> None:
-    """Straight, then a circle: dogleg severity 0, then the angle between the directions per 30 m; half of that where half of the short
-    course is new; azimuth goes on past north."""
+    """Straight, then a circle: dogleg severity 0, then the angle between the directions per 30 m; half of
+    that where half of the short course is new; azimuth goes on past north."""
     write_hole(tmp_path / "trajectory.csv", 40.0, 359.9, 0.6, 0.4, 20.0)
-    inclination, azimuth, severity = hole_path.new_hole(read_table(tmp_path / "trajectory.csv"), "t", 20.0).axes
+    inclination, azimuth, severity = hole_path.new_hole(
+        read_table(tmp_path / "trajectory.csv"), "t", 20.0
+    ).axes
     one, two = direction(np.radians([40.0, 40.6]), np.radians([359.9, 360.3]))
     rate = np.degrees(np.arccos(one @ two)) * 30 / 20
     depth, shown = severity.lines[0].get_ydata(), severity.lines[0].get_xdata()
-    assert depth[0] == START - 10 and depth[-1] == START + 20 and inclination.get_ylim() == pytest.approx((START + 20.4, START - 10))
+    assert (
+        depth[0] == START - 10
+        and depth[-1] == START + 20
+        and inclination.get_ylim() == pytest.approx((START + 20.4, START - 10))
+    )
     assert shown[depth <= START] == pytest.approx(np.zeros((depth <= START).sum()), abs=1e-6)
     assert shown[-1] == pytest.approx(rate, rel=1e-3)
     assert shown[depth == START + 1.5] == pytest.approx(rate / 2, rel=1e-3)

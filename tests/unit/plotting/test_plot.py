@@ -81,7 +81,9 @@ def test_histories_show_the_columns_in_displayed_units(tmp_path: Path) -> None:
 
 def test_a_column_without_values_gets_no_panel(tmp_path: Path) -> None:
     table = {"time [s]": np.arange(3.0), "rop [m/s]": np.full(3, np.nan), "wob [N]": np.ones(3)}
-    assert [axes.get_ylabel() for axes in _histories(table, [["rop [m/s]"], ["wob [N]"]], "t").axes] == ["WOB [N]"]
+    assert [axes.get_ylabel() for axes in _histories(table, [["rop [m/s]"], ["wob [N]"]], "t").axes] == [
+        "WOB [N]"
+    ]
 
 
 def test_orbits_stand_in_the_clearance_of_their_depth(tmp_path: Path) -> None:
@@ -102,5 +104,12 @@ def test_orbits_without_a_well_have_no_circle(tmp_path: Path) -> None:
 
 
 def test_probe_names_come_from_the_headers() -> None:
-    titles = ["time [s]", "x_600 [m]", "y_600 [m]", "spin_600 [rad/s]", "spin_1199.5 [rad/s]", "contact_600 [N]"]
+    titles = [
+        "time [s]",
+        "x_600 [m]",
+        "y_600 [m]",
+        "spin_600 [rad/s]",
+        "spin_1199.5 [rad/s]",
+        "contact_600 [N]",
+    ]
     assert probe_names({title: np.zeros(1) for title in titles}) == ["600", "1199.5"]

@@ -38,7 +38,10 @@ def test_a_shaded_picture_where_there_is_opengl(tmp_path: Path) -> None:
     if reason := render.why_no_rendering():
         pytest.skip(reason)
     run = make_run(tmp_path / "run")
-    shaded, flat = view(run.path, tmp_path / "a.png"), view(run.path, tmp_path / "b.png", renderer="matplotlib")
+    shaded, flat = (
+        view(run.path, tmp_path / "a.png"),
+        view(run.path, tmp_path / "b.png", renderer="matplotlib"),
+    )
     image, other = (np.asarray(Image.open(path).convert("RGB"), dtype=int) for path in (shaded, flat))
     width = image.shape[1]
     assert np.abs(image - other)[:, int(0.06 * width) : int(0.22 * width)].mean() > 2  # the shaded panel
@@ -46,7 +49,8 @@ def test_a_shaded_picture_where_there_is_opengl(tmp_path: Path) -> None:
 
 
 def test_the_shaded_hole_shows_the_string_where_it_is_and_in_its_colour(tmp_path: Path) -> None:
-    """A straight string at the hole's centre, red in its upper half and blue below: so must be the middle column."""
+    """A straight string at the hole's centre, red in its upper half and blue below: so must be the middle
+    column."""
     if reason := render.why_no_rendering():
         pytest.skip(reason)
     points, data = helix_frame(0.0)
@@ -56,7 +60,9 @@ def test_the_shaded_hole_shows_the_string_where_it_is_and_in_its_colour(tmp_path
     upper = shape.md[:, None] < 0.5 * LENGTH
     red, blue = np.array([[1.0, 0, 0]]), np.array([[0, 0, 1.0]])
     first = model.image(shape, np.where(upper, red, blue)).astype(int)
-    second = model.image(shape, np.where(upper, blue, red)).astype(int)  # an animation recolours the same scene
+    second = model.image(shape, np.where(upper, blue, red)).astype(
+        int
+    )  # an animation recolours the same scene
     model.close()
     for image, top in ((first, 0), (second, 2)):
         bottom = 2 - top
@@ -84,12 +90,18 @@ def test_animations_have_their_frames_and_they_differ(tmp_path: Path) -> None:
 
 def test_one_frame_makes_an_animation_too(tmp_path: Path) -> None:
     assert (
-        Image.open(view(make_run(tmp_path / "run", frames=1).path, animate=True, renderer="matplotlib")).n_frames == 1
+        Image.open(
+            view(make_run(tmp_path / "run", frames=1).path, animate=True, renderer="matplotlib")
+        ).n_frames
+        == 1
     )
 
 
 def test_without_a_well_the_displacement_is_drawn(tmp_path: Path) -> None:
-    assert colors_in(view(make_run(tmp_path / "run", well=False).path, renderer="matplotlib", field="spin")) > 100
+    assert (
+        colors_in(view(make_run(tmp_path / "run", well=False).path, renderer="matplotlib", field="spin"))
+        > 100
+    )
 
 
 def test_a_string_that_swings_far_is_drawn_in_its_true_shape(tmp_path: Path) -> None:
@@ -163,8 +175,12 @@ def test_a_window_that_needs_no_screen_is_one_whose_library_is_there(
         assert not asked and "libEGL" in reason and "libOSMesa" in reason
 
 
-@pytest.mark.parametrize(("name", "value"), [("VTK_DEFAULT_OPENGL_WINDOW", "vtkXOpenGLRenderWindow"), ("DISPLAY", ":0")])
-def test_a_screen_or_the_users_own_window_is_left_alone(monkeypatch: pytest.MonkeyPatch, name: str, value: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "value"), [("VTK_DEFAULT_OPENGL_WINDOW", "vtkXOpenGLRenderWindow"), ("DISPLAY", ":0")]
+)
+def test_a_screen_or_the_users_own_window_is_left_alone(
+    monkeypatch: pytest.MonkeyPatch, name: str, value: str
+) -> None:
     for key in ("VTK_DEFAULT_OPENGL_WINDOW", "DISPLAY"):
         monkeypatch.delenv(key, raising=False)
     monkeypatch.setenv(name, value)
@@ -181,14 +197,18 @@ def test_a_time_takes_the_nearest_frame_and_an_index_counts(tmp_path: Path) -> N
 
 
 def test_shapes_take_the_offset_of_the_file_or_the_displacement() -> None:
-    """The helix has the same offset from the hole's centre and displacement, up to the axes of the cross-section."""
+    """The helix has the same offset from the hole's centre and displacement, up to the axes of the
+    cross-section."""
     given = shape_of(frame(), 0.0, "axial_force [N]")
     none = ("offset_x [m]", "offset_y [m]", "hole_radius [m]", "outer_radius [m]", "md [m]")
     derived = shape_of(frame(without=none), 0.0, "axial_force [N]")
-    assert np.allclose(np.hypot(*given.offset.T), AMPLITUDE) and np.allclose(np.hypot(*derived.offset.T), AMPLITUDE)
+    assert np.allclose(np.hypot(*given.offset.T), AMPLITUDE) and np.allclose(
+        np.hypot(*derived.offset.T), AMPLITUDE
+    )
     assert np.allclose(derived.md, given.md)
     assert (
-        half_width(given) == HOLE and PIPE < half_width(shape_of(frame(without=none[2:3]), 0.0, "spin [rad/s]")) < HOLE
+        half_width(given) == HOLE
+        and PIPE < half_width(shape_of(frame(without=none[2:3]), 0.0, "spin [rad/s]")) < HOLE
     )
     assert not given.bent and not derived.bent
 
@@ -215,7 +235,8 @@ def test_cutting_keeps_the_interval_and_a_neighbour() -> None:
 
 
 def test_the_stated_scale_is_the_drawn_scale() -> None:
-    """With the chosen factor a hole of 0.2 m is, on paper, at most 0.86 of a track wide and not below 0.75 of it."""
+    """With the chosen factor a hole of 0.2 m is, on paper, at most 0.86 of a track wide and not below 0.75 of
+    it."""
     scale = _auto_scale(HOLE, LENGTH)
     inches_per_depth_metre = TRACKS_HEIGHT / LENGTH
     share = 2 * HOLE * scale * inches_per_depth_metre / TRACK_WIDTH

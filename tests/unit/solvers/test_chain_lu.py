@@ -34,7 +34,8 @@ def dense_chain(sizes, rng):
 
 
 def factored(A, node, split=False, **options):
-    """The chain solver for a dense matrix; split: every entry comes as two halves that add up, in random order."""
+    """The chain solver for a dense matrix; split: every entry comes as two halves that add up, in random
+    order."""
     rows, columns = np.nonzero(np.abs(node[:, None] - node) <= 1)
     values = A[rows, columns]
     if split:
@@ -42,7 +43,13 @@ def factored(A, node, split=False, **options):
         rows, columns, values = (np.tile(a, 2)[mix] for a in (rows, columns, 0.5 * values))
     n = len(node)
     f = ChainFactor(
-        None, np.arange(node[-1] + 1), node, np.arange(n), rows.astype(np.int32), columns.astype(np.int32), **options
+        None,
+        np.arange(node[-1] + 1),
+        node,
+        np.arange(n),
+        rows.astype(np.int32),
+        columns.astype(np.int32),
+        **options,
     )
     f.factor(values)
     return f
@@ -71,7 +78,8 @@ def test_well_conditioned(shape, refine):
 def test_ill_scaled(shape):
     """Rows and columns in units nine decades apart (metres beside radians, newtons beside newton metres).
 
-    A = R C S with diagonal R and S and a well conditioned C: x = S^-1 C^-1 R^-1 b, each component to its own accuracy.
+    A = R C S with diagonal R and S and a well conditioned C: x = S^-1 C^-1 R^-1 b, each component to its own
+    accuracy.
     """
     rng = np.random.default_rng(2)
     C, node = dense_chain(SHAPES[shape], rng)
@@ -116,7 +124,8 @@ def test_lagrange_multipliers_follow_their_node():
 
 
 def test_refinement_recovers_digits():
-    """A tiny first pivot block (1e-7 of the rest) costs block elimination digits; refinement restores them."""
+    """A tiny first pivot block (1e-7 of the rest) costs block elimination digits; refinement restores
+    them."""
     rng = np.random.default_rng(4)
     A, node = dense_chain([7] * 10, rng)
     A += 12.0 * np.eye(len(A))
@@ -141,11 +150,18 @@ def test_inertia(shape):
 
 
 def test_inertia_of_a_stretched_chain_of_springs():
-    """K = tridiag(-1, 2, -1) - s I has the eigenvalues 2 - 2 cos(k pi / (n + 1)) - s (Golub & Van Loan 4.8.6)."""
+    """K = tridiag(-1, 2, -1) - s I has the eigenvalues 2 - 2 cos(k pi / (n + 1)) - s (Golub & Van Loan
+    4.8.6)."""
     n = 50
     eigenvalues = 2.0 - 2.0 * np.cos(np.arange(1, n + 1) * np.pi / (n + 1))
     for below in (0, 1, 17, 50):
-        s = 0.0 if below == 0 else eigenvalues[-1] + 0.1 if below == n else eigenvalues[below - 1 : below + 1].mean()
+        s = (
+            0.0
+            if below == 0
+            else eigenvalues[-1] + 0.1
+            if below == n
+            else eigenvalues[below - 1 : below + 1].mean()
+        )
         A = (2.0 - s) * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
         node = np.arange(n) // 5
         rows, columns = np.nonzero(np.abs(node[:, None] - node) <= 1)
@@ -175,7 +191,8 @@ def test_singular_only_after_elimination():
 
 
 def test_tiny_pivot_threshold_and_measure():
-    """Supported by a spring of 1e-10: the last pivot is that, its column 1; refused only with a coarser limit."""
+    """Supported by a spring of 1e-10: the last pivot is that, its column 1; refused only with a coarser
+    limit."""
     K = np.array([[1.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 1.0 + 1e-10]])
     f = factored(K, np.arange(3))
     assert f.smallest_pivot == pytest.approx(1e-10, rel=1e-5)
@@ -207,7 +224,8 @@ def test_refusals():
 
 @pytest.mark.parametrize("b", [7, 12])
 def test_flop_count(b):
-    """Per node 14/3 b^3 to factor and 6 b^2 to solve, leading terms (LU: Golub & Van Loan 3.2; two products)."""
+    """Per node 14/3 b^3 to factor and 6 b^2 to solve, leading terms (LU: Golub & Van Loan 3.2; two
+    products)."""
     n = 400
     node = np.repeat(np.arange(n), b)
     none = np.zeros(0, dtype=np.int32)
@@ -245,7 +263,8 @@ def ksp_with(petsc, A, node, stop):
 
 @pytest.mark.parametrize("stop", [True, False])
 def test_preconditioner_without_pivot(petsc, stop):
-    """stop: the ZeroPivot comes through PETSc; else KSP reports DIVERGED_PC_FAILED and recovers with good values."""
+    """stop: the ZeroPivot comes through PETSc; else KSP reports DIVERGED_PC_FAILED and recovers with good
+    values."""
     A, node = dense_chain([7] * 6, np.random.default_rng(9))
     A += 12.0 * np.eye(len(A))
     ksp, matrix, provider = ksp_with(petsc, A, node, stop)
@@ -262,7 +281,9 @@ def test_preconditioner_without_pivot(petsc, stop):
             ksp.solve(b, x)
         return
     ksp.solve(b, x)
-    assert ksp.getConvergedReason() == -11  # KSP_DIVERGED_PC_FAILED, named DIVERGED_PCSETUP_FAILED in old petsc4py
+    assert (
+        ksp.getConvergedReason() == -11
+    )  # KSP_DIVERGED_PC_FAILED, named DIVERGED_PCSETUP_FAILED in old petsc4py
     provider.values, provider.version = good, 3
     matrix.stateIncrease()
     ksp.setOperators(matrix)

@@ -1,4 +1,5 @@
-"""Errors, orders, costs, Richardson, plans and resumption of studies: synthetic data of known answers, runs by a stub."""
+"""Errors, orders, costs, Richardson, plans and resumption of studies: synthetic data of known answers, runs
+by a stub."""
 
 from __future__ import annotations
 
@@ -9,7 +10,14 @@ import numpy as np
 import pytest
 
 from drillpetsc.errors import CaseError
-from drillpetsc.studies.convergence.error_norms import cost_of, errors_of, extent, moves, observed_order, richardson
+from drillpetsc.studies.convergence.error_norms import (
+    cost_of,
+    errors_of,
+    extent,
+    moves,
+    observed_order,
+    richardson,
+)
 from drillpetsc.studies.convergence.exact_solutions import characteristics, exact_outputs
 from drillpetsc.studies.convergence.plan import (
     default_steps,
@@ -71,8 +79,9 @@ def test_order_of_exact_powers():
 
 
 def test_confidence_interval_holds_the_order_as_often_as_it_says():
-    """Error h^2 times noise of 10 %, normal in the logarithm: the 95 % interval holds 2 in 950 of 1000 draws; the number of hits is
-    binomial with a standard deviation of 6.9, so 920 to 980 is missed once in 10^4 draws of this test, and its seed is fixed."""
+    """Error h^2 times noise of 10 %, normal in the logarithm: the 95 % interval holds 2 in 950 of 1000 draws;
+    the number of hits is binomial with a standard deviation of 6.9, so 920 to 980 is missed once in 10^4
+    draws of this test, and its seed is fixed."""
     generator, h = np.random.default_rng(5), 0.1 * 0.5 ** np.arange(6)
     hits = 0
     for _ in range(1000):
@@ -83,7 +92,8 @@ def test_confidence_interval_holds_the_order_as_often_as_it_says():
 
 
 def test_plateau_and_unresolved_points_show_no_order():
-    """Order 2 between an error above 0.3, which is no convergence yet, and 3 times the reference's own error of 1e-5."""
+    """Order 2 between an error above 0.3, which is no convergence yet, and 3 times the reference's own error
+    of 1e-5."""
     h = 0.5 ** np.arange(10)
     errors = np.maximum(h**2, 1e-5)
     errors[0] = 0.9
@@ -95,7 +105,8 @@ def test_plateau_and_unresolved_points_show_no_order():
 
 
 def test_cost_of_an_error():
-    """Error 1/seconds: 1 % costs 100 s, whatever the points; a curve that begins better than asked says `below`."""
+    """Error 1/seconds: 1 % costs 100 s, whatever the points; a curve that begins better than asked says
+    `below`."""
     seconds = np.array([10.0, 40.0, 320.0])
     cost = cost_of(0.01, 1 / seconds, seconds)
     assert cost is not None
@@ -111,7 +122,8 @@ def test_cost_of_an_error():
 
 
 def test_a_dearer_and_worse_point_does_not_count():
-    """The point at 2 s with an error of 1 lies above the line from (1 s, 0.1) to (4 s, 0.001): 0.01 costs 2 s, in the middle."""
+    """The point at 2 s with an error of 1 lies above the line from (1 s, 0.1) to (4 s, 0.001): 0.01 costs 2
+    s, in the middle."""
     cost = cost_of(0.01, np.array([0.1, 1.0, 0.001]), np.array([1.0, 2.0, 4.0]))
     assert cost is not None
     assert cost.seconds == pytest.approx(2.0)
@@ -136,8 +148,9 @@ def test_richardson_leaves_the_finest_where_nothing_converges():
 
 # ---------------------------------------------------------------------- closed forms
 def test_characteristics_of_two_cells():
-    """Two cells of impedance 1 and 3 below a top whose speed is 1 from time 0.  Of a wave 1 the joint, at speed 2 (1 d + 3 u)/4, lets 0.5
-    pass and sends -0.5 back; the free end doubles: speed 1 after two cell times.  Then the top, still at 1, sends 1.5 down, which meets
+    """Two cells of impedance 1 and 3 below a top whose speed is 1 from time 0.  Of a wave 1 the joint, at
+    speed 2 (1 d + 3 u)/4, lets 0.5 pass and sends -0.5 back; the free end doubles: speed 1 after two cell
+    times.  Then the top, still at 1, sends 1.5 down, which meets
     0.5 from the end at the joint: 2 (1.5 + 1.5)/4 = 1.5, less 0.5 goes on: 1, doubled 2."""
     t, v = characteristics(np.array([1.0, 3.0]), 0.5, lambda t: 1.0, 3.0)
     assert t[:3] == pytest.approx([0.0, 0.5, 1.0])
@@ -145,8 +158,8 @@ def test_characteristics_of_two_cells():
 
 
 def test_uniform_string_echoes_its_top(case_file):
-    """Free lower end: speed there 2 [w(t - T) - w(t - 3T) + ...], T = L/c = 2 m/sqrt(1e4/0.1) m/s (d'Alembert); within 1e-6, the cells
-    being 1/1000 of T."""
+    """Free lower end: speed there 2 [w(t - T) - w(t - 3T) + ...], T = L/c = 2 m/sqrt(1e4/0.1) m/s
+    (d'Alembert); within 1e-6, the cells being 1/1000 of T."""
     from drillpetsc.case import load_case
 
     found = exact_outputs(load_case(case_file), times := np.linspace(0.0, 1.0, 200))
@@ -156,7 +169,9 @@ def test_uniform_string_echoes_its_top(case_file):
     assert found[0]["bit_speed"] == pytest.approx(exact, abs=1e-5)
 
 
-@pytest.mark.parametrize("change", ["bottom=pinned", "loads=[{at: 1, force: [1, 0, 0]}]", "gravity=[1, 0, 0]"])
+@pytest.mark.parametrize(
+    "change", ["bottom=pinned", "loads=[{at: 1, force: [1, 0, 0]}]", "gravity=[1, 0, 0]"]
+)
 def test_no_closed_form_where_its_assumptions_fail(case_file, change):
     from drillpetsc.case import load_case
 
@@ -199,23 +214,43 @@ def test_options_of_one_integrator_do_not_reach_another(case_file):
 
 
 def test_words_of_options():
-    assert options_of(["-ts_rtol", "1e-5", "-snes_monitor", "-ts_dt", "-1"]) == {"ts_rtol": "1e-5", "snes_monitor": "", "ts_dt": "-1"}
+    assert options_of(["-ts_rtol", "1e-5", "-snes_monitor", "-ts_dt", "-1"]) == {
+        "ts_rtol": "1e-5",
+        "snes_monitor": "",
+        "ts_dt": "-1",
+    }
 
 
-@pytest.mark.parametrize(("vary", "values", "names"), [
-    ("time-step", ["2 m"], "--values"), ("tolerance", ["-1"], "--values"), ("ranks", ["1.5"], "--values"), ("order", ["9"], "--values"),
-    ("integrator", ["rk4"], "--values"), ("wind", [], "--vary"), ("tolerance", ["1e-3", "1e-3"], "--values")])
+@pytest.mark.parametrize(
+    ("vary", "values", "names"),
+    [
+        ("time-step", ["2 m"], "--values"),
+        ("tolerance", ["-1"], "--values"),
+        ("ranks", ["1.5"], "--values"),
+        ("order", ["9"], "--values"),
+        ("integrator", ["rk4"], "--values"),
+        ("wind", [], "--vary"),
+        ("tolerance", ["1e-3", "1e-3"], "--values"),
+    ],
+)
 def test_nonsense_is_refused_before_anything_is_written(case_file, tmp_path, vary, values, names):
     with pytest.raises(CaseError) as caught:
-        study(case_file, vary, values=values, out=tmp_path / "out", run=lambda job: "never", say=lambda line: None)
+        study(
+            case_file,
+            vary,
+            values=values,
+            out=tmp_path / "out",
+            run=lambda job: "never",
+            say=lambda line: None,
+        )
     assert caught.value.at == names
     assert not (tmp_path / "out").exists()
 
 
 # ---------------------------------------------------------------------- runs by a stub
 class Stub:
-    """In place of a run: bit speed (1 + h^2 + mesh (L/n)^4) t, h the fixed step, L/n the element length, so that errors are known; notes
-    its calls, fails where told to."""
+    """In place of a run: bit speed (1 + h^2 + mesh (L/n)^4) t, h the fixed step, L/n the element length, so
+    that errors are known; notes its calls, fails where told to."""
 
     def __init__(self, fails: str = "never", mesh: float = 0.0):
         self.calls: list[str] = []
@@ -237,8 +272,13 @@ class Stub:
         rows = "".join(f"{float(a)!r},{float(a * (1 + h**2 + self.mesh * element**4))!r}\n" for a in t)
         (job.folder / "history.csv").write_text("time [s],bit_speed [rad/s]\n" + rows, encoding="utf-8")
         steps = round(1 / (h or 1e-3))
-        reported = {"wall_seconds": 2.0 * steps, "cpu_seconds": float(steps), "steps": steps, "simulated": 1.0,
-                "elements": round(2 / element)}
+        reported = {
+            "wall_seconds": 2.0 * steps,
+            "cpu_seconds": float(steps),
+            "steps": steps,
+            "simulated": 1.0,
+            "elements": round(2 / element),
+        }
         (job.folder / "summary.json").write_text(json.dumps(reported), encoding="utf-8")
         return ""
 
@@ -248,8 +288,17 @@ def line(case, times: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def run_study(case_file: Path, out: Path, stub: Stub, **more):
-    return study(case_file, "time-step", values=["40 ms", "0.02", "0.01"], repeats=2, out=out, run=stub, exact=line,
-                 say=lambda text: None, **more)
+    return study(
+        case_file,
+        "time-step",
+        values=["40 ms", "0.02", "0.01"],
+        repeats=2,
+        out=out,
+        run=stub,
+        exact=line,
+        say=lambda text: None,
+        **more,
+    )
 
 
 def test_a_study_by_a_stub(case_file, tmp_path):
@@ -264,18 +313,39 @@ def test_a_study_by_a_stub(case_file, tmp_path):
 
 
 def test_a_mesh_study_by_a_stub(case_file, tmp_path):
-    """Errors C h^4, elements of 2 m to 0.5 m; Richardson from separate runs at 0.5, 0.25 and 0.125 m finds the limit and the order."""
-    result = study(case_file, "mesh", values=[4, 2, 1], repeats=1, out=tmp_path / "out", run=(stub := Stub(mesh=1e-3)), reference="bdf2",
-                   say=lambda text: None)
+    """Errors C h^4, elements of 2 m to 0.5 m; Richardson from separate runs at 0.5, 0.25 and 0.125 m finds
+    the limit and the order."""
+    result = study(
+        case_file,
+        "mesh",
+        values=[4, 2, 1],
+        repeats=1,
+        out=tmp_path / "out",
+        run=(stub := Stub(mesh=1e-3)),
+        reference="bdf2",
+        say=lambda text: None,
+    )
     assert "Richardson" in result.findings["reference"]["what"]
     assert result.findings["reference"]["mesh_order"]["bit_speed"] == pytest.approx(4.0, abs=1e-6)
-    assert [row["error_bit_speed_max"] for row in result.rows] == pytest.approx([16e-3, 1e-3, 1e-3 / 16], rel=1e-6)
+    assert [row["error_bit_speed_max"] for row in result.rows] == pytest.approx(
+        [16e-3, 1e-3, 1e-3 / 16], rel=1e-6
+    )
     assert result.findings["orders"]["mesh"]["bit_speed"]["max"]["order"] == pytest.approx(4.0, abs=1e-6)
-    assert sum("reference" in folder for folder in stub.calls) == 3  # none of the points stands for the reference
+    assert (
+        sum("reference" in folder for folder in stub.calls) == 3
+    )  # none of the points stands for the reference
 
 
 def test_ranks_are_compared_with_a_separate_run_on_one(case_file, tmp_path):
-    result = study(case_file, "ranks", values=[1, 2], repeats=1, out=tmp_path / "out", run=(stub := Stub()), say=lambda text: None)
+    result = study(
+        case_file,
+        "ranks",
+        values=[1, 2],
+        repeats=1,
+        out=tmp_path / "out",
+        run=(stub := Stub()),
+        say=lambda text: None,
+    )
     assert stub.ranks == [1, 1, 1, 2]  # pilot, reference, points
     assert result.findings["speed_up"] == {"1": 1.0, "2": 1.0}
     assert [row["error_bit_speed_max"] for row in result.rows] == [0.0, 0.0]
@@ -308,18 +378,27 @@ def test_all_failed_is_useless_and_still_told(case_file, tmp_path):
 
 
 def test_reference_is_finer_than_the_points(case_file):
-    """Tolerances 1e-3 and 1e-5 among the points: 1e-5 is the finest; steps alone of 5 ms, half the rows' 10 ms that stand in for the mean
+    """Tolerances 1e-3 and 1e-5 among the points: 1e-5 is the finest; steps alone of 5 ms, half the rows' 10
+    ms that stand in for the mean
     step: 1e-3/2^3."""
     from drillpetsc.studies.convergence.plan import finest_tolerance
 
     base = read_base(case_file, {})
-    assert finest_tolerance(plan_of("tolerance", base, ["1e-3", "1e-5"]) + plan_of("time-step", base, ["1 ms"]), base) == 1e-5
+    assert (
+        finest_tolerance(
+            plan_of("tolerance", base, ["1e-3", "1e-5"]) + plan_of("time-step", base, ["1 ms"]), base
+        )
+        == 1e-5
+    )
     assert finest_tolerance(plan_of("time-step", base, ["0.02", "5 ms"]), base) == pytest.approx(1e-3 / 8)
 
 
-@pytest.mark.parametrize("far, expected", [({"arkimex"}, "bdf3"), ({"arkimex", "bdf3", "bdf2"}, "bdf2"), (set(), "arkimex")])
+@pytest.mark.parametrize(
+    "far, expected", [({"arkimex"}, "bdf3"), ({"arkimex", "bdf3", "bdf2"}, "bdf2"), (set(), "arkimex")]
+)
 def test_a_reference_is_sure_of_itself(far, expected, monkeypatch):
-    """One that is far from itself at a looser tolerance is passed over; where all are, the nearest is taken (bdf2 here)."""
+    """One that is far from itself at a looser tolerance is passed over; where all are, the nearest is taken
+    (bdf2 here)."""
     from types import SimpleNamespace
 
     from drillpetsc.studies.convergence import reference as study_reference
@@ -333,7 +412,11 @@ def test_a_reference_is_sure_of_itself(far, expected, monkeypatch):
         return Reference(t, {"wob": t + (off[name] * loose if name in far else 0.0)}, words)
 
     monkeypatch.setattr(study_reference, "_of_run", of_run)
-    monkeypatch.setattr(study_reference, "finest_tolerance", lambda points, base: 1e-5 / study_reference.FINER)
-    bench = SimpleNamespace(base=SimpleNamespace(history_every=0.1, own_options={}), say=lambda words: None, limit=1.0)
+    monkeypatch.setattr(
+        study_reference, "finest_tolerance", lambda points, base: 1e-5 / study_reference.FINER
+    )
+    bench = SimpleNamespace(
+        base=SimpleNamespace(history_every=0.1, own_options={}), say=lambda words: None, limit=1.0
+    )
     found = _integrated(bench, [], ("arkimex", "bdf3", "bdf2"))
     assert found is not None and found.words.startswith(f"separate run by {expected}")

@@ -10,7 +10,8 @@ from drillpetsc.solvers.local_error import local_error
 
 @pytest.mark.parametrize(("order", "share"), [(1, 1 / 2), (2, 2 / 9), (3, 3 / 22)])
 def test_equal_steps(order, share):
-    """x = t^(k+1): local error share h^(k+1) x^(k+1)(t), share 1/((k + 1) sum of 1/j, j = 1..k) (Hairer, Norsett, Wanner I, III.2)."""
+    """x = t^(k+1): local error share h^(k+1) x^(k+1)(t), share 1/((k + 1) sum of 1/j, j = 1..k) (Hairer,
+    Norsett, Wanner I, III.2)."""
     h = 0.1
     times = [1.0 + h * i for i in range(order + 2)]
     derivative = float(np.prod(np.arange(1, order + 2)))
@@ -19,8 +20,9 @@ def test_equal_steps(order, share):
 
 
 def test_unequal_steps_of_bdf2():
-    """x = t^3, x' exact at the last of the times 0, .1, .3, .6: BDF2 from exact .1 and .3 gives x_n = (x' - w1 x1 - w2 x2)/w0, w the
-    weights of the derivative of the parabola; the estimate is x(.6) - x_n but for its sign."""
+    """x = t^3, x' exact at the last of the times 0, .1, .3, .6: BDF2 from exact .1 and .3 gives x_n = (x' -
+    w1 x1 - w2 x2)/w0, w the weights of the derivative of the parabola; the estimate is x(.6) - x_n but for
+    its sign."""
     t = [0.0, 0.1, 0.3, 0.6]
     w2 = (0.6 - 0.3) / ((0.1 - 0.3) * (0.1 - 0.6))
     w1 = (0.6 - 0.1) / ((0.3 - 0.1) * (0.3 - 0.6))

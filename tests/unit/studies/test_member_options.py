@@ -42,7 +42,9 @@ def on_the_command_line() -> Iterator[list[str]]:
         PETSc.Options().delValue(name)
 
 
-def test_a_misspelt_option_of_the_command_line(file: Path, tmp_path: Path, on_the_command_line: list[str]) -> None:
+def test_a_misspelt_option_of_the_command_line(
+    file: Path, tmp_path: Path, on_the_command_line: list[str]
+) -> None:
     on_the_command_line.append("ts_rtoll")
     PETSc.Options()["ts_rtoll"] = 1e-3
     with pytest.raises(CaseError) as caught:
@@ -84,7 +86,9 @@ def test_an_option_that_one_scene_reads_and_another_does_not(
     assert [row["status"] for row in result.rows] == ["done", "done"] and sorted(ran) == ["arkimex", "bdf"]
 
 
-def test_members_run_with_the_options_that_they_read(file: Path, tmp_path: Path, on_the_command_line: list[str]) -> None:
+def test_members_run_with_the_options_that_they_read(
+    file: Path, tmp_path: Path, on_the_command_line: list[str]
+) -> None:
     on_the_command_line.append("ts_rtol")
     PETSc.Options()["ts_rtol"] = 1e-3
     result = sweep(file, SPEEDS, tmp_path / "out", progress="silent")

@@ -1,4 +1,5 @@
-"""Sweeps before anything runs: which members there are, what is refused, how ranks are shared out, what a restart does."""
+"""Sweeps before anything runs: which members there are, what is refused, how ranks are shared out, what a
+restart does."""
 
 from __future__ import annotations
 
@@ -10,7 +11,18 @@ import pytest
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from drillpetsc.studies.sweep.plan import plan_sweep, plan_wells
-from drillpetsc.studies.sweep.table import AGAIN, CONTINUE, KEEP, NEW, Member, Outcome, claim, keep_outcome, outcomes, write
+from drillpetsc.studies.sweep.table import (
+    AGAIN,
+    CONTINUE,
+    KEEP,
+    NEW,
+    Member,
+    Outcome,
+    claim,
+    keep_outcome,
+    outcomes,
+    write,
+)
 from drillpetsc.studies.sweep.variations import choices_from, choices_of, split_values, variations
 from drillpetsc.studies.sweep.worker_groups import LEAST_ELEMENTS, team_sizes
 
@@ -57,10 +69,15 @@ def test_every_combination_the_last_key_fastest_in_si(file):
 
 def test_a_block_that_is_off_makes_one_member_of_all_its_values(file):
     """2 x 2 with fluid and one without, in whatever order the keys stand."""
-    found = variations(file, choices_of(["fluid.density=1000,1200", "fluid=on,off", "fluid.flow_rate=1 l/s,2 l/s"]))
+    found = variations(
+        file, choices_of(["fluid.density=1000,1200", "fluid=on,off", "fluid.flow_rate=1 l/s,2 l/s"])
+    )
     assert sorted(v.case.fluid is None for v in found) == [False] * 4 + [True]
     dry = next(v for v in found if v.case.fluid is None)
-    assert dry.values == {"fluid.density": "-", "fluid": "off", "fluid.flow_rate": "-"} and dry.number_of("fluid.density") is None
+    assert (
+        dry.values == {"fluid.density": "-", "fluid": "off", "fluid.flow_rate": "-"}
+        and dry.number_of("fluid.density") is None
+    )
 
 
 def test_contact_is_switched_off_although_its_absence_would_mean_defaults(file):
@@ -69,9 +86,18 @@ def test_contact_is_switched_off_although_its_absence_would_mean_defaults(file):
 
 
 def test_python_values_are_those_of_the_words(file):
-    words = variations(file, choices_of(["fluid.density=1000,1.2 g/cm3", "output.probes=[1, 2],[3]", "fluid.annulus=true,false"]))
-    values = {"fluid.density": [1000, "1.2 g/cm3"], "output.probes": ([1, 2], [3]), "fluid.annulus": [True, False]}
-    assert [v.case for v in words] == [v.case for v in variations(file, choices_from(values))] and len(words) == 8
+    words = variations(
+        file,
+        choices_of(["fluid.density=1000,1.2 g/cm3", "output.probes=[1, 2],[3]", "fluid.annulus=true,false"]),
+    )
+    values = {
+        "fluid.density": [1000, "1.2 g/cm3"],
+        "output.probes": ([1, 2], [3]),
+        "fluid.annulus": [True, False],
+    }
+    assert [v.case for v in words] == [v.case for v in variations(file, choices_from(values))] and len(
+        words
+    ) == 8
 
 
 @pytest.mark.parametrize(
@@ -102,7 +128,9 @@ def test_all_wrong_values_are_told_at_once_and_the_member_is_named(file):
     with pytest.raises(CaseError) as caught:
         variations(file, choices_of(["fluid.flow_rate=20 kg,20 l/s", "top.rotation=3 m"]))
     text = str(caught.value)
-    assert "20 kg" in text and "3 m" in text and "in the member fluid.flow_rate=20 kg, top.rotation=3 m" in text
+    assert (
+        "20 kg" in text and "3 m" in text and "in the member fluid.flow_rate=20 kg, top.rotation=3 m" in text
+    )
 
 
 def test_a_case_without_time_is_refused(file):
@@ -122,7 +150,12 @@ BIG = 100 * LEAST_ELEMENTS
         ([1, 1, 1, 1], [BIG] * 4, 4, [1, 1, 1, 1]),
         ([1, 1], [BIG] * 2, 4, [2, 2]),
         ([1, 1], [BIG] * 2, 5, [3, 2]),
-        ([6, 1, 1], [BIG] * 3, 4, [3, 1]),  # a share of 3 ranks of 4; the two small ones follow each other on the fourth
+        (
+            [6, 1, 1],
+            [BIG] * 3,
+            4,
+            [3, 1],
+        ),  # a share of 3 ranks of 4; the two small ones follow each other on the fourth
         ([3, 1], [BIG] * 2, 4, [3, 1]),
         ([1, 1], [LEAST_ELEMENTS] * 2, 4, [1, 1]),  # strings too short for two ranks each
         ([1], [BIG], 3, [3]),
@@ -134,7 +167,8 @@ def test_ranks_follow_the_expected_cost(costs, elements, ranks, sizes):
 
 
 def test_teams_never_outnumber_the_ranks():
-    """For falling costs of any spread: at least a rank each, and a single one is left wherever members wait."""
+    """For falling costs of any spread: at least a rank each, and a single one is left wherever members
+    wait."""
     for spread in (1.0, 0.9, 0.5, 0.1, 1e-3):
         for members in range(1, 9):
             costs = [spread**k for k in range(members)]
@@ -146,8 +180,17 @@ def test_teams_never_outnumber_the_ranks():
 
 # ---------------------------------------------------------------------- places and table
 def _members(file: Path, words: list[str]) -> list[Member]:
-    return [Member(k, f"member-{k:03d}", v.values, v.case, 5, {key: n for key in v.values if (n := v.number_of(key)) is not None})
-            for k, v in enumerate(variations(file, choices_of(words)), 1)]
+    return [
+        Member(
+            k,
+            f"member-{k:03d}",
+            v.values,
+            v.case,
+            5,
+            {key: n for key in v.values if (n := v.number_of(key)) is not None},
+        )
+        for k, v in enumerate(variations(file, choices_of(words)), 1)
+    ]
 
 
 def _leave(folder: Path, member: Member, status: str, checkpoint: bool) -> None:
@@ -160,7 +203,8 @@ def _leave(folder: Path, member: Member, status: str, checkpoint: bool) -> None:
 
 
 def test_a_restart_keeps_what_is_done_and_continues_what_has_a_checkpoint(file, tmp_path):
-    """Members are known by their case, so values may be added; another case never takes a folder that holds results."""
+    """Members are known by their case, so values may be added; another case never takes a folder that holds
+    results."""
     out = tmp_path / "out"
     old = _members(file, ["fluid.density=1000,1100,1200,1300"])
     plan = plan_sweep("", "small", old, out, False, False)
@@ -169,9 +213,16 @@ def test_a_restart_keeps_what_is_done_and_continues_what_has_a_checkpoint(file, 
     _leave(plan.places[0].folder, old[0], "done", True)
     _leave(plan.places[1].folder, old[1], "failed: x", True)
     _leave(plan.places[2].folder, old[2], "failed: x", False)
-    again = plan_sweep("", "small", _members(file, ["fluid.density=900,1000,1100,1200,1300"]), out, True, False)
+    again = plan_sweep(
+        "", "small", _members(file, ["fluid.density=900,1000,1100,1200,1300"]), out, True, False
+    )
     assert [(p.folder.name, p.action) for p in again.places] == [
-        ("member-006", NEW), ("member-001", KEEP), ("member-002", CONTINUE), ("member-003", AGAIN), ("member-005", NEW)]
+        ("member-006", NEW),
+        ("member-001", KEEP),
+        ("member-002", CONTINUE),
+        ("member-003", AGAIN),
+        ("member-005", NEW),
+    ]
 
 
 def test_an_existing_folder_is_refused_and_one_without_a_sweep_not_continued(file, tmp_path):
@@ -193,7 +244,11 @@ def test_overwrite_removes_members_and_nothing_else(file, tmp_path):
     (out / "notes.txt").write_text("mine")
     (out / "member-002" / "notes.txt").write_text("mine")
     plan_sweep("", "small", members, out, False, True)
-    assert (out / "notes.txt").exists() and not (out / "member-001").exists() and not (out / "sweep.csv").exists()
+    assert (
+        (out / "notes.txt").exists()
+        and not (out / "member-001").exists()
+        and not (out / "sweep.csv").exists()
+    )
     assert [p.name for p in (out / "member-002").iterdir()] == ["notes.txt"]
 
 
@@ -214,12 +269,23 @@ def test_the_table_says_how_far_each_member_is(file, tmp_path):
     write(plan, {"ranks": 4})
     table = read_table(tmp_path / "out" / "sweep.csv")
     assert table["status"].tolist() == ["done", "running", "waiting"]
-    assert table["fluid.density"].tolist() == ["1000", "1100 kg/m3", "1200"] and table["fluid.density (SI)"].tolist() == [1000, 1100, 1200]
+    assert table["fluid.density"].tolist() == ["1000", "1100 kg/m3", "1200"] and table[
+        "fluid.density (SI)"
+    ].tolist() == [1000, 1100, 1200]
     assert table["wob [N]"][0] == 7 and table["ranks"].tolist() == [2, 0, 0]
     keep_outcome(plan, Outcome(2, "failed", 'broke, "so"', (0,), 0.5))
     keep_outcome(plan, Outcome(3, "done", "", (1,), 0.5))
     write(plan, {"ranks": 4})
     assert read_table(tmp_path / "out" / "sweep.csv")["message"].tolist() == ["", 'broke, "so"', ""]
     reported = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert (reported["status"], reported["done"], reported["failed"], reported["title"]) == ("failed", 2, 1, "title")
-    assert [m["computed_by"] for m in reported["members"]] == [[2, 3], [0], [1]] and set(outcomes(plan)) == {1, 2, 3}
+    assert (reported["status"], reported["done"], reported["failed"], reported["title"]) == (
+        "failed",
+        2,
+        1,
+        "title",
+    )
+    assert [m["computed_by"] for m in reported["members"]] == [[2, 3], [0], [1]] and set(outcomes(plan)) == {
+        1,
+        2,
+        3,
+    }
