@@ -24,7 +24,8 @@ class RunControl:
 
     def __init__(self, mpi: Any):
         self.mpi, self.error = mpi, ""
-        self._mine, self._number, self._received, self._steps = NOTHING, 0, 0, 0
+        self._mine, self._number, self._steps = NOTHING, 0, 0
+        self._received = 0  # the number that any rank got
         self._before: dict[int, Any] = {}
 
     def __enter__(self) -> RunControl:
