@@ -14,6 +14,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from drillpetsc.kernels.parameters import Table, parameters_of
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
@@ -45,7 +47,8 @@ class ElementBlock:
 
     cells/vertices: ``points`` are local numbers of the line; ``slots`` lists (field, end) in the kernel's
     order, end 0 the upper vertex, 1 the lower one; ``spins`` the ends whose spin angle the kernel uses, in
-    the kernel's order.  ``params``: (n, p) constants.
+    the kernel's order.  ``params``: (n, p) constants, made by
+    kernels.parameters.Parameters.
     ``update(t)`` refreshes time-dependent parameters before an evaluation; ``context`` is an address handed
     to the kernel.  ``room``: what messages call it, the name unless given.
     """
@@ -64,6 +67,11 @@ class ElementBlock:
 
     def __post_init__(self) -> None:
         self.component = self.component or self.name
+
+    @property
+    def named(self) -> Table:
+        """``params`` by the names of the kernel's parameters, as views: ``block.named["length"]``."""
+        return parameters_of(self.kernel, self.params)
 
 
 @dataclass(frozen=True)
