@@ -23,8 +23,6 @@ from drillpetsc.analysis.quaternion_statics import equilibrium, move, place
 from drillpetsc.analysis.soft_string import TorqueDrag
 from drillpetsc.analysis.soft_string_start import soft_string_start
 from drillpetsc.analysis.steady_flow import place_fluid, steady_flow
-from drillpetsc.case.blocks.ends import DrivenTop
-from drillpetsc.case.blocks.ends import TopDrive as TopDriveCase
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.quaternion.beam import QuaternionBeam
@@ -55,10 +53,11 @@ class StaticState:
 def prescribed_motion(model: DrillingModel) -> tuple[float, float]:
     """Axial velocity (down positive) and rotation that the top prescribes at time 0."""
     top = model.case.top
-    if isinstance(top, (TopDriveCase, DrivenTop)):
-        lowering = 0.0 if getattr(top, "force", None) is not None else top.lowering.value(0.0)
-        return lowering, top.rotation.value(0.0)
-    return 0.0, 0.0
+    lowering = top.lowering if top.force is None else None
+    rotation = top.rotation
+    return (lowering.value(0.0) if lowering is not None else 0.0), (
+        rotation.value(0.0) if rotation is not None else 0.0
+    )
 
 
 def place_along_hole(model: DrillingModel) -> None:
@@ -265,7 +264,7 @@ def _ask_for_weight(model: DrillingModel, solver: StaticNewton, wob: float) -> N
         raise CaseError(
             at="initial.wob", got=f"{wob:g} N", want="a bottom of kind bit, on which the weight can stand"
         )
-    if top is None or not hasattr(top, "shift") or getattr(model.case.top, "force", None) is not None:
+    if top is None or not hasattr(top, "shift") or model.case.top.force is not None:
         raise CaseError(
             at="initial.wob",
             got=f"{wob:g} N",
