@@ -12,6 +12,7 @@ from drillpetsc.case.checks.case import check_case
 from drillpetsc.case.defaults import fill_case_defaults, fill_presence_defaults
 from drillpetsc.case.key_paths import check_plain
 from drillpetsc.case.messages import case_error
+from drillpetsc.case.old_words import check_old_words
 from drillpetsc.case.writer import case_yaml
 
 
@@ -26,6 +27,7 @@ class Case(CaseBlocks):
 
     def __init__(self, /, **keys: Any) -> None:
         check_plain(keys)
+        check_old_words(keys)
         try:
             super().__init__(**keys)
         except ValidationError as error:
