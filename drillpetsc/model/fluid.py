@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
+from typing import Any
 
 import numpy as np
 
@@ -121,15 +122,9 @@ def build_fluid(
             end = _drilled(end, hole, f.cuttings == "returned")
         bit = BitFlow(mesh.nodes - 1, end, constants, held, moving_hole, hole)
         if hermite:
+            pair: Any = (bore_flow, annulus)  # Hermite channels both
             bit = HermiteBit(
-                mesh.nodes - 1,
-                end,
-                constants,
-                f.flow_rate,
-                bore_flow,  # type: ignore[arg-type]
-                annulus,  # type: ignore[arg-type]
-                position[-1],
-                held,
+                mesh.nodes - 1, end, constants, f.flow_rate, pair[0], pair[1], position[-1], held
             )
     volumes = None
     if hermite:

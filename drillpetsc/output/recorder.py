@@ -135,8 +135,8 @@ class Recorder:
                     f.reaction[names.index("top.torque_reaction")] if "top.torque_reaction" in names else 0.0
                 )
         if isinstance(model.top, ConstrainedEnd):
-            v[0] = -model.top.own_reaction("top.axial_reaction", asm)
-            v[1] = model.top.own_reaction("top.torque_reaction", asm)
+            v[0] = -model.top.reaction("top.axial_reaction", asm)
+            v[1] = model.top.reaction("top.torque_reaction", asm)
         if model.drive is not None:
             v[1] += model.drive.torque(t, asm)
         if model.bit is not None:

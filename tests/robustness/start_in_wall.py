@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from drillpetsc.analysis import checkpoint
-from drillpetsc.analysis.equilibrium import place_along_hole, release
+from drillpetsc.analysis.placement import place_along_hole, release
 from drillpetsc.analysis.transient import RunResult, make_integrator, run
 from drillpetsc.case import Case
 from drillpetsc.model.drilling_model import DrillingModel, build_model
