@@ -209,7 +209,7 @@ def _ask_for_weight(model: DrillingModel, solver: StaticNewton, wob: float) -> N
         raise CaseError(
             at="initial.wob", got=f"{wob:g} N", want="a bottom of kind bit, on which the weight can stand"
         )
-    if top is None or not hasattr(top, "shift") or getattr(model.case.top, "force", None) is not None:
+    if top is None or not hasattr(top, "shift") or model.case.top.force is not None:
         raise CaseError(
             at="initial.wob",
             got=f"{wob:g} N",

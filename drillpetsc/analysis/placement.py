@@ -5,18 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.analysis.steady_flow import place_fluid, release_flow
-from drillpetsc.case.blocks.ends import DrivenTop
-from drillpetsc.case.blocks.ends import TopDrive as TopDriveCase
 from drillpetsc.model.drilling_model import DrillingModel
 
 
 def prescribed_motion(model: DrillingModel) -> tuple[float, float]:
     """Axial velocity [m/s, down positive] and rotation [rad/s] that the top prescribes at time 0."""
     top = model.case.top
-    if isinstance(top, (TopDriveCase, DrivenTop)):
-        lowering = 0.0 if getattr(top, "force", None) is not None else top.lowering.value(0.0)
-        return lowering, top.rotation.value(0.0)
-    return 0.0, 0.0
+    lowering = top.lowering if top.force is None else None
+    rotation = top.rotation
+    return (lowering.value(0.0) if lowering is not None else 0.0), (
+        rotation.value(0.0) if rotation is not None else 0.0
+    )
 
 
 def place_along_hole(model: DrillingModel) -> None:

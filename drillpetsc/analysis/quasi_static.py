@@ -23,7 +23,7 @@ def longest_step(model: DrillingModel) -> float:
     assert case.time is not None
     if case.time.step is not None:
         return case.time.step
-    lowering = getattr(case.top, "lowering", None)
+    lowering = case.top.lowering
     if lowering is None:
         return LONGEST_STEP
     times = np.linspace(0.0, case.time.end, 200)
@@ -81,8 +81,8 @@ class QuasiStatic:
     def motion(self, t: float) -> tuple[float, float]:
         """Lowering [m/s] and rotation [rad/s] of the top at ``t``."""
         top = self.model.case.top
-        lowering = getattr(top, "lowering", None) if getattr(top, "force", None) is None else None
-        rotation = getattr(top, "rotation", None)
+        lowering = top.lowering if top.force is None else None
+        rotation = top.rotation
         return (lowering.value(t) if lowering is not None else 0.0), (
             rotation.value(t) if rotation is not None else 0.0
         )

@@ -31,7 +31,7 @@ def soft_string_start(model: DrillingModel, motion: tuple[float, float]) -> Torq
         return None
     depth = mesh.node_depth
     wob = case.initial.wob or 0.0
-    force = getattr(case.top, "force", None)
+    force = case.top.force
     weight = model.effective_mass * g
     for b in mesh.bodies:
         if b.node < mesh.nodes - 1:

@@ -76,7 +76,7 @@ class DrillingModel:
     @property
     def breaks(self) -> tuple[float, ...]:
         """Times at which an input jumps or bends [s]."""
-        turning = getattr(self.case.top, "rotation", None) if is_quasi_static(self.case) else None
+        turning = self.case.top.rotation if is_quasi_static(self.case) else None
         return tuple(
             sorted(
                 {b for component in self.components for b in component.breaks()}
@@ -219,7 +219,7 @@ def _top_rooms(case: Case, position: FloatArray, tangent: FloatArray):
 
 
 def _top_breaks(case: Case) -> tuple[float, ...]:
-    force = getattr(case.top, "force", None)
+    force = case.top.force
     return force.breaks() if force is not None else ()
 
 
@@ -251,14 +251,14 @@ def _contact(
         speed,
         c.points_per_element,
     )
-    return kind(mesh, well, law, getattr(case, "formation", None) is None, case.top.kind == "free")
+    return kind(mesh, well, law, case.formation is None, case.top.kind == "free")
 
 
 def _bit(case: Case, mesh: StringMesh, well: Well | None) -> BitOnBottom | RockBit | None:
     bottom = case.bottom
     if not isinstance(bottom, BitBottom) or well is None:
         return None
-    if getattr(case, "formation", None) is not None:
+    if case.formation is not None:
         return build_rock_bit(case, mesh, well)
     end, axis, _ = well.at(np.array([hole_depth(case)]))
     face = mesh.total_length - mesh.node_depth[-1]
@@ -298,7 +298,7 @@ def _loads(case: Case, mesh: StringMesh, tangent: FloatArray) -> tuple[NodeLoad,
             out.append(NodeLoad(node, load.force, load.moment, section=section, factor=factor))
     if isinstance(case.bottom, ForcedBottom):
         out.append(NodeLoad(mesh.nodes - 1, case.bottom.force, case.bottom.moment))
-    force = getattr(case.top, "force", None)
+    force = case.top.force
     if force is not None:  # tension positive: the drive pulls the top node up along the axis
         out.append(NodeLoad(0, tuple(-tangent[0]), factor=force.value))
     return tuple(out)

@@ -98,9 +98,7 @@ class Recorder:
     def _columns(self) -> list[Column]:
         model = self.model
         out: list[Column] = [("time", "s")]
-        if model.beam is not None and (
-            model.top is not None or getattr(model.case.top, "force", None) is not None
-        ):
+        if model.beam is not None and (model.top is not None or model.case.top.force is not None):
             out += [("hook_load", "N"), ("surface_torque", "N m")]
         if model.bit is not None:
             out += [("wob", "N"), ("bit_torque", "N m")]
@@ -165,7 +163,7 @@ class Recorder:
                 v[-FlowRecorder.SIZE :] = self.flow.sample(t)
         if system.comm.size > 1:
             v = self.comm.allreduce(v)
-        force = getattr(model.case.top, "force", None)
+        force = model.case.top.force
         if force is not None:
             v[0] = force.value(t)
         return v
