@@ -358,9 +358,9 @@ def _run(arguments, petsc_names: list[str]) -> int:
     if _rank() == 0:
         print("\n".join(closing_lines(result.summary, result.folder)))
     if arguments.companion:
-        from drillpetsc.studies.convergence.coarse_mesh import add_companion, mesh_lines
+        from drillpetsc.studies.convergence.coarse_mesh import add_mesh_error, mesh_lines
 
-        reported = add_companion(case, result.folder, result.summary, name, progress=arguments.progress)
+        reported = add_mesh_error(case, result.folder, result.summary, name, progress=arguments.progress)
         if _rank() == 0:
             print("\n".join(mesh_lines(reported)))
     return 0

@@ -23,14 +23,10 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.analysis.coupled import release_flow
-from drillpetsc.analysis.equilibrium import (
-    StaticState,
-    find_equilibrium,
-    move_rigidly,
-    prescribed_motion,
-    release,
-)
+from drillpetsc.analysis.equilibrium import StaticState
+from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.placement import move_rigidly, prescribed_motion, release
+from drillpetsc.analysis.steady_flow import release_flow
 from drillpetsc.analysis.time_scales import time_scales
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.case.case import Case

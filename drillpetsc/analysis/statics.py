@@ -6,7 +6,8 @@ from pathlib import Path
 
 from petsc4py import PETSc
 
-from drillpetsc.analysis.equilibrium import MOTIONS, StaticState, find_equilibrium
+from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
+from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.static_report import static_summary, static_table
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.case.case import Case

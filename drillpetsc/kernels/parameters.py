@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from drillpetsc.kernels import function
 
 FloatArray = NDArray[np.float64]
-_TYPES = {"double": ctypes.c_double, "int": ctypes.c_int}
+_TYPES = {"double": (ctypes.c_double, 1), "int": (ctypes.c_int, 1), "Vec<double>": (ctypes.c_double, 3)}
 
 
 class Columns:
@@ -41,6 +41,11 @@ class Columns:
             return self.at[name]
         except KeyError:
             raise KeyError(f"{self.label} has no {name!r}: it has {', '.join(self.names)}") from None
+
+    def span(self, first: str, last: str) -> slice:
+        """The columns from ``first`` to ``last``, both included."""
+        start, end = (slice(at, at + 1) if isinstance(at, int) else at for at in (self[first], self[last]))
+        return slice(start.start, end.stop)
 
 
 @cache
@@ -139,8 +144,9 @@ def _declarations(text: str) -> list[tuple[Any, str, int]]:
     """(type, name, length) of each field: "double a, b[3]; const int* c;"."""
     found = []
     for line in filter(None, map(str.strip, text.split(";"))):
-        kind, names = re.fullmatch(r"((?:const |signed )*\w+\s*\*?)\s*(.+)", line).groups()  # type: ignore[union-attr]
+        kind, names = re.fullmatch(r"((?:const |signed )*[\w<>]+\s*\*?)\s*(.+)", line).groups()  # type: ignore[union-attr]
+        number, width = (ctypes.c_void_p, 1) if "*" in kind else _TYPES[kind.strip()]
         for name in names.split(","):
             word, _, count = name.strip().rstrip("]").partition("[")
-            found.append((ctypes.c_void_p if "*" in kind else _TYPES[kind.strip()], word, int(count or 1)))
+            found.append((number, word, width * int(count or 1)))
     return found

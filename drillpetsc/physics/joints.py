@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.fem.component import (
+    Component,
     ElementBlock,
     Energies,
     Field,
@@ -19,7 +20,7 @@ from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, Table, columns
 from drillpetsc.physics.beam import SLOTS
-from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, ComponentBase, end_frames, local_vertices
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, end_frames, local_vertices
 
 _results = function("joint_results", "iippppp")
 _directions = function("joint_directions", "ipppp")
@@ -32,7 +33,7 @@ SCALE = 1.0e6
 STOP_ROUNDING = 1.0e-4  # a stop takes hold over this way [m]
 
 
-class Joints(ComponentBase):
+class Joints(Component):
     """All joints of a string.
 
     Fields: ``joint.load`` (6) at the node below, the multipliers in units of SCALE: force and moment that the
@@ -57,7 +58,15 @@ class Joints(ComponentBase):
 
     def fields(self) -> tuple[Field, ...]:
         load, correction = (
-            Field(name, 6, region=region, second_order=False, differential=False, multiplier=True)
+            Field(
+                name,
+                6,
+                physics="joint",
+                region=region,
+                second_order=False,
+                differential=False,
+                multiplier=True,
+            )
             for name, region in (("joint.load", "joint"), ("joint.correction", "stabilised_joint"))
         )
         return (load, correction) if self._stabilised.any() else (load,)
@@ -117,7 +126,7 @@ class Joints(ComponentBase):
             )
         return (*self._blocks, *extra)
 
-    def corrections(self, part) -> VelocityStabilization | None:
+    def velocity_stabilization(self, part) -> VelocityStabilization | None:
         """What corrects the velocities of the stabilised joints, on every rank that holds a node above
         one."""
         if not self._stabilised.any():

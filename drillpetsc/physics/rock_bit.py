@@ -15,9 +15,10 @@ from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, Table, columns, constant, structure
-from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, ComponentBase, local_vertices
+from drillpetsc.physics.interfaces import Bit
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
-_results = {kernel: function(f"{kernel}_results", "pppppp") for kernel in ("bit_rock", "bit_rock_profile")}
+_results = function("bit_rock_results", "ipppppp")
 _rate = function("rock_rate", "pppddp")
 
 _Law = structure("bit_law")  # BitLaw of kernels/bit/bit.hpp
@@ -140,7 +141,7 @@ def profile_derivative(states: int, length: float) -> FloatArray:
     return np.ascontiguousarray(d[:states])
 
 
-class RockBit(ComponentBase):
+class RockBit(Bit):
     """The bit at the lower end of the string; unknowns hole.end (3) [m] and hole.drilled [m], and a drag
     bit's profile bit.chips [m].
 
@@ -148,6 +149,9 @@ class RockBit(ComponentBase):
     """
 
     name = "bit"
+    has_contact = True
+    update_size = 6
+    hole: GrowingHole
 
     def __init__(
         self,
@@ -159,6 +163,7 @@ class RockBit(ComponentBase):
         hole: GrowingHole,
         inertia: bool = True,
     ):
+        self.stiffness = contact.stiffness
         self.node, self.shape, self.contact, self.law, self.rock, self.hole = (
             node,
             shape,
@@ -228,11 +233,29 @@ class RockBit(ComponentBase):
         free = not self.rock.post_step
         scale = 1e-3
         out: tuple[Field, ...] = (
-            Field("hole.end", 3, region="bottom", scale=scale, second_order=False, differential=free),
-            Field("hole.drilled", 1, region="bottom", scale=scale, second_order=False, differential=free),
+            Field(
+                "hole.end",
+                3,
+                physics="rock",
+                region="bottom",
+                scale=scale,
+                second_order=False,
+                differential=free,
+            ),
+            Field(
+                "hole.drilled",
+                1,
+                physics="rock",
+                region="bottom",
+                scale=scale,
+                second_order=False,
+                differential=free,
+            ),
         )
         if self.profiled:
-            out += (Field("bit.chips", CHIPS, region="bottom", scale=1e-4, second_order=False),)
+            out += (
+                Field("bit.chips", CHIPS, physics="rock", region="bottom", scale=1e-4, second_order=False),
+            )
         return out
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
@@ -293,7 +316,7 @@ class RockBit(ComponentBase):
         """StaticNewton: the hole stays; friction acts against an imposed motion (physics/contact.py)."""
         self._impose(STATICS, axial, spin, side)
 
-    def drill_quasi_static(self, axial: float, spin: float, side: float = 1.0) -> None:
+    def impose_drilling(self, axial: float, spin: float, side: float = 1.0) -> None:
         """The hole grows under a bit that turns with ``spin`` [rad/s]; inertia and impacts are left out."""
         self._impose(QUASI_STATIC, axial, spin, side)
 
@@ -306,7 +329,7 @@ class RockBit(ComponentBase):
         self.params["mode"] = MOTION
         self.params["torque0"], self.params["torque1"] = self._torque
 
-    def copy_sliding_direction(self, other: RockBit) -> None:
+    def copy_sliding_direction(self, other) -> None:
         """Take over the motion that statics imposed on another room."""
         self.params.array[:] = other.params.array
 
@@ -380,7 +403,7 @@ class RockBit(ComponentBase):
         state.x[i[11:]] = (depth - chip + chip * ahead) if weight > 0 else 0.0
 
     # ------------------------------------------------------------------ growth
-    def news(self, state) -> FloatArray:
+    def local_update(self, state) -> FloatArray:
         """(6,) after an accepted step, zero without the bit: place of the end (3) and metres drilled since
         the start, time, number of bits.
 
@@ -395,10 +418,10 @@ class RockBit(ComponentBase):
             now[4:] = self._time, 1.0
         return now
 
-    def take(self, news: FloatArray) -> None:
-        """All ranks learn what ``news`` said; the wall follows the end."""
-        self._end, self._accepted = news[:4].copy(), float(news[4])
-        if self.hole.follow(news[3], self.hole.first + news[:3]):
+    def apply_update(self, total: FloatArray) -> None:
+        """All ranks learn what ``local_update`` said; the wall follows the end."""
+        self._end, self._accepted = total[:4].copy(), float(total[4])
+        if self.hole.follow(total[3], self.hole.first + total[:3]):
             self._follow()
 
     def drilled_hole(self) -> Well:
@@ -424,7 +447,7 @@ class RockBit(ComponentBase):
         self._accepted = self._time = float(memory["accepted"][0])
         self._follow()
 
-    def signature(self) -> int:
+    def contact_signature(self) -> int:
         """Changes whenever the bit leaves the bottom or comes back to it, on the bit's rank."""
         return int(self._made.touching)
 
@@ -435,7 +458,8 @@ class RockBit(ComponentBase):
         rate of penetration in space (3) [m/s]; zero without the bit."""
         out = np.zeros(RESULTS.width)
         if self._mine:
-            _results[self._block.kernel](
+            _results(
+                int(self.profiled),
                 pointer(state.index_of(self._block)),
                 pointer(self.params.array),
                 ctypes.addressof(self._made),

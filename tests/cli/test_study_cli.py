@@ -159,7 +159,7 @@ def test_companion_states_time_and_mesh_error(tmp_path):
     assert "mesh, against elements twice as long" in done.stdout
     reported = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["error_estimate"]
     assert reported["mesh"]["elements"] == 4
-    folders = tmp_path / "out", tmp_path / "out" / "companion"
+    folders = tmp_path / "out", tmp_path / "out" / "coarse-mesh"
     fine, coarse = (read_table(folder / "history.csv")["bit_speed [rad/s]"] for folder in folders)
     column = reported["mesh"]["columns"]["bit_speed [rad/s]"]
     assert column["range"] == pytest.approx(np.ptp(fine))

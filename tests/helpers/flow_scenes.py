@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import Field
+from drillpetsc.fem.component import Component, Field
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import RigidItem, uniform_string
 from drillpetsc.geometry.frames import transported_frames
@@ -19,11 +19,9 @@ from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus, Bore
 from drillpetsc.physics.fluid.rheology import Rheology
-from drillpetsc.physics.rigid_bodies import ComponentBase
 from drillpetsc.time_function import Constant, Ramp
 from tests.helpers.scenes import GRAVITY, SECTION
 
-WIDENING = 28  # column of kernels/fluid/annulus_flow.hpp
 KINDS = (
     "pipe",
     "pipe_junction",
@@ -44,7 +42,7 @@ KINDS = (
 )
 
 
-class Drilled(ComponentBase):
+class Drilled(Component):
     """The unknowns of a hole that grows, without a bit that drills it."""
 
     def fields(self) -> tuple[Field, ...]:
@@ -122,7 +120,7 @@ def build(
     system = DiscreteSystem(mesh, frames, components)
     if "widening" in kind:
         for block in components[-1]._blocks:
-            block.params[:, WIDENING] = np.linspace(0.1, -0.2, len(block.points))
+            block.named["widening"] = np.linspace(0.1, -0.2, len(block.points))
     asm, size = system.assembly, system.layout.size
     if held is None:
         system.set_field("string.position", position + noise * rng.standard_normal((5, 3)))

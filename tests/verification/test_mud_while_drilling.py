@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 
 import drillpetsc
-from drillpetsc.analysis.equilibrium import place_along_hole
+from drillpetsc.analysis.placement import place_along_hole
 from drillpetsc.analysis.steady_flow import steady_flow
 from drillpetsc.case import Case
+from drillpetsc.kernels.parameters import parameters_of
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import read_table
 from tests.helpers.mud import (
@@ -141,7 +142,7 @@ def test_annulus_follows_a_string_that_slides_down_a_curved_hole():
     model = build_model(Case(**in_curved_hole()))
     place_along_hole(model)
     component, asm = model.fluid.annulus, model.system.assembly
-    component.find_hole(asm)
+    component.locate_hole(asm)
     for by in np.arange(0.04, 20.01, 0.04):
         shifted(model, by)
         component.accept(asm)
@@ -167,14 +168,18 @@ def test_annulus_follows_a_string_that_slides_down_a_curved_hole():
     fresh = build_model(Case(**in_curved_hole()))
     place_along_hole(fresh)
     shifted(fresh, 20.0)
-    fresh.fluid.annulus.find_hole(fresh.system.assembly)
+    fresh.fluid.annulus.locate_hole(fresh.system.assembly)
     for b, params in zip(fresh.fluid.annulus._blocks, walked, strict=True):
-        assert params[:, :10] == pytest.approx(b.params[:, :10], rel=1e-4)
-        assert params[:, 10:13] == pytest.approx(
-            b.params[:, 10:13], rel=2e-2
-        )  # renewed at changes of diameter of a hundredth
-        assert params[:, 13] == pytest.approx(b.params[:, 13], rel=1e-4, abs=1e-9)
-        assert params[:, 18:28] == pytest.approx(b.params[:, 18:28], abs=2e-5)
+        then, now = parameters_of(b.kernel, params), b.named
+        for name in ("length", "rigid", "poisson", "outer", "hole", "outer_above", "wall", "diameter"):
+            assert then[name] == pytest.approx(now[name], rel=1e-4)
+        for name in ("gap", "gap_above"):
+            assert then[name] == pytest.approx(now[name], rel=1e-4)
+        for name in ("chi", "damping", "turning"):  # renewed at changes of diameter of a hundredth
+            assert then[name] == pytest.approx(now[name], rel=2e-2)
+        assert then["step"] == pytest.approx(now["step"], rel=1e-4, abs=1e-9)
+        for name in ("tangent1", "tangent2", "bend", "head"):
+            assert then[name] == pytest.approx(now[name], abs=2e-5)
 
 
 def test_continued_run_knows_the_hole_as_it_was():

@@ -1,4 +1,5 @@
 #include "beam/eccentric.hpp"
+#include "core/formulations.hpp"
 
 namespace dp {
 
@@ -18,6 +19,7 @@ typedef dp::Eccentric<false> EccentricPlain;
 typedef dp::Eccentric<true> EccentricJunction;
 DP_ENTRY(eccentric, EccentricPlain)
 DP_ENTRY(eccentric_junction, EccentricJunction)
+DP_OTHER_FORMULATIONS(eccentric, EccentricPlain, 2)
 
 // kinetic and potential energy of n elements (D unknowns each): out (n, 2) [J]
 extern "C" void eccentric_energy(int n, int D, const int* idx, const double* par, const double* x, const double* y, double* out) {

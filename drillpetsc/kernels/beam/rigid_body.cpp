@@ -1,8 +1,10 @@
 #include "beam/rigid_body.hpp"
+#include "core/formulations.hpp"
 
 DP_ENTRY(body, dp::Body)
 DP_ENTRY(load, dp::Load)
 DP_ENTRY(drive, dp::Drive)
+DP_OTHER_FORMULATIONS(body, dp::Body, 1)
 
 // kinetic and potential energy of n bodies: out (n, 2) [J]
 extern "C" void body_energy(int n, const int* idx, const double* par, const double* x, const double* y, double* out) {

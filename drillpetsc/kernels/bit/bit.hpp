@@ -121,7 +121,7 @@ inline Vec<T> rock_rate(const BitLaw& law, const T& drilled, const Vec<T>& F, co
 
 // Weight on bit [N], torque on bit [N m], rate of penetration [m/s], side force [N], stored energy [J], power into rock and heat [W], depth
 // of the ellipsoid below the end [m], offset of its centre from the hole's axis [m], rate of penetration in space [m/s].
-DP_RECORD(BitResults, double weight, torque, rate, side, stored, dissipated, depth, offset; double velocity[3];)
+DP_RECORD(BitResults, double weight, torque, rate, side, stored, dissipated, depth, offset; Vec<double> velocity;)
 
 template <int N>  // number of states of the profile; 0: none
 struct Bit {
@@ -244,9 +244,8 @@ struct Bit {
         if (results) {
             results->weight = val(weight * tilt);
             results->torque = val(r[6]);
-            const Vec<double> velocity = {val(rate.x), val(rate.y), val(rate.z)};
-            results->velocity[0] = velocity.x; results->velocity[1] = velocity.y; results->velocity[2] = velocity.z;
-            results->rate = norm(velocity);
+            results->velocity = {val(rate.x), val(rate.y), val(rate.z)};
+            results->rate = norm(results->velocity);
             results->side = val(side);
             results->stored = 0.5 * (val(elastic) * val(onset_or_none(depth)) + val(elastic_s) * val(onset_or_none(depth_s)));
             // what the bit gives and the two springs do not store goes into rock and heat

@@ -8,7 +8,7 @@ from drillpetsc.fem.component import ElementBlock, Energies, FloatArray, Powers
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels.parameters import Parameters, Table
-from drillpetsc.physics.fluid.channel_flow import FIGURES, ChannelFlow, FluidConstants
+from drillpetsc.physics.fluid.channel_flow import ENERGIES, FIGURES, ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus
 from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, LateralCoefficients, MovingHole
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
@@ -153,7 +153,7 @@ class AnnulusFlow(ChannelFlow):
         return update
 
     # ------------------------------------------------------------------ the hole at the string's place
-    def find_hole(self, state) -> None:
+    def locate_hole(self, state) -> None:
         """Take the hole where the string is now, before a run: in statics."""
         self._look(state, False)
 
@@ -285,7 +285,7 @@ class AnnulusFlow(ChannelFlow):
         )
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(*map(float, self.figures(state)[:, :3].sum(axis=0)))
+        return Energies(*map(float, self.figures(state)[:, ENERGIES].sum(axis=0)))
 
     def powers(self, t: float, state) -> Powers:
         figures = self.figures(state)

@@ -7,7 +7,7 @@ import numpy as np
 from drillpetsc.fem.component import ElementBlock, Energies, FloatArray, Powers
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.kernels.parameters import Parameters, Table
-from drillpetsc.physics.fluid.channel_flow import FIGURES, ChannelFlow, FluidConstants
+from drillpetsc.physics.fluid.channel_flow import ENERGIES, FIGURES, ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Bore
 from drillpetsc.physics.rigid_bodies import local_vertices
 from drillpetsc.time_function import TimeFunction
@@ -116,7 +116,7 @@ class BoreFlow(ChannelFlow):
         return float(self.flow_rate.value(t)) if self.flow_rate is not None else self.upper_flow(state)
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(*map(float, self.figures(state)[:, :3].sum(axis=0)))
+        return Energies(*map(float, self.figures(state)[:, ENERGIES].sum(axis=0)))
 
     def powers(self, t: float, state) -> Powers:
         figures = self.figures(state)

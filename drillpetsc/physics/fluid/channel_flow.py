@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.fem.component import ElementBlock, Field, FloatArray
+from drillpetsc.fem.component import Component, ElementBlock, Field, FloatArray
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Table, columns, structure
-from drillpetsc.physics.beam import SLOTS, JUNCTION_SLOTS
-from drillpetsc.physics.rigid_bodies import ComponentBase
+from drillpetsc.physics.beam import JUNCTION_SLOTS, SLOTS
 
 FIGURES = columns("flow_results").names
+ENERGIES = columns("flow_results").span("kinetic", "potential")  # in the order of ``Energies``
 _Fluid = structure("fluid")  # Fluid of kernels/fluid/flow.hpp
 PRESSURE_SCALE, FLOW_SCALE = 1.0e7, 1.0e-2  # usual magnitudes [Pa], [m3/s]
 
@@ -52,7 +52,7 @@ class FluidConstants:
         return -self.bulk_modulus * np.expm1(-np.asarray(pressure) / self.bulk_modulus)
 
 
-class ChannelFlow(ComponentBase):
+class ChannelFlow(Component):
     """Elements of one channel; the subclass gives its name, kernel and parameters."""
 
     name = ""
@@ -65,8 +65,15 @@ class ChannelFlow(ComponentBase):
 
     def fields(self) -> tuple[Field, ...]:
         return (
-            Field(f"{self.name}.pressure", 1, scale=PRESSURE_SCALE, second_order=False),
-            Field(f"{self.name}.flow", 1, region="below_top", scale=FLOW_SCALE, second_order=False),
+            Field(f"{self.name}.pressure", 1, physics="fluid", scale=PRESSURE_SCALE, second_order=False),
+            Field(
+                f"{self.name}.flow",
+                1,
+                physics="fluid",
+                region="below_top",
+                scale=FLOW_SCALE,
+                second_order=False,
+            ),
         )
 
     def own_slots(self) -> tuple[tuple[str, int], ...]:

@@ -1,0 +1,23 @@
+// The fluid in and about the quaternion string, and at its bit.
+#include "fluid/annulus_flow.hpp"
+#include "fluid/bit_flow.hpp"
+#include "quaternion/on_quaternion.hpp"
+#include "fluid/bore_flow.hpp"
+
+typedef dp::BoreFlow<false, false> QuaternionPipe;
+typedef dp::AnnulusFlow<false, false> QuaternionAnnulus;
+typedef dp::BitFlow<true, true, false> QuaternionNozzle;
+typedef dp::BitFlow<true, false, false> QuaternionJet;
+typedef dp::BitFlow<false, true, false> QuaternionClosed;
+typedef dp::BitFlow<true, true, false, true> QuaternionNozzleGrow;
+typedef dp::BitFlow<false, true, false, true> QuaternionClosedGrow;
+DP_ON_QUATERNION(bore_flow, QuaternionPipe, 2)
+DP_ON_QUATERNION(annulus_flow, QuaternionAnnulus, 2)
+DP_ON_QUATERNION(annulus_top, dp::AnnulusTop, 1)
+DP_ON_QUATERNION(bit_flow, QuaternionNozzle, 1)
+DP_ON_QUATERNION(bit_flow_jet, QuaternionJet, 1)
+DP_ON_QUATERNION(bit_flow_closed, QuaternionClosed, 1)
+DP_ON_QUATERNION(bit_flow_grow, QuaternionNozzleGrow, 1)
+DP_ON_QUATERNION(bit_flow_closed_grow, QuaternionClosedGrow, 1)
+
+DP_EXPORT_RECORD(start_frames, dp::StartFrames)
