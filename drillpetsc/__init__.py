@@ -6,7 +6,8 @@ many variations of it.
 
 from typing import Any
 
-__version__ = "0.1.0"
+from drillpetsc.version import __version__
+
 __all__ = ["Case", "load_case", "run", "sweep"]
 
 
