@@ -8,7 +8,7 @@ from typing import Any
 
 from drillpetsc.version import __version__
 
-__all__ = ["Case", "load_case", "run", "sweep"]
+__all__ = ["Case", "__version__", "load_case", "run", "sweep"]
 
 
 def __getattr__(name: str) -> Any:  # so that the import stays quick and starts nothing
