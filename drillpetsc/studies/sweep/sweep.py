@@ -22,12 +22,13 @@ from drillpetsc.errors import CaseError, DrillError, Interrupted
 from drillpetsc.model.mesh import build_mesh
 from drillpetsc.output import RunFolder, read_summary
 from drillpetsc.output.progress import duration
+from drillpetsc.parallel import wait_for, wait_for_files
 from drillpetsc.studies.sweep import table
 from drillpetsc.studies.sweep.member_options import refuse_misspelt
 from drillpetsc.studies.sweep.plan import SWEEP, plan_sweep, plan_wells
 from drillpetsc.studies.sweep.table import AGAIN, CONTINUE, KEEP, Member, Outcome, Plan
 from drillpetsc.studies.sweep.variations import choices_from, variations
-from drillpetsc.studies.sweep.worker_groups import WorkerGroup, split, team_sizes, wait_for, wait_for_files
+from drillpetsc.studies.sweep.worker_groups import WorkerGroup, split, team_sizes
 
 
 @dataclass(frozen=True)

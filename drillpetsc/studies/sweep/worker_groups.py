@@ -6,13 +6,13 @@ member that fails or hangs holds up none but its own ranks.
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from petsc4py import PETSc
+
+from drillpetsc.parallel import wait_for
 
 LEAST_ELEMENTS = (
     120  # per rank of a team: two ranks were slower than one with 100 elements in all, and no faster with 225
@@ -20,7 +20,6 @@ LEAST_ELEMENTS = (
 RANK_TIMEOUT = (
     60.0  # how long a rank waits for the others of its team once its own part of a member has ended [s]
 )
-POLL_INTERVAL = 0.02  # between two looks [s]; a rank that waits leaves its core to others
 
 
 def team_sizes(costs: Sequence[float], elements: Sequence[int], ranks: int) -> list[int]:
@@ -92,20 +91,3 @@ def split(mpi: Any, sizes: Sequence[int]) -> WorkerGroup | None:
     # anew on one rank alone
     comm = PETSc.Comm(part).duplicate()
     return WorkerGroup(number, comm, part.Dup(), tuple(part.allgather(mpi.rank)), [part])
-
-
-def wait_for(request: Any, longest: float = float("inf")) -> bool:
-    """Wait for a request of MPI without keeping a core busy; false when it is not done after ``longest``
-    [s]."""
-    began = clock.monotonic()
-    while not request.Test():
-        if clock.monotonic() - began > longest:
-            return False
-        clock.sleep(POLL_INTERVAL)
-    return True
-
-
-def wait_for_files(files: Sequence[Path]) -> None:
-    """Wait until all of the files are there."""
-    while not all(file.exists() for file in files):
-        clock.sleep(0.2)
