@@ -27,7 +27,7 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.time_function import PiecewiseLinear, Ramp
 from drillpetsc.units import DIMENSIONS
 
-sys.path.insert(0, str(Path(__file__).parents[3] / "scripts"))
+sys.path.insert(0, str(Path(__file__).parents[3] / "scripts" / "tools"))
 import fuzz  # noqa: E402
 from fuzz_cases import valid_case  # noqa: E402
 from fuzz_judge import Failure, check_message, check_round_trip, check_visible, guarded  # noqa: E402

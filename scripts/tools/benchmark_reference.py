@@ -1,7 +1,7 @@
-"""What the benchmark scenes are measured against: exact waves, another integrator on a finer mesh, runs at a
-finer tolerance.
+"""Reference solutions of the benchmark: exact waves, another integrator on a finer mesh, runs with a smaller
+tolerance.
 
-References that take long are kept in the user's cache folder under a hash of the case file and of this file.
+Expensive references are kept in the user's cache folder under a hash of the case file and of this file.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from pathlib import Path
 
 import numpy as np
 
-FINER = 10.0  # how much smaller -ts_rtol is in a reference run
+REFERENCE_TOLERANCE_RATIO = 10.0  # -ts_rtol of the case over that of its reference run
 SHEAR_SPEED = float(np.sqrt(206e9 / 2.6 / 7850.0))  # sqrt(G/density) of the hanging string, nu = 0.3 [m/s]
-SPEED = 80 * 2 * np.pi / 60  # top speed of all turning scenes [rad/s]
-HANGING_WEIGHT = 792.684e3  # hook load of the hanging string [N], from issue 2
+SPEED = 80 * 2 * np.pi / 60  # top speed of all rotating cases [rad/s]
+HANGING_WEIGHT = 792.684e3  # hook load of the hanging string [N]
 AXIAL_LOAD = 100e3  # on top of the buckled collar [N]
 
 
@@ -31,8 +31,8 @@ def cache_folder() -> Path:
 
 
 def cached(case: Path, kind: str, compute: Callable[[], dict], fresh: bool = False) -> dict:
-    """The reference ``kind`` of a case (plain numbers and lists), computed if it is not in the cache or
-    ``fresh`` asks for it."""
+    """The reference ``kind`` of a case (plain numbers and lists) from the cache; computed if missing or
+    ``fresh``."""
     key = hashlib.sha256(
         b"\0".join([kind.encode(), case.read_bytes(), Path(__file__).read_bytes()])
     ).hexdigest()[:16]
@@ -53,8 +53,9 @@ def exact_bit_speed(times: np.ndarray, end: float) -> np.ndarray:
     """Bit speed (k,) [rad/s] at ``times`` (k,) [s] <= ``end``: torsional wave in 1800 m of pipe above 200 m
     of collar, free bit.
 
-    Characteristics with cells of one travel time each, so exact at the grid's times: same shear wave speed in
-    both sections, impedances in the ratio of their polar moments; top speed half a cosine to 80 rpm in 2 s.
+    Method of characteristics with cells of equal travel time, exact at the times of the grid. Both sections
+    have the same shear wave speed; the impedances are in the ratio of their polar moments. The top speed rises
+    as half a cosine to 80 rpm in 2 s.
     """
 
     def inertia(od: float, bore: float) -> float:
@@ -82,12 +83,13 @@ def exact_bit_speed(times: np.ndarray, end: float) -> np.ndarray:
 
 # ---------------------------------------------------------------------- pendulum
 def free_motion(case, elements: int, times: np.ndarray, tolerance: float) -> np.ndarray:
-    """Lower end (k, 2) [m], north and down, at ``times`` (k,) [s] of a straight string let go in the plane of
+    """Lower end (k, 2) [m], north and down, at ``times`` (k,) [s] of a straight string released in the plane of
     north and down.
 
-    DOP853 on M a = -R(x, y, a = 0): the rows R and the constant mass matrix M of the semi-discrete string are
-    the package's; the time integration (explicit, order 8, error control on positions and velocities) is not.
-    Spin and east stay zero, as all forces lie in the plane.  Mesh of ``elements``.
+    DOP853 for M a = -R(x, y, a = 0). The residual R and the constant mass matrix M of the string with
+    ``elements`` elements are those of the package; the time integration (explicit, order 8, error control of
+    positions and velocities) is independent. Spin and east offset remain zero, since all forces lie in the
+    plane.
     """
     from scipy.integrate import solve_ivp
 
@@ -138,8 +140,8 @@ def _mass(asm, size: int) -> np.ndarray:
 
 
 def pendulum_path(case_file: Path, fresh: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Times (k,) [s] and path (k, 2) [m] of the tip, along the start's direction and upward; twice the
-    elements of the case."""
+    """Times (k,) [s] and path (k, 2) [m] of the tip, north and up, on a mesh with twice the elements of the
+    case."""
 
     def compute() -> dict:
         from drillpetsc.case import load_case
@@ -156,7 +158,7 @@ def pendulum_path(case_file: Path, fresh: bool) -> tuple[np.ndarray, np.ndarray]
 
 # ---------------------------------------------------------------------- finer runs
 def run_case(case_file: Path, folder: Path, *options: str) -> dict:
-    """Run a case in a process of its own; its summary."""
+    """Run a case in a separate process; returns its summary."""
     command = [
         sys.executable,
         "-m",
@@ -179,13 +181,13 @@ def mean_of(history: dict[str, np.ndarray], column: str, after: float) -> float:
 
 
 def finer_means(case_file: Path, columns: tuple[str, ...], after: float, fresh: bool) -> dict[str, float]:
-    """Means of history columns in a run of the case with a tolerance ``FINER`` times smaller."""
+    """Means of history columns in a run of the case with a tolerance REFERENCE_TOLERANCE_RATIO times smaller."""
 
     def compute() -> dict:
         from drillpetsc.case import load_case
         from drillpetsc.output import read_table
 
-        tolerance = float(load_case(case_file).petsc.get("ts_rtol", 1e-4)) / FINER
+        tolerance = float(load_case(case_file).petsc.get("ts_rtol", 1e-4)) / REFERENCE_TOLERANCE_RATIO
         with tempfile.TemporaryDirectory() as scratch:
             run_case(case_file, Path(scratch) / "run", "-ts_rtol", repr(tolerance))
             history = read_table(Path(scratch) / "run" / "history.csv")

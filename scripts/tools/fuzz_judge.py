@@ -1,5 +1,4 @@
-"""Whether reading a case ended as it must: a validated case that holds what was given, or a CaseError that
-helps."""
+"""Checks of the outcome of reading a case: a validated case with the given values, or a helpful CaseError."""
 
 from __future__ import annotations
 
@@ -28,13 +27,15 @@ class Hang(BaseException):
 
 
 class Failure(Exception):
-    """What must not happen; the text is the same for the same cause."""
+    """A forbidden outcome; the text is the same for the same cause."""
 
 
 @contextmanager
 def deadline(seconds: float) -> Iterator[None]:
-    """Raise Hang inside when it takes more processor time, which a busy machine does not change (main thread
-    only)."""
+    """Raise Hang in the block when it exceeds the processor time (main thread only).
+
+    Processor time does not depend on the load of the machine.
+    """
 
     def ring(number: int, frame: Any) -> None:
         raise Hang(f"longer than {seconds:g} s")
@@ -49,7 +50,7 @@ def deadline(seconds: float) -> Iterator[None]:
 
 
 def guarded(work: Callable[[], Result], seconds: float = 5.0) -> Result:
-    """work's result or CaseError; Failure for anything else that it raises, for a warning and for a hang."""
+    """Result or CaseError of ``work``; Failure for any other exception, for a warning and for a hang."""
     try:
         with warnings.catch_warnings(), deadline(seconds):
             warnings.simplefilter("error")
@@ -70,10 +71,11 @@ def guarded(work: Callable[[], Result], seconds: float = 5.0) -> Result:
 
 
 def check_message(error: CaseError, files: tuple[Path, ...], lines: int | None) -> None:
-    """Failure unless the message names file, line, key, what was given and what is allowed, in lines that a
+    """Raise Failure unless the message names file, line, key, the given and the allowed values, in lines that a
     terminal can show.
 
-    files: in which it may lie; lines: how many the case file has, None where it was never a file.
+    files: files in which the error may be.
+    lines: number of lines of the case file; None without a file.
     """
     for each in (error, *error.also):
         reported = str(each)
@@ -104,12 +106,11 @@ def check_message(error: CaseError, files: tuple[Path, ...], lines: int | None) 
             raise Failure("message with unprintable letters")
 
 
-# ---------------------------------------------------------------------- what was given is in the case
+# ---------------------------------------------------------------------- given values in the case
 def check_visible(case: Case, path: tuple[str | int, ...], given: Any, held: Any = None) -> None:
-    """Failure unless the value given at the path stands in the validated case, in SI: nothing is replaced or
-    dropped in silence.
+    """Raise Failure unless the validated case has the value given at the path, in SI.
 
-    held: case_data(case), where it is at hand.
+    Values must not be replaced or dropped without an error. held: case_data(case), if known.
     """
     data: Any = case_data(case) if held is None else held
     if (
@@ -142,7 +143,7 @@ def _shape(path: tuple[str | int, ...]) -> str:
 
 
 def _dropped_by_contract(case: Case, block: tuple[str | int, ...], step: str | int, given: Any) -> bool:
-    """What the case format says is left out of a validated case."""
+    """Whether the case format omits the value from a validated case."""
     if step in ("from_", "to_"):  # the Python name of the key
         return True
     if (block or (step,))[0] == "contact":
@@ -155,8 +156,7 @@ def _dropped_by_contract(case: Case, block: tuple[str | int, ...], step: str | i
 
 
 def same(given: Any, held: Any) -> bool:
-    """Whether the case holds what was given: a number in SI, a word, a list, a mapping with defaults beside
-    what was given."""
+    """Whether the case has the given value: a number in SI, a word, a list, or a mapping with added defaults."""
     if type(given) is type(held) and given == held:
         return True
     if isinstance(held, dict):
@@ -196,7 +196,7 @@ _UNITS = list(DIMENSIONS)
 
 
 def check_round_trip(case: Case, load: Callable[[str], Case]) -> None:
-    """Failure unless the case as written reads as the same case, which is written the same way again."""
+    """Raise Failure unless the written case reads as the same case, and is written identically again."""
     text = case.to_yaml()
     try:
         again = load(text)

@@ -1,11 +1,11 @@
-"""The benchmark scenes: errors beside simulated seconds per CPU second, median of several runs, shares of the
-time by phase.
+"""Benchmark cases: errors, simulated seconds per CPU second (median of several runs), and fractions of the time
+by phase.
 
-Each run is a process of its own on one core.  CPU seconds are those of the time integration with its output;
-for the pendulum without output, as its target is.  What the errors are measured against is written in
-benchmark_reference.py: the exact torsional wave for the hanging string, an explicit integrator of order 8 on
-a finer mesh for the pendulum, a run at a tenth of the tolerance for the scenes with contact (first use takes
-some minutes in all, later ones find the references in the user's cache folder).
+Each run is a separate process on one core. CPU seconds are those of the time integration with its output; for
+the pendulum without output, like its target. The reference solutions are in benchmark_reference.py: the exact
+torsional wave for the hanging string, an explicit integrator of order 8 on a finer mesh for the pendulum, and
+a run with a tenth of the tolerance for the cases with contact. The first use takes some minutes in all; later
+ones find the references in the user's cache folder.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ import numpy as np
 
 from drillpetsc.output import read_frame, read_series, read_table
 
-CASES = Path(__file__).parents[1] / "cases" / "benchmark"
-# simulated per CPU seconds
+CASES = Path(__file__).parents[2] / "cases" / "benchmark"
+# simulated seconds per CPU second
 TARGETS = {
     "pendulum": 5.0,
     "hanging-string": 5.0,
@@ -33,11 +33,11 @@ TARGETS = {
     "coupled-2000m": 1.0,
 }
 PHASES = ("Residual", "Jacobian", "ChainFactor", "ChainSolve", "Output")
-SETTLED = 2.0  # [s]: means are taken after the start
+SETTLED = 2.0  # start of the interval of means [s]
 Errors = dict[str, float]
 
 
-# ---------------------------------------------------------------------- errors of a run, each with what it is
+# ---------------------------------------------------------------------- errors of a run: name -> value
 def pendulum_errors(folder: Path, fresh: bool) -> Errors:
     times, path = reference.pendulum_path(CASES / "pendulum.yaml", fresh)
     history, probes = read_table(folder / "history.csv"), read_table(folder / "probes.csv")
@@ -82,9 +82,9 @@ def coupled_errors(folder: Path, fresh: bool) -> Errors:
     }
 
 
-def _against_finer(folder: Path, model: str, columns: dict[str, str], fresh: bool) -> Errors:
+def _against_finer(folder: Path, name: str, columns: dict[str, str], fresh: bool) -> Errors:
     history = read_table(folder / "history.csv")
-    finer = reference.finer_means(CASES / f"{model}.yaml", tuple(columns.values()), SETTLED, fresh)
+    finer = reference.finer_means(CASES / f"{name}.yaml", tuple(columns.values()), SETTLED, fresh)
     return {name: abs(reference.mean_of(history, c, SETTLED) / finer[c] - 1) for name, c in columns.items()}
 
 
@@ -132,8 +132,8 @@ def call_times(case: Path, calls: int = 40) -> dict[str, float]:
 
 
 def fluid_cost(case: Path) -> Errors:
-    """Time of residual, Jacobian, factor and solve with the mud over that without, in one process (best of
-    many calls)."""
+    """Time of residual, Jacobian, factor and solve with mud over that without, in one process (shortest of many
+    calls)."""
     text = case.read_text(encoding="utf-8")
     dry = text[: text.index("fluid:")] + text[text.index("gravity:") :]
     with tempfile.TemporaryDirectory() as scratch:
@@ -143,20 +143,20 @@ def fluid_cost(case: Path) -> Errors:
     return {f"{name}, wet / dry": wet_times[name] / dry_times[name] for name in wet_times}
 
 
-def measure(model: str, repeat: int, fresh: bool = False) -> dict:
-    """Figures of ``repeat`` runs of a scene: the one in the middle, with the median of simulated per CPU
-    seconds."""
+def measure(name: str, repeat: int, fresh: bool = False) -> dict:
+    """Results of ``repeat`` runs of a case: those of the middle run, with the median of simulated seconds per CPU
+    second."""
     runs = []
     for k in range(repeat):
         with tempfile.TemporaryDirectory() as scratch:
             folder = Path(scratch) / "run"
-            summary = reference.run_case(CASES / f"{model}.yaml", folder)
-            errors = ERRORS[model](folder, fresh and k == 0)
+            summary = reference.run_case(CASES / f"{name}.yaml", folder)
+            errors = ERRORS[name](folder, fresh and k == 0)
         errors["energy lost / exchanged"] = abs(summary["energy"]["error_share"])
-        if "coupled" in model:
-            errors |= fluid_cost(CASES / f"{model}.yaml")
+        if "coupled" in name:
+            errors |= fluid_cost(CASES / f"{name}.yaml")
         seconds = {p: summary["wall_by_phase"].get(p, 0.0) for p in PHASES}
-        cpu = summary["cpu_seconds"] - (seconds["Output"] if model == "pendulum" else 0.0)
+        cpu = summary["cpu_seconds"] - (seconds["Output"] if name == "pendulum" else 0.0)
         runs.append(
             {
                 "factor": summary["simulated"] / cpu,
@@ -172,8 +172,8 @@ def measure(model: str, repeat: int, fresh: bool = False) -> dict:
     return {
         **middle,
         "factor": statistics.median(r["factor"] for r in runs),
-        "scene": model,
-        "target": TARGETS[model],
+        "case": name,
+        "target": TARGETS[name],
     }
 
 
@@ -181,26 +181,28 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("scenes", nargs="*", metavar="SCENE", help=f"of {', '.join(TARGETS)} (default: all)")
+    parser.add_argument("cases", nargs="*", metavar="CASE", help=f"of {', '.join(TARGETS)} (default: all)")
     parser.add_argument("--repeat", type=int, default=3)
-    parser.add_argument("--fresh", action="store_true", help="compute the references anew")
-    parser.add_argument("--json", metavar="FILE", help="write the figures here, too")
+    parser.add_argument("--fresh", action="store_true", help="compute the references again")
+    parser.add_argument("--json", metavar="FILE", help="also write the results to this file")
     arguments = parser.parse_args()
-    unknown = set(arguments.scenes) - set(TARGETS)
+    unknown = set(arguments.cases) - set(TARGETS)
     if unknown:
-        parser.error(f"unknown scene {', '.join(sorted(unknown))}: allowed are {', '.join(TARGETS)}")
+        parser.error(f"unknown case {', '.join(sorted(unknown))}: allowed are {', '.join(TARGETS)}")
     rows = []
     print(
-        f"{'scene':24} {'simulated/CPU':>13} {'target':>6}  {'steps':>6} {'Newton':>6} {'Jac.':>5}  shares of the time"
+        f"{'case':24} {'simulated/CPU':>13} {'target':>6}  {'steps':>6} {'Newton':>6} {'Jac.':>5}  fractions of the time"
     )
-    for model in arguments.scenes or TARGETS:
-        r = measure(model, arguments.repeat, arguments.fresh)
+    for name in arguments.cases or TARGETS:
+        r = measure(name, arguments.repeat, arguments.fresh)
         rows.append(r)
         shares = " ".join(f"{p} {100 * v:.0f}%" for p, v in r["phases"].items())
         print(
-            f"{model:24} {r['factor']:13.2f} {r['target']:6.1f}  {r['steps']:6d} {r['newton']:6d} {r['jacobians']:5d}  {shares}"
+            f"{name:24} {r['factor']:13.2f} {r['target']:6.1f}  {r['steps']:6d} {r['newton']:6d} {r['jacobians']:5d}  {shares}"
         )
-        print(" " * 26 + ", ".join(f"{name} {value:.2e}" for name, value in r["errors"].items()), flush=True)
+        print(
+            " " * 26 + ", ".join(f"{error} {value:.2e}" for error, value in r["errors"].items()), flush=True
+        )
     if arguments.json:
         Path(arguments.json).write_text(json.dumps(rows, indent=2))
 

@@ -1,4 +1,4 @@
-"""A sweep with an option that none of its scenes reads is refused before anything is written or run."""
+"""A sweep with a PETSc option that none of its cases reads is refused before anything is written or run."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from petsc4py import PETSc
 from drillpetsc.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.solvers import petsc_options as options
-from drillpetsc.studies.sweep import sweep as ensemble
+from drillpetsc.studies.sweep import sweep as sweep_module
 from drillpetsc.studies.sweep.sweep import run_cases, sweep
 
 CASE = """
@@ -35,7 +35,7 @@ def file(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def on_the_command_line() -> Iterator[list[str]]:
-    """Options to be set, taken out again after the test."""
+    """Names of options that are removed after the test."""
     names: list[str] = []
     yield names
     for name in names:
@@ -50,7 +50,7 @@ def test_a_misspelt_option_of_the_command_line(
     with pytest.raises(CaseError) as caught:
         sweep(file, SPEEDS, tmp_path / "out", progress="silent")
     assert caught.value.at == "petsc option -ts_rtoll" and "did you mean -ts_rtol?" in caught.value.hint
-    assert "one of the scenes" in caught.value.want and caught.value.exit_status == 2
+    assert "one of the cases" in caught.value.want and caught.value.exit_status == 2
     assert not (tmp_path / "out").exists()
 
 
@@ -68,10 +68,10 @@ def test_the_misspelt_one_of_two_is_named(file: Path, tmp_path: Path) -> None:
         sweep(file, SPEEDS, tmp_path / "out", progress="silent")
 
 
-def test_an_option_that_one_scene_reads_and_another_does_not(
+def test_an_option_that_one_case_reads_and_another_does_not(
     file: Path, tmp_path: Path, on_the_command_line: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """ARKIMEX has a family that BDF knows nothing of; the members with BDF run all the same."""
+    """BDF does not read the type of ARKIMEX; the members with BDF run nevertheless."""
     on_the_command_line.append("ts_arkimex_type")
     PETSc.Options()["ts_arkimex_type"] = "3"
     ran: list[str] = []
@@ -80,7 +80,7 @@ def test_an_option_that_one_scene_reads_and_another_does_not(
         options.refuse_unread(["ts_arkimex_type"])  # as a run does
         ran.append(str(case.petsc["ts_type"]))
 
-    monkeypatch.setattr(ensemble, "run", run)
+    monkeypatch.setattr(sweep_module, "run", run)
     file.write_text(CASE + "petsc: {ts_type: bdf}\n")
     result = sweep(file, {"petsc.ts_type": ["bdf", "arkimex"]}, tmp_path / "out", progress="silent")
     assert [row["status"] for row in result.rows] == ["done", "done"] and sorted(ran) == ["arkimex", "bdf"]

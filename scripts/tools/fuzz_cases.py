@@ -27,7 +27,7 @@ SPELLINGS = {
 
 
 def spelt(random: Any, number: float, unit: str) -> Any:
-    """A number in SI as an author might write it."""
+    """A number in SI in one of the notations of a case file."""
     factor, text = random.choice([(1.0, ""), *SPELLINGS[unit]])
     return f"{number * factor:.12g}{text}" if text else number
 
@@ -53,7 +53,7 @@ def valid_case(random: Any) -> Data:
     held = has_fluid and not bit and maybe(random, 0.15)
     data: Data = {"string": _string(random, bit)}
     if maybe(random):
-        data["title"] = random.choice(["a scene", "12:30", "yes", "Öl, 日本 🛢", "0x10", "~", "- a: [b"])
+        data["title"] = random.choice(["a title", "12:30", "yes", "Öl, 日本 🛢", "0x10", "~", "- a: [b"])
     length = sum(item["length"] for item in data["string"])
     data["string"] = [
         {key: _written(random, key, value) for key, value in item.items()} for item in data["string"]
@@ -135,7 +135,7 @@ def _joints(random: Any) -> list[Data]:
 
 
 def _knows_ancf_alone(data: Data) -> bool:
-    """Whether the quaternion element does not know all of the scene."""
+    """Whether the case has parts that the quaternion element does not support."""
     rigid = any(
         item["kind"] in ("stabilizer", "body", "bit") or "eccentricity" in item for item in data["string"]
     )

@@ -1,12 +1,12 @@
-"""Run extreme scenes and print one table: scene, criterion, measured, allowed, pass.
+"""Run the robustness suite and print one table: case, criterion, measured, allowed, pass.
 
-    scripts/extreme                     all scenes; writes cases/extreme/REPORT.md
-    scripts/extreme X02 X05 --jobs 2    these two, two computations at a time
-    scripts/extreme --judge             judges the runs that are in the folder, computes nothing
+    scripts/extreme                     all cases; writes cases/extreme/REPORT.md
+    scripts/extreme X02 X05 --jobs 2    these two cases, two computations at a time
+    scripts/extreme --judge             evaluates existing runs, computes nothing
 
-Each computation is a process of its own on one core.  Times are compared with cases/extreme/cpu_seconds.json,
-the CPU seconds of the first version that passed; a run that is not in it yet is entered.  The exit status is
-1 when a criterion is not met.
+Each computation is a separate process on one core. CPU times are compared with cases/extreme/cpu_seconds.json,
+those of the first version that passed; a new run is added to the file. The exit status is 1 if a criterion is
+not met.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ from concurrent.futures import ThreadPoolExecutor
 from datetime import date
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 CASES = ROOT / "cases" / "extreme"
 BUDGETS, REPORT = CASES / "cpu_seconds.json", CASES / "REPORT.md"
-LIMIT = 3600  # wall seconds that a computation may take
+LIMIT = 3600  # longest wall time of a computation [s]
 
 
 def words(argv: Sequence[str] | None = None) -> argparse.Namespace:
     p = argparse.ArgumentParser(
         prog="scripts/extreme", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    p.add_argument("scenes", nargs="*", metavar="SCENE", help="X01, X02, ... (default: all)")
+    p.add_argument("cases", nargs="*", metavar="CASE", help="X01, X02, ... (default: all)")
     p.add_argument("--jobs", type=int, default=1, help="computations at a time (default: 1)")
     p.add_argument(
         "--out",
@@ -39,15 +39,14 @@ def words(argv: Sequence[str] | None = None) -> argparse.Namespace:
         default=ROOT / "results" / "extreme",
         help="folder of the run folders (default: results/extreme)",
     )
-    p.add_argument("--judge", action="store_true", help="only judge the runs that are there")
+    p.add_argument("--judge", action="store_true", help="only evaluate existing runs")
     p.add_argument("--part", help=argparse.SUPPRESS)
     return p.parse_args(argv)
 
 
-# ---------------------------------------------------------------------- one computation, in a process of its
-# own
+# ---------------------------------------------------------------------- one computation in a process
 def compute(part, out: Path) -> None:
-    """One part of a scene into its run folder."""
+    """Compute one part of a case into its run folder."""
     import petsc4py
 
     petsc4py.init(["drillpetsc"])
@@ -60,7 +59,7 @@ def compute(part, out: Path) -> None:
 
 
 def start(part, out: Path) -> str:
-    """Run one part in a new process; returns what to tell of it, nothing if all went well."""
+    """Run one part in a new process; returns an error message, or an empty text."""
     (out / part.name / "summary.json").unlink(missing_ok=True)
     command = [sys.executable, "-P", str(Path(__file__)), "--part", part.name, "--out", str(out)]
     try:
@@ -81,15 +80,15 @@ def start(part, out: Path) -> str:
     )
 
 
-# ---------------------------------------------------------------------- judging
-def judged(model, out: Path, budgets: dict[str, float]) -> list:
-    """Rows of a scene; a run that is missing or that cannot be judged is a row that does not pass."""
+# ---------------------------------------------------------------------- evaluation
+def evaluated(case, out: Path, budgets: dict[str, float]) -> list:
+    """Rows of a case; a missing or failed run gives a row that does not pass."""
     from tests.robustness.criteria import Run, holds, in_time
 
-    runs = {part.name: Run(out / part.name) for part in model.parts}
+    runs = {part.name: Run(out / part.name) for part in case.parts}
     missing = [name for name, run in runs.items() if not (run.folder / "summary.json").is_file()]
     if missing:
-        return [holds(model.number, f"{name}: run", "missing", "done", False) for name in missing]
+        return [holds(case.number, f"{name}: run", "missing", "done", False) for name in missing]
     failed = [
         (name, str(q.summary["status"]))
         for name, q in runs.items()
@@ -97,15 +96,15 @@ def judged(model, out: Path, budgets: dict[str, float]) -> list:
     ]
     if failed:
         return [
-            holds(model.number, f"{name}: run", status.splitlines()[0], "done", False)
+            holds(case.number, f"{name}: run", status.splitlines()[0], "done", False)
             for name, status in failed
         ]
-    rows = model.check(runs)
-    for part in model.parts:
+    rows = case.check(runs)
+    for part in case.parts:
         if part.kind != "statics":
-            rows += in_time(model.number, runs[part.name], budgets.get(part.name))
+            rows += in_time(case.number, runs[part.name], budgets.get(part.name))
     if all(row.passed for row in rows):
-        for part in model.parts:
+        for part in case.parts:
             if part.kind != "statics":
                 budgets.setdefault(part.name, round(runs[part.name].summary["cpu_seconds"], 2))
     return rows
@@ -113,10 +112,10 @@ def judged(model, out: Path, budgets: dict[str, float]) -> list:
 
 def lines(rows: list) -> list[str]:
     """The table as text in columns."""
-    cells = [("scene", "criterion", "measured", "allowed", "pass")]
+    cells = [("case", "criterion", "measured", "allowed", "pass")]
     cells += [
         (
-            r.model,
+            r.case,
             r.criterion,
             r.measured if isinstance(r.measured, str) else f"{r.measured:.4g}",
             r.allowed,
@@ -128,15 +127,15 @@ def lines(rows: list) -> list[str]:
     return ["  ".join(cell.ljust(w) for cell, w in zip(row, width, strict=True)).rstrip() for row in cells]
 
 
-def report(rows: list, scenes) -> str:
+def report(rows: list, cases) -> str:
     """REPORT.md."""
-    titles = {s.number: s.title for s in scenes}
+    titles = {s.number: s.title for s in cases}
     out = [
-        "# Extreme scenes",
+        "# Robustness suite",
         "",
-        f"Made by `scripts/extreme` on {date.today().isoformat()}; the cases stand beside this file, "
-        "the criteria and what they are derived from in drillpetsc/extreme*.py.",
-        f"{sum(r.passed for r in rows)} of {len(rows)} criteria met in {len(titles)} scenes. CPU times are those of one core.",
+        f"Written by `scripts/extreme` on {date.today().isoformat()}. The case files are beside this file, "
+        "the criteria and their derivations in tests/robustness.",
+        f"{sum(r.passed for r in rows)} of {len(rows)} criteria met in {len(titles)} cases. CPU times are those of one core.",
         "",
     ]
     for number, title in titles.items():
@@ -147,7 +146,7 @@ def report(rows: list, scenes) -> str:
             "| --- | --- | --- | --- |",
         ]
         for r in rows:
-            if r.model == number:
+            if r.case == number:
                 measured = r.measured if isinstance(r.measured, str) else f"{r.measured:.4g}"
                 out.append(
                     f"| {r.criterion} | {measured} | {r.allowed} | {'yes' if r.passed else '**NO**'} |".replace(
@@ -160,34 +159,35 @@ def report(rows: list, scenes) -> str:
 
 def main() -> int:
     asked = words()
-    from tests.robustness.scenes import SCENES, chosen
+    from tests.robustness.cases import CASES as SUITE
+    from tests.robustness.cases import chosen
 
     asked.out = asked.out.resolve()
     if asked.part:
-        compute(next(p for s in SCENES for p in s.parts if p.name == asked.part), asked.out)
+        compute(next(p for case in SUITE for p in case.parts if p.name == asked.part), asked.out)
         return 0
     try:
-        scenes = chosen(asked.scenes)
+        cases = chosen(asked.cases)
     except ValueError as error:
         print(f"scripts/extreme: {error}", file=sys.stderr)
         return 2
     asked.out.mkdir(parents=True, exist_ok=True)
     if not asked.judge:
-        parts = [part for model in scenes for part in model.parts]
+        parts = [part for case in cases for part in case.parts]
         with ThreadPoolExecutor(max(1, asked.jobs)) as pool:
-            for reported in pool.map(lambda part: start(part, asked.out), parts):
-                if reported:
-                    print(reported, file=sys.stderr)
+            for message in pool.map(lambda part: start(part, asked.out), parts):
+                if message:
+                    print(message, file=sys.stderr)
     budgets = json.loads(BUDGETS.read_text()) if BUDGETS.is_file() else {}
     known = dict(budgets)
-    rows = [row for model in scenes for row in judged(model, asked.out, budgets)]
+    rows = [row for case in cases for row in evaluated(case, asked.out, budgets)]
     print("\n".join(lines(rows)))
     failed = [r for r in rows if not r.passed]
-    print(f"{len(rows) - len(failed)} of {len(rows)} criteria met in {len(scenes)} scenes")
+    print(f"{len(rows) - len(failed)} of {len(rows)} criteria met in {len(cases)} cases")
     if budgets != known:
         BUDGETS.write_text(json.dumps(dict(sorted(budgets.items())), indent=1) + "\n")
-    if len(scenes) == len(SCENES):
-        REPORT.write_text(report(rows, scenes))
+    if len(cases) == len(SUITE):
+        REPORT.write_text(report(rows, cases))
     return 1 if failed else 0
 
 

@@ -1,4 +1,4 @@
-"""The scenes of the report: which studies each gets, and what there is to know about its orders."""
+"""Table of the cases of the report: the studies of each case, and notes about its orders of convergence."""
 
 from __future__ import annotations
 
@@ -10,13 +10,21 @@ ADAPTIVE = ("bdf2", "bdf3")
 
 
 @dataclass(frozen=True)
-class DrillingModel:
-    """file: below cases/verification; main: the output by which it is judged; outputs: those that are drawn.
+class ReportCase:
+    """A case of the report.
 
-    steps [s]: of the curves with fixed steps, tolerances: of the others (empty: around the case's own).
-    mesh: factors on the element lengths (empty: no study of the mesh).  paper_steps [s]: further, shorter
-    ones of the paper's element and integrator, which needs them for an error of 1 %.  limit: wall seconds of
-    one run, ten times that for those.  note: what a reader of its orders should know.
+    file: file below cases/verification.
+    main: output by which the curves are compared.
+    outputs: outputs that are drawn.
+    curves: curves of the study.
+    steps: of the curves with fixed steps [s]; empty for steps around the case's own.
+    tolerances: of the other curves; empty for tolerances around the case's own.
+    mesh: factors on the element lengths; empty for no study of the mesh.
+    solver, ranks: whether solvers and numbers of ranks are studied.
+    paper_steps: further, shorter steps of the reference paper's element and integrator, which it needs for an
+        error of 1 % (manual: sec-paper) [s].
+    limit: longest wall time of one run, ten times longer for ``paper_steps`` [s].
+    note: remark about the observed orders.
     """
 
     file: str
@@ -37,8 +45,8 @@ def halved(longest: float, count: int) -> tuple[float, ...]:
     return tuple(longest / 2**k for k in range(count))
 
 
-SCENES: dict[str, DrillingModel] = {
-    "pendulum": DrillingModel(
+CASES: dict[str, ReportCase] = {
+    "pendulum": ReportCase(
         "study-pendulum.yaml",
         "x_0.5",
         ("bit_depth", "x_0.5"),
@@ -47,7 +55,7 @@ SCENES: dict[str, DrillingModel] = {
         note="BDF3 is not stable for undamped motion: modes that the mesh has but nothing excites grow out of rounding, the faster the "
         "shorter the step.  The quaternion element's error levels off at that of its mesh.",
     ),
-    "hanging-string": DrillingModel(
+    "hanging-string": ReportCase(
         "study-hanging-string.yaml",
         "bit_speed",
         ("bit_speed",),
@@ -61,7 +69,7 @@ SCENES: dict[str, DrillingModel] = {
         note="The second derivative of the top's speed jumps at both ends of its half cosine, which keeps the order at 2 in time for BDF3 "
         "and below 4 in space.",
     ),
-    "flying-beam": DrillingModel(
+    "flying-beam": ReportCase(
         "study-flying-beam.yaml",
         "x_10",
         ("bit_depth", "x_10"),
@@ -70,7 +78,7 @@ SCENES: dict[str, DrillingModel] = {
         note="BDF1 damps the free motion so much that its longer steps show no order yet.  Places are cubic in an element, spin is linear: "
         "bending converges with the fourth power of its length, torsional motion with the second, and this beam does both.",
     ),
-    "water-hammer": DrillingModel(
+    "water-hammer": ReportCase(
         "study-water-hammer.yaml",
         "pump_pressure",
         ("pump_pressure",),
@@ -84,7 +92,7 @@ SCENES: dict[str, DrillingModel] = {
         "10 MPa and asks for smaller tolerances here than for a pump of usual size.  The quaternion element plays no part: the string is "
         "held.",
     ),
-    "flutter": DrillingModel(
+    "flutter": ReportCase(
         "study-flutter.yaml",
         "x_10",
         ("x_10",),
@@ -93,7 +101,7 @@ SCENES: dict[str, DrillingModel] = {
         curves=(*FIXED, *ADAPTIVE, *QUATERNION),
         note="Flutter grows, and errors with it.",
     ),
-    "impact": DrillingModel(
+    "impact": ReportCase(
         "study-impact.yaml",
         "x_5",
         ("x_5", "contact_5"),
@@ -102,7 +110,7 @@ SCENES: dict[str, DrillingModel] = {
         note="An impact lasts some milliseconds and begins with a corner of the force: no formula keeps an order above 2 over it, and the "
         "peak of the contact force is met only by steps much shorter than the impact.  Error control puts short steps only there.",
     ),
-    "stick-slip": DrillingModel(
+    "stick-slip": ReportCase(
         "study-stick-slip.yaml",
         "bit_speed",
         ("bit_speed", "surface_torque"),
@@ -112,7 +120,7 @@ SCENES: dict[str, DrillingModel] = {
         "by a part of the step in which it happens, so that orders below 2 are observed.  The quaternion element's error levels off at "
         "that of its mesh (0.6 rad of twist on an element).",
     ),
-    "coupled": DrillingModel(
+    "coupled": ReportCase(
         "study-coupled.yaml",
         "hook_load",
         ("hook_load", "wob", "pump_pressure"),

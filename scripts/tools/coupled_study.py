@@ -1,9 +1,8 @@
-"""The first study of the paper (DOI 10.1177/1687814016656703): a 2000 m vertical well with and without
-drilling fluid.
+"""First study of the reference paper (DOI 10.1177/1687814016656703; manual: sec-paper-reproduce): a vertical well
+of 2000 m with and without drilling fluid.
 
-Runs cases/vertical-2000m.yaml, the dry case and variants with single terms of the mud left out; writes a
-table, and pictures of weight on bit and bit speed, of orbits at the probes and of the string's lateral place
-along depth.
+Runs cases/vertical-2000m.yaml, the dry case and variants without single terms of the mud. Writes a table, and
+pictures of weight on bit and bit speed, of orbits at the probes and of the lateral offset along depth.
 """
 
 from __future__ import annotations
@@ -17,19 +16,19 @@ from drillpetsc.analysis.transient import run
 from drillpetsc.case import load_case
 from drillpetsc.output import read_frame, read_series, read_table
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 COUPLED, DRY = ROOT / "cases" / "vertical-2000m.yaml", ROOT / "cases" / "vertical-2000m-dry.yaml"
 NO_DAMPING, NO_MASS = "fluid.lateral_damping=none", "fluid.added_mass=none"
-#: name -> (case, changes, what it shows)
+#: name -> (case, changes, description)
 VARIANTS: dict[str, tuple[Path, list[str], str]] = {
     "dry": (DRY, [], "no mud"),
     "coupled": (COUPLED, [], "all terms"),
-    "no-lateral-damping": (COUPLED, [NO_DAMPING], "viscous damping of motion across the hole left out"),
-    "no-added-mass": (COUPLED, [NO_MASS], "mud that moves across the hole left out"),
+    "no-lateral-damping": (COUPLED, [NO_DAMPING], "without viscous damping of lateral motion"),
+    "no-added-mass": (COUPLED, [NO_MASS], "without added mass"),
     "plug": (
         COUPLED,
         [NO_DAMPING, "fluid.added_mass=paper_plug"],
-        "the paper's added mass, no lateral damping",
+        "added mass of the reference paper (manual: eq-mud-chi), no lateral damping",
     ),
     "neither": (COUPLED, [NO_DAMPING, NO_MASS], "pressure, weight, buoyancy and flow alone"),
     "neither-still": (
@@ -41,8 +40,8 @@ VARIANTS: dict[str, tuple[Path, list[str], str]] = {
 PROBES = (600, 1200, 1900)
 
 
-def figures(folder: Path, summary: dict, end: float) -> dict[str, float]:
-    """What the table says of a run: means over its second half."""
+def results(folder: Path, summary: dict, end: float) -> dict[str, float]:
+    """Results of a run for the table: means over its second half."""
     h, p = read_table(folder / "history.csv"), read_table(folder / "probes.csv")
     late, late_p = h["time [s]"] > end / 2, p["time [s]"] > end / 2
     weight, speed = h["wob [N]"][late] / 1e3, h["bit_speed [rad/s]"][late] * 30 / np.pi
@@ -59,7 +58,7 @@ def figures(folder: Path, summary: dict, end: float) -> dict[str, float]:
 
 
 def histories(folders: dict[str, Path], out: Path) -> None:
-    """Weight on bit and bit speed over time."""
+    """Draw weight on bit and bit speed over time."""
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(2, 1, figsize=(9, 6), sharex=True, layout="constrained")
@@ -75,19 +74,18 @@ def histories(folders: dict[str, Path], out: Path) -> None:
 
 
 def orbits(folders: dict[str, Path], out: Path) -> None:
-    """Paths of the string's centre in the hole at the probes; the circle is where the pipe touches the
-    wall."""
+    """Draw paths of the string's centre at the probes; on the circle the pipe touches the wall."""
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(
         len(folders), 3, figsize=(9, 3.1 * len(folders)), layout="constrained", squeeze=False
     )
-    component = {600: (224.4 - 127) / 2, 1200: (215.9 - 127) / 2, 1900: (215.9 - 177.8) / 2}
+    clearance = {600: (224.4 - 127) / 2, 1200: (215.9 - 127) / 2, 1900: (215.9 - 177.8) / 2}
     turn = np.linspace(0, 2 * np.pi, 200)
     for row, (name, folder) in zip(axes, folders.items(), strict=True):
         p = read_table(folder / "probes.csv")
         for axis, depth in zip(row, PROBES, strict=True):
-            axis.plot(component[depth] * np.cos(turn), component[depth] * np.sin(turn), color="#6b5b45", lw=1)
+            axis.plot(clearance[depth] * np.cos(turn), clearance[depth] * np.sin(turn), color="#6b5b45", lw=1)
             axis.plot(1e3 * p[f"x_{depth} [m]"], 1e3 * p[f"y_{depth} [m]"], lw=0.5)
             axis.set(aspect="equal", title=f"{name}, {depth} m", xlabel="north [mm]", ylabel="east [mm]")
     figure.savefig(out / "orbits.png", dpi=130)
@@ -95,7 +93,7 @@ def orbits(folders: dict[str, Path], out: Path) -> None:
 
 
 def shapes(folders: dict[str, Path], out: Path) -> None:
-    """Offset from the hole's axis along depth in the last frame."""
+    """Draw the offset from the hole's axis along depth in the last frame."""
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(
@@ -124,7 +122,7 @@ def main() -> None:
         "variants",
         nargs="*",
         metavar="VARIANT",
-        help=f"some of {', '.join(VARIANTS)}; all when none is named",
+        help=f"some of {', '.join(VARIANTS)}; default: all",
     )
     given = parser.parse_args()
     unknown = set(given.variants) - set(VARIANTS)
@@ -142,7 +140,7 @@ def main() -> None:
             name=name,
             progress="silent",
         )
-        rows[name] = figures(folders[name], result.summary, given.end)
+        rows[name] = results(folders[name], result.summary, given.end)
         print("  " + ", ".join(f"{k} {v:.4g}" for k, v in rows[name].items()), flush=True)
     columns = list(next(iter(rows.values())))
     table = [["", *columns], *([name, *(f"{rows[name][c]:.4g}" for c in columns)] for name in rows)]

@@ -12,7 +12,7 @@ from drillpetsc.output import read_table
 from tests.cli.test_sweep_cli import CASE, HOPELESS, WORDS
 from tests.helpers.mpi import run_mpi
 
-SCRIPT = Path(__file__).parent / "run_ensemble.py"
+SCRIPT = Path(__file__).parent / "run_sweep.py"
 MACHINE = ("wall [s]", "real_time_factor [-]", "ranks")
 FINE = CASE.replace("id: 108.6 mm", "id: 108.6 mm, element_length: 0.5 m").replace(
     "id: 71.4 mm", "id: 71.4 mm, element_length: 0.5 m"
@@ -32,12 +32,12 @@ def job(ranks: int, what: str, *words: str) -> str:
     return run_mpi(ranks, SCRIPT, [what, *words], timeout=100)
 
 
-def who(out: Path) -> list[list[int]]:
+def computed_by(out: Path) -> list[list[int]]:
     return [m["computed_by"] for m in json.loads((out / "summary.json").read_text())["members"]]
 
 
 def test_the_table_does_not_depend_on_the_ranks(small):
-    """Four members that run on one rank each, whatever their number: the same figures to the last digit."""
+    """Four members that run on one rank each, whatever their number: identical results."""
     tables = []
     for n in (1, 2, 3):
         out = small / f"out{n}"
@@ -45,7 +45,7 @@ def test_the_table_does_not_depend_on_the_ranks(small):
             n, "plain", "sweep", str(small / "small.yaml"), *WORDS, "--out", str(out)
         )
         tables.append(read_table(out / "sweep.csv"))
-        assert {rank for ranks in who(out) for rank in ranks} == set(range(n))
+        assert {rank for ranks in computed_by(out) for rank in ranks} == set(range(n))
     for other in tables[1:]:
         assert list(other) == list(tables[0])
         for title in set(other) - set(MACHINE):
@@ -53,8 +53,8 @@ def test_the_table_does_not_depend_on_the_ranks(small):
 
 
 def test_four_equal_members_on_two_ranks_are_two_each(small):
-    job(2, "nap", "sweep", str(small / "small.yaml"), *WORDS, "--out", str(small / "out"))
-    ranks = [r for (r,) in who(small / "out")]
+    job(2, "sleep", "sweep", str(small / "small.yaml"), *WORDS, "--out", str(small / "out"))
+    ranks = [r for (r,) in computed_by(small / "out")]
     assert sorted(ranks) == [0, 0, 1, 1] and ranks[:2] == [0, 1]
 
 
@@ -76,9 +76,9 @@ def test_an_option_that_no_member_reads_is_refused_on_all_ranks(small):
     assert not (small / "out").exists()
 
 
-def test_a_team_of_two_ranks_survives_a_member_that_fails_on_both(small):
-    """Three wells on three ranks, the first the costliest by far and hopeless: its two ranks tell, and end
-    with the others."""
+def test_a_group_of_two_ranks_survives_a_member_that_fails_on_both(small):
+    """Five wells on three ranks. The first is the most expensive and fails on both ranks of its group; the
+    others are computed."""
     (small / "bad.yaml").write_text(
         FINE.replace("{ts_rtol: 1e-3}", HOPELESS).replace("end: 0.05 s", "end: 5 s")
     )
@@ -87,15 +87,15 @@ def test_a_team_of_two_ranks_survives_a_member_that_fails_on_both(small):
     table = read_table(small / "out" / "wells.csv")
     assert table["status"].tolist() == ["failed"] + ["done"] * 4 and "Newton" in table["message"][0]
     assert table["folder"].tolist() == ["bad", "fine", "small", "fine-2", "small-2"]
-    assert who(small / "out")[0] == [0, 1]
+    assert computed_by(small / "out")[0] == [0, 1]
     one, two = (
         read_table(small / "out" / name / "history.csv")["hook_load [N]"] for name in ("fine", "fine-2")
     )
     assert one == pytest.approx(two, rel=1e-6)  # one of them may have run on two ranks
 
 
-def test_a_rank_that_is_lost_in_a_team_holds_up_no_other_team(small):
-    """It cannot be called back, so the job is ended, but only when the other teams have done all their
+def test_a_rank_that_is_lost_in_a_group_blocks_no_other_group(small):
+    """The rank cannot be released, so the job ends, but only after the other groups have computed all their
     members."""
     with pytest.raises(AssertionError, match="exit status 1 on 3 ranks"):
         job(

@@ -1,8 +1,8 @@
-"""Mutates valid case files very many times: every outcome must be a validated case or a CaseError that helps.
+"""Fuzz test of the case reader: every mutated case file gives a validated case or a helpful CaseError.
 
 Each mutant follows from --seed and its number alone. Most are changed as data (what the YAML reader makes of
 a file), the others as the text or as a survey beside it; some of those that stay valid are written and read
-back, built into a scene, or given to `drillpetsc check`.
+back, built into a model, or given to `drillpetsc check`.
 """
 
 from __future__ import annotations
@@ -30,14 +30,11 @@ from drillpetsc.case.blocks.string import Flexible
 from drillpetsc.case.checks.limits import element_count
 from drillpetsc.errors import CaseError
 
-ROOT = Path(__file__).parents[1]
-MEMORY = 6 << 30  # bytes of address space: what asks for more is a failure, and this machine goes on
+ROOT = Path(__file__).parents[2]
+MEMORY = 6 << 30  # address space [bytes]; a larger request is a failure
 LARGEST_BUILT = 700  # elements: building takes milliseconds
-BUILT_PART, WRITTEN_PART, COMMAND_PART = (
-    10,
-    10,
-    200,
-)  # one in so many of the accepted is built, written and read, given to the command
+#: one in so many accepted mutants is built, written and read, given to `drillpetsc check`
+BUILT_PART, WRITTEN_PART, COMMAND_PART = 10, 10, 200
 
 
 @dataclass(frozen=True)
@@ -51,7 +48,7 @@ class Seed:
 
 @dataclass
 class Mutant:
-    """data or text with something changed; path and given: of a new value, where there is one."""
+    """Changed data or text; path and given: of the new value, if there is one."""
 
     how: str
     file: Path
@@ -63,7 +60,7 @@ class Mutant:
 
 @dataclass
 class Found:
-    """A distinct failure: how often, the number of the smallest mutant, its text."""
+    """A distinct failure: its count, and number and text of the smallest mutant."""
 
     count: int
     number: int
@@ -79,7 +76,7 @@ class Tally:
 
 
 def case_files() -> list[Path]:
-    """All files of cases/ that are valid."""
+    """All valid files of cases/."""
     return [file for file in sorted((ROOT / "cases").rglob("*.yaml")) if "broken" not in file.parts]
 
 
@@ -88,7 +85,7 @@ def seeds() -> list[Seed]:
 
 
 def written(data: Any) -> str:
-    """Data as YAML that reads as the same, as far as YAML can say it."""
+    """YAML text of the data that reads as the same data, as far as YAML can express them."""
     yaml, stream = YAML(typ="safe", pure=True), io.StringIO()
     yaml.default_flow_style = None  # type: ignore[assignment]
     yaml.width = 4096  # type: ignore[assignment]
@@ -97,7 +94,7 @@ def written(data: Any) -> str:
 
 
 def mutant(number: int, seed: int, known: list[Seed], folder: Path) -> Mutant:
-    """The mutant of this number; its files lie in the folder."""
+    """The mutant of this number; its files are in the folder."""
     r = random.Random(f"{seed} {number}")
     file = folder / "case.yaml"
     kind = r.random()
@@ -175,7 +172,7 @@ def _build(case: Case, m: Mutant) -> str:
         if not (error.want and error.at):
             raise Failure(f"building refused without key or what is allowed: {str(error)[:60]}") from error
         return "refused"
-    return "a scene"
+    return "a model"
 
 
 def _command(case: Case, m: Mutant) -> str:
@@ -210,7 +207,7 @@ def verdict(m: Mutant, number: int, tally: Tally | None = None, every_stage: boo
 
 # ---------------------------------------------------------------------- smallest
 def smallest(m: Mutant, number: int, name: str, seconds: float = 20.0) -> Mutant:
-    """What is left of a mutant when all is taken out that its failure does not need."""
+    """Remove from a mutant all parts that its failure does not need."""
     end, again = time.monotonic() + seconds, True
     while again and time.monotonic() < end:
         again = False
@@ -267,8 +264,10 @@ def as_text(m: Mutant) -> bytes:
 def run(
     count: int, seed: int, seconds: float, start: int, keep: Path, say: Any, thorough: bool = False
 ) -> Tally:
-    """Judge mutants from number `start` on; the files of failures go to the folder `keep`. thorough: all
-    stages of all that are valid."""
+    """Test mutants from number `start` on; the files of failures go to the folder `keep`.
+
+    thorough: all stages of all valid mutants.
+    """
     known, tally, began = seeds(), Tally(), time.monotonic()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

@@ -1,9 +1,7 @@
-"""Kill a run at random moments, continue it, and compare all its files with those of the run that was left
-alone.
+"""Kill a run at random moments, restart it, and compare all files with those of an uninterrupted run.
 
-The moments are spread evenly over the wall time from the appearance of the run folder to the end, so they
-fall into steps, rows, frames and checkpoints alike.  On one number of ranks the files must agree to the last
-byte.
+The moments are uniformly distributed over the wall time from the appearance of the run folder to the end, so
+they hit steps, rows, frames and checkpoints. For an equal number of ranks the files must be identical.
 """
 
 from __future__ import annotations
@@ -20,15 +18,20 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 CASE = ROOT / "cases" / "verification" / "kill-test.yaml"
-OTHERS = ("summary.json", "checkpoint.h5")  # they tell wall times
+NOT_COMPARED = ("summary.json", "checkpoint.h5")  # files with wall times
 
 
 @dataclass
 class Kill:
-    """One kill: wall time after the folder appeared [s], simulated times of the last row and of the
-    checkpoint [s] (None: none yet), what was caught half-way, files that differ in the end."""
+    """One kill.
+
+    wall: wall time after the appearance of the folder [s].
+    row, saved: simulated times of the last row and of the checkpoint [s]; None if there is none yet.
+    caught: files that were being written.
+    differ: files that differ at the end.
+    """
 
     wall: float
     row: float | None
@@ -38,15 +41,15 @@ class Kill:
 
 
 def command(words: list[str], ranks: int) -> list[str]:
-    """Of a run."""
+    """Command of a run."""
     alone = [sys.executable, "-m", "drillpetsc", "run", *words, "--progress", "silent"]
     if ranks == 1:
         return alone
     mpirun = shutil.which("mpirun") or "mpirun"
-    reported = subprocess.run([mpirun, "--version"], capture_output=True, text=True).stdout
+    version = subprocess.run([mpirun, "--version"], capture_output=True, text=True).stdout
     return [
         mpirun,
-        *(["--oversubscribe", "--bind-to", "none"] if "Open" in reported else []),
+        *(["--oversubscribe", "--bind-to", "none"] if "Open" in version else []),
         "-n",
         str(ranks),
         *alone,
@@ -69,17 +72,15 @@ def start(words: list[str], ranks: int) -> subprocess.Popen:
 
 
 def finish(words: list[str], ranks: int) -> None:
-    """Run to the end."""
+    """Run a job to the end."""
     job = start(words, ranks)
-    _, reported = job.communicate()
+    _, errors = job.communicate()
     if job.returncode:
-        raise SystemExit(
-            f"kill-test: a run that nobody killed failed with status {job.returncode}:\n{reported}"
-        )
+        raise SystemExit(f"kill-test: an uninterrupted run failed with status {job.returncode}:\n{errors}")
 
 
 def end_all(job: subprocess.Popen) -> None:
-    """SIGKILL for the ranks, then for their launcher."""
+    """Send SIGKILL to the ranks, then to their launcher."""
     children = Path(f"/proc/{job.pid}/task/{job.pid}/children")
     ranks = [int(word) for word in children.read_text().split()] if children.exists() else []
     for number in [*ranks, job.pid]:
@@ -96,14 +97,14 @@ def duration(case: Path, out: Path, ranks: int) -> float:
     while not out.exists() and job.poll() is None:
         time.sleep(0.001)
     began = time.monotonic()
-    _, reported = job.communicate()
+    _, errors = job.communicate()
     if job.returncode:
-        raise SystemExit(f"kill-test: the run itself fails with status {job.returncode}:\n{reported}")
+        raise SystemExit(f"kill-test: the run itself fails with status {job.returncode}:\n{errors}")
     return time.monotonic() - began
 
 
 def kill_once(case: Path, whole: Path, out: Path, wall: float, ranks: int) -> Kill | None:
-    """Start, kill after ``wall`` [s], continue, compare; None when the run had ended before."""
+    """Start a run, kill it after ``wall`` [s], restart and compare; None if the run ended before."""
     shutil.rmtree(out, ignore_errors=True)
     job = start([str(case), "--out", str(out)], ranks)
     while not out.exists() and job.poll() is None:
@@ -118,7 +119,7 @@ def kill_once(case: Path, whole: Path, out: Path, wall: float, ranks: int) -> Ki
 
 
 def last_row(out: Path) -> float | None:
-    """Time of the last whole row [s]."""
+    """Time of the last complete row [s]."""
     try:
         lines = (out / "history.csv").read_text().split("\n")[1:-1]
     except FileNotFoundError:
@@ -127,14 +128,14 @@ def last_row(out: Path) -> float | None:
 
 
 def saved_time(out: Path) -> float | None:
-    """Of the checkpoint [s]."""
+    """Time of the checkpoint [s]."""
     from drillpetsc.analysis import checkpoint
 
     return checkpoint.read(out / "checkpoint.h5").time if (out / "checkpoint.h5").exists() else None
 
 
 def half_way(out: Path) -> str:
-    """What was being written."""
+    """Names of the files that were being written."""
     found = [p.name.split("-", 1)[1] for p in (*out.glob(".*-*"), *(out / "string").glob(".*-*"))]
     table = out / "history.csv"
     if table.exists() and not table.read_text().endswith("\n"):
@@ -150,7 +151,7 @@ def differences(one: Path, other: Path) -> list[str]:
         str(p.relative_to(folder))
         for folder in (one, other)
         for p in folder.rglob("*")
-        if p.is_file() and p.name not in OTHERS
+        if p.is_file() and p.name not in NOT_COMPARED
     }
     return sorted(
         n
@@ -183,7 +184,7 @@ def main() -> int:
         whole = Path(folder) / "whole"
         length = duration(case, whole, ranks)
         print(
-            f"{case.name} on {ranks} rank(s), {length:.3g} s of wall time; killed, continued, compared with the run left alone"
+            f"{case.name} on {ranks} rank(s), {length:.3g} s of wall time; killed, restarted, compared with an uninterrupted run"
         )
         print("kill   wall [s]  last row [s] checkpoint [s]   files       caught while writing", flush=True)
         number = 0

@@ -1,7 +1,7 @@
-"""The quick ones of the extreme scenes, with the criteria of drillpetsc.extreme_* (closed forms and their
-sources stand there).
+"""The quick cases of the robustness suite. The criteria, with closed forms and sources, are in the modules of this
+folder (manual: sec-verif-robustness).
 
-scripts/extreme runs them all.
+scripts/extreme runs all cases.
 """
 
 from __future__ import annotations
@@ -11,35 +11,35 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.robustness.cases import CASES, chosen
 from tests.robustness.criteria import Run
-from tests.robustness.run import compute
-from tests.robustness.scenes import SCENES, Part, chosen
+from tests.robustness.run import Part, compute
 
-CASES = Path(__file__).parents[2] / "cases" / "extreme"
+CASE_FILES = Path(__file__).parents[2] / "cases" / "extreme"
 QUICK = ["X02", "X10", "X14", "X18", "X21", "Y01", "Y03", "Y04"]
 
 
 @pytest.mark.parametrize("number", QUICK)
-def test_scene_meets_its_criteria(number, tmp_path):
-    (model,) = chosen([number])
-    for part in model.parts:
-        compute(part, CASES, tmp_path)
-    rows = model.check({part.name: Run(tmp_path / part.name) for part in model.parts})
+def test_case_meets_its_criteria(number, tmp_path):
+    (case,) = chosen([number])
+    for part in case.parts:
+        compute(part, CASE_FILES, tmp_path)
+    rows = case.check({part.name: Run(tmp_path / part.name) for part in case.parts})
     assert not [row for row in rows if not row.passed]
-    assert len(rows) > len(model.parts)
+    assert len(rows) > len(case.parts)
 
 
-def test_every_case_belongs_to_a_scene():
-    used = {part.case for model in SCENES for part in model.parts}
-    assert used == {path.stem for path in CASES.glob("*.yaml")}
+def test_every_case_file_belongs_to_the_suite():
+    used = {part.case for case in CASES for part in case.parts}
+    assert used == {path.stem for path in CASE_FILES.glob("*.yaml")}
 
 
-def test_a_run_that_gains_energy_or_sinks_in_does_not_pass(tmp_path):
-    """The common criteria see what they are there for: numbers spoiled in the files of a run that passes."""
+def test_a_run_that_gains_energy_or_penetrates_the_wall_does_not_pass(tmp_path):
+    """The common criteria detect changed results of a run that passes."""
     from tests.robustness.criteria import common
 
     part = Part("run", "x14-one-element-10m")
-    compute(part, CASES, tmp_path)
+    compute(part, CASE_FILES, tmp_path)
 
     def missed(**change) -> list[str]:
         run = Run(tmp_path / "run")

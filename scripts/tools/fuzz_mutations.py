@@ -49,8 +49,7 @@ BLOCKS: tuple[Any, ...] = (
     [0] * 300, {str(i): i for i in range(300)},
 )  # fmt: skip
 
-#: keys with values that a block may get beside what it has; the names of the blocks are paths without list
-#: numbers
+#: keys with values that are added to a block; blocks are named by paths without list numbers
 EXTRAS: dict[str, tuple[tuple[str, Any], ...]] = {
     "": (
         ("hold_string", True), ("hold_string", False), ("gravity", 5.0), ("title", "t"), ("initial", {"from": "rest"}), ("contact", "none"),
@@ -112,7 +111,7 @@ ALL_EXTRAS = tuple(pair for pairs in EXTRAS.values() for pair in pairs)
 
 # ---------------------------------------------------------------------- places
 def places(data: Any, at: Path = (), levels: int = 12) -> Iterator[Path]:
-    """Paths of all values below `data`, not endlessly deep."""
+    """Paths of all values below `data`, to a limited depth."""
     parts = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
     for step, part in parts if levels else ():
         yield (*at, step)
@@ -126,7 +125,7 @@ def value_at(data: Any, path: Path) -> Any:
 
 
 def replaced(data: Any, path: Path, value: Any) -> Any:
-    """A copy with the value put in; only what lies on the path is copied."""
+    """A copy with the value at the path; only the containers along the path are copied."""
     if not path:
         return value
     twin = dict(data) if isinstance(data, dict) else list(data)
@@ -204,8 +203,7 @@ NEW_VALUES = (
 
 
 def mutate_data(random: Any, data: dict[str, Any]) -> tuple[dict[str, Any], Path]:
-    """The data with one thing changed, and where (the place of a new value; () when something was taken out
-    or renamed)."""
+    """The data with one change, and the path of a new value; () if something was removed or renamed."""
     spots = list(places(data))
     if not spots:
         return {random.choice(["string", "top", ""]): random.choice(SCALARS)}, ()
@@ -253,7 +251,7 @@ def _renamed(random: Any, data: Any, path: Path) -> Any:
 
 
 def _repeated(data: Any, path: Path) -> Any:
-    """A list entry that stands twice; elsewhere a value becomes a list of it."""
+    """Repeat a list entry; any other value becomes a list of it."""
     holder = value_at(data, path[:-1])
     if isinstance(holder, list):
         twin = [*holder[: int(path[-1])], holder[int(path[-1])], *holder[int(path[-1]) :]]
@@ -265,7 +263,7 @@ def _repeated(data: Any, path: Path) -> Any:
 PIECES: tuple[str, ...] = (
     "!!python/object/apply:os.system [ls]", "!!binary aGFsbG8=", "!!set {a, b}", "!!omap [a: 1]", "!!timestamp 2001-01-01", "!!float 1",
     "!!int '3'",
-    "!!str 5", "!mine x", "!<tag:yaml.org,2002:str> 5", "&a", "*a", "*nowhere", "<<: *a", "<<: {a: 1}", "<<: 5", "<<: [1]", "? [a]\n: b",
+    "!!str 5", "!own x", "!<tag:yaml.org,2002:str> 5", "&a", "*a", "*nowhere", "<<: *a", "<<: {a: 1}", "<<: 5", "<<: [1]", "? [a]\n: b",
     "? a", ": b", "? ",
     "---", "...", "%YAML 1.1\n---", "%YAML 9.9\n---", "%TAG ! tag:x,2000:\n---", "%", "12:30:45", "0o17", "017", "0b101", "0x1F", "1_000",
     "yes", "no", "on", "off", "Yes",
@@ -285,7 +283,7 @@ PIECES: tuple[str, ...] = (
 
 
 def mutate_text(random: Any, text: str) -> bytes:
-    """The text with one to three places spoilt, as bytes (which may be no UTF-8 any more)."""
+    """The text with one to three places corrupted, as bytes that may not be UTF-8."""
     for _ in range(random.choice([1, 1, 1, 2, 3])):
         text = random.choice(TEXT_CHANGES)(random, text)
     raw = text.encode("utf-8", "surrogatepass")
@@ -316,7 +314,7 @@ def _insert_line(random: Any, text: str) -> str:
 
 
 def _insert_value(random: Any, text: str) -> str:
-    """Another value behind one of the colons."""
+    """Replace the value after one of the colons."""
     ends = [match.end() for match in re.finditer(r": ", text)]
     if not ends:
         return _insert(random, text)
@@ -389,7 +387,7 @@ CELLS = (
 
 
 def mutate_survey(random: Any, text: str) -> bytes:
-    """A survey in CSV with something wrong, or not."""
+    """A survey in CSV, with or without errors."""
     rows = [row.split(",") for row in text.split("\n")]
     what = random.randint(0, 9)
     k = random.randint(0, len(rows) - 1)
