@@ -19,22 +19,20 @@ from drillpetsc.analysis.quasi_static import QuasiStatic
 from drillpetsc.analysis.run_control import (
     FAILED,
     NOTHING,
-    RESTART_HINT,
     STOP,
     RunControl,
-    cannot_write,
-    first_rank_does,
 )
 from drillpetsc.analysis.steady_flow import fluid_unknowns
 from drillpetsc.analysis.time_scales import longest_strict_step, step_warnings
 from drillpetsc.case.case import Case
-from drillpetsc.errors import CaseError, Interrupted, SolveError
+from drillpetsc.errors import RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.output import FieldWriter, RunFolder, Table, write_summary
 from drillpetsc.output.energy_balance import EnergyGainMonitor
 from drillpetsc.output.progress import Progress
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.well_files import write_well_files
+from drillpetsc.parallel import first_rank_does
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.local_error import LocalErrorEstimate
 from drillpetsc.solvers.time_integrator import TimeIntegrator
@@ -44,10 +42,16 @@ TINY = 1e-9  # output times closer than this share of the interval are one
 
 @dataclass
 class RunResult:
-    """Where the results lie and what they come to; the same on all ranks."""
+    """Results of a command; the same on all ranks.
+
+    folder: run folder
+    summary: contents of its summary.json
+    lines: report for the screen
+    """
 
     folder: Path
     summary: dict[str, Any] = field(default_factory=dict)
+    lines: list[str] = field(default_factory=list)
 
 
 class _Writer:

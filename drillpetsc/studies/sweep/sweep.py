@@ -28,12 +28,13 @@ from drillpetsc.output.energy_balance import EnergyGainMonitor
 from drillpetsc.output.files.run_folder import SWEEP_TABLE
 from drillpetsc.output.progress import duration
 from drillpetsc.output.recorder import Recorder
+from drillpetsc.parallel import wait_for, wait_for_files
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.studies.sweep import table
 from drillpetsc.studies.sweep.plan import plan_sweep, plan_wells
 from drillpetsc.studies.sweep.table import Action, Member, Outcome, Plan
 from drillpetsc.studies.sweep.variations import choices_from, variations
-from drillpetsc.studies.sweep.worker_groups import WorkerGroup, group_sizes, split, wait_for, wait_for_files
+from drillpetsc.studies.sweep.worker_groups import WorkerGroup, group_sizes, split
 from drillpetsc.version import __version__
 
 
