@@ -1,5 +1,5 @@
-"""A lying, turning quaternion string, and one with mud and a bit, fixed steps: prints its motion and
-reactions (rank 0)."""
+"""A quaternion string on the wall, and one with mud and a bit, with fixed steps: prints motion and reactions
+(rank 0)."""
 
 import sys
 
