@@ -50,8 +50,8 @@ CASES: dict[str, dict] = {
 def runs(tmp_path_factory) -> list[Path]:
     """Run folders on 1, 2 and 3 ranks, each with one folder per case."""
     cases, folders = tmp_path_factory.mktemp("cases"), []
-    for kind, case in CASES.items():
-        case = {"time": {"end": 0.3}, "output": {"history_every": 0.01, "field_every": 0.1}, **model}
+    for kind, keys in CASES.items():
+        case = {"time": {"end": 0.3}, "output": {"history_every": 0.01, "field_every": 0.1}, **keys}
         loop(case.pop("fluid"), 30, 150.0, **case).case.dump(cases / f"{kind}.yaml")
     for n in (1, 2, 3):
         folders.append(tmp_path_factory.mktemp(f"ranks{n}"))
