@@ -214,7 +214,7 @@ def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
     stretch, twist, wob, bit_torque, drive = (
         local if system.comm.size == 1 else system.comm.tompi4py().allreduce(local)
     )
-    force = getattr(model.case.top, "force", None)
+    force = model.case.top.force
     soft = state.soft_string
     out = {
         "motion": {"lowering": state.motion[0], "rotation": state.motion[1]},

@@ -6,9 +6,10 @@ from pathlib import Path
 
 from petsc4py import PETSc
 
-from drillpetsc.analysis.equilibrium import MOTIONS, StaticState, find_equilibrium
+from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
+from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.static_report import static_summary, static_table
-from drillpetsc.analysis.transient import make_folder
+from drillpetsc.analysis.transient import RunResult, make_folder
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError
@@ -26,8 +27,8 @@ def run_statics(
     overwrite: bool = False,
     name: str = "case",
     comm: PETSc.Comm | None = None,
-) -> list[str]:
-    """Solve for the equilibrium, write statics.csv, string.pvd and summary.json; returns the lines to show.
+) -> RunResult:
+    """Solve for the equilibrium, write statics.csv, string.pvd and summary.json.
 
     motion: hoist, lower or rotate; None takes the motion that the top prescribes at time 0.  Collective.
     """
@@ -50,7 +51,7 @@ def run_statics(
         fields = Recorder(model).fields(0.0)
         if comm.rank == 0:
             _write(model, folder, columns, values, summary, fields)
-    return _lines(case, folder, state, summary)
+    return RunResult(folder.path, summary, _lines(case, folder, state, summary))
 
 
 def _write(model, folder: RunFolder, columns, values, summary, fields) -> None:

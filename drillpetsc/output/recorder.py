@@ -98,9 +98,7 @@ class Recorder:
     def _columns(self) -> list[Column]:
         model = self.model
         out: list[Column] = [("time", "s")]
-        if model.beam is not None and (
-            model.top is not None or getattr(model.case.top, "force", None) is not None
-        ):
+        if model.beam is not None and (model.top is not None or model.case.top.force is not None):
             out += [("hook_load", "N"), ("surface_torque", "N m")]
         if model.bit is not None:
             out += [("wob", "N"), ("bit_torque", "N m")]
@@ -137,8 +135,8 @@ class Recorder:
                     f.reaction[names.index("top.torque_reaction")] if "top.torque_reaction" in names else 0.0
                 )
         if isinstance(model.top, ConstrainedEnd):
-            v[0] = -model.top.own_reaction("top.axial_reaction", asm)
-            v[1] = model.top.own_reaction("top.torque_reaction", asm)
+            v[0] = -model.top.reaction("top.axial_reaction", asm)
+            v[1] = model.top.reaction("top.torque_reaction", asm)
         if model.drive is not None:
             v[1] += model.drive.torque(t, asm)
         if model.bit is not None:
@@ -165,7 +163,7 @@ class Recorder:
                 v[-FlowRecorder.SIZE :] = self.flow.sample(t)
         if system.comm.size > 1:
             v = self.comm.allreduce(v)
-        force = getattr(model.case.top, "force", None)
+        force = model.case.top.force
         if force is not None:
             v[0] = force.value(t)
         return v

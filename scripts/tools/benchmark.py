@@ -100,7 +100,8 @@ ERRORS: dict[str, Callable[[Path, bool], Errors]] = {
 # ---------------------------------------------------------------------- measuring
 def call_times(case: Path, calls: int = 40) -> dict[str, float]:
     """Shortest time [s] of one call of each phase of a Newton iteration, in the static state of a case."""
-    from drillpetsc.analysis.equilibrium import find_equilibrium, move_rigidly, release
+    from drillpetsc.analysis.initial_state import find_equilibrium
+    from drillpetsc.analysis.placement import move_rigidly, release
     from drillpetsc.case import load_case
     from drillpetsc.model.drilling_model import build_model
     from drillpetsc.solvers.newton import chain_factor

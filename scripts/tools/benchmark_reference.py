@@ -93,7 +93,7 @@ def free_motion(case, elements: int, times: np.ndarray, tolerance: float) -> np.
     """
     from scipy.integrate import solve_ivp
 
-    from drillpetsc.analysis.equilibrium import move_rigidly, place_along_hole, release
+    from drillpetsc.analysis.placement import move_rigidly, place_along_hole, release
     from drillpetsc.model.drilling_model import build_model
 
     item = case.string[0]

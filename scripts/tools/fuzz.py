@@ -27,7 +27,7 @@ from ruamel.yaml import YAML
 
 from drillpetsc.case import Case, case_from_data, load_case, read_case_file
 from drillpetsc.case.blocks.string import Flexible
-from drillpetsc.case.checks.size import element_count
+from drillpetsc.case.checks.limits import element_count
 from drillpetsc.errors import CaseError
 
 ROOT = Path(__file__).parents[2]

@@ -163,7 +163,7 @@ def test_energy_balance_of_an_almost_incompressible_fluid(kind):
 def test_added_mass_follows_the_position_in_the_hole():
     """added_mass: eccentric is the potential flow between eccentric circles at the position of each element's
     middle (manual: eq-mud-chi-eccentric)."""
-    from drillpetsc.analysis.equilibrium import place_along_hole
+    from drillpetsc.analysis.placement import place_along_hole
     from drillpetsc.case import Case
     from drillpetsc.model.drilling_model import build_model
     from drillpetsc.physics.fluid.added_mass import chi_eccentric

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from drillpetsc.analysis import checkpoint
-from drillpetsc.analysis.equilibrium import place_along_hole, release
+from drillpetsc.analysis.placement import place_along_hole, release
 from drillpetsc.analysis.statics import run_statics
 from drillpetsc.analysis.transient import RunResult, make_integrator, run
 from drillpetsc.case import Case, load_case

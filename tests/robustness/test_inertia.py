@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
-from drillpetsc.analysis.equilibrium import place_along_hole
+from drillpetsc.analysis.placement import place_along_hole
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 
 OUTER, INNER, LENGTH, DENSITY = 0.1715, 0.0714, 12.0, 7850.0

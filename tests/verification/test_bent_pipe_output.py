@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc.analysis.equilibrium import find_equilibrium
+from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.static_report import static_table
 from drillpetsc.case import Case
 from drillpetsc.model.drilling_model import build_model

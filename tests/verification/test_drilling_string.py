@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
-from drillpetsc.analysis.equilibrium import find_equilibrium, move_rigidly, release
+from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.placement import move_rigidly, release
 from drillpetsc.analysis.quasi_static import QuasiStatic
 from drillpetsc.analysis.transient import make_integrator
 from drillpetsc.model.drilling_model import DrillingModel, build_model

@@ -12,11 +12,11 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from drillpetsc import Case, run
-from drillpetsc.fem.component import PrescribedMotion
+from drillpetsc.fem.component import Component, PrescribedMotion
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.contact import Contact, ContactLaw
-from drillpetsc.physics.rigid_bodies import ComponentBase, RigidBodies
+from drillpetsc.physics.rigid_bodies import RigidBodies
 from tests.helpers import moving
 from tests.helpers.motion import beam, fixed, integrate, sampled, straight
 
@@ -196,7 +196,7 @@ LENGTH = 10.0
 OMEGA = (np.pi / LENGTH) ** 2 * np.sqrt(1e4 / 10.0)  # first mode, hinged ends
 
 
-class Spinning(ComponentBase):
+class Spinning(Component):
     """A node with a given spin, free to tilt; with ``held`` its position is fixed."""
 
     def __init__(self, vertex: int, position: np.ndarray, speed: float, held: bool = True):

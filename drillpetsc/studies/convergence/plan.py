@@ -132,7 +132,7 @@ def read_base(
     case = case_from_data(data, path, lines)
     if case.time is None:
         raise CaseError(at="time", want="a block {end: ...}", file=path)
-    every = float(case.output.settled(case.time.end).history_every)  # type: ignore[arg-type]
+    every = float(case.output.with_intervals(case.time.end).history_every)  # type: ignore[arg-type]
     petsc = {**case.petsc, **options}
     return Base(
         path,

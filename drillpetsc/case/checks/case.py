@@ -1,26 +1,23 @@
-"""What the blocks of a case demand of each other."""
+"""Checks of the blocks of a case against each other: string, hole, ends and start. `check_case` runs all
+checks in order."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from drillpetsc.case.blocks.joints import check_joints
+from drillpetsc.case.blocks.case_blocks import CaseBlocks
+from drillpetsc.case.blocks.ends import PointLoad
 from drillpetsc.case.blocks.string import Beam, Bit, Pipe
+from drillpetsc.case.blocks.well import Well
 from drillpetsc.case.checks.drilling import check_drilling, check_time
 from drillpetsc.case.checks.fluid import check_fluid, check_held_string
-from drillpetsc.case.checks.limits import check_quaternion
-from drillpetsc.case.checks.size import check_size
+from drillpetsc.case.checks.joints import check_joints
+from drillpetsc.case.checks.limits import check_quaternion, check_size
 from drillpetsc.case.key_paths import refuse
-
-if TYPE_CHECKING:
-    from drillpetsc.case.blocks.well import Well
-    from drillpetsc.case.case import Case
 
 LENGTH_TOLERANCE = 1e-6  # [m] sums of item lengths
 
 
-def check_scene(case: Case) -> None:
-    """Raises on the first contradiction between blocks."""
+def check_case(case: CaseBlocks) -> None:
+    """Raise on the first contradiction between blocks."""
     check_held_string(case)
     check_quaternion(case)
     _bit_last(case)
@@ -37,7 +34,7 @@ def check_scene(case: Case) -> None:
     check_size(case)
 
 
-def _bit_last(case: Case) -> None:
+def _bit_last(case: CaseBlocks) -> None:
     for i, item in enumerate(case.string[:-1]):
         if isinstance(item, Bit):
             raise refuse(
@@ -47,7 +44,7 @@ def _bit_last(case: Case) -> None:
         raise refuse("string", got=f"{len(case.string)} rigid items", want="at least one pipe or beam")
 
 
-def _well_or_none(case: Case) -> None:
+def _well_or_none(case: CaseBlocks) -> None:
     if case.well is None:
         if case.contact is not None:
             raise refuse(
@@ -63,7 +60,7 @@ def _well_or_none(case: Case) -> None:
             raise refuse("initial", key, got=getattr(case.initial, key), want=want)
 
 
-def _string_in_hole(case: Case) -> None:
+def _string_in_hole(case: CaseBlocks) -> None:
     if case.well is None:
         return
     end = case.well.survey.md[-1]
@@ -77,14 +74,19 @@ def _string_in_hole(case: Case) -> None:
     for i, (item, (above, below)) in enumerate(zip(case.string, case.item_depths, strict=True)):
         if isinstance(item, Beam) and item.od is None:
             raise refuse(
-                "string", i, "od", want="an outer diameter: the scene has a well", hint="or contact: none"
+                "string", i, "od", want="an outer diameter: the case has a well", hint="or contact: none"
             )
         if isinstance(item, (Pipe, Beam)):
             _fits(case.well, i, item.od, above, below)
 
 
 def _fits(well: Well, i: int, outer: float | None, above: float, below: float) -> None:
-    """A flexible item is thinner than every section that it stands in at the start."""
+    """Raise unless the item is thinner than every section around it at the start.
+
+    i: number of the item in the string
+    outer: outer diameter [m]
+    above, below: measured depths of the ends of the item [m]
+    """
     top = 0.0
     for section in well.sections:
         meets = section.to > above + LENGTH_TOLERANCE and top < below - LENGTH_TOLERANCE
@@ -95,7 +97,7 @@ def _fits(well: Well, i: int, outer: float | None, above: float, below: float) -
         top = section.to
 
 
-def _bit_on_bottom(case: Case) -> None:
+def _bit_on_bottom(case: CaseBlocks) -> None:
     if case.bottom.kind == "bit" and case.string[-1].od is None:
         last = len(case.string) - 1
         raise refuse(
@@ -103,30 +105,30 @@ def _bit_on_bottom(case: Case) -> None:
         )
 
 
-def _start(case: Case) -> None:
+def _start(case: CaseBlocks) -> None:
     if case.initial.wob is None:
         return
     got = case.initial.wob
     if case.bottom.kind != "bit":
         raise refuse("initial", "wob", got=got, want="no wob unless bottom is a bit")
-    if case.top.kind == "free" or getattr(case.top, "force", None) is not None:
-        hint = "wob is met by the top's axial position, which this top leaves open"
+    if case.top.kind == "free" or case.top.force is not None:
+        hint = "wob is met by the top's axial position, which this top does not prescribe"
         raise refuse("initial", "wob", got=got, want="no wob with a free top or a given top force", hint=hint)
 
 
-def _on_string(case: Case) -> None:
+def _on_string(case: CaseBlocks) -> None:
     end = case.string_length
     range_of_string = f"a measured depth on the string, 0 to {end:g} m"
     for i, probe in enumerate(case.output.probes):
         if probe > end + LENGTH_TOLERANCE:
             raise refuse("output", "probes", i, got=probe, want=range_of_string)
     for i, load in enumerate(case.loads):
-        key = "at" if hasattr(load, "at") else "to"
-        if getattr(load, key) > end + LENGTH_TOLERANCE:
-            raise refuse("loads", i, key, got=getattr(load, key), want=range_of_string)
+        key, depth = ("at", load.at) if isinstance(load, PointLoad) else ("to", load.to)
+        if depth > end + LENGTH_TOLERANCE:
+            raise refuse("loads", i, key, got=depth, want=range_of_string)
 
 
-def _stribeck(case: Case) -> None:
+def _stribeck(case: CaseBlocks) -> None:
     if case.contact is None or case.contact.stribeck is None or case.well is None:
         return
     static = case.contact.stribeck.static
