@@ -8,7 +8,7 @@ import petsc4py
 petsc4py.init([sys.argv[0]])
 
 import numpy as np  # noqa: E402
-from tests.verification.test_quaternion_scenes import model as with_everything  # noqa: E402
+from tests.verification.test_quaternion_models import model as with_everything  # noqa: E402
 
 from drillpetsc.analysis.initial_state import find_equilibrium  # noqa: E402
 from drillpetsc.analysis.placement import move_rigidly, release  # noqa: E402

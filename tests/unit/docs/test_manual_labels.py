@@ -1,4 +1,5 @@
-"""Labels of the manual that the code cites as "(manual: LABEL, LABEL)" exist in docs/.
+"""Citations between code and manual: labels that the code cites as "(manual: LABEL, LABEL)" exist in docs/, and
+tests that the manual cites as `tests/file.py::function` exist.
 
 DRILLPETSC_DOCS names another folder of the manual.
 """
@@ -76,3 +77,15 @@ def test_a_wrong_label_is_found(tmp_path: Path) -> None:
     assert wrong_citations(source, defined) == []
     (source / "b.py").write_text('"""Bad (manual: verif-right, eq-wrong; and manual:\n    verif-wrong)."""\n')
     assert [each.split(": ")[1] for each in wrong_citations(source, defined)] == ["eq-wrong", "verif-wrong"]
+
+
+def test_tests_cited_by_the_manual_exist() -> None:
+    wrong = []
+    for page in DOCS.rglob("*.md"):
+        for match in re.finditer(r"\b(tests/[\w/]+\.py)(?:::(\w+))?", page.read_text(encoding="utf-8")):
+            file = ROOT / match[1]
+            found = file.is_file() and (
+                not match[2] or f"def {match[2]}(" in file.read_text(encoding="utf-8")
+            )
+            wrong += [] if found else [f"{page}: {match[0]}"]
+    assert wrong == []
