@@ -14,9 +14,11 @@ from scipy.optimize import brentq
 
 from drillpetsc.fem.component import ElementBlock, Energies, FloatArray, Powers
 from drillpetsc.fem.quadrature import exposed_ends, rule
+from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
+from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import SLOTS, SPLIT_SLOTS
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, ComponentBase, local_vertices
 
@@ -322,6 +324,13 @@ class Contact(ComponentBase):
     def powers(self, t: float, state) -> Powers:
         return Powers(float(sum(figures[:, 2:4].sum() for figures in self._figures(state))))
 
+    def quantities(self) -> tuple[Quantity, ...]:
+        return declared.CONTACT
+
+    def per_length(self, values: FloatArray) -> FloatArray:
+        """(nc,) values of the local cells per length of string."""
+        return np.asarray(values / self.mesh.divisor[self._part.cells])
+
 
 class BitOnBottom(ComponentBase):
     """The bit stands on the end of the hole: a spring along its axis, and a friction torque."""
@@ -420,3 +429,14 @@ class BitOnBottom(ComponentBase):
             return Powers()
         _, torque = self.weight_and_torque(state)
         return Powers(float(torque * state.y[state.index_of(self._block)[0, 6]]))
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        return declared.BIT
+
+    def results(self, state) -> tuple[float, float]:
+        """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
+        return self.weight_and_torque(state)
+
+    def drilled(self, state) -> float:
+        """Length of new hole [m]: this bit cuts none."""
+        return 0.0

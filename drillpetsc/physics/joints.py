@@ -14,9 +14,11 @@ from drillpetsc.fem.component import (
     Powers,
     VelocityStabilization,
 )
+from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringJoint, StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
+from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import SLOTS
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, ComponentBase, local_vertices
 
@@ -181,3 +183,9 @@ class Joints(ComponentBase):
 
     def powers(self, t: float, state) -> Powers:
         return Powers(dissipated=float(self.report(state)[:, REPORT.index("damping_power")].sum()))
+
+    #: columns of ``report``
+    RESULTS = REPORT
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        return declared.JOINTS

@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.fem.component import ElementBlock, Energies, FloatArray, Powers, PrescribedMotion
+from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
@@ -42,6 +43,14 @@ class ComponentBase:
 
     def update_reference_frames(self) -> None:
         """Nothing to renew."""
+
+    def quantities(self) -> tuple[Quantity, ...]:  # base class
+        """Outputs that the component declares."""
+        return ()
+
+    def reaction(self, name: str, state) -> float:  # base class
+        """Reaction ``name`` that a multiplier of the component carries, this rank's share [N or N m]."""
+        return 0.0
 
 
 def local_vertices(part, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -10,9 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.fem.component import ElementBlock, Energies, Field, FloatArray, Powers
+from drillpetsc.fem.quantity import Quantity
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
+from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, ComponentBase, local_vertices
 
 _report = function("bit_rock_report", "ipppppp")
@@ -505,6 +507,20 @@ class RockBit(ComponentBase):
 
     def powers(self, t: float, state) -> Powers:
         return Powers(float(self.figures(state)[5]))
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        return declared.BIT
+
+    def results(self, state) -> FloatArray:
+        """(11,) weight on bit [N], torque on bit [N m], rate of penetration [m/s], ... of ``figures``."""
+        return self.figures(state)
+
+    def drilled(self, state) -> float:
+        """Length of new hole [m], zero on ranks without the bit."""
+        if not self._mine:
+            return 0.0
+        post_step = self.rock.post_step
+        return float(self.params[0, _HOLD + 3] if post_step else state.x[state.index_of(self._block)[0, 10]])
 
 
 def _chip_for(weight: float, cut: float, flat: float, onset: float) -> float:

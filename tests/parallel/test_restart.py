@@ -250,7 +250,7 @@ def test_a_component_keeps_what_it_remembers(tmp_path):
     scenes[0].contact.get_state = lambda: {"worn": np.array([1.0, 2.5]), "count": np.array(3)}
     scenes[1].contact.set_state = reported.update
     recorder, integrator = Recorder(scenes[0]), TimeIntegrator(scenes[0].system)
-    recorder.begin(0.0)
+    recorder.start(0.0)
     c = checkpoint.take(scenes[0], recorder, integrator, 0.0, {"share": 0.5})
     assert c is not None
     checkpoint.write(tmp_path / "checkpoint.h5", c)

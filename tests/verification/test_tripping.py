@@ -154,17 +154,17 @@ def test_return_past_a_casing_shoe():
         ),
         [],
     )
-    chamber, books = model.fluid.bit, Recorder(model)  # type: ignore[union-attr]
-    books.begin(0.0)
+    chamber, recorder = model.fluid.bit, Recorder(model)  # type: ignore[union-attr]
+    recorder.start(0.0)
     first = chamber.figures(model.system.assembly)[4]  # type: ignore[union-attr]
 
     def after(t: float, dt: float) -> None:
-        books.step(t, dt, t, None, not seen)
+        recorder.step(t, dt, t, None, not seen)
         seen.append(returned(model))
 
     integrate(model.system, 40.0, fixed(0.05), after)
     assert np.array(seen) == pytest.approx(0.5 * SOLID, rel=1e-6)
-    mass, narrow = books.mass_balance(), 0.25 * np.pi * HOLE**2
+    mass, narrow = recorder.mass_balance(), 0.25 * np.pi * HOLE**2
     assert mass["content_change"] == pytest.approx(-20.0 * SOLID, rel=1e-6)
     assert abs(mass["error"]) < 1e-9 * 20.0 * SOLID
     # 510 m of hole below at first, 490 m in the end; the transition at the shoe lies half above it, half

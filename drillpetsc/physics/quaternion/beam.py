@@ -16,6 +16,7 @@ import numpy as np
 
 from drillpetsc.fem.component import ElementBlock, Energies, Field, FloatArray, Powers, PrescribedMotion
 from drillpetsc.fem.dof_layout import DofLayout
+from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
@@ -259,3 +260,14 @@ class QuaternionBeam:
                     pointer(state.y),
                 )
         return Powers(lost)
+
+    #: the bending in ``report`` includes that of the stress-free shape
+    counts_free_curvature = False  # base class
+
+    def quantities(self) -> tuple[Quantity, ...]:  # base class
+        """Outputs that the component declares."""
+        return ()
+
+    def reaction(self, name: str, state) -> float:  # base class
+        """Reaction ``name`` that a multiplier of the component carries, this rank's share [N or N m]."""
+        return 0.0

@@ -137,6 +137,10 @@ class ConstrainedEnd(ComponentBase):
             return 0.0
         return float(state.x[state.index_of(self._block)[0, 7 + self.names.index(name)]])
 
+    def reaction(self, name: str, state) -> float:  # base class
+        """Force [N] or torque [N m] of the end on the string, this rank's share."""
+        return self.own_reaction(name, state)
+
     def powers(self, t: float, state) -> Powers:
         if not len(self._block.points):
             return Powers()
