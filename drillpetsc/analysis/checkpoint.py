@@ -26,7 +26,7 @@ from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 
-VERSION = 2
+VERSION = 3
 BLOCK = 512  # bytes of the first block, the least that HDF5 takes
 MAGIC, OLD_MAGIC = b"drillpetsc checkpoint ", b"\x89HDF\r\n\x1a\n"  # version 1 was plain HDF5
 WANT = "the checkpoint.h5 of a run"
@@ -192,7 +192,7 @@ def read(path: str | Path) -> Checkpoint:
         ValueError,
         TypeError,
         RuntimeError,
-    ) as error:  # whole, and yet not what version 2 holds
+    ) as error:  # whole, and yet not what version 3 holds
         raise CaseError(
             file=path, want=WANT, hint=f"it was written by another version of drillpetsc ({error})"
         ) from None

@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import groupby
 from typing import Any
 
@@ -51,13 +52,14 @@ class Slot:
     size: int
     motion: bool
 
-    @property
-    def width(self) -> int:
-        return self.count * self.size
-
-    @property
+    @cached_property
     def span(self) -> slice:
-        return slice(self.start, self.start + self.width)
+        return slice(self.start, self.start + self.count * self.size)
+
+    @cached_property
+    def single(self) -> bool:
+        """Whether the value is one number."""
+        return self.count * self.size == 1
 
 
 @dataclass
@@ -75,7 +77,7 @@ class SampleLayout:
             assert quantity.value is not None
             count, motion = self.counts[quantity.on], quantity.interpolate == "motion"
             self.slots[key] = Slot(source, quantity.value, self.width, count, quantity.size, motion)
-            self.width += self.slots[key].width
+            self.width = self.slots[key].span.stop
         return self.slots[key]
 
     def motion(self) -> np.ndarray:
@@ -174,10 +176,7 @@ class Recorder:
         with self.mud.shared_results() if self.mud is not None else nullcontext():
             for slot in self.layout.slots.values():
                 values = slot.value(slot.source, sample)
-                if slot.width == 1:
-                    v[slot.start] = values
-                else:
-                    v[slot.span] = np.reshape(values, -1)
+                v[slot.span] = values if slot.single else np.reshape(values, -1)
         return v if self.system.comm.size == 1 else self.comm.allreduce(v)
 
     def value(self, sample: FloatArray, name: str) -> float:

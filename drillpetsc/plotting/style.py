@@ -8,16 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.output import catalogue
 from drillpetsc.output.files.tables import split_name
-
-WORDS = {
-    "wob": "WOB",
-    "rop": "ROP",
-    "md": "Measured depth",
-    "tvd": "True vertical depth",
-    "newton": "Newton iterations",
-    "step": "Time step",
-}
 
 # unit -> displayed units from the smallest: (text, size in the SI unit); taken is the last that is not above
 # the values
@@ -65,7 +57,7 @@ def display_unit(title: str, values: Any) -> tuple[float, str]:
 def words(title: str) -> str:
     """ "surface_torque [N m]" as a label: "Surface torque"."""
     name, _ = split_name(title)
-    return WORDS.get(name, name.replace("_", " ").capitalize())
+    return catalogue.label(name) or name.replace("_", " ").capitalize()
 
 
 def label(title: str, unit: str) -> str:

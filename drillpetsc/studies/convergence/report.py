@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.output import write_table
+from drillpetsc.output.catalogue import find
 from drillpetsc.output.files.atomic import replace_text
 from drillpetsc.output.files.json_file import plain
 from drillpetsc.studies.convergence.error_norms import (
@@ -23,23 +24,12 @@ from drillpetsc.studies.convergence.error_norms import (
     plain_order,
 )
 from drillpetsc.studies.convergence.reference import Reference
-from drillpetsc.studies.convergence.runs import NUMERICS, Measured
+from drillpetsc.studies.convergence.runs import Measured
 
 Row = dict[str, Any]
 
 MOST_OUTPUTS = 6
-FIRST = (
-    "bit_speed",
-    "wob",
-    "hook_load",
-    "pump_pressure",
-    "bit_depth",
-    "surface_torque",
-    "bit_torque",
-    "rop",
-    "bit_pressure",
-    "outlet_flow",
-)
+LAST = 1000  # place in the queue of outputs behind all that a quantity gives itself
 DIVERGED = 10.0  # rms error over range of a run that came to its end, but not to a result
 PLATEAU = 1.5  # errors within this ratio are one level, steps beyond it are different
 TARGETS = (0.1, 0.01, 0.001)  # errors whose cost is told
@@ -73,17 +63,29 @@ def chosen_outputs(reference: Reference, outputs: Sequence[str]) -> list[str]:
     moving = [
         name
         for name, v in reference.values.items()
-        if name not in NUMERICS and np.isfinite(v).all() and moves(v)
+        if not _about_numerics(name) and np.isfinite(v).all() and moves(v)
     ]
     return sorted(moving, key=_rank)[:MOST_OUTPUTS]
 
 
+def _about_numerics(name: str) -> bool:
+    """Whether an output tells about the computation, not about the string."""
+    quantity = find(name)
+    return quantity is not None and quantity.numerics
+
+
 def _rank(name: str) -> int:
-    """Place in the queue: what is named in FIRST, then offsets at probes, then the rest (contact forces at
-    probes last)."""
-    if name in FIRST:
-        return FIRST.index(name)
-    return len(FIRST) + (0 if name[:2] in ("x_", "y_") else 2 if name.startswith("contact") else 1)
+    """Place in the queue: what a driller looks at first, then offsets at probes, then the rest, forces at probes last."""
+    quantity = find(name)
+    if quantity is None:
+        return LAST
+    if quantity.interest:
+        return quantity.interest
+    return (
+        LAST - 1
+        if quantity.unit == "m" and quantity.on == "probe"
+        else LAST + (quantity.name == "contact_NNN")
+    )
 
 
 def table_rows(

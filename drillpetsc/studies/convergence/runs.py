@@ -26,14 +26,6 @@ from drillpetsc.studies.convergence.plan import Base, Point, case_of
 
 FloatArray = npt.NDArray[np.float64]
 
-NUMERICS = (
-    "time",
-    "step",
-    "newton",
-    "energy_error",
-    "kinetic_energy",
-    "strain_energy",
-)  # no outputs by default
 COUNTS = (
     "elements",
     "steps",
