@@ -47,13 +47,14 @@ bibtex_default_style = "plain"
 
 # Python
 autodoc_member_order = "bysource"
-autodoc_typehints = "description"
-autodoc_mock_imports: list[str] = []
+autodoc_typehints = "signature"
+default_role = "code"  # single backticks in docstrings
 
 # HTML
 html_theme = "furo"
 html_title = f"drillpetsc {release}"
 html_static_path = ["_static"]
+html_css_files = ["manual.css"]
 html_theme_options = {"navigation_with_keys": True}
 html_copy_source = False
 pygments_style = "friendly"

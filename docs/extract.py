@@ -1,7 +1,9 @@
 """Commands and cases that the pages of the manual show, for the tests that run them.
 
 A shell block is a fence ```console; its commands are the lines that begin with `$ `.
-A complete case is a fence ```yaml whose first line is `# file: name.yaml`.
+A complete case is a fence ```yaml whose first line is `# file: name.yaml`, or a whole file shown by ```{literalinclude} that begins so.
+The fences ```python of a page run one after the other in one namespace (`blocks(page, "python")`).
+Other ```yaml fences are fragments: blocks that `with_fragment` lays over a small case to see whether they are valid.
 Pages are read in the order of `pages()`; a command may use the cases of its own page and those in
 `docs/tutorials/cases`.
 """
@@ -11,10 +13,12 @@ from __future__ import annotations
 import re
 import sys
 from pathlib import Path
+from typing import Any
 
 DOCS = Path(__file__).resolve().parent
 FENCE = re.compile(
-    r"^(?P<mark>`{3,})(?P<kind>[\w-]+)[^\n]*\n(?P<text>.*?)^(?P=mark)\s*$", re.MULTILINE | re.DOTALL
+    r"^(?P<mark>`{3,})(?P<kind>[\w{}-]+)(?P<word>[^\n]*)\n(?P<text>.*?)^(?P=mark)\s*$",
+    re.MULTILINE | re.DOTALL,
 )
 FILE = re.compile(r"#\s*file:\s*(\S+)")
 
@@ -50,7 +54,32 @@ def cases(page: str | Path) -> dict[str, str]:
         match = FILE.match(block)
         if match:
             found[match[1]] = block
+    text = Path(page).read_text(encoding="utf-8")
+    for fence in FENCE.finditer(text):
+        if fence["kind"] == "{literalinclude}" and ":lines:" not in fence["text"]:
+            block = (Path(page).parent / fence["word"].strip()).read_text(encoding="utf-8")
+            match = FILE.match(block)
+            if match:
+                found[match[1]] = block
     return found
+
+
+def fragments(page: str | Path) -> list[str]:
+    """YAML fences of a page that are no complete cases."""
+    return [block for block in blocks(page, "yaml") if not FILE.match(block)]
+
+
+def with_fragment(fragment: dict[str, Any]) -> dict[str, Any]:
+    """Keys of a small case with the blocks of a fragment in it; `Case(**with_fragment(...))` is to be valid."""
+    well = {
+        "survey": {"md": [0, 2100], "inclination": [0, 0], "azimuth": [0, 0]},
+        "sections": [{"to": "end", "kind": "open_hole", "diameter": "215.9 mm"}],
+    }
+    string = [
+        {"kind": "pipe", "length": "1999.5 m", "od": "127 mm", "id": "108.6 mm"},
+        {"kind": "bit", "length": "0.5 m", "od": "215.9 mm", "nozzle_area": "400 mm2"},
+    ]
+    return {"well": well, "string": string, "top": {"kind": "top_drive"}, "time": {"end": 1.0}, **fragment}
 
 
 if __name__ == "__main__":

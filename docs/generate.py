@@ -128,7 +128,8 @@ def block_page(name: str, info: Any, key: Key) -> str:
         seen.add(block)
         rows = [key_row(n, f) for n, f in block.model_fields.items()]
         rows.sort(key=lambda row: row.name not in ("kind", "model", "at", "from", "to"))
-        out.append(f"## {title_of(block, where)}\n")
+        title = title_of(block, where)
+        out.append(f"## {'Keys' if title == f'`{name}`' else title}\n")
         if block.__doc__:
             out.append(markdown(sentence(" ".join(block.__doc__.split()))) + "\n")
         out.append(table(rows))

@@ -6,6 +6,7 @@ A `CaseError` is bad input (exit status 2, nothing was written); a `SolveError` 
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -36,6 +37,17 @@ def plain(text: str, longest: int) -> str:
     return "".join(
         c if c.isprintable() else c.encode("unicode_escape", "surrogatepass").decode("ascii") for c in text
     )
+
+
+RESTART_HINT = "what was written up to now can be read; make room, then continue with --restart"
+
+
+def cannot_write(error: OSError, what: str) -> str:
+    """Message for a file that cannot be written.
+
+    what: name of the file
+    """
+    return f"cannot write {what}: {os.strerror(error.errno) if error.errno else error}"
 
 
 def _rebuild(kind: type[DrillError], state: dict[str, object]) -> DrillError:

@@ -89,6 +89,11 @@ def wanted(unit: str) -> str:
     return f"{name}, such as {example}"
 
 
+def spelled(unit: str) -> str:
+    """SI unit as people write it: `kg/m^3` is kg/m3."""
+    return re.sub(r"\^(\d)(?![\d.])", r"\1", unit)
+
+
 def to_si(value: object, unit: str) -> float:
     """value (number, or text with a unit) as a float in the SI unit `unit` (a key of DIMENSIONS, or any SI
     unit)."""

@@ -37,9 +37,9 @@ class Checkpoint:
     """State of a run at ``time`` [s].
 
     fields, rates: name -> (n_nodes, size), unknowns and rates; depths: (n_nodes,) of the nodes [m]; frames:
-    reference frames; rooms: what rooms carry from step to step, by name (``memory``, the same on all ranks);
+    reference frames; components: their history variables by name (the same on all ranks);
     places: what they carry at each "vertex" or "cell" (``get_local_state``, (n_nodes, k) or (n_elements, k)
-    here); books: of the recorder; stepper: of the integrator; notes: plain words and numbers.
+    here); recorder: of the recorder; stepper: of the integrator; notes: plain words and numbers.
     """
 
     time: float
@@ -49,7 +49,7 @@ class Checkpoint:
     frames: dict[str, FloatArray]
     components: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
     places: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
-    books: dict[str, FloatArray] = field(default_factory=dict)
+    recorder: dict[str, FloatArray] = field(default_factory=dict)
     stepper: dict[str, FloatArray] = field(default_factory=dict)
     imperfection: FloatArray | None = None
     top: FloatArray | None = None
@@ -66,17 +66,9 @@ def take(
     """Collect the state on rank 0 (None elsewhere), changing nothing; collective, after a step is done with
     (TimeIntegrator.at_rest)."""
     system = model.system
-    components = {
-        component.name: component.get_state()
-        for component in model.components
-        if hasattr(component, "get_state")
-    }
-    places = {
-        component.name: _gathered(system, component.get_local_state())
-        for component in model.components
-        if hasattr(component, "get_local_state")
-    }
-    books, stepper = recorder.get_state(), integrator.get_state()
+    components = {c.name: history for c in model.components if (history := c.get_state())}
+    places = {c.name: _gathered(system, local) for c in model.components if (local := c.get_local_state())}
+    balances, stepper = recorder.get_state(), integrator.get_state()
     names = [f.name for f in system.layout.fields]
     values = system.gather(
         np.hstack([system.field(n) for n in names] + [system.field(n, "y") for n in names])
@@ -91,7 +83,11 @@ def take(
     parts = np.split(values, np.cumsum(sizes + sizes)[:-1], axis=1)
     fields = dict(zip(names, parts[: len(names)], strict=True))
     rates = dict(zip(names, parts[len(names) :], strict=True))
-    frames = {"ancf": system.frames.reference, "second": system.frames.second, "twist0": system.frames.twist0}
+    frames = {
+        "reference": system.frames.reference,
+        "second": system.frames.second,
+        "twist0": system.frames.twist0,
+    }
     top = model.top.anchor if model.top is not None else None
     return Checkpoint(
         time,
@@ -101,7 +97,7 @@ def take(
         frames,
         components,
         places,
-        books,
+        balances,
         stepper,
         dead,
         top,
@@ -124,9 +120,9 @@ def write(path: Path, c: Checkpoint) -> None:
         "fields": c.fields,
         "rates": c.rates,
         "frames": c.frames,
-        "books": c.books,
+        "recorder": c.recorder,
         "stepper": c.stepper,
-        **{f"rooms/{name}": memory for name, memory in c.components.items()},
+        **{f"components/{name}": memory for name, memory in c.components.items()},
         **{f"places/{name}": memory for name, memory in c.places.items()},
     }
     rest: dict[str, FloatArray | None] = {"depths": c.depths, "imperfection": c.imperfection, "top": c.top}
@@ -164,10 +160,10 @@ def read(path: str | Path) -> Checkpoint:
     _inspect(path, data)
     try:
         with h5py.File(io.BytesIO(data), "r") as file:
-            groups = {g: _arrays(file[g]) for g in ("fields", "rates", "frames", "books", "stepper")}
+            groups = {g: _arrays(file[g]) for g in ("fields", "rates", "frames", "recorder", "stepper")}
             components, places = (
                 {name: _arrays(group) for name, group in file[kind].items()} if kind in file else {}
-                for kind in ("rooms", "places")
+                for kind in ("components", "places")
             )
             imperfection, top = (
                 np.array(file[name]) if name in file else None for name in ("imperfection", "top")
@@ -180,7 +176,7 @@ def read(path: str | Path) -> Checkpoint:
                 groups["frames"],
                 components,
                 places,
-                groups["books"],
+                groups["recorder"],
                 groups["stepper"],
                 imperfection,
                 top,
@@ -252,7 +248,7 @@ def restore(model: DrillingModel, c: Checkpoint, at: str = "--restart") -> None:
     for f in system.layout.fields:
         system.set_field(f.name, c.fields[f.name])
         system.set_field(f.name, c.rates[f.name], "y")
-    system.frames.reference[:], system.frames.second[:] = c.frames["ancf"], c.frames["second"]
+    system.frames.reference[:], system.frames.second[:] = c.frames["reference"], c.frames["second"]
     system.frames.twist0[:] = c.frames["twist0"]
     system.assembly.reference[:] = system.frames.reference[system.chain.vertices]
     for component in system.components:
@@ -265,9 +261,9 @@ def restore(model: DrillingModel, c: Checkpoint, at: str = "--restart") -> None:
     if c.top is not None and model.top is not None:
         model.top.anchor[:] = c.top
     for component in model.components:
-        if component.name in c.components and hasattr(component, "set_state"):
+        if component.name in c.components:
             component.set_state(c.components[component.name])
-        if component.name in c.places and hasattr(component, "set_local_state"):
+        if component.name in c.places:
             here = {"vertex": system.chain.vertices, "cell": system.chain.cells}
             component.set_local_state(
                 {on: values[here[on]] for on, values in c.places[component.name].items()}
@@ -279,6 +275,4 @@ def start_clock_anew(model: DrillingModel, c: Checkpoint) -> None:
     has there."""
     if model.top is None:
         return
-    (condition,) = model.top.prescribed()
-    fields = ("string.position", "string.tangent", "string.spin")
-    model.top.anchor[:] = condition.directions @ np.concatenate([c.fields[name][0] for name in fields])
+    model.top.align(*(c.fields[f"string.{name}"][0] for name in ("position", "tangent", "spin")))

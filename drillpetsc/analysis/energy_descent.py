@@ -95,7 +95,7 @@ def _own_imperfection(model: DrillingModel, fraction: float) -> FloatArray:
     """(n_nodes,) factor on ``fraction`` where a string item asks for an imperfection of its own."""
     mesh, factor = model.mesh, np.ones(model.mesh.nodes)
     for e, number in enumerate(mesh.item):
-        own = getattr(model.case.string[number], "initial", None)
+        own = model.case.string[number].initial
         if own is not None:
             factor[e : e + 2] = own.imperfection / fraction
     return factor
@@ -176,7 +176,7 @@ def stiffness_steps(model: DrillingModel, soft: TorqueDrag | None) -> tuple[floa
     if gap is None or contact is None or contact.law != "linear":
         return 1e-2, 1e-1, 1.0
     load = float(np.max(mesh.mass)) * float(np.linalg.norm(model.case.gravity))
-    force = getattr(model.case.top, "force", None)
+    force = model.case.top.force
     compression = 0.0 if force is None else max(0.0, -force.value(0.0))
     if soft is not None:
         load = max(load, float(np.max(soft.contact_force)))

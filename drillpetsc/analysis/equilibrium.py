@@ -1,5 +1,4 @@
-"""How a scene starts: along the hole, straight, or in static equilibrium with friction against a given
-motion."""
+"""Static equilibrium of the ANCF string with friction against a given motion, coupled with the steady flow."""
 
 from __future__ import annotations
 
@@ -7,7 +6,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from drillpetsc.analysis.coupled import couple_flow_and_string, freeze_flow, release_flow
 from drillpetsc.analysis.energy_descent import (
     SUBSTITUTIONS,
     Snapshot,
@@ -19,17 +17,17 @@ from drillpetsc.analysis.energy_descent import (
     stiffness_steps,
     too_coarse,
 )
-from drillpetsc.analysis.quaternion_statics import equilibrium, move, place
+from drillpetsc.analysis.placement import place_along_hole, prescribed_motion
 from drillpetsc.analysis.soft_string import TorqueDrag
 from drillpetsc.analysis.soft_string_start import soft_string_start
-from drillpetsc.analysis.steady_flow import place_fluid, steady_flow
-from drillpetsc.case.blocks.ends import DrivenTop
-from drillpetsc.case.blocks.ends import TopDrive as TopDriveCase
+from drillpetsc.analysis.steady_flow import fluid_unknowns, freeze_flow, steady_flow
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.physics.quaternion.beam import QuaternionBeam
 from drillpetsc.solvers.static_newton import Equilibrium, StaticNewton
 
+ROUNDS = 30  # of string and flow in turn
+AGREED = 1e-10  # change of pressures and flows relative to their scales
+NEARLY = 1e-6  # enough when rounding stops the rounds
 MOTIONS = {"hoist": (-1.0, 0.0), "lower": (1.0, 0.0), "rotate": (0.0, 1.0)}
 
 
@@ -52,55 +50,7 @@ class StaticState:
         return self.equilibrium.negative_pivots == 0
 
 
-def prescribed_motion(model: DrillingModel) -> tuple[float, float]:
-    """Axial velocity (down positive) and rotation that the top prescribes at time 0."""
-    top = model.case.top
-    if isinstance(top, (TopDriveCase, DrivenTop)):
-        lowering = 0.0 if getattr(top, "force", None) is not None else top.lowering.value(0.0)
-        return lowering, top.rotation.value(0.0)
-    return 0.0, 0.0
-
-
-def place_along_hole(model: DrillingModel) -> None:
-    """The unstrained string along the hole's axis (or straight, without a hole), at rest."""
-    m = model.system
-    if isinstance(model.beam, QuaternionBeam):
-        place(model)
-    elif model.beam is not None:
-        m.set_field("string.position", model.position)
-        m.set_field("string.tangent", model.tangent)
-        m.set_field("string.spin", np.zeros((m.mesh.nodes, 1)))
-    if "string.ratio" in m.layout.dofs:
-        m.set_field("string.ratio", np.ones((m.mesh.nodes, 1)))
-    for name in ("joint.load", "joint.correction"):
-        if name in m.layout.dofs:
-            m.set_field(name, np.zeros((m.mesh.nodes, 6)))
-    m.assembly.y[:] = 0.0
-    m.assembly.a[:] = 0.0
-    if model.fluid is not None:
-        place_fluid(m, model.fluid)
-
-
-def move_rigidly(model: DrillingModel) -> None:
-    """Give every node the spin and lowering that the top prescribes at time 0 (the state at rest before)."""
-    if model.beam is None:
-        release_flow(model)
-        return
-    m = model.system
-    lowering, rotation = prescribed_motion(model)
-    if isinstance(model.beam, QuaternionBeam):
-        move(model, lowering, rotation)
-    else:
-        tangent = model.tangent if model.well is None else model.well.at(model.mesh.node_depth)[1]
-        m.set_field("string.position", lowering * np.asarray(tangent), "y")
-        m.set_field("string.tangent", np.zeros((m.mesh.nodes, 3)), "y")
-        m.set_field("string.spin", np.full((m.mesh.nodes, 1), rotation), "y")
-    if model.drilling is not None:
-        model.drilling.first_cut(m.assembly)
-    release_flow(model)
-
-
-def find_equilibrium(
+def director_equilibrium(
     model: DrillingModel, motion: tuple[float, float] | None = None, climb: bool = True
 ) -> StaticState:
     """Static equilibrium of the scene, friction opposing ``motion`` (by default what the top prescribes at
@@ -110,8 +60,6 @@ def find_equilibrium(
     pipe pushes it up the wall of the hole, as it does with a turning pipe at rest there; without, only its
     torque acts, as torque-and-drag models have it. Raises SolveError when no equilibrium is found.
     """
-    if isinstance(model.beam, QuaternionBeam):
-        return equilibrium(model, motion, climb)
     lowering = prescribed_motion(model)[0] if motion is None else 0.0
     motion = prescribed_motion(model) if motion is None else motion
     place_along_hole(model)
@@ -252,11 +200,7 @@ def _solver(model: DrillingModel) -> StaticNewton:
 
 def _conservative(model: DrillingModel) -> bool:
     """Whether all loads have a potential: moments in space and loads that turn with the section have none."""
-    for component in model.components:
-        for load in getattr(component, "loads", ()):
-            if load.section or any(load.moment):
-                return False
-    return True
+    return all(component.conservative for component in model.components)
 
 
 def _ask_for_weight(model: DrillingModel, solver: StaticNewton, wob: float) -> None:
@@ -265,7 +209,7 @@ def _ask_for_weight(model: DrillingModel, solver: StaticNewton, wob: float) -> N
         raise CaseError(
             at="initial.wob", got=f"{wob:g} N", want="a bottom of kind bit, on which the weight can stand"
         )
-    if top is None or not hasattr(top, "shift") or getattr(model.case.top, "force", None) is not None:
+    if top is None or not hasattr(top, "shift") or model.case.top.force is not None:
         raise CaseError(
             at="initial.wob",
             got=f"{wob:g} N",
@@ -296,8 +240,37 @@ def _reactions(model: DrillingModel, solver: StaticNewton) -> None:
     solver.rows()
 
 
-def release(model: DrillingModel) -> None:
-    """From statics to motion: friction follows the motion from now on."""
-    for component in (model.contact, model.bit):
-        if component is not None:
-            component.release_sliding_direction()
+def couple_flow_and_string(
+    model: DrillingModel, solver: StaticNewton, report: Equilibrium, lowering: float = 0.0
+) -> None:
+    """Steady flow and string in turn, from a string in equilibrium under the frozen flow; raises SolveError
+    where they do not settle.
+
+    lowering: speed at which the top lets the string down [m/s]; the mud then flows as it does about the
+    moving string (surge). The rounds converge by the ratio of what the fluid and what the steel gives way, a
+    few percent.
+    """
+    if model.fluid is None:
+        return
+    system = model.system
+    on_rank, best = fluid_unknowns(system), np.inf
+    form = model.case.fluid.formulation  # type: ignore[union-attr]
+    if lowering and form == "mixed":  # the flow of the other starts as the pump's
+        place = system.layout.dofs["string.position"]
+        tangent = model.tangent if model.well is None else np.asarray(model.well.at(model.mesh.node_depth)[1])
+        solver.rates = np.zeros_like(system.assembly.y)
+        solver.rates[place] = lowering * tangent[system.chain.vertices]
+        system.assembly.y[:] = solver.rates
+    for _ in range(ROUNDS):
+        before = system.assembly.x[: system.layout.size][on_rank].copy()
+        steady_flow(system, 0.0)
+        change = np.abs(system.assembly.x[: system.layout.size][on_rank] - before) / system.scale[on_rank]
+        size = solver.largest(float(change.max(initial=0.0)))
+        system.assembly.freeze(on_rank)
+        if size < AGREED or (size < NEARLY and size > 0.5 * best):
+            return
+        best = min(best, size)
+        solver.newton_damped(report)
+    raise SolveError(
+        f"string and fluid did not agree on a steady state in {ROUNDS} rounds (last change {size:.1e} of the scales)"
+    )

@@ -23,16 +23,12 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.analysis.coupled import release_flow
-from drillpetsc.analysis.equilibrium import (
-    StaticState,
-    find_equilibrium,
-    move_rigidly,
-    prescribed_motion,
-    release,
-)
+from drillpetsc.analysis.equilibrium import StaticState
+from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.placement import move_rigidly, prescribed_motion, release
+from drillpetsc.analysis.steady_flow import release_flow
 from drillpetsc.analysis.time_scales import time_scales
-from drillpetsc.analysis.transient import make_folder
+from drillpetsc.analysis.transient import RunResult, make_folder
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError, DrillError
@@ -318,9 +314,8 @@ def run_modes(
     overwrite: bool = False,
     name: str = "case",
     comm: PETSc.Comm | None = None,
-) -> list[str]:
-    """Find the modes of a case, write modes.csv, modes/mode_NN.vtu, string.pvd and summary.json; returns the
-    lines to show.  Collective."""
+) -> RunResult:
+    """Find the modes of a case, write modes.csv, modes/mode_NN.vtu, string.pvd and summary.json (collective)."""
     refuse_quaternion(case, "modes")
     comm = comm or PETSc.COMM_WORLD
     if count < 1:
@@ -348,7 +343,7 @@ def run_modes(
         }
         if comm.rank == 0:
             _write(model, folder, found, summary, fields)
-    return _lines(case, folder, found, summary)
+    return RunResult(folder.path, summary, _lines(case, folder, found, summary))
 
 
 def mode_summary(found: Modes, state: StaticState) -> dict[str, Any]:

@@ -9,8 +9,6 @@ import numpy as np
 
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.physics.rigid_bodies import Precurvature
-from drillpetsc.physics.rock_bit import RockBit
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 
 FIRST_STEP = 1.0  # [s]
@@ -25,7 +23,7 @@ def longest_step(model: DrillingModel) -> float:
     assert case.time is not None
     if case.time.step is not None:
         return case.time.step
-    lowering = getattr(case.top, "lowering", None)
+    lowering = case.top.lowering
     if lowering is None:
         return LONGEST_STEP
     times = np.linspace(0.0, case.time.end, 200)
@@ -44,13 +42,12 @@ class QuasiStatic:
     def __init__(self, model: DrillingModel):
         self.model, self.system, self.share = model, model.system, 1.0
         layout = self.system.layout
-        string = np.array([f.name.startswith("string.") for f in layout.fields])
+        string = np.array([f.physics == "string" for f in layout.fields])
         self.rates = np.zeros(layout.size + 1)
         self._mask = string[
             layout.field_of
         ]  # mud keeps its storage: at steps of seconds its waves are gone, its content adds up
-        self._bends = [component for component in model.components if isinstance(component, Precurvature)]
-        self._average_bends(self.motion(0.0)[1])  # also in the static state it starts from
+        self._average_over_turn(self.motion(0.0)[1])  # also in the static state it starts from
 
     def integrator(self) -> TimeIntegrator:
         """The integrator of the hole's end, with the string following."""
@@ -59,7 +56,7 @@ class QuasiStatic:
         d = TimeIntegrator(
             self.system,
             first_step=min(FIRST_STEP, longest),
-            controlled=lambda name: name.startswith("hole."),
+            controlled=lambda field: field.name.startswith("hole."),
             defaults=options,
         )
         if not d.condensed:
@@ -84,8 +81,8 @@ class QuasiStatic:
     def motion(self, t: float) -> tuple[float, float]:
         """Lowering [m/s] and rotation [rad/s] of the top at ``t``."""
         top = self.model.case.top
-        lowering = getattr(top, "lowering", None) if getattr(top, "force", None) is None else None
-        rotation = getattr(top, "rotation", None)
+        lowering = top.lowering if top.force is None else None
+        rotation = top.rotation
         return (lowering.value(t) if lowering is not None else 0.0), (
             rotation.value(t) if rotation is not None else 0.0
         )
@@ -99,15 +96,11 @@ class QuasiStatic:
         self.rates[layout.dofs["string.position"]] = lowering * v / np.linalg.norm(v, axis=1, keepdims=True)
         self.rates[layout.dofs["string.spin"][:, 0]] = rotation
         model = self.model
-        self._average_bends(rotation)
-        if model.contact is not None:
-            model.contact.impose_sliding_direction(lowering, rotation, self.share)
-        if isinstance(model.bit, RockBit):
-            model.bit.drill_quasi_static(lowering, rotation, self.share)
-        elif model.bit is not None:
-            model.bit.impose_sliding_direction(lowering, rotation)
+        self._average_over_turn(rotation)
+        for component in model.components:
+            component.impose_drilling(lowering, rotation, self.share)
 
-    def _average_bends(self, rotation: float) -> None:
-        """Leave a bent item its bend, or nothing where it turns."""
-        for component in self._bends:
-            component.scale(0.0 if rotation else 1.0)
+    def _average_over_turn(self, rotation: float) -> None:
+        """Leave a bent item its bend while the top stands, and nothing of it while the top turns."""
+        for component in self.model.components:
+            component.average_over_turn(bool(rotation))

@@ -31,7 +31,7 @@ def soft_string_start(model: DrillingModel, motion: tuple[float, float]) -> Torq
         return None
     depth = mesh.node_depth
     wob = case.initial.wob or 0.0
-    force = getattr(case.top, "force", None)
+    force = case.top.force
     weight = model.effective_mass * g
     for b in mesh.bodies:
         if b.node < mesh.nodes - 1:
@@ -70,7 +70,9 @@ def soft_string_start(model: DrillingModel, motion: tuple[float, float]) -> Torq
     )
     m = model.system
     if model.top is not None and soft.contact_force[0] > SIDE_LOAD_THRESHOLD * weight[0]:
-        _hold_aside(model.top, deep[0] * soft.side[0])
+        # the top holds the string where it lies in the hole, not on the axis: else the first tens of metres hang from
+        # the top, and torque and drag of a short string are off by percents
+        model.top.displace(deep[0] * soft.side[0])
     m.set_field("string.position", centre + deep[:, None] * soft.side[at])
     m.set_field("string.tangent", (1 + strain)[:, None] * tangent)
     return soft
@@ -83,14 +85,6 @@ def _penetration(force: FloatArray, contact) -> FloatArray:
         return np.zeros_like(force)
     d = force / contact.stiffness
     return np.where(d > ONSET, d, 2 * np.sqrt(ONSET * np.maximum(d, 0.0)) - ONSET)
-
-
-def _hold_aside(top, offset: FloatArray) -> None:
-    """The top holds the string where it lies in the hole, not on the axis (inclined from the surface down):
-    else the first tens of metres hang from the top and torque and drag of a short string are off by
-    percents."""
-    D = top.prescribed()[0].directions
-    top.anchor += D[:, :3] @ offset
 
 
 def _pull_below(model: DrillingModel, g: float) -> float:

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.analysis.equilibrium import MOTIONS, StaticState, find_equilibrium
-from drillpetsc.analysis.transient import make_folder
+from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
+from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.transient import RunResult, make_folder
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError
@@ -22,7 +23,6 @@ from drillpetsc.output.files.tables import Column
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.quantities import STATIC_SUMMARY
 from drillpetsc.output.static_table import static_table
-from drillpetsc.output.string_ends import top_force
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.physics.beam import REPORT
 from drillpetsc.solvers import petsc_options as options
@@ -35,8 +35,8 @@ def run_statics(
     overwrite: bool = False,
     name: str = "case",
     comm: PETSc.Comm | None = None,
-) -> list[str]:
-    """Solve for the equilibrium, write statics.csv, string.pvd and summary.json; returns the lines to show.
+) -> RunResult:
+    """Solve for the equilibrium, write statics.csv, string.pvd and summary.json.
 
     motion: hoist, lower or rotate; None takes the motion that the top prescribes at time 0.  Collective.
     """
@@ -59,7 +59,7 @@ def run_statics(
         fields = FieldOutput(model).fields(0.0)
         if comm.rank == 0:
             _write(model, folder, columns, values, summary, fields)
-    return _lines(case, folder, state, summary)
+    return RunResult(folder.path, summary, _lines(case, folder, state, summary))
 
 
 def _write(
@@ -115,7 +115,7 @@ def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
         ]
     )
     stretch, twist, wob, bit_torque, drive = _sum_over_ranks(model, local)
-    force, soft = top_force(model.case), state.soft_string
+    force, soft = model.case.top.force, state.soft_string
     out = {
         "motion": {"lowering": state.motion[0], "rotation": state.motion[1]},
         "hook_load": float(force.value(0.0)) if force is not None else -system.reaction("top.axial_reaction"),

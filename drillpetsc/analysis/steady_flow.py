@@ -9,6 +9,7 @@ import numpy as np
 
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.fluid import FluidComponents
 from drillpetsc.solvers.chain_lu import ZeroPivot
 from drillpetsc.solvers.newton import chain_factor
@@ -27,14 +28,9 @@ class SteadyFlow:
     increment: float = 0.0
 
 
-def is_fluid(field: str) -> bool:
-    """Whether a field of this name belongs to the fluid."""
-    return field.split(".")[0] in ("bore", "annulus") or field == "bit.flow"
-
-
 def fluid_unknowns(system: DiscreteSystem) -> np.ndarray:
     """(n,) mask of the local unknowns that belong to the fluid."""
-    fluid = np.array([is_fluid(f.name) for f in system.layout.fields])
+    fluid = np.array([f.physics == "fluid" for f in system.layout.fields])
     return fluid[system.layout.field_of]
 
 
@@ -85,8 +81,7 @@ def steady_flow(system: DiscreteSystem, t: float = 0.0) -> SteadyFlow:
     asm, report = system.assembly, SteadyFlow()
     on_rank = fluid_unknowns(system)
     for component in system.components:  # size and direction of the hole where the string is now
-        if hasattr(component, "find_hole"):
-            component.find_hole(asm)
+        component.locate_hole(asm)
     asm.freeze(~on_rank)
     try:
         factor, f = chain_factor(system), system.new_condensed()
@@ -136,13 +131,28 @@ def steady_flow(system: DiscreteSystem, t: float = 0.0) -> SteadyFlow:
     )
 
 
+def freeze_flow(model: DrillingModel, t: float = 0.0) -> None:
+    """Solve for the steady flow in the string where it is now, and hold the fluid's unknowns (``release_flow``)."""
+    if model.fluid is not None:
+        steady_flow(model.system, t)
+        model.system.assembly.freeze(fluid_unknowns(model.system))
+
+
+def release_flow(model: DrillingModel) -> None:
+    """Free all unknowns; the flow is steady in the string with the rates it has now, and reactions are renewed."""
+    if model.fluid is not None:
+        model.system.assembly.freeze(None)
+        steady_flow(model.system, 0.0)
+        model.system.sum_residual(0.0, model.system.new_condensed())
+
+
 def _fill_chamber(system: DiscreteSystem) -> None:
     """With formulation hermite: volumes of the annulus and their rates, at every node alike, for the bit's
     chamber as it lies and moves."""
-    bits = [component for component in system.components if hasattr(component, "out_of_place")]
-    if not bits or "annulus.volume" not in system.layout.dofs:
+    missing = [component.missing_volume(system.assembly) for component in system.components]
+    lack = next((np.array(volume) for volume in missing if volume is not None), None)
+    if lack is None or "annulus.volume" not in system.layout.dofs:
         return
-    lack = np.array(bits[0].out_of_place(system.assembly))
     lack = lack if system.comm.size == 1 else system.comm.tompi4py().allreduce(lack)
     asm, place = system.assembly, system.layout.dofs["annulus.volume"][:, 0]
     asm.x[place] += lack[0]

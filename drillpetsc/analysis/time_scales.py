@@ -14,7 +14,7 @@ import numpy as np
 
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.physics.contact import BitOnBottom, ContactLaw
+from drillpetsc.physics.contact import ContactLaw
 
 RESOLVED = (
     0.3  # share of an impact's duration within which a step may be: beyond, BDF2 makes or loses energy there
@@ -117,7 +117,7 @@ def time_scales(model: DrillingModel) -> TimeScales:
         if masses:
             found["impact"] = float(impact_time(model.contact.law, np.array(masses), np.array(lengths)).min())
     if model.bit is not None:
-        stiffness = model.bit.stiffness if isinstance(model.bit, BitOnBottom) else model.bit.contact.stiffness
+        stiffness = model.bit.stiffness
         end = (
             sum(b.mass for b in mesh.bodies if b.node == mesh.nodes - 1)
             + 0.5 * mesh.mass[-1] * mesh.length[-1]

@@ -13,28 +13,19 @@ from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
 from drillpetsc.analysis import checkpoint, summary
-from drillpetsc.analysis.equilibrium import (
-    StaticState,
-    find_equilibrium,
-    move_rigidly,
-    place_along_hole,
-    release,
-)
+from drillpetsc.analysis.initial_state import initial_state
 from drillpetsc.analysis.memory import Memory
 from drillpetsc.analysis.quasi_static import QuasiStatic
 from drillpetsc.analysis.run_control import (
     FAILED,
     NOTHING,
-    RESTART_HINT,
     STOP,
     RunControl,
-    cannot_write,
-    first_rank_does,
 )
-from drillpetsc.analysis.steady_flow import fluid_unknowns, is_fluid
+from drillpetsc.analysis.steady_flow import fluid_unknowns
 from drillpetsc.analysis.time_scales import longest_strict_step, step_warnings
 from drillpetsc.case.case import Case
-from drillpetsc.errors import CaseError, Interrupted, SolveError
+from drillpetsc.errors import RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.output import RunFolder, write_summary
 from drillpetsc.output.energy_balance import EnergyGainMonitor
@@ -42,6 +33,7 @@ from drillpetsc.output.progress import Progress
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.run_writer import RunWriter, after, passed
 from drillpetsc.output.well_files import write_well_files
+from drillpetsc.parallel import first_rank_does
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.local_error import LocalErrorEstimate
 from drillpetsc.solvers.time_integrator import TimeIntegrator
@@ -51,10 +43,16 @@ TINY = 1e-9  # output times closer than this share of the interval are one
 
 @dataclass
 class RunResult:
-    """Where the results lie and what they come to; the same on all ranks."""
+    """Results of a command; the same on all ranks.
+
+    folder: run folder
+    summary: contents of its summary.json
+    lines: report for the screen
+    """
 
     folder: Path
     summary: dict[str, Any] = field(default_factory=dict)
+    lines: list[str] = field(default_factory=list)
 
 
 def run(
@@ -96,7 +94,7 @@ def run(
                 print(
                     f"{folder.path}: no checkpoint yet, so the run starts from its beginning", file=sys.stderr
                 )
-            state = _initial(model, case, saved, quasi)
+            state = initial_state(model, case, saved, quasi)
             return _Run(
                 model, recorder, integrator, folder, saved, state, quasi, gain, began, progress
             ).whole()
@@ -112,7 +110,7 @@ def make_integrator(model: DrillingModel, quasi: QuasiStatic | None = None) -> T
     kept = _step_limits(model)
     if mud is not None and mud.dynamics == "quasi_steady":  # the mud follows the string without delay
         system.assembly.take_rates_from(np.zeros(system.layout.size + 1), fluid_unknowns(system))
-        return TimeIntegrator(system, controlled=lambda name: not is_fluid(name), defaults=kept)
+        return TimeIntegrator(system, controlled=lambda field: field.physics != "fluid", defaults=kept)
     return TimeIntegrator(system, defaults=kept)
 
 
@@ -170,37 +168,6 @@ def _saved(comm, folder: RunFolder, restart: bool) -> checkpoint.Checkpoint | No
     return answer
 
 
-def _initial(
-    model: DrillingModel, case: Case, saved: checkpoint.Checkpoint | None, quasi: QuasiStatic | None
-) -> StaticState | None:
-    """Bring the scene to its state at the start."""
-    if saved is not None:
-        checkpoint.restore(model, saved)
-        if quasi is not None:
-            quasi.begin(saved.time, saved.notes.get("share", 1.0))
-        return None
-    state = None
-    if case.initial.from_ == "statics":
-        state = find_equilibrium(model)
-    elif case.initial.from_ in ("rest", "straight"):
-        place_along_hole(model)
-    else:
-        other = checkpoint.read(Path(case.initial.from_) / "checkpoint.h5")
-        checkpoint.restore(model, other, at="initial.from")
-        checkpoint.start_clock_anew(model, other)
-        if quasi is None:
-            release(model)
-        else:
-            quasi.begin()
-        return None
-    if quasi is not None:
-        quasi.begin(share=state.side if state is not None else 1.0)
-        return state
-    release(model)
-    move_rigidly(model)
-    return state
-
-
 class _Run:
     """The motion from the start, or from a checkpoint, to the end, with its files."""
 
@@ -233,7 +200,7 @@ class _Run:
         """Run it; what was written stays whatever happens."""
         integrator, recorder, saved = self.integrator, self.recorder, self.saved
         if saved is not None:
-            recorder.set_state(saved.books)
+            recorder.set_state(saved.recorder)
             integrator.set_state(saved.stepper)
         else:
             recorder.start(0.0)

@@ -1,8 +1,10 @@
-"""The case: a typed, frozen description of a scene, from a YAML file or from Python."""
+"""The case file: a typed, frozen description of what is simulated, from YAML or from Python.
+
+Plain data: nothing here imports PETSc, the kernels or a solver.
+"""
 
 from drillpetsc.case.case import Case
-from drillpetsc.case.key_paths import override
-from drillpetsc.case.reader import case_from_data, load_case, read_case_file
+from drillpetsc.case.reader import case_from_data, load_case, override, read_case_file
 from drillpetsc.case.schema import case_json_schema, write_schema
 
 __all__ = [

@@ -1,14 +1,20 @@
-"""What all blocks of a case share: frozen, no unknown keys, helpful refusals."""
+"""Base class of all blocks of a case: frozen, no unknown keys, error messages with a cure."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar, get_args
+from typing import Any, ClassVar, TypeVar, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, model_validator
+from pydantic_core import CoreSchema
 
 from drillpetsc.case.key_paths import refuse, suggestion, unsupported
+from drillpetsc.case.quantities import unit_of_field
 from drillpetsc.errors import shown
+from drillpetsc.units import spelled
+
+AnyBlock = TypeVar("AnyBlock", bound="Block")
 
 
 class Block(BaseModel):
@@ -18,19 +24,47 @@ class Block(BaseModel):
         frozen=True, extra="forbid", populate_by_name=True, use_attribute_docstrings=False
     )
 
-    later_keys: ClassVar[tuple[str, ...]] = ()
+    unsupported_keys: ClassVar[tuple[str, ...]] = ()
     """Keys of the case format that this version refuses."""
-    later_values: ClassVar[Mapping[str, tuple[str, ...]]] = {}
+    unsupported_values: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     """Values of the case format that this version refuses, by key."""
-    told_by: ClassVar[str] = "kind"
-    """The key, if it has it, that tells this block from others that may stand in its place."""
+    discriminator: ClassVar[str] = "kind"
+    """Key that selects among the blocks that may stand in one place."""
+    optional_attributes: ClassVar[Mapping[str, Any]] = {}
+    """Attributes that every block of a family has, although they are keys of some of its blocks only.
+
+    Attribute -> value in a block without that key. So `case.top.force` is None where the kind of top takes no
+    force.
+    """
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        """Give a block of a certain kind the attributes of its family that are no keys of it."""
+        if cls.discriminator in cls.model_fields:
+            for name, value in cls.optional_attributes.items():
+                if name not in cls.model_fields:
+                    setattr(cls, name, value)
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """The schema of pydantic, with the unit of its quantity in the description of each key."""
+        schema = handler(core_schema)
+        properties = handler.resolve_ref_schema(schema).get("properties", {})
+        for name, field in cls.model_fields.items():
+            unit = unit_of_field(field)
+            if unit is not None:
+                text = re.sub("^[^:;]*", rf"\g<0> [{spelled(unit) or '-'}]", field.description or "", count=1)
+                properties[field.alias or name]["description"] = text
+        return schema
 
     @classmethod
     def keys(cls) -> list[str]:
         """The keys of this block as written in a case file."""
         return sorted(
             (field.alias or name for name, field in cls.model_fields.items()),
-            key=lambda key: key != cls.told_by,
+            key=lambda key: key != cls.discriminator,
         )
 
     @model_validator(mode="before")
@@ -40,12 +74,16 @@ class Block(BaseModel):
             return data
         allowed = set(cls.keys()) | set(cls.model_fields)
         for key, value in data.items():
-            if key in cls.later_keys:
+            if key in cls.unsupported_keys:
                 raise unsupported(key, got=value, what=key)
-            if isinstance(value, str) and value in cls.later_values.get(key, ()):
+            if isinstance(value, str) and value in cls.unsupported_values.get(key, ()):
                 raise unsupported(key, got=value, what=f"{key} {value}")
             if key not in allowed:
-                of = f" ({cls.told_by}: {shown(data[cls.told_by])})" if cls.told_by in data else ""
+                of = (
+                    f" ({cls.discriminator}: {shown(data[cls.discriminator])})"
+                    if cls.discriminator in data
+                    else ""
+                )
                 hint = suggestion(key, cls.keys())
                 raise refuse(
                     key, got=value, want=f"one of these keys{of}: {', '.join(cls.keys())}", hint=hint
@@ -53,55 +91,65 @@ class Block(BaseModel):
         return data
 
     def fill_defaults(self, **values: Any) -> None:
-        """Fill in defaults that depend on other keys, while the model is being validated."""
+        """Fill in defaults that depend on other keys, while the block is being validated."""
         self.__dict__.update(values)
 
 
 def derived_default(description: str) -> Any:
-    """A key whose default follows from other keys: None until the model is settled, a value afterwards."""
+    """A key whose default follows from other keys: None until defaults are filled in, a value afterwards."""
     return Field(default=None, description=description)
 
 
-def kinds_of(model: type[BaseModel], key: str = "kind") -> tuple[str, ...]:
-    """The values of `kind` (or another key) that this model stands for."""
-    return get_args(model.model_fields[key].annotation)
+def overlaid(below: AnyBlock, above: AnyBlock | None) -> AnyBlock:
+    """The block `below` with the keys that `above` gives in its stead, blocks inside blocks likewise."""
+    if above is None:
+        return below
+    given = {key: getattr(above, key) for key in above.model_fields_set}
+    for key, value in given.items():
+        if isinstance(value, Block):
+            given[key] = overlaid(getattr(below, key), value)
+    return below.model_copy(update=given)
+
+
+def kinds_of(block: type[BaseModel], key: str = "kind") -> tuple[str, ...]:
+    """The values of `kind` (or of another key) that select this block."""
+    return get_args(block.model_fields[key].annotation)
 
 
 def tagged_union(
-    *models: type[BaseModel], short: tuple[str, ...] = (), key: str = "kind"
+    *blocks: type[BaseModel], short: tuple[str, ...] = (), key: str = "kind"
 ) -> tuple[Callable[[Any], Any], Callable[[Any], str]]:
-    """(check, tag) for a union of models that differ by `kind`, or by the key named `key`.
+    """(check, tag) for a union of blocks that differ by `kind`, or by the key named `key`.
 
-    check normalises and refuses: kinds named in `short` may be written as a bare word instead of a mapping.
-    tag names the model for pydantic, as `kind:<name of the model>` (the prefix is dropped from key paths in
-    messages).
+    check: normalises and refuses; kinds named in `short` may be written as a bare word instead of a mapping.
+    tag: names the block for pydantic, as `kind:<name of the class>`; messages drop such a step of a key path.
     """
-    model_of = {kind: model for model in models for kind in kinds_of(model, key)}
-    every = ", ".join(model_of)
+    block_of = {kind: block for block in blocks for kind in kinds_of(block, key)}
+    every = ", ".join(block_of)
 
     def check(value: Any) -> Any:
-        if isinstance(value, models):
+        if isinstance(value, blocks):
             return value
         if isinstance(value, str) and short:
             if value in short:
                 return {key: value}
-            if value in model_of:
+            if value in block_of:
                 words = ", ".join(short)
                 raise refuse(
                     got=value, want=f"a mapping {{{key}: {value}, ...}}, or one of the words {words}"
                 )
-            raise refuse(got=value, want=f"one of {every}", hint=suggestion(value, model_of))
+            raise refuse(got=value, want=f"one of {every}", hint=suggestion(value, block_of))
         if not isinstance(value, Mapping):
             raise refuse(got=value, want=f"a mapping with a {key}, one of {every}")
         if key not in value:
             guess = next((suggestion(other, [key]) for other in value if suggestion(other, [key])), "")
             raise refuse(key, want=f"a key '{key}', one of {every}", hint=guess)
-        if not isinstance(value[key], str) or value[key] not in model_of:
-            raise refuse(key, got=value[key], want=f"one of {every}", hint=suggestion(value[key], model_of))
+        if not isinstance(value[key], str) or value[key] not in block_of:
+            raise refuse(key, got=value[key], want=f"one of {every}", hint=suggestion(value[key], block_of))
         return value
 
     def tag(value: Any) -> str:
         kind = value[key] if isinstance(value, Mapping) else getattr(value, key)
-        return f"kind:{model_of[kind].__name__}"
+        return f"kind:{block_of[kind].__name__}"
 
     return check, tag

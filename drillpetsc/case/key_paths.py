@@ -1,8 +1,7 @@
-"""Key paths such as `string[3].od`, and the one way in which a model refuses a value."""
+"""Key paths such as `string[3].od`, and the errors that validators of blocks raise."""
 
 from __future__ import annotations
 
-import copy
 import difflib
 import re
 from collections.abc import Iterable, Mapping
@@ -41,15 +40,15 @@ def parsed(text: str) -> Path:
     return tuple(steps)
 
 
-MOST_LEVELS = 40  # of blocks in blocks
+MAX_LEVELS = 40  # of blocks in blocks
 TOO_DEEP = "blocks in blocks in blocks"
 
 
 def check_plain(value: Any, at: Path = ()) -> None:
-    """Refuses, with a CaseError, data that nobody could show or write: endlessly deep, half letters
-    (surrogates), endless numbers."""
-    if len(at) > MOST_LEVELS:
-        raise CaseError(at=written(at[:3]), got=TOO_DEEP, want=f"at most {MOST_LEVELS} levels")
+    """Raise CaseError for data that cannot be shown or written: too deep, lone surrogates, endless
+    numbers."""
+    if len(at) > MAX_LEVELS:
+        raise CaseError(at=written(at[:3]), got=TOO_DEEP, want=f"at most {MAX_LEVELS} levels")
     if isinstance(value, str):
         try:
             value.encode("utf-8")
@@ -75,42 +74,16 @@ def suggestion(word: object, known: Iterable[str]) -> str:
 
 
 def refuse(*at: str | int, got: object = None, want: str, hint: str = "") -> PydanticCustomError:
-    """The error to raise in a validator; `at` is the path below the model whose validator it is."""
+    """The error to raise in a validator.
+
+    at: key path below the block of the validator
+    got: value as given
+    want: what is allowed
+    hint: a likely cause or cure
+    """
     return PydanticCustomError("case", "wrong value", {"at": at, "got": got, "want": want, "hint": hint})
 
 
 def unsupported(*at: str | int, got: object = None, what: str) -> PydanticCustomError:
-    """The error for a key of the case format that this version cannot honour."""
+    """The error for a key of the case format that this version does not support."""
     return refuse(*at, got=got, want=f"{what} is not available in this version", hint="leave the key out")
-
-
-def override(data: Mapping[str, Any], change: str) -> dict[str, Any]:
-    """A copy of case data with one value replaced: `override(data, "string[1].od=8 in")`.
-
-    The value is read as YAML, so `contact=none`, `top={kind: clamped}` and `output.probes=[1 m, 2 m]` work
-    too.
-    """
-    from drillpetsc.case.reader import read_value
-
-    key, separator, value = change.partition("=")
-    if not separator or not key.strip():
-        raise CaseError(got=change, want="KEY=VALUE, such as top.rotation=90 rpm")
-    result = copy.deepcopy(dict(data))
-    *parents, last = parsed(key.strip())
-    target: Any = result
-    for step in parents:
-        if isinstance(step, str) and isinstance(target, dict):
-            target = target.setdefault(step, {})
-        elif isinstance(step, int) and isinstance(target, list) and step < len(target):
-            target = target[step]
-        else:
-            raise CaseError(at=key.strip(), want="a place that the case has")
-    if isinstance(last, int):
-        if not isinstance(target, list) or last >= len(target):
-            raise CaseError(at=key.strip(), want="a place that the case has")
-        target[last] = read_value(value)
-    elif isinstance(target, dict):
-        target[last] = read_value(value)
-    else:
-        raise CaseError(at=key.strip(), want="a place that the case has")
-    return result

@@ -1,16 +1,17 @@
 """Types of the values in a case: numbers with a unit, vectors, values over time.
 
-Used as `Annotated[float, Quantity("m", above=0, at_most=20e3)]`; bounds are in SI, and part of messages and
-schema.
+Used as `Annotated[float, Quantity("m", above=0, at_most=20e3)]`. Unit and bounds are written here only:
+messages, schema, the manual and plots read them from here. Bounds are in SI.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import BaseModel, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, core_schema
 
 from drillpetsc.case.key_paths import refuse, suggestion
@@ -20,7 +21,7 @@ from drillpetsc.units import DIMENSIONS, UnitError, to_si, wanted
 SMALLEST, LARGEST = (
     1e-60,
     1e30,
-)  # magnitudes in SI: with these no formula of the scene overflows or divides by zero
+)  # magnitudes in SI: within them no formula of the model overflows or divides by zero
 _EXAMPLE_UNITS = {"m": "mm", "Pa": "GPa", "rad": "deg", "rad/s": "rpm", "kg/m^3": "g/cm3", "s": "ms"}
 
 
@@ -35,7 +36,7 @@ class Quantity:
     below: float | None = None
     at_most: float | None = None
     why: str = ""
-    """What the number means, told to who gives one out of range."""
+    """Meaning of the number, the hint of the message for a number out of range."""
 
     def allowed(self) -> str:
         """The range in words, empty when unbounded."""
@@ -59,7 +60,10 @@ class Quantity:
         )
 
     def read(self, value: object, *at: str | int) -> float:
-        """value in SI; refuses other dimensions and values out of range."""
+        """The value in SI; refuses other dimensions and values out of range.
+
+        at: key path below the validated value, for messages
+        """
         try:
             number = to_si(value, self.unit)
         except UnitError as error:
@@ -76,7 +80,7 @@ class Quantity:
                 *at,
                 got=value,
                 want=f"{want}, or 0",
-                hint="beyond it, products and quotients are no numbers any more",
+                hint="beyond it, products and quotients overflow",
             )
         return number
 
@@ -103,7 +107,11 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Vector:
-    """Three numbers in the SI unit `unit`; `along_z` also takes one number, meant along the third axis."""
+    """Three numbers in the SI unit `unit`.
+
+    along_z: one number is accepted, too, as the component along the third axis
+    along_x: the same along the first axis
+    """
 
     unit: str
     along_z: bool = False
@@ -111,8 +119,7 @@ class Vector:
 
     def read(self, value: object) -> tuple[float, float, float]:
         component = Quantity(self.unit)
-        if hasattr(value, "tolist"):
-            value = value.tolist()
+        value = as_list(value)
         if isinstance(value, (list, tuple)):
             if len(value) != 3:
                 raise refuse(got=value, want=f"three components, each {wanted(self.unit)}")
@@ -159,8 +166,7 @@ class OverTime:
     def _table(self, times: object, values: object) -> PiecewiseLinear:
         columns = []
         for key, column, unit in (("time", times, "s"), ("value", values, self.unit)):
-            if hasattr(column, "tolist"):
-                column = column.tolist()
+            column = as_list(column)
             if not isinstance(column, (list, tuple)) or not column:
                 raise refuse(key, got=column, want=f"a list, each {wanted(unit)}")
             columns.append(tuple(Quantity(unit).read(cell, key, i) for i, cell in enumerate(column)))
@@ -192,6 +198,73 @@ class OverTime:
 
         table = mapping(time={"type": "array", "items": time}, value={"type": "array", "items": number})
         return {"anyOf": [*number.get("anyOf", [number]), table, mapping(ramp=time, value=number)]}
+
+
+@dataclass(frozen=True)
+class WordOrNumber:
+    """One of some words, or a number in the SI unit of `quantity`; `none` is 0."""
+
+    words: tuple[str, ...]
+    quantity: Quantity
+
+    @property
+    def unit(self) -> str:
+        return self.quantity.unit
+
+    def read(self, value: object) -> float | str:
+        if value == "none":
+            return 0.0
+        if isinstance(value, str) and value.strip()[:1].isalpha():
+            if value in self.words:
+                return value
+            want = f"{', '.join(self.words)}, none, or a number, {self.quantity.allowed()}"
+            raise refuse(got=value, want=want, hint=suggestion(value, (*self.words, "none")))
+        return self.quantity.read(value)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        if self.unit:  # a text may be a number with a unit
+            return {"anyOf": [{"type": "number"}, {"type": "string"}]}
+        words = {"enum": [*self.words, "none"], "type": "string"}
+        return {"anyOf": [words, {"type": "number"}]}
+
+
+def as_list(value: Any) -> Any:
+    """A numpy array as a list; other values unchanged."""
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def largest(function: TimeFunction | None) -> float:
+    """Largest magnitude of an input over time, in its unit; 0 without an input."""
+    if function is None:
+        return 0.0
+    if isinstance(function, Constant):
+        return abs(function.constant)
+    if isinstance(function, Ramp):
+        return abs(function.final)
+    return max(abs(value) for value in function.values)
+
+
+def unit_of_field(field: FieldInfo) -> str | None:
+    """SI unit of the values of a key; "" for pure numbers, None where the key takes no quantity or several.
+
+    Units of keys inside a block are not those of the block.
+    """
+    units = {part.unit for part in _metadata(field.annotation, field.metadata) if hasattr(part, "unit")}
+    return units.pop() if len(units) == 1 else None
+
+
+def _metadata(annotation: Any, own: Iterable[Any] = ()) -> Iterator[Any]:
+    """Metadata of a key and of the types inside its annotation, except those inside blocks."""
+    yield from own
+    yield from getattr(annotation, "__metadata__", ())
+    for part in get_args(annotation):
+        if not (isinstance(part, type) and issubclass(part, BaseModel)):
+            yield from _metadata(part)
 
 
 def dump_time_function(function: TimeFunction) -> float | dict[str, Any]:

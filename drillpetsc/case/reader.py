@@ -1,23 +1,29 @@
-"""YAML 1.2 with line numbers -> Case."""
+"""Case file -> `Case`: YAML 1.2 text, plain data with line numbers, changed values.
+
+No text makes the reader hang, and nothing is read as YAML 1.1 would.
+"""
 
 from __future__ import annotations
 
+import copy
 import difflib
+import re
+import warnings
 from collections.abc import Mapping
+from io import StringIO
 from pathlib import Path as FilePath
 from typing import Any
 
 from drillpetsc.case.case import Case
-from drillpetsc.case.key_paths import MOST_LEVELS, Path, override, written
+from drillpetsc.case.key_paths import MAX_LEVELS, TOO_DEEP, Path, parsed, written
 from drillpetsc.case.survey_file import FOLDER
-from drillpetsc.case.yaml_text import parse, too_deep
 from drillpetsc.errors import CaseError, shown
 
 Lines = dict[Path, int]
 """Line (from 1) of each key and list entry, by path."""
 
-MOST_BYTES = 50_000_000  # of a case file
-MOST_VALUES = 300_000  # keys and list entries of a case
+MAX_BYTES = 50_000_000  # of a case file
+MAX_VALUES = 300_000  # keys and list entries of a case
 
 
 def load_case(path: str | FilePath, changes: tuple[str, ...] | list[str] = ()) -> Case:
@@ -66,10 +72,10 @@ def read_case_file(path: str | FilePath) -> tuple[dict[str, Any], Lines]:
     path = FilePath(path)
     try:
         with path.open("rb") as file:
-            raw = file.read(MOST_BYTES + 1)  # a device may never end
-        if len(raw) > MOST_BYTES:
+            raw = file.read(MAX_BYTES + 1)  # a device may never end
+        if len(raw) > MAX_BYTES:
             raise CaseError(
-                file=path, line=1, got="a larger one", want=f"a file of at most {MOST_BYTES // 10**6} MB"
+                file=path, line=1, got="a larger one", want=f"a file of at most {MAX_BYTES // 10**6} MB"
             )
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -100,10 +106,10 @@ def read_value(text: str) -> Any:
 
 def _plain(node: Any, at: Path, lines: Lines, file: FilePath | None) -> Any:
     """ruamel's tree as dicts, lists and scalars; notes lines; refuses what no case can hold."""
-    if len(at) > MOST_LEVELS:
+    if len(at) > MAX_LEVELS:
         raise too_deep(at[:3], file, line_of(at, lines))
-    if len(lines) > MOST_VALUES:
-        want = f"at most {MOST_VALUES} values, those behind aliases counted each time"
+    if len(lines) > MAX_VALUES:
+        want = f"at most {MAX_VALUES} values, those behind aliases counted each time"
         raise CaseError(
             at=written(at[:1]), got="more values", want=want, file=file, line=line_of(at[:1], lines)
         )
@@ -152,3 +158,144 @@ def _plain_mapping(node: Any, at: Path, lines: Lines, file: FilePath | None) -> 
         lines[path] = line
         plain[str(key)] = _plain(node[key], path, lines, file)
     return plain
+
+
+def override(data: Mapping[str, Any], change: str) -> dict[str, Any]:
+    """A copy of case data with one value replaced: `override(data, "string[1].od=8 in")`.
+
+    The value is read as YAML, so `contact=none`, `top={kind: clamped}` and `output.probes=[1 m, 2 m]` work
+    too.
+    """
+    key, separator, value = change.partition("=")
+    if not separator or not key.strip():
+        raise CaseError(got=change, want="KEY=VALUE, such as top.rotation=90 rpm")
+    result = copy.deepcopy(dict(data))
+    *parents, last = parsed(key.strip())
+    target: Any = result
+    for step in parents:
+        if isinstance(step, str) and isinstance(target, dict):
+            target = target.setdefault(step, {})
+        elif isinstance(step, int) and isinstance(target, list) and step < len(target):
+            target = target[step]
+        else:
+            raise CaseError(at=key.strip(), want="a place that the case has")
+    if isinstance(last, int):
+        if not isinstance(target, list) or last >= len(target):
+            raise CaseError(at=key.strip(), want="a place that the case has")
+        target[last] = read_value(value)
+    elif isinstance(target, dict):
+        target[last] = read_value(value)
+    else:
+        raise CaseError(at=key.strip(), want="a place that the case has")
+    return result
+
+
+def parse(text: str, path: FilePath | None) -> Any:
+    """The text as ruamel's mappings and lists, which know their lines; `path` is the file it came from."""
+    from ruamel.yaml.constructor import DuplicateKeyError
+    from ruamel.yaml.error import MarkedYAMLError
+    from ruamel.yaml.reader import ReaderError
+
+    _refuse_other_versions(text, path)
+    yaml, read = _loader(path)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # an anchor that stands twice
+            return yaml.load(StringIO(text))
+    except CaseError:
+        raise
+    except DuplicateKeyError as error:
+        line = error.problem_mark.line + 1
+        key = str(error.problem).split('"')[1] if '"' in str(error.problem) else ""
+        raise CaseError(
+            at=key, got="a key that stands twice", want="each key once", file=path, line=line
+        ) from None
+    except MarkedYAMLError as error:
+        raise _unreadable(error, text, path) from None
+    except RecursionError:
+        raise too_deep((), path, read[0]) from None
+    except Exception as error:  # control characters, and whatever ruamel stumbles over
+        line = text.count("\n", 0, error.position) + 1 if isinstance(error, ReaderError) else read[0]
+        hint = " ".join(str(error).split())[:200]
+        raise CaseError(
+            file=path, line=line, got="text that is not YAML", want="YAML 1.2", hint=hint
+        ) from None
+
+
+def too_deep(at: Path, file: FilePath | None, line: int) -> CaseError:
+    return CaseError(at=written(at), got=TOO_DEEP, want=f"at most {MAX_LEVELS} levels", file=file, line=line)
+
+
+def _refuse_other_versions(text: str, path: FilePath | None) -> None:
+    """In YAML 1.1 `yes` is true, 010 is 8 and 12:30 is 750."""
+    directive = re.search(r"^%YAML(?![ \t]+1\.2[ \t\r]*$).*", text, re.MULTILINE)
+    if directive:
+        line = text.count("\n", 0, directive.start()) + 1
+        raise CaseError(got=directive.group(), want="YAML 1.2", file=path, line=line)
+
+
+def _loader(path: FilePath | None) -> tuple[Any, list[int]]:
+    """A reader of texts, and the line that it has come to.
+
+    It goes no deeper than MAX_LEVELS brackets, for which ruamel would take seconds, and takes words as keys
+    alone: lists or mappings as keys, one in another, would take it centuries.
+    """
+    from ruamel.yaml import YAML
+    from ruamel.yaml.constructor import RoundTripConstructor
+    from ruamel.yaml.scanner import RoundTripScanner
+
+    read = [1]
+
+    class Scanner(RoundTripScanner):
+        def fetch_more_tokens(self) -> Any:
+            read[0] = self.reader.line + 1
+            if self.flow_level > MAX_LEVELS:
+                raise RecursionError
+            return super().fetch_more_tokens()
+
+    class Constructor(RoundTripConstructor):
+        def construct_document(self, node: Any) -> Any:
+            _check_keys(node, path)
+            return super().construct_document(node)
+
+    yaml = YAML(typ="rt", pure=True)
+    yaml.allow_duplicate_keys = False
+    yaml.Scanner, yaml.Constructor = Scanner, Constructor
+    return yaml, read
+
+
+def _check_keys(node: Any, path: FilePath | None) -> None:
+    """Refuses keys that are lists or mappings."""
+    from ruamel.yaml.nodes import MappingNode, ScalarNode, SequenceNode
+
+    seen, waiting = {id(node)}, [node]
+    while waiting:
+        node = waiting.pop()
+        parts = node.value if isinstance(node, SequenceNode) else []
+        if isinstance(node, MappingNode):
+            for key, _ in node.value:
+                if not isinstance(key, ScalarNode):
+                    line = key.start_mark.line + 1
+                    raise CaseError(got="a list or mapping", want="a word as key", file=path, line=line)
+            parts = [value for _, value in node.value]
+        for part in parts:
+            if id(part) not in seen:
+                seen.add(id(part))
+                waiting.append(part)
+
+
+def _unreadable(error: Any, text: str, path: FilePath | None) -> CaseError:
+    """A YAML error in the words of its place."""
+    mark = error.problem_mark or error.context_mark
+    line = mark.line + 1 if mark else 1
+    rows = text.splitlines()
+    row = rows[line - 1] if line <= len(rows) else ""
+    indent = row[: len(row) - len(row.lstrip())]
+    if "\t" in indent or "\\t" in str(error.problem) or "tab" in str(error.problem).lower():
+        return CaseError(got="a tab", want="spaces for indentation", file=path, line=line)
+    if "single document" in str(error):
+        return CaseError(got="several documents (---)", want="one case in a file", file=path, line=line)
+    problem = " ".join(str(error.problem or error.context or "").split())
+    return CaseError(
+        got=row.strip() or "the end of the file", want="YAML 1.2", hint=problem, file=path, line=line
+    )

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import json
-import re
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
-from drillpetsc.case.case import Case
+from drillpetsc.case.block import Block
+from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.key_paths import parsed
+from drillpetsc.case.quantities import unit_of_field
+from drillpetsc.units import spelled
 
 
 def case_json_schema() -> dict[str, Any]:
-    """JSON schema (draft 2020-12) of a case file. Units inside texts are beyond it; `drillpetsc check` knows
-    them."""
-    schema = Case.model_json_schema(by_alias=True, mode="validation")
-    schema = _tidy(schema)
+    """JSON schema (draft 2020-12) of a case file.
+
+    It cannot check units inside texts; `drillpetsc check` does.
+    """
+    schema = _tidy(CaseBlocks.model_json_schema(by_alias=True, mode="validation"))
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "drillpetsc case",
@@ -29,32 +32,36 @@ def write_schema(path: str | Path) -> None:
 
 
 def unit_of(key: str) -> str:
-    """SI unit of a key such as `fluid.density` as its description gives it (`kg/m3`), or nothing."""
-    schema = case_json_schema()
-    nodes: list[dict[str, Any]] = [schema]
+    """SI unit of a key such as `fluid.density`, spelled `kg/m3`.
+
+    Empty for pure numbers, for unknown keys, and for keys whose unit depends on other keys.
+    """
+    blocks: list[type[Block]] = [CaseBlocks]
+    units: set[str | None] = set()
     for step in parsed(key):
-        inside = [option for node in nodes for option in _options(node, schema)]
-        nodes = [
-            node["items"] if isinstance(step, int) else node["properties"][step]
-            for node in inside
-            if ("items" in node if isinstance(step, int) else step in node.get("properties", {}))
+        if isinstance(step, int):  # the entries of a list have the unit of the list
+            continue
+        fields = [
+            field
+            for block in blocks
+            for name, field in block.model_fields.items()
+            if step in (name, field.alias)
         ]
-    units = {
-        match.group(1) for node in nodes if (match := re.search(r"\[([^\]]+)\]", node.get("description", "")))
-    }
-    return units.pop().replace("-", "") if len(units) == 1 else ""
+        blocks = [block for field in fields for block in _blocks_in(field.annotation)]
+        units = {unit_of_field(field) for field in fields}
+    unit = units.pop() if len(units) == 1 else None
+    return spelled(unit or "")
 
 
-def _options(node: dict[str, Any], schema: dict[str, Any]) -> list[dict[str, Any]]:
-    """What a node of the schema may be, references followed."""
-    if "$ref" in node:
-        return _options(schema["$defs"][node["$ref"].rsplit("/", 1)[1]], schema)
-    several = [*node.get("anyOf", []), *node.get("oneOf", [])]
-    return [node, *(found for option in several for found in _options(option, schema))]
+def _blocks_in(annotation: Any) -> list[type[Block]]:
+    """Blocks that a value of this type may be or hold."""
+    if isinstance(annotation, type) and issubclass(annotation, Block):
+        return [annotation]
+    return [block for part in get_args(annotation) for block in _blocks_in(part)]
 
 
 def _tidy(node: Any) -> Any:
-    """Without empty defaults and generated titles."""
+    """The schema without empty defaults and generated titles."""
     if isinstance(node, list):
         return [_tidy(part) for part in node]
     if not isinstance(node, dict):

@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 from io import StringIO
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from drillpetsc.case.case import Case
+from drillpetsc.case.blocks.case_blocks import CaseBlocks
 
 
-def case_data(case: Case) -> dict[str, Any]:
-    """The case as plain data in SI with every default; keys as in a case file. `Case(**case_data(case)) ==
-    case`."""
+def case_data(case: CaseBlocks) -> dict[str, Any]:
+    """The case as plain data in SI, with every default and the keys of a case file.
+
+    `Case(**case_data(case)) == case`.
+    """
     data = case.model_dump(mode="python", by_alias=True, exclude_none=True)
     if case.well is not None and case.contact is None:
         data["contact"] = "none"
-    if case.well is not None:  # the hole says where the string lies
+    if case.well is not None:  # the hole gives the position of the string
         del data["initial"]["inclination"], data["initial"]["azimuth"]
     for item, item_data in zip(case.string, data["string"], strict=True):
-        if getattr(item, "material", None) == case.material:
+        if item.material == case.material:
             del item_data["material"]
-    if getattr(case.top, "force", None) is not None:
+    if case.top.force is not None:
         data["top"].pop("lowering")
     return {key: value for key, value in _plain(data).items() if value not in ({}, [])}
 
@@ -35,7 +36,7 @@ def _plain(value: Any) -> Any:
     return value
 
 
-def case_yaml(case: Case) -> str:
+def case_yaml(case: CaseBlocks) -> str:
     """The case as YAML 1.2 text: SI numbers, blocks in the order of the schema."""
     from ruamel.yaml import YAML
 

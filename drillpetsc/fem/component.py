@@ -1,32 +1,54 @@
-"""What a room offers to the rest: fields (unknowns), blocks (elements that share a kernel), prescribed
-components.
+"""The interface of a physics component, and the plain data that it hands to the discrete system.
 
-No PETSc and no MPI here: rooms are written against these plain descriptions, ``layout`` and ``assembly`` give
-them memory.
+A component is one physical effect: a beam, a wall contact, a bit, a mud channel.  It declares unknowns (``Field``),
+groups of elements that share a compiled kernel (``ElementBlock``), prescribed motion and energies.  ``Component``
+declares every hook that the rest of the program may call, each with a harmless default, so a component implements
+only what it needs.  Nothing here knows PETSc or MPI: ``fem.dof_layout`` and ``fem.assembly`` give components memory.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int32]
+from drillpetsc.arrays import FloatArray, IntArray
+from drillpetsc.fem.quantity import Quantity
+
+if TYPE_CHECKING:
+    from drillpetsc.geometry.well import Well
+
+__all__ = [
+    "Component",
+    "ElementBlock",
+    "Energies",
+    "Field",
+    "FloatArray",
+    "IntArray",
+    "Powers",
+    "PrescribedMotion",
+    "VelocityStabilization",
+]
+
+#: kinds of unknowns: what a field belongs to
+STRING, JOINT, FLUID, ROCK = "string", "joint", "fluid", "rock"
 
 
 @dataclass(frozen=True)
 class Field:
-    """Unknowns that a room owns at each vertex of a region of the line.
+    """Unknowns that a component owns at each vertex of a region of the chain.
 
-    ``second_order`` unknowns bring their own rate as a further unknown of the time integrator (position and
-    velocity); the others are first-order states or, with ``differential=False``, algebraic; a
-    ``multiplier`` is algebraic, and its rows are constraints.  ``scale`` is the usual magnitude [SI]:
-    tolerances and error messages are relative to it.  ``at_rest`` is the value that stands in where an
-    element refers to the field and it is absent.
+    name: dotted, for example ``string.position``.
+    size: number of components at a vertex.
+    region: name of a set of vertices; ``string`` is all of them.
+    scale: usual magnitude [SI]; tolerances and error messages are relative to it.
+    second_order: the field's rate is a further unknown of the time integrator (position and velocity).  Other fields are
+    first-order states, or algebraic where ``differential`` is False.
+    multiplier: a Lagrange multiplier: algebraic, and its rows are constraints.
+    default: value used where an element refers to the field and a node does not have it.
+    physics: ``string``, ``joint``, ``fluid`` or ``rock``; error control, line search and the steady flow select by it.
     """
 
     name: str
@@ -36,30 +58,40 @@ class Field:
     second_order: bool = True
     differential: bool = True
     multiplier: bool = False
-    at_rest: float = 0.0
+    default: float = 0.0
+    physics: str = STRING
+
+    @property
+    def does_work(self) -> bool:
+        """Whether the field's rows are forces along its unknowns: neither constraints nor balances of mud."""
+        return not self.multiplier and self.physics != FLUID
 
 
 @dataclass
 class ElementBlock:
     """All local elements that share one compiled kernel pair (kernels/core/element.hpp).
 
-    cells/vertices: ``points`` are local numbers of the line; ``slots`` lists (field, end) in the kernel's
-    order, end 0 the upper vertex, 1 the lower one; ``spins`` the ends whose spin angle the kernel uses, in
-    the kernel's order.  ``params``: (n, p) constants.
-    ``update(t)`` refreshes time-dependent parameters before an evaluation; ``context`` is an address handed
-    to the kernel.  ``room``: what messages call it, the name unless given.
+    name: for logs and profiles.
+    kernel: entry points ``<kernel>_residual`` and ``<kernel>_jacobian``.
+    on: ``cell`` or ``vertex``; points: (n,) local numbers in the chain.
+    slots: (field, end) in the kernel's order of unknowns; end 0 is the upper vertex, 1 the lower one.
+    spins: ends whose spin angle the kernel uses, in the kernel's order.
+    params: (n, p) constants of the elements.
+    context: address of a record that all elements share, 0 for none; keep: objects that it points to.
+    update(t): refreshes time-dependent parameters before an evaluation at time ``t`` [s].
+    component: name in messages; the block's name unless given.
     """
 
     name: str
     kernel: str
-    on: str  # "cell" or "vertex"
+    on: str
     points: IntArray
     slots: tuple[tuple[str, int], ...]
     spins: tuple[int, ...]
     params: FloatArray
     context: int = 0
     update: Callable[[float], None] | None = None
-    keep: tuple[object, ...] = field(default=(), repr=False)  # arrays that ``context`` points to
+    keep: tuple[object, ...] = field(default=(), repr=False)
     component: str = ""
 
     def __post_init__(self) -> None:
@@ -68,11 +100,11 @@ class ElementBlock:
 
 @dataclass(frozen=True)
 class PrescribedMotion:
-    """Components of one vertex whose motion is given: ``directions @ x = value(t)``.
+    """Dirichlet condition: components of one vertex whose motion is given, ``directions @ x = value(t)``.
 
-    directions: (m, 7) orthonormal rows over (r, v, phi) of the vertex; value and rate return (m,).  The rows
-    they replace are the
-    reactions: ``names`` says what each is.
+    directions: (m, 7) orthonormal rows over (position, slope, spin angle) of the vertex.
+    value, rate: (m,) as functions of time [m, -, rad and per second].
+    names: (m,) of the reactions, which are what stood in the rows that the condition replaces.
     """
 
     vertex: int
@@ -84,11 +116,11 @@ class PrescribedMotion:
 
 @dataclass(frozen=True)
 class VelocityStabilization:
-    """Rates that multipliers correct, y += B(x) mu (fem/corrected.py), at the vertices ``points`` (k,),
-    ghosts included.
+    """Rates that multipliers correct, y = x' + B(x) mu (Gear, Gupta and Leimkuhler 1985; manual: eq-joint-ggl).
 
-    field: name of mu (m) at these vertices; directions(rows, x): B (k, 7, m) at the places ``rows`` (k, 7) of
-    (r, v, phi) in x.
+    field: name of mu (m components).
+    points: (k,) vertices whose rates are corrected, ghosts included.
+    directions(rows, x): B (k, 7, m) for the positions ``rows`` (k, 7) of (position, slope, spin angle) in x.
     """
 
     field: str
@@ -97,7 +129,7 @@ class VelocityStabilization:
 
 
 class Energies(NamedTuple):
-    """Stored energies [J] of a room on this rank; strain includes what contacts and springs store."""
+    """Stored energies [J] of a component on this rank; strain includes the energy in contacts and springs."""
 
     kinetic: float = 0.0
     strain: float = 0.0
@@ -105,29 +137,164 @@ class Energies(NamedTuple):
 
 
 class Powers(NamedTuple):
-    """Power [W] that a room turns into heat, and that it supplies, on this rank."""
+    """Power [W] that a component turns into heat, and power that it supplies, on this rank."""
 
     dissipated: float = 0.0
     supplied: float = 0.0
 
 
-class Component(Protocol):
-    """One physics component."""
+class Component:
+    """Base class of all physics components.  A component has no public hook that is not declared here.
 
-    name: str
+    ``state`` is the assembly of this rank (``fem.assembly.Assembly``): unknowns ``x``, rates ``y``, accelerations ``a``.
+    ``system`` is the discrete system (``fem.discrete_system.DiscreteSystem``).
+    """
 
-    def fields(self) -> tuple[Field, ...]: ...
+    #: unique in a model; key of the component in checkpoints
+    name: str = ""
 
-    def blocks(self, part) -> tuple[ElementBlock, ...]: ...
+    # ------------------------------------------------------------------ discretisation
+    #: number of rows with Lagrange multipliers; a stable equilibrium has as many negative eigenvalues
+    multipliers: int = 0
+    #: constraints make the equations a DAE of index 2 or 3
+    has_constraints: bool = False
+    #: the component's unknowns turn with the string, and so do the entries of its Jacobian
+    turns_with_string: bool = False
+    #: sizes of quantities at the nodes that follow from this component's unknowns and that others refer to like fields
+    derived_fields: dict[str, int] = {}
 
-    def prescribed(self) -> tuple[PrescribedMotion, ...]: ...
+    def fields(self) -> tuple[Field, ...]:
+        """Unknowns of the component."""
+        return ()
 
-    def energies(self, t: float, state) -> Energies: ...
+    def regions(self) -> dict[str, np.ndarray]:
+        """Sets of vertices by name: (n_nodes,) masks over the whole string."""
+        return {}
 
-    def powers(self, t: float, state) -> Powers: ...
+    def blocks(self, part: Any) -> tuple[ElementBlock, ...]:
+        """Element blocks on this rank's ``part`` of the chain; the same list of blocks on every rank."""
+        return ()
 
-    def update_reference_frames(self) -> None: ...
+    def prescribed(self) -> tuple[PrescribedMotion, ...]:
+        """Motion that the component prescribes."""
+        return ()
 
-    def breaks(self) -> tuple[float, ...]: ...
+    def velocity_stabilization(self, part: Any) -> VelocityStabilization | None:
+        """Correction of rates by multipliers; None without one."""
+        return None
 
-    def reaction(self, name: str, state) -> float: ...  # base class
+    def translate(self, block: ElementBlock) -> ElementBlock:
+        """Another component's block, written on this component's unknowns in place of the derived fields."""
+        return block
+
+    def derive(self, state: Any) -> None:
+        """Compute the derived fields from the unknowns."""
+
+    def breaks(self) -> tuple[float, ...]:
+        """Times at which an input jumps or bends [s]."""
+        return ()
+
+    # ------------------------------------------------------------------ reference frames
+    def renew_reference_frames(self, system: Any) -> bool:
+        """Replace reference directions that are nearly opposite to the tangent; collective; True where any changed."""
+        return False
+
+    def update_reference_frames(self) -> None:
+        """Copy changed reference frames into the parameters of the blocks."""
+
+    # ------------------------------------------------------------------ energy
+    def energies(self, t: float, state: Any) -> Energies:
+        """Stored energies on this rank [J]."""
+        return Energies()
+
+    def powers(self, t: float, state: Any) -> Powers:
+        """Dissipated and supplied power on this rank [W]."""
+        return Powers()
+
+    def reaction(self, name: str, state: Any) -> float:
+        """Reaction ``name`` that a multiplier of the component carries, this rank's share [N or N m]."""
+        return 0.0
+
+    # ------------------------------------------------------------------ outputs
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Outputs that the component declares (``physics.quantities``)."""
+        return ()
+
+    # ------------------------------------------------------------------ contact and constraints
+    #: rows of the component switch when contacts open or close
+    has_contact: bool = False
+    #: the component restores its constraints after each solve of a step
+    restores_constraints: bool = False
+
+    def contact_signature(self) -> int:
+        """A number that changes when contacts open or close on this rank, the same in every process."""
+        return 0
+
+    def restore_constraints(self, state: Any) -> None:
+        """Project unknowns and rates onto the constraints."""
+
+    # ------------------------------------------------------------------ history
+    #: length of the vector that ``local_update`` returns, the same on every rank; 0: no update across ranks
+    update_size: int = 0
+
+    def accept(self, state: Any) -> None:
+        """Update history variables after an accepted step."""
+
+    def local_update(self, state: Any) -> FloatArray:
+        """(update_size,) changes known to this rank after an accepted step, zero elsewhere."""
+        return np.zeros(self.update_size)
+
+    def apply_update(self, total: FloatArray) -> None:
+        """Apply the sum of ``local_update`` over all ranks."""
+
+    def get_state(self) -> dict[str, FloatArray]:
+        """History variables for a checkpoint, the same on all ranks; empty without any."""
+        return {}
+
+    def set_state(self, memory: dict[str, FloatArray]) -> None:
+        """Continue from the history variables of a checkpoint."""
+
+    def get_local_state(self) -> dict[str, FloatArray]:
+        """History variables at the local ``vertex`` or ``cell`` points, (n, k) each; empty without any."""
+        return {}
+
+    def set_local_state(self, memory: dict[str, FloatArray]) -> None:
+        """Continue from the history variables at the local points."""
+
+    # ------------------------------------------------------------------ statics and quasi-static motion
+    #: the loads of the component have a potential
+    conservative: bool = True
+
+    def impose_sliding_direction(self, axial: float, spin: float, side: float = 1.0) -> None:
+        """Let friction oppose a rigid motion of the string: ``axial`` [m/s, down], ``spin`` [rad/s].
+
+        side: fraction of the lateral friction force that acts (0: its torque only).
+        """
+
+    def release_sliding_direction(self) -> None:
+        """Let friction follow the actual motion."""
+
+    def impose_drilling(self, axial: float, spin: float, side: float = 1.0) -> None:
+        """As ``impose_sliding_direction``, while a bit that cuts advances without inertia."""
+        self.impose_sliding_direction(axial, spin, side)
+
+    def set_stiffness(self, factor: float) -> None:
+        """Scale the contact stiffness by ``factor`` [-] (continuation)."""
+
+    def constrain_positions(self, hold: bool) -> None:
+        """Impose constraints at position level, whatever form they have in motion (statics has no velocities)."""
+
+    def average_over_turn(self, turning: bool) -> None:
+        """While the string turns without inertia, leave out what is fixed in its section."""
+
+    # ------------------------------------------------------------------ borehole
+    def follow_hole(self, well: Well) -> None:
+        """Take the wall from a borehole that has grown."""
+
+    def locate_hole(self, state: Any) -> None:
+        """Evaluate size and direction of the hole at the string's present position."""
+
+    # ------------------------------------------------------------------ fluid
+    def missing_volume(self, state: Any) -> tuple[float, float] | None:
+        """Volume [m3] and its rate [m3/s] that the steady flow must add at every node; None without such a level."""
+        return None

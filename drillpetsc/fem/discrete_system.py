@@ -46,38 +46,33 @@ class DiscreteSystem:
             "bottom": order == mesh.nodes - 1,
         }
         for component in self.components:
-            regions |= component.regions() if hasattr(component, "regions") else {}
+            regions |= component.regions()
         self.regions = regions
         #: constraint rows with multipliers, whole string: so many negative eigenvalues has the tangent of a
         #: stable state
-        self.multipliers = sum(getattr(component, "multipliers", 0) for component in self.components)
+        self.multipliers = sum(component.multipliers for component in self.components)
         #: whether the equations are a DAE of index 2 or 3
         self.constrained = self.multipliers > 0 or any(
-            hasattr(component, "restore_constraints") for component in self.components
+            component.has_constraints for component in self.components
         )
         fields = tuple(f for component in self.components for f in component.fields())
-        # a string with other unknowns than position, slope and spin shows these to the rooms that know them
-        # only
-        other = next((component for component in self.components if hasattr(component, "translate")), None)
-        self.layout = build_dof_layout(self.chain, fields, regions, getattr(other, "derived_fields", None))
+        # a string with other unknowns than position, slope and spin gives these as derived fields
+        other = next((component for component in self.components if component.derived_fields), None)
+        self.layout = build_dof_layout(self.chain, fields, regions, other.derived_fields if other else None)
         blocks = tuple(b for component in self.components for b in component.blocks(self.chain))
         if other is not None:
-            blocks = tuple(map(other.translate, blocks))  # type: ignore[attr-defined]
+            blocks = tuple(map(other.translate, blocks))
         prescribed = tuple(p for component in self.components for p in component.prescribed())
-        corrections = tuple(
-            component.corrections(self.chain)
-            for component in self.components
-            if hasattr(component, "corrections")
-        )
+        stabilizations = tuple(component.velocity_stabilization(self.chain) for component in self.components)
         self.assembly = Assembly(
             self.layout,
             blocks,
             prescribed,
             frames.reference[self.chain.vertices],
-            tuple(c for c in corrections if c),
+            tuple(s for s in stabilizations if s),
         )
         layout, asm = self.layout, self.assembly
-        asm.derive = getattr(other, "derive", None)
+        asm.derive = other.derive if other else None
         self._x = PETSc.Vec().createWithArray(asm.x[: layout.size], comm=PETSc.COMM_SELF)
         self._r = PETSc.Vec().createWithArray(asm.r[: layout.size], comm=PETSc.COMM_SELF)
         self._state = layout.state_dm.createLocalVec()
@@ -90,14 +85,13 @@ class DiscreteSystem:
 
     @property
     def has_contact(self) -> bool:
-        """Whether a room's rows are switched by contact."""
-        return any(hasattr(component, "signature") for component in self.components)
+        """Whether rows of any component are switched by contact."""
+        return any(component.has_contact for component in self.components)
 
-    def signature(self) -> int:
-        """A number that changes when contacts open or close (rooms with ``signature``): the Jacobian is then
-        rebuilt."""
+    def contact_signature(self) -> int:
+        """A number that changes when contacts open or close on this rank; the Jacobian is then rebuilt."""
         return hash(
-            tuple(component.signature() for component in self.components if hasattr(component, "signature"))
+            tuple(component.contact_signature() for component in self.components if component.has_contact)
         )
 
     # ------------------------------------------------------------------ vectors
@@ -187,21 +181,22 @@ class DiscreteSystem:
         return {"component": worst[1], "element": worst[2], "measured_depth": worst[3]}
 
     def accept(self) -> None:
-        """The state in the assembly stands: tell the rooms that carry something from step to step;
-        collective.
+        """Accept the current state and update components with history variables (collective).
 
-        What a room has to say to all ranks it gives as ``news``, zero where it has nothing, and is told the
-        sum.
+        Rank-local changes are returned by ``local_update``; their sum over ranks is passed to ``apply_update``.
         """
-        component: Any
         for component in self.components:
-            if hasattr(component, "accept"):
-                component.accept(self.assembly)
-            if hasattr(component, "news"):
-                news = component.news(self.assembly)
-                component.take(news if self._alone else self.comm.tompi4py().allreduce(news))
+            component.accept(self.assembly)
+            if component.update_size:
+                change = component.local_update(self.assembly)
+                component.apply_update(change if self._alone else self.comm.tompi4py().allreduce(change))
 
-    # ------------------------------------------------------------------ figures
+    def renew_reference_frames(self) -> bool:
+        """Replace reference directions that are nearly opposite to the tangent; True where any changed (collective)."""
+        changed = [component.renew_reference_frames(self) for component in self.components]
+        return any(changed)
+
+    # ------------------------------------------------------------------ energies and reactions
     def energies(self, t: float) -> Energies:
         """Stored energies at the assembly's x, y, summed over ranks."""
         parts = np.array([component.energies(t, self.assembly) for component in self.components]).sum(axis=0)
@@ -230,11 +225,7 @@ class DiscreteSystem:
         for f in self.assembly.row_replacements:
             if f.owned and name in f.condition.names:
                 value += float(f.reaction[f.condition.names.index(name)])
-        value += sum(
-            component.own_reaction(name, self.assembly)
-            for component in self.components
-            if hasattr(component, "own_reaction")
-        )
+        value += sum(component.reaction(name, self.assembly) for component in self.components)
         return value if self._alone else float(self.comm.tompi4py().allreduce(value))
 
     def all_entries(self, on_rank: list) -> list:
@@ -268,7 +259,7 @@ class DiscreteSystem:
         value at rest."""
         place = self.layout.dofs[name]
         values = getattr(self.assembly, what)[np.maximum(place, 0)]
-        rest = next(f.at_rest for f in self.layout.fields if f.name == name) if what == "x" else 0.0
+        rest = next(f.default for f in self.layout.fields if f.name == name) if what == "x" else 0.0
         return np.where(place >= 0, values, rest)
 
     def set_field(self, name: str, values: FloatArray, what: str = "x") -> None:

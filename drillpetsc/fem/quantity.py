@@ -1,8 +1,8 @@
 """Quantities: one object describes one output, and evaluates it.
 
-A component (or an analysis) declares the quantities that it knows as a tuple ``OUTPUTS``.  The history, the probes,
-the statics table, the fields of ``string.pvd``, plots, study tables, the schema and the manual read these objects;
-none of them has names, units or positions of its own.  Nothing here knows PETSc or MPI.
+A component returns the quantities that it knows from ``quantities()``.  The history, the probes, the statics table,
+the fields of ``string.pvd``, plots, study tables and the manual read these objects; none of them keeps names, units or
+positions of its own.  Nothing here knows PETSc or MPI.
 """
 
 from __future__ import annotations
@@ -12,10 +12,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
+from drillpetsc.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 Result = TypeVar("Result")
 
 Entity = Literal["scalar", "node", "element", "item", "joint", "probe"]

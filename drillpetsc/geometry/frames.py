@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.fem.component import FloatArray
+from drillpetsc.arrays import FloatArray
 
 
 @dataclass

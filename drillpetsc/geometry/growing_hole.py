@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from drillpetsc.fem.component import FloatArray
+from drillpetsc.arrays import FloatArray
 from drillpetsc.geometry.well import SHORTEST_SECTION, Well
 
 # growth after which the hole's wall follows its end [m]; the wall shifts by this times a small angle

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.analysis.quaternion_statics import quaternion_components
 from drillpetsc.case.blocks.ends import BitBottom, DrivenTop, ForcedBottom, HeldBottom, HeldTop, LineLoad
 from drillpetsc.case.blocks.ends import TopDrive as TopDriveCase
 from drillpetsc.case.case import Case
@@ -16,17 +15,18 @@ from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames, transported_frames
+from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.fluid import FluidComponents, build_fluid
 from drillpetsc.model.mesh import build_mesh
+from drillpetsc.model.quaternion import quaternion_components
 from drillpetsc.model.rock_bit import build_rock_bit
+from drillpetsc.physics import interfaces
 from drillpetsc.physics.beam import Beam
 from drillpetsc.physics.contact import BitOnBottom, Contact, ContactLaw
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
 from drillpetsc.physics.joints import Joints
-from drillpetsc.physics.quaternion.beam import QuaternionBeam
 from drillpetsc.physics.quaternion.contact import QuaternionContact
-from drillpetsc.physics.quaternion.ends import ConstrainedEnd
 from drillpetsc.physics.rigid_bodies import Precurvature, RigidBodies
 from drillpetsc.physics.rock_bit import RockBit
 from drillpetsc.time_function import Constant
@@ -49,11 +49,11 @@ class DrillingModel:
     position: FloatArray
     tangent: FloatArray
     components: tuple
-    beam: Beam | QuaternionBeam | None
-    top: TopDrive | FixedEnd | ConstrainedEnd | None
+    beam: interfaces.Beam | None
+    top: interfaces.Top | None
     drive: RotaryDrive | None
     contact: Contact | None
-    bit: BitOnBottom | RockBit | None
+    bit: interfaces.Bit | None
     system: DiscreteSystem
     fluid: FluidComponents | None = None
 
@@ -69,14 +69,14 @@ class DrillingModel:
         return mass
 
     @property
-    def drilling(self) -> RockBit | None:
+    def drilling(self) -> interfaces.Bit | None:
         """The bit where it cuts rock."""
-        return self.bit if isinstance(self.bit, RockBit) else None
+        return self.bit if self.bit is not None and self.bit.drills else None
 
     @property
     def breaks(self) -> tuple[float, ...]:
         """Times at which an input jumps or bends [s]."""
-        turning = getattr(self.case.top, "rotation", None) if is_quasi_static(self.case) else None
+        turning = self.case.top.rotation if is_quasi_static(self.case) else None
         return tuple(
             sorted(
                 {b for component in self.components for b in component.breaks()}
@@ -109,8 +109,8 @@ def build_model(case: Case, comm: PETSc.Comm | None = None) -> DrillingModel:
     mesh, well = build_mesh(case), build_well(case)
     position, tangent = _axis(case, mesh, well)
     frames = transported_frames(tangent)
-    beam: Beam | QuaternionBeam | None = None
-    top: TopDrive | FixedEnd | ConstrainedEnd | None = None
+    beam: interfaces.Beam | None = None
+    top: interfaces.Top | None = None
     drive, contact, bit = None, None, None
     components: list = []
     if case.beam.formulation == "quaternion":
@@ -139,7 +139,7 @@ def build_model(case: Case, comm: PETSc.Comm | None = None) -> DrillingModel:
             breaks = tuple(b for q in case.loads for b in q.value_over.breaks())
             components.append(Loads(loads, frames, breaks + _top_breaks(case)))
         components += [r for r in (contact, bit) if r is not None]
-    fluid = build_fluid(case, mesh, well, position, tangent, bit.hole if isinstance(bit, RockBit) else None)
+    fluid = build_fluid(case, mesh, well, position, tangent, bit.hole if bit is not None else None)
     components += fluid.components if fluid is not None else ()
     system = DiscreteSystem(mesh, frames, components, comm)
     model = DrillingModel(
@@ -158,20 +158,20 @@ def build_model(case: Case, comm: PETSc.Comm | None = None) -> DrillingModel:
         system,
         fluid,
     )
-    if isinstance(bit, RockBit):
-        _let_hole_grow(model, bit)
+    if bit is not None and bit.hole is not None:
+        _subscribe_to_hole(model, bit.hole)
     return model
 
 
-def _let_hole_grow(model: DrillingModel, bit: RockBit) -> None:
-    """Whatever looks at the hole sees it as it grows."""
+def _subscribe_to_hole(model: DrillingModel, hole: GrowingHole) -> None:
+    """Subscribe the model and its components to borehole growth."""
 
     def take(well: Well) -> None:
         model.well = well
 
-    bit.hole.followers.append(take)
-    if model.contact is not None:
-        bit.hole.followers.append(model.contact.follow)
+    hole.followers.append(take)
+    for component in model.components:
+        hole.followers.append(component.follow_hole)
 
 
 def is_quasi_static(case: Case) -> bool:
@@ -219,7 +219,7 @@ def _top_rooms(case: Case, position: FloatArray, tangent: FloatArray):
 
 
 def _top_breaks(case: Case) -> tuple[float, ...]:
-    force = getattr(case.top, "force", None)
+    force = case.top.force
     return force.breaks() if force is not None else ()
 
 
@@ -251,14 +251,14 @@ def _contact(
         speed,
         c.points_per_element,
     )
-    return kind(mesh, well, law, getattr(case, "formation", None) is None, case.top.kind == "free")
+    return kind(mesh, well, law, case.formation is None, case.top.kind == "free")
 
 
 def _bit(case: Case, mesh: StringMesh, well: Well | None) -> BitOnBottom | RockBit | None:
     bottom = case.bottom
     if not isinstance(bottom, BitBottom) or well is None:
         return None
-    if getattr(case, "formation", None) is not None:
+    if case.formation is not None:
         return build_rock_bit(case, mesh, well)
     end, axis, _ = well.at(np.array([hole_depth(case)]))
     face = mesh.total_length - mesh.node_depth[-1]
@@ -298,7 +298,7 @@ def _loads(case: Case, mesh: StringMesh, tangent: FloatArray) -> tuple[NodeLoad,
             out.append(NodeLoad(node, load.force, load.moment, section=section, factor=factor))
     if isinstance(case.bottom, ForcedBottom):
         out.append(NodeLoad(mesh.nodes - 1, case.bottom.force, case.bottom.moment))
-    force = getattr(case.top, "force", None)
+    force = case.top.force
     if force is not None:  # tension positive: the drive pulls the top node up along the axis
         out.append(NodeLoad(0, tuple(-tangent[0]), factor=force.value))
     return tuple(out)

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
+from typing import Any
 
 import numpy as np
 
 from drillpetsc.case.blocks.fluid import flow_constants
-from drillpetsc.case.blocks.string import Rigid
+from drillpetsc.case.blocks.string import Pipe, Rigid
+from drillpetsc.case.blocks.well import Section
 from drillpetsc.case.case import Case
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.string_mesh import StringMesh
@@ -20,15 +22,7 @@ from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
 from drillpetsc.physics.fluid.bit_flow import BitEnd, BitFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
-from drillpetsc.physics.fluid.channels import (
-    Annulus,
-    AnnulusWalls,
-    HoleVolume,
-    build_bore,
-    build_walls,
-    metal_below,
-    poisson,
-)
+from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, Bore, HoleVolume
 from drillpetsc.physics.fluid.hermite_flow import HermiteAnnulus, HermiteBit, HermiteBore, volumes_at_rest
 from drillpetsc.physics.fluid.moving_hole import LateralCoefficients, MovingHole
 from drillpetsc.physics.fluid.rheology import Rheology
@@ -128,9 +122,10 @@ def build_fluid(
             end = _drilled(end, hole, f.cuttings == "returned")
         bit = BitFlow(mesh.nodes - 1, end, constants, held, moving_hole, hole)
         if hermite:
+            pair: Any = (bore_flow, annulus)  # Hermite channels both
             bit = HermiteBit(
-                mesh.nodes - 1, end, constants, f.flow_rate, bore_flow, annulus, position[-1], held
-            )  # type: ignore[arg-type]
+                mesh.nodes - 1, end, constants, f.flow_rate, pair[0], pair[1], position[-1], held
+            )
     volumes = None
     if hermite:
         head = f.density * ((position - position[0]) @ gravity)
@@ -221,16 +216,12 @@ def _bit_end(
     f, last = case.fluid, case.string[-1]
     assert f is not None
     open_end = case.has_bore and not case.bottom.plugged
-    nozzle = (getattr(last, "nozzle_area", None) or 0.0) if isinstance(last, Rigid) else 0.0
+    nozzle = last.nozzle_area or 0.0
     end, axis = position[-1], tangent[-1]
     if sizes is not None and well is not None:
         points, directions, _ = well.at(np.array([case.well.survey.md[-1]]))  # type: ignore[union-attr]
         end, axis = np.asarray(points)[0], np.asarray(directions)[0]
-    rock = (
-        getattr(case.well.sections[-1], "compliance", None)
-        if case.well is not None and f.elastic_walls
-        else None
-    )
+    rock = case.well.sections[-1].compliance if case.well is not None and f.elastic_walls else None
     hole = (0.0, 0.0, 0.0)
     if sizes is not None:
         hole = float(sizes.hole[-1]), float(sizes.hole[-1] - sizes.outer[-1]), float(sizes.outer[-1])
@@ -263,3 +254,81 @@ def _drilled(end: BitEnd, hole: GrowingHole, returned: bool) -> BitEnd:
         face=end.face - hole.half,
         cut=np.pi * hole.radius**2 if returned else 0.0,
     )
+
+
+# ---------------------------------------------------------------------- channels of a case
+def poisson(case: Case, mesh: StringMesh) -> FloatArray:
+    """(n,) Poisson's ratio of each element for the narrowing under stretch [-].
+
+    0 for items given by stiffnesses, and for rigid walls.
+    """
+    assert case.fluid is not None
+    if not case.fluid.elastic_walls:
+        return np.zeros(len(mesh.upper))
+    return np.array([_constants(case, number)[1] for number in mesh.item])
+
+
+def _constants(case: Case, number: int) -> tuple[float, float]:
+    """Young's modulus [Pa] and Poisson's ratio [-] of a string item; rigid if given by its stiffnesses."""
+    item = case.string[number]
+    return (item.material.young, item.material.poisson) if isinstance(item, Pipe) else (np.inf, 0.0)
+
+
+def _rigid_runs(case: Case, mesh: StringMesh) -> tuple[FloatArray, FloatArray]:
+    """(n+1, 2) mean bore area and metal area [m2] of the rigid items below each node, and (n+1,) their metal
+    volume [m3]."""
+    area, volume, length = np.zeros((mesh.nodes, 2)), np.zeros(mesh.nodes), np.zeros(mesh.nodes)
+    items = [item for item in case.string if isinstance(item, Rigid)]
+    for item, body in zip(items, mesh.bodies, strict=True):
+        density = item.material.density
+        bore = np.pi / 4 * item.id**2
+        if bore == 0.0:  # no bore given: the bore of the pipe beside the item
+            bore = np.pi / 4 * mesh.inner_diameter[min(body.node, len(mesh.upper) - 1)] ** 2
+        area[body.node] += np.array([bore * body.length, body.mass / density])
+        volume[body.node] += body.mass / density
+        length[body.node] += body.length
+    area /= np.maximum(length, 1e-300)[:, None]
+    return area, volume
+
+
+def build_bore(case: Case, mesh: StringMesh) -> Bore:
+    """Bore of every element. Elasticity of a thick tube (Lame): (2/E) [(Ro^2 + Ri^2)/(Ro^2 - Ri^2) + nu]."""
+    assert case.fluid is not None
+    inner, outer = 0.5 * mesh.inner_diameter, 0.5 * mesh.outer_diameter
+    area, wall = np.pi * inner**2, np.zeros(len(inner))
+    if case.fluid.elastic_walls:
+        young, nu = np.array([_constants(case, k) for k in mesh.item]).T
+        wall = 2 / young * ((outer**2 + inner**2) / (outer**2 - inner**2) + nu)
+    runs, _ = _rigid_runs(case, mesh)
+    return Bore(area, wall, np.where(mesh.rigid_above > 0, runs[:-1, 0], area))
+
+
+def build_walls(case: Case, mesh: StringMesh) -> AnnulusWalls:
+    """Walls of the annulus around the string of a case."""
+    assert case.fluid is not None and case.well is not None
+    outer, sections = 0.5 * mesh.outer_diameter, case.well.sections
+    young, nu = np.array([_constants(case, k) for k in mesh.item]).T
+    runs, _ = _rigid_runs(case, mesh)
+    above = np.where(mesh.rigid_above > 0, runs[:-1].sum(axis=1), np.pi * outer**2)
+    return AnnulusWalls(
+        outer,
+        0.5 * mesh.inner_diameter,
+        young,
+        nu,
+        above,
+        mesh.rigid_above,
+        np.array([q.to for q in sections]),
+        np.array([_give(q) for q in sections]),
+        case.fluid.elastic_walls,
+    )
+
+
+def _give(section: Section) -> float:
+    """Compliance of the rock around a hole section, (1 + nu)/E [1/Pa]; 0 for a rigid wall."""
+    rock = section.compliance
+    return 0.0 if rock is None else (1 + rock.poisson) / rock.young
+
+
+def metal_below(case: Case, mesh: StringMesh) -> float:
+    """Metal volume of the rigid items below the last node [m3]: mud that the bit displaces."""
+    return float(_rigid_runs(case, mesh)[1][-1])

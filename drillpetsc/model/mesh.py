@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.case.blocks.ends import PointLoad
 from drillpetsc.case.blocks.joints import Joint
 from drillpetsc.case.blocks.string import Beam as BeamItem
-from drillpetsc.case.blocks.string import Flexible, Pipe, Rigid
+from drillpetsc.case.blocks.string import Bend, Flexible, Item, Pipe, Rigid
 from drillpetsc.case.case import Case
-from drillpetsc.case.checks.size import element_count
+from drillpetsc.case.checks.limits import element_count
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.string_mesh import RigidItem, StringJoint, StringMesh, tube
 
@@ -80,8 +81,8 @@ def _joint(joint: Joint, cell: int) -> StringJoint:
     )
 
 
-def _bend_of(item):
-    bend = getattr(item, "bend", None)
+def _bend_of(item: Item) -> Bend | None:
+    bend = item.bend
     return bend if bend is not None and bend.angle != 0 else None
 
 
@@ -95,9 +96,8 @@ def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -
     if isinstance(below, Rigid) and _bend_of(below) and item.length > 2 * BEND_LENGTH:
         extra.append(bottom - BEND_LENGTH)
     for load in case.loads:
-        at = getattr(load, "at", None)
-        if at is not None and top < at < bottom:
-            extra.append(at)
+        if isinstance(load, PointLoad) and top < load.at < bottom:
+            extra.append(load.at)
     extra += [joint.at for joint in case.joints if top < joint.at < bottom]
     for at in (
         extra
@@ -172,7 +172,8 @@ def _assemble(case: Case, rows, rigid, joints: tuple[StringJoint, ...]) -> Strin
     curvature = np.array([_curvature(case, item, a, b, bend) for _, item, a, b, _, bend in rows])
     curvature[is_joint[1:-1]] = 0.0
     for _, item, node, _ in rigid:  # a bent rigid item kinks the end of the flexible one above it
-        if _bend_of(item) and 0 < node <= n:
+        bend = _bend_of(item)
+        if bend is not None and 0 < node <= n:
             if is_joint[node]:
                 raise CaseError(
                     at="string",
@@ -180,7 +181,6 @@ def _assemble(case: Case, rows, rigid, joints: tuple[StringJoint, ...]) -> Strin
                     want="no bend right below a joint",
                     hint="put a pipe between",
                 )
-            bend = _bend_of(item)
             curvature[node - 1] += _polar(bend.angle / (lower[node - 1] - upper[node - 1]), bend.tool_face)
     junction = np.zeros(n + 1, dtype=bool)
     stiffness = columns["axial_stiffness"]
@@ -188,9 +188,8 @@ def _assemble(case: Case, rows, rigid, joints: tuple[StringJoint, ...]) -> Strin
     for body in bodies:
         junction[body.node] = body.node < n and not is_joint[body.node + 1]
     for load in case.loads:
-        at = getattr(load, "at", None)
-        if at is not None:
-            node = int(np.argmin(np.abs(node_depth - at)))
+        if isinstance(load, PointLoad):
+            node = int(np.argmin(np.abs(node_depth - load.at)))
             junction[node] |= 0 < node < n
     for node in np.flatnonzero(
         is_joint[:-1] | is_joint[1:]

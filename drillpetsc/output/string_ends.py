@@ -4,19 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.case.case import Case
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.quantity import Quantity, Sample
 from drillpetsc.model.drilling_model import DrillingModel, hole_depth
 from drillpetsc.output import quantities as declared
 from drillpetsc.output.in_hole import measured_depth
-from drillpetsc.time_function import TimeFunction
-
-
-def top_force(case: Case) -> TimeFunction | None:  # base class
-    """Pull on the string [N] over time where the case prescribes it, not a motion."""
-    return getattr(case.top, "force", None)
 
 
 def top_reaction(system: DiscreteSystem, name: str) -> float:
@@ -31,7 +24,7 @@ class TopEnd:
     """Hook load and surface torque."""
 
     def __init__(self, model: DrillingModel) -> None:
-        self.model, self.force = model, top_force(model.case)
+        self.model, self.force = model, model.case.top.force
         chain = model.system.chain
         self._is_here = bool((chain.owned & (chain.vertices == 0)).any())
 
@@ -89,8 +82,3 @@ class DrilledHole:
         if self.bit is None:
             return ()
         return tuple(q for q in declared.HOLE if q.name != "rop" or self.model.drilling is not None)
-
-    def drilled(self, state) -> float:
-        """Length of new hole [m]."""
-        assert self.bit is not None
-        return self.bit.drilled(state)

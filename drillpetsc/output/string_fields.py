@@ -97,7 +97,7 @@ class StringFields:
     def bending_moment(self, sample: Sample) -> FloatArray:
         """(nc, 2) bending moment [N m] beyond the stress-free shape, at both ends."""
         beam = self.model.beam
-        if self.model.mesh.curvature.any() and beam is not None and beam.counts_free_curvature:
+        if self.model.mesh.curvature.any() and beam is not None and beam.bending_includes_free_shape:
             return np.asarray(sample.once(self._free_bending_removed))
         return np.asarray(sample.once(self._element_results)[:, _BENDING])
 

@@ -7,12 +7,13 @@ import ctypes
 
 import numpy as np
 
-from drillpetsc.fem.component import ElementBlock, Energies, Field, FloatArray, Powers, PrescribedMotion
+from drillpetsc.fem.component import ElementBlock, Energies, Field, FloatArray, Powers
 from drillpetsc.fem.dof_layout import DofLayout
-from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
+from drillpetsc.physics import interfaces
+from drillpetsc.physics.reference_frames import renew_reference_frames
 
 _report = function("beam_report", "iippppp")
 _dissipation = function("beam_dissipation", "iipppp", ctypes.c_double)
@@ -41,7 +42,7 @@ POSITION_SCALE = 0.03  # [m], of the order of a string's play in its hole
 _REFERENCE1, _REFERENCE2, _TWIST0 = slice(12, 15), slice(15, 18), 8
 
 
-class Beam:
+class Beam(interfaces.Beam):
     """Elements of the string; unknowns r [m], v = dr/ds [-], phi [rad] at every node, a stretch ratio at
     junctions.
 
@@ -50,6 +51,8 @@ class Beam:
     """
 
     name = "beam"
+    bending_includes_free_shape = True
+    formulation = "ancf"
 
     def __init__(self, mesh: StringMesh, frames: Frames, gravity: FloatArray, finest_motion: float = np.inf):
         self.mesh, self.frames, self.gravity = mesh, frames, np.asarray(gravity, dtype=float)
@@ -63,7 +66,7 @@ class Beam:
             Field("string.tangent", 3, scale=1e-2),
             Field("string.spin", 1, scale=0.02),
         )
-        ratio = Field("string.ratio", 1, region="junction", scale=1e-2, at_rest=1.0)
+        ratio = Field("string.ratio", 1, region="junction", scale=1e-2, default=1.0)
         return (*always, ratio) if self.mesh.junction.any() else always
 
     def _params(self, e: np.ndarray) -> FloatArray:
@@ -121,11 +124,27 @@ class Beam:
         self._part, self._tables = part, None
         return self._blocks
 
-    def prescribed(self) -> tuple[PrescribedMotion, ...]:
-        return ()
+    def place(self, system, position: FloatArray, tangent: FloatArray) -> None:
+        """Put the unstrained string at rest on ``position`` (n_nodes, 3) [m] with directions ``tangent``."""
+        system.set_field("string.position", position)
+        system.set_field("string.tangent", tangent)
+        system.set_field("string.spin", np.zeros((self.mesh.nodes, 1)))
 
-    def breaks(self) -> tuple[float, ...]:
-        return ()
+    def set_rigid_motion(self, system, tangent: FloatArray, lowering: float, rotation: float) -> None:
+        """Give every node the velocity ``lowering`` [m/s] along ``tangent`` and the spin ``rotation`` [rad/s]."""
+        system.set_field("string.position", lowering * tangent, "y")
+        system.set_field("string.tangent", np.zeros((self.mesh.nodes, 3)), "y")
+        system.set_field("string.spin", np.full((self.mesh.nodes, 1), rotation), "y")
+
+    def renew_reference_frames(self, system) -> bool:
+        """Replace reference directions that are far from the tangent (manual: sec-beam-reference-update)."""
+        return renew_reference_frames(system, self.frames, lambda: self._twists(system))
+
+    def _twists(self, system) -> FloatArray:
+        """(nc,) twist of each local element [rad]."""
+        asm, cells = system.assembly, system.chain.cells
+        torque = self.report(system.layout, asm.x, asm.y)[:, REPORT.index("torque")]
+        return torque * self.mesh.length[cells] / self.mesh.torsional_stiffness[cells]
 
     def update_reference_frames(self) -> None:
         """Take over renewed reference frames and twist offsets from ``frames`` into the blocks'
@@ -191,14 +210,3 @@ class Beam:
                     pointer(state.y),
                 )
         return Powers(lost)
-
-    #: the bending in ``report`` includes that of the stress-free shape
-    counts_free_curvature = True  # base class
-
-    def quantities(self) -> tuple[Quantity, ...]:  # base class
-        """Outputs that the component declares."""
-        return ()
-
-    def reaction(self, name: str, state) -> float:  # base class
-        """Reaction ``name`` that a multiplier of the component carries, this rank's share [N or N m]."""
-        return 0.0

@@ -12,7 +12,7 @@ from itertools import product
 import numpy as np
 from scipy.optimize import brentq
 
-from drillpetsc.fem.component import ElementBlock, Energies, FloatArray, Powers
+from drillpetsc.fem.component import Component, ElementBlock, Energies, FloatArray, Powers
 from drillpetsc.fem.quadrature import exposed_ends, rule
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringMesh
@@ -20,7 +20,8 @@ from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import SLOTS, SPLIT_SLOTS
-from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, ComponentBase, local_vertices
+from drillpetsc.physics.interfaces import Bit
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
 _report = function("contact_report", "iipppppp")
 _bit_report = function("bit_report", "ppppp")
@@ -112,7 +113,7 @@ def damping_factor(restitution: float, speed: float) -> float:
     return float(brentq(miss, 0.5 * (1 - e), (1 - 1e-14) / e, xtol=1e-14, rtol=1e-14)) / speed
 
 
-class Contact(ComponentBase):
+class Contact(Component):
     """Contact of pipes and rigid items with the wall.
 
     with_bit False: a bit that cuts has its own contact (physics/rock_bit.py); free_top: nothing holds the
@@ -120,6 +121,7 @@ class Contact(ComponentBase):
     """
 
     name = "contact"
+    has_contact = True
 
     def __init__(
         self, mesh: StringMesh, well: Well, law: ContactLaw, with_bit: bool = True, free_top: bool = False
@@ -248,7 +250,7 @@ class Contact(ComponentBase):
         ]
         return [group for group in found if group[1].any()]
 
-    def follow(self, well: Well) -> None:
+    def follow_hole(self, well: Well) -> None:
         """The hole has grown: take its wall from ``well``."""
         self.well = well
         self._packed = np.ascontiguousarray(well.packed())
@@ -264,6 +266,14 @@ class Contact(ComponentBase):
         for record in self._laws:
             record.imposed, record.axial, record.spin, record.side = 1.0, axial, spin, side
 
+    def copy_sliding_direction(self, other: Contact) -> None:
+        """Take over the sliding direction that statics imposed on the contact of another model."""
+        imposed = next((record for record in other._laws if record.imposed), None)
+        if imposed is None:
+            self.release_sliding_direction()
+        else:
+            self.impose_sliding_direction(imposed.axial, imposed.spin, imposed.side)
+
     def release_sliding_direction(self) -> None:
         """TimeIntegrator: friction follows the motion."""
         for record in self._laws:
@@ -274,7 +284,7 @@ class Contact(ComponentBase):
         for record in self._laws:
             record.stiffness = self.law.stiffness * factor
 
-    def signature(self) -> int:
+    def contact_signature(self) -> int:
         """Changes whenever a contact opens or closes on this rank; the same in another process (unlike
         hash)."""
         return zlib.crc32(b"".join(t.tobytes() for t in self._touching))
@@ -327,12 +337,8 @@ class Contact(ComponentBase):
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.CONTACT
 
-    def per_length(self, values: FloatArray) -> FloatArray:
-        """(nc,) values of the local cells per length of string."""
-        return np.asarray(values / self.mesh.divisor[self._part.cells])
 
-
-class BitOnBottom(ComponentBase):
+class BitOnBottom(Bit):
     """The bit stands on the end of the hole: a spring along its axis, and a friction torque."""
 
     name = "bit"
@@ -367,7 +373,7 @@ class BitOnBottom(ComponentBase):
     def release_sliding_direction(self) -> None:
         self._block.params[:, 11] = -3.0
 
-    def copy_sliding_direction(self, other: BitOnBottom) -> None:
+    def copy_sliding_direction(self, other) -> None:
         """Take over the sliding that statics imposed on another room."""
         self._block.params[:] = other._block.params
 
@@ -432,11 +438,3 @@ class BitOnBottom(ComponentBase):
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.BIT
-
-    def results(self, state) -> tuple[float, float]:
-        """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
-        return self.weight_and_torque(state)
-
-    def drilled(self, state) -> float:
-        """Length of new hole [m]: this bit cuts none."""
-        return 0.0

@@ -8,9 +8,10 @@ from typing import Protocol
 
 import numpy as np
 
-from drillpetsc.fem.component import ElementBlock, Energies, FloatArray, Powers, PrescribedMotion
+from drillpetsc.fem.component import Component, ElementBlock, Energies, FloatArray, Powers, PrescribedMotion
 from drillpetsc.geometry.frames import Frames, high_side
-from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, ComponentBase, local_vertices
+from drillpetsc.physics.interfaces import Top
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
 
 class Input(Protocol):
@@ -39,7 +40,7 @@ def _rows(position: FloatArray, tangent: FloatArray, spin: bool) -> FloatArray:
     return D
 
 
-class FixedEnd(ComponentBase):
+class FixedEnd(Top):
     """An end that does not move: clamped (position, direction, spin), pinned (position; spin where
     ``spin``)."""
 
@@ -79,7 +80,7 @@ class FixedEnd(ComponentBase):
         return (self._condition,)
 
 
-class TopDrive(ComponentBase):
+class TopDrive(Top):
     """PrescribedMotion rotation [rad/s] and lowering [m/s] of the top node; the replaced rows are hook load
     and surface torque.
 
@@ -140,7 +141,7 @@ class _Zero:
     rate = integral = value
 
 
-class RotaryDrive(ComponentBase):
+class RotaryDrive(Component):
     """Rotary drive with spring [N m/rad], damper [N m s/rad] and rotor inertia [kg m2] at the top node."""
 
     name = "drive"
@@ -205,13 +206,14 @@ class NodeLoad:
     factor: Callable[[float], float] | None = None
 
 
-class Loads(ComponentBase):
+class Loads(Component):
     """Forces and moments on nodes."""
 
     name = "loads"
 
     def __init__(self, loads: tuple[NodeLoad, ...], frames: Frames, breaks: tuple[float, ...] = ()):
         self.loads, self.frames, self._breaks = loads, frames, breaks
+        self.conservative = not any(load.section or any(load.moment) for load in loads)
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         chosen, vertices = local_vertices(part, np.array([q.node for q in self.loads]))

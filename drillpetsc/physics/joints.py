@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.fem.component import (
+    Component,
     ElementBlock,
     Energies,
     Field,
@@ -20,7 +21,7 @@ from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import SLOTS
-from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, ComponentBase, local_vertices
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
 _report = function("joint_report", "iippppp")
 _directions = function("joint_directions", "ipppp")
@@ -44,7 +45,7 @@ SCALE = 1.0e6
 STOP_ROUNDING = 1.0e-4  # a stop takes hold over this way [m]
 
 
-class Joints(ComponentBase):
+class Joints(Component):
     """All joints of a string.
 
     Fields: ``joint.load`` (6) at the node below, the multipliers in units of SCALE: force and moment that the
@@ -52,6 +53,7 @@ class Joints(ComponentBase):
     """
 
     name = "joints"
+    RESULTS = REPORT  # columns of ``report``
 
     def __init__(self, mesh: StringMesh, frames: Frames):
         self.mesh, self.frames, self.joints = mesh, frames, mesh.joints
@@ -69,7 +71,15 @@ class Joints(ComponentBase):
 
     def fields(self) -> tuple[Field, ...]:
         load, correction = (
-            Field(name, 6, region=region, second_order=False, differential=False, multiplier=True)
+            Field(
+                name,
+                6,
+                physics="joint",
+                region=region,
+                second_order=False,
+                differential=False,
+                multiplier=True,
+            )
             for name, region in (("joint.load", "joint"), ("joint.correction", "stabilised_joint"))
         )
         return (load, correction) if self._stabilised.any() else (load,)
@@ -126,7 +136,7 @@ class Joints(ComponentBase):
             )
         return (*self._blocks, *extra)
 
-    def corrections(self, part) -> VelocityStabilization | None:
+    def velocity_stabilization(self, part) -> VelocityStabilization | None:
         """What corrects the velocities of the stabilised joints, on every rank that holds a node above
         one."""
         if not self._stabilised.any():
@@ -183,9 +193,6 @@ class Joints(ComponentBase):
 
     def powers(self, t: float, state) -> Powers:
         return Powers(dissipated=float(self.report(state)[:, REPORT.index("damping_power")].sum()))
-
-    #: columns of ``report``
-    RESULTS = REPORT
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.JOINTS

@@ -13,7 +13,13 @@ import numpy as np
 
 from drillpetsc.fem.quantity import FloatArray, Quantity, Sample
 
+
 # ---------------------------------------------------------------------- wall contact
+def _force_per_length(contact: Any, sample: Sample) -> FloatArray:
+    cells, _ = sample.once(contact.report)
+    return np.asarray(cells[:, 0] / contact.mesh.divisor[sample.system.chain.cells])
+
+
 CONTACT: tuple[Quantity, ...] = (
     Quantity(
         "contact_force",
@@ -23,7 +29,7 @@ CONTACT: tuple[Quantity, ...] = (
         mnemonic="SFPL",
         sign="push of the wall on the string, not negative",
         doc="Normal force of the wall per length of string.",
-        value=lambda contact, sample: contact.per_length(sample.once(contact.report)[0][:, 0]),
+        value=_force_per_length,
     ),
 )
 
@@ -37,7 +43,7 @@ BIT: tuple[Quantity, ...] = (
         mnemonic="WOB",
         sign="positive on the rock",
         doc="Force of the bit on the bottom of the hole, along the hole's axis.",
-        value=lambda bit, sample: sample.once(bit.results)[0],
+        value=lambda bit, sample: sample.once(bit.weight_and_torque)[0],
         panel=2,
         interest=2,
     ),
@@ -49,7 +55,7 @@ BIT: tuple[Quantity, ...] = (
         mnemonic="TOB",
         sign="the rock brakes clockwise rotation",
         doc="Torque of the rock on the bit.",
-        value=lambda bit, sample: sample.once(bit.results)[1],
+        value=lambda bit, sample: sample.once(bit.weight_and_torque)[1],
         panel=3,
         interest=7,
     ),

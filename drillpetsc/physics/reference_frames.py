@@ -10,16 +10,18 @@ twist would have changed (model, section 7).
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
+from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.geometry.frames import Frames, reference_change, smallest_rotation
-from drillpetsc.physics.beam import REPORT, Beam
 
 REFERENCE_LIMIT_COSINE = -0.5  # cosine between gauge and tangent below which a gauge is renewed
 
 
-def update_reference_frames(system: DiscreteSystem, frames: Frames) -> bool:
+def renew_reference_frames(system: DiscreteSystem, frames: Frames, twists: Callable[[], FloatArray]) -> bool:
     """Renew reference frames where needed, in ``frames`` (the same on all ranks), the assembly and all rooms;
     True where any changed.
 
@@ -31,8 +33,7 @@ def update_reference_frames(system: DiscreteSystem, frames: Frames) -> bool:
     changes = _far_nodes(system, frames)
     if not changes:
         return False
-    beam = next(component for component in system.components if isinstance(component, Beam))
-    before = _twists(system, beam)
+    before = twists()
     local = {int(v): i for i, v in enumerate(system.chain.vertices)}
     asm, spin = system.assembly, system.layout.dofs["string.spin"][:, 0]
     for node, v in changes:
@@ -41,15 +42,15 @@ def update_reference_frames(system: DiscreteSystem, frames: Frames) -> bool:
         frames.reference[node] = t
         if node in local:
             asm.x[spin[local[node]]] += reference_change(a, t, v)
-    _tell(system, frames)
-    changed = before - _twists(system, beam)
+    _update_components(system, frames)
+    changed = before - twists()
     cells = system.chain.cells
     touched = np.isin(cells, [n for n, _ in changes]) | np.isin(cells + 1, [n for n, _ in changes])
     for cell, offset in system.all_entries(
         list(zip(cells[touched].tolist(), changed[touched].tolist(), strict=True))
     ):
         frames.twist0[cell] += offset
-    _tell(system, frames)
+    _update_components(system, frames)
     return True
 
 
@@ -62,14 +63,7 @@ def _far_nodes(system: DiscreteSystem, frames: Frames) -> list[tuple[int, np.nda
     return system.all_entries([(int(chain.vertices[i]), v[i].copy()) for i in far])
 
 
-def _twists(system: DiscreteSystem, beam: Beam) -> np.ndarray:
-    """(nc,) twist of each local element [rad]."""
-    asm, mesh, cells = system.assembly, system.mesh, system.chain.cells
-    torque = beam.report(system.layout, asm.x, asm.y)[:, REPORT.index("torque")]
-    return torque * mesh.length[cells] / mesh.torsional_stiffness[cells]
-
-
-def _tell(system: DiscreteSystem, frames: Frames) -> None:
+def _update_components(system: DiscreteSystem, frames: Frames) -> None:
     system.assembly.reference[:] = frames.reference[system.chain.vertices]
     for component in system.components:
         component.update_reference_frames()

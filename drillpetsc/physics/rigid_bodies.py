@@ -5,8 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import ElementBlock, Energies, FloatArray, Powers, PrescribedMotion
-from drillpetsc.fem.quantity import Quantity
+from drillpetsc.fem.component import Component, ElementBlock, Energies, FloatArray
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
@@ -18,41 +17,6 @@ _curved_energy = function("curved_energy", "iipppp")
 VERTEX_SLOTS = (("string.position", 0), ("string.tangent", 0), ("string.spin", 0))
 
 
-class ComponentBase:
-    """Defaults of a room that adds rows to the string's unknowns and owns none."""
-
-    name = ""
-
-    def fields(self):
-        return ()
-
-    def blocks(self, part) -> tuple[ElementBlock, ...]:
-        return ()
-
-    def prescribed(self) -> tuple[PrescribedMotion, ...]:
-        return ()
-
-    def breaks(self) -> tuple[float, ...]:
-        return ()
-
-    def energies(self, t: float, state) -> Energies:
-        return Energies()
-
-    def powers(self, t: float, state) -> Powers:
-        return Powers()
-
-    def update_reference_frames(self) -> None:
-        """Nothing to renew."""
-
-    def quantities(self) -> tuple[Quantity, ...]:  # base class
-        """Outputs that the component declares."""
-        return ()
-
-    def reaction(self, name: str, state) -> float:  # base class
-        """Reaction ``name`` that a multiplier of the component carries, this rank's share [N or N m]."""
-        return 0.0
-
-
 def local_vertices(part, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Which of ``nodes`` (k,) this rank owns: (positions in ``nodes``, local vertex numbers)."""
     local = {int(v): i for i, v in enumerate(part.vertices) if part.owned[i]}
@@ -60,7 +24,7 @@ def local_vertices(part, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.array(chosen, dtype=int), np.array([local[int(nodes[k])] for k in chosen], dtype=np.int32)
 
 
-class RigidBodies(ComponentBase):
+class RigidBodies(Component):
     """Masses off the axis or beside the pipe's own: rigid items on nodes, and pipes whose mass centre lies
     beside their axis.
 
@@ -173,7 +137,7 @@ def frame_columns(frames: Frames, e: np.ndarray) -> FloatArray:
     return np.hstack([frames.reference[e], frames.second[e], frames.reference[e + 1], frames.second[e + 1]])
 
 
-class Precurvature(ComponentBase):
+class Precurvature(Component):
     """Pipe that is bent when free of stress: curvature (2,) [1/m] in the node directors, element by
     element."""
 
@@ -214,8 +178,9 @@ class Precurvature(ComponentBase):
             self._cells.append(e)
         return tuple(self._blocks)
 
-    def scale(self, share: float) -> None:
-        """Take ``share`` of the curvature: nothing of it is left on average while the string turns."""
+    def average_over_turn(self, turning: bool) -> None:
+        """Leave out the curvature while the string turns: nothing of it is left on average over a turn."""
+        share = 0.0 if turning else 1.0
         for b, e in zip(self._blocks, self._cells, strict=True):
             b.params[:, 2:4] = share * self.mesh.curvature[e]
 

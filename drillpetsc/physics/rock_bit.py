@@ -15,7 +15,8 @@ from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
 from drillpetsc.physics import quantities as declared
-from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, ComponentBase, local_vertices
+from drillpetsc.physics.interfaces import Bit
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
 _report = function("bit_rock_report", "ipppppp")
 _rate = function("rock_rate", "pppddp")
@@ -178,7 +179,7 @@ def profile_derivative(states: int, length: float) -> FloatArray:
     return np.ascontiguousarray(d[:states])
 
 
-class RockBit(ComponentBase):
+class RockBit(Bit):
     """The bit at the lower end of the string; unknowns hole.end (3) [m] and hole.drilled [m], and a drag
     bit's profile bit.chips [m].
 
@@ -186,6 +187,9 @@ class RockBit(ComponentBase):
     """
 
     name = "bit"
+    has_contact = True
+    update_size = 6
+    hole: GrowingHole
 
     def __init__(
         self,
@@ -197,6 +201,7 @@ class RockBit(ComponentBase):
         hole: GrowingHole,
         inertia: bool = True,
     ):
+        self.stiffness = contact.stiffness
         self.node, self.shape, self.contact, self.law, self.rock, self.hole = (
             node,
             shape,
@@ -269,11 +274,29 @@ class RockBit(ComponentBase):
         free = not self.rock.post_step
         scale = 1e-3
         out: tuple[Field, ...] = (
-            Field("hole.end", 3, region="bottom", scale=scale, second_order=False, differential=free),
-            Field("hole.drilled", 1, region="bottom", scale=scale, second_order=False, differential=free),
+            Field(
+                "hole.end",
+                3,
+                physics="rock",
+                region="bottom",
+                scale=scale,
+                second_order=False,
+                differential=free,
+            ),
+            Field(
+                "hole.drilled",
+                1,
+                physics="rock",
+                region="bottom",
+                scale=scale,
+                second_order=False,
+                differential=free,
+            ),
         )
         if self.profiled:
-            out += (Field("bit.chips", CHIPS, region="bottom", scale=1e-4, second_order=False),)
+            out += (
+                Field("bit.chips", CHIPS, physics="rock", region="bottom", scale=1e-4, second_order=False),
+            )
         return out
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
@@ -326,7 +349,7 @@ class RockBit(ComponentBase):
         """StaticNewton: the hole stays; friction acts against an imposed motion (physics/contact.py)."""
         self._impose(STATICS, axial, spin, side)
 
-    def drill_quasi_static(self, axial: float, spin: float, side: float = 1.0) -> None:
+    def impose_drilling(self, axial: float, spin: float, side: float = 1.0) -> None:
         """The hole grows under a bit that turns with ``spin`` [rad/s]; inertia and impacts are left out."""
         self._impose(QUASI_STATIC, axial, spin, side)
 
@@ -339,7 +362,7 @@ class RockBit(ComponentBase):
         self.params[:, _MODE] = MOTION
         self.params[:, _TORQUE0], self.params[:, _TORQUE1] = self._torque
 
-    def copy_sliding_direction(self, other: RockBit) -> None:
+    def copy_sliding_direction(self, other) -> None:
         """Take over the motion that statics imposed on another room."""
         self.params[:] = other.params
 
@@ -413,7 +436,7 @@ class RockBit(ComponentBase):
         state.x[i[11:]] = (depth - chip + chip * ahead) if weight > 0 else 0.0
 
     # ------------------------------------------------------------------ growth
-    def news(self, state) -> FloatArray:
+    def local_update(self, state) -> FloatArray:
         """(6,) after an accepted step, zero without the bit: place of the end (3) and metres drilled since
         the start, time, number of bits.
 
@@ -428,10 +451,10 @@ class RockBit(ComponentBase):
             now[4:] = self._time, 1.0
         return now
 
-    def take(self, news: FloatArray) -> None:
-        """All ranks learn what ``news`` said; the wall follows the end."""
-        self._end, self._accepted = news[:4].copy(), float(news[4])
-        if self.hole.follow(news[3], self.hole.first + news[:3]):
+    def apply_update(self, total: FloatArray) -> None:
+        """All ranks learn what ``local_update`` said; the wall follows the end."""
+        self._end, self._accepted = total[:4].copy(), float(total[4])
+        if self.hole.follow(total[3], self.hole.first + total[:3]):
             self._follow()
 
     def drilled_hole(self) -> Well:
@@ -457,7 +480,7 @@ class RockBit(ComponentBase):
         self._accepted = self._time = float(memory["accepted"][0])
         self._follow()
 
-    def signature(self) -> int:
+    def contact_signature(self) -> int:
         """Changes whenever the bit leaves the bottom or comes back to it, on the bit's rank."""
         return int(self._made.touching)
 
@@ -510,17 +533,6 @@ class RockBit(ComponentBase):
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.BIT
-
-    def results(self, state) -> FloatArray:
-        """(11,) weight on bit [N], torque on bit [N m], rate of penetration [m/s], ... of ``figures``."""
-        return self.figures(state)
-
-    def drilled(self, state) -> float:
-        """Length of new hole [m], zero on ranks without the bit."""
-        if not self._mine:
-            return 0.0
-        post_step = self.rock.post_step
-        return float(self.params[0, _HOLD + 3] if post_step else state.x[state.index_of(self._block)[0, 10]])
 
 
 def _chip_for(weight: float, cut: float, flat: float, onset: float) -> float:

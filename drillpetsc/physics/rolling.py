@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import ElementBlock, Field, FloatArray
+from drillpetsc.fem.component import Component, ElementBlock, Field, FloatArray
 from drillpetsc.physics.joints import SCALE
-from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, ComponentBase, local_vertices
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
 
-class Rolling(ComponentBase):
+class Rolling(Component):
     """A body of ``radius`` [m] on ``node``, whose centre is ``center`` [m] along the tangent from it, rolls.
 
     On a plane through ``point`` with ``normal`` (to the side of the body); or, with ``hole`` [m] the radius
@@ -61,7 +61,13 @@ class Rolling(ComponentBase):
     def fields(self) -> tuple[Field, ...]:
         return (
             Field(
-                "rolling.force", 3, region="rolling", second_order=False, differential=False, multiplier=True
+                "rolling.force",
+                3,
+                physics="joint",
+                region="rolling",
+                second_order=False,
+                differential=False,
+                multiplier=True,
             ),
         )
 

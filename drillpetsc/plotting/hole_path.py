@@ -1,5 +1,4 @@
-"""The path of a hole: section and plan, and the newly drilled part enlarged. Drawn from trajectory.csv
-alone."""
+"""Pictures of the path of a hole: section and plan, and the new hole enlarged; drawn from trajectory.csv."""
 
 from __future__ import annotations
 
@@ -7,22 +6,23 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.geometry.trajectory import COURSE, dogleg
-from drillpetsc.geometry.well import direction
 from drillpetsc.plotting import style
+from drillpetsc.plotting.directions import COURSE, direction, dogleg
 from drillpetsc.plotting.style import LINE_COLORS
 
 Table = dict[str, np.ndarray]
 
-ABOVE = 10.0  # of the old hole, shown with the new one [m]
-SHORT_COURSE = 3.0  # over which the local dogleg severity is taken [m]
-LEAST_WIDTH = 0.5  # of a track of angles [deg]
+ABOVE = 10.0  # length of old hole shown above the new hole [m]
+SHORT_COURSE = 3.0  # length over which the local dogleg severity is computed [m]
+LEAST_WIDTH = 0.5  # smallest width of a track of angles [deg]
 OLD, NEW = "0.45", LINE_COLORS[1]
 
 
 def well_path(table: Table, title: str, drilled: float = 0.0) -> Any:
-    """The hole as drilled: plan, and depth against horizontal distance from the well head, both true to
-    scale; the last ``drilled`` metres are marked as new."""
+    """Section (depth over horizontal distance from the well head) and plan of a hole, both true to scale.
+
+    The last ``drilled`` metres are marked as new.
+    """
     if len(table["md [m]"]) < 2:
         return None
     north, east, depth = table["north [m]"], table["east [m]"], table["tvd [m]"]
@@ -113,8 +113,10 @@ def new_hole(table: Table, title: str, drilled: float) -> Any:
 
 
 def _severity(table: Table, md: np.ndarray, course: float) -> np.ndarray:
-    """(n,) change of direction over ``course`` [m] above md (n,) [m], [deg/30 m]; directions between stations
-    are interpolated."""
+    """Dogleg severity (n,) [deg/30 m] over the ``course`` [m] above md (n,) [m].
+
+    Directions between stations are interpolated.
+    """
     stations = direction(np.radians(table["inclination [deg]"]), np.radians(table["azimuth [deg]"]))
 
     def at(s: np.ndarray) -> np.ndarray:
@@ -126,8 +128,10 @@ def _severity(table: Table, md: np.ndarray, course: float) -> np.ndarray:
 
 
 def _track(axes: Any, md: np.ndarray, values: np.ndarray, start: float, label: str, name: str = "") -> None:
-    """One quantity downwards, grey in the old hole; at least LEAST_WIDTH wide, so that rounding does not look
-    like walk."""
+    """One quantity over depth, grey in the old hole.
+
+    The axis is at least LEAST_WIDTH wide, so that rounding is not mistaken for a change of direction.
+    """
     axes.plot(values, md, color=NEW, linewidth=1.8, label=name)
     old = md <= start + 1e-6
     axes.plot(values[old], md[old], color=OLD, linewidth=2.2)

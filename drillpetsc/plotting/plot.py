@@ -1,6 +1,6 @@
 """`drillpetsc plot RUN`: histories, probes, orbits, forces along depth and the well path as PNG files.
 
-What a run does not have (no fluid, no probes, no well) is not drawn: the columns of the tables decide.
+The columns of the tables decide what is drawn: a run without fluid, probes or well has no such pictures.
 """
 
 from __future__ import annotations
@@ -15,24 +15,23 @@ import numpy as np
 from drillpetsc.output.catalogue import find
 from drillpetsc.output.files.fields import read_frame, read_series
 from drillpetsc.output.files.json_file import read_summary
-from drillpetsc.output.files.run_folder import RunFolder
+from drillpetsc.output.files.run_folder import SWEEP_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table, split_name
 from drillpetsc.plotting import style
 from drillpetsc.plotting.hole_path import new_hole, well_path
 from drillpetsc.plotting.style import GROUND, LINE_COLORS, WALL, display_unit, label, words
 from drillpetsc.plotting.sweep import draw_sweep
-from drillpetsc.studies.sweep.plan import SWEEP
 
 Table = dict[str, np.ndarray]
 
 
 def plot(run: str | os.PathLike, out: str | os.PathLike | None = None) -> list[Path]:
-    """Draw all that the run folder holds; returns the files written, in `out` or the run's plots folder.
+    """Draw the pictures of a run folder; returns the files written, in `out` or the run's plots folder.
 
-    Of a sweep's folder: what its members drilled.
+    For the folder of a sweep: the new hole of its members.
     """
     folder = RunFolder.open(run)
-    if (folder.path / SWEEP).is_file():
+    if (folder.path / SWEEP_TABLE).is_file():
         pictures = draw_sweep(folder.path, out)
         if not pictures:
             raise FileNotFoundError(
@@ -74,7 +73,8 @@ def plot(run: str | os.PathLike, out: str | os.PathLike | None = None) -> list[P
 
 
 def grouped(titles: list[str]) -> tuple[list[list[str]], list[list[str]]]:
-    """Columns as panels: (those of the operation, those of the numerics). The first column is the time.
+    """Group columns into panels: (panels of the operation, panels of the numerics). The first column is the
+    time.
 
     Quantities of one panel share it; every other column joins those of its unit after them.
     """
@@ -95,7 +95,7 @@ def grouped(titles: list[str]) -> tuple[list[list[str]], list[list[str]]]:
 
 
 def _histories(table: Table, panels: list[list[str]], title: str) -> Any:
-    """One panel per group of columns, two beside each other, over a common time axis."""
+    """Draw one panel per group of columns, in two columns, over a common time axis."""
     time_title, *_ = table
     time = table[time_title]
     panels = [kept for panel in panels if (kept := [c for c in panel if np.isfinite(table[c]).any()])]
@@ -142,8 +142,7 @@ def _histories(table: Table, panels: list[list[str]], title: str) -> Any:
 
 
 def _level(axes: Any, values: np.ndarray) -> None:
-    """Keep a constant from being magnified until its rounding shows, and axis numbers from hiding behind an
-    offset."""
+    """Limit the magnification of a constant to avoid showing its rounding, and switch off axis offsets."""
     axes.ticklabel_format(axis="y", useOffset=False)
     finite = values[np.isfinite(values)]
     if finite.size and np.ptp(finite) < 1e-6 * np.abs(finite).max():
@@ -152,7 +151,7 @@ def _level(axes: Any, values: np.ndarray) -> None:
 
 
 def probe_names(table: Table) -> list[str]:
-    """The measured depths NNN of the probes, as they stand in the headers, in order."""
+    """Measured depths of the probes, as written in the headers, in order."""
     found = [
         match.group(1)
         for title in table
@@ -162,8 +161,7 @@ def probe_names(table: Table) -> list[str]:
 
 
 def _clearances(folder: RunFolder) -> tuple[np.ndarray, np.ndarray] | None:
-    """(measured depth (n,), hole radius less string radius (n,)) [m] from the last frame; None where there is
-    none."""
+    """Measured depth (n,) [m] and radial clearance (n,) [m] from the last frame; None without a hole."""
     series = read_series(folder.path)
     if not series:
         return None
@@ -174,8 +172,7 @@ def _clearances(folder: RunFolder) -> tuple[np.ndarray, np.ndarray] | None:
 
 
 def _orbits(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, title: str) -> Any:
-    """Path of the string's centre in the hole at each probe, late times dark, with the circle on which it
-    touches."""
+    """Draw the path of the string's centre at each probe, late times dark, with the circle of contact."""
     from matplotlib.collections import LineCollection
 
     names = [name for name in probe_names(table) if f"x_{name} [m]" in table and f"y_{name} [m]" in table]
@@ -217,7 +214,7 @@ def _orbits(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
 
 
 def _clearance_circle(axes: Any, clearance: float | None, reach: float) -> None:
-    """Rock outside the circle that the centre cannot leave; clearance, reach of the orbit: [mm]."""
+    """Draw the rock outside the circle of contact. clearance, reach (largest offset of the orbit): [mm]."""
     half = 1.15 * max(reach, clearance or 0.0, 1e-6)
     if clearance is not None and clearance > 0:
         angle = np.linspace(0, 2 * np.pi, 181)
@@ -235,7 +232,7 @@ def _clearance_circle(axes: Any, clearance: float | None, reach: float) -> None:
 
 
 def _probes(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, title: str) -> Any:
-    """Spin, distance from the hole's centre and contact force over time, the probes together."""
+    """Draw spin, distance from the hole's centre and contact force over time, one line per probe."""
     names = probe_names(table)
     shown: dict[str, Table] = {"spin [rad/s]": {}, "distance_from_centre [m]": {}, "contact [N]": {}}
     for name in names:
@@ -276,7 +273,7 @@ def _probes(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
 
 
 def _along_depth(table: Table, title: str) -> Any:
-    """Every column of statics.csv as a track beside the depth axis."""
+    """Draw every column of statics.csv over depth."""
     depth_title, *rest = table
     depth = table[depth_title]
     numbers = [name for name in rest if table[name].dtype.kind == "f" and np.isfinite(table[name]).any()]

@@ -1,7 +1,7 @@
-"""Pictures of a sweep whose members drilled new hole: paths, inclination and build rate. Drawn from sweep.csv
-and each trajectory.csv.
+"""Pictures of a sweep whose members drilled new hole: paths, inclination and build rate.
 
-Colour tells the first varied key, the marker the second; a member without fluid is dashed black.
+Drawn from sweep.csv, summary.json and each trajectory.csv. The colour shows the first varied key, the marker
+the second; a member without fluid is dashed black.
 """
 
 from __future__ import annotations
@@ -13,20 +13,16 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.case.schema import unit_of
-from drillpetsc.geometry.frames import high_side
-from drillpetsc.geometry.well import direction
 from drillpetsc.output.files.json_file import read_summary
-from drillpetsc.output.files.run_folder import RunFolder
+from drillpetsc.output.files.run_folder import ABSENT, SWEEP_PICTURES, SWEEP_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table
 from drillpetsc.plotting import style
+from drillpetsc.plotting.directions import direction, high_side
 from drillpetsc.plotting.style import LINE_COLORS
-from drillpetsc.studies.sweep.plan import PICTURES, SWEEP
-from drillpetsc.studies.sweep.variations import ABSENT
 
 MARKERS = "osD^vP*X"
-BEHIND = 0.15  # of the length of new hole: so much of the old hole's straight line is shown above it
-EXAGGERATED = 0.35  # share of the length of new hole that the largest offset is drawn as
+BEHIND = 0.15  # length of old hole shown above the new hole, as a fraction of the new hole's length
+EXAGGERATED = 0.35  # drawn length of the largest offset, as a fraction of the new hole's length
 NEAR_VERTICAL = np.radians(3.0)  # below it the plan view is across the hole, not along it [rad]
 STRAIGHT: dict[str, Any] = {"color": "0.55", "linewidth": 1.0, "linestyle": (0, (6, 3))}
 
@@ -35,13 +31,22 @@ DRY: dict[str, Any] = {"color": "black", "linewidth": 1.7, "linestyle": (0, (5, 
 
 @dataclass(frozen=True)
 class Path3:
-    """New hole of a member.  values: key -> word; md (n,) [m], inclination (n,) [deg]; along, up, right (n,)
-    [m]: in the direction of the old hole's end, from its straight continuation towards the high side, and to
-    the right of that; tilt [rad]: inclination of the end of the old hole, azimuth [deg] of that; build
-    [deg/30 m]: average build rate."""
+    """New hole of a member.
+
+    values: varied key -> word.
+    numbers: varied key -> value [SI], for the values that are numbers.
+    units: varied key -> SI unit.
+    md: (n,) measured depth [m].
+    inclination: (n,) [deg].
+    along: (n,) position in the direction of the old hole's end [m].
+    up, right: (n,) offset from its straight continuation towards the high side, and to the right of that [m].
+    tilt, azimuth: inclination [rad] and azimuth [deg] of the old hole's end.
+    build: average build rate [deg/30 m].
+    """
 
     values: dict[str, str]
     numbers: dict[str, float]
+    units: dict[str, str]
     md: np.ndarray
     inclination: np.ndarray
     along: np.ndarray
@@ -57,19 +62,20 @@ class Path3:
 
 
 def draw_sweep(sweep: str | os.PathLike, out: str | os.PathLike | None = None) -> list[Path]:
-    """Draw what the members drilled, into ``out`` or the sweep's folder; returns the files written, none
-    where nobody drilled."""
+    """Draw the new hole of the members, into ``out`` or the sweep's folder; returns the files written.
+
+    Without new hole nothing is drawn.
+    """
     folder = Path(sweep)
     paths = drilled_paths(folder)
     if not paths:
         return []
     into = folder if out is None else Path(out)
     into.mkdir(parents=True, exist_ok=True)
-    reported = read_summary(folder / "summary.json") if (folder / "summary.json").is_file() else {}
-    title = str(reported.get("title") or folder.name)
+    title = str(_summary(folder).get("title") or folder.name)
     with style.look():
         files = []
-        for name, draw in zip(PICTURES, (trajectories, inclinations, build_rates), strict=True):
+        for name, draw in zip(SWEEP_PICTURES, (trajectories, inclinations, build_rates), strict=True):
             drawing = draw(paths, title)
             if drawing is not None:
                 files.append(into / name)
@@ -77,14 +83,19 @@ def draw_sweep(sweep: str | os.PathLike, out: str | os.PathLike | None = None) -
     return files
 
 
-# ---------------------------------------------------------------------- what the folder tells
+# ---------------------------------------------------------------------- data of the folder
+def _summary(folder: Path) -> dict[str, Any]:
+    file = RunFolder(folder).summary
+    return read_summary(file) if file.is_file() else {}
+
+
 def drilled_paths(folder: Path) -> list[Path3]:
-    """The new hole of every member that is done and has one; the rate of one that was broken off would not
-    compare."""
-    table = read_table(folder / SWEEP)
+    """New hole of every member that is done; the build rate of an unfinished run would not be comparable."""
+    table = read_table(folder / SWEEP_TABLE)
     titles = list(table)
     keys = [title for title in titles[1 : titles.index("status")] if not title.endswith(" (SI)")]
-    units = {key: unit_of(key) for key in keys}
+    known = _summary(folder).get("units", {})
+    units = {key: known.get(key, "") for key in keys}
     found = []
     for i, length in enumerate(table.get("drilled [m]", ())):
         file = RunFolder(folder / str(table["folder"][i])).trajectory
@@ -96,20 +107,25 @@ def drilled_paths(folder: Path) -> list[Path3]:
         }
         found.append(
             _new_part(
-                words, numbers, read_table(file), float(length), float(table["build_rate [deg/30m]"][i])
+                words,
+                numbers,
+                units,
+                read_table(file),
+                float(length),
+                float(table["build_rate [deg/30m]"][i]),
             )
         )
     return found
 
 
 def _word(value: Any, unit: str) -> str:
-    """As given; a bare number with its SI unit."""
+    """The word as given; a plain number gets its SI unit."""
     number = _number(value)
     return f"{number:.6g} {unit}".strip() if np.isfinite(number) else str(value)
 
 
 def _number(word: Any) -> float:
-    """In SI; nan for a word."""
+    """The number in SI; nan for a word."""
     try:
         return float(word)
     except ValueError:
@@ -119,6 +135,7 @@ def _number(word: Any) -> float:
 def _new_part(
     values: dict[str, str],
     numbers: dict[str, float],
+    units: dict[str, str],
     table: dict[str, np.ndarray],
     length: float,
     build: float,
@@ -132,6 +149,7 @@ def _new_part(
     return Path3(
         values,
         numbers,
+        units,
         md[first:],
         inclination[first:],
         away @ ahead,
@@ -143,9 +161,9 @@ def _new_part(
     )
 
 
-# ---------------------------------------------------------------------- who is who
+# ---------------------------------------------------------------------- lines of the members
 def varied(paths: list[Path3]) -> list[str]:
-    """Keys that differ between members with fluid; on and off say nothing more about those."""
+    """Keys that differ between the members with fluid."""
     wet = [p for p in paths if not p.dry] or paths
     return [key for key in wet[0].values if len({p.values[key] for p in wet}) > 1]
 
@@ -179,8 +197,8 @@ def _looks(paths: list[Path3]) -> list[dict[str, Any]]:
 
 
 def _markers(look: dict[str, Any], count: int, number: int) -> dict[str, Any]:
-    """The look with markers at some of the ``count`` points only, others for each member, so that none hides
-    another."""
+    """Line style with markers at some of the ``count`` points only; the points differ between members, so that
+    no marker hides another."""
     if "marker" not in look:
         return look
     step = max(count // 6, 1)
@@ -188,7 +206,7 @@ def _markers(look: dict[str, Any], count: int, number: int) -> dict[str, Any]:
 
 
 def _legend(drawing: Any, axes: Any, paths: list[Path3]) -> None:
-    """Names of the lines to the right of everything, headed by the keys."""
+    """Draw the legend to the right of the panels, with the varied keys as its title."""
     keys = varied(paths)
     handles, labels = axes.get_legend_handles_labels()
     drawing.legend(
@@ -203,7 +221,7 @@ def _legend(drawing: Any, axes: Any, paths: list[Path3]) -> None:
 
 
 def _figure(width: float, height: float, title: str) -> Any:
-    """[in]"""
+    """Figure with a title. width, height: [in]."""
     drawing = style.figure(width, height, dpi=110)
     drawing.set_layout_engine("constrained", h_pad=0.12, w_pad=0.12)
     drawing.suptitle(title, x=0.01, ha="left", fontweight="bold", fontsize=12)
@@ -212,8 +230,8 @@ def _figure(width: float, height: float, title: str) -> Any:
 
 # ---------------------------------------------------------------------- pictures
 def trajectories(paths: list[Path3], title: str) -> Any:
-    """Vertical section along the hole's azimuth, plan view, and where the holes end; offsets exaggerated as
-    stated."""
+    """Vertical section along the hole's azimuth, plan view, and ends of the holes; the titles state how many
+    times offsets are exaggerated."""
     length = max(float(p.along[-1]) for p in paths)
     drawing = _figure(15.0, 6.2, f"{title}: new hole, {length:.4g} m")
     section, plan, ends = drawing.subplots(1, 3, width_ratios=(1.5, 1, 1))
@@ -225,7 +243,7 @@ def trajectories(paths: list[Path3], title: str) -> Any:
 
 
 def round_scale(wanted: float) -> float:
-    """The largest of 1, 2, 5, 10, 20, ... that is not above ``wanted``; 1 for less."""
+    """The largest of 1, 2, 5, 10, 20, ... that is not above ``wanted``; at least 1."""
     if not wanted > 1:
         return 1.0
     power = 10.0 ** np.floor(np.log10(wanted) + 1e-9)
@@ -267,7 +285,7 @@ def _in_section(p: Path3, along: np.ndarray, up: np.ndarray) -> tuple[np.ndarray
 
 
 def _offset_scale(axes: Any, p: Path3, length: float, largest: float, scale: float) -> None:
-    """A ruler for the offsets across the end of the straight continuation."""
+    """Draw a scale of offsets across the end of the straight continuation."""
     step = round_scale(1e3 * largest / 2) * 1e-3 if largest > 2e-3 else max(largest, 1e-6)
     marks = step * np.arange(int(1.2 * largest / step) + 1)
     beyond = np.full(len(marks), 1.03 * length)
@@ -290,8 +308,8 @@ def _offset_scale(axes: Any, p: Path3, length: float, largest: float, scale: flo
 
 
 def _plan(axes: Any, paths: list[Path3]) -> None:
-    """From above: along the hole's azimuth true, to the right of it exaggerated; across the hole where it is
-    nearly vertical."""
+    """Plan view: true along the hole's azimuth, exaggerated to the right of it; for a nearly vertical hole the
+    view along the hole."""
     leaning = paths[0].tilt > NEAR_VERTICAL
     across = [p.along * np.sin(p.tilt) + p.up * np.cos(p.tilt) if leaning else p.up for p in paths]
     widest = max(float(np.abs(p.right).max()) for p in paths)
@@ -314,7 +332,7 @@ def _plan(axes: Any, paths: list[Path3]) -> None:
 
 
 def _ends(axes: Any, paths: list[Path3]) -> None:
-    """The ends of the new holes, looking down the old one."""
+    """Draw the ends of the new holes, seen along the old hole."""
     for p, look in zip(paths, _looks(paths), strict=True):
         spot = {"marker": "x", "markeredgewidth": 2} if p.dry else {"marker": look.get("marker", "o")}
         axes.plot(
@@ -350,8 +368,8 @@ def inclinations(paths: list[Path3], title: str) -> Any:
 
 
 def build_rates(paths: list[Path3], title: str) -> Any:
-    """Average build rate over the first numeric key, a line for each value of the others; without fluid:
-    level and dashed."""
+    """Average build rate over the first numeric key, one line per value of the other keys; a member without
+    fluid is a dashed horizontal line."""
     keys = varied(paths)
     numeric = [key for key in keys if all(key in p.numbers for p in paths if p.values[key] != ABSENT)]
     if len(numeric) < 2:
@@ -389,8 +407,8 @@ def build_rates(paths: list[Path3], title: str) -> Any:
 
 
 def shown_unit(key: str, paths: list[Path3]) -> tuple[str, float]:
-    """Unit in which all values of a key were given and its size in SI; the SI unit when they were given in
-    several."""
+    """Unit in which all values of a key were given, and its size in SI; the SI unit if they were given in
+    several units."""
     units, size = set(), 1.0
     for p in paths:
         if key in p.numbers:
@@ -399,5 +417,5 @@ def shown_unit(key: str, paths: list[Path3]) -> tuple[str, float]:
             try:
                 size = p.numbers[key] / float(number) if float(number) else size
             except ValueError:
-                return unit_of(key), 1.0
-    return (units.pop(), size) if len(units) == 1 else (unit_of(key), 1.0)
+                return p.units[key], 1.0
+    return (units.pop(), size) if len(units) == 1 else (paths[0].units[key], 1.0)

@@ -61,7 +61,7 @@ class FirstOrderSystem:
 
     def __init__(self, system: DiscreteSystem):
         self.system, self.jacobians = system, 0
-        if any(getattr(component, "restores", False) for component in system.components):
+        if any(component.restores_constraints for component in system.components):
             raise CaseError(
                 at="beam.constraint",
                 got="stabilized",

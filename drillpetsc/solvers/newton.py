@@ -7,6 +7,7 @@ inner PETSc SNES with prefix ``q_``, whose options all work.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,11 +15,15 @@ from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.solvers.chain_lu import ChainFactor, ChainPC
-from drillpetsc.solvers.direct import DirectNewton, does_work
+from drillpetsc.solvers.chain_lu import ChainFactor, ChainPC, ZeroPivot
 
 ROUNDING = 64 * np.finfo(float).eps
 STALLED = 1e-10  # an increment that no longer falls below this share of the scales is rounding
+
+
+OVERSHOOT = 0.1  # a step is shortened when the rows afterwards point back along it by more than this share
+SHORTEST = 0.05
+Reason = PETSc.SNES.ConvergedReason
 
 
 @dataclass
@@ -42,7 +47,7 @@ class CondensedNewton:
         self.system, self.tolerance = system, tolerance
         self.t, self.shift = 0.0, 0.0
         self.lag = Lag() if lag else None
-        self._turning = any(getattr(component, "turning", False) for component in system.components)
+        self._turning = any(component.turns_with_string for component in system.components)
         self.jacobians = self.newton = self.linear = self.failures = 0
         self.eta, self._last, self._first, self._theta = 1.0, 0.0, 0.0, 0.0
         self.q, self._f = system.new_condensed(), system.new_condensed()
@@ -76,7 +81,7 @@ class CondensedNewton:
             # (measured on the whirling 2000 m string: a third of the iterations, no failed step)
             # mixed with the balances of mud, rows along the step have no meaning: after a jump the search
             # stands still
-            forces = all(does_work(f) for f in system.layout.fields)
+            forces = all(f.does_work for f in system.layout.fields)
             options.setValue("snes_linesearch_type", "cp" if system.has_contact and forces else "basic")
         petsc_names = (
             "snes_type",
@@ -93,7 +98,7 @@ class CondensedNewton:
         )
         if self.direct:
             snes.setType("python")
-            snes.setPythonContext(DirectNewton(self))
+            snes.setPythonContext(_DirectIteration(self))
         snes.setFromOptions()
         self.most = snes.getTolerances()[3]
         self.tolerance = options.getReal("snes_stol", self.tolerance)
@@ -149,7 +154,11 @@ class CondensedNewton:
         self.system.assembly.jacobian(self.t, (1.0, self.shift, self.shift**2), condensed=True)
         self.jacobians += 1
         if self.lag:
-            self.lag.shift, self.lag.good, self.lag.signature = self.shift, True, self.system.signature()
+            self.lag.shift, self.lag.good, self.lag.signature = (
+                self.shift,
+                True,
+                self.system.contact_signature(),
+            )
         self.eta = 1.0 if self.eta > 1.0 else max(self.eta, 1e-10) ** 0.8
 
     def all_ranks_agree(self, on_rank: bool) -> bool:
@@ -164,7 +173,7 @@ class CondensedNewton:
             abs(self.shift / lag.shift - 1.0) <= lag.shift_change
             and self._theta <= lag.contraction
             and its < lag.iterations
-            and self.system.signature() == lag.signature
+            and self.system.contact_signature() == lag.signature
         )
         if self.system.comm.size > 1 and self.system.has_contact:  # each rank sees its own contacts only
             serves = self.all_ranks_agree(serves)
@@ -279,6 +288,95 @@ class CondensedNewton:
         self.system.load_unknowns(self.q)
         self._evaluate()
         return reason
+
+
+class _DirectIteration:
+    """Context of the python SNES of a ``CondensedNewton``: one residual an iteration, steps shortened only on overshoot.
+
+    Any ``-q_snes_type`` takes its place.  Against ``newtonls`` with line search ``cp`` it saves the two residuals per
+    iteration that the search spends even where the full step is fine.
+    """
+
+    def __init__(self, owner):
+        self.owner = owner
+        self.searches = owner.system.has_contact
+        layout = owner.system.layout
+        forces = np.array([f.does_work for f in layout.fields])[layout.field_of[layout.local_of_owned]]
+        self.forces = None if forces.all() else np.flatnonzero(forces)
+        self.step = np.zeros(len(owner.system.layout.local_of_owned))
+        self.log = PETSc.Log.Event("ChainFactor"), PETSc.Log.Event("ChainSolve")
+
+    def solve(self, snes, b, x) -> None:
+        """Iterate from ``x``; leaves the reason and the number of iterations in ``snes``."""
+        its, reason = self._iterate(x)
+        snes.setIterationNumber(its)
+        snes.setConvergedReason(reason)
+
+    def _iterate(self, x) -> tuple[int, int]:
+        owner, step = self.owner, self.step
+        unknowns = x.getArray()  # of the vector itself
+        rows = owner.rows(x)
+        reason = owner.convergence_reason(0, step, self._finite(rows))
+        its = 0
+        while not reason:
+            if not self._prepare(its):
+                return its, Reason.DIVERGED_LINEAR_SOLVE
+            self.log[1].begin()
+            owner.factor.solve_owned(rows, step)
+            self.log[1].end()
+            np.negative(step, out=step)
+            before = self._along(rows) if self.searches else 0.0
+            unknowns += step
+            rows = owner.rows(x)
+            if self.searches:
+                rows = self._shorten(x, unknowns, rows, before)
+            its += 1
+            owner.linear += 1
+            reason = owner.convergence_reason(its, step, self._finite(rows))
+        return its, reason
+
+    def _finite(self, rows: np.ndarray) -> bool:
+        good = math.isfinite(np.add.reduce(rows))  # without the wrapping of rows.sum()
+        if self.owner.system.comm.size > 1:
+            good = self.owner.all_ranks_agree(good)
+        return good
+
+    def _prepare(self, its: int) -> bool:
+        """A factor that serves; False when the matrix has no pivot."""
+        owner = self.owner
+        if owner.lag and owner.lag.good and owner.still_serves(its):
+            return True
+        owner.renew_jacobian()
+        self.log[0].begin()
+        try:
+            owner.factor.factor(owner.system.assembly.values)
+        except ZeroPivot:
+            owner.lag.good = False
+            return False
+        finally:
+            self.log[0].end()
+            PETSc.Log.logFlops(owner.factor.factor_flops)
+        return True
+
+    def _along(self, rows: np.ndarray) -> float:
+        """Work of the rows along the step, of those that are forces."""
+        if self.forces is None:
+            return float(rows @ self.step)
+        return float(rows[self.forces] @ self.step[self.forces])
+
+    def _shorten(self, x, unknowns: np.ndarray, rows: np.ndarray, before: float) -> np.ndarray:
+        """Go back along the step to where the rows no longer point along it (one secant), if it went too
+        far."""
+        owner, step = self.owner, self.step
+        after = self._along(rows)
+        if owner.system.comm.size > 1:
+            before, after = owner.system.comm.tompi4py().allreduce(np.array([before, after]))
+        if not (before < 0.0 and after > -OVERSHOOT * before):
+            return rows
+        share = max(SHORTEST, before / (before - after))
+        unknowns += (share - 1.0) * step
+        step *= share
+        return owner.rows(x)
 
 
 def _max():

@@ -12,9 +12,8 @@ from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
 from drillpetsc.errors import SolveError
-from drillpetsc.fem.component import FloatArray
+from drillpetsc.fem.component import Field, FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.physics.reference_frames import update_reference_frames
 from drillpetsc.solvers.bdf_history import BdfHistory, State
 from drillpetsc.solvers.first_order_system import FirstOrderSystem, refuse_integrator
 from drillpetsc.solvers.newton import CondensedNewton
@@ -49,7 +48,7 @@ class TimeIntegrator:
     """Integrates a model from the state in its assembly.
 
     after_step(t, dt) is called after every accepted step, with x, y, a of the assembly at t; before_solve(t)
-    before a step that ends at t is solved for.  first_step [s].  controlled(name): whether a field takes part
+    before a step that ends at t is solved for.  first_step [s].  controlled(field): whether a field takes part
     in the error control; defaults: PETSc options beside DEFAULTS.   at_jump(t) is called where
     the rate of a prescribed motion jumps, before the step that follows; ``jumped`` is true while after_step
     is called for the steps whose time formula still reaches over the jump.  at_rest(t) comes last of all,
@@ -62,7 +61,7 @@ class TimeIntegrator:
     before_solve: list[Callable[[float], None]] = field(default_factory=list)
     at_rest: list[Callable[[float], None]] = field(default_factory=list)
     first_step: float = 1.0e-4
-    controlled: Callable[[str], bool] = field(default=lambda name: True)
+    controlled: Callable[[Field], bool] = field(default=lambda field: True)
     defaults: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -118,9 +117,7 @@ class TimeIntegrator:
             self.newton = CondensedNewton(system, tolerance=0.02 * self.tolerance * share)
             # not after the step: PETSc starts the formula afresh where a solution was changed by another than
             # its solver
-            self._restoring: list[Any] = [
-                component for component in system.components if getattr(component, "restores", False)
-            ]
+            self._restoring = [c for c in system.components if c.restores_constraints]
             matrix = PETSc.Mat().createPython(
                 (self.state.getSizes(), self.state.getSizes()), context=self, comm=system.comm
             )
@@ -164,7 +161,7 @@ class TimeIntegrator:
         layout, vector = self.system.layout, self.system.new_state()
         controlled = np.array(
             [
-                f.differential and self.controlled(f.name) and (fluid or f.name.startswith("string."))
+                f.differential and self.controlled(f) and (fluid or f.physics == "string")
                 for f in layout.fields
             ]
         )
@@ -274,7 +271,7 @@ class TimeIntegrator:
         # a tangent that has turned far from its reference direction gets a new one, and the history starts
         # afresh; 60 degrees are left when it is due
         asm = self.system.assembly
-        if self._age % 4 == 0 and update_reference_frames(self.system, self.system.frames):
+        if self._age % 4 == 0 and self.system.renew_reference_frames():
             self.system.store_state(ts.getSolution())
             self._forget()
             ts.restartStep()

@@ -1,4 +1,4 @@
-"""drillpetsc study from the command line, and `run --companion`: small real runs against a closed form."""
+"""drillpetsc study from the command line, and `run --mesh-error`: small real runs against a closed form."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ def test_exit_status(case_file, tmp_path, words, status, tells):
     assert (tmp_path / "out" / "study.csv").exists() == (status == 1)
 
 
-def test_companion_states_time_and_mesh_error(tmp_path):
+def test_run_states_time_and_mesh_error(tmp_path):
     """A shaft that turns with its inertia, 8 elements against 4: differences of bit speed are stated as
     shares of its range, and the time error of the spin angle is of the size of the tolerance times its usual
     size."""
@@ -153,13 +153,13 @@ def test_companion_states_time_and_mesh_error(tmp_path):
         encoding="utf-8",
     )
     done = program(
-        "run", file, "--out", "out", "--companion", "--progress", "silent", "-ts_rtol", "1e-5", cwd=tmp_path
+        "run", file, "--out", "out", "--mesh-error", "--progress", "silent", "-ts_rtol", "1e-5", cwd=tmp_path
     )
     assert done.returncode == 0, done.stderr
     assert "mesh, against elements twice as long" in done.stdout
     reported = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["error_estimate"]
     assert reported["mesh"]["elements"] == 4
-    folders = tmp_path / "out", tmp_path / "out" / "companion"
+    folders = tmp_path / "out", tmp_path / "out" / "coarse-mesh"
     fine, coarse = (read_table(folder / "history.csv")["bit_speed [rad/s]"] for folder in folders)
     column = reported["mesh"]["columns"]["bit_speed [rad/s]"]
     assert column["range"] == pytest.approx(np.ptp(fine))

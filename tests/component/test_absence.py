@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc.analysis.equilibrium import place_along_hole
+from drillpetsc.analysis.placement import place_along_hole
 from drillpetsc.analysis.summary import field_counts
 from drillpetsc.case import Case
 from drillpetsc.model.drilling_model import build_model

@@ -92,7 +92,7 @@ def build(kind: str, seed: int = 7) -> tuple[DiscreteSystem, RockBit]:
         asm.x[where["bit.chips"][4]] = 0.29 + 0.01 * rng.standard_normal(CHIPS)
     for word, impose in (
         ("statics", component.impose_sliding_direction),
-        ("quasi", component.drill_quasi_static),
+        ("quasi", component.impose_drilling),
     ):
         if word in kind:
             impose(0.2, 3.0, 0.7)

@@ -163,7 +163,7 @@ def test_energy_balance_of_an_almost_incompressible_fluid(kind):
 def test_added_mass_follows_the_place_in_the_hole():
     """added_mass: eccentric takes potential flow between eccentric circles at the place of each element's
     middle."""
-    from drillpetsc.analysis.equilibrium import place_along_hole
+    from drillpetsc.analysis.placement import place_along_hole
     from drillpetsc.case import Case
     from drillpetsc.model.drilling_model import build_model
     from drillpetsc.physics.fluid.added_mass import chi_eccentric

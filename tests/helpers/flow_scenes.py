@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import Field
+from drillpetsc.fem.component import Component, Field
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import RigidItem, uniform_string
 from drillpetsc.geometry.frames import transported_frames
@@ -19,7 +19,6 @@ from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus, Bore
 from drillpetsc.physics.fluid.rheology import Rheology
-from drillpetsc.physics.rigid_bodies import ComponentBase
 from drillpetsc.time_function import Constant, Ramp
 from tests.helpers.scenes import GRAVITY, SECTION
 
@@ -44,7 +43,7 @@ KINDS = (
 )
 
 
-class Drilled(ComponentBase):
+class Drilled(Component):
     """The unknowns of a hole that grows, without a bit that drills it."""
 
     def fields(self) -> tuple[Field, ...]:

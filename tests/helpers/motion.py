@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from drillpetsc import Case
-from drillpetsc.analysis.equilibrium import move_rigidly, place_along_hole, release
+from drillpetsc.analysis.placement import move_rigidly, place_along_hole, release
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.solvers.petsc_options import applied

@@ -6,7 +6,8 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc import Case
-from drillpetsc.analysis.equilibrium import find_equilibrium, move_rigidly, release
+from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.placement import move_rigidly, release
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from tests.helpers.motion import fixed, integrate
 

@@ -14,7 +14,7 @@ from numpy.polynomial import Legendre, Polynomial
 from scipy.linalg import eigvals
 
 from drillpetsc import Case
-from drillpetsc.analysis.equilibrium import find_equilibrium
+from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from tests.helpers.moving import matrices
 

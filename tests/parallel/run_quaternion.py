@@ -9,7 +9,8 @@ petsc4py.init([sys.argv[0]])
 
 import numpy as np  # noqa: E402
 
-from drillpetsc.analysis.equilibrium import find_equilibrium, move_rigidly, release  # noqa: E402
+from drillpetsc.analysis.initial_state import find_equilibrium  # noqa: E402
+from drillpetsc.analysis.placement import move_rigidly, release  # noqa: E402
 from drillpetsc.model.drilling_model import build_model  # noqa: E402
 from drillpetsc.output.recorder import Recorder  # noqa: E402
 from tests.helpers.motion import fixed, integrate  # noqa: E402

@@ -10,7 +10,7 @@ import pytest
 from petsc4py import PETSc
 
 from drillpetsc.analysis import checkpoint
-from drillpetsc.analysis.equilibrium import place_along_hole
+from drillpetsc.analysis.placement import place_along_hole
 from drillpetsc.analysis.transient import after, run
 from drillpetsc.case import load_case
 from drillpetsc.errors import CaseError

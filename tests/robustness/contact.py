@@ -1,5 +1,5 @@
-"""Criteria of the scenes of wall contact and friction: X02, X05, X06, X15, X16, X19, X20 (shared list of
-extreme scenes)."""
+"""Criteria of the cases of wall contact and friction: X02, X05, X06, X15, X16, X19, X20
+(manual: sec-verif-robustness)."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ import numpy as np
 
 from drillpetsc.fem.component import FloatArray
 from tests.robustness.criteria import Row, Runs, allowed_penetration, at_least, at_most, common, holds, near
-from tests.robustness.start_in_wall import DEPTH, SPEED
+from tests.robustness.run import PRESSED_DEPTH, PRESSED_SPEED
 
-GRAVITY = 9.81  # of all extreme cases [m/s2]
-SETTLED = 1.0  # [s] after which a string that was set in motion is looked at
+GRAVITY = 9.81  # in all cases of the suite [m/s2]
+SETTLED = 1.0  # time after which a started string is evaluated [s]
 
 
 def pipe_mass(item) -> float:
@@ -19,19 +19,19 @@ def pipe_mass(item) -> float:
 
 
 def whirl_rate(x: FloatArray, y: FloatArray, t: FloatArray) -> float:
-    """Mean rate of turning of the place (x, y) about the hole's axis [rad/s], positive as the string
-    turns."""
+    """Mean angular rate of the position (x, y) about the hole's axis [rad/s], positive in the direction of
+    rotation."""
     return float(np.polyfit(t, np.unwrap(np.arctan2(y, x)), 1)[0])
 
 
 def stiff_contact(runs: Runs) -> list[Row]:
-    """X02: a shaft that lies and turns rests at the angle atan(mu) up the wall, so N = w cos(atan mu) (P10 of
-    the verification list)."""
+    """X02 (manual: verif-robust-stiff-contact): a rotating shaft on the low side rests at the angle atan(mu), so
+    N = w cos(atan mu) (manual: verif-rotating-shaft-on-wall)."""
     run = runs["x02-stiff-contact"]
     item, mu = run.case.string[0], run.case.well.sections[0].friction
     t, data = run.frames
     md = data["md"][0]
-    lies = (md > 20.0) & (md < 56.0)  # off the drive, which holds the top on the axis, and off the free end
+    lies = (md > 20.0) & (md < 56.0)  # away from the top, which is held on the axis, and from the free end
     force = float(data["contact_force"][t > SETTLED][:, lies].mean())
     return [
         *common("X02", run),
@@ -44,10 +44,12 @@ def stiff_contact(runs: Runs) -> list[Row]:
 
 
 def unbalance(runs: Runs) -> list[Row]:
-    """X05: an unrestrained pipe turns about its mass centre, so its axis moves at e Omega and may strike the
-    wall with that; an undamped impact at v goes v sqrt(m/k) deep, which is more than the common millimetre at
-    1e8 N/m2 and is added to the depth under the centrifugal load m (r + e) Omega^2 of the whirl along the
-    wall."""
+    """X05 (manual: verif-robust-unbalance): allowed depth of the impacts and of the whirl along the wall.
+
+    An unrestrained pipe rotates about its mass centre, so its axis moves with e Omega and may hit the wall with
+    this speed. An undamped impact with speed v has the depth v sqrt(m/k), which at 1e8 N/m2 exceeds the common
+    1 mm. It is added to the depth under the centrifugal load m (r + e) Omega^2 of the whirl along the wall.
+    """
     rows: list[Row] = []
     for name in ("x05-unbalance-1e8", "x05-unbalance-1e10"):
         run = runs[name]
@@ -58,8 +60,8 @@ def unbalance(runs: Runs) -> list[Row]:
             pipe_mass(item),
             contact.stiffness,
         )
-        component = 0.5 * (run.case.well.sections[0].diameter - item.od)
-        depth = e * omega * np.sqrt(m / k) + m * (component + e) * omega**2 / k
+        clearance = 0.5 * (run.case.well.sections[0].diameter - item.od)
+        depth = e * omega * np.sqrt(m / k) + m * (clearance + e) * omega**2 / k
         p = run.probes
         late = p["time"] > SETTLED
         ratio = whirl_rate(p["x_55"][late], p["y_55"][late], p["time"][late]) / omega
@@ -83,15 +85,17 @@ def unbalance(runs: Runs) -> list[Row]:
     return rows
 
 
-def clearance(runs: Runs) -> list[Row]:
-    """X06.  The stabilizer carries at most half of the collar above it and all that is below, by weight and
-    by centrifugal force of the eccentric mass, and its own weight: F.  Without clearance its middle (mean of
-    its ends) may then be 2 F/(k' l) off the axis.
+def tight_clearance(runs: Runs) -> list[Row]:
+    """X06 (manual: verif-robust-clearance): allowed offset of the stabilizer.
 
-    With clearance it may also whirl backward, driven by friction while its surface slips, so at most until it
-    rolls on the wall: the middle then moves at Omega R, and goes into a wall of stiffness k' l by Omega R
-    sqrt(m/(k' l)), m its own mass and that of the pipe it carries. At 0.1 mm it does (found alike with 3 to 9
-    contact points; two inner points miss it).
+    The stabilizer carries the load F: its own weight, at most half of the weight and centrifugal force of the
+    eccentric collar above, and all of those below. Without clearance the offset of its middle (mean of its
+    ends) is at most 2 F/(k' l).
+
+    With clearance friction may also drive a backward whirl as long as the surface slips, so at most until the
+    stabilizer rolls on the wall. Its middle then moves with Omega R and enters a wall of stiffness k' l by
+    Omega R sqrt(m/(k' l)), where m includes the pipe that it carries. This occurs at 0.1 mm, with 3 to 9 contact
+    points; two inner points miss it.
     """
     rows: list[Row] = []
     for name in ("x06-clearance-1mm", "x06-clearance-100um", "x06-clearance-zero"):
@@ -104,11 +108,11 @@ def clearance(runs: Runs) -> list[Row]:
             body.mass + pipe_mass(below) * below.length
         )
         carried = body.mass + 0.5 * m * above.length + pipe_mass(below) * below.length
-        component = max(0.0, 0.5 * (run.case.well.sections[0].diameter - body.od))
-        rolling = 0.5 * omega * body.od * np.sqrt(carried / stiffness) if component else 0.0
+        clearance = max(0.0, 0.5 * (run.case.well.sections[0].diameter - body.od))
+        rolling = 0.5 * omega * body.od * np.sqrt(carried / stiffness) if clearance else 0.0
         p = run.probes
         middle = np.hypot(0.5 * (p["x_10"] + p["x_10.5"]), 0.5 * (p["y_10"] + p["y_10.5"]))
-        limit = component + max(2 * load / stiffness, rolling)
+        limit = clearance + max(2 * load / stiffness, rolling)
         rows += [
             *common("X06", run),
             at_most("X06", f"{name}: offset of the stabilizer's middle [m]", float(middle.max()), limit),
@@ -123,13 +127,16 @@ def clearance(runs: Runs) -> list[Row]:
 
 
 def fixed_steps(runs: Runs) -> list[Row]:
-    """X15: kinetic energy after the spin-up never above that of the turning string by more than a tenth; a
-    step whose Newton fails is cut (so there are as many rejected steps as failed solves), and the run still
-    ends where it must."""
+    """X15 (manual: verif-robust-long-steps): kinetic energy after the spin-up at most a tenth above that of the
+    rotating string.
+
+    A step with a failed Newton solve is reduced, so every failed solve is a rejected step, and the run reaches
+    its end.
+    """
     rows: list[Row] = []
     for name in ("x15-bdf1-50ms", "x15-bdf1-500ms", "x15-bdf2-50ms", "x15-bdf2-500ms"):
         run = runs[name]
-        energy, reported = run.after(SETTLED + 0.5, "kinetic_energy"), run.summary
+        energy, summary = run.after(SETTLED + 0.5, "kinetic_energy"), run.summary
         steady = float(np.median(energy))
         rows += [
             *common("X15", run),
@@ -139,19 +146,22 @@ def fixed_steps(runs: Runs) -> list[Row]:
             holds(
                 "X15",
                 f"{name}: failed solves, rejected steps",
-                f"{reported['failed_solves']}, {reported['rejected_steps']}",
+                f"{summary['failed_solves']}, {summary['rejected_steps']}",
                 "every failed solve rejected",
-                reported["failed_solves"] <= reported["rejected_steps"],
+                summary["failed_solves"] <= summary["rejected_steps"],
             ),
-            near("X15", f"{name}: end of the run [s]", reported["time"], 20.0, 1e-9),
+            near("X15", f"{name}: end of the run [s]", summary["time"], 20.0, 1e-9),
         ]
     return rows
 
 
 def in_the_wall(runs: Runs) -> list[Row]:
-    """X16: the wall gives back no more than it has stored and what came in, v_out <= sqrt(v^2 + k' d^2/m');
-    looked at where the string is straight.  In the end it lies: penetration as everywhere.  From statics
-    there is none to begin with."""
+    """X16 (manual: verif-robust-start-in-wall): the wall returns at most the stored and the kinetic energy,
+    v_out <= sqrt(v^2 + k' d^2/m').
+
+    This is evaluated where the string is straight. At the end the string lies on the wall, with the common
+    limit of penetration. A run from statics does not move.
+    """
     run, lying = runs["x16-pressed"], runs["x16-start-in-the-wall"]
     contact, m = run.case.contact, pipe_mass(run.case.string[0])
     t, data = run.frames
@@ -160,9 +170,18 @@ def in_the_wall(runs: Runs) -> list[Row]:
     last = run.penetration[t > 0.9 * t[-1]].max()
     rows = common("X16", run, penetration=False)
     rows += [
-        near("X16", "penetration at the start [m]", float(run.penetration[0][middle].max()), DEPTH, 1e-6),
+        near(
+            "X16",
+            "penetration at the start [m]",
+            float(run.penetration[0][middle].max()),
+            PRESSED_DEPTH,
+            1e-6,
+        ),
         at_most(
-            "X16", "ejection speed [m/s]", out, float(np.sqrt(SPEED**2 + contact.stiffness * DEPTH**2 / m))
+            "X16",
+            "ejection speed [m/s]",
+            out,
+            float(np.sqrt(PRESSED_SPEED**2 + contact.stiffness * PRESSED_DEPTH**2 / m)),
         ),
         at_most("X16", "penetration in the end [m]", float(last), allowed_penetration(run)),
     ]
@@ -179,8 +198,8 @@ def in_the_wall(runs: Runs) -> list[Row]:
 
 
 def friction(runs: Runs) -> list[Row]:
-    """X19: slip velocity 1e-5 m/s; storms are more than 50 rejected steps in a second, counted over the whole
-    run."""
+    """X19 (manual: verif-robust-friction-extremes): slip velocity 1e-5 m/s; at most 50 rejected steps per
+    second, over the whole run."""
     rows: list[Row] = []
     for name in ("x19-friction-zero", "x19-friction-one", "x19-friction-jump"):
         run = runs[name]
@@ -194,18 +213,20 @@ def friction(runs: Runs) -> list[Row]:
 
 
 def washout(runs: Runs) -> list[Row]:
-    """X20: of the axial force while the joint climbs out the wall can cause mu N + N dR/ds, N the joint's own
-    contact force and dR/ds the steepest slope of the smooth step, 3/2 dR/l with l = max(0.5 m, 10 dR)
-    (Well.transitions)."""
+    """X20 (manual: verif-robust-washout): axial force while the joint moves out of the washout.
+
+    The wall causes at most mu N + N dR/ds, with N the contact force of the joint and dR/ds the steepest slope
+    of the smooth step, 3/2 dR/l with l = max(0.5 m, 10 dR) (Well.transitions).
+    """
     run, section = runs["x20-washout"], runs["x20-washout"].case.well.sections
     rise = 0.5 * (section[1].diameter - section[2].diameter)
     slope = 1.5 * rise / max(0.5, 10 * rise)
     h, force = run.history, run.probes["contact_56.25"]
     t, hook = h["time"], h["hook_load"]
-    climbs, before = (t > 6.6) & (t < 7.6), (t > 5.6) & (t < 6.2)
-    spike = float(np.abs(hook[climbs] - hook[before].mean()).max())
-    most = float(force[climbs].max())
-    lands = np.diff(force[climbs])
+    moves_out, before = (t > 6.6) & (t < 7.6), (t > 5.6) & (t < 6.2)
+    spike = float(np.abs(hook[moves_out] - hook[before].mean()).max())
+    most = float(force[moves_out].max())
+    lands = np.diff(force[moves_out])
     moved = np.interp(8.5, t, h["bit_depth"]) - np.interp(2.0, t, h["bit_depth"])
     limit = 1.2 * most * (section[2].friction + slope)
     return [

@@ -1,4 +1,4 @@
-"""Criteria of the scenes with rock under the bit: X04, X17, X18, X21 (shared list of extreme scenes)."""
+"""Criteria of the cases with rock under the bit: X04, X17, X18, X21 (manual: sec-verif-robustness)."""
 
 from __future__ import annotations
 
@@ -7,16 +7,17 @@ import numpy as np
 from tests.robustness.contact import GRAVITY, pipe_mass
 from tests.robustness.criteria import Row, Runs, at_least, at_most, common, holds, near
 
-CUT = 3e-3  # cut of a turn, with the way of 2 ms between rows at 0.5 m/s [m]
-BETWEEN_ROWS = (
-    1e-7  # [m]: a row between two steps is read off a parabola, which may lie this much above the next
-)
+CUT_PER_TURN = 3e-3  # depth of cut per turn, plus 2 ms between rows at 0.5 m/s [m]
+INTERPOLATION_ERROR = 1e-7  # error of a row, which is interpolated by a parabola between two steps [m]
 
 
 def stick_slip(runs: Runs) -> list[Row]:
-    """X04: one mode with a torque that falls at once from T_s to T_c.  With J = J_bit + rho I_p L/3 (the
-    string's share of the first mode), k = GJ/L, w = sqrt(k/J), x = (T_s - T_c)/k: it slips for 2 (pi - atan(x
-    w/Omega))/w and sticks for 2 x/Omega (closed form of P25)."""
+    """X04 (manual: verif-robust-stick-slip): period of one mode whose torque falls from T_s to T_c at once.
+
+    With J = J_bit + rho I_p L/3 (the string's part in the first mode), k = GJ/L, w = sqrt(k/J) and x = (T_s -
+    T_c)/k the bit slips for 2 (pi - atan(x w/Omega))/w and sticks for 2 x/Omega (manual:
+    verif-stick-slip-one-mode).
+    """
     run = runs["x04-stick-slip"]
     pipe, bit = run.case.string
     law = run.case.formation.bit_law
@@ -42,9 +43,12 @@ def stick_slip(runs: Runs) -> list[Row]:
 
 
 def off_bottom(runs: Runs) -> list[Row]:
-    """X17.  A negative chip would pull the bit down, so the weight tells of it; a profile that had lost rock
-    while the bit hung would be met deeper than it was left, by more than the cut of a turn (2 mm at 15
-    kN)."""
+    """X17 (manual: verif-robust-off-bottom): lift-off and return of the bit.
+
+    A negative depth of cut would pull the bit down and show in the weight on bit. If the rock profile changed
+    while the bit hangs, the bit would meet it deeper than it left it, by more than the cut per turn (2 mm at
+    15 kN).
+    """
     run = runs["x17-off-bottom"]
     h = run.history
     t = h["time"]
@@ -60,10 +64,12 @@ def off_bottom(runs: Runs) -> list[Row]:
             "X17",
             "fall of the hole's depth between rows [m]",
             float(max(0.0, -np.diff(h["hole_depth"]).min())),
-            BETWEEN_ROWS,
+            INTERPOLATION_ERROR,
         ),
         at_most("X17", "rate of penetration off bottom [m/s]", float(np.abs(h["rop"][off]).max()), 0.0),
-        at_most("X17", "growth of the hole while the bit hangs [m]", float(np.ptp(first)), BETWEEN_ROWS),
+        at_most(
+            "X17", "growth of the hole while the bit hangs [m]", float(np.ptp(first)), INTERPOLATION_ERROR
+        ),
         holds(
             "X17",
             "weight and torque while it hangs [N], [N m]",
@@ -83,13 +89,13 @@ def off_bottom(runs: Runs) -> list[Row]:
             "X17",
             "rock met again where it was left: distance [m]",
             abs(float(h["bit_depth"][back] - h["hole_depth"][back])),
-            CUT,
+            CUT_PER_TURN,
         ),
     ]
 
 
 def reverse(runs: Runs) -> list[Row]:
-    """X18: a bit that turns backward, or not at all, cuts nothing."""
+    """X18 (manual: verif-robust-reverse-rotation): without forward rotation the bit does not cut."""
     back, still = runs["x18-reverse"], runs["x18-zero-rotation"]
     h = back.history
     turned = h["bit_speed"] < -0.1
@@ -117,7 +123,7 @@ def reverse(runs: Runs) -> list[Row]:
         ),
         at_most(
             "X18",
-            "no rotation: change of energy that is not booked [J]",
+            "no rotation: energy error [J]",
             float(np.abs(still.history["energy_error"]).max()),
             1e-6,
         ),
@@ -129,7 +135,8 @@ def reverse(runs: Runs) -> list[Row]:
 
 
 def rock_extremes(runs: Runs) -> list[Row]:
-    """X21: rate = D W at the reference speed; hook load and weight on bit carry the weight of the string."""
+    """X21 (manual: verif-robust-rock-extremes): rate = D W at the reference speed; hook load plus weight on bit
+    is the weight of the string."""
     rows: list[Row] = []
     for name in ("x21-soft-rock", "x21-undrillable"):
         run = runs[name]

@@ -1,5 +1,5 @@
-"""Criteria of the scenes with mud: X07, X08 and what the coupled system adds, Y01 to Y06 (shared list of
-extreme scenes)."""
+"""Criteria of the cases with mud: X07, X08, and the cases of the coupled system, Y01 to Y06
+(manual: sec-verif-robustness)."""
 
 from __future__ import annotations
 
@@ -11,20 +11,21 @@ from tests.robustness.contact import SETTLED, pipe_mass, whirl_rate
 from tests.robustness.criteria import Row, Run, Runs, at_least, at_most, common, holds, near
 from tests.robustness.string import section
 
-BALANCE = 1e-3  # mud that may be missing, over what went in or out
+LARGEST_IMBALANCE = 1e-3  # error of the mud mass balance over the mud that entered or left
 
 
 def thick_and_thin(runs: Runs) -> list[Row]:
-    """X07.  In thick mud inertia m e Omega^2 turns against drag c v: M r'' + c r' = m e Omega^2 exp(i Omega
-    t), M with the mud that moves along, so the axis circles forward at Omega with radius m e Omega/sqrt(c^2 +
-    (M Omega)^2), about a centre that nothing holds.  The list asks for a forward whirl at reduced rate: that
-    is a shaft which its drag holds back on the wall; free of the wall a linear drag leaves the rate as it is
-    and reduces the radius, which is what is checked, at 30 m of 40 m.  M is that of steel, mud in the bore
-    and at most three times the displaced mud, a tenth of c/Omega in all, and changes the radius by less than
-    5 %."""
+    """X07 (manual: verif-robust-thin-thick-mud): whirl in thick mud, steps in thin mud.
+
+    In thick mud the unbalance acts against the drag c v: M r'' + c r' = m e Omega^2 exp(i Omega t), with the
+    added mass in M. The axis circles forward with Omega and radius m e Omega/sqrt(c^2 + (M Omega)^2) about an
+    unrestrained centre. A linear drag reduces the radius, not the rate; a whirl with reduced rate occurs only
+    on the wall. Rate and radius are checked at 30 m of 40 m. M includes steel, mud in the bore and at most
+    three times the displaced mud, in all a tenth of c/Omega, which changes the radius by less than 5 %.
+    """
     thin, usual, thick = (runs[f"x07-mud-{name}"] for name in ("thin", "default", "thick"))
     rows = [row for run in (thin, usual, thick) for row in common("X07", run, penetration=run is thick)]
-    rows += [_thrown(run) for run in (thin, usual)]
+    rows += [_impact(run) for run in (thin, usual)]
     item, mud = thick.case.string[0], thick.case.fluid
     omega = thick.case.top.rotation.value(2.0)
     p = thick.probes
@@ -54,14 +55,14 @@ def thick_and_thin(runs: Runs) -> list[Row]:
     return rows
 
 
-def _thrown(run: Run) -> Row:
-    """The axis strikes the wall with e Omega at most as it leaves rest (see X05)."""
+def _impact(run: Run) -> Row:
+    """The axis hits the wall at the start with at most e Omega (see X05)."""
     item, contact = run.case.string[0], run.case.contact
     omega = run.case.top.rotation.value(2.0)
-    m, component = pipe_mass(item), 0.5 * (run.case.well.sections[0].diameter - item.od)
+    m, clearance = pipe_mass(item), 0.5 * (run.case.well.sections[0].diameter - item.od)
     depth = (
         item.eccentricity * omega * np.sqrt(m / contact.stiffness)
-        + m * (component + item.eccentricity) * omega**2 / contact.stiffness
+        + m * (clearance + item.eccentricity) * omega**2 / contact.stiffness
     )
     return at_most(
         "X07", f"{run.name}: penetration at the frames [m]", float(run.penetration.max()), max(depth, 1.11e-3)
@@ -73,13 +74,16 @@ def _without_drift(t: FloatArray, x: FloatArray) -> FloatArray:
 
 
 def pump_trip(runs: Runs) -> list[Row]:
-    """X08.  The wave behind the stopped pump: dp = rho c dV, with the speed of a pressure wave in a pipe that
-    gives way sideways and, as it grows thinner, along: rho c^2 [1/K + wall + 4 nu^2 A_i/(EA (1 - (c/c_t)^2))]
-    = 1, c_t the axial wave of the steel (from the mass of the mud and the momentum of the steel behind a wave
-    front; Tijsseling, J. Fluids Struct. 10, 1996).  The top takes dp A_i less what the wall loses of the
-    tension 2 nu A_i dp that the bulging pipe would have if it were held: its end is held, but the front runs
-    on free pipe, and of a step that moves with c in a rod with waves c_t the fixed end feels k/(1 + k), k =
-    c/c_t."""
+    """X08 (manual: verif-robust-pump-trip): pressure wave behind a stopped pump, dp = rho c dV.
+
+    The wave speed c in a pipe that expands and shortens follows from rho c^2 [1/K + wall + 4 nu^2 A_i/(EA (1 -
+    (c/c_t)^2))] = 1, with c_t the speed of axial waves in the steel (mass balance of the mud and momentum of the
+    steel behind the wave front; Tijsseling, J. Fluids Struct. 10, 1996).
+
+    The force on the top is dp A_i minus a part of the Poisson tension 2 nu A_i dp. The upper end is fixed, but
+    the front runs along free pipe: of a step that moves with c in a rod with wave speed c_t the fixed end
+    receives the fraction k/(1 + k), k = c/c_t.
+    """
     run, viscous = runs["x08-pump-trip"], runs["x08-pump-trip-viscous"]
     item, mud = run.case.string[0], run.case.fluid
     bore = np.pi / 4 * item.id**2
@@ -124,14 +128,16 @@ def pump_trip(runs: Runs) -> list[Row]:
     ]
 
 
-def _balance(model: str, run: Run, moved: float | None = None) -> Row:
-    reported = run.summary["mass"]
-    most = moved or max(abs(reported["pumped"]), abs(reported["returned"]), abs(reported["content_change"]))
-    return at_most(model, f"{run.name}: mud missing over mud moved", abs(reported["error"]) / most, BALANCE)
+def _balance(case: str, run: Run, moved: float | None = None) -> Row:
+    mass = run.summary["mass"]
+    most = moved or max(abs(mass["pumped"]), abs(mass["returned"]), abs(mass["content_change"]))
+    return at_most(
+        case, f"{run.name}: mud missing over mud moved", abs(mass["error"]) / most, LARGEST_IMBALANCE
+    )
 
 
 def deep_mud(runs: Runs) -> list[Row]:
-    """Y01: starts in steady flow and steady rotation, and stays there."""
+    """Y01 (manual: verif-robust-deep-well-mud): starts with steady flow and rotation, and keeps this state."""
     run = runs["y01-deep-well-mud"]
     h = run.history
     rows = [*common("Y01", run), _balance("Y01", run)]
@@ -144,8 +150,11 @@ def deep_mud(runs: Runs) -> list[Row]:
 
 
 def surge(runs: Runs) -> list[Row]:
-    """Y02: speed of sound (K/rho)^(1/2) at the pressure of the place, of an isothermal fluid of constant
-    modulus; the mud that is looked after is what the casing displaces on its way."""
+    """Y02 (manual: verif-robust-near-sonic-surge): mud speed over the local speed of sound (K/rho)^(1/2) of an
+    isothermal fluid of constant bulk modulus.
+
+    The error of the mass balance is related to the mud that the casing displaces.
+    """
     run = runs["y02-surge-near-sonic"]
     t, data = run.frames
     mud, item = run.case.fluid, run.case.string[0]
@@ -167,7 +176,7 @@ def surge(runs: Runs) -> list[Row]:
 
 
 def stiff_mud(runs: Runs) -> list[Row]:
-    """Y03: stiff mud comes out as it is pumped in, less what the moving string stirs."""
+    """Y03 (manual: verif-robust-stiff-mud): stiff mud leaves the hole at the rate of the pump."""
     run = runs["y03-incompressible-mud"]
     out, pumped = run.after(1.0, "outlet_flow").mean(), run.after(1.0, "pump_flow").mean()
     return [
@@ -178,8 +187,8 @@ def stiff_mud(runs: Runs) -> list[Row]:
 
 
 def soft_mud(runs: Runs) -> list[Row]:
-    """Y04: soft mud is squeezed first: nothing comes out before the wave has gone down the string and up the
-    annulus."""
+    """Y04 (manual: verif-robust-soft-mud): no soft mud leaves the hole before the pressure wave has passed the
+    string and the annulus."""
     run = runs["y04-gas-like-mud"]
     mud, time = run.case.fluid, run.case.time
     front = np.sqrt(mud.bulk_modulus / mud.density) * time.end
@@ -194,9 +203,11 @@ def soft_mud(runs: Runs) -> list[Row]:
 
 
 def tiny_elements(runs: Runs) -> list[Row]:
-    """Y05: weight over the wall and the drive, and the torque of a pipe that turns in the hole, mu N R once
-    the drive has come up: less than that of the whole weight on the wall, more than half of it (some of it
-    hangs on the drive)."""
+    """Y05 (manual: verif-robust-tiny-elements): torque of a pipe that rotates in the hole, mu N R.
+
+    Part of the weight hangs on the top drive, so the torque lies between half and all of that of the whole
+    weight on the wall.
+    """
     run = runs["y05-3000-elements-on-30m"]
     item, hole = run.case.string[0], run.case.well.sections[0]
     side = pipe_mass(item) * 9.81 * item.length * np.sin(np.radians(80.0))
@@ -215,12 +226,11 @@ def tiny_elements(runs: Runs) -> list[Row]:
 
 
 def hour(runs: Runs) -> list[Row]:
-    """Y06: after 7200 turns the books still balance, angles are what speeds and torques make of them, and no
-    memory was taken.
+    """Y06 (manual: verif-robust-hour): energy and mass balance, angles, and memory after 7200 turns.
 
-    Orientation: angle turned at the top less that at the bit, and the integral of T/GJ, stay as far apart as
-    in the first ten minutes, by a ten-thousandth of a turn; the bit's angle is the integral of its speed
-    (rows every 0.1 s) to a ten-thousandth.
+    The difference between the twist (angle at the top minus that at the bit) and the integral of T/GJ changes
+    by at most a ten-thousandth of a turn from the first to the last ten minutes. The angle of the bit is the
+    integral of its speed (rows every 0.1 s) within a ten-thousandth.
     """
     run = runs["y06-hour"]
     times, data = run.frames

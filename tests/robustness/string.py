@@ -1,5 +1,5 @@
-"""Criteria of the scenes of waves, statics and meshes: X01, X03, X09 to X14, X22 (shared list of extreme
-scenes)."""
+"""Criteria of the cases of waves, statics and meshes: X01, X03, X09 to X14, X22
+(manual: sec-verif-robustness)."""
 
 from __future__ import annotations
 
@@ -22,21 +22,23 @@ def section(item) -> tuple[float, float, float]:
 
 
 def deep_well(runs: Runs) -> list[Row]:
-    """X01: statics of 12 km, and a minute of rotation; the torque is looked at over the last ten seconds, 1.3
-    round trips of a torsional wave."""
-    run, reported = runs["x01-deep-well"], runs["x01-statics"].summary
+    """X01 (manual: verif-robust-deep-well): statics of 12 km, and a minute of rotation.
+
+    The torque is evaluated over the last ten seconds, 1.3 round trips of a torsional wave.
+    """
+    run, statics = runs["x01-deep-well"], runs["x01-statics"].summary
     weight = sum(pipe_mass(item) * item.length * GRAVITY for item in run.case.string[:2])
     torque = run.after(50.0, "surface_torque")
     band = float(np.ptp(torque) / abs(torque.mean()))
     return [
         *common("X01", run),
-        at_most("X01", "Newton iterations of the statics", reported["iterations"], 199),
-        at_most("X01", "residual of the statics over the weight", reported["residual"] / weight, 1e-6),
+        at_most("X01", "Newton iterations of the statics", statics["iterations"], 199),
+        at_most("X01", "residual of the statics over the weight", statics["residual"] / weight, 1e-6),
         near(
             "X01",
             "hook load, soft string's [N]",
-            reported["hook_load"],
-            reported["soft_string"]["hook_load"],
+            statics["hook_load"],
+            statics["soft_string"]["hook_load"],
             0.015,
         ),
         at_most("X01", "band of the surface torque over its mean, 50 to 60 s", band, 0.02),
@@ -44,9 +46,11 @@ def deep_well(runs: Runs) -> list[Row]:
 
 
 def dropped_bit(runs: Runs) -> list[Row]:
-    """X03: collars that meet the bottom at v press on it with Z_a v until the wave comes back from their
-    upper end; afterwards, at rest, the weight is what the top went on by while it braked, at most EA/L times
-    that way."""
+    """X03 (manual: verif-robust-dropped-bit): weight on bit after the impact.
+
+    Collars that hit the bottom with v load it with Z_a v until the wave returns from their upper end. At rest
+    the weight is at most EA/L times the way of the top while it stops.
+    """
     run = runs["x03-dropped-bit"]
     pipe, collar, _ = run.case.string
     t, h = run.history["time"], run.history
@@ -74,14 +78,14 @@ def dropped_bit(runs: Runs) -> list[Row]:
 
 
 def tripping(runs: Runs) -> list[Row]:
-    """X09: tension at the top at most static + 1.1 Z_a dv + drag, the drag being hoisting less rotating in
-    the statics of the same well."""
+    """X09 (manual: verif-robust-fast-tripping): hook load at most static + 1.1 Z_a dv + drag, where the drag is
+    the difference of hoisting and rotating in the statics of the same well."""
     run, up, still = runs["x09-trip-fast"], runs["x09-hoist"].summary, runs["x09-rotate"].summary
     hook = run.history["hook_load"]
     limit = hook[0] + 1.1 * section(run.case.string[0])[2] * 2.0 + up["hook_load"] - still["hook_load"]
     t, data = run.frames
     curve = (data["md"][0] > 1000.0) & (data["md"][0] < 1360.0)
-    reported = run.summary
+    summary = run.summary
     return [
         *common("X09", run),
         at_most("X09", "peak of the hook load [N]", float(hook.max()), float(limit)),
@@ -92,22 +96,25 @@ def tripping(runs: Runs) -> list[Row]:
             allowed_penetration(run),
         ),
         at_most(
-            "X09", "failed Newton solves (fewer than any burst of more than 5)", reported["failed_solves"], 5
+            "X09", "failed Newton solves (fewer than any burst of more than 5)", summary["failed_solves"], 5
         ),
     ]
 
 
 def dogleg(runs: Runs) -> list[Row]:
-    """X10: stress of a pipe that follows its hole, E OD/2 kappa, in the middle third of the dogleg (R = 57.3
-    m less the play on its inner side); contact forces under elements of half the length, as totals of dogleg
-    and kink (single points of a stiff wall carry more or less of them).  Projection: measured depths of the
-    places that the nodes are found at rise with the nodes, none by more than its element."""
+    """X10 (manual: verif-robust-dogleg): bending stress, contact forces and projection in a dogleg.
+
+    The stress of a pipe that follows the hole is E OD/2 kappa in the middle third of the dogleg (R = 57.3 m
+    minus the clearance on the inner side). Contact forces are compared with those of elements of half the
+    length, as sums over dogleg and kink, because single contact points of a stiff wall share them unevenly.
+    The measured depths of the projected nodes increase, each by at most the length of its element.
+    """
     run, fine = runs["x10-statics"], runs["x10-fine-statics"]
     item, s = run.case.string[1], run.statics
     middle = (s["md"] > 310.0) & (s["md"] < 320.0)
     radius = 30.0 / np.radians(30.0)
-    component = 0.5 * (run.case.well.sections[0].diameter - item.od)
-    expected = item.material.young * item.od / 2 / (radius - component)
+    clearance = 0.5 * (run.case.well.sections[0].diameter - item.od)
+    expected = item.material.young * item.od / 2 / (radius - clearance)
     rows = [
         holds(
             "X10",
@@ -129,7 +136,7 @@ def dogleg(runs: Runs) -> list[Row]:
         rows.append(
             near("X10", f"contact force of the {where}, of elements half as long [N]", coarse, half, 0.05)
         )
-    rows.append(_found_in_order(run))
+    rows.append(_projected_in_order(run))
     return rows + common("X10", runs["x10-dogleg"])
 
 
@@ -139,7 +146,7 @@ def _total(s: dict[str, FloatArray], start: float, end: float) -> float:
     return float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(md)))
 
 
-def _found_in_order(run: Run) -> Row:
+def _projected_in_order(run: Run) -> Row:
     from drillpetsc.model.drilling_model import build_well
 
     well = build_well(run.case)
@@ -151,20 +158,21 @@ def _found_in_order(run: Run) -> Row:
 
 
 def lock_up(runs: Runs) -> list[Row]:
-    """X11: the load at the end of a helix that slides along the hole; the locked state is the creep after 3.4
-    s, in which it must not fall.
+    """X11 (manual: verif-robust-lock-up): load at the end of a helix that slides along the hole.
 
-    A helix of q radians per length presses with N = r (F q^2 - EI q^4) (bending of a helix of small slope,
-    curvature r q^2), so that dF/ds = -mu N gives F_end = EI q^2 + (F - EI q^2) exp(-mu r q^2 L).  F/(1 + mu r
-    F L/4EI) is the same with the pitch of least energy, q^2 = F/2EI, which a pipe takes without friction.
-    Friction holds it on the pitch that it got, and where it changes its hand: q is the mean of the run.  The
-    balance with the contact force as computed needs no helix.
+    The locked state is the creep after 3.4 s, in which the load must not fall.
+
+    A helix of q radians per length has the contact force N = r (F q^2 - EI q^4) (bending of a helix of small
+    slope, curvature r q^2), so that dF/ds = -mu N gives F_end = EI q^2 + (F - EI q^2) exp(-mu r q^2 L).
+    F/(1 + mu r F L/4EI) is the same with the pitch of least energy, q^2 = F/2EI, which occurs without friction.
+    Friction keeps the pitch and the changes of hand with which the helix formed: q is the mean of the run. The
+    balance of load and computed contact force is independent of the shape.
     """
     run = runs["x11-lock-up"]
     item, h = run.case.string[0], run.history
-    component, mu = 0.5 * (run.case.well.sections[0].diameter - item.od), run.case.well.sections[0].friction
+    clearance, mu = 0.5 * (run.case.well.sections[0].diameter - item.od), run.case.well.sections[0].friction
     stiffness, w = section(item)[1], pipe_mass(item) * GRAVITY
-    helical = 2 * np.sqrt(2 * stiffness * w / component)
+    helical = 2 * np.sqrt(2 * stiffness * w / clearance)
     late = h["time"] > 3.5
     top, end = -h["hook_load"][late], h["wob"][late]
     load = float(top.mean())
@@ -172,7 +180,7 @@ def lock_up(runs: Runs) -> list[Row]:
     side = np.unwrap(np.arctan2(data["offset_y"][-1], data["offset_x"][-1]))
     turns = float(np.abs(np.diff(side)).sum() / (2 * np.pi))
     q2 = (2 * np.pi * turns / item.length) ** 2
-    coiled = stiffness * q2 + (load - stiffness * q2) * np.exp(-mu * component * q2 * item.length)
+    coiled = stiffness * q2 + (load - stiffness * q2) * np.exp(-mu * clearance * q2 * item.length)
     held = mu * float(trapezoid(data["contact_force"][-1], data["md"][0]))
     return [
         *common("X11", run),
@@ -200,8 +208,8 @@ def lock_up(runs: Runs) -> list[Row]:
 
 
 def pull_free(runs: Runs) -> list[Row]:
-    """X12: the first speed is F/Z_a; released energy F^2 L/2EA, of which kinetic energy is what is left to
-    go."""
+    """X12 (manual: verif-robust-pull-free): first speed F/Z_a; the kinetic energy decays below 5 % of the released
+    energy F^2 L/2EA."""
     run = runs["x12-pull-free"]
     item, h = run.case.string[0], run.history
     t, force = h["time"], 4e5
@@ -235,8 +243,8 @@ def pull_free(runs: Runs) -> list[Row]:
 
 
 def inextensible(runs: Runs) -> list[Row]:
-    """X13: torque, speed of the end and offsets of the string over their largest value, with EA as it is and
-    a thousand times that."""
+    """X13 (manual: verif-robust-inextensible): torque, speed of the end and offsets over their largest value, for
+    the true EA and a thousand times that."""
     one, other = runs["x13-coiled-tubing"], runs["x13-inextensible"]
     rows = [*common("X13", one), *common("X13", other)]
     pairs = [(c, one.history[c], other.history[c]) for c in ("surface_torque", "bit_speed")]
@@ -252,9 +260,12 @@ def inextensible(runs: Runs) -> list[Row]:
 
 
 def few_elements(runs: Runs) -> list[Row]:
-    """X14: hook load w L, stretch w L^2/2EA, cantilever w L^4/8EI (small slopes: L tip^2 makes 0.05 % of it);
-    too long an element is named as such, by `check` and by the statics.  In mud the hook load is that of
-    steel in air less what the end's pressure lifts, W - p A_s."""
+    """X14 (manual: verif-robust-few-elements): hook load w L, stretch w L^2/2EA, cantilever w L^4/8EI (small slopes:
+    the second-order effect is 0.05 %).
+
+    `check` and the statics warn of elements that are too long. In mud the hook load is the weight in air minus
+    the force of the pressure on the lower end, W - p A_s.
+    """
     short, long, bend = (
         runs[f"x14-{name}"] for name in ("one-element-10m", "one-element-1000m", "two-elements-bend")
     )
@@ -265,7 +276,7 @@ def few_elements(runs: Runs) -> list[Row]:
     metal = np.pi / 4 * (bar.od**2 - bar.id**2)
     static = long.summary["statics"]
     tip = bend.frames[1]["point"][0, -1, 2]
-    reported = " ".join(static["warnings"])
+    warnings = " ".join(static["warnings"])
     check = _described(long)
     return [
         *rows,
@@ -290,9 +301,9 @@ def few_elements(runs: Runs) -> list[Row]:
         holds(
             "X14",
             "1000 m: negative pivots, explained",
-            f"{static['negative_pivots']}: {reported[:60]}",
+            f"{static['negative_pivots']}: {warnings[:60]}",
             "mesh too coarse",
-            "mesh is too coarse" in reported,
+            "mesh is too coarse" in warnings,
         ),
         holds("X14", "1000 m: check warns", "yes" if "WARNING" in check else "no", "yes", "WARNING" in check),
     ]
@@ -305,23 +316,23 @@ def _described(run: Run) -> str:
 
 
 def helix(runs: Runs) -> list[Row]:
-    """X22: from no weight to ten times the first critical load 1.94 (EI w^2)^(1/3) (Lubinski, 1950), each
-    load from the straight string."""
+    """X22 (manual: verif-robust-buckling-loads): up to ten times the first critical load 1.94 (EI w^2)^(1/3)
+    (Lubinski, 1950), each load from the straight string."""
     case = runs["x22-helix"].case
     item = case.string[0]
     critical = 1.94 * (section(item)[1] * (pipe_mass(item) * GRAVITY) ** 2) ** (1 / 3)
     rows = common("X22", runs["x22-helix"])
     for name in sorted(n for n in runs if n.startswith("x22-wob")):
         run = runs[name]
-        reported, data = run.summary, run.frames[1]
-        load = reported["wob"] / critical
+        summary, data = run.summary, run.frames[1]
+        load = summary["wob"] / critical
         rows += [
             holds(
                 "X22",
                 f"{load:.2f} critical loads: negative pivots",
-                reported["negative_pivots"],
+                summary["negative_pivots"],
                 "0",
-                reported["negative_pivots"] == 0,
+                summary["negative_pivots"] == 0,
             ),
             at_most(
                 "X22",

@@ -1,9 +1,8 @@
-"""A mass centre far beside the axis (X05): the kinetic energy is that of the mass where it is, and never
-negative.
+"""Mass matrix of a pipe whose mass centre lies far beside its axis (manual: verif-eccentric-mass-matrix).
 
-With the mass of an eccentric pipe lumped at the nodes beside the beam's consistent mass it was negative for
-short waves, from an offset of 20 mm on (collars of 171.5 mm), and a run at 50 mm grew without bound within
-0.04 s.
+The kinetic energy is that of the eccentric mass, and never negative. With the eccentric mass lumped at the
+nodes, beside the consistent mass of the beam, it was negative for short waves from an offset of 20 mm on
+(collars of 171.5 mm), and a run with 50 mm diverged within 0.04 s.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
-from drillpetsc.analysis.equilibrium import place_along_hole
+from drillpetsc.analysis.placement import place_along_hole
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 
 OUTER, INNER, LENGTH, DENSITY = 0.1715, 0.0714, 12.0, 7850.0
@@ -21,8 +20,7 @@ POLAR = DENSITY * np.pi / 32 * (OUTER**4 - INNER**4)  # [kg m]
 
 
 def collar(offset: float, elements: int, joined: bool = False) -> DrillingModel:
-    """A free collar on the north axis; joined: a stabilizer without mass between its halves, so that an
-    element hangs below it."""
+    """A free collar along the north axis; joined: with a massless stabilizer between its halves."""
     half = {
         "kind": "pipe",
         "od": OUTER,
@@ -48,7 +46,7 @@ def collar(offset: float, elements: int, joined: bool = False) -> DrillingModel:
 
 
 def mass_matrix(model: DrillingModel) -> np.ndarray:
-    """Derivative of the rows by the accelerations, scaled to a diagonal of 1."""
+    """Derivative of the residual with respect to the accelerations, scaled to a unit diagonal."""
     asm, n = model.system.assembly, model.system.layout.size
     asm.jacobian(0.0, (0.0, 0.0, 1.0), condensed=False)
     M = np.zeros((n, n))
@@ -72,8 +70,8 @@ def test_mass_matrix_is_positive_definite(offset, elements, joined):
 
 @pytest.mark.parametrize("elements", [1, 3])
 def test_kinetic_energy_of_a_rigid_motion(elements):
-    """Axis moving with u, turning with Omega: m |u + Omega t x e|^2/2 + Omega^2 polar inertia/2 per length,
-    exact for any mesh."""
+    """Translation u and rotation Omega: m |u + Omega t x e|^2/2 + Omega^2 polar inertia/2 per length, exact for
+    any mesh."""
     offset, spin = 0.05, 7.0
     speed = np.array([0.3, -1.1, 0.7])
     model = collar(offset, elements)

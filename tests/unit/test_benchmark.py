@@ -1,4 +1,4 @@
-"""What the benchmark measures errors against, itself against closed forms."""
+"""Reference solutions of the benchmark, compared with closed forms."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from scipy.special import ellipk
 
 from drillpetsc import Case
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "scripts"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "scripts" / "tools"))
 import benchmark_reference as reference  # noqa: E402
 
 
-def test_torsional_wave_on_its_first_way_down():
-    """The wave is at the bit after L/c, passes from pipe to collar with 2 Z1/(Z1 + Z2), Z as the polar
-    moment, and doubles at the free end; the next part of it comes 400 m later."""
+def test_first_passage_of_the_torsional_wave():
+    """The wave reaches the bit after L/c. It passes from pipe to collar with 2 Z1/(Z1 + Z2), where Z is
+    proportional to the polar moment, and doubles at the free end. The next reflection arrives after 400 m."""
     c = np.sqrt(206e9 / 2.6 / 7850.0)
     pipe, collar = 0.127**4 - 0.1086**4, 0.1778**4 - 0.0714**4
     after = np.linspace(0.01, 0.12, 12)
@@ -28,7 +28,7 @@ def test_torsional_wave_on_its_first_way_down():
 
 
 def test_the_independent_integration_of_a_nearly_rigid_pendulum():
-    """A hinged rod let go at 60 degrees from the vertical hangs down after K(sin 30 deg) sqrt(2 L/(3 g))
+    """A hinged rod released at 60 degrees from the vertical hangs down after K(sin 30 deg) sqrt(2 L/(3 g))
     (elliptic integral)."""
     rod = {
         "kind": "beam",
@@ -54,7 +54,7 @@ def test_the_independent_integration_of_a_nearly_rigid_pendulum():
 
 
 def test_a_reference_is_computed_once_for_a_case(tmp_path, monkeypatch):
-    """A second call reads the file; another text of the case, or the wish for a fresh one, computes again."""
+    """A second call reads the file; another text of the case, or ``fresh``, computes again."""
     monkeypatch.setenv("DRILLPETSC_CACHE", str(tmp_path / "cache"))
     case, calls = tmp_path / "some.yaml", []
 

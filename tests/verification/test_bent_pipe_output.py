@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc.analysis.equilibrium import find_equilibrium
+from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.case import Case
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.field_output import FieldOutput

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
-from drillpetsc.analysis.equilibrium import find_equilibrium
+from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.quasi_static import QuasiStatic
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well, direction

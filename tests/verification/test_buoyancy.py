@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
-from drillpetsc.analysis.equilibrium import StaticState, find_equilibrium
+from drillpetsc.analysis.equilibrium import StaticState
+from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.statics import static_summary
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output.static_table import static_table

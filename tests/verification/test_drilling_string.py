@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
-from drillpetsc.analysis.equilibrium import find_equilibrium, move_rigidly, release
+from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.placement import move_rigidly, release
 from drillpetsc.analysis.quasi_static import QuasiStatic
 from drillpetsc.analysis.transient import make_integrator
 from drillpetsc.model.drilling_model import DrillingModel, build_model
@@ -101,7 +102,7 @@ def follow(case: Case) -> Run:
             figures = [recorder.value(v, name) for name in names]
             rows.append(
                 np.array(
-                    [t, *figures, bit.drilled(model.system.assembly), *model.system.field("hole.end")[-1]]
+                    [t, *figures, bit.progress(model.system.assembly)[0], *model.system.field("hole.end")[-1]]
                 )
             )
 

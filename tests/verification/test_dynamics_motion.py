@@ -12,11 +12,11 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from drillpetsc import Case, run
-from drillpetsc.fem.component import PrescribedMotion
+from drillpetsc.fem.component import Component, PrescribedMotion
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.contact import Contact, ContactLaw
-from drillpetsc.physics.rigid_bodies import ComponentBase, RigidBodies
+from drillpetsc.physics.rigid_bodies import RigidBodies
 from tests.helpers import moving
 from tests.helpers.motion import beam, fixed, integrate, straight, watched
 
@@ -197,7 +197,7 @@ LENGTH = 10.0
 OMEGA = (np.pi / LENGTH) ** 2 * np.sqrt(1e4 / 10.0)  # first mode, hinged ends
 
 
-class Spinning(ComponentBase):
+class Spinning(Component):
     """A node that is kept in place (where ``held``) and turns at a given speed, free to tilt."""
 
     def __init__(self, vertex: int, position: np.ndarray, speed: float, held: bool = True):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from drillpetsc.analysis.equilibrium import find_equilibrium
+from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.case import Case
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.solvers.time_integrator import TimeIntegrator

@@ -10,15 +10,15 @@ from scipy.optimize import brentq
 
 from drillpetsc import Case
 from drillpetsc.analysis import modal as modes
-from drillpetsc.analysis.equilibrium import find_equilibrium, move_rigidly, release
+from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.placement import move_rigidly, release
 from drillpetsc.errors import CaseError
-from drillpetsc.fem.component import PrescribedMotion
+from drillpetsc.fem.component import Component, PrescribedMotion
 from drillpetsc.fem.string_mesh import StringJoint
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.physics.end_conditions import FixedEnd, TopDrive
 from drillpetsc.physics.joints import REPORT, SCALE, STOP_ROUNDING
-from drillpetsc.physics.rigid_bodies import ComponentBase
 from drillpetsc.physics.rolling import Rolling
 from drillpetsc.time_function import Constant
 from tests.helpers.joint_scenes import body, chain_of_bodies, joint_component, place
@@ -161,7 +161,7 @@ def test_constraints_do_not_drift(constraint, end, speed):
 
 
 # ---------------------------------------------------------------------- universal joint
-class HeldDirection(ComponentBase):
+class HeldDirection(Component):
     """A shaft in a bearing: the direction of one node does not change."""
 
     def __init__(self, node: int, tangent: np.ndarray, across: np.ndarray):

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import drillpetsc
-from drillpetsc.analysis.equilibrium import place_along_hole
+from drillpetsc.analysis.placement import place_along_hole
 from drillpetsc.analysis.steady_flow import steady_flow
 from drillpetsc.case import Case
 from drillpetsc.model.drilling_model import DrillingModel, build_model
@@ -141,7 +141,7 @@ def test_annulus_follows_a_string_that_slides_down_a_curved_hole():
     model = build_model(Case(**in_curved_hole()))
     place_along_hole(model)
     component, asm = model.fluid.annulus, model.system.assembly
-    component.find_hole(asm)
+    component.locate_hole(asm)
     for by in np.arange(0.04, 20.01, 0.04):
         shifted(model, by)
         component.accept(asm)
@@ -167,7 +167,7 @@ def test_annulus_follows_a_string_that_slides_down_a_curved_hole():
     fresh = build_model(Case(**in_curved_hole()))
     place_along_hole(fresh)
     shifted(fresh, 20.0)
-    fresh.fluid.annulus.find_hole(fresh.system.assembly)
+    fresh.fluid.annulus.locate_hole(fresh.system.assembly)
     for b, params in zip(fresh.fluid.annulus._blocks, walked, strict=True):
         assert params[:, :10] == pytest.approx(b.params[:, :10], rel=1e-4)
         assert params[:, 10:13] == pytest.approx(

@@ -14,8 +14,8 @@ import pytest
 from scipy.linalg import eigvals, null_space
 from scipy.optimize import brentq
 
-from drillpetsc.analysis.equilibrium import move_rigidly, release
 from drillpetsc.analysis.modal import modes, settle
+from drillpetsc.analysis.placement import move_rigidly, release
 from drillpetsc.model.drilling_model import build_model
 from tests.helpers.motion import fixed, integrate
 from tests.helpers.moving import matrices

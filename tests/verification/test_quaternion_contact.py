@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run
-from drillpetsc.analysis.equilibrium import find_equilibrium
+from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from tests.helpers.motion import fixed

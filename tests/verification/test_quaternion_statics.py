@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from drillpetsc import Case
-from drillpetsc.analysis.equilibrium import find_equilibrium
+from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.quaternion_statics import settle
 from drillpetsc.model.drilling_model import build_model
 from tests.helpers.motion import beam, straight

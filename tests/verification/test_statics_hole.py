@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run
-from drillpetsc.analysis.equilibrium import find_equilibrium, place_along_hole
+from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.placement import place_along_hole
 from drillpetsc.analysis.statics import static_summary
 from drillpetsc.case import load_case
 from drillpetsc.errors import SolveError

@@ -13,9 +13,9 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq, fsolve
 
 from drillpetsc import Case
-from drillpetsc.analysis.equilibrium import find_equilibrium, place_along_hole
+from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.placement import place_along_hole
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.physics.reference_frames import update_reference_frames
 from drillpetsc.solvers.static_newton import Equilibrium, StaticNewton
 
 HORIZONTAL = {"inclination": np.pi / 2}
@@ -53,7 +53,7 @@ def load_in_steps(model, steps: int, energy: bool) -> Equilibrium:
     for k in range(1, steps + 1):
         solver.t = k / steps
         solver.settle(report)
-        update_reference_frames(model.system, model.frames)
+        model.system.renew_reference_frames()
     return report
 
 
@@ -111,8 +111,8 @@ def test_gauge_renewal_changes_nothing_physical():
 
     before = figures()
     old = model.frames.reference.copy()
-    assert update_reference_frames(system, model.frames)
-    assert not update_reference_frames(system, model.frames)
+    assert system.renew_reference_frames()
+    assert not system.renew_reference_frames()
     assert np.abs(model.frames.reference - old).max() > 1.0
     assert np.abs(model.frames.twist0).max() > 1e-3
     after = figures()

@@ -11,7 +11,8 @@ import pytest
 from scipy.optimize import brentq
 
 from drillpetsc import load_case
-from drillpetsc.analysis.equilibrium import find_equilibrium, move_rigidly, release
+from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.placement import move_rigidly, release
 from drillpetsc.model.drilling_model import build_model
 from tests.helpers.motion import watched
 

@@ -1,8 +1,9 @@
-"""`top`, `bottom` and `loads`: what holds, drives and loads the string."""
+"""`top`, `bottom` and `loads`: end conditions and loads of the string."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Strict, Tag, model_validator
 
@@ -20,15 +21,27 @@ Speed = Annotated[TimeFunction, OverTime("m/s")]
 Plugged = Annotated[bool, Strict()]
 
 _ZERO = Constant(0.0)
-_ROTATION = "rotation speed over time [rad/s], positive clockwise seen from above"
-_LOWERING = "speed of the top over time [m/s], positive downward"
+_ROTATION = "rotation speed over time, positive clockwise seen from above"
+_LOWERING = "speed of the top over time, positive downward"
 _PLUGGED = (
     "true: no fluid leaves the string at its lower end, and unless a pump_pressure holds fluid in it, "
     "it is empty; false: the end is open (used by a fluid)"
 )
 
 
-class HeldTop(Block):
+class TopEnd(Block):
+    """Base of every kind of top. A kind without one of these keys has the value None for it."""
+
+    optional_attributes: ClassVar[Mapping[str, Any]] = {"rotation": None, "lowering": None, "force": None}
+
+    if TYPE_CHECKING:
+        kind: str
+        rotation: TimeFunction | None = None
+        lowering: TimeFunction | None = None
+        force: TimeFunction | None = None
+
+
+class HeldTop(TopEnd):
     """A top end without a drive."""
 
     kind: Literal["clamped", "pinned", "free"] = Field(
@@ -36,9 +49,9 @@ class HeldTop(Block):
     )
 
 
-class DrivenTop(Block):
-    """A rotary drive with its own inertia, held at `rotation` by a spring and a damper (PI control); clamped
-    otherwise.
+class DrivenTop(TopEnd):
+    """A rotary drive with inertia, held at `rotation` by a spring and a damper (PI control). The string is
+    clamped to it.
 
     torque on the drive = stiffness * (prescribed angle - angle) + damping * (prescribed speed - speed).
     """
@@ -47,23 +60,23 @@ class DrivenTop(Block):
     rotation: RotationSpeed = Field(default=_ZERO, description=_ROTATION)
     lowering: Speed = Field(default=_ZERO, description=_LOWERING)
     stiffness: Annotated[float, Quantity("N m/rad", at_least=0)] = Field(
-        default=0.0, description="rotational stiffness [N m/rad]"
+        default=0.0, description="rotational stiffness"
     )
     damping: Annotated[float, Quantity("N m s/rad", at_least=0)] = Field(
-        default=0.0, description="rotational damping [N m s/rad]"
+        default=0.0, description="rotational damping"
     )
     inertia: Annotated[float, Quantity("kg m^2", at_least=0)] = Field(
-        default=0.0, description="inertia of the drive [kg m2]"
+        default=0.0, description="inertia of the drive"
     )
 
     @model_validator(mode="after")
     def _drives(self) -> DrivenTop:
         if self.stiffness == 0 and self.damping == 0:
-            raise refuse("stiffness", want="a stiffness or a damping above 0, or the drive turns nothing")
+            raise refuse("stiffness", want="a stiffness or a damping above 0, or nothing turns the string")
         return self
 
 
-class TopDrive(Block):
+class TopDrive(TopEnd):
     """A top drive: prescribed rotation; prescribed lowering, or an axial force."""
 
     kind: Literal["top_drive"] = Field(description="prescribed rotation, and lowering or axial force")
@@ -71,7 +84,7 @@ class TopDrive(Block):
     lowering: Speed = Field(default=_ZERO, description=_LOWERING)
     force: Annotated[TimeFunction, OverTime("N")] | None = Field(
         default=None,
-        description="axial force at the top over time [N], positive in pull, instead of a lowering",
+        description="axial force at the top over time, positive in pull, instead of a lowering",
     )
 
     @model_validator(mode="after")
@@ -94,10 +107,8 @@ class ForcedBottom(Block):
     """A dead force and moment at the lower end."""
 
     kind: Literal["force"] = Field(description="a given force and moment")
-    force: Force = Field(default=(0.0, 0.0, 0.0), description="force on the string [N], north, east, down")
-    moment: Moment = Field(
-        default=(0.0, 0.0, 0.0), description="moment on the string [N m], north, east, down"
-    )
+    force: Force = Field(default=(0.0, 0.0, 0.0), description="force on the string, north, east, down")
+    moment: Moment = Field(default=(0.0, 0.0, 0.0), description="moment on the string, north, east, down")
     plugged: Plugged = Field(default=False, description=_PLUGGED)
 
 
@@ -106,9 +117,9 @@ class BitBottom(Block):
 
     kind: Literal["bit"] = Field(description="a bit on the end of the hole")
     stiffness: Annotated[float, Quantity("N/m", above=0)] = Field(
-        default=1e8, description="contact stiffness [N/m]"
+        default=1e8, description="contact stiffness of the bit on the rock"
     )
-    friction: Friction = Field(default=0.3, description="friction coefficient of the face on the rock [-]")
+    friction: Friction = Field(default=0.3, description="friction coefficient of the bit face on the rock")
     plugged: Plugged = Field(default=False, description=_PLUGGED)
 
 
@@ -143,18 +154,18 @@ Bottom = Annotated[
 
 
 class Load(Block):
-    """What point and distributed loads share."""
+    """Keys that point and distributed loads have in common."""
 
     frame: Literal["global", "section"] = Field(
         default="global",
-        description="global: north, east, down; section: along the string, then two across, turning with it",
+        description="global: north, east, down; section: along the string, then two directions across it, which turn with the string",
     )
     value_over: Annotated[TimeFunction, OverTime("")] = Field(
-        default=Constant(1.0), description="factor over time on force and moment [-]"
+        default=Constant(1.0), description="factor over time on force and moment"
     )
 
     @model_validator(mode="after")
-    def _loads_something(self) -> Load:
+    def _force_or_moment(self) -> Load:
         if not {"force", "moment"} & self.model_fields_set:
             raise refuse("force", want="a force, a moment or both")
         return self
@@ -163,23 +174,23 @@ class Load(Block):
 class PointLoad(Load):
     """A force and a moment at one measured depth."""
 
-    at: Annotated[float, Quantity("m", at_least=0)] = Field(description="measured depth [m]")
-    force: Force = Field(default=(0.0, 0.0, 0.0), description="force [N]")
-    moment: Moment = Field(default=(0.0, 0.0, 0.0), description="moment [N m]")
+    at: Annotated[float, Quantity("m", at_least=0)] = Field(description="measured depth")
+    force: Force = Field(default=(0.0, 0.0, 0.0), description="force")
+    moment: Moment = Field(default=(0.0, 0.0, 0.0), description="moment")
 
 
 class LineLoad(Load):
     """A force and a moment per length between two measured depths."""
 
     from_: Annotated[float, Quantity("m", at_least=0)] = Field(
-        alias="from", description="measured depth of its upper end [m]"
+        alias="from", description="measured depth of the upper end"
     )
-    to: Annotated[float, Quantity("m", at_least=0)] = Field(description="measured depth of its lower end [m]")
+    to: Annotated[float, Quantity("m", at_least=0)] = Field(description="measured depth of the lower end")
     force: Annotated[tuple[float, float, float], Vector("N/m")] = Field(
-        default=(0.0, 0.0, 0.0), description="force per length [N/m]"
+        default=(0.0, 0.0, 0.0), description="force per length"
     )
     moment: Annotated[tuple[float, float, float], Vector("N m/m")] = Field(
-        default=(0.0, 0.0, 0.0), description="moment per length [N m/m]"
+        default=(0.0, 0.0, 0.0), description="moment per length"
     )
 
     @model_validator(mode="after")

@@ -7,9 +7,8 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from drillpetsc.case.block import Block, derived_default, tagged_union
+from drillpetsc.case.block import Block, derived_default, overlaid, tagged_union
 from drillpetsc.case.blocks.string import Friction
-from drillpetsc.case.defaults import overlaid
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity
 
@@ -20,7 +19,7 @@ BitAnisotropy = Annotated[
         "",
         above=0,
         at_most=1,
-        why="drillability sideways of the bit over that ahead of it; at 1 it cuts all ways alike",
+        why="drillability sideways of the bit over that ahead of it; 1 for a bit that cuts alike in all directions",
     ),
 ]
 RotaryExponent = Annotated[float, Quantity("", at_least=0, at_most=3)]
@@ -36,7 +35,7 @@ Depth = Annotated[float, Quantity("m", at_least=0, at_most=50e3)]
 Stiffness = Annotated[float, Quantity("N/m", above=0)] | None
 
 SAME_DEPTH = 1e-6  # [m] between the end of a layer and the beginning of the next
-OF_A_LAYER = (
+LAYER_KEYS = (
     "drillability",
     "bit_anisotropy",
     "rock_anisotropy",
@@ -45,44 +44,38 @@ OF_A_LAYER = (
     "threshold",
 )
 
-_DRILLABILITY = (
-    "rate of penetration over force, at reference_speed and reference_weight [m/(s N)]; 0 cannot be drilled"
-)
-_BIT = "drillability sideways of the bit over that ahead of it [-]"
+_DRILLABILITY = "rate of penetration over force, at reference_speed and reference_weight; 0 cannot be drilled"
+_BIT = "drillability sideways of the bit over that ahead of it"
 _ROCK = "bedding of the rock"
-_ROTARY = "exponent of the rotation speed over reference_speed [-]"
-_WEIGHT = "exponent of the weight on bit over reference_weight in the rate of penetration [-]"
-_THRESHOLD = "weight on bit below which nothing is cut [N]"
-_STIFFNESS = (
-    "contact stiffness of bit on rock [N/m]; the same thing as bottom.stiffness, which takes this value"
-)
+_ROTARY = "exponent of the rotation speed over reference_speed"
+_WEIGHT = "exponent of the weight on bit over reference_weight in the rate of penetration"
+_THRESHOLD = "weight on bit below which nothing is cut"
+_STIFFNESS = "contact stiffness of bit on rock; bottom.stiffness is set to this value"
 
 
 class RockAnisotropy(Block):
-    """Rock in beds: M_r = n n^T + index_dip d d^T + index_strike s s^T, n across the bedding, d down dip, s
+    """Bedded rock: M_r = n n^T + index_dip d d^T + index_strike s s^T, n across the bedding, d down dip, s
     along strike."""
 
     dip: Annotated[float, Quantity("rad", at_least=0, at_most=math.pi / 2)] = Field(
-        default=0.0, description="angle of the bedding from the horizontal [rad]"
+        default=0.0, description="angle of the bedding from the horizontal"
     )
     dip_azimuth: Annotated[float, Quantity("rad", at_least=-2 * math.pi, at_most=2 * math.pi)] = Field(
-        default=0.0, description="azimuth, from north over east, in which the bedding goes down [rad]"
+        default=0.0, description="azimuth of the down-dip direction, from north over east"
     )
-    index_dip: Index = Field(
-        default=1.0, description="drillability down dip over that across the bedding [-]"
-    )
+    index_dip: Index = Field(default=1.0, description="drillability down dip over that across the bedding")
     index_strike: Index = Field(
-        default=1.0, description="drillability along strike over that across the bedding [-]"
+        default=1.0, description="drillability along strike over that across the bedding"
     )
 
 
 class Layer(Block):
-    """A stretch of other rock; what it leaves out is the formation's own."""
+    """An interval of other rock. Keys left out have the values of the formation."""
 
-    from_: Depth = Field(alias="from", description="measured depth of its upper end [m]")
+    from_: Depth = Field(alias="from", description="measured depth of the upper end")
     to: Depth = derived_default(
-        "measured depth of its lower end [m], where the next layer begins, or below the last the formation's own values "
-        "hold again; when not given, the next layer's from, and the last goes on for ever"
+        "measured depth of the lower end, which is the from of the next layer; below the last layer the values of the "
+        "formation hold again; when not given, the next layer's from, and the last layer has no end"
     )
     drillability: Drillability = derived_default(_DRILLABILITY)
     bit_anisotropy: BitAnisotropy = derived_default(_BIT)
@@ -93,57 +86,57 @@ class Layer(Block):
 
 
 class RopLaw(Block):
-    """Rate of penetration from force and rotation speed; the torque is that of friction (bottom.friction)."""
+    """Rate of penetration from force and rotation speed. The torque comes from friction (bottom.friction)."""
 
     kind: Literal["rop"] = Field(description="rate of penetration from force and rotation speed")
     stiffness: Stiffness = Field(default=None, description=_STIFFNESS)
 
 
 class DragBit(Block):
-    """Blades that cut and rub (Detournay and Defourny), each in the groove that the blade before it has
-    left."""
+    """Blades that cut and rub (Detournay and Defourny). Each blade cuts in the groove left by the one before."""
 
     kind: Literal["drag_bit"] = Field(description="blades that cut and rub")
-    blades: int = Field(default=4, ge=1, le=20, strict=True, description="number of blades [-]")
+    blades: int = Field(default=4, ge=1, le=20, strict=True, description="number of blades")
     specific_energy: Annotated[float, Quantity("Pa", above=0)] = Field(
-        default=60e6, description="intrinsic specific energy: work of cutting per volume of rock [Pa = J/m3]"
+        default=60e6,
+        description="intrinsic specific energy: work of cutting per volume of rock, 1 J/m3 = 1 Pa",
     )
     inclination_ratio: Annotated[float, Quantity("", above=0, at_most=10)] = Field(
-        default=0.6, description="vertical over horizontal force of a cutter [-]"
+        default=0.6, description="vertical over horizontal force of a cutter"
     )
     contact_stress: Annotated[float, Quantity("Pa", at_least=0)] = Field(
-        default=60e6, description="largest stress between wear flats and rock [Pa]"
+        default=60e6, description="largest stress between wear flats and rock"
     )
     wear_flat: Annotated[float, Quantity("m", at_least=0, at_most=1)] = Field(
-        default=1.2e-3, description="width of all wear flats together [m]; 0 for a sharp bit"
+        default=1.2e-3, description="width of all wear flats together; 0 for a sharp bit"
     )
     friction: Friction = Field(
         default=0.6,
-        description="friction of the wear flats times the factor of the bit's shape, mu gamma [-]",
+        description="friction coefficient of the wear flats times the shape factor of the bit, mu gamma",
     )
     stiffness: Stiffness = Field(default=None, description=_STIFFNESS)
 
 
 class VelocityWeakening(Block):
-    """A torque that falls from a static to a dynamic value as the bit turns faster: stick-slip."""
+    """A torque that falls from a static to a dynamic value with the rotation speed, a cause of stick-slip."""
 
     kind: Literal["velocity_weakening"] = Field(description="torque that falls with the rotation speed")
     static: Annotated[float, Quantity("N m", at_least=0)] | None = Field(
-        default=None, description="torque at which the bit breaks loose [N m]"
+        default=None, description="torque at which the bit breaks loose"
     )
     dynamic: Annotated[float, Quantity("N m", at_least=0)] | None = Field(
-        default=None, description="torque at high speed [N m]"
+        default=None, description="torque at high speed"
     )
     static_friction: Friction | None = Field(
         default=None,
-        description="instead of static: that torque over weight on bit times 2/3 of the bit's radius [-]",
+        description="static torque over weight on bit times 2/3 of the bit's radius, instead of static",
     )
     dynamic_friction: Friction | None = Field(
         default=None,
-        description="instead of dynamic: that torque over weight on bit times 2/3 of the bit's radius [-]",
+        description="dynamic torque over weight on bit times 2/3 of the bit's radius, instead of dynamic",
     )
     speed: Annotated[float, Quantity("rad/s", above=0)] = Field(
-        description="rotation speed over which the torque falls [rad/s]"
+        description="rotation speed over which the torque falls"
     )
     stiffness: Stiffness = Field(default=None, description=_STIFFNESS)
 
@@ -190,18 +183,18 @@ class Formation(Block):
     weight_exponent: WeightExponent = Field(default=1.0, description=_WEIGHT)
     threshold: Threshold = Field(default=0.0, description=_THRESHOLD)
     reference_speed: Annotated[float, Quantity("rad/s", above=0)] = Field(
-        default=4 * math.pi, description="rotation speed of the drillability [rad/s]"
+        default=4 * math.pi, description="rotation speed at which the drillability is given"
     )
     reference_weight: Annotated[float, Quantity("N", above=0)] = Field(
-        default=1e5, description="weight on bit of the drillability [N]"
+        default=1e5, description="weight on bit at which the drillability is given"
     )
     walk: Annotated[float, Quantity("rad", at_least=-math.pi / 4, at_most=math.pi / 4)] = Field(
         default=0.0,
-        description="angle about the bit's axis by which the bit moves beside the side force [rad]",
+        description="walk angle about the bit's axis, from the side force to the sideways motion of the bit",
     )
     overgauge: Annotated[float, Quantity("m")] = Field(
         default=0.0,
-        description="radius of the new hole less that of the bit [m]; negative for an under-gauge hole",
+        description="radius of the new hole less that of the bit; negative for an under-gauge hole",
     )
     growth: Literal["state", "post_step"] = Field(
         default="state",
@@ -209,14 +202,15 @@ class Formation(Block):
     )
     direction: Literal["rop_vector", "bit_axis"] = Field(
         default="rop_vector",
-        description="the hole grows along the velocity of penetration (rop_vector), or along the bit's axis at the part of it there",
+        description="rop_vector: the hole grows along the velocity of penetration; bit_axis: along the bit's axis, with the component "
+        "of the velocity in that direction",
     )
     freeze_interval: Annotated[float, Quantity("m", above=0, at_most=10)] = Field(
-        default=0.5, description="distance between stations of the new hole [m]"
+        default=0.5, description="distance between the nodes of the drilled hole"
     )
     layers: tuple[Layer, ...] = Field(
         default=(),
-        description="other rock, from the first layer down; above it the values of this block hold",
+        description="other rock, from the first layer down; above the first layer the values of this block hold",
     )
     bit_law: BitLaw = Field(default=RopLaw(kind="rop"), description="torque and weight of the bit as it cuts")
 
@@ -224,33 +218,30 @@ class Formation(Block):
     def _rock(self) -> Formation:
         check_turning(self.bit_anisotropy, self.rock_anisotropy, self.walk, ("rock_anisotropy",))
         _check_depths(self.layers)
-        self.fill_defaults(layers=self._settled_layers())
+        self.fill_defaults(layers=self._complete_layers())
         return self
 
-    def _settled_layers(self) -> tuple[Layer, ...]:
-        """The layers with all values filled in; below a last one that ends, one more with the formation's own
-        values."""
+    def _complete_layers(self) -> tuple[Layer, ...]:
+        """The layers with all values filled in.
+
+        Below a last layer that has an end, one more layer with the values of the formation is added.
+        """
         whole: list[Layer] = []
         for i, layer in enumerate(self.layers):
             end = self.layers[i + 1].from_ if i + 1 < len(self.layers) else layer.to
-            values = {key: getattr(self if getattr(layer, key) is None else layer, key) for key in OF_A_LAYER}
+            values = {key: getattr(self if getattr(layer, key) is None else layer, key) for key in LAYER_KEYS}
             values["rock_anisotropy"] = overlaid(self.rock_anisotropy, layer.rock_anisotropy)
             key = "bit_anisotropy" if layer.rock_anisotropy is None else "rock_anisotropy"
             check_turning(values["bit_anisotropy"], values["rock_anisotropy"], self.walk, ("layers", i, key))
             whole.append(layer.model_copy(update={"to": end, **values}))
         if whole and whole[-1].to is not None:
-            own = {key: getattr(self, key) for key in OF_A_LAYER}
+            own = {key: getattr(self, key) for key in LAYER_KEYS}
             whole.append(whole[-1].model_copy(update={"from_": whole[-1].to, "to": None, **own}))
         return tuple(whole)
 
-    def rock_at(self, md: float) -> Formation | Layer:
-        """What holds the drillability, the anisotropies, the exponents and the threshold at the measured
-        depth md [m]."""
-        return next((layer for layer in reversed(self.layers) if md >= layer.from_), self)
-
 
 def _check_depths(layers: tuple[Layer, ...]) -> None:
-    """Layers follow one another downward, without a gap or an overlap."""
+    """Refuse layers that do not follow one another downward without a gap or an overlap."""
     for i, layer in enumerate(layers):
         if i and layer.from_ <= layers[i - 1].from_:
             want = f"rising depths: below the layer above, which begins at {layers[i - 1].from_:g} m"
@@ -300,12 +291,16 @@ def largest_turn_of_bit(sideways: float, walk: float) -> float:
 
 
 def check_turning(sideways: float, rock: RockAnisotropy, walk: float, at: tuple[str | int, ...]) -> None:
-    """Refuses rock and bit of which the symmetric part of M_r M_b is not positive definite for every axis of
-    the bit.
+    """Refuse rock and bit for which the symmetric part of M_r M_b is not positive definite.
 
-    x . M_r M_b x = (M_r x) . (M_b x) is positive for all x as long as M_r x and M_b x are less than a right
-    angle apart. As the bit's axis may have any direction, both largest turns can happen to one x in one
-    plane, away from each other: so their sum must be below a right angle.
+    x . M_r M_b x = (M_r x) . (M_b x) is positive for all x as long as the angle between M_r x and M_b x is
+    less than a right angle. The bit's axis may have any direction. So both largest angles can occur for one x
+    in one plane, on opposite sides of x. Their sum must be below a right angle.
+
+    sideways: bit anisotropy [-]
+    rock: indices of the rock
+    walk: walk angle [rad]
+    at: key path for the message
     """
     bit = largest_turn_of_bit(sideways, walk)
     if largest_turn_of_rock(rock) + bit < math.pi / 2:

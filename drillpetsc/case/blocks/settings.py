@@ -1,4 +1,4 @@
-"""`beam`, `initial`, `time` and `output`: how the scene is computed and what is kept."""
+"""`beam`, `initial`, `time` and `output`: formulation, initial state, simulated time and output."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 from drillpetsc.case.block import Block, derived_default
 from drillpetsc.case.blocks.string import Angle
 from drillpetsc.case.key_paths import refuse, suggestion
-from drillpetsc.case.quantities import Quantity
+from drillpetsc.case.quantities import Quantity, as_list
 from drillpetsc.case.survey_file import FOLDER
 
 STARTS = ("statics", "rest", "straight")
@@ -22,16 +22,17 @@ class BeamTheory(Block):
 
     formulation: Literal["ancf", "quaternion"] = Field(
         default="ancf",
-        description="ancf: position, slope and spin angle at each node; quaternion: strain and Euler parameters, the paper's element",
+        description="ancf: position, slope and spin angle at each node; quaternion: strain and Euler parameters, the element of "
+        "the reference formulation (DOI 10.1177/1687814016656703)",
     )
     constraint: Literal["index3", "index2", "stabilized"] | None = Field(
         default=None,
-        description="how the quaternion element meets its constraints: index3 (when not given): on positions; index2: on velocities, "
-        "positions drift; stabilized: on velocities, positions restored after each step",
+        description="constraints of the quaternion element: index3 (when not given): on positions; index2: on velocities, positions "
+        "drift; stabilized: on velocities, positions restored after each step",
     )
 
     @model_validator(mode="after")
-    def _settled(self) -> BeamTheory:
+    def _constraint_of_quaternion(self) -> BeamTheory:
         if self.formulation == "ancf" and self.constraint is not None:
             raise refuse(
                 "constraint", got=self.constraint, want="no constraint unless formulation is quaternion"
@@ -47,17 +48,17 @@ class Initial(Block):
     from_: str = Field(
         default="statics",
         alias="from",
-        description="statics: the static equilibrium; rest: along the hole's axis, not yet strained by loads; "
+        description="statics: the static equilibrium; rest: along the hole's axis, without strain from loads; "
         "straight: straight and without strain; or a run folder to continue from",
     )
     wob: Annotated[float, Quantity("N", at_least=0)] | None = Field(
-        default=None, description="weight on bit [N] that the static start meets by the top's axial position"
+        default=None, description="weight on bit that the static start meets by the top's axial position"
     )
-    inclination: Angle = Field(default=0.0, description="inclination of a string without a well [rad]")
-    azimuth: Angle = Field(default=0.0, description="azimuth of a string without a well [rad]")
+    inclination: Angle = Field(default=0.0, description="inclination of a string without a well")
+    azimuth: Angle = Field(default=0.0, description="azimuth of a string without a well")
     imperfection: Annotated[float, Quantity("", at_least=0, at_most=1)] = Field(
         default=1e-3,
-        description="sideways load as a fraction of the weight [-], to leave an unstable equilibrium",
+        description="lateral load as a fraction of the weight, so that the string leaves an unstable equilibrium",
     )
 
     @field_validator("from_", mode="before")
@@ -83,16 +84,16 @@ class Initial(Block):
 
 
 class Time(Block):
-    """How long, and with or without inertia."""
+    """Simulated time, with or without inertia."""
 
-    end: Annotated[float, Quantity("s", above=0)] = Field(description="simulated time [s]")
+    end: Annotated[float, Quantity("s", above=0)] = Field(description="simulated time")
     mode: Literal["dynamic", "quasi_static"] = Field(
         default="dynamic",
         description="dynamic: with inertia; quasi_static: string and fluid in equilibrium at every moment, while the hole grows",
     )
     step: Annotated[float, Quantity("s", above=0)] | None = Field(
         default=None,
-        description="first and largest step of a quasi-static run [s]; the solver's choice when not given",
+        description="first and largest step of a quasi-static run; the solver's choice when not given",
     )
 
     @model_validator(mode="after")
@@ -106,30 +107,25 @@ class Time(Block):
 Interval = Annotated[float, Quantity("s", above=0)]
 
 
-def as_list(value: Any) -> Any:
-    """numpy arrays as lists."""
-    return value.tolist() if hasattr(value, "tolist") else value
-
-
 class Output(Block):
-    """What the run folder gets. Intervals are simulated time."""
+    """Contents of the run folder. Intervals are simulated time."""
 
     history_every: Interval = derived_default(
-        "interval of history.csv and probes.csv [s]; end/1000, between 1 ms and 0.1 s (quasi_static: without limit), when not given"
+        "interval of history.csv and probes.csv; end/1000, between 1 ms and 0.1 s (quasi_static: without limit), when not given"
     )
     field_every: Interval = derived_default(
-        "interval of the string's pictures [s]; end/100, not below history_every, when not given"
+        "interval of the snapshots of the string; end/100, not below history_every, when not given"
     )
     probes: Annotated[tuple[Annotated[float, Quantity("m", at_least=0)], ...], BeforeValidator(as_list)] = (
         Field(
             default=(),
-            description="measured depths along the string [m] that get their own columns in probes.csv",
+            description="measured depths along the string that get their own columns in probes.csv",
         )
     )
-    checkpoint_every: Interval = derived_default("interval of checkpoint.h5 [s]; end/10 when not given")
+    checkpoint_every: Interval = derived_default("interval of checkpoint.h5; end/10 when not given")
 
     @model_validator(mode="after")
-    def _named_apart(self) -> Output:
+    def _distinct_names(self) -> Output:
         names = [f"{probe:g}" for probe in self.probes]
         for i, name in enumerate(names):
             if name in names[:i]:
@@ -138,9 +134,13 @@ class Output(Block):
                 )
         return self
 
-    def settled(self, end: float, fast: bool = True) -> Output:
-        """This block with its intervals filled in for a run of `end` [s]; fast: vibrations are to be seen."""
-        history = self.history_every or (min(max(end / 1000, 1e-3), 0.1, end) if fast else end / 1000)
+    def with_intervals(self, end: float, dynamic: bool = True) -> Output:
+        """This block with its intervals filled in.
+
+        end: simulated time [s]
+        dynamic: history_every is short enough to resolve vibrations
+        """
+        history = self.history_every or (min(max(end / 1000, 1e-3), 0.1, end) if dynamic else end / 1000)
         return self.model_copy(
             update={
                 "history_every": history,

@@ -1,9 +1,10 @@
-"""`string`: what hangs from the top drive, from the surface down; and `material`."""
+"""`string`: items of the string, from the surface down; and `material`."""
 
 from __future__ import annotations
 
 import math
-from typing import Annotated, ClassVar, Literal
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
@@ -20,18 +21,18 @@ Angle = Annotated[float, Quantity("rad")]
 Friction = Annotated[float, Quantity("", at_least=0, at_most=10)]
 
 
-THINNEST = 1e-4  # walls on both sides over the outer diameter [-]
-NARROWEST = 1e-4  # inner diameter [m]
+MIN_WALL_RATIO = 1e-4  # (od - id) over od [-]
+MIN_BORE = 1e-4  # inner diameter [m]
 
 
 class Damping(Block):
-    """Damping of the pipe: Kelvin-Voigt (rotates with the pipe) and proportional to the mass (external)."""
+    """Damping of the pipe: Kelvin-Voigt in the rotating section, and external, proportional to the mass."""
 
     stiffness: Annotated[float, Quantity("s", at_least=0)] = Field(
-        default=0.0, description="Kelvin-Voigt time constant [s]: stress E (strain + stiffness * strain rate)"
+        default=0.0, description="Kelvin-Voigt time constant: stress E (strain + stiffness * strain rate)"
     )
     mass: Annotated[float, Quantity("1/s", at_least=0)] = Field(
-        default=0.0, description="external damping rate [1/s]: force per mass over velocity"
+        default=0.0, description="external damping rate: force per mass over velocity"
     )
 
 
@@ -39,13 +40,13 @@ class Material(Block):
     """Elastic constants and density; steel when not given. In a string item, keys left out are the case's."""
 
     young: Annotated[float, Quantity("Pa", at_least=1e3, at_most=1e14)] = Field(
-        default=206e9, description="Young's modulus [Pa]"
+        default=206e9, description="Young's modulus"
     )
     poisson: Annotated[float, Quantity("", above=-1, at_most=0.5)] = Field(
-        default=0.3, description="Poisson's ratio [-]"
+        default=0.3, description="Poisson's ratio"
     )
     density: Annotated[float, Quantity("kg/m^3", above=0, at_most=30e3)] = Field(
-        default=7850.0, description="density [kg/m3]"
+        default=7850.0, description="density"
     )
     damping: Damping = Field(default=Damping(), description="damping of the string")
 
@@ -54,10 +55,10 @@ class Bend(Block):
     """A kink at the upper end of an item (bent sub)."""
 
     angle: Annotated[float, Quantity("rad", at_least=0, at_most=math.pi / 2)] = Field(
-        description="bend angle [rad]"
+        description="bend angle"
     )
     tool_face: Angle = Field(
-        default=0.0, description="direction of the bend about the axis, in the item's section [rad]"
+        default=0.0, description="direction of the bend about the axis, in the item's section"
     )
 
 
@@ -65,74 +66,86 @@ class ItemInitial(Block):
     """Imperfection of one item."""
 
     imperfection: Annotated[float, Quantity("", at_least=0, at_most=1)] = Field(
-        description="sideways load as a fraction of the item's weight [-], instead of the case's initial.imperfection"
+        description="lateral load as a fraction of the item's weight, instead of the case's initial.imperfection"
     )
 
 
 class Inertia(Block):
     """Moments of inertia of a rigid item about its centre of gravity; a hollow cylinder's when not given."""
 
-    axial: Annotated[float, Quantity("kg m^2", at_least=0)] = derived_default(
-        "about the string's axis [kg m2]"
-    )
+    axial: Annotated[float, Quantity("kg m^2", at_least=0)] = derived_default("about the string's axis")
     transverse: Annotated[float, Quantity("kg m^2", at_least=0)] = derived_default(
-        "about an axis across the string through the centre of gravity [kg m2]"
+        "about an axis across the string through the centre of gravity"
     )
 
 
 class Item(Block):
-    """What every string item may have."""
+    """Base of every string item. A kind without one of the optional keys has the value None for it."""
 
-    later_keys: ClassVar[tuple[str, ...]] = ("joints",)
+    unsupported_keys: ClassVar[tuple[str, ...]] = ("joints",)
+    optional_attributes: ClassVar[Mapping[str, Any]] = {
+        "bend": None,
+        "initial": None,
+        "material": None,
+        "nozzle_area": None,
+    }
+
+    if TYPE_CHECKING:
+        kind: str
+        length: float
+        od: float | None = None
+        id: float = 0.0
+        bend: Bend | None = None
+        initial: ItemInitial | None = None
+        material: Material | None = None
+        nozzle_area: float | None = None
 
     name: str = Field(default="", description="name in reports; the kind when not given")
     friction: Friction | None = Field(
-        default=None, description="friction coefficient of this item [-], instead of the hole section's"
+        default=None, description="friction coefficient of this item, instead of the hole section's"
     )
 
     @model_validator(mode="after")
     def _bore_inside(self) -> Item:
-        outer, inner = getattr(self, "od", None), getattr(self, "id", 0.0)
+        outer, inner = self.od, self.id
         if outer is not None and inner >= outer:
             raise refuse("id", got=inner, want=f"an inner diameter below the outer, {outer:g} m")
-        if outer is not None and inner > outer * (1 - THINNEST):
+        if outer is not None and inner > outer * (1 - MIN_WALL_RATIO):
             raise refuse(
                 "id",
                 got=inner,
-                want=f"a wall of at least {THINNEST / 2 * outer:g} m inside the outer diameter, {outer:g} m",
+                want=f"a wall of at least {MIN_WALL_RATIO / 2 * outer:g} m inside the outer diameter, {outer:g} m",
             )
-        if 0 < inner < NARROWEST:
-            raise refuse("id", got=inner, want=f"0 (solid), or an inner diameter of at least {NARROWEST:g} m")
+        if 0 < inner < MIN_BORE:
+            raise refuse("id", got=inner, want=f"0 (solid), or an inner diameter of at least {MIN_BORE:g} m")
         if outer is None and inner:
             raise refuse("id", got=inner, want="an inner diameter together with an outer one (od)")
         if not self.name:
-            self.fill_defaults(name=getattr(self, "kind", ""))
+            self.fill_defaults(name=self.kind)
         return self
 
 
 class Flexible(Item):
-    """Items that are meshed with beam elements."""
+    """An item that is meshed with beam elements."""
 
-    length: Length = Field(description="length [m]")
+    length: Length = Field(description="length")
     element_length: Annotated[float, Quantity("m", above=0)] = Field(
-        default=10.0, description="aimed length of an element [m]; rounded so that elements fit the item"
+        default=10.0, description="target length of an element; rounded so that elements fit the item"
     )
-    eccentricity: Offset = Field(default=0.0, description="offset of the mass centre from the axis [m]")
-    eccentricity_angle: Angle = Field(
-        default=0.0, description="direction of the eccentricity in the section [rad]"
-    )
+    eccentricity: Offset = Field(default=0.0, description="offset of the mass centre from the axis")
+    eccentricity_angle: Angle = Field(default=0.0, description="direction of the eccentricity in the section")
     curvature: Annotated[float, Quantity("1/m", at_least=0, at_most=100)] = Field(
-        default=0.0, description="stress-free curvature [1/m]"
+        default=0.0, description="stress-free curvature"
     )
     curvature_angle: Angle = Field(
-        default=0.0, description="direction of the stress-free curvature in the section [rad]"
+        default=0.0, description="direction of the stress-free curvature in the section"
     )
     bend: Bend | None = Field(default=None, description="bent sub: kink at the item's upper end")
     initial: ItemInitial | None = Field(default=None, description="imperfection of this item")
 
     @model_validator(mode="after")
     def _mass_centre_inside(self) -> Flexible:
-        outer = getattr(self, "od", None)
+        outer = self.od
         if outer is not None and self.eccentricity > outer / 2:
             raise refuse(
                 "eccentricity", got=self.eccentricity, want=f"at most the outer radius, {outer / 2:g} m"
@@ -144,45 +157,47 @@ class Pipe(Flexible):
     """A round tube: drill pipe, collar, casing, coiled tubing."""
 
     kind: Literal["pipe"] = Field(description="round tube")
-    od: Diameter = Field(description="outer diameter [m]")
-    id: Bore = Field(default=0.0, description="inner diameter [m]")
+    od: Diameter = Field(description="outer diameter")
+    id: Bore = Field(default=0.0, description="inner diameter")
     material: Material = derived_default("material of this item; keys left out are the case's")
 
 
 class Beam(Flexible):
-    """A piece given by its stiffnesses, for anything that is not a round tube."""
+    """An item given by its stiffnesses, for anything that is not a round tube."""
 
-    kind: Literal["beam"] = Field(description="piece given by its stiffnesses")
-    axial_stiffness: Annotated[float, Quantity("N", above=0)] = Field(description="EA [N]")
-    bending_stiffness: Annotated[float, Quantity("N m^2", above=0)] = Field(description="EI [N m2]")
-    torsional_stiffness: Annotated[float, Quantity("N m^2", above=0)] = Field(description="GJ [N m2]")
-    mass: Annotated[float, Quantity("kg/m", above=0)] = Field(description="mass per length [kg/m]")
+    kind: Literal["beam"] = Field(description="item given by its stiffnesses")
+    axial_stiffness: Annotated[float, Quantity("N", above=0)] = Field(description="axial stiffness EA")
+    bending_stiffness: Annotated[float, Quantity("N m^2", above=0)] = Field(
+        description="bending stiffness EI"
+    )
+    torsional_stiffness: Annotated[float, Quantity("N m^2", above=0)] = Field(
+        description="torsional stiffness GJ"
+    )
+    mass: Annotated[float, Quantity("kg/m", above=0)] = Field(description="mass per length")
     polar_inertia: Annotated[float, Quantity("kg m", above=0)] = Field(
-        description="polar mass moment of inertia per length [kg m]"
+        description="polar mass moment of inertia per length"
     )
-    od: Diameter | None = Field(
-        default=None, description="outer diameter [m]; needed in a well and with a fluid"
-    )
-    id: Bore = Field(default=0.0, description="inner diameter [m]")
+    od: Diameter | None = Field(default=None, description="outer diameter; needed in a well and with a fluid")
+    id: Bore = Field(default=0.0, description="inner diameter")
     damping: Damping = derived_default("damping; keys left out are the case's material.damping")
 
 
 class Rigid(Item):
-    """A stiff piece: its lower end follows its upper end."""
+    """A rigid item: its lower end moves with its upper end."""
 
-    length: RigidLength = Field(default=0.0, description="length [m]")
-    od: Diameter | None = Field(default=None, description="outer diameter [m]")
-    id: Bore = Field(default=0.0, description="inner diameter [m]")
+    length: RigidLength = Field(default=0.0, description="length")
+    od: Diameter | None = Field(default=None, description="outer diameter")
+    id: Bore = Field(default=0.0, description="inner diameter")
     mass: Annotated[float, Quantity("kg", at_least=0)] = derived_default(
-        "mass [kg]; the tube's from od, id, length and density when not given"
+        "mass; when not given, that of a tube with this od, id, length and density"
     )
     unbalance: Annotated[float, Quantity("kg m", at_least=0)] = Field(
-        default=0.0, description="mass times offset of the mass centre from the axis [kg m]"
+        default=0.0, description="mass times offset of the mass centre from the axis"
     )
-    unbalance_angle: Angle = Field(default=0.0, description="direction of the unbalance in the section [rad]")
+    unbalance_angle: Angle = Field(default=0.0, description="direction of the unbalance in the section")
     inertia: Inertia = Field(default=Inertia(), description="moments of inertia about the centre of gravity")
     center_of_gravity: Annotated[tuple[float, float, float], Vector("m", along_x=True)] = derived_default(
-        "[m] below the item's upper end along the axis, or [along the axis, two offsets across it]; "
+        "distance below the item's upper end along the axis, or [distance, two offsets across the axis]; "
         "half the length when not given"
     )
     material: Material = derived_default(
@@ -199,16 +214,16 @@ class Rigid(Item):
 
 
 class Stabilizer(Rigid):
-    """A stabilizer: touches the hole over its length."""
+    """A stabilizer: contact with the hole over its length."""
 
     kind: Literal["stabilizer"] = Field(description="stabilizer")
-    length: RigidLength = Field(description="length [m]")
-    od: Diameter = Field(description="outer diameter over the blades [m]")
+    length: RigidLength = Field(description="length")
+    od: Diameter = Field(description="outer diameter over the blades")
     bend: Bend | None = Field(default=None, description="bent sub: kink at the item's upper end")
 
 
 class Body(Rigid):
-    """Any other rigid piece; touches the hole when it has an outer diameter."""
+    """Any other rigid item; contact with the hole if it has an outer diameter."""
 
     kind: Literal["body"] = Field(description="rigid body")
     bend: Bend | None = Field(default=None, description="bent sub: kink at the item's upper end")
@@ -218,11 +233,11 @@ class Bit(Rigid):
     """The bit: the last item."""
 
     kind: Literal["bit"] = Field(description="bit")
-    length: RigidLength = Field(description="length [m]")
-    od: Diameter = Field(description="diameter of the bit [m]")
+    length: RigidLength = Field(description="length")
+    od: Diameter = Field(description="diameter of the bit")
     nozzle_area: Annotated[float, Quantity("m^2", above=0, at_most=0.1)] | None = Field(
         default=None,
-        description="total flow area of the nozzles [m2] (used by a fluid); the open bore when not given",
+        description="total flow area of the nozzles (used by a fluid); the open bore when not given",
     )
 
 

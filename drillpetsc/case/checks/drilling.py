@@ -1,21 +1,17 @@
-"""What a formation demands of hole, bit and ends, and a quasi-static run of the whole scene."""
+"""Checks of the formation against hole, bit and ends, and of a quasi-static run against the rest of the case."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.ends import BitBottom, DrivenTop
 from drillpetsc.case.blocks.string import Bit, Flexible
 from drillpetsc.case.key_paths import refuse
 
-if TYPE_CHECKING:
-    from drillpetsc.case.case import Case
-
-SAME_LENGTH = 1e-6  # [m] diameters and depths that are closer are meant to be the same
+LENGTH_TOLERANCE = 1e-6  # [m] diameters and depths closer than this are equal
 
 
-def check_drilling(case: Case) -> None:
-    """Raises where the bit has nothing to cut, or cannot be where it cuts."""
+def check_drilling(case: CaseBlocks) -> None:
+    """Raise where the bit has nothing to cut, or does not fit into the hole."""
     _bit_passes(case)
     if case.fluid is not None and case.fluid.cuttings == "returned" and case.formation is None:
         hint = "without a formation nothing is cut"
@@ -41,14 +37,14 @@ def check_drilling(case: Case) -> None:
     _new_hole(case)
 
 
-def _bit_passes(case: Case) -> None:
-    """A bit has come down through every section above it, so none of them is narrower."""
+def _bit_passes(case: CaseBlocks) -> None:
+    """Raise if a section above the bit is narrower than the bit, which has passed it."""
     bit = case.string[-1]
     if case.well is None or not isinstance(bit, Bit):
         return
     top = 0.0
     for section in case.well.sections:
-        if bit.od > section.diameter + SAME_LENGTH and top < case.string_length - SAME_LENGTH:
+        if bit.od > section.diameter + LENGTH_TOLERANCE and top < case.string_length - LENGTH_TOLERANCE:
             place = f"the {section.kind.replace('_', ' ')} from {top:g} m to {section.to:g} m"
             want = f"at most the diameter of {place}, {section.diameter:g} m"
             raise refuse(
@@ -62,8 +58,8 @@ def _bit_passes(case: Case) -> None:
         top = section.to
 
 
-def _one_stiffness(case: Case, bottom: BitBottom) -> None:
-    """`bottom.stiffness` and that of the bit law are one and the same."""
+def _one_stiffness(case: CaseBlocks, bottom: BitBottom) -> None:
+    """Raise if `bottom.stiffness` and the stiffness of the bit law differ: they are the same quantity."""
     assert case.formation is not None
     given = case.formation.bit_law.stiffness
     if given is not None and "stiffness" in bottom.model_fields_set and given != bottom.stiffness:
@@ -72,12 +68,12 @@ def _one_stiffness(case: Case, bottom: BitBottom) -> None:
         raise refuse("formation", "bit_law", "stiffness", got=given, want=want, hint=hint)
 
 
-def _new_hole(case: Case) -> None:
-    """The new hole is about as wide as the bit, and wide enough for the string that follows."""
+def _new_hole(case: CaseBlocks) -> None:
+    """Raise unless the new hole is about as wide as the bit, and wide enough for the string."""
     assert case.formation is not None
     bit, wider = case.string[-1], case.formation.overgauge
     diameter = bit.od
-    assert diameter is not None  # checked with the bottom
+    assert diameter is not None  # the check of the bottom has refused it
     if abs(wider) >= diameter / 10:
         want = f"between {-diameter / 10:g} m and {diameter / 10:g} m, a tenth of the bit's diameter"
         raise refuse(
@@ -86,14 +82,16 @@ def _new_hole(case: Case) -> None:
     if not isinstance(bit, Bit) or (case.contact is None and not case.has_annulus):
         return
     for i, item in enumerate(case.string[:-1]):
-        outer = getattr(item, "od", None)
+        outer = item.od
         if isinstance(item, Flexible) and outer is not None and outer >= diameter + 2 * wider:
             want = f"less than the diameter of the hole that the bit makes, {diameter + 2 * wider:g} m"
-            raise refuse("string", i, "od", got=outer, want=want, hint="it has to follow the bit")
+            raise refuse(
+                "string", i, "od", got=outer, want=want, hint="the item follows the bit into the new hole"
+            )
 
 
-def check_time(case: Case) -> None:
-    """A quasi-static run goes from equilibrium to equilibrium."""
+def check_time(case: CaseBlocks) -> None:
+    """Raise where a quasi-static run, a sequence of equilibria, is not possible."""
     if case.time is None or case.time.mode != "quasi_static":
         return
     if case.hold_string:

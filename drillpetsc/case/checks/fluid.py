@@ -1,33 +1,32 @@
-"""What the drilling fluid demands of string, hole and ends, and a held string of the other blocks."""
+"""Checks of the drilling fluid against string, hole and ends, and of a held string against other blocks."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.ends import DrivenTop, ForcedBottom
 from drillpetsc.case.blocks.string import Beam, Flexible
-from drillpetsc.case.defaults import largest
 from drillpetsc.case.key_paths import refuse
-
-if TYPE_CHECKING:
-    from drillpetsc.case.case import Case
+from drillpetsc.case.quantities import largest
 
 
-def check_held_string(case: Case) -> None:
-    """A string that is held has no unknowns: nothing may move or load it, and a fluid must be there to
-    flow."""
+def check_held_string(case: CaseBlocks) -> None:
+    """Raise where a held string is moved or loaded, or where there is no fluid.
+
+    A held string has no unknowns. The flow is the only thing left to compute.
+    """
     if not case.hold_string:
         return
     if case.fluid is None:
         want = "hold_string only with a fluid"
-        raise refuse("hold_string", got=True, want=want, hint="without it the scene has no unknowns")
+        raise refuse("hold_string", got=True, want=want, hint="without a fluid the case has no unknowns")
     hint = "hold_string leaves the geometry of the string, without its motion"
     if isinstance(case.top, DrivenTop):
         raise refuse("top", "kind", got="driven", want="no drive of a held string: clamped", hint=hint)
-    for key in ("rotation", "lowering", "force"):
-        value = getattr(case.top, key, None)
-        if value is not None and (key == "force" or largest(value) > 0):
+    for key, value in (("rotation", case.top.rotation), ("lowering", case.top.lowering)):
+        if largest(value) > 0:
             raise refuse("top", key, want=f"no {key} of a held string", hint=hint)
+    if case.top.force is not None:
+        raise refuse("top", "force", want="no force of a held string", hint=hint)
     if isinstance(case.bottom, ForcedBottom):
         raise refuse("bottom", "kind", got="force", want="no force on a held string: free", hint=hint)
     if case.loads:
@@ -36,22 +35,22 @@ def check_held_string(case: Case) -> None:
         raise refuse("initial", "wob", got=case.initial.wob, want="no wob with a held string", hint=hint)
 
 
-def check_fluid(case: Case) -> None:
-    """Raises where the fluid has no way in, through or out."""
+def check_fluid(case: CaseBlocks) -> None:
+    """Raise where the fluid has no way in, through or out."""
     if case.fluid is None:
         return
     _annulus(case)
     if case.formation is not None and case.fluid.formulation == "hermite":
-        hint = "it counts volumes in a hole that keeps its size; formulation: mixed lets the hole grow"
+        hint = "hermite needs a hole of constant size; formulation: mixed lets the hole grow"
         raise refuse("fluid", "formulation", got="hermite", want="mixed with a formation", hint=hint)
     for i, item in enumerate(case.string):
         if isinstance(item, Beam) and item.od is None:
-            raise refuse("string", i, "od", want="an outer diameter (and id): the scene has a fluid")
+            raise refuse("string", i, "od", want="an outer diameter (and id): the case has a fluid")
     _lower_end(case)
     _bore(case)
 
 
-def _annulus(case: Case) -> None:
+def _annulus(case: CaseBlocks) -> None:
     fluid = case.fluid
     assert fluid is not None
     if fluid.annulus and case.well is None:
@@ -67,9 +66,11 @@ def _annulus(case: Case) -> None:
         raise refuse("fluid", "flow_line", got=fluid.flow_line, want=want)
 
 
-def _lower_end(case: Case) -> None:
-    """A plugged string takes no flow; one that nothing fills from above either is empty, and wants an
-    annulus."""
+def _lower_end(case: CaseBlocks) -> None:
+    """Raise where a plugged string has a flow rate, or no fluid is left.
+
+    A plugged string that nothing fills from above is empty. Then the fluid is in the annulus alone.
+    """
     fluid = case.fluid
     assert fluid is not None
     if not case.bottom.plugged or fluid.pump_pressure is not None:
@@ -81,19 +82,15 @@ def _lower_end(case: Case) -> None:
         )
     if not fluid.annulus:
         hint = "plugged: false, or an annulus, or a pump_pressure"
-        want = "a string that is not sealed at both ends: no fluid would be left in this scene"
+        want = "a string that is not sealed at both ends: no fluid would be left in this case"
         raise refuse("bottom", "plugged", got=True, want=want, hint=hint)
 
 
-def _bore(case: Case) -> None:
-    """The bore goes through: all flexible items have one, or none has and nothing is pumped."""
+def _bore(case: CaseBlocks) -> None:
+    """Raise unless all flexible items have a bore, or none has and nothing is pumped."""
     fluid = case.fluid
     assert fluid is not None
-    solid = [
-        i
-        for i, item in enumerate(case.string)
-        if isinstance(item, Flexible) and getattr(item, "id", 0.0) == 0
-    ]
+    solid = [i for i, item in enumerate(case.string) if isinstance(item, Flexible) and item.id == 0]
     if not solid:
         return
     want = "an inner diameter above 0"
@@ -102,4 +99,6 @@ def _bore(case: Case) -> None:
     if fluid.pump_pressure is not None or largest(fluid.flow_rate) > 0:
         raise refuse("string", solid[0], "id", got=0.0, want=f"{want}: the pump feeds the string")
     if not fluid.annulus:
-        raise refuse("string", solid[0], "id", got=0.0, want=f"{want}, or an annulus: the fluid has no room")
+        raise refuse(
+            "string", solid[0], "id", got=0.0, want=f"{want}, or an annulus: there is no space for the fluid"
+        )

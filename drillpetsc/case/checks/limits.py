@@ -1,45 +1,52 @@
-"""What a scene with the quaternion element cannot have."""
+"""Limits of this version: what the quaternion element does not support, and the largest mesh and output."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pydantic_core import PydanticCustomError
 
+from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.ends import DrivenTop
-from drillpetsc.case.blocks.string import Rigid
+from drillpetsc.case.blocks.string import Flexible, Rigid
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.errors import CaseError
 
-if TYPE_CHECKING:
-    from drillpetsc.case.case import Case
+MAX_ELEMENTS = 200_000  # some 5 to 10 GB with fluid and contact; 12 km of string at 6 cm
+MAX_OUTPUTS = {
+    "history_every": 10**7,
+    "field_every": 10**6,
+    "checkpoint_every": 10**6,
+}  # rows, snapshots and checkpoints of a run
 
 
-def check_quaternion(case: Case) -> None:
-    """Raises on the first part of the scene that the quaternion element does not know."""
+def check_quaternion(case: CaseBlocks) -> None:
+    """Raise on the first part of the case that the quaternion element does not support."""
     if case.beam.formulation != "quaternion":
         return
     if case.hold_string:
-        raise _not_yet("hold_string", got=True, what="hold_string (there is no string to compute)")
+        raise _not_supported("hold_string", got=True, what="hold_string (there is no string to compute)")
     if case.fluid is not None and case.fluid.formulation == "hermite":
-        raise _not_yet("fluid", "formulation", got="hermite", what="hermite mud")
+        raise _not_supported("fluid", "formulation", got="hermite", what="hermite mud")
     if isinstance(case.top, DrivenTop):
-        raise _not_yet("top", "kind", got="driven", what="a driven top")
+        raise _not_supported("top", "kind", got="driven", what="a driven top")
     last = max((i for i, item in enumerate(case.string) if not isinstance(item, Rigid)), default=0)
     for i, item in enumerate(case.string[:last]):
         if isinstance(item, Rigid):
-            raise _not_yet("string", i, "kind", got=item.kind, what="rigid items above other pipe")
+            raise _not_supported("string", i, "kind", got=item.kind, what="rigid items above other pipe")
     if case.initial.from_ not in ("statics", "rest", "straight"):
-        raise _not_yet("initial", "from", got=case.initial.from_, what="the end of another run")
-    if getattr(case, "joints", ()):
-        raise _not_yet("joints", what="joints")
-    mode = getattr(case.time, "mode", "dynamic")
-    if mode != "dynamic":
-        raise _not_yet("time", "mode", got=mode, what=f"time.mode {mode}")
+        raise _not_supported("initial", "from", got=case.initial.from_, what="the end of another run")
+    if case.joints:
+        raise _not_supported("joints", what="joints")
+    if case.time is not None and case.time.mode != "dynamic":
+        raise _not_supported("time", "mode", got=case.time.mode, what=f"time.mode {case.time.mode}")
 
 
-def refuse_quaternion(case: Case, command: str) -> None:
-    """Raises CaseError where a command knows the ANCF element only."""
+def refuse_quaternion(case: CaseBlocks, command: str) -> None:
+    """Raise CaseError for a case with the quaternion element.
+
+    command: name of a command that supports the ANCF element only.
+    """
     if case.beam.formulation == "quaternion":
         raise CaseError(
             at="beam.formulation",
@@ -49,10 +56,39 @@ def refuse_quaternion(case: Case, command: str) -> None:
         )
 
 
-def _not_yet(*at: str | int, got: Any = None, what: str, hint: str = "") -> PydanticCustomError:
+def _not_supported(*at: str | int, got: Any = None, what: str) -> PydanticCustomError:
     return refuse(
         *at,
         got=got,
         want=f"not with quaternion yet: {what}",
-        hint=hint or "leave it out, or take beam.formulation ancf",
+        hint="leave it out, or take beam.formulation ancf",
     )
+
+
+def element_count(item: Flexible) -> int:
+    """Number of equal elements that an item is divided into."""
+    return max(1, round(min(item.length / item.element_length, 1e18)))
+
+
+def check_size(case: CaseBlocks) -> None:
+    """Raise where the mesh has more elements, or a run more output, than a machine can hold."""
+    counts = {i: element_count(item) for i, item in enumerate(case.string) if isinstance(item, Flexible)}
+    if sum(counts.values()) > MAX_ELEMENTS:
+        i = max(counts, key=lambda i: counts[i])
+        item = case.string[i]
+        assert isinstance(item, Flexible)
+        want = f"at most {MAX_ELEMENTS} elements in the string; with this it has {sum(counts.values()):.6g}"
+        hint = f"elements of {max(1e-3, 2 * case.string_length / MAX_ELEMENTS):.2g} m would do"
+        raise refuse("string", i, "element_length", got=item.element_length, want=want, hint=hint)
+    if case.time is None:
+        return
+    output, end = case.output.with_intervals(case.time.end), case.time.end
+    for key, most in MAX_OUTPUTS.items():
+        every = getattr(output, key)
+        if end <= most * every:
+            continue
+        if getattr(case.output, key) is None:
+            want = f"at most {most * every:g} s with output.{key} {every:g} s"
+            raise refuse("time", "end", got=end, want=want, hint=f"give output.{key}")
+        want = f"at least {end / most:g} s: a run of {end:g} s would write more than {most:g} times"
+        raise refuse("output", key, got=every, want=want)

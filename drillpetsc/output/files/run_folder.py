@@ -11,6 +11,15 @@ from pathlib import Path
 from drillpetsc.output.files import lock
 from drillpetsc.output.files.atomic import remove_leftovers
 
+SWEEP_TABLE = "sweep.csv"  # table of a sweep, in its folder
+WELLS_TABLE = "wells.csv"  # table of a batch of several wells
+SWEEP_PICTURES = (
+    "trajectory.png",
+    "inclination.png",
+    "build_rate.png",
+)  # pictures of the new hole of a sweep
+ABSENT = "-"  # in the table of a sweep: the value of a key whose block is switched off
+
 
 class RunFolderExists(FileExistsError):
     """An explicit output folder exists and nobody said restart or overwrite."""

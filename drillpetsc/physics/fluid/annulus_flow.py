@@ -152,7 +152,7 @@ class AnnulusFlow(ChannelFlow):
         return update
 
     # ------------------------------------------------------------------ the hole at the string's place
-    def find_hole(self, state) -> None:
+    def locate_hole(self, state) -> None:
         """Take the hole where the string is now, before a run: in statics."""
         self._look(state, False)
 

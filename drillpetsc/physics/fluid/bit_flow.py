@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.fem.component import ElementBlock, Energies, Field, FloatArray, Powers
+from drillpetsc.fem.component import Component, ElementBlock, Energies, Field, FloatArray, Powers
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.kernels import function, pointer
 from drillpetsc.physics.fluid.channel_flow import FLOW_SCALE, FluidConstants
 from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, MovingHole
-from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, ComponentBase, local_vertices
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
 
 END_CORRECTION = 0.61  # of an open unflanged pipe, in radii: Levine and Schwinger, Phys. Rev. 73:383, 1948
@@ -65,7 +65,7 @@ class BitEnd:
     cut: float = 0.0
 
 
-class BitFlow(ComponentBase):
+class BitFlow(Component):
     """One link and one chamber at the last node: unknown q_b [m3/s] where the bore ends in a link.
 
     hole: it grows, its end moved by the fields hole.end (3,) [m] and hole.drilled [m] of the room that
@@ -98,7 +98,7 @@ class BitFlow(ComponentBase):
 
     def fields(self) -> tuple[Field, ...]:
         return (
-            (Field("bit.flow", 1, region="bottom", scale=FLOW_SCALE, second_order=False),)
+            (Field("bit.flow", 1, physics="fluid", region="bottom", scale=FLOW_SCALE, second_order=False),)
             if self.has_link
             else ()
         )
@@ -168,7 +168,7 @@ class BitFlow(ComponentBase):
         params[:, _AMBIENT] = self.end.ambient.value(t)
 
     # ------------------------------------------------------------------ the hole at the bit's place
-    def find_hole(self, state) -> None:
+    def locate_hole(self, state) -> None:
         """Take the hole where the string is now, before a run: in statics."""
         self._look(state, False)
 

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.fem.component import ElementBlock, Field, FloatArray
+from drillpetsc.fem.component import Component, ElementBlock, Field, FloatArray
 from drillpetsc.kernels import function, pointer
 from drillpetsc.physics.beam import SLOTS, SPLIT_SLOTS
-from drillpetsc.physics.rigid_bodies import ComponentBase
 
 FIGURES = (
     "kinetic",
@@ -72,7 +71,7 @@ class FluidConstants:
         return -self.bulk_modulus * np.expm1(-np.asarray(pressure) / self.bulk_modulus)
 
 
-class ChannelFlow(ComponentBase):
+class ChannelFlow(Component):
     """Elements of one channel; the subclass gives its name, kernel and the columns of its parameters."""
 
     name = ""
@@ -85,8 +84,15 @@ class ChannelFlow(ComponentBase):
 
     def fields(self) -> tuple[Field, ...]:
         return (
-            Field(f"{self.name}.pressure", 1, scale=PRESSURE_SCALE, second_order=False),
-            Field(f"{self.name}.flow", 1, region="below_top", scale=FLOW_SCALE, second_order=False),
+            Field(f"{self.name}.pressure", 1, physics="fluid", scale=PRESSURE_SCALE, second_order=False),
+            Field(
+                f"{self.name}.flow",
+                1,
+                physics="fluid",
+                region="below_top",
+                scale=FLOW_SCALE,
+                second_order=False,
+            ),
         )
 
     def own_slots(self) -> tuple[tuple[str, int], ...]:

@@ -1,8 +1,7 @@
-"""The channels of the drilling fluid: bore of the string and annulus, element by element, from string, hole
-and materials.
+"""Geometry of the fluid channels, element by element: bore of the string and annulus.
 
-A rigid item between two elements is part of the channel of the element below it; its metal, mass over
-density, is what it takes from hole and bore, whatever the shape of its blades.
+A rigid item between two elements belongs to the channel of the element below it. Its metal volume, mass over
+density, reduces the space in hole and bore, independent of the shape of its blades.
 """
 
 from __future__ import annotations
@@ -11,10 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.case.blocks.string import Pipe, Rigid
-from drillpetsc.case.case import Case
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 
 _GAUSS = np.polynomial.legendre.leggauss(4)  # exact to degree 7
@@ -68,53 +64,6 @@ class Annulus:
     def only(self, which: np.ndarray) -> Annulus:
         """Some of the elements."""
         return Annulus(self.outer[which], self.hole[which], self.wall[which], self.outer_above[which])
-
-
-def poisson(case: Case, mesh: StringMesh) -> FloatArray:
-    """(n,) Poisson's ratio by which the section narrows under stretch; 0 for pieces given by stiffnesses, and
-    for rigid walls."""
-    assert case.fluid is not None
-    if not case.fluid.elastic_walls:
-        return np.zeros(len(mesh.upper))
-    return np.array([_constants(case, number)[1] for number in mesh.item])
-
-
-def _constants(case: Case, number: int) -> tuple[float, float]:
-    """Young's modulus [Pa] and Poisson's ratio of a string item; a piece given by its stiffnesses has a rigid
-    wall."""
-    item = case.string[number]
-    return (item.material.young, item.material.poisson) if isinstance(item, Pipe) else (np.inf, 0.0)
-
-
-def _rigid_runs(case: Case, mesh: StringMesh) -> tuple[FloatArray, FloatArray]:
-    """(n+1, 2) mean bore area and metal area [m2] of the rigid items that hang on each node, and (n+1,) their
-    metal volume [m3]."""
-    area, volume, length = np.zeros((mesh.nodes, 2)), np.zeros(mesh.nodes), np.zeros(mesh.nodes)
-    items = [item for item in case.string if isinstance(item, Rigid)]
-    for item, body in zip(items, mesh.bodies, strict=True):
-        density = getattr(item, "material", case.material).density
-        bore = np.pi / 4 * (getattr(item, "id", 0.0) or 0.0) ** 2
-        if (
-            bore == 0.0
-        ):  # solid as far as the case tells: what flows through is as wide as in the pipe beside it
-            bore = np.pi / 4 * mesh.inner_diameter[min(body.node, len(mesh.upper) - 1)] ** 2
-        area[body.node] += np.array([bore * body.length, body.mass / density])
-        volume[body.node] += body.mass / density
-        length[body.node] += body.length
-    area /= np.maximum(length, 1e-300)[:, None]
-    return area, volume
-
-
-def build_bore(case: Case, mesh: StringMesh) -> Bore:
-    """Bore of every element. Elasticity of a thick tube (Lame): (2/E) [(Ro^2 + Ri^2)/(Ro^2 - Ri^2) + nu]."""
-    assert case.fluid is not None
-    inner, outer = 0.5 * mesh.inner_diameter, 0.5 * mesh.outer_diameter
-    area, wall = np.pi * inner**2, np.zeros(len(inner))
-    if case.fluid.elastic_walls:
-        young, nu = np.array([_constants(case, k) for k in mesh.item]).T
-        wall = 2 / young * ((outer**2 + inner**2) / (outer**2 - inner**2) + nu)
-    runs, _ = _rigid_runs(case, mesh)
-    return Bore(area, wall, np.where(mesh.rigid_above > 0, runs[:-1, 0], area))
 
 
 class HoleVolume:
@@ -181,33 +130,3 @@ class AnnulusWalls:
             steel = outer / self.young[e] * ((outer + inner) / (outer - inner) - self.poisson[e])
             wall = 2 / (square - outer) * (square * self.give[section] + steel)
         return Annulus(np.pi * outer, area, wall, self.outer_above[e])
-
-
-def build_walls(case: Case, mesh: StringMesh) -> AnnulusWalls:
-    """What bounds the annulus of the case's string."""
-    assert case.fluid is not None and case.well is not None
-    outer, sections = 0.5 * mesh.outer_diameter, case.well.sections
-    young, nu = np.array([_constants(case, k) for k in mesh.item]).T
-    runs, _ = _rigid_runs(case, mesh)
-    above = np.where(mesh.rigid_above > 0, runs[:-1].sum(axis=1), np.pi * outer**2)
-    return AnnulusWalls(
-        outer,
-        0.5 * mesh.inner_diameter,
-        young,
-        nu,
-        above,
-        mesh.rigid_above,
-        np.array([q.to for q in sections]),
-        np.array([_give(q) for q in sections]),
-        case.fluid.elastic_walls,
-    )
-
-
-def _give(section) -> float:
-    rock = getattr(section, "compliance", None)
-    return 0.0 if rock is None else (1 + rock.poisson) / rock.young
-
-
-def metal_below(case: Case, mesh: StringMesh) -> float:
-    """Volume of the rigid items below the last node [m3]: mud that a bit displaces."""
-    return float(_rigid_runs(case, mesh)[1][-1])

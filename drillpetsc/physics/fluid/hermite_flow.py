@@ -78,7 +78,10 @@ class Reference:
 
 
 def _fields(name: str) -> tuple[Field, ...]:
-    return Field(f"{name}.volume", 1, scale=VOLUME_SCALE), Field(f"{name}.pressure", 1, scale=PRESSURE_SCALE)
+    return (
+        Field(f"{name}.volume", 1, physics="fluid", scale=VOLUME_SCALE),
+        Field(f"{name}.pressure", 1, physics="fluid", scale=PRESSURE_SCALE),
+    )
 
 
 def _slots(name: str) -> tuple[tuple[str, int], ...]:
@@ -358,7 +361,7 @@ class HermiteBit(BitFlow):
         """Volume [m3] about the bit at a distance between its face and the hole's end [m]."""
         return self.end.volume + self.end.hole * GAP_ROUNDING * float(np.logaddexp(0.0, gap / GAP_ROUNDING))
 
-    def out_of_place(self, state) -> tuple[float, float]:
+    def missing_volume(self, state) -> tuple[float, float] | None:
         """(volume [m3], volume rate [m3/s]) at zero pressure that the annulus' volumes lack: for the chamber
         to have the annulus' lowest pressure, and for it to keep it in the motion of the bit; this rank's
         share."""

@@ -14,13 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.fem.component import ElementBlock, Energies, Field, FloatArray, Powers, PrescribedMotion
+from drillpetsc.fem.component import ElementBlock, Energies, Field, FloatArray, Powers
 from drillpetsc.fem.dof_layout import DofLayout
-from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
 from drillpetsc.physics.beam import POSITION_SCALE, REPORT
+from drillpetsc.physics.interfaces import Beam
 from drillpetsc.physics.rigid_bodies import local_vertices
 
 _report = function("quaternion_report", "ippppp")
@@ -71,12 +71,15 @@ class _StartFrames(ctypes.Structure):
     _fields_ = [("inner", ctypes.c_void_p), ("frames", ctypes.c_void_p)]
 
 
-class QuaternionBeam:
+class QuaternionBeam(Beam):
     """Elements of the string with unknowns r [m], eps [-], q [-] and the multiplier of |q| = 1 [N m] at every
     node."""
 
     name = "beam"
-    turning = True  # its unknowns turn with the string, and so do its Jacobian's entries
+    formulation = "quaternion"
+    needs_ancf_equilibrium = True
+    has_constraints = True
+    turns_with_string = True  # its unknowns turn with the string, and so do its Jacobian's entries
     derived_fields = {
         "string.tangent": 3,
         "string.spin": 1,
@@ -93,7 +96,7 @@ class QuaternionBeam:
         self.mesh, self.frames, self.constraint = mesh, frames, constraint
         self.position_scale = min(POSITION_SCALE, finest_motion)
         self.gravity = np.asarray(gravity, dtype=float)
-        self.start, self.restores = quaternions(frames), constraint == "stabilized"
+        self.start, self.restores_constraints = quaternions(frames), constraint == "stabilized"
         self._layout: DofLayout | None = None
 
     def fields(self) -> tuple[Field, ...]:
@@ -184,7 +187,21 @@ class QuaternionBeam:
         for array, columns in ((state.x, out[:, :4]), (state.y, out[:, 4:])):
             array[view["string.tangent"]], array[view["string.spin"]] = columns[:, :3], columns[:, 3:]
 
-    def hold_positions(self, hold: bool) -> None:
+    def place(self, system, position: FloatArray, tangent: FloatArray) -> None:
+        """Put the unstrained string at rest on ``position`` (n_nodes, 3) [m], oriented as at the start."""
+        system.set_field("string.position", position)
+        system.set_field("string.strain", np.zeros((self.mesh.nodes, 1)))
+        system.set_field("string.quaternion", self.start)
+
+    def set_rigid_motion(self, system, tangent: FloatArray, lowering: float, rotation: float) -> None:
+        """Give every node the velocity ``lowering`` [m/s] along ``tangent`` and the spin ``rotation`` [rad/s]."""
+        q = np.zeros((self.mesh.nodes, 4))
+        q[system.chain.vertices] = 0.5 * rotation * spun(system.field("string.quaternion"))
+        system.set_field("string.position", lowering * tangent, "y")
+        system.set_field("string.strain", np.zeros((self.mesh.nodes, 1)), "y")
+        system.set_field("string.quaternion", q, "y")
+
+    def constrain_positions(self, hold: bool) -> None:
         """The constraint on positions whatever its form in motion: statics knows no velocities."""
         self._length.params[:, 0] = 3.0 if hold else LEVELS[self.constraint]
 
@@ -194,15 +211,6 @@ class QuaternionBeam:
         q, rate = state.x[at], state.y[at]
         q = q / np.linalg.norm(q, axis=1, keepdims=True)
         state.x[at], state.y[at] = q, rate - q * np.sum(q * rate, axis=1, keepdims=True)
-
-    def prescribed(self) -> tuple[PrescribedMotion, ...]:
-        return ()
-
-    def breaks(self) -> tuple[float, ...]:
-        return ()
-
-    def update_reference_frames(self) -> None:
-        """There are none."""
 
     # ------------------------------------------------------------------ figures
     def motion(self, state) -> FloatArray:
@@ -260,14 +268,3 @@ class QuaternionBeam:
                     pointer(state.y),
                 )
         return Powers(lost)
-
-    #: the bending in ``report`` includes that of the stress-free shape
-    counts_free_curvature = False  # base class
-
-    def quantities(self) -> tuple[Quantity, ...]:  # base class
-        """Outputs that the component declares."""
-        return ()
-
-    def reaction(self, name: str, state) -> float:  # base class
-        """Reaction ``name`` that a multiplier of the component carries, this rank's share [N or N m]."""
-        return 0.0

@@ -43,14 +43,6 @@ class QuaternionContact(Contact):
         self._blocks += self._on_items(part)
         return tuple(self._blocks)
 
-    def copy_sliding_direction(self, other: Contact) -> None:
-        """Take over the sliding direction that statics imposed on another contact."""
-        imposed = next((record for record in other._laws if record.imposed), None)
-        if imposed is None:
-            self.release_sliding_direction()
-        else:
-            self.impose_sliding_direction(imposed.axial, imposed.spin, imposed.side)
-
     def _figures(self, state) -> list[FloatArray]:
         tables = [np.zeros((len(b.points), len(REPORT))) for b in self._blocks]
         for b, out in zip(self._blocks, tables, strict=True):

@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import ElementBlock, Field, FloatArray, Powers
+from drillpetsc.fem.component import Component, ElementBlock, Field, FloatArray, Powers
 from drillpetsc.geometry.frames import high_side
 from drillpetsc.physics.end_conditions import Input, NodeLoad
+from drillpetsc.physics.interfaces import Top
 from drillpetsc.physics.quaternion.beam import LEVELS, NODE_SLOTS, ROW_SCALE, UNCONTROLLED_SCALE, spun, turned
-from drillpetsc.physics.rigid_bodies import ComponentBase, local_vertices
+from drillpetsc.physics.rigid_bodies import local_vertices
 
 _AXES, _VALUE, _RATE, _GOAL, _GOAL_RATE = (
     slice(2, 11),
@@ -26,7 +27,7 @@ _TURNS = (
 )  # about the tangent, and about the section's two axes
 
 
-class ConstrainedEnd(ComponentBase):
+class ConstrainedEnd(Top):
     """An end whose place and orientation are given: clamped, pinned, or moved by a top drive.
 
     places 3: along the tangent and two directions across; 2: across only (the axial force is a load).  turns
@@ -35,6 +36,7 @@ class ConstrainedEnd(ComponentBase):
     """
 
     name = "guided_end"
+    has_constraints = True
 
     def __init__(
         self,
@@ -60,7 +62,8 @@ class ConstrainedEnd(ComponentBase):
         side = high_side(tangent)
         self._axes = np.array([tangent, side, np.cross(tangent, side)])[3 - places :]
         self.anchor = np.append(self._axes @ position, 0.0)  # places [m] and angle [rad] at time 0
-        self._where, self.restores = "top" if vertex == 0 else "bottom", constraint == "stabilized"
+        self._where = "top" if vertex == 0 else "bottom"
+        self.restores_constraints = constraint == "stabilized"
         self.names = tuple(f"{self._where}.{n}" for n in (*_PLACES[3 - places :], *_TURNS[:turns]))
 
     def fields(self) -> tuple[Field, ...]:
@@ -104,9 +107,13 @@ class ConstrainedEnd(ComponentBase):
         p[:, _GOAL] = goal
         p[:, _GOAL_RATE] = 0.5 * (turn.value(t) if turn is not None else 0.0) * spun(goal)
 
-    def hold_positions(self, hold: bool) -> None:
+    def constrain_positions(self, hold: bool) -> None:
         """The constraints on positions whatever their form in motion: statics knows no velocities."""
         self._block.params[:, 0] = 3.0 if hold else LEVELS[self.constraint]
+
+    def copy_position(self, other: Top) -> None:
+        """Prescribe at time 0 the position that the top of another model, with other elements, prescribes."""
+        self.anchor[: self.places] = other.anchor[: self.places]
 
     def shift(self, distance: float) -> None:
         """Move the axial position by ``distance`` [m], down positive."""
@@ -131,15 +138,11 @@ class ConstrainedEnd(ComponentBase):
                 state.x[q], state.y[q] = turned(state.x[q], -off), turned(state.y[q], -off)
 
     # ------------------------------------------------------------------ figures
-    def own_reaction(self, name: str, state) -> float:
+    def reaction(self, name: str, state) -> float:
         """Force [N] or torque [N m] on the string of the component ``name``, this rank's share."""
         if name not in self.names or not len(self._block.points):
             return 0.0
         return float(state.x[state.index_of(self._block)[0, 7 + self.names.index(name)]])
-
-    def reaction(self, name: str, state) -> float:  # base class
-        """Force [N] or torque [N m] of the end on the string, this rank's share."""
-        return self.own_reaction(name, state)
 
     def powers(self, t: float, state) -> Powers:
         if not len(self._block.points):
@@ -159,13 +162,14 @@ def _times_e3(q: FloatArray) -> FloatArray:
     return np.array([-q[3], q[2], -q[1], q[0]])
 
 
-class QuaternionLoads(ComponentBase):
+class QuaternionLoads(Component):
     """Forces and moments on nodes."""
 
     name = "loads"
 
     def __init__(self, loads: tuple[NodeLoad, ...], breaks: tuple[float, ...] = ()):
         self.loads, self._breaks = loads, breaks
+        self.conservative = not any(load.section or any(load.moment) for load in loads)
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         chosen, vertices = local_vertices(part, np.array([q.node for q in self.loads]))

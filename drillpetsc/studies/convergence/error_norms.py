@@ -1,4 +1,4 @@
-"""Errors of a run in named outputs, observed orders, time for a given error: plain numbers, no runs."""
+"""Error norms, observed orders, cost of a given error, and Richardson extrapolation."""
 
 from __future__ import annotations
 
@@ -11,35 +11,34 @@ import numpy.typing as npt
 FloatArray = npt.NDArray[np.float64]
 
 NORMS = ("max", "rms", "end", "mean")
-UNRESOLVED = 0.3  # of the range: above it a run has little to do with the reference, and no order shows
-CLEAR = 3.0  # an error is the run's own where it is so many times larger than that of the reference
-FURTHER, FLAT = (
-    4.0,
-    0.4,
-)  # how far a curve of error over time is continued beyond its last point, and how steep it must be
-SAME = 1e-9  # a range below this share of the size is rounding: the output stands still
+UNRESOLVED_ERROR = 0.3  # error over range above which a run does not resolve the solution and shows no order
+CLEAR_OF_REFERENCE = 3.0  # smallest ratio of a point's error to that of the reference, for an observed order
+EXTRAPOLATION_LIMIT = 4.0  # largest ratio of errors over which a curve of error over time is extrapolated
+LEAST_COST_SLOPE = 0.4  # smallest slope of log(error) over log(time) of a curve that is extrapolated
+ROUNDING_RANGE = 1e-9  # range over size below which a change of an output is rounding
 
 
 def extent(reference: FloatArray) -> float:
-    """Largest less smallest value of an output; 0 where it stands still but for rounding."""
+    """Range of an output (k,); 0 if it is constant to rounding."""
     span, size = float(np.ptp(reference)), float(np.abs(reference).max())
-    return span if span > SAME * size else 0.0
+    return span if span > ROUNDING_RANGE * size else 0.0
 
 
 def moves(values: FloatArray) -> bool:
-    """Whether an output (k,) changes by more than a millionth of its size, and more than rounding may leave
-    of nothing (1e-12 in SI)."""
+    """Whether the range of an output (k,) exceeds a millionth of its size, and 1e-12 in SI."""
     return extent(values) > max(1e-6 * float(np.abs(values).max()), 1e-12)
 
 
 def errors_of(values: FloatArray, reference: FloatArray) -> dict[str, float]:
-    """Errors of values (k,) against the reference (k,), as shares of the reference's range: largest, root
-    mean square over the rows, in the last row, and of the mean over the rows (the norm that is left for
-    chaotic motion)."""
+    """Errors of values (k,) against a reference (k,), as fractions of the range of the reference.
+
+    max: largest error. rms: root mean square over the rows. end: error in the last row. mean: error of the
+    mean over the rows, the only useful norm for chaotic motion.
+    """
     span = extent(reference)
     if span == 0.0:
         raise ValueError(
-            "the output stands still in the reference: there is no range that errors could be relative to"
+            "the output is constant in the reference, so errors relative to its range are not defined"
         )
     off = (values - reference) / span
     return {
@@ -52,8 +51,10 @@ def errors_of(values: FloatArray, reference: FloatArray) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Order:
-    """Slope of log(error) over log(step), the ends of its 95 % confidence interval, and how many points it is
-    from."""
+    """Observed order of convergence: slope of log(error) over log(step).
+
+    low, high: ends of the 95 % confidence interval. points: number of points of the fit.
+    """
 
     value: float
     low: float
@@ -65,12 +66,13 @@ class Order:
 
 
 def observed_order(steps: FloatArray, errors: FloatArray, floor: float = 0.0) -> Order | None:
-    """Least squares through log(error) over log(step) (scipy.stats.linregress), of points (n,) that show an
-    order: finite errors below UNRESOLVED and CLEAR above ``floor``, the error of the reference itself.  None
-    where fewer than three are left.
+    """Fit the order of convergence to steps (n,) and errors (n,); None if fewer than three points are usable.
 
-    The interval is slope +- t standard error, t the 97.5 % quantile of Student's distribution for points - 2
-    degrees of freedom.
+    floor: error of the reference.
+
+    Least squares of log(error) over log(step) (scipy.stats.linregress) through the points whose error lies
+    below UNRESOLVED_ERROR and above CLEAR_OF_REFERENCE times ``floor``. The confidence interval is slope +- t
+    standard error, with t the 97.5 % quantile of Student's distribution for points - 2 degrees of freedom.
     """
     from scipy import stats
 
@@ -78,8 +80,8 @@ def observed_order(steps: FloatArray, errors: FloatArray, floor: float = 0.0) ->
     good = (
         np.isfinite(errors)
         & np.isfinite(steps)
-        & (errors > max(CLEAR * floor, 0.0))
-        & (errors < UNRESOLVED)
+        & (errors > max(CLEAR_OF_REFERENCE * floor, 0.0))
+        & (errors < UNRESOLVED_ERROR)
         & (steps > 0)
     )
     if good.sum() < 3 or len(np.unique(steps[good])) < 3:
@@ -91,8 +93,11 @@ def observed_order(steps: FloatArray, errors: FloatArray, floor: float = 0.0) ->
 
 @dataclass(frozen=True)
 class Cost:
-    """Seconds for an error; how: `between` two points, `below` the cheapest point (it is already better), or
-    `beyond` the best point, by its curve's last slope."""
+    """CPU time of a given error.
+
+    how: `between` two points; `below` the cheapest point, which is already more accurate; or `beyond` the most
+    accurate point, extrapolated with the last slope of the curve.
+    """
 
     seconds: float
     how: str
@@ -102,11 +107,11 @@ class Cost:
 
 
 def cost_of(target: float, errors: FloatArray, seconds: FloatArray) -> Cost | None:
-    """What an error of ``target`` costs on a curve of errors (n,) and seconds (n,) [s]: straight lines
-    between points in logarithms.
+    """CPU time of an error of ``target`` on a curve of errors (n,) and seconds (n,) [s]; None if unknown.
 
-    Only points that no cheaper point beats count.  `beyond` is at most FURTHER away in error, on a curve that
-    still falls by more than time^-FLAT; None where the curve tells nothing.
+    Linear interpolation of logarithms between the points for which no cheaper point is more accurate.
+    Extrapolation is limited to errors within EXTRAPOLATION_LIMIT of the target, and to curves that fall by
+    more than time^-LEAST_COST_SLOPE.
     """
     errors, seconds = np.asarray(errors, dtype=float), np.asarray(seconds, dtype=float)
     good = np.isfinite(errors) & np.isfinite(seconds) & (errors > 0) & (seconds > 0)
@@ -122,10 +127,10 @@ def cost_of(target: float, errors: FloatArray, seconds: FloatArray) -> Cost | No
     for (s0, e0), (s1, e1) in zip(best, best[1:], strict=False):
         if e1 <= target:
             return Cost(_log_line(target, e0, s0, e1, s1), "between")
-    if len(best) < 2 or best[-1][1] > FURTHER * target:
+    if len(best) < 2 or best[-1][1] > EXTRAPOLATION_LIMIT * target:
         return None
     (s0, e0), (s1, e1) = best[-2:]
-    if np.log(e0 / e1) < FLAT * np.log(s1 / s0):
+    if np.log(e0 / e1) < LEAST_COST_SLOPE * np.log(s1 / s0):
         return None
     return Cost(_log_line(target, e0, s0, e1, s1), "beyond")
 
@@ -137,8 +142,12 @@ def _log_line(x: float, xa: float, ya: float, xb: float, yb: float) -> float:
 
 @dataclass(frozen=True)
 class Extrapolated:
-    """values (k,) for mesh size 0; order: as seen from three meshes (NaN where their differences do not
-    shrink); error: of the values as estimated, rms over the rows, in the unit of the values."""
+    """Values extrapolated to mesh size 0.
+
+    values: (k,).
+    order: observed on three meshes; NaN if the differences between the meshes do not decrease.
+    error: estimated error of the values, rms over the rows, in the unit of the values.
+    """
 
     values: FloatArray
     order: float
@@ -146,13 +155,12 @@ class Extrapolated:
 
 
 def richardson(coarse: FloatArray, middle: FloatArray, fine: FloatArray, ratio: float = 2.0) -> Extrapolated:
-    """Values (k,) at three meshes, each ``ratio`` times finer than the one before, extrapolated to mesh size
-    0.
+    """Extrapolate values (k,) on three meshes, each ``ratio`` times finer than the previous one, to mesh size 0.
 
     With an error C h^p: p = log(|coarse - middle|/|middle - fine|)/log(ratio), limit = fine + (fine -
     middle)/(ratio^p - 1) (Roache, Verification and Validation in Computational Science and Engineering,
-    1998).  Where the differences do not shrink, the finest mesh stands, with its distance to the middle one
-    as error.
+    1998). If the differences do not decrease, the values of the finest mesh are returned, with their
+    difference from the middle mesh as error.
     """
 
     def size(v: FloatArray) -> float:
@@ -168,7 +176,7 @@ def richardson(coarse: FloatArray, middle: FloatArray, fine: FloatArray, ratio: 
     return Extrapolated(fine + step, p, size(step))
 
 
-def plain_order(order: Order | None) -> dict[str, Any] | None:
+def order_as_dict(order: Order | None) -> dict[str, Any] | None:
     return (
         None
         if order is None

@@ -1,8 +1,8 @@
-"""Closed forms of scenes that have one, for studies: waves along a string or a bore, by the method of
+"""Closed-form solutions for convergence studies: waves along a string or a bore, by the method of
 characteristics.
 
-Each looks at the case and answers None where its assumptions do not hold; nothing here depends on a case's
-name.
+Each function checks the case and returns None if its assumptions do not hold. The name of a case has no
+influence.
 """
 
 from __future__ import annotations
@@ -23,12 +23,13 @@ FloatArray = npt.NDArray[np.float64]
 Outputs = dict[str, FloatArray]
 
 MOST_CELLS = 40000
-SAME_SPEED = 1e-9
+FEWEST_CELLS = 1000  # for output times between the cell times
+EQUAL_SPEED = 1e-9  # largest relative difference of wave speeds that count as equal
 
 
 def exact_outputs(case: Case, times: FloatArray) -> tuple[Outputs, str] | None:
-    """Outputs name -> (k,) [SI] at ``times`` (k,) [s] that a closed form gives for this case, and its name;
-    None where there is none."""
+    """Outputs name -> (k,) [SI] of a closed form at ``times`` (k,) [s], and its name; None if the case has no
+    closed form."""
     for name, form in FORMS.items():
         found = form(case, times)
         if found is not None:
@@ -40,12 +41,15 @@ def exact_outputs(case: Case, times: FloatArray) -> tuple[Outputs, str] | None:
 def characteristics(
     impedance: FloatArray, cell_time: float, top: Callable[[float], float], end: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Times [s] and speed [m/s or rad/s] at the free lower end of a chain of cells that a wave passes in
-    ``cell_time`` each.
+    """Times (k,) [s] and speed (k,) [m/s or rad/s] of the free lower end of a chain of cells.
 
-    impedance: (n,) of each cell; top: prescribed speed of the upper end.  Speeds are a downward and an upward
-    wave in each cell; at a joint both sides have the speed 2 (Za d + Zb u)/(Za + Zb), so this is exact at the
-    cell times (d'Alembert).
+    impedance: (n,) of each cell.
+    cell_time: travel time of a wave through one cell [s].
+    top: prescribed speed of the upper end at a time [s].
+    end: last time [s].
+
+    The speed in a cell is the sum of a downward wave d and an upward wave u. Both sides of a joint have the
+    speed 2 (Za d + Zb u)/(Za + Zb), which is exact at multiples of the cell time (d'Alembert).
     """
     n = len(impedance)
     steps = int(end / cell_time) + 2
@@ -63,8 +67,10 @@ def characteristics(
 
 
 def _sections(case: Case, stiffness: str, inertia: str) -> tuple[FloatArray, float] | None:
-    """Impedance (n,) of cells of one travel time, and that time [s]; None for strings that are not of one
-    wave speed or have bodies."""
+    """Impedance (n,) of cells of equal travel time, and that time [s].
+
+    None for a string with bodies or with several wave speeds.
+    """
     rows = []
     for item in case.string:
         if isinstance(item, Pipe) and item.bend is None and item.eccentricity == 0 and item.curvature == 0:
@@ -84,22 +90,20 @@ def _sections(case: Case, stiffness: str, inertia: str) -> tuple[FloatArray, flo
             )
         )
     lengths, speeds, impedances = map(np.array, zip(*rows, strict=True))
-    if np.ptp(speeds) > SAME_SPEED * speeds[0]:
+    if np.ptp(speeds) > EQUAL_SPEED * speeds[0]:
         return None
     millimetres = np.round(lengths * 1e3).astype(int)
     if np.any(np.abs(millimetres / 1e3 - lengths) > 1e-9 * lengths):
         return None
     cell = int(np.gcd.reduce(millimetres))
-    cell //= max(
-        1, round(cell * 1000 / int(millimetres.sum()))
-    )  # at least a thousand cells, for times between theirs
+    cell //= max(1, round(cell * FEWEST_CELLS / int(millimetres.sum())))
     if cell == 0 or millimetres.sum() // cell > MOST_CELLS or np.any(millimetres % cell):
         return None
     return np.repeat(impedances, millimetres // cell), cell * 1e-3 / float(speeds[0])
 
 
 def _free_string(case: Case) -> bool:
-    """Straight below a top drive, lower end free, nothing around it."""
+    """Whether the string hangs straight from a top drive, with a free lower end, without well and fluid."""
     return (
         case.well is None
         and case.fluid is None
@@ -122,10 +126,10 @@ def _vertical(case: Case) -> bool:
 
 
 def torsional_wave(case: Case, times: FloatArray) -> Outputs | None:
-    """Bit speed of a string hung from a top drive that turns: torsional waves, c = sqrt(GJ/polar inertia),
-    impedance sqrt(GJ x inertia).
+    """Bit speed of a string that hangs from a rotating top drive.
 
-    Weight and stretch do not touch them (a straight string).  At time 0 the string turns as the top does.
+    Torsional waves with c = sqrt(GJ/polar inertia) and impedance sqrt(GJ x inertia). Weight and stretch have
+    no influence on a straight string. At time 0 the whole string turns with the speed of the top drive.
     """
     if not (_free_string(case) and _vertical(case)):
         return None
@@ -140,10 +144,12 @@ def _end_speed(cells: tuple[FloatArray, float], drive: TimeFunction, times: Floa
     return start + np.interp(times, t, speed)
 
 
-def line_of_mud(case: Case, times: FloatArray) -> Outputs | None:
-    """Pressure at the pump of a held string full of mud without friction, its lower end open: Joukowsky's
-    waves rho c q/A, reversed at the open end after each L/c (small flow: the mud's compression is linear).
-    Rigid bore: c = sqrt(K/rho)."""
+def mud_pressure_wave(case: Case, times: FloatArray) -> Outputs | None:
+    """Pump pressure of a fixed string filled with frictionless mud, with an open lower end.
+
+    Joukowsky waves of amplitude rho c q/A that are reversed at the open end after each L/c. For small flow the
+    compression of the mud is linear. In a rigid bore c = sqrt(K/rho).
+    """
     f = case.fluid
     if (
         f is None
@@ -165,15 +171,15 @@ def line_of_mud(case: Case, times: FloatArray) -> Outputs | None:
     flow = f.flow_rate
 
     def pressure(t: float) -> float:
-        echoes = sum(
+        reflections = sum(
             (-1) ** k * 2 * (flow.value(t - k * back) - flow.value(0.0)) for k in range(1, int(t / back) + 1)
         )
-        return impedance * (flow.value(t) - flow.value(0.0) + echoes)
+        return impedance * (flow.value(t) - flow.value(0.0) + reflections)
 
     return {"pump_pressure": np.array([pressure(float(t)) for t in times])}
 
 
 FORMS: dict[str, Callable[[Case, FloatArray], Outputs | None]] = {
     "torsional wave by characteristics": torsional_wave,
-    "pressure wave by characteristics (Joukowsky)": line_of_mud,
+    "pressure wave by characteristics (Joukowsky)": mud_pressure_wave,
 }

@@ -1,7 +1,6 @@
-"""What a study runs: curves of points, each point a case with some keys and PETSc options changed.
+"""Plan of a study: curves of points. A point is the case with changed keys and PETSc options.
 
-Steps and tolerances follow the case: around the mean step of a run as it stands (the pilot), and around its
-tolerance.
+Steps lie around the mean step of a run of the unchanged case (the pilot), tolerances around its tolerance.
 """
 
 from __future__ import annotations
@@ -20,23 +19,21 @@ from drillpetsc.errors import CaseError
 Options = dict[str, str]
 
 VARIED = ("time-step", "tolerance", "order", "mesh", "formulation", "integrator", "solver", "ranks")
-TOLERANCE = 1e-4  # that of a case which names none
-STEP_FACTORS = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25)  # of the pilot's mean step
+TOLERANCE = 1e-4  # of a case without -ts_rtol
+STEP_FACTORS = (8.0, 4.0, 2.0, 1.0, 0.5, 0.25)  # multiples of the pilot's mean step
 TOLERANCE_FACTORS = (100.0, 10.0, 1.0, 0.1, 0.01)
-MESH_FACTORS = (4.0, 3.0, 2.0, 1.5, 1.0)  # of the case's element lengths
-MESH_TOLERANCE = 0.01  # of a study of the mesh, over that of the case
-LOOSEST = 0.1
-TIGHTEST = 1e-10  # of a Newton iteration in double precision
-FEWEST_ROWS = 50  # of the history, for norms over time
+MESH_FACTORS = (4.0, 3.0, 2.0, 1.5, 1.0)  # multiples of the case's element lengths
+MESH_TOLERANCE = 0.01  # tolerance of a study of the mesh, over that of the case
+LOOSEST_TOLERANCE = 0.1
+TIGHTEST_TOLERANCE = 1e-10  # reachable by Newton's method in double precision
+FEWEST_ROWS = 50  # rows of the history, for norms over time
 
-#: integrators, and whether they choose their steps
+#: integrator -> PETSc options, and whether it can control its step size
 INTEGRATORS: dict[str, tuple[Options, bool]] = {
     "bdf1": ({"ts_type": "bdf", "ts_bdf_order": "1"}, True),
     "bdf2": ({"ts_type": "bdf", "ts_bdf_order": "2"}, True),
-    "bdf3": (
-        {"ts_type": "bdf", "ts_bdf_order": "3", "ts_adapt_clip": "0.2,1.5"},
-        True,
-    ),  # zero-stable while the steps grow
+    # the clip keeps variable-step BDF3 zero-stable
+    "bdf3": ({"ts_type": "bdf", "ts_bdf_order": "3", "ts_adapt_clip": "0.2,1.5"}, True),
     "arkimex": ({"ts_type": "arkimex", "ts_arkimex_type": "4", "ts_arkimex_fully_implicit": "true"}, True),
     "arkimex3": ({"ts_type": "arkimex", "ts_arkimex_type": "3", "ts_arkimex_fully_implicit": "true"}, True),
     "rosw": ({"ts_type": "rosw"}, True),
@@ -55,8 +52,8 @@ SOLVERS: dict[str, Options] = {
 DEFAULT_SOLVERS = ("condensed", "petsc-lu", "line-search-bt", "assembled")
 DEFAULT_INTEGRATORS = ("bdf1", "bdf2", "bdf3", "arkimex", "cn")
 FORMULATIONS = ("ancf", "quaternion")
-#: curves of --curves: name -> (integrator, steps chosen by itself, formulation; the last is the case's own
-#: where it is empty)
+#: curves of --curves: name -> (integrator, whether it controls its step size, formulation; empty for that of
+#: the case)
 CURVES: dict[str, tuple[str, bool, str]] = {
     "bdf1-fixed": ("bdf1", False, ""),
     "bdf2-fixed": ("bdf2", False, ""),
@@ -73,10 +70,13 @@ DEFAULT_CURVES = tuple(CURVES)[:-1]
 
 @dataclass(frozen=True)
 class Point:
-    """One point: changes of the case's keys (`key=value`), PETSc options on top of the case's, and on how
-    many ranks it runs.
+    """One point of a curve.
 
-    value: what varies along the curve (step [s], tolerance, factor on the element lengths, ranks).
+    curve, label: names of the curve and of the point.
+    value: quantity that varies along the curve (step [s], tolerance, factor on the element lengths, ranks).
+    changes: changed keys of the case (`key=value`).
+    petsc: PETSc options in addition to those of the case.
+    ranks: number of ranks of the run.
     """
 
     curve: str
@@ -89,11 +89,15 @@ class Point:
 
 @dataclass(frozen=True)
 class Base:
-    """The case of a study: its file, its data, options of the command line, and the scales that points are
-    chosen by.
+    """The case of a study, and the scales from which its points are chosen.
 
-    tolerance: -ts_rtol of the case; history_every: interval of the rows [s]; step: mean step of the pilot [s]
-    (0: not known); steps [s], tolerances: of all curves, where they are given.
+    path, data, lines: file of the case, its data and line numbers.
+    options: PETSc options of the command line.
+    end: end of the simulated time [s].
+    tolerance: -ts_rtol of the case.
+    history_every: interval of the rows of the history [s].
+    step: mean step of the pilot [s]; 0 if not known.
+    steps, tolerances: steps [s] and tolerances of all curves, if given.
     """
 
     path: Path
@@ -109,7 +113,7 @@ class Base:
 
     @property
     def own_options(self) -> dict[str, Any]:
-        """Of the case and of the command line, which beats it."""
+        """PETSc options of the case, overridden by those of the command line."""
         return {**(self.data.get("petsc") or {}), **self.options}
 
 
@@ -120,7 +124,7 @@ def read_base(
     steps: Sequence[str] = (),
     tolerances: Sequence[str] = (),
 ) -> Base:
-    """The case file of a study; raises CaseError where it cannot run."""
+    """Read the case file of a study; raises CaseError for a case that cannot run."""
     path = Path(path)
     data, lines = read_case_file(path)
     for change in changes:
@@ -128,7 +132,7 @@ def read_base(
     case = case_from_data(data, path, lines)
     if case.time is None:
         raise CaseError(at="time", want="a block {end: ...}", file=path)
-    every = float(case.output.settled(case.time.end).history_every)  # type: ignore[arg-type]
+    every = float(case.output.with_intervals(case.time.end).history_every)  # type: ignore[arg-type]
     petsc = {**case.petsc, **options}
     return Base(
         path,
@@ -144,8 +148,7 @@ def read_base(
 
 
 def case_of(base: Base, point: Point) -> Case:
-    """The case of a point, with all its options in its own `petsc` block; raises CaseError for what is not
-    allowed."""
+    """The case of a point, with all options in its `petsc` block; raises CaseError for an invalid point."""
     data = base.data
     every = {
         "output.history_every": base.history_every,
@@ -160,8 +163,7 @@ def case_of(base: Base, point: Point) -> Case:
 
 
 def _fitting(petsc: dict[str, Any]) -> dict[str, Any]:
-    """Options without those that only integrators or solvers other than the chosen ones read (the run would
-    refuse them)."""
+    """Options without those that the chosen integrator and solver do not read, which a run would refuse."""
     kind = str(petsc.get("ts_type", "bdf"))
     condensed = kind == "bdf" and str(petsc.get("snes_type", "python")) == "python"
 
@@ -176,7 +178,7 @@ def _fitting(petsc: dict[str, Any]) -> dict[str, Any]:
 
 
 def mesh_changes(base: Base, factor: float) -> tuple[str, ...]:
-    """Changes that make every element ``factor`` times as long (an item keeps at least one)."""
+    """Changes that make every element ``factor`` times as long; an item keeps at least one element."""
     case = case_from_data(base.data, base.path, base.lines)
     return tuple(
         f"string[{i}].element_length={min(factor * item.element_length, item.length)!r}"
@@ -187,8 +189,10 @@ def mesh_changes(base: Base, factor: float) -> tuple[str, ...]:
 
 # ---------------------------------------------------------------------- values along a curve
 def default_steps(base: Base) -> list[float]:
-    """Fixed steps [s] around the pilot's mean step, snapped to binary parts or multiples of the rows'
-    interval: steps end on rows."""
+    """Fixed steps [s] around the pilot's mean step.
+
+    They are the interval of the rows times powers of two, so that steps end at rows.
+    """
     if base.steps:
         return list(base.steps)
     mean = base.step or base.history_every
@@ -201,19 +205,21 @@ def default_steps(base: Base) -> list[float]:
 
 
 def default_tolerances(base: Base) -> list[float]:
-    """Tolerances around that of the case, four decades of them, none above LOOSEST."""
+    """Tolerances over four decades around that of the case, none above LOOSEST_TOLERANCE."""
     if base.tolerances:
         return list(base.tolerances)
-    top = min(TOLERANCE_FACTORS[0] * base.tolerance, LOOSEST)
+    top = min(TOLERANCE_FACTORS[0] * base.tolerance, LOOSEST_TOLERANCE)
     return [float(f"{top * f / TOLERANCE_FACTORS[0]:.4g}") for f in TOLERANCE_FACTORS]
 
 
 def newton_tolerance(base: Base, step: float, order: int) -> float:
-    """-ts_rtol of a run with fixed steps, which there only rules Newton's iteration: as small as the local
-    error of such a step is expected to be, tolerance (step/mean step)^(order + 1), and never above the
-    case's; a looser one would cover the order."""
+    """-ts_rtol of a run with fixed steps, where it controls the Newton iteration only.
+
+    It is the expected local error of the step, tolerance (step/mean step)^(order + 1), and at most the
+    tolerance of the case. A larger one would hide the order of convergence.
+    """
     mean = base.step or base.history_every
-    return float(np.clip(base.tolerance * (step / mean) ** (order + 1), TIGHTEST, base.tolerance))
+    return float(np.clip(base.tolerance * (step / mean) ** (order + 1), TIGHTEST_TOLERANCE, base.tolerance))
 
 
 def fixed_points(
@@ -248,8 +254,10 @@ def adaptive_points(
 
 # ---------------------------------------------------------------------- plans
 def plan_of(vary: str, base: Base, values: Sequence[str] = ()) -> list[Point]:
-    """The points of ``--vary``; values: along the curve, or for order, formulation, integrator and solver the
-    curves."""
+    """Points of ``--vary``.
+
+    values: values along the curve; for order, formulation, integrator and solver the names of the curves.
+    """
     if vary in ("time-step", "tolerance", "mesh", "ranks"):
         return _one_curve(vary, base, numbers(vary, values))
     return _several_curves(vary, base, values)
@@ -263,8 +271,8 @@ def _one_curve(vary: str, base: Base, values: Sequence[float]) -> list[Point]:
         return fixed_points(f"{name}-fixed", base, values or default_steps(base), petsc)
     if vary == "tolerance":
         return adaptive_points(name, values or default_tolerances(base), {})
-    if vary == "mesh":  # the time error is the same everywhere, and small
-        petsc = {"ts_rtol": repr(max(MESH_TOLERANCE * base.tolerance, TIGHTEST))}
+    if vary == "mesh":  # the time error is equal at all points, and small
+        petsc = {"ts_rtol": repr(max(MESH_TOLERANCE * base.tolerance, TIGHTEST_TOLERANCE))}
         return [Point("mesh", f"{f:g}", f, mesh_changes(base, f), petsc) for f in values or MESH_FACTORS]
     ranks = [int(v) for v in values or (1, 2)]
     return [Point("ranks", str(n), float(n), ranks=n) for n in ranks]
@@ -302,7 +310,7 @@ def _several_curves(vary: str, base: Base, values: Sequence[str]) -> list[Point]
 
 
 def plan_curves(names: Sequence[str], base: Base, few: bool = False) -> list[Point]:
-    """The points of ``--curves``; few: three points a curve, for a quick look."""
+    """Points of ``--curves``; few: three points per curve, for a quick overview."""
     steps, tolerances = default_steps(base), default_tolerances(base)
     if few:
         steps, tolerances = steps[:3], tolerances[:3]
@@ -328,7 +336,7 @@ def _one_of(word: str, allowed: Sequence[str], what: str) -> None:
 
 
 def numbers(vary: str, words: Sequence[str], option: str = "--values") -> list[float]:
-    """Values as numbers above 0; time steps may carry a unit."""
+    """Convert words to numbers above 0; time steps may have a unit."""
     found = []
     for word in words:
         try:
@@ -354,7 +362,7 @@ def _seconds(word: str) -> float:
 
 
 def options_of(words: Sequence[str]) -> Options:
-    """PETSc's words -name [value] as a mapping."""
+    """Mapping name -> value from PETSc options on the command line, -name [value]."""
     found: Options = {}
     name = ""
     for word in words:
@@ -375,9 +383,11 @@ def _is_number(word: str) -> bool:
 
 
 def finest_tolerance(points: Sequence[Point], base: Base) -> float:
-    """Smallest -ts_rtol among the points with error control, for the reference to do better; without such
-    points what would lead to the shortest of the fixed steps, by the local error of order 3 of the default
-    formula."""
+    """Smallest -ts_rtol among the points with error control.
+
+    Without such points, the tolerance that corresponds to the shortest fixed step: the local error of the
+    default formula has order 3.
+    """
     controlled = [
         float(p.petsc.get("ts_rtol", base.tolerance))
         for p in points

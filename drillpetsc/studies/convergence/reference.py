@@ -1,5 +1,4 @@
-"""What the points of a study are measured against: a closed form, or a separately integrated finer run; never
-one of the points."""
+"""Reference solution of a study: a closed form or a separate, finer run; never one of the points."""
 
 from __future__ import annotations
 
@@ -17,7 +16,7 @@ from drillpetsc.studies.convergence.error_norms import errors_of, extent, richar
 from drillpetsc.studies.convergence.exact_solutions import exact_outputs
 from drillpetsc.studies.convergence.plan import (
     INTEGRATORS,
-    TIGHTEST,
+    TIGHTEST_TOLERANCE,
     Base,
     Point,
     case_of,
@@ -27,41 +26,57 @@ from drillpetsc.studies.convergence.plan import (
 from drillpetsc.studies.convergence.runs import Measured, Runner, measure, outputs_of
 
 FloatArray = npt.NDArray[np.float64]
-#: a closed form from outside: case, times (k,) [s] -> outputs name -> (k,), or None
+#: closed form given by the caller: case, times (k,) [s] -> outputs name -> (k,) [SI], or None
 Exact = Callable[[Case, FloatArray], dict[str, FloatArray] | None]
 
-FINER = 0.1  # tolerance of the reference over the finest of the points
-REFERENCE_TIME_FACTOR = 3.0  # a run of the reference may take so many times longer than a point's
-LOOSER = 10.0  # of the run by which the reference's own error is estimated
-ROWS_PER_STEP = 0.25  # longest step of the reference over the interval of the rows, which lie between steps
-ACCEPTED_REFERENCE_ERROR = 0.02  # own error below which a reference needs no other beside it
-CANDIDATES = ("arkimex", "bdf3", "bdf2")  # the first that can treat the scene within the time limit
+REFERENCE_TOLERANCE_FACTOR = 0.1  # tolerance of the reference over the smallest of the points
+REFERENCE_TIME_FACTOR = 3.0  # time limit of a run of the reference over that of a point
+CONTROL_TOLERANCE_FACTOR = (
+    10.0  # tolerance of the control run for the error of the reference, over the reference's
+)
+LONGEST_REFERENCE_STEP = 0.25  # over the interval of the rows, which are interpolated between steps
+ACCEPTED_REFERENCE_ERROR = 0.02  # estimated error of a reference that is accepted without trying another
+CANDIDATES = ("arkimex", "bdf3", "bdf2")  # integrators of the reference, in the order in which they are tried
 
 
 @dataclass(frozen=True)
 class Reference:
-    """times: (k,) [s]; values: name -> (k,) [SI]; words: what it is; exact: whether a closed form.
+    """Reference solution.
 
-    errors: its own error by output, as a share of the output's range, rms (NaN: not estimated); refused: what
-    else was tried.
+    times: (k,) [s].
+    values: name -> (k,) [SI].
+    description: text for the report.
+    exact: whether it is a closed form.
+    errors: output -> estimated rms error of the reference over the output's range; NaN if not estimated.
+    orders: output -> observed order of a mesh extrapolation.
+    refused: integrators that were tried before and failed.
     """
 
     times: FloatArray
     values: dict[str, FloatArray]
-    words: str
+    description: str
     exact: bool = False
     errors: dict[str, float] = field(default_factory=dict)
-    orders: dict[str, float] = field(default_factory=dict)  # of a mesh extrapolation
+    orders: dict[str, float] = field(default_factory=dict)
     refused: tuple[str, ...] = ()
 
     def floor(self, name: str) -> float:
+        """Estimated error of an output over its range; 0 if not estimated."""
         value = self.errors.get(name, math.nan)
         return value if math.isfinite(value) else 0.0
 
 
 @dataclass(frozen=True)
-class Bench:
-    """Where and how the runs of a study are made."""
+class StudyRuns:
+    """How the runs of a study are made.
+
+    base: the case.
+    out: folder of the study.
+    limit: longest wall time of a run [s].
+    run: function that runs one job.
+    keep: whether finished runs of the same case are kept.
+    say: receives lines of progress.
+    """
 
     base: Base
     out: Path
@@ -75,40 +90,41 @@ class Bench:
 
 
 def find_reference(
-    bench: Bench,
+    runs: StudyRuns,
     vary: str,
     points: Sequence[Point],
     choice: str,
     times: FloatArray,
     exact: Exact | None = None,
 ) -> Reference | None:
-    """The reference that ``choice`` asks for (auto, exact, arkimex, bdf3, bdf2 or a run folder); None where
-    no run of it comes to an end.
+    """Compute the reference; None if none of its runs is completed.
 
-    times: (k,) [s] of the history's rows.
+    choice: auto, exact, arkimex, bdf3, bdf2 or a run folder.
+    times: (k,) [s] of the rows of the history.
+    exact: closed form given by the caller.
     """
-    if vary == "ranks" and choice == "auto":  # what is asked is whether the results agree
-        return _of_run(bench, Point("reference", "one-rank", 1.0), "a separate run on one rank")
+    if vary == "ranks" and choice == "auto":  # the results should not depend on the ranks
+        return _of_run(runs, Point("reference", "one-rank", 1.0), "a separate run on one rank")
     if choice in ("auto", "exact"):
-        found = _closed_form(bench, times, exact)
+        found = _closed_form(runs, times, exact)
         if found is not None:
             return found
         if choice == "exact":
             raise CaseError(
                 at="--reference",
                 got="exact",
-                want="a scene with a closed form",
+                want="a case with a closed form",
                 hint="auto takes a fine run instead",
             )
     if choice not in ("auto", *CANDIDATES):
         return _of_folder(Path(choice))
     if vary == "mesh":
-        return _extrapolated(bench, points, "bdf2" if choice == "auto" else choice)
-    return _integrated(bench, points, CANDIDATES if choice == "auto" else (choice,))
+        return _extrapolated(runs, points, "bdf2" if choice == "auto" else choice)
+    return _integrated(runs, points, CANDIDATES if choice == "auto" else (choice,))
 
 
-def _closed_form(bench: Bench, times: FloatArray, exact: Exact | None) -> Reference | None:
-    case = case_of(bench.base, Point("", "", 0.0))
+def _closed_form(runs: StudyRuns, times: FloatArray, exact: Exact | None) -> Reference | None:
+    case = case_of(runs.base, Point("", "", 0.0))
     if exact is not None:
         values = exact(case, times)
         return None if values is None else Reference(times, values, "closed form", exact=True)
@@ -126,42 +142,44 @@ def _of_folder(folder: Path) -> Reference:
     return Reference(times, values, f"the run {folder.name}, given")
 
 
-def _of_run(bench: Bench, point: Point, words: str, limit: float | None = None) -> Reference | None:
-    made = bench.one(point, limit)
+def _of_run(runs: StudyRuns, point: Point, description: str, limit: float | None = None) -> Reference | None:
+    made = runs.one(point, limit)
     if not made.done:
-        bench.say(f"reference, {words}: {made.message}")
+        runs.say(f"reference, {description}: {made.message}")
         return None
-    times, values, _ = outputs_of(bench.out / made.folder)
-    return Reference(times, values, f"{words} ({made.counts['steps']} steps, {made.median('cpu'):.3g} CPU s)")
+    times, values, _ = outputs_of(runs.out / made.folder)
+    return Reference(
+        times, values, f"{description} ({made.counts['steps']} steps, {made.median('cpu'):.3g} CPU s)"
+    )
 
 
-def _integrated(bench: Bench, points: Sequence[Point], candidates: Sequence[str]) -> Reference | None:
-    """A run by another integrator at a tenth of the finest tolerance, and its distance to one ten times
-    looser as its own error.
+def _integrated(runs: StudyRuns, points: Sequence[Point], candidates: Sequence[str]) -> Reference | None:
+    """Compute a reference with one of ``candidates`` at a tenth of the smallest tolerance.
 
-    The first candidate that is sure of itself (a formula that is not stable for the scene comes to its end
-    far off), else the surest.
+    Its error is estimated by the difference from a control run with a ten times larger tolerance. Returns the
+    first candidate whose error is accepted, otherwise the one with the smallest error. A formula that is
+    unstable for the case completes both runs, but with a large difference.
     """
-    surest: Reference | None = None
-    tolerance = max(FINER * finest_tolerance(points, bench.base), TIGHTEST)
+    best: Reference | None = None
+    tolerance = max(REFERENCE_TOLERANCE_FACTOR * finest_tolerance(points, runs.base), TIGHTEST_TOLERANCE)
     refused: list[str] = []
-    longest = repr(ROWS_PER_STEP * bench.base.history_every)
+    longest = repr(LONGEST_REFERENCE_STEP * runs.base.history_every)
     for name in candidates:
         petsc = {**INTEGRATORS[name][0], "ts_adapt_type": "basic", "ts_adapt_dt_max": longest}
-        both = LOOSER * tolerance, tolerance
+        both = CONTROL_TOLERANCE_FACTOR * tolerance, tolerance
         pair = [
             Point("reference", f"{name}-{tol:.3g}", tol, petsc={**petsc, "ts_rtol": repr(tol)})
             for tol in both
         ]
-        bench.say(f"reference by {name} at a tolerance of {tolerance:.3g} ...")
+        runs.say(f"reference by {name} at a tolerance of {tolerance:.3g} ...")
         loose = _of_run(
-            bench,
+            runs,
             pair[0],
-            f"{name}, tolerance {LOOSER * tolerance:.3g}",
-            0.5 * REFERENCE_TIME_FACTOR * bench.limit,
+            f"{name}, tolerance {CONTROL_TOLERANCE_FACTOR * tolerance:.3g}",
+            0.5 * REFERENCE_TIME_FACTOR * runs.limit,
         )
         tight = (
-            _of_run(bench, pair[1], f"{name}, tolerance {tolerance:.3g}", REFERENCE_TIME_FACTOR * bench.limit)
+            _of_run(runs, pair[1], f"{name}, tolerance {tolerance:.3g}", REFERENCE_TIME_FACTOR * runs.limit)
             if loose is not None
             else None
         )
@@ -170,21 +188,24 @@ def _integrated(bench: Bench, points: Sequence[Point], candidates: Sequence[str]
             continue
         used = (
             " (an integrator of the curves, too)"
-            if any(_integrator(p, bench.base) == name for p in points)
+            if any(_integrator(p, runs.base) == name for p in points)
             else ""
         )
         own = distance(loose.values, tight.values)
         found = replace(
-            tight, words=f"separate run by {tight.words}{used}", errors=own, refused=tuple(refused)
+            tight,
+            description=f"separate run by {tight.description}{used}",
+            errors=own,
+            refused=tuple(refused),
         )
         if max(own.values(), default=0.0) < ACCEPTED_REFERENCE_ERROR:
             return found
-        bench.say(
-            f"reference, {name}: off by {max(own.values()):.2g} of the range from itself at {LOOSER:g} times the tolerance"
+        runs.say(
+            f"reference, {name}: off by {max(own.values()):.2g} of the range from itself at {CONTROL_TOLERANCE_FACTOR:g} times the tolerance"
         )
-        if surest is None or max(own.values()) < max(surest.errors.values()):
-            surest = found
-    return surest
+        if best is None or max(own.values()) < max(best.errors.values()):
+            best = found
+    return best
 
 
 def _integrator(point: Point, base: Base) -> str:
@@ -197,8 +218,8 @@ def _integrator(point: Point, base: Base) -> str:
 
 
 def distance(a: dict[str, FloatArray], b: dict[str, FloatArray]) -> dict[str, float]:
-    """Rms difference of the outputs of two runs, as a share of the range in the second; outputs that stand
-    still are left out."""
+    """Rms difference of the outputs of two runs, over the range in the second; constant outputs are left
+    out."""
     return {
         name: errors_of(a[name], b[name])["rms"]
         for name in b
@@ -206,40 +227,42 @@ def distance(a: dict[str, FloatArray], b: dict[str, FloatArray]) -> dict[str, fl
     }
 
 
-def _extrapolated(bench: Bench, points: Sequence[Point], integrator: str) -> Reference | None:
-    """Richardson from three meshes: the finest of the points, and two and four times finer ones; separate
-    runs at a tenth of the points' tolerance."""
+def _extrapolated(runs: StudyRuns, points: Sequence[Point], integrator: str) -> Reference | None:
+    """Richardson extrapolation from three meshes: the finest of the points, and two and four times finer ones.
+
+    The runs are separate, at a tenth of the points' tolerance.
+    """
     finest = min(p.value for p in points)
-    tolerance = max(FINER * finest_tolerance(points, bench.base), TIGHTEST)
-    runs: list[Reference] = []
+    tolerance = max(REFERENCE_TOLERANCE_FACTOR * finest_tolerance(points, runs.base), TIGHTEST_TOLERANCE)
+    meshes: list[Reference] = []
     for part in (1.0, 0.5, 0.25):
         petsc = {**INTEGRATORS[integrator][0], "ts_adapt_type": "basic", "ts_rtol": repr(tolerance)}
         point = Point(
             "reference",
             f"mesh-{part * finest:g}",
             part * finest,
-            mesh_changes(bench.base, part * finest),
+            mesh_changes(runs.base, part * finest),
             petsc,
         )
-        bench.say(f"reference on elements of {part * finest:g} times the case's length ...")
+        runs.say(f"reference on elements of {part * finest:g} times the case's length ...")
         made = _of_run(
-            bench, point, f"{integrator}, tolerance {tolerance:.3g}", REFERENCE_TIME_FACTOR * bench.limit
+            runs, point, f"{integrator}, tolerance {tolerance:.3g}", REFERENCE_TIME_FACTOR * runs.limit
         )
         if made is None:
             return None
-        runs.append(made)
+        meshes.append(made)
     values, errors, orders = {}, {}, {}
-    for name in runs[-1].values:
-        coarse, middle, fine = (r.values[name] for r in runs)
+    for name in meshes[-1].values:
+        coarse, middle, fine = (mesh.values[name] for mesh in meshes)
         found = richardson(coarse, middle, fine)
         span = extent(found.values)
         values[name], orders[name] = found.values, found.order
         errors[name] = found.error / span if span else math.nan
     return Reference(
-        runs[-1].times,
+        meshes[-1].times,
         values,
         f"Richardson from three meshes, elements {finest:g}, {finest / 2:g}, {finest / 4:g} times the "
-        f"case's; the finest by {runs[-1].words}",
+        f"case's; the finest by {meshes[-1].description}",
         errors=errors,
         orders=orders,
     )

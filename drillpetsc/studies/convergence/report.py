@@ -1,4 +1,4 @@
-"""Table, findings and files of a study."""
+"""Report of a study: table, findings and files."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from drillpetsc.studies.convergence.error_norms import (
     extent,
     moves,
     observed_order,
-    plain_order,
+    order_as_dict,
 )
 from drillpetsc.studies.convergence.reference import Reference
 from drillpetsc.studies.convergence.runs import Measured
 
 Row = dict[str, Any]
 
-MOST_OUTPUTS = 6
-LAST = 1000  # place in the queue of outputs behind all that a quantity gives itself
-DIVERGED = 10.0  # rms error over range of a run that came to its end, but not to a result
-PLATEAU = 1.5  # errors within this ratio are one level, steps beyond it are different
-TARGETS = (0.1, 0.01, 0.001)  # errors whose cost is told
+MOST_OUTPUTS = 6  # outputs compared by default
+LAST = 1000  # rank of outputs without an interest of their own
+DIVERGED = 10.0  # rms error over range above which a completed run counts as failed
+PLATEAU_RATIO = 1.5  # errors within this ratio count as equal, steps beyond it as different
+TARGET_ERRORS = (0.1, 0.01, 0.001)  # errors whose cost is reported
 COLUMNS = (
     ("curve", "-"),
     ("point", "-"),
@@ -56,8 +56,7 @@ COLUMNS = (
 
 
 def chosen_outputs(reference: Reference, outputs: Sequence[str]) -> list[str]:
-    """Outputs to compare: those asked for, or up to MOST_OUTPUTS of those that move, what a driller looks at
-    first."""
+    """Outputs to compare: those given, or up to MOST_OUTPUTS of those that change with time."""
     if outputs:
         return [name for name in outputs if extent(reference.values[name]) > 0]
     moving = [
@@ -75,7 +74,7 @@ def _about_numerics(name: str) -> bool:
 
 
 def _rank(name: str) -> int:
-    """Place in the queue: what a driller looks at first, then offsets at probes, then the rest, forces at probes last."""
+    """Rank of an output: by interest, then offsets at probes, others, and contact forces at probes."""
     quantity = find(name)
     if quantity is None:
         return LAST
@@ -94,8 +93,10 @@ def table_rows(
     reference: Reference | None,
     outputs: Sequence[str] = (),
 ) -> list[Row]:
-    """One row a point: what it is, what it cost, and `error_<output>_<norm>` for each output (None where
-    there is none)."""
+    """One row per point: description, cost, and `error_<output>_<norm>` of each output (NaN if unknown).
+
+    found: number of the point -> outputs name -> (k,) [SI].
+    """
     names = chosen_outputs(reference, outputs) if reference is not None else []
     rows = []
     for k, m in enumerate(measured):
@@ -121,13 +122,13 @@ def table_rows(
             if fits and not np.isfinite(values).all():  # type: ignore[arg-type]
                 row.update(status="failed", message=f"{name} is not a number")
                 fits = False
-            reported = errors_of(values, reference.values[name]) if fits else dict.fromkeys(NORMS, math.nan)  # type: ignore[arg-type]
-            if reported["rms"] > DIVERGED:
+            errors = errors_of(values, reference.values[name]) if fits else dict.fromkeys(NORMS, math.nan)  # type: ignore[arg-type]
+            if errors["rms"] > DIVERGED:
                 row.update(
                     status="failed",
-                    message=f"diverged: {name} is off by {reported['rms']:.2g} times its range",
+                    message=f"diverged: {name} is off by {errors['rms']:.2g} times its range",
                 )
-            row |= {f"error_{name}_{norm}": reported[norm] for norm in NORMS}
+            row |= {f"error_{name}_{norm}": errors[norm] for norm in NORMS}
         rows.append(row)
     return rows
 
@@ -140,8 +141,10 @@ def findings(
     units: Mapping[str, str],
     length: float,
 ) -> dict[str, Any]:
-    """What study.json tells beside its heading: outputs and their ranges, the reference, orders, costs of
-    given errors, all points."""
+    """Findings of a study, for study.json: outputs and ranges, reference, orders, costs of given errors, points.
+
+    units: output -> unit. length: length of the string [m].
+    """
     names = (
         [key[6:-4] for key in rows[0] if key.startswith("error_") and key.endswith("_rms")] if rows else []
     )
@@ -149,23 +152,22 @@ def findings(
     orders: dict[str, Any] = {}
     costs: dict[str, Any] = {}
     for curve in curves:
-        on_rank = [row for row in rows if row["curve"] == curve and row["status"] == "done"]
-        steps = np.array([abscissa(vary, row, length) for row in on_rank], dtype=float)
-        cpu = np.array([row["cpu"] for row in on_rank], dtype=float)
+        done = [row for row in rows if row["curve"] == curve and row["status"] == "done"]
+        steps = np.array([abscissa(vary, row, length) for row in done], dtype=float)
+        cpu = np.array([row["cpu"] for row in done], dtype=float)
         orders[curve], costs[curve] = {}, {}
         for name in names:
             floor = _floor(reference, rows, name, vary, length)
             by_norm = {
-                norm: np.array([row[f"error_{name}_{norm}"] for row in on_rank], dtype=float)
-                for norm in NORMS
+                norm: np.array([row[f"error_{name}_{norm}"] for row in done], dtype=float) for norm in NORMS
             }
             orders[curve][name] = {
-                norm: plain_order(observed_order(steps, e, floor)) for norm, e in by_norm.items()
+                norm: order_as_dict(observed_order(steps, e, floor)) for norm, e in by_norm.items()
             }
             if vary != "ranks":
                 found = {
                     f"{target:g}": cost_of(target, by_norm["rms"], cpu)
-                    for target in TARGETS
+                    for target in TARGET_ERRORS
                     if target > floor
                 }
                 costs[curve][name] = {
@@ -174,7 +176,7 @@ def findings(
     about = None
     if reference is not None:
         about = {
-            "what": reference.words,
+            "what": reference.description,
             "closed_form": reference.exact,
             "own_error": {n: reference.errors.get(n) for n in names},
             "mesh_order": {n: reference.orders[n] for n in names if n in reference.orders},
@@ -191,11 +193,11 @@ def findings(
         "orders": orders,
         "cpu_seconds_at_rms_error": costs,
         "speed_up": _speed_up(rows) if vary == "ranks" else {},
-        "points": [_told(row, m, vary, length) for row, m in zip(rows, measured, strict=True)],
+        "points": [_point_as_dict(row, m, vary, length) for row, m in zip(rows, measured, strict=True)],
     }
 
 
-def _told(row: Row, m: Measured, vary: str, length: float) -> dict[str, Any]:
+def _point_as_dict(row: Row, m: Measured, vary: str, length: float) -> dict[str, Any]:
     options = {"petsc": dict(m.point.petsc), "changes": list(m.point.changes)}
     return {
         **row,
@@ -212,8 +214,11 @@ def abscissa(vary: str, row: Row, length: float) -> float:
 
 
 def _floor(reference: Reference | None, rows: Sequence[Row], name: str, vary: str, length: float) -> float:
-    """Error below which a curve says nothing of its own: that of the reference; with a closed form the level,
-    the mesh's or the time's, at which points of quite different steps or elements end up, if they do."""
+    """Error below which the points show no order: the error of the reference.
+
+    With a closed form it is the common error of points with clearly different steps (or elements), caused by
+    the mesh (or by time integration); 0 if there is no such level.
+    """
     if reference is None:
         return 0.0
     if not reference.exact:
@@ -221,25 +226,25 @@ def _floor(reference: Reference | None, rows: Sequence[Row], name: str, vary: st
     done = [row for row in rows if row["status"] == "done" and row[f"error_{name}_rms"] > 0]
     errors = [(row[f"error_{name}_rms"], abscissa(vary, row, length)) for row in done]
     lowest = min((e for e, _ in errors), default=0.0)
-    steps = [h for e, h in errors if e < PLATEAU * lowest]
-    return lowest if steps and max(steps) > PLATEAU * min(steps) else 0.0
+    steps = [h for e, h in errors if e < PLATEAU_RATIO * lowest]
+    return lowest if steps and max(steps) > PLATEAU_RATIO * min(steps) else 0.0
 
 
 def _speed_up(rows: Sequence[Row]) -> dict[str, float]:
-    """Wall time on one rank over that on n."""
+    """Number of ranks -> wall time on one rank over that on so many."""
     one = next((row["wall"] for row in rows if row["ranks"] == 1 and row["status"] == "done"), None)
     return {str(row["ranks"]): one / row["wall"] for row in rows if row["status"] == "done"} if one else {}
 
 
-def write_results(folder: Path, rows: Sequence[Row], reported: Mapping[str, Any]) -> list[Path]:
-    """study.csv, study.json and the pictures; returns the files."""
+def write_results(folder: Path, rows: Sequence[Row], content: Mapping[str, Any]) -> list[Path]:
+    """Write study.csv, study.json and the pictures; returns the files."""
     from drillpetsc.plotting.work_precision import draw_study
 
     errors = [key for key in (rows[0] if rows else {}) if key.startswith("error_")]
     columns = [*COLUMNS, *((key, "-") for key in errors), ("message", "-")]
     values = [[_cell(row[name]) for row in rows] for name, _ in columns]
     files = [write_table(folder / "study.csv", columns, values)]
-    data = plain(reported)
+    data = plain(content)
     files.append(replace_text(folder / "study.json", json.dumps(data, indent=1, ensure_ascii=False) + "\n"))
     return files + draw_study(json.loads(files[-1].read_text(encoding="utf-8")), folder)
 

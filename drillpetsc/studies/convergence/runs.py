@@ -1,4 +1,4 @@
-"""Runs of a study, each in a process of its own, so that times are honest; what is there already is kept."""
+"""Runs of a study, each in a separate process for reliable run times; finished runs are kept."""
 
 from __future__ import annotations
 
@@ -36,14 +36,17 @@ COUNTS = (
     "residuals",
     "failed_solves",
 )
-NEEDED = ("summary.json", "history.csv", "probes.csv", "case.yaml")  # of a run folder, afterwards
-OURS = "drillpetsc: "  # in front of the program's own messages
+NEEDED_FILES = ("summary.json", "history.csv", "probes.csv", "case.yaml")  # kept of a run folder
+MESSAGE_PREFIX = "drillpetsc: "  # of the program's error messages
 DONE, FAILED = "done", "failed"
 
 
 @dataclass(frozen=True)
 class Job:
-    """One run: the case file, the folder it goes to, its ranks and how long it may take [s]."""
+    """One run.
+
+    case: case file. folder: run folder. ranks: number of ranks. limit: longest wall time [s].
+    """
 
     case: Path
     folder: Path
@@ -51,19 +54,26 @@ class Job:
     limit: float
 
 
-#: runs a job; returns what went wrong, or nothing
+#: function that runs a job; returns the error message, or an empty text
 Runner = Callable[[Job], str]
 
 
 @dataclass(frozen=True)
 class Measured:
-    """A point with what its runs came to.  wall, cpu: of the time loop, a value a repeat [s]; counts: of the
-    first run; step: mean [s]."""
+    """Measured costs of a point.
+
+    status: DONE or FAILED, with the reason in ``message``.
+    folder: folder of the first run, relative to that of the study.
+    wall, cpu: times of the time loop, one value per repetition [s].
+    counts: steps, iterations etc. of the first run.
+    step: mean step [s].
+    energy_error: energy error over the energy of the run.
+    """
 
     point: Point
     status: str
     message: str = ""
-    folder: str = ""  # of the first run, below the study's
+    folder: str = ""
     wall: tuple[float, ...] = ()
     cpu: tuple[float, ...] = ()
     counts: dict[str, int] = field(default_factory=dict)
@@ -87,9 +97,12 @@ class Measured:
 def measure(
     base: Base, point: Point, out: Path, repeats: int, limit: float, run: Runner, keep: bool = True
 ) -> Measured:
-    """Run a point ``repeats`` times below ``out``; one that is there, done and of the same case is kept
-    (``keep``)."""
-    home = out / "runs" / _word(point.curve) / _word(point.label)
+    """Run a point ``repeats`` times below ``out``.
+
+    limit: longest wall time of a run [s].
+    keep: whether finished runs of the same case are kept.
+    """
+    home = out / "runs" / _file_name(point.curve) / _file_name(point.label)
     try:
         text = case_of(base, point).to_yaml()
     except CaseError as error:
@@ -128,15 +141,15 @@ def measure(
 
 def _kept(home: Path, point: Point, text: str, repeats: int) -> Measured | None:
     try:
-        reported = json.loads((home / "point.json").read_text(encoding="utf-8"))
+        stored = json.loads((home / "point.json").read_text(encoding="utf-8"))
         if (home / "case.yaml").read_text(encoding="utf-8") != text:
             return None
         old = Measured(
             **{
-                **reported,
-                "point": Point(**{**reported["point"], "changes": tuple(reported["point"]["changes"])}),
-                "wall": tuple(reported["wall"]),
-                "cpu": tuple(reported["cpu"]),
+                **stored,
+                "point": Point(**{**stored["point"], "changes": tuple(stored["point"]["changes"])}),
+                "wall": tuple(stored["wall"]),
+                "cpu": tuple(stored["cpu"]),
             }
         )
     except (OSError, ValueError, KeyError, TypeError):
@@ -156,29 +169,28 @@ def _store(home: Path, measured: Measured) -> Measured:
 
 
 def _tidy(folder: Path, first: bool) -> None:
-    """Keep the tables of the first run; frames and checkpoints of a study serve nobody."""
+    """Keep the tables of the first run; remove frames, checkpoints and the other runs."""
     if not first:
         shutil.rmtree(folder)
         return
     for entry in folder.iterdir():
         if entry.is_dir():
             shutil.rmtree(entry)
-        elif entry.name not in NEEDED:
+        elif entry.name not in NEEDED_FILES:
             entry.unlink()
 
 
-def _word(text: str) -> str:
+def _file_name(text: str) -> str:
     return re.sub(r"[^\w.+-]", "_", text)
 
 
-def _one_line(what: object) -> str:
-    return "; ".join(" ".join(line.split()) for line in str(what).splitlines() if line.strip())[:400]
+def _one_line(text: object) -> str:
+    return "; ".join(" ".join(line.split()) for line in str(text).splitlines() if line.strip())[:400]
 
 
 # ---------------------------------------------------------------------- outputs of a run
 def outputs_of(folder: Path) -> tuple[FloatArray, dict[str, FloatArray], dict[str, str]]:
-    """Times (k,) [s], outputs name -> (k,) [SI] and their units, from history.csv and probes.csv of a run
-    folder."""
+    """Times (k,) [s], outputs name -> (k,) [SI] and their units, from history.csv and probes.csv of a run."""
     values: dict[str, FloatArray] = {}
     units: dict[str, str] = {}
     run = RunFolder(folder)
@@ -195,7 +207,10 @@ def outputs_of(folder: Path) -> tuple[FloatArray, dict[str, FloatArray], dict[st
 
 # ---------------------------------------------------------------------- processes
 def run_process(job: Job) -> str:
-    """Run `drillpetsc run` in a process of its own, under mpirun where more than one rank is asked for."""
+    """Run `drillpetsc run` in a separate process, under mpirun for more than one rank.
+
+    Returns the error message, or an empty text.
+    """
     words = [
         sys.executable,
         "-m",
@@ -224,7 +239,7 @@ def run_process(job: Job) -> str:
         start_new_session=True,
     )
     try:
-        _, complaint = process.communicate(timeout=job.limit)
+        _, error_output = process.communicate(timeout=job.limit)
     except subprocess.TimeoutExpired:
         os.killpg(process.pid, signal.SIGTERM)
         process.communicate()
@@ -234,20 +249,22 @@ def run_process(job: Job) -> str:
         raise
     if process.returncode == 0:
         return ""
-    start = complaint.find(OURS)  # warnings of libraries may stand before
-    return complaint[max(start, 0) :].removeprefix(OURS).strip() or f"ended with status {process.returncode}"
+    start = error_output.find(MESSAGE_PREFIX)  # warnings of libraries may come first
+    return (
+        error_output[max(start, 0) :].removeprefix(MESSAGE_PREFIX).strip()
+        or f"ended with status {process.returncode}"
+    )
 
 
 def find_launcher() -> list[str] | None:
-    """mpirun of the running Python's environment (a wheel's), or that of the PATH."""
+    """Command of mpirun: from the environment of the running Python, or from the PATH; None if not found."""
     beside = Path(sys.executable).parent / "mpirun"
     found = str(beside) if beside.exists() else shutil.which("mpirun") or shutil.which("mpiexec")
     return [found] if found else None
 
 
 def launcher_environment() -> Mapping[str, str]:
-    """Open MPI refuses root otherwise, and more ranks than cores are the user's choice (names that other MPIs
-    do not read)."""
+    """Environment variables for Open MPI: allow root, and more ranks than cores. Other MPIs ignore them."""
     new = {"OMPI_MCA_rmaps_base_oversubscribe": "1"}
     if hasattr(os, "geteuid") and os.geteuid() == 0:
         new |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
@@ -255,7 +272,7 @@ def launcher_environment() -> Mapping[str, str]:
 
 
 def ranks_here() -> int:
-    """Ranks that this process was started with, by what MPI launchers tell."""
+    """Number of ranks with which this process was started, from variables set by MPI launchers."""
     for name in ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE"):
         if os.environ.get(name, "").isdigit():
             return int(os.environ[name])

@@ -1,4 +1,4 @@
-"""Error against run time of a case: runs, reference, table, pictures; `drillpetsc study`.
+"""Convergence study: error against run time of a case; `drillpetsc study`.
 
 From Python: ``study("case.yaml", vary="time-step").rows``.
 """
@@ -17,13 +17,12 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.errors import CaseError
 from drillpetsc.output import RunFolder
 from drillpetsc.studies.convergence.plan import (
     DEFAULT_CURVES,
     VARIED,
     Base,
-    Options,
     Point,
     as_options,
     case_of,
@@ -31,18 +30,23 @@ from drillpetsc.studies.convergence.plan import (
     plan_of,
     read_base,
 )
-from drillpetsc.studies.convergence.reference import Bench, Exact, Reference, find_reference
+from drillpetsc.studies.convergence.reference import Exact, Reference, StudyRuns, find_reference
 from drillpetsc.studies.convergence.report import findings, table_rows, write_results
 from drillpetsc.studies.convergence.runs import Measured, Runner, measure, outputs_of, ranks_here, run_process
 
-LIMIT = 600.0  # wall seconds that one run may take
-REPEATS = 3
+LIMIT = 600.0  # longest wall time of one run [s]
+REPEATS = 3  # runs of each point
 
 
 @dataclass(frozen=True)
 class StudyResult:
-    """folder: of study.csv, study.json and pictures; rows: one a point; findings: the content of
-    study.json."""
+    """Result of a study.
+
+    folder: folder of study.csv, study.json and the pictures.
+    rows: one per point.
+    findings: the content of study.json.
+    files: the files written.
+    """
 
     folder: Path
     rows: tuple[dict[str, Any], ...]
@@ -56,8 +60,56 @@ class StudyResult:
 
     @property
     def useless(self) -> bool:
-        """Whether no point came to an end, or nothing that they could be compared with."""
+        """Whether no point or no reference was completed."""
         return self.failed == len(self.rows) or self.findings["reference"] is None
+
+
+@dataclass(frozen=True)
+class StudyRequest:
+    """What a study runs and compares.
+
+    case: path of the case file.
+    vary: the one thing that varies (VARIED); or
+    curves: names of the curves (an empty list for DEFAULT_CURVES).
+    values: values along the curve, or names of the curves.
+    outputs: outputs to compare; by default those that change with time.
+    repeats: runs of each point.
+    reference: auto | exact | arkimex | bdf3 | bdf2 | a run folder.
+    out: folder of the study; by default results/<case>-study-NNN.
+    restart, overwrite: keep finished runs in an existing folder, or replace them.
+    options: PETSc options of every run.
+    limit: longest wall time of one run [s].
+    few: three points per curve.
+    steps, tolerances: of all curves that need them, in place of those around the case's own.
+    changes: `key=value` of the case file, for every run.
+    """
+
+    case: str | Path
+    vary: str | None = None
+    curves: Sequence[str] | None = None
+    values: Sequence[str | float] = ()
+    outputs: Sequence[str] = ()
+    repeats: int = REPEATS
+    reference: str = "auto"
+    out: str | Path | None = None
+    restart: bool = False
+    overwrite: bool = False
+    options: Mapping[str, Any] | None = None
+    limit: float = LIMIT
+    few: bool = False
+    steps: Sequence[str | float] = ()
+    tolerances: Sequence[str | float] = ()
+    changes: Sequence[str] = ()
+
+    @property
+    def words(self) -> list[str]:
+        """The values as words."""
+        return [str(v) for v in self.values]
+
+    @property
+    def name(self) -> str:
+        """What varies; "curves" for a study of curves."""
+        return self.vary or "curves"
 
 
 def study(
@@ -65,102 +117,100 @@ def study(
     vary: str | None = None,
     curves: Sequence[str] | None = None,
     *,
-    values: Sequence[str | float] = (),
-    outputs: Sequence[str] = (),
-    repeats: int = REPEATS,
-    reference: str = "auto",
-    out: str | Path | None = None,
-    restart: bool = False,
-    overwrite: bool = False,
-    options: Mapping[str, Any] | None = None,
-    limit: float = LIMIT,
-    few: bool = False,
-    steps: Sequence[str | float] = (),
-    tolerances: Sequence[str | float] = (),
-    changes: Sequence[str] = (),
+    run: Runner = run_process,
+    exact: Exact | None = None,
+    say: Callable[[str], None] | None = None,
+    **settings: Any,
+) -> StudyResult:
+    """Run the study of a case file; ``settings`` are the other fields of StudyRequest. See ``run_study``."""
+    return run_study(StudyRequest(case, vary, curves, **settings), run=run, exact=exact, say=say)
+
+
+def run_study(
+    request: StudyRequest,
+    *,
     run: Runner = run_process,
     exact: Exact | None = None,
     say: Callable[[str], None] | None = None,
 ) -> StudyResult:
-    """Run a study of a case file: ``vary`` one thing (VARIED), or the named ``curves``; values along the
-    curve, or names of curves.
+    """Run a study.
 
-    reference: auto | exact | arkimex | bdf3 | bdf2 | a run folder; exact: a closed form of the caller's;
-    options: PETSc's, for every run;
-    changes: `key=value` of the case file, for every run; limit: wall seconds of one run; few: three points a
-    curve; steps, tolerances: of all curves that need them, in place of those around the case's own.
-    Raises CaseError for bad input, before anything is written; a run that fails is a point marked failed.
+    run: function that runs one job.
+    exact: closed form, see ``reference.Exact``.
+    say: receives lines of progress; by default they are printed to stderr.
+
+    Raises CaseError for bad input, before anything is written. A run that fails is a point marked failed.
     """
-    tell = say or (lambda line: print(line, file=sys.stderr, flush=True))
-    words = [str(v) for v in values]
+    report = say or (lambda line: print(line, file=sys.stderr, flush=True))
     base = read_base(
-        case, as_options(options or {}), changes, [str(v) for v in steps], [str(v) for v in tolerances]
+        request.case,
+        as_options(request.options or {}),
+        request.changes,
+        [str(v) for v in request.steps],
+        [str(v) for v in request.tolerances],
     )
-    _refuse_nonsense(base, vary, curves, words, repeats, reference)
-    folder = _folder(Path(case).stem, out, restart, overwrite)
-    bench = Bench(base, folder, limit, run, restart, tell)
-    bench = replace(bench, base=_with_pilot(bench))
-    points = _points(bench.base, vary, curves, words, few)
-    refers = find_reference(bench, vary or "curves", points, reference, _times(bench), exact)
-    tell(f"reference: {refers.words if refers is not None else 'none came to an end'}")
+    _refuse_invalid(request, base)
+    folder = _folder(request)
+    runs = StudyRuns(base, folder, request.limit, run, request.restart, report)
+    runs = replace(runs, base=_with_pilot(runs))
+    points = _points(request, runs.base, request.few)
+    reference = find_reference(runs, request.name, points, request.reference, _times(runs), exact)
+    report(f"reference: {reference.description if reference is not None else 'no run was completed'}")
     measured = []
     for number, point in enumerate(points, 1):
-        made = measure(bench.base, point, folder, repeats, limit, run, restart)
+        made = measure(runs.base, point, folder, request.repeats, request.limit, run, request.restart)
         measured.append(made)
         cost = (
             f"{made.counts.get('steps', 0)} steps, {made.median('cpu'):.3g} CPU s"
             if made.done
             else f"failed: {made.message}"
         )
-        tell(f"[{number}/{len(points)}] {point.curve} {point.label}: {cost}")
-    return _result(bench, vary or "curves", measured, refers, outputs)
+        report(f"[{number}/{len(points)}] {point.curve} {point.label}: {cost}")
+    return _result(runs, request, measured, reference)
 
 
-def _refuse_nonsense(
-    base: Base,
-    vary: str | None,
-    curves: Sequence[str] | None,
-    words: Sequence[str],
-    repeats: int,
-    reference: str,
-) -> None:
-    if (vary is None) == (curves is None):
+def _refuse_invalid(request: StudyRequest, base: Base) -> None:
+    """Raise CaseError for a request that cannot be run."""
+    if (request.vary is None) == (request.curves is None):
         raise CaseError(want="either --vary or --curves")
-    if vary is not None and vary not in VARIED:
-        raise CaseError(at="--vary", got=vary, want=" | ".join(VARIED))
-    if repeats < 1:
-        raise CaseError(at="--repeats", got=repeats, want="1 or more")
+    if request.vary is not None and request.vary not in VARIED:
+        raise CaseError(at="--vary", got=request.vary, want=" | ".join(VARIED))
+    if request.repeats < 1:
+        raise CaseError(at="--repeats", got=request.repeats, want="1 or more")
     if ranks_here() > 1:
         raise CaseError(
             got=f"{ranks_here()} ranks",
             want="study without mpirun",
             hint="its runs are processes of their own; --vary ranks calls mpirun itself",
         )
-    if reference not in ("auto", "exact", "arkimex", "bdf3", "bdf2") and not Path(reference).is_dir():
+    named = request.reference in ("auto", "exact", "arkimex", "bdf3", "bdf2")
+    if not named and not Path(request.reference).is_dir():
         raise CaseError(
             at="--reference",
-            got=reference,
+            got=request.reference,
             want="auto | exact | arkimex | bdf3 | bdf2, or a run folder that exists",
         )
     case_of(base, Point("", "", 0.0))
-    _points(base, vary, curves, words, False)
+    _points(request, base, few=False)
 
 
-def _points(
-    base: Base, vary: str | None, curves: Sequence[str] | None, words: Sequence[str], few: bool
-) -> list[Point]:
-    if curves is not None:
-        return plan_curves(curves or DEFAULT_CURVES, base, few)
-    assert vary is not None
-    points = plan_of(vary, base, words)
+def _points(request: StudyRequest, base: Base, few: bool) -> list[Point]:
+    """Points of the study."""
+    if request.curves is not None:
+        return plan_curves(request.curves or DEFAULT_CURVES, base, few)
+    assert request.vary is not None
+    points = plan_of(request.vary, base, request.words)
     if len({(p.curve, p.label) for p in points}) < len(points):
-        raise CaseError(at="--values", got=",".join(words), want="each value once")
+        raise CaseError(at="--values", got=",".join(request.words), want="each value once")
     return points
 
 
-def _folder(name: str, out: str | Path | None, restart: bool, overwrite: bool) -> Path:
+def _folder(request: StudyRequest) -> Path:
+    """Create or find the folder of the study."""
+    out, overwrite = request.out, request.overwrite
+    name = f"{Path(request.case).stem}-study"
     try:
-        folder = RunFolder.create(f"{name}-study", out, restart=restart, overwrite=overwrite).path
+        folder = RunFolder.create(name, out, restart=request.restart, overwrite=overwrite).path
         if overwrite:
             shutil.rmtree(folder / "runs", ignore_errors=True)
         return folder
@@ -168,56 +218,60 @@ def _folder(name: str, out: str | Path | None, restart: bool, overwrite: bool) -
         raise CaseError(at="--out", got=str(out) if out else "", want=str(error)) from None
 
 
-def _with_pilot(bench: Bench) -> Base:
-    """The base with the mean step of the case as it stands; also compiles the kernels, so that no timed run
-    does."""
-    made = bench.one(Point("pilot", "as-it-stands", 0.0))
+def _with_pilot(runs: StudyRuns) -> Base:
+    """The base with the mean step of the unchanged case.
+
+    The pilot also compiles the kernels, so that no timed run does.
+    """
+    made = runs.one(Point("pilot", "as-it-stands", 0.0))
     if not made.done:
-        bench.say(f"the case as it stands fails: {made.message}")
-        return bench.base
-    bench.say(
+        runs.say(f"the case as it stands fails: {made.message}")
+        return runs.base
+    runs.say(
         f"the case as it stands: {made.counts['steps']} steps, mean {made.step:.3g} s, {made.median('cpu'):.3g} CPU s"
     )
-    return replace(bench.base, step=made.step)
+    return replace(runs.base, step=made.step)
 
 
-def _times(bench: Bench) -> np.ndarray:
-    """Times (k,) [s] of the history's rows, as the recorder writes them."""
-    every = bench.base.history_every
-    return np.arange(int(math.floor(bench.base.end / every * (1 + 1e-9))) + 1) * every
+def _times(runs: StudyRuns) -> np.ndarray:
+    """Times (k,) [s] of the rows of the history."""
+    every = runs.base.history_every
+    return np.arange(int(math.floor(runs.base.end / every * (1 + 1e-9))) + 1) * every
 
 
 def _result(
-    bench: Bench, vary: str, measured: Sequence[Measured], refers: Reference | None, outputs: Sequence[str]
+    runs: StudyRuns, request: StudyRequest, measured: Sequence[Measured], reference: Reference | None
 ) -> StudyResult:
+    """Compare the points with the reference, and write the files."""
+    outputs, vary = request.outputs, request.name
     units: dict[str, str] = {}
     found: dict[int, dict[str, np.ndarray]] = {}
     for k, m in enumerate(measured):
         if m.done:
-            _, found[k], units = outputs_of(bench.out / m.folder)
-    if refers is not None and outputs:
-        wrong = [name for name in outputs if name not in refers.values]
+            _, found[k], units = outputs_of(runs.out / m.folder)
+    if reference is not None and outputs:
+        wrong = [name for name in outputs if name not in reference.values]
         if wrong:
-            raise CaseError(at="--outputs", got=wrong[0], want=" | ".join(refers.values))
-    rows = table_rows(measured, found, refers, outputs)
-    case = case_of(bench.base, Point("", "", 0.0))
-    reported = {
-        "title": case.title or bench.base.path.stem,
-        "case": bench.base.path.name,
+            raise CaseError(at="--outputs", got=wrong[0], want=" | ".join(reference.values))
+    rows = table_rows(measured, found, reference, outputs)
+    case = case_of(runs.base, Point("", "", 0.0))
+    content = {
+        "title": case.title or runs.base.path.stem,
+        "case": runs.base.path.name,
         "vary": vary,
         "machine": _machine(),
-        "simulated": bench.base.end,
-        "history_every": bench.base.history_every,
-        **findings(vary, measured, rows, refers, units, case.string_length),
+        "simulated": runs.base.end,
+        "history_every": runs.base.history_every,
+        **findings(vary, measured, rows, reference, units, case.string_length),
     }
-    files = write_results(bench.out, rows, reported)
-    if refers is None and measured and not any(m.done for m in measured):
-        bench.say("no point came to an end")
-    return StudyResult(bench.out, tuple(rows), reported, tuple(files))
+    files = write_results(runs.out, rows, content)
+    if reference is None and measured and not any(m.done for m in measured):
+        runs.say("no point was completed")
+    return StudyResult(runs.out, tuple(rows), content, tuple(files))
 
 
 def _machine() -> dict[str, Any]:
-    """What the times were taken on."""
+    """Machine on which the times were measured."""
     name = platform.processor()
     try:
         with open("/proc/cpuinfo", encoding="utf-8") as file:
@@ -230,8 +284,8 @@ def _machine() -> dict[str, Any]:
 
 
 def closing_lines(result: StudyResult) -> list[str]:
-    """The table of orders and costs that ends a study on the screen."""
-    reported = result.findings
+    """Lines that a study prints at its end: failed points, reference and orders."""
+    content = result.findings
     lines = [f"{len(result.rows) - result.failed} of {len(result.rows)} points done"]
     failed: dict[tuple[str, str], list[str]] = {}
     for row in result.rows:
@@ -240,9 +294,9 @@ def closing_lines(result: StudyResult) -> list[str]:
     lines += [
         f"  {curve} at {', '.join(points)} failed: {message}" for (curve, message), points in failed.items()
     ]
-    if reported["reference"] is not None:
-        lines.append(f"  reference: {reported['reference']['what']}")
-    for curve, by_output in reported["orders"].items():
+    if content["reference"] is not None:
+        lines.append(f"  reference: {content['reference']['what']}")
+    for curve, by_output in content["orders"].items():
         for name, by_norm in by_output.items():
             order = by_norm.get("rms")
             if order:
@@ -253,4 +307,4 @@ def closing_lines(result: StudyResult) -> list[str]:
     return lines
 
 
-__all__ = ["Options", "SolveError", "StudyResult", "closing_lines", "study"]
+__all__ = ["StudyRequest", "StudyResult", "closing_lines", "run_study", "study"]

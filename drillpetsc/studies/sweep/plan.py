@@ -1,5 +1,7 @@
-"""Where the members of an ensemble are computed, and what is left to do there; one process decides this,
-before any runs."""
+"""Plan of a sweep or batch: the run folder of each member, and what is left to do there.
+
+One process decides this before any member runs.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +11,10 @@ from pathlib import Path
 
 from drillpetsc.errors import CaseError
 from drillpetsc.output import RunFolder, read_summary
-from drillpetsc.studies.sweep.table import AGAIN, CONTINUE, KEEP, NEW, Member, MemberFolder, Plan
+from drillpetsc.output.files.run_folder import SWEEP_PICTURES, SWEEP_TABLE, WELLS_TABLE
+from drillpetsc.studies.sweep.table import Action, Member, MemberFolder, Plan
 
-SWEEP, WELLS = "sweep.csv", "wells.csv"
-STATE = ".members"
-PICTURES = ("trajectory.png", "inclination.png", "build_rate.png")  # of what the members of a sweep drilled
+STATE = ".members"  # folder of claims and outcomes while a job runs
 
 Out = str | Path | None
 
@@ -21,33 +22,34 @@ Out = str | Path | None
 def plan_sweep(
     title: str, name: str, members: list[Member], out: Out, restart: bool, overwrite: bool
 ) -> Plan:
+    """Plan a sweep into ``out``, or results/<name>-NNN; the folder stays locked until the job ends."""
     if restart and out is None:
         out = _latest_sweep(name)
-    found = RunFolder.create(
-        name, out, restart=restart, overwrite=overwrite
-    )  # held until the job ends (ensemble._Job.end)
+    found = RunFolder.create(name, out, restart=restart, overwrite=overwrite)
     folder = found.path
-    if restart and not (folder / SWEEP).is_file():
+    if restart and not (folder / SWEEP_TABLE).is_file():
         found.release()
         raise CaseError(
             at="--out",
             got=str(folder),
-            want=f"the folder of a sweep, with a {SWEEP}",
+            want=f"the folder of a sweep, with a {SWEEP_TABLE}",
             hint="--restart continues a sweep",
         )
     if overwrite:
         _clear(folder)
-    places = (
-        _places(folder, members)
+    folders = (
+        _restart_folders(folder, members)
         if restart
-        else [MemberFolder(folder / m.name, AGAIN if overwrite else NEW) for m in members]
+        else [MemberFolder(folder / m.name, Action.AGAIN if overwrite else Action.NEW) for m in members]
     )
-    return Plan(title, SWEEP, folder, _state(folder), tuple(members), tuple(places))
+    return Plan(title, SWEEP_TABLE, folder, _state(folder), tuple(members), tuple(folders))
 
 
 def _latest_sweep(name: str) -> Path:
+    """The sweep folder of the case with the highest number."""
     sweeps = sorted(
-        Path("results").glob(f"{name}-*/{SWEEP}"), key=lambda file: (len(file.parent.name), file.parent.name)
+        Path("results").glob(f"{name}-*/{SWEEP_TABLE}"),
+        key=lambda file: (len(file.parent.name), file.parent.name),
     )
     if not sweeps:
         raise CaseError(
@@ -57,8 +59,8 @@ def _latest_sweep(name: str) -> Path:
 
 
 def _clear(folder: Path) -> None:
-    """Remove the members of an earlier sweep, but nothing that is not theirs."""
-    for name in (SWEEP, *PICTURES):
+    """Remove the files of an earlier sweep and of its members; other files are kept."""
+    for name in (SWEEP_TABLE, *SWEEP_PICTURES):
         (folder / name).unlink(missing_ok=True)
     for old in folder.glob("member-*"):
         if old.is_dir():
@@ -68,33 +70,33 @@ def _clear(folder: Path) -> None:
 
 
 def _state(folder: Path) -> Path:
+    """Create an empty state folder."""
     state = folder / STATE
     shutil.rmtree(state, ignore_errors=True)  # claims of a job that was stopped
     state.mkdir(parents=True)
     return state
 
 
-def _places(folder: Path, members: list[Member]) -> list[MemberFolder]:
-    """For a restart: the folder in which the same case was run, wherever it stands; a new one for a member
-    that has none."""
+def _restart_folders(folder: Path, members: list[Member]) -> list[MemberFolder]:
+    """Run folders of a restarted sweep: the folder in which the same case was run, or a new one."""
     known: dict[str, list[Path]] = {}
     for path in sorted(folder.glob("member-*")):
         if text := _case_text(path):
             known.setdefault(text, []).append(path)
     taken = {path for several in known.values() for path in several}
-    places = []
+    folders = []
     for m in members:
         same = known.get(m.case.to_yaml())
         if same:
-            places.append(MemberFolder(same[0], _action(same[0])))
+            folders.append(MemberFolder(same[0], _action(same[0])))
             same.pop(0)  # 1 m and 100 cm are two members
             continue
         number = m.number
         while (path := folder / f"member-{number:03d}") in taken:
             number = max(number + 1, len(members) + 1)
         taken.add(path)
-        places.append(MemberFolder(path, AGAIN if path.exists() else NEW))
-    return places
+        folders.append(MemberFolder(path, Action.AGAIN if path.exists() else Action.NEW))
+    return folders
 
 
 def _case_text(folder: Path) -> str:
@@ -102,46 +104,41 @@ def _case_text(folder: Path) -> str:
     return file.read_text(encoding="utf-8") if file.is_file() else ""
 
 
-def _action(folder: Path) -> str:
+def _action(folder: Path) -> Action:
     """What is left to do in a run folder of the same case."""
     found = RunFolder(folder)
     if found.summary.is_file() and read_summary(found.summary).get("status") == "done":
-        return KEEP
-    return CONTINUE if found.checkpoint.is_file() else AGAIN
+        return Action.KEEP
+    return Action.CONTINUE if found.checkpoint.is_file() else Action.AGAIN
 
 
 def plan_wells(members: list[Member], out: Out, restart: bool, overwrite: bool) -> Plan:
+    """Plan a batch of several case files into ``out``/<name>, or results/<name>-NNN each."""
     folder = (
         RunFolder.create("wells", out, restart=restart, overwrite=overwrite).path if out is not None else None
     )
-    places = []
+    folders = []
     for m in members:
         path = folder / m.name if folder is not None else _latest(m.name) if restart else None
         if path is None:
             made = RunFolder.create(m.name)
-            made.release()  # to the rank that will compute it
-            places.append(MemberFolder(made.path, AGAIN))
+            made.release()  # the rank that computes the member takes the lock
+            folders.append(MemberFolder(made.path, Action.AGAIN))
         elif restart and path.is_dir():
-            places.append(_again(path, m))
+            folders.append(_restart_folder(path, m))
         else:
-            places.append(MemberFolder(path, AGAIN if overwrite else NEW))
+            folders.append(MemberFolder(path, Action.AGAIN if overwrite else Action.NEW))
     if folder is not None:
-        return Plan("", WELLS, folder, _state(folder), tuple(members), tuple(places))
-    return Plan(
-        "",
-        WELLS,
-        None,
-        Path(tempfile.mkdtemp(prefix=".wells-", dir="results")),
-        tuple(members),
-        tuple(places),
-    )
+        return Plan("", WELLS_TABLE, folder, _state(folder), tuple(members), tuple(folders))
+    state = Path(tempfile.mkdtemp(prefix=".wells-", dir="results"))
+    return Plan("", WELLS_TABLE, None, state, tuple(members), tuple(folders))
 
 
-def _again(path: Path, m: Member) -> MemberFolder:
-    """For a restart: a case that was changed (a later end) goes on from its checkpoint, as with one well."""
+def _restart_folder(path: Path, m: Member) -> MemberFolder:
+    """Run folder of a restarted well; a changed case (a later end) continues from its checkpoint."""
     action = _action(path)
     changed = _case_text(path) != m.case.to_yaml()
-    return MemberFolder(path, CONTINUE if changed and action == KEEP else action)
+    return MemberFolder(path, Action.CONTINUE if changed and action is Action.KEEP else action)
 
 
 def _latest(name: str) -> Path | None:

@@ -1,5 +1,7 @@
-"""Several runs in one job: sweeps over the values of a case, and several wells; the ranks are shared out over
-them."""
+"""Several runs in one job: a sweep over values of a case, or a batch of several wells.
+
+The ranks of the job are divided into worker groups, each of which computes one member at a time.
+"""
 
 from __future__ import annotations
 
@@ -8,32 +10,43 @@ import shutil
 import sys
 import time as clock
 import traceback
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from petsc4py import PETSc
 
-import drillpetsc
-from drillpetsc.analysis.transient import run
+from drillpetsc.analysis.quasi_static import QuasiStatic
+from drillpetsc.analysis.transient import make_integrator, run
 from drillpetsc.case import Case, load_case
 from drillpetsc.errors import CaseError, DrillError, Interrupted
+from drillpetsc.model.drilling_model import build_model, is_quasi_static
 from drillpetsc.model.mesh import build_mesh
 from drillpetsc.output import RunFolder, read_summary
+from drillpetsc.output.energy_balance import EnergyGainMonitor
+from drillpetsc.output.files.run_folder import SWEEP_TABLE
 from drillpetsc.output.progress import duration
+from drillpetsc.output.recorder import Recorder
+from drillpetsc.parallel import wait_for, wait_for_files
+from drillpetsc.solvers import petsc_options as options
 from drillpetsc.studies.sweep import table
-from drillpetsc.studies.sweep.member_options import refuse_misspelt
-from drillpetsc.studies.sweep.plan import SWEEP, plan_sweep, plan_wells
-from drillpetsc.studies.sweep.table import AGAIN, CONTINUE, KEEP, Member, Outcome, Plan
+from drillpetsc.studies.sweep.plan import plan_sweep, plan_wells
+from drillpetsc.studies.sweep.table import Action, Member, Outcome, Plan
 from drillpetsc.studies.sweep.variations import choices_from, variations
-from drillpetsc.studies.sweep.worker_groups import WorkerGroup, split, team_sizes, wait_for, wait_for_files
+from drillpetsc.studies.sweep.worker_groups import WorkerGroup, group_sizes, split
+from drillpetsc.version import __version__
 
 
 @dataclass(frozen=True)
 class SweepResult:
-    """folder: of table and summary (None: there are none); table: its file; rows: one a member; pictures: of
-    what was drilled; the same on all ranks."""
+    """Result of a sweep or batch, the same on all ranks.
+
+    folder: folder of the table and the summary; None if there are none.
+    table: file of the table, or None.
+    rows: one per member.
+    pictures: files with pictures of the new hole.
+    """
 
     folder: Path | None
     table: Path | None
@@ -56,18 +69,23 @@ def sweep(
     comm: PETSc.Comm | None = None,
     progress: str = "auto",
 ) -> SweepResult:
-    """Simulate every combination of ``values`` (key of the case file -> values); collective over ``comm``.
+    """Simulate every combination of ``values`` of a case file (collective over ``comm``).
 
-    Raises CaseError, before anything runs, for what is wrong in any member; a member that fails later is told
-    in its row.
-    restart: members that are done are kept, those with a checkpoint continued, the others run.
+    case: path of the case file.
+    values: key of the case file -> values.
+    out: folder of the sweep; by default results/<case>-NNN.
+    restart: keep members that are done, continue those with a checkpoint, run the others.
+    overwrite: replace the results in an existing ``out``.
+
+    Raises CaseError, before anything runs, for an error in any member. A member that fails later is marked
+    failed in its row.
     """
     comm = comm or PETSc.COMM_WORLD
     members = []
     for number, v in enumerate(variations(case, choices_from(values)), 1):
         numbers = {key: x for key in v.values if (x := v.number_of(key)) is not None}
         members.append(Member(number, f"member-{number:03d}", v.values, v.case, _elements(v.case), numbers))
-    refuse_misspelt(comm, [m.case for m in members])
+    refuse_unread_options(comm, [m.case for m in members])
     title, name = members[0].case.title, Path(case).stem
     return _run_all(comm, progress, lambda: plan_sweep(title, name, members, out, restart, overwrite))
 
@@ -81,8 +99,10 @@ def run_cases(
     comm: PETSc.Comm | None = None,
     progress: str = "auto",
 ) -> SweepResult:
-    """Simulate several case files, each into its own run folder: results/<case>-NNN, or ``out``/<case>; as
-    ``sweep`` else."""
+    """Simulate several case files, each into its own run folder: results/<case>-NNN, or ``out``/<case>.
+
+    Otherwise as ``sweep``.
+    """
     comm = comm or PETSc.COMM_WORLD
     members: list[Member] = []
     names: list[str] = []
@@ -101,21 +121,88 @@ def run_cases(
             name = f"{stem}-{again}"
         names.append(name)
         members.append(Member(number, name, {"case": str(path)}, case, _elements(case)))
-    refuse_misspelt(comm, [m.case for m in members])
+    refuse_unread_options(comm, [m.case for m in members])
     return _run_all(comm, progress, lambda: plan_wells(members, out, restart, overwrite))
 
 
 def _elements(case: Case) -> int:
-    """Of the mesh; 1 where there is none: the member will fail, and say why, when it is built."""
+    """Number of elements of the mesh; 1 if no mesh can be built, in which case the run of the member fails
+    with the reason."""
     try:
         return len(build_mesh(case).upper)
     except DrillError:
         return 1
 
 
+# ---------------------------------------------------------------------- PETSc options
+def refuse_unread_options(comm: PETSc.Comm, cases: Sequence[Case]) -> None:
+    """Raise CaseError for a PETSc option that none of ``cases`` reads (collective over ``comm``).
+
+    Options of the command line and of the cases are checked. Rank 0 builds one model, and further models with
+    other physics as long as an option is left that none has read.
+    """
+    mpi = comm.tompi4py()
+    answer: CaseError | list[str] | None = None
+    if comm.rank == 0:
+        given = list(PETSc.Options().getAll())
+        unread = _unread_options(given, cases)
+        answer = options.not_an_option(unread[0], "one of the cases") if unread else given
+    answer = mpi.bcast(answer)
+    if isinstance(answer, CaseError):
+        raise answer
+    for name in answer or ():
+        # a query counts as reading, so a member whose own solvers leave the option unread is not refused
+        PETSc.Options().hasName(name)
+
+
+def _unread_options(given: Sequence[str], cases: Sequence[Case]) -> list[str]:
+    """Names of options that no model has read, in the order in which they were given."""
+    names = dict.fromkeys([*given, *(name for case in cases for name in case.petsc)])
+    tried: set[Hashable] = set()
+    built = 0
+    for case in cases:
+        if not names:
+            break
+        if (key := _physics_key(case)) in tried:
+            continue
+        tried.add(key)
+        try:
+            read = _read_options(case)
+        except DrillError:  # the run of the member reports it in its row
+            continue
+        built += 1
+        for name in read:
+            names.pop(name, None)
+    return list(names) if built else []
+
+
+def _physics_key(case: Case) -> Hashable:
+    """Key that is equal for cases whose solvers read the same options."""
+    fluid, contact = case.fluid, case.contact
+    return (
+        fluid is not None and (fluid.formulation, fluid.dynamics), contact is not None and contact.law, case.formation is not None,
+        case.hold_string, case.beam.formulation, case.top.kind, case.bottom.kind, case.time is not None and case.time.mode,
+        tuple(sorted((name, str(value)) for name, value in case.petsc.items())),
+    )  # fmt: skip
+
+
+def _read_options(case: Case) -> list[str]:
+    """Options of the command line and of the case that the solvers of the case read, or may read at the end
+    of the run."""
+    with options.applied(case.petsc) as used:
+        model = build_model(case, PETSc.COMM_SELF)
+        integrator = make_integrator(model, QuasiStatic(model) if is_quasi_static(case) else None)
+        recorder = Recorder(model)
+        EnergyGainMonitor(recorder.energy)
+        unread = options.unread(used)
+        del model, integrator, recorder
+        gc.collect()
+        return [name for name in used if name not in unread]
+
+
 # ---------------------------------------------------------------------- the job
 def _run_all(comm: PETSc.Comm, progress: str, make_plan: Callable[[], Plan]) -> SweepResult:
-    """Plan on rank 0, run the members in teams, gather what came out; collective."""
+    """Plan on rank 0, run the members in worker groups, and collect their outcomes (collective)."""
     mpi = comm.tompi4py()
     answer: Any = None
     if mpi.rank == 0:
@@ -128,23 +215,24 @@ def _run_all(comm: PETSc.Comm, progress: str, make_plan: Callable[[], Plan]) -> 
         raise answer
     plan: Plan = answer
     order = sorted(
-        (m for m in plan.members if plan.place(m).action != KEEP), key=lambda m: (-m.cost, m.number)
+        (m for m in plan.members if plan.folder_of(m).action is not Action.KEEP),
+        key=lambda m: (-m.cost, m.number),
     )
-    sizes = team_sizes([m.cost for m in order], [m.elements for m in order], mpi.size)
+    sizes = group_sizes([m.cost for m in order], [m.elements for m in order], mpi.size)
     job = _Job(plan, order, sizes, mpi, progress, clock.perf_counter())
     if mpi.rank == 0:
         job.begin()
     mpi.Barrier()
     for m in plan.members:
         PETSc.Log.Stage(m.name)  # on all ranks in one order
-    team = split(mpi, sizes)
-    on_rank = job.work(team) if team is not None else []
+    group = split(mpi, sizes)
+    on_rank = job.work(group) if group is not None else []
     wait_for(mpi.Ibarrier())
-    reported = mpi.gather(on_rank)
+    gathered = mpi.gather(on_rank)
     rows: list[dict[str, Any]] = []
     pictures: list[Path] = []
     if mpi.rank == 0:
-        rows = job.end({o.number: o for each in reported for o in each})
+        rows = job.end({o.number: o for each in gathered for o in each})
         pictures = _pictures(plan, rows)
     rows, pictures = mpi.bcast((rows, pictures))
     return SweepResult(
@@ -156,15 +244,15 @@ def _run_all(comm: PETSc.Comm, progress: str, make_plan: Callable[[], Plan]) -> 
 
 
 def _pictures(plan: Plan, rows: list[dict[str, Any]]) -> list[Path]:
-    """Pictures of what the members of a sweep drilled; none, and nothing is imported for them, when they
-    drilled nothing."""
-    if plan.folder is None or plan.table != SWEEP or not any(row.get("drilled [m]", 0.0) > 0 for row in rows):
+    """Draw the new hole of the members of a sweep; without new hole nothing is drawn and nothing imported."""
+    drilled = any(row.get("drilled [m]", 0.0) > 0 for row in rows)
+    if plan.folder is None or plan.table != SWEEP_TABLE or not drilled:
         return []
     try:
         from drillpetsc.plotting.sweep import draw_sweep
 
         return draw_sweep(plan.folder)
-    except Exception as error:  # the results are there, whatever happens to their pictures
+    except Exception as error:  # a failed picture must not fail a sweep whose results are written
         print(
             f"drillpetsc: no pictures of the sweep: {type(error).__name__}: {error}",
             file=sys.stderr,
@@ -175,8 +263,14 @@ def _pictures(plan: Plan, rows: list[dict[str, Any]]) -> list[Path]:
 
 @dataclass(frozen=True)
 class _Job:
-    """order: members to be computed, the costliest first; sizes: ranks of each team; began: clock reading
-    [s]."""
+    """One job of several members.
+
+    order: members to be computed, in descending order of cost.
+    sizes: number of ranks of each worker group.
+    mpi: mpi4py communicator of the job.
+    began: clock reading at the start [s].
+    stopped: signals that ended a member, and with it the job.
+    """
 
     plan: Plan
     order: list[Member]
@@ -184,117 +278,120 @@ class _Job:
     mpi: Any
     progress: str
     began: float
-    stopped: list[str] = field(default_factory=list)  # the signal that ended a member, and with it the job
+    stopped: list[str] = field(default_factory=list)
 
     def facts(self) -> dict[str, Any]:
+        """Entries of the summary about the whole job."""
         return {
             "ranks": self.mpi.size,
-            "teams": self.sizes,
+            "worker_groups": self.sizes,
             "wall_seconds": clock.perf_counter() - self.began,
             "versions": {
-                "drillpetsc": drillpetsc.__version__,
+                "drillpetsc": __version__,
                 "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
             },
         }
 
     def begin(self) -> None:
-        """Outcomes of members that are kept, and the claims of those that the teams begin with."""
+        """Store outcomes of the members that are kept, and claim the first member of each group."""
         for m in self.plan.members:
-            folder, action = self.plan.place(m).folder, self.plan.place(m).action
-            if action == KEEP:
-                reported = read_summary(RunFolder(folder).summary)
-                wall = reported.get("wall_seconds", 0.0) + reported.get("start_seconds", 0.0)
-                table.keep_outcome(
-                    self.plan, Outcome(m.number, "done", wall=wall, figures=table.figures(folder))
+            member_folder = self.plan.folder_of(m)
+            if member_folder.action is Action.KEEP:
+                folder = member_folder.folder
+                summary = read_summary(RunFolder(folder).summary)
+                wall = summary.get("wall_seconds", 0.0) + summary.get("start_seconds", 0.0)
+                table.store_outcome(
+                    self.plan, Outcome(m.number, "done", wall=wall, results=table.run_results(folder))
                 )
         for m in self.order[: len(self.sizes)]:
             table.claim(self.plan, m)
         table.write(self.plan, self.facts())
 
-    def end(self, reported: dict[int, Outcome]) -> list[dict[str, Any]]:
-        rows = table.write(self.plan, {**self.facts(), "ended": True}, reported)
+    def end(self, outcomes: dict[int, Outcome]) -> list[dict[str, Any]]:
+        """Write the final table and release the folder; returns the rows."""
+        rows = table.write(self.plan, {**self.facts(), "ended": True}, outcomes)
         shutil.rmtree(self.plan.state, ignore_errors=True)
         if self.plan.folder is not None:
             RunFolder(self.plan.folder).release()
         return rows
 
-    def work(self, team: WorkerGroup) -> list[Outcome]:
-        """Compute members until none is left; the outcomes, on the team's first rank."""
+    def work(self, group: WorkerGroup) -> list[Outcome]:
+        """Compute members until none is left; returns their outcomes on the first rank of the group."""
         on_rank: list[Outcome] = []
-        member: Member | None = self.order[team.number]
+        member: Member | None = self.order[group.number]
         while member is not None:
             began = clock.perf_counter()
-            message = self._compute(team, member)
-            messages = team.gathered(message)
+            message = self._compute(group, member)
+            messages = group.gather(message)
             if messages is None:
-                self._give_up(team, member, message, clock.perf_counter() - began)
+                self._give_up(group, member, message, clock.perf_counter() - began)
             else:
                 number = 0
-                if team.first:
-                    on_rank.append(self._outcome(team, member, messages, clock.perf_counter() - began))
-                    self._tell(on_rank[-1], member)
-                    number = 0 if self.stopped else self._free(len(team.ranks))
-                number = team.talk.bcast(number)
+                if group.first:
+                    on_rank.append(self._outcome(group, member, messages, clock.perf_counter() - began))
+                    self._report(on_rank[-1], member)
+                    number = 0 if self.stopped else self._claim_next(len(group.ranks))
+                number = group.control.bcast(number)
                 member = self.plan.members[number - 1] if number else None
-        if team.first:
-            self._left(team.number).touch()
+        if group.first:
+            self._ended_file(group.number).touch()
         return on_rank
 
-    def _free(self, ranks: int) -> int:
-        """Take the costliest member that nobody has, for a team of so many ranks; 0 when there is none.
+    def _claim_next(self, ranks: int) -> int:
+        """Claim the most expensive member that is free, for a group of ``ranks`` ranks; its number, or 0.
 
-        A string too short for a large team is left to the smaller ones, of which there is one whenever
-        members outnumber the teams.
+        A string too short for a large group is left to a smaller one. There is always a group of one rank if
+        the members outnumber the groups.
         """
         fitting = (m for m in self.order[len(self.sizes) :] if ranks == 1 or m.elements >= 2 * ranks)
         return next((m.number for m in fitting if table.claim(self.plan, m)), 0)
 
-    def _compute(self, team: WorkerGroup, member: Member) -> str:
-        """Run a member on its team; what went wrong on this rank, or nothing."""
-        place = self.plan.place(member)
-        stage = PETSc.Log.Stage(member.name)  # with counts of its own for run() to read
+    def _compute(self, group: WorkerGroup, member: Member) -> str:
+        """Run a member on its group; returns the error message of this rank, or an empty one."""
+        member_folder = self.plan.folder_of(member)
+        stage = PETSc.Log.Stage(member.name)  # separate counts for run()
         stage.push()
         message = ""
         try:
             run(
                 member.case,
-                place.folder,
-                restart=place.action == CONTINUE,
-                overwrite=place.action == AGAIN,
+                member_folder.folder,
+                restart=member_folder.action is Action.CONTINUE,
+                overwrite=member_folder.action is Action.AGAIN,
                 name=member.name,
-                comm=team.comm,
+                comm=group.comm,
                 progress="silent",
             )
         except DrillError as error:
             message = str(error)
             if isinstance(error, Interrupted):
                 self.stopped.append(error.signal)
-        except Exception as error:  # whatever it is, it is this member's own
+        except Exception as error:  # an unexpected error fails this member only
             message = f"{type(error).__name__}: {error}"
             print(f"{member.name}:\n{traceback.format_exc()}", file=sys.stderr, flush=True)
         finally:
             stage.pop()
-        gc.collect()  # objects of PETSc go at the same place on all ranks of the team
+        gc.collect()  # frees PETSc objects at the same place on all ranks of the group
         return message
 
-    def _outcome(self, team: WorkerGroup, member: Member, messages: list[str], wall: float) -> Outcome:
-        """How a member ended, from what each rank of its team says."""
+    def _outcome(self, group: WorkerGroup, member: Member, messages: list[str], wall: float) -> Outcome:
+        """Outcome of a member from the messages of all ranks of its group."""
         message = next(filter(None, messages), "")
-        folder = self.plan.place(member).folder
+        folder = self.plan.folder_of(member).folder
         if message and folder.is_dir() and not any(folder.iterdir()):
-            folder.rmdir()  # made beforehand, and nothing came of it
+            folder.rmdir()  # created by the plan, and left empty by the run
         return Outcome(
             member.number,
             "failed" if message else "done",
             "; ".join(" ".join(part.split()) for part in message.splitlines()),
-            team.ranks,
+            group.ranks,
             wall,
-            table.figures(folder),
+            table.run_results(folder),
         )
 
-    def _tell(self, outcome: Outcome, member: Member) -> None:
-        """Renew the table, and one line to the user."""
-        table.keep_outcome(self.plan, outcome)
+    def _report(self, outcome: Outcome, member: Member) -> None:
+        """Store the outcome, rewrite the table, and print one line."""
+        table.store_outcome(self.plan, outcome)
         rows = table.write(self.plan, self.facts())
         if self.progress == "silent":
             return
@@ -307,22 +404,23 @@ class _Job:
         line = f"[{ended}/{len(rows)}] {member.label}: {outcome.status}, {duration(outcome.wall)} wall on {ranks}"
         print(line + (f": {outcome.message}" if outcome.message else ""), file=sys.stderr, flush=True)
 
-    def _left(self, number: int) -> Path:
-        return self.plan.state / f"team-{number}"
+    def _ended_file(self, number: int) -> Path:
+        """File that marks that a worker group has ended."""
+        return self.plan.state / f"group-{number}"
 
-    def _give_up(self, team: WorkerGroup, member: Member, message: str, wall: float) -> None:
-        """End the job when others of this team are stuck in a member that ended here, but let all other teams
+    def _give_up(self, group: WorkerGroup, member: Member, message: str, wall: float) -> None:
+        """End the job because other ranks of this group are still in a member that has ended on this rank.
+
+        A rank that waits in a computation for one that has left it cannot be released. All other groups
         finish first.
-
-        A rank that waits in a computation for one that left it cannot be called back.
         """
-        text = message or "a rank of this member did not come back from it"
-        self._tell(self._outcome(team, member, [f"on rank {self.mpi.rank} alone: {text}"], wall), member)
-        self._left(team.number).touch()
-        wait_for_files([self._left(number) for number in range(len(self.sizes))])
+        text = message or "a rank of this member did not return from it"
+        self._report(self._outcome(group, member, [f"on rank {self.mpi.rank} alone: {text}"], wall), member)
+        self._ended_file(group.number).touch()
+        wait_for_files([self._ended_file(number) for number in range(len(self.sizes))])
         table.write(self.plan, {**self.facts(), "ended": True})
         print(
-            "drillpetsc: a member failed on some of its ranks alone, so the job is ended; the other teams have finished",
+            "drillpetsc: a member failed on some of its ranks only, so the job ends; the other worker groups have finished",
             file=sys.stderr,
             flush=True,
         )
@@ -330,7 +428,7 @@ class _Job:
 
 
 def closing_lines(result: SweepResult) -> list[str]:
-    """The few lines that end an ensemble on the screen."""
+    """Lines that a sweep or batch prints at its end."""
     lines = [f"{len(result.rows) - result.failed} of {len(result.rows)} members done"]
     for row in result.rows:
         if row["status"] != "done":

@@ -1,8 +1,7 @@
-"""The table of an ensemble: one row a member, written whole again each time a member ends, and the files that
-members leave for it.
+"""Table of a sweep: one row per member, rewritten whenever a member ends, and the files from which it is built.
 
-Ranks that compute different members share nothing but these files: a claim says that a member is taken, an
-outcome that it has ended.
+Ranks that compute different members share these files only. A claim file marks a member as taken, an outcome
+file marks it as ended.
 """
 
 from __future__ import annotations
@@ -15,26 +14,39 @@ import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
+from enum import Enum
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from drillpetsc.case import Case
+from drillpetsc.case.schema import unit_of
 from drillpetsc.output import RunFolder, read_summary, read_table, write_summary
 from drillpetsc.output.catalogue import find
 from drillpetsc.output.files.atomic import replace_text
 from drillpetsc.output.files.tables import split_name
 
-NEW, AGAIN, CONTINUE, KEEP = "new", "again", "continue", "keep"
+
+class Action(Enum):
+    """What is to be done in the run folder of a member."""
+
+    NEW = "new"  # run into a new folder
+    AGAIN = "again"  # run from the beginning, replacing the results in the folder
+    CONTINUE = "continue"  # continue from the checkpoint
+    KEEP = "keep"  # keep the results: the member is done
 
 
 @dataclass(frozen=True)
 class Member:
-    """One run of an ensemble.
+    """One run of a sweep or batch.
 
-    number: from 1; name: in front of its run folder's number; values: what tells it from the others, column
-    -> word; numbers: column -> the same in SI, where it is a number; elements: of its mesh.
+    number: from 1.
+    name: name of the run folder.
+    values: column -> word; what distinguishes this member from the others.
+    case: the case to run.
+    elements: number of elements of its mesh.
+    numbers: column -> value in SI, for the values that are numbers.
     """
 
     number: int
@@ -46,8 +58,8 @@ class Member:
 
     @property
     def cost(self) -> float:
-        """Expected, in elements times simulated seconds: a step costs as much as the string has elements
-        (describe.COST)."""
+        """Expected cost in elements times simulated seconds; the cost of a step is proportional to the number
+        of elements."""
         assert self.case.time is not None
         return self.elements * float(self.case.time.end)
 
@@ -58,46 +70,61 @@ class Member:
 
 @dataclass(frozen=True)
 class MemberFolder:
-    """Where a member's run folder lies, and what is to be done there: NEW, AGAIN (what is there is replaced),
-    CONTINUE or KEEP."""
+    """The run folder of a member, and what is to be done there."""
 
     folder: Path
-    action: str
+    action: Action
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a member ended.  status: done or failed; ranks: numbers in the whole job of the ranks that computed
-    it, none when an earlier job did; wall [s]; figures: of its run folder."""
+    """How a member ended.
+
+    number: number of the member.
+    status: done or failed.
+    message: reason of a failure.
+    ranks: ranks (of the job) that computed the member; empty if an earlier job did.
+    wall: wall time [s].
+    results: title with unit -> value, from the run folder.
+    """
 
     number: int
     status: str
     message: str = ""
     ranks: tuple[int, ...] = ()
     wall: float = 0.0
-    figures: dict[str, float] = field(default_factory=dict)
+    results: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Plan:
-    """An ensemble about to run.  folder: where table and summary go, None for neither; state: folder of
-    claims and outcomes."""
+    """A sweep or batch that is about to run.
+
+    title: title of the sweep.
+    table: file name of the table.
+    folder: folder of the table and the summary; None for no table and no summary.
+    state: folder of claims and outcomes.
+    members: the members in the order of their numbers.
+    folders: the run folder of each member.
+    """
 
     title: str
     table: str
     folder: Path | None
     state: Path
     members: tuple[Member, ...]
-    places: tuple[MemberFolder, ...]
+    folders: tuple[MemberFolder, ...]
 
-    def place(self, member: Member) -> MemberFolder:
-        return self.places[member.number - 1]
+    def folder_of(self, member: Member) -> MemberFolder:
+        return self.folders[member.number - 1]
 
 
 # ---------------------------------------------------------------------- claims and outcomes
 def claim(plan: Plan, member: Member) -> bool:
-    """Take a member; false when another team has it.  One create that only one can win, so no rank waits for
-    another."""
+    """Claim a member; False if another worker group has claimed it.
+
+    An exclusive create succeeds on one rank only, so no rank waits for another.
+    """
     try:
         os.close(os.open(plan.state / f"{member.number}.claim", os.O_CREAT | os.O_EXCL))
     except FileExistsError:
@@ -105,12 +132,13 @@ def claim(plan: Plan, member: Member) -> bool:
     return True
 
 
-def keep_outcome(plan: Plan, outcome: Outcome) -> None:
+def store_outcome(plan: Plan, outcome: Outcome) -> None:
+    """Write the outcome of a member to the state folder."""
     replace_text(plan.state / f"{outcome.number}.json", json.dumps(asdict(outcome)))
 
 
 def outcomes(plan: Plan) -> dict[int, Outcome]:
-    """All outcomes so far, by number of the member."""
+    """All outcomes stored so far, by number of the member."""
     found = {}
     for file in plan.state.glob("[0-9]*.json"):
         data = json.loads(file.read_text(encoding="utf-8"))
@@ -119,9 +147,11 @@ def outcomes(plan: Plan) -> dict[int, Outcome]:
 
 
 @contextmanager
-def _alone(plan: Plan) -> Iterator[None]:
-    """One writer at a time, or without a lock where the file system has none: then the last row may come with
-    the next writing."""
+def _locked(plan: Plan) -> Iterator[None]:
+    """Allow one writer at a time.
+
+    On a file system without locks nothing is locked: the last row may then be written with the next table.
+    """
     with open(plan.state / "lock", "w") as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX)
@@ -131,28 +161,30 @@ def _alone(plan: Plan) -> Iterator[None]:
 
 
 # ---------------------------------------------------------------------- rows
-def figures(folder: Path) -> dict[str, float]:
-    """What a run folder says about its run: title with unit -> value.  Final values, shares of error, means
-    over the last half."""
+def run_results(folder: Path) -> dict[str, float]:
+    """Results of a run, from its folder: title with unit -> value.
+
+    Final values, error shares, and means over the last half of the simulated time.
+    """
     run = RunFolder(folder)
     if not run.summary.is_file():
         return {}
-    reported = read_summary(run.summary)
+    summary = read_summary(run.summary)
     out = {
-        "time [s]": reported.get("time"),
-        "real_time_factor [-]": reported.get("real_time_factor"),
-        "steps [-]": reported.get("steps"),
-        "energy_error_share [-]": reported.get("energy", {}).get("error_share"),
+        "time [s]": summary.get("time"),
+        "real_time_factor [-]": summary.get("real_time_factor"),
+        "steps [-]": summary.get("steps"),
+        "energy_error_share [-]": summary.get("energy", {}).get("error_share"),
     }
-    if "mass" in reported:
-        out["mass_error_share [-]"] = reported["mass"].get("error_share")
-    out |= reported.get("final", {}) | reported.get("new_hole", {})
+    if "mass" in summary:
+        out["mass_error_share [-]"] = summary["mass"].get("error_share")
+    out |= summary.get("final", {}) | summary.get("new_hole", {})
     out |= _means(run.history)
     return {name: np.nan if value is None else float(value) for name, value in out.items()}
 
 
 def _means(history: Path) -> dict[str, float]:
-    """Means over the last half of the simulated time; the rows of a history are equally far apart."""
+    """Means over the last half of the simulated time; the rows of a history are equidistant in time."""
     if not history.is_file():
         return {}
     table = read_table(history)
@@ -174,14 +206,14 @@ def _has_mean(title: str) -> bool:
 
 
 def rows(plan: Plan, ended: dict[int, Outcome]) -> list[dict[str, Any]]:
-    """One row a member; all have the same columns, nan where a member has no such figure."""
+    """One row per member. All rows have the same columns; a result that a member does not have is nan."""
     titles = list(
-        dict.fromkeys(title for m in plan.members if m.number in ended for title in ended[m.number].figures)
+        dict.fromkeys(title for m in plan.members if m.number in ended for title in ended[m.number].results)
     )
-    also_si = [key for key in plan.members[0].values if _in_words(plan.members, key)]
+    also_si = [key for key in plan.members[0].values if _has_units(plan.members, key)]
     out = []
     for m in plan.members:
-        outcome, folder = ended.get(m.number), plan.place(m).folder
+        outcome, folder = ended.get(m.number), plan.folder_of(m).folder
         if outcome is None:
             status = "running" if (plan.state / f"{m.number}.claim").exists() else "waiting"
             outcome = Outcome(m.number, status, wall=np.nan)
@@ -196,31 +228,31 @@ def rows(plan: Plan, ended: dict[int, Outcome]) -> list[dict[str, Any]]:
             "ranks": len(outcome.ranks),
             "wall [s]": outcome.wall,
         }
-        row |= {title: outcome.figures.get(title, np.nan) for title in titles}
+        row |= {title: outcome.results.get(title, np.nan) for title in titles}
         out.append({**row, "message": outcome.message})
     return out
 
 
-def _in_words(members: Sequence[Member], key: str) -> bool:
-    """Whether values of ``key`` are numbers that do not look like it (`20 l/s`)."""
+def _has_units(members: Sequence[Member], key: str) -> bool:
+    """Whether any value of ``key`` is a number written with a unit (`20 l/s`)."""
 
-    def plain(word: str) -> bool:
+    def is_plain_number(word: str) -> bool:
         try:
             float(word)
         except ValueError:
             return False
         return True
 
-    return any(key in m.numbers and not plain(m.values[key]) for m in members)
+    return any(key in m.numbers and not is_plain_number(m.values[key]) for m in members)
 
 
-def write(plan: Plan, began: dict[str, Any], ended: dict[int, Outcome] | None = None) -> list[dict[str, Any]]:
-    """Write table and summary as things stand now (``ended``: given when the outcomes on file may be
-    incomplete); returns the rows.
+def write(plan: Plan, job: dict[str, Any], ended: dict[int, Outcome] | None = None) -> list[dict[str, Any]]:
+    """Write the table and the summary in their present state; returns the rows.
 
-    began: what the summary tells about the whole job: ranks, teams, petsc.
+    job: entries of the summary about the whole job, such as ranks, worker groups and versions.
+    ended: outcomes to add where the outcomes on file may be incomplete.
     """
-    with _alone(plan):
+    with _locked(plan):
         ended = {**outcomes(plan), **(ended or {})}
         table = rows(plan, ended)
         if plan.folder is None:
@@ -230,20 +262,21 @@ def write(plan: Plan, began: dict[str, Any], ended: dict[int, Outcome] | None = 
         sheet.writerow(table[0])
         sheet.writerows([["" if value is None else value for value in row.values()] for row in table])
         replace_text(plan.folder / plan.table, text.getvalue())
-        write_summary(plan.folder / "summary.json", _summary(plan, table, ended, began))
+        write_summary(plan.folder / "summary.json", _summary(plan, table, ended, job))
         return table
 
 
 def _summary(
-    plan: Plan, table: list[dict[str, Any]], ended: dict[int, Outcome], began: dict[str, Any]
+    plan: Plan, table: list[dict[str, Any]], ended: dict[int, Outcome], job: dict[str, Any]
 ) -> dict[str, Any]:
+    """Content of summary.json; `units` has the SI unit of each varied key, for plots of the table."""
     count = {
         status: sum(row["status"] == status for row in table)
         for status in ("done", "failed", "running", "waiting")
     }
-    over = count["running"] + count["waiting"] == 0
-    status = ("failed" if count["failed"] else "done") if over else "running"
-    if not over and began.get("ended"):
+    complete = count["running"] + count["waiting"] == 0
+    status = ("failed" if count["failed"] else "done") if complete else "running"
+    if not complete and job.get("ended"):
         status = "stopped"
     ranks = {number: list(outcome.ranks) for number, outcome in ended.items()}
     return {
@@ -251,6 +284,7 @@ def _summary(
         "status": status,
         "table": plan.table,
         **count,
-        **began,
+        **job,
+        "units": {key: unit_of(key) for key in plan.members[0].values},
         "members": [{**row, "computed_by": ranks.get(row["member"], [])} for row in table],
     }

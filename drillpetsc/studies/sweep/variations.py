@@ -1,9 +1,7 @@
-"""Variations of a case: `KEY=V1,V2` words, or lists of Python values, become cases, all of them checked
-before any runs.
+"""Variations of a case: cases from `KEY=V1,V2` words or lists of Python values, all checked before any runs.
 
-A value is written as in the case file (`20 l/s`, `none`, `{kind: clamped}`); commas inside brackets or quotes
-belong to the value. `on` and `off` switch a block: off takes it out of the case, on leaves it as the file has
-it.
+A value is written as in the case file (`20 l/s`, `none`, `{kind: clamped}`). Commas inside brackets or quotes
+belong to the value. `on` and `off` switch a block: off removes it from the case, on leaves it as in the file.
 """
 
 from __future__ import annotations
@@ -20,12 +18,11 @@ from drillpetsc.case import Case, case_from_data, override, read_case_file
 from drillpetsc.case.key_paths import Path as KeyPath
 from drillpetsc.case.key_paths import parsed, written
 from drillpetsc.errors import CaseError
+from drillpetsc.output.files.run_folder import ABSENT
 
-ABSENT = "-"  # in place of a value whose block is switched off
-MOST_ERRORS = 5  # told at once
-WITHOUT = {
-    "contact": "none"
-}  # blocks that a case has unless it says otherwise: what stands for their absence
+MOST_ERRORS = 5  # reported at once
+WITHOUT = {"contact": "none"}  # blocks that a case has by default -> the value that removes them
+#: keys that are no blocks of physics: on and off are refused
 SETTINGS = (
     "material",
     "beam",
@@ -43,8 +40,11 @@ SETTINGS = (
 
 @dataclass(frozen=True)
 class Variation:
-    """One member of a sweep; values: key -> word as given, ABSENT where the key lies in a block that is
-    off."""
+    """One member of a sweep.
+
+    values: key -> word as given; ABSENT if the key lies in a block that is off.
+    case: the case with these values.
+    """
 
     values: dict[str, str]
     case: Case
@@ -55,7 +55,7 @@ class Variation:
         return ", ".join(f"{key}={word}" for key, word in self.values.items())
 
     def number_of(self, key: str) -> float | None:
-        """The value of ``key`` as the case holds it, in SI; None where it is no number."""
+        """Value of ``key`` in the case, in SI; None if it is not a number."""
         from drillpetsc.case.writer import case_data
 
         found: Any = case_data(self.case)
@@ -68,8 +68,10 @@ class Variation:
 
 
 def choices_of(words: Sequence[str]) -> dict[str, list[str]]:
-    """Keys and their values from words such as `fluid.flow_rate=20 l/s,30 l/s`; raises CaseError for anything
-    else."""
+    """Keys and their values from words such as `fluid.flow_rate=20 l/s,30 l/s`.
+
+    Raises CaseError for any other word.
+    """
     choices: dict[str, list[str]] = {}
     for word in words:
         key, separator, text = word.partition("=")
@@ -84,7 +86,7 @@ def choices_of(words: Sequence[str]) -> dict[str, list[str]]:
 
 
 def choices_from(values: Mapping[str, Iterable[Any]]) -> dict[str, list[str]]:
-    """The same from Python: key -> values, each a number, a text as in the case file, a list or a mapping."""
+    """Keys and their values from Python: a value is a number, a text as in the case file, a list or a mapping."""
     for key, several in values.items():
         if isinstance(several, (str, Mapping)) or not isinstance(several, Iterable):
             raise CaseError(at=key, got=several, want="a list of values")
@@ -100,7 +102,7 @@ def _word(value: Any) -> str:
 
 
 def checked_choices(choices: dict[str, list[str]]) -> dict[str, list[str]]:
-    """The choices themselves; raises CaseError where one is empty or stands twice."""
+    """Return the choices; raises CaseError if one is empty or repeated."""
     if not choices:
         raise CaseError(want="at least one KEY=V1,V2 to vary")
     paths: dict[KeyPath, str] = {}
@@ -123,7 +125,7 @@ def checked_choices(choices: dict[str, list[str]]) -> dict[str, list[str]]:
 
 
 def split_values(text: str) -> list[str]:
-    """Parts of a list at its commas, but not at those inside brackets or quotes."""
+    """Split a list at its commas, except those inside brackets or quotes."""
     parts, depth, quote = [""], 0, ""
     for letter in text:
         if quote:
@@ -142,10 +144,10 @@ def split_values(text: str) -> list[str]:
 
 
 def variations(path: str | Path, choices: dict[str, list[str]]) -> list[Variation]:
-    """All combinations, the last key varying fastest; those that differ only inside a block that is off are
-    one.
+    """All combinations, the last key varying fastest.
 
-    Raises one CaseError that names the keys and values of everything that is wrong.
+    Combinations that differ only inside a block that is off make one member. Raises one CaseError that names
+    the keys and values of all errors.
     """
     path = Path(path)
     data, lines = read_case_file(path)
@@ -174,7 +176,7 @@ def variations(path: str | Path, choices: dict[str, list[str]]) -> list[Variatio
 
 
 def _present(values: dict[str, str]) -> dict[str, str]:
-    """The values with ABSENT for keys inside a block that is off."""
+    """Values with ABSENT for keys inside a block that is off."""
     off = [parsed(key) for key, word in values.items() if word == "off"]
 
     def gone(path: KeyPath) -> bool:
@@ -184,7 +186,7 @@ def _present(values: dict[str, str]) -> dict[str, str]:
 
 
 def _changed(data: dict[str, Any], values: dict[str, str]) -> dict[str, Any]:
-    """Case data with the values put in; blocks are put in before the keys inside them."""
+    """Case data with the values set; a block is set before the keys inside it."""
     for key, word in sorted(values.items(), key=lambda each: len(parsed(each[0]))):
         if word == ABSENT:
             continue
@@ -200,7 +202,7 @@ def _changed(data: dict[str, Any], values: dict[str, str]) -> dict[str, Any]:
 
 
 def _switched(data: dict[str, Any], key: str, on: bool) -> dict[str, Any]:
-    """Case data with a block left as it is, or taken out."""
+    """Case data with a block kept or removed."""
     *above, last = parsed(key)
     holder: Any = data
     for step in above:
@@ -233,19 +235,19 @@ def _switched(data: dict[str, Any], key: str, on: bool) -> dict[str, Any]:
 
 
 def _explained(error: CaseError, values: dict[str, str]) -> CaseError:
-    """The error in terms of the values that were varied: key and value as given, and in which combination."""
+    """The error in terms of the varied values: key and value as given, and the combination."""
     try:
         where = parsed(error.at)
-    except CaseError:  # a key of the file that is no path: the error says so itself
+    except CaseError:  # a key of the file that is no path
         where = ()
-    guilty = None
+    cause = None
     for key in values:
         path = parsed(key)
         if values[key] != ABSENT and where and (path[: len(where)] == where or where[: len(path)] == path):
-            guilty = key
+            cause = key
     label = ", ".join(f"{key}={word}" for key, word in values.items())
-    inner = f"{written(where)}: " if guilty is not None and written(where) != guilty else ""
+    inner = f"{written(where)}: " if cause is not None and written(where) != cause else ""
     hint = "; ".join(filter(None, [error.hint, f"in the member {label}"]))
-    if guilty is None:
+    if cause is None:
         return CaseError(error.at, error.got, error.want, hint, error.file, error.line)
-    return CaseError(at=guilty, got=values[guilty], want=inner + error.want, hint=hint)
+    return CaseError(at=cause, got=values[cause], want=inner + error.want, hint=hint)

@@ -1,34 +1,37 @@
-"""Teams of ranks that compute the members of an ensemble, each on a communicator of its own.
+"""Worker groups: the ranks of a job divided into groups, each of which computes one member at a time on its own
+communicator.
 
-While members run, teams share nothing but files (ensemble_table): no rank ever waits for another team, so a
-member that fails or hangs holds up none but its own ranks.
+While members run, the groups share files only (table.py). No rank waits for another group, so a member that
+fails or hangs blocks the ranks of its own group only.
 """
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from petsc4py import PETSc
 
-LEAST_ELEMENTS = (
-    120  # per rank of a team: two ranks were slower than one with 100 elements in all, and no faster with 225
-)
-RANK_TIMEOUT = (
-    60.0  # how long a rank waits for the others of its team once its own part of a member has ended [s]
-)
-POLL_INTERVAL = 0.02  # between two looks [s]; a rank that waits leaves its core to others
+from drillpetsc.parallel import wait_for
+
+#: fewest elements per rank of a group: two ranks were slower than one with 100 elements in all, and no faster
+#: with 225
+LEAST_ELEMENTS = 120
+#: time that a rank waits for the others of its group after its own part of a member has ended [s]
+RANK_TIMEOUT = 60.0
 
 
-def team_sizes(costs: Sequence[float], elements: Sequence[int], ranks: int) -> list[int]:
-    """Number of ranks of each team; team k begins with member k.
+def group_sizes(costs: Sequence[float], elements: Sequence[int], ranks: int) -> list[int]:
+    """Number of ranks of each worker group; group k begins with member k.
 
-    costs: expected, falling; elements: of each member's mesh.  A member gets one rank, or as many as its
-    share of the whole cost comes to; with more ranks than members those left over go where most work stands
-    per rank.  No team gets more ranks than its first member has work for, so ranks may stay without a team.
+    costs: expected cost of each member, in descending order.
+    elements: number of elements of each member's mesh.
+    ranks: number of ranks of the job.
+
+    A member gets one rank, or the number of ranks that corresponds to its part of the total cost. If there
+    are more ranks than members, the remaining ranks go where the cost per rank is largest. A group never gets
+    more ranks than its first member can use, so some ranks may belong to no group.
     """
     total = sum(costs)
     most = [max(1, n // LEAST_ELEMENTS) for n in elements]
@@ -53,59 +56,46 @@ def team_sizes(costs: Sequence[float], elements: Sequence[int], ranks: int) -> l
 class WorkerGroup:
     """The ranks that compute a member together.
 
-    number: from 0; comm: for the computation; talk: of the same ranks, for what stands beside it, so that a
-    message of a rank that has failed cannot meet one of the computation; ranks: their numbers in the whole
-    job.
+    number: number of the group, from 0.
+    comm: communicator of the computation.
+    control: mpi4py communicator of the same ranks for messages beside the computation. A message of a rank
+        that has failed can then not be received by the computation.
+    ranks: ranks of the group in the communicator of the job.
     """
 
     number: int
     comm: PETSc.Comm
-    talk: Any
+    control: Any
     ranks: tuple[int, ...]
     _kept: list[Any] = field(default_factory=list)
 
     @property
     def first(self) -> bool:
-        return self.talk.rank == 0
+        """Whether this is the first rank of the group."""
+        return self.control.rank == 0
 
-    def gathered(self, on_rank: Any) -> list[Any] | None:
-        """``mine`` of each rank of the team; None when a rank has not come within RANK_TIMEOUT, and never
-        will."""
-        if self.talk.size == 1:
-            return [on_rank]
-        if not wait_for(self.talk.Ibarrier(), RANK_TIMEOUT):
+    def gather(self, value: Any) -> list[Any] | None:
+        """Gather ``value`` from all ranks of the group; None if a rank does not arrive within RANK_TIMEOUT."""
+        if self.control.size == 1:
+            return [value]
+        if not wait_for(self.control.Ibarrier(), RANK_TIMEOUT):
             return None
-        return self.talk.allgather(on_rank)
+        return self.control.allgather(value)
 
 
 def split(mpi: Any, sizes: Sequence[int]) -> WorkerGroup | None:
-    """This rank's team, of neighbouring ranks; None for a rank without one.  Collective over ``mpi``
-    (mpi4py's)."""
+    """Divide the ranks of ``mpi`` (mpi4py) into groups of neighbouring ranks (collective).
+
+    Returns the group of this rank, or None if it belongs to none.
+    """
     from mpi4py import MPI
 
-    teams = [number for number, size in enumerate(sizes) for _ in range(size)]
-    number = teams[mpi.rank] if mpi.rank < len(teams) else MPI.UNDEFINED
+    groups = [number for number, size in enumerate(sizes) for _ in range(size)]
+    number = groups[mpi.rank] if mpi.rank < len(groups) else MPI.UNDEFINED
     part = mpi.Split(number, mpi.rank)
     if part == MPI.COMM_NULL:
         return None
-    # PETSc's own duplicate is held as long as the team lives: freed with its last object, it could be made
-    # anew on one rank alone
+    # The group holds PETSc's own duplicate. If it were freed with its last object, a single rank could create
+    # it again, and creating it is collective.
     comm = PETSc.Comm(part).duplicate()
     return WorkerGroup(number, comm, part.Dup(), tuple(part.allgather(mpi.rank)), [part])
-
-
-def wait_for(request: Any, longest: float = float("inf")) -> bool:
-    """Wait for a request of MPI without keeping a core busy; false when it is not done after ``longest``
-    [s]."""
-    began = clock.monotonic()
-    while not request.Test():
-        if clock.monotonic() - began > longest:
-            return False
-        clock.sleep(POLL_INTERVAL)
-    return True
-
-
-def wait_for_files(files: Sequence[Path]) -> None:
-    """Wait until all of the files are there."""
-    while not all(file.exists() for file in files):
-        clock.sleep(0.2)

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import eigh, eigvals
 
 from drillpetsc.analysis.check import describe
-from drillpetsc.analysis.equilibrium import place_along_hole
+from drillpetsc.analysis.placement import place_along_hole
 from drillpetsc.analysis.time_scales import (
     AXIAL,
     BENDING,

@@ -52,8 +52,7 @@ def test_vertical_2000m() -> None:
     assert case.time is not None and case.time.end == 20.0
     assert case.output.probes == (600.0, 1200.0, 1900.0)
     assert case.well is not None and case.contact is not None
-    assert case.well.section_at(800.0).friction == 0.2
-    assert case.well.section_at(800.1).friction == 0.3
+    assert [section.friction for section in case.well.sections] == [0.2, 0.3]
     assert case.petsc == {"ts_type": "bdf", "ts_bdf_order": 2, "ts_rtol": 1e-4}
     assert case.material.damping.stiffness == 1e-4
 

@@ -132,11 +132,11 @@ def test_which_rock_lies_where() -> None:
             {"from": 110, "to": 120, "drillability": 2e-8},
         ]
     )
-    assert [made.rock_at(md).drillability for md in (0, 99.9, 100, 110, 119.9, 120, 5e3)] == [
-        2.8e-8, 2.8e-8, 1e-8, 2e-8, 2e-8, 2.8e-8, 2.8e-8]  # fmt: skip
+    values = [(layer.from_, layer.to, layer.drillability) for layer in made.layers]
+    assert values == [(100, 110, 1e-8), (110, 120, 2e-8), (120, None, 2.8e-8)]
     open_below = rock(layers=[{"from": 0, "drillability": 1e-8}])
-    assert [open_below.rock_at(md).drillability for md in (0, 5e3)] == [1e-8, 1e-8]
-    assert rock().rock_at(50.0).drillability == 2.8e-8
+    assert [(layer.from_, layer.to, layer.drillability) for layer in open_below.layers] == [(0, None, 1e-8)]
+    assert rock().layers == ()
 
 
 def test_the_stiffness_of_law_and_bottom_is_one() -> None:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from drillpetsc.case import Case
 from drillpetsc.case.blocks.fluid import Casson, Fluid, flow_constants
-from drillpetsc.case.defaults import largest
+from drillpetsc.case.quantities import largest
 from drillpetsc.errors import CaseError
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
 

@@ -18,7 +18,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from drillpetsc.case import Case, case_from_data, load_case
-from drillpetsc.case.checks.size import MOST_ELEMENTS
+from drillpetsc.case.checks.limits import MAX_ELEMENTS
 from drillpetsc.case.quantities import OverTime, Quantity, dump_time_function
 from drillpetsc.case.writer import case_data
 from drillpetsc.cli import main
@@ -27,7 +27,7 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.time_function import PiecewiseLinear, Ramp
 from drillpetsc.units import DIMENSIONS
 
-sys.path.insert(0, str(Path(__file__).parents[3] / "scripts"))
+sys.path.insert(0, str(Path(__file__).parents[3] / "scripts" / "tools"))
 import fuzz  # noqa: E402
 from fuzz_cases import valid_case  # noqa: E402
 from fuzz_judge import Failure, check_message, check_round_trip, check_visible, guarded  # noqa: E402
@@ -259,7 +259,7 @@ def test_a_file_that_never_ends() -> None:
 
 
 def test_as_many_elements_as_are_allowed_are_accepted() -> None:
-    pipe = {"kind": "pipe", "od": 0.1, "length": 20, "element_length": 20 / MOST_ELEMENTS}
+    pipe = {"kind": "pipe", "od": 0.1, "length": 20, "element_length": 20 / MAX_ELEMENTS}
     Case(top="clamped", string=[pipe])
     with pytest.raises(CaseError) as caught:
         Case(top="clamped", string=[pipe, {**pipe, "length": 0.01}])

@@ -25,7 +25,7 @@ OPEN: dict[str, Any] = {"kind": "open_hole", "diameter": 0.2159}
 def test_the_last_section_ends_with_the_survey(last: dict[str, Any]) -> None:
     hole = Hole(survey=SURVEY, sections=[CASED, last])
     assert [section.to for section in hole.sections] == [50, 120.5]
-    assert hole.section_at(100.0).diameter == 0.2159
+    assert hole.sections[-1].diameter == 0.2159
     assert Hole(**hole.model_dump(exclude_none=True)) == hole
 
 

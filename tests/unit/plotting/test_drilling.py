@@ -1,5 +1,5 @@
-"""Pictures of new hole: what they show against holes on circles, who is who, and that a sweep never suffers
-from them."""
+"""Pictures of new hole: comparison with holes on circles, line styles, and robustness of a sweep against failing
+pictures."""
 
 from __future__ import annotations
 
@@ -12,10 +12,13 @@ import pytest
 from PIL import Image
 
 from drillpetsc.case.schema import unit_of
+from drillpetsc.geometry import frames, trajectory, well
 from drillpetsc.geometry.trajectory import angles
-from drillpetsc.geometry.well import Well, direction
+from drillpetsc.geometry.well import Well
 from drillpetsc.output import RunFolder, read_table, write_summary, write_table
-from drillpetsc.plotting import hole_path
+from drillpetsc.output.files.run_folder import SWEEP_PICTURES
+from drillpetsc.plotting import directions, hole_path
+from drillpetsc.plotting.directions import direction
 from drillpetsc.plotting.plot import plot
 from drillpetsc.plotting.sweep import (
     build_rates,
@@ -25,8 +28,7 @@ from drillpetsc.plotting.sweep import (
     round_scale,
     trajectories,
 )
-from drillpetsc.studies.sweep import sweep as ensemble
-from drillpetsc.studies.sweep.plan import PICTURES
+from drillpetsc.studies.sweep import sweep as sweep_module
 from drillpetsc.studies.sweep.table import Plan
 
 START = 100.0  # depth of the old hole, straight from the surface [m]
@@ -51,9 +53,9 @@ def write_hole(
         np.radians([inclination, inclination, inclination + build]),
         np.radians([azimuth, azimuth, azimuth + turn]),
     )
-    well = Well.from_survey(md, angle, aim, [md[-1]], [0.1], [0.3])
+    hole = Well.from_survey(md, angle, aim, [md[-1]], [0.1], [0.3])
     s = np.unique(np.r_[np.linspace(0, START, 11), np.linspace(START, md[-1], 41)])
-    place, tangent, _ = well.at(s)
+    place, tangent, _ = hole.at(s)
     one, two = map(np.degrees, angles(tangent))
     write_table(file, COLUMNS, [s, one, two, *place.T, np.full(len(s), 7.0)])
 
@@ -72,7 +74,8 @@ def make_sweep(
         reported = status if k == len(rows) else "done"
         lines.append(f"{k},{row},{reported},member-{k:03d},1,{hole[4]},{30 * hole[2] / hole[4]},")
     (folder / "sweep.csv").write_text("\n".join(lines) + "\n")
-    write_summary(folder / "summary.json", {"title": "made by hand"})
+    units = {key: unit_of(key) for key in names.split(",")}
+    write_summary(folder / "summary.json", {"title": "made by hand", "units": units})
     return folder
 
 
@@ -92,7 +95,7 @@ def study(folder: Path, inclination: float = 40.0) -> Path:
 @pytest.mark.parametrize("inclination", [0.0, 2.0, 40.0, 89.0])
 def test_every_picture_of_a_study_has_ink(inclination: float, tmp_path: Path) -> None:
     files = draw_sweep(study(tmp_path / "out", inclination))
-    assert [file.name for file in files] == list(PICTURES)
+    assert [file.name for file in files] == list(SWEEP_PICTURES)
     for file in files:
         assert (
             file.parent == tmp_path / "out" and len(np.unique(np.asarray(Image.open(file).convert("L")))) > 20
@@ -147,7 +150,9 @@ def test_the_section_shows_offsets_as_many_times_as_it_says(tmp_path: Path) -> N
     assert plan.get_aspect() == pytest.approx(1e3 / scale)  # a metre down is as long as 1000/scale mm aside
 
 
-def test_colour_tells_the_first_key_the_marker_the_second_and_the_dry_one_is_dashed(tmp_path: Path) -> None:
+def test_colour_shows_the_first_key_the_marker_the_second_and_the_dry_member_is_dashed(
+    tmp_path: Path,
+) -> None:
     lines = inclinations(drilled_paths(study(tmp_path / "out")), "t").axes[0].lines
     assert [line.get_label() for line in lines] == [
         "10 l/s, 1000 kg/m3",
@@ -209,6 +214,21 @@ def test_what_was_broken_off_or_not_drilled_is_not_drawn(tmp_path: Path) -> None
         plot(folder)
 
 
+def test_directions_are_those_of_the_geometry() -> None:
+    """Plotting repeats the formulas of the geometry, so that it needs run folders only."""
+    inclination, azimuth = (
+        np.radians([0.0, 3.0, 40.0, 90.0, 120.0]),
+        np.radians([10.0, 359.0, 0.0, 90.0, 200.0]),
+    )
+    tangents = direction(inclination, azimuth)
+    assert np.array_equal(tangents, well.direction(inclination, azimuth))
+    for tangent in tangents:
+        assert np.array_equal(directions.high_side(tangent), frames.high_side(tangent))
+    shown = directions.dogleg(tangents[:-1], tangents[1:])
+    assert np.array_equal(shown, trajectory.dogleg(tangents[:-1], tangents[1:]))
+    assert directions.COURSE == trajectory.COURSE
+
+
 def test_scales_are_round() -> None:
     assert [round_scale(x) for x in (0.3, 1.0, 1.9, 2.0, 4.9, 5.0, 9.9, 10.0, 499.0, 500.0)] == [
         1,
@@ -245,20 +265,20 @@ def plan_of(folder: Path, table: str = "sweep.csv") -> Plan:
 def test_a_drawing_that_fails_does_not_fail_the_sweep(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     """Here because the folder of the members is gone; without new hole, and for wells, nothing is tried."""
     drilled = [{"drilled [m]": 2.0}]
-    assert ensemble._pictures(plan_of(tmp_path / "gone"), drilled) == []
+    assert sweep_module._pictures(plan_of(tmp_path / "gone"), drilled) == []
     assert "no pictures of the sweep: FileNotFoundError" in capsys.readouterr().err
-    assert ensemble._pictures(plan_of(tmp_path / "gone"), [{"drilled [m]": np.nan}, {}]) == []
-    assert ensemble._pictures(plan_of(tmp_path / "gone", "wells.csv"), drilled) == []
+    assert sweep_module._pictures(plan_of(tmp_path / "gone"), [{"drilled [m]": np.nan}, {}]) == []
+    assert sweep_module._pictures(plan_of(tmp_path / "gone", "wells.csv"), drilled) == []
     assert capsys.readouterr().err == ""
-    assert len(ensemble._pictures(plan_of(study(tmp_path / "out")), drilled)) == 3
+    assert len(sweep_module._pictures(plan_of(study(tmp_path / "out")), drilled)) == 3
 
 
 def test_a_sweep_without_new_hole_imports_no_matplotlib(tmp_path: Path) -> None:
     code = (
-        "import sys; from pathlib import Path; from drillpetsc.studies.sweep import sweep as ensemble\n"
+        "import sys; from pathlib import Path; from drillpetsc.studies.sweep import sweep as sweep_module\n"
         "from drillpetsc.studies.sweep.table import Plan\n"
         "plan = Plan('', 'sweep.csv', Path('.'), Path('.'), (), ())\n"
-        "assert ensemble._pictures(plan, [{'wob [N]': 1.0}]) == [] and 'matplotlib' not in sys.modules"
+        "assert sweep_module._pictures(plan, [{'wob [N]': 1.0}]) == [] and 'matplotlib' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True, cwd=tmp_path)
 

@@ -1,5 +1,4 @@
-"""Errors, orders, costs, Richardson, plans and resumption of studies: synthetic data of known answers, runs
-by a stub."""
+"""Convergence studies: errors, orders, costs, Richardson, plans and restarts, with synthetic data and stub runs."""
 
 from __future__ import annotations
 
@@ -54,16 +53,16 @@ def case_file(tmp_path) -> Path:
 
 # ---------------------------------------------------------------------- norms
 def test_norms_are_shares_of_the_range_of_the_reference():
-    """Off by (0, 1, -2, 1) of a range of 4: largest 1/2, rms sqrt(6/4)/4, last 1/4, mean 0."""
+    """Errors (0, 1, -2, 1) in a range of 4: largest 1/2, rms sqrt(6/4)/4, last 1/4, mean 0."""
     reference = np.array([0.0, 4.0, 2.0, 1.0])
     found = errors_of(reference + [0.0, 1.0, -2.0, 1.0], reference)
     assert found == pytest.approx({"max": 0.5, "rms": np.sqrt(1.5) / 4, "end": 0.25, "mean": 0.0}, abs=1e-15)
 
 
-def test_an_output_that_stands_still_has_no_relative_error():
+def test_a_constant_output_has_no_relative_error():
     still = np.full(5, 792684.0) + [0, 1e-4, -1e-4, 0, 0]
     assert extent(still) == 0.0
-    with pytest.raises(ValueError, match="stands still"):
+    with pytest.raises(ValueError, match="constant in the reference"):
         errors_of(still, still)
     assert not moves(np.array([1e6, 1e6 + 0.5]))
     assert moves(np.array([1e6, 1e6 + 5.0]))
@@ -78,7 +77,7 @@ def test_order_of_exact_powers():
     assert order.low == pytest.approx(2.0, abs=1e-6)
 
 
-def test_confidence_interval_holds_the_order_as_often_as_it_says():
+def test_confidence_interval_contains_the_order_with_its_probability():
     """Error h^2 times noise of 10 %, normal in the logarithm: the 95 % interval holds 2 in 950 of 1000 draws;
     the number of hits is binomial with a standard deviation of 6.9, so 920 to 980 is missed once in 10^4
     draws of this test, and its seed is fixed."""
@@ -105,8 +104,8 @@ def test_plateau_and_unresolved_points_show_no_order():
 
 
 def test_cost_of_an_error():
-    """Error 1/seconds: 1 % costs 100 s, whatever the points; a curve that begins better than asked says
-    `below`."""
+    """Error 1/seconds: 1 % costs 100 s for any points. If the first point is already more accurate the answer
+    is `below`."""
     seconds = np.array([10.0, 40.0, 320.0])
     cost = cost_of(0.01, 1 / seconds, seconds)
     assert cost is not None
@@ -121,7 +120,7 @@ def test_cost_of_an_error():
     assert cost_of(1e-5, 1 / seconds, seconds) is None
 
 
-def test_a_dearer_and_worse_point_does_not_count():
+def test_a_more_expensive_and_less_accurate_point_does_not_count():
     """The point at 2 s with an error of 1 lies above the line from (1 s, 0.1) to (4 s, 0.001): 0.01 costs 2
     s, in the middle."""
     cost = cost_of(0.01, np.array([0.1, 1.0, 0.001]), np.array([1.0, 2.0, 4.0]))
@@ -139,7 +138,7 @@ def test_richardson_finds_limit_and_order():
     assert found.error == pytest.approx(np.sqrt(np.mean(C**2)))
 
 
-def test_richardson_leaves_the_finest_where_nothing_converges():
+def test_richardson_returns_the_finest_mesh_without_convergence():
     found = richardson(np.zeros(3), np.ones(3), np.zeros(3) - 1.0)
     assert np.isnan(found.order)
     assert (found.values == -1.0).all()
@@ -157,7 +156,7 @@ def test_characteristics_of_two_cells():
     assert v[:5] == pytest.approx([0.0, 0.0, 1.0, 1.0, 2.0])
 
 
-def test_uniform_string_echoes_its_top(case_file):
+def test_uniform_string_reflects_the_speed_of_its_top(case_file):
     """Free lower end: speed there 2 [w(t - T) - w(t - 3T) + ...], T = L/c = 2 m/sqrt(1e4/0.1) m/s
     (d'Alembert); within 1e-6, the cells being 1/1000 of T."""
     from drillpetsc.case import load_case
@@ -213,7 +212,7 @@ def test_options_of_one_integrator_do_not_reach_another(case_file):
     assert bdf.petsc["q_snes_stol"] == "1e-8"
 
 
-def test_words_of_options():
+def test_options_from_the_command_line():
     assert options_of(["-ts_rtol", "1e-5", "-snes_monitor", "-ts_dt", "-1"]) == {
         "ts_rtol": "1e-5",
         "snes_monitor": "",
@@ -233,7 +232,7 @@ def test_words_of_options():
         ("tolerance", ["1e-3", "1e-3"], "--values"),
     ],
 )
-def test_nonsense_is_refused_before_anything_is_written(case_file, tmp_path, vary, values, names):
+def test_invalid_requests_are_refused_before_anything_is_written(case_file, tmp_path, vary, values, names):
     with pytest.raises(CaseError) as caught:
         study(
             case_file,
@@ -249,8 +248,10 @@ def test_nonsense_is_refused_before_anything_is_written(case_file, tmp_path, var
 
 # ---------------------------------------------------------------------- runs by a stub
 class Stub:
-    """In place of a run: bit speed (1 + h^2 + mesh (L/n)^4) t, h the fixed step, L/n the element length, so
-    that errors are known; notes its calls, fails where told to."""
+    """Stub of a run with known errors: bit speed (1 + h^2 + mesh (L/n)^4) t.
+
+    h is the fixed step, L/n the element length. The stub records its calls, and fails on request.
+    """
 
     def __init__(self, fails: str = "never", mesh: float = 0.0):
         self.calls: list[str] = []
@@ -352,7 +353,7 @@ def test_ranks_are_compared_with_a_separate_run_on_one(case_file, tmp_path):
     assert [f.name for f in result.files] == ["study.csv", "study.json", "speed_up.png"]
 
 
-def test_a_restart_keeps_what_is_there(case_file, tmp_path):
+def test_a_restart_keeps_finished_runs(case_file, tmp_path):
     out = tmp_path / "out"
     first = Stub(fails="0.01s")
     result = run_study(case_file, out, first)
@@ -369,7 +370,7 @@ def test_a_restart_keeps_what_is_there(case_file, tmp_path):
     assert len(other.calls) == 7  # of another case nothing is kept
 
 
-def test_all_failed_is_useless_and_still_told(case_file, tmp_path):
+def test_a_study_with_failed_points_only_is_useless_and_still_reported(case_file, tmp_path):
     result = run_study(case_file, tmp_path / "out", Stub(fails="run"))
     assert result.useless
     assert result.failed == 3
@@ -378,9 +379,8 @@ def test_all_failed_is_useless_and_still_told(case_file, tmp_path):
 
 
 def test_reference_is_finer_than_the_points(case_file):
-    """Tolerances 1e-3 and 1e-5 among the points: 1e-5 is the finest; steps alone of 5 ms, half the rows' 10
-    ms that stand in for the mean
-    step: 1e-3/2^3."""
+    """Points with tolerances 1e-3 and 1e-5: the smallest is 1e-5. Points with steps of 20 and 5 ms only: 5 ms
+    is half the interval of the rows, which replaces the mean step, so the tolerance is 1e-3/2^3."""
     from drillpetsc.studies.convergence.plan import finest_tolerance
 
     base = read_base(case_file, {})
@@ -396,27 +396,30 @@ def test_reference_is_finer_than_the_points(case_file):
 @pytest.mark.parametrize(
     "far, expected", [({"arkimex"}, "bdf3"), ({"arkimex", "bdf3", "bdf2"}, "bdf2"), (set(), "arkimex")]
 )
-def test_a_reference_is_sure_of_itself(far, expected, monkeypatch):
-    """One that is far from itself at a looser tolerance is passed over; where all are, the nearest is taken
+def test_a_reference_is_accepted_by_its_estimated_error(far, expected, monkeypatch):
+    """A reference far from its control run is rejected; if all are, the one with the smallest error is taken
     (bdf2 here)."""
     from types import SimpleNamespace
 
     from drillpetsc.studies.convergence import reference as study_reference
-    from drillpetsc.studies.convergence.reference import LOOSER, Reference, _integrated
+    from drillpetsc.studies.convergence.reference import CONTROL_TOLERANCE_FACTOR, Reference, _integrated
 
     t = np.linspace(0.0, 1.0, 11)
     off = {"arkimex": 0.5, "bdf3": 0.4, "bdf2": 0.3}
 
-    def of_run(bench, point, words, limit=None):
-        name, loose = words.split(",")[0], words.endswith(f"{LOOSER * 1e-5:.3g}")
-        return Reference(t, {"wob": t + (off[name] * loose if name in far else 0.0)}, words)
+    def of_run(runs, point, description, limit=None):
+        name = description.split(",")[0]
+        control = description.endswith(f"{CONTROL_TOLERANCE_FACTOR * 1e-5:.3g}")
+        return Reference(t, {"wob": t + (off[name] * control if name in far else 0.0)}, description)
 
     monkeypatch.setattr(study_reference, "_of_run", of_run)
     monkeypatch.setattr(
-        study_reference, "finest_tolerance", lambda points, base: 1e-5 / study_reference.FINER
+        study_reference,
+        "finest_tolerance",
+        lambda points, base: 1e-5 / study_reference.REFERENCE_TOLERANCE_FACTOR,
     )
-    bench = SimpleNamespace(
-        base=SimpleNamespace(history_every=0.1, own_options={}), say=lambda words: None, limit=1.0
+    runs = SimpleNamespace(
+        base=SimpleNamespace(history_every=0.1, own_options={}), say=lambda line: None, limit=1.0
     )
-    found = _integrated(bench, [], ("arkimex", "bdf3", "bdf2"))
-    assert found is not None and found.words.startswith(f"separate run by {expected}")
+    found = _integrated(runs, [], ("arkimex", "bdf3", "bdf2"))
+    assert found is not None and found.description.startswith(f"separate run by {expected}")

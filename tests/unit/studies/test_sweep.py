@@ -1,5 +1,4 @@
-"""Sweeps before anything runs: which members there are, what is refused, how ranks are shared out, what a
-restart does."""
+"""Plans of sweeps: members, refused values, worker groups, restarts, and the table."""
 
 from __future__ import annotations
 
@@ -12,19 +11,16 @@ from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from drillpetsc.studies.sweep.plan import plan_sweep, plan_wells
 from drillpetsc.studies.sweep.table import (
-    AGAIN,
-    CONTINUE,
-    KEEP,
-    NEW,
+    Action,
     Member,
     Outcome,
     claim,
-    keep_outcome,
     outcomes,
+    store_outcome,
     write,
 )
 from drillpetsc.studies.sweep.variations import choices_from, choices_of, split_values, variations
-from drillpetsc.studies.sweep.worker_groups import LEAST_ELEMENTS, team_sizes
+from drillpetsc.studies.sweep.worker_groups import LEAST_ELEMENTS, group_sizes
 
 CASE = """
 well:
@@ -55,7 +51,7 @@ def file(tmp_path) -> Path:
         ("1", ["1"]),
     ],
 )
-def test_lists_part_at_commas_outside_brackets_and_quotes(text, parts):
+def test_lists_split_at_commas_outside_brackets_and_quotes(text, parts):
     assert split_values(text) == parts
 
 
@@ -117,14 +113,14 @@ def test_python_values_are_those_of_the_words(file):
         (["fluid.density"], "", "fluid.density"),
     ],
 )
-def test_what_is_wrong_is_named_with_key_and_value(file, words, at, got):
+def test_errors_name_key_and_value(file, words, at, got):
     with pytest.raises(CaseError) as caught:
         variations(file, choices_of(words))
     assert (caught.value.at, caught.value.got) == (at, got)
     assert at in str(caught.value) and got in str(caught.value)
 
 
-def test_all_wrong_values_are_told_at_once_and_the_member_is_named(file):
+def test_all_wrong_values_are_reported_at_once_with_the_member(file):
     with pytest.raises(CaseError) as caught:
         variations(file, choices_of(["fluid.flow_rate=20 kg,20 l/s", "top.rotation=3 m"]))
     text = str(caught.value)
@@ -146,7 +142,7 @@ BIG = 100 * LEAST_ELEMENTS
 @pytest.mark.parametrize(
     "costs, elements, ranks, sizes",
     [
-        ([1, 1, 1, 1], [BIG] * 4, 2, [1, 1]),  # two teams, the other members wait for them
+        ([1, 1, 1, 1], [BIG] * 4, 2, [1, 1]),  # two groups, the other members wait
         ([1, 1, 1, 1], [BIG] * 4, 4, [1, 1, 1, 1]),
         ([1, 1], [BIG] * 2, 4, [2, 2]),
         ([1, 1], [BIG] * 2, 5, [3, 2]),
@@ -163,22 +159,22 @@ BIG = 100 * LEAST_ELEMENTS
     ],
 )
 def test_ranks_follow_the_expected_cost(costs, elements, ranks, sizes):
-    assert team_sizes(costs, elements, ranks) == sizes
+    assert group_sizes(costs, elements, ranks) == sizes
 
 
-def test_teams_never_outnumber_the_ranks():
-    """For falling costs of any spread: at least a rank each, and a single one is left wherever members
-    wait."""
+def test_groups_never_outnumber_the_ranks():
+    """For descending costs of any spread, every group has at least one rank; if members wait, the last group
+    has one rank."""
     for spread in (1.0, 0.9, 0.5, 0.1, 1e-3):
         for members in range(1, 9):
             costs = [spread**k for k in range(members)]
             for ranks in range(1, 12):
-                sizes = team_sizes(costs, [BIG] * members, ranks)
+                sizes = group_sizes(costs, [BIG] * members, ranks)
                 assert sum(sizes) <= ranks and min(sizes) >= 1 and len(sizes) <= members
                 assert len(sizes) == members or (sum(sizes) == ranks and sizes[-1] == 1)
 
 
-# ---------------------------------------------------------------------- places and table
+# ---------------------------------------------------------------------- folders and table
 def _members(file: Path, words: list[str]) -> list[Member]:
     return [
         Member(
@@ -194,7 +190,7 @@ def _members(file: Path, words: list[str]) -> list[Member]:
 
 
 def _leave(folder: Path, member: Member, status: str, checkpoint: bool) -> None:
-    """A run folder as a run leaves it."""
+    """Create a run folder as a run writes it."""
     folder.mkdir()
     member.case.dump(folder / "case.yaml")
     (folder / "summary.json").write_text(json.dumps({"status": status}))
@@ -202,26 +198,26 @@ def _leave(folder: Path, member: Member, status: str, checkpoint: bool) -> None:
         (folder / "checkpoint.h5").touch()
 
 
-def test_a_restart_keeps_what_is_done_and_continues_what_has_a_checkpoint(file, tmp_path):
-    """Members are known by their case, so values may be added; another case never takes a folder that holds
+def test_a_restart_keeps_done_members_and_continues_those_with_a_checkpoint(file, tmp_path):
+    """Members are identified by their case, so values may be added. Another case never gets a folder with
     results."""
     out = tmp_path / "out"
     old = _members(file, ["fluid.density=1000,1100,1200,1300"])
     plan = plan_sweep("", "small", old, out, False, False)
-    assert [p.action for p in plan.places] == [NEW] * 4
+    assert [p.action for p in plan.folders] == [Action.NEW] * 4
     write(plan, {})
-    _leave(plan.places[0].folder, old[0], "done", True)
-    _leave(plan.places[1].folder, old[1], "failed: x", True)
-    _leave(plan.places[2].folder, old[2], "failed: x", False)
+    _leave(plan.folders[0].folder, old[0], "done", True)
+    _leave(plan.folders[1].folder, old[1], "failed: x", True)
+    _leave(plan.folders[2].folder, old[2], "failed: x", False)
     again = plan_sweep(
         "", "small", _members(file, ["fluid.density=900,1000,1100,1200,1300"]), out, True, False
     )
-    assert [(p.folder.name, p.action) for p in again.places] == [
-        ("member-006", NEW),
-        ("member-001", KEEP),
-        ("member-002", CONTINUE),
-        ("member-003", AGAIN),
-        ("member-005", NEW),
+    assert [(p.folder.name, p.action) for p in again.folders] == [
+        ("member-006", Action.NEW),
+        ("member-001", Action.KEEP),
+        ("member-002", Action.CONTINUE),
+        ("member-003", Action.AGAIN),
+        ("member-005", Action.NEW),
     ]
 
 
@@ -241,8 +237,8 @@ def test_overwrite_removes_members_and_nothing_else(file, tmp_path):
     write(plan_sweep("", "small", members, out, False, False), {})
     for member in members:
         _leave(out / member.name, member, "done", True)
-    (out / "notes.txt").write_text("mine")
-    (out / "member-002" / "notes.txt").write_text("mine")
+    (out / "notes.txt").write_text("a note")
+    (out / "member-002" / "notes.txt").write_text("a note")
     plan_sweep("", "small", members, out, False, True)
     assert (
         (out / "notes.txt").exists()
@@ -257,15 +253,15 @@ def test_wells_go_to_folders_of_their_own_names(file, tmp_path, monkeypatch):
     case = _members(file, ["fluid.density=1000"])[0].case
     wells = [Member(k, name, {"case": name}, case, 5) for k, name in enumerate(("a", "b"), 1)]
     numbered = plan_wells(wells, None, False, False)
-    assert [str(p.folder) for p in numbered.places] == ["results/a-001", "results/b-001"]
-    assert [p.folder.name for p in plan_wells(wells, tmp_path / "pad", False, False).places] == ["a", "b"]
+    assert [str(p.folder) for p in numbered.folders] == ["results/a-001", "results/b-001"]
+    assert [p.folder.name for p in plan_wells(wells, tmp_path / "pad", False, False).folders] == ["a", "b"]
 
 
-def test_the_table_says_how_far_each_member_is(file, tmp_path):
+def test_the_table_has_the_state_of_each_member(file, tmp_path):
     members = _members(file, ["fluid.density=1000,1100 kg/m3,1200"])
     plan = plan_sweep("title", "small", members, tmp_path / "out", False, False)
     assert claim(plan, members[0]) and claim(plan, members[1]) and not claim(plan, members[1])
-    keep_outcome(plan, Outcome(1, "done", "", (2, 3), 1.5, {"wob [N]": 7.0, "rop [m/s]": float("nan")}))
+    store_outcome(plan, Outcome(1, "done", "", (2, 3), 1.5, {"wob [N]": 7.0, "rop [m/s]": float("nan")}))
     write(plan, {"ranks": 4})
     table = read_table(tmp_path / "out" / "sweep.csv")
     assert table["status"].tolist() == ["done", "running", "waiting"]
@@ -273,8 +269,8 @@ def test_the_table_says_how_far_each_member_is(file, tmp_path):
         "fluid.density (SI)"
     ].tolist() == [1000, 1100, 1200]
     assert table["wob [N]"][0] == 7 and table["ranks"].tolist() == [2, 0, 0]
-    keep_outcome(plan, Outcome(2, "failed", 'broke, "so"', (0,), 0.5))
-    keep_outcome(plan, Outcome(3, "done", "", (1,), 0.5))
+    store_outcome(plan, Outcome(2, "failed", 'broke, "so"', (0,), 0.5))
+    store_outcome(plan, Outcome(3, "done", "", (1,), 0.5))
     write(plan, {"ranks": 4})
     assert read_table(tmp_path / "out" / "sweep.csv")["message"].tolist() == ["", 'broke, "so"', ""]
     reported = json.loads((tmp_path / "out" / "summary.json").read_text())
@@ -289,3 +285,4 @@ def test_the_table_says_how_far_each_member_is(file, tmp_path):
         2,
         3,
     }
+    assert reported["units"] == {"fluid.density": "kg/m3"}

@@ -1,0 +1,59 @@
+"""The state that a run starts from: a checkpoint, another run, the static equilibrium, or the string at rest."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from drillpetsc.analysis import checkpoint
+from drillpetsc.analysis.equilibrium import StaticState, director_equilibrium
+from drillpetsc.analysis.placement import move_rigidly, place_along_hole, release
+from drillpetsc.analysis.quasi_static import QuasiStatic
+from drillpetsc.analysis.quaternion_statics import quaternion_equilibrium
+from drillpetsc.case.case import Case
+from drillpetsc.model.drilling_model import DrillingModel
+
+
+def find_equilibrium(
+    model: DrillingModel, motion: tuple[float, float] | None = None, climb: bool = True
+) -> StaticState:
+    """Find the static equilibrium with friction against ``motion``; the state is left in the model's system.
+
+    motion: axial velocity [m/s, down positive] and rotation [rad/s]; by default what the top prescribes at time 0.
+    climb: the lateral friction force pushes a turning pipe up the wall; without it only its torque acts, as in
+    torque-and-drag models.
+    Raises SolveError where no equilibrium is found.
+    """
+    if model.beam is not None and model.beam.needs_ancf_equilibrium:
+        return quaternion_equilibrium(model, motion, climb)
+    return director_equilibrium(model, motion, climb)
+
+
+def initial_state(
+    model: DrillingModel, case: Case, saved: checkpoint.Checkpoint | None, quasi: QuasiStatic | None
+) -> StaticState | None:
+    """Bring the model to its state at the start; returns the static state where one was computed."""
+    if saved is not None:
+        checkpoint.restore(model, saved)
+        if quasi is not None:
+            quasi.begin(saved.time, saved.notes.get("share", 1.0))
+        return None
+    state = None
+    if case.initial.from_ == "statics":
+        state = find_equilibrium(model)
+    elif case.initial.from_ in ("rest", "straight"):
+        place_along_hole(model)
+    else:
+        other = checkpoint.read(Path(case.initial.from_) / "checkpoint.h5")
+        checkpoint.restore(model, other, at="initial.from")
+        checkpoint.start_clock_anew(model, other)
+        if quasi is None:
+            release(model)
+        else:
+            quasi.begin()
+        return None
+    if quasi is not None:
+        quasi.begin(share=state.side if state is not None else 1.0)
+        return state
+    release(model)
+    move_rigidly(model)
+    return state

@@ -1,0 +1,145 @@
+"""`CaseBlocks`: all blocks of a case file, each of them valid by itself.
+
+Checks, defaults, writer and schema are typed on this class. `Case` adds them to it.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    field_validator,
+)
+
+from drillpetsc.case.block import Block
+from drillpetsc.case.blocks.contact import Contact, contact_or_none
+from drillpetsc.case.blocks.ends import AnyLoad, Bottom, HeldBottom, HeldTop, Top
+from drillpetsc.case.blocks.fluid import Fluid
+from drillpetsc.case.blocks.formation import Formation
+from drillpetsc.case.blocks.joints import Joint
+from drillpetsc.case.blocks.settings import BeamTheory, Initial, Output, Time
+from drillpetsc.case.blocks.string import Flexible, Material, StringItem
+from drillpetsc.case.blocks.well import Well
+from drillpetsc.case.key_paths import refuse
+from drillpetsc.case.quantities import Vector
+
+Option = bool | int | float | str
+
+STANDARD_GRAVITY = 9.80665  # [m/s2], ISO 80000-3
+
+
+class CaseBlocks(Block):
+    """The blocks of a case file. A block that is absent is absent physics."""
+
+    # a held string needs no top, so the schema requires one of the two keys
+    model_config = ConfigDict(
+        json_schema_extra={
+            "anyOf": [
+                {"required": ["top"]},
+                {"required": ["hold_string"], "properties": {"hold_string": {"const": True}}},
+            ]
+        }
+    )
+
+    title: str = Field(default="", description="title of the case")
+    well: Well | None = Field(default=None, description="the hole; without it the string is in free space")
+    string: tuple[StringItem, ...] = Field(
+        min_length=1, description="from the top down; the last item ends at the bit"
+    )
+    joints: tuple[Joint, ...] = Field(default=(), description="joints in the string, at measured depths")
+    material: Material = Field(
+        default=Material(), description="material of all items that name no other; steel when not given"
+    )
+    beam: BeamTheory = Field(default=BeamTheory(), description="unknowns of the string")
+    hold_string: bool = Field(
+        default=False,
+        strict=True,
+        description="the string stands still and has no unknowns: hydraulics alone; top may be left out, "
+        "and there is no contact",
+    )
+    top: Top = Field(
+        default=None,  # type: ignore[arg-type]  # the validator replaces None or refuses it
+        validate_default=True,
+        description="what holds or drives the upper end; needed unless hold_string is true",
+    )
+    bottom: Bottom = Field(default=HeldBottom(kind="free"), description="what the lower end meets")
+    contact: Annotated[
+        Contact | None, BeforeValidator(contact_or_none, json_schema_input_type=Literal["none"] | Contact)
+    ] = Field(
+        default=None,
+        description="contact with the hole, or none; with a well and without this key, contact with all defaults",
+    )
+    fluid: Fluid | None = Field(
+        default=None, description="the drilling fluid; without it the hole and the string are dry"
+    )
+    formation: Formation | None = Field(
+        default=None, description="the rock that the bit cuts; without it the bit does not drill"
+    )
+    loads: tuple[AnyLoad, ...] = Field(default=(), description="point and distributed loads on the string")
+    gravity: Annotated[tuple[float, float, float], Vector("m/s^2", along_z=True)] = Field(
+        default=(0.0, 0.0, STANDARD_GRAVITY),
+        description="acceleration of gravity, downward; or [north, east, down]",
+    )
+    initial: Initial = Field(default=Initial(), description="the state at time 0")
+    time: Time | None = Field(default=None, description="simulated time; needed to run, not for statics")
+    output: Output = Field(default=Output(), description="contents of the run folder")
+    petsc: dict[str, Option] = Field(default={}, description="PETSc options, without the leading dash")
+
+    @field_validator("top", mode="wrap")
+    @classmethod
+    def _top_unless_held(cls, value: Any, read: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
+        if value is not None:
+            return read(value)
+        if info.data.get("hold_string"):
+            return HeldTop(kind="clamped")
+        raise refuse(want="this key; it has no default")
+
+    @field_validator("petsc", mode="before")
+    @classmethod
+    def _options(cls, value: Any) -> Any:
+        if not isinstance(value, dict):
+            raise refuse(got=value, want="a mapping of PETSc options, such as {ts_bdf_order: 2}")
+        options = {}
+        for key, option in value.items():
+            if not re.fullmatch(r"[A-Za-z]\w*", str(key)):
+                hint = f"write {str(key).lstrip('-')}" if str(key).startswith("-") else ""
+                raise refuse(key, want="an option name without the leading dash", hint=hint)
+            if option is not None and not isinstance(option, (bool, int, float, str)) or option != option:
+                raise refuse(key, got=option, want="a number, a word, true or false")
+            options[str(key)] = "" if option is None else option
+        return options
+
+    @property
+    def item_depths(self) -> tuple[tuple[float, float], ...]:
+        """Measured depth of the upper and lower end of each string item [m]."""
+        depths, above = [], 0.0
+        for item in self.string:
+            depths.append((above, above + item.length))
+            above += item.length
+        return tuple(depths)
+
+    @property
+    def string_length(self) -> float:
+        """Length of the string [m]."""
+        return self.item_depths[-1][1]
+
+    @property
+    def has_bore(self) -> bool:
+        """Whether there is fluid in the string.
+
+        There is none in a solid string, nor in a plugged one that no pump pressure fills.
+        """
+        if self.fluid is None or (self.bottom.plugged and self.fluid.pump_pressure is None):
+            return False
+        return any(isinstance(item, Flexible) and item.id > 0 for item in self.string)
+
+    @property
+    def has_annulus(self) -> bool:
+        """Whether there is fluid between string and hole."""
+        return self.fluid is not None and self.fluid.annulus

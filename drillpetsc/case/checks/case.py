@@ -1,0 +1,139 @@
+"""Checks of the blocks of a case against each other: string, hole, ends and start. `check_case` runs all
+checks in order."""
+
+from __future__ import annotations
+
+from drillpetsc.case.blocks.case_blocks import CaseBlocks
+from drillpetsc.case.blocks.ends import PointLoad
+from drillpetsc.case.blocks.string import Beam, Bit, Pipe
+from drillpetsc.case.blocks.well import Well
+from drillpetsc.case.checks.drilling import check_drilling, check_time
+from drillpetsc.case.checks.fluid import check_fluid, check_held_string
+from drillpetsc.case.checks.joints import check_joints
+from drillpetsc.case.checks.limits import check_quaternion, check_size
+from drillpetsc.case.key_paths import refuse
+
+LENGTH_TOLERANCE = 1e-6  # [m] sums of item lengths
+
+
+def check_case(case: CaseBlocks) -> None:
+    """Raise on the first contradiction between blocks."""
+    check_held_string(case)
+    check_quaternion(case)
+    _bit_last(case)
+    _well_or_none(case)
+    check_fluid(case)
+    _string_in_hole(case)
+    _bit_on_bottom(case)
+    check_drilling(case)
+    _start(case)
+    check_time(case)
+    check_joints(case)
+    _on_string(case)
+    _stribeck(case)
+    check_size(case)
+
+
+def _bit_last(case: CaseBlocks) -> None:
+    for i, item in enumerate(case.string[:-1]):
+        if isinstance(item, Bit):
+            raise refuse(
+                "string", i, "kind", got="bit", want="a bit only as the last item; else stabilizer or body"
+            )
+    if not any(isinstance(item, (Pipe, Beam)) for item in case.string):
+        raise refuse("string", got=f"{len(case.string)} rigid items", want="at least one pipe or beam")
+
+
+def _well_or_none(case: CaseBlocks) -> None:
+    if case.well is None:
+        if case.contact is not None:
+            raise refuse(
+                "contact", want="no contact without a well", hint="give a well, or leave contact out"
+            )
+        if case.bottom.kind == "bit":
+            hint = "a bit stands on the hole's end; give a well"
+            raise refuse("bottom", got="bit", want="free, pinned, clamped or force without a well", hint=hint)
+        return
+    for key in ("inclination", "azimuth"):
+        if key in case.initial.model_fields_set:
+            want = f"no {key} with a well: the string starts in the hole"
+            raise refuse("initial", key, got=getattr(case.initial, key), want=want)
+
+
+def _string_in_hole(case: CaseBlocks) -> None:
+    if case.well is None:
+        return
+    end = case.well.survey.md[-1]
+    for i, (_, below) in enumerate(case.item_depths):
+        if below > end + LENGTH_TOLERANCE:
+            want = f"a string no longer than the hole, {end:g} m"
+            hint = f"the items down to this one are {below:g} m long"
+            raise refuse("string", i, "length", got=case.string[i].length, want=want, hint=hint)
+    if case.contact is None and not case.has_annulus:
+        return
+    for i, (item, (above, below)) in enumerate(zip(case.string, case.item_depths, strict=True)):
+        if isinstance(item, Beam) and item.od is None:
+            raise refuse(
+                "string", i, "od", want="an outer diameter: the case has a well", hint="or contact: none"
+            )
+        if isinstance(item, (Pipe, Beam)):
+            _fits(case.well, i, item.od, above, below)
+
+
+def _fits(well: Well, i: int, outer: float | None, above: float, below: float) -> None:
+    """Raise unless the item is thinner than every section around it at the start.
+
+    i: number of the item in the string
+    outer: outer diameter [m]
+    above, below: measured depths of the ends of the item [m]
+    """
+    top = 0.0
+    for section in well.sections:
+        meets = section.to > above + LENGTH_TOLERANCE and top < below - LENGTH_TOLERANCE
+        if outer is not None and meets and outer >= section.diameter:
+            place = f"the {section.kind.replace('_', ' ')} at {max(top, above):g} m"
+            want = f"less than the diameter of {place}, {section.diameter:g} m"
+            raise refuse("string", i, "od", got=outer, want=want)
+        top = section.to
+
+
+def _bit_on_bottom(case: CaseBlocks) -> None:
+    if case.bottom.kind == "bit" and case.string[-1].od is None:
+        last = len(case.string) - 1
+        raise refuse(
+            "string", last, "od", want="an outer diameter of the last item, for the torque of the bit"
+        )
+
+
+def _start(case: CaseBlocks) -> None:
+    if case.initial.wob is None:
+        return
+    got = case.initial.wob
+    if case.bottom.kind != "bit":
+        raise refuse("initial", "wob", got=got, want="no wob unless bottom is a bit")
+    if case.top.kind == "free" or case.top.force is not None:
+        hint = "wob is met by the top's axial position, which this top does not prescribe"
+        raise refuse("initial", "wob", got=got, want="no wob with a free top or a given top force", hint=hint)
+
+
+def _on_string(case: CaseBlocks) -> None:
+    end = case.string_length
+    range_of_string = f"a measured depth on the string, 0 to {end:g} m"
+    for i, probe in enumerate(case.output.probes):
+        if probe > end + LENGTH_TOLERANCE:
+            raise refuse("output", "probes", i, got=probe, want=range_of_string)
+    for i, load in enumerate(case.loads):
+        key, depth = ("at", load.at) if isinstance(load, PointLoad) else ("to", load.to)
+        if depth > end + LENGTH_TOLERANCE:
+            raise refuse("loads", i, key, got=depth, want=range_of_string)
+
+
+def _stribeck(case: CaseBlocks) -> None:
+    if case.contact is None or case.contact.stribeck is None or case.well is None:
+        return
+    static = case.contact.stribeck.static
+    kinetic = max(section.friction for section in case.well.sections)
+    kinetic = max([kinetic, *(item.friction for item in case.string if item.friction is not None)])
+    if static < kinetic:
+        want = f"at least the largest friction of the hole and the string, {kinetic:g}"
+        raise refuse("contact", "stribeck", "static", got=static, want=want)

@@ -1,0 +1,81 @@
+"""Checks of joints against the string and the rest of the case."""
+
+from __future__ import annotations
+
+from drillpetsc.case.blocks.case_blocks import CaseBlocks
+from drillpetsc.case.blocks.string import Flexible, Rigid
+from drillpetsc.case.key_paths import refuse
+
+TOLERANCE = 1e-6  # [m] depths closer than this are equal
+
+
+def check_joints(case: CaseBlocks) -> None:
+    """Raise where joints do not fit the string or the rest of the case."""
+    end = case.string_length
+    seen: dict[float, int] = {}
+    for i, joint in enumerate(case.joints):
+        if case.hold_string:
+            raise refuse(
+                "joints", i, got=joint.kind, want="no joints in a string that hold_string keeps still"
+            )
+        if case.fluid is not None:
+            raise refuse(
+                "joints",
+                i,
+                got=joint.kind,
+                want="no joints in a case with a fluid (not available in this version)",
+            )
+        if not TOLERANCE < joint.at < end - TOLERANCE:
+            raise refuse(
+                "joints",
+                i,
+                "at",
+                got=joint.at,
+                want=f"a measured depth inside the string, between 0 and {end:g} m",
+            )
+        for other, k in seen.items():
+            if abs(other - joint.at) <= TOLERANCE:
+                raise refuse(
+                    "joints",
+                    i,
+                    "at",
+                    got=joint.at,
+                    want=f"another depth than that of joints[{k}]: one joint at a place",
+                )
+        seen[joint.at] = i
+        for k, (item, (above, below)) in enumerate(zip(case.string, case.item_depths, strict=True)):
+            if not isinstance(item, Flexible) and above + TOLERANCE < joint.at < below - TOLERANCE:
+                want = f"an end of the rigid item string[{k}], {above:g} or {below:g} m, or a depth in a pipe or beam"
+                raise refuse("joints", i, "at", got=joint.at, want=want)
+    _no_massless_part(case)
+
+
+def _no_massless_part(case: CaseBlocks) -> None:
+    """Raise if the string between two joints, or between a joint and an end, has no mass of its own."""
+    marks = [0.0, *sorted(joint.at for joint in case.joints), case.string_length]
+    for above, below in zip(marks, marks[1:], strict=False):
+        inside = [
+            i for i, (a, b) in enumerate(case.item_depths) if b > above + TOLERANCE and a < below - TOLERANCE
+        ]
+        if len(marks) == 2 or any(isinstance(case.string[i], Flexible) for i in inside):
+            continue
+        for i, joint in enumerate(case.joints):
+            if joint.at == below and joint.constraint == "stabilised":
+                want = "constraint: position, or a pipe or beam above the joint"
+                raise refuse(
+                    "joints",
+                    i,
+                    "constraint",
+                    got=joint.constraint,
+                    want=want,
+                    hint="only rigid items hang above it",
+                )
+        rigid = [item for i in inside if isinstance(item := case.string[i], Rigid)]
+        if all(item.mass == 0 for item in rigid):
+            raise refuse(
+                "string",
+                inside[0],
+                "mass",
+                got=0.0,
+                want="a mass: only rigid items hang between the joints here",
+            )

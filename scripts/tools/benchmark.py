@@ -1,0 +1,211 @@
+"""Benchmark cases: errors, simulated seconds per CPU second (median of several runs), and fractions of the time
+by phase.
+
+Each run is a separate process on one core. CPU seconds are those of the time integration with its output; for
+the pendulum without output, like its target. The reference solutions are in benchmark_reference.py: the exact
+torsional wave for the hanging string, an explicit integrator of order 8 on a finer mesh for the pendulum, and
+a run with a tenth of the tolerance for the cases with contact. The first use takes some minutes in all; later
+ones find the references in the user's cache folder.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import statistics
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import benchmark_reference as reference
+import numpy as np
+
+from drillpetsc.output import read_frame, read_series, read_table
+
+CASES = Path(__file__).parents[2] / "cases" / "benchmark"
+# simulated seconds per CPU second
+TARGETS = {
+    "pendulum": 5.0,
+    "hanging-string": 5.0,
+    "hanging-string-contact": 2.0,
+    "buckled-collar": 3.0,
+    "coupled-2000m": 1.0,
+}
+PHASES = ("Residual", "Jacobian", "ChainFactor", "ChainSolve", "Output")
+SETTLED = 2.0  # start of the interval of means [s]
+Errors = dict[str, float]
+
+
+# ---------------------------------------------------------------------- errors of a run: name -> value
+def pendulum_errors(folder: Path, fresh: bool) -> Errors:
+    times, path = reference.pendulum_path(CASES / "pendulum.yaml", fresh)
+    history, probes = read_table(folder / "history.csv"), read_table(folder / "probes.csv")
+    if not np.allclose(history["time [s]"], times):
+        raise ValueError("the rows of the run and of the reference are at different times")
+    up = probes[next(name for name in probes if name.startswith("x_"))]
+    off = np.column_stack([history["bit_depth [m]"], up]) - path
+    return {"rms tip path / L": float(np.sqrt(np.mean(np.sum(off**2, axis=1))) / 0.5)}
+
+
+def hanging_errors(folder: Path, fresh: bool) -> Errors:
+    history = read_table(folder / "history.csv")
+    t, speed = history["time [s]"], history["bit_speed [rad/s]"]
+    off = (speed - reference.exact_bit_speed(t, t[-1])) / reference.SPEED
+    return {
+        "rms bit speed / 80 rpm": float(np.sqrt(np.mean(off**2))),
+        "hook load": float(np.max(np.abs(history["hook_load [N]"] / reference.HANGING_WEIGHT - 1))),
+    }
+
+
+def contact_errors(folder: Path, fresh: bool) -> Errors:
+    columns = {"mean hook load": "hook_load [N]", "mean torque": "surface_torque [N m]"}
+    return _against_finer(folder, "hanging-string-contact", columns, fresh)
+
+
+def collar_errors(folder: Path, fresh: bool) -> Errors:
+    frames = [read_frame(path) for t, path in read_series(folder) if t > 0]
+    top = np.array([frame.point_data["axial_force [N]"][0] for frame in frames])
+    out = {"axial load": float(np.max(np.abs(top / -reference.AXIAL_LOAD - 1)))}
+    return out | _against_finer(folder, "buckled-collar", {"mean torque": "surface_torque [N m]"}, fresh)
+
+
+def coupled_errors(folder: Path, fresh: bool) -> Errors:
+    columns = {
+        "mean hook load": "hook_load [N]",
+        "mean torque": "surface_torque [N m]",
+        "mean pump pressure": "pump_pressure [Pa]",
+    }
+    balance = json.loads((folder / "summary.json").read_text())["mass"]
+    return _against_finer(folder, "coupled-2000m", columns, fresh) | {
+        "mud balance / pumped": abs(balance["error_share"])
+    }
+
+
+def _against_finer(folder: Path, name: str, columns: dict[str, str], fresh: bool) -> Errors:
+    history = read_table(folder / "history.csv")
+    finer = reference.finer_means(CASES / f"{name}.yaml", tuple(columns.values()), SETTLED, fresh)
+    return {name: abs(reference.mean_of(history, c, SETTLED) / finer[c] - 1) for name, c in columns.items()}
+
+
+ERRORS: dict[str, Callable[[Path, bool], Errors]] = {
+    "pendulum": pendulum_errors,
+    "hanging-string": hanging_errors,
+    "hanging-string-contact": contact_errors,
+    "buckled-collar": collar_errors,
+    "coupled-2000m": coupled_errors,
+}
+
+
+# ---------------------------------------------------------------------- measuring
+def call_times(case: Path, calls: int = 40) -> dict[str, float]:
+    """Shortest time [s] of one call of each phase of a Newton iteration, in the static state of a case."""
+    from drillpetsc.analysis.initial_state import find_equilibrium
+    from drillpetsc.analysis.placement import move_rigidly, release
+    from drillpetsc.case import load_case
+    from drillpetsc.model.drilling_model import build_model
+    from drillpetsc.solvers.newton import chain_factor
+
+    model = build_model(load_case(case))
+    find_equilibrium(model)
+    release(model)
+    move_rigidly(model)
+    system, shift = model.system, 1e3
+    asm, factor = system.assembly, chain_factor(system)
+    x = np.zeros(system.layout.size)
+    phases: dict[str, Callable[[], object]] = {
+        "residual": lambda: asm.residual(0.0),
+        "Jacobian": lambda: asm.jacobian(0.0, (1.0, shift, shift**2), True),
+        "factor": lambda: factor.factor(asm.values),
+        "solve": lambda: factor.solve(x, x),
+        "powers": lambda: system.powers(0.0),
+    }
+    out = {}
+    for name, call in phases.items():
+        times = []
+        for _ in range(calls):
+            begun = time.perf_counter()
+            call()
+            times.append(time.perf_counter() - begun)
+        out[name] = min(times)
+    return out
+
+
+def fluid_cost(case: Path) -> Errors:
+    """Time of residual, Jacobian, factor and solve with mud over that without, in one process (shortest of many
+    calls)."""
+    text = case.read_text(encoding="utf-8")
+    dry = text[: text.index("fluid:")] + text[text.index("gravity:") :]
+    with tempfile.TemporaryDirectory() as scratch:
+        file = Path(scratch) / "dry.yaml"
+        file.write_text(dry, encoding="utf-8")
+        wet_times, dry_times = call_times(case), call_times(file)
+    return {f"{name}, wet / dry": wet_times[name] / dry_times[name] for name in wet_times}
+
+
+def measure(name: str, repeat: int, fresh: bool = False) -> dict:
+    """Results of ``repeat`` runs of a case: those of the middle run, with the median of simulated seconds per CPU
+    second."""
+    runs = []
+    for k in range(repeat):
+        with tempfile.TemporaryDirectory() as scratch:
+            folder = Path(scratch) / "run"
+            summary = reference.run_case(CASES / f"{name}.yaml", folder)
+            errors = ERRORS[name](folder, fresh and k == 0)
+        errors["energy lost / exchanged"] = abs(summary["energy"]["error_share"])
+        if "coupled" in name:
+            errors |= fluid_cost(CASES / f"{name}.yaml")
+        seconds = {p: summary["wall_by_phase"].get(p, 0.0) for p in PHASES}
+        cpu = summary["cpu_seconds"] - (seconds["Output"] if name == "pendulum" else 0.0)
+        runs.append(
+            {
+                "factor": summary["simulated"] / cpu,
+                "cpu": cpu,
+                "errors": errors,
+                "steps": summary["steps"],
+                "newton": summary["newton_iterations"],
+                "jacobians": summary["jacobians"],
+                "phases": {p: s / summary["wall_seconds"] for p, s in seconds.items()},
+            }
+        )
+    middle = sorted(runs, key=lambda r: r["factor"])[len(runs) // 2]
+    return {
+        **middle,
+        "factor": statistics.median(r["factor"] for r in runs),
+        "case": name,
+        "target": TARGETS[name],
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("cases", nargs="*", metavar="CASE", help=f"of {', '.join(TARGETS)} (default: all)")
+    parser.add_argument("--repeat", type=int, default=3)
+    parser.add_argument("--fresh", action="store_true", help="compute the references again")
+    parser.add_argument("--json", metavar="FILE", help="also write the results to this file")
+    arguments = parser.parse_args()
+    unknown = set(arguments.cases) - set(TARGETS)
+    if unknown:
+        parser.error(f"unknown case {', '.join(sorted(unknown))}: allowed are {', '.join(TARGETS)}")
+    rows = []
+    print(
+        f"{'case':24} {'simulated/CPU':>13} {'target':>6}  {'steps':>6} {'Newton':>6} {'Jac.':>5}  fractions of the time"
+    )
+    for name in arguments.cases or TARGETS:
+        r = measure(name, arguments.repeat, arguments.fresh)
+        rows.append(r)
+        shares = " ".join(f"{p} {100 * v:.0f}%" for p, v in r["phases"].items())
+        print(
+            f"{name:24} {r['factor']:13.2f} {r['target']:6.1f}  {r['steps']:6d} {r['newton']:6d} {r['jacobians']:5d}  {shares}"
+        )
+        print(
+            " " * 26 + ", ".join(f"{error} {value:.2e}" for error, value in r["errors"].items()), flush=True
+        )
+    if arguments.json:
+        Path(arguments.json).write_text(json.dumps(rows, indent=2))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,90 @@
+"""The manual: every command, case and Python block that it shows works as it stands."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+from tests.helpers.mpi import have_mpi
+
+ROOT = Path(__file__).parents[2]
+spec = importlib.util.spec_from_file_location("extract", ROOT / "docs" / "extract.py")
+assert spec is not None and spec.loader is not None
+extract = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(extract)
+PAGES = {str(page.relative_to(ROOT / "docs")): page for page in extract.pages()}
+
+
+def environment() -> dict[str, str]:
+    """Without the marks that MPI leaves in this process; one thread."""
+    kept = {k: v for k, v in os.environ.items() if not k.startswith(("PMIX", "PMI_", "PRTE_", "OMPI_"))}
+    beside = str(Path(sys.executable).parent)
+    path = os.pathsep.join([beside, kept.get("PATH", "")])
+    source = os.pathsep.join(filter(None, [str(ROOT), kept.get("PYTHONPATH")]))
+    root = {
+        "OMPI_ALLOW_RUN_AS_ROOT": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+        "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    }
+    return kept | root | {"PATH": path, "PYTHONPATH": source, "OMP_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
+
+
+def started(command: str) -> str:
+    """The command with this Python in place of the installed program."""
+    return " ".join(
+        f"{shlex.quote(sys.executable)} -P -m drillpetsc"
+        if word in ("drillpetsc", "scripts/drillpetsc")
+        else word
+        for word in command.split(" ")
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name, page in PAGES.items() if extract.commands(page)])
+def test_commands_of_the_manual_run(name: str, tmp_path: Path) -> None:
+    page = PAGES[name]
+    (tmp_path / "cases").symlink_to(ROOT / "cases")
+    for case in sorted((ROOT / "docs" / "tutorials" / "cases").glob("*.yaml")):
+        (tmp_path / case.name).write_text(case.read_text())
+    for file, text in extract.cases(page).items():
+        (tmp_path / file).write_text(text)
+    for command in extract.commands(page):
+        if "mpirun" in command and not have_mpi():
+            pytest.skip("no mpirun")
+        if command.startswith(("scripts/", "sudo", "apt", "git", "pip", "cd ")):
+            continue  # set-up, which scripts/test itself has done
+        done = subprocess.run(
+            started(command),
+            shell=True,
+            cwd=tmp_path,
+            env=environment(),
+            capture_output=True,
+            text=True,
+            timeout=600,
+        )
+        assert done.returncode == 0, f"{command}\n{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
+
+
+@pytest.mark.parametrize("name", [name for name, page in PAGES.items() if extract.fragments(page)])
+def test_blocks_of_the_manual_are_valid(name: str) -> None:
+    from drillpetsc.case import Case
+
+    for fragment in extract.fragments(PAGES[name]):
+        data = yaml.safe_load(fragment)
+        if isinstance(data, dict):
+            Case(**extract.with_fragment(data))
+
+
+def test_no_page_without_commands_hides_in_the_list() -> None:
+    """The tests above see the pages: the tutorials all show commands."""
+    assert (
+        sum(bool(extract.commands(page)) for name, page in PAGES.items() if name.startswith("tutorials/"))
+        >= 9
+    )

@@ -1,0 +1,99 @@
+"""The interface of components: no public method that no interface declares, and states that survive a checkpoint."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import pkgutil
+
+import numpy as np
+import pytest
+
+import drillpetsc.physics
+from drillpetsc.fem.component import Component
+from drillpetsc.physics import interfaces
+
+for found in pkgutil.walk_packages(drillpetsc.physics.__path__, "drillpetsc.physics."):
+    importlib.import_module(found.name)
+
+
+def all_components() -> list[type[Component]]:
+    """Every component class of the package, interfaces apart."""
+    classes, open_ = [], [Component]
+    while open_:
+        for kind in open_.pop().__subclasses__():
+            open_.append(kind)
+            if kind.__module__.startswith("drillpetsc.physics.") and kind.__module__ != interfaces.__name__:
+                classes.append(kind)
+    return sorted(set(classes), key=lambda kind: (kind.__module__, kind.__name__))
+
+
+def declared(kind: type[Component]) -> set[str]:
+    """Names that the base class and the interfaces above ``kind`` declare."""
+    above = [base for base in kind.__mro__ if base is Component or base.__module__ == interfaces.__name__]
+    return {name for base in above for name in (*vars(base), *getattr(base, "__annotations__", {}))}
+
+
+@pytest.mark.parametrize("kind", all_components(), ids=lambda kind: f"{kind.__module__[19:]}.{kind.__name__}")
+def test_no_public_method_without_a_declaration(kind: type[Component]) -> None:
+    """A hook that the base class does not declare is one that a newcomer does not know of."""
+    own = {
+        name
+        for base in kind.__mro__
+        if base.__module__.startswith("drillpetsc.physics.") and base.__module__ != interfaces.__name__
+        for name, value in vars(base).items()
+        if not name.startswith("_")
+        and (inspect.isfunction(value) or isinstance(value, property | classmethod | staticmethod))
+    }
+    assert own <= declared(kind), sorted(own - declared(kind))
+
+
+@pytest.mark.parametrize("kind", all_components(), ids=lambda kind: f"{kind.__module__[19:]}.{kind.__name__}")
+def test_hooks_keep_the_arguments_of_the_declaration(kind: type[Component]) -> None:
+    """Who calls a hook by the interface reaches every component with the same arguments."""
+    for name, value in vars(kind).items():
+        base = next(
+            (b for b in kind.__mro__[1:] if name in vars(b) and b.__module__.startswith("drillpetsc.")), None
+        )
+        if (
+            name.startswith("_")
+            or not inspect.isfunction(value)
+            or base is None
+            or not inspect.isfunction(vars(base)[name])
+        ):
+            continue
+        here, there = (list(inspect.signature(f).parameters.values())[1:] for f in (value, vars(base)[name]))
+        assert len(here) >= len(there), name
+        assert all(p.default is not p.empty for p in here[len(there) :]), name
+
+
+def test_every_hook_has_a_docstring() -> None:
+    for base in (
+        Component,
+        *(
+            c
+            for _, c in inspect.getmembers(interfaces, inspect.isclass)
+            if c.__module__ == interfaces.__name__
+        ),
+    ):
+        for name, value in vars(base).items():
+            if inspect.isfunction(value) and not name.startswith("_"):
+                assert inspect.getdoc(value), f"{base.__name__}.{name}"
+
+
+def test_defaults_do_no_harm() -> None:
+    """A component that implements nothing has no unknowns, no energy, no state."""
+
+    class Nothing(Component):
+        name = "nothing"
+
+    nothing, state = Nothing(), None
+    assert nothing.fields() == nothing.blocks(None) == nothing.prescribed() == nothing.breaks() == ()
+    assert nothing.energies(0.0, state) == (0, 0, 0) and nothing.powers(0.0, state) == (0, 0)
+    assert nothing.get_state() == nothing.get_local_state() == {} and nothing.regions() == {}
+    assert nothing.local_update(state).shape == (0,) and not nothing.renew_reference_frames(None)
+    assert (
+        nothing.conservative
+        and not nothing.has_contact
+        and np.isclose(nothing.reaction("top.axial_reaction", state), 0.0)
+    )
