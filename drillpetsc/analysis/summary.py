@@ -54,9 +54,9 @@ def of_run(
     result["warnings"] = list(notes.get("warnings", ()))
     if "statics" in notes:
         result["statics"] = notes["statics"]
-    if recorder.has_energies:
-        result["energy"] = energy(recorder)
-    if recorder.flow is not None:
+    if recorder.energy is not None:
+        result["energy"] = recorder.energy.summary()
+    if recorder.mass is not None:
         result["mass"] = recorder.mass_balance()
     if model.drilling is not None:
         drilled = new_hole(model.drilling.drilled_hole(), model.drilling.hole.start)
@@ -102,22 +102,6 @@ def counts(integrator) -> dict[str, int]:
         "jacobians": integrator.jacobian_count(),
         "failed_solves": integrator.failure_count(),
         "linear_iterations": integrator.linear_iterations(),
-    }
-
-
-def energy(recorder) -> dict[str, float]:
-    """Energy balance since the start [J], at the last audit (a run that failed has no later one); the share
-    is relative to the larger of work supplied and peak change of stored energy."""
-    kinetic, strain, potential = map(float, recorder.energies)
-    error = recorder.audited_error
-    return {
-        "kinetic": kinetic,
-        "strain": strain,
-        "potential": potential,
-        "dissipated": recorder.dissipated,
-        "supplied": recorder.supplied,
-        "error": error,
-        "error_share": error / recorder.exchanged,
     }
 
 

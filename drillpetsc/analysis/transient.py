@@ -27,10 +27,11 @@ from drillpetsc.analysis.time_scales import longest_strict_step, step_warnings
 from drillpetsc.case.case import Case
 from drillpetsc.errors import RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
-from drillpetsc.output import FieldWriter, RunFolder, Table, write_summary
+from drillpetsc.output import RunFolder, write_summary
 from drillpetsc.output.energy_balance import EnergyGainMonitor
 from drillpetsc.output.progress import Progress
 from drillpetsc.output.recorder import Recorder
+from drillpetsc.output.run_writer import RunWriter, after, passed
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.parallel import first_rank_does
 from drillpetsc.solvers import petsc_options as options
@@ -52,91 +53,6 @@ class RunResult:
     folder: Path
     summary: dict[str, Any] = field(default_factory=dict)
     lines: list[str] = field(default_factory=list)
-
-
-class _Writer:
-    """Files of a run, on rank 0; silent elsewhere.  Rows and frames are taken as their times are passed."""
-
-    def __init__(
-        self, model: DrillingModel, recorder: Recorder, folder: RunFolder | None, restart_time: float | None
-    ):
-        self.model, self.recorder, self.folder = model, recorder, folder
-        out = model.case.output
-        self.every = (float(out.history_every), float(out.field_every))  # type: ignore[arg-type]
-        self.next_row, self.next_frame = (
-            (0, 0) if restart_time is None else (after(restart_time, e) for e in self.every)
-        )
-        self.event = PETSc.Log.Event("Output")
-        if folder is not None:
-            self.history = Table(folder.history, recorder.columns, restart_time=restart_time)
-            self.probes = (
-                Table(folder.probes, recorder.probe_columns, restart_time=restart_time)
-                if recorder.probes
-                else None
-            )
-            self.frames = FieldWriter(folder.path, restart_time=restart_time)
-
-    def take(self, t: float, dt: float, newton: int, control: RunControl) -> bool:
-        """Write all rows and the frame that are due at ``t``, and tell whether any was; collective.
-        ``control`` hears what goes wrong."""
-        row_due, frame_due = (
-            passed(self.next_row * self.every[0], t),
-            passed(self.next_frame * self.every[1], t),
-        )
-        if not row_due and not frame_due:
-            return False
-        self.event.begin()
-        if row_due:
-            self.recorder.audit(t)
-        data = self.recorder.fields(t) if frame_due else None
-        rows = range(self.next_row, after(t, self.every[0]) if row_due else self.next_row)
-        try:
-            self._write([row * self.every[0] for row in rows], t, dt, newton, data)
-        except OSError as error:
-            control.report_write_error(error, error.filename or str(self.folder.path))  # type: ignore[union-attr]
-        self.next_row = rows.stop
-        if frame_due:
-            self.next_frame = after(t, self.every[1])
-        self.event.end()
-        return True
-
-    def _write(self, times: list[float], t: float, dt: float, newton: int, data) -> None:
-        if self.folder is None:
-            return
-        for at in times:
-            self.history.add(self.recorder.history_row(at, dt, newton))
-            if self.probes is not None:
-                self.probes.add(self.recorder.probe_row(at))
-        if data is not None:
-            self.frames.write(t, *data)
-
-    def flush(self) -> None:
-        """Have everything on the disk, for a checkpoint that counts on it."""
-        if self.folder is not None:
-            self.history.flush()
-            if self.probes is not None:
-                self.probes.flush()
-            self.frames.flush()
-
-    def close(self) -> None:
-        if self.folder is not None:
-            self.history.close()
-            if self.probes is not None:
-                self.probes.close()
-
-
-def passed(due: float, t: float) -> bool:
-    """Whether output that is due at a time is to be written at ``t``, rounding apart."""
-    return due <= t * (1 + 1e-12) + 1e-15
-
-
-def after(t: float, interval: float) -> int:
-    """Number of the first multiple of the interval that ``t`` has not passed; the same whether a run comes
-    from afar or starts here."""
-    k = max(0, int(t / interval) - 1)
-    while passed(k * interval, t):
-        k += 1
-    return k
 
 
 def run(
@@ -169,7 +85,7 @@ def run(
         model = build_model(case, comm)
         quasi = QuasiStatic(model) if is_quasi_static(case) else None
         recorder, integrator = Recorder(model), make_integrator(model, quasi)
-        gain = EnergyGainMonitor(recorder)
+        gain = EnergyGainMonitor(recorder.energy)
         options.refuse_unread(used)
         folder = make_folder(comm, name or "case", out, restart, overwrite)
         try:
@@ -287,12 +203,13 @@ class _Run:
             recorder.set_state(saved.recorder)
             integrator.set_state(saved.stepper)
         else:
-            recorder.begin(0.0)
+            recorder.start(0.0)
         first_rank_does(self.mpi, str(self.folder.path), self._open)
         if not self.first:
             self._open()
         integrator.after_step.append(self._after_step)
-        integrator.at_jump.append(recorder.at_jump)
+        if recorder.energy is not None:
+            integrator.at_jump.append(recorder.energy.at_jump)
         integrator.at_rest.append(self._at_rest)
         self.estimate, self.memory = (
             LocalErrorEstimate(integrator),
@@ -304,7 +221,7 @@ class _Run:
         try:
             with self.control:
                 if saved is None:
-                    self.writer.take(0.0, 0.0, 0, self.control)
+                    self.writer.write(0.0, 0.0, 0, self.control)
                     self._save(0.0)
                 self._move()
         except BaseException as failure:
@@ -320,7 +237,7 @@ class _Run:
                 self.bar.message(f"warning: {words}")
 
     def _open(self) -> None:
-        self.writer = _Writer(
+        self.writer = RunWriter(
             self.model,
             self.recorder,
             self.folder if self.first else None,
@@ -344,17 +261,18 @@ class _Run:
         for stop in [*stops, end]:
             self.integrator.run(self.t, stop, self.model.breaks)
             if self.integrator.stopped:
-                self.recorder.audit(self.t)
+                if self.recorder.energy is not None:
+                    self.recorder.energy.update(self.t)
                 raise Interrupted(self.control.name, self.t, self.folder.path)
             self._save(stop)
 
     def _after_step(self, t: float, dt: float) -> None:
         recorder, integrator, writer = self.recorder, self.integrator, self.writer
-        recorder.step(t, dt, writer.next_row * writer.every[0], integrator.input_time(t), integrator.fresh)
-        if integrator.jumped:
-            recorder.add_impulse_work(t)
+        recorder.step(t, dt, writer.next_row_time, integrator.input_time(t), integrator.fresh)
+        if integrator.jumped and recorder.energy is not None:
+            recorder.energy.add_impulse_work(t)
         newton = integrator.newton_iterations()
-        self.due = writer.take(t, dt, newton - self.newton, self.control)
+        self.due = writer.write(t, dt, newton - self.newton, self.control)
         self.t, self.newton = t, newton
         self.memory.look(t)
         self.bar.update(t, integrator.counters.steps, dt)

@@ -42,7 +42,7 @@ find_equilibrium(model)
 release(model)
 move_rigidly(model)
 recorder = Recorder(model)
-recorder.begin(0.0)
+recorder.start(0.0)
 integrate(model.system, 0.04, fixed(2e-3, q_snes_stol=1e-11), breaks=model.breaks)
 figures = recorder.sample(0.04)
 names = [

@@ -14,13 +14,14 @@ import pytest
 from drillpetsc import Case, run
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.placement import place_along_hole
-from drillpetsc.analysis.static_report import static_summary, static_table
+from drillpetsc.analysis.statics import static_summary
 from drillpetsc.case import load_case
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.component import PrescribedMotion
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_frame, read_series
+from drillpetsc.output.static_table import static_table
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad
 from drillpetsc.solvers.static_newton import Equilibrium, StaticNewton
 
@@ -162,7 +163,7 @@ def test_incline(motion, hook, torque):
     model, state, figures = solved(string_in(hole([0.0, 1000.0], [60.0, 60.0], 0.3)), motion)
     assert figures["hook_load"] == pytest.approx(hook, rel=3e-4)
     assert figures["surface_torque"] == pytest.approx(torque, rel=1e-3)
-    columns, table = static_table(model, state)
+    columns, table = static_table(model)
     names = [name for name, _ in columns]
     assert table[:, names.index("axial_force")] == pytest.approx(
         hook * (1 - table[:, 0] / 1000), abs=2e-3 * hook
@@ -424,7 +425,7 @@ def test_vertical_string_on_bottom_with_bent_collars():
     assert figures["bit_torque"] == pytest.approx(0.3 * 5e4 * 2 / 3 * 0.2159 / 2, rel=1e-4)
     assert figures["surface_torque"] > figures["bit_torque"]
     assert state.stable and figures["iterations"] < 500
-    _, table = static_table(model, state)
+    _, table = static_table(model)
     assert np.hypot(table[:, 6], table[:, 7]).max() < 0.1122 - 0.0635 + 1e-3
 
 
