@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
-import drillpetsc
 from drillpetsc.errors import Interrupted
 from drillpetsc.geometry.trajectory import as_dict, new_hole
+from drillpetsc.version import __version__
 
 FOR_RATES = 5.0  # [m] of new hole below which its waviness, tenths of a degree, says more than its build rate
 PHASES = ("Residual", "Jacobian", "ChainFactor", "ChainSolve", "Output")
@@ -33,7 +33,7 @@ def of_run(
         "status": "done" if error is None else str(error) if interrupted else f"failed: {error}",
         "interrupted": interrupted,
         "versions": {
-            "drillpetsc": drillpetsc.__version__,
+            "drillpetsc": __version__,
             "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
             "numpy": np.__version__,
             "python": platform.python_version(),

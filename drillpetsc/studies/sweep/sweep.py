@@ -17,7 +17,6 @@ from typing import Any
 
 from petsc4py import PETSc
 
-import drillpetsc
 from drillpetsc.analysis.quasi_static import QuasiStatic
 from drillpetsc.analysis.transient import make_integrator, run
 from drillpetsc.case import Case, load_case
@@ -36,6 +35,7 @@ from drillpetsc.studies.sweep.plan import plan_sweep, plan_wells
 from drillpetsc.studies.sweep.table import Action, Member, Outcome, Plan
 from drillpetsc.studies.sweep.variations import choices_from, variations
 from drillpetsc.studies.sweep.worker_groups import WorkerGroup, group_sizes, split
+from drillpetsc.version import __version__
 
 
 @dataclass(frozen=True)
@@ -287,7 +287,7 @@ class _Job:
             "worker_groups": self.sizes,
             "wall_seconds": clock.perf_counter() - self.began,
             "versions": {
-                "drillpetsc": drillpetsc.__version__,
+                "drillpetsc": __version__,
                 "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
             },
         }
