@@ -143,7 +143,7 @@ class Vector:
 
 @dataclass(frozen=True)
 class OverTime:
-    """A value over time in the SI unit `unit`: constant, {time, value} or {ramp, value}."""
+    """A value over time in the SI unit `unit`: a constant, {time, value} or {ramp, value}."""
 
     unit: str
 
