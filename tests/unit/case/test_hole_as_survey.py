@@ -45,7 +45,7 @@ def test_sections_still_have_to_meet_the_survey() -> None:
             Hole(survey=SURVEY, sections=sections)
 
 
-SCENE = "well: {survey: NAME, sections: [{kind: open_hole, diameter: 1 ft}]}\nstring: [{kind: pipe, length: 9 m, od: 5 in}]\ntop: clamped\n"
+VALID = "well: {survey: NAME, sections: [{kind: open_hole, diameter: 1 ft}]}\nstring: [{kind: pipe, length: 9 m, od: 5 in}]\ntop: clamped\n"
 
 
 @pytest.mark.parametrize("name", ["run", "run/trajectory.csv"])
@@ -59,7 +59,7 @@ def test_a_run_folder_is_a_survey(
     (tmp_path / place / "run").mkdir()
     rows = "md [m],inclination [deg],azimuth [deg],north [m],dogleg_severity [deg/30m]\n0,0,0,0,0\n30.25,90,180,1,9\n"
     (tmp_path / place / "run" / "trajectory.csv").write_text(rows)
-    (tmp_path / "case" / "a.yaml").write_text(SCENE.replace("NAME", name))
+    (tmp_path / "case" / "a.yaml").write_text(VALID.replace("NAME", name))
     monkeypatch.chdir(tmp_path / "shell")
     hole = load_case(tmp_path / "case" / "a.yaml").well
     assert hole is not None and hole.survey.md == (0.0, 30.25) and hole.sections[0].to == 30.25
