@@ -3,10 +3,30 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import roots_jacobi
 
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.string_mesh import StringMesh
+
+# (points, alpha, beta) -> places and weights of Gauss's rule for the weight (1 - x)^alpha (1 + x)^beta on -1..1, as of
+# scipy.special.roots_jacobi, whose import is slow; these are the rules of two contact points per element
+_TABULATED = {
+    (1, 1.0, 1.0): ([0.0], [1.3333333333333333]),
+    (2, 0.0, 0.0): ([-0.5773502691896257, 0.5773502691896257], [1.0, 1.0]),
+    (2, 0.0, 1.0): ([-0.2898979485566358, 0.6898979485566357], [0.7278344730240914, 1.2721655269759087]),
+    (2, 1.0, 0.0): ([-0.6898979485566357, 0.2898979485566358], [1.2721655269759087, 0.7278344730240913]),
+}
+
+
+def _gauss_jacobi(points: int, alpha: float, beta: float) -> tuple[FloatArray, FloatArray]:
+    """Places (n,) and weights (n,) on -1..1 of Gauss's rule for the weight (1 - x)^alpha (1 + x)^beta."""
+    if points == 0:
+        return np.zeros(0), np.zeros(0)
+    if (points, alpha, beta) in _TABULATED:
+        x, w = _TABULATED[points, alpha, beta]
+        return np.array(x), np.array(w)
+    from scipy.special import roots_jacobi
+
+    return roots_jacobi(points, alpha, beta)
 
 
 def rule(points: int, upper: bool = False, lower: bool = False) -> FloatArray:
@@ -16,9 +36,7 @@ def rule(points: int, upper: bool = False, lower: bool = False) -> FloatArray:
     1); Abramowitz and Stegun, Handbook of Mathematical Functions, 25.4.29 to 25.4.32.
     """
     inside = points - int(upper and lower)
-    x, w = (
-        roots_jacobi(inside, float(lower), float(upper)) if inside else (np.zeros(0), np.zeros(0))
-    )  # (1 - x)^lower (1 + x)^upper
+    x, w = _gauss_jacobi(inside, float(lower), float(upper))
     w = w / ((1 - x) ** lower * (1 + x) ** upper)
     if upper:
         x, w = np.append(-1.0, x), np.append(2.0 - w.sum() if not lower else 0.5 * (2.0 - w.sum()), w)

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from scipy.optimize import brentq
 
 from drillpetsc.fem.component import Component, ElementBlock, Energies, FloatArray, Powers
 from drillpetsc.fem.quadrature import exposed_ends, rule
@@ -22,6 +21,7 @@ from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import SLOTS, SPLIT_SLOTS
 from drillpetsc.physics.interfaces import Bit
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
+from drillpetsc.physics.roots import bracketed_root
 
 _report = function("contact_report", "iipppppp")
 _bit_report = function("bit_report", "ppppp")
@@ -110,7 +110,7 @@ def damping_factor(restitution: float, speed: float) -> float:
     # the logarithms
     if 1 - e < 1e-4:
         return 1.5 * (1 - e) * (2 - e) / speed
-    return float(brentq(miss, 0.5 * (1 - e), (1 - 1e-14) / e, xtol=1e-14, rtol=1e-14)) / speed
+    return bracketed_root(miss, 0.5 * (1 - e), (1 - 1e-14) / e, absolute=1e-14, relative=1e-14) / speed
 
 
 class Contact(Component):

@@ -17,6 +17,7 @@ from drillpetsc.kernels import function, pointer
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.interfaces import Bit
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
+from drillpetsc.physics.roots import bracketed_root
 
 _report = function("bit_rock_report", "ipppppp")
 _rate = function("rock_rate", "pppddp")
@@ -538,10 +539,9 @@ class RockBit(Bit):
 def _chip_for(weight: float, cut: float, flat: float, onset: float) -> float:
     """Chip per blade [m] that carries ``weight`` [N]: cut d + flat e(d/onset) with the smooth onset e of
     kernels/bit/bit.hpp."""
-    from scipy.optimize import brentq
 
     def miss(d: float) -> float:
         u = np.clip(d / onset, 0.0, 1.0)
-        return cut * d + flat * u * u * (3 - 2 * u) - weight
+        return float(cut * d + flat * u * u * (3 - 2 * u) - weight)
 
-    return float(brentq(miss, 0.0, weight / cut)) if weight > 0 else 0.0
+    return bracketed_root(miss, 0.0, weight / cut) if weight > 0 else 0.0

@@ -1,4 +1,5 @@
-"""The hole that one run drilled is the survey of the next, which drills on from its end."""
+"""The hole drilled by one run is the survey of the next, which continues from its end (manual:
+verif-survey-of-a-drilled-hole)."""
 
 from __future__ import annotations
 
@@ -54,10 +55,9 @@ def drilled(tmp_path_factory):
 
 
 def test_the_centreline_is_that_of_the_drilled_hole(drilled):
-    """Between two nodes the survey misses at most FAITHFUL, whatever the bit did there (closed form:
-    unit/case/test_hole_as_survey.py), and
-    the old hole's arcs are exact; so at no station the two are further apart than FAITHFUL for each node of
-    the new hole."""
+    """Between two nodes the survey deviates by at most FAITHFUL for any path (closed form:
+    unit/case/test_hole_as_survey.py), and the arcs of the old hole are exact. So the distance at a station is
+    at most FAITHFUL per node of the new hole."""
     table = read_table(drilled / "trajectory.csv")
     md, place = table["md [m]"], np.column_stack([table[f"{name} [m]"] for name in ("north", "east", "tvd")])
     case = drilling(str(drilled), {}, 36.0)
@@ -71,9 +71,9 @@ def test_the_centreline_is_that_of_the_drilled_hole(drilled):
     assert np.linalg.norm(place[-1] - place[~new][-1]) > 1.9
 
 
-def test_the_next_case_drills_on(drilled, tmp_path):
-    """From the end of the hole, with the weight on bit asked for, though its string was not lengthened: the
-    top starts lower."""
+def test_the_next_case_continues_drilling(drilled, tmp_path):
+    """The next run starts at the end of the hole with the given weight on bit, although its string has the
+    same length: its top starts lower."""
     drillpetsc.run(
         drilling(str(drilled / "trajectory.csv"), {"to": "end"}, 180.0), tmp_path / "run", progress="silent"
     )

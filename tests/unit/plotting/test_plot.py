@@ -45,7 +45,7 @@ def test_a_run_killed_at_once_or_in_a_row_can_be_plotted(tmp_path: Path) -> None
     assert [file.name for file in plot(run.path)] == ["history.png"]
 
 
-def test_columns_share_panels_by_what_they_compare() -> None:
+def test_compared_columns_share_panels() -> None:
     titles = [
         "time [s]",
         "hook_load [N]",
@@ -86,7 +86,7 @@ def test_a_column_without_values_gets_no_panel(tmp_path: Path) -> None:
     ]
 
 
-def test_orbits_stand_in_the_clearance_of_their_depth(tmp_path: Path) -> None:
+def test_orbits_have_the_clearance_of_their_depth(tmp_path: Path) -> None:
     """Clearance of the sample: hole radius less pipe radius, in mm."""
     run = make_run(tmp_path / "run")
     clearances = _clearances(run)
