@@ -13,6 +13,7 @@ from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
 from drillpetsc.analysis import checkpoint, summary
+from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.initial_state import initial_state
 from drillpetsc.analysis.memory import Memory
 from drillpetsc.analysis.quasi_static import QuasiStatic
@@ -38,7 +39,7 @@ from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.local_error import LocalErrorEstimate
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 
-TINY = 1e-9  # output times closer than this share of the interval are one
+ROUNDING = 1e-9  # output times closer than this fraction of the end time are one
 
 
 @dataclass
@@ -65,11 +66,15 @@ def run(
     comm: PETSc.Comm | None = None,
     progress: str = "auto",
 ) -> RunResult:
-    """Simulate ``case`` (a Case or the path of a case file) and write its run folder; collective over
-    ``comm``.
+    """Simulate a case and write its run folder; collective over ``comm``.
 
-    Raises CaseError for bad input (nothing is written) and SolveError when the run cannot go on (what was
-    written stays).
+    case: a Case, or the path of a case file.
+    out: the run folder; None: a new folder named after the case.
+    restart: continue from the checkpoint in ``out``; overwrite: replace the results in ``out``.
+    name: of the case, for the folder's name.
+    progress: auto, live, log or silent.
+
+    Raises CaseError for bad input, before anything is written, and SolveError for a failed computation, whose files stay.
     """
     comm = comm or PETSc.COMM_WORLD
     if not isinstance(case, Case):
@@ -95,15 +100,24 @@ def run(
                     f"{folder.path}: no checkpoint yet, so the run starts from its beginning", file=sys.stderr
                 )
             state = initial_state(model, case, saved, quasi)
-            return _Run(
-                model, recorder, integrator, folder, saved, state, quasi, gain, began, progress
-            ).whole()
+            return TransientRun(
+                model=model,
+                recorder=recorder,
+                integrator=integrator,
+                gain=gain,
+                folder=folder,
+                saved=saved,
+                notes=_notes(saved, state, quasi),
+                fixed_step=_fixed_step(integrator, quasi),
+                began=began,
+                progress=progress,
+            ).run()
         finally:
             folder.release()
 
 
 def make_integrator(model: DrillingModel, quasi: QuasiStatic | None = None) -> TimeIntegrator:
-    """The integrator that the case asks for."""
+    """The integrator of a case: with inertia, with mud that follows the string at once, or quasi-static."""
     if quasi is not None:
         return quasi.integrator()
     system, mud = model.system, model.case.fluid
@@ -115,8 +129,7 @@ def make_integrator(model: DrillingModel, quasi: QuasiStatic | None = None) -> T
 
 
 def _step_limits(model: DrillingModel) -> dict[str, Any]:
-    """PETSc options that cap the step where contact.energy_strict (or -drillpetsc_energy_strict) asks for
-    it."""
+    """PETSc options that cap the step under contact.energy_strict or -drillpetsc_energy_strict."""
     options, contact = PETSc.Options(), model.case.contact
     strict = options.getBool("drillpetsc_energy_strict", contact is not None and contact.energy_strict)
     longest = longest_strict_step(model) if strict else np.inf
@@ -138,7 +151,7 @@ def _step_limits(model: DrillingModel) -> dict[str, Any]:
 
 
 def make_folder(comm, name: str, out, restart: bool, overwrite: bool) -> RunFolder:
-    """The run folder, made by rank 0; a refusal reaches every rank."""
+    """The run folder, created by rank 0.  An error is raised on every rank."""
     mpi = comm.tompi4py()
     answer: Any = None
     if comm.rank == 0:
@@ -153,7 +166,7 @@ def make_folder(comm, name: str, out, restart: bool, overwrite: bool) -> RunFold
 
 
 def _saved(comm, folder: RunFolder, restart: bool) -> checkpoint.Checkpoint | None:
-    """The checkpoint to go on from; None where there is none (yet)."""
+    """The checkpoint that a restart continues; None at a start, or if the folder has none yet."""
     if not restart:
         return None
     answer: Any = None
@@ -168,36 +181,54 @@ def _saved(comm, folder: RunFolder, restart: bool) -> checkpoint.Checkpoint | No
     return answer
 
 
-class _Run:
-    """The motion from the start, or from a checkpoint, to the end, with its files."""
+def _notes(
+    saved: checkpoint.Checkpoint | None, state: StaticState | None, quasi: QuasiStatic | None
+) -> dict[str, Any]:
+    """Notes that the summary reports and checkpoints keep."""
+    notes = saved.notes if saved is not None else summary.static_notes(state)
+    return notes | ({"share": quasi.share} if quasi is not None else {})
 
-    def __init__(self, model, recorder, integrator, folder, saved, state, quasi, gain, began, progress):
-        self.model, self.recorder, self.integrator, self.folder, self.saved = (
-            model,
-            recorder,
-            integrator,
-            folder,
-            saved,
-        )
-        self.case, self.mpi, self.began = model.case, model.system.comm.tompi4py(), began
+
+def _fixed_step(integrator: TimeIntegrator, quasi: QuasiStatic | None) -> float | None:
+    """The step [s] of an integrator with fixed steps; None where steps are adapted, or without inertia."""
+    fixed = integrator.options.get("ts_adapt_type") == "none" and quasi is None
+    return integrator.first_step if fixed else None
+
+
+@dataclass(kw_only=True)
+class TransientRun:
+    """The motion from the start, or from a checkpoint, to the end, with its files.
+
+    saved: checkpoint that is continued, None at a start.
+    notes: for the summary and for checkpoints.
+    fixed_step: [s] of an integrator with fixed steps.
+    began: wall and processor clock at the start of the program [s].
+    """
+
+    model: DrillingModel
+    recorder: Recorder
+    integrator: TimeIntegrator
+    gain: EnergyGainMonitor
+    folder: RunFolder
+    saved: checkpoint.Checkpoint | None
+    notes: dict[str, Any]
+    fixed_step: float | None
+    began: tuple[float, float]
+    progress: str
+
+    def __post_init__(self) -> None:
+        self.case, self.mpi = self.model.case, self.model.system.comm.tompi4py()
         self.first = self.mpi.rank == 0
-        self.start = self.t = saved.time if saved is not None else 0.0
-        self.notes: dict[str, Any] = saved.notes if saved is not None else summary.notes_of(state)
-        if quasi is not None:
-            self.notes["share"] = quasi.share
-        fixed = (
-            integrator.first_step
-            if integrator.options.get("ts_adapt_type") == "none" and quasi is None
-            else None
-        )
-        self.notes["warnings"] = step_warnings(model, fixed)
-        self.gain = gain
-        self.newton, self.marks, self.progress = 0, began, progress
-        self.bar = Progress(self.case.time.end, self.start, mode=progress if self.first else "silent")
+        self.start = self.t = self.saved.time if self.saved is not None else 0.0
+        self.end = float(self.case.time.end)  # type: ignore[union-attr]
+        self.notes["warnings"] = step_warnings(self.model, self.fixed_step)
+        self.newton, self.moving_since = 0, self.began
+        mode: Any = self.progress if self.first else "silent"
+        self.bar = Progress(self.end, self.start, mode=mode)
         self.control = RunControl(self.mpi)
 
-    def whole(self) -> RunResult:
-        """Run it; what was written stays whatever happens."""
+    def run(self) -> RunResult:
+        """Compute all steps; files that were written stay even if the computation fails."""
         integrator, recorder, saved = self.integrator, self.recorder, self.saved
         if saved is not None:
             recorder.set_state(saved.recorder)
@@ -213,10 +244,10 @@ class _Run:
         integrator.at_rest.append(self._at_rest)
         self.estimate, self.memory = (
             LocalErrorEstimate(integrator),
-            Memory(self.mpi, self.start, self.case.time.end),
+            Memory(self.mpi, self.start, self.end),
         )
         self._warn(self.notes["warnings"])
-        self.marks = clock.perf_counter(), clock.process_time()
+        self.moving_since = clock.perf_counter(), clock.process_time()
         error: BaseException | None = None
         try:
             with self.control:
@@ -233,8 +264,8 @@ class _Run:
 
     def _warn(self, warnings: list[str]) -> None:
         if self.first and self.progress != "silent":
-            for words in warnings:
-                self.bar.message(f"warning: {words}")
+            for warning in warnings:
+                self.bar.message(f"warning: {warning}")
 
     def _open(self) -> None:
         self.writer = RunWriter(
@@ -244,18 +275,19 @@ class _Run:
             None if self.saved is None else self.start,
         )
         if self.first and self.saved is None:
-            _write_scene(self.model, self.folder)
+            _write_model(self.model, self.folder)
 
     def _move(self) -> None:
-        """All steps; checkpoints are passed on the way, or landed on where the formula cannot be put back."""
-        every, end = self.case.output.checkpoint_every, self.case.time.end
-        if self.start >= end * (1 - TINY):  # nothing is left to do
+        """Compute all steps.  The integrator passes the times of checkpoints, or stops there if its formula cannot be
+        restored at other times."""
+        every, end = self._checkpoint_interval, self.end
+        if self.start >= end * (1 - ROUNDING):
             return
         k = after(self.start, every)
         stops = (
             []
             if self.integrator.remembers
-            else [j * every for j in range(k, after(end, every)) if j * every < end * (1 - TINY)]
+            else [j * every for j in range(k, after(end, every)) if j * every < end * (1 - ROUNDING)]
         )
         self.next_save = k
         for stop in [*stops, end]:
@@ -265,6 +297,11 @@ class _Run:
                     self.recorder.energy.update(self.t)
                 raise Interrupted(self.control.name, self.t, self.folder.path)
             self._save(stop)
+
+    @property
+    def _checkpoint_interval(self) -> float:
+        """Simulated time between two checkpoints [s]."""
+        return float(self.case.output.checkpoint_every)  # type: ignore[arg-type]
 
     def _after_step(self, t: float, dt: float) -> None:
         recorder, integrator, writer = self.recorder, self.integrator, self.writer
@@ -278,15 +315,13 @@ class _Run:
         self.bar.update(t, integrator.counters.steps, dt)
 
     def _at_rest(self, t: float) -> None:
-        """The step is done with: look at what came from outside, and save what is due."""
-        every, asked = self.case.output.checkpoint_every, self.control.poll(self.due)
+        """After all calls of a step: act on signals and write errors, write a checkpoint that is due."""
+        every, asked = self._checkpoint_interval, self.control.poll(self.due)
         if asked == FAILED:
-            reported = self.mpi.allreduce(self.control.error)  # of one rank only
+            reported = self.mpi.allreduce(self.control.error)  # a text on one rank only
             raise SolveError(reported, time=t, hint=RESTART_HINT)
         due = (
-            self.integrator.remembers
-            and passed(self.next_save * every, t)
-            and t < self.case.time.end * (1 - TINY)
+            self.integrator.remembers and passed(self.next_save * every, t) and t < self.end * (1 - ROUNDING)
         )
         if due or asked != NOTHING:
             self._save(t)
@@ -309,21 +344,14 @@ class _Run:
         first_rank_does(self.mpi, str(self.folder.checkpoint), put, t)
 
     def _close(self, error: BaseException | None) -> dict[str, Any]:
-        """Close the files and sum up."""
+        """Close the files and write the summary."""
         model, folder = self.model, self.folder
         self.writer.close()
         self.bar.finish(self.t, self.integrator.counters.steps)
-        result = summary.of_run(
-            model,
-            self.recorder,
-            self.integrator,
-            self.notes,
-            self.t,
-            self.start,
-            self.began,
-            self.marks,
-            error,
-        )
+        clocks = summary.Clocks(self.began, self.moving_since)
+        result = summary.run_summary(model, self.integrator, error)
+        result |= summary.timing(self.integrator, clocks, self.start, self.t, error)
+        result |= summary.outcome(model, self.recorder, self.notes, self.t, error)
         result |= self.estimate.as_dict(error is None) | {"memory": self.memory.as_dict(error is None)}
         if "energy" in result:
             result["energy"] |= self.gain.summary()
@@ -341,13 +369,13 @@ class _Run:
         elif self.first:
             try:
                 put()
-            except OSError as full:  # the run ends with its own message
-                self.bar.message(cannot_write(full, str(folder.summary)))
+            except OSError as failure:  # the run ends with its own message
+                self.bar.message(cannot_write(failure, str(folder.summary)))
         return result
 
 
-def _write_scene(model: DrillingModel, folder: RunFolder) -> None:
-    """Files that do not change during a run."""
+def _write_model(model: DrillingModel, folder: RunFolder) -> None:
+    """Write the case and the hole at the start."""
     model.case.dump(folder.case)
     if model.well is not None:
         write_well_files(model, folder)

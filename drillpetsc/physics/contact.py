@@ -121,6 +121,7 @@ class Contact(Component):
     """
 
     name = "contact"
+    RESULTS = REPORT  # columns of ``report``
     has_contact = True
 
     def __init__(
