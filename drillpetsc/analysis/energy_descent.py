@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.analysis.soft_string import TorqueDrag
+from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
-from drillpetsc.fem.component import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.solvers.static_newton import ITERATIONS, Equilibrium, StaticNewton
 

@@ -7,7 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.fem.component import ElementBlock, FloatArray, PrescribedMotion, VelocityStabilization
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import ElementBlock, PrescribedMotion, VelocityStabilization
 from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.kernels import function, pointer
 

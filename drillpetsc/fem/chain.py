@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.fem.component import IntArray
+from drillpetsc.arrays import IntArray
 
 
 @dataclass(frozen=True)

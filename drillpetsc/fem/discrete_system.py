@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
+from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.assembly import Assembly
 from drillpetsc.fem.chain import build_chain
-from drillpetsc.fem.component import Component, Energies, FloatArray, Powers
+from drillpetsc.fem.component import Component, Energies, Powers
 from drillpetsc.fem.dof_layout import build_dof_layout
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames

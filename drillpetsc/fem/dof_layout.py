@@ -14,8 +14,9 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
+from drillpetsc.arrays import IntArray
 from drillpetsc.fem.chain import Chain
-from drillpetsc.fem.component import ElementBlock, Field, IntArray
+from drillpetsc.fem.component import ElementBlock, Field
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import roots_jacobi
 
-from drillpetsc.fem.component import FloatArray
+from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.string_mesh import StringMesh
 
 

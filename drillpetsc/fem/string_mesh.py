@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.fem.component import FloatArray
+from drillpetsc.arrays import FloatArray
 
 
 @dataclass(frozen=True)

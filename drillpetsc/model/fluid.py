@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.fluid import flow_constants
 from drillpetsc.case.blocks.string import Rigid
 from drillpetsc.case.case import Case
-from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well

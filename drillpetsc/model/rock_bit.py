@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.case import Case
-from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well

@@ -12,7 +12,8 @@ from itertools import product
 import numpy as np
 from scipy.optimize import brentq
 
-from drillpetsc.fem.component import Component, ElementBlock, Energies, FloatArray, Powers
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import Component, ElementBlock, Energies, Powers
 from drillpetsc.fem.quadrature import exposed_ends, rule
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well

@@ -18,8 +18,8 @@ import numpy as np
 import scipy.linalg
 import scipy.sparse as sparse
 
+from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.assembly import spin_derivatives
-from drillpetsc.fem.component import FloatArray, IntArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.solvers.quadratic_eigenproblem import QuadraticEigenproblem
 

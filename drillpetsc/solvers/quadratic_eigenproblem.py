@@ -25,8 +25,8 @@ import scipy.linalg
 import scipy.sparse as sparse
 import scipy.sparse.linalg as sparse_linalg
 
+from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
-from drillpetsc.fem.component import FloatArray
 
 DENSE_BELOW = 400  # length of z up to which all roots are found at once, with a dense matrix
 OFF_ROOT = 0.87  # the first shift in units of the reference rate: real, positive and no likely root

@@ -11,8 +11,9 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
+from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
-from drillpetsc.fem.component import Field, FloatArray
+from drillpetsc.fem.component import Field
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.solvers.bdf_history import BdfHistory, State
 from drillpetsc.solvers.first_order_system import FirstOrderSystem, refuse_integrator

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.string import Pipe, Rigid
 from drillpetsc.case.case import Case
-from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 
