@@ -103,7 +103,7 @@ class FirstOrderSystem:
         """Local rows and columns of all entries (-1: left out): the kinematic rows by x and y, their spin
         coupling by v and w, all blocks by x and by y, and three 7x7 blocks for each prescribed vertex."""
         system, layout, asm, every = self.system, self.system.layout, self.system.assembly, self._every
-        owned = system.owned_place >= 0
+        owned = system.owned_index >= 0
         x, y = layout.x_local, layout.y_local
         on_rank = np.where(owned[every], x[every], -1)
         turning = np.repeat(np.where(owned[self._spin_nodes], x[self._spin_nodes], -1), 3)
@@ -177,15 +177,15 @@ class FirstOrderSystem:
         has = layout.y_owned >= 0
         out[np.where(has, layout.y_owned, layout.x_owned)] = r
         out[layout.x_owned[has]] = v[layout.x_owned[has]] - s[layout.y_owned[has]]
-        place = system.owned_place[self._spin_nodes]
+        place = system.owned_index[self._spin_nodes]
         on_rank = place >= 0
         out[layout.x_owned[place[on_rank]]] += asm.transport()[on_rank]
         for c in self._fixed:
-            here = system.owned_place[c.rows]
+            here = system.owned_index[c.rows]
             xs, ys = layout.x_owned[here], layout.y_owned[here]
-            c.look_up(t)
-            out[xs] = c.keep @ out[xs] + c.D.T @ (c.D @ asm.x[c.rows] - c.value)
-            out[ys] = c.keep @ out[ys] + c.D.T @ (c.D @ asm.y[c.rows] - c.rate)
+            c.evaluate(t)
+            out[xs] = c.complement @ out[xs] + c.D.T @ (c.D @ asm.x[c.rows] - c.value)
+            out[ys] = c.complement @ out[ys] + c.D.T @ (c.D @ asm.y[c.rows] - c.rate)
 
     def jacobian(self, ts, t, state, rate, shift, J, P) -> None:
         system, asm = self.system, self.system.assembly
@@ -207,7 +207,7 @@ class FirstOrderSystem:
             kin_x, kin_y = shift * np.eye(7), -np.eye(7)
             node = int(np.flatnonzero(self._spin_nodes == c.rows[6])[0])
             kin_x[6, 3:6], kin_y[6, 3:6] = by_v[node], by_w[node]
-            parts += [c.keep @ kin_x + square, c.keep @ kin_y, square]
+            parts += [c.complement @ kin_x + square, c.complement @ kin_y, square]
         np.concatenate([p.ravel() for p in parts], out=self._values)
         petsc_compat.set_values_coo(self.matrix, self._values)
         if P != self.matrix:

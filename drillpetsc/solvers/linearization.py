@@ -90,7 +90,7 @@ def _spins(system: DiscreteSystem, numbers: IntArray) -> list[np.ndarray]:
     """Rows, columns, c(v), d(c.w)/dv at the owned vertices."""
     asm = system.assembly
     by_v, by_w = spin_derivatives(asm)
-    on_rank = system.owned_place[asm.spin_at[:, 0]] >= 0 if len(asm.spin_at) else np.zeros(0, dtype=bool)
+    on_rank = system.owned_index[asm.spin_at[:, 0]] >= 0 if len(asm.spin_at) else np.zeros(0, dtype=bool)
     spin, tangent = asm.spin_at[on_rank, 0], asm.spin_at[on_rank, 1:2] + np.arange(3)
     return [
         np.repeat(numbers[spin], 3),

@@ -125,8 +125,8 @@ class CondensedNewton:
         asm = self.system.assembly
         asm.condense(self.shift)
         if asm.row_replacements:
-            asm.impose_rates(self.t, self.shift)
-        asm.settle_rates()
+            asm.apply_prescribed_rates(self.t, self.shift)
+        asm.apply_imposed_rates()
 
     def _function(self, snes, q, f) -> None:
         self.system.load_unknowns(q)

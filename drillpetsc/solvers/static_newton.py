@@ -63,7 +63,7 @@ class StaticNewton:
         self.depth: Callable[[DiscreteSystem], tuple[float, FloatArray, float]] | None = None
         self.move_top: Callable[[float], None] | None = None
         self.rates: FloatArray | None = None  # (n+1,) of a steady motion; at rest without it
-        self._mine = system.owned_place >= 0
+        self._mine = system.owned_index >= 0
         self._entries = self._shift_entries()
         self._top_rows = next(
             (f for f in system.assembly.row_replacements if f.owned and f.condition.vertex == 0), None
@@ -125,7 +125,7 @@ class StaticNewton:
         owned unknowns."""
         system, asm = self.system, self.system.assembly
         asm.y[:], asm.a[:] = 0.0 if self.rates is None else self.rates, 0.0
-        asm.forget_inputs()
+        asm.invalidate_prescribed_values()
         system.sum_residual(self.t, self.f)
         local = np.zeros(system.layout.size)
         local[system.layout.local_of_owned] = self.f.getArray(readonly=1)
@@ -136,7 +136,7 @@ class StaticNewton:
         prescribed rows are zero."""
         asm, g = self.system.assembly, rows.copy()
         for f in asm.row_replacements:
-            g[f.rows] = f.keep @ g[f.rows]
+            g[f.rows] = f.complement @ g[f.rows]
         phi, v = asm.spin_at[:, 0], asm.spin_at[:, 1:2] + np.arange(3)
         g[v] += self._spin_potential() * g[phi][:, None]
         return g
@@ -153,11 +153,11 @@ class StaticNewton:
         asm.jacobian(self.t, (1.0, 0.0, 0.0), condensed=False)
         self._by_top = np.zeros(self.system.layout.size + 1)  # force on the free rows when the top moves down
         for f in asm.row_replacements:  # prescribed components do not move: their columns go, too
-            for item, e, slots in f.touching:
+            for item, e, slots in f.elements:
                 K = asm.values[item.span].reshape(item.count, item.width, item.width)[e]
                 if f is self._top_rows:
                     np.add.at(self._by_top, item.index[e], K[:, slots] @ f.D[0])
-                K[:, slots] = K[:, slots] @ f.keep
+                K[:, slots] = K[:, slots] @ f.complement
         c = self._spin_potential()
         slot = np.full(self.system.layout.size + 1, -1)
         slot[asm.spin_at[:, 0]] = np.arange(len(asm.spin_at))

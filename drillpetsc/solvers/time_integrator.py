@@ -310,7 +310,7 @@ class TimeIntegrator:
         assembly.
         """
         system, ts = self.system, self.ts
-        system.assembly.forget_inputs()
+        system.assembly.invalidate_prescribed_values()
         self.system.accept()
         system.store_state(self.state)
         near = NOTHING_LEFT * max(

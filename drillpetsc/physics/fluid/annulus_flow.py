@@ -208,7 +208,7 @@ class AnnulusFlow(ChannelFlow):
         chi = self.sideways.by_eccentricity
         assert chi is not None
         chain, m = self._part, self.mesh
-        r, v = (state.x[state.where(f"string.{name}")] for name in ("position", "tangent"))
+        r, v = (state.x[state.dofs_of(f"string.{name}")] for name in ("position", "tangent"))
         upper, lower, e = chain.ends[:, 0], chain.ends[:, 1], chain.cells
         middle = 0.5 * (r[upper] + r[lower]) + 0.125 * m.length[e][:, None] * (v[upper] - v[lower])
         well, outer, hole = (
