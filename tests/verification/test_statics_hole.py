@@ -370,7 +370,7 @@ def test_helix_presses_on_the_wall():
         end.anchor += end.prescribed()[0].directions[:, :3] @ offset
     model.contact.impose_sliding_direction(0.0, 0.0)
     solver = StaticNewton(system, clearance=ROOM)
-    solver.settle()
+    solver.solve()
     assert solver.negative_pivots() == 0
     middle = slice(elements // 4, 3 * elements // 4)
     cells, _ = model.contact.report(system.assembly)
