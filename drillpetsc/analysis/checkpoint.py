@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import CaseError
-from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.files.atomic import replace_file
@@ -188,7 +188,7 @@ def read(path: str | Path) -> Checkpoint:
         ValueError,
         TypeError,
         RuntimeError,
-    ) as error:  # whole, and yet not what version 2 holds
+    ) as error:  # whole, and yet not what version 3 holds
         raise CaseError(
             file=path, want=WANT, hint=f"it was written by another version of drillpetsc ({error})"
         ) from None

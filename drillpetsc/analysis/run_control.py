@@ -3,13 +3,11 @@ act at the same step."""
 
 from __future__ import annotations
 
-import os
 import signal
 import threading
-from collections.abc import Callable
 from typing import Any
 
-from drillpetsc.errors import CaseError, DrillError, SolveError
+from drillpetsc.errors import cannot_write
 
 NOTHING, SAVE, STOP, FAILED = range(4)  # the larger one wins
 EVERY = 16  # steps between two questions to the other ranks
@@ -79,29 +77,3 @@ class RunControl:
         """Of the signal that asked for the end."""
         number = self._received or self._number
         return signal.Signals(number).name if number else "a signal"
-
-
-def cannot_write(error: OSError, what: str) -> str:
-    """In words."""
-    return f"cannot write {what}: {os.strerror(error.errno) if error.errno else error}"
-
-
-def first_rank_does(mpi: Any, what: str, action: Callable[[], Any], time: float | None = None) -> None:
-    """Let rank 0 write something; what stops it there is raised on all ranks.  Collective."""
-    reported: DrillError | None = None
-    if mpi.rank == 0:
-        try:
-            action()
-        except OSError as error:
-            reported = SolveError(cannot_write(error, error.filename or what), time=time, hint=RESTART_HINT)
-        except ValueError as error:  # a table with other columns
-            reported = CaseError(at="--restart", want="the case that is continued", hint=str(error))
-        except DrillError as error:
-            reported = error
-    if mpi.size > 1:
-        reported = mpi.bcast(reported)
-    if reported is not None:
-        raise reported
-
-
-RESTART_HINT = "what was written up to now can be read; make room, then continue with --restart"

@@ -11,17 +11,20 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
-from drillpetsc.fem.component import Component, ElementBlock, Energies, FloatArray, Powers
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import Component, ElementBlock, Energies, Powers
 from drillpetsc.fem.quadrature import exposed_ends, rule
+from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, columns, constant, structure
+from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import JUNCTION_SLOTS, SLOTS
 from drillpetsc.physics.interfaces import Bit
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
+from drillpetsc.physics.roots import bracketed_root
 
 RESULTS = {
     kernel: function(f"{kernel}_results", "ippp" + "ppp")
@@ -91,7 +94,7 @@ def damping_factor(restitution: float, speed: float) -> float:
     # the logarithms
     if 1 - e < 1e-4:
         return 1.5 * (1 - e) * (2 - e) / speed
-    return float(brentq(miss, 0.5 * (1 - e), (1 - 1e-14) / e, xtol=1e-14, rtol=1e-14)) / speed
+    return bracketed_root(miss, 0.5 * (1 - e), (1 - 1e-14) / e, absolute=1e-14, relative=1e-14) / speed
 
 
 class Contact(Component):
@@ -102,6 +105,7 @@ class Contact(Component):
     """
 
     name = "contact"
+    RESULTS = REPORT  # columns of ``report``
     has_contact = True
 
     def __init__(
@@ -321,6 +325,9 @@ class Contact(Component):
     def powers(self, t: float, state) -> Powers:
         return Powers(float(sum(figures[:, _POWERS].sum() for figures in self._figures(state))))
 
+    def quantities(self) -> tuple[Quantity, ...]:
+        return declared.CONTACT
+
 
 class BitOnBottom(Bit):
     """The bit stands on the end of the hole: a spring along its axis, and a friction torque."""
@@ -430,3 +437,6 @@ class BitOnBottom(Bit):
             return Powers()
         _, torque = self.weight_and_torque(state)
         return Powers(float(torque * state.y[state.index_of(self._block)[0, 6]]))
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        return declared.BIT

@@ -8,7 +8,8 @@ from typing import Protocol
 
 import numpy as np
 
-from drillpetsc.fem.component import Component, ElementBlock, Energies, FloatArray, Powers, PrescribedMotion
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import Component, ElementBlock, Energies, Powers, PrescribedMotion
 from drillpetsc.geometry.frames import Frames, high_side
 from drillpetsc.kernels.parameters import Parameters
 from drillpetsc.physics.interfaces import Top

@@ -5,20 +5,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import (
-    Component,
-    ElementBlock,
-    Energies,
-    Field,
-    FloatArray,
-    IntArray,
-    Powers,
-    VelocityStabilization,
-)
+from drillpetsc.arrays import FloatArray, IntArray
+from drillpetsc.fem.component import Component, ElementBlock, Energies, Field, Powers, VelocityStabilization
+from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringJoint, StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, Table, columns
+from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import SLOTS
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, end_frames, local_vertices
 
@@ -41,6 +35,7 @@ class Joints(Component):
     """
 
     name = "joints"
+    RESULTS = REPORT  # columns of ``report``
 
     def __init__(self, mesh: StringMesh, frames: Frames):
         self.mesh, self.frames, self.joints = mesh, frames, mesh.joints
@@ -185,6 +180,9 @@ class Joints(Component):
 
     def powers(self, t: float, state) -> Powers:
         return Powers(dissipated=float(self.report(state)[:, REPORT.index("damping_power")].sum()))
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        return declared.JOINTS
 
 
 def _axes(joints: list[StringJoint]) -> FloatArray:

@@ -10,13 +10,17 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.fem.component import ElementBlock, Energies, Field, FloatArray, Powers
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
+from drillpetsc.fem.quantity import Quantity
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, Table, columns, constant, structure
+from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.interfaces import Bit
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
+from drillpetsc.physics.roots import bracketed_root
 
 _results = function("bit_rock_results", "ipppppp")
 _rate = function("rock_rate", "pppddp")
@@ -498,14 +502,16 @@ class RockBit(Bit):
     def powers(self, t: float, state) -> Powers:
         return Powers(float(self.figures(state)[RESULTS["dissipated"]]))
 
+    def quantities(self) -> tuple[Quantity, ...]:
+        return declared.BIT
+
 
 def _chip_for(weight: float, cut: float, flat: float, onset: float) -> float:
     """Chip per blade [m] that carries ``weight`` [N]: cut d + flat e(d/onset) with the smooth onset e of
     kernels/bit/bit.hpp."""
-    from scipy.optimize import brentq
 
     def miss(d: float) -> float:
         u = np.clip(d / onset, 0.0, 1.0)
-        return cut * d + flat * u * u * (3 - 2 * u) - weight
+        return float(cut * d + flat * u * u * (3 - 2 * u) - weight)
 
-    return float(brentq(miss, 0.0, weight / cut)) if weight > 0 else 0.0
+    return bracketed_root(miss, 0.0, weight / cut) if weight > 0 else 0.0

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.fem.component import Component, ElementBlock, Field, FloatArray
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import Component, ElementBlock, Field
 from drillpetsc.kernels.parameters import Parameters
 from drillpetsc.physics.joints import SCALE
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices

@@ -13,7 +13,7 @@ from drillpetsc.plotting.shape import Shape
 
 
 def check_suffix(path: Path) -> None:
-    """Refuse, before anything is drawn, a film that nothing here can write."""
+    """Raise ValueError, before anything is drawn, for a film that cannot be written."""
     if path.suffix.lower() != ".gif" and importlib.util.find_spec("imageio") is None:
         raise ValueError(
             f"{path.name}: only .gif can be written here; a film (.mp4) needs imageio with ffmpeg"
@@ -23,7 +23,7 @@ def check_suffix(path: Path) -> None:
 def write_animation(
     drawing: Any, draw: Callable[[Shape], None], shapes: list[Shape], path: Path, rate: float, colormap: Any
 ) -> None:
-    """One picture per shape into a GIF (pillow) or, for another suffix, what imageio makes of it.
+    """Write one picture per shape into a GIF (pillow) or, for another suffix, a film (imageio).
 
     drawing: the figure; draw: draws one time into it. rate: pictures a second. colormap: of the field.
     """
@@ -52,10 +52,10 @@ def write_animation(
 
 
 def _palette(images: list[np.ndarray], colormap: Any) -> Any:
-    """A palette image of 255 colours: 96 of the field's own, which a few thin lines need, and 159 for all
-    else.
+    """Palette image of 255 colours: 96 of the field's colormap, for a few thin lines, and 159 for the rest.
 
-    The latter from an image with each colour that occurs once, or the wide background would take them all.
+    The latter are chosen from an image in which each colour occurs once; otherwise the wide background would
+    get all of them.
     """
     from PIL import Image  # type: ignore[import-untyped,unused-ignore]
 

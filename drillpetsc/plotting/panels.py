@@ -1,5 +1,4 @@
-"""The panels of a view. Each function draws what stays, and returns a function that draws one time into
-it."""
+"""Panels of a view. Each function draws the static parts, and returns a function that draws one time."""
 
 from __future__ import annotations
 
@@ -17,8 +16,11 @@ Update = Callable[[Shape], None]
 
 @dataclass(frozen=True)
 class Paint:
-    """How a field is coloured. field: its full name; unit, size: the displayed unit; low, high: the field's
-    range and norm, cmap: matplotlib's, all in that unit."""
+    """Colours of a field.
+
+    field: full name. unit, size: displayed unit and its size in SI. low, high: range of the field. norm, cmap:
+    of matplotlib. Range and norm are in the displayed unit.
+    """
 
     field: str
     unit: str
@@ -47,8 +49,7 @@ def segments(x: np.ndarray, y: np.ndarray) -> Any:
 
 
 def hole_walls(axes: Any, shape: Shape, size: float) -> None:
-    """Rock on both sides of the hole, between the walls nothing. size: [m] of one unit of the lateral
-    axis."""
+    """Draw rock on both sides of the hole. size: [m] of one unit of the lateral axis."""
     if shape.hole_radius is None:
         axes.axvline(0.0, color=WALL, linewidth=0.6, linestyle=(0, (8, 4)))
         return
@@ -121,8 +122,7 @@ def field_track(axes: Any, paint: Paint) -> Update:
 
 
 def path_panel(axes: Any, whole: Shape, paint: Paint, interval: tuple[float, float] | None) -> Update:
-    """The string as it lies in the ground, true scale: depth against distance from the well head towards its
-    end."""
+    """True path of the string at true scale: depth over distance from the well head towards its end."""
     from matplotlib.collections import LineCollection
 
     north, east = whole.points[-1, 0] - whole.points[0, 0], whole.points[-1, 1] - whole.points[0, 1]
@@ -165,13 +165,15 @@ def path_panel(axes: Any, whole: Shape, paint: Paint, interval: tuple[float, flo
 
 
 def clearance_panel(axes: Any, shape: Shape, paint: Paint) -> Update:
-    """Looking down the hole: the string's centre as a share of its clearance there; on the circle it
-    touches."""
+    """View along the hole: the string's centre as a fraction of the local clearance; on the circle it touches
+    the wall."""
     from matplotlib.collections import LineCollection
 
     assert shape.hole_radius is not None and shape.outer_radius is not None
     clearance = shape.hole_radius - shape.outer_radius
-    free = clearance > 0.02 * shape.hole_radius  # where a bit fills the hole a share says nothing
+    free = (
+        clearance > 0.02 * shape.hole_radius
+    )  # a fraction of a vanishing clearance, as at a bit, is meaningless
     angle = np.linspace(0, 2 * np.pi, 181)
     axes.fill(1.25 * np.array([-1, 1, 1, -1]), 1.25 * np.array([-1, -1, 1, 1]), color=GROUND, zorder=0)
     axes.fill(np.cos(angle), np.sin(angle), facecolor="white", edgecolor=WALL, linewidth=1.2, zorder=1)
@@ -197,7 +199,7 @@ def clearance_panel(axes: Any, shape: Shape, paint: Paint) -> Update:
 
 
 def true_shape_panel(axes: Any, shapes: list[Shape], paint: Paint, across: int) -> Update:
-    """A string without a hole that moves far: its true shape, seen from the side. across: 0 north, 1 east."""
+    """True shape of a string without hole, seen from the side. across: 0 north, 1 east."""
     from matplotlib.collections import LineCollection
 
     points = np.concatenate([shape.points for shape in shapes])

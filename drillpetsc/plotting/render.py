@@ -48,9 +48,11 @@ def _opens(library: str) -> bool:
 
 
 def offscreen_window() -> str | None:
-    """Value for VTK_DEFAULT_OPENGL_WINDOW: a window whose library is there; None where VTK (a screen, another
-    system) or the user chooses; empty when there is none, and VTK is better not asked, as it may end the
-    process."""
+    """Value for VTK_DEFAULT_OPENGL_WINDOW: a window whose library exists.
+
+    None where VTK (with a screen, or on another system) or the user chooses. Empty if there is no such window;
+    VTK must not be started then, because it may end the process.
+    """
     if (
         "VTK_DEFAULT_OPENGL_WINDOW" in os.environ
         or os.environ.get("DISPLAY")
@@ -62,10 +64,10 @@ def offscreen_window() -> str | None:
 
 @functools.cache
 def why_no_rendering() -> str:
-    """Empty when pyvista can draw on this machine, otherwise the reason; before VTK is imported, which reads
-    its choice of window then.
+    """Reason why pyvista cannot draw on this machine; empty if it can.
 
-    Asked of a process of its own, because VTK without a usable OpenGL may end the process that asks.
+    Call it before VTK is imported, which reads its choice of window then. The test runs in a separate process,
+    because VTK without usable OpenGL may end its process.
     """
     window = offscreen_window()
     if window == "":
@@ -94,7 +96,7 @@ def why_no_rendering() -> str:
 def loft(md: np.ndarray, offset: np.ndarray, radius: np.ndarray, scale: float) -> np.ndarray:
     """Points (n * SIDES, 3) of rings around the centre line, in depth metres: x, y lateral, z up.
 
-    A ring stays level: so it looks when lateral lengths are drawn far larger than depths.
+    Rings are level, as seen when lateral lengths are drawn far larger than depths.
     """
     angle = 2 * np.pi * np.arange(SIDES) / SIDES
     lateral = (
@@ -116,7 +118,7 @@ def loft_faces(count: int) -> np.ndarray:
 
 
 class Rendering:
-    """One pyvista scene that is drawn again for each time: hole built once, string moved and coloured.
+    """A pyvista rendering that is drawn again for each time; the hole is built once.
 
     pixels: (width, height) of the picture. span: (upper, lower) measured depth [m] at its upper and lower
     edge, for the hole's axis, which is the middle of the picture's width. A pixel is as many metres wide as
@@ -148,7 +150,7 @@ class Rendering:
         self._aim(span)
         self.close = weakref.finalize(
             self, self.plotter.close
-        )  # pyvista itself keeps every plotter until it is closed
+        )  # pyvista keeps every plotter until it is closed
 
     def _aim(self, span: tuple[float, float]) -> None:
         camera, height = self.plotter.camera, span[1] - span[0]
@@ -164,7 +166,7 @@ class Rendering:
         self.plotter.reset_camera_clipping_range()
 
     def image(self, shape: Shape, colors: np.ndarray) -> np.ndarray:
-        """The picture (h, w, 4) uint8, transparent where nothing is. colors: (n, 3) in 0..1 at the nodes of
+        """The picture (h, w, 4) uint8 with transparent background. colors: (n, 3) in 0..1 at the nodes of
         shape."""
         self.string.points[:] = loft(shape.md, shape.offset, self.body, self.scale)
         self.string.point_data["rgb"][:] = np.repeat((255 * colors).astype(np.uint8), SIDES, axis=0)
@@ -176,6 +178,5 @@ class Rendering:
 
 
 def project(offset: np.ndarray) -> np.ndarray:
-    """Where the same camera sees the string, sideways: (n,) lateral position in the picture [m]. For the
-    picture without pyvista."""
+    """Lateral position (n,) [m] of the string in the picture of the same camera, for pictures without pyvista."""
     return -np.sin(AZIMUTH) * offset[:, 0] + np.cos(AZIMUTH) * offset[:, 1]

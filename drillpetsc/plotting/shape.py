@@ -1,5 +1,4 @@
-"""The string at one time as the pictures need it: depth, offset from the hole centre, radii, the chosen
-field."""
+"""The string at one time, for the pictures: depth, offset from the hole centre, radii, and a field."""
 
 from __future__ import annotations
 
@@ -19,11 +18,16 @@ LARGE = (
 
 @dataclass(frozen=True)
 class Shape:
-    """md: (n,) measured depth [m]. offset: (n, 2) string centre from the hole centre (without a hole: from
-    where the string was at rest) [m]. hole_radius, outer_radius: (n,) [m] or None. points: (n, 3) [m].
-    values: (n,) [SI].
-    bent: the string has no hole and has left its first line so far that only its true shape says
-    something."""
+    """The string at one time.
+
+    time [s].
+    md: (n,) measured depth [m].
+    offset: (n, 2) string centre from the hole centre; without a hole from its position at rest [m].
+    hole_radius, outer_radius: (n,) [m] or None.
+    points: (n, 3) [m].
+    values: (n,) values of the field [SI].
+    bent: whether a string without hole has such large displacements that its true shape is drawn.
+    """
 
     time: float
     md: np.ndarray
@@ -36,7 +40,7 @@ class Shape:
 
 
 def find_field(wanted: str, available: Iterable[str]) -> str:
-    """The full name of a field given with or without its unit; ValueError with the names there are."""
+    """Full name of a field given with or without its unit; ValueError lists the existing names."""
     names = sorted(available)
     for name in names:
         if wanted in (name, split_name(name)[0]):
@@ -50,7 +54,7 @@ def find_field(wanted: str, available: Iterable[str]) -> str:
 
 
 def shape_of(frame: Frame, time: float, field: str) -> Shape:
-    """What to draw of a frame; field as in the file. A vector field is shown by its magnitude."""
+    """Shape of a frame; field as in the file. A vector field is replaced by its magnitude."""
     data, points = frame.point_data, np.asarray(frame.points, dtype=float)
     values = np.asarray(data[field], dtype=float)
     values = np.linalg.norm(values, axis=1) if values.ndim == 2 else values
@@ -95,8 +99,7 @@ def cut(shape: Shape, interval: tuple[float, float] | None) -> Shape:
 
 def smooth(shape: Shape, pieces: int) -> Shape:
     """The same string with `pieces` parts between two nodes: cubic through the nodes with the slopes that
-    central differences give, the field and the radii straight between them. For the eye only: values at nodes
-    do not change."""
+    central differences give, the field and the radii linear between them. Values at nodes do not change."""
     if pieces < 2 or len(shape.md) < 3:
         return shape
     md = shape.md
@@ -136,7 +139,7 @@ def _cubic(md: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def half_width(shape: Shape) -> float:
-    """The lateral distance that a picture must show on each side [m]: the hole, or the largest excursion."""
+    """Lateral distance shown on each side [m]: that of the hole, or the largest offset."""
     body = 0.0 if shape.outer_radius is None else float(np.max(shape.outer_radius))
     reach = float(np.abs(shape.offset).max()) + body
     hole = 0.0 if shape.hole_radius is None else float(np.max(shape.hole_radius))

@@ -1,5 +1,4 @@
-"""Names, units and colours that a drilling engineer reads at a glance. No plotting package is imported at the
-top."""
+"""Labels, displayed units and colours. No plotting package is imported at module level."""
 
 from __future__ import annotations
 
@@ -8,19 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.output import catalogue
 from drillpetsc.output.files.tables import split_name
 
-WORDS = {
-    "wob": "WOB",
-    "rop": "ROP",
-    "md": "Measured depth",
-    "tvd": "True vertical depth",
-    "newton": "Newton iterations",
-    "step": "Time step",
-}
-
-# unit -> displayed units from the smallest: (text, size in the SI unit); taken is the last that is not above
-# the values
+# unit -> displayed units in ascending order: (text, size in SI); the last one not above the values is used
 STEPS: dict[str, list[tuple[str, float]]] = {
     "N": [("N", 1.0), ("kN", 1e3), ("MN", 1e6)],
     "N m": [("N m", 1.0), ("kN m", 1e3)],
@@ -65,7 +55,7 @@ def display_unit(title: str, values: Any) -> tuple[float, str]:
 def words(title: str) -> str:
     """ "surface_torque [N m]" as a label: "Surface torque"."""
     name, _ = split_name(title)
-    return WORDS.get(name, name.replace("_", " ").capitalize())
+    return catalogue.label(name) or name.replace("_", " ").capitalize()
 
 
 def label(title: str, unit: str) -> str:
@@ -105,7 +95,7 @@ LOOK = {
 
 
 def look() -> Any:
-    """A context in which figures get this package's look; the caller's own settings come back after it."""
+    """Context with the style of this package; the caller's settings are restored after it."""
     import matplotlib as mpl
 
     return mpl.rc_context(LOOK)

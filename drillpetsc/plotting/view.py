@@ -58,7 +58,7 @@ def view(
     shows.
     interval: (from, to) measured depth [m] to look at.
     renderer: the shaded view by pyvista, or flat by matplotlib where there is no OpenGL ("auto" finds out).
-    say: gets a sentence when something had to be done differently.
+    say: receives a message when another renderer had to be used.
     """
     folder = RunFolder.open(run)
     chosen = _chosen(read_series(folder.path), time, animate, max_frames, folder.path)
@@ -149,7 +149,7 @@ def _compose(
 
 
 def _ticks(low: float, high: float) -> list[float]:
-    """Round numbers on either side of zero, so that a short compressed part keeps its own scale."""
+    """Round numbers on each side of zero, so that a small compressive range has labels, too."""
     from matplotlib.ticker import MaxNLocator
 
     def inside(a: float, b: float, count: int) -> list[float]:
@@ -182,8 +182,7 @@ def _straightened(
     renderer: Renderer,
     say: Callable[[str], None] | None,
 ) -> tuple[list[Update], str]:
-    """Shaded view, two sections and the field along measured depth; the path and the clearance at the
-    right."""
+    """Shaded view, two sections and the field along measured depth; path and clearance at the right."""
     whole = shapes[-1]
     parts = [cut(shape, interval) for shape in shapes]
     first = parts[-1]
@@ -250,7 +249,7 @@ def _shaded_panel(
     renderer: Renderer,
     say: Callable[[str], None] | None,
 ) -> Update:
-    """The look into the hole: by pyvista, or as a coloured line between the walls where it cannot draw."""
+    """Shaded view of the hole by pyvista, or a coloured line between the walls where pyvista cannot draw."""
     wide = (span[1] - span[0]) * SHADED_WIDTH / TRACKS_HEIGHT  # depth metres across the panel
     reason = "" if renderer == "matplotlib" else render.why_no_rendering()
     if reason and renderer == "pyvista":
@@ -264,7 +263,7 @@ def _shaded_panel(
     axes.grid(False)
     axes.spines["bottom"].set_visible(False)
     pixels = (round(SHADED_WIDTH * drawing.dpi), round(TRACKS_HEIGHT * drawing.dpi))
-    scene = render.Rendering(shape, scale, span, pixels)
+    rendering = render.Rendering(shape, scale, span, pixels)
     picture = axes.imshow(
         np.zeros((2, 2, 4)),
         extent=(-0.5 * wide, 0.5 * wide, span[1], span[0]),
@@ -274,14 +273,13 @@ def _shaded_panel(
     )
 
     def update(now: Shape) -> None:
-        picture.set_data(scene.image(now, paint.colors(now.values)))
+        picture.set_data(rendering.image(now, paint.colors(now.values)))
 
     return update
 
 
 def _flat_panel(axes: Any, shape: Shape, paint: Paint, half: float) -> Update:
-    """The hole and the string as the shaded view's camera sees them, in flat colours. half: width to each
-    side [m]."""
+    """Hole and string projected as in the shaded view, in flat colours. half: width to each side [m]."""
 
     def turned(now: Shape) -> Shape:
         return replace(now, offset=np.column_stack((render.project(now.offset), np.zeros(len(now.md)))))
@@ -292,7 +290,7 @@ def _flat_panel(axes: Any, shape: Shape, paint: Paint, half: float) -> Update:
 
 
 def _true_shape(drawing: Any, shapes: list[Shape], paint: Paint) -> list[Update]:
-    """Two views at true scale of a string that has left its line."""
+    """Two views at true scale of a string with large displacements."""
     moves = [max(float(np.ptp(shape.points[:, across])) for shape in shapes) for across in (0, 1)]
     sides = [
         across for across in (0, 1) if moves[across] > 1e-3 * max(moves)

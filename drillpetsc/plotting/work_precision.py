@@ -18,8 +18,10 @@ NORM = "rms"
 def draw_study(
     reported: Mapping[str, Any], into: Path, norm: str = NORM, name: str = "", dpi: float = 100
 ) -> list[Path]:
-    """work_precision.png and orders.png (speed_up.png where ranks vary), ``name`` in front; nothing where no
-    point has an error."""
+    """Draw work_precision.png and orders.png (speed_up.png where ranks vary), with ``name`` in front.
+
+    Without a point with an error nothing is drawn. Returns the files.
+    """
     if reported["vary"] == "ranks":
         return [_speed_up(reported, into / f"{name}speed_up.png", dpi)] if reported["speed_up"] else []
     if not reported["outputs"]:
@@ -81,13 +83,13 @@ def _panel(
     drawn: list[tuple[float, float]] = []
     failed: list[tuple[int, Mapping[str, Any]]] = []
     for k, curve in enumerate(curves):
-        on_rank = [p for p in reported["points"] if p["curve"] == curve]
-        good = [(p[abscissa], p[f"error_{name}_{norm}"]) for p in on_rank if p["status"] == "done"]
+        on_curve = [p for p in reported["points"] if p["curve"] == curve]
+        good = [(p[abscissa], p[f"error_{name}_{norm}"]) for p in on_curve if p["status"] == "done"]
         shown = [(x, y) for x, y in good if _positive(x) and _positive(y)]
         drawn += shown
-        failed += [(k, p) for p in on_rank if p["status"] != "done"]
+        failed += [(k, p) for p in on_curve if p["status"] != "done"]
         color, marker = COLORS[k % len(COLORS)], MARKERS[k % len(MARKERS)]
-        suffix = f" ({len(on_rank) - len(good)} failed)" if len(good) < len(on_rank) else ""
+        suffix = f" ({len(on_curve) - len(good)} failed)" if len(good) < len(on_curve) else ""
         axes.plot(
             *(zip(*shown, strict=True) if shown else ((), ())),
             color=color,
@@ -111,7 +113,7 @@ def _panel(
 
 
 def _crosses(axes: Any, failed: Sequence[tuple[int, Mapping[str, Any]]], abscissa: str) -> None:
-    """Points that failed, at the upper margin: at their step where that is known, else in the corner."""
+    """Mark failed points at the upper margin: at their step if it is known, otherwise in the corner."""
     for k, p in failed:
         known = abscissa == "abscissa" and p["petsc"].get("ts_dt")
         x = p["value"] if known else 0.985 - 0.03 * (k % 8)
@@ -127,7 +129,7 @@ def _crosses(axes: Any, failed: Sequence[tuple[int, Mapping[str, Any]]], absciss
 
 
 def _few_labels(axis: Any, values: Sequence[float]) -> None:
-    """Plain numbers at 1, 2 and 5 of a decade where there are few decades: all nine overlap."""
+    """Label 1, 2 and 5 of a decade where there are few decades; nine labels would overlap."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     wide = max(values) > 100 * min(values)
@@ -137,7 +139,7 @@ def _few_labels(axis: Any, values: Sequence[float]) -> None:
 
 
 def _guides(axes: Any, drawn: Sequence[tuple[float, float]]) -> None:
-    """Slopes 1 to 4 from the upper right corner of what is drawn."""
+    """Draw slopes 1 to 4 from the upper right corner of the points."""
     right, high = max(x for x, _ in drawn), max(y for _, y in drawn)
     left, low = min(x for x, _ in drawn), min(y for _, y in drawn)
     if not left < right or not low < high:

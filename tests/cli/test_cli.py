@@ -124,6 +124,9 @@ def test_a_run_stopped_at_a_checkpoint_goes_on_identically(finished):
         (("run", "nowhere.yaml"), 2, "nowhere.yaml"),
         (("run", "small.yaml", "-ts_rtoll", "1e-3"), 2, "did you mean -ts_rtol?"),
         (("run", "small.yaml", "--ouch"), 2, "--ouch"),
+        (("run", "small.yaml", "--companion"), 2, "--companion is now called --mesh-error"),
+        (("run", "small.yaml", "small.yaml", "--mesh-error"), 2, "one case"),
+        (("plot", "run", "-ts_rtol", "1e-3"), 2, "no PETSc options with plot"),
         (("statics", "small.yaml", "--motion", "sideways"), 2, "hoist"),
         (("plot", "nowhere"), 2, "nowhere"),
         (("run", "small.yaml", "--out", "new", "--restart"), 2, "new"),
@@ -166,6 +169,45 @@ def test_help_names_the_commands_and_petsc():
         assert word in text
 
 
+def test_every_command_has_a_help_of_its_own():
+    from drillpetsc.cli import COMMANDS, parser
+
+    names = [command.name for command in COMMANDS]
+    assert len(set(names)) == len(names)
+    for command in COMMANDS:
+        with pytest.raises(SystemExit) as ended:
+            parser().parse_args([command.name, "--help"])
+        assert ended.value.code == 0
+
+
+def test_an_old_option_is_not_a_new_one_too():
+    from drillpetsc.cli import RENAMED_OPTIONS, parser
+
+    text = "".join(sub.format_help() for sub in parser()._subparsers._group_actions[0].choices.values())
+    for old, new in RENAMED_OPTIONS.items():
+        assert new in text and old not in text
+
+
+def test_check_and_help_import_no_pictures_and_no_studies(finished):
+    """Only what a command needs is imported: a start takes no longer than that."""
+    heavy = ("pint", "matplotlib", "pyvista", "vtk", "scipy.optimize", "scipy.special", "rich", "h5py", "meshio",
+             "drillpetsc.plotting", "drillpetsc.studies")  # fmt: skip
+    for words, forbidden in ((["check", "small.yaml"], heavy), (["--help"], (*heavy, "numpy", "pydantic"))):
+        code = f"""
+import sys
+from drillpetsc.cli import main
+try:
+    main({words!r})
+except SystemExit:
+    pass
+print([m for m in {forbidden!r} if m in sys.modules], file=sys.stderr)
+"""
+        path = os.pathsep.join([str(Path(__file__).parents[2]), os.environ.get("PYTHONPATH", "")])
+        out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=finished,
+                             env={**os.environ, "PYTHONPATH": path})  # fmt: skip
+        assert out.stderr.strip() == "[]", out.stderr
+
+
 def test_import_starts_no_mpi_and_draws_nothing():
     heavy = ("mpi4py.MPI", "petsc4py.PETSc", "pyvista", "matplotlib", "vtk")
     code = f"import sys, drillpetsc; print([m for m in {heavy} if m in sys.modules])"
@@ -173,6 +215,27 @@ def test_import_starts_no_mpi_and_draws_nothing():
         [sys.executable, "-c", code], capture_output=True, text=True, cwd=Path(__file__).parents[2]
     )
     assert out.stdout.strip() == "[]", out.stdout + out.stderr
+
+
+def test_python_face():
+    """The names that `import drillpetsc` promises, imported when they are used."""
+    import drillpetsc as package
+    from drillpetsc import api
+
+    assert all(getattr(package, name) is getattr(api, name) for name in api.__all__)
+    assert set(api.__all__) < set(package.__all__) <= set(dir(package))
+    with pytest.raises(AttributeError):
+        package.simulate  # noqa: B018
+
+
+def test_statics_and_modes_from_python(finished, tmp_path):
+    from drillpetsc import load_case, modes, statics
+
+    state = statics(finished / "small.yaml", tmp_path / "statics", motion="hoist")
+    assert state.summary == json.loads((state.folder / "summary.json").read_text())
+    assert any("hook load" in line for line in state.lines)
+    found = modes(load_case(finished / "small.yaml"), tmp_path / "modes", count=2, about="rest")
+    assert (found.folder / "modes.csv").exists() and found.summary["modes"] >= 2
 
 
 def test_python_gives_the_same_run(finished, tmp_path):

@@ -1,4 +1,5 @@
-"""Absent physics has no unknowns, no log events, no columns and no arrays: a table of scenes."""
+"""Absent physics has no unknowns, no log events, no columns and no arrays: a table of models (manual:
+verif-component-contract)."""
 
 from __future__ import annotations
 
@@ -9,6 +10,7 @@ from drillpetsc.analysis.placement import place_along_hole
 from drillpetsc.analysis.summary import field_counts
 from drillpetsc.case import Case
 from drillpetsc.model.drilling_model import build_model
+from drillpetsc.output.field_output import FieldOutput
 from drillpetsc.output.recorder import Recorder
 
 PIPE = {"kind": "pipe", "length": 30, "od": 0.127, "id": 0.1086}
@@ -25,9 +27,9 @@ BASE = {"time", "bit_speed", "bit_depth", "kinetic_energy", "strain_energy", "en
 HELD = {"hook_load", "surface_torque"}
 BOTTOM = {"wob", "bit_torque", "hole_depth"}
 
-# scene: (case, unknowns per ordinary node, extra unknowns, log events, history columns, point arrays beyond
+# model: (case, unknowns per ordinary node, extra unknowns, log events, history columns, point arrays beyond
 # the usual)
-SCENES = {
+MODELS = {
     "free pipe": ({"string": [PIPE], "top": "free"}, 7, 0, {"beam"}, BASE, set()),
     "hung pipe": ({"string": [PIPE], "top": DRIVE}, 7, 0, {"beam"}, BASE | HELD, set()),
     "damped": (
@@ -224,9 +226,9 @@ USUAL = {
 }
 
 
-@pytest.mark.parametrize("name", [*SCENES, *WET])
-def test_scene_has_what_it_needs_and_nothing_else(name):
-    keys, per_node, extra, events, columns, arrays = (SCENES | WET)[name]
+@pytest.mark.parametrize("name", [*MODELS, *WET])
+def test_model_has_the_parts_of_its_physics_only(name):
+    keys, per_node, extra, events, columns, arrays = (MODELS | WET)[name]
     model = build_model(Case(**keys))
     system, nodes = model.system, model.mesh.nodes
     assert system.layout.size == per_node * nodes + extra
@@ -243,17 +245,17 @@ def test_scene_has_what_it_needs_and_nothing_else(name):
     recorder = Recorder(model)
     assert {c for c, _ in recorder.columns} == columns
     place_along_hole(model)
-    points, data = recorder.fields(0.0)
+    points, data = FieldOutput(model).fields(0.0)
     usual = USUAL | ({"effective_tension [N]"} if "fluid" in keys else set())
     assert set(data) == ({"md [m]", "outer_radius [m]"} if "hold_string" in keys else usual) | arrays
     assert all(np.isfinite(v).all() for v in data.values()) and len(points) == nodes
 
 
 def test_without_contact_the_newton_line_search_is_the_plain_one():
-    """What contact needs costs nothing elsewhere."""
+    """Without contact the line search has no extra cost."""
     from drillpetsc.solvers.time_integrator import TimeIntegrator
 
     for name, kind in (("hung pipe", "basic"), ("in a hole", "cp")):
-        model = build_model(Case(**SCENES[name][0]))
+        model = build_model(Case(**MODELS[name][0]))
         newton = TimeIntegrator(model.system).newton
         assert newton.line_search == kind

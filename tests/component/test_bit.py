@@ -1,4 +1,5 @@
-"""The bit that cuts rock: exact Jacobian, energy balance, closed forms of its laws, growth of the hole."""
+"""The bit that cuts rock: exact Jacobian, energy balance, closed forms of its laws, growth of the hole
+(manual: verif-bit-component)."""
 
 from __future__ import annotations
 
@@ -12,7 +13,7 @@ from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import Beam
 from drillpetsc.physics.rock_bit import CHIPS, BitContact, BitShape, DragBit, Layer, Rock, RockBit, Weakening
-from tests.helpers.scenes import GRAVITY, SECTION, SHIFT, curved_tangents, dense, residual
+from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, curved_tangents, dense, residual
 
 ANISOTROPIC = np.array([[1.0, 0.05, 0.02], [0.05, 0.9, -0.03], [0.02, -0.03, 1.1]])
 KINDS = [
@@ -126,8 +127,8 @@ def test_jacobian_matches_central_differences(kind):
     "kind", [k for k in KINDS if "statics" not in k and "quasi" not in k and "poststep" not in k]
 )
 def test_power_of_the_bit_is_stored_or_goes_into_the_rock(kind):
-    """Rows of the string times its velocity = change of the springs' energy along the motion + what the room
-    reports as dissipated."""
+    """Rows of the string times its velocity = change of the energy of the springs along the motion +
+    dissipation reported by the component."""
     system, component = build(kind)
     asm = system.assembly
     residual(system, asm.x[:-1].copy(), 0.4)

@@ -1,4 +1,5 @@
-"""What every room must keep: exact Jacobian, energy balance, no rank in physics."""
+"""Requirements of every component: exact Jacobian, energy balance, no MPI in physics (manual:
+verif-component-contract)."""
 
 from __future__ import annotations
 
@@ -9,21 +10,18 @@ import pytest
 
 from drillpetsc.fem.assembly import ROW_SCALE
 from drillpetsc.physics.contact import Contact
-from tests.helpers.scenes import KINDS, SHIFT, build, dense, residual
+from tests.helpers.component_models import KINDS, SHIFT, build, dense, residual
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind):
-    """S = K + shift C + shift^2 M of every kernel, prescribed rows included, against fourth-order
-    differences."""
+    """S = K + shift C + shift^2 M of every kernel, with prescribed rows, against fourth-order differences."""
     system, t = build(kind), 0.4
     asm, n = system.assembly, system.layout.size
-    free = np.eye(
-        n
-    )  # prescribed components stay where they belong: their rows fix them, whatever the columns say
+    free = np.eye(n)  # prescribed components are fixed by their rows, for any columns
     for f in asm.row_replacements:
         asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
-        free[np.ix_(f.rows, f.rows)] = f.keep
+        free[np.ix_(f.rows, f.rows)] = f.complement
     x0, h = asm.x[:-1].copy(), 1e-4
     residual(system, x0, t)
     asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
@@ -57,7 +55,7 @@ def test_rows_times_velocity_is_the_change_of_energy(kind):
 
     def stored(h):
         asm.x[:], asm.y[:] = x0 + h * flow, y0 + h * asm.a
-        # a drive's spring is wound by its input too
+        # the input of a drive also changes the twist of its spring
         return sum(system.energies(t + h))
 
     h = 1e-4
@@ -69,9 +67,9 @@ def test_rows_times_velocity_is_the_change_of_energy(kind):
 
 @pytest.mark.parametrize("kind", ["beam", "beam_damped", "bodies_junction", "curvature"])
 def test_free_motion_keeps_momentum_and_angular_momentum(kind):
-    """Forces of the free string without gravity sum to zero, their moments too (inertia included): the
-    residual of a rigid virtual motion vanishes for the elastic part.  Checked by differences of the residual
-    with and without rates."""
+    """Forces and moments of the free string without gravity sum to zero, with inertia: the residual of a
+    rigid virtual motion vanishes for the elastic part. Checked by differences of the residual with and
+    without rates."""
     system = build(kind)
     for b in system.assembly.bound_blocks:  # no gravity
         if "gravity" in b.block.named.columns.names:
@@ -79,7 +77,7 @@ def test_free_motion_keeps_momentum_and_angular_momentum(kind):
     asm = system.assembly
     asm.condense(SHIFT)
     asm.a[:] = 0.0
-    if "damped" in kind:  # external damping brakes a rigid motion, internal damping must not
+    if "damped" in kind:  # external damping brakes a rigid motion, internal damping does not
         for b in system.assembly.bound_blocks:
             b.block.named["alpha"] = 0.0
     asm.y[:] = 0.0
@@ -93,8 +91,8 @@ def test_free_motion_keeps_momentum_and_angular_momentum(kind):
     assert np.abs(moment.sum(axis=0)).max() < 1e-11 * np.abs(moment).max()
 
 
-def test_components_know_no_ranks():
-    """No file of physics/ imports MPI or PETSc (architecture, style 7)."""
+def test_physics_imports_no_mpi():
+    """No file of physics/ imports MPI or PETSc."""
     components = Path(__file__).parents[2] / "drillpetsc" / "physics"
     for file in components.rglob("*.py"):
         text = file.read_text()
@@ -102,8 +100,8 @@ def test_components_know_no_ranks():
 
 
 @pytest.mark.parametrize("kind", [k for k in KINDS if "contact" in k])
-def test_contact_sees_a_state_that_is_not_a_number(kind):
-    """It must not pass for a string that does not touch."""
+def test_contact_detects_a_state_of_nan(kind):
+    """A state of nan is not taken for a string without contact."""
     system = build(kind)
     system.assembly.x[system.layout.dofs["string.position"][2, 0]] = np.nan
     place = system.layout.dofs["string.position"][2, 0]
@@ -120,8 +118,8 @@ def test_contact_sees_a_state_that_is_not_a_number(kind):
 @pytest.mark.parametrize(
     "what", ["radius of the pipe", "friction of the pipe", "radius of the hole", "stiffness"]
 )
-def test_contact_passes_on_what_is_not_a_number(kind, what):
-    """No comparison may take it for "no clearance", "friction not given" or "does not touch"."""
+def test_contact_returns_nan_for_nan(kind, what):
+    """A nan is not taken for "no clearance", "friction not given" or "no contact" by any comparison."""
     system = build(kind)
     asm, contact = system.assembly, next(r for r in system.components if isinstance(r, Contact))
     blocks = [b for b in asm.bound_blocks if b.block.name.startswith("contact")]

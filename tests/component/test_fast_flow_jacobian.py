@@ -1,5 +1,5 @@
 """Closed-form Jacobians of the channels against those that differentiate all rows by all unknowns; friction
-of elements side by side."""
+of packed elements (manual: verif-fast-jacobians)."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from drillpetsc.kernels.parameters import parameters_of
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.rheology import Rheology
 from tests.component.test_fast_jacobian import SIGMA, TRIPLES, _jacobian
-from tests.helpers.flow_scenes import build
-from tests.helpers.scenes import GRAVITY
+from tests.helpers.component_models import GRAVITY
+from tests.helpers.flow_models import build
 
 LAWS = {
     "water": Rheology(
@@ -36,8 +36,7 @@ LAWS = {
 def _elements(
     kernel: str, law: str, seed: int, count: int, turbulent: bool, weights: np.ndarray
 ) -> tuple[FluidConstants, list]:
-    """Elements of a moving string, four of a scene and some of them again, with minor losses and one given
-    pressure.
+    """Four elements of a moving string, some of them repeated, with minor losses and one given pressure.
 
     Returns the fluid, which must outlive the rest, and the arguments of ``_jacobian`` after the number of
     elements.
@@ -69,9 +68,8 @@ def _elements(
 @pytest.mark.parametrize("kernel", ["bore_flow", "annulus_flow"])
 @pytest.mark.parametrize("count", [4, 7])
 def test_closed_form_gives_the_derivative_of_the_rows(kernel, triple, count):
-    """Equal to rounding, row by row, for any combination of positions, rates and accelerations, with walls
-    that give and rigid ones, laminar and turbulent, for fluids with and without a stress explicit in the
-    speed."""
+    """Equal to rounding, row by row, for any combination of positions, rates and accelerations, with elastic
+    and rigid walls, laminar and turbulent, for fluids with and without a stress explicit in the speed."""
     for seed, law in enumerate(LAWS):
         for turbulent in (False, True):
             fluid, arguments = _elements(kernel, law, seed, count, turbulent, np.array(TRIPLES[triple]))
@@ -82,8 +80,8 @@ def test_closed_form_gives_the_derivative_of_the_rows(kernel, triple, count):
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("alpha", [0.0, 1.0])
-def test_friction_of_elements_side_by_side(law, alpha):
-    """Stress, slope and derivative by the density as those of one element, from no flow to far beyond
+def test_friction_of_packed_elements(law, alpha):
+    """Stress, slope and derivative by the density equal those of a single element, from no flow to far beyond
     turbulence."""
     rng, n = np.random.default_rng(2), 2000
     w = 10.0 ** rng.uniform(-9, 5, n) * rng.choice([-1.0, 1.0], n)

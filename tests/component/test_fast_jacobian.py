@@ -1,5 +1,5 @@
 """Jacobians by local derivatives against those that differentiate all rows by all unknowns
-(kernels/core/element.hpp)."""
+(kernels/core/element.hpp; manual: verif-fast-jacobians)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Table, columns
-from tests.helpers.scenes import build
+from tests.helpers.component_models import build
 
 SIGMA = 7.3
 TRIPLES = {
@@ -20,8 +20,8 @@ TRIPLES = {
 
 
 def _elements(count: int, unknowns: int, rng: np.random.Generator):
-    """Bent, stretched, moving elements with own nodes: index, nodes, params, x, y, a; d(omega)/dv of each
-    node."""
+    """Bent, stretched, moving elements with separate nodes: index, nodes, params, x, y, a; d(omega)/dv of
+    each node."""
     n = count * unknowns
     index = rng.permutation(n).astype(np.int32).reshape(count, unknowns)
     nodes = rng.permutation(2 * count).astype(np.int32).reshape(count, 2)
@@ -47,7 +47,7 @@ def _elements(count: int, unknowns: int, rng: np.random.Generator):
 
 
 def _jacobian(name, count, index, nodes, params, context, weights, spin, x, y, a) -> np.ndarray:
-    """(count, d, d) of the entry ``name``, from memory that holds something else before."""
+    """(count, d, d) of the entry ``name``, from memory with previous content."""
     K = np.full((count, index.shape[1], index.shape[1]), np.nan)
     jacobian = function(f"{name}_jacobian", "ipppppppppp")
     tables = map(pointer, (weights, spin, x, y, a, K))
@@ -59,8 +59,8 @@ def _jacobian(name, count, index, nodes, params, context, weights, spin, x, y, a
 @pytest.mark.parametrize("kernel", ["beam", "beam_damped", "beam_junction", "beam_junction_damped"])
 @pytest.mark.parametrize("count", [4, 7])
 def test_local_derivatives_give_the_derivative_of_the_rows(kernel, triple, count):
-    """Equal to rounding for any combination of positions, rates and accelerations, last lanes of a pack
-    included."""
+    """Equal to rounding for any combination of positions, rates and accelerations, also in the last lanes of
+    a pack."""
     unknowns = 15 if "junction" in kernel else 14
     rng = np.random.default_rng(5)
     for _ in range(20):
@@ -106,4 +106,6 @@ def test_local_derivatives_of_the_contact(kind, triple):
         assert (np.abs(fast - wide).max(axis=(1, 2)) <= 1e-13 * scale).all()
         seen |= set(scale > 0)
     expected = {"condensed", "stiffness"} if "imposed" in kind else {"condensed", "stiffness", "rates"}
-    assert (True in seen) == (triple in expected)  # imposed friction knows no rates, contact no mass
+    assert (True in seen) == (
+        triple in expected
+    )  # imposed friction does not depend on rates, contact has no mass

@@ -1,5 +1,5 @@
-"""What the rooms of the drilling fluid must keep: exact Jacobian, conservation of mass, balance of momentum
-and energy."""
+"""Requirements of the fluid components: exact Jacobian, conservation of mass, balance of momentum and energy
+(manual: verif-component-contract, verif-flow-energy)."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import pytest
 
 from drillpetsc.physics.fluid.channel_flow import FIGURES, FluidConstants
 from drillpetsc.physics.fluid.rheology import Rheology
-from tests.helpers.flow_scenes import KINDS, build
-from tests.helpers.scenes import GRAVITY, SHIFT, dense, residual
+from tests.helpers.component_models import GRAVITY, SHIFT, dense, residual
+from tests.helpers.flow_models import KINDS, build
 
 
 def stiff_fluid() -> FluidConstants:
@@ -26,7 +26,7 @@ def test_condensed_jacobian_matches_central_differences(kind):
     free = np.eye(n)
     for f in asm.row_replacements:
         asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
-        free[np.ix_(f.rows, f.rows)] = f.keep
+        free[np.ix_(f.rows, f.rows)] = f.complement
     x0, h = asm.x[:-1].copy(), 1e-4
     residual(system, x0, t)
     asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
@@ -37,13 +37,13 @@ def test_condensed_jacobian_matches_central_differences(kind):
         r = [residual(system, x0 + k * e, t) for k in (-2, -1, 1, 2)]
         F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * e[j])
     scale = np.abs(J).max(axis=1, keepdims=True)
-    scale[scale == 0] = 1.0  # rows of another room's unknowns
+    scale[scale == 0] = 1.0  # rows of another component's unknowns
     assert np.abs((J - F) @ free / scale).max() < 3e-7
 
 
 def mean_speeds(system) -> np.ndarray:
-    """(4,) mean speed of the elements along the hole (int of the cubic shapes), from the lower end of a rigid
-    item above on."""
+    """(4,) mean speed of the elements along the hole (integral of the cubic shapes), starting at the lower
+    end of a rigid item above."""
     mesh, component = system.mesh, system.components[-1]
     u, v, w = (
         system.field("string.position", "y"),
@@ -66,7 +66,7 @@ def mean_speeds(system) -> np.ndarray:
 @pytest.mark.parametrize("kind", [k for k in KINDS if not {"held", "bit", "pump"} & set(k.split("_"))])
 def test_mass_rows_add_up_to_the_change_of_content(kind):
     """Sum of the storage of all elements = d(content)/dt by central differences of the content along the
-    motion, the hole's area that of the place where an element's mean point along the hole comes to."""
+    motion, with the hole's area at the moving mean point of each element."""
     system = build(kind)
     component = system.components[-1]
     asm, h = system.assembly, 1e-5
@@ -95,15 +95,15 @@ def test_mass_rows_add_up_to_the_change_of_content(kind):
 @pytest.mark.parametrize("kind", ["pipe", "annulus"])
 def test_energy_balance_of_an_almost_incompressible_fluid(kind):
     """V.F + (q + A V) R_q + (p - rho g.r) R_p over all rows = d(energy)/dt + dissipated + [p A_w V], for any
-    motion of string and fluid.
+    motion of string and fluid (manual: eq-mud-energy, verif-flow-energy).
 
-    V: speed of the string along the hole, only in the annulus, where the mud's own speed is w + V; A, A_w:
+    V: speed of the string along the hole, in the annulus only, where the speed of the mud is w + V; A, A_w:
     areas of annulus and hole.
 
-    The rows are equations of motion; multiplied by the velocities (heads for the mass rows) they belong to,
-    they are the balance of energy. It holds up to what the model drops, (flow speed / wave speed)^2, to
-    squares of flow speeds times rows of mass that are not zero in a random state, and to products of shape
-    functions taken at element means.
+    The rows are equations of motion; multiplied by their velocities (heads for the mass rows) they give the
+    energy balance. It holds up to the neglected (flow speed / wave speed)^2, to squares of flow speeds times
+    rows of mass that are not zero in a random state, and to products of shape functions evaluated at element
+    means.
     """
     system = build(kind, fluid=stiff_fluid(), noise=0.003)
     asm, component = system.assembly, system.components[-1]
@@ -152,9 +152,9 @@ def test_energy_balance_of_an_almost_incompressible_fluid(kind):
     assert sum(q.sum() for q in parts) == pytest.approx(rate + lost + ends, abs=0.01 * size)
 
 
-def test_added_mass_follows_the_place_in_the_hole():
-    """added_mass: eccentric takes potential flow between eccentric circles at the place of each element's
-    middle."""
+def test_added_mass_follows_the_position_in_the_hole():
+    """added_mass: eccentric is the potential flow between eccentric circles at the position of each element's
+    middle (manual: eq-mud-chi-eccentric)."""
     from drillpetsc.analysis.placement import place_along_hole
     from drillpetsc.case import Case
     from drillpetsc.model.drilling_model import build_model

@@ -1,5 +1,5 @@
-"""What the rooms of the drilling fluid by passed volumes must keep: exact Jacobian, conservation of mass by
-construction."""
+"""Requirements of the fluid components of formulation hermite: exact Jacobian, conservation of mass by
+construction (manual: sec-mud-hermite)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from drillpetsc.physics.fluid.channels import Annulus, Bore
 from drillpetsc.physics.fluid.hermite_flow import WINDOW, HermiteAnnulus, HermiteBit, HermiteBore, Reference
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
-from tests.helpers.scenes import GRAVITY, SECTION, SHIFT, dense, residual
+from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, dense, residual
 
 KINDS = (
     "pipe",
@@ -121,7 +121,7 @@ def test_condensed_jacobian_matches_central_differences(kind):
     free = np.eye(n)
     for f in asm.row_replacements:
         asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
-        free[np.ix_(f.rows, f.rows)] = f.keep
+        free[np.ix_(f.rows, f.rows)] = f.complement
     x0 = asm.x[:-1].copy()
     residual(system, x0, t)
     asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
@@ -140,9 +140,9 @@ def test_condensed_jacobian_matches_central_differences(kind):
 @pytest.mark.parametrize(
     "kind", ["pipe_bit", "pipe_annulus_bit", "pipe_annulus_bit_held", "pipe_annulus_bit_junction_topdrive"]
 )
-def test_content_changes_by_what_passes_the_ends(kind):
-    """Mass is conserved by construction: d(content)/dt, by differences along any motion, is what enters at
-    the pump less what leaves."""
+def test_content_changes_by_the_flow_through_the_ends(kind):
+    """Mass is conserved by construction: d(content)/dt, by differences along any motion, is the inflow at the
+    pump minus the outflow."""
     system = build(kind)
     asm, components = system.assembly, [r for r in system.components if hasattr(r, "upper_flow")]
     bit = system.components[-1]
@@ -162,8 +162,8 @@ def test_content_changes_by_what_passes_the_ends(kind):
 
 
 def test_reference_flow_has_no_jumps():
-    """Equal to the pump's flow but for a second after a jump, continuous with its stated rate, and exact to
-    differences."""
+    """Equal to the pump flow except for a second after a jump, continuous with its stated rate, and exact
+    compared with differences."""
     flow = PiecewiseLinear((0.0, 2.0, 2.0, 4.0, 4.0), (0.03, 0.02, 0.0, 0.01, 0.04))
     reference, h = Reference(flow), 1e-6
     for t in (1.0, 3.5, 5.5):

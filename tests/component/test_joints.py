@@ -1,5 +1,5 @@
-"""Joints and rolling as rooms: exact Jacobian, workless constraints, action and reaction; nothing where there
-are none."""
+"""Components of joints and rolling: exact Jacobian, workless constraints, action and reaction; no data
+without joints (manual: verif-joint-component)."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from drillpetsc.physics.joints import KINDS, SCALE
-from tests.helpers.joint_scenes import joint_component, random_state, rolling_state
-from tests.helpers.scenes import SHIFT, dense, residual
+from tests.helpers.component_models import SHIFT, dense, residual
+from tests.helpers.joint_models import joint_component, random_state, rolling_state
 
 STATES = {
     **{
@@ -24,23 +24,23 @@ MECHANICAL = ("string.position", "string.tangent", "string.spin")
 
 
 def scaled(system) -> np.ndarray:
-    """(n,) unit of each unknown's row and column: multipliers and their rows count in units of SCALE."""
+    """(n,) unit of each unknown's row and column; multipliers and their rows have the unit SCALE."""
     names = np.array([f.name for f in system.layout.fields])[system.layout.field_of]
     return np.where(np.char.startswith(names, "string."), 1.0, 1.0 / SCALE)
 
 
 @pytest.mark.parametrize("name", STATES)
 def test_condensed_jacobian_matches_central_differences(name):
-    """Fourth-order differences of all rows by all unknowns; the corrections' own change with the place (of
-    order mu) is left out on purpose, so they are zero here."""
+    """Fourth-order differences of all rows by all unknowns. The dependence of the velocity stabilization on
+    the position (of order mu) is neglected in the Jacobian, so mu is zero here."""
     system, t = STATES[name](), 0.0
     if "joint.correction" in system.layout.dofs:
         system.set_field("joint.correction", np.zeros((5, 6)))
     asm, n, unit = system.assembly, system.layout.size, scaled(system)
-    free = np.eye(n)  # of a held node the columns say nothing: its rows fix it
+    free = np.eye(n)  # a fixed node is given by its rows, for any columns
     for f in asm.row_replacements:
         asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
-        free[np.ix_(f.rows, f.rows)] = f.keep
+        free[np.ix_(f.rows, f.rows)] = f.complement
     x0, h = asm.x[:-1].copy(), 1e-4
     residual(system, x0, t)
     asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)
@@ -51,14 +51,14 @@ def test_condensed_jacobian_matches_central_differences(name):
         r = [residual(system, x0 + k * e, t) for k in (-2, -1, 1, 2)]
         F[:, j] = (r[0] - 8 * r[1] + 8 * r[2] - r[3]) / (12 * h)
     J, F = (unit[:, None] * A * unit for A in (J, F))
-    size = np.abs(J[np.abs(J) < 1e5]).max()  # rows that hold a node are larger
+    size = np.abs(J[np.abs(J) < 1e5]).max()  # rows that fix a node are larger
     assert np.abs((J - F) @ free).max() < 3e-7 * size
 
 
 @pytest.mark.parametrize("name", [n for n in STATES if "stabilised" not in n])
 def test_multipliers_do_the_work_of_their_constraints(name):
-    """Rows times velocity = sum of multiplier times rate of its (holonomic) constraint row: forces are the
-    transposed derivative of the constraints; a spring's, a stop's and a damper's part apart."""
+    """Rows times velocity = sum of multipliers times rates of their (holonomic) constraint rows, because
+    forces are the transposed derivative of the constraints; except for springs, stops and dampers."""
     system, t = STATES[name](), 0.0
     asm = system.assembly
     asm.condense(SHIFT)
@@ -67,7 +67,7 @@ def test_multipliers_do_the_work_of_their_constraints(name):
     field = "rolling.force" if which == "rolling" else "joint.load"
     slot = system.layout.dofs[field]
     free = slot[slot >= 0]
-    if which == "rolling":  # only the gap is a function of place
+    if which == "rolling":  # only the gap is a function of position
         asm.x[free[1:]] = 0.0
         free = free[:1]
 
@@ -104,9 +104,8 @@ def test_multipliers_do_the_work_of_their_constraints(name):
     assert abs(power) > 1e-3
 
 
-def test_slider_forces_balance_on_the_way_between_its_parts():
-    """Forces of a slider sum to zero, and so do their moments, though its parts are apart; its arm
-    included."""
+def test_slider_forces_are_in_balance():
+    """Forces and moments of a slider sum to zero, with its extension and its arm."""
     system = random_state("slider")
     asm = system.assembly
     asm.condense(SHIFT)

@@ -1,5 +1,5 @@
-"""Rooms of the ANCF element on the quaternion's unknowns: exact Jacobian, and the same power as on their own
-unknowns."""
+"""Components of the ANCF element on the unknowns of the quaternion element: exact Jacobian, and the same
+power as on their own unknowns (manual: sec-quaternion-view)."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from drillpetsc.physics.end_conditions import TopDrive
 from drillpetsc.physics.quaternion.beam import QuaternionBeam
 from tests.component import test_bit
 from tests.component.test_quaternion_beam import on_the_manifold
-from tests.helpers import flow_scenes, scenes
-from tests.helpers.scenes import GRAVITY, SHIFT, dense, differences, residual
+from tests.helpers import component_models, flow_models
+from tests.helpers.component_models import GRAVITY, SHIFT, dense, differences, residual
 
 T = 0.4
 STRING = ["bodies", "contact_bodies_bit"]
@@ -28,12 +28,12 @@ def reference(kind: str) -> DiscreteSystem:
     """The model of the ANCF element's own tests."""
     if kind in BIT:
         return test_bit.build(kind)[0]
-    return (flow_scenes if kind in MUD else scenes).build(kind)
+    return (flow_models if kind in MUD else component_models).build(kind)
 
 
 def pair(kind: str, seed: int = 2) -> tuple[DiscreteSystem, DiscreteSystem]:
-    """Gauge and quaternion model in the same state, moving alike: rates with |q| = 1, accelerations of the
-    slopes to match."""
+    """ANCF and quaternion model in the same state and motion: rates with |q| = 1, accelerations of the slopes
+    to match."""
     one, twin = reference(kind), reference(kind)
     components = [r for r in twin.components if not isinstance(r, (Beam, TopDrive, Contact))]
     other = DiscreteSystem(
@@ -64,8 +64,8 @@ def pair(kind: str, seed: int = 2) -> tuple[DiscreteSystem, DiscreteSystem]:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_power_is_that_of_the_gauge_element(kind):
-    """Sum of row times rate of every element of every room: the adapter only expresses the same forces in
+def test_power_is_that_of_the_ancf_element(kind):
+    """Sum of row times rate of every element of every component: the adapter expresses the same forces in
     other unknowns."""
     one, other = pair(kind)
     compared = 0
@@ -91,8 +91,8 @@ def test_power_is_that_of_the_gauge_element(kind):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_jacobian_matches_central_differences(kind):
-    """K + shift C + shift^2 M of all rows against fourth-order differences; off the unit length, too.  Steps
-    of 1e-5, as one flow of the annulus is close to where it turns."""
+    """K + shift C + shift^2 M of all rows against fourth-order differences, also for |q| != 1. Steps of 1e-5,
+    because one flow of the annulus is close to reversal."""
     _, system = pair(kind)
     n, h = system.layout.size, 1e-5
     at = system.layout.dofs["string.quaternion"]
@@ -108,8 +108,8 @@ def test_jacobian_matches_central_differences(kind):
         assert (np.abs(J[rows] - F[rows]) / np.maximum(size, 1e-3 * np.abs(J[rows]).max())).max() < 1e-5
 
 
-def test_components_see_the_unknowns_they_know():
-    """Figures, energies and powers of a room are those of the gauge model in the same state."""
+def test_results_are_those_of_the_ancf_element():
+    """Results, energies and powers of a component are those of the ANCF model in the same state."""
     one, other = pair("pipe_annulus_bit")
     pairs = [(r, q) for r in one.components for q in other.components if type(r) is type(q)]
     assert len(pairs) == 3

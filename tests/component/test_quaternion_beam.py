@@ -1,5 +1,5 @@
-"""The quaternion element's rows: exact Jacobian, rigid motion, momentum, energy, loads and constraints (what
-every room must keep)."""
+"""Rows of the quaternion element: exact Jacobian, rigid motion, momentum, energy, loads and constraints
+(manual: verif-quaternion-component)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,15 @@ from drillpetsc.physics.quaternion.beam import QuaternionBeam, quaternions, spun
 from drillpetsc.physics.quaternion.contact import QuaternionContact
 from drillpetsc.physics.quaternion.ends import ConstrainedEnd, QuaternionLoads
 from drillpetsc.time_function import Constant, Ramp
-from tests.helpers.scenes import GRAVITY, SECTION, SHIFT, curved_tangents, dense, differences, residual
+from tests.helpers.component_models import (
+    GRAVITY,
+    SECTION,
+    SHIFT,
+    curved_tangents,
+    dense,
+    differences,
+    residual,
+)
 
 KINDS = [
     "beam",
@@ -108,8 +116,8 @@ def build(kind: str, seed: int = 3, constraint: str = "index3", gravity=GRAVITY)
 
 
 def on_the_manifold(system: DiscreteSystem) -> None:
-    """Rates of the present x without a part along q, accelerations with that part -q'.q', as the constraint
-    has them."""
+    """Rates of the present x without a component along q, and accelerations with the component -q'.q', as in
+    the constraint."""
     asm, at = system.assembly, system.layout.dofs["string.quaternion"]
     q, y, a = asm.x[at], asm.y[at], asm.a[at]
     asm.y[at] = y = y - q * np.sum(q * y, axis=1, keepdims=True)
@@ -119,8 +127,8 @@ def on_the_manifold(system: DiscreteSystem) -> None:
 @pytest.mark.parametrize("constraint", FORMS)
 @pytest.mark.parametrize("kind", KINDS)
 def test_condensed_jacobian_matches_central_differences(kind, constraint):
-    """K + shift C + shift^2 M of all rows, constraints included, against fourth-order differences; off the
-    unit length, too."""
+    """K + shift C + shift^2 M of all rows, with constraints, against fourth-order differences, also for |q|
+    != 1."""
     system, t = build(kind, constraint=constraint), 0.4
     n = system.layout.size
     at = system.layout.dofs["string.quaternion"]
@@ -164,14 +172,14 @@ def test_rows_times_velocity_is_the_change_of_energy(kind):
 
 
 def rigid(turn: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """(n, 4) product turn q of a unit quaternion with each row."""
+    """(n, 4) product of the unit quaternion ``turn`` with each row."""
     w, u = turn[0], turn[1:]
     return np.column_stack([w * q[:, 0] - q[:, 1:] @ u, w * q[:, 1:] + q[:, :1] * u + np.cross(u, q[:, 1:])])
 
 
 @pytest.mark.parametrize("kind", ["beam", "beam_curved"])
 def test_a_rigid_motion_changes_no_strain_energy(kind):
-    """Objective: turned by half a turn and moved, the strain energy of a bent, twisted string stays to
+    """Objectivity: rotated by half a turn and moved, a bent, twisted string has the same strain energy to
     rounding."""
     system = build(kind)
     before = system.energies(0.0).strain
@@ -185,7 +193,7 @@ def test_a_rigid_motion_changes_no_strain_energy(kind):
 
 
 def test_a_turning_straight_string_has_no_strain_rate():
-    """Kelvin-Voigt damping takes nothing from a rigid rotation about any axis."""
+    """Kelvin-Voigt damping does not dissipate in a rigid rotation about any axis."""
     system = build("beam_damped", gravity=np.zeros(3))
     m, asm = system.mesh, system.assembly
     for b in asm.bound_blocks:
@@ -248,8 +256,8 @@ def test_pure_bending_and_twist_have_the_strains_of_the_arc():
 
 
 def test_orientations_follow_the_frames():
-    """Each q turns e1, e2 into tangent and second director; turned about its own axis, the second into cos b2
-    + sin b3."""
+    """Each q rotates e1, e2 into tangent and second director; rotated about its own axis, the second into cos
+    b2 + sin b3."""
     frames = transported_frames(curved_tangents(6))
     q = turned(quaternions(frames), 0.4)
     e1, e2 = spun(q), np.column_stack([-q[:, 2], -q[:, 3], q[:, 0], q[:, 1]])  # q e1, q e2

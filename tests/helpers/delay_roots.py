@@ -1,11 +1,11 @@
-"""Rightmost roots of the linear delay equation of a bit in the groove of the blade before it, computed
+"""Rightmost roots of the linear delay equation of a bit in the groove of the preceding blade, computed
 without the simulator.
 
 m u'' + c u' + (k + K) u = K u(t - tau): a mass on a spring and a damper whose cutting force is K times the
-chip u(t) - u(t - tau).  Three ways that have nothing in common: the eigenvalues of the Chebyshev collocation
-of the delay operator (Breda, Maset and Vermiglio, "Pseudospectral differencing methods for characteristic
-roots of delay differential equations", SIAM J. Sci. Comput. 27(2):482, 2005), Newton's method on the
-characteristic function, and the number of its zeros in a rectangle by the argument principle.
+depth of cut u(t) - u(t - tau). Three independent methods: the eigenvalues of the Chebyshev collocation of the
+delay operator (Breda, Maset and Vermiglio, "Pseudospectral differencing methods for characteristic roots of
+delay differential equations", SIAM J. Sci. Comput. 27(2):482, 2005), Newton's method on the characteristic
+function, and the number of its zeros in a rectangle by the argument principle.
 """
 
 from __future__ import annotations
@@ -52,8 +52,8 @@ class Regenerative:
         return np.array(sorted(found, key=lambda s: -s.real)[:count])
 
     def _collocated(self, n: int) -> np.ndarray:
-        """(2(n+1), 2(n+1)) matrix: (u, u') at Chebyshev points of the delay, carried along; the equation of
-        motion at its end."""
+        """(2(n+1), 2(n+1)) matrix: (u, u') at Chebyshev points of the delay, with transport along the delay
+        and the equation of motion at its end."""
         angle = np.pi * np.arange(n + 1) / n
         x = np.cos(angle)  # 1 is now, -1 a delay ago
         weight = np.where((angle == 0) | (np.arange(n + 1) == n), 2.0, 1.0) * (-1.0) ** np.arange(n + 1)
@@ -94,9 +94,9 @@ class Regenerative:
         return float((self.damping + np.sqrt(self.damping**2 + 4 * self.mass * most)) / (2 * self.mass))
 
 
-def pencil_roots(samples: np.ndarray, step: float, order: int) -> np.ndarray:
+def fitted_exponents(samples: np.ndarray, step: float, order: int) -> np.ndarray:
     """Exponents [1/s] of a sum of ``order`` exponentials sampled every ``step`` [s], strongest part of the
-    signal (matrix pencil: Hua and Sarkar, IEEE Trans. ASSP 38(5):814, 1990)."""
+    signal (Hua and Sarkar, IEEE Trans. ASSP 38(5):814, 1990)."""
     n = len(samples)
     half = n // 2
     H = np.array([samples[i : i + half] for i in range(n - half + 1)])

@@ -1,4 +1,4 @@
-"""Short runs for the verification of motion: a scene or a model integrated with given options."""
+"""Short runs for the verification of motion: a model integrated with given options."""
 
 from __future__ import annotations
 
@@ -36,21 +36,21 @@ def integrate(
     return integrator
 
 
-def watched(
+def sampled(
     system: DiscreteSystem,
     end: float,
-    watch: Callable[[DiscreteSystem], object],
+    sample: Callable[[DiscreteSystem], object],
     breaks: tuple[float, ...] = (),
     **petsc,
 ) -> np.ndarray:
-    """Run from 0 to ``end`` [s]; rows (t, *watch(model)) of all accepted steps."""
+    """Run from 0 to ``end`` [s]; rows (t, *sample(model)) of all accepted steps."""
     rows: list[list[float]] = []
-    integrate(system, end, petsc, lambda t, dt: rows.append([t, *np.atleast_1d(watch(system))]), breaks)
+    integrate(system, end, petsc, lambda t, dt: rows.append([t, *np.atleast_1d(sample(system))]), breaks)
     return np.array(rows)
 
 
 def straight(**case) -> DrillingModel:
-    """DrillingModel of a case, unstrained along its axis, moving as its top prescribes."""
+    """DrillingModel of a case, unstrained along its axis, moving as prescribed at its top."""
     model = build_model(Case(**case))
     place_along_hole(model)
     release(model)

@@ -1,4 +1,4 @@
-"""A straight string of chosen rooms, without a case, and its matrices; ``motion`` runs it."""
+"""A straight string of given components, without a case, and its matrices; motion.py runs it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from drillpetsc.physics.contact import Contact
 
 
 def straight_model(mesh, components=(), gravity=(0.0, 0.0, 0.0)) -> DiscreteSystem:
-    """A straight vertical string at rest; each of ``rooms`` is called with (frames, position, tangent)."""
+    """A straight vertical string at rest; each of ``components`` is called with (frames, position,
+    tangent)."""
     tangent = np.tile([0.0, 0.0, 1.0], (mesh.nodes, 1))
     frames = transported_frames(tangent)
     position = mesh.node_depth[:, None] * tangent

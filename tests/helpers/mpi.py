@@ -15,7 +15,8 @@ ROOT = Path(__file__).resolve().parents[2]
 
 @lru_cache
 def _mpirun() -> tuple[str, bool] | None:
-    """The launcher and whether it is Open MPI's; the one beside the running Python (a wheel's) goes first."""
+    """The launcher, and whether it is Open MPI's; the one beside the running Python (a wheel's) has
+    priority."""
     beside = Path(sys.executable).parent / "mpirun"
     command = str(beside) if beside.exists() else shutil.which("mpirun") or shutil.which("mpiexec")
     if command is None:
@@ -31,14 +32,14 @@ def have_mpi() -> bool:
 def start_mpi(n: int, script: str | Path, args: tuple[str, ...] | list[str] = ()) -> subprocess.Popen:
     """Start ``python script *args`` on n ranks.
 
-    Ranks that wait give the processor away (both MPI libraries spin by default, and the ranks may outnumber
-    the cores).
+    Waiting ranks yield the processor: both MPI libraries spin by default, and there may be more ranks than
+    cores.
     """
     found = _mpirun()
     assert found is not None, "no mpirun found"
     command, open_mpi = found
-    # PETSc has started MPI in this process, which leaves its mark in the environment: a new job must not take
-    # it for its own
+    # PETSc has started MPI in this process and thereby set variables of the environment, which a new job must
+    # not inherit
     env = {
         k: v
         for k, v in os.environ.items()

@@ -1,5 +1,5 @@
-"""Scenes of the hydraulics checks: bore and annulus of 2000 m of drill pipe in an open hole, together or one
-alone; and the wall friction of a Herschel-Bulkley mud, written independently.  SI."""
+"""Models for the hydraulics tests: bore and annulus of 2000 m of drill pipe in an open hole, together or
+alone; and the wall friction of a Herschel-Bulkley mud, written independently. SI."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ RIGID = {"bulk_modulus": 1e14, "elastic_walls": False}
 
 
 def wall_stress(speed: float, density: float, diameter: float, slot: bool) -> float:
-    """Blend of API RP 13D's type as the model notes have it (section 6), written here once more; shear rates
-    rounded below 1 1/s."""
+    """Blend of the type of API RP 13D (manual: sec-mud-blend), written independently; shear rates are rounded
+    below 1 1/s."""
     a, n = float(slot), INDEX
     rate = 8 * ((3 - a) * n + 1) / ((4 - a) * n) * (1 + a / 2) * speed / diameter
     smooth = np.sqrt(rate**2 + 1.0)
@@ -47,7 +47,7 @@ def friction(flow: float, area: float, diameter: float, slot: bool, density: flo
 
 
 def string(length: float = LENGTH, elements: int = 100, **bit) -> list[dict]:
-    """Drill pipe, and a bit of half a metre below it where one is asked for."""
+    """Drill pipe, optionally with a bit of half a metre below it."""
     pipe = {"kind": "pipe", "length": length, "od": OUTER, "id": INNER, "element_length": length / elements}
     return [pipe, {"kind": "bit", "length": 0.5, "od": HOLE, "mass": 60.0, **bit}] if bit else [pipe]
 
@@ -61,7 +61,7 @@ def hole(depth: float, **section) -> dict:
 
 
 def loop(fluid: dict, elements: int = 100, length: float = LENGTH, **case) -> DrillingModel:
-    """FixedEnd string with a bit half a metre above the bottom, bore and annulus, at rest in its place."""
+    """Fixed string with a bit half a metre above the bottom, bore and annulus, at rest."""
     model = {
         "well": hole(length + 0.5),
         "string": string(length, elements, nozzle_area=NOZZLE),
@@ -74,7 +74,7 @@ def loop(fluid: dict, elements: int = 100, length: float = LENGTH, **case) -> Dr
 
 
 def bore(fluid: dict, elements: int, length: float = LENGTH, plugged: bool = False, **case) -> DrillingModel:
-    """FixedEnd string in free space without gravity: its bore alone, open or plugged at its lower end."""
+    """Fixed string in free space without gravity: its bore alone, open or plugged at its lower end."""
     model = {
         "string": string(length, elements),
         "hold_string": True,
@@ -86,8 +86,7 @@ def bore(fluid: dict, elements: int, length: float = LENGTH, plugged: bool = Fal
 
 
 def annulus(fluid: dict, elements: int, length: float = LENGTH, **section) -> DrillingModel:
-    """FixedEnd, plugged and empty string without gravity: the annulus alone, closed right under the
-    string."""
+    """Fixed, plugged and empty string without gravity: the annulus alone, closed below the string."""
     model = {
         "well": hole(length, **section),
         "string": string(length, elements),
@@ -100,7 +99,7 @@ def annulus(fluid: dict, elements: int, length: float = LENGTH, **section) -> Dr
 
 
 def started(model: DrillingModel) -> DrillingModel:
-    """The scene in its steady state, ready to run."""
+    """The model in its steady state, ready to run."""
     find_equilibrium(model)
     release(model)
     move_rigidly(model)

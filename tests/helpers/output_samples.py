@@ -1,5 +1,5 @@
-"""Run folders made by hand for the tests of output and drawing: a helix of known size in a hole, a swinging
-rod."""
+"""Synthetic run folders for the tests of output and plotting: a helix of known size in a hole, and a
+pendulum."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ PITCH = 400.0  # [m]
 
 
 def helix_frame(time: float, count: int = 81) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Deformed positions (n, 3) [m] and point data of a vertical string that lies as a helix in its hole and
-    turns with 1 rad/s. Axial force falls linearly from 800 kN to -50 kN."""
+    """Deformed positions (n, 3) [m] and point data of a vertical string with the shape of a helix in its hole
+    that rotates with 1 rad/s. The axial force decreases linearly from 800 kN to -50 kN."""
     md = np.linspace(0.0, LENGTH, count)
     angle = 2 * np.pi * md / PITCH - time
     offset = AMPLITUDE * np.column_stack((np.cos(angle), np.sin(angle)))

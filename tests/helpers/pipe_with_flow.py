@@ -1,8 +1,8 @@
-"""A straight pipe that conveys fluid, alone or in a filled hole: its scene, its motion across the axis
-linearised, and the same from a spectral solution of the linear equation.
+"""A straight pipe that conveys fluid, alone or in a filled hole: its model, its linearised lateral motion,
+and the same from a spectral solution of the linear equation.
 
-Everything is in the units of the pipe: lengths in L, times in sqrt(m_all L^4/EI) with m_all the mass per
-length of pipe and fluid in it, forces in EI/L^2.
+Units: lengths in L, times in sqrt(m_all L^4/EI) with m_all the mass per length of pipe and fluid in it,
+forces in EI/L^2.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class Tube:
 
     @classmethod
     def of(cls, beta: float, elements: int = 16) -> Tube:
-        """With beta = fluid over all mass."""
+        """Tube with beta = fluid mass over total mass."""
         return cls(DENSITY * BORE * (1 - beta) / beta, elements)
 
     @property
@@ -76,7 +76,7 @@ class Tube:
         return Case(**{**model, **keys})
 
     def at_rest(self, fluid: dict, stretch: float = 0.0, **case) -> DrillingModel:
-        """DrillingModel in its steady state; stretch [m]: by which the upper end is held up."""
+        """DrillingModel in its steady state; stretch: elevation of the upper end [m]."""
         model = build_model(self.case(fluid, **case))
         if stretch:
             model.top.shift(-stretch)
@@ -91,8 +91,8 @@ def flow_of(u: float) -> float:
 
 
 def across(model: DrillingModel) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """K, C, M (m, m) of the free motion of a vertical string in one plane, in SI; it must not depend on
-    anything else."""
+    """K, C, M (m, m) of the free motion of a vertical string in one plane, in SI; it must be independent of
+    all other unknowns."""
     system = model.system
     place = system.layout.dofs
     on_rank = np.concatenate([place["string.position"][:, 0], place["string.tangent"][:, 0]])
@@ -111,13 +111,13 @@ def roots_of(K: np.ndarray, C: np.ndarray, M: np.ndarray) -> np.ndarray:
 
 
 def oscillating(s: np.ndarray, count: int) -> np.ndarray:
-    """The slowest roots that oscillate, one of each pair."""
+    """The slowest oscillating roots, one of each pair."""
     s = s[np.isfinite(s) & (s.imag > 1e-6)]
     return s[np.argsort(np.abs(s))][:count]
 
 
 def softest(model: DrillingModel) -> float:
-    """Smallest eigenvalue of the (symmetric) stiffness across: zero where the pipe bends out."""
+    """Smallest eigenvalue of the (symmetric) lateral stiffness: zero at divergence."""
     K = across(model)[0]
     assert np.abs(K - K.T).max() < 1e-6 * np.abs(K).max()
     return float(np.linalg.eigvalsh(0.5 * (K + K.T))[0])
@@ -141,12 +141,12 @@ ENDS = {
 def spectral(
     ends: str, tension=(0.0,), centrifugal=0.0, coriolis=0.0, damping=0.0, drag=0.0, mass=1.0, terms: int = 14
 ) -> np.ndarray:
-    """Eigenvalues s of  y'''' - (T y')' + centrifugal y'' + coriolis y_t' + damping y_t + drag y' + mass y_tt
+    """Eigenvalues s of y'''' - (T y')' + centrifugal y'' + coriolis y_t' + damping y_t + drag y' + mass y_tt
     = 0 on 0..1.
 
-    tension: coefficients of the polynomial T(x).  Galerkin's method with Legendre polynomials times what
-    makes them meet the ends; moment and shear of a free end are zero in the weak form of y'''' alone, so T(1)
-    must be zero there.
+    tension: coefficients of the polynomial T(x). Galerkin's method with Legendre polynomials times factors
+    that satisfy the conditions at the ends. Moment and shear of a free end are zero in the weak form of y''''
+    alone, so T(1) must be zero there.
     """
     T = Polynomial(tension)
     assert ends != "cantilever" or abs(T(1.0)) < 1e-9

@@ -1,6 +1,6 @@
-"""Run a case in which something goes wrong on rank 1 alone: fail_case.py nan|exception|error CASE OUT CLOCK.
+"""Run a case with an error on rank 1 alone: fail_case.py nan|exception|error CASE OUT CLOCK.
 
-CLOCK gets the time of the day at which it went wrong [s].
+The time of day of the error [s] is written to CLOCK.
 """
 
 import sys

@@ -1,5 +1,4 @@
-"""Checks of the chain solver on the ranks it is started with; prints one line of JSON, read by
-test_linear_mpi.py."""
+"""Checks of the chain solver on all ranks; prints one line of JSON, read by test_linear_mpi.py."""
 
 from __future__ import annotations
 
@@ -23,7 +22,7 @@ MIXED = [7, 7, 8, 7, 3, 12, 7, 7, 8, 1, 7, 7, 16, 7, 5, 7, 7, 8, 8, 7, 7]
 
 @dataclass
 class Local:
-    """A rank's part of a chain whose element matrices all ranks know."""
+    """A rank's part of a chain whose element matrices all ranks have."""
 
     nodes: np.ndarray
     node_of_dof: np.ndarray
@@ -57,10 +56,10 @@ def chain(sizes, seed, symmetric=False, scale=None):
 
 
 def share(elements, first, cuts, owner="lower", order=None) -> Local:
-    """Elements cuts[q] to cuts[q+1] go to rank order[q]; joints belong to the lower or upper run, or both
-    ("split").
+    """Elements cuts[q] to cuts[q+1] belong to rank order[q]; joints belong to the lower or upper part, or to
+    both ("split").
 
-    Local numbers run from the bottom up, so that neither node nor rank order can be taken for granted.
+    Local numbers increase upwards, so that neither node order nor rank order is assumed.
     """
     order = list(range(SIZE)) if order is None else order
     q, sizes = order.index(RANK), np.diff(first)
@@ -162,7 +161,7 @@ def check_inertia(report) -> None:
 
 
 def check_failure(report) -> None:
-    """A node without stiffness: every rank must raise, and name it."""
+    """A node without stiffness: every rank raises an error that names it."""
     sizes = [7] * 13
     named = []
     for dead in (0, 3, 4, 6, 8, 12):
@@ -183,7 +182,7 @@ def check_failure(report) -> None:
 
 
 def check_refusals(report) -> None:
-    """Inconsistent pieces are refused on every rank alike."""
+    """Inconsistent pieces are refused on every rank."""
     elements, first, _ = chain([7] * 7, 8)
     texts = []
     for spoil in ("owner", "far", "gap"):

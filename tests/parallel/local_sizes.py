@@ -1,4 +1,4 @@
-"""Print what each rank holds of a scene, one JSON object a rank."""
+"""Print the local sizes of each rank for a case, one JSON object per rank."""
 
 import json
 import sys
@@ -27,5 +27,5 @@ line = json.dumps(
         "serial_flops": chain_factor(whole.system).factor_flops,
     }
 )
-sys.stdout.write(line + "\n")  # in one piece: the lines of two ranks must not mix
+sys.stdout.write(line + "\n")  # one write, so that the lines of two ranks do not mix
 sys.stdout.flush()

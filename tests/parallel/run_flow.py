@@ -1,4 +1,4 @@
-"""Run the case files of a folder, each into a folder of its name: run_flow.py CASES OUT [PETSc options]."""
+"""Run the case files of a folder, each into a folder with its name: run_flow.py CASES OUT [PETSc options]."""
 
 import sys
 from pathlib import Path

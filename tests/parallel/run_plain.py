@@ -1,4 +1,4 @@
-"""A turning pendulum with other integrators: prints position and spin of its lower end (rank 0)."""
+"""A rotating pendulum with other integrators: prints position and spin of its lower end (rank 0)."""
 
 import sys
 

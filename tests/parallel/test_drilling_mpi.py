@@ -1,4 +1,4 @@
-"""A small drilling scene on 1, 2 and 3 ranks."""
+"""A small drilling case on 1, 2 and 3 ranks."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ FORMATIONS = {
 
 @pytest.mark.parallel
 @pytest.mark.parametrize("law", list(FORMATIONS))
-def test_new_hole_agrees_on_1_2_and_3_ranks(law, tmp_path):
-    """0.12 s of turning and cutting in an inclined hole with walls: histories and the path of the hole agree
-    to rounding, all ranks freeze the same stations (issue: 1, 2 and 3 ranks)."""
+def test_new_hole_is_the_same_on_1_2_and_3_ranks(law, tmp_path):
+    """0.12 s of rotation and cutting in an inclined hole with walls: histories and the path of the hole are
+    equal to rounding, and all ranks fix the same nodes of the hole."""
     well = {
         "survey": {"md": [0, 40.2], "inclination": [0.5, 0.5], "azimuth": [1, 1]},
         "sections": [{"to": 40.2, "kind": "open_hole", "diameter": 0.216, "friction": 0.25}],

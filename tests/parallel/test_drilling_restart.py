@@ -1,4 +1,4 @@
-"""Drilling runs that were stopped and go on, and quasi-static drilling on several ranks."""
+"""Restarts of drilling runs, and quasi-static drilling on several ranks."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ RUNS = {
 
 
 def write(folder: Path, more: dict, formation: dict) -> Path:
-    """A case of 80 m in a hole that builds, the bit on bottom with 20 kN."""
+    """A case of 80 m in a hole that builds, with 20 kN on bit."""
     well = {
         "survey": {"md": [0, 80], "inclination": [0.4, 0.55], "azimuth": [1, 1]},
         "sections": [{"to": 80, "kind": "open_hole", "diameter": 0.216, "friction": 0.25}],
@@ -84,9 +84,9 @@ def write(folder: Path, more: dict, formation: dict) -> Path:
 
 
 @pytest.mark.parametrize("kind", RUNS)
-def test_drilling_continued_from_any_checkpoint_is_the_same_to_the_last_bit(kind, tmp_path, monkeypatch):
-    """State, frozen stations of the new hole, live end, chips: every file of the continued run is that of the
-    whole one."""
+def test_drilling_restarted_from_any_checkpoint_is_bit_identical(kind, tmp_path, monkeypatch):
+    """State, fixed nodes of the new hole, moving end, rock profile: every file of the restarted run is that
+    of the uninterrupted one."""
     path = write(tmp_path, *RUNS[kind])
     copies = run_with_copies(path, tmp_path / "run", monkeypatch)
     whole = files(tmp_path / "run")
@@ -99,9 +99,8 @@ def test_drilling_continued_from_any_checkpoint_is_the_same_to_the_last_bit(kind
 
 
 @pytest.mark.parallel
-def test_quasi_static_drilling_agrees_on_1_2_and_3_ranks(tmp_path):
-    """Twelve seconds with mud, Newton to rounding: the histories differ by rounding only (1e-8), the steps
-    not at all."""
+def test_quasi_static_drilling_is_the_same_on_1_2_and_3_ranks(tmp_path):
+    """Twelve seconds with mud, Newton to rounding: histories equal to rounding (1e-8), steps identical."""
     more, formation = RUNS["quasi-static, mud"]
     path = write(
         tmp_path,

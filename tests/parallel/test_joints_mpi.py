@@ -34,11 +34,12 @@ EXACT = ["-ts_adapt_type", "none", "-ts_dt", "1e-3", "-q_snes_stol", "1e-12"]
 
 
 @pytest.mark.parallel
-def test_joints_agree_on_1_2_and_3_ranks(tmp_path):
-    """StaticNewton, then fixed steps with Newton to rounding: histories, reactions of the joints among them,
-    agree to 1e-7 of each column.
+def test_joints_are_the_same_on_1_2_and_3_ranks(tmp_path):
+    """Statics, then fixed steps with Newton to rounding: histories, with the reactions of the joints, equal
+    to 1e-7 of each column.
 
-    Three ranks meet at the node above a stabilised joint and at the one below another."""
+    Three ranks have common nodes above a stabilised joint and below another.
+    """
     case = tmp_path / "joints.yaml"
     case.write_text(CASE)
     runs = []

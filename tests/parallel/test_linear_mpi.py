@@ -1,4 +1,4 @@
-"""The chain solver on 1, 2 and 3 ranks against dense solves and against itself (checks are made in
+"""The chain solver on 1, 2 and 3 ranks against dense solves and against itself (checks are in
 linear_mpi.py)."""
 
 from __future__ import annotations
@@ -65,8 +65,7 @@ def test_inconsistent_pieces_are_refused_on_every_rank(ranks):
 
 
 def test_two_ranks_share_the_work():
-    """Eliminating from both ends towards the joint costs nothing extra: half the work each, plus the joint
-    itself."""
+    """Elimination from both ends towards the joint has no extra cost: half the work each, plus the joint."""
     for work in ("factor_flops", "solve_flops"):
         serial, halves = report(1)[work][0], report(2)[work]
         assert max(halves) <= 0.55 * serial
@@ -82,8 +81,8 @@ def test_price_of_a_piece_between_two_joints():
 
 @pytest.mark.parametrize("ranks", RANKS)
 def test_as_petsc_preconditioner(ranks):
-    """KSP preonly: the residual with PETSc's own matrix vanishes, and the factor is renewed only with new
-    values."""
+    """KSP preonly: the residual with PETSc's own matrix vanishes, and the factor is computed again only for
+    new values."""
     reported = report(ranks)
     assert reported["pc_residual"] < 1e-12
     assert reported["pc_factorisations_same"] == 1

@@ -1,4 +1,4 @@
-"""The assembled system on several ranks."""
+"""The first-order system on several ranks."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ SCRIPT = Path(__file__).with_name("run_plain.py")
 
 
 @pytest.mark.parallel
-def test_other_integrators_agree_on_1_2_and_3_ranks():
-    """Same steps, systems solved to rounding: position [m] and spin [rad] of the lower end agree to 1e-10."""
+def test_other_integrators_are_the_same_on_1_2_and_3_ranks():
+    """Equal steps, systems solved to rounding: position [m] and spin [rad] of the lower end equal to
+    1e-10."""
     # arkimex of newer PETSc is of first order with prescribed rows (test_dynamics_integrators.py), and its
     # solves fail in parallel
     kinds = ["bdf", "theta", "rosw"] + ["arkimex"] * (petsc_compat.VERSION < (3, 19, 0))

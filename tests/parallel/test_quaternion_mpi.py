@@ -13,10 +13,10 @@ SCRIPT = Path(__file__).with_name("run_quaternion.py")
 
 
 @pytest.mark.parallel
-def test_a_quaternion_string_agrees_on_1_2_and_3_ranks():
+def test_a_quaternion_string_is_the_same_on_1_2_and_3_ranks():
     """Static start and 20 steps in contact, both forms of the constraints: motion, multipliers, reactions and
-    energies agree to 1e-8 of their sizes (systems solved to rounding; friction of 0.01 m/s slip velocity
-    multiplies it)."""
+    energies equal to 1e-8 of their sizes (systems solved to rounding; friction with a slip velocity of 0.01
+    m/s amplifies it)."""
     runs, muddy = [], []
     for n in (1, 2, 3):
         reported = run_mpi(n, SCRIPT).splitlines()

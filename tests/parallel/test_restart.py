@@ -1,4 +1,4 @@
-"""Checkpoints: what is continued from them is what would have been, whatever the file went through."""
+"""Checkpoints: a restarted run reproduces an uninterrupted one, and damaged files are handled."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def options():
 
 
 def files(folder: Path) -> dict[str, bytes]:
-    """All files of a run that hold no wall time."""
+    """All files of a run without wall times."""
     return {
         str(p.relative_to(folder)): p.read_bytes()
         for p in sorted(folder.rglob("*"))
@@ -65,7 +65,7 @@ def files(folder: Path) -> dict[str, bytes]:
 
 
 def run_with_copies(case: Path, out: Path, monkeypatch) -> list[Path]:
-    """Run a case; copies of its folder as it stood after each checkpoint."""
+    """Run a case, with copies of its folder after each checkpoint."""
     write, copies = checkpoint.write, []
 
     def write_and_copy(path: Path, c: checkpoint.Checkpoint) -> None:
@@ -90,10 +90,8 @@ KINDS = {
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_run_continued_from_any_checkpoint_is_the_same_to_the_last_bit(
-    kind, tmp_path, monkeypatch, options
-):
-    """Every file, from checkpoints in the start of the formula, in full order, at a bend, after a jump, and
+def test_a_run_restarted_from_any_checkpoint_is_bit_identical(kind, tmp_path, monkeypatch, options):
+    """Every file, from checkpoints in the start of the formula, at full order, at a bend, after a jump, and
     at the end."""
     options(**KINDS[kind])
     (tmp_path / "case.yaml").write_text(CASE)
@@ -107,7 +105,7 @@ def test_a_run_continued_from_any_checkpoint_is_the_same_to_the_last_bit(
 
 
 def test_checkpoints_change_no_number(tmp_path):
-    """With a checkpoint every 3 ms and with none but the first and the last."""
+    """With a checkpoint every 3 ms and with the first and the last only."""
     results = []
     for every in ("3 ms", "10 s"):
         (tmp_path / "case.yaml").write_text(
@@ -124,7 +122,7 @@ def test_checkpoints_change_no_number(tmp_path):
 
 @pytest.mark.parametrize("interval", [0.1, 0.01, 1e-3, 1 / 3])
 def test_the_next_output_is_the_same_for_a_run_that_starts_there(interval):
-    """Counting on from time to time and asking at a time alone agree, also where steps land beside multiples
+    """Successive output times equal those computed for a single time, also where steps end beside multiples
     by rounding."""
     counted, t = 0, 0.0
     for k in range(1, 200):
@@ -175,7 +173,7 @@ DAMAGE = {
 
 
 @pytest.mark.parametrize("damage", DAMAGE)
-def test_a_damaged_checkpoint_is_refused_in_words(damage, saved, tmp_path):
+def test_a_damaged_checkpoint_is_refused_with_a_message(damage, saved, tmp_path):
     change, words = DAMAGE[damage]
     file = tmp_path / "checkpoint.h5"
     file.write_bytes(change((saved / "checkpoint.h5").read_bytes()))
@@ -185,7 +183,7 @@ def test_a_damaged_checkpoint_is_refused_in_words(damage, saved, tmp_path):
 
 
 def test_a_checkpoint_of_another_string_is_refused(saved, tmp_path):
-    """Of as many nodes elsewhere, and of more nodes."""
+    """With the same number of nodes elsewhere, and with more nodes."""
     for change in (("length: 30 m", "length: 29 m"), ("length: 20 m", "length: 29 m")):
         (tmp_path / "other.yaml").write_text(CASE.replace(*change))
         shutil.copytree(saved, tmp_path / "run", dirs_exist_ok=True)
@@ -203,9 +201,9 @@ def test_without_a_checkpoint_a_restart_is_a_start(saved, tmp_path):
     assert files(tmp_path / "run") == files(saved)
 
 
-def test_rows_and_frames_cut_in_the_middle_are_made_again(tmp_path, monkeypatch):
-    """Half a row, rows after the checkpoint, a frame that the list does not name, temporary files: all gone
-    in the end."""
+def test_incomplete_rows_and_frames_are_written_again(tmp_path, monkeypatch):
+    """Half a row, rows after the checkpoint, a frame missing in the list, temporary files: all are removed
+    and written again."""
     (tmp_path / "case.yaml").write_text(CASE)
     copies = run_with_copies(tmp_path / "case.yaml", tmp_path / "run", monkeypatch)
     copy, whole = copies[len(copies) // 2], files(tmp_path / "run")
@@ -213,14 +211,14 @@ def test_rows_and_frames_cut_in_the_middle_are_made_again(tmp_path, monkeypatch)
         written = len((copy / name).read_bytes())
         (copy / name).write_bytes(
             whole[name][: written + 150]
-        )  # the run went on: one row more, and part of the next
+        )  # the run continued: one more row, and part of the next
     (copy / "string" / "000099.vtu").write_bytes(b"half a frame")
     (copy / "string" / ".123-000100.vtu").write_bytes(b"half a frame")
     (copy / ".123-checkpoint.h5").write_bytes(b"half a checkpoint")
-    (copy / ".notes-of-mine").write_text("kept")
+    (copy / ".own-notes").write_text("kept")
     run(load_case(tmp_path / "case.yaml"), copy, restart=True, progress="silent")
     continued = files(copy)
-    assert continued.pop(".notes-of-mine") == b"kept"
+    assert continued.pop(".own-notes") == b"kept"
     assert continued == whole
 
 
@@ -240,29 +238,29 @@ def test_the_old_checkpoint_stays_until_the_new_one_is_whole(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["checkpoint.h5"]
 
 
-def test_a_component_keeps_what_it_remembers(tmp_path):
-    """A component with a state gets it back, by its name."""
+def test_the_state_of_a_component_is_restored(tmp_path):
+    """The state of a component is restored by its name."""
     (tmp_path / "case.yaml").write_text(CASE)
-    scenes = [build_model(load_case(tmp_path / "case.yaml")) for _ in range(2)]
-    for model in scenes:
+    models = [build_model(load_case(tmp_path / "case.yaml")) for _ in range(2)]
+    for model in models:
         place_along_hole(model)
     reported: dict[str, np.ndarray] = {}
-    scenes[0].contact.get_state = lambda: {"worn": np.array([1.0, 2.5]), "count": np.array(3)}
-    scenes[1].contact.set_state = reported.update
-    recorder, integrator = Recorder(scenes[0]), TimeIntegrator(scenes[0].system)
-    recorder.begin(0.0)
-    c = checkpoint.take(scenes[0], recorder, integrator, 0.0, {"share": 0.5})
+    models[0].contact.get_state = lambda: {"worn": np.array([1.0, 2.5]), "count": np.array(3)}
+    models[1].contact.set_state = reported.update
+    recorder, integrator = Recorder(models[0]), TimeIntegrator(models[0].system)
+    recorder.start(0.0)
+    c = checkpoint.take(models[0], recorder, integrator, 0.0, {"share": 0.5})
     assert c is not None
     checkpoint.write(tmp_path / "checkpoint.h5", c)
     back = checkpoint.read(tmp_path / "checkpoint.h5")
-    checkpoint.restore(scenes[1], back)
+    checkpoint.restore(models[1], back)
     assert np.array_equal(reported["worn"], [1.0, 2.5]) and int(reported["count"]) == 3
     assert back.notes == {"share": 0.5}
-    assert np.array_equal(scenes[1].system.assembly.x, scenes[0].system.assembly.x)
+    assert np.array_equal(models[1].system.assembly.x, models[0].system.assembly.x)
 
 
-def test_conservation_stands_in_the_summary_of_every_run(saved):
-    """Energy and mud close; the figures are those that the history and the flow rates give."""
+def test_the_summary_of_every_run_has_the_balances(saved):
+    """Energy and mud mass balance close; the values are those of the history and the flow rates."""
     import json
 
     reported = json.loads((saved / "summary.json").read_text())

@@ -1,4 +1,4 @@
-"""Checkpoints on several ranks, signals that reach one of them, and what goes wrong on one of them."""
+"""Checkpoints on several ranks, signals to one of them, and errors on one of them."""
 
 from __future__ import annotations
 
@@ -49,9 +49,9 @@ def wait_for_rows(file: Path, rows: int, job) -> None:
 
 @pytest.mark.parallel
 @pytest.mark.parametrize("reached", [0, 1])
-def test_a_signal_to_one_of_two_ranks_stops_both_and_the_run_goes_on_identically(reached, tmp_path):
-    """SIGTERM to one rank alone: both stop at the same step, with a checkpoint; continued on 2 ranks, every
-    file is the same."""
+def test_a_signal_to_one_of_two_ranks_stops_both_and_the_restart_is_identical(reached, tmp_path):
+    """SIGTERM to one rank alone: both stop at the same step, with a checkpoint; restarted on 2 ranks, every
+    file is identical."""
     (tmp_path / "case.yaml").write_text(LONG)
     run_mpi(2, RUN, [str(tmp_path / "case.yaml"), str(tmp_path / "whole")], timeout=200)
     job = start_mpi(2, RUN, [str(tmp_path / "case.yaml"), str(tmp_path / "stopped")])
@@ -69,10 +69,12 @@ def test_a_signal_to_one_of_two_ranks_stops_both_and_the_run_goes_on_identically
 
 
 @pytest.mark.parallel
-def test_another_number_of_ranks_goes_on_the_same_way(tmp_path):
-    """From a checkpoint of 1 rank on 1 and on 2 ranks, Newton to 1e-12: all columns agree to 1e-8 of their
-    size over the 0.2 s after it (issue 6; the energy error is a small difference of large numbers, and step
-    and Newton count are not results)."""
+def test_a_restart_on_another_number_of_ranks_gives_the_same(tmp_path):
+    """From a checkpoint of 1 rank on 1 and on 2 ranks, Newton to 1e-12: all columns equal to 1e-8 of their
+    size over the following 0.2 s.
+
+    The energy error is a small difference of large numbers; step and Newton count are not results.
+    """
     text = (
         (ROOT / "cases" / "lying-string.yaml")
         .read_text()
@@ -107,9 +109,9 @@ def test_another_number_of_ranks_goes_on_the_same_way(tmp_path):
         ("error", ("rank 1: spoiled on purpose", "component contact")),
     ],
 )
-def test_what_goes_wrong_on_one_rank_ends_the_job_in_words(kind, words, tmp_path):
-    """Not a number, an exception, an error of one rank alone: within 10 s the job is over, with a status and
-    the place."""
+def test_an_error_on_one_rank_ends_the_job_with_a_message(kind, words, tmp_path):
+    """A nan, an exception, or an error of one rank alone: within 10 s the job ends with a status and the
+    place."""
     (tmp_path / "case.yaml").write_text(LONG)
     clock = tmp_path / "clock"
     arguments = [kind, str(tmp_path / "case.yaml"), str(tmp_path / "run"), str(clock)]
@@ -120,4 +122,4 @@ def test_what_goes_wrong_on_one_rank_ends_the_job_in_words(kind, words, tmp_path
     for word in words:
         assert word in err, err
     assert took < 10.0, f"{took:.1f} s"
-    read_table(tmp_path / "run" / "history.csv")  # what was written can be read
+    read_table(tmp_path / "run" / "history.csv")  # the output is readable

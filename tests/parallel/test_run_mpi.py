@@ -17,9 +17,8 @@ EXACT = ["-ts_adapt_type", "none", "-ts_dt", "2e-3", "-q_snes_stol", "1e-12"]
 
 
 @pytest.mark.parallel
-def test_a_contact_rich_second_agrees_on_1_2_and_3_ranks(tmp_path):
-    """Fixed steps and Newton to rounding: histories agree to 1e-8 of each column's size (issue: 1, 2 and 3
-    ranks)."""
+def test_a_second_with_contact_is_the_same_on_1_2_and_3_ranks(tmp_path):
+    """Fixed steps and Newton to rounding: histories equal to 1e-8 of each column's size."""
     runs = []
     for n in (1, 2, 3):
         out = tmp_path / f"ranks{n}"
@@ -44,7 +43,7 @@ def test_a_contact_rich_second_agrees_on_1_2_and_3_ranks(tmp_path):
 
 @pytest.mark.parallel
 def test_no_rank_holds_the_whole_string(tmp_path):
-    """Local sizes on 2 ranks are about half of the string; so is the factor work."""
+    """Local sizes on 2 ranks are about half of the string, and so is the work of factorisation."""
     out = run_mpi(
         2,
         ROOT / "tests" / "parallel" / "local_sizes.py",

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from drillpetsc import units
 from drillpetsc.units import DIMENSIONS, UnitError, to_si, wanted
 
 INCH = 0.0254  # [m] exact
@@ -150,3 +151,31 @@ def test_near_misses_are_a_finite_number_or_a_unit_error(text: str) -> None:
         assert math.isfinite(to_si("1" + text, "m"))
     except UnitError as error:
         assert error.want
+
+
+# ---------------------------------------------------------------------- the table of factors
+@pytest.mark.parametrize("unit", list(units.FACTORS))
+def test_factors_are_those_of_pint(unit: str) -> None:
+    for spelling, factor in units.FACTORS[unit].items():
+        text = spelling.replace("second_to_the_n", "s^n")
+        assert factor == pytest.approx(units._convert_by_pint(1.0, text, unit, text), rel=1e-14), spelling
+        for number in (
+            1.0,
+            0.1,
+            127.0,
+            9.625,
+        ):  # and so the numbers of a case, once the rounding error is taken off
+            by_pint = units._neat(units._convert_by_pint(number, text, unit, text))
+            assert to_si(f"{number} {text}", unit) == pytest.approx(by_pint, rel=1e-15), spelling
+
+
+def test_units_of_the_example_of_each_dimension_need_no_pint() -> None:
+    """Keys are read without the slow import as long as they have the usual units."""
+    assert set(units.FACTORS) <= set(units.DIMENSIONS) and set(units.DIMENSIONS) - set(units.FACTORS) == set()
+    for unit, factors in units.FACTORS.items():
+        assert not unit or units._tidy(units.spelled(unit)) in factors or units._tidy(unit) in factors
+
+
+def test_spelled() -> None:
+    spellings = {"kg/m^3": "kg/m3", "Pa s^n": "Pa s^n", "N/m^2.5": "N/m^2.5", "N s/m^2": "N s/m2", "": ""}
+    assert {unit: units.spelled(unit) for unit in spellings} == spellings

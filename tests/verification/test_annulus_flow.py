@@ -1,8 +1,9 @@
-"""Fluid between string and hole, through the finished scene: added mass, lateral damping, flow along the
-string, both channels together.
+"""Fluid between string and hole in a whole model: added mass, lateral damping, flow along the string, bore
+and annulus together.
 
-As in test_pipes_conveying_fluid.py; chi = (Dw^2 + Do^2)/(Dw^2 - Do^2) is the added over the displaced mass of
-a cylinder in a concentric hole (potential flow; Paidoussis, Fluid-Structure Interactions, vol. 2).
+Models as in test_pipes_conveying_fluid.py. chi = (Dw^2 + Do^2)/(Dw^2 - Do^2) is the ratio of added to
+displaced mass of a cylinder in a concentric hole (potential flow; Paidoussis, Fluid-Structure Interactions,
+vol. 2; manual: eq-mud-chi).
 """
 
 from __future__ import annotations
@@ -51,9 +52,12 @@ def slowest_root(tube: Tube, **fluid) -> complex:
 # ---------------------------------------------------------------------- still fluid
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_confined_added_mass_from_the_frequency(ratio):
-    """F04: pipe of 0.6 and displaced fluid of 0.4 of one mass: frequency 1/sqrt(.6 + .4 chi) of that mass's
-    alone (.95346, .83822, .59568), so chi within 1e-4; undamped.  The same for a ratio that is given, and the
-    paper's plug flow Do^2/(Dw^2 - Do^2)."""
+    """The frequency of a pipe with added mass gives chi within 1e-4 (manual: verif-added-mass).
+
+    The pipe has 0.6 and the displaced fluid 0.4 of the total mass: undamped frequency 1/sqrt(.6 + .4 chi)
+    (.95346, .83822, .59568) of that without added mass. The same for a given ratio, and for the plug flow of
+    the reference paper, Do^2/(Dw^2 - Do^2).
+    """
     displaced = DENSITY * SOLID
     tube, beam = Tube(1.5 * displaced, 16, hole=ratio * OUTER), np.pi**4 * BENDING / LENGTH**4
     for option, chi in (
@@ -72,7 +76,7 @@ def test_confined_added_mass_from_the_frequency(ratio):
 
 
 def test_lateral_damping_is_the_number_given():
-    """k_v [N s/m2]: s^2 (m + chi rho A_o) + s k_v + EI (pi/L)^4 = 0."""
+    """Given damping k_v [N s/m2]: s^2 (m + chi rho A_o) + s k_v + EI (pi/L)^4 = 0."""
     tube, damping = Tube(30.0, 16, hole=1.7 * OUTER), 12.0
     s = slowest_root(tube, lateral_damping=damping)
     mass = tube.mass + chi_of(1.7) * DENSITY * SOLID
@@ -85,8 +89,11 @@ STOKES = {(1.25, 100.0): 11.07, (1.25, 1e4): 0.3685, (2.0, 100.0): 0.7218, (2.0,
 
 @pytest.mark.parametrize(("ratio", "number"), STOKES)
 def test_lateral_damping_from_viscous_flow(ratio, number):
-    """F05: decay of the first mode of a pipe in a viscous fluid, C_d of the exact solution of the Stokes
-    equations at S = Omega Ro^2/nu (verification.md; Chen, Wambsganss and Jendrzejczyk 1976) within 0.1 %."""
+    """Decay of the first mode of a pipe in a viscous fluid, within 0.1 % of the exact solution of the Stokes
+    equations (manual: verif-stokes-damping).
+
+    C_d at S = Omega Ro^2/nu: Chen, Wambsganss and Jendrzejczyk 1976.
+    """
     tube, speed = Tube(30.0, 16, hole=ratio * OUTER), 0.5
     viscosity = DENSITY * speed * OUTER**2 / 4 / number
     law = {"model": "newtonian", "viscosity": float(viscosity)}
@@ -96,10 +103,12 @@ def test_lateral_damping_from_viscous_flow(ratio, number):
 
 
 def test_vibration_in_a_filled_hole():
-    """F04 in a run: a pinned pipe let go from rest in its first mode, 8 elements, BDF2 with omega dt = 0.03:
-    period within 0.1 % and decay within 0.5 % of s^2 (m + chi rho A_o) + s k_v + EI (pi/L)^4 = 0 (BDF2 slows
-    it by (omega dt)^2/3 = 0.03 %).  The push is small beside sqrt(EI/EA) = 1 mm, as fixed ends stretch the
-    pipe that bends."""
+    """A pinned pipe released from rest in its first mode (manual: verif-added-mass).
+
+    8 elements, BDF2 with omega dt = 0.03: period within 0.1 % and decay within 0.5 % of s^2 (m + chi rho A_o)
+    + s k_v + EI (pi/L)^4 = 0. BDF2 lengthens the period by (omega dt)^2/3 = 0.03 %. The amplitude is small
+    compared with sqrt(EI/EA) = 1 mm, because a bent pipe between fixed ends stretches.
+    """
     tube, damping = Tube(30.0, 8, hole=1.7 * OUTER), 12.0
     mass = tube.mass + chi_of(1.7) * DENSITY * SOLID
     decay = 0.5 * damping / mass
@@ -133,9 +142,11 @@ def test_vibration_in_a_filled_hole():
 # ---------------------------------------------------------------------- flow
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_flow_in_and_around_a_pinned_pipe_buckles_it(ratio):
-    """Down the bore and up the annulus, inviscid, all pressures zero: bends out where rho A_i U_i^2 + chi rho
-    A_o U_o^2 = pi^2 EI/L2 (annulus alone: u_o = pi/sqrt(chi), fluid.md 8.4); within 5e-5 at 16 elements, of
-    fourth order."""
+    """Flow down the bore and up the annulus, inviscid, at zero pressure: divergence at rho A_i U_i^2 + chi
+    rho A_o U_o^2 = pi^2 EI/L2 (manual: verif-annulus-divergence).
+
+    Annulus alone: u_o = pi/sqrt(chi). Within 5e-5 with 16 elements, of fourth order.
+    """
     annulus = (ratio**2 - 1) * SOLID
     exact = np.pi / LENGTH * np.sqrt(BENDING / DENSITY / (1 / BORE + chi_of(ratio) * SOLID / annulus**2))
     error = []
@@ -153,8 +164,8 @@ def test_flow_in_and_around_a_pinned_pipe_buckles_it(ratio):
 
 
 def test_flow_around_a_pinned_pipe_buckles_it_either_way():
-    """An added mass so large (chi = 1000) that the bore has a share of 0.5 %: u_o = U_o L sqrt(rho A_o/EI) =
-    pi/sqrt(chi), less that share, in normal and in reverse circulation."""
+    """With a large added mass (chi = 1000) the bore contributes 0.5 %: u_o = U_o L sqrt(rho A_o/EI) =
+    pi/sqrt(chi) minus that part, in normal and in reverse circulation."""
     tube, chi = Tube(10.0, 16, hole=1.7 * OUTER), 1000.0
     annulus = (1.7**2 - 1) * SOLID
     share = 1 / BORE / (1 / BORE + chi * SOLID / annulus**2)
@@ -174,7 +185,7 @@ def test_flow_around_a_pinned_pipe_buckles_it_either_way():
 def hanging(
     u: float, ratio: float, viscosity: float, damping: float, elements: int, mass: float = 10.0
 ) -> np.ndarray:
-    """Eigenvalues [1/s] of the assembled scene, bore down and annulus up (u < 0: reversed), u = U_i L
+    """Eigenvalues [1/s] of the assembled system, bore down and annulus up (u < 0: reversed), u = U_i L
     sqrt(rho A_i/EI)."""
     tube = Tube(mass, elements, hole=ratio * OUTER)
     fluid = {
@@ -189,14 +200,14 @@ def hanging(
 def hanging_by_spectrum(
     u: float, ratio: float, viscosity: float, damping: float, mass: float = 10.0
 ) -> np.ndarray:
-    """The same from the linear equation (fluid.md 4: slender-body added momentum, Lighthill 1960; drag along
-    the relative velocity)
+    """The same from the linear equation (manual: eq-mud-work-annulus; slender-body added momentum, Lighthill
+    1960; drag along the relative velocity)
 
-        EI y'''' - (T y')' + rho A_i (d_t + U_i d_s)^2 y + chi rho A_o (d_t + U_o d_s)^2 y + m y_tt + k_v y_t
-        + F/|U_o| (y_t + U_o y') = 0,
+      EI y'''' - (T y')' + rho A_i (d_t + U_i d_s)^2 y + chi rho A_o (d_t + U_o d_s)^2 y + m y_tt + k_v y_t
+      + F/|U_o| (y_t + U_o y') = 0,
 
-    the mass of the bore's fluid in full, F = tau pi D_o the wall shear, T falling to 0 at the free end by
-    (m + rho A_i - rho A_o) g less the lift F Dw/(Dw - Do) of flow upwards (pressure and shear together).
+    with the full mass of the fluid in the bore and the wall shear F = tau pi D_o. T decreases to 0 at the
+    free end by (m + rho A_i - rho A_o) g minus the lift F Dw/(Dw - Do) of upward flow (pressure and shear).
     """
     tension_unit, s2 = BENDING / LENGTH**2, LENGTH**4 / BENDING
     added, annulus = chi_of(ratio) * DENSITY * SOLID, (ratio**2 - 1) * SOLID
@@ -232,8 +243,8 @@ HANGING = [  # u, hole over string, viscosity [Pa s], k_v [N s/m2]
 
 @pytest.mark.parametrize(("u", "ratio", "viscosity", "damping"), HANGING)
 def test_roots_of_a_hanging_pipe_with_flow_in_and_around_it(u, ratio, viscosity, damping):
-    """First three complex roots (frequency and growth) against the spectral solution: 1e-4 at 16 elements, of
-    fourth order."""
+    """First three complex eigenvalues (frequency and growth) within 1e-4 of the spectral solution with 16
+    elements, of fourth order (manual: verif-annulus-hanging-pipe)."""
     exact = oscillating(hanging_by_spectrum(u, ratio, viscosity, damping), 3)
     error = [np.abs(oscillating(hanging(u, ratio, viscosity, damping, n), 3) / exact - 1) for n in (4, 8, 16)]
     assert error[2].max() < 1e-4
@@ -242,9 +253,9 @@ def test_roots_of_a_hanging_pipe_with_flow_in_and_around_it(u, ratio, viscosity,
 
 @pytest.mark.parametrize(("ratio", "damping", "near"), [(3.0, 0.0, 4.7), (1.5, 5.0, 0.6), (1.5, 10.0, 1.2)])
 def test_hanging_pipe_flutters(ratio, damping, near):
-    """Critical bore speed: a wide annulus leaves it to the bore, a narrow one flutters at a low flow, in
-    proportion to the damping in still fluid (Paidoussis, Luu and Prabhakar, J. Fluids Struct. 24, 2008: their
-    pattern; fluid.md 8.4)."""
+    """Critical bore speed (manual: verif-annulus-hanging-pipe): a wide annulus has no influence; in a narrow
+    one flutter starts at a low flow, in proportion to the damping in still fluid (pattern of Paidoussis, Luu
+    and Prabhakar, J. Fluids Struct. 24, 2008)."""
 
     def critical(roots) -> float:
         return brentq(lambda u: fastest_growing(roots(u)).real, 0.4 * near, 1.6 * near, xtol=1e-8)
@@ -264,8 +275,8 @@ def test_outlet_pressure_between_fixed_ends_stiffens_the_pipe():
     assert s.imag == pytest.approx(np.sqrt((np.pi**4 + 7 * np.pi**2) * BENDING / LENGTH**4 / mass), rel=2e-5)
 
 
-def test_bore_of_the_pipe_is_what_the_helper_says():
-    """The scene's own areas."""
+def test_areas_of_the_model_are_those_of_the_helper():
+    """Areas of bore and annulus in the model."""
     assert np.pi / 4 * INNER**2 == BORE and np.pi / 4 * OUTER**2 == SOLID
     model = Tube(30.0, 4, hole=1.7 * OUTER).at_rest({})
     assert model.fluid.bore.bore.area == pytest.approx(BORE, rel=1e-14)

@@ -1,9 +1,9 @@
-"""The drag bit of a scene: steady cutting, wear flat, standstill and reverse, lift-off, small vibrations
-(P25-P26, X17, X18).
+"""Drag bit: steady cutting, wear flat, standstill and reverse rotation, lift-off, small vibrations (manual:
+sec-bit-drag, verif-drag-bit-steady).
 
-Law: Detournay and Defourny, Int. J. Rock Mech. Min. Sci. 29(1):13, 1992, W = zeta eps a d + sigma a l and
-T = eps a^2 d/2 + mu gamma sigma a^2 l/2, with the depth of cut d per turn; every blade cuts into the groove
-of the blade before it.
+Law: Detournay and Defourny, Int. J. Rock Mech. Min. Sci. 29(1):13, 1992, W = zeta eps a d + sigma a l and T =
+eps a^2 d/2 + mu gamma sigma a^2 l/2, with the depth of cut d per turn. Every blade cuts into the groove of
+the preceding blade.
 """
 
 from __future__ import annotations
@@ -16,23 +16,23 @@ from drillpetsc.physics.end_conditions import TopDrive
 from drillpetsc.physics.rock_bit import CHIPS, profile_derivative
 from drillpetsc.solvers.petsc_options import applied
 from drillpetsc.solvers.time_integrator import TimeIntegrator
-from tests.helpers.bit_scenes import DRAG, RADIUS, TURNING, bit_of, drilling, lowered, unknowns
-from tests.helpers.delay_roots import Regenerative, pencil_roots
-from tests.helpers.motion import beam, fixed, straight, watched
+from tests.helpers.bit_models import DRAG, RADIUS, TURNING, bit_of, drilling, lowered, unknowns
+from tests.helpers.delay_roots import Regenerative, fitted_exponents
+from tests.helpers.motion import beam, fixed, sampled, straight
 
 CUT, CONTACT = 0.6 * 60e6 * RADIUS, 60e6 * RADIUS * 1.2e-3  # W = CUT d + CONTACT [N/m], [N]
 RUB = 0.5 * 0.6 * CONTACT * RADIUS  # torque of the wear flats [N m]
 
 
 def feed(depth: float, turning: float = TURNING) -> float:
-    """Speed [m/s] at which the bit takes off ``depth`` [m] a turn."""
+    """Speed [m/s] at which the bit removes ``depth`` [m] per turn."""
     return depth * turning / (2 * np.pi)
 
 
 def figures(model: DrillingModel, end: float, **petsc) -> np.ndarray:
     """Rows (t, weight, torque, rate, drilled) of all steps."""
     bit = bit_of(model)
-    return watched(
+    return sampled(
         model.system,
         end,
         lambda m: [*bit.figures(m.assembly)[:3], unknowns(model, "hole.drilled")[0]],
@@ -42,8 +42,8 @@ def figures(model: DrillingModel, end: float, **petsc) -> np.ndarray:
 
 
 def iterations(model: DrillingModel, end: float, step: float) -> tuple[list[int], int, int]:
-    """Newton iterations of every step of a run with fixed steps, how many steps were rejected, how often
-    Newton failed."""
+    """Newton iterations of every step of a run with fixed steps, number of rejected steps, number of failed
+    Newton solves."""
     counts: list[int] = []
     with applied(fixed(step)):
         integrator = TimeIntegrator(model.system)
@@ -56,16 +56,20 @@ def iterations(model: DrillingModel, end: float, step: float) -> tuple[list[int]
     ("depth", "weight", "torque", "rate"), [(4e-3, 23.328e3, 1651.62, 28.8), (8e-3, 38.880e3, 3051.30, 57.6)]
 )
 def test_steady_cutting(depth, weight, torque, rate):
-    """P26: at 120 rpm, from a bit that has just touched a smooth bottom; steady after a few quarter turns."""
+    """Steady cutting at 120 rpm, a few quarter turns after the contact with a smooth bottom (manual:
+    verif-drag-bit-steady)."""
     last = figures(drilling({"bit_law": DRAG}, lowered(feed(depth))), 0.8, **fixed(2e-3))[-1]
     assert last[1:4] == pytest.approx([weight, torque, rate / 3600], rel=1e-3)
 
 
 def test_wear_flat_in_incomplete_contact():
-    """A chip thinner than the depth over which the wear flat comes into contact: the flat carries the share
-    3u^2 - 2u^3 of its full force (kernels/bit/bit.hpp; full contact stress needs a depth of cut, Detournay
-    and Defourny 1992; the share is ours, its use is tested), times (1 + s(U'))/2 with s = v/sqrt(v^2 + e^2),
-    e = 0.1 mm/s (model page, section 4.4)."""
+    """Wear flat at a depth of cut below that of full contact (manual: verif-wear-flat).
+
+    The flat has the fraction 3u^2 - 2u^3 of its full force (kernels/bit/bit.hpp), times (1 + s(U'))/2 with s
+    = v/sqrt(v^2 + e^2), e = 0.1 mm/s (manual: eq-bit-flat). Full contact stress needs a depth of cut
+    (Detournay and Defourny 1992); the fraction is an assumption of this package, and the test checks its
+    implementation.
+    """
     depth, onset = 1e-4, CONTACT / 1e8
     u = depth / 4 / onset
     share = u * u * (3 - 2 * u) * 0.5 * (1 + feed(depth) / np.hypot(feed(depth), 1e-4))
@@ -78,8 +82,9 @@ def test_wear_flat_in_incomplete_contact():
 
 @pytest.mark.parametrize("turning", [-TURNING, 0.0])
 def test_a_bit_that_does_not_turn_forward_cuts_nothing(turning):
-    """X18: 30 kN on a bit that stands still or turns backward: no rock goes, the profile stays, only the
-    flats rub, against the turning, with no more than their full friction."""
+    """30 kN on a bit at standstill or in reverse rotation (manual: verif-bit-not-forward): no rock is
+    removed, the profile is constant, and only the wear flats rub, against the rotation, with at most their
+    full friction."""
     loads = [{"at": 1.0, "force": [0, 0, 30e3]}]
     model = drilling({"bit_law": DRAG}, {"kind": "top_drive", "rotation": turning, "force": 0.0}, loads=loads)
     rows = figures(model, 0.5, ts_rtol=1e-3)
@@ -93,9 +98,9 @@ def test_a_bit_that_does_not_turn_forward_cuts_nothing(turning):
 
 
 @pytest.mark.parametrize("rotation", [0.0, -TURNING, {"time": [0.0, 0.2, 0.8], "value": [10.0, 10.0, -10.0]}])
-def test_newton_stays_short_at_standstill_and_in_reverse(rotation):
-    """X18: fewer than 15 iterations a step of 5 ms and no failed step, at standstill, in reverse and through
-    zero."""
+def test_newton_converges_at_standstill_and_in_reverse(rotation):
+    """Fewer than 15 iterations per step of 5 ms and no failed step, at standstill, in reverse rotation and
+    through zero (manual: verif-bit-not-forward)."""
     model = drilling(
         {"bit_law": DRAG}, {"kind": "top_drive", "rotation": rotation, "lowering": 8e-3}, axial=1e7
     )
@@ -109,14 +114,14 @@ LIFT_TIMES, LIFT = [0, 0.5, 0.52, 0.72, 0.74, 0.95, 0.97, 1.19, 1.21, 3], 0.5
 
 
 def lifted(h: float = 1.0) -> tuple[DrillingModel, np.ndarray]:
-    """X17 small: steady cutting, 11 cm off bottom and back at 0.5 m/s.  Rows (t, weight, rate, depth of the
-    face, drilled, profile ...)."""
+    """Steady cutting, 11 cm off bottom and back at 0.5 m/s (manual: verif-lift-off). Rows (t, weight, rate,
+    depth of the face, drilled, profile ...)."""
     v = feed(4e-3)
     lowering = {"time": LIFT_TIMES, "value": [v, v, -LIFT, -LIFT, 0, 0, LIFT, LIFT, v, v]}
     model = drilling({"bit_law": DRAG}, {"kind": "top_drive", "rotation": TURNING, "lowering": lowering})
     bit = bit_of(model)
 
-    def watch(system):
+    def sample(system):
         f = bit.figures(system.assembly)
         return [
             f[0],
@@ -126,15 +131,16 @@ def lifted(h: float = 1.0) -> tuple[DrillingModel, np.ndarray]:
             *unknowns(model, "bit.chips"),
         ]
 
-    return model, watched(model.system, 2.2, watch, model.breaks, ts_rtol=1e-4)
+    return model, sampled(model.system, 2.2, sample, model.breaks, ts_rtol=1e-4)
 
 
 def test_lift_off_keeps_the_uncut_rock():
-    """X17: the hole never gets shorter, nothing is cut off bottom, and what was cut is what is missing.
+    """The hole never becomes shorter, nothing is cut off bottom, and the removed rock equals the drilled
+    length (manual: verif-lift-off).
 
-    The rock below the bit stands at the mean of the blades' profile B; each turn takes off blades * chip, so
-    metres drilled = change of that mean.  In steady cutting B falls evenly over one chip from the face, so
-    after all that the hole is half a chip short of the face.
+    The rock below the bit lies at the mean of the blades' profile B. Each turn removes blades * chip, so the
+    drilled length is the change of that mean. In steady cutting B decreases linearly over one chip from the
+    face, so the hole ends half a chip above the face.
     """
     _, rows = lifted()
     t, weight, rate, face, drilled, profile = (
@@ -160,10 +166,13 @@ def test_lift_off_keeps_the_uncut_rock():
     assert drilled[-1] == pytest.approx(face[-1] - 0.5 * chip, abs=1e-3 * chip)
 
 
-def test_a_profile_that_goes_round_off_bottom_does_not_grow():
-    """Off bottom the inflow is what the blade ahead leaves, B(2 pi/n) = B(0): B_t = omega B_xi on a ring,
-    whose parts only turn.  A discrete profile may lose its short waves but no part of it may grow, or hours
-    of turning off bottom make rock out of nothing."""
+def test_a_profile_that_rotates_off_bottom_does_not_grow():
+    """Off bottom the inflow is what the preceding blade leaves, B(2 pi/n) = B(0): B_t = omega B_xi on a ring,
+    whose solutions rotate without growth.
+
+    A discrete profile may lose short waves, but no component may grow; otherwise hours of rotation off bottom
+    would create rock.
+    """
     D = profile_derivative(CHIPS, 0.5 * np.pi)
     ring = D[:, :CHIPS].copy()
     ring[:, 0] += D[:, CHIPS]
@@ -177,10 +186,10 @@ LENGTH, MASS = 10.0, 5e3
 def vibration(
     damping: float, stiffness: float, turning: float, chip: float, wear_flat: float, end: float, step: float
 ) -> np.ndarray:
-    """Displacement [m] beside steady cutting of a mass on a spring above a drag bit, after a push of 0.1
-    mm/s; every ``step`` [s].
+    """Displacement [m] from steady cutting of a mass on a spring above a drag bit, after a push of 0.1 mm/s;
+    one value every ``step`` [s].
 
-    The spring with its parallel damper is a massless, damped beam; the bit starts in the profile of steady
+    The spring with its parallel damper is a massless, damped beam. The bit starts in the profile of steady
     cutting, under its weight.
     """
     pipe = beam(
@@ -228,7 +237,7 @@ def vibration(
     system.set_field("string.tangent", np.tile([0, 0, 1 - pressed / LENGTH], (2, 1)))
     system.set_field("string.position", np.outer([speed, speed + 1e-4], [0, 0, 1]), "y")
     bit.first_cut(system.assembly)
-    rows = watched(system, end, lambda m: m.field("string.position")[-1, 2], **fixed(step, q_snes_stol=1e-9))
+    rows = sampled(system, end, lambda m: m.field("string.position")[-1, 2], **fixed(step, q_snes_stol=1e-9))
     return rows[:, 1] - LENGTH - sunk - speed * rows[:, 0]
 
 
@@ -241,15 +250,15 @@ def vibration(
     ],
     ids=["unstable", "near_neutral", "stable"],
 )
-def test_small_vibrations_grow_as_the_delay_equation_says(
+def test_small_vibrations_grow_as_in_the_delay_equation(
     damping, stiffness, turning, wear_flat, growing, end, step
 ):
-    """Growth rate and frequency: rightmost root of m u'' + c u' + k u = -4 zeta eps a (u(t) - u(t - tau)),
-    within 2 %; tau a quarter turn.
+    """Growth rate and frequency within 2 % of the rightmost root of m u'' + c u' + k u = -4 zeta eps a (u(t)
+    - u(t - tau)), tau a quarter turn (manual: verif-regenerative-stability).
 
-    The roots come from delay_roots.py, where the argument principle confirms that none lies further right;
-    the run's from a matrix pencil. A wear flat that stays engaged on a bit that goes down adds a constant
-    force only.
+    The roots are computed in delay_roots.py, where the argument principle confirms that none lies further
+    right. Those of the run are fitted by sums of exponentials. A wear flat in contact with a descending bit
+    adds a constant force only.
     """
     equation = Regenerative(MASS, damping, stiffness, 4 * CUT, 0.5 * np.pi / turning)
     root = equation.roots(1)[0]
@@ -259,7 +268,7 @@ def test_small_vibrations_grow_as_the_delay_equation_says(
     assert equation.zeros_within(root.real + 0.05, right, top) == pytest.approx(0, abs=1e-6)
     u = vibration(damping, stiffness, turning, 1e-3, wear_flat, end, step)
     assert np.abs(u).max() < 1e-4  # a tenth of a chip: nothing leaves the groove
-    found = pencil_roots(u[len(u) // 4 :], step, 12)
+    found = fitted_exponents(u[len(u) // 4 :], step, 12)
     on_rank = found[np.argmin(np.abs(found - root))]
     assert on_rank.real == pytest.approx(root.real, rel=0.02)
     assert on_rank.imag == pytest.approx(root.imag, rel=0.02)

@@ -1,5 +1,5 @@
-"""Order in time of the hole's growth (P28); steps that are rejected, and nodes that are frozen, leave no
-trace (P29, P30)."""
+"""Growth of the hole: order in time (manual: verif-growth-order), independence of the node spacing (manual:
+verif-freezing-neutral), and rejected steps without effect (manual: verif-rejected-steps)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from drillpetsc.physics.rock_bit import BitContact, BitShape, Layer, Rock, RockB
 from drillpetsc.solvers.petsc_options import applied
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 from drillpetsc.time_function import Constant
-from tests.helpers.bit_scenes import DRAG, RADIUS, bit_of, drilling, lowered, unknowns
+from tests.helpers.bit_models import DRAG, RADIUS, bit_of, drilling, lowered, unknowns
 from tests.helpers.motion import beam, fixed, integrate
 from tests.helpers.moving import straight_model
 
@@ -30,7 +30,7 @@ LENGTH, RAMP, DOWN = 10.0, 1e-5, np.array([0.0, 0.0, 1.0])
 
 
 class Wave:
-    """Top of P28: 0.01 t + 0.1 (1 - cos 3t) [m] beyond its start."""
+    """Motion of the top: 0.01 t + 0.1 (1 - cos 3t) [m] beyond its start (manual: verif-growth-order)."""
 
     def value(self, t: float) -> float:
         return 0.01 + 0.3 * np.sin(3 * t)
@@ -46,11 +46,10 @@ class Wave:
 
 
 def spring_bit(post_step: bool) -> tuple[DiscreteSystem, RockBit]:
-    """P28 in equilibrium at t = 0 (100 kN: spring pressed by 0.5 m, bit 0.5 mm in the bottom), everything
-    going down at 10 mm/s.
+    """Bit below a spring in equilibrium at t = 0 (100 kN: spring compressed by 0.5 m, bit 0.5 mm in the
+    bottom), everything moving down at 10 mm/s.
 
-    The spring is a massless beam; the damper lies parallel to it (Kelvin-Voigt), its time constant c/k = 0.1
-    s.
+    The spring is a massless beam with a parallel damper (Kelvin-Voigt) of time constant c/k = 0.1 s.
     """
     mesh = uniform_string(
         LENGTH,
@@ -87,8 +86,8 @@ def spring_bit(post_step: bool) -> tuple[DiscreteSystem, RockBit]:
 
 
 def exact_depth(end: float) -> float:
-    """Metres drilled: m x'' = k (T - x) + c (T' - x') - W, s' = D W, W the bottom spring with its C1 onset;
-    explicit, order 8."""
+    """Drilled length: m x'' = k (T - x) + c (T' - x') - W, s' = D W, with W the bottom spring with its C1
+    onset; explicit method of order 8."""
     top = Wave()
 
     def weight(d: float) -> float:
@@ -110,8 +109,9 @@ def exact_depth(end: float) -> float:
     ids=["bdf2", "bdf1", "post_step"],
 )
 def test_order_of_the_hole_depth(post_step, order, least, most):
-    """P28: the end as a state takes the integrator's order, the paper's rule between the steps is of order 1
-    whatever the integrator."""
+    """With the end of the hole as a state the depth has the order of the integrator; updated between the
+    steps, as in the reference paper, it is of order 1 for every integrator (manual: verif-growth-order,
+    sec-bit-growth)."""
     errors, exact = [], exact_depth(1.0)
     for step in (0.01, 0.005, 0.0025):
         system, bit = spring_bit(post_step)
@@ -124,9 +124,9 @@ def test_order_of_the_hole_depth(post_step, order, least, most):
     assert errors[-1] < (1e-8 if not post_step and order == 2 else 1e-5)
 
 
-# ---------------------------------------------------------------------- P29
+# ---------------------------------------------------------------------- independence of the node spacing
 def vertical_case(freeze: float, rows: float, frames: float) -> Case:
-    """Half a metre of new hole in 5 s, straight down, in unsteady motion."""
+    """Half a metre of new hole in 5 s, vertical, in unsteady motion."""
     lowering = {"time": [0.0, 1.0, 2.0, 5.0], "value": [0.05, 0.15, 0.1, 0.1]}
     pipe = beam(20.0, 2, 6e8, 1e6, 9e5, 30.0, 0.1, od=0.127)
     well = {
@@ -146,9 +146,9 @@ def vertical_case(freeze: float, rows: float, frames: float) -> Case:
     )
 
 
-def test_freezing_and_output_change_no_step(tmp_path):
-    """P29: stations of the new hole every 2 cm or every 10 m, 500 rows or 5: the same steps and the same
-    Newton iterations."""
+def test_node_spacing_and_output_change_no_step(tmp_path):
+    """Nodes of the new hole every 2 cm or every 10 m, 500 rows or 5: identical steps and Newton iterations
+    (manual: verif-freezing-neutral)."""
     found = []
     for i, keys in enumerate([(0.02, 0.01, 0.2), (10.0, 1.0, 5.0)]):
         summary = run(vertical_case(*keys), out=tmp_path / f"run{i}", progress="silent").summary
@@ -158,13 +158,13 @@ def test_freezing_and_output_change_no_step(tmp_path):
     assert stations[0] > stations[1] + 15
 
 
-# ---------------------------------------------------------------------- P30
+# ---------------------------------------------------------------------- rejected steps
 BEDS = {"dip": 0.6, "dip_azimuth": 1.0, "index_dip": 0.8, "index_strike": 0.9}
 
 
 def go(model: DrillingModel, times: np.ndarray, every: int, **petsc) -> tuple[np.ndarray, TimeIntegrator]:
-    """States (metres drilled, place of the end, profile) at ``times``; every ``every``-th Newton solve is
-    made to fail, 0: none."""
+    """States (drilled length, position of the end, profile) at ``times``. Every ``every``-th Newton solve is
+    made to fail; 0 for none."""
     rows, calls = [], 0
     with applied(petsc):
         integrator = TimeIntegrator(model.system)
@@ -185,12 +185,9 @@ def go(model: DrillingModel, times: np.ndarray, every: int, **petsc) -> tuple[np
 
 
 @pytest.mark.parametrize("law", ["rop", DRAG], ids=["rop", "drag_bit"])
-def test_rejected_steps_leave_no_trace(law):
-    """P30: with every 7th solve failing after it has changed the state, depth, end, profile and frozen nodes
-    agree within 10 rtol.
-
-    Of the length drilled.
-    """
+def test_rejected_steps_have_no_effect(law):
+    """With every 7th solve failing after it has changed the state, depth, end, profile and fixed nodes are
+    equal within 10 rtol of the drilled length (manual: verif-rejected-steps)."""
     rtol = 1e-5
     runs = []
     times = np.array([0.4, 0.8, 1.2]) if law == "rop" else np.array([0.25, 0.5, 0.75])

@@ -1,4 +1,4 @@
-"""The new hole: its path against closed forms, its radius, and the directions it may take."""
+"""The new hole: path against closed forms, radius, and direction (manual: verif-hole-path)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well, direction
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.solvers.petsc_options import applied
-from tests.helpers.bit_scenes import RADIUS, TURNING, bit_of, unknowns
+from tests.helpers.bit_models import RADIUS, TURNING, bit_of, unknowns
 from tests.helpers.motion import beam
 
 DRILLABILITY, WEIGHT, LENGTH = 1e-5, 1e4, 100.0  # m/(s N), N, m: 0.1 m/s
@@ -31,12 +31,12 @@ def drilled(
     azimuth: float = 0.0,
     bending: float = 1e6,
 ) -> DrillingModel:
-    """The scene after ``end`` [s] of quasi-static drilling under given forces: 10 kN along the hole and
-    ``across`` times 1 N to the north (the high side's opposite), both at the bit's upper end, on a string so
-    long and slender that it adds less than 0.3 % of the side force.
+    """Model after ``end`` [s] of quasi-static drilling under given forces at the bit's upper end: 10 kN along
+    the hole and ``across`` times 1 N to the north (opposite to the high side).
 
-    bending EI [N m2]: a side force F tilts the bit by F * 0.108 m * LENGTH/EI, and the string gives back 3
-    EI/LENGTH^3 times the offset.
+    The string is so long and slender that it adds less than 0.3 % of the side force. bending: EI [N m2]; a
+    side force F tilts the bit by F * 0.108 m * LENGTH/EI, and the string returns 3 EI/LENGTH^3 times the
+    offset.
     """
     item = beam(LENGTH, 4, 1e3 * LENGTH, bending, 1e6, 1e-3, 1e-3, od=FACE - 1e-9)
     bit = {"kind": "bit", "length": FACE, "od": 2 * RADIUS, "mass": 1.0}
@@ -73,17 +73,17 @@ def drilled(
 
 
 def frozen(model: DrillingModel) -> np.ndarray:
-    """(n, 7) stations of the new hole: measured depth, place, direction."""
+    """(n, 7) nodes of the new hole: measured depth, position, direction."""
     nodes = bit_of(model).hole.get_state()["nodes"]
     return nodes[nodes[:, 0] > LENGTH + FACE + 1e-9]
 
 
 def test_constant_build_under_a_growing_side_force():
-    """Isotropic bit and rock under (q t, 0, W): north' = D q t, down' = D W, so north = q z^2/(2 D W^2): 0.1
+    """Isotropic bit and rock under (q t, 0, W): north' = D q t, down' = D W, so north = q z^2/(2 D W^2), 0.1
     rad/m here.
 
-    The stations lie on that parabola and along it, the end drills its arc length; 0.3 % for what the string
-    adds to the side force.
+    The nodes lie on that parabola with its direction, and the drilled length is its arc length; within 0.3 %,
+    because the string adds to the side force.
     """
     q, end = 100.0, 10.0
     model = drilled({"bit_anisotropy": 1.0}, {"time": [0, 100], "value": [0, 100 * q]}, end)
@@ -101,8 +101,8 @@ def test_constant_build_under_a_growing_side_force():
 
 @pytest.mark.parametrize(("way", "sideways"), [("rop_vector", 0.2), ("bit_axis", 0.0)])
 def test_direction_of_the_hole(way, sideways):
-    """Side force of 1 kN at 10 kN, inclined hole: the end goes atan(0.2 * 0.1) off the bit's axis along the
-    rate, or along the axis."""
+    """Side force of 1 kN at 10 kN, inclined hole: the end moves at atan(0.2 * 0.1) from the bit's axis with
+    direction `rate`, or along the axis."""
     model = drilled(
         {"bit_anisotropy": 0.2, "direction": way}, 1e3, 3.0, inclination=0.5, azimuth=2.0, bending=1e8
     )
@@ -116,10 +116,10 @@ def test_direction_of_the_hole(way, sideways):
 @pytest.mark.parametrize("interval", [0.5, 0.1, 0.05])
 @pytest.mark.parametrize("overgauge", [2e-3, -1e-3])
 def test_radius_of_the_new_hole(overgauge, interval):
-    """Radius = the bit's plus overgauge, once past the smooth change of section.
+    """Radius of the bit plus overgauge, beyond the smooth change of section.
 
-    A bit in a tight hole has no clearance; in a wide one it leans on the wall only after that much: offset =
-    clearance + force/stiffness.
+    A bit in a hole of its own size has no clearance. In an overgauge hole it touches the wall only after the
+    clearance: offset = clearance + force/stiffness.
     """
     model = drilled({"overgauge": overgauge, "freeze_interval": interval}, 1e3, 10.0, bending=1e8)
     bit = bit_of(model)
@@ -135,12 +135,12 @@ def test_radius_of_the_new_hole(overgauge, interval):
 
 
 @pytest.mark.parametrize(("interval", "longest"), [(0.5, 0.2), (0.1, 0.2)], ids=["short_steps", "long_steps"])
-def test_stations_of_a_wandering_end_lie_on_its_arc(interval, longest):
-    """GrowingHole alone, led along a circle of 30 deg/30 m in irregular steps: stations on the circle, along
-    it, at even depths.
+def test_nodes_of_a_curved_path_lie_on_its_arc(interval, longest):
+    """GrowingHole alone, moved along a circle of 30 deg/30 m in irregular steps: nodes on the circle, with
+    its direction, at equidistant depths.
 
-    Positions come from cubics between steps, directions from chords of half an interval: errors (0.5 h)^2/(24
-    R^2) = 8e-7 rad.
+    Positions are interpolated by cubics between steps, directions are chords of half an interval: errors (0.5
+    h)^2/(24 R^2) = 8e-7 rad.
     """
     radius, rng = 57.3, np.random.default_rng(5)
     well = Well.from_survey([0, 30.0], [0, 0], [0, 0], [30.0], [0.108], [0.3])

@@ -1,7 +1,7 @@
-"""Rate of penetration in space: v = D (Omega/Omega_ref)^a (W_eff/W_ref)^(b-1) (W_eff/W) M_r M_b F (P27; model
-page, section 4.2).
+"""Rate of penetration in space: v = D (Omega/Omega_ref)^a (W_eff/W_ref)^(b-1) (W_eff/W) M_r M_b F (manual:
+eq-bit-rate, verif-bit-drift).
 
-``rate_under`` asks the compiled law itself.  F is the force of the bit on the rock; axes north, east, down.
+``rate_under`` evaluates the compiled law. F is the force of the bit on the rock; axes north, east, down.
 """
 
 from __future__ import annotations
@@ -9,15 +9,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.helpers.bit_scenes import DRAG, RADIUS, TURNING, rock_bit
+from tests.helpers.bit_models import DRAG, RADIUS, TURNING, rock_bit
 
 DOWN = np.array([0.0, 0.0, 1.0])
 D, WEIGHT = 2.8e-8, 1e5  # defaults of the case format: m/(s N), N
 
 
 def normal_of(dip: float, azimuth: float) -> np.ndarray:
-    """Upward normal of a bed that goes down by ``dip`` towards ``azimuth``: cross product of two lines in the
-    bed, down dip and level."""
+    """Upward normal of a bed that dips by ``dip`` towards ``azimuth``: cross product of two lines in the bed,
+    along the dip and horizontal."""
     down_dip = [np.cos(dip) * np.cos(azimuth), np.cos(dip) * np.sin(azimuth), np.sin(dip)]
     level = [-np.sin(azimuth), np.cos(azimuth), 0.0]
     return np.cross(level, down_dip)
@@ -29,8 +29,8 @@ def drift(rate: np.ndarray, axis: np.ndarray = DOWN) -> float:
 
 
 def test_drift_of_an_anisotropic_bit():
-    """P27: I_b = 0.2 under 100 kN with 5 kN from the side: atan(0.2 * 5/100) = 0.572939 deg, towards the side
-    force."""
+    """I_b = 0.2 under 100 kN with a side force of 5 kN: atan(0.2 * 5/100) = 0.572939 deg, towards the side
+    force (manual: verif-bit-drift)."""
     rate = rock_bit(bit_anisotropy=0.2).rate_under(np.array([3e3, 4e3, 1e5]), DOWN, TURNING)
     assert drift(rate) == pytest.approx(0.572939, abs=1e-6)
     assert rate[1] / rate[0] == pytest.approx(4 / 3, rel=1e-12)
@@ -38,7 +38,7 @@ def test_drift_of_an_anisotropic_bit():
 
 
 def test_no_drift_under_an_axial_load():
-    """Isotropic rock: whatever the axis, a force along it drives the bit along it."""
+    """Isotropic rock: an axial force drives the bit along its axis, for any axis."""
     rng = np.random.default_rng(1)
     bit = rock_bit(bit_anisotropy=0.3, walk=0.2)
     for _ in range(20):
@@ -79,8 +79,8 @@ def test_hos_relation(seed):
 
 
 def test_three_indices_along_dip_and_strike():
-    """Orthotropic beds: the rate along each of the bedding's three directions is its index times the force
-    there (bit alike all ways)."""
+    """Orthotropic beds: the rate along each of the three directions of the bedding is its index times the
+    force component, for an isotropic bit."""
     beds = {"dip": 0.4, "dip_azimuth": 1.1, "index_dip": 0.9, "index_strike": 1.07}
     bit = rock_bit(bit_anisotropy=1.0, rock_anisotropy=beds, rotary_exponent=0.0)
     normal, strike = normal_of(0.4, 1.1), np.array([-np.sin(1.1), np.cos(1.1), 0.0])
@@ -93,10 +93,10 @@ def test_three_indices_along_dip_and_strike():
 
 
 @pytest.mark.parametrize(("index", "sign"), [(0.9, -1), (1.1, 1)])
-def test_turns_up_dip_in_beds_that_drill_worse_along_themselves(index, sign):
-    """Beds that go down to the north by 20 deg, load straight down: I_r < 1 turns south (up-dip) by atan((1 -
-    I) s c/(c^2 + I s^2)), I_r > 1 down-dip (Lubinski and Woods 1953: crooked holes go up-dip in gently
-    dipping beds)."""
+def test_beds_that_drill_worse_along_themselves_turn_the_hole_up_dip(index, sign):
+    """Beds that dip to the north by 20 deg, vertical load: the hole turns south (up-dip) by atan((1 - I) s
+    c/(c^2 + I s^2)) for I_r < 1, and down-dip for I_r > 1 (Lubinski and Woods 1953: crooked holes go up-dip
+    in gently dipping beds)."""
     s, c = np.sin(np.radians(20)), np.cos(np.radians(20))
     beds = {"dip": np.radians(20), "dip_azimuth": 0.0, "index_dip": index, "index_strike": index}
     v = rock_bit(rock_anisotropy=beds).rate_under(WEIGHT * DOWN, DOWN, TURNING)
@@ -105,8 +105,7 @@ def test_turns_up_dip_in_beds_that_drill_worse_along_themselves(index, sign):
 
 
 def test_a_mirrored_case_mirrors():
-    """Reflected in the plane east = 0: forces, axis, dip and walk reflected, the rate is the reflection of
-    the rate."""
+    """Forces, axis, dip and walk reflected in the plane east = 0: the rate is reflected, too."""
     mirror = np.array([1.0, -1.0, 1.0])
     axis, force = np.array([0.2, 0.3, 0.9]) / np.linalg.norm([0.2, 0.3, 0.9]), np.array([1e4, 4e4, 9e4])
     rates = []
@@ -118,8 +117,8 @@ def test_a_mirrored_case_mirrors():
 
 
 def test_walk_turns_the_side_motion_about_the_bits_axis():
-    """Side force to the north on a bit that points down: it moves to the north turned by the walk, clockwise
-    seen along the axis (east)."""
+    """Side force to the north on a bit that points down: the motion is rotated from north by the walk angle,
+    clockwise along the axis (east)."""
     v = rock_bit(bit_anisotropy=0.4, walk=np.radians(15), rotary_exponent=0.0).rate_under(
         np.array([1e4, 0, 1e5]), DOWN, TURNING
     )
@@ -130,7 +129,7 @@ def test_walk_turns_the_side_motion_about_the_bits_axis():
 
 @pytest.mark.parametrize("exponent", [0.5, 0.8, 1.0, 2.0])
 def test_exponent_of_the_rotation_speed(exponent):
-    """(Omega/Omega_ref)^a, in both directions of turning, rounded off below a thousandth of the reference
+    """(Omega/Omega_ref)^a for both directions of rotation, smoothed below a thousandth of the reference
     speed; 0 at standstill."""
     bit = rock_bit(rotary_exponent=exponent, reference_speed=5.0)
     for omega in (0.5, 2.5, 20.0, -20.0):
@@ -142,7 +141,7 @@ def test_exponent_of_the_rotation_speed(exponent):
 
 @pytest.mark.parametrize("exponent", [0.7, 1.0, 1.6])
 def test_exponent_of_the_weight(exponent):
-    """Pure axial load: v = D W (W/W_ref)^(b - 1); a side force leaves that factor."""
+    """Axial load: v = D W (W/W_ref)^(b - 1); a side force does not change that factor."""
     bit = rock_bit(weight_exponent=exponent, reference_weight=6e4, rotary_exponent=0.0)
     for weight in (1e3, 6e4, 2e5):
         v = bit.rate_under(np.array([5e3, 0, weight]), DOWN, 0.0)
@@ -151,8 +150,8 @@ def test_exponent_of_the_weight(exponent):
 
 
 def test_threshold():
-    """Only the weight beyond the threshold cuts; rounded off within 5 % of it, continuous with its slope;
-    none below or in pull."""
+    """Only the weight above the threshold cuts; smoothed within 5 % of it, continuous with its slope; zero
+    below it and in tension."""
     bit = rock_bit(threshold=2e4, rotary_exponent=0.0, weight_exponent=1.3)
 
     def rate(weight):
@@ -169,9 +168,9 @@ def test_threshold():
     )
 
 
-def test_layers_go_over_into_one_another():
-    """A layer 2 m down: the rate changes from its upper to its lower value over 0.1 m by 3u^2 - 2u^3, each
-    with its own anisotropies."""
+def test_layers_have_a_smooth_transition():
+    """A layer boundary at 2 m: the rate changes from the upper to the lower value over 0.1 m by 3u^2 - 2u^3,
+    each with its own anisotropies."""
     lower = {
         "from": 3.0,
         "drillability": 1e-8,
@@ -197,7 +196,7 @@ def test_layers_go_over_into_one_another():
 
 
 def test_the_hole_may_follow_the_bits_axis():
-    """direction: bit_axis: the part of the rate along the bit's axis, along it."""
+    """direction: bit_axis: the rate is the component along the bit's axis, in its direction."""
     axis = np.array([0.6, 0.0, 0.8])
     force = np.array([2e4, 1e4, 9e4])
     free = rock_bit().rate_under(force, axis, TURNING)
@@ -207,8 +206,8 @@ def test_the_hole_may_follow_the_bits_axis():
 
 
 def test_drag_bit_in_steady_cutting():
-    """Without its profile (quasi-static drilling) a drag bit takes off d = (W - sigma a l)/(zeta eps a) a
-    turn, and drifts as any bit."""
+    """Without profile (quasi-static drilling) a drag bit removes d = (W - sigma a l)/(zeta eps a) per turn,
+    and drifts as any bit."""
     rate = rock_bit(bit_law=DRAG).rate_under(np.array([0.0, 5e3, 23.328e3]), DOWN, TURNING)
     assert rate[2] == pytest.approx(28.8 / 3600, rel=1e-8)
     assert rate[1] / rate[2] == pytest.approx(0.2 * 5e3 / 23.328e3, rel=1e-12)

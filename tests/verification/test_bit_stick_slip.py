@@ -1,4 +1,5 @@
-"""Stick-slip of one torsional mode under a torque that falls with speed (P25)."""
+"""Stick-slip of one torsional mode under a torque that decreases with speed (manual:
+verif-stick-slip-one-mode)."""
 
 from __future__ import annotations
 
@@ -8,15 +9,15 @@ import yaml
 
 from drillpetsc import run
 from drillpetsc.output import read_table
-from tests.helpers.bit_scenes import RADIUS
-from tests.helpers.motion import beam, straight, watched
+from tests.helpers.bit_models import RADIUS
+from tests.helpers.motion import beam, sampled, straight
 
 INERTIA, STIFFNESS, TURNING, STATIC, DYNAMIC = 374.0, 473.0, 50 * 2 * np.pi / 60, 10e3, 5e3
 
 
 def case() -> dict:
-    """A massless torsion spring of 1 m with the inertia in the bit, pressed on rock that cannot be drilled by
-    10 kN."""
+    """A massless torsion spring of 1 m with the inertia in the bit, pressed with 10 kN on rock that cannot be
+    drilled."""
     pipe = beam(1.0, 1, 1e8, 1e9, STIFFNESS, 1e-3, 1e-6, od=2 * RADIUS)
     bit = {
         "kind": "bit",
@@ -44,11 +45,11 @@ def case() -> dict:
 
 
 def closed_form() -> tuple[float, float, float]:
-    """Slip and stick times [s] and largest speed [rad/s] of the limit of instant weakening.
+    """Slip and stick times [s] and largest speed [rad/s] of the limit of instantaneous weakening.
 
-    Let go at a twist of STATIC/k, the bit swings about DYNAMIC/k: with w = sqrt(k/J) and x0 = (STATIC -
-    DYNAMIC)/k its speed is Omega (1 - cos wt) + x0 w sin wt, zero again at tan(wt/2) = -x0 w/Omega; the twist
-    is then x0 short of the middle, 2 x0 below release.
+    Released at a twist of STATIC/k, the bit oscillates about DYNAMIC/k: with w = sqrt(k/J) and x0 = (STATIC -
+    DYNAMIC)/k its speed is Omega (1 - cos wt) + x0 w sin wt, zero again at tan(wt/2) = -x0 w/Omega. The twist
+    is then x0 below the middle, 2 x0 below the release.
     """
     w, x0 = np.sqrt(STIFFNESS / INERTIA), (STATIC - DYNAMIC) / STIFFNESS
     slip = 2 * (np.pi - np.arctan(x0 * w / TURNING)) / w
@@ -56,7 +57,7 @@ def closed_form() -> tuple[float, float, float]:
 
 
 def phases(t: np.ndarray, speed: np.ndarray) -> tuple[float, float, float]:
-    """Slip time, stick time and largest speed of the last whole cycle."""
+    """Slip time, stick time and largest speed of the last complete cycle."""
     moving = speed > 0.1
     starts, stops = (t[1:][a & ~b] for a, b in ((moving[1:], moving[:-1]), (moving[:-1], moving[1:])))
     start = starts[-2]
@@ -70,10 +71,11 @@ def test_published_numbers():
 
 
 def test_period_and_speed():
-    """P25 from rest, untwisted: period, slip, stick and largest speed within 2 %."""
+    """From rest, untwisted: period, slip and stick times and largest speed within 2 % (manual:
+    verif-stick-slip-one-mode)."""
     model = straight(**case())
     model.system.set_field("string.spin", np.array([[TURNING], [0.0]]), "y")
-    rows = watched(model.system, 20.0, lambda m: m.field("string.spin", "y")[-1, 0])
+    rows = sampled(model.system, 20.0, lambda m: m.field("string.spin", "y")[-1, 0])
     assert phases(rows[:, 0], rows[:, 1]) == pytest.approx(closed_form(), rel=0.02)
     first = rows[rows[:, 1] > 0.1, 0][0]
     assert first == pytest.approx(STATIC / STIFFNESS / TURNING, rel=0.02)  # wound up from nothing
@@ -81,7 +83,7 @@ def test_period_and_speed():
 
 
 def test_through_a_case_file(tmp_path):
-    """The same limit cycle from a file, started with the string turning as its top does."""
+    """The same limit cycle from a case file, with the whole string rotating like its top at the start."""
     path = tmp_path / "stick-slip.yaml"
     path.write_text(
         yaml.safe_dump(

@@ -1,8 +1,8 @@
-"""Archimedes, through the finished scene: what mud at rest and in motion does to hook load and tension (F08;
-fluid.md 4.3, 4.4, 8.5, C9).
+"""Buoyancy in a whole model: hook load and tension with mud at rest and in motion (manual:
+sec-mud-effective-tension, verif-buoyancy).
 
-Drill pipe of 127 x 108.6 mm in a hole of 215.9 mm, mud of 1200 kg/m3, steel of 7850 kg/m3.  ``stiff``: a beam
-whose axial stiffness (1e12 N) leaves no stretch, rigid walls; then closed forms hold to rounding.
+Drill pipe of 127 x 108.6 mm in a hole of 215.9 mm, mud of 1200 kg/m3, steel of 7850 kg/m3. ``stiff``: a beam
+of axial stiffness 1e12 N without stretch, in rigid walls, for which closed forms hold to rounding.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ import pytest
 from drillpetsc import Case
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.initial_state import find_equilibrium
-from drillpetsc.analysis.static_report import static_summary, static_table
+from drillpetsc.analysis.statics import static_summary
 from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.output.static_table import static_table
 from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
 
 G, LENGTH, MUD, STEEL = 9.81, 1000.0, 1200.0, 7850.0
@@ -28,7 +29,7 @@ MUD_OF_TABLE = {
     "yield_stress": 3.0,
     "consistency": 0.3,
     "index": 0.75,
-}  # fluid.md 8.2
+}  # manual: verif-steady-loop
 PLUGGED = {"kind": "free", "plugged": True}
 
 
@@ -77,7 +78,7 @@ def hung(
     hole: dict | None = None,
     **keys,
 ) -> tuple[DrillingModel, StaticState, dict]:
-    """DrillingModel, state and summary of a string that hangs at rest, its upper end clamped."""
+    """DrillingModel, state and summary of a string that hangs at rest from a clamp."""
     mud = {
         "density": MUD,
         "bulk_modulus": modulus,
@@ -99,12 +100,12 @@ def hung(
 
 
 def pressure(modulus: float, depth: float = LENGTH) -> float:
-    """Of mud at rest under no pressure: dp/dz = rho g, rho = rho_0 exp(p/K)."""
+    """Pressure of mud at rest: dp/dz = rho g, rho = rho_0 exp(p/K), p = 0 at the top."""
     return -modulus * np.log1p(-MUD * G * depth / modulus)
 
 
 def column(model: DrillingModel, state: StaticState, name: str) -> np.ndarray:
-    columns, table = static_table(model, state)
+    columns, table = static_table(model)
     return table[:, [c for c, _ in columns].index(name)]
 
 
@@ -113,9 +114,12 @@ def column(model: DrillingModel, state: StaticState, name: str) -> np.ndarray:
 @pytest.mark.parametrize("inclination", [0.0, 60.0])
 @pytest.mark.parametrize("plugged", [False, True])
 def test_hook_load_of_a_stiff_string(plugged, inclination, modulus):
-    """F08: W - p_b A_s with an open end (222.1128 kN vertical, incompressible; 222.018 kN at 2.5 GPa), W -
-    p_b A_o plugged and empty (113.0693 kN); in a frictionless hole of 60 degrees the components along it, and
-    across the weight less the mud displaced."""
+    """Hook load of a stiff string in mud at rest (manual: verif-buoyancy).
+
+    W - p_b A_s with an open end (222.1128 kN vertical, incompressible; 222.018 kN at 2.5 GPa); W - p_b A_o
+    plugged and empty (113.0693 kN). In a frictionless hole of 60 degrees: the components along it, and across
+    it the weight minus the displaced mud.
+    """
     tilt = np.radians(inclination)
     model, _, figures = hung(
         modulus=modulus,
@@ -139,8 +143,8 @@ def test_hook_load_of_a_stiff_string(plugged, inclination, modulus):
 @pytest.mark.parametrize("inclination", [0.0, 60.0])
 @pytest.mark.parametrize("plugged", [False, True])
 def test_hook_load_of_a_steel_string_in_compressible_mud(plugged, inclination):
-    """F08 with everything that gives way: stretch, walls, mud of 2.5 GPa; within 2e-4 (the stretched string
-    reaches 0.15 m deeper)."""
+    """The same with stretch, elastic walls and mud of 2.5 GPa; within 2e-4, because the stretched string
+    reaches 0.15 m deeper (manual: verif-buoyancy)."""
     tilt = np.radians(inclination)
     _, _, figures = hung(
         modulus=2.5e9,
@@ -154,7 +158,7 @@ def test_hook_load_of_a_steel_string_in_compressible_mud(plugged, inclination):
 
 
 def test_hook_load_with_mud_inside_only():
-    """Blind end, no annulus: W + p_b A_i (fluid.md 8.5: 371.2368 kN incompressible)."""
+    """Plugged end, no annulus: W + p_b A_i, 371.2368 kN for incompressible mud (manual: verif-buoyancy)."""
     for modulus in (STIFF, 2.5e9):
         _, _, figures = hung(modulus=modulus, bottom=PLUGGED, fluid={"annulus": False, "pump_pressure": 0.0})
         assert figures["hook_load"] == pytest.approx(WEIGHT + pressure(modulus) * BORE, rel=1e-6)
@@ -162,9 +166,9 @@ def test_hook_load_with_mud_inside_only():
             assert figures["hook_load"] == pytest.approx(371.2368e3, rel=1e-6)
 
 
-def test_collars_and_pipe_lose_the_mud_they_displace():
-    """Two sizes of pipe in still mud, shoulders included: sum of W (1 - rho/rho_s), and the wall tension at
-    the end is -p A_s there."""
+def test_collars_and_pipe_are_buoyed_by_the_displaced_mud():
+    """Two sizes of pipe in still mud, with shoulders: the hook load is the sum of W (1 - rho/rho_s), and the
+    wall tension at the end is -p A_s."""
     string = [piece(800.0, 32), piece(200.0, 8, od=0.1715, bore=0.0714)]
     model, state, figures = hung(string)
     collar = np.pi / 4 * (0.1715**2 - 0.0714**2)
@@ -173,9 +177,8 @@ def test_collars_and_pipe_lose_the_mud_they_displace():
 
 
 def test_hook_load_in_a_curved_hole():
-    """Vertical, then 5 deg/30 m to 60 degrees, frictionless: pushed along the hole the string does work
-    against its buoyed weight times the true depth of its end alone; and the jet's thrust.  Within 1e-4 (6.5
-    mm of room sideways)."""
+    """Vertical, then 5 deg/30 m to 60 degrees, frictionless: the hook load is the buoyed weight per length
+    times the true depth of the end, minus the thrust of the jet. Within 1e-4 (radial clearance 6.5 mm)."""
     radius, end = 30 / np.radians(5), 560.0
     md = [0.0, 100.0, *(100.0 + 30 * k for k in range(1, 13)), 600.0]
     tilt = [0.0, 0.0, *(np.radians(5.0 * k) for k in range(1, 13)), np.pi / 3]
@@ -198,8 +201,8 @@ def test_hook_load_in_a_curved_hole():
 
 @pytest.mark.parametrize("plugged", [False, True])
 def test_buoyancy_across_an_inclined_string(plugged):
-    """20 m between hinges at 60 degrees, off the wall: the side reactions carry (m + rho A_i - rho A_o) g L
-    sin I (plugged: no rho A_i)."""
+    """20 m between hinges at 60 degrees, away from the wall: the side reactions are (m + rho A_i - rho A_o) g
+    L sin I; plugged without rho A_i."""
     model, _, _ = hung(
         [piece(20.0, 8)],
         hole=straight_hole(np.pi / 3),
@@ -217,8 +220,8 @@ def test_buoyancy_across_an_inclined_string(plugged):
 # ---------------------------------------------------------------------- effective tension
 @pytest.mark.parametrize(("modulus", "plugged"), [(STIFF, False), (STIFF, True), (2.5e9, False)])
 def test_effective_tension_falls_by_the_buoyed_weight(modulus, plugged):
-    """dT_eff/ds = -(rho_s A_s + rho_i A_i - rho_o A_o) g with the mud's density at its depth; hook load at
-    the top, 0 at the end, open or plugged (fluid.md 4.4)."""
+    """dT_eff/ds = -(rho_s A_s + rho_i A_i - rho_o A_o) g with the density of the mud at each depth (manual:
+    eq-mud-buoyed-weight); hook load at the top, 0 at the end, open or plugged."""
     model, state, figures = hung(modulus=modulus, bottom={"kind": "free", "plugged": plugged})
     tension, s = column(model, state, "effective_tension"), model.mesh.node_depth
     bore = 0.0 if plugged else BORE
@@ -233,8 +236,8 @@ def test_effective_tension_falls_by_the_buoyed_weight(modulus, plugged):
 
 @pytest.mark.parametrize("plugged", [False, True])
 def test_effective_tension_with_elastic_walls(plugged):
-    """The same where walls give way: T_wall = EA eps + 2 nu (p_i A_i - p_o A_o) (fluid.md 4.4), T_eff(L) =
-    0."""
+    """With elastic walls T_wall = EA eps + 2 nu (p_i A_i - p_o A_o) and T_eff(L) = 0 (manual:
+    eq-mud-effective-tension)."""
     model, state, figures = hung(stiff=False, bottom={"kind": "free", "plugged": plugged})
     tension = column(model, state, "effective_tension")
     assert tension[0] == pytest.approx(figures["hook_load"], rel=1e-6)
@@ -243,9 +246,11 @@ def test_effective_tension_with_elastic_walls(plugged):
 
 @pytest.mark.parametrize("fixed_end", [False, True])
 def test_ballooning(fixed_end):
-    """1000 m of steel pipe, 100 bar inside, no weight: +52.8 mm plugged, -79.2 mm where a force takes the
-    plug's push (fluid.md 4.4), EA eps = [1 - 2 nu (1 + 2 eps)] p A_i - F with the narrowing of a stretched
-    bore in full."""
+    """1000 m of steel pipe, 100 bar inside, no weight: +52.8 mm plugged, -79.2 mm if a force carries the load
+    on the plug (manual: eq-mud-effective-tension, verif-ballooning).
+
+    EA eps = [1 - 2 nu (1 + 2 eps)] p A_i - F, with the narrowing of a stretched bore.
+    """
     p, EA, nu = 1e7, 206e9 * METAL, 0.3
     push = p * BORE if fixed_end else 0.0
     _, _, figures = hung(
@@ -262,10 +267,14 @@ def test_ballooning(fixed_end):
 # ---------------------------------------------------------------------- circulation
 @pytest.mark.parametrize("rate", [0.03, -0.03])
 def test_hook_load_under_circulation(rate):
-    """30 l/s through 380 mm2: still load less hydraulic lift (pi/4) D_o D_w dp of the annulus' friction (wall
-    shear pi D_o tau L and pressure A_o 4 tau L/(D_w - D_o)), less the jet's thrust rho q^2/A_n; reversed, the
-    lift pulls down and the thrust still lifts. dp = 8.6809 bar (half of table 8.2); nothing else: what the
-    bore's friction pushes down hangs on its pressure."""
+    """30 l/s through 380 mm2: hook load at rest minus the hydraulic lift and the thrust of the jet (manual:
+    verif-hydraulic-lift).
+
+    The lift is (pi/4) D_o D_w dp of the annulus friction (wall shear pi D_o tau L and pressure A_o 4 tau
+    L/(D_w - D_o)), the thrust rho q^2/A_n. In reverse circulation the lift acts downward and the thrust still
+    upward. dp = 8.6809 bar (half of the loss in manual: verif-steady-loop). The friction in the bore has no
+    further effect: its pressure carries it.
+    """
     nozzles = 380e-6
     law = Rheology.herschel_bulkley(consistency=0.3, index=0.75, yield_stress=3.0)
     tau = float(wall_shear(law, rate / (OPEN - OUTER), HOLE - OD, 1, MUD))
@@ -284,9 +293,11 @@ def test_hook_load_under_circulation(rate):
 
 @pytest.mark.parametrize("rate", [0.03, -0.03])
 def test_hook_load_under_circulation_of_compressible_mud(rate):
-    """Balance of momentum of string and bore's mud: hook = W + g M_i - p_b A_o - pi D_o tau L - (rho_0
-    q)^2/(rho_b A_n), and of the annulus' mud: p_b A_a = g M_a + pi (D_o + D_w) tau L; M_i, M_a the masses
-    that the channels hold."""
+    """Momentum balances of string with bore mud, hook = W + g M_i - p_b A_o - pi D_o tau L - (rho_0
+    q)^2/(rho_b A_n), and of the annulus mud, p_b A_a = g M_a + pi (D_o + D_w) tau L.
+
+    M_i, M_a: masses of mud in the channels.
+    """
     model, _, figures = hung(
         [piece(), bit(380e-6)], modulus=2.5e9, fluid={"rheology": MUD_OF_TABLE, "flow_rate": rate}
     )
@@ -302,8 +313,8 @@ def test_hook_load_under_circulation_of_compressible_mud(rate):
 
 
 def test_open_end_has_no_thrust():
-    """Inviscid flow out of the open bore takes the momentum that it brought: T_eff = 0 there, and the
-    swivel's rho A_i U^2 is all."""
+    """Inviscid flow leaves the open bore with its momentum: T_eff = 0 there, and only rho A_i U^2 of the
+    swivel remains."""
     rate = 0.03
     model, state, figures = hung(fluid={"flow_rate": rate})
     assert figures["hook_load"] == pytest.approx(WEIGHT * (1 - MUD / STEEL) - MUD * rate**2 / BORE, rel=1e-7)
@@ -318,10 +329,12 @@ SHORT_BIT = bit(length=0.5, mass=120.0)
 
 @pytest.mark.parametrize("plugged", [False, True])
 @pytest.mark.parametrize("below", [[STABILIZER], [BODY], [STABILIZER, BODY]])
-def test_rigid_items_lose_the_mud_they_displace(below, plugged):
-    """Metal of a rigid item is its mass over its density; open, hook load is the sum of W (1 - rho/rho_s)
-    whatever the bores, as these are full of mud; plugged and empty, the bores are displaced, too.  A bit at
-    the end is solid."""
+def test_rigid_items_are_buoyed_by_the_displaced_mud(below, plugged):
+    """The volume of a rigid item is its mass over its density.
+
+    Open: the hook load is the sum of W (1 - rho/rho_s) for any bores, which are full of mud. Plugged and
+    empty: the bores are displaced, too. A bit at the end is solid.
+    """
     string = [piece(300.0, 12), *below, piece(300.0, 12), SHORT_BIT]
     model, _, figures = hung(string, bottom={"kind": "free", "plugged": plugged})
     masses = [item.mass for item in model.case.string if item.kind not in ("beam",)]
@@ -331,15 +344,15 @@ def test_rigid_items_lose_the_mud_they_displace(below, plugged):
 
 
 def test_rigid_item_of_another_bore_between_pumped_pipes():
-    """Inviscid flow through a rigid item: hook load as still, less the swivel's rho A_i U^2 (open end)."""
+    """Inviscid flow through a rigid item: hook load at rest minus rho A_i U^2 of the swivel (open end)."""
     string = [piece(300.0, 12), BODY, piece(300.0, 12)]
     still, flowing = (hung(string, fluid={"flow_rate": q})[2]["hook_load"] for q in (0.0, 0.03))
     assert flowing - still == pytest.approx(-MUD * 0.03**2 / BORE, rel=1e-3)
 
 
 def test_weight_of_mud_in_a_rigid_item_acts_across_too():
-    """The string between hinges at 60 degrees with a rigid item inside it: side reactions carry all the
-    buoyed weight."""
+    """String with a rigid item between hinges at 60 degrees: the side reactions carry the whole buoyed
+    weight."""
     string = [piece(10.0, 4), STABILIZER, piece(10.0, 4)]
     model, _, _ = hung(string, hole=straight_hole(np.pi / 3), contact="none", top="pinned", bottom="pinned")
     sides = np.array(
@@ -351,9 +364,11 @@ def test_weight_of_mud_in_a_rigid_item_acts_across_too():
 
 @pytest.mark.parametrize("plugged", [False, True])
 def test_an_outlet_under_pressure_pushes_the_string_out(plugged):
-    """The string leaves the annulus at the top, where nothing presses down on its section: a back pressure p
-    lessens the hook load by what it pushes up with, p A_s on the face of an open end (and p A_i on the
-    swivel, p A_o altogether), p A_o on a plug."""
+    """A back pressure p at the outlet reduces the hook load by p A_s on the face of an open end (with p A_i
+    on the swivel p A_o in all), and by p A_o on a plug.
+
+    At the top no pressure acts on the section of the string.
+    """
     end = {"kind": "free", "plugged": plugged}
     free, under = (hung(bottom=end, fluid={"outlet_pressure": p})[2]["hook_load"] for p in (0.0, 5e6))
     assert free - under == pytest.approx(5e6 * OUTER, rel=1e-6)

@@ -1,5 +1,4 @@
-"""Drilling with a whole string: without inertia against full dynamics, step lengths, and the balance of
-forces."""
+"""Drilling with a whole string: quasi-static against dynamic runs, step lengths, and balance of forces."""
 
 from __future__ import annotations
 
@@ -32,10 +31,10 @@ MUD = {
 
 
 class Run(NamedTuple):
-    """What a run left; arrays over its steps.
+    """Result of a run; arrays over its steps.
 
-    t [s]; hook, weight [N]: hook load and weight on bit; torque: at the surface and the bit (n, 2) [N m];
-    drilled [m]; end (n, 3): of the hole [m].
+    t [s]; hook, weight: hook load and weight on bit [N]; torque: at the surface and the bit (n, 2) [N m];
+    drilled [m]; end: end of the hole (n, 3) [m].
     """
 
     model: DrillingModel
@@ -57,8 +56,8 @@ def case(
     element: float = 10.0,
     **more: Any,
 ) -> Case:
-    """300 m of pipe, collars and bit on bottom in a straight hole, or in one that builds to the last of some
-    inclinations [rad]."""
+    """300 m of pipe, collars and bit on bottom in a straight hole, or in one that builds to the last of
+    several inclinations [rad]."""
     angles = inclination if isinstance(inclination, list) else [inclination] * 3
     well = {
         "survey": {"md": [0, 100, DEPTH], "inclination": angles, "azimuth": [0.35] * 3},
@@ -83,7 +82,7 @@ def case(
 
 
 def follow(case: Case) -> Run:
-    """Run a case as ``drillpetsc run`` does, without its files."""
+    """Run a case as ``drillpetsc run`` does, without files."""
     with applied(case.petsc):
         model = build_model(case)
         quasi = QuasiStatic(model) if case.time.mode == "quasi_static" else None  # type: ignore[union-attr]
@@ -98,7 +97,13 @@ def follow(case: Case) -> Run:
         def look(t: float, dt: float) -> None:
             v, bit = recorder.sample(t), model.drilling
             assert bit is not None
-            rows.append(np.array([t, v[0], v[2], v[1], v[3], v[10], *model.system.field("hole.end")[-1]]))
+            names = "hook_load", "wob", "surface_torque", "bit_torque"
+            figures = [recorder.value(v, name) for name in names]
+            rows.append(
+                np.array(
+                    [t, *figures, bit.progress(model.system.assembly)[0], *model.system.field("hole.end")[-1]]
+                )
+            )
 
         integrator.after_step.append(look)
         integrator.run(0.0, case.time.end, model.breaks)  # type: ignore[union-attr]
@@ -112,14 +117,14 @@ def section(diameters: tuple[float, float]) -> float:
 
 # ---------------------------------------------------------------------- with inertia and without
 @pytest.mark.parametrize("mud", [{}, {"fluid": MUD}], ids=["dry", "mud"])
-def test_without_inertia_drills_as_the_mean_of_the_motion(mud: dict[str, Any]) -> None:
-    """A hole that builds to 30 degrees, turning at 120 rpm, the weight on bit rising by a tenth in 6 s.
+def test_quasi_static_drilling_is_the_mean_of_the_motion(mud: dict[str, Any]) -> None:
+    """Quasi-static run against the mean of the dynamic one: a hole that builds to 30 degrees, 120 rpm, weight
+    on bit rising by a tenth in 6 s (manual: verif-quasi-static-drilling).
 
-    What inertia does to the means: the string stretches as a spring of k = 3.6 MN/m under a bit that goes
-    into the rock with D = 2.8e-8 m/(s N) (time constant 1/(k D) = 10 s), and its waves (2 L/c = 0.12 s) are a
-    hundredth of that.  So 1 % of the change of the forces,
-    0.1 % of what they are; side motion has films of mud to overcome, which equilibrium has not: another 0.2
-    %.
+    Effect of inertia on the means: the string is a spring of k = 3.6 MN/m above a bit with D = 2.8e-8 m/(s N)
+    (time constant 1/(k D) = 10 s), and its waves (2 L/c = 0.12 s) are a hundredth of that. So the difference
+    is 1 % of the change of the forces, 0.1 % of the forces. Lateral motion has to displace mud, which
+    equilibrium has not: another 0.2 %.
     """
     still, moving = (
         follow(case([0, 0, np.pi / 6], mode, 6.0, **mud)) for mode in ("quasi_static", "dynamic")
@@ -146,8 +151,8 @@ def test_without_inertia_drills_as_the_mean_of_the_motion(mud: dict[str, Any]) -
 
 # ---------------------------------------------------------------------- steps
 def test_depth_does_not_depend_on_the_step() -> None:
-    """Ten minutes in a hole that builds to 30 degrees, three longest steps and three tolerances: 1 mm
-    (issue)."""
+    """Ten minutes in a hole that builds to 30 degrees, three longest steps and three tolerances: depth within
+    1 mm (manual: verif-drilling-step-independence)."""
     choices: list[dict[str, Any]] = [
         {"time": {"end": 600, "mode": "quasi_static", "step": step}} for step in (5, 20, 60)
     ]
@@ -163,12 +168,12 @@ def test_depth_does_not_depend_on_the_step() -> None:
 # ---------------------------------------------------------------------- balance of forces
 @pytest.mark.parametrize("density", [0.0, 1200.0], ids=["dry", "mud"])
 def test_hook_load_weight_on_bit_and_weight_balance(density: float) -> None:
-    """Vertical: hook load + weight on bit = weight less that of the mud displaced (Archimedes; mud at rest),
-    0.1 % (issue).
+    """Vertical hole, mud at rest: hook load + weight on bit = weight minus that of the displaced mud, within
+    0.1 % (manual: verif-drilling-force-balance).
 
-    Steel of 7850 kg/m3, the bit's too: between its blades there is mud.  Mud of 2 GPa is denser by 0.1 % at
-    300 m (-20 N); that it follows the string down makes its column lighter by what the wall holds (+60 N),
-    and what the string is lowered displaces more (-40 N).
+    Steel of 7850 kg/m3, also in the bit, which has mud between its blades. Mud of 2 GPa is denser by 0.1 % at
+    300 m (-20 N). Mud that follows the string down is partly carried by the wall (+60 N), and the lowered
+    string displaces more mud (-40 N).
     """
     mud = {"fluid": {**MUD, "density": density, "flow_rate": 0.0}} if density else {}
     run = follow(
@@ -187,12 +192,11 @@ def test_hook_load_weight_on_bit_and_weight_balance(density: float) -> None:
     assert run.hook + run.weight == pytest.approx(np.full(len(run.t), weight), rel=1e-3)
 
 
-def test_side_friction_takes_its_part_of_the_weight_when_sliding() -> None:
-    """Straight hole of 30 degrees, not turning: hook load + weight on bit = W cos I - friction of all that
-    lies on the wall.
+def test_side_friction_carries_part_of_the_weight_when_sliding() -> None:
+    """Straight hole of 30 degrees without rotation: hook load + weight on bit = W cos I - friction of the
+    string and the bit on the wall.
 
-    That is 0.25 of the normal force, the string's and the bit's; W sin I but for what the top's bearing
-    carries.
+    The friction is 0.25 of the normal force, W sin I minus the force on the top's bearing.
     """
     formation = {"drillability": 2.8e-8, "rotary_exponent": 0.0}
     top = {"kind": "top_drive", "rotation": 0.0, "lowering": TEN_METRES_AN_HOUR}

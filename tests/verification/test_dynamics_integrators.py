@@ -1,5 +1,5 @@
-"""The assembled first-order system beside the condensed one: exact Jacobian, other solvers and integrators,
-what each refuses; and steps that fail."""
+"""First-order system and condensed system: exact Jacobian, integrators and solvers, refused combinations;
+failed steps."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from drillpetsc import Case, run
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.physics.beam import Beam
 from drillpetsc.solvers.first_order_system import FirstOrderSystem
+from tests.helpers.component_models import KINDS, SHIFT, build
 from tests.helpers.motion import beam, fixed, integrate, straight
-from tests.helpers.scenes import KINDS, SHIFT, build
 
 END = 0.2
 PLAIN = {"snes_type": "newtonls", "ksp_type": "preonly", "pc_type": "lu"}
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_plain_jacobian_matches_central_differences(kind):
-    """dF/dx + shift dF/dxdot of the whole system against fourth-order differences of its own residual."""
+def test_first_order_jacobian_matches_central_differences(kind):
+    """dF/dx + shift dF/dxdot of the first-order system against fourth-order differences of its residual."""
     system, t = build(kind), 0.4
     plain, state, rate = FirstOrderSystem(system), system.new_state(), system.new_state()
     rng, n = np.random.default_rng(5), system.new_state().getLocalSize()
@@ -47,8 +47,8 @@ def test_plain_jacobian_matches_central_differences(kind):
 
 # ---------------------------------------------------------------------- integrators
 def swinging():
-    """A soft string that hangs askew from a top drive which starts to turn: prescribed rows, large rotations,
-    no damping."""
+    """A soft inclined string below a top drive that starts to rotate: prescribed rows, large rotations, no
+    damping."""
     return straight(
         string=[beam(0.5, 4, 2000.0, 6.667e-4, 1e-3, 0.02, 1.7e-7)],
         top={"kind": "top_drive", "rotation": {"ramp": 0.2, "value": 10.0}},
@@ -71,12 +71,11 @@ def swung(options: dict) -> tuple[np.ndarray, float, object]:
 
 @pytest.fixture(scope="module")
 def reference() -> np.ndarray:
-    """The same motion by a third-order Rosenbrock method (another formula, another solution of the stages),
-    ten times finer."""
+    """The same motion by a third-order Rosenbrock method with ten times smaller steps."""
     return swung(fixed(5e-5, ts_type="rosw"))[0]
 
 
-#: seen with 3.26.1: the error halves with the step as soon as an end is prescribed; a free string is exact
+#: observed with PETSc 3.26.1: of first order with a prescribed end; exact for a free string
 NEWER_ARKIMEX = pytest.mark.xfail(
     PETSc.Sys.getVersion() >= (3, 19, 0), reason="of first order with prescribed rows"
 )
@@ -97,17 +96,17 @@ NEWER_ARKIMEX = pytest.mark.xfail(
     ],
     ids=lambda o: "-".join(map(str, o.values())) or "default" if isinstance(o, dict) else "",
 )
-def test_integrators_and_solvers_agree(reference, options, limit):
-    """All find the same motion at 0.5 ms steps, the first-order one less exactly, and the prescribed angle:
-    10 rad/s times half the ramp."""
+def test_integrators_and_solvers_give_the_same_motion(reference, options, limit):
+    """All integrators give the same motion with steps of 0.5 ms, the first-order one less accurately, and the
+    prescribed angle: 10 rad/s times half the ramp (manual: verif-integrators)."""
     end, top, _ = swung(fixed(5e-4, **options))
     assert np.abs(end - reference).max() < limit
     assert top == pytest.approx(10.0 * 0.1, abs=1e-9)
 
 
-def test_condensed_and_plain_newton_are_one_method():
-    """The same formula solved to convergence: condensed and plain BDF2 differ by no more than the solvers'
-    tolerances."""
+def test_condensed_and_first_order_newton_are_one_method():
+    """The same formula solved to convergence: condensed and first-order BDF2 differ by at most the tolerances
+    of the solvers."""
     a = swung(fixed(1e-3, q_snes_stol=1e-11))[0]
     b = swung(fixed(1e-3, **PLAIN, snes_rtol=1e-12))[0]
     assert np.abs(a - b).max() < 1e-8
@@ -115,8 +114,7 @@ def test_condensed_and_plain_newton_are_one_method():
 
 @pytest.mark.parametrize("kind", ["bdf", "arkimex", "rosw", "theta"])
 def test_adaptive_steps_of_other_integrators(reference, kind):
-    """Error control works with the plain system: rows of rates and of prescribed components are left out of
-    it."""
+    """Error control of the first-order system leaves out rows of rates and of prescribed components."""
     end, _, integrator = swung({"ts_type": kind, "ts_rtol": 1e-4, **PLAIN})
     assert np.abs(end - reference).max() < 2e-3
     assert 10 < integrator.counters.steps < 2000
@@ -126,7 +124,7 @@ def test_adaptive_steps_of_other_integrators(reference, kind):
     "name", ["q_snes_type newtonls", "q_snes_linesearch_type bt", "q_pc_type lu", "ts_bdf_order 1"]
 )
 def test_options_of_the_condensed_newton(reference, name):
-    """Other solvers of the condensed system reach the same motion."""
+    """Other solvers of the condensed system compute the same motion."""
     key, value = name.split()
     end, _, _ = swung(fixed(5e-4, **{key: value}))
     assert np.abs(end - reference).max() < (5e-3 if "order" in key else 1e-4)
@@ -134,7 +132,8 @@ def test_options_of_the_condensed_newton(reference, name):
 
 @pytest.mark.parametrize("kind", ["rk", "euler", "ssp", "alpha2", "basicsymplectic"])
 def test_integrators_that_cannot_treat_prescribed_rows_are_refused(kind, tmp_path):
-    """Explicit and second-order integrators: bad input, with what is allowed, and nothing is written."""
+    """Explicit and second-order integrators are bad input: the message lists allowed ones, and nothing is
+    written."""
     case = Case(
         string=[beam(10.0, 1, 1e8, 1e6, 1e6, 10.0, 0.1)],
         top="clamped",
@@ -148,7 +147,7 @@ def test_integrators_that_cannot_treat_prescribed_rows_are_refused(kind, tmp_pat
 
 # ---------------------------------------------------------------------- steps that fail
 def spoil(system, every: int, component: str = "beam") -> list[int]:
-    """Make the rows of a room's first element not a number in every ``every``-th evaluation; returns the
+    """Set the rows of the first element of a component to nan in every ``every``-th evaluation; returns the
     counter of evaluations."""
     ready, count = next(b for b in system.assembly.bound_blocks if b.block.name == component), [0]
     kernel, first = ready.residual, int(ready.index[0, 0])
@@ -164,12 +163,12 @@ def spoil(system, every: int, component: str = "beam") -> list[int]:
 
 
 @pytest.mark.parametrize(("plain", "every"), [(False, 7), (True, 41)])
-def test_a_step_that_fails_is_cut_not_accepted(reference, plain, every):
-    """As P30: every 7th evaluation fails; the motion is that of the undisturbed run within ten times the
-    tolerance.
+def test_a_failed_step_is_reduced_not_accepted(reference, plain, every):
+    """Every 7th evaluation fails: the motion is that of the undisturbed run within ten times the tolerance
+    (manual: verif-failed-steps).
 
-    (Every 41st with newtonls, whose line search spends more evaluations on a step and survives some of the
-    failures.)
+    Every 41st with newtonls, whose line search needs more evaluations per step and tolerates some of the
+    failures.
     """
     model, taken = swinging(), []
     count = spoil(model.system, every)
@@ -187,9 +186,9 @@ def test_a_step_that_fails_is_cut_not_accepted(reference, plain, every):
 
 
 @pytest.mark.parametrize("plain", [False, True])
-def test_a_run_that_cannot_go_on_says_where(plain):
-    """From 0.05 s on the second element's rows are not a number: the error names time, room, element and
-    measured depth."""
+def test_a_failed_run_names_the_place(plain):
+    """From 0.05 s on the rows of the second element are nan: the error names time, component, element and
+    measured depth (manual: verif-failed-steps)."""
     model = swinging()
     system = model.system
     ready, now = next(b for b in system.assembly.bound_blocks if b.block.name == "beam"), [0.0]
@@ -211,8 +210,8 @@ def test_a_run_that_cannot_go_on_says_where(plain):
     assert (error.component, error.element, error.measured_depth) == ("beam", 1, pytest.approx(0.125))
 
 
-def test_a_run_that_fails_keeps_what_it_wrote(tmp_path, monkeypatch):
-    """Through the user's door: SolveError (exit status 1), the history up to the failure stays."""
+def test_a_failed_run_keeps_its_output(tmp_path, monkeypatch):
+    """SolveError (exit status 1) from run(): the history up to the failure remains."""
     case = Case(
         string=[{"kind": "pipe", "length": 10.0, "od": 0.127, "id": 0.1}],
         top={"kind": "top_drive", "rotation": 5.0},
@@ -240,8 +239,8 @@ def test_a_run_that_fails_keeps_what_it_wrote(tmp_path, monkeypatch):
     assert 0.25 < times[-1] <= 0.3 + 1e-9
 
 
-def test_options_are_back_after_a_run():
-    """One scene's solver does not choose for the next."""
+def test_options_are_restored_after_a_run():
+    """The solver options of one case do not affect the next."""
     before = PETSc.Options().getAll()
     swung(fixed(1e-2, ts_type="theta"))
     assert PETSc.Options().getAll() == before

@@ -1,5 +1,5 @@
-"""Free and damped motion against independent integration and closed forms; what friction and impacts do to a
-short string."""
+"""Free and damped motion against independent integration and closed forms; friction and impacts of a short
+string."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from drillpetsc.geometry.well import Well
 from drillpetsc.physics.contact import Contact, ContactLaw
 from drillpetsc.physics.rigid_bodies import RigidBodies
 from tests.helpers import moving
-from tests.helpers.motion import beam, fixed, integrate, straight, watched
+from tests.helpers.motion import beam, fixed, integrate, sampled, straight
 
 
 def rod(system) -> tuple[np.ndarray, np.ndarray]:
@@ -38,8 +38,8 @@ def rod(system) -> tuple[np.ndarray, np.ndarray]:
 
 # ---------------------------------------------------------------------- free motion
 def tumble(step: float, end: float) -> tuple[float, float, float]:
-    """A stiff free string that tumbles and spins, no forces: change of momentum, relative ones of energy and
-    angular momentum."""
+    """A stiff free string that tumbles and spins without forces: change of momentum, relative changes of
+    energy and angular momentum."""
     model = straight(string=[beam(2.0, 6, 1e7, 4e3, 30.0, 1.0, 0.05)], top="free", bottom="free", gravity=0.0)
     m = model.system
     turn = np.array([1.0, 2.0, 0.0])
@@ -50,7 +50,7 @@ def tumble(step: float, end: float) -> tuple[float, float, float]:
     integrate(m, end, fixed(step, q_snes_stol=1e-10))
     assert np.any(m.frames.reference != reference) == (
         end > 1.0
-    )  # reference frames are renewed beyond 120 degrees
+    )  # reference frames are updated beyond 120 degrees
     q, k = rod(m)
     return (
         float(np.abs(q - p).max()),
@@ -60,8 +60,8 @@ def tumble(step: float, end: float) -> tuple[float, float, float]:
 
 
 def test_free_tumbling_string_keeps_momentum_and_nearly_energy():
-    """Momentum to rounding (a linear invariant of BDF); energy and angular momentum drift with order 2, also
-    past renewals of reference frames."""
+    """Momentum is conserved to rounding (a linear invariant of BDF); energy and angular momentum change with
+    order 2, also across updates of the reference frames (manual: verif-free-tumbling)."""
     runs = np.array([tumble(h, 0.8) for h in (0.01, 0.005, 0.0025)])
     assert np.all(runs[:, 0] < 1e-10)
     assert np.log2(runs[:-1, 1:] / runs[1:, 1:]) == pytest.approx(2.0, abs=0.15)
@@ -73,8 +73,8 @@ SWING = 0.4
 
 
 def pendulum():
-    """The strip of the first benchmark with four elements, hinged and horizontal; its weight sets in within
-    0.2 s, as a half cosine, so that no ringing of unresolved modes hides the order."""
+    """The strip of the first benchmark with four elements, hinged and horizontal. Its weight increases within
+    0.2 s as a half cosine, so that no unresolved modes are excited."""
     weight = {"from": 0.0, "to": 0.5, "force": [0, 0, 0.02 * 9.81], "value_over": {"ramp": 0.2, "value": 1.0}}
     return straight(
         string=[beam(0.5, 4, 2000.0, 6.6666667e-4, 1e-3, 0.02, 1.7333e-7)],
@@ -87,8 +87,8 @@ def pendulum():
 
 @pytest.fixture(scope="module")
 def independent() -> np.ndarray:
-    """Tip of the pendulum after SWING by DOP853 on M a = -R(x, y, a = 0), written out here without the time
-    integration of the package."""
+    """Tip of the pendulum after SWING by DOP853 on M a = -R(x, y, a = 0), without the time integration of the
+    package."""
     m = pendulum().system
     asm, layout = m.assembly, m.layout
     M = moving.matrices(m)[2]
@@ -124,8 +124,8 @@ def test_flexible_pendulum_converges_with_order_two(independent):
     assert errors[-1] < 2e-4
 
 
-def test_tolerance_rules_the_error_of_the_pendulum(independent):
-    """-ts_rtol a hundred times smaller: more steps, and an error at least ten times smaller, against the
+def test_tolerance_controls_the_error_of_the_pendulum(independent):
+    """A hundred times smaller -ts_rtol gives more steps and an error at least ten times smaller, against the
     independent integrator."""
     (coarse, few), (fine, many) = (
         swing_error(independent, {"ts_rtol": tolerance}) for tolerance in (1e-3, 1e-5)
@@ -135,8 +135,8 @@ def test_tolerance_rules_the_error_of_the_pendulum(independent):
 
 # ---------------------------------------------------------------------- torsion
 def test_torsional_frequencies_with_a_heavy_bit():
-    """P24: 2000 m of drill pipe, J = 300 kg m2 at the free end: c tan x = (string inertia)/J with x = omega
-    L/c; .180895 and .840968 Hz."""
+    """2000 m of drill pipe, J = 300 kg m2 at the free end: x tan x = (string inertia)/J with x = omega L/c;
+    .180895 and .840968 Hz (manual: verif-torsion-modes)."""
     pipe = {"kind": "pipe", "length": 2000.0, "od": 0.127, "id": 0.1086, "element_length": 20.0}
     bit = {"kind": "body", "length": 0.0, "mass": 1.0, "inertia": {"axial": 300.0, "transverse": 1.0}}
     m = straight(
@@ -162,10 +162,9 @@ def test_torsional_frequencies_with_a_heavy_bit():
     assert found == pytest.approx(exact, rel=1e-4)
 
 
-def test_a_jump_of_the_rotation_through_the_whole_program(tmp_path):
-    """A time that stands twice: the surface torque is Z_t (296.371 N m s) times 2 rad/s from the jump on, and
-    nothing before; the first characteristic is back after 2L/c = 1.26 s (1000 m of open-ended pipe at 0.63
-    s)."""
+def test_a_jump_of_the_rotation_in_a_case_file(tmp_path):
+    """A time that occurs twice is a jump: from then on the surface torque is Z_t (296.371 N m s) times 2
+    rad/s, before it zero. The first reflection returns after 2L/c = 1.26 s (1000 m of open-ended pipe)."""
     rotation = {"time": [0.0, 0.2, 0.2, 1.0], "value": [0.0, 0.0, 2.0, 2.0]}
     case = Case(
         string=[{"kind": "pipe", "length": 1000.0, "od": 0.127, "id": 0.1086}],
@@ -198,7 +197,7 @@ OMEGA = (np.pi / LENGTH) ** 2 * np.sqrt(1e4 / 10.0)  # first mode, hinged ends
 
 
 class Spinning(Component):
-    """A node that is kept in place (where ``held``) and turns at a given speed, free to tilt."""
+    """A node with a given spin, free to tilt; with ``held`` its position is fixed."""
 
     def __init__(self, vertex: int, position: np.ndarray, speed: float, held: bool = True):
         D = np.zeros((4, 7))
@@ -215,7 +214,7 @@ class Spinning(Component):
 
 
 def hinged_shaft(n: int, speed: float, eccentricity: np.ndarray | None = None, **damping):
-    """Shaft that turns between hinges; spin already there."""
+    """Rotating shaft between hinges, with its spin at the start."""
     mesh = uniform_string(LENGTH, n, **SHAFT, **damping)
     components = [lambda f, p, t: Spinning(0, p[0], speed), lambda f, p, t: Spinning(n, p[n], speed)]
     if eccentricity is not None:
@@ -244,7 +243,7 @@ def orbit(system, n: int) -> float:
 
 def growth(speed: float, turns: float, **damping) -> float:
     """Growth rate of the amplitude of forward whirl in the first mode [1/s]: log of sqrt(x^2 + (x'/omega)^2)
-    over some turns."""
+    over several turns."""
     n = 8
     system = hinged_shaft(n, speed, **damping)
     bend(system, 1e-4, 0.0, "x")
@@ -261,8 +260,9 @@ def growth(speed: float, turns: float, **damping) -> float:
 
 @pytest.mark.parametrize("share", [0.7, 1.3])
 def test_internal_damping_whirl_in_a_run(share):
-    """Forward whirl of a turning shaft grows at (c_i (Omega/omega - 1) - c_e)/2, c_i = beta omega^2, c_e =
-    alpha: zero at Omega = omega (1 + c_e/c_i), the threshold (first order in the damping)."""
+    """Forward whirl of a rotating shaft grows at (c_i (Omega/omega - 1) - c_e)/2, c_i = beta omega^2, c_e =
+    alpha; the threshold is Omega = omega (1 + c_e/c_i), to first order in the damping (manual:
+    verif-internal-damping-whirl)."""
     beta, alpha = 0.01 / OMEGA, 0.01 * OMEGA
     speed = share * OMEGA * (1 + alpha / (beta * OMEGA**2))
     rate = 0.5 * (beta * OMEGA**2 * (speed / OMEGA - 1) - alpha)
@@ -271,19 +271,19 @@ def test_internal_damping_whirl_in_a_run(share):
 
 @pytest.mark.parametrize("ratio", [0.5, 1.5])
 def test_synchronous_whirl_amplitude(ratio):
-    """Eccentricity e sin(pi s/L), which is the first mode: started on the orbit e q/(1 - q), q =
-    (Omega/omega)^2, the shaft stays on it."""
+    """Eccentricity e sin(pi s/L), the shape of the first mode: started on the orbit e q/(1 - q), q =
+    (Omega/omega)^2, the shaft stays on it (manual: verif-synchronous-whirl)."""
     n, e, speed = 32, 1e-3, ratio * OMEGA
     q = ratio**2
     system = hinged_shaft(n, speed, e * np.sin(np.pi * (np.arange(n) + 0.5) / n))
-    amplitude, watched = e * q / (1 - q), []
+    amplitude, sampled = e * q / (1 - q), []
     second = system.frames.second[0]  # the eccentricity points this way at t = 0
     bend(system, *(amplitude * second[:2]), "x")
     bend(system, *(speed * amplitude * np.array([-second[1], second[0]])), "y")
     integrate(
-        system, 3 * 2 * np.pi / OMEGA, fixed(0.02 / OMEGA), lambda t, dt: watched.append(orbit(system, n))
+        system, 3 * 2 * np.pi / OMEGA, fixed(0.02 / OMEGA), lambda t, dt: sampled.append(orbit(system, n))
     )
-    assert np.array(watched) == pytest.approx(abs(amplitude), rel=0.01)
+    assert np.array(sampled) == pytest.approx(abs(amplitude), rel=0.01)
 
 
 # ---------------------------------------------------------------------- contact
@@ -307,17 +307,17 @@ def block(well: Well, law: ContactLaw, radius: float, components=(), mass: float
 
 
 def test_three_impacts_in_a_row():
-    """P05: from 1 m/s, between the walls of a hole: .5, .33670, .25428."""
+    """From 1 m/s between the walls of a hole: speeds .5, .33670, .25428 (manual: verif-repeated-impacts)."""
     system = block(hole(0.102, 0.3), ContactLaw(restitution=0.5), 0.1)
     system.set_field("string.position", np.tile([1.0, 0, 0], (2, 1)), "y")
-    watch = [lambda m, w=w: m.field("string.position", w)[0, 0] for w in "xy"]
-    rows = watched(system, 0.035, lambda m: [f(m) for f in watch], ts_rtol=1e-6, ts_dt=1e-5)
+    sample = [lambda m, w=w: m.field("string.position", w)[0, 0] for w in "xy"]
+    rows = sampled(system, 0.035, lambda m: [f(m) for f in sample], ts_rtol=1e-6, ts_dt=1e-5)
     flight = (rows[:-1, 1] * rows[1:, 1] < 0).nonzero()[0]  # steps across the middle of the hole
     assert np.abs(rows[flight, 2]) == pytest.approx([0.5, 0.33670, 0.25428], rel=0.01)
 
 
 def whirl(friction: float) -> tuple[float, float]:
-    """Rate [rad/s] and orbit radius [m] of a shaft at 120 rpm that friction drives from half the rolling
+    """Rate [rad/s] and orbit radius [m] of a shaft at 120 rpm, driven by friction from half the rolling
     speed."""
     speed, pipe, wall = 4 * np.pi, 0.0857, 0.108
     components = [lambda f, p, t, k=k: Spinning(k, p[k], speed, held=False) for k in (0, 1)]
@@ -326,7 +326,7 @@ def whirl(friction: float) -> tuple[float, float]:
     system.set_field("string.position", np.array([[start, 0, 0], [start, 0, 1.0]]))
     system.set_field("string.position", np.tile([0, -0.5 * speed * pipe, 0], (2, 1)), "y")
     system.set_field("string.spin", np.full((2, 1), speed), "y")
-    rows = watched(
+    rows = sampled(
         system,
         0.8,
         lambda m: [*m.field("string.position")[0, :2], *m.field("string.position", "y")[0, :2]],
@@ -339,9 +339,9 @@ def whirl(friction: float) -> tuple[float, float]:
 
 
 def test_backward_whirl_comes_from_friction_alone():
-    """P11: starting at half the rolling speed friction brings the whirl to -omega R_s/orbit radius (-48.2932
-    rad/s for a rigid wall), to
-    0.5 %; the rate does not depend on the friction coefficient, to 1e-4."""
+    """Started at half the rolling speed, friction accelerates the whirl to -omega R_s/orbit radius (-48.2932
+    rad/s for a rigid wall), within 0.5 %; the rate does not depend on the friction coefficient, within 1e-4
+    (manual: verif-backward-whirl)."""
     rates = []
     for friction in (0.1, 0.25, 0.5):
         rate, radius = whirl(friction)

@@ -1,4 +1,4 @@
-"""Damping by the material, impacts and friction on the wall against closed forms; whirl is in
+"""Material damping, impacts and friction on the wall against closed forms; whirl is in
 test_dynamics_motion."""
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.contact import Contact, ContactLaw, damping_factor
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad
-from tests.helpers.motion import watched
+from tests.helpers.motion import sampled
 from tests.helpers.moving import matrices, straight_model
 
 SHAFT = {
@@ -30,7 +30,7 @@ def shaft(n: int, **more):
 
 
 def _free(system) -> np.ndarray:
-    """Unknowns left by hinges at both ends that leave the direction free: no position of the ends, no spin of
+    """Free unknowns of a string between hinges with free direction: without positions of the ends and spin of
     the top."""
     place = system.layout.dofs
     gone = {*place["string.position"][0], *place["string.position"][-1], place["string.spin"][0, 0]}
@@ -46,7 +46,7 @@ def _roots(system) -> np.ndarray:
 
 
 def test_kelvin_voigt_damps_a_bending_mode_with_beta_omega_squared_over_two():
-    """sigma = E (eps + beta eps'): each mode decays at beta omega^2 / 2 (closed form)."""
+    """sigma = E (eps + beta eps'): each mode decays at beta omega^2 / 2 (manual: verif-kelvin-voigt)."""
     beta = 1e-3
     roots = _roots(straight_model(shaft(16, stiffness_damping=beta)))
     for mode in (1, 2, 3):
@@ -82,13 +82,13 @@ def _block(law: ContactLaw, speed: float):
 @pytest.mark.parametrize("restitution", [0.8, 0.5, 0.2])
 @pytest.mark.parametrize("law, stiffness", [("linear", 1e8), ("hertz", 1e9)])
 def test_restitution_of_an_impact(law, stiffness, restitution, tolerance, share):
-    """P04: 25 kg at 1 m/s against 1e8 N/m (linear) or 1e9 N/m^1.5 (Hertz) with the factor from d(1+e) =
-    ln((1+d)/(1-de)): rebound e, to
-    0.5 % at -ts_rtol 1e-5; to 2 % at the default 1e-4."""
+    """25 kg at 1 m/s against 1e8 N/m (linear) or 1e9 N/m^1.5 (Hertz) with the factor from d(1+e) =
+    ln((1+d)/(1-de)): rebound e within 0.5 % at -ts_rtol 1e-5, within 2 % at the default 1e-4 (manual:
+    verif-impact-restitution)."""
     system = _block(
         ContactLaw(stiffness=stiffness, law=law, restitution=restitution, slip_velocity=1e-2), 1.0
     )
-    rows = watched(system, 0.0065, lambda m: m.field("string.position", "y")[0, 0], ts_rtol=tolerance)
+    rows = sampled(system, 0.0065, lambda m: m.field("string.position", "y")[0, 0], ts_rtol=tolerance)
     assert rows[-1, 1] == pytest.approx(-restitution, rel=share)
 
 
@@ -96,9 +96,10 @@ def test_restitution_of_an_impact(law, stiffness, restitution, tolerance, share)
     "law, stiffness, depth",
     [("linear", 1e8, 5.0e-4), ("hertz", 1e9, 9.952679e-4), ("hertz_point", 1e9, 0.75427e-3)],
 )
-def test_positions_are_as_exact_as_impacts_are_deep(law, stiffness, depth):
-    """P06: elastic depths of 25 kg/m at 1 m/s; a law per point has half of the mass on each of two points of
-    a 1 m element, which makes it 2^-0.4 as deep.  A soft wall leaves the usual scale of positions."""
+def test_position_tolerance_follows_the_depth_of_impacts(law, stiffness, depth):
+    """Elastic depths of 25 kg/m at 1 m/s (manual: verif-elastic-impact). A law per point has half of the mass
+    on each of two points of a 1 m element, which multiplies the depth by 2^-0.4. For a soft wall the default
+    scale of positions remains."""
     system = _block(ContactLaw(stiffness=stiffness, law=law), 1.0)
     scale = system.scale[system.layout.dofs["string.position"].ravel()]
     assert scale == pytest.approx(depth, rel=1e-5)
@@ -108,7 +109,7 @@ def test_positions_are_as_exact_as_impacts_are_deep(law, stiffness, depth):
 
 @pytest.mark.parametrize("restitution, factor", [(0.8, 0.3731462), (0.5, 1.4327505), (0.2, 4.9191667)])
 def test_damping_factor(restitution, factor):
-    """P04: d of d(1+e) = ln((1+d)/(1-de))."""
+    """Damping factor d of d(1+e) = ln((1+d)/(1-de)) (manual: verif-impact-restitution)."""
     assert damping_factor(restitution, 1.0) == pytest.approx(factor, rel=1e-6)
 
 
@@ -117,10 +118,10 @@ def test_damping_factor(restitution, factor):
     [("linear", 1e8, 1.570796e-3, 5.0e-4), ("hertz", 1e9, 2.929347e-3, 9.952679e-4)],
 )
 def test_elastic_impact_duration_and_depth(law, stiffness, duration, depth):
-    """P06: elastic impact of 25 kg at 1 m/s, durations and penetrations of the linear and the Hertz spring
-    (exact)."""
+    """Elastic impact of 25 kg at 1 m/s: exact durations and depths of the linear and the Hertz spring
+    (manual: verif-elastic-impact)."""
     system = _block(ContactLaw(stiffness=stiffness, law=law, restitution=1.0), 1.0)
-    rows = watched(
+    rows = sampled(
         system, 0.007, lambda m: m.field("string.position")[0, 0] + 0.1 - 0.102, ts_rtol=1e-7, ts_dt=1e-5
     )
     t, deep = rows.T
@@ -130,9 +131,9 @@ def test_elastic_impact_duration_and_depth(law, stiffness, duration, depth):
     assert crossing[1] - crossing[0] == pytest.approx(duration, rel=0.01)
 
 
-def test_regularised_friction_creeps_as_it_must():
-    """P08: F = mu N / 2 on a pipe that lies in a horizontal hole: v = eps F / sqrt((mu N)^2 - F^2) =
-    5.7735e-4 m/s at eps = 1e-3."""
+def test_creep_of_regularised_friction():
+    """F = mu N / 2 on a pipe in a horizontal hole: v = eps F / sqrt((mu N)^2 - F^2) = 5.7735e-4 m/s at eps =
+    1e-3 (manual: verif-friction-creep)."""
     mesh = uniform_string(
         1.0,
         1,
@@ -157,7 +158,7 @@ def test_regularised_friction_creeps_as_it_must():
     )
     system.set_field("string.position", position + np.array([0, 0, 0.002 + weight / 1e7]))
     system.set_field("string.tangent", tangent)
-    rows = watched(
+    rows = sampled(
         system, 0.2, lambda m: m.field("string.position", "y")[0] @ tangent[0], ts_rtol=1e-7, ts_dt=1e-5
     )
     # the pipe rocks a little on its elastic bed, undamped at this size: the mean creeps
@@ -165,8 +166,8 @@ def test_regularised_friction_creeps_as_it_must():
 
 
 def test_wall_brake_stops_a_spinning_pipe():
-    """P09: J = 20 kg m2 at 15 rad/s, N = 2000 N, mu = 0.3, R = 0.0635 m: stops at 7.8740 s after 9.3989
-    revolutions."""
+    """J = 20 kg m2 at 15 rad/s, N = 2000 N, mu = 0.3, R = 0.0635 m: the pipe stops at 7.8740 s after 9.3989
+    revolutions (manual: verif-wall-brake)."""
     hole = Well.from_survey(np.array([0.0, 50.0]), np.zeros(2), np.zeros(2), [50.0], [0.0655], [0.3])
     mesh = uniform_string(
         1.0,
@@ -187,7 +188,7 @@ def test_wall_brake_stops_a_spinning_pipe():
     system = straight_model(mesh, components)
     system.set_field("string.position", np.array([pressed, pressed + [0, 0, 1.0]]))
     system.set_field("string.spin", np.full((2, 1), 15.0), "y")
-    rows = watched(
+    rows = sampled(
         system, 8.5, lambda m: [m.field("string.spin", "y")[0, 0], m.field("string.spin")[0, 0]], ts_rtol=1e-5
     )
     t, speed, angle = rows.T

@@ -10,7 +10,7 @@ import pytest
 from drillpetsc.fem.string_mesh import tube, uniform_string
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad, TopDrive
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
-from tests.helpers.motion import watched
+from tests.helpers.motion import sampled
 from tests.helpers.moving import straight_model
 
 PIPE = tube(0.127, 0.1086, 206e9, 0.3, 7850.0)
@@ -27,15 +27,15 @@ def bit_speed(system):
 
 
 def test_torque_step_plateau_and_top_torque():
-    """P23: 2 kN m on the free end of 2000 m of pipe: bit speed T/Z = 6.74829 rad/s until 2L/c, then its
-    negative; top torque 2T.
+    """2 kN m on the free end of 2000 m of pipe: bit speed T/Z = 6.74829 rad/s until 2L/c, then its negative;
+    top torque 2T (manual: verif-torque-step).
 
     Characteristics of the torsional wave, Z = GJ/c = 296.371 N m s.
     """
     n = 200
     mesh = uniform_string(LENGTH, n, **PIPE)
     system = straight_model(mesh, [clamp, lambda f, p, t: Loads((NodeLoad(n, moment=(0, 0, 2000.0)),), f)])
-    rows = watched(
+    rows = sampled(
         system,
         2.4,
         lambda m: [bit_speed(m), m.reaction("top.torque_reaction")],
@@ -54,29 +54,29 @@ def test_torque_step_plateau_and_top_torque():
 
 @pytest.mark.parametrize("kind, speed", [("torsion", 3176.96), ("axial", 5122.70)])
 def test_arrival_of_a_wave(kind, speed):
-    """P22: half level at the bottom after L/c: .629532 s torsion, .390419 s axial, from a short half-cosine
-    start at the top."""
+    """Half the level at the bottom after L/c: .629532 s torsion, .390419 s axial, from a short half-cosine
+    start at the top (manual: verif-wave-arrival)."""
     n = 400
     mesh = uniform_string(LENGTH, n, **PIPE)
     zero, start = Constant(0.0), Ramp(0.04, 0.1)
     inputs = (start, zero) if kind == "torsion" else (zero, start)
     system = straight_model(mesh, [lambda f, p, t: TopDrive(p[0], t[0], *inputs)])
 
-    def watch(m):
+    def sample(m):
         return (
             m.field("string.spin", "y")[-1, 0]
             if kind == "torsion"
             else m.field("string.position", "y")[-1, 2]
         )
 
-    t, value = watched(system, LENGTH / speed + 0.06, watch, (0.04,), ts_adapt_type="none", ts_dt=5e-4).T
+    t, value = sampled(system, LENGTH / speed + 0.06, sample, (0.04,), ts_adapt_type="none", ts_dt=5e-4).T
     half = np.interp(0.1, value, t)  # the free end doubles the wave: half of 2 x 0.1
     assert half - 0.02 == pytest.approx(LENGTH / speed, rel=0.01)
 
 
 def test_spin_up_against_the_exact_torsional_wave():
-    """Top speed a half cosine to 80 rpm in 2 s: bit speed is the sum of delayed inputs (method of
-    characteristics, exact)."""
+    """Top speed a half cosine to 80 rpm in 2 s: the bit speed is the sum of delayed inputs (method of
+    characteristics, exact; manual: verif-spin-up)."""
     n, top = 225, 80 * 2 * np.pi / 60
     mesh = uniform_string(LENGTH, n, **PIPE)
     system = straight_model(mesh, [lambda f, p, t: TopDrive(p[0], t[0], Ramp(2.0, top), Constant(0.0))])
@@ -92,23 +92,23 @@ def test_spin_up_against_the_exact_torsional_wave():
     for dt in (0.02, 0.01, 0.005):
         system.set_field("string.spin", np.zeros((n + 1, 1)))
         system.assembly.y[:] = 0
-        t, speed = watched(system, 5.0, bit_speed, (2.0,), ts_adapt_type="none", ts_dt=dt).T
+        t, speed = sampled(system, 5.0, bit_speed, (2.0,), ts_adapt_type="none", ts_dt=dt).T
         errors.append(np.sqrt(np.mean((speed - exact(t)) ** 2)) / top)
     assert errors[-1] < 5e-4
     assert errors[0] > errors[1] > errors[2]
-    # adaptive: the tolerance rules number of steps and error
+    # adaptive: the tolerance controls number of steps and error
     counts = []
     for tolerance in (1e-3, 1e-5):
         system.set_field("string.spin", np.zeros((n + 1, 1)))
         system.assembly.y[:] = 0
-        t, speed = watched(system, 5.0, bit_speed, (2.0,), ts_rtol=tolerance).T
+        t, speed = sampled(system, 5.0, bit_speed, (2.0,), ts_rtol=tolerance).T
         counts.append((len(t), np.sqrt(np.mean((speed - exact(t)) ** 2)) / top))
     assert counts[1][0] > 1.5 * counts[0][0] and counts[1][1] < 0.3 * counts[0][1]
 
 
 def test_order_in_time_is_two():
     """Free torsional vibration in the first mode, phi = A cos(omega t) sin(pi s / 2L), clamped-free: BDF2
-    converges with order 2."""
+    converges with order 2 (manual: verif-order-in-time)."""
     n = 40
     mesh = uniform_string(LENGTH, n, **PIPE)
     omega = np.pi * TORSION / (2 * LENGTH)
@@ -118,7 +118,7 @@ def test_order_in_time_is_two():
     for dt in steps:
         system = straight_model(mesh, [clamp])
         system.set_field("string.spin", shape[:, None])
-        t, angle = watched(
+        t, angle = sampled(
             system, 2.0, lambda m: m.field("string.spin")[-1, 0], ts_adapt_type="none", ts_dt=dt
         ).T
         errors.append(abs(angle[-1] - np.cos(omega * t[-1])))
@@ -129,8 +129,8 @@ def test_order_in_time_is_two():
 
 def test_axial_wave_at_a_section_change():
     """Force step on the free end of a collar below a pipe: the reflected velocity is (Z2 - Z1)/(Z1 + Z2) of
-    the incident one, Z = sqrt(EA mu) (plane waves in stepped bars); seen at the loaded end as v0 (1 + 2 r).
-    The junction works in dynamics."""
+    the incident one, Z = sqrt(EA mu) (plane waves in stepped bars), so the loaded end has v0 (1 + 2 r)
+    (manual: verif-wave-section-change)."""
     n, force = 200, 1e4
     collar = tube(0.1778, 0.0714, 206e9, 0.3, 7850.0)
     mesh = uniform_string(LENGTH, n, **PIPE)
@@ -143,7 +143,7 @@ def test_axial_wave_at_a_section_change():
     system = straight_model(
         mesh, [clamp, lambda f, p, t: Loads((NodeLoad(n, force=(0, 0, force), factor=ramp.value),), f)]
     )
-    t, speed = watched(
+    t, speed = sampled(
         system,
         0.72,
         lambda m: m.field("string.position", "y")[-1, 2],
@@ -162,7 +162,8 @@ def test_axial_wave_at_a_section_change():
 
 
 def test_a_spinning_hung_string_keeps_its_speed_for_1000_revolutions():
-    """No torque, no damping: the spin rate does not drift (phi = Omega t is exact for BDF)."""
+    """Without torque and damping the spin rate is constant (phi = Omega t is exact for BDF; manual:
+    verif-steady-spin)."""
     n, speed = 10, 80 * 2 * np.pi / 60
     mesh = uniform_string(100.0, n, **PIPE)
     system = straight_model(
@@ -174,7 +175,7 @@ def test_a_spinning_hung_string_keeps_its_speed_for_1000_revolutions():
     system.set_field("string.position", np.column_stack([0 * s, 0 * s, s + stretch]))
     system.set_field("string.tangent", np.column_stack([0 * s, 0 * s, 1 + strain]))
     system.set_field("string.spin", np.full((n + 1, 1), speed), "y")
-    rows = watched(
+    rows = sampled(
         system, 750.0, lambda m: m.field("string.spin", "y")[:, 0], ts_adapt_type="none", ts_dt=0.25
     )
     assert np.abs(rows[-1, 1:] / speed - 1).max() < 1e-9
@@ -182,13 +183,13 @@ def test_a_spinning_hung_string_keeps_its_speed_for_1000_revolutions():
     assert angle == pytest.approx(speed * 750.0, rel=1e-9)
 
 
-def test_a_jump_of_the_top_speed_is_landed_on():
-    """A rotation that jumps at 0.5 s: the run steps exactly there, and the bit sees twice the jump after
-    L/c."""
+def test_a_step_ends_at_a_jump_of_the_top_speed():
+    """Rotation with a jump at 0.5 s: a step ends there, and the bit has twice the jump after L/c (manual:
+    verif-speed-jump)."""
     jump = PiecewiseLinear((0.0, 0.5, 0.5, 5.0), (0.0, 0.0, 1.0, 1.0))
     mesh = uniform_string(LENGTH, 100, **PIPE)
     system = straight_model(mesh, [lambda f, p, t: TopDrive(p[0], t[0], jump, Constant(0.0))])
-    rows = watched(system, 1.6, bit_speed, jump.breaks(), ts_rtol=1e-4)
+    rows = sampled(system, 1.6, bit_speed, jump.breaks(), ts_rtol=1e-4)
     t, speed = rows.T
     assert np.min(np.abs(t - 0.5)) < 1e-12
     assert np.abs(speed[t < 0.9]).max() < 0.02

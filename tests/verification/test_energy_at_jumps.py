@@ -1,4 +1,4 @@
-"""The books of energy where a prescribed motion changes its rate at once."""
+"""Energy balance at a jump of a prescribed velocity (manual: verif-energy-at-jumps)."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from drillpetsc import Case, run
 from drillpetsc.output import read_table
 
 
-def test_a_jump_of_rotation_leaves_no_gap_in_the_books(tmp_path):
-    """A hung pipe whose top jumps from 60 to 90 rpm: the drive supplies impedance GJ/c times the jump times
-    its new speed (d'Alembert), and the balance closes before and after."""
+def test_a_jump_of_rotation_keeps_the_energy_balance(tmp_path):
+    """A hanging pipe whose top speed jumps from 60 to 90 rpm: the drive supplies impedance GJ/c times the
+    jump times the new speed (d'Alembert), and the energy balance closes before and after the jump."""
     pipe = {"kind": "pipe", "length": 200, "od": 0.127, "id": 0.1086, "element_length": 5}
     rotation = {"time": [0, 0.02, 0.02, 1], "value": ["60 rpm", "60 rpm", "90 rpm", "90 rpm"]}
     case = Case(
@@ -33,7 +33,6 @@ def test_a_jump_of_rotation_leaves_no_gap_in_the_books(tmp_path):
     gained = np.polyfit(t[late], stored[late], 1)[0]
     expected = impedance * jump * 3 * np.pi
     assert gained == pytest.approx(expected, rel=0.02)
-    # the books take the jump's own work from the balance, so what the string gains at the jump is checked
-    # without them
+    # the energy balance includes the work of the jump, so the energy gained at the jump is checked separately
     assert stored[-1] - stored[0] == pytest.approx(expected * (t[-1] - 0.02), rel=0.005)
     assert np.abs(h["energy_error [J]"]).max() < 2e-3 * stored.max()

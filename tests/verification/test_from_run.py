@@ -1,4 +1,4 @@
-"""A run that starts from the state another run has ended in."""
+"""A run that starts from the final state of another run (manual: verif-from-run)."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from drillpetsc.output import read_table
 PIPE = {"kind": "pipe", "length": 100.0, "od": 0.127, "id": 0.1086, "element_length": 10.0}
 
 
-def test_a_turning_string_goes_on_from_a_run(tmp_path):
-    """A string in steady rotation and lowering has no torque and goes down by speed times time in each of two
-    runs (rigid motion); the second one's clock begins anew, its top drive at the angle and depth at which the
-    first one's ended."""
+def test_a_rotating_string_continues_from_a_run(tmp_path):
+    """A string in steady rotation and lowering has no torque, and moves down by speed times time in each of
+    two runs (rigid motion). The second run starts at time zero, with the top drive at the final angle and
+    depth of the first."""
     top = {"kind": "top_drive", "rotation": "60 rpm", "lowering": 0.1}
     first = run(Case(string=[PIPE], top=top, time={"end": 0.3}), tmp_path / "first")
     second = run(

@@ -1,8 +1,5 @@
-"""Formulation hermite against closed forms and against formulation mixed.
-
-Numbers of the wave tests: shared model page on the fluid, section 8.1 (frequencies of the form with cubic
-volumes) and check C12.
-"""
+"""Fluid formulation hermite against closed forms and against formulation mixed (manual: sec-mud-hermite,
+verif-hermite-frequencies, verif-hermite-pump-stop)."""
 
 from __future__ import annotations
 
@@ -14,10 +11,12 @@ from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.placement import move_rigidly, release
 from drillpetsc.case import Case
 from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.fem.quantity import Sample
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.flow_recorder import FlowRecorder
+from drillpetsc.output.mass_balance import MassBalance
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.channels import Bore
@@ -58,7 +57,7 @@ def loop(formulation: str, element: float = 50.0, **fluid) -> Case:
 
 
 def begun(case: Case, **settings):
-    """(scene at its start, integrator) of a case."""
+    """Initial model and integrator of a case."""
     with options.applied({name: str(value) for name, value in settings.items()}):
         model = build_model(case)
         integrator = TimeIntegrator(model.system)
@@ -68,12 +67,19 @@ def begun(case: Case, **settings):
     return model, integrator
 
 
+def measured(model, t: float) -> np.ndarray:
+    """(7,) pressures at pump and bit, flow rates out of the flow line, of the pump and through the bit, content,
+    cuttings."""
+    mud, sample = FlowRecorder(model.system, model.fluid), Sample(model.system, t)
+    ends = mud.pump_pressure, mud.bit_pressure, mud.outlet_flow, mud.pump_flow, mud.bit_flow
+    return np.array([value(sample) for value in (*ends, mud.content, mud.cuttings_flow)])
+
+
 def history(case: Case, dt: float, end: float):
-    """Times (k,), samples (k, 6) of ``FlowRecorder`` and the scene, with steps of ``dt`` [s]."""
+    """Times (k,), samples (k, 7) of ``measured`` and the model, with steps of ``dt`` [s]."""
     model, integrator = begun(case, ts_adapt_type="none", ts_dt=dt)
-    record = FlowRecorder(model.system, model.fluid)
-    rows = [(0.0, record.sample(0.0))]
-    integrator.after_step.append(lambda t, h: rows.append((t, record.sample(t))))
+    rows = [(0.0, measured(model, 0.0))]
+    integrator.after_step.append(lambda t, h: rows.append((t, measured(model, t))))
     run(integrator, model, end)
     return np.array([t for t, _ in rows]), np.array([v for _, v in rows]), model
 
@@ -83,7 +89,7 @@ def run(integrator: TimeIntegrator, model, end: float) -> None:
 
 
 def half_cosine(start: float, duration: float, flow: float) -> dict:
-    """The pump's way from ``flow`` to nothing."""
+    """Pump flow that decreases from ``flow`` to zero as a half cosine."""
     t = np.linspace(0, duration, 41)
     return {"time": [0, *(start + t)], "value": [flow, *(0.5 * flow * (1 + np.cos(np.pi * t / duration)))]}
 
@@ -91,7 +97,7 @@ def half_cosine(start: float, duration: float, flow: float) -> dict:
 # ---------------------------------------------------------------------- steady
 def test_steady_pressures_of_an_almost_incompressible_mud():
     """At a bulk modulus of 1e14 Pa and with rigid walls both forms have the exact sum of losses, also across
-    the change of section."""
+    the change of section (manual: verif-hermite-steady)."""
     found = {}
     for form in BOTH:
         model = build_model(loop(form, bulk_modulus=1e14, elastic_walls=False))
@@ -104,8 +110,8 @@ def test_steady_pressures_of_an_almost_incompressible_mud():
 
 
 def test_steady_circulation_by_the_sum_of_losses():
-    """The mud's own bulk modulus, both forms on two meshes: pump pressures agree to 1e-4, and the closer the
-    finer."""
+    """Bulk modulus of the mud, both forms on two meshes: the pump pressures differ by at most 1e-4, and less
+    on the finer mesh."""
     gap = []
     for element in (100.0, 50.0):
         found = []
@@ -120,7 +126,7 @@ def test_steady_circulation_by_the_sum_of_losses():
 
 # ---------------------------------------------------------------------- waves
 def frequencies(elements: int) -> np.ndarray:
-    """Angular frequencies over the exact a (k - 1/2) pi/L of a frictionless pipe, shut at its upper end and
+    """Angular frequencies over the exact a (k - 1/2) pi/L of a frictionless pipe, closed at its upper end and
     open at the lower."""
     length, bulk, density, area = 2000.0, 2e9, 1200.0, np.full(elements, 0.0093)
     mesh = uniform_string(length, elements, outer_diameter=0.127, inner_diameter=0.1086)
@@ -144,7 +150,7 @@ def frequencies(elements: int) -> np.ndarray:
     right, left = (
         np.ones(n),
         np.ones(n),
-    )  # rows of pressures are those of slopes times -bulk modulus: symmetric without it
+    )  # rows of pressures scaled by -1/bulk modulus are symmetric to those of slopes
     right[pressure], left[pressure] = bulk / length, -1 / length
     K, M = ((left[:, None] * A * right)[np.ix_(free, free)] for A in (matrix(1, 0, 0), matrix(0, 0, 1)))
     for A in (K, M):
@@ -154,8 +160,8 @@ def frequencies(elements: int) -> np.ndarray:
 
 
 def test_frequencies_are_of_sixth_order():
-    """Table 8.1: errors +9.1e-10, +4.1e-6, +1.5e-4 of modes 3, 11, 21 with 40 elements, order 5.8; largest
-    frequency 3.1 of mode 40's."""
+    """Errors +9.1e-10, +4.1e-6, +1.5e-4 of modes 3, 11, 21 with 40 elements, order 5.8; the largest frequency
+    is 3.1 times that of mode 40 (manual: verif-hermite-frequencies)."""
     coarse, fine, finer = frequencies(20) - 1, frequencies(40) - 1, frequencies(80) - 1
     assert fine[[2, 10, 20]] == pytest.approx([9.1e-10, 4.1e-6, 1.5e-4], rel=0.03)
     assert (fine[-1] + 1) * (len(fine) - 0.5) / 39.5 == pytest.approx(3.1, rel=0.02)
@@ -164,7 +170,7 @@ def test_frequencies_are_of_sixth_order():
 
 
 def water(string: list, flow: dict, formulation: str = "hermite") -> Case:
-    """A frictionless pipe that ends open, without weight."""
+    """A frictionless pipe with an open end, without weight."""
     fluid = {
         "density": 1200,
         "rheology": WATER,
@@ -177,8 +183,8 @@ def water(string: list, flow: dict, formulation: str = "hermite") -> Case:
 
 
 def test_joukowsky_plateau_and_its_arrival():
-    """A pump that stops at once: pressure falls by rho a dV at the pump, in the mean to 0.5 %; half of it
-    reaches 1000 m after 1000 m/a."""
+    """A pump that stops at once: the pressure at the pump falls by rho a dV, within 0.5 % in the mean; half
+    of it arrives at 1000 m after 1000 m/a."""
     flow, area, stop = 0.02, np.pi / 4 * 0.1086**2, 0.1
     a = np.sqrt(2e9 / 1200)
     model, integrator = begun(
@@ -201,8 +207,8 @@ def test_joukowsky_plateau_and_its_arrival():
 
 
 def test_a_wave_through_an_area_step():
-    """C7: a smooth front of pressure p goes on with 2 A1/(A1 + A2) p; both nodes beside the step are there
-    within 0.1 %."""
+    """A smooth front of pressure p continues with 2 A1/(A1 + A2) p; both nodes beside the step have it within
+    0.1 % (manual: verif-area-step)."""
     flow, bores = 0.02, (0.1086, 0.0714)
     stop = half_cosine(0.05, 0.4, flow)
     model, integrator = begun(
@@ -217,7 +223,7 @@ def test_a_wave_through_an_area_step():
     change = np.array(rows).mean(axis=0) - before
     a, (one, two) = np.sqrt(2e9 / 1200), np.pi / 4 * np.array(bores) ** 2
     through = -1200 * a * flow / one * 2 * one / (one + two)
-    after = flow + through * two / (1200 * a)  # the flow that goes on
+    after = flow + through * two / (1200 * a)  # the transmitted flow
     speed = (
         600 * (1 / two**2 - 1 / one**2) * (after**2 - flow**2)
     )  # heads that the narrow part no longer costs (Bernoulli)
@@ -226,8 +232,8 @@ def test_a_wave_through_an_area_step():
 
 # ---------------------------------------------------------------------- against the mixed form
 def test_pump_stop_in_both_forms():
-    """C12: pump pressure after a half-cosine stop of 0.5 s, within 0.5 % of the swing in the mean square;
-    contents change alike."""
+    """Pump pressure after a half-cosine stop of 0.5 s within 0.5 % of the swing in the mean square, with
+    equal change of content (manual: verif-hermite-pump-stop)."""
     (t, mixed, _), (other, hermite, _) = (
         history(loop(form, flow_rate=half_cosine(0.2, 0.5, 0.03)), 0.01, 4.0) for form in BOTH
     )
@@ -240,22 +246,22 @@ def test_pump_stop_in_both_forms():
 
 
 def test_a_pump_that_stops_at_once():
-    """The reference flow follows a jump slowly; the flow that enters jumps all the same; the books of volume
-    close (but for restarts)."""
+    """The reference flow follows a jump slowly, the inflow jumps nevertheless; the volume balance closes,
+    except for restarts of the formula."""
     stop = {"time": [0, 0.1, 0.1], "value": [0.03, 0.03, 0.0]}
     model, integrator = begun(loop("hermite", flow_rate=stop), ts_adapt_type="none", ts_dt=0.01)
-    record, rows = FlowRecorder(model.system, model.fluid), []
-    record.begin(record.sample(0.0))
+    balances, rows = MassBalance(), []
+    balances.start(measured(model, 0.0)[5])
 
     def after(t: float, dt: float) -> None:
-        rows.append((t, *record.sample(t)))
-        record.step(np.array(rows[-1][1:]), dt, integrator.fresh)
+        rows.append((t, *measured(model, t)))
+        balances.step(measured(model, t)[[3, 2, 6]], dt, integrator.fresh)
 
     integrator.after_step.append(after)
     run(integrator, model, 2.0)
     table = np.array(rows)
     assert table[:, 4] == pytest.approx(np.where(table[:, 0] < 0.1 + 1e-9, 0.03, 0.0), abs=3e-5)
-    balance = record.balance(table[-1, 1:])
+    balance = balances.balance(table[-1, 6])
     assert balance["content_change"] < -0.01
     assert abs(balance["error"]) < 1e-6 * abs(balance["content_change"])
     assert model.system.field("bore.volume")[0, 0] == pytest.approx(
@@ -264,7 +270,7 @@ def test_a_pump_that_stops_at_once():
 
 
 def test_volumes_stay_bounded_over_hours_of_pumping():
-    """Ten hours at 30 l/s are 1080 m3 through the bit; what the nodes count stays what it was."""
+    """Ten hours at 30 l/s are 1080 m3 through the bit; the volumes at the nodes remain bounded."""
     case = loop("hermite", 200.0)
     model, integrator = begun(case, ts_adapt_type="none", ts_dt=600.0)
     start = [model.system.field(f"{name}.volume").copy() for name in ("bore", "annulus")]
@@ -273,16 +279,15 @@ def test_volumes_stay_bounded_over_hours_of_pumping():
         now = model.system.field(f"{name}.volume")
         assert np.abs(now).max() < 0.5
         assert np.abs(now - before).max() < 1e-8
-    record = FlowRecorder(model.system, model.fluid)
-    assert record.sample(36000.0)[2:5] == pytest.approx([0.03] * 3, rel=1e-9)
+    assert measured(model, 36000.0)[2:5] == pytest.approx([0.03] * 3, rel=1e-9)
 
 
 @pytest.mark.parametrize("held", [True, False], ids=["held", "hanging"])
 @pytest.mark.parametrize(
     "kind", ["reverse", "bore only", "annulus only", "plugged", "no chamber", "check valve", "back pressure"]
 )
-def test_steady_states_of_other_scenes(kind, held):
-    """Pressures at both ends and the load on the hook as with formulation mixed."""
+def test_steady_states_of_other_models(kind, held):
+    """Pressures at both ends and hook load as with formulation mixed."""
     nozzles = {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60, "nozzle_area": 380e-6}
     well = {
         "survey": {"md": [0, 320], "inclination": [0.2, 0.4], "azimuth": [0, 0]},
@@ -310,12 +315,14 @@ def test_steady_states_of_other_scenes(kind, held):
             Case(top="clamped", hold_string=held, well=well, fluid=mud | {"formulation": form}, **more)
         )
         find_equilibrium(model)
-        sample = Recorder(model).sample(0.0)
+        recorder = Recorder(model)
+        names = [] if held else ["hook_load"]
+        load = [recorder.value(recorder.sample(0.0), name) for name in names]
         found.append(
             np.concatenate(
                 [
-                    sample[:1],
-                    sample[-6:-4],
+                    load,
+                    measured(model, 0.0)[1:3],
                     [r.pressures(model.system)[0] for r in model.fluid.components[:-1]],
                 ]
             )
@@ -324,8 +331,8 @@ def test_steady_states_of_other_scenes(kind, held):
 
 
 def test_coupled_with_a_string_that_is_lowered():
-    """Inclined, with collars and a stabilizer between: hook load and pressures at the start, returned flow,
-    the first tenth of a second."""
+    """Inclined, with collars and a stabilizer: hook load and pressures at the start, and returned flow in the
+    first tenth of a second."""
     survey = {"md": [0, 700], "inclination": [0.1, 0.6], "azimuth": [0, 0]}
     well = {
         "survey": survey,
@@ -340,7 +347,7 @@ def test_coupled_with_a_string_that_is_lowered():
     found, lowering = (
         {},
         {"ramp": 1.0, "value": 0.5},
-    )  # from rest: hermite does not start with the surge of a moving string
+    )  # from rest: hermite does not include the surge of a moving string at the start
     for form in BOTH:
         mud = {"density": 1200, "rheology": MUD, "flow_rate": 0.02, "formulation": form}
         case = Case(
@@ -352,12 +359,14 @@ def test_coupled_with_a_string_that_is_lowered():
         )
         model, integrator = begun(case)
         recorder = Recorder(model)
-        start = recorder.sample(0.0)
+        names = ("hook_load", "surface_torque", "pump_pressure", "bit_pressure", "outlet_flow")
+        start = [recorder.value(recorder.sample(0.0), name) for name in names]
         run(integrator, model, 0.1)
-        found[form] = np.array([start, recorder.sample(0.1)])
-    load, torque, (pump, bit, returned) = 0, 1, range(-6, -3)
+        later = recorder.sample(0.1)
+        found[form] = np.array([start, [recorder.value(later, name) for name in names]])
+    load, torque, pump, bit, returned = range(5)
     mixed, hermite = found["mixed"], found["hermite"]
-    # at the start, then in motion, where a mesh of 25 m leaves waves of its own in both
+    # at the start, then in motion, where a mesh of 25 m causes waves in both forms
     for column, start, later in (
         (load, 1e-5, 1e-3),
         (torque, 1e-5, 1e-3),

@@ -1,5 +1,5 @@
-"""Steady hydraulics of a held string: losses, hydrostatics, nozzles, ends; model notes sections 8.2, 9 (C4,
-C5)."""
+"""Steady hydraulics of a fixed string: losses, hydrostatics, nozzles, ends (manual: sec-mud-steady,
+verif-nozzles, verif-steady-loop)."""
 
 from __future__ import annotations
 
@@ -60,9 +60,12 @@ def nozzle_loss(
 
 @pytest.mark.parametrize("q", [5, 30, 60, -30])
 def test_losses_of_the_loop(q):
-    """C5 [l/s]: the table within its printed digits (1e-4 asked); each loss and their sum from the formula of
-    the blend written out in mud.py, within 1e-5 (at 1e14 Pa, mud under 235 bar weighs 3 Pa more: 5e-6 of the
-    least loss).  Flow the other way: the opposite."""
+    """Losses [l/s]: the table within its printed digits (1e-4), each loss and their sum within 1e-5 of the
+    blend formula in mud.py (manual: verif-steady-loop).
+
+    At 1e14 Pa mud under 235 bar weighs 3 Pa more, 5e-6 of the smallest loss. Reverse flow has opposite
+    losses.
+    """
     flow = 1e-3 * q
     found = losses(started(loop({**RIGID, "flow_rate": flow})))
     pump, pipe, bit, annulus, ecd = TABLE[abs(q)]
@@ -84,8 +87,9 @@ def test_losses_of_the_loop(q):
 @pytest.mark.parametrize("elements", [1, 3, 40])
 @pytest.mark.parametrize("q", [0.002, 0.03])
 def test_friction_is_exact_with_any_number_of_elements(q, elements):
-    """Laminar and turbulent flow through a bore at 1e14 Pa: 4 tau L/d at the mean density within 1e-10 (what
-    is left, the square of the pressure over the bulk modulus, is below 1e-14)."""
+    """Laminar and turbulent flow through a bore at 1e14 Pa: 4 tau L/d at the mean density within 1e-10; the
+    remaining error, the square of the pressure over the bulk modulus, is below 1e-14 (manual:
+    verif-friction-any-mesh)."""
     model = started(bore({**MUD, **RIGID, "flow_rate": q}, elements))
     p = pressures(model, "bore")
     density = DENSITY * (1 + 0.5 * p[0] / 1e14)
@@ -93,11 +97,11 @@ def test_friction_is_exact_with_any_number_of_elements(q, elements):
 
 
 def test_second_order_in_the_mesh_with_a_compressible_mud():
-    """Loop of mud of 2 GPa against p' = rho g - 4 tau/d with rho = rho0 exp(p/K), solved to 1e-12; walls that
-    give change no steady state.
+    """Loop of mud of 2 GPa against p' = rho g - 4 tau/d with rho = rho0 exp(p/K), solved to 1e-12; elastic
+    walls do not change a steady state.
 
-    That leaves out d(rho w^2)/ds, as the model does: (w/c)^2 of the pressure's change, 6e-6.  100 elements:
-    1e-9."""
+    This omits d(rho w^2)/ds, as the model does: (w/c)^2 of the pressure's change, 6e-6. 100 elements: 1e-9.
+    """
     q, K = 0.03, 2e9
 
     def slope(area: float, diameter: float, slot: bool, flow: float):
@@ -125,15 +129,15 @@ def test_second_order_in_the_mesh_with_a_compressible_mud():
 
 def test_jacobian_of_turbulent_flow_of_a_soft_mud():
     """Friction depends on the pressure through the density (in the speed and in the Reynolds number): the
-    derivative is that of central differences, at a modulus of 0.2 GPa, where it is 1e-2 of the pressure's
-    own."""
+    derivative is that of central differences, at a modulus of 0.2 GPa, where this part is 1e-2 of the
+    derivative."""
     system = started(bore({**MUD, "bulk_modulus": 2e8, "elastic_walls": False, "flow_rate": 0.03}, 2)).system
     asm, exact, vector = system.assembly, matrices(system)[0], system.new_condensed()
 
     def rows(j: int, step: float) -> np.ndarray:
         before = asm.x[j]
         asm.x[j] += step
-        asm.forget_inputs()
+        asm.invalidate_prescribed_values()
         system.sum_residual(0.0, vector)
         asm.x[j] = before
         return vector.getArray().copy()
@@ -146,7 +150,7 @@ def test_jacobian_of_turbulent_flow_of_a_soft_mud():
 
 def test_density_grows_with_depth():
     """Still mud, rho = rho0 exp(p/K): p_b = -K ln(1 - rho0 g L/K), 1.4e6 Pa above rho0 g L at K = 2 GPa;
-    second order in the mesh."""
+    second order in the mesh (manual: verif-hydrostatics)."""
     K = 2e9
     exact = -K * np.log1p(-DENSITY * GRAVITY * LENGTH / K)
     assert exact - HEAD > 1e5
@@ -162,8 +166,8 @@ def test_density_grows_with_depth():
 
 @pytest.mark.parametrize(("coefficient", "bar"), [(0.95, 130.938), (0.98, 123.044), (1.03, 111.388)])
 def test_pressure_loss_of_nozzles(coefficient, bar):
-    """C4: three nozzles of 12/32 in, 30 l/s of 1200 kg/m3: 213.767 mm2, the pressure losses given; power lost
-    dp q, 392.8 kW at 0.95."""
+    """Three nozzles of 12/32 in, 30 l/s of 1200 kg/m3: 213.767 mm2 and the pressure losses of the table;
+    dissipated power dp q, 392.8 kW at 0.95 (manual: verif-nozzles)."""
     area = 3 * np.pi / 4 * (12 / 32 * 0.0254) ** 2
     assert area == pytest.approx(213.767e-6, rel=1e-5)
     parts = string(nozzle_area=area)
@@ -176,19 +180,22 @@ def test_pressure_loss_of_nozzles(coefficient, bar):
 
 
 @pytest.mark.parametrize("q", [0.005, 0.03, -0.03])
-def test_given_pump_pressure_gives_back_the_flow(q):
-    """The pump pressure of a flow rate, prescribed, must bring that flow rate: start from another state, same
-    solution."""
+def test_pump_pressure_of_a_flow_gives_that_flow(q):
+    """The pump pressure of a flow rate, prescribed, gives that flow rate: another initial state, same
+    solution (manual: verif-pump-choke-valve)."""
     p = pressures(started(loop({"flow_rate": q}, 20)), "bore")[0]
     model = started(loop({"pump_pressure": float(p)}, 20))
     assert flows(model, "bore") == pytest.approx(q, rel=1e-9)
     assert flows(model, "annulus") == pytest.approx(-q, rel=1e-9)
 
 
-def test_check_valve_lets_next_to_nothing_back():
-    """Inviscid mud, 50 bar on the annulus and none on the bore: back flow Cd A sqrt(2 dp/rho), a hundredth of
-    it behind a valve of 1e4 times the resistance (1 %: q |q| is rounded at 1e-5 m3/s).  Forward, the valve's
-    rounding adds 1e4/4 (3e-7/q)^2 to the loss, which at 5 l/s is 1e-5 of it."""
+def test_check_valve_reduces_back_flow():
+    """Inviscid mud, 50 bar on the annulus and none on the bore: back flow Cd A sqrt(2 dp/rho), reduced to a
+    hundredth by a valve of 1e4 times the resistance (1 %: q |q| is rounded at 1e-5 m3/s; manual:
+    verif-pump-choke-valve).
+
+    Forward, the rounding of the valve adds 1e4/4 (3e-7/q)^2 to the loss, 1e-5 of it at 5 l/s.
+    """
     back = COEFFICIENT * NOZZLE * np.sqrt(2 * 50e5 / DENSITY)
     ends = {**INVISCID, **RIGID, "pump_pressure": 0.0, "outlet_pressure": 50e5}
     assert flows(started(loop(ends, 4)), "bore") == pytest.approx(-back, rel=1e-5)
@@ -202,8 +209,8 @@ def test_check_valve_lets_next_to_nothing_back():
 
 @pytest.mark.parametrize("with_annulus", [False, True])
 def test_sealed_bore_under_pump_pressure(with_annulus):
-    """Plugged string, pump pressure on it: hydrostatic pressure under it, p = -K ln(exp(-p0/K) - rho0 g s/K);
-    nothing flows anywhere."""
+    """Plugged string under pump pressure: hydrostatic pressure, p = -K ln(exp(-p0/K) - rho0 g s/K), and no
+    flow."""
     K, p0 = 2e9, 200e5
     fluid = {"bulk_modulus": K, "pump_pressure": p0, "annulus": with_annulus}
     model = started(loop(fluid, 100, bottom={"kind": "bit", "plugged": True}))
@@ -220,8 +227,8 @@ def test_sealed_bore_under_pump_pressure(with_annulus):
 
 
 def test_a_choke_holds_its_pressure_against_the_outflow():
-    """rho q^2/(2 Cd^2 A^2) on top of the outlet's pressure, forward and (inward) in reverse circulation; the
-    pump pressure rises by it."""
+    """rho q^2/(2 Cd^2 A^2) is added to the outlet pressure, forward and (inward) in reverse circulation; the
+    pump pressure rises by it (manual: verif-pump-choke-valve)."""
     drop = DENSITY * 0.03**2 / (2 * 0.9**2 * 400e-6**2)
     valve = {"choke": {"area": 400e-6, "discharge_coefficient": 0.9}, "outlet_pressure": 2e5}
     for q in (0.03, -0.03):
@@ -234,7 +241,7 @@ def test_a_choke_holds_its_pressure_against_the_outflow():
 
 
 def test_the_pressure_outside_a_string_without_annulus_follows_its_input():
-    """Stiff mud at rest in the bore alone: the open end has the outlet's pressure, at the start and after its
+    """Stiff mud at rest in the bore alone: the open end has the outlet pressure, at the start and after its
     ramp in a run."""
     outlet = {"time": [0, 0.01, 0.02, 1], "value": ["2 bar", "2 bar", "5 bar", "5 bar"]}
     fluid = {

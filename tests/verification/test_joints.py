@@ -1,4 +1,5 @@
-"""Joints and rolling against closed forms, independent integration and reactions worked out by hand."""
+"""Joints and rolling against closed forms, independent integration and reactions from statics (manual:
+sec-verif-joints)."""
 
 from __future__ import annotations
 
@@ -21,7 +22,7 @@ from drillpetsc.physics.end_conditions import FixedEnd, TopDrive
 from drillpetsc.physics.joints import REPORT, SCALE, STOP_ROUNDING
 from drillpetsc.physics.rolling import Rolling
 from drillpetsc.time_function import Constant
-from tests.helpers.joint_scenes import body, chain_of_bodies, joint_component, place
+from tests.helpers.joint_models import body, chain_of_bodies, joint_component, place
 from tests.helpers.motion import beam, fixed, integrate, straight
 
 G = 9.81
@@ -36,7 +37,7 @@ UP, NORTH = np.array([0.0, 0.0, -1.0]), np.array([1.0, 0.0, 0.0])
 
 
 def figure(system, name: str) -> float:
-    """A figure of the first joint at the model's state."""
+    """A result of the first joint in the present state of the model."""
     return float(joint_component(system).report(system.assembly)[0, REPORT.index(name)])
 
 
@@ -61,7 +62,7 @@ def double_pendulum(t: float, inertia: float) -> np.ndarray:
 
 
 def two_bodies():
-    """Two rigid rods, level towards the north, on a pivot and a hinge: no element, 14 unknowns and the six
+    """Two rigid rods, level towards the north, on a pivot and a hinge: no element, 14 unknowns and six
     multipliers."""
     mesh = chain_of_bodies(
         (body(0, 1.0, 1.0, 1e-3, 1 / 12), body(1, 1.0, 1.0, 1e-3, 1 / 12)),
@@ -83,7 +84,7 @@ def angles(tangent: np.ndarray) -> np.ndarray:
 
 def test_rigid_double_pendulum_converges_with_order_two():
     """Angles after 1 s against the independent integration: order 2 +- 0.15, below 1e-4 rad with steps of 1
-    ms."""
+    ms (manual: verif-double-pendulum)."""
     exact, errors = double_pendulum(1.0, 1 / 12)[:2], []
     for h in (4e-3, 2e-3, 1e-3):
         system = two_bodies()
@@ -105,7 +106,8 @@ def two_beams(constraint: str):
 
 @pytest.mark.parametrize("constraint", ["position", "stabilised"])
 def test_double_pendulum_of_two_stiff_beams(constraint):
-    """From a case file's keys, adaptive steps: within 2e-3 rad of the rigid one after 1 s (-ts_rtol 1e-5)."""
+    """From keys of a case file, adaptive steps: within 2e-3 rad of the rigid one after 1 s (-ts_rtol
+    1e-5)."""
     model = two_beams(constraint)
     integrate(model.system, 1.0, {"ts_rtol": 1e-5})
     r = model.system.field("string.position")
@@ -113,8 +115,8 @@ def test_double_pendulum_of_two_stiff_beams(constraint):
 
 
 def misfits(system) -> tuple[float, float]:
-    """Largest misfit of the first joint's constraints in place and angle [m, rad], and of their rates [m/s,
-    rad/s] by central differences along the motion."""
+    """Largest violation of the first joint's constraints in position and angle [m, rad], and of their rates
+    [m/s, rad/s] by central differences along the motion."""
     asm = system.assembly
     ready = next(b for b in asm.bound_blocks if b.block.name.startswith("joints"))
     flow, x0 = asm.y.copy(), asm.x.copy()
@@ -133,8 +135,10 @@ def misfits(system) -> tuple[float, float]:
 @pytest.mark.parametrize("constraint, end, speed", [("position", 20.0, 1e-2), ("stabilised", 100.0, 1e-9)])
 def test_constraints_do_not_drift(constraint, end, speed):
     """A soft rod with a body of 0.5 m at its end, and a universal joint with another rod below it, swing
-    freely in space: misfits stay below 1e-9 (issue: over 100 s); the velocities fit only to the order of the
-    time formula unless stabilised."""
+    freely in space: violations below 1e-9 (manual: verif-joint-drift).
+
+    Without stabilisation the velocities satisfy the constraints only to the order of the time formula.
+    """
     rod = beam(1.0, 1, 1e4, 1e2, 1e2, 1.0, 1e-2)
     model = straight(
         string=[
@@ -149,11 +153,11 @@ def test_constraints_do_not_drift(constraint, end, speed):
     )
     worst, bent = np.zeros(2), []
 
-    def watch(t, dt):
+    def sample(t, dt):
         worst[:] = np.maximum(worst, misfits(model.system))
         bent.append(figure(model.system, "angle"))
 
-    integrate(model.system, end, fixed(0.02), watch)
+    integrate(model.system, end, fixed(0.02), sample)
 
     assert max(bent) > 0.3
     assert worst[0] < 1e-9 and worst[1] < speed
@@ -162,7 +166,7 @@ def test_constraints_do_not_drift(constraint, end, speed):
 
 # ---------------------------------------------------------------------- universal joint
 class HeldDirection(Component):
-    """A shaft in a bearing: the direction of one node does not change."""
+    """A shaft in a bearing: the direction of one node is constant."""
 
     def __init__(self, node: int, tangent: np.ndarray, across: np.ndarray):
         D = np.zeros((2, 7))
@@ -179,8 +183,8 @@ class HeldDirection(Component):
 @pytest.mark.parametrize("bend", [0.2, 0.7])
 def test_speed_ratio_of_a_universal_joint(bend):
     """Two shafts at an angle b: omega2/omega1 = cos b/(1 - sin^2 b cos^2 theta), theta from the plane of the
-    shafts to the driving pin (e.g. Shigley, Mechanical Engineering Design, on universal joints); torques the
-    other way round: no power is lost."""
+    shafts to the driving pin (e.g. Shigley, Mechanical Engineering Design); the torques have the inverse
+    ratio, so no power is lost (manual: verif-universal-joint)."""
     speed, axial, h = 3.0, 0.4, 2e-3
     mesh = chain_of_bodies(
         (body(0, 1.0, 2.0, 0.3, 0.5), body(1, 1.0, 2.0, axial, 0.5)),
@@ -201,7 +205,7 @@ def test_speed_ratio_of_a_universal_joint(bend):
     system.set_field("string.spin", np.array([[speed], [speed * np.cos(bend)]]), "y")
     ratios, torques = [], []
 
-    def watch(t, dt):
+    def sample(t, dt):
         theta = np.pi / 2 + speed * t
         root = 1 - np.sin(bend) ** 2 * np.cos(theta) ** 2
         ratio = np.cos(bend) / root
@@ -211,7 +215,7 @@ def test_speed_ratio_of_a_universal_joint(bend):
         rate = -(speed**2) * np.cos(bend) * np.sin(bend) ** 2 * np.sin(2 * theta) / root**2
         torques.append(figure(system, "torque") - axial * rate * ratio)
 
-    integrate(system, 2.0, fixed(h, **EXACT), watch)
+    integrate(system, 2.0, fixed(h, **EXACT), sample)
 
     assert np.abs(ratios).max() < 2e-4
     assert np.abs(torques[4:]).max() < 2e-3 * axial * speed**2
@@ -219,7 +223,7 @@ def test_speed_ratio_of_a_universal_joint(bend):
 
 # ---------------------------------------------------------------------- slider
 def telescope(**slider):
-    """2 m of 20 kg/m, with a slider half way, hung from a clamp."""
+    """2 m of 20 kg/m with a slider in the middle, hung from a clamp."""
     return {
         "string": [beam(2.0, 2, 1e8, 1e5, 1e5, 20.0, 0.01)],
         "top": "clamped",
@@ -229,7 +233,7 @@ def telescope(**slider):
 
 
 def test_part_below_a_slider_falls_freely():
-    """travel = g t^2/2, no force; the part above hangs as before."""
+    """travel = g t^2/2, no force; the part above is unchanged (manual: verif-slider)."""
     model = straight(**telescope())
     integrate(model.system, 0.3, fixed(1e-3))
     assert figure(model.system, "travel") == pytest.approx(0.5 * G * 0.3**2, rel=2e-5)
@@ -237,8 +241,8 @@ def test_part_below_a_slider_falls_freely():
 
 
 def test_part_below_a_shock_sub_oscillates():
-    """A slider with a spring: travel = (m g/k)(1 - cos sqrt(k/m) t) of the rigid part below (20 kg), 2 % off
-    for its own elasticity."""
+    """A slider with a spring: travel = (m g/k)(1 - cos sqrt(k/m) t) of the rigid part below (20 kg), within 2
+    % because of its elasticity."""
     k = 2e4
     model = straight(**telescope(spring=k))
     w, seen = np.sqrt(k / 20.0), []
@@ -248,8 +252,8 @@ def test_part_below_a_shock_sub_oscillates():
 
 
 def test_part_below_a_slider_stops_and_comes_to_rest():
-    """It falls on a stop, bounces within the stroke, and a damper brings it to rest where the stop carries
-    its weight: k/2 (q + sqrt(q^2 + e^2)) = m g, with the damper's force gone."""
+    """The part falls on a stop, bounces within the stroke, and is damped to rest, where the stop carries its
+    weight: k/2 (q + sqrt(q^2 + e^2)) = m g, with zero force of the damper."""
     k, stroke = 1e6, 0.05
     model = straight(
         **telescope(stroke=[-0.01, stroke], stop_stiffness=k, damping=2e3),
@@ -273,7 +277,8 @@ def test_statics_finds_the_stop_of_a_slider():
 
 
 def test_modes_of_a_hinged_string():
-    """Two rods of 1 m on pivots, 1 kg each: det(K - w^2 M) = 0 of the double pendulum, in either plane."""
+    """Two rods of 1 m and 1 kg on pivots: det(K - w^2 M) = 0 of the double pendulum, in either plane (manual:
+    verif-hinged-modes)."""
     model = build_model(
         Case(
             string=[beam(2.0, 4, 1e7, 1e5, 1e5, 1.0, 1e-3)],
@@ -290,8 +295,8 @@ def test_modes_of_a_hinged_string():
 
 
 def test_whole_assembled_system_takes_the_same_steps():
-    """BDF with PETSc's own Newton on all unknowns at once, and what it refuses: other integrators, corrected
-    velocities."""
+    """BDF with PETSc's own Newton solver on all unknowns; other integrators and stabilised velocities are
+    refused."""
     tips = []
     for options in ({}, {"snes_type": "newtonls"}):
         model = straight(
@@ -310,8 +315,9 @@ def test_whole_assembled_system_takes_the_same_steps():
         integrate(two_beams("stabilised").system, 0.1, {"snes_type": "newtonls"})
 
 
-def test_a_string_without_joints_has_nothing_of_them():
-    """No field, no block, no column; with one: a node more (7 unknowns) and six multipliers."""
+def test_a_string_without_joints_has_no_joint_data():
+    """Without joints no field, no block, no column; with one joint one more node (7 unknowns) and six
+    multipliers."""
     case = {"string": [beam(2.0, 2, 1e4, 1e2, 1e2, 1.0, 1e-3)], "top": "pinned"}
     without, joined = (
         build_model(Case(**case, joints=joints)) for joints in ([], [{"at": 1.0, "kind": "universal"}])
@@ -327,9 +333,12 @@ def test_a_string_without_joints_has_nothing_of_them():
 
 # ---------------------------------------------------------------------- reactions worked out by hand
 def test_reactions_of_a_swinging_rod():
-    """A rod of mass m, length l falls from level about a hinge under a clamped body: with c = cos of the
-    angle from the vertical the hinge carries m g c + m w^2 l/2 along and m g sin/4 across, w^2 = 3 g c/l
-    (energy; e.g. any mechanics text); order 2 in the step."""
+    """A rod of mass m and length l falls from level about a hinge under a clamped body (manual:
+    verif-joint-reactions).
+
+    With c = cos of the angle from the vertical the hinge carries m g c + m w^2 l/2 along and m g sin/4 across
+    the rod, w^2 = 3 g c/l (energy); order 2 in the step.
+    """
     m, l, end, errors = 3.0, 1.2, 0.35, []
     for h in (2e-3, 1e-3):
         bodies = body(0, 0.5, 1.0, 1e-3, 0.1), body(1, l, m, 1e-3, m * l**2 / 12)
@@ -352,8 +361,8 @@ def test_reactions_of_a_swinging_rod():
 
 
 def test_reactions_in_a_hanging_turned_string():
-    """What hangs and turns below a joint: its weight, and the moment at the lower end, through every kind
-    that carries them."""
+    """Weight of the part below a joint, and the moment at the lower end, through every kind of joint that
+    carries them."""
     for kind in ("fixed", "revolute", "universal"):
         model = build_model(
             Case(
@@ -372,8 +381,8 @@ def test_reactions_in_a_hanging_turned_string():
 
 
 def test_reactions_of_a_level_beam_with_a_hinge():
-    """Gerber's beam, clamped at one end and pinned at the other, with a hinge half way: the hinge carries the
-    shear w l/4 of the simple beam beyond it and no moment; the clamp w l^2/4 (small deflection: 1e-4 of the
+    """Gerber beam, clamped at one end and pinned at the other, with a hinge in the middle: the hinge carries
+    the shear w l/4 of the simple beam and no moment; the clamp w l^2/4 (small deflection: 1e-4 of the
     length)."""
     w, length = 2.0 * G, 4.0
     model = build_model(
@@ -396,8 +405,8 @@ def test_reactions_of_a_level_beam_with_a_hinge():
 
 # ---------------------------------------------------------------------- a joint that joins
 def whirling(joints=()) -> np.ndarray:
-    """Loads at the top, spin and place of the tip of an eccentric pipe, a stabiliser and a pipe that turn on
-    the wall of a hole, after 0.15 s; first the hook load of their statics."""
+    """Loads at the top, spin and position of the tip after 0.15 s of an eccentric pipe, a stabiliser and a
+    pipe that rotate on the wall of a hole; first the static hook load."""
     pipe = {"kind": "pipe", "length": 6.0, "od": 0.127, "id": 0.1, "element_length": 3.0}
     ball = {"kind": "stabilizer", "length": 0.4, "od": 0.19, "mass": 40.0, "unbalance": 0.05}
     well = {
@@ -438,9 +447,12 @@ def jointless() -> np.ndarray:
 @pytest.mark.parametrize("constraint", ["position", "stabilised"])
 @pytest.mark.parametrize("at", [3.0, 6.0, 6.4])
 def test_a_fixed_joint_is_no_joint(at, constraint, jointless):
-    """With contact, friction, damping and eccentric mass; in a pipe and at either end of a rigid item.  In
-    the pipe the parts have axial strains of their own at the joint, so agreement is to what one strain for
-    both leaves of the mesh's error."""
+    """A fixed joint changes nothing, with contact, friction, damping and eccentric mass; in a pipe and at
+    either end of a rigid item (manual: verif-fixed-joint).
+
+    In a pipe the two parts have separate axial strains at the joint, so results are equal within the error of
+    the mesh.
+    """
     assert whirling([{"at": at, "kind": "fixed", "constraint": constraint}]) == pytest.approx(
         jointless, rel=1e-6, abs=1e-7
     )
@@ -449,12 +461,13 @@ def test_a_fixed_joint_is_no_joint(at, constraint, jointless):
 # ---------------------------------------------------------------------- rolling
 def test_coin_that_rolls_in_a_circle():
     """A disc of radius R rolls steadily with its axis at an angle q to the vertical, its centre on a circle
-    of radius b, turning at W: W^2 = m g R cos q/(sin q [b (I3/R + m R) + I1 cos q]), spin about its axis -W
-    b/R.
+    of radius b, at W: W^2 = m g R cos q/(sin q [b (I3/R + m R) + I1 cos q]), spin about its axis -W b/R
+    (manual: verif-rolling-coin).
 
     From d(L)/dt = W up x L = moment of the ground's forces m g and m W^2 b about the centre, with L = I3 w3 t
-    - I1 W sin(q) e, e the way to the contact.  After one turn it is back; the multipliers are those forces;
-    order 2 in the step."""
+    - I1 W sin(q) e, where e points to the contact. After one turn the disc is at its start. The multipliers
+    are those forces; order 2 in the step.
+    """
     q, R, m, b = 1.0, 0.5, 2.0, 1.2
     I3, I1 = 0.5 * m * R**2, 0.25 * m * R**2
     W = np.sqrt(m * G * R * np.cos(q) / (np.sin(q) * (b * (I3 / R + m * R) + I1 * np.cos(q))))
@@ -464,7 +477,7 @@ def test_coin_that_rolls_in_a_circle():
     for steps in (800, 1600):
         half = [
             body(i, 0.0, 0.5 * m, 0.5 * I3, 0.5 * I1) for i in (0, 1)
-        ]  # two halves that a fixed joint makes one
+        ]  # two halves connected by a fixed joint
         mesh = chain_of_bodies(tuple(half), (StringJoint(0.0, "fixed", 0),))
         component = Rolling(2, 0, R, np.zeros(3), UP)
         system = place(mesh, np.tile(centre, (2, 1)), axis, [lambda frames: component], [0, 0, G])  # noqa: B023
@@ -483,9 +496,9 @@ def test_coin_that_rolls_in_a_circle():
 
 
 def test_bit_that_rolls_backwards_round_its_hole():
-    """Backward whirl without slip: a body of radius R that spins at w in a hole of radius Rh goes round at -w
-    R/(Rh - R); the wall pushes with m (Rh - R) times the square of that (Jansen 1992, Non-linear rotor
-    dynamics as applied to oilwell drillstring vibrations, J. Sound Vib. 147(1):115-135, pure rolling)."""
+    """Backward whirl without slip: a body of radius R with spin w in a hole of radius Rh moves at -w R/(Rh -
+    R); the wall force is m (Rh - R) times the square of that (Jansen 1992, J. Sound Vib. 147(1):115-135, pure
+    rolling; manual: verif-rolling-whirl)."""
     R, hole, m, spin = 0.10, 0.11, 30.0, 5.0
     whirl = -spin * R / (hole - R)
     mesh = chain_of_bodies(

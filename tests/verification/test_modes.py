@@ -1,5 +1,5 @@
-"""Modes of linearised scenes against closed forms, and the solver of the eigenvalue problem against
-polynomials."""
+"""Modes of linearised models against closed forms, and the eigenvalue solver against polynomials (manual:
+sec-verif-modes)."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from drillpetsc.solvers.quadratic_eigenproblem import (
     lowest_eigenvalues,
 )
 from drillpetsc.time_function import Constant
-from tests.helpers.flow_scenes import build
+from tests.helpers.flow_models import build
 from tests.helpers.motion import straight
 from tests.helpers.moving import straight_model
 
@@ -65,7 +65,8 @@ def rates(m, kind: str) -> np.ndarray:
 @pytest.mark.parametrize("engine", ["dense", "arpack"])
 def test_clamped_free_rod(engine):
     """(beta/L)^2 sqrt(EI/m), cos beta cosh beta = -1; (2k - 1) pi/2L sqrt(EA/m) and sqrt(GJ/J) (Blevins,
-    Formulas for Natural Frequency, tables 8-1, 8-16, 8-19); every lateral one twice, nothing damped."""
+    Formulas for Natural Frequency, tables 8-1, 8-16, 8-19); every lateral one twice, none damped (manual:
+    verif-modes-cantilever)."""
     m = found(24, engine, string=[rod()], top="clamped")
     lateral, odd = rates(m, "lateral"), np.array([1, 3, 5]) * np.pi / 2 / L
     assert lateral[:6] == pytest.approx(
@@ -79,7 +80,8 @@ def test_clamped_free_rod(engine):
 
 
 def test_pinned_pinned_rod():
-    """(k pi/L)^2 sqrt(EI/m) in both planes; the ends hold it lengthways too: k pi/L sqrt(EA/m)."""
+    """(k pi/L)^2 sqrt(EI/m) in both planes; the ends are axially fixed, too: k pi/L sqrt(EA/m) (manual:
+    verif-modes-pinned)."""
     m = found(10, string=[rod()], top="pinned", bottom="pinned")
     waves = np.arange(1, 4) * np.pi / L
     assert rates(m, "lateral")[:6] == pytest.approx(np.repeat(waves**2 * np.sqrt(EI / MASS), 2), rel=2e-4)
@@ -104,9 +106,12 @@ def test_shapes_of_the_cantilever():
 
 
 def test_hung_string():
-    """String almost without stiffness hung by one end, both planes: j0n/2 sqrt(g/L) (Bernoulli's chain); L
-    100 m, 40 kg/m, EI 100 N m2, whose own share, of the order of EI k^2/T with k = 2 omega/sqrt(g L) at the
-    middle, is below 2e-4 for three modes."""
+    """String almost without stiffness hung by one end, both planes: j0n/2 sqrt(g/L) (Bernoulli's chain;
+    manual: verif-modes-hung).
+
+    L 100 m, 40 kg/m, EI 100 N m2. The effect of EI, of the order of EI k^2/T with k = 2 omega/sqrt(g L) in
+    the middle, is below 2e-4 for three modes.
+    """
     string = rod(40, 100.0, bending_stiffness=100.0, mass=40.0, axial_stiffness=7e8)
     m = found(8, string=[string], top="pinned", gravity=9.81)
     expected = jn_zeros(0, 3) / 2 * np.sqrt(9.81 / 100)
@@ -118,7 +123,8 @@ def test_hung_string():
     "kind, stiffness, inertia", [("axial", EA, MASS), ("torsional", GJ, POLAR), ("lateral", EI, MASS)]
 )
 def test_stiffness_damping(kind, stiffness, inertia):
-    """sigma = E (eps + beta eps'): damping ratio beta omega/2 of every mode, omega its undamped rate |s|."""
+    """sigma = E (eps + beta eps'): damping ratio beta omega/2 of every mode, omega its undamped rate |s|
+    (manual: verif-modes-damping)."""
     beta = 2e-4
     m = found(2, kind=kind, string=[rod(damping={"stiffness": beta})], top="clamped")
     factors = (
@@ -132,8 +138,8 @@ def test_stiffness_damping(kind, stiffness, inertia):
 
 
 def test_overdamped_and_slow_roots():
-    """Mass damping alpha: s^2 + alpha s + omega^2 = 0 for each mode; alpha between 2 omega_1 and 2 omega_2:
-    the first mode splits into two real roots, the others swing."""
+    """Mass damping alpha: s^2 + alpha s + omega^2 = 0 for each mode. For alpha between 2 omega_1 and 2
+    omega_2 the first mode has two real eigenvalues, the others oscillate (manual: verif-modes-damping)."""
     omega = (np.array(BETA_CANTILEVER) / L) ** 2 * np.sqrt(EI / MASS)
     alpha = omega[0] + omega[1]
     m = found(8, string=[rod(damping={"mass": float(alpha)})], top="clamped")
@@ -148,8 +154,8 @@ def test_overdamped_and_slow_roots():
 
 
 def test_torsion_with_the_inertia_of_the_bit():
-    """P24: 2000 m of drill pipe, top fixed, 300 kg m2 at the bit: x tan x = J_pipe/J_bit; f1 .180895, f2
-    .840968 Hz.  The lateral modes in between number a hundred."""
+    """2000 m of drill pipe, top fixed, 300 kg m2 at the bit: x tan x = J_pipe/J_bit; f1 .180895, f2 .840968
+    Hz (manual: verif-torsion-modes). There are about a hundred lateral modes in between."""
     string = [
         {"kind": "pipe", "length": 2000.0, "od": 0.127, "id": 0.1086, "element_length": 20.0},
         {"kind": "body", "mass": 100.0, "inertia": {"axial": 300.0, "transverse": 300.0}},
@@ -164,7 +170,7 @@ def test_torsion_with_the_inertia_of_the_bit():
 
 # ---------------------------------------------------------------------- stability
 def column(share: float):
-    """A cantilever under an axial dead load, as a share of Euler's pi^2 EI/4 L^2, kept straight."""
+    """A cantilever under an axial dead load, as a fraction of Euler's pi^2 EI/4 L^2, kept straight."""
     load = share * np.pi**2 * EI / (4 * L**2)
     return found(
         6, string=[rod(axial_stiffness=1e9)], top="clamped", bottom={"kind": "force", "force": [0, 0, -load]}
@@ -172,8 +178,8 @@ def column(share: float):
 
 
 def test_divergence_beyond_the_load_of_euler():
-    """Stable at 0.99, two diverging modes (two planes) at 1.01, and the square of the lowest root passes zero
-    at Euler's load."""
+    """Stable at 0.99, two diverging modes (two planes) at 1.01; the square of the lowest eigenvalue is zero
+    at Euler's load (manual: verif-modes-divergence)."""
     below, above = column(0.99), column(1.01)
     assert below.unstable == 0 and below.diverging == 0
     assert (above.unstable, above.diverging, above.fluttering) == (2, 2, 0)
@@ -182,8 +188,9 @@ def test_divergence_beyond_the_load_of_euler():
     assert 0.99 + 0.02 * square[0] / (square[0] + square[1]) == pytest.approx(1.0, abs=2e-4)
 
 
-def test_a_motion_that_nothing_holds_is_a_zero():
-    """A string whose drive is a damper alone may stand at any angle: one root at zero, none that grows."""
+def test_an_unconstrained_motion_has_a_zero_eigenvalue():
+    """A string driven through a damper alone is in equilibrium at any angle: one eigenvalue is zero, none
+    grows."""
     m = modes(straight(string=[rod()], top={"kind": "driven", "damping": 500.0}, gravity=0.0), 6)
     assert (m.zeros, m.unstable) == (1, 0)
     assert m.kind[int(np.abs(m.eigenvalue).argmin())] == "torsional"
@@ -191,7 +198,7 @@ def test_a_motion_that_nothing_holds_is_a_zero():
 
 # ---------------------------------------------------------------------- spinning, contact
 class Hinge(TopDrive):
-    """A top that turns but leaves the direction free."""
+    """A top that rotates with free direction."""
 
     def __init__(self, position, tangent, speed):
         super().__init__(position, tangent, Constant(speed), Constant(0.0))
@@ -224,16 +231,19 @@ def whirl(n: int, speed: float, polar: float) -> np.ndarray:
         ],
     )
     system.set_field("string.spin", np.full((n + 1, 1), speed), "y")
-    s = lowest_eigenvalues(linearise(system).pencil(10.0), 6).s
+    s = lowest_eigenvalues(linearise(system).eigenproblem(10.0), 6).s
     assert np.abs(s.real).max() < 1e-9
     return s.imag[s.imag > 0][:6]
 
 
 def test_gyroscopic_splitting_of_a_spinning_shaft():
-    """Pinned shaft with polar inertia J at Omega, no inertia of tilting: with w = x + iy of wave number k, mu
-    w'' - i J Omega k^2 w' + EI k^4 w = 0, so the rates solve mu q^2 -+ J Omega k^2 q - EI k^4 = 0: forward
-    whirl above, backward below the rate at rest (rotor dynamics, e.g. Genta, TimeIntegrator of Rotating
-    Systems, ch. 4).  The spin momentum stands at the nodes: second order."""
+    """Pinned shaft with polar inertia J at Omega, without inertia of tilting: forward whirl above, backward
+    whirl below the rate at rest (rotor dynamics, e.g. Genta, Dynamics of Rotating Systems, ch. 4; manual:
+    verif-modes-gyroscopic).
+
+    With w = x + iy of wave number k, mu w'' - i J Omega k^2 w' + EI k^4 w = 0, so the rates solve mu q^2 -+ J
+    Omega k^2 q - EI k^4 = 0. The spin momentum is lumped at the nodes: second order.
+    """
     speed, polar, expected = 300.0, 2.0, []
     for k in np.arange(1, 4) * np.pi / L:
         half = polar * speed * k**2 / (2 * MASS)
@@ -244,10 +254,10 @@ def test_gyroscopic_splitting_of_a_spinning_shaft():
 
 
 def test_pipe_lying_in_a_hole():
-    """A rigid piece at rest on the wall, without friction: it bounces at sqrt(k/mu) on the contact's
-    stiffness per length and swings along the wall at sqrt(g/d), d the distance of its axis from the hole's;
-    the wall above, which it does not touch, is not there."""
-    g, mass, stiffness, component = 9.81, 25.0, 1e6, 0.002
+    """A rigid piece at rest on the wall without friction: it bounces at sqrt(k/mu) on the contact stiffness
+    per length and swings along the wall at sqrt(g/d), d the distance of its axis from the hole's (manual:
+    verif-modes-contact). The opposite wall has no influence."""
+    g, mass, stiffness, clearance = 9.81, 25.0, 1e6, 0.002
     mesh = uniform_string(
         1.0,
         1,
@@ -258,22 +268,23 @@ def test_pipe_lying_in_a_hole():
         polar_inertia=0.1,
         outer_diameter=0.2,
     )
-    hole = Well.from_survey(np.array([0.0, 50.0]), np.zeros(2), np.zeros(2), [50.0], [0.1 + component], [0.0])
+    hole = Well.from_survey(np.array([0.0, 50.0]), np.zeros(2), np.zeros(2), [50.0], [0.1 + clearance], [0.0])
     law = ContactLaw(stiffness=stiffness, restitution=1.0)
     system = straight_model(mesh, [lambda f, p, t: Contact(mesh, hole, law)], gravity=(g, 0.0, 0.0))
-    depth = component + mass * g / stiffness
+    depth = clearance + mass * g / stiffness
     system.set_field("string.position", np.array([[depth, 0.0, z] for z in (0.0, 1.0)]))
     rows = system.new_condensed()
     system.sum_residual(0.0, rows)
     assert np.abs(rows.getArray()).max() < 1e-6 * mass * g
-    s = eigenvalues_near(linearise(system).pencil(10.0), 20.0, 8, "dense").s.imag
+    s = eigenvalues_near(linearise(system).eigenproblem(10.0), 20.0, 8, "dense").s.imag
     for expected in (np.sqrt(g / depth), np.sqrt(stiffness / mass)):
         assert np.abs(s - expected).min() < 1e-3 * expected
 
 
 def test_linearised_rows_are_those_of_the_residual():
-    """String, bore, annulus and bit in a random state that spins and slides: x + u e^(st) with true rates,
-    for three rates s and random u; central differences of the residual against (K + s C + s^2 M) u."""
+    """String, bore, annulus and bit in a random state that spins and slides: central differences of the
+    residual along x + u e^(st), with consistent rates, against (K + s C + s^2 M) u, for three rates s and
+    random u (manual: verif-modes-linearisation)."""
     system = build("pipe_annulus_bit_junction_topdrive")
     asm, layout = system.assembly, system.layout
     asm.y[layout.dofs["string.tangent"]] = 0.0
@@ -321,7 +332,7 @@ BORE = np.pi / 4 * ID**2
 
 
 def conveying(flow: float, length: float, elements: int, bulk_modulus: float, **case) -> dict:
-    """A pipe with an inviscid fluid in rigid walls, nothing around it; flow [m3/s]."""
+    """A pipe with an inviscid fluid in rigid walls, without annulus; flow [m3/s]."""
     fluid = {
         "density": DENSITY,
         "rheology": {"model": "newtonian", "viscosity": 0.0},
@@ -334,9 +345,9 @@ def conveying(flow: float, length: float, elements: int, bulk_modulus: float, **
 
 
 def test_sound_in_a_held_bore():
-    """Only first-order unknowns: closed at the pump, open below: odd quarter waves (2k - 1) a/4L, a =
-    sqrt(K/rho), L with the open end's correction 0.61 of the bore's radius (Levine and Schwinger 1948); 40
-    elements, second order."""
+    """First-order unknowns only, closed at the pump, open below: odd quarter waves (2k - 1) a/4L, a =
+    sqrt(K/rho), L with the correction 0.61 of the bore radius for the open end (Levine and Schwinger 1948);
+    40 elements, second order (manual: verif-modes-sound)."""
     m = found(3, **conveying(0.0, 200.0, 40, 2e9, hold_string=True))
     swinging = m.frequency[m.frequency > 0][:3]
     wave = np.sqrt(2e9 / DENSITY) / (4 * (200.0 + 0.61 * ID / 2))
@@ -347,7 +358,8 @@ def test_sound_in_a_held_bore():
 
 def test_pipe_conveying_fluid_diverges_at_pi():
     """Pinned ends: stable below, diverging in both planes above u = U L sqrt(m_f/EI) = pi (Paidoussis,
-    Fluid-Structure Interactions 1, ch. 3); the square of the lowest rate passes zero there."""
+    Fluid-Structure Interactions 1, ch. 3), where the square of the lowest eigenvalue is zero (manual:
+    verif-pipe-divergence)."""
     length, stiffness = 20.0, 206e9 * np.pi / 64 * (OD**4 - ID**4)
     ends = {"top": "pinned", "bottom": "pinned"}
     one = np.sqrt(stiffness / (DENSITY * BORE)) / length * BORE  # flow rate at u = 1
@@ -357,12 +369,11 @@ def test_pipe_conveying_fluid_diverges_at_pi():
     assert 3.12 + 0.04 * square[0] / (square[0] + square[1]) == pytest.approx(np.pi, rel=1e-3)
 
 
-# ---------------------------------------------------------------------- pencil
+# ---------------------------------------------------------------------- eigenvalue solver
 def dae(copies: int, seed: int = 4) -> tuple[QuadraticEigenproblem, np.ndarray]:
-    """Oscillators, each pushed by the lagged state of a first-order unknown, and an algebraic unknown that
-    follows, all mixed: m x'' + d x' + k x - b p = 0,  tau p' + p + c x' = 0,  q - x = 0:  (m s^2 + d s +
-    k)(tau s + 1) + b c s = 0.  Each ``copies`` times.
-    """
+    """``copies`` systems of an oscillator, driven by the lagged state of a first-order unknown, and an
+    algebraic unknown, all mixed: m x'' + d x' + k x - b p = 0, tau p' + p + c x' = 0, q - x = 0: (m s^2 + d s
+    + k)(tau s + 1) + b c s = 0."""
     rng, blocks, roots = np.random.default_rng(seed), [], []
     for m, d, k, tau, b, c in (
         (1.0, 0.1, 4.0, 0.5, 1.0, 0.3),
@@ -389,14 +400,14 @@ def dae(copies: int, seed: int = 4) -> tuple[QuadraticEigenproblem, np.ndarray]:
 @pytest.mark.parametrize("engine", ["dense", "arpack"])
 @pytest.mark.parametrize("copies", [1, 6])
 def test_roots_of_an_algebraic_differential_system(engine, copies):
-    """All finite roots of the polynomials, each as often as it should be, and no infinite one; the growing
-    ones are seen."""
-    pencil, exact = dae(copies)
+    """All finite eigenvalues with their multiplicities, no infinite one; growing ones are reported (manual:
+    verif-eigenvalue-solver)."""
+    problem, exact = dae(copies)
     exact = exact[exact.imag >= 0]
     exact = exact[np.argsort(np.abs(exact - 0.87))]
     some = len(exact) if engine == "dense" else 4 * copies
-    got = eigenvalues_near(pencil, 0.87, 2 * some if engine == "dense" else 6 * copies, engine)
-    got = got.chosen(np.argsort(np.abs(got.s - 0.87)))
+    got = eigenvalues_near(problem, 0.87, 2 * some if engine == "dense" else 6 * copies, engine)
+    got = got.subset(np.argsort(np.abs(got.s - 0.87)))
     assert len(got.s) >= some if engine == "arpack" else len(got.s) == len(exact)
     for root in got.s:
         assert np.sum(np.abs(got.s - root) < 1e-5 * abs(root)) == np.sum(
@@ -404,13 +415,13 @@ def test_roots_of_an_algebraic_differential_system(engine, copies):
         )
     assert np.sort_complex(got.s) == pytest.approx(np.sort_complex(exact[: len(got.s)]), rel=1e-6)
     assert got.grows.sum() == np.sum(exact[: len(got.s)].real > 0) > 0
-    residual = pencil.K @ got.u + got.s * (pencil.C @ got.u) + got.s**2 * (pencil.M @ got.u)
-    assert np.abs(residual).max() < 1e-8 * abs(pencil.K).max() * np.abs(got.u).max()
+    residual = problem.K @ got.u + got.s * (problem.C @ got.u) + got.s**2 * (problem.M @ got.u)
+    assert np.abs(residual).max() < 1e-8 * abs(problem.K).max() * np.abs(got.u).max()
 
 
-def test_discs_climb_past_a_crowd_of_slow_roots():
-    """300 relaxations at -0.01 to -3 1/s hide the oscillators i k (k = 5, 5, 6, ... 44) from a search near
-    zero; the ten lowest are found, the double one twice, in the right order."""
+def test_oscillators_beyond_many_slow_roots_are_found():
+    """300 relaxations at -0.01 to -3 1/s lie between zero and the oscillators i k (k = 5, 5, 6, ... 44): the
+    ten lowest oscillators are found in order, the double one twice."""
     slow = np.linspace(0.01, 3.0, 300)
     swing = np.concatenate([[5.0], np.arange(5.0, 45.0)])
     n = len(slow) + len(swing)
@@ -419,25 +430,25 @@ def test_discs_climb_past_a_crowd_of_slow_roots():
         sparse.csr_matrix(sparse.diags(d.astype(float)))
         for d in (np.concatenate([slow, swing**2]), ~second, second)
     )
-    pencil = QuadraticEigenproblem(K, C, M, second, np.ones(n), 0.1)
-    roots = lowest_eigenvalues(pencil, 10, "arpack")
+    problem = QuadraticEigenproblem(K, C, M, second, np.ones(n), 0.1)
+    roots = lowest_eigenvalues(problem, 10, "arpack")
     assert roots.s[roots.s.imag > 0] == pytest.approx(1j * swing[:10], rel=1e-9)
     assert roots.s[roots.s.imag == 0].real == pytest.approx(-slow[:2], rel=1e-9)
 
 
 def test_slepc_where_it_is_installed():
-    """SLEPc's Krylov-Schur finds the same roots as ARPACK's Arnoldi."""
+    """SLEPc's Krylov-Schur finds the same eigenvalues as ARPACK's Arnoldi."""
     pytest.importorskip("slepc4py.SLEPc", exc_type=ImportError)
-    pencil, _ = dae(6)
+    problem, _ = dae(6)
     one, other = (
-        np.sort_complex(eigenvalues_near(pencil, 0.87, 30, engine).s) for engine in ("slepc", "arpack")
+        np.sort_complex(eigenvalues_near(problem, 0.87, 30, engine).s) for engine in ("slepc", "arpack")
     )
     assert one == pytest.approx(other, rel=1e-7)
 
 
 # ---------------------------------------------------------------------- files
 def test_files_of_a_run(tmp_path: Path):
-    """modes.csv, summary.json and the shapes of a cantilever hold what the closed forms say."""
+    """modes.csv, summary.json and the shapes of a cantilever against closed forms."""
     run_modes(Case(string=[rod()], top="clamped", gravity=0.0), tmp_path / "run", count=4)
     table = read_table(tmp_path / "run" / "modes.csv")
     expected = np.repeat((np.array(BETA_CANTILEVER[:2]) / L) ** 2 * np.sqrt(EI / MASS) / (2 * np.pi), 2)

@@ -1,4 +1,5 @@
-"""The hole that one run drilled is the survey of the next, which drills on from its end."""
+"""The hole drilled by one run is the survey of the next, which continues from its end (manual:
+verif-survey-of-a-drilled-hole)."""
 
 from __future__ import annotations
 
@@ -9,7 +10,7 @@ import pytest
 
 import drillpetsc
 from drillpetsc.case import Case
-from drillpetsc.geometry.trajectory import FAITHFUL
+from drillpetsc.geometry.trajectory import SURVEY_TOLERANCE
 from drillpetsc.model.drilling_model import build_well
 from drillpetsc.output import read_table
 
@@ -54,10 +55,9 @@ def drilled(tmp_path_factory):
 
 
 def test_the_centreline_is_that_of_the_drilled_hole(drilled):
-    """Between two nodes the survey misses at most FAITHFUL, whatever the bit did there (closed form:
-    unit/case/test_hole_as_survey.py), and
-    the old hole's arcs are exact; so at no station the two are further apart than FAITHFUL for each node of
-    the new hole."""
+    """Between two nodes the survey deviates by at most SURVEY_TOLERANCE for any path (closed form:
+    unit/case/test_hole_as_survey.py), and the arcs of the old hole are exact. So the distance at a station is
+    at most SURVEY_TOLERANCE per node of the new hole."""
     table = read_table(drilled / "trajectory.csv")
     md, place = table["md [m]"], np.column_stack([table[f"{name} [m]"] for name in ("north", "east", "tvd")])
     case = drilling(str(drilled), {}, 36.0)
@@ -67,13 +67,13 @@ def test_the_centreline_is_that_of_the_drilled_hole(drilled):
     off = np.linalg.norm(again.at(md)[0] - place, axis=1)
     new = md > OLD
     assert new.sum() >= 4 and off[~new].max() < 1e-8
-    assert off.max() <= FAITHFUL * np.ceil((md[-1] - OLD) / INTERVAL + 1)
+    assert off.max() <= SURVEY_TOLERANCE * np.ceil((md[-1] - OLD) / INTERVAL + 1)
     assert np.linalg.norm(place[-1] - place[~new][-1]) > 1.9
 
 
-def test_the_next_case_drills_on(drilled, tmp_path):
-    """From the end of the hole, with the weight on bit asked for, though its string was not lengthened: the
-    top starts lower."""
+def test_the_next_case_continues_drilling(drilled, tmp_path):
+    """The next run starts at the end of the hole with the given weight on bit, although its string has the
+    same length: its top starts lower."""
     drillpetsc.run(
         drilling(str(drilled / "trajectory.csv"), {"to": "end"}, 180.0), tmp_path / "run", progress="silent"
     )

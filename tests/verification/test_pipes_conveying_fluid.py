@@ -1,10 +1,10 @@
-"""A pipe that conveys fluid, through the finished scene: what flow, pressure and tension do to its stiffness
-and stability (F01 to F03).
+"""A pipe that conveys fluid, in a whole model: effect of flow, pressure and tension on stiffness and
+stability (manual: sec-verif-fluid-structure, verif-pipe-divergence, verif-cantilever-flutter).
 
 Steady states from find_equilibrium, K = dR/dx, C = dR/dy, M = dR/da of the assembled rows; inviscid,
-incompressible fluid. u = U L sqrt(rho A_i/EI), beta = fluid over all mass, gamma = (all mass) g L^3/EI;
-frequencies omega in sqrt(EI/(all mass))/L^2. Source, unless said: Paidoussis, Fluid-Structure Interactions,
-vol. 1 (1998), chapter 3.
+incompressible fluid. u = U L sqrt(rho A_i/EI), beta = fluid mass over total mass, gamma = (total mass) g
+L^3/EI; frequencies omega in sqrt(EI/(total mass))/L^2. Source, unless stated: Paidoussis, Fluid-Structure
+Interactions, vol. 1 (1998), chapter 3.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ SLIDING = {"kind": "top_drive", "force": 0.0}
 def divergence(
     elements: int, near: float, beta: float = 0.5, stretch: float = 0.0, pressure: float = 0.0, **ends
 ) -> float:
-    """u at which the stiffness across loses its definiteness."""
+    """u at which the lateral stiffness becomes indefinite."""
     tube = Tube.of(beta, elements)
 
     def stiffness(u: float) -> float:
@@ -64,8 +64,8 @@ HELD = {
 
 @pytest.mark.parametrize("ends", HELD)
 def test_pipe_held_at_both_ends_diverges(ends):
-    """F01: the centrifugal load rho A U^2 is Euler's load, u = pi, 2 pi, 4.4934: 5e-5 at 16 elements, of
-    fourth order, from above."""
+    """The centrifugal load rho A U^2 is Euler's load, u = pi, 2 pi, 4.4934: 5e-5 with 16 elements, of fourth
+    order, from above (manual: verif-pipe-divergence)."""
     where, exact = HELD[ends]
     error = [divergence(n, exact, **where) / exact - 1 for n in (4, 8, 16)]
     assert 0 < error[2] < 5e-5
@@ -73,14 +73,14 @@ def test_pipe_held_at_both_ends_diverges(ends):
 
 
 def test_divergence_does_not_depend_on_the_mass_of_the_fluid():
-    """F01: independent of beta."""
+    """The critical speed is independent of beta (manual: verif-pipe-divergence)."""
     assert divergence(4, np.pi, beta=0.1) == pytest.approx(divergence(4, np.pi, beta=0.8), rel=1e-9)
 
 
 @pytest.mark.parametrize("way", ["tension", "pressure"])
 def test_divergence_under_tension_and_pressure(way):
-    """Tension 5 EI/L2 adds to Euler's load, pressure p A = 4 EI/L2 between fixed ends takes from it: u^2 =
-    pi^2 + 5, pi^2 - 4."""
+    """Tension 5 EI/L2 is added to Euler's load, pressure p A = 4 EI/L2 between fixed ends is subtracted: u^2
+    = pi^2 + 5, pi^2 - 4 (manual: verif-divergence-tension-pressure)."""
     tube = Tube.of(0.5)
     exact = np.sqrt(np.pi**2 + 5) if way == "tension" else np.sqrt(np.pi**2 - 4)
     load = (
@@ -93,8 +93,9 @@ def test_divergence_under_tension_and_pressure(way):
 
 # ---------------------------------------------------------------------- frequencies
 def test_frequencies_of_a_pinned_pipe_with_flow():
-    """u = 2, beta 0.5: omega of the spectral solution (7.45357, 37.6321, 87.1044), errors at 8 elements as in
-    the study and of fourth order; the flow is conservative here, so nothing grows or decays."""
+    """u = 2, beta 0.5: omega of the spectral solution (7.45357, 37.6321, 87.1044), with the errors at 8
+    elements of the manual (manual: verif-pinned-pipe-frequencies) and of fourth order. The flow is
+    conservative here: no growth, no decay."""
     exact = oscillating(conveying(2.0, 0.5, ends="pinned"), 3)
     assert exact.imag == pytest.approx([7.45357, 37.6321, 87.1044], rel=2e-6)
     error = []
@@ -103,13 +104,15 @@ def test_frequencies_of_a_pinned_pipe_with_flow():
         s = oscillating(roots_of(*across(tube.at_rest({"flow_rate": flow_of(2.0)}))), 3) * tube.time
         assert np.abs(s.real).max() < 1e-8
         error.append(s.imag / exact.imag - 1)
-    assert error[1] == pytest.approx([4.4e-5, 3.4e-4, 1.44e-3], rel=0.05)  # fluid.md, table 8.3, n = 8
+    assert error[1] == pytest.approx(
+        [4.4e-5, 3.4e-4, 1.44e-3], rel=0.05
+    )  # manual: verif-pinned-pipe-frequencies
     assert np.all(np.log2(np.divide(error[1], error[2])) > 3.6)
 
 
 def test_all_unknowns_together_have_the_same_roots():
-    """The whole linearised scene, pressures and flow rates (first order) included, has each root across the
-    pipe twice (two planes), and no root that grows."""
+    """The linearised system with pressures and flow rates (first order) has each lateral eigenvalue twice
+    (two planes), and none that grows."""
     tube = Tube.of(0.5, 6)
     model = tube.at_rest({"flow_rate": flow_of(2.0)})
     free, drop = np.eye(model.system.layout.size), []
@@ -133,10 +136,10 @@ def test_all_unknowns_together_have_the_same_roots():
 
 # ---------------------------------------------------------------------- pressure at rest
 @pytest.mark.parametrize("load", [0.0, 5.0, 50.0])
-def test_pressure_does_not_move_the_frequency_of_a_blind_pipe(load):
-    """p A_i (in EI/L2) on a blind end that is free to slide: wall tension p A_i, effective tension 0, first
-    frequency that of the empty pipe's stiffness (fluid.md 8.3): clamped-free, and clamped-pinned with an
-    upper end that slides."""
+def test_pressure_does_not_change_the_frequency_of_a_blind_pipe(load):
+    """p A_i (in EI/L2) on a plugged end that slides freely: wall tension p A_i, effective tension 0, first
+    frequency of the empty pipe's stiffness (manual: verif-blind-pipe-pressure): clamped-free, and
+    clamped-pinned with a sliding upper end."""
     tube = Tube.of(0.5)
     fluid = {"pump_pressure": load * FORCE / BORE}
     for ends, exact in (
@@ -151,8 +154,8 @@ def test_pressure_does_not_move_the_frequency_of_a_blind_pipe(load):
 
 @pytest.mark.parametrize("load", [0.0, 5.0, 50.0, 200.0])
 def test_outside_pressure_does_not_buckle_a_closed_pipe(load):
-    """p_o A_o up to 200 EI/L2 on an empty closed pipe: the wall is compressed by it, up to 80 times a
-    cantilever's Euler load, and the frequency in still fluid stays (fluid.md 8.3)."""
+    """p_o A_o up to 200 EI/L2 on an empty closed pipe compresses the wall by up to 80 times a cantilever's
+    Euler load, but does not change the frequency in still fluid (manual: verif-blind-pipe-pressure)."""
     tube = Tube(50.0, 16, hole=2 * OUTER)
     chi = (2**2 + 1) / (2**2 - 1)
     exact = CLAMPED_FREE * np.sqrt(BENDING / (tube.mass + chi * DENSITY * SOLID)) / LENGTH**2
@@ -172,8 +175,8 @@ def test_outside_pressure_does_not_buckle_a_closed_pipe(load):
 
 @pytest.mark.parametrize("load", [5.0, 9.0])
 def test_pressure_between_fixed_ends_softens_the_pipe(load):
-    """No wall tension, so effective tension -p A_i: omega^2 = pi^4 - pi^2 p A_i L2/EI (6.93261 and
-    2.92962)."""
+    """Without wall tension the effective tension is -p A_i: omega^2 = pi^4 - pi^2 p A_i L2/EI (6.93261 and
+    2.92962; manual: verif-fixed-ends-pressure)."""
     omega, error = np.sqrt(np.pi**4 - np.pi**2 * load), []
     for n in (4, 8, 16):
         tube = Tube.of(0.5, n)
@@ -186,10 +189,10 @@ def test_pressure_between_fixed_ends_softens_the_pipe(load):
     assert error[0] / error[1] > 12 and error[1] / error[2] > 12
 
 
-def test_elastic_wall_between_fixed_ends_takes_over_part_of_the_pressure():
-    """A steel tube that widens under pressure pulls at its fixed ends, T = 2 nu p A_i (thick tube, Lame), so
-    the effective tension is
-    -(1 - 2 nu) p A_i and omega^2 = pi^4 - pi^2 (1 - 2 nu) p A_i L2/EI."""
+def test_elastic_wall_between_fixed_ends_carries_part_of_the_pressure():
+    """A steel tube that expands under pressure pulls at its fixed ends, T = 2 nu p A_i (thick tube, Lame), so
+    the effective tension is -(1 - 2 nu) p A_i and omega^2 = pi^4 - pi^2 (1 - 2 nu) p A_i L2/EI (manual:
+    verif-fixed-ends-pressure)."""
     young, nu = 206e9, 0.3
     bending = young * np.pi / 64 * (OUTER**4 - 0.1**4)
     pressure = 8.0 * bending / LENGTH**2 / BORE
@@ -210,7 +213,7 @@ def test_elastic_wall_between_fixed_ends_takes_over_part_of_the_pressure():
 
 # ---------------------------------------------------------------------- flutter
 def flutter(elements: int, beta: float, near: float, gamma: float = 0.0) -> tuple[float, float]:
-    """(u, omega) at which a cantilever first flutters, near a given u."""
+    """(u, omega) at the onset of flutter of a cantilever near a given u."""
     tube = Tube.of(beta, elements)
     gravity = gamma * BENDING / ((tube.mass + DENSITY * BORE) * LENGTH**3)
 
@@ -222,7 +225,7 @@ def flutter(elements: int, beta: float, near: float, gamma: float = 0.0) -> tupl
     return u, root(u).imag
 
 
-FLUTTER = {  # beta, gamma: u and omega as published (verification.md, F02 and F03)
+FLUTTER = {  # beta, gamma: u and omega as published (manual: verif-cantilever-flutter)
     (0.2, 0.0): (5.591, 13.72),
     (0.23e-3, 61.1): (6.15, 21.3),
     (2.03e-3, 42.4): (5.62, 19.5),
@@ -231,8 +234,9 @@ FLUTTER = {  # beta, gamma: u and omega as published (verification.md, F02 and F
 
 @pytest.mark.parametrize(("beta", "gamma"), FLUTTER)
 def test_cantilever_flutters(beta, gamma):
-    """F02 and F03, standing and hanging cantilevers: published u and omega within 0.2 % at 16 elements; the
-    spectral solution within 3e-5, of fourth order."""
+    """Standing and hanging cantilevers: published u and omega within 0.2 % with 16 elements; the spectral
+    solution within 3e-5, of fourth order (manual: verif-cantilever-flutter,
+    verif-hanging-cantilever-flutter)."""
     u, omega = FLUTTER[beta, gamma]
     exact = brentq(lambda u: fastest_growing(conveying(u, beta, gamma)).real, 0.95 * u, 1.05 * u, xtol=1e-10)
     at = fastest_growing(conveying(exact, beta, gamma)).imag
@@ -246,9 +250,12 @@ def test_cantilever_flutters(beta, gamma):
 
 @pytest.mark.parametrize(("u", "grows"), [(5.3, False), (5.9, True)])
 def test_cantilever_in_motion_below_and_above_the_critical_speed(u, grows):
-    """The run itself, 8 elements, small push, BDF2 with omega dt = 0.1: growth rate and frequency of the
-    spectral solution within 0.02 and 1 % (BDF2 slows an oscillation by (omega dt)^2/3 = 0.33 %), so it dies
-    out at u = 5.3 and grows at 5.9 (critical 5.591)."""
+    """A run with 8 elements, small push, BDF2 with omega dt = 0.1: growth rate and frequency of the spectral
+    solution within 0.02 and 1 % (manual: verif-flutter-in-a-run).
+
+    BDF2 reduces the frequency by (omega dt)^2/3 = 0.33 %. The motion decays at u = 5.3 and grows at 5.9
+    (critical 5.591).
+    """
     tube = Tube.of(0.2, 8)
     model = tube.at_rest({"flow_rate": flow_of(u)}, top="clamped", bottom="free")
     release(model)
@@ -279,9 +286,9 @@ def test_cantilever_in_motion_below_and_above_the_critical_speed(u, grows):
     assert np.pi / np.diff(when).mean() == pytest.approx(root.imag, rel=1e-2)
 
 
-def test_modes_tell_stable_from_unstable():
-    """The `modes` command's own figures 0.2 % below and above the critical speeds: none grows, then one in
-    each plane; and its roots."""
+def test_modes_distinguish_stable_from_unstable():
+    """Results of the `modes` command 0.2 % below and above the critical speeds: no growing mode, then one in
+    each plane; and the eigenvalues."""
     for ends, beta, critical, kind in (
         (("pinned", "pinned"), 0.5, np.pi, "diverging"),
         (("clamped", "free"), 0.2, 5.5914, "fluttering"),
@@ -297,7 +304,7 @@ def test_modes_tell_stable_from_unstable():
 
 
 def test_the_spectral_solution_gives_known_beams():
-    """The reference itself: cantilever 3.5160, pinned pi^2, clamped-clamped 22.3733, and a pinned beam with
+    """The reference solution: cantilever 3.5160, pinned pi^2, clamped-clamped 22.3733, and a pinned beam with
     tension."""
     for ends, exact in (("cantilever", 3.5160153), ("pinned", np.pi**2), ("clamped", 22.3732854)):
         assert oscillating(spectral(ends), 1).imag == pytest.approx([exact], rel=1e-7)

@@ -1,4 +1,4 @@
-"""The quaternion string in its hole: lies, slides and turns under friction as the ANCF string does."""
+"""Quaternion element with wall contact: lying, sliding and rotating under friction as the ANCF element."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ def lying(formulation: str, **more) -> Case:
 
 
 def test_a_string_that_lies_in_a_level_hole_is_pushed_in_against_friction():
-    """Static start, friction against the lowering: the wall carries the weight w L, the top, which holds the
-    string where it lies, pushes with mu w L."""
+    """Static start, friction against the lowering: the wall carries the weight w L, and the top, which holds
+    the string in place, pushes with mu w L."""
     model = build_model(lying("quaternion"))
     find_equilibrium(model)
     reports, _ = model.contact.report(model.system.assembly)
@@ -49,9 +49,9 @@ def test_a_string_that_lies_in_a_level_hole_is_pushed_in_against_friction():
     assert model.system.reaction("top.axial_reaction") == pytest.approx(FRICTION * WEIGHT * LENGTH, rel=2e-3)
 
 
-def test_it_slides_and_turns_as_the_gauge_string(tmp_path):
-    """Lowered and spun up for 0.3 s: hook load, torque and bit speed over time beside the ANCF element's, at
-    fixed steps."""
+def test_it_slides_and_rotates_as_the_ancf_string(tmp_path):
+    """Lowered and spun up for 0.3 s: hook load, torque and bit speed over time compared with the ANCF
+    element, with fixed steps."""
     top = {"kind": "top_drive", "rotation": {"ramp": 0.15, "value": 6.0}, "lowering": 0.1}
     found = {}
     for formulation in ("ancf", "quaternion"):

@@ -1,5 +1,5 @@
-"""The quaternion element in motion: what the time formulas do to spin, constraints and multipliers; against
-the ANCF element."""
+"""Quaternion element in motion: effect of the time formulas on spin, constraints and multipliers; comparison
+with the ANCF element (manual: verif-quaternion-motion, verif-quaternion-spin)."""
 
 from __future__ import annotations
 
@@ -48,12 +48,13 @@ def spin_freely(constraint: str, order: int, step: float, end: float = 1.0) -> S
 
 @pytest.mark.parametrize("constraint, share", [("index3", 4), ("stabilized", 8)])
 def test_bdf1_brakes_a_free_spin(constraint, share):
-    """dW/dt = -W^3 h/share, so W = W0/sqrt(1 + 2 W0^2 h t/share), with no torque acting.
+    """dW/dt = -W^3 h/share, so W = W0/sqrt(1 + 2 W0^2 h t/share) without torque (manual:
+    eq-quat-false-braking, verif-quaternion-spin).
 
-    In the plane of q and q e1 a spinning q turns by a = W h/2 a step.  The rate (q_n - q_(n-1))/h has a part
-    along q of (1 - cos a)/h, and its difference a part across of (1 - cos a) sin a 2/h^2 = W^3 h/8: half of
-    the false W' = W^3 h/4 (string.md 9.6).  Where the rate has no part along q (stabilized), what is left is
-    |q'|(1 - cos a)/h: half as much.
+    In the plane of q and q e1 a spinning q rotates by a = W h/2 per step. The rate (q_n - q_(n-1))/h has a
+    component (1 - cos a)/h along q, and its difference a transverse component (1 - cos a) sin a 2/h^2 = W^3
+    h/8: half of the spurious W' = W^3 h/4. If the rate has no component along q (stabilized), |q'|(1 - cos
+    a)/h remains: half as much.
     """
     for step in (0.005, 0.0025):
         expected = SPEED / np.sqrt(1 + 2 * SPEED**2 * step / share)
@@ -61,7 +62,7 @@ def test_bdf1_brakes_a_free_spin(constraint, share):
 
 
 def test_bdf2_brakes_it_by_the_start_and_by_the_third_power():
-    """Index 3: -W^3 h/4 over PETSc's first half step, then -W^5 h^3/32 (string.md 9.6)."""
+    """Index 3: -W^3 h/4 over PETSc's first half step, then -W^5 h^3/32 (manual: verif-quaternion-spin)."""
     h = 0.01
     expected = SPEED**3 * h / 4 * h / 2 + SPEED**5 * h**3 / 32
     assert SPEED - spin_freely("index3", 2, h).speed == pytest.approx(expected, rel=0.05)
@@ -69,7 +70,7 @@ def test_bdf2_brakes_it_by_the_start_and_by_the_third_power():
 
 def test_index_2_keeps_the_spin_and_loses_the_length():
     """q_n = q_(n-1) + h q'_n with q_n.q'_n = 0: |q_n|^2 = |q_(n-1)|^2 - h^2 |q'_n|^2 with |q'| = W |q|/2, so
-    |q| = (1 + W^2 h^2/4)^(-N/2); the spin rate of the turning parameters does not change."""
+    |q| = (1 + W^2 h^2/4)^(-N/2); the spin rate of the rotating parameters is constant."""
     h = 0.01
     end = spin_freely("index2", 1, h)
     assert end.speed == pytest.approx(SPEED, rel=1e-5)
@@ -88,8 +89,8 @@ def test_the_multiplier_of_the_length_is_inertia_times_speed_squared(constraint)
 
 # ---------------------------------------------------------------------- orders in time
 def swing(constraint: str | None, step: float, order: int, end: float = 0.4):
-    """The strip of the first benchmark, hinged and horizontal, its weight set in smoothly, damped so that no
-    ringing hides the orders: tip, its velocity, force on the hinge."""
+    """Strip of the first benchmark, hinged and horizontal, with a smooth onset of its weight, damped so that
+    no oscillation hides the orders: tip, its velocity, force on the hinge."""
     item = beam(0.5, 4, 2000.0, 6.6666667e-4, 1e-3, 0.02, 1.7333e-7, damping={"stiffness": 2e-3})
     weight = {"from": 0.0, "to": 0.5, "force": [0, 0, 0.02 * 9.81], "value_over": {"ramp": 0.2, "value": 1.0}}
     model = straight(
@@ -108,15 +109,16 @@ def swing(constraint: str | None, step: float, order: int, end: float = 0.4):
 
 @pytest.fixture(scope="module")
 def finest() -> list[np.ndarray]:
-    """Extrapolated from BDF2 at 0.2 and 0.4 ms."""
+    """Extrapolation from BDF2 at 0.2 and 0.4 ms."""
     fine, coarse = swing("index3", 2e-4, 2), swing("index3", 4e-4, 2)
     return [(4 * a - b) / 3 for a, b in zip(fine, coarse, strict=True)]
 
 
 @pytest.mark.parametrize("constraint, order", [(c, k) for c in FORMS for k in (1, 2)])
 def test_order_in_time(finest, constraint, order):
-    """Constant steps: k for positions, velocities and multipliers alike, also at index 3 (Loetstedt and
-    Petzold, Math. Comp. 46, 1986; the order that multipliers lose there is one of changing steps)."""
+    """Constant steps: order k for positions, velocities and multipliers, also at index 3 (Loetstedt and
+    Petzold, Math. Comp. 46, 1986; multipliers lose an order there with changing steps only; manual:
+    verif-quaternion-order)."""
     errors = []
     for step in (4e-3, 2e-3, 1e-3):
         found = swing(constraint, step, order)
@@ -126,9 +128,8 @@ def test_order_in_time(finest, constraint, order):
     assert e[2, 0] < (6e-4, 1e-4)[order - 1]
 
 
-def test_it_swings_as_the_gauge_element(finest):
-    """The same motion of another discretisation in space and other unknowns: tip within a thousandth of the
-    length on four elements."""
+def test_it_swings_as_the_ancf_element(finest):
+    """Comparison with the ANCF element: tip within a thousandth of the length with four elements."""
     reference = swing(None, 4e-4, 2)
     assert np.linalg.norm(reference[0] - finest[0]) < 5e-4
     assert reference[2] == pytest.approx(finest[2], rel=0.02)
@@ -145,9 +146,9 @@ def driven(constraint: str | None, **case):
     return straight(**(data | case))
 
 
-def test_spin_up_follows_the_gauge_element():
-    """A short string spun up by its top: bit speed and surface torque over time, both elements at 1 ms with
-    BDF2."""
+def test_spin_up_follows_the_ancf_element():
+    """A short string spun up by its top: bit speed and surface torque over time, both elements with BDF2 at 1
+    ms."""
     found = {}
     for constraint in (None, "index3", "stabilized"):
         model, rows = (
@@ -156,12 +157,12 @@ def test_spin_up_follows_the_gauge_element():
         )
         m, beam = model.system, model.beam
 
-        def watch(t, dt, m=m, component=beam, rows=rows):
+        def sample(t, dt, m=m, component=beam, rows=rows):
             rows.append(
                 [component.section(m.assembly, m.mesh.nodes - 1)[2], m.reaction("top.torque_reaction")]
             )
 
-        integrate(m, 0.5, fixed(1e-3), watch, model.breaks)
+        integrate(m, 0.5, fixed(1e-3), sample, model.breaks)
         found[constraint] = np.array(rows)
     reference = found[None]
     for constraint in ("index3", "stabilized"):
@@ -173,7 +174,7 @@ def test_spin_up_follows_the_gauge_element():
 
 
 def test_hook_load_and_torque_of_a_smooth_start_are_mass_times_acceleration():
-    """Lowered and turned by half-cosine ramps so slow that the string follows as a rigid body: hook load m (g
+    """Lowered and rotated by half-cosine ramps so slow that the string moves as a rigid body: hook load m (g
     - a), torque J dW/dt at the middle of the ramp (a = pi v/2T); waves are a per cent (travel time 0.03 s of
     4 s)."""
     T, v, w = 4.0, 2.0, 5.0
@@ -194,8 +195,8 @@ def test_hook_load_and_torque_of_a_smooth_start_are_mass_times_acceleration():
 
 
 def test_no_drift_over_100_seconds():
-    """Stabilized, 2000 steps of 50 ms of a turning, swinging string: lengths of q, their rates and the
-    prescribed end hold to 1e-9."""
+    """Stabilized, 2000 steps of 50 ms of a rotating, swinging string: lengths of q, their rates and the
+    prescribed end are constant within 1e-9."""
     model = driven(
         "stabilized",
         top={"kind": "top_drive", "rotation": 8.0, "lowering": 0.05},
@@ -205,13 +206,13 @@ def test_no_drift_over_100_seconds():
     m = model.system
     worst = np.zeros(3)
 
-    def watch(t, dt):
+    def sample(t, dt):
         q, y = m.field("string.quaternion"), m.field("string.quaternion", "y")
         length = np.abs(np.linalg.norm(q, axis=1) - 1).max()
         end = np.abs(m.field("string.position")[0] - [0, 0, 0.05 * t]).max()
         worst[:] = np.maximum(worst, [length, np.abs(np.sum(q * y, axis=1)).max(), end])
 
-    integrate(m, 100.0, fixed(0.05), watch)
+    integrate(m, 100.0, fixed(0.05), sample)
     assert np.all(worst < 1e-9)
     assert np.abs(m.field("string.position")[-1, :2]).max() > 0.1  # it does hang askew
 
@@ -228,9 +229,9 @@ CASE = {
 }
 
 
-def test_a_run_writes_its_files_and_goes_on_from_its_checkpoint(tmp_path):
-    """Histories, probes, fields and the energy balance of a whole run; a run stopped half way and continued
-    ends alike."""
+def test_a_run_writes_its_files_and_restarts_from_its_checkpoint(tmp_path):
+    """Histories, probes, fields and energy balance of a run; a run stopped in the middle and restarted has
+    the same end."""
     whole = run(Case(**CASE), tmp_path / "whole", progress="silent")
     history = read_table(whole.folder / "history.csv")
     reference = run(Case(**(CASE | {"beam": {}})), tmp_path / "ancf", progress="silent")
@@ -252,8 +253,8 @@ def test_a_run_writes_its_files_and_goes_on_from_its_checkpoint(tmp_path):
 
 
 def test_the_error_control_works_on_the_motion_alone(tmp_path):
-    """Adaptive BDF2 at index 3: multipliers and rates are left out of the error norm (with them no step is
-    ever accepted, petsc.md 2)."""
+    """Adaptive BDF2 at index 3: multipliers and rates are left out of the error norm; with them no step would
+    be accepted."""
     result = run(Case(**(CASE | {"petsc": {"ts_rtol": 1e-4}})), tmp_path / "run", progress="silent")
     fixed_run = run(Case(**CASE), tmp_path / "fixed", progress="silent")
     assert result.summary["rejected_steps"] < 0.2 * result.summary["steps"]
@@ -276,13 +277,13 @@ MUD = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}}
     ("string", {"string": [{"kind": "body", "length": 1.0, "mass": 100.0, "od": 0.1}]}),
     ("time.mode", {"time": {"end": 1.0, "mode": "quasi_static"}}),
 ])  # fmt: skip
-def test_what_it_cannot_yet_is_refused(key, more):
+def test_unsupported_parts_are_refused(key, more):
     with pytest.raises(CaseError) as refused:
         Case(**({"string": [PIPE], "top": "clamped", "beam": quaternion()} | more))
     assert refused.value.at == key and ("quaternion" in refused.value.want or key == "string")
 
 
-def test_another_runs_end_is_no_start_yet(tmp_path):
+def test_start_from_another_run_is_refused(tmp_path):
     run(Case(string=[PIPE], top="clamped", time={"end": 1e-3}), tmp_path / "run", progress="silent")
     with pytest.raises(CaseError, match="not with quaternion yet: the end of another run"):
         Case(
@@ -295,7 +296,7 @@ def test_another_runs_end_is_no_start_yet(tmp_path):
 
 
 @pytest.mark.parametrize("command", [run_statics, run_modes])
-def test_commands_that_know_the_gauge_element_only(command):
+def test_commands_for_the_ancf_element_only(command):
     with pytest.raises(CaseError, match="not with quaternion yet"):
         command(Case(string=[PIPE], top="clamped", beam=quaternion()))
 
@@ -312,8 +313,8 @@ def test_solvers_for_other_systems_are_refused(constraint, options, key):
 
 @pytest.mark.parametrize("constraint", ["index3", "index2"])
 def test_the_assembled_system_takes_the_same_steps(constraint):
-    """PETSc's own Newton on the whole first-order system, and beuler for BDF1: the condensed solution to its
-    tolerance."""
+    """PETSc's Newton solver on the whole first-order system, and beuler for BDF1: the condensed solution
+    within its tolerance."""
     top = {"kind": "top_drive", "rotation": {"ramp": 0.02, "value": 8.0}}
 
     def end(**options):

@@ -1,5 +1,5 @@
-"""The quaternion element at rest: large bending, twist, weight, reactions; orders of the mesh and where they
-are lost."""
+"""Quaternion element at rest: large bending, twist, weight, reactions; orders of convergence in the mesh and
+their limits (manual: verif-quaternion-statics)."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ def cantilever(elements: int, axial: float, steps: int, **load):
 
 
 def test_a_moment_rolls_the_string_up_to_a_circle():
-    """M = 2 pi EI/L closes the circle exactly: the tip misses the root with order 4 in the mesh; the clamp
-    holds -M."""
+    """M = 2 pi EI/L closes the circle exactly: the distance of the tip from the root converges with order 4;
+    the clamp carries -M."""
     gaps = []
     for n in (4, 8, 16):
         system = cantilever(n, 1e4, 40, moment=[0, 2 * np.pi, 0])
@@ -52,8 +52,8 @@ def test_a_moment_rolls_the_string_up_to_a_circle():
 
 
 def bent(force: float, axial: float) -> np.ndarray:
-    """Tip (x, z) of the extensible Kirchhoff rod, L = EI = 1, under a dead force across its axis at the
-    start, by shooting.
+    """Tip (x, z) of the extensible Kirchhoff rod, L = EI = 1, under a dead force across its initial axis, by
+    shooting.
 
     x' = (1+e) sin th, z' = (1+e) cos th, th' = m, m' = -(1+e) P cos th, e = P sin th/EA, m(1) = 0.
     """
@@ -83,9 +83,9 @@ def test_a_tip_force_bends_the_string_with_order_four():
 
 
 def test_a_stiff_axis_locks_coarse_meshes():
-    """Why not always 4: with EA integrated at three points, an element has three axial constraints for its
-    seven displacements, and at EA L2/EI = 1e6 the error falls with order 2 until elements are short
-    (string.md 9.2: "full 3/2 locks"; the ANCF element does not)."""
+    """Limit of order 4: with EA integrated at three points, an element has three axial constraints for its
+    seven displacements, and at EA L2/EI = 1e6 the error decreases with order 2 until elements are short; the
+    ANCF element has no such locking (manual: sec-quaternion-behaviour)."""
     errors = tip_errors(1e6, (4, 8, 16, 32))
     orders = np.log2(errors[:-1] / errors[1:])
     assert orders[0] == pytest.approx(2.0, abs=0.3) and orders[-1] > 3.9
@@ -93,7 +93,7 @@ def test_a_stiff_axis_locks_coarse_meshes():
 
 
 def test_reactions_of_a_bent_cantilever_are_those_of_its_free_body():
-    """Dead force P at the tip: the clamp gives -P and the moment -P z_tip of the deformed lever, to
+    """Dead force P at the tip: the clamp carries -P and the moment -P z_tip of the deformed lever, to
     rounding."""
     system = cantilever(3, 1e4, 10, force=[10, 0, 0])
     lever = system.field("string.position")[-1, 2]
@@ -103,8 +103,8 @@ def test_reactions_of_a_bent_cantilever_are_those_of_its_free_body():
 
 
 def test_a_hung_string_carries_its_weight():
-    """Stretch w L2/2EA and hook load w L, from the static start of a case (gauge equilibrium taken over, then
-    its own Newton)."""
+    """Stretch w L2/2EA and hook load w L, from the static start of a case (ANCF equilibrium, then Newton on
+    the quaternion element)."""
     L, w, EA = 100.0, 40 * 9.81, 1e8
     case = Case(string=[beam(L, 5, EA, 1e6, 8e5, 40.0, 0.2)], top="clamped", gravity=9.81, beam=QUATERNION)
     model = build_model(case)
@@ -115,10 +115,10 @@ def test_a_hung_string_carries_its_weight():
 
 
 def test_an_end_torque_twists_a_straight_string():
-    """Ten elements under T turn by T L/GJ, less a share h^4/60 with h half the angle of an element.
+    """Ten elements under T rotate by T L/GJ, minus a fraction h^4/60 with h half the angle of an element.
 
-    Linear quaternions turn unevenly: phi' = 2 sin h/(1 - 2 s (1-s)(1 - cos h)), whose square has the mean of
-    its mean's square times 1 + h^4/180, so U = GJ phi^2/2L (1 + h^4/180) and T = dU/dphi = GJ phi/L (1 +
+    Linear quaternions rotate unevenly: phi' = 2 sin h/(1 - 2 s (1-s)(1 - cos h)). The mean of its square is
+    the square of its mean times 1 + h^4/180, so U = GJ phi^2/2L (1 + h^4/180) and T = dU/dphi = GJ phi/L (1 +
     h^4/60).
     """
     T, n, x = 1.0, 10, 0.5
@@ -131,7 +131,7 @@ def test_an_end_torque_twists_a_straight_string():
     )
     for t in np.linspace(0, 1, 11)[1:]:
         settle(model.system, t)
-    # nodes turn monotonously, so the angle is counted from node to node
+    # the angle increases from node to node, so it is summed over the elements
     angle = np.unwrap(model.beam.motion(model.system.assembly)[:, 7])
     assert 1 - angle[-1] / (n * x) == pytest.approx((0.5 * x) ** 4 / 60, rel=0.05)
     assert model.system.reaction("top.torque_reaction") == pytest.approx(-T, rel=1e-10)
@@ -139,11 +139,11 @@ def test_an_end_torque_twists_a_straight_string():
 
 @pytest.mark.parametrize("curvature, side", [(0.5, 0), (0.5, 1)])
 def test_a_bent_pipe_rests_in_its_own_shape(curvature, side):
-    """Stress-free curvature k in the section's second or third axis and no load: an arc, tip at (1 - cos
-    kL)/k; no strain energy.
+    """Stress-free curvature k about the second or third axis of the section without load: an arc, tip at (1 -
+    cos kL)/k, no strain energy.
 
-    kappa = t x t': curvature along the third axis (east here) bends towards north (east x down).  Order 4 in
-    k L/n.
+    kappa = t x t': curvature along the third axis (east here) bends towards north (east x down). Order 4 in k
+    L/n.
     """
     n, L = 8, 1.0
     # curvature_angle 0: along the second axis (north); 90 degrees: along the third (east)

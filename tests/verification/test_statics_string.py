@@ -1,7 +1,9 @@
-"""The string element in statics against closed forms and independent solutions (no hole).
+"""The string element in statics against closed forms and independent solutions, without hole (manual:
+sec-verif-string).
 
-Orders and error limits are those of the formulation's published study: roll-up and elastica are of fourth
-order in the element length, frequencies as tabulated there.
+Orders and limits of the error as in the manual; roll-up and elastica are of fourth order in the
+element length (manual: verif-roll-up, verif-elastica), frequencies as tabulated (manual:
+verif-static-frequencies).
 """
 
 from __future__ import annotations
@@ -47,12 +49,12 @@ def cantilever(item, loads, **more):
 
 
 def load_in_steps(model, steps: int, energy: bool) -> Equilibrium:
-    """Loads grow in ``steps`` equal steps (their factor over time is t); reference frames are kept up in
-    between."""
+    """Apply loads in ``steps`` equal steps (their factor over time is t), with updates of the reference
+    frames in between."""
     solver, report = StaticNewton(model.system, energy=energy), Equilibrium()
     for k in range(1, steps + 1):
         solver.t = k / steps
-        solver.settle(report)
+        solver.solve(report)
         model.system.renew_reference_frames()
     return report
 
@@ -70,7 +72,7 @@ def rolled_up(elements: int, axial: float) -> tuple[float, int]:
 
 def test_end_moment_rolls_the_rod_into_a_circle():
     """Exact: a closed circle (kappa = M/EI = 2 pi/L). Error 2.9e-2, 1.6e-3, 9.7e-5 for 4, 8, 16 elements at
-    EA L2/EI 1e4 (order 4)."""
+    EA L2/EI 1e4 (order 4; manual: verif-roll-up)."""
     gaps, work = zip(*(rolled_up(n, 1e4) for n in (4, 8, 16)), strict=True)
     assert gaps == pytest.approx((2.9e-2, 1.6e-3, 9.7e-5), rel=0.1)
     assert np.log2(gaps[1] / gaps[2]) > 3.9
@@ -79,15 +81,15 @@ def test_end_moment_rolls_the_rod_into_a_circle():
 
 @pytest.mark.parametrize("axial", [1e6, 1e8])
 def test_roll_up_does_not_lock(axial):
-    """At EA L2/EI 1e6 the study has 1.7e-3 with 8 elements and 1.0e-4 with 16; a hundredfold EA changes
-    nothing."""
+    """At EA L2/EI 1e6 the error is 1.7e-3 with 8 elements and 1.0e-4 with 16; a hundred times larger EA has
+    no effect (manual: verif-no-locking)."""
     assert rolled_up(8, axial)[0] == pytest.approx(1.7e-3, rel=0.1)
     assert rolled_up(16, axial)[0] == pytest.approx(1.0e-4, rel=0.1)
 
 
-def test_gauge_renewal_changes_nothing_physical():
-    """Energies, residual and reactions of a bent, twisted, damped-free string with a stress-free curvature,
-    before and after."""
+def test_reference_update_changes_nothing_physical():
+    """Energies, residual and reactions of a bent, twisted, undamped string with a stress-free curvature,
+    before and after an update of the reference frames (manual: verif-reference-update)."""
     loads = [
         {
             "at": 1.0,
@@ -101,7 +103,7 @@ def test_gauge_renewal_changes_nothing_physical():
     solver = StaticNewton(model.system, energy=False)
     for k in range(1, 9):
         solver.t = k / 8
-        solver.settle()
+        solver.solve()
     system = model.system
     rng = np.random.default_rng(2)
     system.assembly.x[:-1] += 1e-3 * rng.standard_normal(system.layout.size)
@@ -140,8 +142,9 @@ def elastica_tip(load: float, axial: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("axial", [1e4, 1e6])
-def test_elastica_is_fourth_order_whatever_the_axial_stiffness(axial):
-    """P L2/EI = 10: tip errors 8.2e-4, 5.2e-5, 3.2e-6 with 4, 8, 16 elements, against a shooting solution."""
+def test_elastica_is_fourth_order_for_any_axial_stiffness(axial):
+    """P L2/EI = 10: tip errors 8.2e-4, 5.2e-5, 3.2e-6 with 4, 8, 16 elements, against a shooting solution
+    (manual: verif-elastica)."""
     exact, errors = elastica_tip(10.0, axial), []
     for n in (4, 8, 16):
         model = cantilever(
@@ -193,13 +196,13 @@ PUBLISHED = {300.0: (22.33, 58.84, 40.08), 450.0: (18.62, 52.32, 48.39), 600.0: 
 @pytest.mark.parametrize("load", PUBLISHED)
 def test_bend_of_45_degrees(load):
     """Bathe and Bolourchi 1979; values of Simo and Vu-Quoc 1986 with 8 elements, here within 0.15 of the
-    length 78.5; and the shooting solution within 4e-4 of the length, as interpolated directors are of second
-    order."""
+    length 78.5; the shooting solution within 4e-4 of the length, because interpolated directors are of second
+    order (manual: verif-bend-45)."""
     model = cantilever(
         rod(BEND_LENGTH, 8, BEND_EA, BEND_EI, BEND_GJ, curvature=1 / RADIUS),
         [{"at": BEND_LENGTH, "force": [0, 0, load], "value_over": RISE}],
     )
-    StaticNewton(model.system).settle()  # no load: the rod takes its curved shape
+    StaticNewton(model.system).solve()  # no load: the rod takes its curved shape
     arc = RADIUS * np.array([np.sin(np.pi / 4), np.cos(np.pi / 4) - 1, 0])
     assert np.abs(model.system.field("string.position")[-1] - arc).max() < 0.03
     load_in_steps(model, 2, energy=True)
@@ -213,7 +216,7 @@ def test_bend_of_45_degrees(load):
 @pytest.mark.parametrize(("elements", "limit"), [(4, 3.1e-2), (8, 2.3e-3), (16, 1.5e-4)])
 def test_clamped_rod_buckles_under_twist(elements, limit):
     """Exact M L/EI = 8.98682 (tan(x/2) = x/2, the clamped rod of Greenhill's problem); errors 3.0 %, 0.22 %,
-    1.4e-4."""
+    1.4e-4 (manual: verif-greenhill)."""
     length, bending, torsional = 2.0, 3.0, 2.5
     case = Case(
         string=[rod(length, elements, 1e5, bending, torsional)],
@@ -244,8 +247,8 @@ def test_clamped_rod_buckles_under_twist(elements, limit):
 
 
 def test_ten_turns_of_torsion_in_one_step():
-    """Twist M L/GJ = 20 pi over 20 elements: pi per element and no branch; linear, so one Newton step (and
-    one to see it)."""
+    """Twist M L/GJ = 20 pi over 20 elements: pi per element without branch; linear, so one Newton step (and
+    one to detect convergence; manual: verif-ten-turns)."""
     case = Case(
         string=[rod(100.0, 20, 1e8, 1e6, 8e5)],
         top="clamped",
@@ -261,9 +264,9 @@ def test_ten_turns_of_torsion_in_one_step():
 # ---------------------------------------------------------------------- stretch
 @pytest.mark.parametrize("elements", [10, 40])
 def test_section_change_with_a_point_load(elements):
-    """1800 m of pipe over 200 m of collar (EA ratio 4) hung in air, 50 kN pulling down at the junction: tip
+    """1800 m of pipe over 200 m of collar (EA ratio 4) hung in air, 50 kN downward at the junction: tip
     displacement (w1 L1^2/2 + (w2 L2 + F) L1)/EA1 + w2 L2^2/2 EA2, and the forces beside the junction, to
-    rounding."""
+    rounding (manual: verif-section-change)."""
     g, l1, l2, ea1, ea2, m1, m2, force = 9.81, 1800.0, 200.0, 7e8, 2.8e9, 27.0, 150.0, 5e4
 
     def part(length, axial, bending, mass, count):
@@ -304,7 +307,7 @@ DP_EA, DP_GJ, DP_AREA = 7.0137489e8, 9.4156072e5, 3.4047325e-3
 
 
 def test_hanging_drill_pipe_stretches():
-    """P17: 2000 m of drill pipe in air, w L^2/2 EA = .747655 m."""
+    """2000 m of drill pipe in air, w L^2/2 EA = .747655 m (manual: verif-hanging-string)."""
     case = Case(string=[{**DRILL_PIPE, "length": 2000.0}], top="clamped", gravity=9.81)
     model = build_model(case)
     find_equilibrium(model)
@@ -314,7 +317,8 @@ def test_hanging_drill_pipe_stretches():
 
 
 def test_drill_pipe_twists():
-    """P17: 10 kN m on 2000 m of drill pipe, 21.24133 rad (tension from its weight keeps it straight)."""
+    """10 kN m on 2000 m of drill pipe, 21.24133 rad; the tension of its weight keeps it straight (manual:
+    verif-hanging-string)."""
     case = Case(
         string=[{**DRILL_PIPE, "length": 2000.0}],
         top="clamped",
@@ -327,7 +331,7 @@ def test_drill_pipe_twists():
 
 
 # ---------------------------------------------------------------------- frequencies
-FREQUENCIES = {  # elements: relative errors of modes 1 to 3 of the study
+FREQUENCIES = {  # elements: relative errors of modes 1 to 3 (manual: verif-static-frequencies)
     4: ((4.4e-8, 2.5e-5, 3.6e-4), (-5.0e-5, -4.2e-3, -3.5e-2), (3.3e-5, 1.2e-3, 7.7e-3)),
     8: ((8.2e-10, 5.5e-7, 1.0e-5), (-3.1e-6, -2.5e-4, -2.0e-3), (2.1e-6, 8.0e-5, 6.1e-4)),
     16: ((1.4e-11, 9.8e-9, 2.0e-7), (-1.9e-7, -1.6e-5, -1.2e-4), (1.3e-7, 5.1e-6, 4.0e-5)),
@@ -337,7 +341,7 @@ FREQUENCIES = {  # elements: relative errors of modes 1 to 3 of the study
 @pytest.mark.parametrize("elements", FREQUENCIES)
 def test_frequencies_of_a_clamped_free_string(elements):
     """Modes against c (2n-1) pi/2L (axial, torsion) and (beta_n/L)^2 sqrt(EI/mu) with beta_n of cos cosh = -1
-    (bending)."""
+    (bending) (manual: verif-static-frequencies)."""
     length, ea, ei, gj, mass, polar = 100.0, 7e8, 1.2e6, 9.4e5, 27.0, 0.09
     item = {
         "kind": "beam",

@@ -1,5 +1,5 @@
-"""What a time step may not do: pass over a failed Newton, over an impact that is to be resolved, over a
-break; and make energy."""
+"""Time steps: failed Newton solves, impacts and breaks are resolved, and energy gain is reported (manual:
+verif-failed-steps, verif-step-limits, verif-energy-gain)."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def computed(tmp_path, case: dict, name: str = "run"):
 
 
 def test_energy_strict_caps_steps_at_half_an_impact(tmp_path, options):
-    """By the case and by the option alike; without it steps are longer."""
+    """By the case and by the option; without it steps are longer (manual: verif-step-limits)."""
     free, _ = computed(tmp_path, LYING)
     assert free["step [s]"].max() > 0.6 * IMPACT
     capped, reported = computed(tmp_path, LYING | {"contact": {"energy_strict": True}}, "capped")
@@ -68,7 +68,7 @@ def test_energy_strict_caps_steps_at_half_an_impact(tmp_path, options):
         computed(tmp_path, LYING, "refused")
 
 
-def test_fixed_steps_too_long_for_impacts_are_told(tmp_path, options):
+def test_fixed_steps_too_long_for_impacts_are_reported(tmp_path, options):
     options(ts_adapt_type="none", ts_dt=0.5 * IMPACT)
     _, reported = computed(tmp_path, LYING)
     assert len(reported["warnings"]) == 1 and "do not resolve impacts" in reported["warnings"][0]
@@ -79,8 +79,8 @@ def test_fixed_steps_too_long_for_impacts_are_told(tmp_path, options):
 
 @pytest.mark.parametrize("fixed", [True, False])
 def test_a_failed_newton_is_never_accepted(fixed, tmp_path, options, monkeypatch):
-    """Newton that fails on every step longer than 0.4 ms: all accepted ones are shorter, and the run is
-    done."""
+    """Newton's method fails for every step longer than 0.4 ms: all accepted steps are shorter, and the run is
+    completed (manual: verif-failed-steps)."""
     solve, failed = CondensedNewton.solve, []
 
     def stubborn(self, t, shift):
@@ -100,9 +100,9 @@ def test_a_failed_newton_is_never_accepted(fixed, tmp_path, options, monkeypatch
     assert reported["rejected_steps"] >= len(failed) > 0
 
 
-def test_fixed_steps_land_on_breaks(tmp_path, options):
-    """Steps of 7 ms and a rotation that changes its slope at 10 ms: the speed of the top there is exact in
-    every row around it, which it is not when a step reaches over the break."""
+def test_fixed_steps_end_at_breaks(tmp_path, options):
+    """Steps of 7 ms and a rotation that changes its slope at 10 ms: the speed of the top is exact in every
+    row around it, which it is not if a step passes over the break (manual: verif-step-limits)."""
     options(ts_adapt_type="none", ts_dt=7e-3)
     rotation = {"time": ["0 s", "10 ms", "1 s"], "value": ["60 rpm", "90 rpm", "90 rpm"]}
     case = {
@@ -130,10 +130,10 @@ def test_fixed_steps_land_on_breaks(tmp_path, options):
     assert np.allclose(steps, [0.007, 0.010, 0.017, 0.024, 0.031], atol=1e-12), steps
 
 
-def test_energy_out_of_nothing_is_flagged_and_can_stop_the_run(tmp_path, options):
-    """BDF of order 3 is not stable for all undamped waves (its stability region leaves out part of the
-    imaginary axis: Hairer and Wanner, Solving ODEs II, V.1): a string that swings in its own axial waves
-    gains energy.  BDF of order 1 only loses."""
+def test_spurious_energy_gain_is_reported_and_can_stop_the_run(tmp_path, options):
+    """BDF of order 3 is unstable for some undamped waves (its stability region excludes part of the imaginary
+    axis: Hairer and Wanner, Solving ODEs II, V.1): a string that oscillates in its axial waves gains energy.
+    BDF of order 1 only loses energy (manual: verif-energy-gain)."""
     case = {
         "string": [{"kind": "pipe", "length": "100 m", "od": "127 mm", "id": "108.6 mm"}],
         "top": "clamped",

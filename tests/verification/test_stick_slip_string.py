@@ -1,5 +1,5 @@
-"""Stick-slip of a whole 2000 m string against its waves (characteristics) and against the closed form of one
-mode."""
+"""Stick-slip of a whole 2000 m string against its waves (characteristics) and the closed form of one mode
+(manual: verif-stick-slip-string)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from drillpetsc import load_case
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.placement import move_rigidly, release
 from drillpetsc.model.drilling_model import build_model
-from tests.helpers.motion import watched
+from tests.helpers.motion import sampled
 
 CASES = Path(__file__).parents[2] / "cases"
 LENGTH, RIGIDITY, PIPE = (
@@ -30,8 +30,8 @@ TWIST = RIGIDITY / LENGTH  # stiffness of the string [N m/rad]
 
 
 class Cycles(NamedTuple):
-    """loose: times at which the bit breaks loose; slip: how long it turns then [s]; peak: its largest speed
-    then [rad/s]."""
+    """Cycles of a bit. loose: times at which it breaks loose [s]; slip: slip times [s]; peak: largest speeds
+    [rad/s]."""
 
     loose: np.ndarray
     slip: np.ndarray
@@ -39,7 +39,7 @@ class Cycles(NamedTuple):
 
 
 def cycles(t: np.ndarray, speed: np.ndarray) -> Cycles:
-    """Cycles of a bit that turns where its speed is above twice the width of the weakening."""
+    """Cycles of a bit that slips where its speed is above twice the width of the weakening."""
     level = 2 * WEAKENING
     above = speed >= level
     k = np.flatnonzero(above[1:] != above[:-1])
@@ -55,8 +55,7 @@ def rotation(t: float) -> float:
 
 
 def friction(speed: float) -> tuple[float, float]:
-    """Torque on bit and its slope: the law of shared/model/contact-bit-statics.md 4.4, rounded off at a
-    hundredth of the speed."""
+    """Torque on bit and its slope (manual: eq-bit-torque-weakening), smoothed at a hundredth of the speed."""
     rounding = WEAKENING / 100
     size = np.hypot(speed, rounding)
     fall = (STATIC - DYNAMIC) * np.exp(-((speed / WEAKENING) ** 2))
@@ -65,11 +64,11 @@ def friction(speed: float) -> tuple[float, float]:
 
 
 def characteristics(end: float, cells: int = 200) -> tuple[np.ndarray, np.ndarray]:
-    """Time and speed of the bit: rho J_p (w_t + d w) = -T_s, T_t = -GJ w_s along s = const +- c t; T: torque
-    handed down.
+    """Time and speed of the bit: rho J_p (w_t + d w) = -T_s, T_t = -GJ w_s along s = const +- c t, with T the
+    downward torque.
 
-    T + Z w goes down and T - Z w up unchanged but for the drag (trapezoidal), the bit's J w' = T - friction
-    by the trapezoidal rule. Second order in the cell; at 200 cells within 5e-4 of the periods of 400.
+    T + Z w moves down and T - Z w up, changed by the drag only (trapezoidal); the bit's J w' = T - friction
+    by the trapezoidal rule. Second order in the cell; with 200 cells within 5e-4 of the periods of 400.
     """
     h = LENGTH / cells / SPEED
     drag = 0.5 * PIPE * DRAG * h * SPEED
@@ -98,8 +97,8 @@ def characteristics(end: float, cells: int = 200) -> tuple[np.ndarray, np.ndarra
 class OneMode(NamedTuple):
     """Stick-slip in the first mode of the pipe with the bit.
 
-    frequency w [rad/s] from x tan x = rho J_p L/J_bit, x = w L/c; share g = k/(J_eq w^2) of the bit's motion
-    that is in that mode, with J_eq = J_bit + rho J_p L (1/2 - sin 2x/(4x))/sin^2 x.
+    frequency w [rad/s] from x tan x = rho J_p L/J_bit, x = w L/c; fraction g = k/(J_eq w^2) of the bit's
+    motion in that mode, with J_eq = J_bit + rho J_p L (1/2 - sin 2x/(4x))/sin^2 x.
     """
 
     x: float
@@ -107,51 +106,51 @@ class OneMode(NamedTuple):
     share: float
 
     @property
-    def component(self) -> float:
-        """A = (T_s - T_c)/k [rad]: the slip begins and ends that far from the twist of the dynamic torque."""
+    def amplitude(self) -> float:
+        """A = (T_s - T_c)/k [rad]: distance from the twist of the dynamic torque at the start and end of the
+        slip."""
         return (STATIC - DYNAMIC) / TWIST
 
     @property
     def slip(self) -> float:
-        """The twist swings about T_c/k from +A, growing with the top's speed, until it does so again: (pi + 2
-        a)/w, tan a = W/(w A)."""
-        return (np.pi + 2 * np.arctan(TURNING / (self.frequency * self.component))) / self.frequency
+        """The twist oscillates about T_c/k from +A, increasing with the top's speed, until it is +A again:
+        (pi + 2 a)/w, tan a = W/(w A)."""
+        return (np.pi + 2 * np.arctan(TURNING / (self.frequency * self.amplitude))) / self.frequency
 
     @property
     def stick(self) -> float:
         """From -g A (the rest of the motion is in faster modes) to +A with the top's speed."""
-        return (1 + self.share) * self.component / TURNING
+        return (1 + self.share) * self.amplitude / TURNING
 
     @property
     def peak(self) -> float:
-        return TURNING + self.share * self.frequency * np.hypot(self.component, TURNING / self.frequency)
+        return TURNING + self.share * self.frequency * np.hypot(self.amplitude, TURNING / self.frequency)
 
     @property
     def left_torque(self) -> float:
         """Largest torque of the waves that the slip leaves in the pipe [N m].
 
         At the end of the slip the twist is that of the mode, -A sin(x s/L)/sin x, which differs from the
-        straight line -A s/L of the stuck
-        pipe: waves between two fixed ends, with the torque k A (1 - x cot x) at the bit at first and after
-        every round trip 2 L/c.
+        straight line -A s/L of the stuck pipe: waves between two fixed ends, with the torque k A (1 - x cot
+        x) at the bit at the start and after every round trip 2 L/c.
         """
-        return TWIST * self.component * (1 - self.x / np.tan(self.x))
+        return TWIST * self.amplitude * (1 - self.x / np.tan(self.x))
 
     @property
     def earlier(self) -> float:
-        """By how much at most that torque breaks the bit loose earlier [s]."""
+        """Upper bound of the time by which that torque breaks the bit loose earlier [s]."""
         return self.left_torque / (TWIST * TURNING)
 
     @property
     def uncertain(self) -> float:
-        """What the second mode, shaken by that torque, changes of the slip at its two ends [s]: its speed
-        over the bit's acceleration."""
+        """Effect of the second mode, excited by that torque, on the two ends of the slip [s]: its speed over
+        the bit's acceleration."""
         second = (
             brentq(lambda x: x * np.sin(x) - PIPE * LENGTH / BIT * np.cos(x), np.pi, 1.5 * np.pi)
             * SPEED
             / LENGTH
         )
-        return 2 * self.left_torque / (BIT * second) / (self.frequency**2 * self.component)
+        return 2 * self.left_torque / (BIT * second) / (self.frequency**2 * self.amplitude)
 
 
 def one_mode(bit: float) -> OneMode:
@@ -178,12 +177,11 @@ def run() -> np.ndarray:
         weight, torque = bit.weight_and_torque(system.assembly)
         return [system.field("string.spin", "y")[-1, 0], torque, weight]
 
-    return watched(model.system, 25.0, look, model.breaks)
+    return sampled(model.system, 25.0, look, model.breaks)
 
 
 def test_bit_speed_is_that_of_the_torsional_waves(run: np.ndarray) -> None:
-    """Breaking loose, slipping and largest speed of three cycles: mesh and step are felt in the waves' steep
-    fronts."""
+    """Breaking loose, slip and largest speed of three cycles; mesh and step affect the steep wave fronts."""
     ours, waves = cycles(run[:, 0], run[:, 1]), cycles(*characteristics(25.0))
     assert len(waves.loose) == 3
     assert ours.loose == pytest.approx(waves.loose, abs=0.03)
@@ -192,28 +190,27 @@ def test_bit_speed_is_that_of_the_torsional_waves(run: np.ndarray) -> None:
 
 
 def test_first_slip_is_that_of_one_mode(run: np.ndarray) -> None:
-    """Out of a straight twist: only the first mode slips; of the lumped inertia the third of the pipe's
-    belongs to the bit.
+    """From a straight twist only the first mode slips; a third of the pipe's inertia is added to the bit.
 
-    Twice the weakening's width is passed after w/(rate of w) = 0.2/13 s and so long before the end.
+    Twice the width of the weakening is passed after w/(rate of w) = 0.2/13 s, and as long before the end.
     """
     mode, first = one_mode(BIT), cycles(run[:, 0], run[:, 1])
-    late = 2 * WEAKENING / (mode.frequency**2 * mode.component)
+    late = 2 * WEAKENING / (mode.frequency**2 * mode.amplitude)
     assert mode.frequency == pytest.approx(np.sqrt(TWIST / (BIT + PIPE * LENGTH / 3)), rel=5e-3)
     assert first.slip[0] == pytest.approx(mode.slip - 2 * late, rel=0.01)
     assert first.peak[0] == pytest.approx(mode.peak, rel=0.01)
 
 
 def test_period_is_that_of_one_mode_and_the_waves_it_leaves(run: np.ndarray) -> None:
-    """Between the one mode's period and that less what the waves in the stuck pipe take off (5 %)."""
+    """Between the period of one mode and that reduced by the effect of the waves in the stuck pipe (5 %)."""
     mode, ours = one_mode(BIT), cycles(run[:, 0], run[:, 1])
     middle = mode.slip + mode.stick - 0.5 * mode.earlier
     assert np.diff(ours.loose) == pytest.approx([middle] * 2, abs=0.5 * mode.earlier + mode.uncertain)
 
 
 def test_bit_sticks_does_not_turn_back_and_carries_the_weight(run: np.ndarray) -> None:
-    """Stuck it creeps at eps T/sqrt(T_s^2 - T^2) for T < T_s, eps = 1e-3 rad/s; the torque never exceeds the
-    static one."""
+    """A stuck bit creeps at eps T/sqrt(T_s^2 - T^2) for T < T_s, eps = 1e-3 rad/s; the torque never exceeds
+    the static one."""
     speed, torque, weight = run[:, 1:].T
     ours = cycles(run[:, 0], speed)
     for stop, loose in zip(ours.loose[:2] + ours.slip[:2], ours.loose[1:], strict=True):

@@ -1,8 +1,9 @@
-"""Tripping: a string that moves along a hole full of mud; model notes sections 6.4, 8.2, 9 (C10).
+"""Tripping: a string that moves along a hole full of mud (manual: sec-mud-string-speed,
+verif-tripping-returns).
 
-In the frame of the string the mud under a plugged end is squeezed out at A_w V and passes everywhere at w =
--A_w V/A_a; over the hole's wall at w + V = -A_o V/A_a, and the friction is that of w + V - 0.45 V (part of
-the mud clings to the pipe).  V is positive downward.
+In the frame of the string the mud under a plugged end is displaced at A_w V and flows everywhere with w =
+-A_w V/A_a; along the wall of the hole with w + V = -A_o V/A_a. The friction is that of w + V - 0.45 V,
+because part of the mud clings to the pipe. V is positive downward.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ TABLE = {0.5: (6.3338, 10.430), 1.0: (12.6677, 15.047)}  # return [l/s], surge [
 
 
 def pipe(length: float = LENGTH, elements: int = 20, od: float = OUTER) -> dict:
-    """A string that hardly stretches."""
+    """A string with negligible stretch."""
     return {
         "kind": "beam",
         "length": length,
@@ -92,9 +93,11 @@ def friction(speed: float, outer: float = OUTER, clinging: float = 0.45) -> floa
 
 @pytest.mark.parametrize("speed", [0.5, 1.0, -0.5, -1.0])
 def test_return_and_surge_of_a_plugged_string(speed):
-    """C10: return A_o V, surge of the friction above: the table's values in all their digits, the formula's
-    within 1e-6 and 1e-5 (mud under 235 bar weighs 4 Pa more at 1e14 Pa); swab the same with the other
-    sign."""
+    """Return A_o V and surge of the friction above: all digits of the table, the formula within 1e-6 and
+    1e-5; swab with the opposite sign (manual: verif-tripping-returns).
+
+    At 1e14 Pa mud under 235 bar weighs 4 Pa more.
+    """
     model = tripping(speed)
     back, bar = TABLE[abs(speed)]
     sign = np.sign(speed)
@@ -106,17 +109,16 @@ def test_return_and_surge_of_a_plugged_string(speed):
 
 @pytest.mark.parametrize("clinging", [0.0, 1.0])
 def test_clinging(clinging):
-    """The part of the pipe's speed that the mud takes on: none, or all, in the surge; the return is the
-    same."""
+    """Fraction of the pipe's speed that the mud adopts, none or all, in the surge; the return is the same."""
     model = tripping(0.5, {"clinging": clinging})
     assert surge(model) == pytest.approx(LENGTH * friction(0.5, clinging=clinging), rel=1e-5)
     assert returned(model) == pytest.approx(0.5 * SOLID, rel=1e-6)
 
 
 def test_return_of_a_string_of_two_diameters():
-    """Collars of 171.5 mm under drill pipe of 127 mm: what comes back is what enters at the top, A_o of the
-    pipe times V; friction of both parts, and rho (w2^2 - w1^2)/2 of the flow relative to the step that
-    moves."""
+    """Collars of 171.5 mm under drill pipe of 127 mm: the return is the volume that enters at the top, A_o of
+    the pipe times V. The surge is the friction of both parts, and rho (w2^2 - w1^2)/2 of the flow relative to
+    the moving step."""
     speed, collar = 0.5, 0.1715
     model = tripping(speed, string=[pipe(1800.0, 18), pipe(200.0, 4, collar)])
     w1, w2 = (HOLE**2 / (HOLE**2 - d**2) * speed for d in (OUTER, collar))
@@ -128,15 +130,14 @@ def test_return_of_a_string_of_two_diameters():
 
 
 def test_open_string_lowered_while_pumping():
-    """The pump rides with the string, whose bore stays as full as it is: 20 l/s and A_o V come back."""
+    """The pump moves with the string, whose bore remains full: the return is 20 l/s plus A_o V."""
     model = tripping(0.5, {"flow_rate": 0.02}, plugged=False)
     assert returned(model) == pytest.approx(0.02 + 0.5 * SOLID, rel=1e-6)
 
 
 def test_return_past_a_casing_shoe():
-    """From casing of 244.5 mm into the open hole, 10 m above the shoe to 10 m below: the return is what
-    enters at the top, A_o V, all the way (1e-6), the mud in the hole A_o V t less, and the chamber under the
-    bit its old self."""
+    """From casing of 244.5 mm into the open hole, 10 m above the shoe to 10 m below: the return is always A_o
+    V (1e-6), the mud in the hole decreases by A_o V t, and the chamber under the bit is unchanged."""
     section = {"to": 600.0, "kind": "casing", "diameter": 0.2445, "friction": 0.2}
     well = {**hole(1100.0), "sections": [section, *hole(1100.0)["sections"]]}
     top, bottom = {"kind": "top_drive", "lowering": 0.5}, {"kind": "free", "plugged": True}
@@ -154,29 +155,29 @@ def test_return_past_a_casing_shoe():
         ),
         [],
     )
-    chamber, books = model.fluid.bit, Recorder(model)  # type: ignore[union-attr]
-    books.begin(0.0)
+    chamber, recorder = model.fluid.bit, Recorder(model)  # type: ignore[union-attr]
+    recorder.begin(0.0)
     first = chamber.figures(model.system.assembly)[4]  # type: ignore[union-attr]
 
     def after(t: float, dt: float) -> None:
-        books.step(t, dt, t, None, not seen)
+        recorder.step(t, dt, t, None, not seen)
         seen.append(returned(model))
 
     integrate(model.system, 40.0, fixed(0.05), after)
     assert np.array(seen) == pytest.approx(0.5 * SOLID, rel=1e-6)
-    mass, narrow = books.mass_balance(), 0.25 * np.pi * HOLE**2
+    mass, narrow = recorder.mass_balance(), 0.25 * np.pi * HOLE**2
     assert mass["content_change"] == pytest.approx(-20.0 * SOLID, rel=1e-6)
     assert abs(mass["error"]) < 1e-9 * 20.0 * SOLID
-    # 510 m of hole below at first, 490 m in the end; the transition at the shoe lies half above it, half
+    # 510 m of hole below at first, 490 m at the end; the transition at the shoe lies half above it, half
     # below
     assert chamber.figures(model.system.assembly)[4] == pytest.approx(7e-3 + narrow * 490.0, rel=1e-6)  # type: ignore[union-attr]
     assert first == pytest.approx(7e-3 + narrow * 500.0 + 0.25 * np.pi * 0.2445**2 * 10.0, rel=1e-5)
 
 
 def test_motion_at_one_speed_is_steady_from_the_start():
-    """Lowered at .5 m/s from t = 0: return and surge are those of steady motion from the first step on (1e-3:
-    a string in balance with mud at rest gives way to the surge, here by 2.5 micrometres), and stay so for 2
-    s, while the string sinks a metre (1e-6)."""
+    """Lowered at .5 m/s from t = 0: return and surge are those of steady motion from the first step (1e-3: a
+    string in equilibrium with mud at rest is displaced by the surge, here by 2.5 micrometres), and remain
+    constant for 2 s, while the string moves by a metre (1e-6; manual: verif-tripping-in-motion)."""
     model, seen = tripping(0.5), []
     integrate(model.system, 2.0, fixed(0.02), lambda t, dt: seen.append((returned(model), surge(model))))
     flow, pressure = np.array(seen).T
@@ -187,9 +188,11 @@ def test_motion_at_one_speed_is_steady_from_the_start():
 
 
 def test_start_and_stop_of_tripping():
-    """Lowered from rest to .5 m/s in 2 s and back to rest in 2 s; mud of 1e14 Pa follows at once: return A_o
-    V(t), surge of friction and of the inertia of the mud, rho L (A_o/A_a) dV/dt (3.2 bar), within 50 Pa;
-    nothing is left in the end.  (From 0.35 s after each kink on; before, the string rings from it.)"""
+    """Lowered from rest to .5 m/s in 2 s and back to rest in 2 s; mud of 1e14 Pa: return A_o V(t), surge of
+    friction and of the inertia of the mud, rho L (A_o/A_a) dV/dt (3.2 bar), within 50 Pa; zero at the end.
+
+    From 0.35 s after each kink; before, the string oscillates.
+    """
     rate = 0.25
     model, seen = tripping({"time": [0.0, 2.0, 4.0], "value": [0.0, 0.5, 0.0]}), []
     integrate(
@@ -214,8 +217,8 @@ def test_start_and_stop_of_tripping():
 
 @pytest.mark.parametrize("speed", [0.0, 0.5])
 def test_flow_line_below_the_rotary_table(speed):
-    """Mud stands at the flow line, 30 m down: rho g (z - 30 m) under the string, 40 bar more with that outlet
-    pressure, whether the string stands or has sunk by half a metre; the return is that of a hole full to the
+    """The mud level is at the flow line, 30 m down: rho g (z - 30 m) under the string, 40 bar more with that
+    outlet pressure, for a string at rest or lowered by half a metre; the return is that of a hole full to the
     top."""
     for outlet in (0.0, 40e5):
         model = tripping(speed, {"flow_line": 30.0, "outlet_pressure": outlet})

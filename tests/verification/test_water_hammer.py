@@ -1,9 +1,9 @@
-"""Pressure waves in the bore and the annulus of a held string; F06 of the project's verification list, model
-notes section 8.1, 9 (C6, C7).
+"""Pressure waves in the bore and the annulus of a fixed string (manual: verif-joukowsky,
+verif-hammer-with-friction, verif-area-step).
 
 Without friction p and q obey the wave equation with c = sqrt(E_e/rho), 1/E_e = 1/K + d(ln A)/dp, and a change
-of flow rate dq sends out rho c dq/A (Joukowsky).  Flow and closure "of an instant" take one time step.  The
-speed of the flow of small waves here is 1e-6 of c.
+of flow rate dq emits rho c dq/A (Joukowsky). Instantaneous changes take one time step. The flow speed of
+small waves is 1e-6 of c here.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ YOUNG, NU = 206e9, 0.3
 
 
 def lame_bore(ro: float, ri: float) -> float:
-    """d(ln A)/dp of the bore of a thick tube with the axial strain held: (2/E)[(Ro^2 + Ri^2)/(Ro^2 - Ri^2) +
-    nu] (Lame)."""
+    """d(ln A)/dp of the bore of a thick tube with fixed axial strain: (2/E)[(Ro^2 + Ri^2)/(Ro^2 - Ri^2) + nu]
+    (Lame)."""
     return 2 / YOUNG * ((ro**2 + ri**2) / (ro**2 - ri**2) + NU)
 
 
@@ -49,7 +49,7 @@ def ramp(x, T: float) -> np.ndarray:
 
 
 def passing(t: np.ndarray, p: np.ndarray, level: float) -> float:
-    """First time at which p goes through a level, by straight lines."""
+    """First time at which p passes a level, by linear interpolation."""
     k = int(np.argmax(np.sign(level) * p >= abs(level)))
     return float(t[k - 1] + (level - p[k - 1]) * (t[k] - t[k - 1]) / (p[k] - p[k - 1]))
 
@@ -61,10 +61,13 @@ def nearest(model, depth: float) -> int:
 # ---------------------------------------------------------------------- Joukowsky
 @pytest.mark.parametrize("elastic", [False, True])
 def test_pump_stopped_within_one_step(elastic):
-    """F06: 30 l/s, then none, 100 elements and 2 ms: pressure at the pump falls by rho c dq/A and stays until
-    2L/c, mean of the middle half within 0.15 % (0.5 % asked; p/4K, by which mud gets stiffer, is 0.06 %);
-    then it rises as far, the open end having sent the wave back reversed.  Rigid bore 1354 m/s; elastic one
-    by Lame's coefficient 1265.9 m/s.  The jump rings and stays bounded."""
+    """30 l/s, then none, 100 elements and 2 ms: the pressure at the pump falls by rho c dq/A until 2L/c, mean
+    of the middle half within 0.15 %; then it rises by as much, because the open end reverses the wave
+    (manual: verif-joukowsky).
+
+    The increase of stiffness with pressure, p/4K, is 0.06 %. Rigid bore 1354 m/s; elastic one by Lame's
+    coefficient 1265.9 m/s. The jump causes oscillations that remain bounded.
+    """
     c = np.sqrt(1 / (DENSITY * (1 / MODULUS + elastic * lame_bore(OUTER / 2, INNER / 2))))
     assert c == pytest.approx(1265.92 if elastic else 1354.006, rel=1e-5)
     q, t0, T = 0.03, 0.05, LENGTH / c
@@ -79,10 +82,13 @@ def test_pump_stopped_within_one_step(elastic):
 
 
 def test_front_of_a_loop_with_friction():
-    """C6: pump of the HB loop at 30 l/s stopped within a step, default steps of the integrator: the pressure
-    drops by rho c dq/A (52 bar at 1338 m/s), then falls on at the rate g c/2, g the friction per length of
-    the flow ahead of the front (characteristics; no friction behind it): mean over .1 to .3 s within 1 %.  No
-    step fails; nothing ever passes the steady pressures by more than rho c dq/A."""
+    """Pump of the HB loop at 30 l/s stopped within a step, default steps: the pressure drops by rho c dq/A
+    (52 bar at 1338 m/s), then falls at the rate g c/2, with g the friction per length of the flow ahead of
+    the front (characteristics; no friction behind it): mean over .1 to .3 s within 1 % (manual:
+    verif-hammer-with-friction).
+
+    No step fails; the pressure never exceeds the steady pressures by more than rho c dq/A.
+    """
     q, t0 = 0.03, 0.1
     model = started(loop({"bulk_modulus": 2.5e9, "flow_rate": {"time": [t0, t0], "value": [q, 0.0]}}, 100))
     c = np.sqrt(1 / (DENSITY * (1 / 2.5e9 + lame_bore(OUTER / 2, INNER / 2))))
@@ -105,8 +111,8 @@ def test_front_of_a_loop_with_friction():
 
 # ---------------------------------------------------------------------- arrival
 def test_arrival_of_an_instant_closure():
-    """50 % level in the middle of the bore against L/2c, 50 elements and 4 ms, 100 and 2, 200 and 1: late by
-    ever less (a jump spreads with the power 2/3 of the step), the last within 0.5 %."""
+    """50 % level in the middle of the bore against L/2c, 50 elements and 4 ms, 100 and 2, 200 and 1: the
+    delay decreases (a jump spreads with the power 2/3 of the step), the last within 0.5 %."""
     late = []
     for n, dt in ((50, 4e-3), (100, 2e-3), (200, 1e-3)):
         model = bore({**STIFF, "flow_rate": {"time": [0.02, 0.02], "value": [SMALL, 0.0]}}, n)
@@ -120,8 +126,8 @@ def test_arrival_of_an_instant_closure():
 
 
 def test_arrival_of_a_half_cosine():
-    """Pump started over .3 L/c: 50 % level in the middle L/2c after the ramp's; 50 elements and 4 ms within
-    0.05 %, 100 and 2 0.02 %."""
+    """Pump started over .3 L/c: 50 % level in the middle L/2c after that of the ramp; 50 elements and 4 ms
+    within 0.05 %, 100 and 2 within 0.02 %."""
     T = 0.3 * LENGTH / SPEED
     for n, dt, most in ((50, 4e-3, 5e-4), (100, 2e-3, 2e-4)):
         model = bore({**STIFF, "flow_rate": {"ramp": T, "value": SMALL}}, n)
@@ -141,9 +147,12 @@ WALLS: dict[str, tuple[dict, float]] = {
 @pytest.mark.parametrize("wall", WALLS)
 def test_wave_speed_of_the_annulus(wall: str):
     """Pressure at the flow line raised by half a cosine over .3 L/c, string plugged and empty, K 2.5 GPa: 50
-    % level in the middle after L/2c + half the ramp within 0.1 %; c of steel pipe in a rigid hole and in rock
-    (20 GPa, .25): 1389.618 and 1156.846 m/s (Lame: model notes, section 3.3).  Then doubled by the closed
-    lower end until 3L/c, within 0.5 %."""
+    % level in the middle after L/2c + half the ramp within 0.1 %, then doubled by the closed lower end until
+    3L/c, within 0.5 % (manual: verif-annulus-wave-speed).
+
+    c of steel pipe in a rigid hole and in rock (20 GPa, .25): 1389.618 and 1156.846 m/s (Lame; manual:
+    eq-mud-wall-annulus).
+    """
     section, c = WALLS[wall]
     ro, ri, rw = OUTER / 2, INNER / 2, HOLE / 2
     rock = rw**2 * 1.25 / 20e9 if wall == "rock" else 0.0
@@ -161,8 +170,8 @@ def test_wave_speed_of_the_annulus(wall: str):
 # ---------------------------------------------------------------------- ends and steps
 def test_reflection_at_an_open_end():
     """Pump started by half a cosine over .3 L/c, lower end open: rho c dq/A at the pump until 2L/c, the
-    opposite until 4L/c, again until 6L/c; at the open end the flow is twice that from L/c to 3L/c, and none
-    until 5L/c.  1 % (the middle of each plateau)."""
+    opposite until 4L/c, again until 6L/c; the flow at the open end is doubled from L/c to 3L/c, and zero
+    until 5L/c. 1 % in the middle of each plateau (manual: verif-wave-reflections)."""
     T, L = 0.3 * LENGTH / SPEED, LENGTH / SPEED
     model = bore({**STIFF, "flow_rate": {"ramp": T, "value": SMALL}}, 100)
     t, p, q = history(model, 6 * L, 2e-3)
@@ -176,8 +185,9 @@ def test_reflection_at_an_open_end():
 
 
 def test_reflection_at_a_closed_end():
-    """Plugged bore, pump pressure raised by half a cosine over .3 L/c: twice as much under the plug from L/c
-    to 3L/c, nothing until 5L/c; flow into the bore p A/(rho c) until 2L/c, the opposite until 4L/c.  1 %."""
+    """Plugged bore, pump pressure raised by half a cosine over .3 L/c: doubled under the plug from L/c to
+    3L/c, zero until 5L/c; flow into the bore p A/(rho c) until 2L/c, the opposite until 4L/c. 1 % (manual:
+    verif-wave-reflections)."""
     T, L, p0 = 0.3 * LENGTH / SPEED, LENGTH / SPEED, 1e4
     model = bore({**STIFF, "pump_pressure": {"ramp": T, "value": p0}}, 100, plugged=True)
     t, p, q = history(model, 5 * L, 2e-3)
@@ -191,9 +201,9 @@ def test_reflection_at_a_closed_end():
 
 @pytest.mark.parametrize(("upper", "lower"), [(0.0093, 0.0040), (0.0040, 0.0093)])
 def test_step_of_the_bore(upper, lower):
-    """C7: bore of .0093 over .0040 m2, and the other way round: of a wave p, 2 A1/(A1 + A2) p goes on
-    (1.3985) and (A1 - A2)/(A1 + A2) p comes back (.3985); half a cosine over 0.15 L/c, 200 elements, 0.2 % (2
-    % asked) beside the step and in the middle of each half."""
+    """Bore of .0093 over .0040 m2, and the reverse: of a wave p, 2 A1/(A1 + A2) p is transmitted (1.3985) and
+    (A1 - A2)/(A1 + A2) p reflected (.3985); half a cosine over 0.15 L/c, 200 elements, 0.2 % beside the step
+    and in the middle of each half (manual: verif-area-step)."""
     half, T = 0.5 * LENGTH, 0.15 * LENGTH / SPEED
     inner = np.sqrt(4 / np.pi * np.array([upper, lower]))
     pipes = [
@@ -218,10 +228,13 @@ def test_step_of_the_bore(upper, lower):
 
 # ---------------------------------------------------------------------- friction
 def test_line_packing_by_linear_friction():
-    """Laminar Newtonian flow (200 mPa s) switched on by half a cosine: until 2L/c the pump sees a line
-    without end.  Telegraph equation: to a unit step of flow the pressure is Z e^(-bt/2) [(1 + b t) I0(bt/2) +
-    b t I1(bt/2)], Z = rho c/A, b = 32 mu/(rho d^2) (inverse of sqrt(s + b)/s^(3/2)); it grows by a half in
-    2L/c.  Within 0.1 % of rho c dq/A."""
+    """Laminar Newtonian flow (200 mPa s) started by half a cosine: until 2L/c the line is infinite for the
+    pump.
+
+    Telegraph equation: the pressure of a unit step of flow is Z e^(-bt/2) [(1 + b t) I0(bt/2) + b t
+    I1(bt/2)], Z = rho c/A, b = 32 mu/(rho d^2) (inverse of sqrt(s + b)/s^(3/2)); it increases by a half in
+    2L/c. Within 0.1 % of rho c dq/A.
+    """
     mu, T, L = 0.2, 0.3 * LENGTH / SPEED, LENGTH / SPEED
     b, flow = 32 * mu / (DENSITY * INNER**2), 1e-4
     model = bore(
@@ -240,7 +253,7 @@ def test_line_packing_by_linear_friction():
     )  # half the cosine's rate at these times
     late = np.clip(t[:, None] - rise, 0.0, None) * b
     answer = np.where(late > 0, (1 + late) * ive(0, late / 2) + late * ive(1, late / 2), 0.0)
-    after = (t > T) & (t < 1.95 * L)  # before, the rule's points do not see where the ramp stands
+    after = (t > T) & (t < 1.95 * L)  # earlier, the points of the rule do not resolve the ramp
     exact = DENSITY * SPEED / BORE * flow * (answer @ share)
     assert exact[-1] > 1.4 * DENSITY * SPEED / BORE * flow
     assert p[after, 0] == pytest.approx(exact[after], abs=1e-3 * DENSITY * SPEED / BORE * flow)
@@ -248,9 +261,9 @@ def test_line_packing_by_linear_friction():
 
 # ---------------------------------------------------------------------- orders
 def test_frequencies_of_a_bore_between_pressure_and_plug():
-    """Quarter waves, 40 elements.  Dispersion of the averaged compliance h/12 (1, 10, 1): omega h/2c =
-    s/sqrt(1 - s^2/3), s = sin(k h/2), of fourth order: modes 3, 11, 21 off by -3.1e-6, -9.9e-4, -1.5e-2
-    (model notes, section 8.1); the closed form to 1e-8."""
+    """Quarter waves, 40 elements: the dispersion of the averaged compliance h/12 (1, 10, 1) is omega h/2c =
+    s/sqrt(1 - s^2/3), s = sin(k h/2), of fourth order: modes 3, 11, 21 in error by -3.1e-6, -9.9e-4, -1.5e-2;
+    the closed form within 1e-8 (manual: eq-mud-dispersion)."""
     n = 40
     model = started(bore({**STIFF, "pump_pressure": 0.0}, n, plugged=True))
     K, C, _ = matrices(model.system)
@@ -265,8 +278,8 @@ def test_frequencies_of_a_bore_between_pressure_and_plug():
 
 
 def test_second_order_in_space():
-    """Half a cosine over .3 L/c passing the middle, steps of 0.5 ms: root mean square error against p(t -
-    x/c) falls by 4 from mesh to mesh (a fourth-order scheme on a wave whose second derivative jumps: h^(4 *
+    """Half a cosine over .3 L/c passing the middle, steps of 0.5 ms: the rms error against p(t - x/c)
+    decreases by 4 from mesh to mesh (a fourth-order scheme for a wave whose second derivative jumps: h^(4 *
     2.5/5))."""
     T, errors = 0.3 * LENGTH / SPEED, []
     for n in (16, 32, 64):
@@ -281,8 +294,7 @@ def test_second_order_in_space():
 
 def test_second_order_in_time():
     """Half a cosine over .303 L/c, 20 elements, steps of 8, 4, 2, 1 ms: differences between one step length
-    and the next fall by 4 at L/c,
-    1.48 s, where the ramp is long over."""
+    and the next decrease by 4 at L/c, 1.48 s, long after the ramp."""
     T, at = 0.448, []
     for dt in (8e-3, 4e-3, 2e-3, 1e-3):
         model = bore({**STIFF, "flow_rate": {"ramp": T, "value": SMALL}}, 20)

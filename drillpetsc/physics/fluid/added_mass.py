@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import ive, kve
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -97,6 +96,8 @@ def steady_resistance(ratio: ArrayLike) -> Array:
 def _unsteady(S: Array, R: Array) -> tuple[Array, Array]:
     """Solution of the four wall conditions; the Bessel functions are scaled, so that no exponential
     overflows."""
+    from scipy.special import ive, kve  # a slow import
+
     l = np.sqrt(1j * S)
     decay = np.exp(l.real * (1.0 - R)) + 0j
 

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.fem.component import Component, ElementBlock, Energies, Field, FloatArray, Powers
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import Component, ElementBlock, Energies, Field, Powers
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, Table, columns, constant

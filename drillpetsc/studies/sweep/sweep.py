@@ -17,7 +17,6 @@ from typing import Any
 
 from petsc4py import PETSc
 
-import drillpetsc
 from drillpetsc.analysis.quasi_static import QuasiStatic
 from drillpetsc.analysis.transient import make_integrator, run
 from drillpetsc.case import Case, load_case
@@ -29,12 +28,14 @@ from drillpetsc.output.energy_balance import EnergyGainMonitor
 from drillpetsc.output.files.run_folder import SWEEP_TABLE
 from drillpetsc.output.progress import duration
 from drillpetsc.output.recorder import Recorder
+from drillpetsc.parallel import wait_for, wait_for_files
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.studies.sweep import table
 from drillpetsc.studies.sweep.plan import plan_sweep, plan_wells
 from drillpetsc.studies.sweep.table import Action, Member, Outcome, Plan
 from drillpetsc.studies.sweep.variations import choices_from, variations
-from drillpetsc.studies.sweep.worker_groups import WorkerGroup, group_sizes, split, wait_for, wait_for_files
+from drillpetsc.studies.sweep.worker_groups import WorkerGroup, group_sizes, split
+from drillpetsc.version import __version__
 
 
 @dataclass(frozen=True)
@@ -192,7 +193,7 @@ def _read_options(case: Case) -> list[str]:
         model = build_model(case, PETSc.COMM_SELF)
         integrator = make_integrator(model, QuasiStatic(model) if is_quasi_static(case) else None)
         recorder = Recorder(model)
-        EnergyGainMonitor(recorder)
+        EnergyGainMonitor(recorder.energy)
         unread = options.unread(used)
         del model, integrator, recorder
         gc.collect()
@@ -286,7 +287,7 @@ class _Job:
             "worker_groups": self.sizes,
             "wall_seconds": clock.perf_counter() - self.began,
             "versions": {
-                "drillpetsc": drillpetsc.__version__,
+                "drillpetsc": __version__,
                 "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
             },
         }

@@ -7,21 +7,19 @@ fails or hangs blocks the ranks of its own group only.
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from petsc4py import PETSc
+
+from drillpetsc.parallel import wait_for
 
 #: fewest elements per rank of a group: two ranks were slower than one with 100 elements in all, and no faster
 #: with 225
 LEAST_ELEMENTS = 120
 #: time that a rank waits for the others of its group after its own part of a member has ended [s]
 RANK_TIMEOUT = 60.0
-POLL_INTERVAL = 0.02  # time between two tests of a request; the waiting rank leaves its core to others [s]
-FILE_POLL_INTERVAL = 0.2  # time between two searches for a file [s]
 
 
 def group_sizes(costs: Sequence[float], elements: Sequence[int], ranks: int) -> list[int]:
@@ -101,19 +99,3 @@ def split(mpi: Any, sizes: Sequence[int]) -> WorkerGroup | None:
     # it again, and creating it is collective.
     comm = PETSc.Comm(part).duplicate()
     return WorkerGroup(number, comm, part.Dup(), tuple(part.allgather(mpi.rank)), [part])
-
-
-def wait_for(request: Any, longest: float = float("inf")) -> bool:
-    """Wait for an MPI request without keeping a core busy; False if it is not complete after ``longest`` [s]."""
-    began = clock.monotonic()
-    while not request.Test():
-        if clock.monotonic() - began > longest:
-            return False
-        clock.sleep(POLL_INTERVAL)
-    return True
-
-
-def wait_for_files(files: Sequence[Path]) -> None:
-    """Wait until all the files exist."""
-    while not all(file.exists() for file in files):
-        clock.sleep(FILE_POLL_INTERVAL)

@@ -38,7 +38,8 @@ def simple(**keys: Any) -> Case:
 
 
 def test_vertical_2000m() -> None:
-    """The paper's drillstring model: 2000 m, 225 elements, 80 rpm, bit on bottom."""
+    """Drillstring model of the reference paper: 2000 m, 225 elements, 80 rpm, bit on bottom (manual:
+    sec-paper)."""
     case = load_case(CASES / "vertical-2000m.yaml")
     assert case.string_length == pytest.approx(2000.0, abs=1e-9)
     assert case.item_depths[1] == (1800.0, 1998.0)
@@ -277,10 +278,10 @@ def test_refused(keys: dict[str, Any], at: str) -> None:
 
 
 def test_wob_wants_a_top_that_can_be_set() -> None:
-    scene = {"string": [PIPE, BIT], "well": well(), "bottom": "bit", "initial": {"wob": "5 kN"}}
-    assert Case(**scene, top={"kind": "top_drive"}).initial.wob == 5e3
-    assert error_of(**scene, top="free").at == "initial.wob"
-    assert error_of(**scene, top={"kind": "top_drive", "force": "1 kN"}).at == "initial.wob"
+    keys = {"string": [PIPE, BIT], "well": well(), "bottom": "bit", "initial": {"wob": "5 kN"}}
+    assert Case(**keys, top={"kind": "top_drive"}).initial.wob == 5e3
+    assert error_of(**keys, top="free").at == "initial.wob"
+    assert error_of(**keys, top={"kind": "top_drive", "force": "1 kN"}).at == "initial.wob"
 
 
 def test_a_case_cannot_be_changed() -> None:

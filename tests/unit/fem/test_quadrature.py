@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.special import roots_jacobi
 
-from drillpetsc.fem.quadrature import exposed_ends, rule
+from drillpetsc.fem.quadrature import _TABULATED, exposed_ends, rule
 from drillpetsc.fem.string_mesh import RigidItem, uniform_string
 
 
@@ -22,6 +23,12 @@ def test_rules_integrate_polynomials(points, upper, lower):
         assert w @ s**k == pytest.approx(1 / (k + 1), rel=1e-12)
     assert (s.min() == 0.0, s.max() == 1.0) == (upper, lower)
     assert (np.diff(s) > 0).all() and (w > 0).all()
+
+
+@pytest.mark.parametrize("key", list(_TABULATED))
+def test_tabulated_rules_are_those_of_scipy(key):
+    for own, theirs in zip(_TABULATED[key], roots_jacobi(*key), strict=True):
+        assert np.array(own) == pytest.approx(theirs, rel=1e-15, abs=1e-16)
 
 
 def test_known_rules():

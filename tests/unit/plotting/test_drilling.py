@@ -46,8 +46,8 @@ COLUMNS = [
 def write_hole(
     file: Path, inclination: float, azimuth: float, build: float, turn: float, length: float
 ) -> None:
-    """A straight hole of START [m] at these angles [deg], then ``length`` [m] of new hole that builds and
-    turns evenly [deg in all]."""
+    """Write a straight hole of START [m] with these angles [deg], then ``length`` [m] of new hole with
+    constant build and turn [deg in total]."""
     md = np.array([0.0, START, START + length])
     angle, aim = (
         np.radians([inclination, inclination, inclination + build]),
@@ -79,8 +79,8 @@ def make_sweep(
     return folder
 
 
-def study(folder: Path, inclination: float = 40.0) -> Path:
-    """Flow rate 10 l/s and 20 l/s times density 1000 and 1200, and a dry one."""
+def density_sweep(folder: Path, inclination: float = 40.0) -> Path:
+    """Sweep of flow rate 10 l/s and 20 l/s times density 1000 and 1200, and a member without fluid."""
     rows = [
         "on,10 l/s,1000,0.01",
         "on,10 l/s,1200,0.01",
@@ -93,8 +93,8 @@ def study(folder: Path, inclination: float = 40.0) -> Path:
 
 
 @pytest.mark.parametrize("inclination", [0.0, 2.0, 40.0, 89.0])
-def test_every_picture_of_a_study_has_ink(inclination: float, tmp_path: Path) -> None:
-    files = draw_sweep(study(tmp_path / "out", inclination))
+def test_every_picture_of_a_sweep_has_content(inclination: float, tmp_path: Path) -> None:
+    files = draw_sweep(density_sweep(tmp_path / "out", inclination))
     assert [file.name for file in files] == list(SWEEP_PICTURES)
     for file in files:
         assert (
@@ -120,8 +120,8 @@ def test_offsets_are_those_of_a_circle(tmp_path: Path) -> None:
 
 
 def test_a_turn_to_larger_azimuth_lies_to_the_right(tmp_path: Path) -> None:
-    """Looking north, east is on the right: a level hole that turns by 1 deg in 20 m ends R (1 - cos 1 deg)
-    aside."""
+    """Looking north, east is on the right: a level hole that turns by 1 deg in 20 m ends at an offset R (1 -
+    cos 1 deg)."""
     folder = make_sweep(
         tmp_path / "out", "top.rotation|top.rotation (SI)", ["60 rpm,6.28"], [(90.0, 0.0, 0.0, 1.0, 20.0)]
     )
@@ -130,10 +130,10 @@ def test_a_turn_to_larger_azimuth_lies_to_the_right(tmp_path: Path) -> None:
     assert abs(path.up[-1]) < 1e-9
 
 
-def test_the_section_shows_offsets_as_many_times_as_it_says(tmp_path: Path) -> None:
-    """Largest offset 0.157 m (0.9 deg in 20 m: L^2/2R): 0.35 of 20 m is 44.6 times that, the next rounder
+def test_offsets_in_the_section_have_the_stated_scale(tmp_path: Path) -> None:
+    """Largest offset 0.157 m (0.9 deg in 20 m: L^2/2R): 0.35 of 20 m is 44.6 times that; the next round
     number below is 20."""
-    drawing = trajectories(drilled_paths(study(tmp_path / "out")), "t")
+    drawing = trajectories(drilled_paths(density_sweep(tmp_path / "out")), "t")
     section, plan, ends = drawing.axes[:3]
     assert section.get_title().endswith(" 20 times")
     paths = drilled_paths(tmp_path / "out")
@@ -147,13 +147,15 @@ def test_the_section_shows_offsets_as_many_times_as_it_says(tmp_path: Path) -> N
             (1e3 * path.right[-1], 1e3 * path.up[-1])
         )
     scale = float(plan.get_title().split()[-2])
-    assert plan.get_aspect() == pytest.approx(1e3 / scale)  # a metre down is as long as 1000/scale mm aside
+    assert plan.get_aspect() == pytest.approx(
+        1e3 / scale
+    )  # a metre of depth is as long as 1000/scale mm of offset
 
 
 def test_colour_shows_the_first_key_the_marker_the_second_and_the_dry_member_is_dashed(
     tmp_path: Path,
 ) -> None:
-    lines = inclinations(drilled_paths(study(tmp_path / "out")), "t").axes[0].lines
+    lines = inclinations(drilled_paths(density_sweep(tmp_path / "out")), "t").axes[0].lines
     assert [line.get_label() for line in lines] == [
         "10 l/s, 1000 kg/m3",
         "10 l/s, 1200 kg/m3",
@@ -170,7 +172,7 @@ def test_colour_shows_the_first_key_the_marker_the_second_and_the_dry_member_is_
 
 def test_build_rates_over_the_first_key_a_line_a_density(tmp_path: Path) -> None:
     """30 m/20 m times the 0.5, 0.6, ... deg that were built; flow rates in the unit they were given in."""
-    axes = build_rates(drilled_paths(study(tmp_path / "out")), "t").axes[0]
+    axes = build_rates(drilled_paths(density_sweep(tmp_path / "out")), "t").axes[0]
     light, heavy, dry = axes.lines
     assert axes.get_xlabel() == "fluid.flow_rate [l/s]"
     assert light.get_xdata() == pytest.approx([10, 20]) and heavy.get_xdata() == pytest.approx([10, 20])
@@ -204,7 +206,7 @@ def test_other_sweeps(header: str, rows: list[str], pictures: int, tmp_path: Pat
     ] * pictures  # as `drillpetsc plot` draws them
 
 
-def test_what_was_broken_off_or_not_drilled_is_not_drawn(tmp_path: Path) -> None:
+def test_failed_members_and_members_without_new_hole_are_not_drawn(tmp_path: Path) -> None:
     holes = [(40.0, 30.0, 0.5, 0.0, 20.0), (40.0, 30.0, 0.1, 0.0, 3.0)]
     folder = make_sweep(tmp_path / "out", "fluid.density", ["1000", "1200"], holes, status="failed")
     assert [path.values for path in drilled_paths(folder)] == [{"fluid.density": "1000 kg/m3"}]
@@ -263,14 +265,14 @@ def plan_of(folder: Path, table: str = "sweep.csv") -> Plan:
 
 
 def test_a_drawing_that_fails_does_not_fail_the_sweep(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
-    """Here because the folder of the members is gone; without new hole, and for wells, nothing is tried."""
+    """Here the folder of the members is missing. Without new hole, and for wells, nothing is drawn."""
     drilled = [{"drilled [m]": 2.0}]
     assert sweep_module._pictures(plan_of(tmp_path / "gone"), drilled) == []
     assert "no pictures of the sweep: FileNotFoundError" in capsys.readouterr().err
     assert sweep_module._pictures(plan_of(tmp_path / "gone"), [{"drilled [m]": np.nan}, {}]) == []
     assert sweep_module._pictures(plan_of(tmp_path / "gone", "wells.csv"), drilled) == []
     assert capsys.readouterr().err == ""
-    assert len(sweep_module._pictures(plan_of(study(tmp_path / "out")), drilled)) == 3
+    assert len(sweep_module._pictures(plan_of(density_sweep(tmp_path / "out")), drilled)) == 3
 
 
 def test_a_sweep_without_new_hole_imports_no_matplotlib(tmp_path: Path) -> None:
@@ -299,7 +301,7 @@ def test_a_run_marks_its_new_hole(tmp_path: Path) -> None:
 
 def test_tracks_of_the_new_hole(tmp_path: Path) -> None:
     """Straight, then a circle: dogleg severity 0, then the angle between the directions per 30 m; half of
-    that where half of the short course is new; azimuth goes on past north."""
+    that where half of the short course is new; azimuth continues past north."""
     write_hole(tmp_path / "trajectory.csv", 40.0, 359.9, 0.6, 0.4, 20.0)
     inclination, azimuth, severity = hole_path.new_hole(
         read_table(tmp_path / "trajectory.csv"), "t", 20.0

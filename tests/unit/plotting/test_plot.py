@@ -45,7 +45,7 @@ def test_a_run_killed_at_once_or_in_a_row_can_be_plotted(tmp_path: Path) -> None
     assert [file.name for file in plot(run.path)] == ["history.png"]
 
 
-def test_columns_share_panels_by_what_they_compare() -> None:
+def test_compared_columns_share_panels() -> None:
     titles = [
         "time [s]",
         "hook_load [N]",
@@ -82,11 +82,11 @@ def test_histories_show_the_columns_in_displayed_units(tmp_path: Path) -> None:
 def test_a_column_without_values_gets_no_panel(tmp_path: Path) -> None:
     table = {"time [s]": np.arange(3.0), "rop [m/s]": np.full(3, np.nan), "wob [N]": np.ones(3)}
     assert [axes.get_ylabel() for axes in _histories(table, [["rop [m/s]"], ["wob [N]"]], "t").axes] == [
-        "WOB [N]"
+        "Weight on bit [N]"
     ]
 
 
-def test_orbits_stand_in_the_clearance_of_their_depth(tmp_path: Path) -> None:
+def test_orbits_have_the_clearance_of_their_depth(tmp_path: Path) -> None:
     """Clearance of the sample: hole radius less pipe radius, in mm."""
     run = make_run(tmp_path / "run")
     clearances = _clearances(run)

@@ -1,4 +1,4 @@
-"""The view: which frames, fields and scales, and that what is drawn is what the files hold."""
+"""The view: frames, fields, scales, and comparison of the picture with the files."""
 
 from __future__ import annotations
 
@@ -49,8 +49,8 @@ def test_a_shaded_picture_where_there_is_opengl(tmp_path: Path) -> None:
 
 
 def test_the_shaded_hole_shows_the_string_where_it_is_and_in_its_colour(tmp_path: Path) -> None:
-    """A straight string at the hole's centre, red in its upper half and blue below: so must be the middle
-    column."""
+    """A straight string at the hole's centre, red in its upper half and blue below, gives these colours in
+    the middle column."""
     if reason := render.why_no_rendering():
         pytest.skip(reason)
     points, data = helix_frame(0.0)
@@ -62,7 +62,7 @@ def test_the_shaded_hole_shows_the_string_where_it_is_and_in_its_colour(tmp_path
     first = model.image(shape, np.where(upper, red, blue)).astype(int)
     second = model.image(shape, np.where(upper, blue, red)).astype(
         int
-    )  # an animation recolours the same scene
+    )  # an animation changes the colours of the same rendering
     model.close()
     for image, top in ((first, 0), (second, 2)):
         bottom = 2 - top
@@ -109,7 +109,7 @@ def test_a_string_that_swings_far_is_drawn_in_its_true_shape(tmp_path: Path) -> 
     assert Image.open(view(tmp_path / "run", animate=True)).n_frames == 3
 
 
-def test_bad_requests_say_what_there_is(tmp_path: Path) -> None:
+def test_bad_requests_list_the_alternatives(tmp_path: Path) -> None:
     run = make_run(tmp_path / "run")
     with pytest.raises(ValueError, match=r"no field 'axial'.*axial_force \[N\]"):
         view(run.path, field="axial")
@@ -126,7 +126,7 @@ def test_bad_requests_say_what_there_is(tmp_path: Path) -> None:
         view(tmp_path / "empty")
 
 
-def test_a_film_that_nothing_can_write_is_refused_before_drawing(
+def test_an_unsupported_film_is_refused_before_drawing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run = make_run(tmp_path / "run")
@@ -135,7 +135,9 @@ def test_a_film_that_nothing_can_write_is_refused_before_drawing(
         view(run.path, tmp_path / "film.mp4", animate=True)
 
 
-def test_no_opengl_is_said_and_drawn_otherwise(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_opengl_a_message_and_another_picture(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(render, "why_no_rendering", lambda: "no libGL")
     run = make_run(tmp_path / "run")
     said: list[str] = []
@@ -153,7 +155,7 @@ def test_no_opengl_is_said_and_drawn_otherwise(tmp_path: Path, monkeypatch: pyte
         ((), ""),
     ],
 )
-def test_a_window_that_needs_no_screen_is_one_whose_library_is_there(
+def test_the_offscreen_window_has_an_existing_library(
     monkeypatch: pytest.MonkeyPatch, there: tuple[str, ...], window: str
 ) -> None:
     monkeypatch.setattr("sys.platform", "linux")
@@ -178,9 +180,7 @@ def test_a_window_that_needs_no_screen_is_one_whose_library_is_there(
 @pytest.mark.parametrize(
     ("name", "value"), [("VTK_DEFAULT_OPENGL_WINDOW", "vtkXOpenGLRenderWindow"), ("DISPLAY", ":0")]
 )
-def test_a_screen_or_the_users_own_window_is_left_alone(
-    monkeypatch: pytest.MonkeyPatch, name: str, value: str
-) -> None:
+def test_a_screen_or_a_chosen_window_is_kept(monkeypatch: pytest.MonkeyPatch, name: str, value: str) -> None:
     for key in ("VTK_DEFAULT_OPENGL_WINDOW", "DISPLAY"):
         monkeypatch.delenv(key, raising=False)
     monkeypatch.setenv(name, value)
@@ -197,8 +197,7 @@ def test_a_time_takes_the_nearest_frame_and_an_index_counts(tmp_path: Path) -> N
 
 
 def test_shapes_take_the_offset_of_the_file_or_the_displacement() -> None:
-    """The helix has the same offset from the hole's centre and displacement, up to the axes of the
-    cross-section."""
+    """The helix has equal offset and displacement, except for the axes of the cross-section."""
     given = shape_of(frame(), 0.0, "axial_force [N]")
     none = ("offset_x [m]", "offset_y [m]", "hole_radius [m]", "outer_radius [m]", "md [m]")
     derived = shape_of(frame(without=none), 0.0, "axial_force [N]")
@@ -218,7 +217,7 @@ def test_vectors_are_shown_by_their_magnitude() -> None:
 
 
 def test_smoothing_keeps_nodes_and_reproduces_a_parabola() -> None:
-    """Central differences are exact for a parabola inside, so its cubic pieces are the parabola."""
+    """Central differences are exact for a parabola in the interior, so its cubic pieces are the parabola."""
     points, data = helix_frame(0.0, count=9)
     md = data["md [m]"]
     data["offset_x [m]"] = (md / LENGTH) ** 2
@@ -235,13 +234,12 @@ def test_cutting_keeps_the_interval_and_a_neighbour() -> None:
 
 
 def test_the_stated_scale_is_the_drawn_scale() -> None:
-    """With the chosen factor a hole of 0.2 m is, on paper, at most 0.86 of a track wide and not below 0.75 of
-    it."""
+    """With the chosen factor a hole of 0.2 m is at most 0.86 of a track wide, and at least 0.75 of it."""
     scale = _auto_scale(HOLE, LENGTH)
     inches_per_depth_metre = TRACKS_HEIGHT / LENGTH
     share = 2 * HOLE * scale * inches_per_depth_metre / TRACK_WIDTH
     assert 0.75 < share <= 0.86
-    assert float(f"{scale:.1e}") == pytest.approx(scale, rel=1e-12)  # two digits, so that it can be stated
+    assert float(f"{scale:.1e}") == pytest.approx(scale, rel=1e-12)  # two digits
 
 
 def test_fields_are_found_with_and_without_units() -> None:
@@ -268,13 +266,13 @@ def test_fields_are_found_with_and_without_units() -> None:
         ("torque [N m]", 0.0, 1.0, "N m"),
     ],
 )
-def test_units_as_a_driller_reads_them(title: str, largest: float, size: float, unit: str) -> None:
+def test_displayed_units(title: str, largest: float, size: float, unit: str) -> None:
     """Factors by definition: 1 rpm = 2 pi / 60 rad/s, 1 m/h = 1/3600 m/s, 1 l/min = 1e-3/60 m3/s."""
     given_size, given_unit = display_unit(title, np.array([0.0, -largest, np.nan]))
     assert given_size == pytest.approx(size) and given_unit == unit
 
 
-def test_zero_has_one_colour_whatever_the_range() -> None:
+def test_zero_has_the_same_colour_for_any_range() -> None:
     norm, cmap = color_scale("axial_force [N]", -50.0, 800.0)
     assert norm(0.0) == 0.5 and norm(-50.0) == 0.0 and norm(800.0) == 1.0
     tension, compression = cmap(1.0), cmap(0.0)

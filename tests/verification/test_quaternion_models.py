@@ -1,8 +1,7 @@
-"""Whole scenes on the quaternion element: mud, rigid items, unbalance, a bit that drills; against the ANCF
-element.
+"""Whole models with the quaternion element: mud, rigid items, unbalance, a bit that drills; compared with the
+ANCF element (manual: verif-quaternion-models).
 
-Both are of order 4 in space, so with elements short enough they agree; what an element of the other kind
-misses is told by each test.
+Both are of order 4 in space, so with short elements the results are equal within the tolerance of each test.
 """
 
 from __future__ import annotations
@@ -21,7 +20,8 @@ CASES = Path(__file__).parents[2] / "cases" / "verification"
 
 
 def both(name: str, folder: Path, change) -> list[dict[str, np.ndarray]]:
-    """History and probes of a case of the report, changed, with the gauge and with the quaternion element."""
+    """History and probes of a case of the report, with changes, with the ANCF and with the quaternion
+    element."""
     out = []
     for element in ("ancf", "quaternion"):
         data, _ = read_case_file(CASES / name)
@@ -42,7 +42,7 @@ def rms(one: dict[str, Any], other: dict[str, Any], column: str) -> float:
 
 
 def test_flutter(tmp_path):
-    """A pipe that conveys fluid above the critical speed: 4 s of its growing flutter, on 1.25 m elements,
+    """A pipe that conveys fluid above the critical speed: 4 s of its growing flutter, on elements of 1.25 m,
     within 1 % of its range."""
     reference, other = both("study-flutter.yaml", tmp_path, lambda data: data["time"].update(end="4 s"))
     assert np.ptp(reference["x_10 [m]"]) > 0.02
@@ -51,10 +51,10 @@ def test_flutter(tmp_path):
 
 
 def test_stick_slip(tmp_path):
-    """A bit that sticks, breaks loose and drills: the instant of breaking loose and what follows, 6 s.
+    """A bit that sticks, breaks loose and drills: the time of breaking loose and the following motion, 6 s.
 
-    Euler parameters are interpolated linearly: the twist of an element (12 rad over 20 of them here) must
-    stay well below pi.
+    Euler parameters are interpolated linearly: the twist of an element (12 rad over 20 elements here) must be
+    well below pi.
     """
     reference, other = both("study-stick-slip.yaml", tmp_path, lambda data: data["time"].update(end="6 s"))
     for column, off in (("bit_speed [rad/s]", 0.02), ("surface_torque [N m]", 0.01), ("wob [N]", 0.01)):
@@ -65,8 +65,8 @@ def test_stick_slip(tmp_path):
 
 
 def model(element: str, **more: Any) -> Case:
-    """60 m in a bent hole with all that the element takes: mud inside and outside, a change of section,
-    unbalance, stabilizer, bit."""
+    """60 m in a bent hole with all supported parts: mud inside and outside, a change of section, unbalance,
+    stabilizer, bit."""
     well = {
         "survey": {"md": [0, 30, 61], "inclination": [0.2, 0.3, 0.5], "azimuth": [0.1, 0.1, 0.3]},
         "sections": [{"to": 61, "kind": "open_hole", "diameter": 0.2159, "friction": 0.3}],
@@ -128,9 +128,9 @@ def test_everything_at_once(tmp_path):
         assert np.abs(reference[column] - other[column]).max() < 1e-3, column
 
 
-def test_a_restart_goes_on_alike(tmp_path):
-    """Ended at half of it and continued from there: the history of a run in one go, but for the step that
-    ends at the half."""
+def test_a_restart_reproduces_the_run(tmp_path):
+    """A run ended in the middle and restarted has the history of an uninterrupted run, except for the step
+    that ends in the middle."""
     half = run(model("quaternion", time={"end": 0.1}), tmp_path / "half", progress="silent")
     run(model("quaternion", time={"end": 0.2}), tmp_path / "half", restart=True, progress="silent")
     whole = run(model("quaternion", time={"end": 0.2}), tmp_path / "whole", progress="silent")
@@ -141,8 +141,8 @@ def test_a_restart_goes_on_alike(tmp_path):
 
 
 def test_lowered_in_mud_it_starts_in_equilibrium(tmp_path):
-    """Let down at 1 m/s through circulating mud: hook load at the start that of the ANCF element, drag of the
-    mud included."""
+    """Lowered at 1 m/s through circulating mud: the initial hook load is that of the ANCF element, with the
+    drag of the mud."""
     pipe = {"kind": "pipe", "length": 600, "od": 0.127, "id": 0.1086, "element_length": 20}
     well = {
         "survey": {"md": [0, 700], "inclination": [0, 0], "azimuth": [0, 0]},
@@ -165,6 +165,6 @@ def test_lowered_in_mud_it_starts_in_equilibrium(tmp_path):
             folder = run(case, tmp_path / f"{element}{speed}", progress="silent").folder
             loads.append(read_table(folder / "history.csv")["hook_load [N]"])
     still, lowered, *other = loads
-    assert still[0] - lowered[0] > 1000.0  # the drag is felt
+    assert still[0] - lowered[0] > 1000.0  # the drag has an effect
     assert [q[0] for q in other] == pytest.approx([still[0], lowered[0]], rel=1e-5)
     assert other[1] == pytest.approx(lowered, rel=1e-4)

@@ -1,5 +1,5 @@
-"""A short string with fluid in and around it, in a random moving state: for the contract tests of the flow
-rooms."""
+"""A short string with fluid in and around it, in a random moving state: for the contract tests of the fluid
+components."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus, Bore
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.time_function import Constant, Ramp
-from tests.helpers.scenes import GRAVITY, SECTION
+from tests.helpers.component_models import GRAVITY, SECTION
 
 KINDS = (
     "pipe",
@@ -43,7 +43,7 @@ KINDS = (
 
 
 class Drilled(Component):
-    """The unknowns of a hole that grows, without a bit that drills it."""
+    """The unknowns of a growing hole without a bit."""
 
     def fields(self) -> tuple[Field, ...]:
         return tuple(
@@ -58,7 +58,8 @@ def build(
     """DiscreteSystem of ``kind`` (words joined by _): fluid of density 3, bulk modulus 60, power law, in a
     curved hole.
 
-    widening: its elements come into parts of other areas; drilled: the hole's end moves, cuttings returned.
+    widening: elements that move into sections of other areas; drilled: the end of the hole moves, cuttings
+    returned.
     """
     from dataclasses import replace
 

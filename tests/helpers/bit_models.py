@@ -39,15 +39,14 @@ def drilling(
     damping: float = 0.0,
     stiffness: float = 1e8,
     friction: float = 0.3,
-    component: float = 0.0,
+    clearance: float = 0.0,
     **more,
 ) -> DrillingModel:
-    """A straight string in a straight hole of its own length, the bit (radius RADIUS) on bottom, in
-    weightless moving_hole.
+    """A straight string in a straight hole of its own length, with the bit (radius RADIUS) on bottom, without
+    gravity.
 
     length [m]; stiffnesses EA [N], EI, GJ [N m2]; mass [kg/m]; polar [kg m]; damping: Kelvin-Voigt [s];
-    stiffness of the bottom [N/m] and its friction; room: clearance of the hole in which the string stands
-    [m].
+    stiffness of the bottom [N/m] and its friction; clearance: radial clearance of the hole [m].
     """
     item = beam(
         length,
@@ -63,7 +62,7 @@ def drilling(
     well = {
         "survey": {"md": [0, length], "inclination": [inclination] * 2, "azimuth": [azimuth] * 2},
         "sections": [
-            {"to": length, "kind": "open_hole", "diameter": 2 * (RADIUS + component), "friction": 0.0}
+            {"to": length, "kind": "open_hole", "diameter": 2 * (RADIUS + clearance), "friction": 0.0}
         ],
     }
     case = {
@@ -80,7 +79,7 @@ def drilling(
 
 
 def lowered(speed: float, turning: float = TURNING) -> dict[str, Any]:
-    """A top drive that comes down and turns evenly."""
+    """A top drive with constant lowering and rotation."""
     return {"kind": "top_drive", "rotation": turning, "lowering": speed}
 
 

@@ -22,8 +22,8 @@ NO_GRAVITY = np.zeros(3)
 def body(
     node: int, length: float, mass: float, axial: float, transverse: float, center: float | None = None
 ) -> RigidItem:
-    """A rigid body that hangs on ``node``; SI, inertia about its centre of gravity (half its length when not
-    given)."""
+    """A rigid body that hangs on ``node``; SI, inertia about its centre of gravity (by default at half its
+    length)."""
     return RigidItem(
         f"body {node}",
         "body",
@@ -40,8 +40,7 @@ def body(
 
 
 def chain_of_bodies(bodies: tuple[RigidItem, ...], joints: tuple[StringJoint, ...]) -> StringMesh:
-    """RigidBodies, one on each node, with a joint at the lower end of each but the last; no element at
-    all."""
+    """RigidBodies, one on each node, with a joint at the lower end of each but the last; no elements."""
     n, nodes = len(joints), len(joints) + 1
     zero, one = np.zeros(n), np.ones(n)
     return StringMesh(
@@ -72,7 +71,7 @@ def place(
     mesh: StringMesh, position: np.ndarray, tangent: np.ndarray, components=(), gravity=NO_GRAVITY
 ) -> DiscreteSystem:
     """DiscreteSystem of ``mesh`` along ``tangent`` (3,) from ``position`` (nodes, 3), at rest; each of
-    ``rooms`` is called with its frames."""
+    ``components`` is called with its frames."""
     frames = transported_frames(np.tile(tangent, (mesh.nodes, 1)))
     g = np.array(gravity, dtype=float)
     system = DiscreteSystem(
@@ -97,8 +96,8 @@ def joint_component(system: DiscreteSystem) -> Joints:
 def random_state(
     kind: str, stabilised: bool = False, held: bool = False, seed: int = 5, arm: float = 0.3
 ) -> DiscreteSystem:
-    """Beam, joint with a rigid arm above it, beam; in a random moving state whose parts do not fit at the
-    joint.  held: the node before the joint is clamped."""
+    """Beam, joint with a rigid arm above it, beam; in a random moving state that violates the constraints of
+    the joint. held: the node before the joint is clamped."""
     mesh = uniform_string(
         4.0,
         4,
@@ -140,7 +139,7 @@ def random_state(
     system.set_field("string.tangent", tangents + 0.2 * rng.standard_normal((5, 3)))
     system.set_field("string.spin", 2 * rng.standard_normal((5, 1)))
     for name in system.layout.dofs:
-        if name.startswith("joint."):  # multipliers in units of 1e6 N: loads of some newton
+        if name.startswith("joint."):  # multipliers in units of 1e6 N: loads of a few newtons
             system.set_field(name, (1e-6 if name == "joint.load" else 0.1) * rng.standard_normal((5, 6)))
     asm = system.assembly
     asm.v0[:], asm.v1[:] = rng.standard_normal(len(asm.v0)), rng.standard_normal(len(asm.v1))
@@ -148,7 +147,7 @@ def random_state(
 
 
 def rolling_state(wall: bool, seed: int = 2) -> DiscreteSystem:
-    """Two bodies that a fixed joint makes one, the upper of which rolls; in a random moving state off the
+    """Two bodies connected by a fixed joint, the upper of which rolls; in a random moving state off the
     surface."""
     rng = np.random.default_rng(seed)
     mesh = chain_of_bodies(

@@ -1,4 +1,4 @@
-"""Small strings in random, strained, moving states: one for every room, for the contract tests."""
+"""Small strings in random, strained, moving states: one for every component, for the contract tests."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def build(kind: str, seed: int = 3) -> DiscreteSystem:
     asm.v0[:], asm.v1[:] = rng.standard_normal(len(asm.v0)), rng.standard_normal(len(asm.v1))
     if (
         "drive" in kind
-    ):  # a drive turns about the held direction of its node: there spin rate and rate of the angle are one
+    ):  # a drive rotates about the fixed direction of its node, where spin rate and rate of the angle are equal
         here = system.layout.dofs["string.tangent"][0]
         asm.x[here] = 1.1 * curved_tangents(1)[0]
         asm.v0[here] = -SHIFT * asm.x[here]
@@ -133,7 +133,7 @@ KINDS = [
 
 
 def dense(system: DiscreteSystem) -> np.ndarray:
-    """(n, n) the assembly's entries, summed."""
+    """(n, n) sum of the entries of the assembly."""
     asm, n = system.assembly, system.layout.size
     keep = (asm.rows >= 0) & (asm.columns >= 0)
     J = np.zeros((n, n))
@@ -146,7 +146,7 @@ def residual(system: DiscreteSystem, x: np.ndarray, t: float) -> np.ndarray:
     asm, vector = system.assembly, system.new_condensed()
     asm.x[: system.layout.size] = x
     asm.condense(SHIFT)
-    asm.impose_rates(t, SHIFT)
+    asm.apply_prescribed_rates(t, SHIFT)
     system.sum_residual(t, vector)
     return vector.getArray().copy()
 

@@ -1,5 +1,4 @@
-"""Mud in, mud out, mud inside: conservation of mass by the program's own figures; model notes section 9
-(C11)."""
+"""Conservation of mud mass, by the results of the program (manual: sec-mud-mass, verif-mud-mass-balance)."""
 
 from __future__ import annotations
 
@@ -25,20 +24,21 @@ MOVING = {
         "lowering": {"time": [0.0, 0.2, 1.0], "value": [0.3, 0.3, 0.0]},
     },
 }
-SCENES = {"held": {}, "moving": MOVING}
+MOTIONS = {"held": {}, "moving": MOVING}
 
 
-def scene_of(kind: str, elements: int = 40, flow=STOPPED, **case) -> DrillingModel:
-    """Loop whose pump stops, held or lowered while it turns, the flow line 2 m down."""
-    return loop({"flow_rate": flow, "flow_line": 2.0}, elements, **{**SCENES[kind], **case})
+def loop_of(kind: str, elements: int = 40, flow=STOPPED, **case) -> DrillingModel:
+    """Circulation loop whose pump stops; the string is fixed, or lowered and rotated, with the flow line 2 m
+    below the top."""
+    return loop({"flow_rate": flow, "flow_line": 2.0}, elements, **{**MOTIONS[kind], **case})
 
 
 def surplus(model: DrillingModel, t: float) -> float:
-    """Storage rate of channels, of the mud under the bit and of the hole above the string, with y of the
-    integrator, less pumped, plus returned [m3/s at zero pressure].
+    """Storage rate of the channels, of the mud under the bit and of the hole above the string, from the
+    integrator's y, minus pumped plus returned flow [m3/s at zero pressure].
 
-    Under the bit: content (1/K + c/(1 + c p)) p' - theta A_w V, theta = exp(p/K)(1 + c p), c the give of the
-    wall, V the string's speed.
+    Under the bit: content (1/K + c/(1 + c p)) p' - theta A_w V, theta = exp(p/K)(1 + c p), with c the
+    compliance of the wall and V the speed of the string.
     """
     f, asm = model.fluid, model.system.assembly
     assert f is not None and f.bore is not None and f.annulus is not None and f.bit is not None
@@ -55,12 +55,14 @@ def surplus(model: DrillingModel, t: float) -> float:
     return float(stored - pumped + returned)
 
 
-@pytest.mark.parametrize("kind", SCENES)
+@pytest.mark.parametrize("kind", MOTIONS)
 def test_every_step_keeps_the_mass(kind):
-    """C11: storage = pumped - returned after every accepted step of a pump stop, 1e-12 of the pump's flow,
-    Newton to rounding and steps of 20 ms.  (Rounding of rates: of x over the step; a string at 1000 m and
-    steps of 1 ms would leave 1e-11.)"""
-    model, seen = started(scene_of(kind)), []
+    """storage = pumped - returned after every accepted step of a pump stop, within 1e-12 of the pump flow;
+    Newton to rounding and steps of 20 ms (manual: verif-mud-mass-balance).
+
+    The rounding of rates is that of x over the step; a string at 1000 m and steps of 1 ms would give 1e-11.
+    """
+    model, seen = started(loop_of(kind)), []
     integrate(
         model.system,
         1.5,
@@ -72,19 +74,19 @@ def test_every_step_keeps_the_mass(kind):
     assert np.abs(seen).max() < 1e-12 * PUMP
 
 
-@pytest.mark.parametrize("kind", SCENES)
-def test_default_tolerances_keep_the_mass_of_a_step_within_theirs(kind):
-    """Steps and Newton by default: what Newton's tolerance (2e-6 of the flow scale, 1e-2 m3/s) leaves, 2e-8
-    m3/s times a few."""
-    model, seen = started(scene_of(kind)), []
+@pytest.mark.parametrize("kind", MOTIONS)
+def test_default_tolerances_bound_the_mass_error_of_a_step(kind):
+    """Default steps and Newton: error of a few times 2e-8 m3/s, from Newton's tolerance (2e-6 of the flow
+    scale, 1e-2 m3/s)."""
+    model, seen = started(loop_of(kind)), []
     run = integrate(model.system, 1.5, {}, lambda t, dt: seen.append(surplus(model, t)), model.breaks)
     assert run.counters.steps > 20
     assert np.abs(seen).max() < 1e-7
 
 
 def test_an_hour_of_pumping(tmp_path):
-    """30 l/s for an hour, steps as long as they get: 108 m3 in, as much out, and the content as it was: 1e-9
-    of that."""
+    """30 l/s for an hour with the longest possible steps: 108 m3 in, the same volume out, and an unchanged
+    content within 1e-9 of that."""
     case = loop(
         {"flow_rate": PUMP}, 10, time={"end": 3600.0}, output={"history_every": 60.0, "field_every": 3600.0}
     ).case
@@ -94,13 +96,16 @@ def test_an_hour_of_pumping(tmp_path):
     assert abs(mass["error"]) < 1e-9 * 108.0
 
 
-@pytest.mark.parametrize("kind", SCENES)
+@pytest.mark.parametrize("kind", MOTIONS)
 def test_closing_balance_of_a_run(kind, tmp_path):
-    """A pump stop from start to end: pumped, returned and change of content agree within 3e-5 of the largest
-    by default tolerances and 3e-6 with a tenth of them (the content is no linear function of the pressure:
-    second order in the step); pumped as scheduled."""
+    """Pump stop: pumped and returned volumes and change of content match within 3e-5 of the largest with
+    default tolerances and 3e-6 with a tenth of them.
+
+    The content is a nonlinear function of the pressure: second order in the step. The pumped volume is the
+    scheduled one.
+    """
     for most, petsc in ((3e-5, {}), (3e-6, {"ts_rtol": 1e-5})):
-        case = scene_of(kind, 100, time={"end": 4.0}, petsc=petsc).case
+        case = loop_of(kind, 100, time={"end": 4.0}, petsc=petsc).case
         mass = drillpetsc.run(case, tmp_path / "stop", progress="silent", overwrite=True).summary["mass"]
         assert mass["pumped"] == pytest.approx(0.75 * PUMP, rel=1e-3)
         assert abs(mass["content_change"]) > 1e-2

@@ -1,0 +1,144 @@
+"""The public Python face: a function for each command of the command line.
+
+    import drillpetsc
+    case = drillpetsc.load_case("cases/vertical-2000m.yaml", ["top.rotation=90 rpm"])
+    result = drillpetsc.run(case, "out")
+    print(result.summary["real_time_factor"])
+
+PETSc is initialised by the first function that needs it, unless the caller has done so. Each function writes
+the same files as its command and raises the same errors: CaseError for bad input, SolveError for a computation
+that cannot go on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from drillpetsc.case import Case, load_case
+from drillpetsc.parallel import initialise_petsc
+
+if TYPE_CHECKING:
+    from drillpetsc.analysis.transient import RunResult
+    from drillpetsc.studies.convergence.study import StudyResult
+    from drillpetsc.studies.sweep.sweep import SweepResult
+
+__all__ = ["Case", "load_case", "modes", "run", "statics", "study", "sweep"]
+
+
+def run(case: Case | str | Path, out: str | Path | None = None, **keywords: Any) -> RunResult:
+    """Simulate a case and write its run folder (collective).
+
+    case: a Case, or the path of a case file
+    out: run folder; by default results/<case>-NNN, the next free number
+    restart: True to continue from the checkpoint in the run folder
+    overwrite: True to replace the results in an existing folder
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+    progress: auto, live, log or silent
+    """
+    initialise_petsc()
+    from drillpetsc.analysis import transient
+
+    return transient.run(case, out, **keywords)
+
+
+def sweep(
+    case: str | Path, values: Mapping[str, Iterable[Any]], out: str | Path | None = None, **keywords: Any
+) -> SweepResult:
+    """Simulate every combination of some values of a case file, the ranks shared out over them (collective).
+
+    case: path of the case file
+    values: key -> its values: {"fluid.flow_rate": ["20 l/s", 0.03], "fluid": ["on", "off"]}
+    out: folder of the table and of the run folders; by default results/<case>-NNN
+    restart: True to keep members that are done and to continue those with a checkpoint
+    overwrite: True to replace the results in an existing folder
+    comm: PETSc communicator; by default all ranks
+    progress: auto or silent
+    """
+    initialise_petsc()
+    from drillpetsc.studies.sweep import sweep as sweeps
+
+    return sweeps.sweep(case, values, out, **keywords)
+
+
+def statics(
+    case: Case | str | Path,
+    out: str | Path | None = None,
+    *,
+    motion: str | None = None,
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+) -> RunResult:
+    """Solve for the static equilibrium of a case and write statics.csv, string.pvd and summary.json
+    (collective).
+
+    case: a Case, or the path of a case file
+    out: run folder; by default results/<case>-NNN
+    motion: hoist, lower or rotate, which friction opposes; by default the motion of the top at time 0
+    overwrite: True to replace the results in an existing folder
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+    """
+    case, name = _loaded(case, name)
+    initialise_petsc()
+    from drillpetsc.analysis.statics import run_statics
+
+    return run_statics(case, out, motion, overwrite, name, comm)
+
+
+def modes(
+    case: Case | str | Path,
+    out: str | Path | None = None,
+    *,
+    count: int = 20,
+    shift: float | None = None,
+    kind: str | None = None,
+    about: str = "steady",
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+) -> RunResult:
+    """Find eigenvalues of the linearised model of a case and write modes.csv and mode shapes (collective).
+
+    case: a Case, or the path of a case file
+    out: run folder; by default results/<case>-NNN
+    count: number of oscillating modes
+    shift: frequency [Hz]; the modes nearest to it instead of the lowest
+    kind: lateral, axial, torsional or fluid; by default all
+    about: steady, the motion of the top at time 0, or rest
+    overwrite: True to replace the results in an existing folder
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+    """
+    case, name = _loaded(case, name)
+    initialise_petsc()
+    from drillpetsc.analysis.modal import run_modes
+
+    return run_modes(case, out, count, shift, kind, about, overwrite, name, comm)
+
+
+def study(
+    case: str | Path, vary: str | None = None, curves: Sequence[str] | None = None, **keywords: Any
+) -> StudyResult:
+    """Measure error against run time: many runs of a case file, each in a process of its own.
+
+    PETSc is not initialised here, because the runs start MPI themselves.
+
+    case: path of the case file
+    vary: time-step, tolerance, order, mesh, formulation, integrator, solver or ranks
+    curves: names of several curves, instead of vary
+    keywords: options of the command `study` by name (values, outputs, repeats, reference, out, ...)
+    """
+    from drillpetsc.studies.convergence import study as studies
+
+    return studies.study(case, vary, curves, **keywords)
+
+
+def _loaded(case: Case | str | Path, name: str | None) -> tuple[Case, str]:
+    """(case, name) of a case or of the path of a case file."""
+    if isinstance(case, Case):
+        return case, name or "case"
+    return load_case(case), name or Path(case).stem

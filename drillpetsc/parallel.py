@@ -1,0 +1,133 @@
+"""Several ranks: start of PETSc, work of rank 0, waiting without a busy core, and the end of a failed job.
+
+A rank that fails alone must end the job, because the other ranks wait for it forever. The ranks find out by a
+barrier on a communicator of their own, the control communicator. No message of a computation can meet it.
+"""
+
+from __future__ import annotations
+
+import sys
+import time as clock
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from drillpetsc.errors import RESTART_HINT, CaseError, DrillError, SolveError, cannot_write
+
+RANK_TIMEOUT = 5.0  # how long a rank that has failed waits for the others to fail, too [s]
+POLL_INTERVAL = 0.02  # between two tests of a request [s]; a rank that waits leaves its core to others
+FILE_POLL_INTERVAL = 0.2  # between two looks for a file [s]
+
+_control: Any = None  # control communicator (mpi4py's); None on one rank
+
+
+# ---------------------------------------------------------------------- start
+def initialise_petsc(options: Sequence[str] = ()) -> None:
+    """Initialise PETSc, and MPI with it, unless that has been done.
+
+    options: PETSc options as on a command line
+    """
+    import petsc4py
+
+    petsc4py.init(["drillpetsc", *options])
+
+
+def start_job(options: Sequence[str]) -> None:
+    """Initialise PETSc for a command. From now on, a rank that fails alone ends the job.
+
+    options: PETSc options as on a command line
+    """
+    global _control
+    initialise_petsc(options)
+    from petsc4py import PETSc
+
+    PETSc.Log.begin()
+    if PETSc.COMM_WORLD.size > 1:
+        _control = PETSc.COMM_WORLD.tompi4py().Dup()
+        sys.excepthook = _end_job_with_traceback
+
+
+def world_rank() -> int:
+    """Rank of this process in the whole job; 0 as long as PETSc is not imported."""
+    if "petsc4py.PETSc" not in sys.modules:
+        return 0
+    from petsc4py import PETSc
+
+    return PETSc.COMM_WORLD.rank
+
+
+# ---------------------------------------------------------------------- end
+def report_error(error: DrillError) -> int:
+    """Print an error once for the whole job and return the exit status.
+
+    If this rank has failed alone, it prints the error itself and ends the job.
+    """
+    together = _all_ranks_have_ended()
+    if world_rank() == 0 or not together:
+        alone = "" if together else f"rank {world_rank()}: "
+        print(f"drillpetsc: {alone}{error}", file=sys.stderr)
+    sys.stderr.flush()
+    if not together:
+        _control.Abort(error.exit_status)
+    return error.exit_status
+
+
+def report_interrupt() -> int:
+    """Print that the user has interrupted the job and return the exit status."""
+    print("drillpetsc: interrupted; what was written up to now is kept", file=sys.stderr)
+    if not _all_ranks_have_ended():
+        _control.Abort(1)
+    return 1
+
+
+def _all_ranks_have_ended() -> bool:
+    """Whether all ranks arrive here within RANK_TIMEOUT."""
+    return _control is None or wait_for(_control.Ibarrier(), RANK_TIMEOUT)
+
+
+def _end_job_with_traceback(kind: Any, value: Any, trace: Any) -> None:
+    """Exception hook: an unexpected exception on one rank must not leave the others waiting."""
+    sys.__excepthook__(kind, value, trace)
+    print(f"drillpetsc: rank {world_rank()} failed, so the job is ended", file=sys.stderr, flush=True)
+    _control.Abort(1)
+
+
+# ---------------------------------------------------------------------- work of rank 0, waiting
+def first_rank_does(mpi: Any, what: str, action: Callable[[], Any], time: float | None = None) -> None:
+    """Let rank 0 write something. An error there is raised on all ranks (collective).
+
+    mpi: communicator (mpi4py's)
+    what: name of what is written, for the error message
+    action: function that writes
+    time: simulated time for the error message [s]
+    """
+    reported: DrillError | None = None
+    if mpi.rank == 0:
+        try:
+            action()
+        except OSError as error:
+            reported = SolveError(cannot_write(error, error.filename or what), time=time, hint=RESTART_HINT)
+        except ValueError as error:  # a table with other columns
+            reported = CaseError(at="--restart", want="the case that is continued", hint=str(error))
+        except DrillError as error:
+            reported = error
+    if mpi.size > 1:
+        reported = mpi.bcast(reported)
+    if reported is not None:
+        raise reported
+
+
+def wait_for(request: Any, longest: float = float("inf")) -> bool:
+    """Wait for an MPI request without a busy core; False if it is not complete after `longest` [s]."""
+    began = clock.monotonic()
+    while not request.Test():
+        if clock.monotonic() - began > longest:
+            return False
+        clock.sleep(POLL_INTERVAL)
+    return True
+
+
+def wait_for_files(files: Sequence[Path]) -> None:
+    """Wait until all of the files exist."""
+    while not all(file.exists() for file in files):
+        clock.sleep(FILE_POLL_INTERVAL)
