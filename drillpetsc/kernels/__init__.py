@@ -34,7 +34,9 @@ def library() -> ctypes.CDLL:
     try:
         check_trusted(path)
     except UntrustedLibrary as error:
-        raise KernelsUnavailable(f"the compiled kernels are not opened: {error}") from None
+        raise KernelsUnavailable(
+            f"the compiled kernels are not opened: {error}", hint=f"build them again: {BUILD_COMMAND}"
+        ) from None
     return ctypes.CDLL(str(path))
 
 

@@ -2,10 +2,8 @@
 
 import sys
 
-from drillpetsc.kernels.build import build, check_trusted
+from drillpetsc.kernels.build import main
 
 if sys.argv[1:] not in ([], ["build"]):
     raise SystemExit("usage: python -m drillpetsc.kernels build")
-path = build()
-check_trusted(path)
-print(path)
+main()

@@ -7,7 +7,6 @@ installed.
 
 from __future__ import annotations
 
-import contextlib
 import fcntl
 import hashlib
 import os
@@ -15,9 +14,8 @@ import platform
 import re
 import shutil
 import stat
-import subprocess
+import sys
 import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 SOURCES = Path(__file__).resolve().parent
@@ -46,29 +44,31 @@ def library_path(folder: Path | None = None) -> Path:
 def check_trusted(library: Path) -> None:
     """Raise UntrustedLibrary unless only the user, root or the owner of this package can write ``library`` and
     its folder."""
-    owners = {os.getuid(), 0, os.stat(__file__).st_uid}
     for path in (library.parent, library):
         status = path.stat()
-        if status.st_uid not in owners:
+        if status.st_uid not in {os.getuid(), 0, os.stat(__file__).st_uid}:
             raise UntrustedLibrary(f"{path} belongs to another user (uid {status.st_uid})")
         if status.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
-            raise UntrustedLibrary(f"{path} can be written by other users: chmod go-w {path}")
+            raise UntrustedLibrary(f"{path} can be written by other users")
 
 
 def build(folder: Path | None = None, objects: Path | None = None) -> Path:
-    """Build the library if it is missing, and return its path.
+    """Build the library if it is missing or may have been written by others, and return its path.
 
     folder: where it goes, ``_build`` in the package by default; objects: folder of the object files, which are
     kept so that a changed source compiles alone.  Processes that build at the same time wait for each other.
     Raises RuntimeError with the compiler's message when a source does not compile, or without a compiler.
     """
     target = library_path(folder)
-    _make_private(target.parent)
     if target.exists():
-        target.chmod(0o755)
-        return target
+        try:
+            check_trusted(target)
+            return target
+        except UntrustedLibrary:
+            shutil.rmtree(target.parent)
     objects = objects or target.parent / "objects"
-    _make_private(objects)
+    for private in (target.parent, objects):
+        private.mkdir(mode=0o755, parents=True, exist_ok=True)
     with open(objects / "lock", "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not target.exists():
@@ -76,15 +76,20 @@ def build(folder: Path | None = None, objects: Path | None = None) -> Path:
     return target
 
 
-def _make_private(folder: Path) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
-    with contextlib.suppress(PermissionError):  # of another owner: check_trusted judges it
-        folder.chmod(0o755)
+def main() -> None:
+    """Build if needed, and print the library's path; ``python build.py`` needs no installed package."""
+    if not library_path().exists():
+        print("compiling the kernels (a minute or two)", file=sys.stderr, flush=True)
+    path = build()
+    check_trusted(path)
+    print(path)
 
 
 def _build(target: Path, objects: Path) -> None:
+    from concurrent.futures import ThreadPoolExecutor  # here: an import of the package needs none of it
+
     compiler = _compiler()
-    version = subprocess.run([compiler, "--version"], capture_output=True, text=True).stdout
+    version = _call([compiler, "--version"], "asking the compiler for its version")
     sources = sorted(SOURCES.rglob("*.cpp"), key=lambda p: p.stat().st_size, reverse=True)
     outputs = [objects / f"{source.stem}-{_object_digest(source, version)}.o" for source in sources]
     missing = [(s, o) for s, o in zip(sources, outputs, strict=True) if not o.exists()]
@@ -92,7 +97,6 @@ def _build(target: Path, objects: Path) -> None:
         list(pool.map(lambda pair: _compile(compiler, *pair), missing))
     new = target.with_suffix(f".{os.getpid()}")
     _call([compiler, "-shared", *map(str, sorted(outputs)), "-o", str(new)], "linking the kernels")
-    new.chmod(0o755)
     os.replace(new, target)  # atomic: another process sees the whole file or none
     for old in objects.iterdir():
         if old not in outputs and old.name != "lock":
@@ -109,10 +113,13 @@ def _compile(compiler: str, source: Path, output: Path) -> None:
     os.replace(new, output)
 
 
-def _call(command: list[str], what: str) -> None:
-    done = subprocess.run(command, capture_output=True, text=True)
+def _call(command: list[str], what: str) -> str:
+    import subprocess
+
+    done = subprocess.run(command, capture_output=True, text=True, umask=0o022)  # nobody else may write it
     if done.returncode:
         raise RuntimeError(f"{what} failed:\n{done.stderr}")
+    return done.stdout
 
 
 def _object_digest(source: Path, compiler: str) -> str:
@@ -142,3 +149,7 @@ def _processor() -> str:
             return next((line for line in lines if line.startswith(("flags", "Features"))), "")
     except OSError:
         return platform.processor()
+
+
+if __name__ == "__main__":
+    main()

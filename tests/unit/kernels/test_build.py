@@ -63,7 +63,7 @@ def test_library_of_the_user_is_trusted(tmp_path):
 def test_what_others_can_write_is_refused(which, mode, monkeypatch, tmp_path):
     path = library(tmp_path)
     (path if which == "library" else tmp_path).chmod(mode)
-    with pytest.raises(build.UntrustedLibrary, match="chmod go-w"):
+    with pytest.raises(build.UntrustedLibrary, match="written by other users"):
         build.check_trusted(path)
     monkeypatch.setattr(kernels, "library_path", lambda: path)
     kernels.library.cache_clear()
@@ -79,6 +79,24 @@ def test_what_belongs_to_another_user_is_refused(which, tmp_path):
     os.chown(path if which == "library" else tmp_path, 12345, -1)
     with pytest.raises(build.UntrustedLibrary, match="12345"):
         build.check_trusted(path)
+
+
+def test_library_that_others_could_write_is_built_again(monkeypatch, tmp_path):
+    source, out = tmp_path / "source", tmp_path / "out"
+    source.mkdir()
+    (source / "one.cpp").write_text('extern "C" int one() { return 1; }\n')
+    monkeypatch.setattr(build, "SOURCES", source)
+    before = os.umask(0o002)
+    try:
+        path = build.build(out)
+        build.check_trusted(path)
+        path.write_bytes(b"another")
+        path.chmod(0o775)
+        assert build.build(out) == path
+        build.check_trusted(path)
+        assert path.read_bytes()[:4] == b"\x7fELF"
+    finally:
+        os.umask(before)
 
 
 def test_compiler_error_is_shown(monkeypatch, tmp_path):
