@@ -287,7 +287,7 @@ def _modes_arguments(command: argparse.ArgumentParser) -> None:
 
 def _view_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("run", metavar="RUN")
-    command.add_argument("--field", default="axial_force [N]", help="what colours the string")
+    command.add_argument("--field", default="axial_force [N]", help="field that colours the string")
     command.add_argument(
         "--time", type=float, help="simulated time of the picture [s] (default: the last frame)"
     )
@@ -295,7 +295,7 @@ def _view_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--lateral-scale",
         type=float,
-        help="exaggeration of lateral offsets (default: chosen, and stated in the picture)",
+        help="exaggeration of lateral offsets (default: automatic, and stated in the picture)",
     )
     command.add_argument(
         "--interval", type=float, nargs=2, metavar=("FROM", "TO"), help="measured depths to look at [m]"

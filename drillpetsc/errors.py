@@ -1,7 +1,7 @@
-"""What can go wrong, in words for the person who wrote the case.
+"""Errors, with messages for the user.
 
-A `CaseError` is bad input (exit status 2, nothing was written); a `SolveError` is a run that could not go on
-(exit status 1, what was written up to then is kept).
+A `CaseError` is bad input: exit status 2, nothing has been written. A `SolveError` is a computation that cannot
+go on: exit status 1, what was written before is kept.
 """
 
 from __future__ import annotations
@@ -10,11 +10,11 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-LONGEST = 1000  # letters of one part of a message; a word from a file may be endless
+LONGEST = 1000  # letters of one part of a message; a word of a file may have any length
 
 
 def shown(value: object, longest: int = 60) -> str:
-    """A value as its author would recognise it, on one line."""
+    """A value as the user wrote it, on one line, cut to `longest` letters."""
     if value is None:
         return "nothing"
     if isinstance(value, bool):
@@ -29,7 +29,7 @@ def shown(value: object, longest: int = 60) -> str:
 
 
 def plain(text: str, longest: int) -> str:
-    """Text on one line, cut to a length, with what a terminal would act upon written out."""
+    """Text on one line, cut to `longest` letters, with control characters written out."""
     text = " ".join(text[: 20 * longest].split()) if len(text) > 20 * longest else " ".join(text.split())
     text = text if len(text) <= longest else text[: longest - 3] + "..."
     if text.isprintable():
@@ -57,24 +57,24 @@ def _rebuild(kind: type[DrillError], state: dict[str, object]) -> DrillError:
 
 
 class DrillError(Exception):
-    """Base of every error that is ours to explain."""
+    """Base of all errors whose message explains them to the user."""
 
     exit_status = 1
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Errors travel between ranks, so they must survive pickling with their named parts."""
+        """Pickle an error with its named parts, as messages between ranks need."""
         return _rebuild, (type(self), self.__dict__)
 
 
 class CaseError(DrillError):
-    """Bad input: place, what was given, what is allowed, and a cure.
+    """Bad input: place, value, what is allowed, and a cure.
 
-    at    key path as in the case file, `string[3].od`; empty when the file as a whole is meant
-    got   the value as given; None when there is none
-    want  what is allowed
-    hint  a likely cause or cure
-    file, line   where it stands (line counts from 1)
-    also  further errors found in the same file
+    at: key path as in the case file, `string[3].od`; empty for the file as a whole
+    got: value as given; None if there is none
+    want: what is allowed
+    hint: a likely cause or cure
+    file, line: place of the value; lines count from 1
+    also: further errors in the same file
     """
 
     exit_status = 2
@@ -99,7 +99,7 @@ class CaseError(DrillError):
         self.also = tuple(also)
 
     def place(self) -> str:
-        """`file, line 12: string[3].od`, as much of it as is known."""
+        """`file, line 12: string[3].od`, without unknown parts."""
         where = self.file or ""
         if self.line is not None:
             where += f", line {self.line}" if where else f"line {self.line}"
@@ -122,9 +122,14 @@ class CaseError(DrillError):
 
 
 class SolveError(DrillError):
-    """A computation that could not go on: what happened, when and where.
+    """A computation that cannot go on.
 
-    time [s], component and element name the part of the model, measured_depth [m] the place on the string.
+    what: what happened
+    time: simulated time [s]
+    component: name of the component of the model
+    element: number of the element
+    measured_depth: place on the string [m]
+    hint: a likely cause or cure
     """
 
     exit_status = 1
@@ -165,8 +170,12 @@ class SolveError(DrillError):
 
 
 class Interrupted(DrillError):
-    """A run that was asked to end by a ``signal`` and did, at ``time`` [s], with a checkpoint in
-    ``folder``."""
+    """A run that a signal has ended, with a checkpoint.
+
+    signal: name of the signal
+    time: simulated time [s]
+    folder: run folder
+    """
 
     exit_status = 1
 

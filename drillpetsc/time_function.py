@@ -1,9 +1,11 @@
 """Inputs over time: constant, piecewise linear with jumps, half-cosine ramp.
 
-Each has value(t), rate(t) = d value/dt, integral(t) = exact integral from 0 to t, breaks() = the times at
-which the value or a derivative jumps (the time stepper must land on them) and jumps() = those at which the
-value itself does. At a jump `value(t)` is the value after it, `value(t, before=True)` the one before it;
-likewise `rate`.
+Each has these methods, with t in seconds:
+value(t): the value; at a jump the one after it, with before=True the one before it
+rate(t): d value/dt, at a break as for value
+integral(t): exact integral from 0 to t
+breaks(): times at which the value or a derivative jumps; time steps must end there
+jumps(): times at which the value itself jumps
 """
 
 from __future__ import annotations
@@ -38,9 +40,10 @@ class Constant:
 
 @dataclass(frozen=True)
 class PiecewiseLinear:
-    """Straight lines between (time, value) pairs, constant outside; a time that stands twice is a jump.
+    """Straight lines between (time, value) pairs, constant outside; a time given twice is a jump.
 
-    times: (n,) [s], never falling, none standing more than twice; values: (n,) [unit of the input].
+    times: (n,) never falling, each at most twice [s]
+    values: (n,) [unit of the input]
     """
 
     times: tuple[float, ...]
@@ -116,10 +119,12 @@ class PiecewiseLinear:
 
 @dataclass(frozen=True)
 class Ramp:
-    """From zero to `final` within `duration` [s] by half a cosine: final (1 - cos(pi t/duration))/2; then
-    constant.
+    """Half a cosine from zero to a final value: final (1 - cos(pi t/duration))/2, then constant.
 
     Zero before t = 0. Value and rate are continuous; the second derivative jumps at both ends.
+
+    duration: [s]
+    final: [unit of the input]
     """
 
     duration: float

@@ -1,7 +1,7 @@
-"""Text with a unit -> SI number. The only place that knows units other than SI.
+"""Text with a unit -> SI number. Units other than SI occur in this module only.
 
-`to_si("9.625 in", "m")` is 0.244475. The second argument is the SI unit that the key wants; anything of
-another dimension is a `UnitError`. A bare number is taken as SI. Angles count as a dimension here (pint
+`to_si("9.625 in", "m")` is 0.244475. The second argument is the SI unit of the key; a value of
+another dimension is a `UnitError`. A bare number is SI. Angles count as a dimension here (pint
 itself treats them as pure numbers), so `5 Hz` is not a rotation speed and `80 rpm` is not a damping rate.
 
 Besides the units of pint it reads fractions as in a tubing table (`9 5/8 in`), powers without a caret (`g/cm3`,

@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import CaseError
-from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.files.atomic import replace_file

@@ -6,10 +6,10 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.analysis.soft_string import TorqueDrag
+from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
-from drillpetsc.fem.component import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.solvers.static_newton import ITERATIONS, Equilibrium, StaticNewton
+from drillpetsc.solvers.static_newton import MAX_ITERATIONS, Equilibrium, StaticNewton
 
 SUBSTITUTIONS = 30  # rounds of anything that is solved by substitution
 TRIAL = 100  # descent iterations at each stiffness before a side load is added
@@ -62,10 +62,10 @@ def stable_state(
     fraction = model.case.initial.imperfection
     factors = stiffness_steps(model, soft)
     if not solver.energy:
-        solver.settle(report)
+        solver.solve(report)
         return
     try:
-        newton_or_descent(model, solver, report, factors, TRIAL if fraction else ITERATIONS)
+        newton_or_descent(model, solver, report, factors, TRIAL if fraction else MAX_ITERATIONS)
         failure = SolveError("the static state is unstable") if solver.negative_pivots() else None
     except SolveError as error:
         failure = error
@@ -78,7 +78,7 @@ def stable_state(
     # on the saddle of a straight column nothing points sideways: a small persistent load does
     load, keep = nodal_weight(model) * _own_imperfection(model, fraction), Snapshot(model)
     for strength in (fraction, STRONGER * fraction):
-        solver.push_aside(strength, load)
+        solver.add_imperfection(strength, load)
         report.imperfection = strength
         try:
             _descend(model, solver, report, factors)
@@ -106,7 +106,7 @@ def newton_or_descent(
     solver: StaticNewton,
     report: Equilibrium,
     factors: tuple[float, ...],
-    most: int = ITERATIONS,
+    most: int = MAX_ITERATIONS,
 ) -> None:
     """Full Newton steps, or descent where they do not converge; may end in an unstable state."""
     keep = Snapshot(model)
@@ -125,7 +125,7 @@ def _descend(
     solver: StaticNewton,
     report: Equilibrium,
     factors: tuple[float, ...],
-    most: int = ITERATIONS,
+    most: int = MAX_ITERATIONS,
 ) -> None:
     """Down the energy while the contact grows stiffer; the weight on bit acts as a weak spring, long
     preloaded, meanwhile."""

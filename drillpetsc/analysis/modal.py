@@ -29,10 +29,10 @@ from drillpetsc.analysis.placement import move_rigidly, prescribed_motion, relea
 from drillpetsc.analysis.steady_flow import release_flow
 from drillpetsc.analysis.time_scales import time_scales
 from drillpetsc.analysis.transient import RunResult, make_folder
+from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError, DrillError
-from drillpetsc.fem.component import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
 from drillpetsc.output.field_output import FieldOutput
@@ -44,7 +44,7 @@ from drillpetsc.output.well_files import write_well_files
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.linearization import Linearised, linearise
 from drillpetsc.solvers.quadratic_eigenproblem import (
-    NEUTRAL,
+    NEUTRAL_GROWTH,
     Eigenvalues,
     eigenvalues_near,
     lowest_eigenvalues,
@@ -97,7 +97,7 @@ class Modes:
     @property
     def _grows(self) -> np.ndarray:
         size = np.abs(self.eigenvalue)
-        return (self.growth > NEUTRAL * size) & (size > self.zero)
+        return (self.growth > NEUTRAL_GROWTH * size) & (size > self.zero)
 
     @property
     def diverging(self) -> int:
@@ -190,7 +190,7 @@ def modes(
     answer: Any = None
     if linearised is not None:
         try:
-            pencil = linearised.pencil(reference)
+            pencil = linearised.eigenproblem(reference)
             if shift is None:
                 roots = lowest_eigenvalues(
                     pencil, count, engine, _of_kind(model, linearised, kind) if kind else None
@@ -239,14 +239,14 @@ def _of_kind(model: DrillingModel, linearised: Linearised, kind: str):
 
 def _nearest(roots: Eigenvalues, shift: float, count: int) -> Eigenvalues:
     near = np.argsort(np.abs(roots.s - 2j * np.pi * shift), kind="stable")[:count]
-    return roots.chosen(near[np.lexsort((-roots.s.real[near], roots.s.imag[near]))])
+    return roots.subset(near[np.lexsort((-roots.s.real[near], roots.s.imag[near]))])
 
 
 def _describe(model: DrillingModel, linearised: Linearised, roots: Eigenvalues):
     """Eigenvalues, energy shares, errors and shapes, on the rank that has the system."""
     u = linearised.T @ roots.u
     fields, nodes = model.system.layout.fields, model.mesh.nodes
-    shapes = {f.name: linearised.of_field(i, u, nodes, f.size) for i, f in enumerate(fields)}
+    shapes = {f.name: linearised.field_values(i, u, nodes, f.size) for i, f in enumerate(fields)}
     share = _shares(model, linearised, roots.s, u)
     factor = np.array([_factor(shapes, m, KINDS[share[m].argmax()]) for m in range(len(roots.s))])
     return (
@@ -266,7 +266,7 @@ def _shares(model: DrillingModel, linearised: Linearised, s: np.ndarray, u: np.n
     for i, name in enumerate(names):
         on_rank = np.flatnonzero(linearised.field == i)
         if name in ("string.position", "string.tangent"):
-            values, t = linearised.of_field(i, u, model.mesh.nodes, 3), model.tangent
+            values, t = linearised.field_values(i, u, model.mesh.nodes, 3), model.tangent
             along = np.sum(values * t, axis=2, keepdims=True) * t
             parts[1][on_rank] = along[:, linearised.node[on_rank], linearised.component[on_rank]].T
             parts[0][on_rank] = u[on_rank] - parts[1][on_rank]
@@ -280,7 +280,7 @@ def _shares(model: DrillingModel, linearised: Linearised, s: np.ndarray, u: np.n
         energy[:, k] = 0.5 * (np.maximum(np.abs(s), ZERO * reference_rate(model)) ** 2 * kinetic + strain)
     stored = np.abs(linearised.C.diagonal())
     for i, name in enumerate(names):
-        on_rank = np.flatnonzero((linearised.field == i) & ~linearised.second)
+        on_rank = np.flatnonzero((linearised.field == i) & ~linearised.second_order)
         energy[:, 3] += (
             0.5 * (stored[on_rank] / ROW_WEIGHT.get(name.split(".")[-1], 1.0)) @ np.abs(u[on_rank]) ** 2
         )

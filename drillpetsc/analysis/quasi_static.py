@@ -72,10 +72,10 @@ class QuasiStatic:
         """From the static state to quasi-static motion; share of the side push of friction, as the static
         state could keep it."""
         asm, self.share = self.system.assembly, share
-        asm.take_rates_from(self.rates, self._mask)
+        asm.set_imposed_rates(self.rates, self._mask)
         asm.y[:] = asm.a[:] = 0.0
         self.move(t)
-        asm.settle_rates()
+        asm.apply_imposed_rates()
         self.system.sum_residual(t, self.system.new_condensed())  # so that reactions stand in the assembly
 
     def motion(self, t: float) -> tuple[float, float]:

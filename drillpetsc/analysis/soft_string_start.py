@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.analysis.soft_string import TorqueDrag, torque_drag
+from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import ForcedBottom
-from drillpetsc.fem.component import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel, hole_depth
 
 ONSET = 1e-5  # half width of the contact's onset [m], RAMP of kernels/contact/contact.hpp

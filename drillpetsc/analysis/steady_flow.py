@@ -90,7 +90,7 @@ def steady_flow(system: DiscreteSystem, t: float = 0.0) -> SteadyFlow:
         asm.y[place] = asm.a[place] = 0.0
         _fill_chamber(system)
         for _ in range(ITERATIONS):
-            asm.forget_inputs()
+            asm.invalidate_prescribed_values()
             system.sum_residual(t, f)
             asm.jacobian(t, (1.0, LEVEL, 0.0), condensed=False)
             step = np.zeros(len(system.layout.local_of_owned))

@@ -12,7 +12,7 @@ from math import gamma, pi, sqrt
 
 import numpy as np
 
-from drillpetsc.fem.component import FloatArray
+from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.contact import ContactLaw
 

@@ -123,7 +123,7 @@ def make_integrator(model: DrillingModel, quasi: QuasiStatic | None = None) -> T
     system, mud = model.system, model.case.fluid
     kept = _step_limits(model)
     if mud is not None and mud.dynamics == "quasi_steady":  # the mud follows the string without delay
-        system.assembly.take_rates_from(np.zeros(system.layout.size + 1), fluid_unknowns(system))
+        system.assembly.set_imposed_rates(np.zeros(system.layout.size + 1), fluid_unknowns(system))
         return TimeIntegrator(system, controlled=lambda field: field.physics != "fluid", defaults=kept)
     return TimeIntegrator(system, defaults=kept)
 

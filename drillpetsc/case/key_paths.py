@@ -66,7 +66,7 @@ def check_plain(value: Any, at: Path = ()) -> None:
 
 
 def suggestion(word: object, known: Iterable[str]) -> str:
-    """`did you mean ...?`, or nothing."""
+    """`did you mean ...?` with the most similar known word, or an empty text."""
     if not isinstance(word, str) or len(word) > 100:
         return ""
     matches = difflib.get_close_matches(word, list(known), 1, 0.6)

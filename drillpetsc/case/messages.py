@@ -1,4 +1,4 @@
-"""pydantic's errors -> CaseError."""
+"""Errors of pydantic -> CaseError."""
 
 from __future__ import annotations
 
@@ -30,12 +30,15 @@ _WANT = {
 
 
 def case_error(error: ValidationError, given: Mapping[str, Any]) -> CaseError:
-    """All that pydantic found, the first in front; `given` is the data as the user wrote it."""
+    """All errors that pydantic found, as the first one with the others in `also`.
+
+    given: data as the user wrote it
+    """
     found: dict[str, CaseError] = {}
     for details in error.errors(include_url=False):
         one = _one(details, given)
         found.setdefault(one.at, one)
-    # a list whose only entry is wrong is also "too short" for pydantic: what stands inside says more
+    # a list whose only entry is wrong is also "too short" for pydantic: the error of the entry says more
     first, *others = (
         one for at, one in found.items() if not any(at and _is_inside(other, at) for other in found)
     )
@@ -44,10 +47,12 @@ def case_error(error: ValidationError, given: Mapping[str, Any]) -> CaseError:
 
 
 def _is_inside(inner: str, outer: str) -> bool:
+    """Whether a key path lies inside a block."""
     return inner != outer and inner.startswith(outer) and inner[len(outer)] in ".["
 
 
 def _one(details: Mapping[str, Any], given: Mapping[str, Any]) -> CaseError:
+    """CaseError of one error of pydantic."""
     context = details.get("ctx", {})
     kind = details["type"]
     location = (*details["loc"], *(context.get("at", ()) if kind == "case" else ()))
@@ -57,11 +62,12 @@ def _one(details: Mapping[str, Any], given: Mapping[str, Any]) -> CaseError:
         got = context["got"] if value is _MISSING else value
         return CaseError(at=written(path), got=_brief(got), want=context["want"], hint=context["hint"])
     got = None if kind == "missing" or value is _MISSING else value
-    want, hint = _words(details, got)
+    want, hint = _allowed(details, got)
     return CaseError(at=written(path), got=_brief(got), want=want, hint=hint)
 
 
-def _words(details: Mapping[str, Any], got: Any) -> tuple[str, str]:
+def _allowed(details: Mapping[str, Any], got: Any) -> tuple[str, str]:
+    """(what is allowed, hint) of an error of pydantic."""
     kind, context = details["type"], details.get("ctx", {})
     if kind in ("literal_error", "enum"):
         words = [word.strip("'") for word in context["expected"].replace(" or ", ", ").split(", ")]
@@ -78,7 +84,7 @@ def _words(details: Mapping[str, Any], got: Any) -> tuple[str, str]:
 
 
 def _keys_only(location: Path, given: Any) -> Path:
-    """Drops the steps that pydantic adds for members of a union, but no key that the user wrote."""
+    """The path without the steps that pydantic adds for members of a union."""
     path: list[str | int] = []
     for step in location:
         value = _at(given, (step,))
@@ -89,7 +95,7 @@ def _keys_only(location: Path, given: Any) -> Path:
 
 
 def _at(given: Any, path: Path) -> Any:
-    """What the user wrote at a path; _MISSING when nothing stands there."""
+    """Value that the user wrote at a path; _MISSING if there is none."""
     for step in path:
         if isinstance(given, Mapping) and step in given:
             given = given[step]
@@ -106,7 +112,7 @@ def _at(given: Any, path: Path) -> Any:
 
 
 def _brief(value: Any, levels: int = 4) -> Any:
-    """Values as YAML would show them; the message is cut, so no more than its length could show."""
+    """A value as YAML shows it, cut to the part that a message can show."""
     if isinstance(value, (Mapping, list, tuple)) and not levels:
         return "..."
     if isinstance(value, Mapping):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, get_args
+from typing import Any, Literal, get_args
 
 from pydantic import BaseModel, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.fields import FieldInfo
@@ -143,7 +143,7 @@ class Vector:
 
 @dataclass(frozen=True)
 class OverTime:
-    """A value over time in the SI unit `unit`: constant, {time, value} or {ramp, value}."""
+    """A value over time in the SI unit `unit`: a constant, {time, value} or {ramp, value}."""
 
     unit: str
 
@@ -210,6 +210,15 @@ class WordOrNumber:
     @property
     def unit(self) -> str:
         return self.quantity.unit
+
+    @property
+    def json_schema_input_type(self) -> Any:
+        """Type of the words, for the manual."""
+        return Literal[(*self.words, "none")]  # type: ignore[valid-type]
+
+    def allowed(self) -> str:
+        """The range of the number in words, empty when unbounded."""
+        return self.quantity.allowed()
 
     def read(self, value: object) -> float | str:
         if value == "none":

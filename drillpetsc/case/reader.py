@@ -27,8 +27,11 @@ MAX_VALUES = 300_000  # keys and list entries of a case
 
 
 def load_case(path: str | FilePath, changes: tuple[str, ...] | list[str] = ()) -> Case:
-    """The case in a YAML file; `changes` are `key=value` texts that replace its values (`top.rotation=90
-    rpm`)."""
+    """Read a case file.
+
+    path: YAML file
+    changes: texts `key=value` that replace values of the file, such as `top.rotation=90 rpm`
+    """
     path = FilePath(path)
     data, lines = read_case_file(path)
     for change in changes:
@@ -37,7 +40,11 @@ def load_case(path: str | FilePath, changes: tuple[str, ...] | list[str] = ()) -
 
 
 def case_from_data(data: Mapping[str, Any], path: FilePath, lines: Lines) -> Case:
-    """A case from data as read from the file `path`; errors carry its name and the line."""
+    """A case from the data of a file. Errors carry the name of the file and the line.
+
+    data, lines: what `read_case_file` returns, the data changed or not
+    path: the file
+    """
     token = FOLDER.set(path.parent)
     try:
         return Case(**data)
@@ -52,8 +59,10 @@ def case_from_data(data: Mapping[str, Any], path: FilePath, lines: Lines) -> Cas
 
 
 def _line_of_text(at: str, lines: Lines) -> int:
-    """The same of a path as text; keys of a wrong case may hold dots and brackets, so it is not taken
-    apart."""
+    """Line of a path as text, or of the nearest block above it.
+
+    The text is compared as a whole, because unknown keys may hold dots and brackets.
+    """
     known = {written(path): line for path, line in lines.items()}
     while at and at not in known:
         at = at[: max(at.rfind("."), at.rfind("["), 0)]
@@ -105,7 +114,10 @@ def read_value(text: str) -> Any:
 
 
 def _plain(node: Any, at: Path, lines: Lines, file: FilePath | None) -> Any:
-    """ruamel's tree as dicts, lists and scalars; notes lines; refuses what no case can hold."""
+    """The tree of ruamel as dicts, lists and scalars.
+
+    Stores the line of each key and entry in `lines`. Refuses tags, empty values and other types.
+    """
     if len(at) > MAX_LEVELS:
         raise too_deep(at[:3], file, line_of(at, lines))
     if len(lines) > MAX_VALUES:
@@ -125,7 +137,7 @@ def _plain(node: Any, at: Path, lines: Lines, file: FilePath | None) -> Any:
         return [_plain(part, (*at, i), lines, file) for i, part in enumerate(node)]
     if (
         isinstance(node, bool) or type(node).__name__ == "ScalarBoolean"
-    ):  # the latter has an anchor, and is no bool for Python
+    ):  # the latter is a truth value with an anchor, not a bool of Python
         return bool(node)
     for kind in (int, float, str):
         if isinstance(node, kind):
@@ -142,8 +154,7 @@ def _plain(node: Any, at: Path, lines: Lines, file: FilePath | None) -> Any:
 
 
 def _line(node: Any, key: Any) -> int | None:
-    """Line of a key or entry of one of ruamel's mappings or lists, where it has one (merged keys have
-    none)."""
+    """Line of a key or entry of a mapping or list of ruamel; None for merged keys."""
     position = (node.lc.data or {}).get(key) if hasattr(node, "lc") else None
     return position[0] + 1 if position else None
 
@@ -163,8 +174,8 @@ def _plain_mapping(node: Any, at: Path, lines: Lines, file: FilePath | None) -> 
 def override(data: Mapping[str, Any], change: str) -> dict[str, Any]:
     """A copy of case data with one value replaced: `override(data, "string[1].od=8 in")`.
 
-    The value is read as YAML, so `contact=none`, `top={kind: clamped}` and `output.probes=[1 m, 2 m]` work
-    too.
+    data: plain data of a case
+    change: `key=value`; the value is read as YAML, as in `contact=none` or `output.probes=[1 m, 2 m]`
     """
     key, separator, value = change.partition("=")
     if not separator or not key.strip():
@@ -178,20 +189,23 @@ def override(data: Mapping[str, Any], change: str) -> dict[str, Any]:
         elif isinstance(step, int) and isinstance(target, list) and step < len(target):
             target = target[step]
         else:
-            raise CaseError(at=key.strip(), want="a place that the case has")
+            raise CaseError(at=key.strip(), want="a key path inside the case")
     if isinstance(last, int):
         if not isinstance(target, list) or last >= len(target):
-            raise CaseError(at=key.strip(), want="a place that the case has")
+            raise CaseError(at=key.strip(), want="a key path inside the case")
         target[last] = read_value(value)
     elif isinstance(target, dict):
         target[last] = read_value(value)
     else:
-        raise CaseError(at=key.strip(), want="a place that the case has")
+        raise CaseError(at=key.strip(), want="a key path inside the case")
     return result
 
 
 def parse(text: str, path: FilePath | None) -> Any:
-    """The text as ruamel's mappings and lists, which know their lines; `path` is the file it came from."""
+    """Text as mappings and lists of ruamel, which hold line numbers; CaseError for text that is not YAML 1.2.
+
+    path: file of the text, for messages
+    """
     from ruamel.yaml.constructor import DuplicateKeyError
     from ruamel.yaml.error import MarkedYAMLError
     from ruamel.yaml.reader import ReaderError
@@ -200,7 +214,7 @@ def parse(text: str, path: FilePath | None) -> Any:
     yaml, read = _loader(path)
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # an anchor that stands twice
+            warnings.simplefilter("ignore")  # an anchor that is defined twice
             return yaml.load(StringIO(text))
     except CaseError:
         raise
@@ -214,7 +228,7 @@ def parse(text: str, path: FilePath | None) -> Any:
         raise _unreadable(error, text, path) from None
     except RecursionError:
         raise too_deep((), path, read[0]) from None
-    except Exception as error:  # control characters, and whatever ruamel stumbles over
+    except Exception as error:  # control characters, and errors inside ruamel
         line = text.count("\n", 0, error.position) + 1 if isinstance(error, ReaderError) else read[0]
         hint = " ".join(str(error).split())[:200]
         raise CaseError(
@@ -227,7 +241,7 @@ def too_deep(at: Path, file: FilePath | None, line: int) -> CaseError:
 
 
 def _refuse_other_versions(text: str, path: FilePath | None) -> None:
-    """In YAML 1.1 `yes` is true, 010 is 8 and 12:30 is 750."""
+    """Refuse a %YAML directive of another version. In YAML 1.1 `yes` is true, 010 is 8 and 12:30 is 750."""
     directive = re.search(r"^%YAML(?![ \t]+1\.2[ \t\r]*$).*", text, re.MULTILINE)
     if directive:
         line = text.count("\n", 0, directive.start()) + 1
@@ -235,10 +249,10 @@ def _refuse_other_versions(text: str, path: FilePath | None) -> None:
 
 
 def _loader(path: FilePath | None) -> tuple[Any, list[int]]:
-    """A reader of texts, and the line that it has come to.
+    """(reader of texts, [line reached]).
 
-    It goes no deeper than MAX_LEVELS brackets, for which ruamel would take seconds, and takes words as keys
-    alone: lists or mappings as keys, one in another, would take it centuries.
+    The reader stops at MAX_LEVELS nested brackets, for which ruamel would need seconds. It refuses lists and
+    mappings as keys: nested in each other, they would take centuries.
     """
     from ruamel.yaml import YAML
     from ruamel.yaml.constructor import RoundTripConstructor
@@ -265,7 +279,7 @@ def _loader(path: FilePath | None) -> tuple[Any, list[int]]:
 
 
 def _check_keys(node: Any, path: FilePath | None) -> None:
-    """Refuses keys that are lists or mappings."""
+    """Refuse keys that are lists or mappings."""
     from ruamel.yaml.nodes import MappingNode, ScalarNode, SequenceNode
 
     seen, waiting = {id(node)}, [node]
@@ -285,7 +299,7 @@ def _check_keys(node: Any, path: FilePath | None) -> None:
 
 
 def _unreadable(error: Any, text: str, path: FilePath | None) -> CaseError:
-    """A YAML error in the words of its place."""
+    """A YAML error as a CaseError with its line."""
     mark = error.problem_mark or error.context_mark
     line = mark.line + 1 if mark else 1
     rows = text.splitlines()

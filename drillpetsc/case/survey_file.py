@@ -1,5 +1,7 @@
-"""Survey from a CSV file: columns md, inclination, azimuth in any order, others ignored; such a file is a
-run's trajectory.csv."""
+"""Survey from a CSV file: columns md, inclination, azimuth in any order, others ignored.
+
+The trajectory.csv of a run is such a file.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.units import UnitError, to_si
 
 FOLDER: ContextVar[Path] = ContextVar("FOLDER", default=Path())
-"""Folder that relative file names in a case start from: the case file's, else the working directory."""
+"""Base of relative file names in a case: the folder of the case file, else the working directory."""
 
 _COLUMNS = {"md": ("m", "m"), "inclination": ("rad", "deg"), "azimuth": ("rad", "deg")}
 _HEADER = re.compile(r"\s*([A-Za-z_ ]+?)\s*(?:[\[(]\s*([^\])]+?)\s*[\])])?\s*")
@@ -25,7 +27,7 @@ def read_survey(name: str) -> dict[str, list[float]]:
     folder.
 
     The first line names the columns, with a unit in brackets if wanted: `md [ft], inclination [deg], azimuth
-    [deg]`. Without a unit, md is in metres and angles are in degrees, as surveys are written. `#` starts a
+    [deg]`. Without a unit, md is in metres and angles are in degrees, as is usual. `#` starts a
     comment line.
     """
     path = _file(name)
@@ -55,8 +57,7 @@ def read_survey(name: str) -> dict[str, list[float]]:
 
 
 def _file(name: str) -> Path:
-    """The survey file; what is not found beside the case is looked for in the working directory, as run
-    folders are."""
+    """The survey file, searched beside the case file, then in the working directory."""
     folder = FOLDER.get()
     for path in (folder / name, Path(name)):
         if name.strip() and os.path.isdir(path):  # Path.is_dir raises for a name longer than any file's

@@ -1,4 +1,8 @@
-"""Residual and Jacobian of a scene: the only module that knows both PETSc's vectors and the kernels."""
+"""Residual and Jacobian of a discrete system on one rank: runs the kernels on the local arrays.
+
+Manual: sec-time-condensed (condensed rates), sec-joints-prescribed (prescribed motion), eq-joint-ggl (corrected
+rates), sec-time-imposed (imposed rates).
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,8 @@ from collections.abc import Callable
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.fem.component import ElementBlock, FloatArray, PrescribedMotion, VelocityStabilization
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import ElementBlock, PrescribedMotion, VelocityStabilization
 from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.kernels import function, pointer
 
@@ -18,18 +23,25 @@ _fix_rows = function("constraint_rows", "ippppp" + "dpp")
 _fix_matrix = function("constraint_matrix", "ippppp")
 _gradient = function("spin_gradient", "ippppddp")
 
-#: weight of a replaced row, position error [m or rad] to force [N]: of the order of a pipe's stiffness, so
-#: that one norm fits both
+#: weight of a replaced row, position error [m or rad] to force [N or N m]; it has the order of a pipe's stiffness,
+#: so that one norm serves all rows (manual: eq-prescribed-rows)
 ROW_SCALE = 1.0e6
-#: weight of rates that are given [1/s]: where nothing is stored, a pressure would have no pivot in the block
-#: of its own node
-LEVEL = 1.0e-4
+#: weight of the columns by imposed rates [1/s]; without it the pressure of a closed channel would have no pivot
+#: in the block of its own node (manual: sec-time-imposed)
+IMPOSED_RATE_WEIGHT = 1.0e-4
+#: fields of the seven unknowns of a node: position, slope, spin angle
+NODE_FIELDS = ("string.position", "string.tangent", "string.spin")
 
 
 class BoundBlock:
-    """A block with its tables in place and its kernel's arguments prepared."""
+    """An element block with its dof table and the prepared arguments of its kernel.
 
-    def __init__(self, block: ElementBlock, layout: DofLayout, where: int):
+    index: (count, width) local dofs of each element.
+    span: the block's entries in ``Assembly.values``, ``width**2`` an element.
+    rows, columns: local dofs of these entries, -1 where the entry is left out.
+    """
+
+    def __init__(self, block: ElementBlock, layout: DofLayout, first_entry: int):
         self.block = block
         self.count = len(block.points)
         self.index = layout.index(block)
@@ -37,9 +49,9 @@ class BoundBlock:
         self.spins = layout.spin_vertices(block)
         self.residual = function(f"{block.kernel}_residual", "ippppppp")
         self.jacobian = function(f"{block.kernel}_jacobian", "ipppppppppp")
-        self.span = slice(where, where + self.count * self.width**2)
+        self.span = slice(first_entry, first_entry + self.count * self.width**2)
         self.event = PETSc.Log.Event(block.name)
-        # addresses once: the arrays stay where they are, only their values change
+        # addresses are taken once: the arrays are never reallocated, only their values change
         self.head = (self.count, pointer(self.index), pointer(block.params), block.context)
         self.matrix_head = (
             self.count,
@@ -54,8 +66,11 @@ class BoundBlock:
         self.columns = np.tile(rows, (1, self.width)).ravel()
         self._numbers = (layout.chain.cells if block.on == "cell" else layout.chain.vertices)[block.points]
 
-    def renew(self, t: float) -> None:
-        """Refresh what depends on time; an exception says where it comes from."""
+    def update_parameters(self, t: float) -> None:
+        """Evaluate time-dependent parameters at ``t`` [s].
+
+        A note with component, elements and time is added to an exception.
+        """
         try:
             self.block.update(t)  # type: ignore[misc]
         except Exception as error:
@@ -66,17 +81,25 @@ class BoundBlock:
 
 
 class RowReplacement:
-    """Row replacement at one vertex held by this rank (owner or not)."""
+    """Row replacement at one vertex of this rank, owned or ghost (manual: eq-prescribed-rows).
 
-    def __init__(self, condition: PrescribedMotion, layout: DofLayout, local: int, ready: list[BoundBlock]):
+    D: (m, 7) prescribed directions over the node's unknowns; complement: I - D^T D.
+    rows: (7,) local dofs of the node.
+    elements: (block, element, slots of the seven dofs in the element) of every element at the node.
+    value [m, -, rad], rate [per second], reaction [N, N m]: (m,) each.
+    """
+
+    def __init__(
+        self, condition: PrescribedMotion, layout: DofLayout, local: int, bound_blocks: list[BoundBlock]
+    ):
         self.condition = condition
         self.D = np.ascontiguousarray(condition.directions)
-        parts = [layout.dofs[name][local] for name in ("string.position", "string.tangent", "string.spin")]
+        parts = [layout.dofs[name][local] for name in NODE_FIELDS]
         self.rows = np.concatenate(parts).astype(np.int32)
         self.owned = bool(layout.chain.owned[local])
-        self.keep = np.eye(7) - self.D.T @ self.D
-        self.touching = []  # (block, element, where in the element's rows the vertex's seven stand)
-        for item in ready:
+        self.complement = np.eye(7) - self.D.T @ self.D
+        self.elements = []
+        for item in bound_blocks:
             for e in np.flatnonzero((item.index == self.rows[0]).any(axis=1)):
                 slots = [
                     int(np.flatnonzero(item.index[e] == row)[0]) for row in self.rows if row in item.index[e]
@@ -85,102 +108,108 @@ class RowReplacement:
                     raise ValueError(
                         f"{item.block.name}: a prescribed vertex needs all of r, v, phi in the block"
                     )
-                self.touching.append((item, int(e), np.array(slots)))
-        self.square = (self.D.T @ self.D).ravel()
+                self.elements.append((item, int(e), np.array(slots)))
+        self.projector = (self.D.T @ self.D).ravel()
         self.reaction, self.value, self.rate = (np.zeros(len(self.D)) for _ in range(3))
         self.time: float | None = None
-        self.at = np.array(
-            [item.span.start + e * item.width**2 for item, e, _ in self.touching], dtype=np.int64
+        self.first_entries = np.array(
+            [item.span.start + e * item.width**2 for item, e, _ in self.elements], dtype=np.int64
         )
-        self.width = np.array([item.width for item, _, _ in self.touching], dtype=np.int32)
-        self.slots = np.ascontiguousarray([s for *_, s in self.touching], dtype=np.int32).reshape(-1, 7)
-        self.keep = np.ascontiguousarray(self.keep)
+        self.width = np.array([item.width for item, _, _ in self.elements], dtype=np.int32)
+        self.slots = np.ascontiguousarray([s for *_, s in self.elements], dtype=np.int32).reshape(-1, 7)
+        self.complement = np.ascontiguousarray(self.complement)
         self.head = (len(self.D), pointer(self.D), pointer(self.rows))
         self.rate_at, self.value_at, self.reaction_at = (
             pointer(self.rate),
             pointer(self.value),
             pointer(self.reaction),
         )
-        self.places_at = 0
-        self.places: np.ndarray | None = None  # of the rows in the owned part of a vector
+        self.owned_rows_at = 0  # address of owned_rows
+        self.owned_rows: np.ndarray | None = None  # (7,) the rows' indices in the owned part of a vector
         self.matrix_head = (
-            len(self.at),
-            pointer(self.keep),
-            pointer(self.at),
+            len(self.first_entries),
+            pointer(self.complement),
+            pointer(self.first_entries),
             pointer(self.width),
             pointer(self.slots),
         )
 
-    def look_up(self, t: float) -> None:
-        """Value and rate at ``t``; kept, as all evaluations of a step ask for the same time."""
+    def evaluate(self, t: float) -> None:
+        """Set ``value`` and ``rate`` to those at ``t`` [s]; evaluated once per time."""
         if t != self.time:
             self.value[:], self.rate[:] = self.condition.value(t), self.condition.rate(t)
             self.time = t
 
 
-RATES = ("string.position", "string.tangent", "string.spin")
-
-
 class BoundStabilization:
-    """Correction of rates by multipliers in an assembly (Gear, Gupta and Leimkuhler; manual: eq-joint-ggl).
+    """Correction of rates by multipliers in an assembly (Gear, Gupta and Leimkuhler 1985; manual: eq-joint-ggl).
 
-    x' = y - B mu, and the constraint G y = 0 beside g(x) = 0: the rates of the corrected unknowns are
-    y = shift x + v0 + B mu.  The entries by mu are those by the rates times B.  B's own change with x is left out
-    of the Jacobian: mu is of the size of the time formula's error.
+    With x' = y - B mu the velocity constraint G y = 0 stands beside g(x) = 0.  The rates of the corrected unknowns
+    are y = shift x + v0 + B mu (manual: eq-joint-corrected-rates).  The Jacobian columns by mu are the columns by
+    the rates, times B.  The derivative of B by x is left out, since mu has the size of the time formula's error.
 
-    touching: (block, element, where in its rows the seven rates of the vertex stand, which vertex); rows,
-    columns: local numbers of the entries that ``fill`` gives.
+    rates: (k, 7) local dofs of the corrected nodes; multipliers: (k, 6) local dofs of mu.
+    elements: (block, element, slots of the seven dofs in the element, number k of the node).
+    rows, columns: local dofs of the entries that ``fill`` computes.
     """
 
     def __init__(
         self,
-        corrections: VelocityStabilization,
+        stabilization: VelocityStabilization,
         layout: DofLayout,
-        ready: list[BoundBlock],
-        fixed: list[RowReplacement],
+        bound_blocks: list[BoundBlock],
+        replacements: list[RowReplacement],
     ):
-        self.corrections, self._layout = corrections, layout
-        seven = np.hstack([layout.dofs[name][corrections.points] for name in RATES])
-        self.rates = np.ascontiguousarray(seven, dtype=np.int32).reshape(-1, 7)
-        self.by = layout.dofs[corrections.field][corrections.points]
-        self.touching: list[tuple[BoundBlock, int, np.ndarray, int]] = []
-        self._prescribed: list[
-            list[tuple[np.ndarray, np.ndarray]]
-        ] = []  # of each: rows of a prescribed vertex, what is kept of them
+        self.stabilization, self._layout = stabilization, layout
+        node_dofs = np.hstack([layout.dofs[name][stabilization.points] for name in NODE_FIELDS])
+        self.rates = np.ascontiguousarray(node_dofs, dtype=np.int32).reshape(-1, 7)
+        self.multipliers = layout.dofs[stabilization.field][stabilization.points]
+        self.elements: list[tuple[BoundBlock, int, np.ndarray, int]] = []
+        #: for each element: (slots of a prescribed node in the element, I - D^T D of its condition)
+        self._prescribed: list[list[tuple[np.ndarray, np.ndarray]]] = []
         rows, columns = [np.zeros(0, dtype=np.int32)], [np.zeros(0, dtype=np.int32)]
-        for k, places in enumerate(self.rates):
-            for item in ready:
-                # contact keeps records by element; its damping at this one node is left out of the Jacobian
+        for k, dofs in enumerate(self.rates):
+            for item in bound_blocks:
+                # contact stores records by element; its damping at this one node is left out of the Jacobian
                 if item.block.context:
                     continue
-                for e in np.flatnonzero((item.index == places[0]).any(axis=1)):
-                    slots = _slots(item.index[e], places)
-                    self.touching.append((item, int(e), slots, k))
-                    held = [
-                        (_slots(item.index[e], f.rows), f.keep) for f in fixed if f.rows[0] in item.index[e]
+                for e in np.flatnonzero((item.index == dofs[0]).any(axis=1)):
+                    slots = _slots(item.index[e], dofs)
+                    self.elements.append((item, int(e), slots, k))
+                    prescribed = [
+                        (_slots(item.index[e], f.rows), f.complement)
+                        for f in replacements
+                        if f.rows[0] in item.index[e]
                     ]
-                    self._prescribed.append(held)
-                    own = np.where(item.index[e] < layout.size, item.index[e], -1)
-                    rows.append(np.repeat(own, 6))
-                    columns.append(np.tile(self.by[k], item.width))
+                    self._prescribed.append(prescribed)
+                    element_rows = np.where(item.index[e] < layout.size, item.index[e], -1)
+                    rows.append(np.repeat(element_rows, 6))
+                    columns.append(np.tile(self.multipliers[k], item.width))
         self.rows, self.columns = (
             np.concatenate(rows).astype(np.int32),
             np.concatenate(columns).astype(np.int32),
         )
-        self._flat = np.zeros((max(1, len(layout.chain.vertices)), 3))  # a corrected rate moves no spin rate
+        # a corrected rate does not change the spin rate
+        self._no_spin_gradient = np.zeros((max(1, len(layout.chain.vertices)), 3))
 
     def apply(self, asm: Assembly, sigma: float) -> None:
-        """Correct the rates and accelerations of ``condense``."""
-        B = self.corrections.directions(self.rates, asm.x)
-        asm.y[self.rates] += np.einsum("kij,kj->ki", B, asm.x[self.by])
+        """Correct the rates and accelerations of ``Assembly.condense`` (manual: eq-joint-corrected-rates).
+
+        sigma: shift of the time formula [1/s].
+        """
+        B = self.stabilization.directions(self.rates, asm.x)
+        asm.y[self.rates] += np.einsum("kij,kj->ki", B, asm.x[self.multipliers])
         asm.a[self.rates] = sigma * asm.y[self.rates] + asm.v1[self.rates]
 
     def fill(self, asm: Assembly, c: tuple[float, float, float], out: np.ndarray) -> None:
-        """Entries by the corrections at the weights ``c`` of dR/dx, dR/dy, dR/da (c2/c1 is the shift)."""
-        B = self.corrections.directions(self.rates, asm.x)
+        """Write the entries by the multipliers mu into ``out`` (len(rows),).
+
+        c: weights of dR/dx, dR/dy, dR/da; c2/c1 is the shift [1/s].
+        """
+        B = self.stabilization.directions(self.rates, asm.x)
         weights = np.array([0.0, 1.0, c[2] / c[1]]) if c[1] else np.zeros(3)
-        at = 0
-        for (item, e, slots, k), held in zip(self.touching, self._prescribed, strict=True):
+        position = 0
+        for (item, e, slots, k), prescribed in zip(self.elements, self._prescribed, strict=True):
             K = np.zeros((item.width, item.width))
             item.jacobian(
                 1,
@@ -189,31 +218,34 @@ class BoundStabilization:
                 pointer(item.block.params[e]),
                 item.block.context,
                 pointer(weights),
-                pointer(self._flat),
+                pointer(self._no_spin_gradient),
                 pointer(asm.x),
                 pointer(asm.y),
                 pointer(asm.a),
                 pointer(K),
             )
             entries = K[:, slots] @ B[k]
-            for rows, keep in held:
-                entries[rows] = keep @ entries[rows]
-            out[at : at + entries.size] = entries.ravel()
-            at += entries.size
+            for rows, complement in prescribed:
+                entries[rows] = complement @ entries[rows]
+            out[position : position + entries.size] = entries.ravel()
+            position += entries.size
 
 
 def _slots(index: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Where the unknowns ``rows`` stand among those of an element."""
+    """Return the positions of the dofs ``rows`` in an element's dofs ``index`` (width,)."""
     return np.array([int(np.flatnonzero(index == row)[0]) for row in rows])
 
 
 class Assembly:
-    """Evaluates the rows of all rooms on this rank.
+    """Residual and Jacobian of all components on this rank.
 
-    x, y, a: (n+1,) unknowns, rates, accelerations in condensed local numbering, the last place a stand-in for
-    absent fields, behind it what follows from the unknowns (``derive`` fills it; DofLayout.derived); r: the
-    residual; values: all Jacobian entries, in the order of ``rows`` and ``columns`` (local numbers, -1: left
-    out).
+    With n local dofs in condensed numbering, ghosts included:
+    x, y, a: (array_length,) unknowns, rates and accelerations [SI of each field].  Entry n stands for absent fields;
+    the derived fields follow it (``DofLayout.derived``; ``derive`` computes them).
+    r: (array_length,) residual, not summed over ranks.
+    v0, v1: (n,) constants of the time formula, y = shift x + v0 and a = shift y + v1.
+    values: all Jacobian entries, in the order of ``rows`` and ``columns`` (local dofs, -1: left out).
+    reference: (nv, 3) reference directions of the local nodes.
     """
 
     def __init__(
@@ -222,19 +254,19 @@ class Assembly:
         blocks: tuple[ElementBlock, ...],
         prescribed: tuple[PrescribedMotion, ...],
         reference: FloatArray,
-        corrections: tuple[VelocityStabilization, ...] = (),
+        stabilizations: tuple[VelocityStabilization, ...] = (),
     ):
         self.layout = layout
         n = layout.size
         self.x, self.y, self.a, self.r = (np.zeros(layout.array_length) for _ in range(4))
         self.derive: Callable[[Assembly], None] | None = None
-        self._seen: dict[int, np.ndarray] = {}  # places of blocks that look at the view
+        self._derived_index: dict[int, np.ndarray] = {}  # dofs of blocks that use derived fields, by id
         self.x[n] = 1.0  # an absent stretch ratio is one
         self.v0, self.v1 = np.zeros(n), np.zeros(n)
-        where, self.bound_blocks = 0, []
+        size, self.bound_blocks = 0, []
         for block in blocks:
-            self.bound_blocks.append(BoundBlock(block, layout, where))
-            where = self.bound_blocks[-1].span.stop
+            self.bound_blocks.append(BoundBlock(block, layout, size))
+            size = self.bound_blocks[-1].span.stop
         spin = layout.dofs.get("string.spin")
         self.reference = np.ascontiguousarray(reference)
         self.spin_at = np.zeros((0, 2), dtype=np.int32)
@@ -249,11 +281,11 @@ class Assembly:
             for c in prescribed
             if c.vertex in local
         ]
-        size = where + 49 * sum(f.owned for f in self.row_replacements)
+        size = size + 49 * sum(f.owned for f in self.row_replacements)
         self.stabilized = [
-            BoundStabilization(c, layout, self.bound_blocks, self.row_replacements) for c in corrections
+            BoundStabilization(c, layout, self.bound_blocks, self.row_replacements) for c in stabilizations
         ]
-        self._at_corrected = size  # their entries stand last
+        self._first_stabilization_entry = size  # these entries are the last ones
         self.values = np.zeros(size + sum(len(c.rows) for c in self.stabilized))
         rows, columns = [b.rows for b in self.bound_blocks], [b.columns for b in self.bound_blocks]
         for f in self.row_replacements:
@@ -275,66 +307,79 @@ class Assembly:
         self._nodes = (len(self.spin_at), pointer(self.spin_at), pointer(self.reference))
         self._history = pointer(self.v0), pointer(self.v1)
         self.version = 0  # counts new Jacobian values
-        self.evaluations = 0  # of the rows
-        self.dead_load: FloatArray | None = None  # (n,) constant forces at owned unknowns (imperfection)
+        self.evaluations = 0  # counts residuals
+        self.dead_load: FloatArray | None = None  # (n,) dead load [N, N m] at owned unknowns (imperfection)
+        #: (frozen dofs, entries in their rows or columns, their diagonal entries)
         self._frozen: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
-        self._still: tuple[np.ndarray, FloatArray, dict[int, np.ndarray]] | None = None
+        #: (dofs, rates, entries of each block by other dofs, by the block's first entry)
+        self._imposed: tuple[np.ndarray, FloatArray, dict[int, np.ndarray]] | None = None
 
     def freeze(self, mask: np.ndarray | None) -> None:
-        """Keep the unknowns of ``mask`` (n,) where they are: their rows and columns are the unit matrix's;
-        None lets all go."""
+        """Fix the unknowns of ``mask`` (n,) at their values; None releases all.
+
+        Rows and columns of fixed unknowns become those of the unit matrix.
+        """
         if mask is None or not mask.any():
             self._frozen = None
             return
         by_row, by_column = (
             np.append(mask, False)[i] for i in (self.rows, self.columns)
-        )  # -1 leads to the last place
+        )  # dof -1 selects the appended False
         self._frozen = (
             np.flatnonzero(mask),
             np.flatnonzero(by_row | by_column),
             np.flatnonzero(by_row & (self.rows == self.columns)),
         )
 
-    def take_rates_from(self, rates: FloatArray | None, mask: np.ndarray | None = None) -> None:
-        """Without inertia: unknowns of ``mask`` (n,) move with ``rates`` (n+1,), looked up at every
-        evaluation, and have no acceleration, whatever the time formula makes of them; the others keep their
-        formula.  None ends it."""
+    def set_imposed_rates(self, rates: FloatArray | None, mask: np.ndarray | None = None) -> None:
+        """Impose rates on unknowns without inertia or storage; None ends it (manual: sec-time-imposed).
+
+        rates: (n+1,) [SI of each field per second]; the array is read again at every evaluation.
+        mask: (n,) unknowns with imposed rates.  Their accelerations are zero; all others follow the time formula.
+        """
         if rates is None or mask is None or not mask.any():
-            self._still = None
+            self._imposed = None
             return
         by_column = np.append(mask, True)[self.columns]
-        kept = {b.span.start: np.flatnonzero(~by_column[b.span]) for b in self.bound_blocks}
-        self._still = np.flatnonzero(mask), rates, kept
+        other = {b.span.start: np.flatnonzero(~by_column[b.span]) for b in self.bound_blocks}
+        self._imposed = np.flatnonzero(mask), rates, other
 
-    def settle_rates(self) -> None:
-        """Put the rates of ``take_rates_from`` in the place of the formula's."""
-        if self._still is not None:
-            where, rates, _ = self._still
-            self.y[where], self.a[where] = rates[where], 0.0
+    def apply_imposed_rates(self) -> None:
+        """Overwrite the integrator's rates by the imposed ones."""
+        if self._imposed is not None:
+            dofs, rates, _ = self._imposed
+            self.y[dofs], self.a[dofs] = rates[dofs], 0.0
 
     # ------------------------------------------------------------------ state
     def condense(self, sigma: float) -> None:
-        """Rates and accelerations of a step from ``x``: y = sigma x + v0, a = sigma y + v1, spin rates with
-        their transport."""
+        """Compute rates and accelerations of a step from ``x`` (manual: eq-time-condensed).
+
+        y = sigma x + v0, then the transport of the spin rates, then a = sigma y + v1.
+
+        sigma: shift of the time formula [1/s].
+        """
         x, y, a, _ = self._state
         _rates(self.layout.size, x, sigma, *self._history, *self._nodes, y, a)
         for c in self.stabilized:
             c.apply(self, sigma)
 
-    def impose_rates(self, t: float, sigma: float) -> None:
-        """PrescribedMotion components move at the given rate exactly, not at the rate of the time formula."""
+    def apply_prescribed_rates(self, t: float, sigma: float) -> None:
+        """Set rates along prescribed directions to the given ones (manual: eq-prescribed-rates).
+
+        t: time [s]; sigma: shift of the time formula [1/s].
+        """
         _, y, a, _ = self._state
         for f in self.row_replacements:
-            f.look_up(t)
+            f.evaluate(t)
             _fix_rates(*f.head, f.rate_at, sigma, self._history[1], y, a)
 
-    def forget_inputs(self) -> None:
-        """Look prescribed values up afresh: an anchor was moved while the time stood still."""
+    def invalidate_prescribed_values(self) -> None:
+        """Evaluate prescribed values anew at the next call, for example after an end was moved at constant time."""
         for f in self.row_replacements:
             f.time = None
 
     def transport(self) -> FloatArray:
-        """c(v).w at each local vertex: spin rate minus rate of the spin angle [rad/s]."""
+        """Compute c(v).w (nv,) [rad/s]: spin rate minus rate of the spin angle (manual: eq-time-spin-transport)."""
         out = np.zeros(len(self.spin_at))
         _transport(
             len(out),
@@ -348,7 +393,7 @@ class Assembly:
 
     # ------------------------------------------------------------------ rows
     def residual(self, t: float) -> FloatArray:
-        """Residual of all local elements in ``r`` (not yet summed over ranks)."""
+        """Compute the residual of all local elements at time ``t`` [s] into ``r``, not summed over ranks."""
         self._event["Residual"].begin()
         self.evaluations += 1
         self.r[:] = 0.0
@@ -359,7 +404,7 @@ class Assembly:
             if b.count:
                 b.event.begin()
                 if b.block.update:
-                    b.renew(t)
+                    b.update_parameters(t)
                 b.residual(*b.head, *state)
                 b.event.end()
         if self._frozen is not None:
@@ -367,24 +412,36 @@ class Assembly:
         self._event["Residual"].end()
         return self.r
 
-    def replace_rows(self, t: float, owned: FloatArray, owned_place: np.ndarray) -> None:
-        """PrescribedMotion rows of the summed residual ``owned``; what stood there are the reactions.
+    def replace_rows(self, t: float, owned: FloatArray, owned_index: np.ndarray) -> None:
+        """Replace the rows along prescribed directions; store the reactions (manual: eq-prescribed-rows).
 
-        owned_place: (n,) position in ``owned`` of each local unknown.
+        t: time [s].
+        owned: owned part of the residual, summed over ranks.
+        owned_index: (n,) index in ``owned`` of each local dof.
         """
         for f in self.row_replacements:
             if f.owned:
-                f.look_up(t)
-                if f.places is None:
-                    f.places = np.ascontiguousarray(owned_place[f.rows], dtype=np.int32)
-                    f.places_at = pointer(f.places)
+                f.evaluate(t)
+                if f.owned_rows is None:
+                    f.owned_rows = np.ascontiguousarray(owned_index[f.rows], dtype=np.int32)
+                    f.owned_rows_at = pointer(f.owned_rows)
                 _fix_rows(
-                    *f.head, f.places_at, self._state[0], f.value_at, ROW_SCALE, pointer(owned), f.reaction_at
+                    *f.head,
+                    f.owned_rows_at,
+                    self._state[0],
+                    f.value_at,
+                    ROW_SCALE,
+                    pointer(owned),
+                    f.reaction_at,
                 )
 
     def jacobian(self, t: float, c: tuple[float, float, float], condensed: bool) -> None:
-        """All entries c0 dR/dx + c1 dR/dy + c2 dR/da into ``values``; condensed: y moves with x as in
-        ``condense``."""
+        """Compute all entries c0 dR/dx + c1 dR/dy + c2 dR/da into ``values`` (manual: eq-time-jacobian).
+
+        t: time [s].
+        c: weights [-, 1/s, 1/s2].
+        condensed: y depends on x as in ``condense``, spin terms included (manual: eq-time-spin-gradient).
+        """
         self._event["Jacobian"].begin()
         if condensed and len(self.spin_at):
             _gradient(*self._nodes, *self._state[:2], c[1], 1.0 / c[1] if c[1] else 0.0, self._spin_at)
@@ -396,85 +453,87 @@ class Assembly:
             if b.count:
                 b.event.begin()
                 if b.block.update:
-                    b.renew(t)
-                if self._still is None or not condensed:
+                    b.update_parameters(t)
+                if self._imposed is None or not condensed:
                     b.jacobian(*b.matrix_head, *state, b.values_at)
                 else:
-                    self._jacobian_without_rates(b, state)
+                    self._jacobian_with_imposed_rates(b, state)
                 b.event.end()
-        at = self._at_corrected
+        start = self._first_stabilization_entry
         for q in self.stabilized:
-            q.fill(self, c, self.values[at : at + len(q.rows)])
-            at += len(q.rows)
+            q.fill(self, c, self.values[start : start + len(q.rows)])
+            start += len(q.rows)
         self._replace_jacobian_rows(1.0 if c[0] else 0.0)
         if self._frozen is not None:
             self.values[self._frozen[1]], self.values[self._frozen[2]] = 0.0, 1.0
         self.version += 1
         self._event["Jacobian"].end()
 
-    def _jacobian_without_rates(self, b: BoundBlock, state: tuple) -> None:
-        """Entries of a block some or all of whose unknowns have given rates: their columns by the unknown
-        alone."""
-        assert self._still is not None
-        keep = self._still[2][b.span.start]
-        if len(keep):
+    def _jacobian_with_imposed_rates(self, b: BoundBlock, state: tuple) -> None:
+        """Compute the entries of a block some of whose unknowns have imposed rates (manual: sec-time-imposed).
+
+        Their columns are dR/dx plus ``IMPOSED_RATE_WEIGHT`` dR/dy.
+        """
+        assert self._imposed is not None
+        other = self._imposed[2][b.span.start]
+        if len(other):
             b.jacobian(*b.matrix_head, *state, b.values_at)
-            with_rates = self.values[b.span][keep]
+            with_rates = self.values[b.span][other]
         weights = self._weights.copy()
-        self._weights[1:] = LEVEL, 0.0
+        self._weights[1:] = IMPOSED_RATE_WEIGHT, 0.0
         b.jacobian(*b.matrix_head, *state, b.values_at)
         self._weights[:] = weights
-        if len(keep):
-            self.values[b.span][keep] = with_rates
+        if len(other):
+            self.values[b.span][other] = with_rates
 
     def _replace_jacobian_rows(self, by_position: float) -> None:
+        """Replace the rows along prescribed directions; ``by_position``: 1 with dR/dx in the sum, else 0."""
         for f in self.row_replacements:
             _fix_matrix(*f.matrix_head, self._values_at)
         start = self.bound_blocks[-1].span.stop if self.bound_blocks else 0
         for f in self.row_replacements:
             if f.owned:
-                np.multiply(f.square, by_position * ROW_SCALE, out=self.values[start : start + 49])
+                np.multiply(f.projector, by_position * ROW_SCALE, out=self.values[start : start + 49])
                 start += 49
 
     def index_of(self, block: ElementBlock) -> np.ndarray:
-        """(n, d) places of a block's unknowns in x, y, a; of what it sees instead, as it is now, for a room
-        of another element."""
+        """Return the (n, d) dofs of a block in x, y, a; derived fields are computed first where it uses them."""
         found = next((b.index for b in self.bound_blocks if b.block is block), None)
         if found is not None:
             return found
         if self.derive is not None:
             self.derive(self)
-        if id(block) not in self._seen:
-            self._seen[id(block)] = self.layout.index(block)
-        return self._seen[id(block)]
+        if id(block) not in self._derived_index:
+            self._derived_index[id(block)] = self.layout.index(block)
+        return self._derived_index[id(block)]
 
-    def where(self, name: str) -> np.ndarray:
-        """(nv, size) places of a field in x and y, or of what is seen in its stead, as it is now."""
+    def dofs_of(self, name: str) -> np.ndarray:
+        """Return the (nv, size) dofs of a field, or of a derived field after computing it."""
         if name not in self.layout.dofs and self.derive is not None:
             self.derive(self)
         return self.layout.dofs_of(name)
 
-    def block_rows(self, ready: BoundBlock, t: float) -> FloatArray:
-        """(n, d) rows of each element of one block at x, y, a."""
-        if ready.block.update:
-            ready.block.update(t)
-        rows = np.zeros((ready.count, ready.width))
-        apart = np.arange(rows.size, dtype=np.int32)  # every element on unknowns of its own
-        state = [np.ascontiguousarray(values[ready.index]) for values in (self.x, self.y, self.a)]
-        ready.residual(ready.count, pointer(apart), *ready.head[2:], *map(pointer, state), pointer(rows))
+    def block_rows(self, bound: BoundBlock, t: float) -> FloatArray:
+        """Compute the residual rows (n, d) of each element of one block at x, y, a and time ``t`` [s]."""
+        if bound.block.update:
+            bound.block.update(t)
+        rows = np.zeros((bound.count, bound.width))
+        separate = np.arange(rows.size, dtype=np.int32)  # one copy of the unknowns for every element
+        state = [np.ascontiguousarray(values[bound.index]) for values in (self.x, self.y, self.a)]
+        bound.residual(bound.count, pointer(separate), *bound.head[2:], *map(pointer, state), pointer(rows))
         return rows
 
     def power(self, block: ElementBlock, t: float) -> float:
-        """Power that the rows of ``block`` take from the motion at x, y [W], on this rank."""
-        ready = next(b for b in self.bound_blocks if b.block is block)
-        if not ready.count:
+        """Compute the power [W] that the rows of ``block`` take from the motion at x, y, on this rank."""
+        bound = next(b for b in self.bound_blocks if b.block is block)
+        if not bound.count:
             return 0.0
         if block.update:
             block.update(t)
         rows = np.zeros_like(self.r)
-        ready.residual(
-            ready.count,
-            pointer(ready.index),
+        bound.residual(
+            bound.count,
+            pointer(bound.index),
             pointer(block.params),
             block.context,
             pointer(self.x),
@@ -486,7 +545,10 @@ class Assembly:
 
 
 def spin_derivatives(asm: Assembly) -> tuple[FloatArray, FloatArray]:
-    """Of c(v).w at each local vertex: by v (k, 3) and by w (k, 3), the latter being c itself."""
+    """Compute the derivatives of c(v).w at each local vertex: by v (k, 3) and by w (k, 3) (which is c).
+
+    k: number of local vertices with a spin angle.  Manual: eq-time-spin-gradient.
+    """
     k = len(asm.spin_at)
     by_v, both = np.zeros((max(1, k), 3)), np.zeros((max(1, k), 3))
     arguments = (k, pointer(asm.spin_at), pointer(asm.reference), pointer(asm.x), pointer(asm.y))

@@ -1,5 +1,7 @@
-"""The line: one DMPlex for the string, its vertices and cells shared out over the ranks in pieces of
-neighbouring cells."""
+"""The chain: one DMPlex of the string's nodes (vertices) and elements (cells), distributed over the ranks.
+
+Every rank has a piece of neighbouring cells (manual: sec-chain-structure).
+"""
 
 from __future__ import annotations
 
@@ -8,17 +10,19 @@ from dataclasses import dataclass
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.fem.component import IntArray
+from drillpetsc.arrays import IntArray
 
 
 @dataclass(frozen=True)
 class Chain:
-    """What a rank holds of the line; numbers are the string's own, from the top.
+    """This rank's part of the chain; global numbers count from the top of the string.
 
-    vertices: (nv,) global numbers of the local vertices in depth order, ``points`` their DMPlex points,
-    ``owned`` whether this rank owns them; cells: (nc,) global numbers of the cells of this rank in depth
-    order; ``ends`` (nc, 2) local numbers (positions in
-    ``vertices``) of the upper and lower vertex of each cell.
+    plex: DMPlex of the whole communicator; size: number of vertices of the whole string.
+    vertices: (nv,) global numbers of the local vertices in depth order, ghosts included.
+    points: (nv,) DMPlex points of these vertices.
+    owned: (nv,) whether this rank owns the vertex.
+    cells: (nc,) global numbers of the cells of this rank in depth order.
+    ends: (nc, 2) local numbers (indices into ``vertices``) of the upper and lower vertex of each cell.
     """
 
     plex: PETSc.DMPlex
@@ -31,10 +35,12 @@ class Chain:
 
 
 def build_chain(measured_depth: np.ndarray, comm: PETSc.Comm) -> Chain:
-    """Distribute a string with vertices at ``measured_depth`` (n+1,) [m], ascending, over the ranks of
-    ``comm``.
+    """Distribute a string over the ranks of ``comm``.
 
-    Every cell belongs to one rank (overlap 0); the partition keeps neighbours together.
+    Every cell belongs to one rank (overlap 0), and a rank's cells are neighbours.
+
+    measured_depth: (n+1,) depths of the vertices [m], ascending.
+    comm: PETSc communicator.
     """
     count = len(measured_depth)
     if comm.rank == 0:
@@ -52,6 +58,7 @@ def build_chain(measured_depth: np.ndarray, comm: PETSc.Comm) -> Chain:
 
 
 def _describe(plex: PETSc.DMPlex, measured_depth: np.ndarray) -> Chain:
+    """Number this rank's vertices and cells by depth; ``measured_depth`` (n+1,) [m]."""
     first, last = plex.getDepthStratum(0)
     depth = plex.getCoordinatesLocal().getArray(readonly=1).real
     number = np.searchsorted(measured_depth, depth - 1e-9 * max(1.0, measured_depth[-1]))

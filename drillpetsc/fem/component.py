@@ -3,7 +3,7 @@
 A component is one physical effect: a beam, a wall contact, a bit, a mud channel.  It declares unknowns (``Field``),
 groups of elements that share a compiled kernel (``ElementBlock``), prescribed motion and energies.  ``Component``
 declares every hook that the rest of the program may call, each with a harmless default, so a component implements
-only what it needs.  Nothing here knows PETSc or MPI: ``fem.dof_layout`` and ``fem.assembly`` give components memory.
+only what it needs.  Nothing here uses PETSc or MPI: ``fem.dof_layout`` and ``fem.assembly`` allocate the memory.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ class PrescribedMotion:
 
     directions: (m, 7) orthonormal rows over (position, slope, spin angle) of the vertex.
     value, rate: (m,) as functions of time [m, -, rad and per second].
-    names: (m,) of the reactions, which are what stood in the rows that the condition replaces.
+    names: (m,) of the reactions: the residual components that the condition replaces (manual: eq-prescribed-rows).
     """
 
     vertex: int
@@ -116,7 +116,7 @@ class PrescribedMotion:
 
 @dataclass(frozen=True)
 class VelocityStabilization:
-    """Rates that multipliers correct, y = x' + B(x) mu (Gear, Gupta and Leimkuhler 1985; manual: eq-joint-ggl).
+    """Correction of rates by multipliers, y = x' + B(x) mu (Gear, Gupta, Leimkuhler 1985; manual: eq-joint-ggl).
 
     field: name of mu (m components).
     points: (k,) vertices whose rates are corrected, ghosts included.
@@ -137,7 +137,7 @@ class Energies(NamedTuple):
 
 
 class Powers(NamedTuple):
-    """Power [W] that a component turns into heat, and power that it supplies, on this rank."""
+    """Power [W] that a component dissipates, and power that it supplies, on this rank."""
 
     dissipated: float = 0.0
     supplied: float = 0.0
@@ -158,9 +158,9 @@ class Component:
     multipliers: int = 0
     #: constraints make the equations a DAE of index 2 or 3
     has_constraints: bool = False
-    #: the component's unknowns turn with the string, and so do the entries of its Jacobian
+    #: the component's unknowns turn with the string, so its Jacobian is renewed in every solve
     turns_with_string: bool = False
-    #: sizes of quantities at the nodes that follow from this component's unknowns and that others refer to like fields
+    #: components at a node of quantities that are computed from the unknowns and that other components use as fields
     derived_fields: dict[str, int] = {}
 
     def fields(self) -> tuple[Field, ...]:
@@ -184,7 +184,7 @@ class Component:
         return None
 
     def translate(self, block: ElementBlock) -> ElementBlock:
-        """Another component's block, written on this component's unknowns in place of the derived fields."""
+        """Rewrite another component's ``block`` from the derived fields to this component's unknowns."""
         return block
 
     def derive(self, state: Any) -> None:
@@ -212,7 +212,7 @@ class Component:
         return Powers()
 
     def reaction(self, name: str, state: Any) -> float:
-        """Reaction ``name`` that a multiplier of the component carries, this rank's share [N or N m]."""
+        """Reaction ``name`` that a multiplier of the component represents, this rank's part [N or N m]."""
         return 0.0
 
     # ------------------------------------------------------------------ outputs
@@ -251,14 +251,14 @@ class Component:
         """History variables for a checkpoint, the same on all ranks; empty without any."""
         return {}
 
-    def set_state(self, memory: dict[str, FloatArray]) -> None:
+    def set_state(self, state: dict[str, FloatArray]) -> None:
         """Continue from the history variables of a checkpoint."""
 
     def get_local_state(self) -> dict[str, FloatArray]:
         """History variables at the local ``vertex`` or ``cell`` points, (n, k) each; empty without any."""
         return {}
 
-    def set_local_state(self, memory: dict[str, FloatArray]) -> None:
+    def set_local_state(self, state: dict[str, FloatArray]) -> None:
         """Continue from the history variables at the local points."""
 
     # ------------------------------------------------------------------ statics and quasi-static motion
@@ -285,11 +285,11 @@ class Component:
         """Impose constraints at position level, whatever form they have in motion (statics has no velocities)."""
 
     def average_over_turn(self, turning: bool) -> None:
-        """While the string turns without inertia, leave out what is fixed in its section."""
+        """While the string turns without inertia, leave out loads and mass that are fixed in its section."""
 
     # ------------------------------------------------------------------ borehole
     def follow_hole(self, well: Well) -> None:
-        """Take the wall from a borehole that has grown."""
+        """Use the wall of a borehole that has grown."""
 
     def locate_hole(self, state: Any) -> None:
         """Evaluate size and direction of the hole at the string's present position."""

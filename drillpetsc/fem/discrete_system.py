@@ -1,5 +1,7 @@
-"""A scene given memory: line, layout, assembly, and the way between PETSc's vectors and the kernels'
-arrays."""
+"""The discrete system on this rank: chain, dof layout and assembly, and copies between PETSc vectors and arrays.
+
+Manual: sec-time-state (state and condensed vector).
+"""
 
 from __future__ import annotations
 
@@ -9,19 +11,22 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
+from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.assembly import Assembly
 from drillpetsc.fem.chain import build_chain
-from drillpetsc.fem.component import Component, Energies, FloatArray, Powers
+from drillpetsc.fem.component import Component, Energies, Powers
 from drillpetsc.fem.dof_layout import build_dof_layout
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 
 
 class DiscreteSystem:
-    """The discrete scene on this rank.
+    """All components of a model on this rank, discretised.
 
-    rooms: in the order in which they add rows; frames: shared with the beam room; ``comm`` a PETSc or mpi4py
-    communicator.
+    mesh: elements and nodes of the string.
+    frames: reference frames of the nodes, the same object as in the beam component.
+    components: in the order in which they add rows.
+    comm: PETSc or mpi4py communicator, all ranks by default.
     """
 
     def __init__(
@@ -32,7 +37,7 @@ class DiscreteSystem:
         comm: PETSc.Comm | None = None,
     ):
         self.mesh, self.frames, self.components = mesh, frames, tuple(components)
-        # the two nodes of a joint stand at one depth: there the line counts nodes instead
+        # the two nodes of a joint have one depth: with joints the chain is ordered by node number instead
         self.chain = build_chain(
             np.arange(mesh.nodes, dtype=float) if mesh.joints else mesh.node_depth, comm or PETSc.COMM_WORLD
         )
@@ -48,15 +53,15 @@ class DiscreteSystem:
         for component in self.components:
             regions |= component.regions()
         self.regions = regions
-        #: constraint rows with multipliers, whole string: so many negative eigenvalues has the tangent of a
-        #: stable state
+        #: number of Lagrange multipliers of the whole string; a stable equilibrium has exactly as many negative
+        #: eigenvalues (manual: eq-statics-stable)
         self.multipliers = sum(component.multipliers for component in self.components)
         #: whether the equations are a DAE of index 2 or 3
         self.constrained = self.multipliers > 0 or any(
             component.has_constraints for component in self.components
         )
         fields = tuple(f for component in self.components for f in component.fields())
-        # a string with other unknowns than position, slope and spin gives these as derived fields
+        # a string with other unknowns than position, slope and spin declares these as derived fields
         other = next((component for component in self.components if component.derived_fields), None)
         self.layout = build_dof_layout(self.chain, fields, regions, other.derived_fields if other else None)
         blocks = tuple(b for component in self.components for b in component.blocks(self.chain))
@@ -76,16 +81,16 @@ class DiscreteSystem:
         self._x = PETSc.Vec().createWithArray(asm.x[: layout.size], comm=PETSc.COMM_SELF)
         self._r = PETSc.Vec().createWithArray(asm.r[: layout.size], comm=PETSc.COMM_SELF)
         self._state = layout.state_dm.createLocalVec()
-        self.owned_place = np.full(layout.size, -1, dtype=np.int32)
-        self.owned_place[layout.local_of_owned] = np.arange(len(layout.local_of_owned))
-        self._alone = self.comm.size == 1
+        self.owned_index = np.full(layout.size, -1, dtype=np.int32)
+        self.owned_index[layout.local_of_owned] = np.arange(len(layout.local_of_owned))
+        self._serial = self.comm.size == 1
         scale = np.array([f.scale for f in layout.fields])
         self.scale = scale[layout.field_of]  # (n,) usual magnitude of each local unknown
-        self._rated = layout.y_local >= 0
+        self._has_rate = layout.y_local >= 0
 
     @property
     def has_contact(self) -> bool:
-        """Whether rows of any component are switched by contact."""
+        """Whether contact switches rows of any component."""
         return any(component.has_contact for component in self.components)
 
     def contact_signature(self) -> int:
@@ -96,61 +101,70 @@ class DiscreteSystem:
 
     # ------------------------------------------------------------------ vectors
     def new_state(self) -> PETSc.Vec:
+        """Create a global state vector: unknowns and rates of the second-order ones."""
         return self.layout.state_dm.createGlobalVec()
 
     def new_condensed(self) -> PETSc.Vec:
+        """Create a global condensed vector: unknowns only."""
         return self.layout.condensed_dm.createGlobalVec()
 
     def load_unknowns(self, q: PETSc.Vec) -> None:
-        """Condensed global vector into ``assembly.x``, ghosts included."""
+        """Copy the condensed global vector ``q`` into ``assembly.x``, ghosts included."""
         self.layout.condensed_dm.globalToLocal(q, self._x)
 
     def load_state(self, state: PETSc.Vec, rate: PETSc.Vec | None = None) -> None:
-        """State (and its rate) into the assembly's x, y (and a)."""
+        """Copy a state into the assembly's x and y; with ``rate`` also the rates into y and a."""
         layout, asm = self.layout, self.assembly
         layout.state_dm.globalToLocal(state, self._state)
         s = self._state.getArray(readonly=1)
         asm.x[: layout.size] = s[layout.x_local]
-        asm.y[: layout.size] = np.where(self._rated, s[layout.y_local], 0.0)
+        asm.y[: layout.size] = np.where(self._has_rate, s[layout.y_local], 0.0)
         if rate is not None:
             layout.state_dm.globalToLocal(rate, self._state)
             s = self._state.getArray(readonly=1)
-            asm.y[: layout.size] = np.where(self._rated, asm.y[: layout.size], s[layout.x_local])
-            asm.a[: layout.size] = np.where(self._rated, s[layout.y_local], 0.0)
+            asm.y[: layout.size] = np.where(self._has_rate, asm.y[: layout.size], s[layout.x_local])
+            asm.a[: layout.size] = np.where(self._has_rate, s[layout.y_local], 0.0)
 
     def load_history(self, constant: PETSc.Vec) -> None:
-        """Constant part of the rates, Ydot = shift Y + constant, into v0 and v1."""
+        """Copy the constant V of the time formula, Xdot = shift X + V, into v0 and v1 (manual: eq-time-bdf)."""
         layout, asm = self.layout, self.assembly
         layout.state_dm.globalToLocal(constant, self._state)
         s = self._state.getArray(readonly=1)
         asm.v0[:] = s[layout.x_local]
-        asm.v1[:] = np.where(self._rated, s[layout.y_local], 0.0)
+        asm.v1[:] = np.where(self._has_rate, s[layout.y_local], 0.0)
 
     def store_state(self, state: PETSc.Vec) -> None:
-        """The assembly's x and y into the owned part of ``state``."""
+        """Copy the assembly's x and y into the owned part of ``state``."""
         layout, asm = self.layout, self.assembly
         out = state.getArray()
         out[layout.x_owned] = asm.x[layout.local_of_owned]
-        has = layout.y_owned >= 0
-        out[layout.y_owned[has]] = asm.y[layout.local_of_owned[has]]
+        has_rate = layout.y_owned >= 0
+        out[layout.y_owned[has_rate]] = asm.y[layout.local_of_owned[has_rate]]
 
     def store_unknowns(self, q: PETSc.Vec) -> None:
+        """Copy the assembly's x into the owned part of the condensed vector ``q``."""
         q.getArray()[:] = self.assembly.x[self.layout.local_of_owned]
 
     def sum_residual(self, t: float, out: PETSc.Vec) -> None:
-        """Residual of all rooms at the assembly's x, y, a, summed over ranks, prescribed rows replaced."""
+        """Compute the residual of all components at the assembly's x, y, a into ``out``, summed over ranks.
+
+        Rows along prescribed directions are replaced (manual: eq-prescribed-rows).  ``t``: time [s].
+        """
         self.assembly.residual(t)
-        if self._alone:
+        if self._serial:
             out.getArray()[:] = self.assembly.r[self.layout.local_of_owned]
         else:
             out.set(0.0)
             self.layout.condensed_dm.localToGlobal(self._r, out, addv=PETSc.InsertMode.ADD_VALUES)
         if self.assembly.row_replacements:
-            self.assembly.replace_rows(t, out.getArray(), self.owned_place)
+            self.assembly.replace_rows(t, out.getArray(), self.owned_index)
 
     def sum_local(self, rows: FloatArray) -> FloatArray:
-        """Contributions (n+1,) of this rank's elements to local rows, summed over ranks; (n,) valid at owned
-        unknowns."""
+        """Sum contributions of elements over ranks.
+
+        rows: (n+1,) contributions of this rank's elements to the local rows.
+        Returns (n,) sums, valid at owned unknowns.
+        """
         self.assembly.r[: len(rows)] = rows
         out = self.new_condensed()
         self.layout.condensed_dm.localToGlobal(self._r, out, addv=PETSc.InsertMode.ADD_VALUES)
@@ -159,9 +173,8 @@ class DiscreteSystem:
         return local
 
     def locate_largest_residual(self, t: float) -> dict[str, Any]:
-        """Where the rows are worst: room, element and measured depth of the largest (or first non-finite)
-        residual."""
-        asm, worst = self.assembly, (-1.0, "", -1, 0.0)
+        """Find the largest (or first non-finite) residual: component, element and measured depth [m]; collective."""
+        asm, largest = self.assembly, (-1.0, "", -1, 0.0)
         for b in asm.bound_blocks:
             if not b.count:
                 continue
@@ -169,16 +182,21 @@ class DiscreteSystem:
             bad = ~np.isfinite(rows)
             size = np.where(bad, np.inf, np.abs(rows)).max(axis=1)
             e = int(size.argmax())
-            if size[e] > worst[0]:
+            if size[e] > largest[0]:
                 number = (
                     self.chain.cells[b.block.points[e]]
                     if b.block.on == "cell"
                     else self.chain.vertices[b.block.points[e]]
                 )
-                worst = (float(size[e]), b.block.component, int(number), float(self.mesh.node_depth[number]))
-        if not self._alone:
-            worst = max(self.comm.tompi4py().allgather(worst))
-        return {"component": worst[1], "element": worst[2], "measured_depth": worst[3]}
+                largest = (
+                    float(size[e]),
+                    b.block.component,
+                    int(number),
+                    float(self.mesh.node_depth[number]),
+                )
+        if not self._serial:
+            largest = max(self.comm.tompi4py().allgather(largest))
+        return {"component": largest[1], "element": largest[2], "measured_depth": largest[3]}
 
     def accept(self) -> None:
         """Accept the current state and update components with history variables (collective).
@@ -189,7 +207,7 @@ class DiscreteSystem:
             component.accept(self.assembly)
             if component.update_size:
                 change = component.local_update(self.assembly)
-                component.apply_update(change if self._alone else self.comm.tompi4py().allreduce(change))
+                component.apply_update(change if self._serial else self.comm.tompi4py().allreduce(change))
 
     def renew_reference_frames(self) -> bool:
         """Replace reference directions that are nearly opposite to the tangent; True where any changed (collective)."""
@@ -198,18 +216,20 @@ class DiscreteSystem:
 
     # ------------------------------------------------------------------ energies and reactions
     def energies(self, t: float) -> Energies:
-        """Stored energies at the assembly's x, y, summed over ranks."""
+        """Compute the stored energies [J] at the assembly's x, y and time ``t`` [s], summed over ranks."""
         parts = np.array([component.energies(t, self.assembly) for component in self.components]).sum(axis=0)
-        return Energies(*(parts if self._alone else self.comm.tompi4py().allreduce(parts)))
+        return Energies(*(parts if self._serial else self.comm.tompi4py().allreduce(parts)))
 
     def powers(self, t: float) -> Powers:
-        """Dissipated and supplied power at the assembly's x, y, a, summed over ranks; the reactions of the
-        last residual supply."""
+        """Compute the dissipated and supplied power [W] at the assembly's x, y, a, summed over ranks.
+
+        The supplied power includes that of the reactions of the last residual.
+        """
         parts = self.own_powers(t)
-        return Powers(*(parts if self._alone else self.comm.tompi4py().allreduce(parts)))
+        return Powers(*(parts if self._serial else self.comm.tompi4py().allreduce(parts)))
 
     def own_powers(self, t: float) -> FloatArray:
-        """(2,) this rank's share of the dissipated and the supplied power [W]."""
+        """Compute this rank's part (2,) of the dissipated and the supplied power [W]."""
         parts = np.array([component.powers(t, self.assembly) for component in self.components]).sum(axis=0)
         parts[1] += sum(
             float(f.reaction @ f.condition.rate(t)) for f in self.assembly.row_replacements if f.owned
@@ -219,30 +239,31 @@ class DiscreteSystem:
         return parts
 
     def reaction(self, name: str) -> float:
-        """Reaction that the prescribed component ``name`` needs (0 where there is none), the same on all
-        ranks [N or N m]."""
+        """Return the reaction ``name`` [N or N m], the same on all ranks; 0 where nothing of this name is prescribed."""
         value = 0.0
         for f in self.assembly.row_replacements:
             if f.owned and name in f.condition.names:
                 value += float(f.reaction[f.condition.names.index(name)])
         value += sum(component.reaction(name, self.assembly) for component in self.components)
-        return value if self._alone else float(self.comm.tompi4py().allreduce(value))
+        return value if self._serial else float(self.comm.tompi4py().allreduce(value))
 
-    def all_entries(self, on_rank: list) -> list:
-        """The lists of all ranks joined in the order of the ranks, on every rank; collective."""
-        if self._alone:
-            return on_rank
-        return [entry for part in self.comm.tompi4py().allgather(on_rank) for entry in part]
+    def all_entries(self, local_entries: list) -> list:
+        """Join the lists of all ranks in the order of the ranks, on every rank; collective."""
+        if self._serial:
+            return local_entries
+        return [entry for part in self.comm.tompi4py().allgather(local_entries) for entry in part]
 
     def gather(self, values: FloatArray, on: str = "vertex") -> FloatArray | None:
-        """Values (nv, k) at local vertices, or (nc, k) at local cells, collected on rank 0 in depth order;
-        None elsewhere."""
+        """Collect values of all ranks on rank 0 in depth order; None on other ranks.
+
+        values: (nv, k) at local vertices, or (nc, k) at local cells with ``on="cell"``.
+        """
         chain = self.chain
         if on == "vertex":
             numbers, values, size = chain.vertices[chain.owned], values[chain.owned], chain.size
         else:
             numbers, size = chain.cells, chain.size - 1
-        if self._alone:
+        if self._serial:
             out = np.empty((size, *values.shape[1:]))
             out[numbers] = values
             return out
@@ -255,15 +276,17 @@ class DiscreteSystem:
         return out
 
     def field(self, name: str, what: str = "x") -> FloatArray:
-        """(nv, size) values of a field at local vertices: what = x, y or a; absent places give the field's
-        value at rest."""
-        place = self.layout.dofs[name]
-        values = getattr(self.assembly, what)[np.maximum(place, 0)]
-        rest = next(f.default for f in self.layout.fields if f.name == name) if what == "x" else 0.0
-        return np.where(place >= 0, values, rest)
+        """Return the (nv, size) values of a field at local vertices.
+
+        what: ``x``, ``y`` or ``a``.  A node without the field gets the field's default, or 0 for rates.
+        """
+        dofs = self.layout.dofs[name]
+        values = getattr(self.assembly, what)[np.maximum(dofs, 0)]
+        default = next(f.default for f in self.layout.fields if f.name == name) if what == "x" else 0.0
+        return np.where(dofs >= 0, values, default)
 
     def set_field(self, name: str, values: FloatArray, what: str = "x") -> None:
-        """Set a field's local values from (n_nodes, size) values over the whole string."""
-        place = self.layout.dofs[name]
-        has = place >= 0
-        getattr(self.assembly, what)[place[has]] = values[self.chain.vertices][has]
+        """Set a field's local values from (n_nodes, size) values over the whole string; ``what`` as in ``field``."""
+        dofs = self.layout.dofs[name]
+        present = dofs >= 0
+        getattr(self.assembly, what)[dofs[present]] = values[self.chain.vertices][present]

@@ -1,9 +1,8 @@
-"""Memory for the fields: PETSc sections over the line, and the tables that lead from a kernel's slot to a
-place in a vector.
+"""Dof layout: PETSc sections over the chain, and the tables from a kernel's slots to dofs.
 
-Two vectors share one line.  The *state* is what the time integrator sees: all unknowns of a vertex, then the
-rates of the second-order ones.  The *condensed* vector has the unknowns only; the rates follow from them
-within a step.
+Two kinds of vectors share one chain (manual: sec-time-state).  The *state* is what the time integrator uses: all
+unknowns of a vertex, then the rates of the second-order ones.  The *condensed* vector has the unknowns only; within
+a step the rates follow from them (manual: eq-time-condensed).
 """
 
 from __future__ import annotations
@@ -14,18 +13,24 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
+from drillpetsc.arrays import IntArray
 from drillpetsc.fem.chain import Chain
-from drillpetsc.fem.component import ElementBlock, Field, IntArray
+from drillpetsc.fem.component import ElementBlock, Field
 
 
 @dataclass(frozen=True)
 class DofLayout:
-    """Sections and tables of a scene.
+    """Sections and dof tables of a discrete system.
 
-    dofs[field]: (nv, size) position of a field's components in the condensed local array, -1 where absent (nv
-    local vertices); x_local, y_local: (n,) position of unknown i and of its rate (-1: none) in the local
-    state; x_owned, y_owned: the same in the owned parts of the global vectors; local_of_owned: local number
-    of each owned unknown of the condensed vector.
+    Below, n counts the local unknowns (ghosts included), nv the local vertices, m the owned unknowns.
+
+    state_dm, condensed_dm: DMs whose sections lay out the two kinds of vectors.
+    dofs[field]: (nv, size) indices of the field's components in the condensed local array, -1 where absent.
+    field_of, vertex_of: (n,) field number and local vertex of each unknown.
+    x_local, y_local: (n,) index of each unknown and of its rate (-1: none) in the local state.
+    x_owned, y_owned: (m,) the same in the owned part of the global state.
+    local_of_owned: (m,) local dof of each owned unknown of the condensed vector.
+    derived[name]: (nv, size) indices of a derived field in the assembly's arrays, next_index the unknowns.
     """
 
     chain: Chain
@@ -33,44 +38,42 @@ class DofLayout:
     state_dm: PETSc.DM
     condensed_dm: PETSc.DM
     dofs: dict[str, IntArray]
-    field_of: IntArray  # (n,) which field an unknown belongs to
-    vertex_of: IntArray  # (n,) local vertex of an unknown
+    field_of: IntArray
+    vertex_of: IntArray
     x_local: IntArray
     y_local: IntArray
     x_owned: IntArray
     y_owned: IntArray
     local_of_owned: IntArray
-    derived: dict[str, IntArray] = field(
-        default_factory=dict
-    )  # places behind the unknowns of what follows from them
+    derived: dict[str, IntArray] = field(default_factory=dict)
 
     @property
     def array_length(self) -> int:
-        """Length of the assembly's arrays: unknowns, the dummy place, the view."""
-        return self.size + 1 + sum(int(places.size) for places in self.derived.values())
+        """Length of the assembly's arrays: unknowns, one entry for absent fields, derived fields."""
+        return self.size + 1 + sum(int(dofs.size) for dofs in self.derived.values())
 
     def dofs_of(self, name: str) -> IntArray:
-        """(nv, size) places of a field, or of what is seen in its stead."""
+        """Return the (nv, size) indices of a field or of a derived field."""
         return self.dofs[name] if name in self.dofs else self.derived[name]
 
     @property
     def size(self) -> int:
-        """Unknowns of the condensed vector on this rank, ghosts included."""
+        """Number of unknowns of the condensed vector on this rank, ghosts included."""
         return len(self.x_local)
 
     def index(self, block: ElementBlock) -> IntArray:
-        """(n, d) local positions for a block's slots; absent fields lead to the dummy place behind the
-        end."""
+        """Compute the (n, d) local dofs of a block's slots; absent fields have index ``size``."""
         rows = self.chain.ends[block.points] if block.on == "cell" else block.points[:, None]
         columns = [self.dofs_of(name)[rows[:, end]] for name, end in block.slots]
         table = np.hstack(columns) if len(block.points) else np.zeros((0, self.width(block)), dtype=np.int32)
         return np.ascontiguousarray(np.where(table < 0, self.size, table), dtype=np.int32)
 
     def width(self, block: ElementBlock) -> int:
+        """Number d of unknowns of one element of ``block``."""
         return sum(self.dofs_of(name).shape[1] for name, _ in block.slots)
 
     def spin_vertices(self, block: ElementBlock) -> IntArray:
-        """(n, spins) local vertex of each spin angle of a block."""
+        """Return the (n, spins) local vertex of each spin angle of a block."""
         rows = self.chain.ends[block.points] if block.on == "cell" else block.points[:, None]
         return np.ascontiguousarray(rows[:, list(block.spins)], dtype=np.int32).reshape(
             len(block.points), len(block.spins)
@@ -80,15 +83,16 @@ class DofLayout:
 def _section(
     chain: Chain, fields: tuple[Field, ...], regions: dict[str, np.ndarray], with_rates: bool
 ) -> PETSc.DM:
+    """Create a DM with a section of ``fields``; ``with_rates`` adds the rates of second-order fields next_index them."""
     dm = chain.plex.clone()
-    wanted = [(f, "") for f in fields] + (
+    section_fields = [(f, "") for f in fields] + (
         [(f, ".rate") for f in fields if f.second_order] if with_rates else []
     )
     section = PETSc.Section().create(comm=chain.plex.comm)
-    section.setNumFields(len(wanted))
+    section.setNumFields(len(section_fields))
     section.setChart(*chain.plex.getChart())
     total = np.zeros(len(chain.points), dtype=int)
-    for i, (f, suffix) in enumerate(wanted):
+    for i, (f, suffix) in enumerate(section_fields):
         section.setFieldName(i, f.name + suffix)
         section.setFieldComponents(i, f.size)
         present = regions[f.region][chain.vertices]
@@ -108,10 +112,12 @@ def build_dof_layout(
     regions: dict[str, np.ndarray],
     derived_fields: dict[str, int] | None = None,
 ) -> DofLayout:
-    """Lay out ``fields``; ``regions[name]`` is a boolean mask over all vertices of the string (replicated).
+    """Lay out fields over the chain.
 
-    derived_fields: components of what is not unknown but follows from unknowns at every vertex, and is looked
-    up like a field.
+    chain: this rank's part of the chain.
+    fields: unknowns of all components, in the order of the section.
+    regions[name]: mask over all vertices of the string, the same on every rank.
+    derived_fields: components at a vertex of quantities that follow from unknowns and are used like fields.
     """
     state, condensed = _section(chain, fields, regions, True), _section(chain, fields, regions, False)
     s_sec, c_sec = petsc_compat.get_section(state), petsc_compat.get_section(condensed)
@@ -127,18 +133,18 @@ def build_dof_layout(
         for i, f in enumerate(fields):
             if not c_sec.getFieldDof(point, i):
                 continue
-            here = c_sec.getFieldOffset(point, i) + np.arange(f.size)
-            dofs[f.name][v] = here
-            field_of[here], vertex_of[here] = i, v
-            x_local[here] = s_sec.getFieldOffset(point, i) + np.arange(f.size)
+            at_vertex = c_sec.getFieldOffset(point, i) + np.arange(f.size)
+            dofs[f.name][v] = at_vertex
+            field_of[at_vertex], vertex_of[at_vertex] = i, v
+            x_local[at_vertex] = s_sec.getFieldOffset(point, i) + np.arange(f.size)
             if f.second_order:
-                y_local[here] = s_sec.getFieldOffset(point, rate_number[f.name]) + np.arange(f.size)
+                y_local[at_vertex] = s_sec.getFieldOffset(point, rate_number[f.name]) + np.arange(f.size)
     owned = _owned_tables(chain, state, condensed, x_local, y_local)
-    derived, behind = {}, size + 1
+    derived, next_index = {}, size + 1
     for name, components in (derived_fields or {}).items():
         count = len(chain.points) * components
-        derived[name] = np.arange(behind, behind + count, dtype=np.int32).reshape(-1, components)
-        behind += count
+        derived[name] = np.arange(next_index, next_index + count, dtype=np.int32).reshape(-1, components)
+        next_index += count
     return DofLayout(
         chain, fields, state, condensed, dofs, field_of, vertex_of, x_local, y_local, *owned, derived=derived
     )
@@ -147,15 +153,14 @@ def build_dof_layout(
 def _owned_tables(
     chain: Chain, state: PETSc.DM, condensed: PETSc.DM, x_local, y_local
 ) -> tuple[IntArray, IntArray, IntArray]:
-    """Positions in the owned parts of the global vectors, by sending local numbers through the sections'
-    maps."""
+    """Compute x_owned, y_owned and local_of_owned from the local-to-global maps of both sections."""
     lgm_c = condensed.getLGMap().getIndices()
     lgm_s = state.getLGMap().getIndices()
     first_c = condensed.createGlobalVec().getOwnershipRange()
     first_s = state.createGlobalVec().getOwnershipRange()
-    on_rank = np.flatnonzero((lgm_c >= first_c[0]) & (lgm_c < first_c[1]))
+    local_owned = np.flatnonzero((lgm_c >= first_c[0]) & (lgm_c < first_c[1]))
     local_of_owned = np.empty(first_c[1] - first_c[0], dtype=np.int32)
-    local_of_owned[lgm_c[on_rank] - first_c[0]] = on_rank
+    local_of_owned[lgm_c[local_owned] - first_c[0]] = local_owned
     x_owned = (lgm_s[x_local[local_of_owned]] - first_s[0]).astype(np.int32)
     rates = y_local[local_of_owned]
     y_owned = np.where(rates >= 0, lgm_s[np.maximum(rates, 0)] - first_s[0], -1).astype(np.int32)

@@ -1,10 +1,10 @@
-"""Places and weights of integration along an element, 0 at its upper and 1 at its lower end."""
+"""Quadrature along an element; the coordinate is 0 at its upper and 1 at its lower end."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import FloatArray
+from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.string_mesh import StringMesh
 
 # (points, alpha, beta) -> places and weights of Gauss's rule for the weight (1 - x)^alpha (1 + x)^beta on -1..1, as of
@@ -30,10 +30,12 @@ def _gauss_jacobi(points: int, alpha: float, beta: float) -> tuple[FloatArray, F
 
 
 def rule(points: int, upper: bool = False, lower: bool = False) -> FloatArray:
-    """(m, 2) places and weights, exact for polynomials of degree 2 points - 1 at least.
+    """Compute (m, 2) quadrature points and weights [-], exact for polynomials of degree 2 ``points`` - 1 at least.
 
-    Gauss's rule (m = points); with a place at the upper or lower end Radau's, at both Lobatto's (m = points +
-    1); Abramowitz and Stegun, Handbook of Mathematical Functions, 25.4.29 to 25.4.32.
+    points: number m of points of Gauss's rule and of Radau's rule; Lobatto's rule has m = points + 1.
+    upper, lower: put a point at that end: one end gives Radau's rule, both give Lobatto's.
+
+    Source: Abramowitz and Stegun, Handbook of Mathematical Functions, 25.4.29 to 25.4.32.
     """
     inside = points - int(upper and lower)
     x, w = _gauss_jacobi(inside, float(lower), float(upper))
@@ -46,19 +48,20 @@ def rule(points: int, upper: bool = False, lower: bool = False) -> FloatArray:
 
 
 def exposed_ends(mesh: StringMesh, free_top: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """(n,) elements whose upper end, and whose lower end, stands out: free, or beside a thinner item.
+    """Find the element ends that are free or beside a thinner item (manual: sec-contact-quadrature).
 
-    free_top: nothing holds the first.
+    mesh: mesh of the string with n elements.
+    free_top: the upper end of the first element is free.
+    Returns two (n,) masks: elements with an exposed upper end, and with an exposed lower end.
     """
     radius = 0.5 * mesh.outer_diameter
     beside = np.where(mesh.is_joint, np.inf, radius)
     above, below = (
         np.append(0.0 if free_top else np.inf, beside[:-1]),
         np.append(beside[1:], 0.0),
-    )  # beside an element's two ends
-    for body in (
-        mesh.bodies
-    ):  # from the top down: the first of a stack lies under the element above, the last over the one below
+    )  # radii beside an element's two ends
+    # in a stack of bodies at one node, the first one adjoins the element above, the last one the element below
+    for body in mesh.bodies:
         if body.node < len(above):
             above[body.node] = body.radius
     for body in reversed(mesh.bodies):

@@ -1,4 +1,4 @@
-"""The string as a list of elements with section properties, and of rigid items that sit on its nodes."""
+"""Mesh of the string: elements with section properties, rigid items at nodes, joints."""
 
 from __future__ import annotations
 
@@ -7,18 +7,22 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.fem.component import FloatArray
+from drillpetsc.arrays import FloatArray
 
 
 @dataclass(frozen=True)
 class RigidItem:
     """A rigid part of the string at a node.
 
-    node: number from the top; above: distance from the node down to the item's upper end [m]; length [m];
-    mass [kg];
-    center: distance from the node down to the centre of gravity [m]; offset: (2,) of the centre of gravity
-    across the axis in the node's directors [m]; axial, transverse: moments of inertia about the centre of
-    gravity [kg m2]; radius [m] outside, 0: none.
+    name, kind: words of the case file.
+    node: number from the top.
+    above: distance from the node down to the item's upper end [m].
+    length [m]; mass [kg].
+    center: distance from the node down to the centre of gravity [m].
+    offset: (2,) offset of the centre of gravity across the axis, along the node's directors [m].
+    axial, transverse: moments of inertia about the centre of gravity [kg m2].
+    radius: outer radius [m], 0 for none.
+    friction: friction coefficient of the item [-], None: that of the hole.
     """
 
     name: str
@@ -39,9 +43,13 @@ class RigidItem:
 class StringJoint:
     """A joint: a cell without length between two nodes at the same place.
 
-    depth: measured depth [m]; axes: (3, 3) orthonormal rows, the joint's axes in (tangent, director 2,
-    director 3); spring [N/m], damping [N s/m] along a slider, stroke: the least and largest travel [m]
-    between its stops, of stop_stiffness [N/m].
+    depth: measured depth [m].
+    kind: word of the case file; cell: number of the joint's cell from the top.
+    axes: (3, 3) orthonormal rows, the joint's axes in (tangent, director 2, director 3).
+    stabilised: velocity constraints are added (manual: eq-joint-ggl).
+    spring [N/m], damping [N s/m]: along a slider (manual: eq-joint-slider).
+    stroke: least and largest travel of a slider between its stops [m].
+    stop_stiffness: stiffness of the stops [N/m].
     """
 
     depth: float
@@ -57,11 +65,22 @@ class StringJoint:
 
 @dataclass(frozen=True)
 class StringMesh:
-    """Elements from the top down; all arrays (n,) in SI unless said otherwise.
+    """Elements from the top down; arrays are (n,) unless a line below gives another shape.
 
-    upper, lower: measured depth of the element's ends [m]; node_depth: (n+1,) measured depth of the nodes
-    (the upper end of a rigid item that hangs on a node); rigid_above: (n,) length of the rigid items between
-    the upper node and the element [m].
+    upper, lower: measured depth of the element's ends [m].
+    node_depth: (n+1,) measured depth of the nodes [m]; with a rigid item at a node, that of the item's upper end.
+    axial_stiffness EA [N], bending_stiffness EI [N m2], torsional_stiffness GJ [N m2].
+    mass per length [kg/m], polar_inertia: polar mass moment per length [kg m].
+    outer_diameter, inner_diameter [m].
+    stiffness_damping [s], mass_damping [1/s]: Rayleigh coefficients.
+    rigid_above: length of the rigid items between the upper node and the element [m].
+    eccentricity: (n, 2) offset of the centre of mass along the directors [m].
+    curvature: (n, 2) stress-free curvature along the directors [1/m].
+    item: index of the string item in the case.
+    friction: friction coefficient [-], nan: that of the hole.
+    bodies: rigid items; bends: (node, angle [rad], tool face [rad]) of the kinks of bent subs.
+    junction: (n+1,) nodes with a stretch ratio (manual: eq-junction-kinematics).
+    joints: the joints, whose cells have no length and no element.
     """
 
     upper: FloatArray
@@ -77,16 +96,14 @@ class StringMesh:
     stiffness_damping: FloatArray
     mass_damping: FloatArray
     rigid_above: FloatArray
-    eccentricity: FloatArray  # (n, 2) in the directors [m]
-    curvature: FloatArray  # (n, 2) stress-free, in the directors [1/m]
-    item: np.ndarray  # (n,) index of the case's string item
-    friction: FloatArray  # nan: the hole's
+    eccentricity: FloatArray
+    curvature: FloatArray
+    item: np.ndarray
+    friction: FloatArray
     bodies: tuple[RigidItem, ...] = ()
-    bends: tuple[tuple[int, float, float], ...] = ()  # (node, angle, tool face): kink of a bent sub
-    junction: np.ndarray = field(
-        default_factory=lambda: np.zeros(0, dtype=bool)
-    )  # (n+1,) nodes with a stretch ratio
-    joints: tuple[StringJoint, ...] = ()  # their cells have no length and no element
+    bends: tuple[tuple[int, float, float], ...] = ()
+    junction: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    joints: tuple[StringJoint, ...] = ()
 
     @property
     def length(self) -> FloatArray:
@@ -95,30 +112,32 @@ class StringMesh:
 
     @property
     def is_joint(self) -> np.ndarray:
-        """(n,) cells that are joints, not elements."""
+        """(n,) mask of the cells that are joints, not elements."""
         mask = np.zeros(len(self.upper), dtype=bool)
         mask[[j.cell for j in self.joints]] = True
         return mask
 
     @property
     def divisor(self) -> FloatArray:
-        """(n,) element lengths [m], one for joints: what is zero there stays zero per length."""
+        """(n,) divisors for values per length: element lengths [m], 1 for joints, whose values are zero."""
         return np.where(self.is_joint, 1.0, self.length) if self.joints else self.length
 
     @property
     def loose_slopes(self) -> np.ndarray:
-        """Nodes beside a joint whose slope no element holds at a length: only rigid items hang on them, or a
-        stretch ratio takes it."""
-        joint = np.concatenate(
-            [[False], self.is_joint, [False]]
-        )  # joint[i], joint[i + 1]: the cells above and below node i
-        there = np.concatenate([[False], ~self.is_joint, [False]])
+        """Nodes beside a joint whose slope length is undetermined (manual: eq-joint-unit-slope).
+
+        No element constrains it: the node has only rigid items, or a stretch ratio replaces the slope length.
+        """
+        # entries i and i + 1 are the cells above and below node i
+        joint = np.concatenate([[False], self.is_joint, [False]])
+        element = np.concatenate([[False], ~self.is_joint, [False]])
         ratio = self.junction if len(self.junction) else np.zeros(self.nodes, dtype=bool)
-        held = there[:-1] | (there[1:] & ~ratio)
-        return np.flatnonzero((joint[:-1] | joint[1:]) & ~held)
+        constrained = element[:-1] | (element[1:] & ~ratio)
+        return np.flatnonzero((joint[:-1] | joint[1:]) & ~constrained)
 
     @property
     def nodes(self) -> int:
+        """Number of nodes."""
         return len(self.node_depth)
 
     @property
@@ -129,8 +148,12 @@ class StringMesh:
 
 
 def tube(outer: float, inner: float, young: float, poisson: float, density: float) -> dict[str, float]:
-    """Stiffness and mass of a round tube per length: EA [N], EI, GJ [N m2], mass [kg/m], polar mass moment
-    [kg m]."""
+    """Compute stiffness and mass per length of a round tube (manual: eq-beam-tube).
+
+    outer, inner: diameters [m].
+    young: Young's modulus [Pa]; poisson: Poisson's ratio [-]; density [kg/m3].
+    Returns EA [N], EI and GJ [N m2], mass [kg/m], polar mass moment [kg m].
+    """
     area = np.pi / 4 * (outer**2 - inner**2)
     inertia = np.pi / 64 * (outer**4 - inner**4)
     shear = young / (2 * (1 + poisson))
@@ -144,7 +167,11 @@ def tube(outer: float, inner: float, young: float, poisson: float, density: floa
 
 
 def uniform_string(length: float, elements: int, **section: float) -> StringMesh:
-    """One uniform piece, from section values as ``tube`` gives; missing values are zero."""
+    """Mesh one uniform piece.
+
+    length [m]; elements: their number.
+    section: values as returned by ``tube``; missing values are zero.
+    """
     depth = np.linspace(0.0, length, elements + 1)
 
     def full(key: str, default: float = 0.0) -> FloatArray:

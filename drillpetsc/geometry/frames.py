@@ -1,5 +1,4 @@
-"""Node frames of the string: reference directions and reference directors, and rotations in general
-(numpy)."""
+"""Reference frames of the nodes, and rotations along the string (numpy; manual: sec-beam-frame)."""
 
 from __future__ import annotations
 
@@ -12,8 +11,13 @@ from drillpetsc.arrays import FloatArray
 
 @dataclass
 class Frames:
-    """Gauge direction and second reference director of every node, both (n, 3), unit; ``twist0``: (n-1,)
-    offset of each element's twist [rad] (grows only when a gauge is renewed)."""
+    """Reference frames of n nodes.
+
+    reference: (n, 3) unit reference directions a.
+    second: (n, 3) unit second reference directors b.
+    twist0: (n-1,) offset of each element's twist [rad]; it changes only with a reference direction (manual:
+    eq-beam-update).
+    """
 
     reference: FloatArray
     second: FloatArray
@@ -21,26 +25,32 @@ class Frames:
 
 
 def smallest_rotation(a: FloatArray, b: FloatArray, e: FloatArray) -> FloatArray:
-    """Vector ``e`` (3,) carried by the smallest rotation that takes the unit vector ``a`` to the unit vector
-    ``b``."""
+    """Rotate the vector ``e`` (3,) by the smallest rotation from the unit vector ``a`` to the unit vector ``b``, (3,) each.
+
+    Manual: eq-beam-minimal-rotation.
+    """
     axis = np.cross(a, b)
     return e * (a @ b) + np.cross(axis, e) + axis * (axis @ e) / (1.0 + a @ b)
 
 
 def high_side(tangent: FloatArray) -> FloatArray:
-    """Unit vector across ``tangent`` towards the high side of the hole; north where the hole is vertical (z
-    points down)."""
+    """Return the unit vector (3,) across ``tangent`` (3,) towards the high side of the hole (manual: eq-conv-high-side).
+
+    It points north where the hole is vertical; z points down.
+    """
     up = np.array([0.0, 0.0, -1.0])
-    side = up - tangent * (up @ tangent)
-    if np.linalg.norm(side) < 1e-6:
+    across = up - tangent * (up @ tangent)
+    if np.linalg.norm(across) < 1e-6:
         north = np.array([1.0, 0.0, 0.0])
-        side = north - tangent * (north @ tangent)
-    return side / np.linalg.norm(side)
+        across = north - tangent * (north @ tangent)
+    return across / np.linalg.norm(across)
 
 
 def transported_frames(tangents: FloatArray) -> Frames:
-    """Frames along ``tangents`` (n, 3): the second director starts on the high side and is
-    parallel-transported (no twist)."""
+    """Create reference frames along ``tangents`` (n, 3).
+
+    The second director starts on the high side and is parallel-transported, without twist.
+    """
     second = np.empty_like(tangents)
     second[0] = high_side(tangents[0])
     for i in range(1, len(tangents)):
@@ -51,8 +61,12 @@ def transported_frames(tangents: FloatArray) -> Frames:
 def directors(
     frames: Frames, nodes: np.ndarray, v: FloatArray, phi: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Directors 2 and 3 of ``nodes`` (k,) at slopes v (k, 3) and spin angles phi (k,): minrot(a -> t) D0
-    Rot1(phi)."""
+    """Compute directors 2 and 3, (k, 3) each, of k nodes (manual: eq-beam-directors).
+
+    The directors are those of minrot(a -> t) D0 Rot1(phi).
+
+    nodes: (k,) numbers; v: (k, 3) slopes [-]; phi: (k,) spin angles [rad].
+    """
     t = v / np.linalg.norm(v, axis=1, keepdims=True)
     a, b2 = frames.reference[nodes], frames.second[nodes]
     b3 = np.cross(a, b2)
@@ -66,7 +80,11 @@ def directors(
 
 
 def reference_change(a: FloatArray, d: FloatArray, v: FloatArray) -> float:
-    """Change of the spin angle from gauge ``a`` (unit) to gauge d/|d| at the tangent ``v``: minus the
-    triangle's solid angle."""
+    """Compute the change of the spin angle [rad] with a change of the reference direction (manual: eq-beam-update).
+
+    It is minus the solid angle of the triangle of both directions and the tangent (manual: eq-beam-solid-angle).
+
+    a: (3,) old reference direction, unit; d: (3,) along the new one; v: (3,) along the tangent.
+    """
     n, m = np.linalg.norm(v), np.linalg.norm(d)
     return float(-2 * np.arctan2(v @ np.cross(a, d), n * (m + d @ a) + d @ v + m * (v @ a)))

@@ -1,5 +1,7 @@
-"""The hole as it is drilled: the frozen centreline, its live end, and what follows when the end has moved
-on."""
+"""The growing borehole: fixed nodes of the centreline, the moving end, and callbacks on growth.
+
+Manual: sec-borehole-growing.
+"""
 
 from __future__ import annotations
 
@@ -11,17 +13,22 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.geometry.well import SHORTEST_SECTION, Well
 
-# growth after which the hole's wall follows its end [m]; the wall shifts by this times a small angle
-NOTICED = 1e-3
+#: growth after which the wall of the hole is updated [m]; the wall then shifts by this times a small angle
+SMALLEST_GROWTH = 1e-3
 
 
 class GrowingHole:
-    """A hole whose end moves on; the same on all ranks.
+    """A hole whose end advances; the same on all ranks.
 
-    The *end* here is the centre of the bit on bottom, ``half`` [m] above the hole's deepest point.  Every
-    ``interval`` [m] of new hole its place is frozen as a node of the centreline; between the last node and
-    the end the hole follows the end.  radius [m] and friction: of the new hole.  ``followers`` are called
-    with the new well.
+    The *end* is the centre of the bit on bottom, above the hole's deepest point.  After every ``interval`` of new
+    hole a node of the centreline is fixed.  Between the last node and the end the hole follows the end.
+
+    well: the hole at the start.
+    half: distance from the end down to the deepest point [m].
+    radius [m], friction [-]: of the new hole.
+    interval: distance of new nodes [m].
+
+    followers: functions that are called with the new well whenever the hole changes.
     """
 
     def __init__(self, well: Well, half: float, radius: float, friction: float, interval: float = 0.5):
@@ -31,15 +38,14 @@ class GrowingHole:
         self.followers: list[Callable[[Well], None]] = []
         s = self.start - half + np.linspace(-2 * interval, 0.0, 9)
         position, tangent, _ = well.at(s)
-        self._trail = np.column_stack(
-            [s, position, tangent]
-        )  # rows: measured depth, place, direction of the end
+        # rows: measured depth [m], position [m] and direction of the end
+        self._trail = np.column_stack([s, position, tangent])
         self._drilled = 0.0
         self.first = self.end  # (3,) at the start [m]
 
     @property
     def end(self) -> FloatArray:
-        """(3,) place of the end when its wall was last brought up to date [m]."""
+        """(3,) position of the end at the last update of the wall [m]."""
         return self._trail[-1, 1:4].copy()
 
     @property
@@ -48,24 +54,25 @@ class GrowingHole:
         return self._trail[-1, 4:7].copy()
 
     def radial_clearance(self, radius: float) -> float:
-        """Clearance of a bit of ``radius`` [m] at the end, not below zero [m]."""
+        """Compute the radial clearance [m] of a bit of ``radius`` [m] at the end, zero at least."""
         return max(float(self.well.radius(self._trail[-1, 0])) - radius, 0.0)
 
     def follow(self, drilled: float, place: FloatArray) -> bool:
-        """Take the end at ``place`` (3,) after ``drilled`` metres; returns whether the hole has changed."""
-        if drilled - self._drilled < NOTICED:
+        """Move the end; returns whether the hole has changed.
+
+        drilled: length of new hole [m]; place: (3,) position of the end [m].
+        """
+        if drilled - self._drilled < SMALLEST_GROWTH:
             return False
         self._drilled = drilled
         s = self.start - self.half + drilled
         tangent = self._tangent(s, place)
         self._trail = np.vstack([self._trail, [s, *place, *tangent]])
-        while (
-            s >= self._frozen.node_md[-1] + 1.5 * self.interval
-        ):  # nodes at even depths, wherever a step happened to end
+        # nodes at even distances, independent of the time steps
+        while s >= self._frozen.node_md[-1] + 1.5 * self.interval:
             self._freeze(self._frozen.node_md[-1] + self.interval)
-        self._trail = self._trail[
-            self._trail[:, 0] > s - 4 * self.interval - 1.0
-        ]  # enough for the slopes to come
+        # this length is enough for the directions of coming nodes
+        self._trail = self._trail[self._trail[:, 0] > s - 4 * self.interval - 1.0]
         live = s - self._frozen.node_md[-1] > 0.04 * self.interval
         self.well = self._longer(self._frozen, s, place, tangent) if live else self._frozen
         for call in self.followers:
@@ -73,7 +80,7 @@ class GrowingHole:
         return True
 
     def whole(self, drilled: float, place: FloatArray) -> Well:
-        """The hole down to its deepest point, its end at ``place`` (3,) after ``drilled`` metres."""
+        """Return the hole down to its deepest point, with the end at ``place`` (3,) [m] after ``drilled`` [m]."""
         if drilled <= 0.0:
             return self._frozen
         s, well = self.start - self.half + drilled, self._frozen
@@ -84,8 +91,10 @@ class GrowingHole:
         return self._longer(well, bottom, place + self.half * tangent, tangent)
 
     def _longer(self, well: Well, s: float, place: FloatArray, tangent: FloatArray) -> Well:
-        """``well`` with one more node; the new hole is a section of its own as soon as its radius can go over
-        into the old one's."""
+        """Return ``well`` with one more node at ``s`` [m], position ``place`` (3,) [m] and direction ``tangent`` (3,).
+
+        The new hole becomes a section of its own as soon as it is long enough for a transition of the radius.
+        """
         longer, old = well.extended(s, place, tangent), self._old
         same = (self.radius, self.friction) == (old.section_radius[-1], old.section_friction[-1])
         if same or s - old.depth < SHORTEST_SECTION:
@@ -99,14 +108,16 @@ class GrowingHole:
         )
 
     def _freeze(self, s: float) -> None:
-        """A node at ``s``, half an interval or more behind the end, so that the path on both sides gives its
-        direction."""
+        """Fix a node at ``s`` [m], half an interval or more behind the end.
+
+        Its direction is that of the chord from half an interval above to half an interval below it.
+        """
         h = 0.5 * self.interval
         chord = self._at(s + h)[0] - self._at(s - h)[0]
         self._frozen = self._longer(self._frozen, s, self._at(s)[0], chord / np.linalg.norm(chord))
 
     def _at(self, s: float) -> tuple[FloatArray, FloatArray]:
-        """Place and direction (3,) on the trail at ``s``: cubic between its points."""
+        """Interpolate position [m] and direction, (3,) each, on the trail at ``s`` [m]: cubic between its points."""
         q = self._trail
         i = int(np.clip(np.searchsorted(q[:, 0], s) - 1, 0, len(q) - 2))
         a, b = q[i], q[i + 1]
@@ -125,22 +136,27 @@ class GrowingHole:
         return x, t / np.linalg.norm(t)
 
     def _tangent(self, s: float, place: FloatArray) -> FloatArray:
-        """Direction (3,) at the end: slope there of the parabola through the end and two places half an
-        interval apart behind it.
+        """Compute the direction (3,) at the end (manual: eq-borehole-end-direction).
 
-        Exact on an arc to second order; the bit's own wandering within a turn is averaged over half an
-        interval.
+        It is the slope of the parabola through the end and two points half an interval apart behind it.  On an arc it
+        is exact to second order.  The wandering of the bit within a turn is averaged over half an interval.
+
+        s: measured depth of the end [m]; place: (3,) its position [m].
         """
-        h = max(
-            0.5 * self.interval, s - self._trail[-1, 0]
-        )  # where the trail has been, or long steps feed on themselves
+        # both points are on the existing trail; otherwise long steps would extrapolate from their own direction
+        h = max(0.5 * self.interval, s - self._trail[-1, 0])
         one, two = self._at(s - h)[0], self._at(s - 2 * h)[0]
         t = 3 * place - 4 * one + two
         return t / np.linalg.norm(t)
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> dict[str, FloatArray]:
-        """What a continued run needs to know of the hole."""
+        """Return the state of the hole for a checkpoint.
+
+        first: (3,) end at the start [m]; drilled: (1,) length of new hole [m].
+        trail: (k, 7) measured depth, position, direction of the end; nodes: (m, 7) the same of fixed nodes.
+        sections: (j, 3) lower end [m], radius [m], friction [-].
+        """
         w = self._frozen
         return {
             "first": self.first,
@@ -150,18 +166,18 @@ class GrowingHole:
             "sections": np.column_stack([w.section_to, w.section_radius, w.section_friction]),
         }
 
-    def set_state(self, memory: dict[str, FloatArray]) -> None:
-        """Go on from ``memory``."""
-        nodes, sections = memory["nodes"], memory["sections"]
+    def set_state(self, state: dict[str, FloatArray]) -> None:
+        """Continue from a checkpoint: ``state`` as returned by ``get_state``."""
+        nodes, sections = state["nodes"], state["sections"]
         kinds = (*self._frozen.section_kind, *["open_hole"] * len(sections))[: len(sections)]
         to, radius, friction = sections.T.copy()
         self._frozen = Well(
             nodes[:, 0].copy(), nodes[:, 1:4].copy(), nodes[:, 4:7].copy(), to, radius, friction, kinds
         )
         self._trail, self._drilled, self.first = (
-            np.array(memory["trail"]),
-            float(memory["drilled"][0]),
-            np.array(memory["first"]),
+            np.array(state["trail"]),
+            float(state["drilled"][0]),
+            np.array(state["first"]),
         )
         s, end = self._trail[-1, 0], self._trail[-1]
         live = s - self._frozen.node_md[-1] > 0.04 * self.interval

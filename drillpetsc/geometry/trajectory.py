@@ -1,4 +1,7 @@
-"""Figures of a hole's path: inclination, azimuth, doglegs, average build rate of a newly drilled stretch."""
+"""Angles and rates of a hole's path: inclination, azimuth, doglegs, build and turn rates of newly drilled hole.
+
+Manual: sec-borehole-trajectory, sec-borehole-rates.
+"""
 
 from __future__ import annotations
 
@@ -10,16 +13,19 @@ from numpy.typing import ArrayLike
 from drillpetsc.arrays import FloatArray
 from drillpetsc.geometry.well import Well
 
-COURSE = 30.0  # length that build rates refer to [m]
-FAITHFUL = 1e-4  # how far a survey may miss the hole from one station to the next [m]
+COURSE = 30.0  # course length to which build rates refer [m]
+SURVEY_TOLERANCE = 1e-4  # largest error of a survey's path from one station to the next [m]
 
 
 @dataclass(frozen=True)
 class NewHole:
-    """What was drilled: angles in rad, rates in rad per metre, lengths in m.
+    """Results of the newly drilled part of a hole.
 
-    aside: (2,) how far its end lies from the straight continuation of the old hole: towards its high side,
-    and to the right looking down.
+    length: of the new hole [m].
+    inclination, azimuth: (2,) at its start and at its end [rad].
+    dogleg_severity, build_rate, turn_rate: averages [rad/m] (manual: eq-borehole-rates).
+    offset: (2,) offset of its end from the straight continuation of the old hole, towards the old hole's high side
+    and to the right looking down [m].
     """
 
     length: float
@@ -28,12 +34,14 @@ class NewHole:
     dogleg_severity: float
     build_rate: float
     turn_rate: float
-    aside: tuple[float, float]
+    offset: tuple[float, float]
 
 
 def angles(tangent: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Inclination and azimuth (...) [rad] of unit vectors (..., 3), azimuth from 0 to 2 pi and 0 where the
-    hole is vertical."""
+    """Compute inclination and azimuth (...) [rad] of unit vectors ``tangent`` (..., 3).
+
+    The azimuth is between 0 and 2 pi, and 0 where the hole is vertical.
+    """
     t = np.asarray(tangent, dtype=float)
     across = np.hypot(t[..., 0], t[..., 1])
     azimuth = np.where(across > 1e-9, np.arctan2(t[..., 1], t[..., 0]) % (2 * np.pi), 0.0)
@@ -41,15 +49,18 @@ def angles(tangent: ArrayLike) -> tuple[FloatArray, FloatArray]:
 
 
 def dogleg(one: ArrayLike, two: ArrayLike) -> FloatArray:
-    """Angle (...) [rad] between unit vectors (..., 3)."""
+    """Compute the angle (...) [rad] between unit vectors (..., 3)."""
     a, b = np.asarray(one, dtype=float), np.asarray(two, dtype=float)
     return 2 * np.arctan2(np.linalg.norm(b - a, axis=-1), np.linalg.norm(a + b, axis=-1))
 
 
 def dogleg_severity(md: ArrayLike, tangent: ArrayLike, course: float = COURSE) -> FloatArray:
-    """(n,) change of direction per metre [rad/m] at stations md (n,) [m] with tangents (n, 3), over the
-    ``course`` [m] above each (from the first station on where there is less, from the station above where
-    they lie further apart)."""
+    """Compute the dogleg severity (n,) [rad/m] over the course length above each station.
+
+    md: (n,) measured depths of the stations [m].
+    tangent: (n, 3) unit tangents.
+    course: length [m].  It is cut at the first station; where stations are further apart, it reaches to the one above.
+    """
     s, t = np.asarray(md, dtype=float), np.asarray(tangent, dtype=float)
     out = np.zeros(len(s))
     for i in range(1, len(s)):
@@ -58,13 +69,15 @@ def dogleg_severity(md: ArrayLike, tangent: ArrayLike, course: float = COURSE) -
     return out
 
 
-def faithful(well: Well, md: ArrayLike, within: float = FAITHFUL) -> FloatArray:
-    """Stations md (n,) [m], and more of them where minimum curvature would miss the way from one to the next
-    by more than ``within`` [m].
+def refine_stations(well: Well, md: ArrayLike, within: float = SURVEY_TOLERANCE) -> FloatArray:
+    """Add stations where minimum curvature would miss the path of the well; returns all stations (m,) [m].
 
-    The arc between stations h apart is the trapezoidal rule for the directions, but exact where the curvature
-    does not change; so it misses by h^2/12 times the change of curvature, and k equal pieces miss by 1/k^2 of
-    that.
+    Minimum curvature integrates the directions by the trapezoidal rule, and is exact at constant curvature.  Between
+    stations h apart its error is h^2/12 times the change of curvature; with k equal pieces it is 1/k^2 of that
+    (manual: eq-borehole-survey-error).
+
+    md: (n,) measured depths of the stations [m].
+    within: largest error from one station to the next [m].
     """
     s = np.asarray(md, dtype=float)
     x, t, _ = well.at(s)
@@ -77,10 +90,10 @@ def faithful(well: Well, md: ArrayLike, within: float = FAITHFUL) -> FloatArray:
 
 
 def new_hole(well: Well, start: float) -> NewHole | None:
-    """Figures of the part of ``well`` below ``start`` [m]; None where nothing was drilled.
+    """Compute angles and rates of the part of ``well`` below ``start`` [m]; None where nothing was drilled.
 
-    Average build rate K = arccos(t1.t2)/dS of the directions of old hole and new end, its build part (I2 -
-    I1)/dS and its turn part (A2 - A1) sin(I)/dS with the mean inclination (model, contact-bit-statics 4.2).
+    With the directions t1 of the old hole and t2 of the new end, the dogleg severity is arccos(t1.t2)/dS, the build
+    rate (I2 - I1)/dS, and the turn rate (A2 - A1) sin(I)/dS with the mean inclination I (manual: eq-borehole-rates).
     """
     length = well.depth - start
     if length <= 0:
@@ -95,20 +108,21 @@ def new_hole(well: Well, start: float) -> NewHole | None:
         float(dogleg(t0, t1)) / length,
         float(inclination[1] - inclination[0]) / length,
         float(turn * np.sin(0.5 * inclination.sum())) / length,
-        _aside(x0, t0, x1),
+        _offset(x0, t0, x1),
     )
 
 
-def _aside(start: FloatArray, tangent: FloatArray, end: FloatArray) -> tuple[float, float]:
+def _offset(start: FloatArray, tangent: FloatArray, end: FloatArray) -> tuple[float, float]:
+    """Compute the offset of ``end`` (3,) from the line through ``start`` along ``tangent``: high side, right [m]."""
     from drillpetsc.geometry.frames import high_side
 
     up = high_side(tangent)
-    away = end - start
-    return float(away @ up), float(away @ np.cross(tangent, up))
+    difference = end - start
+    return float(difference @ up), float(difference @ np.cross(tangent, up))
 
 
 def as_dict(hole: NewHole) -> dict[str, float]:
-    """The figures with their units, as summaries and tables have them."""
+    """Return the results with their units in the keys, for summaries and tables."""
     per_course = np.degrees(COURSE)
     return {
         "drilled [m]": hole.length,
@@ -119,6 +133,6 @@ def as_dict(hole: NewHole) -> dict[str, float]:
         "build_rate [deg/30m]": hole.build_rate * per_course,
         "turn_rate [deg/30m]": hole.turn_rate * per_course,
         "dogleg_severity [deg/30m]": hole.dogleg_severity * per_course,
-        "end_above [m]": hole.aside[0],
-        "end_right [m]": hole.aside[1],
+        "end_above [m]": hole.offset[0],
+        "end_right [m]": hole.offset[1],
     }

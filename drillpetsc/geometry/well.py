@@ -1,9 +1,9 @@
-"""The well: centreline, hole radius and friction along measured depth, closest point to the centreline.
+"""The well: centreline, hole radius and friction along measured depth, closest point of the centreline.
 
-Axes x north, y east, z down; measured depth 0 at the origin.  The survey is turned into minimum-curvature
-arcs (Sawaryn and Thorogood, "A Compendium of Directional Calculations Based on the Minimum Curvature Method",
-SPE 84246, 2005), every arc is cut into pieces of at most 10 m and 2 deg, and each piece is a cubic Hermite
-segment.  A `Well` is plain data, the same on every rank.
+Axes x north, y east, z down; measured depth 0 at the origin (manual: sec-borehole).  The survey becomes
+minimum-curvature arcs (manual: eq-borehole-arc; Sawaryn and Thorogood, "A Compendium of Directional Calculations
+Based on the Minimum Curvature Method", SPE 84246, 2005).  Every arc is cut into pieces of at most 10 m and 2 deg, and
+each piece is a cubic Hermite segment (manual: eq-borehole-hermite).  A `Well` is plain data, the same on every rank.
 """
 
 from __future__ import annotations
@@ -26,10 +26,14 @@ HEADER, NODE_ROW, STEP_ROW = 4, 16, 6  # doubles in the packed form, see kernels
 
 @dataclass(frozen=True)
 class ClosestPoints:
-    """Closest points of n positions on the centreline.
+    """Closest points of the centreline to n positions.
 
-    md (n,) [m], centre (n, 3) [m], tangent (n, 3) unit, offset (n, 3) [m] from centre to the position, radius
-    (n,) [m], friction (n,) [-], segment (n,) int32: pass it back as the warm start of the next call.
+    md: (n,) measured depths [m].
+    centre: (n, 3) closest points [m].
+    tangent: (n, 3) unit tangents.
+    offset: (n, 3) from the closest point to the position [m].
+    radius: (n,) of the hole [m]; friction: (n,) [-].
+    segment: (n,) int32 numbers of the segments, to start the next search from.
     """
 
     md: Array
@@ -43,11 +47,13 @@ class ClosestPoints:
 
 @dataclass(frozen=True, eq=False)
 class Well:
-    """Centreline nodes and hole sections; make one with `from_survey`.
+    """Centreline nodes and hole sections; `from_survey` creates one from a survey.
 
-    node_md (n,) [m], node_position (n, 3) [m], node_tangent (n, 3) unit vectors down the hole; n >= 2.
-    section_to (m,) [m] lower end of each section, section_radius (m,) [m], section_friction (m,) [-],
-    section_kind: m words.
+    node_md: (n,) measured depths of the nodes [m], n >= 2.
+    node_position: (n, 3) [m]; node_tangent: (n, 3) unit vectors down the hole.
+    section_to: (m,) lower end of each section [m].
+    section_radius: (m,) [m]; section_friction: (m,) [-].
+    section_kind: (m,) kinds as in the case file.
     """
 
     node_md: Array
@@ -71,12 +77,17 @@ class Well:
         max_step: float = MAX_STEP,
         max_angle: float = MAX_ANGLE,
     ) -> Well:
-        """Well from a survey and hole sections, both from the surface down.
+        """Create a well from a survey and hole sections, both from the surface down (manual: sec-borehole-survey).
 
-        md [m], inclination and azimuth [rad]: stations (k,); section_to, section_radius, section_friction:
-        see `Well`. A survey that starts below md 0 is carried straight back to it along its first direction,
-        one that ends above the bottom of the last section straight on to that.  A straight line keeps no
-        nodes between its ends. Raises ValueError when stations or sections are out of order or impossible.
+        A survey that starts below md 0 is continued upward along its first direction.  A survey that ends above the
+        bottom of the last section is continued downward.  A straight line has no nodes between its ends.
+
+        md: (k,) measured depths of the stations [m].
+        inclination, azimuth: (k,) [rad].
+        section_to, section_radius, section_friction, section_kind: see `Well`.
+        max_step: longest piece of an arc [m]; max_angle: largest turn of a piece [rad].
+
+        Raises ValueError when stations or sections are out of order or impossible.
         """
         stations, tangents = _check_survey(md, inclination, azimuth)
         to, radius, friction, kinds = _check_sections(
@@ -97,18 +108,20 @@ class Well:
 
     @cached_property
     def handle(self) -> Array:
-        """Tangent length of each Hermite segment (n-1,) [m]: 4 R tan(beta/4) = chord / cos^2(beta/4).
+        """Tangent length m of each Hermite segment (n-1,) [m] (manual: eq-borehole-handle).
 
-        The second form follows from chord = 2 R sin(beta/2) = 4 R sin(beta/4) cos(beta/4) and holds for
-        straight pieces too.
+        m = 4 R tan(beta/4) = chord / cos^2(beta/4).  The second form follows from
+        chord = 2 R sin(beta/2) = 4 R sin(beta/4) cos(beta/4) and holds for straight pieces as well.
         """
         chord = np.linalg.norm(np.diff(self.node_position, axis=0), axis=1)
         return chord / np.cos(_angle(self.node_tangent[:-1], self.node_tangent[1:]) / 4) ** 2
 
     @cached_property
     def cubic(self) -> tuple[Array, Array]:
-        """Coefficients a2, a3 (n-1, 3) [m] of the segments c(u) = x0 + m t0 u + a2 u^2 + a3 u^3, u from 0 to
-        1."""
+        """Coefficients a2, a3 (n-1, 3) [m] of the segments c(u) = x0 + m t0 u + a2 u^2 + a3 u^3, u from 0 to 1.
+
+        Manual: eq-borehole-hermite.
+        """
         t0, t1 = self.node_tangent[:-1], self.node_tangent[1:]
         m, dx = self.handle[:, None], np.diff(self.node_position, axis=0)
         a2, a3 = 3 * dx - m * (2 * t0 + t1), m * (t0 + t1) - 2 * dx
@@ -118,13 +131,12 @@ class Well:
         return a2, a3
 
     def at(self, md: ArrayLike) -> tuple[Array, Array, Array]:
-        """Position (..., 3) [m], unit tangent (..., 3) and curvature vector dt/ds (..., 3) [1/m] at md (...)
-        [m].
+        """Compute position (..., 3) [m], unit tangent (..., 3) and curvature vector dt/ds (..., 3) [1/m] at md (...) [m].
 
-        Measured depth within a segment is s(u) = s0 + u L + (m - L) u (1-u)(1-2u): the cubic with ds/du = m
-        at both ends, so that dc/ds is the unit tangent at every node (C1 in s) and s is the arc length to
-        order beta^4 inside. Beyond both ends the line goes on straight.  At a node the curvature is that of
-        the segment below it.
+        Measured depth within a segment is s(u) = s0 + u L + (m - L) u (1-u)(1-2u) (manual: eq-borehole-depth).  This
+        cubic has ds/du = m at both ends, so dc/ds is the unit tangent at every node (C1 in s), and s is the arc length
+        up to order beta^4 inside.  Beyond both ends the centreline continues straight.  At a node the curvature is
+        that of the segment below it.
         """
         md = np.asarray(md, dtype=float)
         s = np.clip(md, self.node_md[0], self.node_md[-1])
@@ -159,11 +171,11 @@ class Well:
     # ------------------------------------------------------------------ hole
     @cached_property
     def transitions(self) -> Array:
-        """Where radius or friction changes: rows (start, width, radius above, its change, friction above, its
-        change).
+        """Transitions of radius and friction between sections (manual: eq-borehole-transition).
 
-        Each section boundary is smoothed over max(0.5 m, 10 |dR|) centred on it, or over the shorter of its
-        two neighbouring sections when that is less, so neighbouring transitions touch at most.
+        Rows (start [m], width [m], radius above [m], its change [m], friction above [-], its change [-]).
+        Each section boundary is smoothed over max(0.5 m, 10 |dR|) centred on it, or over the shorter of its two
+        neighbouring sections where that is less, so that transitions do not overlap.
         """
         dr, df = np.diff(self.section_radius), np.diff(self.section_friction)
         length = np.diff(np.r_[-np.inf, self.section_to[:-1], np.inf])
@@ -196,7 +208,7 @@ class Well:
         return self._smoothed(md, 2, self.section_radius[0])[0]
 
     def radius_slope(self, md: ArrayLike) -> Array:
-        """dR/ds [-] at md (...) [m], exact."""
+        """Exact derivative dR/ds of the hole radius [-] at md (...) [m]."""
         return self._smoothed(md, 2, self.section_radius[0])[1]
 
     def friction(self, md: ArrayLike) -> Array:
@@ -204,10 +216,10 @@ class Well:
         return self._smoothed(md, 4, self.section_friction[0])[0]
 
     def kind(self, md: float) -> str:
-        """Kind of the section that holds md [m]."""
+        """Kind of the section at md [m]."""
         return self.section_kind[min(int(np.searchsorted(self.section_to, md)), len(self.section_kind) - 1)]
 
-    # ------------------------------------------------------------------ drilling on
+    # ------------------------------------------------------------------ growth
     def extended(
         self,
         md: float,
@@ -216,10 +228,14 @@ class Well:
         radius: float | None = None,
         friction: float | None = None,
     ) -> Well:
-        """This well with one more node: md [m] below the last node, position (3,) [m], tangent (3,).
+        """Return this well with one more node.
 
-        The last section is lengthened, or a new open-hole section added when radius [m] or friction differ
-        from it.
+        The last section becomes longer, or a new open-hole section is added where radius or friction differ from it.
+
+        md: of the node [m], below the last node; position: (3,) [m]; tangent: (3,).
+        radius: of the new hole [m]; friction: [-]; None: those of the last section.
+
+        Raises ValueError where the node is not below the last one.
         """
         if md <= self.node_md[-1]:
             raise ValueError(f"the new node at {md} m must lie below the last one at {self.node_md[-1]} m")
@@ -243,18 +259,20 @@ class Well:
         )
 
     def cut(self, md: float) -> Well:
-        """This well ending at md [m]: a planned path cut off where the hole ends, to drill on with
-        `extended`."""
+        """Return this well cut at ``md`` [m]: the drilled part of a planned path, which `extended` can continue.
+
+        Raises ValueError where the centreline does not reach to ``md``.
+        """
         if not 0 < md <= self.node_md[-1]:
             raise ValueError(f"cannot end the well at {md} m: its centreline runs to {self.node_md[-1]} m")
-        keep = self.node_md < md - 1e-6
+        above = self.node_md < md - 1e-6
         x, t, _ = self.at(md)
         sections = min(int(np.searchsorted(self.section_to, md)) + 1, len(self.section_to))
         return replace(
             self,
-            node_md=np.r_[self.node_md[keep], md],
-            node_position=np.vstack([self.node_position[keep], x]),
-            node_tangent=np.vstack([self.node_tangent[keep], t]),
+            node_md=np.r_[self.node_md[above], md],
+            node_position=np.vstack([self.node_position[above], x]),
+            node_tangent=np.vstack([self.node_tangent[above], t]),
             section_to=np.r_[self.section_to[: sections - 1], md],
             section_radius=self.section_radius[:sections],
             section_friction=self.section_friction[:sections],
@@ -278,13 +296,17 @@ class Well:
         return packed
 
     def packed(self) -> Array:
-        """The well as the C++ kernels read it: one float64 array, laid out as kernels/contact/well.hpp says
-        (read-only, cached).
-        """
+        """Pack the well for the C++ kernels: one float64 array in the layout of kernels/contact/well.hpp (read-only, cached)."""
         return self._packed
 
     def project(self, points: ArrayLike, segment: NDArray[np.int32] | None = None) -> ClosestPoints:
-        """Closest centreline points of points (n, 3) [m]; segment (n,): warm start from an earlier result."""
+        """Find the closest points of the centreline (manual: sec-borehole-projection).
+
+        points: (n, 3) positions [m].
+        segment: (n,) numbers of segments from an earlier result, from which the search starts.
+
+        Raises ValueError for a wrong shape of ``segment``.
+        """
         from drillpetsc.kernels import function, pointer
 
         x = np.ascontiguousarray(points, dtype=float).reshape(-1, 3)
@@ -302,14 +324,18 @@ class Well:
 
 
 def direction(inclination: ArrayLike, azimuth: ArrayLike) -> Array:
-    """Unit tangent (..., 3), north-east-down: (sin I cos A, sin I sin A, cos I), angles in rad."""
+    """Compute the unit tangent (..., 3), north-east-down: (sin I cos A, sin I sin A, cos I) (manual: eq-borehole-tangent).
+
+    inclination, azimuth: (...) [rad].
+    """
     i, a = np.broadcast_arrays(np.asarray(inclination, dtype=float), np.asarray(azimuth, dtype=float))
     return np.stack([np.sin(i) * np.cos(a), np.sin(i) * np.sin(a), np.cos(i)], axis=-1)
 
 
 def _angle(t0: Array, t1: Array) -> Array:
-    """Angle between unit vectors (..., 3) [rad]; 2 atan2(|t1-t0|, |t1+t0|) is accurate for small and large
-    angles alike.
+    """Compute the angle (...) [rad] between unit vectors (..., 3).
+
+    The form 2 atan2(|t1-t0|, |t1+t0|) is accurate for small and for large angles.
     """
     return 2 * np.arctan2(np.linalg.norm(t1 - t0, axis=-1), np.linalg.norm(t1 + t0, axis=-1))
 
@@ -317,11 +343,14 @@ def _angle(t0: Array, t1: Array) -> Array:
 def minimum_curvature(
     md: Array, tangents: Array, max_step: float = MAX_STEP, max_angle: float = MAX_ANGLE
 ) -> tuple[Array, Array, Array]:
-    """Nodes on the minimum-curvature arcs between stations md (k,) [m] with unit tangents (k, 3); the first
-    is md 0 at the origin.
+    """Compute nodes on the minimum-curvature arcs between stations; the first station is at md 0 at the origin.
 
-    Arc between stations (SPE 84246): x(f) = x1 + (ds/b)[sin(f b) e1 + (1 - cos f b) e2], e1 = t1, e2 = (t2 -
-    cos b t1)/sin b. Returns node md (n,) [m], position (n, 3) [m], tangent (n, 3).
+    Arc between stations (manual: eq-borehole-arc; SPE 84246):
+    x(f) = x1 + (ds/b)[sin(f b) e1 + (1 - cos f b) e2], e1 = t1, e2 = (t2 - cos b t1)/sin b.
+
+    md: (k,) measured depths of the stations [m]; tangents: (k, 3) unit tangents.
+    max_step: longest piece of an arc [m]; max_angle: largest turn of a piece [rad].
+    Returns measured depth (n,) [m], position (n, 3) [m] and tangent (n, 3) of the nodes.
     """
     nodes = [(md[0], md[0] * tangents[0], tangents[0])]
     was_straight = False
@@ -329,7 +358,7 @@ def minimum_curvature(
     for s0, s1, t0, t1, b in zip(md[:-1], md[1:], tangents[:-1], tangents[1:], turn, strict=True):
         x0, ds, straight = nodes[-1][1], s1 - s0, bool(b < STRAIGHT)
         if straight:
-            if was_straight:  # one line with the interval above
+            if was_straight:  # the interval above belongs to the same straight line
                 nodes.pop()
             nodes.append((s1, x0 + ds * t0, t1))
         else:
@@ -342,8 +371,9 @@ def minimum_curvature(
 def _arc(
     s0: float, s1: float, x0: Array, t0: Array, t1: Array, b: float, pieces: int
 ) -> list[tuple[float, Array, Array]]:
-    """Ends (md, position, tangent) of the equal pieces of the arc of angle b [rad] from s0 to s1 [m] that
-    begins at x0 (3,).
+    """Cut an arc into equal pieces; returns (md [m], position (3,) [m], tangent (3,)) of their lower ends.
+
+    The arc runs from s0 to s1 [m], starts at x0 (3,) [m], has the end tangents t0 and t1 (3,) and the angle b [rad].
     """
     e2 = t1 - np.dot(t0, t1) * t0
     e2 /= np.linalg.norm(e2)
@@ -352,18 +382,19 @@ def _arc(
         # 1 - cos = 2 sin^2(half), free of cancellation
         x = x0 + radius * (np.sin(a) * t0 + 2 * np.sin(a / 2) ** 2 * e2)
         ends.append((s0 + radius * a, x, np.cos(a) * t0 + np.sin(a) * e2))
-    ends[-1] = (s1, ends[-1][1], t1)  # the station as given
+    ends[-1] = (s1, ends[-1][1], t1)  # depth and tangent of the station without rounding
     return ends
 
 
 def _check_survey(md: ArrayLike, inclination: ArrayLike, azimuth: ArrayLike) -> tuple[Array, Array]:
+    """Return depths (k,) [m] and tangents (k, 3) of a survey; ValueError names the station that is wrong."""
     s, i, a = (np.atleast_1d(np.asarray(v, dtype=float)) for v in (md, inclination, azimuth))
     if not (s.ndim == 1 and len(s) and s.shape == i.shape == a.shape):
         raise ValueError(
             f"survey md, inclination and azimuth need the same length, got {s.shape}, {i.shape}, {a.shape}"
         )
     if not (np.isfinite(s).all() and np.isfinite(i).all() and np.isfinite(a).all()):
-        raise ValueError("the survey holds a value that is not a number")
+        raise ValueError("the survey contains a value that is not a number")
     if s[0] < 0:
         raise ValueError(f"the survey starts at {s[0]} m; measured depth counts from 0 at the rotary table")
     if (bad := np.flatnonzero(np.diff(s) <= 0)).size:
@@ -382,6 +413,7 @@ def _check_survey(md: ArrayLike, inclination: ArrayLike, azimuth: ArrayLike) -> 
 def _check_sections(
     to: ArrayLike, radius: ArrayLike, friction: ArrayLike, kind: Sequence[str] | None
 ) -> tuple[Array, Array, Array, tuple[str, ...]]:
+    """Return the checked arrays (m,) of the sections; ValueError names the section that is wrong."""
     s, r, f = (np.atleast_1d(np.asarray(v, dtype=float)) for v in (to, radius, friction))
     kinds = tuple(kind) if kind is not None else ("open_hole",) * len(s)
     if not (len(s) and s.shape == r.shape == f.shape == (len(kinds),)):

@@ -1,4 +1,4 @@
-"""A case made ready to compute: mesh, hole, rooms, model; and the string's place at the start."""
+"""From a case to a drilling model: mesh, hole, components, discrete system, initial position of the string."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from petsc4py import PETSc
 
+from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import BitBottom, DrivenTop, ForcedBottom, HeldBottom, HeldTop, LineLoad
 from drillpetsc.case.blocks.ends import TopDrive as TopDriveCase
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
-from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames, transported_frames
@@ -34,12 +34,16 @@ from drillpetsc.time_function import Constant
 
 @dataclass
 class DrillingModel:
-    """The parts of a scene; ``top`` and ``bit`` and ``contact`` are the rooms of these names, None where
-    absent.
+    """All parts of a model.
 
-    well: the hole as it is now, its newly drilled part included.  position, tangent: (n_nodes, 3) of the
-    string along the hole's axis, unstrained.  A held string has no beam; fluid: the rooms of the
-    drilling fluid, None in a dry scene.
+    case: the user's case; mesh: of the string.
+    well: the present hole, its newly drilled part included; None without a hole.
+    frames: reference frames of the nodes.
+    position: (n_nodes, 3) unstrained string along the axis of the hole [m]; tangent: (n_nodes, 3) unit tangents.
+    components: all components, in the order of the discrete system.
+    beam, top, drive, contact, bit: the components of these kinds, None where absent.  A held string has no beam.
+    system: the discrete system.
+    fluid: components of the drilling fluid, None in a dry model.
     """
 
     case: Case
@@ -59,8 +63,10 @@ class DrillingModel:
 
     @property
     def effective_mass(self) -> FloatArray:
-        """(n,) mass per length that the string weighs with [kg/m]: steel and mud in the bore, less the mud it
-        displaces."""
+        """(n,) effective mass per length [kg/m]: steel and mud in the bore, less the displaced mud.
+
+        Manual: eq-mud-buoyed-weight.
+        """
         mass = self.mesh.mass.copy()
         if self.fluid is not None and self.fluid.bore is not None:
             mass += self.fluid.constants.density * self.fluid.bore.bore.area
@@ -70,23 +76,23 @@ class DrillingModel:
 
     @property
     def drilling(self) -> interfaces.Bit | None:
-        """The bit where it cuts rock."""
+        """The bit where it cuts rock, else None."""
         return self.bit if self.bit is not None and self.bit.drills else None
 
     @property
     def breaks(self) -> tuple[float, ...]:
         """Times at which an input jumps or bends [s]."""
-        turning = self.case.top.rotation if is_quasi_static(self.case) else None
+        rotation = self.case.top.rotation if is_quasi_static(self.case) else None
         return tuple(
             sorted(
                 {b for component in self.components for b in component.breaks()}
-                | set(turning.breaks() if turning is not None else ())
+                | set(rotation.breaks() if rotation is not None else ())
             )
         )
 
 
 def build_well(case: Case) -> Well | None:
-    """The hole of the case, or None.  Raises CaseError with what the geometry refuses."""
+    """Create the hole of the case, None without one; CaseError where the geometry is impossible."""
     if case.well is None:
         return None
     survey, sections = case.well.survey, case.well.sections
@@ -105,7 +111,11 @@ def build_well(case: Case) -> Well | None:
 
 
 def build_model(case: Case, comm: PETSc.Comm | None = None) -> DrillingModel:
-    """Assemble the scene of ``case`` on a communicator."""
+    """Create the model of ``case``; collective.
+
+    comm: PETSc communicator, all ranks by default.
+    Raises CaseError where mesh or hole are impossible.
+    """
     mesh, well = build_mesh(case), build_well(case)
     position, tangent = _axis(case, mesh, well)
     frames = transported_frames(tangent)
@@ -115,9 +125,8 @@ def build_model(case: Case, comm: PETSc.Comm | None = None) -> DrillingModel:
     components: list = []
     if case.beam.formulation == "quaternion":
         breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
-        mesh = replace(
-            mesh, junction=np.zeros(0, dtype=bool)
-        )  # one strain at each node, on both sides of a change of section
+        # the quaternion element has one strain at each node, on both sides of a change of section
+        mesh = replace(mesh, junction=np.zeros(0, dtype=bool))
         contact, bit = _contact(case, mesh, well, QuaternionContact), _bit(case, mesh, well)
         beam, top, components = quaternion_components(
             case, mesh, frames, position, tangent, _loads(case, mesh, tangent), breaks, contact
@@ -130,10 +139,10 @@ def build_model(case: Case, comm: PETSc.Comm | None = None) -> DrillingModel:
         contact, bit = _contact(case, mesh, well), _bit(case, mesh, well)
         beam = Beam(mesh, frames, gravity, contact.impact_depth if contact is not None else np.inf)
         components.append(beam)
-        components += _extras(mesh, frames, gravity, balanced=is_quasi_static(case))
-        top, drive = _top_rooms(case, position[0], tangent[0])
+        components += _optional_components(mesh, frames, gravity, balanced=is_quasi_static(case))
+        top, drive = _top_components(case, position[0], tangent[0])
         components += [r for r in (top, drive) if r is not None]
-        components += _bottom_held(case, position[-1], tangent[-1])
+        components += _bottom_components(case, position[-1], tangent[-1])
         loads = _loads(case, mesh, tangent)
         if loads:
             breaks = tuple(b for q in case.loads for b in q.value_over.breaks())
@@ -166,21 +175,24 @@ def build_model(case: Case, comm: PETSc.Comm | None = None) -> DrillingModel:
 def _subscribe_to_hole(model: DrillingModel, hole: GrowingHole) -> None:
     """Subscribe the model and its components to borehole growth."""
 
-    def take(well: Well) -> None:
+    def update_well(well: Well) -> None:
         model.well = well
 
-    hole.followers.append(take)
+    hole.followers.append(update_well)
     for component in model.components:
         hole.followers.append(component.follow_hole)
 
 
 def is_quasi_static(case: Case) -> bool:
-    """Whether the case's string moves without inertia."""
+    """Whether the string of the case moves without inertia."""
     return case.time is not None and case.time.mode == "quasi_static"
 
 
-def _extras(mesh: StringMesh, frames: Frames, gravity: FloatArray, balanced: bool) -> list:
-    """What a string may have besides elements: rigid bodies, eccentric mass, stress-free curvature."""
+def _optional_components(mesh: StringMesh, frames: Frames, gravity: FloatArray, balanced: bool) -> list:
+    """Create the components for rigid bodies, eccentric mass, stress-free curvature and joints, where present.
+
+    balanced: leave out eccentric mass and unbalance.
+    """
     components: list = []
     if mesh.bodies or (mesh.eccentricity.any() and not balanced):
         components.append(RigidBodies(mesh, frames, gravity, balanced))
@@ -193,6 +205,10 @@ def _extras(mesh: StringMesh, frames: Frames, gravity: FloatArray, balanced: boo
 
 # ---------------------------------------------------------------------- geometry
 def _axis(case: Case, mesh: StringMesh, well: Well | None) -> tuple[FloatArray, FloatArray]:
+    """Compute positions [m] and unit tangents of the nodes, (n_nodes, 3) each, of the unstrained string.
+
+    The string lies along the hole, or along the initial direction of a case without a hole.
+    """
     if well is not None:
         position, tangent, _ = well.at(mesh.node_depth)
         return np.asarray(position), np.asarray(tangent)
@@ -202,15 +218,15 @@ def _axis(case: Case, mesh: StringMesh, well: Well | None) -> tuple[FloatArray, 
 
 
 # ---------------------------------------------------------------------- ends
-def _top_rooms(case: Case, position: FloatArray, tangent: FloatArray):
+def _top_components(case: Case, position: FloatArray, tangent: FloatArray):
+    """Create the top end and, for a driven top, the rotary drive; None where absent."""
     top = case.top
     if isinstance(top, HeldTop):
         return (None if top.kind == "free" else FixedEnd(0, top.kind, position, tangent)), None
     if isinstance(top, TopDriveCase):
         lowering = None if top.force is not None else top.lowering
-        rotation = (
-            Constant(0.0) if is_quasi_static(case) else top.rotation
-        )  # turning on the spot changes nothing there
+        # without inertia rotation acts through the direction of friction only
+        rotation = Constant(0.0) if is_quasi_static(case) else top.rotation
         return TopDrive(position, tangent, rotation, lowering), None
     assert isinstance(top, DrivenTop)
     return TopDrive(position, tangent, None, top.lowering), RotaryDrive(
@@ -223,7 +239,8 @@ def _top_breaks(case: Case) -> tuple[float, ...]:
     return force.breaks() if force is not None else ()
 
 
-def _bottom_held(case: Case, position: FloatArray, tangent: FloatArray) -> list[FixedEnd]:
+def _bottom_components(case: Case, position: FloatArray, tangent: FloatArray) -> list[FixedEnd]:
+    """Create the fixed lower end of a clamped or pinned string."""
     bottom = case.bottom
     if not isinstance(bottom, HeldBottom) or bottom.kind == "free":
         return []
@@ -234,6 +251,7 @@ def _bottom_held(case: Case, position: FloatArray, tangent: FloatArray) -> list[
 def _contact(
     case: Case, mesh: StringMesh, well: Well | None, kind: type[Contact] = Contact
 ) -> Contact | None:
+    """Create the wall contact of the string, None without one; ``kind``: its class."""
     c = case.contact
     if c is None or well is None:
         return None
@@ -255,6 +273,7 @@ def _contact(
 
 
 def _bit(case: Case, mesh: StringMesh, well: Well | None) -> BitOnBottom | RockBit | None:
+    """Create the bit of a string on bottom, None without one."""
     bottom = case.bottom
     if not isinstance(bottom, BitBottom) or well is None:
         return None
@@ -283,6 +302,7 @@ def hole_depth(case: Case) -> float:
 
 # ---------------------------------------------------------------------- loads
 def _loads(case: Case, mesh: StringMesh, tangent: FloatArray) -> tuple[NodeLoad, ...]:
+    """Create the nodal loads of the case, those of the ends included."""
     out: list[NodeLoad] = []
     for load in case.loads:
         factor = (
@@ -305,11 +325,13 @@ def _loads(case: Case, mesh: StringMesh, tangent: FloatArray) -> tuple[NodeLoad,
 
 
 def _line_load(load: LineLoad, mesh: StringMesh, section: bool, factor) -> list[NodeLoad]:
-    """Consistent nodal loads of a uniform load between two depths: integrals of the cubic shape functions
-    over the covered part.
+    """Compute consistent nodal loads of a uniform load between two depths (manual: eq-beam-node-load).
 
-    In section axes (which turn with the pipe) force and moment are shared out linearly between an element's
-    nodes instead.
+    They are integrals of the cubic shape functions over the loaded part.  In section axes, which turn with the pipe,
+    force and moment are distributed linearly between an element's nodes.
+
+    section: the load is given in section axes.
+    factor: its factor as a function of time [s], None: constant.
     """
     f, m, out = np.array(load.force), np.array(load.moment), []
     for e in range(len(mesh.upper)):

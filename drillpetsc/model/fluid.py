@@ -1,4 +1,4 @@
-"""From a case's fluid to its rooms: bore, annulus and bit."""
+"""From the fluid of a case to its components: bore, annulus and bit (manual: sec-mud)."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.fluid import flow_constants
 from drillpetsc.case.blocks.string import Pipe, Rigid
 from drillpetsc.case.blocks.well import Section
 from drillpetsc.case.case import Case
-from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
@@ -27,15 +27,17 @@ from drillpetsc.physics.fluid.hermite_flow import HermiteAnnulus, HermiteBit, He
 from drillpetsc.physics.fluid.moving_hole import LateralCoefficients, MovingHole
 from drillpetsc.physics.fluid.rheology import Rheology
 
-NEAREST_WALL = 0.98  # eccentricity above which the added mass stays as it is
+LARGEST_ECCENTRICITY = 0.98  # eccentricity [-] above which the added mass is constant
 
 
 @dataclass(frozen=True)
 class FluidComponents:
-    """Rooms of the drilling fluid; None where the scene has no such channel.
+    """Components of the drilling fluid.
 
-    volumes: with formulation hermite, nodal volumes (n+1,) [m3] by field for still fluid under a pressure at
-    the top [Pa].
+    constants: of the fluid.
+    bore, annulus, bit: None where the model has no such channel.
+    volumes(pressure): nodal volumes (n+1,) [m3] by field of fluid at rest under a pressure at the top [Pa]; only with
+    formulation hermite.
     """
 
     constants: FluidConstants
@@ -46,11 +48,12 @@ class FluidComponents:
 
     @property
     def components(self) -> tuple:
+        """The components that are present."""
         return tuple(r for r in (self.bore, self.annulus, self.bit) if r is not None)
 
 
 def build_rheology(case: Case) -> Rheology:
-    """Rheology of the case's fluid."""
+    """Create the rheology of the case's fluid."""
     assert case.fluid is not None
     q = case.fluid.rheology
     consistency, index, yield_stress = flow_constants(q)
@@ -72,8 +75,11 @@ def build_fluid(
     tangent: FloatArray,
     hole: GrowingHole | None = None,
 ) -> FluidComponents | None:
-    """Rooms of the case's fluid, None without one; position, tangent (n+1, 3) of the nodes along the hole;
-    hole: where the bit drills."""
+    """Create the components of the case's fluid, None without one.
+
+    position, tangent: (n+1, 3) of the nodes along the hole [m, -].
+    hole: the growing hole of a bit that drills, else None.
+    """
     f = case.fluid
     if f is None:
         return None
@@ -81,7 +87,7 @@ def build_fluid(
     constants = FluidConstants(
         f.density, f.bulk_modulus, gravity, build_rheology(case).parameters(), f.clinging
     )
-    narrowing, held = poisson(case, mesh), position if case.hold_string else None
+    narrowing, fixed_position = poisson(case, mesh), position if case.hold_string else None
     hermite = f.formulation == "hermite"
     bore_flow: BoreFlow | None = None
     annulus: AnnulusFlow | None = None
@@ -89,42 +95,46 @@ def build_fluid(
     if case.has_bore:
         flow, bore = None if f.pump_pressure is not None else f.flow_rate, build_bore(case, mesh)
         if hermite:
-            bore_flow = HermiteBore(mesh, bore, constants, narrowing, f.flow_rate, case.bottom.plugged, held)
+            bore_flow = HermiteBore(
+                mesh, bore, constants, narrowing, f.flow_rate, case.bottom.plugged, fixed_position
+            )
         else:
-            bore_flow = BoreFlow(mesh, bore, constants, narrowing, flow, f.pump_pressure, held)
+            bore_flow = BoreFlow(mesh, bore, constants, narrowing, flow, f.pump_pressure, fixed_position)
     if case.has_annulus:
         assert well is not None
         walls = build_walls(case, mesh)
         sizes = walls.annulus(HoleVolume(well), np.arange(len(mesh.upper)), mesh.upper, mesh.lower)
         chi = _added_mass(case, sizes)
-        if not case.hold_string and (hole is not None or not _same_everywhere(well, walls)):
+        if not case.hold_string and (hole is not None or not _is_uniform(well, walls)):
             moving_hole = MovingHole(
-                mesh, walls, lambda: well if hole is None else hole.well, partial(_sideways, case)
+                mesh, walls, lambda: well if hole is None else hole.well, partial(_lateral_coefficients, case)
             )
-        around = (
+        arguments = (
             mesh,
             sizes,
             well,
             constants,
             narrowing,
-            _sideways(case, sizes),
+            _lateral_coefficients(case, sizes),
             f.outlet_pressure,
             f.flow_line,
             moving_hole,
-            held,
+            fixed_position,
         )
-        valve = 0.0 if f.choke is None else 1 / (2 * f.choke.discharge_coefficient**2 * f.choke.area**2)
-        annulus = HermiteAnnulus(*around, pump=f.flow_rate) if hermite else AnnulusFlow(*around, choke=valve)
+        choke = 0.0 if f.choke is None else 1 / (2 * f.choke.discharge_coefficient**2 * f.choke.area**2)
+        annulus = (
+            HermiteAnnulus(*arguments, pump=f.flow_rate) if hermite else AnnulusFlow(*arguments, choke=choke)
+        )
     bit: BitFlow | None = None
     if bore_flow is not None and not case.bottom.plugged or annulus is not None:
         end = _bit_end(case, mesh, well, sizes, chi, position, tangent)
         if hole is not None:
-            end = _drilled(end, hole, f.cuttings == "returned")
-        bit = BitFlow(mesh.nodes - 1, end, constants, held, moving_hole, hole)
+            end = _in_growing_hole(end, hole, f.cuttings == "returned")
+        bit = BitFlow(mesh.nodes - 1, end, constants, fixed_position, moving_hole, hole)
         if hermite:
-            pair: Any = (bore_flow, annulus)  # Hermite channels both
+            pair: Any = (bore_flow, annulus)  # both are Hermite channels
             bit = HermiteBit(
-                mesh.nodes - 1, end, constants, f.flow_rate, pair[0], pair[1], position[-1], held
+                mesh.nodes - 1, end, constants, f.flow_rate, pair[0], pair[1], position[-1], fixed_position
             )
     volumes = None
     if hermite:
@@ -138,6 +148,7 @@ def build_fluid(
 
 
 def _added_mass(case: Case, sizes: Annulus) -> FloatArray:
+    """Compute the added-mass coefficient chi (n,) [-] of the elements (manual: eq-mud-chi)."""
     kind = case.fluid.added_mass  # type: ignore[union-attr]
     if kind in ("confined", "eccentric"):
         return np.asarray(chi_confined(sizes.outer_diameter, sizes.hole_diameter))
@@ -148,15 +159,21 @@ def _added_mass(case: Case, sizes: Annulus) -> FloatArray:
 
 @lru_cache(maxsize=256)
 def _added_mass_table(inner: float, outer: float) -> tuple[FloatArray, FloatArray]:
-    """Eccentricities, closer towards the wall, and the added mass there for diameters of string and hole [m];
-    it has no limit at the wall, the table ends at ``NEAREST_WALL``."""
-    places = NEAREST_WALL * np.sin(np.linspace(0, np.pi / 2, 60))
-    return places, np.array([chi_eccentric(inner, outer, e) for e in places])
+    """Tabulate the added-mass coefficient [-] by eccentricity [-] (manual: eq-mud-chi-eccentric).
+
+    The coefficient has no limit at the wall; the table ends at ``LARGEST_ECCENTRICITY``, its points are denser there.
+
+    inner, outer: diameters of string and hole [m].
+    """
+    eccentricities = LARGEST_ECCENTRICITY * np.sin(np.linspace(0, np.pi / 2, 60))
+    return eccentricities, np.array([chi_eccentric(inner, outer, e) for e in eccentricities])
 
 
-def _added_mass_by_place(eccentricity: FloatArray, inner: FloatArray, outer: FloatArray) -> FloatArray:
-    """Added mass (k,) of elements of outer diameters ``inner`` in holes ``outer`` (k,) [m], to 0.1 mm, at
-    eccentricities (k,)."""
+def _added_mass_at(eccentricity: FloatArray, inner: FloatArray, outer: FloatArray) -> FloatArray:
+    """Compute the added-mass coefficients (k,) [-] of elements at eccentricities (k,) [-].
+
+    inner, outer: (k,) outer diameters of the elements and diameters of the hole [m], rounded to 0.1 mm.
+    """
     sizes, which = np.unique(np.round(np.column_stack([inner, outer]), 4), axis=0, return_inverse=True)
     out, which = np.empty(len(eccentricity)), np.ravel(which)
     for k, (d, w) in enumerate(sizes):
@@ -165,16 +182,19 @@ def _added_mass_by_place(eccentricity: FloatArray, inner: FloatArray, outer: Flo
 
 
 def shear_viscosity(case: Case, shear_rate: FloatArray) -> FloatArray:
-    """Apparent viscosity [Pa s] of the fluid at a shear rate [1/s]."""
+    """Compute the apparent viscosity (n,) [Pa s] of the fluid at shear rates (n,) [1/s]."""
     consistency, index, yield_stress = flow_constants(case.fluid.rheology)  # type: ignore[union-attr]
     if case.fluid.rheology.model == "casson":  # type: ignore[union-attr]
         return (np.sqrt(yield_stress) + np.sqrt(consistency * shear_rate)) ** 2 / shear_rate
     return yield_stress / shear_rate + consistency * shear_rate ** (index - 1)
 
 
-def _sideways(case: Case, sizes: Annulus) -> LateralCoefficients:
-    """Added mass, damping, and drag of turning; the viscosity is that at the wall of a pipe turning at the
-    reference speed, where the shear rate is 2 omega/(1 - (Do/Dw)^2) (Couette)."""
+def _lateral_coefficients(case: Case, sizes: Annulus) -> LateralCoefficients:
+    """Compute added mass, lateral damping (manual: eq-mud-stokes-coefficients) and rotational drag of the elements.
+
+    The viscosity is that at the wall of a pipe that rotates at the reference speed omega, where the shear rate is
+    2 omega/(1 - (Do/Dw)^2) (Couette).
+    """
     f = case.fluid
     assert f is not None
     inner, outer, speed = sizes.outer_diameter, sizes.hole_diameter, f.lateral_damping_speed
@@ -187,19 +207,19 @@ def _sideways(case: Case, sizes: Annulus) -> LateralCoefficients:
         damping = each[np.ravel(where)]
     else:
         damping = np.full(len(inner), float(f.lateral_damping))
-    turning = np.zeros(len(inner))
+    rotation_drag = np.zeros(len(inner))
     if f.rotation_drag:  # 4 pi mu Ro^2 Rw^2/(Rw^2 - Ro^2) per length and spin (Couette)
-        turning = np.pi * viscosity * inner**2 * outer**2 / (outer**2 - inner**2)
+        rotation_drag = np.pi * viscosity * inner**2 * outer**2 / (outer**2 - inner**2)
     return LateralCoefficients(
         _added_mass(case, sizes),
         damping,
-        turning,
-        _added_mass_by_place if f.added_mass == "eccentric" else None,
+        rotation_drag,
+        _added_mass_at if f.added_mass == "eccentric" else None,
     )
 
 
-def _same_everywhere(well: Well, walls: AnnulusWalls) -> bool:
-    """Whether size, direction and wall of the hole are the same all the way down."""
+def _is_uniform(well: Well, walls: AnnulusWalls) -> bool:
+    """Whether size, direction and wall compliance of the hole are the same at every depth."""
     straight = np.allclose(well.node_tangent, well.node_tangent[0], atol=1e-12)
     return bool(straight) and not len(well.transitions) and len(set(walls.give)) == 1
 
@@ -213,6 +233,11 @@ def _bit_end(
     position: FloatArray,
     tangent: FloatArray,
 ) -> BitEnd:
+    """Create the data of the flow at the lower end.
+
+    sizes: of the annulus, None without one; chi: (n,) added-mass coefficients [-].
+    position, tangent: (n+1, 3) of the nodes [m, -].
+    """
     f, last = case.fluid, case.string[-1]
     assert f is not None
     open_end = case.has_bore and not case.bottom.plugged
@@ -245,8 +270,11 @@ def _bit_end(
     )
 
 
-def _drilled(end: BitEnd, hole: GrowingHole, returned: bool) -> BitEnd:
-    """The same in a hole that is drilled on: its end is where the bit's centre is on bottom."""
+def _in_growing_hole(end: BitEnd, hole: GrowingHole, returned: bool) -> BitEnd:
+    """Return ``end`` for a growing hole, whose end is the centre of the bit on bottom.
+
+    returned: the mud returns the cuttings (manual: sec-mud-cuttings).
+    """
     return replace(
         end,
         end=hole.first,

@@ -1,4 +1,4 @@
-"""From the case's string items to elements, nodes, rigid items: the string mesh."""
+"""From the string items of a case to the string mesh: elements, nodes, rigid items, joints."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from drillpetsc.case.checks.limits import element_count
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.string_mesh import RigidItem, StringJoint, StringMesh, tube
 
-BEND_LENGTH = 0.5  # a bent sub's kink is spread over an element of this length [m]
-SAME_PLACE = 1e-6  # depths closer than this are one node [m]
+BEND_LENGTH = 0.5  # the kink of a bent sub is distributed over an element of this length [m] (manual: sec-junctions-bend)
+NODE_TOLERANCE = 1e-6  # depths closer than this are one node [m]; relative beyond 1 m
 
 
 def build_mesh(case: Case) -> StringMesh:
-    """Mesh the string of ``case``; nodes stand at item ends, at point loads and wherever element_length asks.
+    """Mesh the string of ``case``, with nodes at item ends, at point loads, at joints and by element_length.
 
-    Raises CaseError where nothing of the string is flexible.
+    Raises CaseError where no item of the string is flexible, or a bend is right below a joint.
     """
     if not any(isinstance(item, Flexible) for item in case.string):
         raise CaseError(
@@ -35,19 +35,19 @@ def build_mesh(case: Case) -> StringMesh:
     rigid: list = []
     pending: list = []
     joints: list[StringJoint] = []
-    waiting = sorted(case.joints, key=lambda j: j.at)
+    remaining = sorted(case.joints, key=lambda j: j.at)
 
-    def place_joint(item, depth: float) -> None:
-        """The joint at ``depth``, if there is one, as a row without length below what hangs so far."""
-        if waiting and abs(waiting[0].at - depth) <= SAME_PLACE * max(1.0, depth):
-            joint = waiting.pop(0)
+    def add_joint(item, depth: float) -> None:
+        """Add the joint at ``depth`` [m], if there is one, as a row without length below the pending rigid items."""
+        if remaining and abs(remaining[0].at - depth) <= NODE_TOLERANCE * max(1.0, depth):
+            joint = remaining.pop(0)
             joints.append(_joint(joint, len(rows)))
             rows.append((-1, item, depth, depth, sum(q.length for _, q in pending), None))
             pending.clear()
 
     for number, item in enumerate(case.string):
         top, bottom = case.item_depths[number]
-        place_joint(item, top)
+        add_joint(item, top)
         if isinstance(item, Flexible):
             edges = _edges(case, number, item, top, bottom)
             above = sum(q.length for _, q in pending)
@@ -58,7 +58,7 @@ def build_mesh(case: Case) -> StringMesh:
             )
             for k, (a, b) in enumerate(zip(edges, edges[1:], strict=False)):
                 if k:
-                    place_joint(item, a)
+                    add_joint(item, a)
                 rows.append((number, item, a, b, above if k == 0 else 0.0, bent if k == 0 else None))
             pending.clear()
         else:
@@ -87,7 +87,7 @@ def _bend_of(item: Item) -> Bend | None:
 
 
 def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -> list[float]:
-    """Measured depths of the element ends of a flexible item."""
+    """Compute the measured depths [m] of the element ends of a flexible item between ``top`` and ``bottom`` [m]."""
     edges = list(np.linspace(top, bottom, element_count(item) + 1))
     extra: list[float] = []
     if _bend_of(item) and item.length > 2 * BEND_LENGTH:
@@ -99,18 +99,19 @@ def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -
         if isinstance(load, PointLoad) and top < load.at < bottom:
             extra.append(load.at)
     extra += [joint.at for joint in case.joints if top < joint.at < bottom]
-    for at in (
-        extra
-    ):  # elements as short as the case asks for are kept; what lies on one of their ends is not another
+    # a depth at an existing element end adds no node; elements may be as short as the case gives them
+    for at in extra:
         k = bisect_left(edges, at)
-        if min(at - edges[k - 1], edges[k] - at) > SAME_PLACE * max(1.0, at):
+        if min(at - edges[k - 1], edges[k] - at) > NODE_TOLERANCE * max(1.0, at):
             edges.insert(k, at)
     return edges
 
 
 def _with_sections(rows: list) -> list:
-    """Rows of joints take number and item of the element above (below the first): their section counts
-    nowhere, but must be a number."""
+    """Give the rows of joints number and item of the element above, those at the top of the element below.
+
+    The section of a joint has no effect, but must be a number.
+    """
     out, last = [], next((row for row in rows if row[0] >= 0), None)
     for row in rows:
         if row[0] >= 0:
@@ -120,6 +121,7 @@ def _with_sections(rows: list) -> list:
 
 
 def _section(item: Flexible) -> dict[str, float]:
+    """Section values of a flexible item, in the units of ``StringMesh``."""
     if isinstance(item, Pipe):
         m = item.material
         values = tube(item.od, item.id, m.young, m.poisson, m.density)
@@ -137,10 +139,12 @@ def _section(item: Flexible) -> dict[str, float]:
 
 
 def _polar(size: float, angle: float) -> tuple[float, float]:
+    """Components along the directors of a vector of ``size`` at ``angle`` [rad]."""
     return size * np.cos(angle), size * np.sin(angle)
 
 
 def _curvature(case: Case, item: Flexible, a: float, b: float, bend) -> tuple[float, float]:
+    """Stress-free curvature [1/m] along the directors of the element from a to b [m] (manual: eq-bend-curvature)."""
     k = np.array(_polar(item.curvature, item.curvature_angle))
     if bend:
         k += np.array(_polar(bend.angle / (b - a), bend.tool_face))
@@ -148,9 +152,14 @@ def _curvature(case: Case, item: Flexible, a: float, b: float, bend) -> tuple[fl
 
 
 def _assemble(case: Case, rows, rigid, joints: tuple[StringJoint, ...]) -> StringMesh:
+    """Assemble the mesh.
+
+    rows: (number, item, upper, lower, rigid length above, bend) of each element and joint, depths in m.
+    rigid: (number, item, node, distance from the node down to the item [m]) of each rigid item.
+    """
     n = len(rows)
     rows = _with_sections(rows)
-    is_joint = np.zeros(n + 2, dtype=bool)  # one more at either end
+    is_joint = np.zeros(n + 2, dtype=bool)  # with one more entry at either end
     is_joint[[1 + j.cell for j in joints]] = True
     sections = {number: _section(item) for number, item, *_ in rows}
     keys = (
@@ -191,12 +200,9 @@ def _assemble(case: Case, rows, rigid, joints: tuple[StringJoint, ...]) -> Strin
         if isinstance(load, PointLoad):
             node = int(np.argmin(np.abs(node_depth - load.at)))
             junction[node] |= 0 < node < n
-    for node in np.flatnonzero(
-        is_joint[:-1] | is_joint[1:]
-    ):  # no strain is common to the parts at a joint, the bar between it and
-        junction[node] = (
-            node < n and not is_joint[node + 1] and above[node] > 0
-        )  # the element below is what a ratio stands for
+    # the parts at a joint have no common strain; a stretch ratio belongs to the rigid item between joint and element
+    for node in np.flatnonzero(is_joint[:-1] | is_joint[1:]):
+        junction[node] = node < n and not is_joint[node + 1] and above[node] > 0
     junction[0] = above[0] > 0 and not is_joint[1] if n else False
     friction = np.array([np.nan if item.friction is None else item.friction for _, item, *_ in rows])
     eccentricity = np.array([_polar(item.eccentricity, item.eccentricity_angle) for _, item, *_ in rows])
@@ -218,6 +224,7 @@ def _assemble(case: Case, rows, rigid, joints: tuple[StringJoint, ...]) -> Strin
 
 
 def _body(item: Any, node: int, before: float) -> RigidItem:
+    """Create a rigid item at ``node``; ``before``: distance from the node down to its upper end [m]."""
     along, *across = item.center_of_gravity
     offset = np.array(across)
     if item.mass > 0:

@@ -1,4 +1,4 @@
-"""From a case to the string with quaternion elements: beam, ends and loads."""
+"""From a case to a string with quaternion elements: beam, ends and loads (manual: sec-quaternion)."""
 
 from __future__ import annotations
 
@@ -28,7 +28,13 @@ def quaternion_components(
     breaks: tuple[float, ...],
     contact: Contact | None,
 ) -> tuple[QuaternionBeam, ConstrainedEnd | None, list]:
-    """Beam, what holds the top (None: nothing), and all components of the string."""
+    """Create the components of a string with quaternion elements.
+
+    position, tangent: (n_nodes, 3) of the unstrained string [m, -].
+    loads: nodal loads; breaks: times at which they jump or bend [s].
+    contact: wall contact, None without one.
+    Returns the beam, the constrained top end (None where it is free), and all components.
+    """
     finest = contact.impact_depth if contact is not None else np.inf
     beam = QuaternionBeam(
         mesh, frames, np.array(case.gravity, dtype=float), case.beam.constraint or "index3", finest
@@ -45,17 +51,18 @@ def quaternion_components(
 def _constrained_end(
     beam: QuaternionBeam,
     vertex: int,
-    places: int,
-    turns: int,
+    positions: int,
+    rotations: int,
     position: FloatArray,
     tangent: FloatArray,
     *inputs,
 ) -> ConstrainedEnd:
+    """Create an end with constrained ``positions`` and ``rotations`` (numbers of each)."""
     return ConstrainedEnd(
         vertex,
         beam.mesh.nodes,
-        places,
-        turns,
+        positions,
+        rotations,
         position,
         beam.start[vertex],
         tangent,
@@ -73,7 +80,7 @@ def _top(
         return _constrained_end(
             beam, 0, 2 if lowering is None else 3, 3, position, tangent, lowering, top.rotation
         )
-    assert isinstance(top, HeldTop)  # the case refuses the others
+    assert isinstance(top, HeldTop)  # the check of the case refuses other kinds
     return (
         None
         if top.kind == "free"

@@ -1,12 +1,12 @@
-"""From the case's formation block to the room of the bit that cuts rock, and how drilling begins."""
+"""From the formation block of a case to the component of the bit that cuts rock (manual: sec-bit-start)."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.case import Case
-from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
@@ -15,14 +15,14 @@ from drillpetsc.physics.rock_bit import BitContact, BitShape, DragBit, Layer, Ro
 
 
 def build_rock_bit(case: Case, mesh: StringMesh, well: Well) -> RockBit:
-    """The bit of a case with a formation."""
+    """Create the bit of a case with a formation, and the growing hole below it."""
     formation, bottom = case.formation, case.bottom
     assert formation is not None and isinstance(bottom, BitBottom) and case.well is not None
     item = next((b for b in reversed(mesh.bodies) if b.kind == "bit"), None)
     radius = item.radius if item is not None else 0.5 * float(mesh.outer_diameter[-1])
     length = item.length if item is not None else 0.0
     face = mesh.total_length - float(mesh.node_depth[-1])
-    # the cutting part of a bit is about as high as it is wide; what is above it does not touch the hole
+    # the cutting part of a bit is about as high as wide; the part above it does not touch the hole
     shape = BitShape(face, radius, 0.5 * min(length, 2 * radius) or 0.5 * radius)
     start, friction = float(case.well.survey.md[-1]), float(case.well.sections[-1].friction)  # type: ignore[arg-type]
     hole = GrowingHole(well, shape.half, radius + formation.overgauge, friction, formation.freeze_interval)
@@ -31,9 +31,9 @@ def build_rock_bit(case: Case, mesh: StringMesh, well: Well) -> RockBit:
     if c is None:
         contact = BitContact(bottom.stiffness, bottom.stiffness, bottom.friction, wall)
     else:
-        side = c.stiffness * length if c.law == "linear" and length > 0 else bottom.stiffness
+        lateral = c.stiffness * length if c.law == "linear" and length > 0 else bottom.stiffness
         damping = damping_factor(c.restitution, c.restitution_speed)
-        contact = BitContact(bottom.stiffness, side, bottom.friction, wall, c.slip_velocity, damping)
+        contact = BitContact(bottom.stiffness, lateral, bottom.friction, wall, c.slip_velocity, damping)
     rock = Rock(
         _layers(formation, start),
         formation.reference_speed,
@@ -47,6 +47,7 @@ def build_rock_bit(case: Case, mesh: StringMesh, well: Well) -> RockBit:
 
 
 def _law(law, radius: float) -> DragBit | Weakening | None:
+    """Create the torque law of a bit of ``radius`` [m]; None for friction at the rock."""
     if law.kind == "drag_bit":
         return DragBit(
             law.blades,
@@ -65,7 +66,7 @@ def _law(law, radius: float) -> DragBit | Weakening | None:
 
 
 def _layers(formation, start: float) -> tuple[Layer, ...]:
-    """The rock that lies at and below the hole's end at ``start`` [m], from the top down."""
+    """Return the rock at and below the hole's end at ``start`` [m], from the top down."""
     rows = [(-np.inf, formation), *((q.from_, q) for q in formation.layers)]
     if formation.layers and formation.layers[-1].to is not None:
         rows.append((formation.layers[-1].to, formation))
@@ -74,6 +75,7 @@ def _layers(formation, start: float) -> tuple[Layer, ...]:
 
 
 def _layer(q, start: float) -> Layer:
+    """Create a layer; ``start``: its top below the end of the hole [m], negative for the first layer."""
     return Layer(
         start,
         q.drillability,
@@ -86,10 +88,10 @@ def _layer(q, start: float) -> Layer:
 
 
 def rock_matrix(rock) -> FloatArray:
-    """(3, 3) M_r = n n + I_1 d d + I_2 s s with the bedding's normal n, the direction of dip d and of strike
-    s (north, east, down).
+    """Compute the rock anisotropy matrix (3, 3), M_r = n n + I_1 d d + I_2 s s (manual: eq-bit-rock-matrix).
 
-    The bedding dips by ``dip`` towards ``dip_azimuth``: a level bed has its normal upright.
+    n is the normal of the bedding, d the direction of its dip, s that of its strike, in north, east, down.  The bedding
+    dips by ``dip`` [rad] towards ``dip_azimuth`` [rad]; horizontal bedding has a vertical normal.
     """
     dip, azimuth = rock.dip, rock.dip_azimuth
     d = np.array([np.cos(dip) * np.cos(azimuth), np.cos(dip) * np.sin(azimuth), np.sin(dip)])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.geometry.trajectory import COURSE, angles, dogleg_severity, faithful
+from drillpetsc.geometry.trajectory import COURSE, angles, dogleg_severity, refine_stations
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output import RunFolder, write_table, write_well
@@ -40,7 +40,7 @@ def stations(model: DrillingModel, well: Well) -> FloatArray:
             ]
         )
     )
-    return faithful(well, md[np.append(True, np.diff(md) > 1e-6)])
+    return refine_stations(well, md[np.append(True, np.diff(md) > 1e-6)])
 
 
 def write_well_files(model: DrillingModel, folder: RunFolder) -> None:

@@ -7,7 +7,8 @@ import ctypes
 
 import numpy as np
 
-from drillpetsc.fem.component import ElementBlock, Energies, Field, FloatArray, Powers
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
 from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames

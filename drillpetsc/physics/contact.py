@@ -11,7 +11,8 @@ from itertools import product
 
 import numpy as np
 
-from drillpetsc.fem.component import Component, ElementBlock, Energies, FloatArray, Powers
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import Component, ElementBlock, Energies, Powers
 from drillpetsc.fem.quadrature import exposed_ends, rule
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringMesh

@@ -8,7 +8,8 @@ from typing import Protocol
 
 import numpy as np
 
-from drillpetsc.fem.component import Component, ElementBlock, Energies, FloatArray, Powers, PrescribedMotion
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import Component, ElementBlock, Energies, Powers, PrescribedMotion
 from drillpetsc.geometry.frames import Frames, high_side
 from drillpetsc.physics.interfaces import Top
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices

@@ -5,16 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import (
-    Component,
-    ElementBlock,
-    Energies,
-    Field,
-    FloatArray,
-    IntArray,
-    Powers,
-    VelocityStabilization,
-)
+from drillpetsc.arrays import FloatArray, IntArray
+from drillpetsc.fem.component import Component, ElementBlock, Energies, Field, Powers, VelocityStabilization
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringJoint, StringMesh
 from drillpetsc.geometry.frames import Frames

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import Component, ElementBlock, Energies, FloatArray
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import Component, ElementBlock, Energies
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer

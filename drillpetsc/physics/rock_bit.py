@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.fem.component import ElementBlock, Energies, Field, FloatArray, Powers
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well

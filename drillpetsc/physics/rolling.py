@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import Component, ElementBlock, Field, FloatArray
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import Component, ElementBlock, Field
 from drillpetsc.physics.joints import SCALE
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 

@@ -1,5 +1,8 @@
-"""ElementBlock tridiagonal LU of one run of nodes on one process: the packed storage and the calls into
-kernels/chain/chain.cpp."""
+"""Block tridiagonal LU of one run of nodes on one process: packed storage, and calls into kernels/chain/chain.cpp.
+
+Manual: eq-chain-thomas (factorisation), eq-chain-sweeps (solve), eq-chain-fill (fill towards an interface),
+eq-chain-inertia (negative eigenvalues), sec-chain-storage.
+"""
 
 from __future__ import annotations
 
@@ -8,9 +11,8 @@ import numpy as np
 from drillpetsc.kernels import function, pointer
 
 LARGEST_BLOCK = 32  # unknowns per node; MAX_LD of kernels/chain/chain.cpp
-_SIZE, _LD, _DIAG, _UPPER, _LOWER, _LFAC, _LEFT, _TOP, _VEC = range(
-    9
-)  # columns of the table, as in kernels/chain/chain.cpp
+# columns of the table, as in kernels/chain/chain.cpp
+_SIZE, _LD, _DIAG, _UPPER, _LOWER, _LFAC, _LEFT, _TOP, _VEC = range(9)
 
 _factor = function("chain_factor", "iippppppppdppp", int)
 _forward = function("chain_forward", "iippppp")
@@ -20,52 +22,59 @@ _residual = function("chain_residual", "ipppp")
 
 
 def aligned(count: int) -> np.ndarray:
-    """Zeros that start on a cache line."""
+    """Allocate ``count`` zeros that start on a cache line."""
     raw = np.zeros(count + 8)
     start = -(pointer(raw) // 8) % 8
     return raw[start : start + count]
 
 
 class Piece:
-    """Packed blocks of one run of nodes on one process; knows no MPI.
+    """Packed blocks of one run of n nodes on one process, without MPI.
 
-    sizes: (n,) unknowns per node; keep: bit 0 / 1: the first / last node is a joint, left over by the
-    elimination.
-    vec: padded vectors have ``length`` entries; node i starts at ``table[i, VEC]``.
+    sizes: (n,) unknowns per node.
+    interfaces: bit 0 (1) is set where the first (last) node is an interface, which the elimination leaves.
+
+    store: blocks of the matrix, later of its factors; saved: copy of the matrix for refinement, or None.
+    blocks: copy of the pivot blocks for ``negative_eigenvalues``, or None.
+    length: entries of a padded vector; node i starts at ``table[i, _VEC]``.
+    stats: (4,) column without a pivot, smallest and largest pivot ratio, node of the smallest.
     """
 
-    def __init__(self, sizes: np.ndarray, keep: int):
+    def __init__(self, sizes: np.ndarray, interfaces: int):
         n, b = len(sizes), np.asarray(sizes, dtype=np.int64)
         ld = -(-b // 4) * 4
         after = np.append(b, 0)[1:]  # columns of A(i,i+1)
         before = np.append(0, b)[:-1]
-        own = np.stack([ld * b, ld * after, ld * before, ld * b], axis=1)
-        start = np.concatenate([[0], np.cumsum(own.ravel())])
+        block_sizes = np.stack([ld * b, ld * after, ld * before, ld * b], axis=1)
+        start = np.concatenate([[0], np.cumsum(block_sizes.ravel())])
         table = np.zeros((n, 9), dtype=np.int64)
         table[:, _SIZE], table[:, _LD] = b, ld
         table[:, [_DIAG, _UPPER, _LOWER, _LFAC]] = start[:-1].reshape(n, 4)
         self.matrix = end = int(start[-1])  # entries of ``store`` without the fill to node 0
-        if keep & 1:
+        if interfaces & 1:
             for column, need in ((_LEFT, ld * b[0]), (_TOP, ld[0] * b)):
                 table[:, column] = end + np.cumsum(need) - need
                 end += int(need.sum())
             # at node 1 the fill is the matrix itself
             table[1:2, _LEFT], table[1:2, _TOP] = table[1:2, _LOWER], table[0, _UPPER]
         table[:, _VEC] = np.cumsum(ld) - ld
-        self.n, self.keep, self.table, self.length = n, keep, table, int(ld.sum())
+        self.n, self.interfaces, self.table, self.length = n, interfaces, table, int(ld.sum())
         self.store, self.inverse = aligned(end), aligned(self.length)
         self.pivot = np.zeros(self.length, dtype=np.int32)
-        self.stats = np.zeros(
-            4
-        )  # column without a pivot, smallest and largest pivot ratio, node of the smallest
+        self.stats = np.zeros(4)
         self.saved: np.ndarray | None = None
         self.blocks: np.ndarray | None = None
-        self._piece = (n, keep, pointer(table), pointer(self.store))
+        self._piece = (n, interfaces, pointer(table), pointer(self.store))
         self._lu = (pointer(self.inverse), pointer(self.pivot))
 
-    def place_entries(self, row_node, row_at, column_node, column_at, source) -> None:
-        """values[source] goes to (component row_at of row_node, component column_at of column_node); all (m,)
-        int."""
+    def set_entries(self, row_node, row_at, column_node, column_at, source) -> None:
+        """Set the positions of m matrix entries in the blocks; all arguments are (m,) int.
+
+        row_node, column_node: local nodes of row and column, equal or neighbours.
+        row_at, column_at: components within these nodes.
+        source: number of the entry in the values of ``factor``; duplicates add up.
+        Raises ValueError where an entry couples nodes that are not neighbours.
+        """
         t, step = self.table, column_node - row_node
         if np.any(np.abs(step) > 1):
             k = int(np.flatnonzero(np.abs(step) > 1)[0])
@@ -79,11 +88,10 @@ class Piece:
         self.start = np.searchsorted(row_node[by_node], np.arange(self.n + 1)).astype(np.int32)
         self._entries = (pointer(self.start), pointer(self.slot), pointer(self.source))
 
-    def joints(self) -> list[np.ndarray]:
-        """Places in ``store`` of the blocks that the elimination leaves, the rows of the first kept node
-        first."""
+    def interface_blocks(self) -> list[np.ndarray]:
+        """Return the positions in ``store`` of the blocks between interfaces, rows of the first interface first."""
         t, last, b = self.table, self.n - 1, self.table[:, _SIZE]
-        ends = self.kept()
+        ends = self.interface_nodes()
         out = []
         for i in ends:
             for j in ends:
@@ -92,7 +100,11 @@ class Piece:
         return out
 
     def factor(self, values: np.ndarray, tolerance: float) -> int:
-        """Assemble values and eliminate; -1, or the local node without a pivot (stats[0]: its column)."""
+        """Assemble ``values`` (m,) and eliminate (manual: eq-chain-thomas, eq-chain-fill).
+
+        tolerance: a pivot must exceed this fraction of the largest entry of its column in the diagonal block.
+        Returns -1, or the local node without a pivot (``stats[0]``: its column).
+        """
         saved = 0 if self.saved is None else pointer(self.saved)
         blocks = 0 if self.blocks is None else pointer(self.blocks)
         stats = pointer(self.stats)
@@ -101,34 +113,39 @@ class Piece:
         )
 
     def forward(self, vec: np.ndarray) -> None:
-        """Towards the joints: eliminated nodes get D^-1 (...), joints what is left of their right-hand
-        side."""
+        """Sweep towards the interfaces, in place on a padded vector (manual: eq-chain-sweeps).
+
+        Eliminated nodes get D^-1 (...), interfaces their reduced right-hand side.
+        """
         _forward(*self._piece, *self._lu, pointer(vec))
 
     def backward(self, vec: np.ndarray) -> None:
-        """From the joints, which hold their solution, to all nodes."""
+        """Sweep from the interfaces, which contain their solution, to all nodes; in place on a padded vector."""
         _backward(*self._piece, pointer(vec))
 
     def solve(
         self, source: np.ndarray, b: np.ndarray, vec: np.ndarray, target: np.ndarray, x: np.ndarray
     ) -> None:
-        """x[target] = solution for b[source], without joints; source, target: (length,), -1 where there is
-        nothing."""
+        """Solve a piece without interfaces: x[target] is the solution for b[source].
+
+        source, target: (length,) indices into b and x, -1 for padding and for unknowns without an entry.
+        vec: (length,) work array.
+        """
         n, _, table, store = self._piece
         arrays = [pointer(a) for a in (source, b, vec, target, x)]
         _solve(n, table, store, *self._lu, self.length, *arrays)
 
     def subtract_matrix(self, x: np.ndarray, r: np.ndarray) -> None:
-        """r -= A x for padded vectors, with the matrix in ``saved``."""
+        """Compute r -= A x for padded vectors, with the matrix in ``saved``."""
         assert self.saved is not None
         _residual(self.n, pointer(self.table), pointer(self.saved), pointer(x), pointer(r))
 
-    def kept(self) -> list[int]:
-        """Nodes left over by the elimination."""
-        return [i for i, bit in ((0, 1), (self.n - 1, 2)) if self.keep & bit]
+    def interface_nodes(self) -> list[int]:
+        """Local nodes that the elimination leaves."""
+        return [i for i, bit in ((0, 1), (self.n - 1, 2)) if self.interfaces & bit]
 
-    def places(self, node: int) -> np.ndarray:
-        """Places of a node's unknowns in a padded vector."""
+    def positions_of(self, node: int) -> np.ndarray:
+        """Positions of a node's unknowns in a padded vector."""
         return self.table[node, _VEC] + np.arange(self.table[node, _SIZE])
 
     def components(self) -> np.ndarray:
@@ -137,14 +154,17 @@ class Piece:
         return np.arange(b.sum()) - np.repeat(np.cumsum(b) - b, b)
 
     def positions(self) -> np.ndarray:
-        """(unknowns,) place of each unknown in a padded vector, node after node."""
+        """(unknowns,) position of each unknown in a padded vector, node after node."""
         b = self.table[:, _SIZE]
         return np.repeat(self.table[:, _VEC], b) + self.components()
 
     def flops(self) -> tuple[int, int]:
-        """Multiplications and additions of a factorisation and of a solve, padding not counted."""
+        """Count the multiplications and additions of a factorisation and of a solve, without padding.
+
+        Manual: sec-chain-cost.
+        """
         b = self.table[:, _SIZE]
-        first, last = self.keep & 1, self.n - (self.keep >> 1)
+        first, last = self.interfaces & 1, self.n - (self.interfaces >> 1)
         fill = int(b[0]) if first else 0
         factor = solve = 0
         for i in range(first, last):
@@ -154,17 +174,19 @@ class Piece:
             solve += 2 * m * m + 4 * m * (after + fill)
         return factor, solve
 
-    def negative(self) -> int:
-        """Negative eigenvalues of the symmetrised pivot blocks of the last factorisation with ``blocks``."""
+    def negative_eigenvalues(self) -> int:
+        """Count the negative eigenvalues of the symmetrised pivot blocks of the last factorisation with ``blocks``.
+
+        Manual: eq-chain-inertia.
+        """
         assert self.blocks is not None
-        table, count = self.table[self.keep & 1 : self.n - (self.keep >> 1)], 0
+        table, count = self.table[self.interfaces & 1 : self.n - (self.interfaces >> 1)], 0
         for b, ld in np.unique(table[:, [_SIZE, _LD]], axis=0):
             first = table[(table[:, _SIZE] == b) & (table[:, _LD] == ld), _DIAG]
             S = self.blocks[first[:, None, None] + (ld * np.arange(b)[:, None] + np.arange(b))]
             S = 0.5 * (S + S.transpose(0, 2, 1))
             size = np.abs(S).max(axis=2)
-            scale = np.exp2(
-                -np.round(0.5 * np.log2(np.where(size > 0, size, 1.0)))
-            )  # a congruence: signs stay
+            # scaling both sides is a congruence, which preserves the signs of the eigenvalues
+            scale = np.exp2(-np.round(0.5 * np.log2(np.where(size > 0, size, 1.0))))
             count += int(np.sum(np.linalg.eigvalsh(scale[:, :, None] * S * scale[:, None, :]) < 0))
         return count

@@ -1,9 +1,8 @@
-"""The whole first-order system, assembled: for other integrators and solvers than the condensed default
-(studies, oracles).
+"""The assembled first-order system, for other integrators and solvers than the condensed default.
 
-Rows of a second-order unknown: x' - y = 0 (for a spin angle phi' - omega + c(v).w = 0) and the dynamic row in
-place of y'. Of the seven rows of either kind at a prescribed vertex, those along D become D x = value and D y
-= rate (index 1).
+Manual: sec-time-first-order, eq-time-system.  A second-order unknown has two rows: the kinematic row x' - y = 0 (for
+a spin angle phi' - omega + c(v).w = 0) and the dynamic row in place of y'.  Each kind has seven rows at a prescribed
+vertex; those along D become D x = value and D y = rate, so the index is 1 (manual: eq-time-first-order-prescribed).
 """
 
 from __future__ import annotations
@@ -20,21 +19,24 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 
 #: integrators for implicit first-order systems with algebraic rows
 IMPLICIT = ("bdf", "beuler", "cn", "theta", "alpha", "arkimex", "dirk", "rosw")
-#: those that keep their order with constraints on places (Brenan, Campbell and Petzold, Numerical Solution of
-#: IVPs in DAEs, section 3.2)
+#: integrators that keep their order with constraints at position level (Brenan, Campbell and Petzold, Numerical
+#: Solution of IVPs in DAEs, section 3.2)
 HIGH_INDEX = ("bdf", "beuler")
 
 
 def refuse_integrator(kind: str, multipliers: bool = False) -> None:
-    """Raise CaseError for an integrator that cannot treat an implicit system with algebraic (prescribed)
-    rows, or one whose constraints have multipliers (index 3)."""
+    """Raise CaseError for an integrator that cannot treat the system.
+
+    kind: PETSc's name of the integrator.  It must treat an implicit system with algebraic (prescribed) rows.
+    multipliers: constraints have multipliers (index 3), which further integrators cannot treat.
+    """
     if multipliers and kind not in HIGH_INDEX:
         raise CaseError(
             at="petsc.ts_type",
             got=kind,
             want=" | ".join(HIGH_INDEX),
-            hint="joints and the quaternion element keep constraints (index 3 or 2): stages of other integrators lose their "
-            "order or fail there",
+            hint="joints and the quaternion element have constraints (index 3 or 2), for which the stages of other "
+            "integrators lose their order or fail",
         )
     if kind not in IMPLICIT:
         raise CaseError(
@@ -52,12 +54,16 @@ def refuse_integrator(kind: str, multipliers: bool = False) -> None:
             at="petsc.ts_type",
             got=kind,
             want=" | ".join(k for k in IMPLICIT if k != kind),
-            hint=f"PETSc {version}, which is in use here, has no integrator of this name",
+            hint=f"the installed PETSc {version} has no integrator of this name",
         ) from None
 
 
 class FirstOrderSystem:
-    """TS callbacks on the state vector."""
+    """TS callbacks on the state vector.
+
+    jacobians: counter of Jacobians; matrix: the Jacobian.
+    Raises CaseError where a component has constraints that need the condensed integrator.
+    """
 
     def __init__(self, system: DiscreteSystem):
         self.system, self.jacobians = system, 0
@@ -66,69 +72,74 @@ class FirstOrderSystem:
                 at="beam.constraint",
                 got="stabilized",
                 want="index3 or index2",
-                hint="ts_type or snes_type in petsc ask for the whole system, whose solutions nobody restores",
+                hint="ts_type or snes_type in petsc select the first-order system, which has no projection of solutions "
+                "onto the constraints",
             )
         if system.assembly.stabilized:
             raise CaseError(
                 at="joints",
                 got="constraint: stabilised",
                 want="constraint: position",
-                hint="ts_type or snes_type in petsc ask for the whole system, which knows no corrected velocities",
+                hint="ts_type or snes_type in petsc select the first-order system, which has no corrected velocities",
             )
-        self._t = 0.0  # of the last evaluation
-        self._wrong: dict[
-            str, Any
-        ] = {}  # where rows were last not finite, kept while the steps shrink towards that time
-        self._wrong_until = 0.0
+        self._t = 0.0  # time of the last evaluation [s]
+        #: place of the first rows that were not finite; valid while the steps shrink towards that time
+        self._not_finite: dict[str, Any] = {}
+        self._not_finite_until = 0.0  # [s]
         layout, asm = system.layout, system.assembly
-        self._rated = layout.y_local >= 0
+        self._has_rate = layout.y_local >= 0
         self._condensed = system.new_condensed()
-        self._every = np.flatnonzero(self._rated)
+        self._second_order = np.flatnonzero(self._has_rate)
         self._spin_nodes = asm.spin_at[:, 0]
-        self._fixed = [f for f in asm.row_replacements if f.owned]
-        rows, columns = self._places()
+        self._prescribed = [f for f in asm.row_replacements if f.owned]
+        rows, columns = self._entry_dofs()
         lgm = layout.state_dm.getLGMap().getIndices()
         self.matrix = petsc_compat.square_matrix(system.new_state())
         petsc_compat.preallocate_coo(
             self.matrix, *(np.where(i >= 0, lgm[np.maximum(i, 0)], -1) for i in (rows, columns))
         )
         self._values = np.zeros(len(rows))
-        self._first_order = np.flatnonzero((asm.columns >= 0) & ~self._rated[np.maximum(asm.columns, 0)])
-        held = np.zeros(layout.size, dtype=bool)
-        for f in self._fixed:
-            held[f.rows] = True
-        self._moves = ~held[self._every], ~held[self._spin_nodes]  # kinematic rows that keep their usual form
+        self._first_order = np.flatnonzero((asm.columns >= 0) & ~self._has_rate[np.maximum(asm.columns, 0)])
+        prescribed = np.zeros(layout.size, dtype=bool)
+        for f in self._prescribed:
+            prescribed[f.rows] = True
+        # kinematic rows and spin rows without prescribed motion
+        self._free = ~prescribed[self._second_order], ~prescribed[self._spin_nodes]
 
-    def _places(self) -> tuple[np.ndarray, np.ndarray]:
-        """Local rows and columns of all entries (-1: left out): the kinematic rows by x and y, their spin
-        coupling by v and w, all blocks by x and by y, and three 7x7 blocks for each prescribed vertex."""
-        system, layout, asm, every = self.system, self.system.layout, self.system.assembly, self._every
-        owned = system.owned_place >= 0
+    def _entry_dofs(self) -> tuple[np.ndarray, np.ndarray]:
+        """Compute local rows and columns of all matrix entries, -1 where left out (manual: eq-time-first-order-jacobian).
+
+        In this order: the kinematic rows by x and y, their spin terms by v and w, all blocks by x and by y, and three
+        7x7 blocks for each prescribed vertex.
+        """
+        system, layout, asm, every = self.system, self.system.layout, self.system.assembly, self._second_order
+        owned = system.owned_index >= 0
         x, y = layout.x_local, layout.y_local
-        on_rank = np.where(owned[every], x[every], -1)
-        turning = np.repeat(np.where(owned[self._spin_nodes], x[self._spin_nodes], -1), 3)
+        kinematic = np.where(owned[every], x[every], -1)
+        spin = np.repeat(np.where(owned[self._spin_nodes], x[self._spin_nodes], -1), 3)
         tangent = (asm.spin_at[:, 1:2] + np.arange(3)).ravel()
-        rows, columns = [on_rank, on_rank, turning, turning], [x[every], y[every], x[tangent], y[tangent]]
-        dynamic = np.where(self._rated, y, x)  # where a condensed row goes in the local state
-        here = np.where(asm.rows >= 0, dynamic[np.maximum(asm.rows, 0)], -1)
-        rows += [here, here]
-        # the rate of a first-order unknown is that of the unknown itself, and so is its column
+        rows, columns = [kinematic, kinematic, spin, spin], [x[every], y[every], x[tangent], y[tangent]]
+        dynamic = np.where(self._has_rate, y, x)  # index in the local state of each condensed row
+        block_rows = np.where(asm.rows >= 0, dynamic[np.maximum(asm.rows, 0)], -1)
+        rows += [block_rows, block_rows]
+        # the column of a first-order unknown's rate is that of the unknown
         columns += [
-            np.where(asm.columns >= 0, place[np.maximum(asm.columns, 0)], -1) for place in (x, dynamic)
+            np.where(asm.columns >= 0, index[np.maximum(asm.columns, 0)], -1) for index in (x, dynamic)
         ]
-        for f in self._fixed:
+        for f in self._prescribed:
             for row, column in ((x, x), (x, y), (y, y)):
                 rows.append(np.repeat(row[f.rows], 7))
                 columns.append(np.tile(column[f.rows], 7))
         return np.concatenate(rows), np.concatenate(columns)
 
     def default_solver(self, options: PETSc.Options) -> None:
-        """A direct solver where the options ask for no other: the rows of a stiff string are too far apart in
-        size for ILU."""
+        """Set options of a direct solver, unless ``options`` select another one.
+
+        The rows of a stiff string differ too much in size for ILU.
+        """
         defaults = {"ksp_type": "preonly", "pc_type": "lu"}
-        if (
-            self.system.comm.size > 1 or self.system.constrained
-        ):  # PETSc's own LU does not pivot, and a multiplier has no diagonal
+        # PETSc's own LU does not pivot, and a multiplier has no diagonal entry
+        if self.system.comm.size > 1 or self.system.constrained:
             solver = petsc_compat.parallel_lu()
             if solver:
                 defaults |= {"pc_factor_mat_solver_type": solver}
@@ -142,9 +153,8 @@ class FirstOrderSystem:
                 }
             else:
                 defaults |= {"pc_type": "redundant", "redundant_pc_type": "lu"}
-            if (
-                options.getString("ts_type", "") == "arkimex"
-            ):  # its first step is another TS with a dense matrix, for which there is no LU
+            # the first step of arkimex is another TS with a dense matrix, for which there is no LU
+            if options.getString("ts_type", "") == "arkimex":
                 defaults = {
                     "ksp_type": "gmres",
                     "ksp_rtol": "1e-10",
@@ -160,54 +170,55 @@ class FirstOrderSystem:
 
     # ------------------------------------------------------------------ callbacks
     def function(self, ts, t, state, rate, f) -> None:
+        """Compute the residual of the first-order system (TS IFunction) (manual: eq-time-system)."""
         system, layout, asm = self.system, self.system.layout, self.system.assembly
         self._t = t
         system.load_state(state, rate)
         system.sum_residual(t, self._condensed)
-        if (
-            not np.isfinite(self._condensed.norm()) and not self._wrong
-        ):  # steps of 1e-40 s spoil all rows later
-            self._wrong, self._wrong_until = system.locate_largest_residual(t), t + 1e-9
+        # only the first place counts: with steps of 1e-40 s no row is finite later
+        if not np.isfinite(self._condensed.norm()) and not self._not_finite:
+            self._not_finite, self._not_finite_until = system.locate_largest_residual(t), t + 1e-9
         out, r, s, v = (
             f.getArray(),
             self._condensed.getArray(readonly=1),
             state.getArray(readonly=1),
             rate.getArray(readonly=1),
         )
-        has = layout.y_owned >= 0
-        out[np.where(has, layout.y_owned, layout.x_owned)] = r
-        out[layout.x_owned[has]] = v[layout.x_owned[has]] - s[layout.y_owned[has]]
-        place = system.owned_place[self._spin_nodes]
-        on_rank = place >= 0
-        out[layout.x_owned[place[on_rank]]] += asm.transport()[on_rank]
-        for c in self._fixed:
-            here = system.owned_place[c.rows]
-            xs, ys = layout.x_owned[here], layout.y_owned[here]
-            c.look_up(t)
-            out[xs] = c.keep @ out[xs] + c.D.T @ (c.D @ asm.x[c.rows] - c.value)
-            out[ys] = c.keep @ out[ys] + c.D.T @ (c.D @ asm.y[c.rows] - c.rate)
+        has_rate = layout.y_owned >= 0
+        out[np.where(has_rate, layout.y_owned, layout.x_owned)] = r
+        out[layout.x_owned[has_rate]] = v[layout.x_owned[has_rate]] - s[layout.y_owned[has_rate]]
+        spin_index = system.owned_index[self._spin_nodes]
+        owned = spin_index >= 0
+        out[layout.x_owned[spin_index[owned]]] += asm.transport()[owned]
+        for c in self._prescribed:
+            node_index = system.owned_index[c.rows]
+            xs, ys = layout.x_owned[node_index], layout.y_owned[node_index]
+            c.evaluate(t)
+            out[xs] = c.complement @ out[xs] + c.D.T @ (c.D @ asm.x[c.rows] - c.value)
+            out[ys] = c.complement @ out[ys] + c.D.T @ (c.D @ asm.y[c.rows] - c.rate)
 
     def jacobian(self, ts, t, state, rate, shift, J, P) -> None:
+        """Assemble the Jacobian (TS IJacobian) at ``shift`` [1/s] (manual: eq-time-first-order-jacobian)."""
         system, asm = self.system, self.system.assembly
         system.load_state(state, rate)
         self.jacobians += 1
         by_v, by_w = spin_derivatives(asm)
         parts = [
-            shift * self._moves[0],
-            -1.0 * self._moves[0],
-            by_v * self._moves[1][:, None],
-            by_w * self._moves[1][:, None],
+            shift * self._free[0],
+            -1.0 * self._free[0],
+            by_v * self._free[1][:, None],
+            by_w * self._free[1][:, None],
         ]
         for weights in ((1.0, 0.0, 0.0), (0.0, 1.0, shift)):
             asm.jacobian(t, weights, condensed=False)
-            parts.append(self._without_fixed(asm.values))
+            parts.append(self._without_prescribed_rows(asm.values))
         parts[-1][self._first_order] *= shift
-        for c in self._fixed:
-            square = c.D.T @ c.D
+        for c in self._prescribed:
+            projector = c.D.T @ c.D
             kin_x, kin_y = shift * np.eye(7), -np.eye(7)
             node = int(np.flatnonzero(self._spin_nodes == c.rows[6])[0])
             kin_x[6, 3:6], kin_y[6, 3:6] = by_v[node], by_w[node]
-            parts += [c.keep @ kin_x + square, c.keep @ kin_y, square]
+            parts += [c.complement @ kin_x + projector, c.complement @ kin_y, projector]
         np.concatenate([p.ravel() for p in parts], out=self._values)
         petsc_compat.set_values_coo(self.matrix, self._values)
         if P != self.matrix:
@@ -215,24 +226,24 @@ class FirstOrderSystem:
         if J not in (P, self.matrix):
             J.assemble()
 
-    def _without_fixed(self, values: np.ndarray) -> np.ndarray:
-        """A copy without the rows by which the condensed system prescribes positions."""
-        out, n = values.copy(), 49 * len(self._fixed)
+    def _without_prescribed_rows(self, values: np.ndarray) -> np.ndarray:
+        """Copy ``values`` and set the entries to zero by which the condensed system prescribes positions."""
+        out, n = values.copy(), 49 * len(self._prescribed)
         out[len(out) - n :] = 0.0
         return out
 
     def locate_largest_residual(self) -> dict[str, Any]:
-        """Where the rows were last not finite, if they still are in the way, or else are largest."""
-        return self._wrong or self.system.locate_largest_residual(self._t)
+        """Find the place of rows that were not finite shortly before, else that of the largest residual; collective."""
+        return self._not_finite or self.system.locate_largest_residual(self._t)
 
     def accept(self, ts) -> None:
-        """Bring the assembly to the accepted state; accelerations, reactions and rates of first-order
-        unknowns are those of the last evaluation."""
-        if ts.getTime() > self._wrong_until:
-            self._wrong = {}
-        asm, first_order = self.system.assembly, np.flatnonzero(~self._rated)
-        rates = asm.y[
-            first_order
-        ].copy()  # of the last evaluation: the state has none of first-order unknowns
+        """Load the accepted state into the assembly.
+
+        Accelerations, reactions and rates of first-order unknowns are those of the last evaluation.
+        """
+        if ts.getTime() > self._not_finite_until:
+            self._not_finite = {}
+        asm, first_order = self.system.assembly, np.flatnonzero(~self._has_rate)
+        rates = asm.y[first_order].copy()  # the state has no rates of first-order unknowns
         self.system.load_state(ts.getSolution())
         asm.y[first_order] = rates

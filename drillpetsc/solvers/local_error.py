@@ -1,13 +1,12 @@
-"""Error of a run, estimated while it runs: what the time formula left out in every step, summed up by
-unknown.
+"""Local errors of the time formula in a run with BDF, summed by unknown (manual: eq-time-local-error).
 
-A step of BDF k solves p'(t_n) = f, p the polynomial through x_n and the k states before it.  With D the
-divided difference of order k + 1 of the last k + 2 states, x'(t_n) - p'(t_n) = D prod_i (t_n - t_(n-i)), i =
-1..k, and x_n enters p'(t_n) with the coefficient sum_i 1/(t_n - t_(n-i)); so the local error is e = D prod_i
-(t_n - t_(n-i)) / sum_i 1/(t_n - t_(n-i)), at a fixed step h and k = 2 2/9 h^3 x''' (Hairer, Norsett, Wanner,
-Solving Ordinary Differential Equations I, III.2).
+A step of BDF k solves p'(t_n) = f, where p is the polynomial through x_n and the k states before it.  Let D be the
+divided difference of order k + 1 of the last k + 2 states.  Then x'(t_n) - p'(t_n) = D prod_i (t_n - t_(n-i)),
+i = 1..k, and x_n has the coefficient sum_i 1/(t_n - t_(n-i)) in p'(t_n).  The local error is their quotient,
+e = D prod_i (t_n - t_(n-i)) / sum_i 1/(t_n - t_(n-i)).  At a fixed step h and k = 2 it is 2/9 h^3 x'''.
+Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, III.2.
 
-Sums of e are not the error at the end: motion may damp what was left out, or let it grow.
+Sums of e are not the error at the end: the motion may damp or amplify local errors.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.fem.component import FloatArray
+from drillpetsc.arrays import FloatArray
 
 UNITS = {"position": "m", "tangent": "-", "spin": "rad", "ratio": "-", "pressure": "Pa", "flow": "m3/s"}
 MEANING = (
@@ -27,8 +26,10 @@ MEANING = (
 
 
 class LocalErrorEstimate:
-    """Sums of local errors of a run with BDF, step by step of ``dynamics``, and its evaluations of the rows.
-    No other integrator is estimated."""
+    """Sums of local errors of a run with BDF, and its number of residuals; other integrators have no estimate.
+
+    integrator: the ``TimeIntegrator`` of the run; the estimate is updated after each of its steps.
+    """
 
     def __init__(self, integrator: Any):
         system, options = integrator.system, integrator.options
@@ -38,29 +39,31 @@ class LocalErrorEstimate:
             0,
             0,
         )
-        self.works = options.get("ts_type", "bdf") == "bdf"
+        self.is_bdf = options.get("ts_type", "bdf") == "bdf"
         self._residuals = self.system.assembly.evaluations
         layout = system.layout
-        keep = np.array([f.differential for f in layout.fields])
-        on_rank = np.sort(layout.local_of_owned)
-        self._rows = on_rank[keep[layout.field_of[on_rank]]]
+        differential = np.array([f.differential for f in layout.fields])
+        owned = np.sort(layout.local_of_owned)
+        self._rows = owned[differential[layout.field_of[owned]]]
         self._field = layout.field_of[self._rows]
-        self._past: deque[tuple[float, FloatArray]] = deque(maxlen=self.order + 2)
+        self._recent: deque[tuple[float, FloatArray]] = deque(maxlen=self.order + 2)
         self._largest, self._sum, self._net = (np.zeros(len(self._rows)) for _ in range(3))
         integrator.after_step.append(lambda t, dt: self.step(t, integrator.fresh))
 
     def step(self, t: float, fresh: bool) -> None:
-        """The state in the assembly is that of an accepted step at ``t`` [s]; fresh: the first of its
-        formula."""
-        if not self.works:
+        """Add the local error of an accepted step, whose state is in the assembly.
+
+        t: time at its end [s]; fresh: the first step after the formula was restarted.
+        """
+        if not self.is_bdf:
             return
         self.steps += 1
         if fresh:
-            self._past.clear()
-        self._past.append((t, self.system.assembly.x[self._rows]))
-        if len(self._past) < self.order + 2:
+            self._recent.clear()
+        self._recent.append((t, self.system.assembly.x[self._rows]))
+        if len(self._recent) < self.order + 2:
             return
-        e = local_error([q for q, _ in self._past], [x for _, x in self._past], self.order)
+        e = local_error([q for q, _ in self._recent], [x for _, x in self._recent], self.order)
         self._net += e
         size = np.abs(e, out=e)
         self._sum += size
@@ -68,13 +71,13 @@ class LocalErrorEstimate:
         self.estimated += 1
 
     def as_dict(self, ended: bool = True) -> dict[str, Any]:
-        """For summary.json; collective where the run has ``ended`` well."""
+        """Return the entries of summary.json; collective where the run has ``ended`` without an error."""
         calls = {"residuals": self.system.assembly.evaluations - self._residuals}
         return {**calls, "error_estimate": {"time": self._by_unknown()}} if ended else calls
 
     def _by_unknown(self) -> dict[str, Any] | None:
-        """None for integrators that are not estimated."""
-        if not self.works:
+        """Return the sums by field, largest over the string; None for integrators without an estimate; collective."""
+        if not self.is_bdf:
             return None
         sums = {"largest_step": self._largest, "sum": self._sum, "net": np.abs(self._net)}
         comm = self.system.comm.tompi4py() if self.system.comm.size > 1 else None
@@ -82,15 +85,15 @@ class LocalErrorEstimate:
         for number, f in enumerate(self.system.layout.fields):
             if not f.differential:
                 continue
-            found = {key: float(v[self._field == number].max(initial=0.0)) for key, v in sums.items()}
+            largest = {key: float(v[self._field == number].max(initial=0.0)) for key, v in sums.items()}
             if comm is not None:
                 from mpi4py import MPI
 
-                found = {key: comm.allreduce(value, op=MPI.MAX) for key, value in found.items()}
+                largest = {key: comm.allreduce(value, op=MPI.MAX) for key, value in largest.items()}
             unknowns[f.name] = {
                 "unit": UNITS.get(f.name.split(".")[-1], "SI"),
                 "usual_size": f.scale,
-                **found,
+                **largest,
             }
         return {
             "method": f"divided differences of BDF {self.order}",
@@ -102,10 +105,13 @@ class LocalErrorEstimate:
 
 
 def local_error(times: list[float], states: list[FloatArray], order: int) -> FloatArray:
-    """Local error (n,) of the last of ``order + 2`` states (n,) at ``times`` [s], rising; see the head of
-    this file."""
-    now = times[-1]
-    gaps = [now - t for t in times[-2 : -order - 2 : -1]]
+    """Compute the local error (n,) of the last state (manual: eq-time-local-error).
+
+    times: (order + 2,) ascending [s].
+    states: ``order + 2`` states (n,) at these times [SI of each unknown].
+    order: that of the formula.
+    """
+    gaps = [times[-1] - t for t in times[-2 : -order - 2 : -1]]
     scale = float(np.prod(gaps)) / sum(1 / g for g in gaps)
     out = np.zeros_like(states[-1])
     for i, x in enumerate(states):

@@ -1,8 +1,8 @@
-"""Newton's method on the condensed unknowns: convergence by scaled increments, a factor that is kept while it
-serves.
+"""Modified Newton method on the condensed unknowns (manual: sec-time-newton).
 
-The velocities of a step follow from the unknowns (y = shift x + v0), so only the unknowns are solved for: an
-inner PETSc SNES with prefix ``q_``, whose options all work.
+Convergence is tested on scaled increments; the factorisation is reused while it converges fast enough.  The rates
+of a step follow from the unknowns, y = shift x + v0 (manual: eq-time-condensed), so only the unknowns are solved for
+(manual: eq-time-condensed-residual).  The solver is an inner PETSc SNES with the options prefix ``q_``.
 """
 
 from __future__ import annotations
@@ -17,20 +17,27 @@ from drillpetsc import petsc_compat
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.solvers.chain_lu import ChainFactor, ChainPC, ZeroPivot
 
-ROUNDING = 64 * np.finfo(float).eps
-STALLED = 1e-10  # an increment that no longer falls below this share of the scales is rounding
-
-
-OVERSHOOT = 0.1  # a step is shortened when the rows afterwards point back along it by more than this share
-SHORTEST = 0.05
+#: relative spacing below which an unknown cannot be resolved (manual: eq-time-increment)
+RESOLUTION = 64 * np.finfo(float).eps
+#: an increment that no longer shrinks and is below this fraction of the scales is rounding
+ROUNDING_INCREMENT = 1e-10
+#: a step is shortened where its work afterwards is opposite and above this fraction (manual: eq-time-line-search)
+OVERSHOOT_FRACTION = 0.1
+SHORTEST_STEP_FRACTION = 0.05
 Reason = PETSc.SNES.ConvergedReason
 
 
 @dataclass
 class Lag:
-    """When a kept Jacobian still serves: same shift within ``shift_change``, contraction below
-    ``contraction``, at most
-    ``iterations`` taken with it, contact unchanged."""
+    """Conditions for the reuse of a factorisation, and its data (manual: sec-time-newton).
+
+    shift_change: largest relative change of the shift [-].
+    contraction: largest contraction of the last iteration [-].
+    iterations: most iterations of a solve with the same factorisation.
+    shift: shift of the factorisation [1/s].
+    signature: contact signature at the factorisation; an opened or closed contact changes it.
+    good: a factorisation exists.
+    """
 
     shift_change: float = 0.2
     contraction: float = 0.25
@@ -41,14 +48,22 @@ class Lag:
 
 
 class CondensedNewton:
-    """Inner SNES of one model; ``solve(t, shift)`` starts from and ends in the assembly's x."""
+    """Inner SNES of one discrete system; ``solve(t, shift)`` starts from and ends in the assembly's x.
+
+    system: the discrete system.
+    prefix: of the PETSc options.
+    tolerance: of the estimated error of the scaled unknowns [-]; ``-q_snes_stol`` overrides it.
+    lag: reuse factorisations.
+
+    jacobians, iterations, linear_iterations, failures: counters over all solves.
+    """
 
     def __init__(self, system: DiscreteSystem, prefix: str = "q_", tolerance: float = 1e-6, lag: bool = True):
         self.system, self.tolerance = system, tolerance
         self.t, self.shift = 0.0, 0.0
         self.lag = Lag() if lag else None
-        self._turning = any(component.turns_with_string for component in system.components)
-        self.jacobians = self.newton = self.linear = self.failures = 0
+        self._turns_with_string = any(component.turns_with_string for component in system.components)
+        self.jacobians = self.iterations = self.linear_iterations = self.failures = 0
         self.eta, self._last, self._first, self._theta = 1.0, 0.0, 0.0, 0.0
         self.q, self._f = system.new_condensed(), system.new_condensed()
         owned = system.layout.local_of_owned
@@ -76,11 +91,10 @@ class CondensedNewton:
         options = PETSc.Options(prefix)
         chosen = options.hasName("snes_linesearch_type")
         if not chosen:
-            # contact and friction make Newton overshoot; "cp" finds where the rows stop pointing along the
-            # step, by residuals alone
-            # (measured on the whirling 2000 m string: a third of the iterations, no failed step)
-            # mixed with the balances of mud, rows along the step have no meaning: after a jump the search
-            # stands still
+            # Contact and friction make Newton overshoot.  "cp" finds the zero of the work of the rows along the
+            # step from residuals alone; measured on the whirling 2000 m string it takes a third of the iterations
+            # and no step fails.  With the balances of mud this work has no sign to search by, and after a jump the
+            # search does not progress.
             forces = all(f.does_work for f in system.layout.fields)
             options.setValue("snes_linesearch_type", "cp" if system.has_contact and forces else "basic")
         petsc_names = (
@@ -100,10 +114,10 @@ class CondensedNewton:
             snes.setType("python")
             snes.setPythonContext(_DirectIteration(self))
         snes.setFromOptions()
-        self.most = snes.getTolerances()[3]
+        self.max_iterations = snes.getTolerances()[3]
         self.tolerance = options.getReal("snes_stol", self.tolerance)
         self.line_search = options.getString("snes_linesearch_type", "basic")
-        if not chosen:  # the next scene chooses for itself
+        if not chosen:  # the next system in this process makes its own choice
             options.delValue("snes_linesearch_type")
         self.assembled = (
             pc.getType() != "python" or snes.getKSP().getType() != "preonly" or self.line_search == "bt"
@@ -122,11 +136,12 @@ class CondensedNewton:
 
     # ------------------------------------------------------------------ callbacks
     def _evaluate(self) -> None:
+        """Compute rates and accelerations from the assembly's x (manual: eq-time-condensed)."""
         asm = self.system.assembly
         asm.condense(self.shift)
         if asm.row_replacements:
-            asm.impose_rates(self.t, self.shift)
-        asm.settle_rates()
+            asm.apply_prescribed_rates(self.t, self.shift)
+        asm.apply_imposed_rates()
 
     def _function(self, snes, q, f) -> None:
         self.system.load_unknowns(q)
@@ -134,23 +149,23 @@ class CondensedNewton:
         self.system.sum_residual(self.t, f)
 
     def rows(self, q: PETSc.Vec) -> np.ndarray:
-        """Residual at ``q``, owned rows; the array is the solver's own and changes with the next call."""
+        """Compute the residual at ``q``, owned rows; the next call overwrites the array."""
         self._function(None, q, self._f)
         return self._f.getArray(readonly=1)
 
     def _jacobian(self, snes, q, J, P) -> None:
-        if self.lag and self.lag.good and self.still_serves(snes.getIterationNumber()):
+        if self.lag and self.lag.good and self.can_reuse_factor(snes.getIterationNumber()):
             return
         self.system.load_unknowns(q)
         self._evaluate()
-        self.renew_jacobian()
+        self.update_jacobian()
         if self.assembled:
             petsc_compat.set_values_coo(self.matrix, self.system.assembly.values)
         else:
             J.assemble()
 
-    def renew_jacobian(self) -> None:
-        """New entries at the assembly's state."""
+    def update_jacobian(self) -> None:
+        """Compute the Jacobian's entries at the assembly's state (manual: eq-time-jacobian)."""
         self.system.assembly.jacobian(self.t, (1.0, self.shift, self.shift**2), condensed=True)
         self.jacobians += 1
         if self.lag:
@@ -161,38 +176,41 @@ class CondensedNewton:
             )
         self.eta = 1.0 if self.eta > 1.0 else max(self.eta, 1e-10) ** 0.8
 
-    def all_ranks_agree(self, on_rank: bool) -> bool:
-        """Whether all ranks say yes."""
-        return bool(self.system.comm.tompi4py().allreduce(int(on_rank), op=_min()))
+    def true_on_all_ranks(self, local: bool) -> bool:
+        """Whether ``local`` is true on all ranks; collective."""
+        return bool(self.system.comm.tompi4py().allreduce(int(local), op=_min()))
 
-    def still_serves(self, its: int) -> bool:
-        """Whether the kept factor may be used again; the same answer on every rank."""
+    def can_reuse_factor(self, its: int) -> bool:
+        """Whether the last factorisation may be used in iteration ``its``; the same on every rank, collective."""
         lag = self.lag
         assert lag is not None
-        serves = (
+        reusable = (
             abs(self.shift / lag.shift - 1.0) <= lag.shift_change
             and self._theta <= lag.contraction
             and its < lag.iterations
             and self.system.contact_signature() == lag.signature
         )
-        if self.system.comm.size > 1 and self.system.has_contact:  # each rank sees its own contacts only
-            serves = self.all_ranks_agree(serves)
-        return serves
+        if self.system.comm.size > 1 and self.system.has_contact:  # the signature is that of local contacts
+            reusable = self.true_on_all_ranks(reusable)
+        return reusable
 
     def _converged(self, snes, its, norms) -> int:
         step = snes.getSolutionUpdate().getArray(readonly=1) if its else np.zeros(0)
         return self.convergence_reason(its, step, bool(np.isfinite(norms[2])))
 
     def convergence_reason(self, its: int, step: np.ndarray, finite: bool) -> int:
-        """Reason after ``its`` iterations, the last of which moved the owned unknowns by ``step``; 0: go
-        on."""
+        """Test convergence after ``its`` iterations (manual: eq-time-increment, eq-time-convergence); collective.
+
+        step: (owned,) last increment of the owned unknowns; finite: the residual after it is finite.
+        Returns a SNES reason, 0 to continue.
+        """
         if not finite:
             return petsc_compat.not_a_number_reason()
         if its == 0:
             self._theta = 0.0
             return 0
-        # below the spacing of numbers at the unknown's own size (a depth of 2000 m) nothing can be resolved
-        floor = (ROUNDING / self.tolerance) * np.abs(self.q.getArray(readonly=1))
+        # increments below the spacing of numbers at the unknown's size (a depth of 2000 m) cannot be resolved
+        floor = (RESOLUTION / self.tolerance) * np.abs(self.q.getArray(readonly=1))
         size = float(np.max(np.abs(step) / np.maximum(self._scale, floor), initial=0.0))
         if self.system.comm.size > 1:
             size = float(self.system.comm.tompi4py().allreduce(size, op=_max()))
@@ -200,32 +218,38 @@ class CondensedNewton:
             self._theta = size / self._last
             if self._theta >= 2.0 and its > 4 and size > self._first:
                 return PETSc.SNES.ConvergedReason.DIVERGED_DTOL
-            if self._theta > 0.5 and size < STALLED:
+            if self._theta > 0.5 and size < ROUNDING_INCREMENT:
                 return PETSc.SNES.ConvergedReason.CONVERGED_SNORM_RELATIVE
             self.eta = self._theta / (1.0 - self._theta) if self._theta < 1.0 else 10.0
         self._first = size if its == 1 else self._first
         self._last = size
         if self.eta * size <= self.tolerance:
             return PETSc.SNES.ConvergedReason.CONVERGED_SNORM_RELATIVE
-        if its >= self.most:
+        if its >= self.max_iterations:
             return PETSc.SNES.ConvergedReason.DIVERGED_MAX_IT
         return 0
 
     # ------------------------------------------------------------------ use
-    def forget(self) -> None:
-        """Drop the kept factor and what was learned about convergence."""
+    def discard_factor(self) -> None:
+        """Discard the factorisation and the estimate of the contraction."""
         self.eta = 1.0
         if self.lag:
             self.lag.good = False
 
     def get_state(self) -> dict[str, np.ndarray]:
-        """The kept factor, as the entries it was made of, and what was learned about convergence; whole on
-        rank 0.  Collective."""
+        """Return the matrix entries of the factorisation and the convergence factor for a checkpoint; collective.
+
+        The result is complete on rank 0 and may be empty elsewhere.
+        newton: convergence factor [-] and shift [1/s].
+        entries: entries of all ranks; shares: their number on each rank; signatures: contact signature of each rank.
+        """
         lag, mpi = self.lag, self.system.comm.tompi4py()
         if lag is None or not lag.good:
             return {"newton": np.array([self.eta])}
-        on_rank = self.system.assembly.values
-        parts = [(on_rank, lag.signature)] if mpi.size == 1 else mpi.gather((on_rank, lag.signature))
+        local_values = self.system.assembly.values
+        parts = (
+            [(local_values, lag.signature)] if mpi.size == 1 else mpi.gather((local_values, lag.signature))
+        )
         if parts is None:
             return {}
         return {
@@ -235,22 +259,24 @@ class CondensedNewton:
             "signatures": np.array([p[1] for p in parts]),
         }
 
-    def set_state(self, memory: dict[str, np.ndarray]) -> None:
-        """Take up a memory; of one left by another number of ranks only the convergence, as their entries are
-        shared out differently."""
+    def set_state(self, state: dict[str, np.ndarray]) -> None:
+        """Restore the factorisation from a checkpoint: ``state`` as returned by ``get_state``; collective.
+
+        On another number of ranks the entries are distributed differently, and only the convergence factor is used.
+        """
         asm, mpi = self.system.assembly, self.system.comm.tompi4py()
-        self.forget()
-        self.eta = float(memory["newton"][0])
-        shares = memory.get("shares")
+        self.discard_factor()
+        self.eta = float(state["newton"][0])
+        shares = state.get("shares")
         fits = shares is not None and len(shares) == mpi.size and shares[mpi.rank] == len(asm.values)
-        if self.lag is None or shares is None or not self.all_ranks_agree(bool(fits)):
+        if self.lag is None or shares is None or not self.true_on_all_ranks(bool(fits)):
             return
         start = int(shares[: mpi.rank].sum())
-        asm.values[:] = memory["entries"][start : start + len(asm.values)]
+        asm.values[:] = state["entries"][start : start + len(asm.values)]
         asm.version += 1
         self.lag.shift, self.lag.signature, self.lag.good = (
-            float(memory["newton"][1]),
-            int(memory["signatures"][mpi.rank]),
+            float(state["newton"][1]),
+            int(state["signatures"][mpi.rank]),
             True,
         )
         if self.direct:
@@ -261,25 +287,25 @@ class CondensedNewton:
             self.matrix.assemble()
 
     def solve(self, t: float, shift: float) -> int:
-        """Solve at time ``t`` with rates y = shift x + v0; returns the SNES reason (negative: not
-        converged)."""
+        """Solve at time ``t`` [s] with rates y = ``shift`` x + v0, shift in 1/s; collective.
+
+        Returns the SNES reason; it is negative where the iteration did not converge.
+        """
         self.t, self.shift = t, shift
-        if self.lag and self._turning:  # unknowns that turn with the string take the Jacobian along
+        if self.lag and self._turns_with_string:  # the Jacobian turns with the string
             self.lag.good = False
-        # what one step showed of the contraction is trusted less in the next (Hairer and Wanner, Solving ODEs
-        # II, IV.8)
+        # the convergence factor of one step counts less in the next one (Hairer and Wanner, Solving ODEs II, IV.8)
         self.eta = 1.0 if self.eta > 1.0 else max(self.eta, 1e-10) ** 0.8
-        if (
-            self.lag and self.lag.good
-        ):  # a factor made for another step length leaves an error of this share in each iteration
-            off = abs((shift / self.lag.shift) ** 2 - 1.0)
-            self.eta = max(self.eta, off / max(1.0 - off, 0.1))
+        if self.lag and self.lag.good:
+            # a factorisation at another shift leaves an error of this fraction in each iteration
+            mismatch = abs((shift / self.lag.shift) ** 2 - 1.0)
+            self.eta = max(self.eta, mismatch / max(1.0 - mismatch, 0.1))
         self.system.store_unknowns(self.q)
         with petsc_compat.own_errors():
             self.snes.solve(None, self.q)
-        self.newton += self.snes.getIterationNumber()
+        self.iterations += self.snes.getIterationNumber()
         if not self.direct:
-            self.linear += self.snes.getLinearSolveIterations()
+            self.linear_iterations += self.snes.getLinearSolveIterations()
         reason = self.snes.getConvergedReason()
         if reason < 0:
             self.failures += 1
@@ -293,90 +319,93 @@ class CondensedNewton:
 class _DirectIteration:
     """Context of the python SNES of a ``CondensedNewton``: one residual an iteration, steps shortened only on overshoot.
 
-    Any ``-q_snes_type`` takes its place.  Against ``newtonls`` with line search ``cp`` it saves the two residuals per
-    iteration that the search spends even where the full step is fine.
+    Any ``-q_snes_type`` replaces it.  ``newtonls`` with line search ``cp`` needs two more residuals an iteration, even
+    where the full step is good.
     """
 
-    def __init__(self, owner):
-        self.owner = owner
-        self.searches = owner.system.has_contact
-        layout = owner.system.layout
+    def __init__(self, newton: CondensedNewton):
+        self.newton = newton
+        self.line_search = newton.system.has_contact
+        layout = newton.system.layout
         forces = np.array([f.does_work for f in layout.fields])[layout.field_of[layout.local_of_owned]]
         self.forces = None if forces.all() else np.flatnonzero(forces)
-        self.step = np.zeros(len(owner.system.layout.local_of_owned))
+        self.step = np.zeros(len(newton.system.layout.local_of_owned))
         self.log = PETSc.Log.Event("ChainFactor"), PETSc.Log.Event("ChainSolve")
 
     def solve(self, snes, b, x) -> None:
-        """Iterate from ``x``; leaves the reason and the number of iterations in ``snes``."""
+        """Iterate from ``x``; set reason and number of iterations of ``snes``."""
         its, reason = self._iterate(x)
         snes.setIterationNumber(its)
         snes.setConvergedReason(reason)
 
     def _iterate(self, x) -> tuple[int, int]:
-        owner, step = self.owner, self.step
-        unknowns = x.getArray()  # of the vector itself
-        rows = owner.rows(x)
-        reason = owner.convergence_reason(0, step, self._finite(rows))
+        newton, step = self.newton, self.step
+        unknowns = x.getArray()  # shares memory with the vector
+        rows = newton.rows(x)
+        reason = newton.convergence_reason(0, step, self._finite(rows))
         its = 0
         while not reason:
             if not self._prepare(its):
                 return its, Reason.DIVERGED_LINEAR_SOLVE
             self.log[1].begin()
-            owner.factor.solve_owned(rows, step)
+            newton.factor.solve_owned(rows, step)
             self.log[1].end()
             np.negative(step, out=step)
-            before = self._along(rows) if self.searches else 0.0
+            before = self._work_along_step(rows) if self.line_search else 0.0
             unknowns += step
-            rows = owner.rows(x)
-            if self.searches:
+            rows = newton.rows(x)
+            if self.line_search:
                 rows = self._shorten(x, unknowns, rows, before)
             its += 1
-            owner.linear += 1
-            reason = owner.convergence_reason(its, step, self._finite(rows))
+            newton.linear_iterations += 1
+            reason = newton.convergence_reason(its, step, self._finite(rows))
         return its, reason
 
     def _finite(self, rows: np.ndarray) -> bool:
-        good = math.isfinite(np.add.reduce(rows))  # without the wrapping of rows.sum()
-        if self.owner.system.comm.size > 1:
-            good = self.owner.all_ranks_agree(good)
-        return good
+        finite = math.isfinite(np.add.reduce(rows))  # faster than rows.sum()
+        if self.newton.system.comm.size > 1:
+            finite = self.newton.true_on_all_ranks(finite)
+        return finite
 
     def _prepare(self, its: int) -> bool:
-        """A factor that serves; False when the matrix has no pivot."""
-        owner = self.owner
-        if owner.lag and owner.lag.good and owner.still_serves(its):
+        """Factorise, unless the last factorisation can be reused; False where the matrix has no pivot."""
+        newton = self.newton
+        if newton.lag and newton.lag.good and newton.can_reuse_factor(its):
             return True
-        owner.renew_jacobian()
+        newton.update_jacobian()
         self.log[0].begin()
         try:
-            owner.factor.factor(owner.system.assembly.values)
+            newton.factor.factor(newton.system.assembly.values)
         except ZeroPivot:
-            owner.lag.good = False
+            if newton.lag:
+                newton.lag.good = False
             return False
         finally:
             self.log[0].end()
-            PETSc.Log.logFlops(owner.factor.factor_flops)
+            PETSc.Log.logFlops(newton.factor.factor_flops)
         return True
 
-    def _along(self, rows: np.ndarray) -> float:
-        """Work of the rows along the step, of those that are forces."""
+    def _work_along_step(self, rows: np.ndarray) -> float:
+        """Compute the work [J] of this rank's rows along the step, over the rows that are forces."""
         if self.forces is None:
             return float(rows @ self.step)
         return float(rows[self.forces] @ self.step[self.forces])
 
     def _shorten(self, x, unknowns: np.ndarray, rows: np.ndarray, before: float) -> np.ndarray:
-        """Go back along the step to where the rows no longer point along it (one secant), if it went too
-        far."""
-        owner, step = self.owner, self.step
-        after = self._along(rows)
-        if owner.system.comm.size > 1:
-            before, after = owner.system.comm.tompi4py().allreduce(np.array([before, after]))
-        if not (before < 0.0 and after > -OVERSHOOT * before):
+        """Shorten a step that overshoots by one secant step (manual: eq-time-line-search); collective.
+
+        before: this rank's work along the step before it [J].  Returns the residual at the shortened step.
+        """
+        newton, step = self.newton, self.step
+        after = self._work_along_step(rows)
+        if newton.system.comm.size > 1:
+            before, after = newton.system.comm.tompi4py().allreduce(np.array([before, after]))
+        if not (before < 0.0 and after > -OVERSHOOT_FRACTION * before):
             return rows
-        share = max(SHORTEST, before / (before - after))
-        unknowns += (share - 1.0) * step
-        step *= share
-        return owner.rows(x)
+        fraction = max(SHORTEST_STEP_FRACTION, before / (before - after))
+        unknowns += (fraction - 1.0) * step
+        step *= fraction
+        return newton.rows(x)
 
 
 def _max():
@@ -392,10 +421,10 @@ def _min():
 
 
 def chain_factor(system: DiscreteSystem) -> ChainFactor:
-    """The direct solver for this model's chain of nodes."""
+    """Create the direct solver for the system's chain of nodes (manual: sec-chain)."""
     layout, asm = system.layout, system.assembly
-    # a constraint's pivot is of the order of the step's square, without cancellation: small is no sign of a
-    # singular matrix there
+    # the pivot of a constraint is of the order of the squared step, without cancellation, so a small one does not
+    # mean a singular matrix
     smallest = 1e-25 if system.multipliers else 1e-15
     return ChainFactor(
         system.comm,

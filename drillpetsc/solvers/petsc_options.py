@@ -1,4 +1,4 @@
-"""PETSc options: case below command line, and none that nobody reads."""
+"""PETSc options.  The command line overrides the case file; options that are never read are errors."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from petsc4py import PETSc
 
 from drillpetsc.errors import CaseError
 
-#: options that PETSc reads late (views, logs) or that belong to PETSc's own start
-LATE = (
+#: parts of names of options that PETSc reads late (views, logs) or at its own start
+READ_LATE = (
     "view",
     "monitor",
     "log_",
@@ -33,8 +33,10 @@ LATE = (
 
 @contextmanager
 def applied(case_options: Mapping[str, object]) -> Iterator[list[str]]:
-    """Put the options of a case below those of the command line while a run lasts; yields the names the user
-    gave."""
+    """Set the options of a case while a run lasts; options of the command line override them.
+
+    Yields the names that the user gave, in the case or on the command line.
+    """
     database = PETSc.Options()
     before = dict(database.getAll())
     for name, value in case_options.items():
@@ -59,23 +61,24 @@ def _was_read(name: str) -> bool:
 
 
 def unread(names: Iterable[str]) -> list[str]:
-    """Options that the solvers, once set up, have not read.  Those read only at the end are none of them."""
-    there = PETSc.Options().getAll()  # one that is not was taken out under its newer name (petsc_compat)
-    return [name for name in names if name in there and not _is_late(name) and not _was_read(name)]
+    """Return the options that the solvers have not read after their set-up; options read only at the end are left out."""
+    present = PETSc.Options().getAll()  # petsc_compat removes options that have a newer name
+    return [name for name in names if name in present and not _is_late(name) and not _was_read(name)]
 
 
 def _is_late(name: str) -> bool:
-    return not name.startswith("drillpetsc_") and any(word in name for word in LATE)
+    return not name.startswith("drillpetsc_") and any(word in name for word in READ_LATE)
 
 
 def refuse_unread(names: Iterable[str]) -> None:
     """Raise CaseError for options that the solvers, once set up, have not read."""
     for name in unread(names):
-        raise not_an_option(name, "this scene")
+        raise not_an_option(name, "this case")
 
 
 def not_an_option(name: str, where: str) -> CaseError:
-    near = difflib.get_close_matches(name, KNOWN, n=1)
+    """Return the error for an option that is not read; ``where``: the run or command it was given to."""
+    near = difflib.get_close_matches(name, KNOWN_OPTIONS, n=1)
     return CaseError(
         at=f"petsc option -{name}",
         want=f"an option that PETSc or drillpetsc reads in {where}",
@@ -85,7 +88,8 @@ def not_an_option(name: str, where: str) -> CaseError:
     )
 
 
-KNOWN = (
+#: options that a hint may suggest
+KNOWN_OPTIONS = (
     "ts_type",
     "ts_bdf_order",
     "ts_rtol",

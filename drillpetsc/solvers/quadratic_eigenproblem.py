@@ -1,15 +1,16 @@
-"""Eigenvalues s of (K + s C + s^2 M) u = 0 near a point of the complex plane, or the slowest ones; numpy and
-scipy only, one process.
+"""Eigenvalues s of (K + s C + s^2 M) u = 0 near a point of the complex plane, or the slowest ones.
 
-M and C may be singular: an unknown of first order has no column in M, an algebraic one none in C either.
-With v = s u of the second-order unknowns the problem is A z = s B z, z = (u, v),
+Numpy and scipy on one process; SLEPc where it is installed.
+
+M and C may be singular: a first-order unknown has no column in M, an algebraic one has none in C either.
+With v = s u of the second-order unknowns the problem is A z = s B z, z = (u, v) (manual: eq-eigen-linear),
 
     [ 0   I  ] [u]     [ S   0  ] [u]
     [ -K -C2 ] [v] = s [ C1  M2 ] [v]
 
-where S picks the second-order unknowns, C1 has the columns of the others and C2, M2 their own.  B is
-singular: its infinite roots become zeros of Op = (A - sigma B)^-1 B, whose eigenvalues are 1/(s - sigma).  Op
-needs one factor of K + sigma C + sigma^2 M only:
+where S selects the second-order unknowns, C2 and M2 have their columns, and C1 has the columns of the others.
+B is singular: infinite eigenvalues become zeros of Op = (A - sigma B)^-1 B, whose eigenvalues are 1/(s - sigma).
+Op needs only one factor, that of K + sigma C + sigma^2 M (manual: eq-eigen-operator):
 
     u = -(K + sigma C + sigma^2 M)^-1 [C1 u0 + M2 v0 + (C2 + sigma M2) S u0],   v = S u0 + sigma S u.
 """
@@ -25,54 +26,64 @@ import scipy.linalg
 import scipy.sparse as sparse
 import scipy.sparse.linalg as sparse_linalg
 
+from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
-from drillpetsc.fem.component import FloatArray
 
-DENSE_BELOW = 400  # length of z up to which all roots are found at once, with a dense matrix
-OFF_ROOT = 0.87  # the first shift in units of the reference rate: real, positive and no likely root
-SAME = 1e-4  # distances from a shift that are nearer than this share are one
-REAL = 1e-6  # |Im s| below this share of |s| is rounding
-WRONG = 1e-6  # backward error above which a root is none
-NEUTRAL = 1e-6  # growth below this share of |s| is rounding (measured up to 1.2e-7 on 12 km)
-SLOW = 4  # one slow real root is shown for so many oscillating ones
-CHECKED = 4  # roots of the deflated operator that are looked at for one that was missed
-# eigenvalues of the operator below this share of the largest are rounding of a zero: infinite roots
-RESOLVED = 1e-11
-ROUNDS = 40
-DISCS = 200
+DENSE_BELOW = 400  # length of z up to which a dense matrix gives all eigenvalues at once
+FIRST_SHIFT = (
+    0.87  # first shift of the search, in units of the reference rate; real, unlikely to be an eigenvalue
+)
+RADIUS_TOLERANCE = 1e-4  # distances from a shift count as equal within this fraction
+REAL_TOLERANCE = 1e-6  # |Im s| below this fraction of |s| is rounding
+LARGEST_BACKWARD_ERROR = 1e-6  # eigenvalues with a larger backward error are discarded
+NEUTRAL_GROWTH = 1e-6  # growth below this fraction of |s| is rounding (measured up to 1.2e-7 on 12 km)
+OSCILLATING_PER_SLOW_REAL = 4  # one slow real eigenvalue is shown for so many oscillating ones
+DEFLATION_CHECKS = 4  # eigenvalues of the deflated operator that are computed to find one that was missed
+#: eigenvalues of the operator below this fraction of its largest are zero up to rounding: infinite eigenvalues
+SMALLEST_OPERATOR_EIGENVALUE = 1e-11
+MAX_DEFLATIONS = 40
+MAX_DISCS = 200
 
 
 @dataclass(frozen=True)
 class QuadraticEigenproblem:
-    """K [N/m, say], C, M: (n, n) sparse; second (n,): which unknowns are of second order; scale (n,): their
-    usual sizes.
+    """The problem (K + s C + s^2 M) u = 0 (manual: eq-eigen-problem).
 
-    reference [1/s]: a slow rate of the system, by which rates are scaled; shifts are real multiples of it
-    where no other is asked for.
+    K, C, M: (n, n) sparse [for example N/m, N s/m, kg].
+    second_order: (n,) which unknowns are of second order.
+    scale: (n,) usual sizes of the unknowns [SI].
+    reference: a slow rate of the system [1/s], by which rates are scaled (manual: eq-eigen-reference).  Shifts are
+    real multiples of it unless one is given.
+
+    Raises ValueError where a first-order unknown has an inertia.
     """
 
     K: sparse.csr_matrix
     C: sparse.csr_matrix
     M: sparse.csr_matrix
-    second: np.ndarray
+    second_order: np.ndarray
     scale: FloatArray
     reference: float = 1.0
 
     def __post_init__(self) -> None:
-        if abs(self.M[:, np.flatnonzero(~self.second)]).sum() != 0:
+        if abs(self.M[:, np.flatnonzero(~self.second_order)]).sum() != 0:
             raise ValueError("a first-order unknown has an inertia")
 
     @property
     def size(self) -> int:
-        """Length of z."""
-        return len(self.second) + int(self.second.sum())
+        """Length of z = (u, v)."""
+        return len(self.second_order) + int(self.second_order.sum())
 
 
 @dataclass(frozen=True)
 class Eigenvalues:
-    """s (m,) [1/s], of each conjugate pair the one with Im s >= 0; u (n, m) its vector; error (m,): of the
-    equation, relative to the sum of its terms' norms; ``radius``: all roots nearer than this to the shift are
-    here [1/s]."""
+    """Eigenvalues with their vectors.
+
+    s: (m,) [1/s]; of each conjugate pair the one with Im s >= 0.
+    u: (n, m) eigenvectors [SI of each unknown].
+    error: (m,) backward errors [-] (manual: eq-eigen-error).
+    radius: all eigenvalues nearer than this to the shift are included [1/s].
+    """
 
     s: np.ndarray
     u: np.ndarray
@@ -81,15 +92,19 @@ class Eigenvalues:
 
     @property
     def grows(self) -> np.ndarray:
-        """(m,) which grow beyond rounding."""
-        return self.s.real > NEUTRAL * np.abs(self.s)
+        """(m,) mask of the eigenvalues that grow beyond rounding (manual: eq-eigen-figures)."""
+        return self.s.real > NEUTRAL_GROWTH * np.abs(self.s)
 
-    def chosen(self, which: np.ndarray) -> Eigenvalues:
+    def subset(self, which: np.ndarray) -> Eigenvalues:
+        """Select eigenvalues by a mask (m,) or by their numbers."""
         return Eigenvalues(self.s[which], self.u[:, which], self.error[which], self.radius)
 
 
 class _Scaled:
-    """The pencil in units of its scales and its reference rate, rows of size one."""
+    """The problem in units of its scales and its reference rate, with rows of size one.
+
+    Raises ValueError where a row is zero.
+    """
 
     def __init__(self, p: QuadraticEigenproblem):
         w, columns = p.reference, sparse.diags(p.scale)
@@ -99,13 +114,16 @@ class _Scaled:
             raise ValueError("a row of the linearised system is empty")
         rows = sparse.diags(1.0 / size)
         self.K, self.C, self.M = (sparse.csr_matrix(rows @ A) for A in parts)
-        self.second, self.place = p.second, np.flatnonzero(p.second)
-        self.C1 = sparse.csr_matrix(self.C @ sparse.diags((~p.second).astype(float)))
-        self.C2, self.M2 = self.C[:, self.place], self.M[:, self.place]
-        self.n, self.size = len(p.second), p.size
+        self.second_order, self.second_dofs = p.second_order, np.flatnonzero(p.second_order)
+        self.C1 = sparse.csr_matrix(self.C @ sparse.diags((~p.second_order).astype(float)))
+        self.C2, self.M2 = self.C[:, self.second_dofs], self.M[:, self.second_dofs]
+        self.n, self.size = len(p.second_order), p.size
 
     def operator(self, sigma: complex) -> Callable[[np.ndarray], np.ndarray]:
-        """Op at the shift sigma, for vectors (size,) or matrices (size, k)."""
+        """Return Op at the shift sigma, for vectors (size,) or matrices (size, k) (manual: eq-eigen-operator).
+
+        Raises SolveError where the system is singular at the shift.
+        """
         shifted = sparse.csc_matrix(self.K + sigma * self.C + sigma**2 * self.M)
         try:
             factor = sparse_linalg.splu(shifted)
@@ -113,7 +131,7 @@ class _Scaled:
             raise SolveError(
                 "the linearised system is singular at the shift", hint="give another --shift"
             ) from error
-        second = sparse.csr_matrix(self.C2 + sigma * self.M2)
+        by_velocity = sparse.csr_matrix(self.C2 + sigma * self.M2)
         complex_factor = np.iscomplexobj(shifted)
 
         def solve(b: np.ndarray) -> np.ndarray:
@@ -123,14 +141,14 @@ class _Scaled:
 
         def apply(z: np.ndarray) -> np.ndarray:
             u, v = z[: self.n], z[self.n :]
-            own = u[self.place]
-            u = -solve(self.C1 @ u + self.M2 @ v + second @ own)
-            return np.concatenate([u, own + sigma * u[self.place]])
+            selected = u[self.second_dofs]
+            u = -solve(self.C1 @ u + self.M2 @ v + by_velocity @ selected)
+            return np.concatenate([u, selected + sigma * u[self.second_dofs]])
 
         return apply
 
     def error(self, s: np.ndarray, u: np.ndarray) -> FloatArray:
-        """Backward error of each root in the norm of the largest entry."""
+        """Compute the backward errors (m,) of eigenvalues s (m,) with vectors u (n, m) (manual: eq-eigen-error)."""
         terms = self.K @ u, s * (self.C @ u), s**2 * (self.M @ u)
         weight = sum(
             abs(f) * sparse_linalg.norm(A, np.inf) for f, A in ((s**0, self.K), (s, self.C), (s**2, self.M))
@@ -140,8 +158,11 @@ class _Scaled:
 
 # ---------------------------------------------------------------------- engines
 def _arpack(apply, size: int, count: int, kind: type, seed: int) -> np.ndarray:
-    """Vectors of about ``count`` eigenvalues of largest size: implicitly restarted Arnoldi (Lehoucq,
-    Sorensen, Yang 1998)."""
+    """Compute vectors (size, k) of about ``count`` eigenvalues of largest size by implicitly restarted Arnoldi.
+
+    apply: the operator; kind: its number type; seed: of the random start vector.
+    Source: Lehoucq, Sorensen, Yang, ARPACK Users' Guide, 1998.
+    """
     start: np.ndarray = np.random.default_rng(seed).standard_normal(size).astype(kind)
     op = sparse_linalg.LinearOperator((size, size), matvec=apply, dtype=kind)
     try:
@@ -153,8 +174,10 @@ def _arpack(apply, size: int, count: int, kind: type, seed: int) -> np.ndarray:
 
 
 def _slepc(apply, size: int, count: int, kind: type, seed: int) -> np.ndarray:
-    """The same by SLEPc's Krylov-Schur method; options with the prefix ``modes_``.  For the number type that
-    PETSc has."""
+    """Compute the same as ``_arpack`` by SLEPc's Krylov-Schur method, for PETSc's number type.
+
+    SLEPc options have the prefix ``modes_``.
+    """
     from petsc4py import PETSc
     from slepc4py import SLEPc  # type: ignore
 
@@ -185,7 +208,7 @@ def _slepc(apply, size: int, count: int, kind: type, seed: int) -> np.ndarray:
 
 
 def _has_slepc(kind: type) -> bool:
-    """Whether SLEPc is here and computes with the wanted number type."""
+    """Whether SLEPc is installed and computes with the number type ``kind``."""
     try:
         from petsc4py import PETSc
         from slepc4py import SLEPc  # noqa: F401
@@ -195,143 +218,163 @@ def _has_slepc(kind: type) -> bool:
 
 
 def _span(Q: np.ndarray, W: np.ndarray, real: bool) -> np.ndarray:
-    """Orthonormal basis of Q (orthonormal) and the columns of W; real where the operator is."""
+    """Extend the orthonormal basis Q by the columns of W; ``real``: by their real and imaginary parts."""
     X = np.hstack([W.real, W.imag]) if real else W
     X = X[:, np.linalg.norm(X, axis=0) > 0]
     for _ in range(2):
         X = X - Q @ (Q.conj().T @ X)
     new, R, _ = scipy.linalg.qr(X, mode="economic", pivoting=True)
-    keep = np.abs(np.diag(R)) > 1e-9
-    return np.hstack([Q, new[:, : len(keep)][:, keep]])
+    independent = np.abs(np.diag(R)) > 1e-9
+    return np.hstack([Q, new[:, : len(independent)][:, independent]])
 
 
 def _leading(apply, size: int, count: int, real: bool, engine: str) -> tuple[np.ndarray, np.ndarray, float]:
-    """Eigenvalues of largest size and their vectors: at least ``count``, and none is missed that is larger
-    than the third value given.
+    """Compute at least ``count`` eigenvalues of largest size (manual: sec-eigen-search).
 
-    A Krylov space shows a multiple eigenvalue only by way of rounding.  So the operator is asked again with
-    what was found projected out, until it has nothing left of that size.
+    A Krylov space contains a multiple eigenvalue only through rounding.  The method therefore runs again on the
+    operator with the found space projected out, until no eigenvalue of that size is left.
+
+    Returns eigenvalues (m,), vectors (size, m), and a bound: no eigenvalue larger than it is missing.
+    Raises SolveError where nothing converges.
     """
     kind: type = float if real else complex
     method = _slepc if engine == "slepc" or (engine == "auto" and _has_slepc(kind)) else _arpack
     Q: np.ndarray = np.zeros((size, 0), dtype=kind)
-    values, vectors, wanted, edge = np.zeros(0, dtype=complex), np.zeros((size, 0), dtype=complex), count, 0.0
-    for seed in range(ROUNDS):
+    values, vectors = np.zeros(0, dtype=complex), np.zeros((size, 0), dtype=complex)
+    batch, bound = count, 0.0
+    for seed in range(MAX_DEFLATIONS):
         basis = Q
 
         def deflated(z: np.ndarray, basis: np.ndarray = basis) -> np.ndarray:
             z = apply(z)
             return z - basis @ (basis.conj().T @ z)
 
-        W = method(deflated, size, wanted, kind, seed)
+        W = method(deflated, size, batch, kind, seed)
         if not W.shape[1]:
             raise SolveError(
-                "no eigenvalue of the linearised scene converged",
+                "no eigenvalue of the linearised system converged",
                 hint="give another --shift or a smaller --count",
             )
         Q = _span(Q, W, real)
-        small, turn = np.linalg.eig(Q.conj().T @ apply(Q))
-        order = np.argsort(-np.abs(small))
-        before, values, vectors = edge, small[order], Q @ turn[:, order]
-        edge = float(np.abs(values[min(count, len(values)) - 1]))
-        if seed and edge <= before * (1 + 1e-8):  # nothing came in among the first ``count``
-            return values, vectors, edge
-        wanted = CHECKED
+        ritz_values, ritz_vectors = np.linalg.eig(Q.conj().T @ apply(Q))
+        order = np.argsort(-np.abs(ritz_values))
+        before, values, vectors = bound, ritz_values[order], Q @ ritz_vectors[:, order]
+        bound = float(np.abs(values[min(count, len(values)) - 1]))
+        if seed and bound <= before * (1 + 1e-8):  # no new eigenvalue among the first ``count``
+            return values, vectors, bound
+        batch = DEFLATION_CHECKS
     raise SolveError(
-        f"the eigenvalues near the shift were not complete after {ROUNDS} rounds", hint="give another --shift"
+        f"the eigenvalues near the shift were not complete after {MAX_DEFLATIONS} rounds",
+        hint="give another --shift",
     )
 
 
-# ---------------------------------------------------------------------- roots
+# ---------------------------------------------------------------------- eigenvalues
 def eigenvalues_near(
-    pencil: QuadraticEigenproblem, shift: complex, count: int, engine: str = "auto"
+    problem: QuadraticEigenproblem, shift: complex, count: int, engine: str = "auto"
 ) -> Eigenvalues:
-    """At least ``count`` roots nearest to ``shift`` [1/s] (both of a pair count); all of a small system.
+    """Compute at least ``count`` eigenvalues nearest to ``shift`` [1/s]; all of a small system.
 
-    engine: dense, arpack, slepc, or auto: dense up to DENSE_BELOW, then SLEPc where it is installed and has
-    the number type of the shift, else ARPACK.  Raises SolveError where nothing converges.
+    count: both eigenvalues of a conjugate pair count.
+    engine: ``dense``, ``arpack``, ``slepc`` or ``auto``.  Auto uses a dense matrix up to DENSE_BELOW, then SLEPc
+    where it is installed and has the number type of the shift, else ARPACK.
+
+    Raises SolveError where nothing converges.  Manual: sec-eigen-search.
     """
-    scaled, w = _Scaled(pencil), pencil.reference
+    scaled, w = _Scaled(problem), problem.reference
     sigma: Any = complex(shift) / w
     real = sigma.imag == 0
     sigma = sigma.real if real else sigma
     apply, size = scaled.operator(sigma), scaled.size
-    edge = 0.0
-    if engine == "dense" or (engine == "auto" and size <= DENSE_BELOW) or count + 2 * CHECKED > size:
+    bound = 0.0
+    if engine == "dense" or (engine == "auto" and size <= DENSE_BELOW) or count + 2 * DEFLATION_CHECKS > size:
         values, vectors = np.linalg.eig(apply(np.eye(size)))
     else:
-        values, vectors, edge = _leading(apply, size, count, real, engine)
-    finite = np.abs(values) > RESOLVED * np.abs(values).max()
+        values, vectors, bound = _leading(apply, size, count, real, engine)
+    finite = np.abs(values) > SMALLEST_OPERATOR_EIGENVALUE * np.abs(values).max()
     values, u = values[finite], vectors[: scaled.n, finite]
     size_of = np.abs(u).max(axis=0)
     values, u = values[size_of > 0], u[:, size_of > 0] / size_of[size_of > 0]
     s = sigma + 1.0 / values
     error = scaled.error(s, u)
-    good = (error < WRONG) if edge == 0.0 else (error < WRONG) & (np.abs(values) > edge * (1 + SAME))
-    radius = w / (edge * (1 + SAME)) if edge else np.inf
+    accurate = error < LARGEST_BACKWARD_ERROR
+    if bound != 0.0:
+        accurate = accurate & (np.abs(values) > bound * (1 + RADIUS_TOLERANCE))
+    radius = w / (bound * (1 + RADIUS_TOLERANCE)) if bound else np.inf
     return _upper(
-        Eigenvalues(s[good] * w, pencil.scale[:, None] * u[:, good], error[good], radius), pencil.reference
+        Eigenvalues(s[accurate] * w, problem.scale[:, None] * u[:, accurate], error[accurate], radius),
+        problem.reference,
     )
 
 
-def _upper(roots: Eigenvalues, reference: float) -> Eigenvalues:
-    """Without the lower half plane; what is real to rounding is made real."""
-    s = np.where(
-        np.abs(roots.s.imag) <= REAL * np.maximum(np.abs(roots.s), REAL * reference), roots.s.real, roots.s
-    )
-    return Eigenvalues(s, roots.u, roots.error, roots.radius).chosen(s.imag >= 0)
+def _upper(eigenvalues: Eigenvalues, reference: float) -> Eigenvalues:
+    """Drop the lower half plane; eigenvalues that are real up to rounding become real.
+
+    reference: rate [1/s] below whose ``REAL_TOLERANCE`` |s| counts as zero.
+    """
+    size = np.maximum(np.abs(eigenvalues.s), REAL_TOLERANCE * reference)
+    s = np.where(np.abs(eigenvalues.s.imag) <= REAL_TOLERANCE * size, eigenvalues.s.real, eigenvalues.s)
+    return Eigenvalues(s, eigenvalues.u, eigenvalues.error, eigenvalues.radius).subset(s.imag >= 0)
 
 
 def lowest_eigenvalues(
-    pencil: QuadraticEigenproblem,
+    problem: QuadraticEigenproblem,
     count: int,
     engine: str = "auto",
-    wanted: Callable[[Eigenvalues], np.ndarray] | None = None,
+    selected: Callable[[Eigenvalues], np.ndarray] | None = None,
 ) -> Eigenvalues:
-    """The ``count`` oscillating roots of lowest |Im s|, some of the slowest real ones, and all that grow of
-    those seen; sorted by |Im s|, real ones by growth.  wanted(roots) -> (m,) mask: which roots count; the
-    others are left out.
+    """Compute the oscillating eigenvalues of lowest |Im s|, sorted by |Im s|, real ones by growth.
 
-    Discs about shifts, first near zero, then ever higher up the imaginary axis, until there are enough;
-    within a disc every root is found.  A root so far to the left that no disc reaches it is not seen: it dies
-    out within a fraction of a period of those found.
+    Some of the slowest real eigenvalues are included, and of all computed ones those that grow.
+    The search uses discs about shifts, first near zero, then up the imaginary axis (manual: sec-eigen-search).
+    Within a disc every eigenvalue is found.  An eigenvalue far to the left that no disc reaches is missing: it decays
+    within a fraction of a period of the others.
+
+    problem: the eigenvalue problem.
+    count: number of oscillating eigenvalues.
+    engine: as in ``eigenvalues_near``.
+    selected(eigenvalues): (m,) mask of the eigenvalues that count; the others are left out.
+
+    Raises SolveError where nothing converges.
     """
-    first = OFF_ROOT * pencil.reference
-    found: list[Eigenvalues] = []
+    first = FIRST_SHIFT * problem.reference
+    parts: list[Eigenvalues] = []
     discs: list[tuple[complex, float]] = []
-    height, most, enough = 0.0, 2 * count + 2 * CHECKED, 0
-    for _ in range(DISCS):
+    height, per_disc, oscillating = 0.0, 2 * count + 2 * DEFLATION_CHECKS, 0
+    for _ in range(MAX_DISCS):
         shift = 1j * height if discs else complex(first)
-        roots = eigenvalues_near(pencil, shift, most, engine)
+        near = eigenvalues_near(problem, shift, per_disc, engine)
         new = np.all(
-            [abs(z - c) > r for c, r in discs for z in (roots.s, np.conj(roots.s))]
-            or [np.ones(len(roots.s), bool)],
+            [abs(z - c) > r for c, r in discs for z in (near.s, np.conj(near.s))]
+            or [np.ones(len(near.s), bool)],
             axis=0,
         )
-        roots, disc = roots.chosen(new), (shift, roots.radius)
-        counts = wanted(roots) if wanted else new[new]
-        enough += int((counts & (roots.s.imag > 0)).sum())
-        found.append(roots.chosen(counts))
+        near, disc = near.subset(new), (shift, near.radius)
+        counts = selected(near) if selected else new[new]
+        oscillating += int((counts & (near.s.imag > 0)).sum())
+        parts.append(near.subset(counts))
         discs.append(disc)
         height = max(height, _height(disc))
-        if enough >= count or not np.isfinite(disc[1]):
+        if oscillating >= count or not np.isfinite(disc[1]):
             break
-    return _sorted(found, count)
+    return _sorted(parts, count)
 
 
 def _height(disc: tuple[complex, float]) -> float:
-    """How far up the imaginary axis a disc reaches."""
+    """Compute the height at which a disc (centre, radius) [1/s] meets the imaginary axis."""
     centre, radius = disc
     return centre.imag + float(np.sqrt(max(0.0, radius**2 - centre.real**2)))
 
 
-def _sorted(found: list[Eigenvalues], count: int) -> Eigenvalues:
-    s, u, error = (np.concatenate([getattr(r, k) for r in found], axis=-1) for k in ("s", "u", "error"))
-    every = Eigenvalues(s, u, error)
+def _sorted(parts: list[Eigenvalues], count: int) -> Eigenvalues:
+    """Join the parts; select ``count`` oscillating eigenvalues, the slowest real ones and all that grow."""
+    s, u, error = (np.concatenate([getattr(r, k) for r in parts], axis=-1) for k in ("s", "u", "error"))
+    joined = Eigenvalues(s, u, error)
     order = np.lexsort((-s.real, s.imag))
-    swinging = order[s.imag[order] > 0][:count]
+    oscillating = order[s.imag[order] > 0][:count]
     real = np.flatnonzero(s.imag == 0)
-    slow = real[np.argsort(np.abs(s[real]), kind="stable")][: max(1, count // SLOW)]
-    keep = every.grows
-    keep[swinging], keep[slow] = True, True
-    return every.chosen(order[keep[order]])
+    slow_count = max(1, count // OSCILLATING_PER_SLOW_REAL)
+    slow = real[np.argsort(np.abs(s[real]), kind="stable")][:slow_count]
+    included = joined.grows
+    included[oscillating], included[slow] = True, True
+    return joined.subset(order[included[order]])

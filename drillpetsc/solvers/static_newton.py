@@ -1,10 +1,10 @@
-"""Static equilibrium: Newton on the potential energy, kept downhill by a shift where the tangent is not
-positive definite.
+"""Static equilibrium: Newton's method on the potential energy, with a shift where the stiffness is not positive definite.
 
-The frictionless problem has an energy; its minima are the stable states.  Each step solves with K + sigma M,
-sigma raised until no pivot is negative (Sylvester), and is shortened by the slope along it, so a straight
-buckled string cannot be returned unless nothing disturbs it - then a small persistent side load is added.
-Friction in the imposed sliding direction follows, by plain Newton.
+Manual: sec-statics-newton, sec-statics-descent.  The frictionless problem has an energy, whose minima are the stable
+states.  Each step solves with K + sigma M (manual: eq-statics-step).  sigma is raised until no pivot is negative
+(Sylvester), and the step is shortened by the slope of the energy along it.  The result is then a minimum; a straight
+string above its buckling load is returned only if nothing disturbs it.  In that case a small persistent lateral load
+is added.  Friction in the imposed sliding direction follows, by Newton's method without a shift.
 """
 
 from __future__ import annotations
@@ -14,26 +14,33 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.assembly import ROW_SCALE
-from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.solvers.chain_lu import ZeroPivot
 from drillpetsc.solvers.newton import chain_factor
 
-CONVERGED = 2.0e-9  # increment relative to the fields' scales
-STALLED = 1.0e-5  # good enough when rounding stops the descent
-ITERATIONS = 600
-FREE_ITERATIONS = 40
-# full Newton steps without a smaller increment before they are given up (contacts that open and close for
-# ever)
+CONVERGED_INCREMENT = 2.0e-9  # largest increment of a converged state, in the fields' scales
+ROUNDING_INCREMENT = (
+    1.0e-5  # increment below which a state counts as converged where rounding stops the descent
+)
+MAX_ITERATIONS = 600
+MAX_FULL_STEPS = 40
+#: full Newton steps without a smaller increment before the iteration ends; contacts may open and close without end
 STALL_WINDOW = 8
-TURN = 0.4  # largest change of a node's slope in one step
+MAX_SLOPE_CHANGE = 0.4  # largest change of a node's slope in one step
 
 
 @dataclass
 class Equilibrium:
-    """What a static solve reports; forces in N, lengths in m."""
+    """Results of a static solve.
+
+    iterations: Newton steps; history: (iterations,) increments in the fields' scales, the last one in ``increment``.
+    negative_pivots: negative eigenvalues of the stiffness beyond those of multipliers (manual: eq-statics-stable).
+    residual: largest residual [N, N m].
+    imperfection: relative size of the lateral loads that were added [-].
+    """
 
     iterations: int = 0
     negative_pivots: int = 0
@@ -45,62 +52,70 @@ class Equilibrium:
 
 
 class StaticNewton:
-    """Static solver of one model; the state is the assembly's x, rates are zero.
+    """Static solver of one discrete system; the state is the assembly's x, rates are zero.
 
-    energy: the loads have a potential, so inertia and descent are meaningful; clearance: smallest radial
-    clearance [m] (None: no well). weight_on_bit: (target [N], unit) where ``unit(model)`` gives (present
-    depth of the bit below the hole's end [m], its gradient by the local unknowns (n,), depth that gives the
-    target [m]); the top's axial position then follows.
+    system: the discrete system.
+    energy: the loads have a potential, so that the matrix inertia and the descent have a meaning.
+    clearance: smallest radial clearance [m], None without a well.
+    t: time at which inputs are evaluated [s].
+
+    The caller may set, with n local dofs:
+    depth(system): depth of the bit below the hole's end [m], its gradient (n,) by the local unknowns, and the depth
+    [m] of the requested weight on bit.  The top's axial position is then an unknown (manual: eq-statics-wob).
+    move_top(step): moves the prescribed position of the top by ``step`` [m].
+    rates: (n+1,) rates of a steady motion [SI of each field per second], None at rest.
     """
 
     def __init__(
         self, system: DiscreteSystem, energy: bool = True, clearance: float | None = None, t: float = 0.0
     ):
         self.system, self.energy, self.t = system, energy, t
-        self.limit = 0.5 * clearance if clearance else 0.2 * float(system.mesh.node_depth[-1])
+        self.max_lateral_step = 0.5 * clearance if clearance else 0.2 * float(system.mesh.node_depth[-1])
         self.factor = chain_factor(system)
         self.f = system.new_condensed()
         self.depth: Callable[[DiscreteSystem], tuple[float, FloatArray, float]] | None = None
         self.move_top: Callable[[float], None] | None = None
-        self.rates: FloatArray | None = None  # (n+1,) of a steady motion; at rest without it
-        self._mine = system.owned_place >= 0
+        self.rates: FloatArray | None = None
+        self._owned = system.owned_index >= 0
         self._entries = self._shift_entries()
         self._top_rows = next(
             (f for f in system.assembly.row_replacements if f.owned and f.condition.vertex == 0), None
         )
 
     def _shift_entries(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Where the shift M goes: for position and slope, (vertices (k,), places (k, 3, 3) of a diagonal
-        block in the values).
+        """Find the matrix entries to which the shift M is added (manual: eq-statics-shift).
 
-        Only owned vertices, each once; M = h (I - t t^T) for positions and h^3/100 (I - t t^T) for slopes:
-        side springs.
+        M is a lateral spring at each node: h (I - t t^T) for positions and h^3/100 (I - t t^T) for slopes.
+        Returns for position and for slope: owned vertices (k,), each once, and entries (k, 3, 3) of a diagonal block.
         """
         system, asm = self.system, self.system.assembly
         chain = system.chain
-        wanted = {}
+        vertex_of_dof = {}
         for name in ("string.position", "string.tangent"):
             first = system.layout.dofs[name][:, 0]
-            wanted[name] = {int(p): v for v, p in enumerate(first) if p >= 0 and chain.owned[v]}
+            vertex_of_dof[name] = {int(p): v for v, p in enumerate(first) if p >= 0 and chain.owned[v]}
         out = []
-        for name in wanted:
-            found: dict[int, np.ndarray] = {}
+        for name in vertex_of_dof:
+            entries: dict[int, np.ndarray] = {}
             for item in asm.bound_blocks:
                 for e in range(item.count):
-                    for slot in _slots(item.index[e], wanted[name]):
-                        vertex = wanted[name][int(item.index[e, slot])]
-                        if vertex not in found:
+                    for slot in _slots(item.index[e], vertex_of_dof[name]):
+                        vertex = vertex_of_dof[name][int(item.index[e, slot])]
+                        if vertex not in entries:
                             k = slot + np.arange(3)
-                            found[vertex] = item.span.start + e * item.width**2 + k[:, None] * item.width + k
+                            entries[vertex] = (
+                                item.span.start + e * item.width**2 + k[:, None] * item.width + k
+                            )
             out.append(
                 (
-                    np.array(list(found), dtype=int),
-                    np.array(list(found.values()), dtype=int).reshape(-1, 3, 3),
+                    np.array(list(entries), dtype=int),
+                    np.array(list(entries.values()), dtype=int).reshape(-1, 3, 3),
                 )
             )
         return out
 
     def _node_size(self) -> FloatArray:
+        """Compute the length [m] (nv,) that belongs to each local node: half of both neighbouring elements."""
         mesh = self.system.mesh
         size = np.zeros(mesh.nodes)
         np.add.at(size, np.arange(mesh.nodes - 1), 0.5 * mesh.length)
@@ -109,9 +124,11 @@ class StaticNewton:
 
     # ------------------------------------------------------------------ pieces
     def sum(self, value: float) -> float:
+        """Sum ``value`` over all ranks; collective."""
         return value if self.system.comm.size == 1 else float(self.system.comm.tompi4py().allreduce(value))
 
     def largest(self, value: float) -> float:
+        """Largest ``value`` of all ranks; collective."""
         from mpi4py import MPI
 
         return (
@@ -121,43 +138,49 @@ class StaticNewton:
         )
 
     def rows(self) -> FloatArray:
-        """Residual at rest (or in the steady motion ``rates``), summed, as a ghosted local array valid at
-        owned unknowns."""
+        """Compute the residual (n,) at rest or in the steady motion ``rates``, summed over ranks; collective.
+
+        The array has local numbering with ghosts and is valid at owned unknowns.  Manual: eq-statics-rest.
+        """
         system, asm = self.system, self.system.assembly
         asm.y[:], asm.a[:] = 0.0 if self.rates is None else self.rates, 0.0
-        asm.forget_inputs()
+        asm.invalidate_prescribed_values()
         system.sum_residual(self.t, self.f)
         local = np.zeros(system.layout.size)
         local[system.layout.local_of_owned] = self.f.getArray(readonly=1)
         return local
 
     def _gradient(self, rows: FloatArray) -> FloatArray:
-        """Derivative of the energy by (r, v, phi): rows of v get back what the spin coordinate takes;
-        prescribed rows are zero."""
+        """Compute the derivative (n,) of the energy by (r, v, phi) from the residual ``rows`` (n,).
+
+        The rows of v include the part of the spin coordinate (manual: eq-beam-quasi-rows); prescribed rows are zero.
+        """
         asm, g = self.system.assembly, rows.copy()
         for f in asm.row_replacements:
-            g[f.rows] = f.keep @ g[f.rows]
+            g[f.rows] = f.complement @ g[f.rows]
         phi, v = asm.spin_at[:, 0], asm.spin_at[:, 1:2] + np.arange(3)
         g[v] += self._spin_potential() * g[phi][:, None]
         return g
 
     def _spin_potential(self) -> FloatArray:
+        """Compute c(v) (k, 3) at the k local nodes with a spin angle (manual: eq-beam-spin-potential)."""
         asm = self.system.assembly
         v = asm.x[asm.spin_at[:, 1:2] + np.arange(3)]
         n = np.linalg.norm(v, axis=1, keepdims=True)
         return np.cross(v, asm.reference) / (n * (n + np.sum(v * asm.reference, axis=1, keepdims=True)))
 
-    def _tangent(self) -> None:
-        """Stiffness at x into the assembly's values, symmetric where the rooms are conservative."""
+    def _stiffness(self) -> None:
+        """Compute the stiffness at x into the assembly's values; it is symmetric where all loads are conservative."""
         asm = self.system.assembly
         asm.jacobian(self.t, (1.0, 0.0, 0.0), condensed=False)
-        self._by_top = np.zeros(self.system.layout.size + 1)  # force on the free rows when the top moves down
-        for f in asm.row_replacements:  # prescribed components do not move: their columns go, too
-            for item, e, slots in f.touching:
+        # (n+1,) derivative of the free rows by the downward motion of the top
+        self._by_top = np.zeros(self.system.layout.size + 1)
+        for f in asm.row_replacements:  # prescribed components do not move, so their columns are removed
+            for item, e, slots in f.elements:
                 K = asm.values[item.span].reshape(item.count, item.width, item.width)[e]
                 if f is self._top_rows:
                     np.add.at(self._by_top, item.index[e], K[:, slots] @ f.D[0])
-                K[:, slots] = K[:, slots] @ f.keep
+                K[:, slots] = K[:, slots] @ f.complement
         c = self._spin_potential()
         slot = np.full(self.system.layout.size + 1, -1)
         slot[asm.spin_at[:, 0]] = np.arange(len(asm.spin_at))
@@ -172,16 +195,20 @@ class StaticNewton:
                 K[:, s - 3 : s, :] += c[node][:, :, None] * K[:, s : s + 1, :]
 
     def _factor(self, sigma: float) -> int:
-        """Factor K + sigma M; number of negative pivots (a missing pivot counts as one)."""
+        """Factor K + sigma M; ``sigma`` in N/m2 (manual: eq-statics-step).
+
+        Returns the number of negative pivots beyond those of multipliers, -1 where a pivot is missing, and 0 where the
+        loads have no energy.
+        """
         values = self.system.assembly.values.copy()
         if sigma:
             v = self.system.field("string.tangent")
             across = np.eye(3) - v[:, :, None] * v[:, None, :] / np.sum(v * v, axis=1)[:, None, None]
             h = self._node_size()
-            for (vertices, places), scale in zip(self._entries, (h, h**3 / 100), strict=True):
-                values[places] += sigma * scale[vertices, None, None] * across[vertices]
+            for (vertices, entries), scale in zip(self._entries, (h, h**3 / 100), strict=True):
+                values[entries] += sigma * scale[vertices, None, None] * across[vertices]
         try:
-            if self.energy:  # each multiplier is a negative eigenvalue, whatever the state (saddle point)
+            if self.energy:  # each multiplier is a negative eigenvalue in every state (saddle point)
                 return self.factor.negative_pivots(values) - self.system.multipliers
             self.factor.factor(values)
             return 0
@@ -189,7 +216,10 @@ class StaticNewton:
             return -1
 
     def _positive_factor(self, sigma: float) -> float:
-        """Smallest shift on a coarse scale that leaves no negative pivot; the factor is ready."""
+        """Find the smallest shift [N/m2] on a coarse scale without negative pivots, and factor with it.
+
+        sigma: shift of the last step [N/m2].  Raises SolveError where no shift suffices.
+        """
         mesh = self.system.mesh
         first = 1e-3 * self.largest(float(np.max((mesh.bending_stiffness / mesh.divisor**4)[~mesh.is_joint])))
         trial = sigma / 8 if sigma > 8 * first else 0.0
@@ -198,25 +228,32 @@ class StaticNewton:
                 return trial
             trial = max(4 * trial, first)
         raise SolveError(
-            "the static tangent could not be made positive definite",
-            hint="is the string held anywhere?",
+            "the stiffness matrix could not be made positive definite by a shift",
+            hint="check the end conditions: a rigid-body mode may not be constrained",
             **self.system.locate_largest_residual(self.t),
         )
 
     # ------------------------------------------------------------------ iteration
     def _step_limit(self, p: FloatArray) -> float:
-        """Multiple of ``p`` that keeps side movement and turning of every node within bounds."""
+        """Compute the largest factor of the step ``p`` (n,) with bounded lateral motion and slope change of every node."""
         system = self.system
         r, v = p[system.layout.dofs["string.position"]], p[system.layout.dofs["string.tangent"]]
         t = system.field("string.tangent")
         t = t / np.linalg.norm(t, axis=1, keepdims=True)
-        side = np.linalg.norm(r - t * np.sum(r * t, axis=1, keepdims=True), axis=1).max(initial=0.0)
-        turn = np.linalg.norm(v, axis=1).max(initial=0.0)
-        return min(self.limit / max(self.largest(side), 1e-300), TURN / max(self.largest(turn), 1e-300))
+        lateral = np.linalg.norm(r - t * np.sum(r * t, axis=1, keepdims=True), axis=1).max(initial=0.0)
+        slope = np.linalg.norm(v, axis=1).max(initial=0.0)
+        return min(
+            self.max_lateral_step / max(self.largest(lateral), 1e-300),
+            MAX_SLOPE_CHANGE / max(self.largest(slope), 1e-300),
+        )
 
     def _search(self, x0: FloatArray, p: FloatArray, slope0: float, alpha: float, most: float) -> float:
-        """Length of the step: shorter while the energy rises again beyond it, up to ``most`` while it still
-        falls steeply."""
+        """Search the step length by the slope of the energy along the step; returns the factor of ``p``.
+
+        The step is shortened where the energy rises again beyond it, and lengthened while the energy falls steeply.
+
+        x0: (n,) start; p: (n,) step; slope0: slope at the start [J]; alpha: first factor; most: largest factor.
+        """
         good, shrunk = 0.0, False
         for _ in range(12):
             slope = self._slope_at(x0, p, alpha)
@@ -235,44 +272,56 @@ class StaticNewton:
         return good or alpha
 
     def _slope_at(self, x0: FloatArray, p: FloatArray, alpha: float) -> float:
-        """Slope of the energy along ``p`` at x0 + alpha p."""
+        """Compute the slope [J] of the energy along ``p`` (n,) at x0 + alpha p; collective."""
         self.system.assembly.x[: self.system.layout.size] = x0 + alpha * p
-        return self.sum(float(self._gradient(self.rows())[self._mine] @ p[self._mine]))
+        return self.sum(float(self._gradient(self.rows())[self._owned] @ p[self._owned]))
 
     def _bring_to_depth(self, p: FloatArray) -> float:
-        """Add to ``p`` the motion of the top that brings the bit to its depth; returns the top's move [m]."""
+        """Add to ``p`` (n,) the motion of the top that brings the bit to its depth (manual: eq-statics-wob).
+
+        Returns the motion of the top [m].  Raises SolveError where the top does not move the bit.
+        """
         system, n = self.system, self.system.layout.size
         s = np.zeros(n)
         self.factor.solve(-self._gradient(system.sum_local(self._by_top)), s)
         if self._top_rows is not None:
             s[self._top_rows.rows] += self._top_rows.D[0]
         depth, gradient, target = self.depth(system)  # type: ignore[misc]
-        here = self.sum(float(gradient[self._mine] @ p[self._mine]))
-        by_top = self.sum(float(gradient[self._mine] @ s[self._mine]))
+        by_step = self.sum(float(gradient[self._owned] @ p[self._owned]))
+        by_top = self.sum(float(gradient[self._owned] @ s[self._owned]))
         if abs(by_top) < 1e-12:
             raise SolveError(
                 "the top's position does not reach the bit",
                 hint="wob needs a top with a prescribed axial position",
             )
-        move = (target - self.sum(depth) - here) / by_top
+        move = (target - self.sum(depth) - by_step) / by_top
         p += move * s
         return move
 
     def _newton(
-        self, shifted: bool, report: Equilibrium, search: bool = True, most: int = ITERATIONS
+        self, shifted: bool, report: Equilibrium, search: bool = True, max_iterations: int = MAX_ITERATIONS
     ) -> None:
+        """Iterate from the assembly's x (manual: eq-statics-step).
+
+        shifted: use a shift that leaves no negative pivot; otherwise full Newton steps.
+        report: gets iterations, increments and ``converged``.
+        search: search the step length where the step is shifted.
+        Raises SolveError where the iteration does not converge.
+        """
         asm, n = self.system.assembly, self.system.layout.size
-        sigma, best, weight = 0.0, np.inf, 1.0 / self.system.scale
-        quiet, begun = 0, len(report.history)
-        for _ in range(most):
+        sigma, smallest, weight = 0.0, np.inf, 1.0 / self.system.scale
+        stalled, start = 0, len(report.history)
+        for _ in range(max_iterations):
             rows = self.rows()
             g = self._gradient(rows)
-            self._tangent()
+            self._stiffness()
             if shifted:
                 sigma = self._positive_factor(sigma)
             elif self._factor(0.0) < 0:
                 raise SolveError(
-                    "the static tangent is singular", **self.system.locate_largest_residual(self.t)
+                    "singular stiffness matrix",
+                    hint="check the end conditions: a rigid-body mode may not be constrained",
+                    **self.system.locate_largest_residual(self.t),
                 )
             p = np.zeros(n)
             self.factor.solve(-self._with_constraints(g), p)
@@ -280,7 +329,7 @@ class StaticNewton:
             x0 = asm.x[:n].copy()
             longest = self._step_limit(p)
             alpha = min(1.0, longest)
-            slope0 = self.sum(float(g[self._mine] @ p[self._mine]))
+            slope0 = self.sum(float(g[self._owned] @ p[self._owned]))
             if search and shifted and abs(move) < 1e-9 and slope0 < 0:
                 alpha = self._search(x0, p, slope0, alpha, longest if sigma else alpha)
             asm.x[:n] = x0 + alpha * p
@@ -292,36 +341,37 @@ class StaticNewton:
             report.increment = size
             if not np.isfinite(size):
                 raise SolveError(
-                    "the static solution ran away", **self.system.locate_largest_residual(self.t)
+                    "the static solution is not finite", **self.system.locate_largest_residual(self.t)
                 )
-            quiet += size < STALLED and size > 0.8 * best  # rounding: small, and no longer falling
+            # rounding: the increment is small and no longer shrinks
+            stalled += size < ROUNDING_INCREMENT and size > 0.8 * smallest
             if (
                 alpha == 1.0
                 and sigma == 0.0
-                and (size < CONVERGED or quiet >= 3)
-                or (quiet >= 8 and size < CONVERGED)
+                and (size < CONVERGED_INCREMENT or stalled >= 3)
+                or (stalled >= 8 and size < CONVERGED_INCREMENT)
             ):
                 report.converged = True
                 return
-            best = min(best, size)
-            if not shifted and self._chatters(report.history[begun:], alpha):
+            smallest = min(smallest, size)
+            if not shifted and self._does_not_shrink(report.history[start:], alpha):
                 break
         raise SolveError(
-            f"statics did not converge in {len(report.history) - begun} iterations "
+            f"statics did not converge in {len(report.history) - start} iterations "
             f"(last increment {size:.1e} of the fields' scales)",
             hint="a stronger initial.imperfection or a finer mesh may help",
             **self.system.locate_largest_residual(self.t),
         )
 
     @staticmethod
-    def _chatters(sizes: list[float], alpha: float) -> bool:
-        """Full steps that have not become smaller for a while."""
+    def _does_not_shrink(sizes: list[float], alpha: float) -> bool:
+        """Whether the increments ``sizes`` of full steps have not become smaller within ``STALL_WINDOW`` steps."""
         if alpha < 1.0 or len(sizes) <= 2 * STALL_WINDOW:
             return False
         return min(sizes[-STALL_WINDOW:]) > 0.5 * min(sizes[:-STALL_WINDOW])
 
     def _with_constraints(self, g: FloatArray) -> FloatArray:
-        """Right-hand side: prescribed rows ask for no motion beyond what brings them to their value."""
+        """Return the gradient ``g`` (n,) with the error of the prescribed positions in their rows."""
         out = g.copy()
         asm = self.system.assembly
         for f in asm.row_replacements:
@@ -331,10 +381,12 @@ class StaticNewton:
         return out
 
     # ------------------------------------------------------------------ use
-    def settle(self, report: Equilibrium | None = None) -> Equilibrium:
-        """Find the equilibrium from the assembly's x; friction as the rooms have it set (off or imposed).
+    def solve(self, report: Equilibrium | None = None) -> Equilibrium:
+        """Find the equilibrium from the assembly's x: full Newton steps, else energy minimisation; collective.
 
-        With an energy the state is stable or ``negative_pivots`` says it is not.
+        Friction is what the components have set: off, or in an imposed direction.  With an energy, a result from
+        full Newton steps is stable; after a minimisation ``negative_pivots`` tells whether it is.
+        Raises SolveError where neither converges.
         """
         report = report or Equilibrium()
         start = self.system.assembly.x.copy()
@@ -348,35 +400,44 @@ class StaticNewton:
         return report
 
     def newton_free(self, report: Equilibrium) -> None:
-        """Full Newton steps, the quickest way where they work; SolveError where they do not converge to a
-        stable state."""
+        """Take full Newton steps, the fastest method where it converges; collective.
+
+        Raises SolveError where the steps do not converge to a stable state.
+        """
         self._begin(report)
-        self._newton(False, report, search=False, most=FREE_ITERATIONS)
+        self._newton(False, report, search=False, max_iterations=MAX_FULL_STEPS)
         self._end(report)
         if self.energy and self.negative_pivots():
             raise SolveError("the static state is unstable", **self.system.locate_largest_residual(self.t))
 
-    def minimise_energy(self, report: Equilibrium, most: int = ITERATIONS) -> None:
-        """Down the energy, by steps with a positive definite tangent; ends in a stable state, or on a saddle
-        when started there."""
+    def minimise_energy(self, report: Equilibrium, max_iterations: int = MAX_ITERATIONS) -> None:
+        """Minimise the energy by steps with a positive definite matrix (manual: sec-statics-descent); collective.
+
+        The result is a stable state, or a saddle where the start is one.
+        Raises SolveError where the iteration does not converge.
+        """
         self._begin(report)
-        self._newton(self.energy, report, most=most)
+        self._newton(self.energy, report, max_iterations=max_iterations)
         self._end(report)
 
     def _begin(self, report: Equilibrium) -> None:
+        """Put prescribed components at their values."""
         report.converged = False
         x = self.system.assembly.x
         for f in self.system.assembly.row_replacements:
             x[f.rows] += f.D.T @ (f.condition.value(self.t) - f.D @ x[f.rows])
 
     def _end(self, report: Equilibrium) -> None:
+        """Store the largest residual in ``report``; collective."""
         report.residual = self.largest(
-            float(np.max(np.abs(self._gradient(self.rows())[self._mine]), initial=0.0))
+            float(np.max(np.abs(self._gradient(self.rows())[self._owned]), initial=0.0))
         )
 
     def newton_damped(self, report: Equilibrium) -> None:
-        """Newton without a potential (friction) from a state close by; raises SolveError when it does not
-        converge."""
+        """Take full Newton steps without a stability count, for loads without an energy (friction); collective.
+
+        Raises SolveError where the steps do not converge.
+        """
         energy, self.energy = self.energy, False
         try:
             self.newton_free(report)
@@ -384,25 +445,33 @@ class StaticNewton:
             self.energy = energy
 
     def negative_pivots(self) -> int:
-        """Of the tangent at x; meaningful without friction."""
-        self._tangent()
+        """Count the negative pivots of the stiffness at x beyond those of multipliers (manual: eq-statics-stable).
+
+        The count has a meaning without friction only.
+        """
+        self._stiffness()
         return self._factor(0.0)
 
-    def push_aside(self, fraction: float, weight: FloatArray, seed: int = 1) -> None:
-        """Persistent random side loads of standard deviation ``fraction`` times ``weight`` (n_nodes,) [N] at
-        the nodes."""
+    def add_imperfection(self, fraction: float, weight: FloatArray, seed: int = 1) -> None:
+        """Add persistent random lateral loads at the nodes, as the assembly's dead load.
+
+        fraction: standard deviation of a load relative to the node's weight [-].
+        weight: (n_nodes,) weight of each node [N].
+        seed: of the random numbers.
+        """
         system, asm = self.system, self.system.assembly
         rng = np.random.default_rng(seed)
         loads = fraction * weight[:, None] * rng.standard_normal((system.mesh.nodes, 2))
         t = system.frames.reference
         second = system.frames.second
         force = loads[:, :1] * second + loads[:, 1:] * np.cross(t, second)
-        dead = np.zeros(system.layout.size)
-        place = system.layout.dofs["string.position"]
+        dead_load = np.zeros(system.layout.size)
+        dofs = system.layout.dofs["string.position"]
         owned = system.chain.owned
-        dead[place[owned]] = force[system.chain.vertices[owned]]
-        asm.dead_load = dead
+        dead_load[dofs[owned]] = force[system.chain.vertices[owned]]
+        asm.dead_load = dead_load
 
 
-def _slots(row: np.ndarray, wanted: dict[int, int]) -> list[int]:
-    return [s for s, place in enumerate(row) if int(place) in wanted]
+def _slots(element_dofs: np.ndarray, dofs: dict[int, int]) -> list[int]:
+    """Return the slots of an element whose dofs are among the keys of ``dofs``."""
+    return [s for s, dof in enumerate(element_dofs) if int(dof) in dofs]

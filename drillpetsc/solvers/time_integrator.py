@@ -1,5 +1,7 @@
-"""Motion in time: PETSc's TS around the condensed Newton, or around a plain assembled system when options ask
-for one."""
+"""Time integration: PETSc's TS around the condensed Newton method, or around the assembled first-order system.
+
+Manual: sec-time-condensed, sec-time-call, sec-time-error, sec-time-jumps.  PETSc options select the first-order system.
+"""
 
 from __future__ import annotations
 
@@ -11,48 +13,55 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
+from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
-from drillpetsc.fem.component import Field, FloatArray
+from drillpetsc.fem.component import Field
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.solvers.bdf_history import BdfHistory, State
 from drillpetsc.solvers.first_order_system import FirstOrderSystem, refuse_integrator
 from drillpetsc.solvers.newton import CondensedNewton
 
-MASKED = 1.0e20  # tolerance of a row that the error control leaves out
+MASKED = 1.0e20  # tolerance of a row without error control
 DEFAULTS = {
     "ts_type": "bdf",
     "ts_bdf_order": 2,
     "ts_adapt_type": "basic",
     "ts_adapt_clip": "0.2,2.0",
     "ts_exact_final_time": "matchstep",
-    "ts_max_snes_failures": -1,  # counted here, consecutive ones; PETSc's count is over the whole run
-    "ts_error_if_step_fails": 0,  # told in our words
+    "ts_max_snes_failures": -1,  # this module counts consecutive failures; PETSc counts those of the whole run
+    "ts_error_if_step_fails": 0,  # this module raises an error with place and cure
 }
 TOLERANCE = 1.0e-4  # default of -ts_rtol
 CONSECUTIVE_FAILURES = 25
-# with multipliers Newton's tolerance is this much smaller: what it leaves of a constraint is a misfit of the
-# parts
-CONSTRAINED = 1.0e-3
-NOTHING_LEFT = 1.0e-11  # share of the time at which a run has reached its end
-SHORTEST_STEP = 1.0e-11  # a step that fails at this length fails at any [s]
+#: factor of Newton's tolerance with multipliers, whose constraint errors are a misfit of the parts
+CONSTRAINT_TOLERANCE_FACTOR = 1.0e-3
+END_TOLERANCE = 1.0e-11  # a run has ended within this fraction of the time
+SHORTEST_STEP = 1.0e-11  # a step of this length that fails would fail at any length [s]
 
 
 @dataclass
 class Counters:
+    """Numbers of accepted and of rejected steps."""
+
     steps: int = 0
     rejected: int = 0
 
 
 @dataclass
 class TimeIntegrator:
-    """Integrates a model from the state in its assembly.
+    """Time integrator of a discrete system, from the state in its assembly.
 
-    after_step(t, dt) is called after every accepted step, with x, y, a of the assembly at t; before_solve(t)
-    before a step that ends at t is solved for.  first_step [s].  controlled(field): whether a field takes part
-    in the error control; defaults: PETSc options beside DEFAULTS.   at_jump(t) is called where
-    the rate of a prescribed motion jumps, before the step that follows; ``jumped`` is true while after_step
-    is called for the steps whose time formula still reaches over the jump.  at_rest(t) comes last of all,
-    when nothing of the step is left to do: there ``memory`` may be taken and ``stop`` called.
+    system: the discrete system.
+    after_step(t, dt): called after every accepted step, with x, y, a of the assembly at ``t`` [s].
+    at_jump(t): called where the rate of a prescribed motion jumps, before the step that follows.
+    before_solve(t): called before the solve of a step that ends at ``t`` [s].
+    at_rest(t): called last after a step; here ``get_state`` and ``stop`` may be called.
+    first_step: length of the first step [s].
+    controlled(field): whether a field takes part in the error control.
+    defaults: further PETSc options, below those of the user.
+
+    ``jumped`` is true in after_step for the steps whose time formula reaches over a jump (manual: sec-time-jumps).
+    ``fresh`` is true for the first step after a restart of the formula.
     """
 
     system: DiscreteSystem
@@ -79,32 +88,35 @@ class TimeIntegrator:
             and options.getString("snes_type", "python") == "python"
         )
         refuse_integrator(options.getString("ts_type", "bdf"), self.system.constrained)
-        self.counters, self._in_a_row, self.last_step, self._reach = Counters(), 0, 0.0, 0
-        self._order, self.fresh = (
-            options.getInt("ts_bdf_order", 2),
-            True,
-        )  # fresh: the next step is the first of its formula
+        # _steps_over_jump: number of coming steps whose formula reaches over a jump
+        self.counters, self._consecutive_failures, self.last_step, self._steps_over_jump = (
+            Counters(),
+            0,
+            0.0,
+            0,
+        )
+        self._order, self.fresh = options.getInt("ts_bdf_order", 2), True
         self._last, self._t, self._jump, self._stop = 0.0, 0.0, np.inf, np.inf
-        # the formulas whose history can be put back; the others start afresh at every checkpoint, also where
-        # nothing interrupts them
+        # formulas whose history can be rebuilt; the others restart at every checkpoint, also in uninterrupted runs
         self.remembers = self.condensed and options.getString("ts_adapt_type", "basic") in ("basic", "none")
-        self.past, self.stopped, self._age, self._tried, self._next_step = (
+        # _step_number: steps in all; _requested_step: requested length of the last solved step [s]
+        self.history, self.stopped, self._step_number, self._requested_step, self._next_step = (
             BdfHistory(self._order + 1),
             False,
             0,
             0.0,
             0.0,
         )
-        self._told: list[State] | None = (
-            None  # what solve hands out while a continued run steps through its past
-        )
-        self._resumed: dict[str, FloatArray] | None = None
+        # recorded states that ``solve`` returns while a restarted run steps through its history
+        self._replayed: list[State] | None = None
+        self._restored: dict[str, FloatArray] | None = None
         self._make(options)
         self.options = dict(options.getAll())  # in effect, defaults included
-        for key in set(self.options) - given:  # the next scene has defaults of its own
+        for key in set(self.options) - given:  # the next integrator in this process has its own defaults
             options.delValue(key)
 
     def _make(self, options: PETSc.Options) -> None:
+        """Create the TS with its callbacks."""
         system = self.system
         self.state = system.new_state()
         self.ts = PETSc.TS().create(comm=system.comm)
@@ -113,10 +125,10 @@ class TimeIntegrator:
         if self.condensed:
             if not options.hasName("snes_type"):
                 options.setValue("snes_type", "python")
-            share = CONSTRAINED if system.multipliers else 1.0
-            self.newton = CondensedNewton(system, tolerance=0.02 * self.tolerance * share)
-            # not after the step: PETSc starts the formula afresh where a solution was changed by another than
-            # its solver
+            factor = CONSTRAINT_TOLERANCE_FACTOR if system.multipliers else 1.0
+            self.newton = CondensedNewton(system, tolerance=0.02 * self.tolerance * factor)
+            # these components restore their constraints within the solve: PETSc restarts the formula where a
+            # solution changes after the step
             self._restoring = [c for c in system.components if c.restores_constraints]
             matrix = PETSc.Mat().createPython(
                 (self.state.getSizes(), self.state.getSizes()), context=self, comm=system.comm
@@ -130,34 +142,40 @@ class TimeIntegrator:
             snes.setType("python")
             snes.setPythonContext(self)
         else:
-            self.plain = FirstOrderSystem(system)
-            self.plain.default_solver(options)
+            self.first_order = FirstOrderSystem(system)
+            self.first_order.default_solver(options)
             self.ts.setIFunction(
-                lambda ts, t, *rest: self.plain.function(ts, self.input_time(t), *rest), self._f
+                lambda ts, t, *rest: self.first_order.function(ts, self.input_time(t), *rest), self._f
             )
             self.ts.setIJacobian(
-                lambda ts, t, *rest: self.plain.jacobian(ts, self.input_time(t), *rest), self.plain.matrix
+                lambda ts, t, *rest: self.first_order.jacobian(ts, self.input_time(t), *rest),
+                self.first_order.matrix,
             )
-            # PETSc takes the mass matrix for one without this, and arkimex goes wrong in silence
+            # without this PETSc assumes a unit mass matrix, and arkimex gives wrong results without an error
             kinds = PETSc.TS.EquationType
             constrained = kinds.DAE_IMPLICIT_INDEXHI if system.constrained else kinds.DAE_IMPLICIT_INDEX1
             self.ts.setEquationType(
                 constrained if system.assembly.row_replacements or system.constrained else kinds.IMPLICIT
             )
         self.ts.setFromOptions()
-        self._nothing = system.new_state()
-        self._relax(False)
+        self._zero = system.new_state()
+        self._set_tolerances(False)
         self.ts.setPostStep(self._post_step)
 
-    def _relax(self, jumped: bool) -> None:
-        """Where a prescribed motion jumps, flow relative to the pipe jumps as well: no step is short enough
-        for its error control."""
-        self._relaxed = jumped
-        self.ts.setTolerances(rtol=self._nothing, atol=self.tolerance_vector(fluid=not jumped))
+    def _set_tolerances(self, jumped: bool) -> None:
+        """Set the tolerances of the error control; after a jump without those of the mud (manual: sec-time-jumps).
+
+        Where a prescribed motion jumps, the flow relative to the pipe jumps as well, and its error control would
+        reject every step length.
+        """
+        self._mud_masked = jumped
+        self.ts.setTolerances(rtol=self._zero, atol=self.tolerance_vector(fluid=not jumped))
 
     def tolerance_vector(self, fluid: bool = True) -> PETSc.Vec:
-        """Absolute tolerance per row of the state: -ts_rtol times the field's scale; rates and algebraic rows
-        are masked, and without ``fluid`` those of the mud."""
+        """Return the absolute tolerance of each row of the state (manual: eq-time-tolerance).
+
+        It is -ts_rtol times the field's scale.  Rates and algebraic rows are masked; without ``fluid`` also the mud.
+        """
         layout, vector = self.system.layout, self.system.new_state()
         controlled = np.array(
             [
@@ -175,12 +193,13 @@ class TimeIntegrator:
         return vector
 
     def input_time(self, t: float) -> float:
-        """Time at which inputs are looked up: a step that ends where one jumps still sees the value before
-        the jump."""
+        """Return the time [s] at which inputs are evaluated for a step to ``t`` [s].
+
+        A step that ends where an input jumps uses the value before the jump (manual: sec-time-jumps).
+        """
         return t if t < self._jump else float(np.nextafter(self._jump, -np.inf))
 
-    # ------------------------------------------------------------------ condensed step, called by the outer
-    # SNES
+    # ------------------------------------------------------------------ condensed step, called by the outer SNES
     def _catch_rate(self, ts, t, x, xdot, f) -> None:
         self._t = self.input_time(t)
         xdot.copy(self._xdot)
@@ -189,14 +208,17 @@ class TimeIntegrator:
         self._shift = shift
 
     def solve(self, snes, b, x) -> None:
-        """Solve of the outer python SNES: its unknown is the whole state, of which the condensed Newton finds
-        the positions."""
-        if self._told is not None:
-            self._hand_out(snes, x)
+        """Solve a step for the outer python SNES, whose unknown is the whole state (manual: sec-time-call).
+
+        The condensed Newton method computes the unknowns; the rates follow from them.
+        Raises SolveError after too many consecutive failures.
+        """
+        if self._replayed is not None:
+            self._return_recorded_state(snes, x)
             return
         snes.computeFunction(x, self._f)
         snes.computeJacobian(x, self._matrix)
-        self._xdot.axpy(-self._shift, x)  # constant part of the time formula
+        self._xdot.axpy(-self._shift, x)  # constant V of the time formula (manual: eq-time-bdf)
         self.system.load_history(self._xdot)
         self.system.load_state(x)
         for call in self.before_solve:
@@ -207,78 +229,83 @@ class TimeIntegrator:
         self.system.store_state(x)
         snes.setIterationNumber(self.newton.snes.getIterationNumber())
         snes.setConvergedReason(reason)
-        self._tried = self.ts.getTimeStep()
+        self._requested_step = self.ts.getTimeStep()
         if reason > 0:
-            self.past.solved(self.system.assembly.x, self.system.assembly.y)
-        self._in_a_row = self._in_a_row + 1 if reason < 0 else 0
-        if self._in_a_row > CONSECUTIVE_FAILURES or (reason < 0 and self.ts.getTimeStep() < SHORTEST_STEP):
-            raise self.collapse(
-                f"Newton's method failed {self._in_a_row} times in a row ({_reason(reason, PETSc.SNES)}), "
+            self.history.add_stage(self.system.assembly.x, self.system.assembly.y)
+        self._consecutive_failures = self._consecutive_failures + 1 if reason < 0 else 0
+        if self._consecutive_failures > CONSECUTIVE_FAILURES or (
+            reason < 0 and self.ts.getTimeStep() < SHORTEST_STEP
+        ):
+            raise self.failure(
+                f"Newton's method failed {self._consecutive_failures} times in a row ({_reason(reason, PETSc.SNES)}), "
                 f"at last with a step of {self.ts.getTimeStep():.2g} s"
             )
 
-    def collapse(self, what: str) -> SolveError:
-        """The error that ends a run, with the place where the rows are worst."""
+    def failure(self, what: str) -> SolveError:
+        """Return the error that ends a run, with the place of the largest residual; collective."""
         place = (
             self.system.locate_largest_residual(self._t)
             if self.condensed
-            else self.plain.locate_largest_residual()
+            else self.first_order.locate_largest_residual()
         )
         return SolveError(
             what,
             time=self.ts.getTime(),
-            hint="look at the inputs at this time and place; a smaller -ts_rtol, softer "
+            hint="check the inputs at this time and place; a smaller -ts_rtol, softer "
             "contact or -q_snes_linesearch_type bt may help",
             **place,
         )
 
     def newton_iterations(self) -> int:
-        """Newton iterations so far, rejected steps included."""
-        return self.newton.newton if self.condensed else self.ts.getSNESIterations()
+        """Number of Newton iterations so far, rejected steps included."""
+        return self.newton.iterations if self.condensed else self.ts.getSNESIterations()
 
     def jacobian_count(self) -> int:
-        return self.newton.jacobians if self.condensed else self.plain.jacobians
+        """Number of Jacobians so far."""
+        return self.newton.jacobians if self.condensed else self.first_order.jacobians
 
     def failure_count(self) -> int:
+        """Number of Newton solves so far that did not converge."""
         return self.newton.failures if self.condensed else self.ts.getSNESFailures()
 
     def linear_iterations(self) -> int:
-        return self.newton.linear if self.condensed else self.ts.getKSPIterations()
+        """Number of linear iterations so far."""
+        return self.newton.linear_iterations if self.condensed else self.ts.getKSPIterations()
 
     # ------------------------------------------------------------------ run
     def _post_step(self, ts) -> None:
+        """Finish an accepted step: history, callbacks, reference frames (manual: sec-time-update)."""
         if not self.condensed:
-            self.plain.accept(ts)
+            self.first_order.accept(ts)
         dt = self.last_step = ts.getTime() - self._last
         self._last = ts.getTime()
-        if abs(self._stop - self._last) < NOTHING_LEFT * max(
-            1.0, abs(self._stop)
-        ):  # a rest below rounding is no step
+        # a remainder below rounding is not integrated
+        if abs(self._stop - self._last) < END_TOLERANCE * max(1.0, abs(self._stop)):
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_TIME)
         self.counters.steps += 1
-        self._age += 1
-        if self._fixed and ts.getTimeStep() < self.first_step:  # a step that was cut does not stay short
-            left = self._stop - self._last
+        self._step_number += 1
+        if self._fixed and ts.getTimeStep() < self.first_step:  # a fixed step that was shortened grows again
+            remainder = self._stop - self._last
             ts.setTimeStep(
-                min(self.first_step, 2 * ts.getTimeStep(), left if left > SHORTEST_STEP else np.inf)
+                min(self.first_step, 2 * ts.getTimeStep(), remainder if remainder > SHORTEST_STEP else np.inf)
             )
         self.system.accept()
         for call in self.after_step:
             call(self._last, dt)
-        self._reach, self.fresh = max(0, self._reach - 1), False
-        if self._relaxed and not self._reach:
-            self._relax(False)
-        # a tangent that has turned far from its reference direction gets a new one, and the history starts
-        # afresh; 60 degrees are left when it is due
+        self._steps_over_jump, self.fresh = max(0, self._steps_over_jump - 1), False
+        if self._mud_masked and not self._steps_over_jump:
+            self._set_tolerances(False)
+        # a tangent far from its reference direction gets a new one, 60 degrees before the singularity; the formula
+        # then restarts (manual: eq-beam-update-criterion)
         asm = self.system.assembly
-        if self._age % 4 == 0 and self.system.renew_reference_frames():
+        if self._step_number % 4 == 0 and self.system.renew_reference_frames():
             self.system.store_state(ts.getSolution())
-            self._forget()
+            self._discard_factor()
             ts.restartStep()
             self.fresh = True
-            self.past.begin(self._last, asm.x, asm.y)
+            self.history.start(self._last, asm.x, asm.y)
         elif self.remembers:
-            self.past.add(self._last, self._tried, asm.x, asm.y)
+            self.history.add_step(self._last, self._requested_step, asm.x, asm.y)
         for finish in self.at_rest:
             finish(self._last)
         if self.stopped:
@@ -286,55 +313,55 @@ class TimeIntegrator:
 
     @property
     def jumped(self) -> bool:
-        return self._reach > 0
+        """Whether the formula of the current step reaches over a jump of a prescribed velocity."""
+        return self._steps_over_jump > 0
 
     def _rates_jump(self, t: float) -> bool:
-        """Whether a prescribed motion changes its rate at once at ``t``; the same on all ranks."""
+        """Whether a prescribed velocity jumps at ``t`` [s]; the same on all ranks, collective."""
         before = float(np.nextafter(t, -np.inf))
-        on_rank = any(
+        local = any(
             not np.allclose(f.condition.rate(before), f.condition.rate(t), rtol=1e-9, atol=1e-12)
             for f in self.system.assembly.row_replacements
             if f.owned
         )
         return (
-            on_rank
-            if self.system.comm.size == 1
-            else bool(self.system.comm.tompi4py().allreduce(int(on_rank)))
+            local if self.system.comm.size == 1 else bool(self.system.comm.tompi4py().allreduce(int(local)))
         )
 
     def run(self, start: float, end: float, breaks: tuple[float, ...] = ()) -> None:
-        """From ``start`` to ``end`` [s], landing on every break and starting the formula afresh there.
+        """Integrate from ``start`` to ``end`` [s]; collective.
 
-        Raises SolveError when no step can be taken; everything up to the last accepted step stands in the
-        assembly.
+        breaks: times at which inputs jump or bend [s].  A step ends at each of them, and the formula restarts there
+        (manual: sec-time-jumps).
+
+        Raises SolveError when no step can be taken.  The assembly then contains the last accepted state.
         """
         system, ts = self.system, self.ts
-        system.assembly.forget_inputs()
+        system.assembly.invalidate_prescribed_values()
         self.system.accept()
         system.store_state(self.state)
-        near = NOTHING_LEFT * max(
-            1.0, abs(end)
-        )  # a break this near the end or the start is at it (0.1 + 0.2 and 0.3)
+        # a break this near the start or the end coincides with it (0.1 + 0.2 and 0.3)
+        near = END_TOLERANCE * max(1.0, abs(end))
         stops = sorted({b for b in breaks if start + near < b < end - near} | {end})
         jumps = {s for s in stops if any(abs(b - s) <= near for b in breaks)}
         ts.setTime(start)
         ts.setTimeStep(self.first_step)
         ts.setMaxSteps(2**31 - 1)
         self._last = start
-        goes_on = self._resumed is not None and not any(abs(b - start) <= near for b in breaks)
+        continued = self._restored is not None and not any(abs(b - start) <= near for b in breaks)
         for stop in stops:
             self._stop, self._jump = stop, stop if stop in jumps else np.inf
-            if goes_on:
-                self._step_through_past()
+            if continued:
+                self._replay_history()
             else:
                 self._start_formula(stop)
-            goes_on = False
+            continued = False
             ts.setMaxTime(stop)
             rejected = ts.getStepRejections()
             with petsc_compat.own_errors():
                 ts.solve(self.state)
             if ts.getConvergedReason() < 0:
-                raise self.collapse(
+                raise self.failure(
                     f"the time integrator stopped: {_reason(ts.getConvergedReason(), PETSc.TS)}"
                 )
             self.counters.rejected += ts.getStepRejections() - rejected
@@ -342,17 +369,17 @@ class TimeIntegrator:
                 return
 
     def _start_formula(self, stop: float) -> None:
-        """Begin at a state that earlier ones say nothing about."""
+        """Restart the formula without history, e.g. after a discontinuity; ``stop``: time of the next break [s]."""
         ts, asm = self.ts, self.system.assembly
-        self._forget()
+        self._discard_factor()
         if self._rates_jump(ts.getTime()):
-            self._reach = 1 + self._order
-            self._relax(True)
+            self._steps_over_jump = 1 + self._order
+            self._set_tolerances(True)
             for call in self.at_jump:
                 call(ts.getTime())
         ts.restartStep()
         self.fresh = True
-        self.past.begin(ts.getTime(), asm.x, asm.y)
+        self.history.start(ts.getTime(), asm.x, asm.y)
         ts.setTimeStep(min(self.first_step, stop - ts.getTime()))
 
     def stop(self) -> None:
@@ -361,76 +388,89 @@ class TimeIntegrator:
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> dict[str, FloatArray]:
-        """What a continued run needs beside the state, for at_rest; whole on rank 0.  Collective."""
-        if not self.remembers:  # here and in the continued run the formula starts afresh
+        """Return what a restart needs beside the state, for use in at_rest; complete on rank 0; collective.
+
+        clock: next step [s], number of steps, coming steps over a jump, whether the mud has no error control.
+        Further entries: see ``BdfHistory.get_state`` and ``CondensedNewton.get_state``.
+        An integrator whose history cannot be rebuilt has only first_step [s].
+        """
+        if not self.remembers:  # the formula restarts here, in this run and in a restarted one
             self.first_step = max(self.first_step, 0.1 * self.last_step)
             return {"first_step": np.array(self.first_step)}
-        clock = np.array([self.ts.getTimeStep(), self._age, self._reach, self._relaxed], dtype=float)
-        return {"clock": clock} | self.past.get_state(self.system) | self.newton.get_state()
+        clock = np.array(
+            [self.ts.getTimeStep(), self._step_number, self._steps_over_jump, self._mud_masked], dtype=float
+        )
+        return {"clock": clock} | self.history.get_state(self.system) | self.newton.get_state()
 
-    def set_state(self, memory: dict[str, FloatArray]) -> None:
-        """Go on from a checkpoint's memory, with the next ``run``; a checkpoint of another kind of integrator
-        leaves a fresh start."""
+    def set_state(self, state: dict[str, FloatArray]) -> None:
+        """Continue from a checkpoint with the next ``run``: ``state`` as returned by ``get_state``.
+
+        With the checkpoint of another kind of integrator the formula restarts.
+        """
         if not self.remembers:
-            self.first_step = float(memory.get("first_step", self.first_step))
-        elif "times" in memory:
-            self.past.set_state(self.system, memory)
-            self._next_step, self._age, self._reach = (
-                float(memory["clock"][0]),
-                int(memory["clock"][1]),
-                int(memory["clock"][2]),
+            self.first_step = float(state.get("first_step", self.first_step))
+        elif "times" in state:
+            self.history.set_state(self.system, state)
+            self._next_step, self._step_number, self._steps_over_jump = (
+                float(state["clock"][0]),
+                int(state["clock"][1]),
+                int(state["clock"][2]),
             )
-            self._relax(bool(memory["clock"][3]))
-            self._resumed = memory
+            self._set_tolerances(bool(state["clock"][3]))
+            self._restored = state
 
-    def _step_through_past(self) -> None:
-        """Give TSBDF the history of a checkpoint: each noted step is taken again, with its result for a
-        solution."""
-        ts, system, past = self.ts, self.system, self.past
-        assert self._resumed is not None
-        everything = system.new_state()
-        everything.set(MASKED)
-        ts.setTolerances(rtol=self._nothing, atol=everything)  # no step is refused
-        ts.setMaxTime(MASKED)  # none is cut to fit
-        self._put(past.states[0])
+    def _replay_history(self) -> None:
+        """Rebuild the history of TSBDF: repeat each recorded step, with the recorded state as its solution.
+
+        Manual: sec-time-restart.
+        """
+        ts, system, history = self.ts, self.system, self.history
+        assert self._restored is not None
+        masked = system.new_state()
+        masked.set(MASKED)
+        ts.setTolerances(rtol=self._zero, atol=masked)  # no step is rejected
+        ts.setMaxTime(MASKED)  # no step is shortened
+        self._put(history.states[0])
         system.store_state(self.state)
         ts.setSolution(self.state)
-        ts.setTime(past.times[0])
+        ts.setTime(history.times[0])
         ts.restartStep()
-        self.fresh = not past.steps
-        for k, step in enumerate(past.steps):
-            self._told = [past.states[k + 1]] if k else [past.half or past.states[0], past.states[1]]
+        self.fresh = not history.steps
+        for k, step in enumerate(history.steps):
+            self._replayed = (
+                [history.states[k + 1]] if k else [history.half or history.states[0], history.states[1]]
+            )
             ts.setTimeStep(step)
             with petsc_compat.own_errors():
                 ts.step()
-        self._told = None
-        if ts.getTime() != past.times[-1]:
+        self._replayed = None
+        if ts.getTime() != history.times[-1]:
             raise SolveError(
-                f"the history of the checkpoint leads to {ts.getTime()!r} s, not to {past.times[-1]!r} s"
+                f"the history of the checkpoint leads to {ts.getTime()!r} s, not to {history.times[-1]!r} s"
             )
-        self._put(past.states[-1])
+        self._put(history.states[-1])
         ts.setTimeStep(self._next_step)
-        self._relax(self._relaxed)
-        self.newton.set_state(self._resumed)
-        self._resumed = None
+        self._set_tolerances(self._mud_masked)
+        self.newton.set_state(self._restored)
+        self._restored = None
 
-    def _hand_out(self, snes, x) -> None:
-        """Solve of a step that is known."""
-        assert self._told
-        self._put(self._told.pop(0))
+    def _return_recorded_state(self, snes, x) -> None:
+        """Return the next recorded state as the solution of the step."""
+        assert self._replayed
+        self._put(self._replayed.pop(0))
         self.system.store_state(x)
         snes.setIterationNumber(1)
         snes.setConvergedReason(PETSc.SNES.ConvergedReason.CONVERGED_ITS)
 
     def _put(self, state: State) -> None:
+        """Copy unknowns and rates into the assembly."""
         asm = self.system.assembly
         asm.x[:], asm.y[:] = state
 
-    def _forget(self) -> None:
-        """Start without memory of earlier factors, so that a continued run takes the same steps as an
-        uninterrupted one."""
+    def _discard_factor(self) -> None:
+        """Discard earlier factorisations, so that a restarted run takes the same steps as an uninterrupted one."""
         if self.condensed:
-            self.newton.forget()
+            self.newton.discard_factor()
 
 
 def _reason(value: int, solver: Any) -> str:

@@ -222,8 +222,8 @@ def test_python_face():
     import drillpetsc as package
     from drillpetsc import api
 
-    assert all(getattr(package, name) is getattr(api, name) for name in package.__all__)
-    assert set(package.__all__) <= set(dir(package))
+    assert all(getattr(package, name) is getattr(api, name) for name in api.__all__)
+    assert set(api.__all__) < set(package.__all__) <= set(dir(package))
     with pytest.raises(AttributeError):
         package.simulate  # noqa: B018
 

@@ -157,7 +157,7 @@ def test_a_stopped_sweep_starts_no_further_member_and_goes_on_later(whole):
 
 def test_a_full_disk_ends_the_run_in_order_and_it_can_go_on(whole):
     """No file may grow beyond a limit (half a row is taken there, as on a disk that is full), which the
-    history meets in the middle of a row: a message, exit status 1, whole rows and frames; with room again the
+    history meets in the middle of a row: a message, exit status 1, whole rows and frames; with free space again the
     run goes on to the same files."""
     (whole / "fine.yaml").write_text(
         CASE.replace("history_every: 0.01 s", "history_every: 0.5 ms").replace("100 s", "0.2 s")

@@ -57,7 +57,7 @@ def program(*words: object, cwd: Path) -> subprocess.CompletedProcess:
 
 def test_order_of_bdf2_is_seen(case_file, tmp_path):
     """Disc that a shaft drags along (period 0.31 s), fixed steps of 4, 2 and 1 ms: order 2 within 0.2 of
-    BDF2, and its confidence interval is told."""
+    BDF2, and its confidence interval is reported."""
     result = study(
         case_file,
         "time-step",
@@ -77,7 +77,7 @@ def test_order_of_bdf2_is_seen(case_file, tmp_path):
 
 
 def test_curve_against_a_run_of_another_integrator(case_file, tmp_path):
-    """`--curves`: the reference is a run by BDF3 and tells its own error, smaller than those of the points; a
+    """`--curves`: the reference is a run by BDF3 and reports its own error, smaller than those of the points; a
     tolerance 100 times smaller gives a smaller error."""
     out = tmp_path / "out"
     done = program(
@@ -110,7 +110,7 @@ def test_curve_against_a_run_of_another_integrator(case_file, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("words", "status", "tells"),
+    ("words", "status", "message"),
     [
         (["--vary", "wind"], 2, "time-step | tolerance"),
         ([], 2, "either --vary or --curves"),
@@ -133,11 +133,11 @@ def test_curve_against_a_run_of_another_integrator(case_file, tmp_path):
         ),
     ],
 )
-def test_exit_status(case_file, tmp_path, words, status, tells):
+def test_exit_status(case_file, tmp_path, words, status, message):
     """2 for bad input with nothing written; 1 where every run fails, with the reason in its point."""
     done = program("study", case_file, *words, "--out", tmp_path / "out", cwd=tmp_path)
     assert done.returncode == status
-    assert tells in done.stderr + done.stdout
+    assert message in done.stderr + done.stdout
     assert (tmp_path / "out" / "study.csv").exists() == (status == 1)
 
 

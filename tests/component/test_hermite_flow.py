@@ -121,7 +121,7 @@ def test_condensed_jacobian_matches_central_differences(kind):
     free = np.eye(n)
     for f in asm.row_replacements:
         asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
-        free[np.ix_(f.rows, f.rows)] = f.keep
+        free[np.ix_(f.rows, f.rows)] = f.complement
     x0 = asm.x[:-1].copy()
     residual(system, x0, t)
     asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)

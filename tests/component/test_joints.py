@@ -40,7 +40,7 @@ def test_condensed_jacobian_matches_central_differences(name):
     free = np.eye(n)  # a fixed node is given by its rows, for any columns
     for f in asm.row_replacements:
         asm.x[f.rows] += f.D.T @ (f.condition.value(t) - f.D @ asm.x[f.rows])
-        free[np.ix_(f.rows, f.rows)] = f.keep
+        free[np.ix_(f.rows, f.rows)] = f.complement
     x0, h = asm.x[:-1].copy(), 1e-4
     residual(system, x0, t)
     asm.jacobian(t, (1.0, SHIFT, SHIFT**2), condensed=True)

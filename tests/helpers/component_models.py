@@ -146,7 +146,7 @@ def residual(system: DiscreteSystem, x: np.ndarray, t: float) -> np.ndarray:
     asm, vector = system.assembly, system.new_condensed()
     asm.x[: system.layout.size] = x
     asm.condense(SHIFT)
-    asm.impose_rates(t, SHIFT)
+    asm.apply_prescribed_rates(t, SHIFT)
     system.sum_residual(t, vector)
     return vector.getArray().copy()
 

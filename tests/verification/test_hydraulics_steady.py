@@ -137,7 +137,7 @@ def test_jacobian_of_turbulent_flow_of_a_soft_mud():
     def rows(j: int, step: float) -> np.ndarray:
         before = asm.x[j]
         asm.x[j] += step
-        asm.forget_inputs()
+        asm.invalidate_prescribed_values()
         system.sum_residual(0.0, vector)
         asm.x[j] = before
         return vector.getArray().copy()

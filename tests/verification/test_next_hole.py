@@ -10,7 +10,7 @@ import pytest
 
 import drillpetsc
 from drillpetsc.case import Case
-from drillpetsc.geometry.trajectory import FAITHFUL
+from drillpetsc.geometry.trajectory import SURVEY_TOLERANCE
 from drillpetsc.model.drilling_model import build_well
 from drillpetsc.output import read_table
 
@@ -55,9 +55,9 @@ def drilled(tmp_path_factory):
 
 
 def test_the_centreline_is_that_of_the_drilled_hole(drilled):
-    """Between two nodes the survey deviates by at most FAITHFUL for any path (closed form:
+    """Between two nodes the survey deviates by at most SURVEY_TOLERANCE for any path (closed form:
     unit/case/test_hole_as_survey.py), and the arcs of the old hole are exact. So the distance at a station is
-    at most FAITHFUL per node of the new hole."""
+    at most SURVEY_TOLERANCE per node of the new hole."""
     table = read_table(drilled / "trajectory.csv")
     md, place = table["md [m]"], np.column_stack([table[f"{name} [m]"] for name in ("north", "east", "tvd")])
     case = drilling(str(drilled), {}, 36.0)
@@ -67,7 +67,7 @@ def test_the_centreline_is_that_of_the_drilled_hole(drilled):
     off = np.linalg.norm(again.at(md)[0] - place, axis=1)
     new = md > OLD
     assert new.sum() >= 4 and off[~new].max() < 1e-8
-    assert off.max() <= FAITHFUL * np.ceil((md[-1] - OLD) / INTERVAL + 1)
+    assert off.max() <= SURVEY_TOLERANCE * np.ceil((md[-1] - OLD) / INTERVAL + 1)
     assert np.linalg.norm(place[-1] - place[~new][-1]) > 1.9
 
 

@@ -376,7 +376,7 @@ def test_contact_force_of_a_helix():
         end.anchor += end.prescribed()[0].directions[:, :3] @ offset
     model.contact.impose_sliding_direction(0.0, 0.0)
     solver = StaticNewton(system, clearance=CLEARANCE)
-    solver.settle()
+    solver.solve()
     assert solver.negative_pivots() == 0
     middle = slice(elements // 4, 3 * elements // 4)
     cells, _ = model.contact.report(system.assembly)

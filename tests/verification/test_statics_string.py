@@ -54,7 +54,7 @@ def load_in_steps(model, steps: int, energy: bool) -> Equilibrium:
     solver, report = StaticNewton(model.system, energy=energy), Equilibrium()
     for k in range(1, steps + 1):
         solver.t = k / steps
-        solver.settle(report)
+        solver.solve(report)
         model.system.renew_reference_frames()
     return report
 
@@ -103,7 +103,7 @@ def test_reference_update_changes_nothing_physical():
     solver = StaticNewton(model.system, energy=False)
     for k in range(1, 9):
         solver.t = k / 8
-        solver.settle()
+        solver.solve()
     system = model.system
     rng = np.random.default_rng(2)
     system.assembly.x[:-1] += 1e-3 * rng.standard_normal(system.layout.size)
@@ -202,7 +202,7 @@ def test_bend_of_45_degrees(load):
         rod(BEND_LENGTH, 8, BEND_EA, BEND_EI, BEND_GJ, curvature=1 / RADIUS),
         [{"at": BEND_LENGTH, "force": [0, 0, load], "value_over": RISE}],
     )
-    StaticNewton(model.system).settle()  # no load: the rod takes its curved shape
+    StaticNewton(model.system).solve()  # no load: the rod takes its curved shape
     arc = RADIUS * np.array([np.sin(np.pi / 4), np.cos(np.pi / 4) - 1, 0])
     assert np.abs(model.system.field("string.position")[-1] - arc).max() < 0.03
     load_in_steps(model, 2, energy=True)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import ElementBlock, Energies, FloatArray, Powers
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import ElementBlock, Energies, Powers
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.fluid.channel_flow import FIGURES, ChannelFlow, FluidConstants
@@ -207,7 +208,7 @@ class AnnulusFlow(ChannelFlow):
         chi = self.sideways.by_eccentricity
         assert chi is not None
         chain, m = self._part, self.mesh
-        r, v = (state.x[state.where(f"string.{name}")] for name in ("position", "tangent"))
+        r, v = (state.x[state.dofs_of(f"string.{name}")] for name in ("position", "tangent"))
         upper, lower, e = chain.ends[:, 0], chain.ends[:, 1], chain.cells
         middle = 0.5 * (r[upper] + r[lower]) + 0.125 * m.length[e][:, None] * (v[upper] - v[lower])
         well, outer, hole = (

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.fem.component import Component, ElementBlock, Energies, Field, FloatArray, Powers
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import Component, ElementBlock, Energies, Field, Powers
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.kernels import function, pointer
 from drillpetsc.physics.fluid.channel_flow import FLOW_SCALE, FluidConstants

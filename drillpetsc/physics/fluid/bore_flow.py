@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import ElementBlock, Energies, FloatArray, Powers
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import ElementBlock, Energies, Powers
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.physics.fluid.channel_flow import FIGURES, ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Bore

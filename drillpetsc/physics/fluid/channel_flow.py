@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.fem.component import Component, ElementBlock, Field, FloatArray
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import Component, ElementBlock, Field
 from drillpetsc.kernels import function, pointer
 from drillpetsc.physics.beam import SLOTS, SPLIT_SLOTS
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.fem.component import FloatArray
+from drillpetsc.arrays import FloatArray
 from drillpetsc.geometry.well import Well
 
 _GAUSS = np.polynomial.legendre.leggauss(4)  # exact to degree 7

@@ -14,7 +14,8 @@ from functools import cached_property
 
 import numpy as np
 
-from drillpetsc.fem.component import ElementBlock, Field, FloatArray
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import ElementBlock, Field
 from drillpetsc.kernels import function
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
 from drillpetsc.physics.fluid.bit_flow import GAP_ROUNDING, BitFlow

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.fem.component import FloatArray
+from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, HoleVolume

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import ElementBlock, FloatArray
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import ElementBlock
 from drillpetsc.kernels import function, pointer
 from drillpetsc.physics.contact import KINDS, REPORT, Contact
 from drillpetsc.physics.contact import _report as item_report

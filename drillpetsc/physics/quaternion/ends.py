@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import Component, ElementBlock, Field, FloatArray, Powers
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import Component, ElementBlock, Field, Powers
 from drillpetsc.geometry.frames import high_side
 from drillpetsc.physics.end_conditions import Input, NodeLoad
 from drillpetsc.physics.interfaces import Top

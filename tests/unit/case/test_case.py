@@ -278,10 +278,10 @@ def test_refused(keys: dict[str, Any], at: str) -> None:
 
 
 def test_wob_wants_a_top_that_can_be_set() -> None:
-    scene = {"string": [PIPE, BIT], "well": well(), "bottom": "bit", "initial": {"wob": "5 kN"}}
-    assert Case(**scene, top={"kind": "top_drive"}).initial.wob == 5e3
-    assert error_of(**scene, top="free").at == "initial.wob"
-    assert error_of(**scene, top={"kind": "top_drive", "force": "1 kN"}).at == "initial.wob"
+    keys = {"string": [PIPE, BIT], "well": well(), "bottom": "bit", "initial": {"wob": "5 kN"}}
+    assert Case(**keys, top={"kind": "top_drive"}).initial.wob == 5e3
+    assert error_of(**keys, top="free").at == "initial.wob"
+    assert error_of(**keys, top={"kind": "top_drive", "force": "1 kN"}).at == "initial.wob"
 
 
 def test_a_case_cannot_be_changed() -> None:

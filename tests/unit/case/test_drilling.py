@@ -27,21 +27,21 @@ WATER: dict[str, Any] = {"density": 1000, "rheology": {"model": "newtonian", "vi
 TURNING: dict[str, Any] = {"kind": "top_drive", "rotation": "80 rpm", "lowering": "10 m/h"}
 
 
-def scene(**keys: Any) -> Case:
+def make_case(**keys: Any) -> Case:
     return Case(
         **{"string": [PIPE, BIT], "well": WELL, "top": TURNING, "bottom": "bit", "formation": {}, **keys}
     )
 
 
 def rock(**keys: Any) -> Formation:
-    made = scene(formation=keys).formation
+    made = make_case(formation=keys).formation
     assert made is not None
     return made
 
 
 def error_of(**keys: Any) -> CaseError:
     with pytest.raises(CaseError) as caught:
-        scene(**keys)
+        make_case(**keys)
     return caught.value
 
 
@@ -60,7 +60,7 @@ def test_defaults() -> None:
     assert (made.walk, made.overgauge, made.freeze_interval) == (0.0, 0.0, 0.5)
     assert (made.growth, made.direction, made.layers) == ("state", "rop_vector", ())
     assert (made.bit_law.kind, made.bit_law.stiffness) == ("rop", None)
-    assert scene(formation=None).formation is None
+    assert make_case(formation=None).formation is None
 
 
 def test_defaults_of_the_bit_laws() -> None:
@@ -142,15 +142,15 @@ def test_which_rock_lies_where() -> None:
 def test_the_stiffness_of_law_and_bottom_is_one() -> None:
     for law in ("rop", "drag_bit"):
         given = {"bit_law": {"kind": law, "stiffness": "2e8 N/m"}}
-        assert scene(formation=given).bottom.stiffness == 2e8
-        assert scene(formation=given, bottom={"kind": "bit", "friction": 0.5}).bottom.stiffness == 2e8
-        assert scene(formation=given, bottom={"kind": "bit", "stiffness": 2e8}).bottom.stiffness == 2e8
+        assert make_case(formation=given).bottom.stiffness == 2e8
+        assert make_case(formation=given, bottom={"kind": "bit", "friction": 0.5}).bottom.stiffness == 2e8
+        assert make_case(formation=given, bottom={"kind": "bit", "stiffness": 2e8}).bottom.stiffness == 2e8
         assert (
             error_of(formation=given, bottom={"kind": "bit", "stiffness": 1e8}).at
             == "formation.bit_law.stiffness"
         )
-    assert scene(bottom={"kind": "bit", "stiffness": 3e8}).bottom.stiffness == 3e8
-    assert scene().bottom.stiffness == 1e8
+    assert make_case(bottom={"kind": "bit", "stiffness": 3e8}).bottom.stiffness == 3e8
+    assert make_case().bottom.stiffness == 1e8
 
 
 def least_power(sideways: float, beds: RockAnisotropy, walk: float) -> float:
@@ -211,38 +211,38 @@ def test_a_bit_passes_all_sections_above_it() -> None:
             "sections": [{"to": depth, "kind": "casing", "diameter": first}, {**SECTION, "diameter": second}],
         }
 
-    assert scene(well=sections("8.5 in", "8.5 in", 50), formation=None).string[1].od == 0.2159
+    assert make_case(well=sections("8.5 in", "8.5 in", 50), formation=None).string[1].od == 0.2159
     for formation in ({}, None):
         assert error_of(well=sections("8.4 in", "9 in", 50), formation=formation).at == "string[1].od"
         assert error_of(well=sections("9 in", "8.4 in", 50), formation=formation).at == "string[1].od"
-    assert scene(well=sections("9 in", "8.4 in", 95), formation=None).string_length == 90.5
+    assert make_case(well=sections("9 in", "8.4 in", 95), formation=None).string_length == 90.5
 
 
 def test_formation_with_and_without_contact_and_fluid() -> None:
-    assert scene().contact is not None
-    assert scene(contact="none").contact is None
-    wet = scene(fluid={**WATER, "cuttings": "returned", "dynamics": "quasi_steady"}).fluid
+    assert make_case().contact is not None
+    assert make_case(contact="none").contact is None
+    wet = make_case(fluid={**WATER, "cuttings": "returned", "dynamics": "quasi_steady"}).fluid
     assert wet is not None and (wet.cuttings, wet.dynamics) == ("returned", "quasi_steady")
     assert error_of(fluid={**WATER, "cuttings": "returned"}, formation=None).at == "fluid.cuttings"
 
 
 def test_hoisting_with_a_cutting_bit_is_allowed() -> None:
     """The bit lifts off and the hole stays as it is."""
-    hoisted = scene(
+    hoisted = make_case(
         top={"kind": "top_drive", "lowering": {"time": [0, 10, 10], "value": [0.003, 0.003, -0.1]}}
     )
     assert hoisted.formation is not None
 
 
 def test_quasi_static_time(tmp_path: Path) -> None:
-    time = scene(time={"end": "1 hour", "mode": "quasi_static", "step": "30 s"}).time
+    time = make_case(time={"end": "1 hour", "mode": "quasi_static", "step": "30 s"}).time
     assert time is not None and (time.mode, time.end, time.step) == ("quasi_static", 3600.0, 30.0)
-    free = scene(time={"end": 5, "mode": "quasi_static"}, formation=None, initial={"wob": "10 kN"}).time
+    free = make_case(time={"end": 5, "mode": "quasi_static"}, formation=None, initial={"wob": "10 kN"}).time
     assert free is not None and free.step is None
-    assert scene(time={"end": 5}).time.mode == "dynamic"  # type: ignore[union-attr]
+    assert make_case(time={"end": 5}).time.mode == "dynamic"  # type: ignore[union-attr]
     (tmp_path / "checkpoint.h5").touch()
     assert (
-        scene(time={"end": 5, "mode": "quasi_static"}, initial={"from": str(tmp_path)}).time.mode
+        make_case(time={"end": 5, "mode": "quasi_static"}, initial={"from": str(tmp_path)}).time.mode
         == "quasi_static"
     )  # type: ignore[union-attr]
     for start in ("rest", "straight"):
@@ -339,7 +339,7 @@ def test_a_value_out_of_range_is_explained() -> None:
     ],
 )
 def test_a_written_case_reads_back_the_same(keys: dict[str, Any], tmp_path: Path) -> None:
-    case = scene(**keys)
+    case = make_case(**keys)
     case.dump(tmp_path / "case.yaml")
     assert load_case(tmp_path / "case.yaml") == case
     assert Case(**case_data(case)) == case
@@ -347,12 +347,12 @@ def test_a_written_case_reads_back_the_same(keys: dict[str, Any], tmp_path: Path
 
 def test_described_in_words() -> None:
     formation = {"bit_law": "drag_bit", "layers": [{"from": 100, "drillability": 1e-9}]}
-    has, lacks = describe(scene(formation=formation, time={"end": 60, "mode": "quasi_static"})).split(
+    has, lacks = describe(make_case(formation=formation, time={"end": 60, "mode": "quasi_static"})).split(
         "leaves out"
     )
     assert "bit cutting rock (law drag_bit, drillability 1e-09 to 2.8e-08 m/(s N), 1 layer)" in has
     assert "quasi-static" in has and "inertia" not in has and "inertia" in lacks
-    has, lacks = describe(scene(formation=None, time={"end": 60})).split("leaves out")
+    has, lacks = describe(make_case(formation=None, time={"end": 60})).split("leaves out")
     assert "bit cutting rock" in lacks and "inertia" in has and "quasi-static" not in has
 
 
@@ -366,7 +366,7 @@ anything = (
 @given(st.dictionaries(st.sampled_from(list(Formation.model_fields)), anything, max_size=3))
 def test_nonsense_is_a_case_or_a_case_error(keys: dict[str, Any]) -> None:
     try:
-        assert isinstance(scene(formation=keys), Case)
+        assert isinstance(make_case(formation=keys), Case)
     except CaseError as error:
         assert error.want and str(error)
         assert "Value error" not in error.want

@@ -24,7 +24,7 @@ def simple(**keys: Any) -> Case:
     return Case(**{"string": [PIPE], "top": "clamped", **keys})
 
 
-SCENES: list[dict[str, Any]] = [
+VALID_CASES: list[dict[str, Any]] = [
     {},
     {"well": WELL, "contact": "none"},
     {"well": WELL, "contact": {"stribeck": {"static": 0.4, "speed": 0.1}}, "time": {"end": 3}},
@@ -82,9 +82,9 @@ SCENES: list[dict[str, Any]] = [
 ]
 
 
-@pytest.mark.parametrize("scene", SCENES)
-def test_a_written_case_reads_back_the_same(scene: dict[str, Any], tmp_path: Path) -> None:
-    case = simple(**scene)
+@pytest.mark.parametrize("keys", VALID_CASES)
+def test_a_written_case_reads_back_the_same(keys: dict[str, Any], tmp_path: Path) -> None:
+    case = simple(**keys)
     case.dump(tmp_path / "case.yaml")
     assert load_case(tmp_path / "case.yaml") == case
     assert Case(**case_data(case)) == case
@@ -108,9 +108,9 @@ def test_yaml_anchors_and_merges(tmp_path: Path) -> None:
 )
 def test_survey_files(text: str, tmp_path: Path) -> None:
     (tmp_path / "survey.csv").write_text(text, encoding="utf-8")
-    scene = "well:\n  survey: survey.csv\n  sections: [{to: 30 m, kind: casing, diameter: 10 in}]\n"
+    text = "well:\n  survey: survey.csv\n  sections: [{to: 30 m, kind: casing, diameter: 10 in}]\n"
     (tmp_path / "case.yaml").write_text(
-        scene + "string: [{kind: pipe, length: 9 m, od: 5 in}]\ntop: clamped\n"
+        text + "string: [{kind: pipe, length: 9 m, od: 5 in}]\ntop: clamped\n"
     )
     case = load_case(tmp_path / "case.yaml")
     assert case.well is not None

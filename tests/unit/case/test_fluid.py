@@ -30,19 +30,19 @@ WELL: dict[str, Any] = {
 TURNING: dict[str, Any] = {"kind": "top_drive", "rotation": {"time": [0, 5], "value": [10, -20]}}
 
 
-def scene(**keys: Any) -> Case:
+def make_case(**keys: Any) -> Case:
     return Case(**{"string": [PIPE], "top": "clamped", "fluid": WATER, **keys})
 
 
 def fluid(**keys: Any) -> Fluid:
-    made = scene(well=WELL, fluid={**WATER, **keys}).fluid
+    made = make_case(well=WELL, fluid={**WATER, **keys}).fluid
     assert made is not None
     return made
 
 
 def error_of(**keys: Any) -> CaseError:
     with pytest.raises(CaseError) as caught:
-        scene(**keys)
+        make_case(**keys)
     return caught.value
 
 
@@ -115,9 +115,9 @@ def test_none_is_nought() -> None:
 
 
 def test_annulus_comes_with_the_well() -> None:
-    assert scene(well=WELL).has_annulus
-    assert not scene(well=WELL, fluid={**WATER, "annulus": False}).has_annulus
-    assert not scene().has_annulus
+    assert make_case(well=WELL).has_annulus
+    assert not make_case(well=WELL, fluid={**WATER, "annulus": False}).has_annulus
+    assert not make_case().has_annulus
     assert not Case(string=[PIPE], top="clamped", well=WELL).has_annulus
 
 
@@ -125,11 +125,11 @@ def test_which_strings_hold_fluid() -> None:
     """A plugged string that no pump pressure fills is empty: the closed one of Archimedes' principle."""
     plugged = {"bottom": {"kind": "free", "plugged": True}, "well": WELL}
     filled = {**WATER, "pump_pressure": 0}
-    assert scene().has_bore
-    assert not scene(**plugged).has_bore and scene(**plugged).has_annulus
-    assert scene(**plugged, fluid=filled).has_bore
-    assert scene(bottom={"kind": "pinned", "plugged": True}, fluid=filled).has_bore
-    assert not scene(string=[SOLID], well=WELL).has_bore
+    assert make_case().has_bore
+    assert not make_case(**plugged).has_bore and make_case(**plugged).has_annulus
+    assert make_case(**plugged, fluid=filled).has_bore
+    assert make_case(bottom={"kind": "pinned", "plugged": True}, fluid=filled).has_bore
+    assert not make_case(string=[SOLID], well=WELL).has_bore
     assert not Case(string=[PIPE], top="clamped").has_bore
 
 
@@ -138,7 +138,7 @@ def test_which_strings_hold_fluid() -> None:
                        ({"kind": "driven", "rotation": "60 rpm", "damping": 1}, 2 * math.pi)],
 )  # fmt: skip
 def test_lateral_damping_is_that_of_the_fastest_rotation(top: Any, speed: float) -> None:
-    made = scene(top=top).fluid
+    made = make_case(top=top).fluid
     assert made is not None and made.lateral_damping_speed == pytest.approx(speed)
 
 
@@ -151,14 +151,14 @@ def test_largest_magnitude() -> None:
 
 def test_compliance_of_a_section() -> None:
     soft = {**WELL, "sections": [{**WELL["sections"][0], "compliance": {"young": "20 GPa"}}]}
-    case = scene(well=soft)
+    case = make_case(well=soft)
     assert case.well is not None and case.well.sections[0].compliance is not None
     assert (case.well.sections[0].compliance.young, case.well.sections[0].compliance.poisson) == (20e9, 0.25)
-    assert scene(well=WELL).well.sections[0].compliance is None  # type: ignore[union-attr]
+    assert make_case(well=WELL).well.sections[0].compliance is None  # type: ignore[union-attr]
 
 
 def test_a_rigid_item_may_fill_the_hole_and_have_no_bore() -> None:
-    case = scene(string=[PIPE, BIT], well=WELL, contact="none", fluid={**WATER, "flow_rate": "30 l/s"})
+    case = make_case(string=[PIPE, BIT], well=WELL, contact="none", fluid={**WATER, "flow_rate": "30 l/s"})
     assert case.has_bore and case.string[1].nozzle_area == pytest.approx(4e-4)
 
 
@@ -171,7 +171,7 @@ def test_a_held_string() -> None:
     assert (case.top.kind, case.bottom.kind) == ("clamped", "bit")
     still = Case(string=[PIPE], hold_string=True, fluid=WATER, top={"kind": "top_drive", "lowering": 0})
     assert still.top.kind == "top_drive"
-    assert not scene().hold_string
+    assert not make_case().hold_string
     held = {"hold_string": True, "string": [PIPE], "fluid": WATER}
     for top, at in (
         ({"lowering": 1}, "top.lowering"),
@@ -241,6 +241,6 @@ anything = (
 @given(st.dictionaries(st.sampled_from(list(Fluid.model_fields)), anything, max_size=3))
 def test_nonsense_is_a_case_or_a_case_error(keys: dict[str, Any]) -> None:
     try:
-        assert isinstance(scene(well=WELL, fluid={**WATER, **keys}), Case)
+        assert isinstance(make_case(well=WELL, fluid={**WATER, **keys}), Case)
     except CaseError as error:
         assert error.want and str(error)

@@ -1,4 +1,4 @@
-"""Whatever stands in a case file, it is read as a case that holds it, or refused with a CaseError that helps.
+"""Any content of a case file is read as a case that holds it, or refused with a CaseError that helps.
 
 The cases and mutations are those of scripts/fuzz, which tries very many more.
 """
@@ -98,7 +98,7 @@ def test_a_mutated_text_is_a_case_or_refused(folder: Path, r: Any, seed: fuzz.Se
         )
 
 
-SCENE = case_data(Case(**valid_case(random.Random(24))))
+VALID = case_data(Case(**valid_case(random.Random(24))))
 anything = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=12)
     | st.from_regex(r"-?[0-9.]{1,4} ?(m|deg|rpm|kN|Pa|s|kg)", fullmatch=True),
@@ -109,11 +109,11 @@ anything = st.recursive(
 
 
 @settings(quick, max_examples=400)
-@given(st.sampled_from(list(places(SCENE))), anything)
+@given(st.sampled_from(list(places(VALID))), anything)
 def test_anything_anywhere_is_held_or_refused(folder: Path, path: tuple[str | int, ...], value: Any) -> None:
     """Here hypothesis makes the value, so that it shrinks what it finds."""
     assume(value is not None)  # which no YAML value is outside the petsc block: see the texts below
-    case = read(replaced(SCENE, path, value), folder / "case.yaml")
+    case = read(replaced(VALID, path, value), folder / "case.yaml")
     if case is not None:
         check_visible(case, path, value)
 

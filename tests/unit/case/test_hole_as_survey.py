@@ -13,7 +13,7 @@ from drillpetsc.case import Case, load_case
 from drillpetsc.case.blocks.well import Section
 from drillpetsc.case.blocks.well import Well as Hole
 from drillpetsc.errors import CaseError
-from drillpetsc.geometry.trajectory import angles, faithful
+from drillpetsc.geometry.trajectory import angles, refine_stations
 from drillpetsc.geometry.well import Well, minimum_curvature
 
 SURVEY = {"md": [0, 120.5], "inclination": [0, 0], "azimuth": [0, 0]}
@@ -45,7 +45,7 @@ def test_sections_still_have_to_meet_the_survey() -> None:
             Hole(survey=SURVEY, sections=sections)
 
 
-SCENE = "well: {survey: NAME, sections: [{kind: open_hole, diameter: 1 ft}]}\nstring: [{kind: pipe, length: 9 m, od: 5 in}]\ntop: clamped\n"
+VALID = "well: {survey: NAME, sections: [{kind: open_hole, diameter: 1 ft}]}\nstring: [{kind: pipe, length: 9 m, od: 5 in}]\ntop: clamped\n"
 
 
 @pytest.mark.parametrize("name", ["run", "run/trajectory.csv"])
@@ -59,7 +59,7 @@ def test_a_run_folder_is_a_survey(
     (tmp_path / place / "run").mkdir()
     rows = "md [m],inclination [deg],azimuth [deg],north [m],dogleg_severity [deg/30m]\n0,0,0,0,0\n30.25,90,180,1,9\n"
     (tmp_path / place / "run" / "trajectory.csv").write_text(rows)
-    (tmp_path / "case" / "a.yaml").write_text(SCENE.replace("NAME", name))
+    (tmp_path / "case" / "a.yaml").write_text(VALID.replace("NAME", name))
     monkeypatch.chdir(tmp_path / "shell")
     hole = load_case(tmp_path / "case" / "a.yaml").well
     assert hole is not None and hole.survey.md == (0.0, 30.25) and hole.sections[0].to == 30.25
@@ -105,7 +105,7 @@ def test_stations_on_a_ledge(height: float, pieces: int) -> None:
     """x = d (3 u^2 - 2 u^3): both ends upright, so a survey of them misses all of d; k pieces miss d/k^2, for
     the trapezoidal rule gives 1 - 1/k^2 for the integral of 6 u (1 - u).  k follows from 1e-4 m."""
     well, md = ledge(height), np.array([0.0, 100.0, 100.5, 101.5, 102.5])
-    close = faithful(well, md)
+    close = refine_stations(well, md)
     assert len(close) == len(md) + pieces - 1 and set(md) <= set(close)
     assert missed(well, md)[2:] == pytest.approx(height, rel=1e-3)
     assert missed(well, close)[-3:] == pytest.approx(height / pieces**2, rel=5e-2)
@@ -116,7 +116,7 @@ def test_arcs_need_no_more_stations() -> None:
     """A circle of 100 m, of which a survey at any distance is exact: stations 10 m apart turn by 0.1 rad."""
     md = np.linspace(0.0, 150.0, 16)
     well = Well.from_survey([0.0, 150.0], [0.0, 1.5], [0.4, 0.4], [150.0], [0.1], [0.3])
-    assert np.array_equal(faithful(well, md), md)
+    assert np.array_equal(refine_stations(well, md), md)
     assert minimum_curvature(md, well.at(md)[1], 10.0, 0.1)[1][-1] == pytest.approx(
         well.at(150.0)[0], abs=1e-6
     )

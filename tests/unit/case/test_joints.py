@@ -18,12 +18,12 @@ BODY: dict[str, Any] = {"kind": "body", "length": 0.5, "mass": 30}
 MUD: dict[str, Any] = {"density": 1000, "rheology": {"model": "newtonian", "viscosity": 1e-3}}
 
 
-def scene(joints: list[dict[str, Any]], **keys: Any) -> Case:
+def make_case(joints: list[dict[str, Any]], **keys: Any) -> Case:
     return Case(**{"string": [PIPE, BODY, PIPE, BODY], "top": "clamped", "joints": joints, **keys})
 
 
 def test_defaults_and_units() -> None:
-    one, two = scene(
+    one, two = make_case(
         [{"at": "900 cm", "kind": "revolute"}, {"at": 10, "kind": "slider", "stroke": ["-10 cm", "1.5 m"]}]
     ).joints
     assert (one.at, one.axis, one.constraint, one.stroke) == (
@@ -42,19 +42,19 @@ def test_defaults_and_units() -> None:
 
 @pytest.mark.parametrize("axis", [(0, 1, 0), (0, 0.6, 0.8), (1, 0, 0), (1, 2, -3), (5, 0.1, 0)])
 def test_axes_are_orthonormal_and_right_handed(axis: tuple[float, float, float]) -> None:
-    A = np.array(scene([{"at": 9, "kind": "revolute", "axis": axis}]).joints[0].axes)
+    A = np.array(make_case([{"at": 9, "kind": "revolute", "axis": axis}]).joints[0].axes)
     assert A @ A.T == pytest.approx(np.eye(3), abs=1e-15) and np.linalg.det(A) == pytest.approx(1.0)
     assert A[0] == pytest.approx(np.array(axis) / np.linalg.norm(axis))
 
 
 def test_pins_of_a_universal_joint_lie_across_the_string() -> None:
-    A = np.array(scene([{"at": 9, "kind": "universal", "axis": [0, 1, 2]}]).joints[0].axes)
+    A = np.array(make_case([{"at": 9, "kind": "universal", "axis": [0, 1, 2]}]).joints[0].axes)
     assert A[:2, 0] == pytest.approx(0.0) and A[2] == pytest.approx([1, 0, 0])
 
 
 @pytest.mark.parametrize("kind", ["fixed", "revolute", "universal", "slider"])
 def test_a_case_as_run_is_read_back(kind: str, tmp_path: Path) -> None:
-    made = scene([{"at": 9, "kind": kind}])
+    made = make_case([{"at": 9, "kind": kind}])
     made.dump(tmp_path / "case.yaml")
     assert load_case(tmp_path / "case.yaml") == made
 
@@ -102,7 +102,7 @@ REFUSED: list[tuple[list[dict[str, Any]], dict[str, Any], str, str]] = [
 @pytest.mark.parametrize("joints, keys, at, want", REFUSED)
 def test_refused(joints: list[dict[str, Any]], keys: dict[str, Any], at: str, want: str) -> None:
     with pytest.raises(CaseError) as caught:
-        scene(joints, **keys)
+        make_case(joints, **keys)
     assert caught.value.at == at and want in caught.value.want
 
 
@@ -110,7 +110,7 @@ def test_mesh_around_joints() -> None:
     """Two nodes at one depth with nothing between; ratios only between rigid items and the element below
     them; a slope that no element holds where a rigid item hangs between joints or below the last."""
     mesh = build_mesh(
-        scene(
+        make_case(
             [
                 {"at": 4, "kind": "fixed"},
                 {"at": 9, "kind": "revolute"},
@@ -129,12 +129,14 @@ def test_mesh_around_joints() -> None:
     assert not mesh.junction.any()
     assert list(mesh.loose_slopes) == [6, 11]
     assert mesh.total_length == pytest.approx(19.0)
-    mesh = build_mesh(scene([{"at": 9, "kind": "fixed"}]))  # the body hangs below the joint, above an element
+    mesh = build_mesh(
+        make_case([{"at": 9, "kind": "fixed"}])
+    )  # the body hangs below the joint, above an element
     assert list(np.flatnonzero(mesh.junction)) == [4] and list(mesh.loose_slopes) == [4]
 
 
 def test_a_bend_right_below_a_joint_has_no_place() -> None:
     with pytest.raises(CaseError, match="bend"):
         build_mesh(
-            scene([{"at": 9, "kind": "fixed"}], string=[PIPE, {**BODY, "bend": {"angle": 0.01}}, PIPE])
+            make_case([{"at": 9, "kind": "fixed"}], string=[PIPE, {**BODY, "bend": {"angle": 0.01}}, PIPE])
         )

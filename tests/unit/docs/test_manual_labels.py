@@ -17,7 +17,9 @@ DOCS = Path(os.environ.get("DRILLPETSC_DOCS", ROOT / "docs"))
 FOLDERS = ("drillpetsc", "tests", "scripts", "cases")
 SUFFIXES = (".py", ".hpp", ".cpp", ".yaml", ".md", "")
 #: one or more labels after "manual:", separated by commas; comment signs may stand at the line breaks
-CITATION = re.compile(r"\bmanual:\s+(?P<labels>[a-z0-9][\w-]*(?:,[\s#/*]+(?:eq|sec|verif)-[\w-]+)*)")
+CITATION = re.compile(
+    r"(?<![Tt]he )\bmanual:\s+(?P<labels>[a-z0-9][\w-]*(?:,[\s#/*]+(?:eq|sec|verif)-[\w-]+)*)"
+)
 DEFINITION = re.compile(r"^\((?P<target>[\w-]+)\)=\s*$|:label:\s*(?P<equation>[\w-]+)", re.MULTILINE)
 
 
