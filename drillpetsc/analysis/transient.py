@@ -264,7 +264,7 @@ class _Run:
         self.start = self.t = saved.time if saved is not None else 0.0
         self.notes: dict[str, Any] = saved.notes if saved is not None else summary.notes_of(state)
         if quasi is not None:
-            self.notes["share"] = quasi.share
+            self.notes["share"] = quasi.lateral_fraction
         fixed = (
             integrator.first_step
             if integrator.options.get("ts_adapt_type") == "none" and quasi is None
@@ -352,7 +352,7 @@ class _Run:
         newton = integrator.newton_iterations()
         self.due = writer.take(t, dt, newton - self.newton, self.control)
         self.t, self.newton = t, newton
-        self.memory.look(t)
+        self.memory.update(t)
         self.bar.update(t, integrator.counters.steps, dt)
 
     def _at_rest(self, t: float) -> None:

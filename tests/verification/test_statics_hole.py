@@ -57,9 +57,9 @@ def string_in(well, item=PIPE, element_length: float = 10.0, **keys) -> Case:
     )
 
 
-def solved(case: Case, motion=(0.0, 0.0), climb: bool = False):
+def solved(case: Case, motion=(0.0, 0.0), lateral_friction: bool = False):
     model = build_model(case)
-    state = find_equilibrium(model, motion, climb)
+    state = find_equilibrium(model, motion, lateral_friction)
     assert state.equilibrium.residual < 1e-6 * WEIGHT * model.mesh.total_length
     return model, state, static_summary(model, state)
 
@@ -121,7 +121,9 @@ def test_turning_pipe_climbs_the_wall(friction):
     """P10: contact at atan(mu) from the low side, on the side that the pipe climbs; N = W cos, torque = W sin
     R."""
     model, state, _ = solved(
-        string_in(hole([0.0, 120.0], [90.0, 90.0], friction), element_length=4.0), ROTATE, climb=True
+        string_in(hole([0.0, 120.0], [90.0, 90.0], friction), element_length=4.0),
+        ROTATE,
+        lateral_friction=True,
     )
     assert not state.warnings
     angle = np.arctan(friction)
@@ -175,7 +177,7 @@ def test_incline(motion, hook, torque):
 def test_incline_turning_pipe_that_climbs():
     """As P13, the pipe free to climb: it rests at atan(mu), so the torque is smaller by cos(atan(mu))
     (P10)."""
-    _, _, figures = solved(string_in(hole([0.0, 1000.0], [60.0, 60.0], 0.3)), ROTATE, climb=True)
+    _, _, figures = solved(string_in(hole([0.0, 1000.0], [60.0, 60.0], 0.3)), ROTATE, lateral_friction=True)
     assert figures["hook_load"] == pytest.approx(121.000e3, rel=1e-4)
     assert figures["surface_torque"] == pytest.approx(3992.5 / np.hypot(1, 0.3), rel=5e-3)
 
@@ -411,7 +413,7 @@ def test_vertical_string_on_bottom_with_bent_collars():
     """cases/vertical-2000m-dry.yaml: hook load = weight - 50 kN, torque at the bit mu W 2/3 R; the string
     stays within the hole."""
     case = load_case(CASES.parent / "vertical-2000m-dry.yaml")
-    model, state, figures = solved(case, (0.0, 8.4), climb=True)
+    model, state, figures = solved(case, (0.0, 8.4), lateral_friction=True)
     mesh = model.mesh
     weight = 9.80665 * (float(mesh.mass @ mesh.length) + sum(body.mass for body in mesh.bodies))
     assert figures["wob"] == pytest.approx(5e4, rel=1e-6)
