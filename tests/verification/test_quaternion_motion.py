@@ -42,7 +42,7 @@ def spin_freely(constraint: str, order: int, step: float, end: float = 1.0) -> S
     m.set_field("string.quaternion", 0.5 * SPEED * spun(m.field("string.quaternion")), "y")
     integrate(m, end, fixed(step, ts_bdf_order=order, q_snes_stol=1e-9))
     q = m.field("string.quaternion")[0]
-    spin = float(model.beam.motion(m.assembly)[0, 6])
+    spin = float(model.beam._node_motion(m.assembly)[0, 6])
     return Spun(spin, float(np.linalg.norm(q)), float(m.field("string.multiplier")[0, 0]), POLAR * STRING / 4)
 
 
