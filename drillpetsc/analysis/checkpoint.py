@@ -188,7 +188,7 @@ def read(path: str | Path) -> Checkpoint:
         ValueError,
         TypeError,
         RuntimeError,
-    ) as error:  # whole, and yet not what version 2 holds
+    ) as error:  # whole, and yet not what version 3 holds
         raise CaseError(
             file=path, want=WANT, hint=f"it was written by another version of drillpetsc ({error})"
         ) from None

@@ -35,9 +35,11 @@ from drillpetsc.errors import CaseError, DrillError
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
+from drillpetsc.output.field_output import FieldOutput
 from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.files.fields import _write_vtu
-from drillpetsc.output.recorder import Recorder
+from drillpetsc.output.quantities import MODE_KINDS as KINDS
+from drillpetsc.output.quantities import MODES
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.linearization import Linearised, linearise
@@ -48,7 +50,6 @@ from drillpetsc.solvers.quadratic_eigenproblem import (
     lowest_eigenvalues,
 )
 
-KINDS = ("lateral", "axial", "torsional", "fluid")
 STATES = ("steady", "rest")
 ZERO = 1e-3  # roots below this share of the reference rate are zero: what nothing holds
 ROW_WEIGHT = {
@@ -327,7 +328,7 @@ def run_modes(
         model = build_model(case, comm)
         folder = make_folder(comm, name, out, False, overwrite)
         state = settle(model, about)
-        fields = Recorder(model).fields(0.0)
+        fields = FieldOutput(model).fields(0.0)
         found = modes(model, count, shift, kind)
         searched = (
             f"{count} lowest{' ' + kind if kind else ''}"
@@ -374,20 +375,10 @@ def mode_summary(found: Modes, state: StaticState) -> dict[str, Any]:
 
 def _write(model: DrillingModel, folder: RunFolder, found: Modes, summary: dict[str, Any], fields) -> None:
     model.case.dump(folder.case)
-    columns = [
-        ("mode", "-"),
-        ("frequency", "Hz"),
-        ("speed", "rpm"),
-        ("damping_ratio", "-"),
-        ("growth", "1/s"),
-        ("kind", "-"),
-        *((f"{kind}_share", "-") for kind in KINDS),
-        ("backward_error", "-"),
-    ]
     numbers = np.arange(1, found.count + 1)
     write_table(
         folder.path / "modes.csv",
-        columns,
+        [q.column for q in MODES],
         [
             numbers,
             found.frequency,

@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
 from drillpetsc.analysis.initial_state import find_equilibrium
-from drillpetsc.analysis.static_report import static_summary, static_table
 from drillpetsc.analysis.transient import RunResult, make_folder
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError
-from drillpetsc.model.drilling_model import build_model
+from drillpetsc.fem.component import FloatArray
+from drillpetsc.fem.quantity import Sample
+from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
-from drillpetsc.output.recorder import Recorder
+from drillpetsc.output.field_output import FieldOutput
+from drillpetsc.output.files.tables import Column
+from drillpetsc.output.flow_recorder import FlowRecorder
+from drillpetsc.output.quantities import STATIC_SUMMARY
+from drillpetsc.output.static_table import static_table
 from drillpetsc.output.well_files import write_well_files
+from drillpetsc.physics.beam import REPORT
 from drillpetsc.solvers import petsc_options as options
 
 
@@ -42,19 +50,26 @@ def run_statics(
         model = build_model(case, comm)
         folder = make_folder(comm, name, out, False, overwrite)
         state = find_equilibrium(model, MOTIONS[motion] if motion else None, climb=False)
-        columns, values = static_table(model, state)
+        columns, values = static_table(model)
         summary = {
             "title": case.title,
             **static_summary(model, state),
             "motion": motion or "as the top prescribes",
         }
-        fields = Recorder(model).fields(0.0)
+        fields = FieldOutput(model).fields(0.0)
         if comm.rank == 0:
             _write(model, folder, columns, values, summary, fields)
     return RunResult(folder.path, summary, _lines(case, folder, state, summary))
 
 
-def _write(model, folder: RunFolder, columns, values, summary, fields) -> None:
+def _write(
+    model: DrillingModel,
+    folder: RunFolder,
+    columns: list[Column],
+    values: FloatArray | None,
+    summary: dict[str, Any],
+    fields: tuple[FloatArray, dict[str, FloatArray]] | None,
+) -> None:
     model.case.dump(folder.case)
     if values is not None:
         write_table(folder.statics, columns, list(values.T))
@@ -65,19 +80,11 @@ def _write(model, folder: RunFolder, columns, values, summary, fields) -> None:
     write_summary(folder.summary, summary)
 
 
-def _lines(case: Case, folder: RunFolder, state: StaticState, summary) -> list[str]:
+def _lines(case: Case, folder: RunFolder, state: StaticState, summary: dict[str, Any]) -> list[str]:
     lines = [f"{case.title or 'case'}: static equilibrium, motion {summary['motion']}"]
-    shown = (
-        ("hook_load", "hook load", "N"),
-        ("surface_torque", "surface torque", "N m"),
-        ("wob", "weight on bit", "N"),
-        ("bit_torque", "torque on bit", "N m"),
-        ("stretch", "stretch", "m"),
-        ("twist", "twist", "rad"),
-    )
-    for key, words, unit in shown:
-        if summary.get(key) is not None:
-            lines.append(f"  {words:<15} {summary[key]:>14.6g} {unit}")
+    for q in STATIC_SUMMARY:
+        if summary.get(q.name) is not None:
+            lines.append(f"  {q.label.lower():<15} {summary[q.name]:>14.6g} {q.unit}")
     stable = "stable" if state.stable else f"UNSTABLE: {state.equilibrium.negative_pivots} negative pivots"
     lines.append(
         f"  {stable}; {state.equilibrium.iterations} Newton iterations, residual {state.equilibrium.residual:.2g} N"
@@ -85,3 +92,71 @@ def _lines(case: Case, folder: RunFolder, state: StaticState, summary) -> list[s
     lines += [f"  note: {w}" for w in state.warnings]
     lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {folder.path})")
     return lines
+
+
+# ---------------------------------------------------------------------- summary
+def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
+    """Numbers of a static state [SI], the same on all ranks; the catalogue describes them."""
+    system, mesh = model.system, model.mesh
+    if model.beam is None:
+        return flow_summary(model)
+    asm, cells, report = system.assembly, system.chain.cells, state.equilibrium
+    beam = model.beam.report(system.layout, asm.x, asm.y)
+    length, column = mesh.length[cells], REPORT.index
+    mean = (
+        beam[:, column("axial_upper")] + 4 * beam[:, column("axial_middle")] + beam[:, column("axial_lower")]
+    ) / 6
+    local = np.array(
+        [
+            np.sum(mean * length / mesh.axial_stiffness[cells]),
+            np.sum(beam[:, column("torque")] * length / mesh.torsional_stiffness[cells]),
+            *(model.bit.weight_and_torque(asm) if model.bit is not None else (0.0, 0.0)),
+            model.drive.torque(0.0, asm) if model.drive is not None else 0.0,
+        ]
+    )
+    stretch, twist, wob, bit_torque, drive = _sum_over_ranks(model, local)
+    force, soft = model.case.top.force, state.soft_string
+    out = {
+        "motion": {"lowering": state.motion[0], "rotation": state.motion[1]},
+        "hook_load": float(force.value(0.0)) if force is not None else -system.reaction("top.axial_reaction"),
+        "surface_torque": system.reaction("top.torque_reaction") + float(drive),
+        "stretch": float(stretch),
+        "twist": abs(float(twist)),
+        "wob": float(wob),
+        "bit_torque": float(bit_torque),
+        "negative_pivots": report.negative_pivots,
+        "stable": state.stable,
+        "iterations": report.iterations,
+        "residual": report.residual,
+        "imperfection": report.imperfection,
+        "warnings": list(state.warnings),
+    }
+    if soft is not None:
+        out["soft_string"] = {
+            "hook_load": soft.hook_load,
+            "surface_torque": soft.surface_torque,
+            "stretch": soft.stretch,
+        }
+    return out | flow_summary(model)
+
+
+def flow_summary(model: DrillingModel) -> dict[str, Any]:
+    """Numbers of the steady flow [SI], the same on all ranks; empty without mud.
+
+    ecd: equivalent circulating density at the bottom [kg/m3]; that of still mud is the density, if it is stiff.
+    """
+    if model.fluid is None:
+        return {}
+    mud, sample = FlowRecorder(model.system, model.fluid), Sample(model.system, 0.0)
+    ends = [q for q in mud.quantities() if q.on == "scalar" and q.value is not None]
+    values = _sum_over_ranks(model, np.array([q.value(mud, sample) for q in ends]))  # type: ignore[misc]
+    out: dict[str, Any] = dict(zip([q.name for q in ends], map(float, values), strict=True))
+    head = float((model.position[-1] - model.position[0]) @ model.fluid.constants.gravity)
+    if model.fluid.annulus is not None and head > 0:
+        out["ecd"] = out["bit_pressure"] / head
+    return out
+
+
+def _sum_over_ranks(model: DrillingModel, values: FloatArray) -> FloatArray:
+    comm = model.system.comm
+    return values if comm.size == 1 else comm.tompi4py().allreduce(values)

@@ -4,31 +4,40 @@ from __future__ import annotations
 
 import platform
 import time as clock
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
 
+from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.errors import Interrupted
+from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.geometry.trajectory import as_dict, new_hole
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.output.recorder import Recorder
+from drillpetsc.solvers.time_integrator import TimeIntegrator
 from drillpetsc.version import __version__
 
-FOR_RATES = 5.0  # [m] of new hole below which its waviness, tenths of a degree, says more than its build rate
+FOR_RATES = 5.0  # length of new hole [m] below which its waviness, tenths of a degree, hides its build rate
 PHASES = ("Residual", "Jacobian", "ChainFactor", "ChainSolve", "Output")
 
 
-def of_run(
-    model, recorder, integrator, notes, reached: float, start: float, began, marks, error
+@dataclass(frozen=True)
+class Clocks:
+    """Wall and processor clock [s] at the start of the program, and at the start of the motion."""
+
+    program: tuple[float, float]
+    motion: tuple[float, float]
+
+
+def run_summary(
+    model: DrillingModel, integrator: TimeIntegrator, error: BaseException | None
 ) -> dict[str, Any]:
-    """Everything that summary.json tells; collective unless there is an error."""
+    """What was computed, with what: title, status, versions, options, sizes."""
     system = model.system
-    now = clock.perf_counter(), clock.process_time()
-    wall, cpu = now[0] - marks[0], now[1] - marks[1]
-    if system.comm.size > 1 and error is None:
-        cpu = system.comm.tompi4py().allreduce(cpu)
-    interrupted = isinstance(error, (Interrupted, KeyboardInterrupt))
-    unknowns = sum(f.size * count for f, count in field_counts(system))
-    result: dict[str, Any] = {
+    interrupted = isinstance(error, Interrupted | KeyboardInterrupt)
+    return {
         "title": model.case.title,
         "status": "done" if error is None else str(error) if interrupted else f"failed: {error}",
         "interrupted": interrupted,
@@ -41,39 +50,65 @@ def of_run(
         "petsc_options": integrator.options,
         "ranks": system.comm.size,
         "elements": system.chain.size - 1 - len(system.mesh.joints),
-        "unknowns": unknowns,
+        "unknowns": sum(f.size * count for f, count in field_counts(system)),
+    }
+
+
+def timing(
+    integrator: TimeIntegrator, clocks: Clocks, start: float, reached: float, error: BaseException | None
+) -> dict[str, Any]:
+    """Simulated time, counts and times of the computation; collective unless there is an error.
+
+    start, reached: simulated time at the start of this run and at its end [s].
+    """
+    comm = integrator.system.comm
+    wall, cpu = clock.perf_counter() - clocks.motion[0], clock.process_time() - clocks.motion[1]
+    if comm.size > 1 and error is None:
+        cpu = comm.tompi4py().allreduce(cpu)
+    return {
         "simulated": reached - start,
         "time": reached,
         **counts(integrator),
         "wall_seconds": wall,
         "cpu_seconds": cpu,
-        "start_seconds": marks[0] - began[0],
+        "start_seconds": clocks.motion[0] - clocks.program[0],
         "real_time_factor": (reached - start) / wall if wall > 0 else None,
         "wall_by_phase": phases(),
     }
-    result["warnings"] = list(notes.get("warnings", ()))
+
+
+def outcome(
+    model: DrillingModel,
+    recorder: Recorder,
+    notes: dict[str, Any],
+    reached: float,
+    error: BaseException | None,
+) -> dict[str, Any]:
+    """Warnings, balances, the new hole and the last values of the history."""
+    result: dict[str, Any] = {"warnings": list(notes.get("warnings", ()))}
     if "statics" in notes:
         result["statics"] = notes["statics"]
-    if recorder.has_energies:
-        result["energy"] = energy(recorder)
-    if recorder.flow is not None:
+    if recorder.energy is not None:
+        result["energy"] = recorder.energy.summary()
+    if recorder.mass is not None:
         result["mass"] = recorder.mass_balance()
-    if model.drilling is not None:
-        drilled = new_hole(model.drilling.drilled_hole(), model.drilling.hole.start)
+    if model.bit is not None and model.bit.hole is not None:
+        well = model.bit.drilled_hole()
+        drilled = new_hole(well, model.bit.hole.start) if well is not None else None
         if drilled is not None:
             result["new_hole"] = as_dict(drilled)
     if error is None or isinstance(error, Interrupted):
         row = recorder.history_row(reached, 0.0, 0.0)
         result["final"] = {
-            f"{n} [{u}]": value
-            for (n, u), value in zip(recorder.columns, row, strict=True)
-            if n not in ("step", "newton")
+            f"{name} [{unit}]": value
+            for (name, unit), value in zip(recorder.columns, row, strict=True)
+            if name not in ("step", "newton")
         }
     return result
 
 
-def notes_of(state) -> dict[str, Any]:
-    """What the summary tells of the static start, kept in checkpoints."""
+def static_notes(state: StaticState | None) -> dict[str, Any]:
+    """Notes of the static start for the summary; checkpoints keep them."""
     if state is None:
         return {}
     e = state.equilibrium
@@ -88,12 +123,13 @@ def notes_of(state) -> dict[str, Any]:
     }
 
 
-def field_counts(system) -> list[tuple[Any, int]]:
+def field_counts(system: DiscreteSystem) -> list[tuple[Any, int]]:
     """Each field with the number of vertices that have it (whole string)."""
     return [(f, int(system.regions[f.region].sum())) for f in system.layout.fields]
 
 
-def counts(integrator) -> dict[str, int]:
+def counts(integrator: TimeIntegrator) -> dict[str, int]:
+    """Steps, iterations and factorisations."""
     c = integrator.counters
     return {
         "steps": c.steps,
@@ -102,22 +138,6 @@ def counts(integrator) -> dict[str, int]:
         "jacobians": integrator.jacobian_count(),
         "failed_solves": integrator.failure_count(),
         "linear_iterations": integrator.linear_iterations(),
-    }
-
-
-def energy(recorder) -> dict[str, float]:
-    """Energy balance since the start [J], at the last audit (a run that failed has no later one); the share
-    is relative to the larger of work supplied and peak change of stored energy."""
-    kinetic, strain, potential = map(float, recorder.energies)
-    error = recorder.audited_error
-    return {
-        "kinetic": kinetic,
-        "strain": strain,
-        "potential": potential,
-        "dissipated": recorder.dissipated,
-        "supplied": recorder.supplied,
-        "error": error,
-        "error_share": error / recorder.exchanged,
     }
 
 
@@ -133,7 +153,7 @@ def phases() -> dict[str, float]:
 
 
 def closing_lines(result: dict[str, Any], folder) -> list[str]:
-    """The few lines that end a run on the screen."""
+    """Report of a run for the screen."""
     e = result.get("energy", {})
     lines = [
         f"{result['title'] or 'case'}: {result['elements']} elements, {result['unknowns']} unknowns, {result['ranks']} rank(s)",

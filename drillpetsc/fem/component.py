@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from drillpetsc.arrays import FloatArray, IntArray
+from drillpetsc.fem.quantity import Quantity
 
 if TYPE_CHECKING:
     from drillpetsc.geometry.well import Well
@@ -213,6 +214,11 @@ class Component:
     def reaction(self, name: str, state: Any) -> float:
         """Reaction ``name`` that a multiplier of the component carries, this rank's share [N or N m]."""
         return 0.0
+
+    # ------------------------------------------------------------------ outputs
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Outputs that the component declares (``physics.quantities``)."""
+        return ()
 
     # ------------------------------------------------------------------ contact and constraints
     #: rows of the component switch when contacts open or close

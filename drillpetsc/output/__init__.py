@@ -1,8 +1,8 @@
-"""What a run leaves on disk: the run folder, its tables, the string over time, the summary.
+"""Outputs: the quantities, their measurement during a run, and the files of a run folder.
 
-Plain numpy arrays and dictionaries in, files out. Nothing here knows PETSc, MPI or the case; rank 0 calls it
-with gathered arrays.
-meshio is imported by the first function that writes or reads a .vtu, not before.
+This module re-exports the file formats of ``files/``: plain numpy arrays and dictionaries in, files out.  They know
+neither PETSc nor MPI nor the case; rank 0 calls them with gathered arrays.  meshio is imported by the first function
+that writes or reads a .vtu.
 """
 
 from drillpetsc.output.files.fields import FieldWriter, Frame, read_frame, read_series, write_well

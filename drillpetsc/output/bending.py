@@ -1,4 +1,4 @@
-"""Bending of the string as it is and beyond its stress-free shape."""
+"""Curvature and bending moment of the string, in total and beyond its stress-free shape."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ from drillpetsc.model.drilling_model import DrillingModel
 
 
 def curvatures(model: DrillingModel) -> FloatArray:
-    """(nc, 2, 2, 3) [1/m] of each local element: the curvature vector r' x r''/|r'|^2, then it less the
-    stress-free one; at both ends."""
+    """(nc, 2, 2, 3) curvature vectors [1/m] of the local elements (manual: eq-beam-curvature-vector).
+
+    First the curvature r' x r''/|r'|^2, then its part beyond the stress-free shape; each at the upper and the lower end.
+    """
     system, mesh, chain = model.system, model.mesh, model.system.chain
     r, v, phi = (system.field(f"string.{k}") for k in ("position", "tangent", "spin"))
     a, b, e = chain.ends[:, 0], chain.ends[:, 1], chain.cells

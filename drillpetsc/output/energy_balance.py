@@ -1,36 +1,153 @@
-"""Whether a run makes energy out of nothing: time integration may lose some, but gains are the first sign of
-one that is unstable."""
+"""Energy balance of a run, and the monitor of spurious energy gain, the first sign of an unstable integration."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.errors import SolveError
-from drillpetsc.output.recorder import Recorder
+from drillpetsc.fem.component import FloatArray
+from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.fem.quantity import Quantity
+from drillpetsc.output import quantities as declared
 
 LIMIT = 0.01  # of the larger of work supplied and peak change of stored energy
-ROWS_ABOVE_LIMIT = 3  # rows in a row above the limit before a run is stopped
+ROWS_ABOVE_LIMIT = 3  # consecutive rows above the limit that stop a run
+
+
+class EnergyBalance:
+    """Stored, dissipated and supplied energy since the start (manual: eq-conv-energy).
+
+    energies: (3,) kinetic, strain and potential energy [J] at the last update.
+    dissipated, supplied: sums since the start [J].
+    last_error: energy error [J] at the last update; gained: its largest value since the start, at least 0.
+    """
+
+    def __init__(self, system: DiscreteSystem) -> None:
+        self.system = system
+        self.dissipated = self.supplied = self.start_energy = 0.0
+        self.peak_exchange = self._before_jump = 0.0
+        self.last_error = self.gained = 0.0
+        self._powers: tuple[float, float] = (0.0, 0.0)
+        self._first_energies = self.energies = np.zeros(3)
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        return declared.ENERGY
+
+    def start(self, t: float, powers: tuple[float, float]) -> None:
+        """Begin at the present state.  powers: dissipated and supplied [W], summed over ranks."""
+        self._powers = powers
+        self.energies = np.array(self.system.energies(t))
+        self._first_energies = self.energies.copy()
+        self.start_energy = float(self.energies.sum())
+
+    def step(self, dt: float, powers: tuple[float, float]) -> None:
+        """Integrate the powers over an accepted step ``dt`` [s] by the trapezoidal rule."""
+        self.dissipated += 0.5 * dt * (self._powers[0] + powers[0])
+        self.supplied += 0.5 * dt * (self._powers[1] + powers[1])
+        self._powers = powers
+
+    def update(self, t: float) -> FloatArray:
+        """Energies at the present state (collective); keeps the largest change since the start."""
+        self.energies = np.array(self.system.energies(t))
+        change = np.abs((self.energies - self._first_energies)[:2]).sum()
+        self.peak_exchange = max(self.peak_exchange, float(change))
+        self.last_error = self.error
+        self.gained = max(self.gained, self.last_error)
+        return self.energies
+
+    def at_jump(self, t: float) -> None:
+        """Store the energy error just before a jump of a prescribed velocity."""
+        self.update(t)
+        self._before_jump = self.error
+
+    def add_impulse_work(self, t: float) -> None:
+        """Count as supplied the energy gained in the steps whose formula spans a jump of a prescribed velocity.
+
+        Neither reaction nor rate has a value at the jump, so no quadrature over these steps gives their product.
+        """
+        self.update(t)
+        self.supplied += self.error - self._before_jump
+
+    @property
+    def exchanged(self) -> float:
+        """Scale of an energy error [J]: the larger of supplied work and peak change of kinetic and strain energy, at
+        least the rounding of the energies."""
+        return max(abs(self.supplied), self.peak_exchange, 1e-9 * float(np.abs(self.energies).sum()), 1e-300)
+
+    @property
+    def error(self) -> float:
+        """Stored energy gained plus dissipated less supplied energy since the start [J]."""
+        return float(self.energies.sum() - self.start_energy + self.dissipated - self.supplied)
+
+    def summary(self) -> dict[str, float]:
+        """For summary.json, at the last update [J]; error_share is relative to ``exchanged``."""
+        kinetic, strain, potential = map(float, self.energies)
+        return {
+            "kinetic": kinetic,
+            "strain": strain,
+            "potential": potential,
+            "dissipated": self.dissipated,
+            "supplied": self.supplied,
+            "error": self.last_error,
+            "error_share": self.last_error / self.exchanged,
+        }
+
+    def get_state(self) -> dict[str, FloatArray]:
+        """For a checkpoint; the same on all ranks."""
+        sums = [
+            self.dissipated,
+            self.supplied,
+            self.start_energy,
+            self.peak_exchange,
+            self._before_jump,
+            self.gained,
+            self.last_error,
+            *self._powers,
+        ]
+        return {
+            "sums": np.array(sums),
+            "first_energies": self._first_energies,
+            "energies": self.energies,
+        }
+
+    def set_state(self, memory: dict[str, FloatArray]) -> None:
+        """Continue from a checkpoint."""
+        sums = list(map(float, memory["sums"]))
+        (
+            self.dissipated,
+            self.supplied,
+            self.start_energy,
+            self.peak_exchange,
+            self._before_jump,
+            self.gained,
+            self.last_error,
+        ) = sums[:7]
+        self._powers = (sums[7], sums[8])
+        self._first_energies, self.energies = np.array(memory["first_energies"]), np.array(memory["energies"])
 
 
 class EnergyGainMonitor:
-    """Energy gained without input, from the recorder's books at every row of the history.
+    """Checks, at every row of the history, how much energy the time integration created.
 
+    balance: None for a run without an energy balance, which is never stopped.
     Options: -drillpetsc_gain_limit (default 0.01) and -drillpetsc_stop_on_gain, which ends such a run.
     """
 
-    def __init__(self, recorder: Recorder):
+    def __init__(self, balance: EnergyBalance | None) -> None:
         options = PETSc.Options()
-        self.recorder, self.rows = recorder, 0
+        self.balance, self.rows = balance, 0
         self.limit = options.getReal("drillpetsc_gain_limit", LIMIT)
-        self.stops = options.getBool("drillpetsc_stop_on_gain", False) and recorder.has_energies
+        self.stops = options.getBool("drillpetsc_stop_on_gain", False)
 
     def check(self, t: float) -> None:
         """After a row at ``t`` [s]: raise SolveError, on all ranks, if the run is to be stopped."""
-        if not self.stops:
+        if not self.stops or self.balance is None:
             return
-        self.rows = self.rows + 1 if self.recorder.audited_error > self.limit * self.recorder.exchanged else 0
+        above = self.balance.last_error > self.limit * self.balance.exchanged
+        self.rows = self.rows + 1 if above else 0
         if self.rows >= ROWS_ABOVE_LIMIT:
             raise SolveError(
                 self.message(),
@@ -39,16 +156,19 @@ class EnergyGainMonitor:
             )
 
     def summary(self) -> dict[str, Any]:
-        """For summary.json: gained, the most at any row [J]; its share; whether that is too much."""
-        share = self.recorder.gained / self.recorder.exchanged
+        """For summary.json: gained, the most at any row [J]; its share; whether that exceeds the limit."""
+        if self.balance is None:
+            return {}
+        share = self.balance.gained / self.balance.exchanged
         return {
-            "gained": self.recorder.gained,
+            "gained": self.balance.gained,
             "gained_share": share,
             "gain_limit": self.limit,
             "flag": bool(share > self.limit),
         }
 
     def message(self) -> str:
-        """For the user."""
-        r = self.recorder
-        return f"the time integration gained {r.gained:.3g} J without input, {100 * r.gained / r.exchanged:.2g} % of the energy exchanged"
+        """Warning for the user."""
+        b = self.balance
+        assert b is not None
+        return f"the time integration gained {b.gained:.3g} J without input, {100 * b.gained / b.exchanged:.2g} % of the energy exchanged"

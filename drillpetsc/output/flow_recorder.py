@@ -1,180 +1,145 @@
-"""Figures of the drilling fluid during a run: pressures, flows, what went in and came out."""
+"""Measurements of the drilling fluid: pressures and flow rates at its ends and along the string."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from typing import Any
 
 import numpy as np
 
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.fem.quantity import Quantity, Sample
+from drillpetsc.model.fluid import FluidComponents
+from drillpetsc.output import quantities as declared
+from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
+from drillpetsc.physics.fluid.bore_flow import BoreFlow
+from drillpetsc.physics.fluid.channel_flow import FIGURES, ChannelFlow
 
-Column = tuple[str, str]
+_CONTENT, _SPEED = FIGURES.index("content"), FIGURES.index("speed")
+_BIT_FLOW, _CHAMBER, _CUTTINGS = 1, 4, 6  # in the results of the flow at the bit
 
 
 class FlowRecorder:
-    """Samples the fluid of a scene; sums over ranks are the caller's.
+    """The mud as a source of quantities; values are this rank's share.
 
-    A sample is (7,): pressures at the pump and at the bit [Pa], flow rates out of the flow line, of the pump
-    and through the bit [m3/s], volume at zero pressure of all fluid [m3], and of the rock that becomes part
-    of it [m3/s].
+    fluid: components of the mud; some of bore, annulus and bit may be absent.
     """
 
-    SIZE = 7
-
-    def __init__(self, system: DiscreteSystem, fluid) -> None:
+    def __init__(self, system: DiscreteSystem, fluid: FluidComponents) -> None:
         self.system, self.fluid = system, fluid
         chain, last = system.chain, system.mesh.nodes - 1
-        here = {int(v): i for i, v in enumerate(chain.vertices) if chain.owned[i]}
-        self._last = here.get(last, -1)
-        self.start_content = 0.0
-        self._sums = np.zeros(3)  # volumes pumped, returned, and of cuttings taken up [m3]
-        self._before: tuple[FloatArray, float] | None = None  # sums one step ago and that step [m3, s]
+        local = np.flatnonzero(chain.owned & (chain.vertices == last))
+        self._last = int(local[0]) if len(local) else None
 
-    @property
-    def columns(self) -> list[Column]:
-        """Columns of the history, those that this scene has."""
-        f = self.fluid
-        pump: list[Column] = [("pump_pressure", "Pa")] if f.bore is not None else []
-        ends: list[Column] = [("bit_pressure", "Pa"), ("outlet_flow", "m3/s")]
-        return pump + ends + ([("pump_flow", "m3/s"), ("bit_flow", "m3/s")] if f.bore is not None else [])
-
-    def row(self, sample: FloatArray) -> list[float]:
-        """Values of ``columns`` from a sample."""
-        has_bore = self.fluid.bore is not None
-        return [
-            *([sample[0]] if has_bore else []),
-            sample[1],
-            sample[2],
-            *([sample[3], sample[4]] if has_bore else []),
-        ]
+    def quantities(self) -> tuple[Quantity, ...]:
+        bore, annulus = self.fluid.bore is not None, self.fluid.annulus is not None
+        absent = () if bore else declared.BORE_ONLY
+        ends = tuple(q for q in declared.MUD if q.name not in absent)
+        fields = tuple(q for q in declared.MUD_FIELDS if (bore if q.name.startswith("internal") else annulus))
+        return ends + fields
 
     @contextmanager
-    def taken(self) -> Iterator[None]:
-        """Within this, figures of the channels are worked out once for all who ask; the state must not
-        change."""
+    def shared_results(self) -> Iterator[None]:
+        """Within this context, results of the channels are evaluated once; the state must not change."""
         with ExitStack() as stack:
-            for component in (self.fluid.bore, self.fluid.annulus):
-                if component is not None:
-                    stack.enter_context(component.taken(self.system.assembly))
+            for channel in (self.fluid.bore, self.fluid.annulus):
+                if channel is not None:
+                    stack.enter_context(channel.taken(self.system.assembly))
             yield
 
-    def sample(self, t: float) -> FloatArray:
-        """(6,) this rank's share."""
-        f, asm = self.fluid, self.system.assembly
-        v = np.zeros(self.SIZE)
-        for component in (f.bore, f.annulus):
-            if component is not None:
-                v[5] += component.figures(asm)[:, 4].sum()
-        if f.bit is not None:
-            figures = f.bit.figures(asm)
-            v[4], v[5], v[6] = figures[1], v[5] + figures[4], figures[6]
-        if f.bore is not None:
-            flow = f.bore.pumped(t, asm)
-            if flow is not None:
-                v[0], v[3] = f.bore.upper_pressure(asm), flow
-        if f.annulus is not None:
-            out = f.annulus.outflow(asm)
-            v[2] = 0.0 if out is None else out
-            v[5] += f.annulus.content_above(asm)
-        else:
-            v[2] = v[4]
-        if self._last >= 0:
-            v[1] = (f.annulus or f.bore).pressures(self.system)[self._last]
-        return v
+    # ------------------------------------------------------------------ ends
+    def pump_flow(self, sample: Sample) -> float:
+        """Flow rate into the bore [m3/s]."""
+        bore = self.fluid.bore
+        flow = None if bore is None else sample.once(bore.pumped, sample.time)
+        return 0.0 if flow is None else flow
 
-    # ------------------------------------------------------------------ mass
-    def begin(self, total: FloatArray) -> None:
-        """Open the books at a sample summed over ranks."""
-        self._sums, self.start_content, self._before = np.zeros(3), float(total[5]), None
+    def pump_pressure(self, sample: Sample) -> float:
+        """Pressure at the upper end of the bore [Pa]."""
+        bore = self.fluid.bore
+        if bore is None or sample.once(bore.pumped, sample.time) is None:  # another rank has the end
+            return 0.0
+        return bore.upper_pressure(sample.assembly)
 
-    def step(self, total: FloatArray, dt: float, fresh: bool) -> None:
-        """Add up what an accepted step brought in and out, by the formula that the pressures took (BDF of
-        order 2): what it makes of a wave front is then no loss of mud.  fresh: the formula starts anew, as
-        PETSc does it, by a half step of order 1."""
-        now, old = total[[3, 2, 6]], self._sums
-        if fresh or self._before is None:
-            before, gap = old, 0.5 * dt
-            old, rest = old + gap * now, 0.5 * dt
-        else:
-            (before, gap), rest = self._before, dt
-        # derivative at the end of the parabola through three times: new, `rest` and `rest + gap` before it
-        a0, a1, a2 = 1 / rest + 1 / (rest + gap), -(rest + gap) / (rest * gap), rest / (gap * (rest + gap))
-        self._before = self._sums, dt
-        self._sums = (now - a1 * old - a2 * before) / a0
+    def bit_pressure(self, sample: Sample) -> float:
+        """Pressure at the last node [Pa]: of the annulus, or of the bore where there is none."""
+        if self._last is None:
+            return 0.0
+        channel = self.fluid.annulus or self.fluid.bore
+        assert channel is not None
+        return channel.pressures(self.system)[self._last]
 
-    def balance(self, total: FloatArray) -> dict[str, Any]:
-        """Volumes at zero pressure since the start [m3]; the share is relative to the larger of what went in
-        and came out.  With a hole that grows, the content is that of the hole as it is; cuttings: rock that
-        the mud carries, counted as mud."""
-        change, (pumped, returned, cuttings) = float(total[5]) - self.start_content, map(float, self._sums)
-        error = change - pumped + returned - cuttings
-        largest = max(abs(pumped), abs(returned), abs(change), 1e-300)
-        rock = {"cuttings": cuttings} if cuttings else {}
-        return {
-            "pumped": pumped,
-            "returned": returned,
-            **rock,
-            "content_change": change,
-            "error": error,
-            "error_share": error / largest,
-        }
+    def bit_flow(self, sample: Sample) -> float:
+        """Flow rate out of the string [m3/s]."""
+        bit = self.fluid.bit
+        return 0.0 if bit is None else sample.once(bit.figures)[_BIT_FLOW]
 
-    def get_state(self) -> dict[str, FloatArray]:
-        """What a continued run needs to keep counting."""
-        sums, step = self._before if self._before is not None else (np.zeros(3), 0.0)
-        return {"mud": np.array([*self._sums, self.start_content, *sums, step])}
+    def outlet_flow(self, sample: Sample) -> float:
+        """Flow rate out of the flow line, or out of the string without an annulus [m3/s]."""
+        if self.fluid.annulus is None:
+            return self.bit_flow(sample)
+        flow = self.fluid.annulus.outflow(sample.assembly)
+        return 0.0 if flow is None else flow
 
-    def set_state(self, memory: dict[str, FloatArray]) -> None:
-        """Take up a memory."""
-        books = np.array(memory["mud"])
-        self._sums, self.start_content = books[:3], float(books[3])
-        self._before = (books[4:7], float(books[7])) if books[7] > 0.0 else None
+    def cuttings_flow(self, sample: Sample) -> float:
+        """Rock that the mud takes up [m3/s]."""
+        bit = self.fluid.bit
+        return 0.0 if bit is None else sample.once(bit.figures)[_CUTTINGS]
+
+    def content(self, sample: Sample) -> float:
+        """Volume of all mud at zero pressure [m3]."""
+        content = 0.0
+        for channel in (self.fluid.bore, self.fluid.annulus):
+            if channel is not None:
+                content += channel.figures(sample.assembly)[:, _CONTENT].sum()
+        if self.fluid.bit is not None:
+            content += sample.once(self.fluid.bit.figures)[_CHAMBER]
+        if self.fluid.annulus is not None:
+            content += self.fluid.annulus.content_above(sample.assembly)
+        return content
 
     # ------------------------------------------------------------------ along the string
-    def nodal(self) -> dict[str, FloatArray]:
-        """Pressures [Pa] at the local vertices."""
-        names = {"bore": "internal_pressure [Pa]", "annulus": "annulus_pressure [Pa]"}
-        components = {title: getattr(self.fluid, component) for component, title in names.items()}
-        return {
-            title: component.pressures(self.system)
-            for title, component in components.items()
-            if component is not None
-        }
+    def channels(self) -> dict[str, ChannelFlow]:
+        """The channels that exist, by name: bore, annulus."""
+        both = {"bore": self.fluid.bore, "annulus": self.fluid.annulus}
+        return {name: channel for name, channel in both.items() if channel is not None}
+
+    def pressed_areas(self) -> Iterator[tuple[str, BoreFlow | AnnulusFlow, FloatArray, float]]:
+        """Name, channel, area (n,) [m2] of the pipe on which its pressure acts, and 1 (inside) or -1 (outside)."""
+        bore, annulus = self.fluid.bore, self.fluid.annulus
+        if bore is not None:
+            yield "bore", bore, bore.bore.area, 1.0
+        if annulus is not None:
+            yield "annulus", annulus, annulus.annulus.outer, -1.0
+
+    def pressure(self, name: str) -> FloatArray:
+        """(nv,) pressure [Pa] at the local vertices."""
+        return self.channels()[name].pressures(self.system)
+
+    def flow(self, name: str) -> FloatArray:
+        """(nc,) flow rate [m3/s] in the local elements, towards the bit."""
+        return self.channels()[name].flows(self.system)
+
+    def speed(self, name: str, sample: Sample) -> FloatArray:
+        """(nc,) speed [m/s] in the local elements, towards the bit."""
+        return np.asarray(sample.once(self.channels()[name].figures)[:, _SPEED])
 
     def wall_tension(self) -> FloatArray:
-        """(nc, 2) tension [N] of the pipe's wall at both ends of the local elements beyond EA times strain:
-        what keeps a pipe under pressure from growing shorter, 2 nu (p_i A_i - p_o A_o) (Lame)."""
+        """(nc, 2) tension [N] of the pipe's wall beyond EA times strain at both ends of the local elements.
+
+        2 nu (p_i A_i - p_o A_o): it keeps a pipe under pressure from shortening (manual: eq-mud-effective-tension).
+        """
         chain, out = self.system.chain, np.zeros((len(self.system.chain.cells), 2))
-        for component, sign in ((self.fluid.bore, 1.0), (self.fluid.annulus, -1.0)):
-            if component is not None:
-                area = (component.bore.area if component is self.fluid.bore else component.annulus.outer)[
-                    chain.cells
-                ]
-                pressure = component.pressures(self.system)[chain.ends]
-                out += sign * 2 * (component.poisson[chain.cells] * area)[:, None] * pressure
+        for _, channel, area, sign in self.pressed_areas():
+            pressure = channel.pressures(self.system)[chain.ends]
+            out += sign * 2 * (channel.poisson[chain.cells] * area[chain.cells])[:, None] * pressure
         return out
 
     def pressure_force(self) -> FloatArray:
-        """(nc, 2) what effective tension has beyond that of the wall at both ends of the local elements, -p_i
-        A_i + p_o A_o [N]."""
+        """(nc, 2) effective tension less tension of the wall, -p_i A_i + p_o A_o [N], at both ends of the local
+        elements."""
         chain, out = self.system.chain, np.zeros((len(self.system.chain.cells), 2))
-        for component, sign in ((self.fluid.bore, -1.0), (self.fluid.annulus, 1.0)):
-            if component is not None:
-                area = (component.bore.area if component is self.fluid.bore else component.annulus.outer)[
-                    chain.cells
-                ]
-                out += sign * area[:, None] * component.pressures(self.system)[chain.ends]
-        return out
-
-    def cellwise(self) -> dict[str, FloatArray]:
-        """Flow rates [m3/s] and speeds [m/s] in the local elements, towards the bit positive."""
-        out = {}
-        for component, title in (("bore", "internal"), ("annulus", "annulus")):
-            channel = getattr(self.fluid, component)
-            if channel is not None:
-                out[f"{title}_flow [m3/s]"] = channel.flows(self.system)
-                out[f"{title}_speed [m/s]"] = channel.figures(self.system.assembly)[:, 7]
+        for _, channel, area, sign in self.pressed_areas():
+            out += -sign * area[chain.cells][:, None] * channel.pressures(self.system)[chain.ends]
         return out

@@ -1,4 +1,4 @@
-"""How far a run is: a live line on a terminal, a plain line every few seconds in a log, or nothing."""
+"""Progress of a run: a live line on a terminal, a plain line every few seconds in a log, or nothing."""
 
 from __future__ import annotations
 

@@ -51,6 +51,7 @@ class Beam(interfaces.Beam):
     """
 
     name = "beam"
+    bending_includes_free_shape = True
     formulation = "ancf"
 
     def __init__(self, mesh: StringMesh, frames: Frames, gravity: FloatArray, finest_motion: float = np.inf):

@@ -13,9 +13,11 @@ import numpy as np
 
 from drillpetsc.fem.component import Component, ElementBlock, Energies, FloatArray, Powers
 from drillpetsc.fem.quadrature import exposed_ends, rule
+from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
+from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import SLOTS, SPLIT_SLOTS
 from drillpetsc.physics.interfaces import Bit
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
@@ -119,6 +121,7 @@ class Contact(Component):
     """
 
     name = "contact"
+    RESULTS = REPORT  # columns of ``report``
     has_contact = True
 
     def __init__(
@@ -332,6 +335,9 @@ class Contact(Component):
     def powers(self, t: float, state) -> Powers:
         return Powers(float(sum(figures[:, 2:4].sum() for figures in self._figures(state))))
 
+    def quantities(self) -> tuple[Quantity, ...]:
+        return declared.CONTACT
+
 
 class BitOnBottom(Bit):
     """The bit stands on the end of the hole: a spring along its axis, and a friction torque."""
@@ -430,3 +436,6 @@ class BitOnBottom(Bit):
             return Powers()
         _, torque = self.weight_and_torque(state)
         return Powers(float(torque * state.y[state.index_of(self._block)[0, 6]]))
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        return declared.BIT

@@ -22,6 +22,8 @@ class Beam(Component):
     formulation: str = ""
     #: its static equilibrium is that of the ANCF element, carried over and corrected by Newton's method
     needs_ancf_equilibrium: bool = False
+    #: the bending moments in ``report`` include those of the stress-free shape
+    bending_includes_free_shape: bool = False
 
     @abstractmethod
     def place(self, system: Any, position: FloatArray, tangent: FloatArray) -> None:

@@ -15,9 +15,11 @@ from drillpetsc.fem.component import (
     Powers,
     VelocityStabilization,
 )
+from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringJoint, StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
+from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import SLOTS
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
@@ -51,6 +53,7 @@ class Joints(Component):
     """
 
     name = "joints"
+    RESULTS = REPORT  # columns of ``report``
 
     def __init__(self, mesh: StringMesh, frames: Frames):
         self.mesh, self.frames, self.joints = mesh, frames, mesh.joints
@@ -190,3 +193,6 @@ class Joints(Component):
 
     def powers(self, t: float, state) -> Powers:
         return Powers(dissipated=float(self.report(state)[:, REPORT.index("damping_power")].sum()))
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        return declared.JOINTS

@@ -10,9 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.fem.component import ElementBlock, Energies, Field, FloatArray, Powers
+from drillpetsc.fem.quantity import Quantity
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
+from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.interfaces import Bit
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.physics.roots import bracketed_root
@@ -529,6 +531,9 @@ class RockBit(Bit):
 
     def powers(self, t: float, state) -> Powers:
         return Powers(float(self.figures(state)[5]))
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        return declared.BIT
 
 
 def _chip_for(weight: float, cut: float, flat: float, onset: float) -> float:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.output.catalogue import find
 from drillpetsc.output.files.fields import read_frame, read_series
 from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import SWEEP_TABLE, RunFolder
@@ -22,25 +23,6 @@ from drillpetsc.plotting.style import GROUND, LINE_COLORS, WALL, display_unit, l
 from drillpetsc.plotting.sweep import draw_sweep
 
 Table = dict[str, np.ndarray]
-
-# columns that are compared with each other share a panel, in this order; every other column follows in a panel
-# of its unit
-SHARED_PANELS: tuple[tuple[str, ...], ...] = (
-    ("hook_load",),
-    ("wob",),
-    ("surface_torque", "bit_torque"),
-    ("surface_speed", "bit_speed"),
-    ("bit_depth", "hole_depth"),
-    ("rop",),
-    ("pump_pressure", "bit_pressure"),
-    ("pump_flow", "outlet_flow"),
-)
-NUMERICS: tuple[tuple[str, ...], ...] = (
-    ("kinetic_energy", "strain_energy"),
-    ("energy_error",),
-    ("step",),
-    ("newton",),
-)
 
 
 def plot(run: str | os.PathLike, out: str | os.PathLike | None = None) -> list[Path]:
@@ -92,20 +74,24 @@ def plot(run: str | os.PathLike, out: str | os.PathLike | None = None) -> list[P
 
 def grouped(titles: list[str]) -> tuple[list[list[str]], list[list[str]]]:
     """Group columns into panels: (panels of the operation, panels of the numerics). The first column is the
-    time."""
-    by_name = {split_name(title)[0]: title for title in titles[1:]}
+    time.
 
-    def take(groups: tuple[tuple[str, ...], ...]) -> list[list[str]]:
-        panels = [[by_name[name] for name in group if name in by_name] for group in groups]
-        return [panel for panel in panels if panel]
-
-    operation, numerics = take(SHARED_PANELS), take(NUMERICS)
-    used = {title for panel in operation + numerics for title in panel}
+    Quantities of one panel share it; every other column joins those of its unit after them.
+    """
+    panels: dict[int, list[str]] = {}
     by_unit: dict[str, list[str]] = {}
+    numerics = set()
     for title in titles[1:]:
-        if title not in used:
-            by_unit.setdefault(split_name(title)[1], []).append(title)
-    return operation + list(by_unit.values()), numerics
+        name, unit = split_name(title)
+        quantity = find(name)
+        if quantity is None or not quantity.panel:
+            by_unit.setdefault(unit, []).append(title)
+            continue
+        panels.setdefault(quantity.panel, []).append(title)
+        if quantity.numerics:
+            numerics.add(quantity.panel)
+    operation = [panels[k] for k in sorted(panels) if k not in numerics]
+    return operation + list(by_unit.values()), [panels[k] for k in sorted(numerics)]
 
 
 def _histories(table: Table, panels: list[list[str]], title: str) -> Any:

@@ -7,16 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.output import catalogue
 from drillpetsc.output.files.tables import split_name
-
-WORDS = {
-    "wob": "WOB",
-    "rop": "ROP",
-    "md": "Measured depth",
-    "tvd": "True vertical depth",
-    "newton": "Newton iterations",
-    "step": "Time step",
-}
 
 # unit -> displayed units in ascending order: (text, size in SI); the last one not above the values is used
 STEPS: dict[str, list[tuple[str, float]]] = {
@@ -63,7 +55,7 @@ def display_unit(title: str, values: Any) -> tuple[float, str]:
 def words(title: str) -> str:
     """ "surface_torque [N m]" as a label: "Surface torque"."""
     name, _ = split_name(title)
-    return WORDS.get(name, name.replace("_", " ").capitalize())
+    return catalogue.label(name) or name.replace("_", " ").capitalize()
 
 
 def label(title: str, unit: str) -> str:

@@ -8,7 +8,6 @@ import petsc4py
 petsc4py.init([sys.argv[0]])
 
 import numpy as np  # noqa: E402
-from tests.verification.test_quaternion_scenes import model as with_everything  # noqa: E402
 
 from drillpetsc.analysis.initial_state import find_equilibrium  # noqa: E402
 from drillpetsc.analysis.placement import move_rigidly, release  # noqa: E402
@@ -16,6 +15,7 @@ from drillpetsc.model.drilling_model import build_model  # noqa: E402
 from drillpetsc.output.recorder import Recorder  # noqa: E402
 from tests.helpers.motion import fixed, integrate  # noqa: E402
 from tests.verification.test_quaternion_contact import lying  # noqa: E402
+from tests.verification.test_quaternion_models import model as with_everything  # noqa: E402
 
 for constraint in ("index3", "stabilized"):
     top = {"kind": "top_drive", "rotation": {"ramp": 0.02, "value": 6.0}, "lowering": 0.1}
@@ -42,7 +42,7 @@ find_equilibrium(model)
 release(model)
 move_rigidly(model)
 recorder = Recorder(model)
-recorder.begin(0.0)
+recorder.start(0.0)
 integrate(model.system, 0.04, fixed(2e-3, q_snes_stol=1e-11), breaks=model.breaks)
 figures = recorder.sample(0.04)
 names = [

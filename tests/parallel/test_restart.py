@@ -248,7 +248,7 @@ def test_the_state_of_a_component_is_restored(tmp_path):
     models[0].contact.get_state = lambda: {"worn": np.array([1.0, 2.5]), "count": np.array(3)}
     models[1].contact.set_state = reported.update
     recorder, integrator = Recorder(models[0]), TimeIntegrator(models[0].system)
-    recorder.begin(0.0)
+    recorder.start(0.0)
     c = checkpoint.take(models[0], recorder, integrator, 0.0, {"share": 0.5})
     assert c is not None
     checkpoint.write(tmp_path / "checkpoint.h5", c)

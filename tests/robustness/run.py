@@ -92,7 +92,7 @@ def run_from_wall(case: Case, folder: Path) -> RunResult:
     model = build_model(case)
     press_into_wall(model)
     integrator, recorder = make_integrator(model), Recorder(model)
-    recorder.begin(0.0)
+    recorder.start(0.0)
     taken = checkpoint.take(model, recorder, integrator, 0.0, {})
     assert taken is not None  # on one rank
     checkpoint.write(start.checkpoint, taken)

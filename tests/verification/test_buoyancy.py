@@ -13,8 +13,9 @@ import pytest
 from drillpetsc import Case
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.initial_state import find_equilibrium
-from drillpetsc.analysis.static_report import static_summary, static_table
+from drillpetsc.analysis.statics import static_summary
 from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.output.static_table import static_table
 from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
 
 G, LENGTH, MUD, STEEL = 9.81, 1000.0, 1200.0, 7850.0
@@ -104,7 +105,7 @@ def pressure(modulus: float, depth: float = LENGTH) -> float:
 
 
 def column(model: DrillingModel, state: StaticState, name: str) -> np.ndarray:
-    columns, table = static_table(model, state)
+    columns, table = static_table(model)
     return table[:, [c for c, _ in columns].index(name)]
 
 

@@ -97,7 +97,13 @@ def follow(case: Case) -> Run:
         def look(t: float, dt: float) -> None:
             v, bit = recorder.sample(t), model.drilling
             assert bit is not None
-            rows.append(np.array([t, v[0], v[2], v[1], v[3], v[10], *model.system.field("hole.end")[-1]]))
+            names = "hook_load", "wob", "surface_torque", "bit_torque"
+            figures = [recorder.value(v, name) for name in names]
+            rows.append(
+                np.array(
+                    [t, *figures, bit.progress(model.system.assembly)[0], *model.system.field("hole.end")[-1]]
+                )
+            )
 
         integrator.after_step.append(look)
         integrator.run(0.0, case.time.end, model.breaks)  # type: ignore[union-attr]

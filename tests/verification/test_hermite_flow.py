@@ -11,10 +11,12 @@ from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.placement import move_rigidly, release
 from drillpetsc.case import Case
 from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.fem.quantity import Sample
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.flow_recorder import FlowRecorder
+from drillpetsc.output.mass_balance import MassBalance
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.channels import Bore
@@ -65,12 +67,19 @@ def begun(case: Case, **settings):
     return model, integrator
 
 
+def measured(model, t: float) -> np.ndarray:
+    """(7,) pressures at pump and bit, flow rates out of the flow line, of the pump and through the bit, content,
+    cuttings."""
+    mud, sample = FlowRecorder(model.system, model.fluid), Sample(model.system, t)
+    ends = mud.pump_pressure, mud.bit_pressure, mud.outlet_flow, mud.pump_flow, mud.bit_flow
+    return np.array([value(sample) for value in (*ends, mud.content, mud.cuttings_flow)])
+
+
 def history(case: Case, dt: float, end: float):
-    """Times (k,), samples (k, 6) of ``FlowRecorder`` and the model, with steps of ``dt`` [s]."""
+    """Times (k,), samples (k, 7) of ``measured`` and the model, with steps of ``dt`` [s]."""
     model, integrator = begun(case, ts_adapt_type="none", ts_dt=dt)
-    record = FlowRecorder(model.system, model.fluid)
-    rows = [(0.0, record.sample(0.0))]
-    integrator.after_step.append(lambda t, h: rows.append((t, record.sample(t))))
+    rows = [(0.0, measured(model, 0.0))]
+    integrator.after_step.append(lambda t, h: rows.append((t, measured(model, t))))
     run(integrator, model, end)
     return np.array([t for t, _ in rows]), np.array([v for _, v in rows]), model
 
@@ -241,18 +250,18 @@ def test_a_pump_that_stops_at_once():
     except for restarts of the formula."""
     stop = {"time": [0, 0.1, 0.1], "value": [0.03, 0.03, 0.0]}
     model, integrator = begun(loop("hermite", flow_rate=stop), ts_adapt_type="none", ts_dt=0.01)
-    record, rows = FlowRecorder(model.system, model.fluid), []
-    record.begin(record.sample(0.0))
+    balances, rows = MassBalance(), []
+    balances.start(measured(model, 0.0)[5])
 
     def after(t: float, dt: float) -> None:
-        rows.append((t, *record.sample(t)))
-        record.step(np.array(rows[-1][1:]), dt, integrator.fresh)
+        rows.append((t, *measured(model, t)))
+        balances.step(measured(model, t)[[3, 2, 6]], dt, integrator.fresh)
 
     integrator.after_step.append(after)
     run(integrator, model, 2.0)
     table = np.array(rows)
     assert table[:, 4] == pytest.approx(np.where(table[:, 0] < 0.1 + 1e-9, 0.03, 0.0), abs=3e-5)
-    balance = record.balance(table[-1, 1:])
+    balance = balances.balance(table[-1, 6])
     assert balance["content_change"] < -0.01
     assert abs(balance["error"]) < 1e-6 * abs(balance["content_change"])
     assert model.system.field("bore.volume")[0, 0] == pytest.approx(
@@ -270,8 +279,7 @@ def test_volumes_stay_bounded_over_hours_of_pumping():
         now = model.system.field(f"{name}.volume")
         assert np.abs(now).max() < 0.5
         assert np.abs(now - before).max() < 1e-8
-    record = FlowRecorder(model.system, model.fluid)
-    assert record.sample(36000.0)[2:5] == pytest.approx([0.03] * 3, rel=1e-9)
+    assert measured(model, 36000.0)[2:5] == pytest.approx([0.03] * 3, rel=1e-9)
 
 
 @pytest.mark.parametrize("held", [True, False], ids=["held", "hanging"])
@@ -307,12 +315,14 @@ def test_steady_states_of_other_models(kind, held):
             Case(top="clamped", hold_string=held, well=well, fluid=mud | {"formulation": form}, **more)
         )
         find_equilibrium(model)
-        sample = Recorder(model).sample(0.0)
+        recorder = Recorder(model)
+        names = [] if held else ["hook_load"]
+        load = [recorder.value(recorder.sample(0.0), name) for name in names]
         found.append(
             np.concatenate(
                 [
-                    sample[:1],
-                    sample[-6:-4],
+                    load,
+                    measured(model, 0.0)[1:3],
                     [r.pressures(model.system)[0] for r in model.fluid.components[:-1]],
                 ]
             )
@@ -349,10 +359,12 @@ def test_coupled_with_a_string_that_is_lowered():
         )
         model, integrator = begun(case)
         recorder = Recorder(model)
-        start = recorder.sample(0.0)
+        names = ("hook_load", "surface_torque", "pump_pressure", "bit_pressure", "outlet_flow")
+        start = [recorder.value(recorder.sample(0.0), name) for name in names]
         run(integrator, model, 0.1)
-        found[form] = np.array([start, recorder.sample(0.1)])
-    load, torque, (pump, bit, returned) = 0, 1, range(-6, -3)
+        later = recorder.sample(0.1)
+        found[form] = np.array([start, [recorder.value(later, name) for name in names]])
+    load, torque, pump, bit, returned = range(5)
     mixed, hermite = found["mixed"], found["hermite"]
     # at the start, then in motion, where a mesh of 25 m causes waves in both forms
     for column, start, later in (

@@ -14,13 +14,14 @@ import pytest
 from drillpetsc import Case, run
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.placement import place_along_hole
-from drillpetsc.analysis.static_report import static_summary, static_table
+from drillpetsc.analysis.statics import static_summary
 from drillpetsc.case import load_case
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.component import PrescribedMotion
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_frame, read_series
+from drillpetsc.output.static_table import static_table
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad
 from drillpetsc.solvers.static_newton import Equilibrium, StaticNewton
 
@@ -56,9 +57,9 @@ def string_in(well, item=PIPE, element_length: float = 10.0, **keys) -> Case:
     )
 
 
-def solved(case: Case, motion=(0.0, 0.0), climb: bool = False):
+def solved(case: Case, motion=(0.0, 0.0), lateral_friction: bool = False):
     model = build_model(case)
-    state = find_equilibrium(model, motion, climb)
+    state = find_equilibrium(model, motion, lateral_friction)
     assert state.equilibrium.residual < 1e-6 * WEIGHT * model.mesh.total_length
     return model, state, static_summary(model, state)
 
@@ -120,7 +121,9 @@ def test_rotating_pipe_rests_beside_the_low_side(friction):
     """Contact at atan(mu) from the low side, on the side given by the rotation; N = W cos, torque = W sin R
     (manual: verif-rotating-shaft-on-wall)."""
     model, state, _ = solved(
-        string_in(hole([0.0, 120.0], [90.0, 90.0], friction), element_length=4.0), ROTATE, climb=True
+        string_in(hole([0.0, 120.0], [90.0, 90.0], friction), element_length=4.0),
+        ROTATE,
+        lateral_friction=True,
     )
     assert not state.warnings
     angle = np.arctan(friction)
@@ -160,7 +163,7 @@ def test_incline(motion, hook, torque):
     model, state, figures = solved(string_in(hole([0.0, 1000.0], [60.0, 60.0], 0.3)), motion)
     assert figures["hook_load"] == pytest.approx(hook, rel=3e-4)
     assert figures["surface_torque"] == pytest.approx(torque, rel=1e-3)
-    columns, table = static_table(model, state)
+    columns, table = static_table(model)
     names = [name for name, _ in columns]
     assert table[:, names.index("axial_force")] == pytest.approx(
         hook * (1 - table[:, 0] / 1000), abs=2e-3 * hook
@@ -174,7 +177,7 @@ def test_incline(motion, hook, torque):
 def test_incline_rotating_pipe_beside_the_low_side():
     """The same with a pipe that may move up the wall: it rests at atan(mu), so the torque is smaller by
     cos(atan(mu)) (manual: verif-incline-climbing)."""
-    _, _, figures = solved(string_in(hole([0.0, 1000.0], [60.0, 60.0], 0.3)), ROTATE, climb=True)
+    _, _, figures = solved(string_in(hole([0.0, 1000.0], [60.0, 60.0], 0.3)), ROTATE, lateral_friction=True)
     assert figures["hook_load"] == pytest.approx(121.000e3, rel=1e-4)
     assert figures["surface_torque"] == pytest.approx(3992.5 / np.hypot(1, 0.3), rel=5e-3)
 
@@ -414,7 +417,7 @@ def test_vertical_string_on_bottom_with_bent_collars():
     """cases/vertical-2000m-dry.yaml: hook load = weight - 50 kN, torque at the bit mu W 2/3 R; the string
     stays in the hole (manual: verif-vertical-string-on-bottom)."""
     case = load_case(CASES.parent / "vertical-2000m-dry.yaml")
-    model, state, figures = solved(case, (0.0, 8.4), climb=True)
+    model, state, figures = solved(case, (0.0, 8.4), lateral_friction=True)
     mesh = model.mesh
     weight = 9.80665 * (float(mesh.mass @ mesh.length) + sum(body.mass for body in mesh.bodies))
     assert figures["wob"] == pytest.approx(5e4, rel=1e-6)
@@ -422,7 +425,7 @@ def test_vertical_string_on_bottom_with_bent_collars():
     assert figures["bit_torque"] == pytest.approx(0.3 * 5e4 * 2 / 3 * 0.2159 / 2, rel=1e-4)
     assert figures["surface_torque"] > figures["bit_torque"]
     assert state.stable and figures["iterations"] < 500
-    _, table = static_table(model, state)
+    _, table = static_table(model)
     assert np.hypot(table[:, 6], table[:, 7]).max() < 0.1122 - 0.0635 + 1e-3
 
 

@@ -1,7 +1,7 @@
 """The string element in statics against closed forms and independent solutions, without hole (manual:
 sec-verif-string).
 
-Orders and limits of the error are those of the manual: roll-up and elastica are of fourth order in the
+Orders and limits of the error as in the manual; roll-up and elastica are of fourth order in the
 element length (manual: verif-roll-up, verif-elastica), frequencies as tabulated (manual:
 verif-static-frequencies).
 """

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.output import write_table
+from drillpetsc.output.catalogue import find
 from drillpetsc.output.files.atomic import replace_text
 from drillpetsc.output.files.json_file import plain
 from drillpetsc.studies.convergence.error_norms import (
@@ -23,23 +24,12 @@ from drillpetsc.studies.convergence.error_norms import (
     order_as_dict,
 )
 from drillpetsc.studies.convergence.reference import Reference
-from drillpetsc.studies.convergence.runs import NUMERICS, Measured
+from drillpetsc.studies.convergence.runs import Measured
 
 Row = dict[str, Any]
 
 MOST_OUTPUTS = 6  # outputs compared by default
-PREFERRED_OUTPUTS = (  # compared first, in this order
-    "bit_speed",
-    "wob",
-    "hook_load",
-    "pump_pressure",
-    "bit_depth",
-    "surface_torque",
-    "bit_torque",
-    "rop",
-    "bit_pressure",
-    "outlet_flow",
-)
+LAST = 1000  # rank of outputs without an interest of their own
 DIVERGED = 10.0  # rms error over range above which a completed run counts as failed
 PLATEAU_RATIO = 1.5  # errors within this ratio count as equal, steps beyond it as different
 TARGET_ERRORS = (0.1, 0.01, 0.001)  # errors whose cost is reported
@@ -72,17 +62,28 @@ def chosen_outputs(reference: Reference, outputs: Sequence[str]) -> list[str]:
     moving = [
         name
         for name, v in reference.values.items()
-        if name not in NUMERICS and np.isfinite(v).all() and moves(v)
+        if not _about_numerics(name) and np.isfinite(v).all() and moves(v)
     ]
     return sorted(moving, key=_rank)[:MOST_OUTPUTS]
 
 
+def _about_numerics(name: str) -> bool:
+    """Whether an output tells about the computation, not about the string."""
+    quantity = find(name)
+    return quantity is not None and quantity.numerics
+
+
 def _rank(name: str) -> int:
-    """Rank of an output: PREFERRED_OUTPUTS, then offsets at probes, others, and contact forces at probes."""
-    if name in PREFERRED_OUTPUTS:
-        return PREFERRED_OUTPUTS.index(name)
-    return len(PREFERRED_OUTPUTS) + (
-        0 if name[:2] in ("x_", "y_") else 2 if name.startswith("contact") else 1
+    """Rank of an output: by interest, then offsets at probes, others, and contact forces at probes."""
+    quantity = find(name)
+    if quantity is None:
+        return LAST
+    if quantity.interest:
+        return quantity.interest
+    return (
+        LAST - 1
+        if quantity.unit == "m" and quantity.on == "probe"
+        else LAST + (quantity.name == "contact_NNN")
     )
 
 

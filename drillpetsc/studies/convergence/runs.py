@@ -26,8 +26,6 @@ from drillpetsc.studies.convergence.plan import Base, Point, case_of
 
 FloatArray = npt.NDArray[np.float64]
 
-#: columns that are not compared by default
-NUMERICS = ("time", "step", "newton", "energy_error", "kinetic_energy", "strain_energy")
 COUNTS = (
     "elements",
     "steps",

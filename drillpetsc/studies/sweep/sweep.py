@@ -193,7 +193,7 @@ def _read_options(case: Case) -> list[str]:
         model = build_model(case, PETSc.COMM_SELF)
         integrator = make_integrator(model, QuasiStatic(model) if is_quasi_static(case) else None)
         recorder = Recorder(model)
-        EnergyGainMonitor(recorder)
+        EnergyGainMonitor(recorder.energy)
         unread = options.unread(used)
         del model, integrator, recorder
         gc.collect()

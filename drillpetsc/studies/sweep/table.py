@@ -23,19 +23,9 @@ import numpy as np
 from drillpetsc.case import Case
 from drillpetsc.case.schema import unit_of
 from drillpetsc.output import RunFolder, read_summary, read_table, write_summary
+from drillpetsc.output.catalogue import find
 from drillpetsc.output.files.atomic import replace_text
-
-#: columns of history.csv without a meaningful mean
-NO_MEAN = (
-    "time",
-    "bit_depth",
-    "hole_depth",
-    "kinetic_energy",
-    "strain_energy",
-    "energy_error",
-    "step",
-    "newton",
-)
+from drillpetsc.output.files.tables import split_name
 
 
 class Action(Enum):
@@ -205,8 +195,14 @@ def _means(history: Path) -> dict[str, float]:
     return {
         f"mean_{title}": float(values[late].mean())
         for title, values in table.items()
-        if title.split(" [")[0] not in NO_MEAN and values.dtype.kind == "f"
+        if _has_mean(title) and values.dtype.kind == "f"
     }
+
+
+def _has_mean(title: str) -> bool:
+    """Whether the mean of a column of history.csv tells something."""
+    quantity = find(split_name(title)[0])
+    return quantity is None or quantity.mean
 
 
 def rows(plan: Plan, ended: dict[int, Outcome]) -> list[dict[str, Any]]:

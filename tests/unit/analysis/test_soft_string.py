@@ -1,7 +1,7 @@
-"""Soft string against closed forms (verification table P12 to P17).
+"""Soft string against closed forms (manual: sec-verif-statics-torque-drag, sec-soft-string-closed-forms).
 
-Steel drill pipe 127 x 108.6 mm of that table: EA 7.0137489e8 N, GJ 9.4156072e5 N m2, contact radius 63.5 mm,
-buoyed weight 242 N/m.
+Steel drill pipe 127 x 108.6 mm: EA 7.0137489e8 N, GJ 9.4156072e5 N m2, contact radius 63.5 mm, buoyed weight
+242 N/m.
 """
 
 import numpy as np
@@ -25,8 +25,9 @@ def run(well, length, n=50, **kw):
     return torque_drag(well, np.linspace(0, length, n + 1), kw.pop("weight", WEIGHT), RADIUS, EA, GJ, **kw)
 
 
-def test_p12_capstan():
-    """T = T0 exp(mu pi/2) for a weightless string pulled round 90 degrees: 148.097 kN."""
+def test_capstan():
+    """T = T0 exp(mu pi/2) for a weightless string pulled round 90 degrees: 148.097 kN (manual:
+    verif-capstan)."""
     well = hole([0, 300], [0, 90], 0.25)
     result = run(well, 300, n=7, weight=0.0, bottom_force=1e5, **PULL)
     assert result.hook_load == pytest.approx(148.097e3, rel=1e-5)
@@ -38,8 +39,9 @@ def test_p12_capstan():
 @pytest.mark.parametrize(
     ("motion", "load"), [(PULL, 183.873e3), (SLACK, 58.127e3), (TURN, 121.0e3), ({}, 121.0e3)]
 )
-def test_p13_incline(motion, load):
-    """w L (cos I + a mu sin I) at I = 60 deg; rotating torque mu w sin I R L = 3992.5 N m."""
+def test_incline(motion, load):
+    """w L (cos I + a mu sin I) at I = 60 deg; rotating torque mu w sin I R L = 3992.5 N m (manual:
+    verif-incline)."""
     result = run(hole([0, 1000], [60, 60], 0.3), 1000, **motion)
     assert result.hook_load == pytest.approx(load, rel=1e-5)
     assert result.surface_torque == pytest.approx(3992.5 if motion is TURN else 0.0, rel=2e-5, abs=1e-9)
@@ -48,8 +50,9 @@ def test_p13_incline(motion, load):
     assert result.side == pytest.approx(np.tile([-np.cos(np.pi / 3), 0, np.sin(np.pi / 3)], (51, 1)))
 
 
-def test_p14_pull_and_rotate():
-    """0.3 m/s and 60 rpm: shares 0.600978 and 0.799265, hook load 158.786 kN, torque 3191.0 N m."""
+def test_pull_and_rotate():
+    """0.3 m/s and 60 rpm: fractions 0.600978 and 0.799265, hook load 158.786 kN, torque 3191.0 N m (manual:
+    verif-incline-pull-rotate)."""
     along, around = slip_shares(0.3, 2 * np.pi, RADIUS)
     assert (along, around) == (pytest.approx(0.600978, abs=1e-6), pytest.approx(0.799265, abs=1e-6))
     result = run(hole([0, 1000], [60, 60], 0.3), 1000, axial_velocity=0.3, rotation=2 * np.pi)
@@ -59,8 +62,9 @@ def test_p14_pull_and_rotate():
 
 @pytest.mark.parametrize(("motion", "load"), [(PULL, 458.659e3), (SLACK, 303.912e3), (TURN, 372.048e3)])
 @pytest.mark.parametrize("n", [1, 36])
-def test_p15_build(motion, load, n):
-    """Build 0 to 60 deg at 5 deg/30 m, 300 kN below (closed form); torque when rotating 4864.3 N m."""
+def test_build(motion, load, n):
+    """Build 0 to 60 deg at 5 deg/30 m, 300 kN below (closed form); torque when rotating 4864.3 N m (manual:
+    verif-build-curve)."""
     result = run(hole([0, 360], [0, 60], 0.25), 360, n=n, bottom_force=3e5, **motion)
     assert result.hook_load == pytest.approx(load, rel=1e-5)
     if motion is TURN:
@@ -68,8 +72,9 @@ def test_p15_build(motion, load, n):
 
 
 @pytest.mark.parametrize(("motion", "load"), [(PULL, 648.808e3), (SLACK, 394.217e3), (TURN, 495.548e3)])
-def test_p16_j_well(motion, load):
-    """1000 m vertical, build to 60 deg, 1500 m tangent, no weight on bit; rotating torque 7884.9 N m."""
+def test_j_well(motion, load):
+    """1000 m vertical, build to 60 deg, 1500 m tangent, no weight on bit; rotating torque 7884.9 N m (manual:
+    verif-j-well)."""
     result = run(hole([0, 1000, 1360, 2860], [0, 0, 60, 60], 0.25), 2860, n=143, **motion)
     assert result.hook_load == pytest.approx(load, rel=1e-5)
     if motion is TURN:
@@ -105,8 +110,9 @@ def test_turn_and_build_against_reference_integration():
     assert result.hook_load == pytest.approx(exact, rel=2e-5)
 
 
-def test_p17_hanging_stretch_and_twist():
-    """Own weight of steel in air, rho g L^2/(2 E) = 0.747655 m; twist M L/GJ = 21.24133 rad."""
+def test_hanging_stretch_and_twist():
+    """Weight of steel in air, rho g L^2/(2 E) = 0.747655 m; twist M L/GJ = 21.24133 rad (manual:
+    verif-hanging-string)."""
     result = run(
         hole([0, 2000], [0, 0], 0.3), 2000, n=13, weight=7850 * 9.81 * 3.4047325e-3, bottom_torque=1e4, **TURN
     )
@@ -117,9 +123,8 @@ def test_p17_hanging_stretch_and_twist():
 
 
 def test_hole_crossing_north_has_the_side_forces_of_the_turned_hole():
-    """Azimuth 355 to 5 deg against 85 to 95 deg: equal forces, sides turned by 90 deg (verification table,
-    closing remark).
-    """
+    """Azimuth 355 to 5 deg against 85 to 95 deg: equal forces, sides rotated by 90 deg (manual:
+    verif-azimuth-north)."""
     a = run(hole([0, 300], [60, 60], 0.25, [355, 5]), 300, bottom_force=1e5, **PULL)
     b = run(hole([0, 300], [60, 60], 0.25, [85, 95]), 300, bottom_force=1e5, **PULL)
     assert a.hook_load == pytest.approx(b.hook_load, rel=1e-12)

@@ -38,7 +38,8 @@ def simple(**keys: Any) -> Case:
 
 
 def test_vertical_2000m() -> None:
-    """The drillstring of the reference formulation (DOI 10.1177/1687814016656703): 2000 m, 225 elements, 80 rpm, bit on bottom."""
+    """Drillstring model of the reference paper: 2000 m, 225 elements, 80 rpm, bit on bottom (manual:
+    sec-paper)."""
     case = load_case(CASES / "vertical-2000m.yaml")
     assert case.string_length == pytest.approx(2000.0, abs=1e-9)
     assert case.item_depths[1] == (1800.0, 1998.0)

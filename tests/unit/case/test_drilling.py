@@ -46,7 +46,7 @@ def error_of(**keys: Any) -> CaseError:
 
 
 def test_defaults() -> None:
-    """Those of the case format and of the model page."""
+    """Defaults of the case format (manual: sec-bit-rate)."""
     made = rock()
     assert (made.drillability, made.bit_anisotropy, made.rotary_exponent, made.weight_exponent) == (
         2.8e-8,
@@ -64,7 +64,7 @@ def test_defaults() -> None:
 
 
 def test_defaults_of_the_bit_laws() -> None:
-    """The model page's drag bit, section 4.4."""
+    """Defaults of the drag bit (manual: sec-bit-drag)."""
     drag = rock(bit_law="drag_bit").bit_law
     assert (drag.blades, drag.specific_energy, drag.inclination_ratio) == (4, 60e6, 0.6)
     assert (drag.contact_stress, drag.wear_flat, drag.friction) == (60e6, 1.2e-3, 0.6)

@@ -23,7 +23,7 @@ def arc(s: np.ndarray, radius: float, azimuth: float, depth: float = 100.0) -> t
 
 
 def test_dogleg_of_the_minimum_curvature_example():
-    """P01 of the verification list: (15, 20) to (25, 45) deg is a dogleg of 12.951651 deg (exact)."""
+    """(15, 20) to (25, 45) deg is a dogleg of 12.951651 deg, exact (manual: verif-minimum-curvature)."""
     one, two = direction(np.radians([15.0, 25.0]), np.radians([20.0, 45.0]))
     assert np.degrees(dogleg(one, two)) == pytest.approx(12.951651, abs=1e-6)
     severity = dogleg_severity([0.0, 100.0], [one, two])

@@ -1,4 +1,4 @@
-"""Centreline, sections and closest points (verification table P01 to P03 and limits)."""
+"""Centreline, sections and closest points (manual: sec-verif-borehole)."""
 
 import numpy as np
 import pytest
@@ -38,7 +38,7 @@ def derivatives(well, x):
 
 
 def gap(well, x, contact_radius=0.0635):
-    """Gap function rho + R_o - R of the model page, and its gradient."""
+    """Gap function rho + R_o - R and its gradient (manual: eq-contact-depth)."""
     value, slope = derivatives(well, x)
     return value[:, FIELD["rho"]] + contact_radius - value[:, FIELD["radius"]], slope[
         :, FIELD["rho"]
@@ -62,10 +62,9 @@ def fourth_order(f, x, step):
 
 
 # ---------------------------------------------------------------- centreline
-def test_p01_minimum_curvature():
-    """100 m from (15, 20) to (25, 45) deg: dN 27.218329, dE 19.450774, dTVD 94.012343 m, dogleg 12.951651 deg
-    (exact).
-    """
+def test_minimum_curvature():
+    """100 m from (15, 20) to (25, 45) deg: dN 27.218329, dE 19.450774, dTVD 94.012343 m, dogleg 12.951651
+    deg, exact (manual: verif-minimum-curvature)."""
     well = hole([0, 100], [15, 25], [20, 45])
     x, t, kappa = well.at(np.array([0.0, 50.0, 100.0]))
     assert x[2] - x[0] == pytest.approx([27.218329, 19.450774, 94.012343], abs=1e-6)
@@ -76,10 +75,9 @@ def test_p01_minimum_curvature():
     ) / DEG == pytest.approx([20, 45])
 
 
-def test_p02_hermite_on_an_arc():
+def test_hermite_on_an_arc():
     """One 5 deg segment of radius 57.3 m: points of the circle lie within 1e-5 m of it, and measured depth is
-    arc length.
-    """
+    arc length (manual: verif-hermite-arc)."""
     radius, beta = 57.3, 5 * DEG
     well = hole([0, radius * beta], [0, 5], max_angle=1.0)
     assert len(well.node_md) == 2
@@ -94,7 +92,7 @@ def test_p02_hermite_on_an_arc():
     assert np.linalg.norm(kappa, axis=1) * radius == pytest.approx(np.ones(41), abs=1e-3)
 
 
-def test_p02_gap_gradient_is_continuous_across_nodes():
+def test_gap_gradient_is_continuous_across_nodes():
     """Straight, then 30 deg/30 m: the gap's gradient does not jump at the nodes (< 1e-6 over 2e-9 m)."""
     well = hole([0, 50, 80, 120], [0, 0, 30, 30])
     inner = well.node_md[1:-1]
@@ -238,10 +236,9 @@ def bent():
     )
 
 
-def test_p03_derivatives_against_central_differences():
+def test_derivatives_against_central_differences():
     """200 random states, a third of them where R'(s) != 0: every output of the projection and the gap
-    gradient to 1e-6.
-    """
+    gradient to 1e-6 (manual: verif-projection-derivatives)."""
     well, rng = bent(), np.random.default_rng(3)
     md = np.r_[rng.uniform(-20, 430, 134), rng.uniform(94.8, 95.2, 33), rng.uniform(179.8, 180.2, 33)]
     x = around(well, md, rng.uniform(0.01, 0.1, 200), rng.uniform(0, 2 * np.pi, 200))
@@ -260,10 +257,9 @@ def test_p03_derivatives_against_central_differences():
         assert np.abs(gap_difference - gradient[:, k])[clear].max() < 1e-6
 
 
-def test_p03_derivatives_against_the_formulas():
-    """ds/dx = t/(1 - e.k), grad gap = n - R' t/(1 - e.k) (model page, section 1), k the curvature at the
-    closest point.
-    """
+def test_derivatives_against_the_formulas():
+    """ds/dx = t/(1 - e.k), grad gap = n - R' t/(1 - e.k), k the curvature at the closest point (manual:
+    eq-contact-gradient)."""
     well, rng = bent(), np.random.default_rng(5)
     md = np.r_[rng.uniform(0, 400, 40), rng.uniform(94.8, 95.2, 20)]
     value, slope = derivatives(well, x := around(well, md, rng.uniform(0.01, 0.1, 60), rng.uniform(0, 6, 60)))

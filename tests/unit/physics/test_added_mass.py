@@ -1,5 +1,5 @@
-"""Added mass and damping in the annulus against closed forms and the tables of fluid page 4.2 and
-verification F04, F05."""
+"""Added mass and damping in the annulus against closed forms and tables (manual: sec-mud-added-mass,
+verif-added-mass, verif-stokes-damping)."""
 
 import numpy as np
 import pytest
@@ -13,8 +13,9 @@ from drillpetsc.physics.fluid.added_mass import (
 )
 
 
-def test_f04_confined():
-    """(D_w^2 + D_o^2)/(D_w^2 - D_o^2): 2.058 for D_w/D_o 1.7, 5/3 for 2, and 1 in an unbounded fluid."""
+def test_confined():
+    """(D_w^2 + D_o^2)/(D_w^2 - D_o^2): 2.058 for D_w/D_o 1.7, 5/3 for 2, and 1 in an unbounded fluid (manual:
+    verif-added-mass)."""
     assert chi_confined(0.127, [0.127 * 1.7, 0.254, 1e6]) == pytest.approx([2.058201, 5 / 3, 1.0], rel=1e-6)
 
 
@@ -27,7 +28,7 @@ def test_f04_confined():
     ],
 )
 def test_eccentric_table(ratio, chi):
-    """Fluid page 4.2, measured there: eccentricity 0, .25, .5, .75, .9."""
+    """Eccentricity 0, .25, .5, .75, .9 (manual: verif-added-mass-eccentric)."""
     found = [chi_eccentric(0.1, 0.1 * ratio, e) for e in (0.0, 0.25, 0.5, 0.75, 0.9)]
     assert found == pytest.approx(chi, abs=6e-4)
 
@@ -66,8 +67,8 @@ def test_eccentric_refuses(outer, hole, e):
         (2.0, 1e4, 1.723, 0.0580),
     ],
 )
-def test_f05_stokes(ratio, S, mass, damping):
-    """F05: exact Stokes solution (Wambsganss, Chen)."""
+def test_stokes(ratio, S, mass, damping):
+    """Exact Stokes solution (Wambsganss, Chen; manual: verif-stokes-damping)."""
     found_mass, found_damping = stokes_coefficients(S, ratio)
     assert found_mass == pytest.approx(mass, rel=2e-4)
     assert found_damping == pytest.approx(damping, rel=4e-4)

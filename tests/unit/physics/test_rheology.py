@@ -1,5 +1,5 @@
-"""Wall friction against closed forms, published worked examples and integrated profiles (fluid page C1 to C3,
-verification F07)."""
+"""Wall friction against closed forms, published worked examples and integrated profiles (manual:
+sec-mud-friction)."""
 
 import numpy as np
 import pytest
@@ -50,12 +50,12 @@ def speed(gpm, outer, inner=0.0):
     return gpm * GPM / (np.pi / 4 * (outer**2 - inner**2) * INCH**2)
 
 
-# ---------------------------------------------------------------- values of the fluid page
+# ---------------------------------------------------------------- values of the manual
 
 
-def test_c1_dial_readings():
-    """C1: constants of R600/300/100/3 = 65/39/20/3, third edition of API RP 13D; in dyn s^n/cm2 they are
-    2.017 and 6.336."""
+def test_api_dial_readings():
+    """Constants of R600/300/100/3 = 65/39/20/3, third edition of API RP 13D; in dyn s^n/cm2 they are 2.017
+    and 6.336 (manual: verif-api-power-law)."""
     d = from_dial_readings(65, 39, 20, 3)
     found = [d.pipe_index, d.pipe_consistency, d.annulus_index, d.annulus_consistency]
     assert found == pytest.approx([0.7365, 0.2017, 0.5413, 0.6336], rel=2e-4)
@@ -70,8 +70,9 @@ def test_c1_dial_readings():
         (0.2159, 0.1143, 3474.72, 1.05715e6),
     ],
 )
-def test_c1_pressure_losses(outer, inner, length, loss):
-    """C1: 17.66529 l/s of 1497.83 kg/m3 by the API law through drill pipe, collars and around both."""
+def test_api_pressure_losses(outer, inner, length, loss):
+    """17.66529 l/s of 1497.83 kg/m3 by the API law through drill pipe, collars and around both (manual:
+    verif-api-power-law)."""
     d = from_dial_readings(65, 39, 20, 3)
     constants = (d.annulus_consistency, d.annulus_index) if inner else (d.pipe_consistency, d.pipe_index)
     w = 17.66529e-3 / (np.pi / 4 * (outer**2 - inner**2))
@@ -91,15 +92,16 @@ def test_c1_pressure_losses(outer, inner, length, loss):
         (Rheology.herschel_bulkley(0.3, 0.75, 3.0, shear_rate_eps=0.1), [50.4213, 19.2934]),
     ],
 )
-def test_c2_blend(fluid, stress):
-    """C2: wall shear of 30 l/s of 1200 kg/m3 in 108.6 mm and in 215.9 around 127 mm."""
+def test_blend(fluid, stress):
+    """Wall shear of 30 l/s of 1200 kg/m3 in 108.6 mm and in 215.9 around 127 mm (manual:
+    verif-friction-blend)."""
     assert wall_shear(fluid, [PIPE, ANNULUS], [0.1086, 0.0889], [False, True], 1200.0) == pytest.approx(
         stress, abs=5.1e-5
     )
 
 
-def test_c3_exact_laminar():
-    """C3: the same flow of Herschel-Bulkley 3/.75/.3, laminar."""
+def test_exact_laminar():
+    """The same flow of Herschel-Bulkley 3/.75/.3, laminar (manual: verif-laminar-exact)."""
     fluid = Rheology.herschel_bulkley(0.3, 0.75, 3.0, "exact", shear_rate_eps=1e-3)
     found = wall_shear(fluid, [PIPE, ANNULUS], [0.1086, 0.0889], [False, True], STILL)
     assert found == pytest.approx([23.223682, 19.455998], rel=5e-8)
@@ -227,8 +229,8 @@ def test_exact_against_the_integrated_profile(fluid, rate, plug, annulus):
 
 @pipe_and_annulus
 def test_explicit_yield_stress_law_is_near_the_exact_one(annulus):
-    """Fluid page, section 6: at most 2.2 % off in a pipe at tau_y/tau_w <= 0.5, 6 % for Bingham in a slot at
-    0.5; too high near gelling."""
+    """Error at most 2.2 % in a pipe at tau_y/tau_w <= 0.5, 6 % for Bingham in a slot at 0.5; too large near
+    gelling (manual: sec-mud-blend)."""
     w = np.geomspace(1e-3, 10, 200)
     near = wall_shear(Rheology.bingham(0.02, 5.0, shear_rate_eps=1e-3), w, 0.1, annulus, STILL)
     exact = wall_shear(Rheology.bingham(0.02, 5.0, "exact", 1e-3), w, 0.1, annulus, STILL)
@@ -238,7 +240,7 @@ def test_explicit_yield_stress_law_is_near_the_exact_one(annulus):
     assert np.all(near[~flowing] > exact[~flowing])
 
 
-# ---------------------------------------------------------------- regimes of the API law (F07)
+# ---------------------------------------------------------------- regimes of the API law
 
 
 def api_speed(reynolds, n, K, d, annulus, density):
@@ -254,9 +256,9 @@ def api_speed(reynolds, n, K, d, annulus, density):
 
 @pytest.mark.parametrize("n", [0.4, 0.7, 1.0])
 @pipe_and_annulus
-def test_f07_regimes(n, annulus):
-    """F07: 16/Re or 24/Re below 3470-1370n, a/Re^b above 4270-1370n, straight between them; the kinks are
-    rounded within 40 in Re."""
+def test_regimes(n, annulus):
+    """16/Re or 24/Re below 3470-1370n, a/Re^b above 4270-1370n, linear between them; the kinks are rounded
+    within 40 in Re (manual: verif-friction-regimes)."""
     K, d, density, lam = 0.2, 0.1, 1200.0, 24 if annulus else 16
     low, high = 3470 - 1370 * n, 4270 - 1370 * n
     a, b = (np.log10(n) + 3.93) / 50, (1.75 - np.log10(n)) / 7
@@ -399,8 +401,8 @@ def test_special_cases_agree():
 
 
 def test_eccentricity_factor():
-    """Fluid page, section 6: k .588, n .7; e .5 -> .7706, .9 -> .5315 laminar, .8778, .7031 turbulent; 1 when
-    concentric."""
+    """k .588, n .7; e .5 -> .7706, .9 -> .5315 laminar, .8778, .7031 turbulent; 1 when concentric (manual:
+    sec-mud-eccentricity)."""
     assert eccentricity_factor([0.0, 0.5, 0.9], 0.588, 0.7) == pytest.approx([1.0, 0.7706, 0.5315], abs=2e-4)
     assert eccentricity_factor([0.0, 0.5, 0.9], 0.588, 0.7, True) == pytest.approx(
         [1.0, 0.8778, 0.7031], abs=2e-4

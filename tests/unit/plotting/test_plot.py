@@ -82,7 +82,7 @@ def test_histories_show_the_columns_in_displayed_units(tmp_path: Path) -> None:
 def test_a_column_without_values_gets_no_panel(tmp_path: Path) -> None:
     table = {"time [s]": np.arange(3.0), "rop [m/s]": np.full(3, np.nan), "wob [N]": np.ones(3)}
     assert [axes.get_ylabel() for axes in _histories(table, [["rop [m/s]"], ["wob [N]"]], "t").axes] == [
-        "WOB [N]"
+        "Weight on bit [N]"
     ]
 
 

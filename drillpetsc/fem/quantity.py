@@ -1,0 +1,112 @@
+"""Quantities: one object describes one output, and evaluates it.
+
+A component returns the quantities that it knows from ``quantities()``.  The history, the probes, the statics table,
+the fields of ``string.pvd``, plots, study tables and the manual read these objects; none of them keeps names, units or
+positions of its own.  Nothing here knows PETSc or MPI.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol, TypeVar
+
+from drillpetsc.arrays import FloatArray
+
+Result = TypeVar("Result")
+
+Entity = Literal["scalar", "node", "element", "item", "joint", "probe"]
+Interpolation = Literal["linear", "motion", "none"]
+#: stands for a measured depth [m] in the name of a quantity of a joint or a probe
+DEPTH = "NNN"
+_NUMBER = r"[-+.\deE]+"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One output: its name and unit in files, its words for people, and how it is evaluated.
+
+    name: column or array in files; ``NNN`` in it stands for the measured depth [m] of a joint or probe.
+    unit: SI, as in ``N m``; ``-`` for a pure number.
+    on: what has a value: the whole model (``scalar``), each node, element, item of the string, joint or probe.
+    label: words in pictures and reports.
+    mnemonic: abbreviation in exports, WITS or WITSML where one exists.
+    sign: what a positive value means.
+    doc: one sentence.
+    interpolate: between two steps: a straight line, a parabola through three steps (``motion``), or none: then the
+    value is that at the time of writing.
+    mean: the mean over a time tells something.
+    value(source, sample): this rank's share, summed over ranks: a number, or (k, size) for k joints or probes; for
+    ``node`` (nv, size) at the local vertices; for ``element`` (nc,) or (nc, 2, ...) at its upper and lower end.
+    size: numbers of one entity that ``value`` returns.
+    finish(source, values, depth): numbers to be written, from the ``size`` numbers of one entity (of all nodes:
+    (n, size)); without it, the values themselves.
+    index: which of these numbers is the quantity's; None: all.
+    panel: quantities of one panel are drawn together, panels in ascending order; 0: with others of the same unit.
+    numerics: tells about the computation, not about the string.
+    interest: 1 for what a study compares first; 0: after all others.
+    """
+
+    name: str
+    unit: str
+    on: Entity
+    label: str
+    mnemonic: str = ""
+    sign: str = ""
+    doc: str = ""
+    interpolate: Interpolation = "linear"
+    mean: bool = True
+    value: Callable[[Any, Any], Any] | None = None
+    size: int = 1
+    finish: Callable[[Any, FloatArray, Any], Any] | None = None
+    index: int | None = 0
+    panel: int = 0
+    numerics: bool = False
+    interest: int = 0
+
+    @property
+    def title(self) -> str:
+        """Heading of a column."""
+        return f"{self.name} [{self.unit}]"
+
+    @property
+    def column(self) -> tuple[str, str]:
+        """Name and unit."""
+        return self.name, self.unit
+
+    def at(self, depth: float) -> tuple[str, str]:
+        """Name and unit of the column of a joint or probe at a measured depth [m]."""
+        return self.name.replace(DEPTH, f"{depth:g}"), self.unit
+
+    def matches(self, name: str) -> bool:
+        """Whether ``name`` is this quantity's name, at whatever depth."""
+        if DEPTH not in self.name:
+            return name == self.name
+        return re.fullmatch(re.escape(self.name).replace(DEPTH, _NUMBER), name) is not None
+
+
+class Source(Protocol):
+    """What declares quantities: a physics component, or a measurement that needs several of them."""
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Outputs that exist in this model."""
+        ...
+
+
+class Sample:
+    """The present state, at which quantities are evaluated.
+
+    system: the discrete system; assembly: its unknowns and rates on this rank; time: of the inputs [s].
+    """
+
+    def __init__(self, system: Any, time: float) -> None:
+        self.system, self.assembly, self.time = system, system.assembly, time
+        self._results: dict[tuple[Any, ...], Any] = {}
+
+    def once(self, function: Callable[..., Result], *arguments: Any) -> Result:
+        """``function(*arguments, assembly)``, evaluated once for all quantities that share its result."""
+        key = function, *arguments
+        if key not in self._results:
+            self._results[key] = function(*arguments, self.assembly)
+        return self._results[key]

@@ -1,0 +1,83 @@
+"""Point data of the deformed string for VTK: all quantities at nodes and elements, gathered on rank 0."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.fem.component import FloatArray
+from drillpetsc.fem.quantity import Quantity, Sample, Source
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.output import quantities as declared
+from drillpetsc.output.catalogue import in_order
+from drillpetsc.output.flow_recorder import FlowRecorder
+from drillpetsc.output.string_fields import StringFields
+
+Key = tuple[int, Any]  # of a value: its source, its function
+
+
+class FieldOutput:
+    """Evaluates the fields of a model.  Quantities with the same value share what is gathered."""
+
+    def __init__(self, model: DrillingModel) -> None:
+        self.model, self.system = model, model.system
+        mud = FlowRecorder(model.system, model.fluid) if model.fluid is not None else None
+        self.string, optional = StringFields(model, mud), (mud,) if mud is not None else ()
+        found: list[tuple[Source, Quantity]] = [
+            (source, q)
+            for source in (self.string, *model.components, *optional)
+            for q in source.quantities()
+            if q.on in ("node", "element")
+        ]
+        self._quantities = in_order(found, "string/*.vtu")
+        self._element = ~model.mesh.is_joint
+
+    def fields(self, t: float) -> tuple[FloatArray, dict[str, FloatArray]] | None:
+        """Points (n, 3) [m] and point data ``name [unit]`` of the deformed string in depth order, on rank 0; None
+        elsewhere.  Collective."""
+        sample = Sample(self.system, t)
+        local: dict[str, dict[Key, FloatArray]] = {"node": {}, "element": {}}
+        for source, q in self._quantities:
+            key = id(source), q.value
+            if key not in local[q.on]:
+                assert q.value is not None
+                local[q.on][key] = np.asarray(q.value(source, sample))
+        nodes, elements = self._gathered(local["node"], "vertex"), self._gathered(local["element"], "cell")
+        if nodes is None or elements is None:
+            return None
+        at_nodes = nodes | {key: self._mean_at_nodes(values) for key, values in elements.items()}
+        data, finished = {}, dict[Any, FloatArray]()
+        for source, q in self._quantities:
+            values = at_nodes[id(source), q.value]
+            if q.finish is not None:
+                shared = id(source), q.finish, q.value
+                if shared not in finished:
+                    finished[shared] = q.finish(source, values, self.model.mesh.node_depth)
+                values = finished[shared]
+            data[q.title] = values if q.index is None else values[:, q.index]
+        position = id(self.string), declared.OFFSET_X.value
+        return nodes.get(position, self.model.position), data
+
+    def _gathered(self, parts: dict[Key, FloatArray], on: str) -> dict[Key, FloatArray] | None:
+        """Local values (k, ...) collected in depth order on rank 0, as (n, m); None elsewhere."""
+        flat = {key: values.reshape(len(values), -1) for key, values in parts.items()}
+        whole = self.system.gather(np.hstack(list(flat.values())), on)
+        if whole is None:
+            return None
+        pieces = np.split(whole, np.cumsum([values.shape[1] for values in flat.values()])[:-1], axis=1)
+        return {
+            key: piece.reshape(-1, *values.shape[1:]) if values.ndim > 1 else piece
+            for (key, values), piece in zip(parts.items(), pieces, strict=True)
+        }
+
+    def _mean_at_nodes(self, values: FloatArray) -> FloatArray:
+        """(n+1, size) mean of the elements that meet at a node, from (n, 1), or (n, 2, ...) at the elements' ends."""
+        upper, lower = (values, values) if values.shape[1] == 1 else (values[:, 0], values[:, 1])
+        upper, lower = upper.reshape(len(upper), -1), lower.reshape(len(lower), -1)
+        total, count = np.zeros((len(values) + 1, upper.shape[1])), np.zeros((len(values) + 1, 1))
+        total[:-1] += upper * self._element[:, None]
+        total[1:] += lower * self._element[:, None]
+        count[:-1, 0] += self._element
+        count[1:, 0] += self._element
+        return total / np.maximum(count, 1)  # no element at all meets a rigid item between joints

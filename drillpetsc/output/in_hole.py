@@ -1,0 +1,33 @@
+"""Position of points of the string relative to the hole; without a hole, relative to the straight string."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drillpetsc.fem.component import FloatArray
+from drillpetsc.geometry.frames import high_side
+from drillpetsc.model.drilling_model import DrillingModel
+
+
+def offsets(model: DrillingModel, points: FloatArray) -> FloatArray:
+    """(k, 2) offset [m] of ``points`` (k, 3) from the hole's axis: towards the high side (north in a vertical
+    hole), and to the right of it looking down (east).  Manual: eq-conv-high-side."""
+    if model.well is not None:
+        foot = model.well.project(points)
+        tangent, offset = foot.tangent, foot.offset
+    else:
+        tangent = np.tile(model.tangent[0], (len(points), 1))
+        d = points - model.position[0]
+        offset = d - tangent * np.sum(d * tangent, axis=1, keepdims=True)
+    out = np.empty((len(points), 2))
+    for i in range(len(points)):
+        x = high_side(tangent[i])
+        out[i] = offset[i] @ x, offset[i] @ np.cross(tangent[i], x)
+    return out
+
+
+def measured_depth(model: DrillingModel, point: FloatArray) -> float:
+    """Measured depth [m] of the point of the hole's axis that is nearest to ``point`` (3,)."""
+    if model.well is not None:
+        return float(model.well.project(point[None, :]).md[0])
+    return float((point - model.position[0]) @ model.tangent[0])

@@ -1,0 +1,122 @@
+"""Files of a run: rows of the tables and frames of the string, written as their times are passed."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from petsc4py import PETSc
+
+from drillpetsc.fem.component import FloatArray
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.output import FieldWriter, RunFolder, Table
+from drillpetsc.output.field_output import FieldOutput
+from drillpetsc.output.recorder import Recorder
+
+
+class WriteErrors(Protocol):
+    """Receives errors of files, to end the run on all ranks."""
+
+    def report_write_error(self, error: OSError, what: str) -> None: ...
+
+
+class RunWriter:
+    """Writes history.csv, probes.csv and string.pvd on rank 0; does not write elsewhere.
+
+    folder: the run folder, None on the other ranks.
+    restart_time: time [s] from which a run continues; later rows and frames are removed.
+    """
+
+    def __init__(
+        self, model: DrillingModel, recorder: Recorder, folder: RunFolder | None, restart_time: float | None
+    ) -> None:
+        self.model, self.recorder, self.folder = model, recorder, folder
+        self.field_output = FieldOutput(model)
+        out = model.case.output
+        self.every = (float(out.history_every), float(out.field_every))  # type: ignore[arg-type]
+        self.next_row, self.next_frame = (
+            (0, 0) if restart_time is None else (after(restart_time, e) for e in self.every)
+        )
+        self.event = PETSc.Log.Event("Output")
+        if folder is not None:
+            self.history = Table(folder.history, recorder.columns, restart_time=restart_time)
+            self.probes = (
+                Table(folder.probes, recorder.probe_columns, restart_time=restart_time)
+                if recorder.probes.depths
+                else None
+            )
+            self.frames = FieldWriter(folder.path, restart_time=restart_time)
+
+    @property
+    def next_row_time(self) -> float:
+        """Time at which the next row is due [s]."""
+        return self.next_row * self.every[0]
+
+    def write(self, t: float, dt: float, newton: int, errors: WriteErrors) -> bool:
+        """Write all rows and the frame that are due at ``t`` [s]; True if any was.  Collective.
+
+        dt, newton: last step [s] and its Newton iterations.
+        """
+        row_due, frame_due = (
+            passed(self.next_row_time, t),
+            passed(self.next_frame * self.every[1], t),
+        )
+        if not row_due and not frame_due:
+            return False
+        self.event.begin()
+        if row_due and self.recorder.energy is not None:
+            self.recorder.energy.update(t)
+        fields = self.field_output.fields(t) if frame_due else None
+        rows = range(self.next_row, after(t, self.every[0]) if row_due else self.next_row)
+        try:
+            self._write([row * self.every[0] for row in rows], t, dt, newton, fields)
+        except OSError as error:
+            errors.report_write_error(error, error.filename or str(self.folder.path))  # type: ignore[union-attr]
+        self.next_row = rows.stop
+        if frame_due:
+            self.next_frame = after(t, self.every[1])
+        self.event.end()
+        return True
+
+    def _write(
+        self,
+        times: list[float],
+        t: float,
+        dt: float,
+        newton: int,
+        fields: tuple[FloatArray, dict[str, FloatArray]] | None,
+    ) -> None:
+        if self.folder is None:
+            return
+        for row_time in times:
+            self.history.add(self.recorder.history_row(row_time, dt, newton))
+            if self.probes is not None:
+                self.probes.add(self.recorder.probe_row(row_time))
+        if fields is not None:
+            self.frames.write(t, *fields)
+
+    def flush(self) -> None:
+        """Wait until the disk has everything, for a checkpoint that counts on it."""
+        if self.folder is not None:
+            self.history.flush()
+            if self.probes is not None:
+                self.probes.flush()
+            self.frames.flush()
+
+    def close(self) -> None:
+        if self.folder is not None:
+            self.history.close()
+            if self.probes is not None:
+                self.probes.close()
+
+
+def passed(due: float, t: float) -> bool:
+    """Whether output that is due at a time [s] is to be written at ``t`` [s], up to rounding."""
+    return due <= t * (1 + 1e-12) + 1e-15
+
+
+def after(t: float, interval: float) -> int:
+    """Number of the first multiple of ``interval`` [s] that ``t`` [s] has not passed, the same in a continued run."""
+    k = max(0, int(t / interval) - 1)
+    while passed(k * interval, t):
+        k += 1
+    return k

@@ -1,0 +1,84 @@
+"""Measurements at the top and at the lower end of the string, and of the hole that the bit drills."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drillpetsc.fem.component import FloatArray
+from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.fem.quantity import Quantity, Sample
+from drillpetsc.model.drilling_model import DrillingModel, hole_depth
+from drillpetsc.output import quantities as declared
+from drillpetsc.output.in_hole import measured_depth
+
+
+def top_reaction(system: DiscreteSystem, name: str) -> float:
+    """Reaction ``name`` at the top [N or N m], this rank's share: of a replaced row, or of a multiplier."""
+    for row in system.assembly.row_replacements:
+        if row.owned and name in row.condition.names:
+            return float(row.reaction[row.condition.names.index(name)])
+    return float(sum(component.reaction(name, system.assembly) for component in system.components))
+
+
+class TopEnd:
+    """Hook load and surface torque."""
+
+    def __init__(self, model: DrillingModel) -> None:
+        self.model, self.force = model, model.case.top.force
+        chain = model.system.chain
+        self._is_here = bool((chain.owned & (chain.vertices == 0)).any())
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        m = self.model
+        exists = m.beam is not None and (m.top is not None or self.force is not None)
+        return declared.TOP_END if exists else ()
+
+    def hook_load(self, sample: Sample) -> float:
+        """Pull on the string [N]."""
+        if self.force is not None:
+            return self.force.value(sample.time) if self._is_here else 0.0
+        return -top_reaction(sample.system, "top.axial_reaction")
+
+    def surface_torque(self, sample: Sample) -> float:
+        """Torque on the string [N m]: of a prescribed rotation, or of a rotary drive."""
+        torque = top_reaction(sample.system, "top.torque_reaction")
+        drive = self.model.drive
+        return torque if drive is None else torque + drive.torque(sample.time, sample.assembly)
+
+
+class LowerEnd:
+    """Motion of the face of the string's lower end."""
+
+    def __init__(self, model: DrillingModel) -> None:
+        self.model, mesh, chain = model, model.mesh, model.system.chain
+        self.face = mesh.total_length - mesh.node_depth[-1]  # below the last node [m]
+        local = np.flatnonzero(chain.owned & (chain.vertices == mesh.nodes - 1))
+        self.vertex = int(local[0]) if len(local) else None
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        return declared.LOWER_END if self.model.beam is not None else ()
+
+    def motion(self, state) -> FloatArray:
+        """(4,) position of the face [m] and spin rate [rad/s]; zero where another rank has the end."""
+        out = np.zeros(4)
+        if self.vertex is not None and self.model.beam is not None:
+            end, slope, out[3] = self.model.beam.section(state, self.vertex)
+            out[:3] = end + self.face * slope / np.linalg.norm(slope)
+        return out
+
+    def depth_of(self, point: FloatArray) -> float:
+        """Measured depth [m] of ``point`` (3,)."""
+        return measured_depth(self.model, point)
+
+
+class DrilledHole:
+    """End of the hole, and the rate at which it moves."""
+
+    def __init__(self, model: DrillingModel) -> None:
+        self.model, self.bit = model, model.bit
+        self.start = hole_depth(model.case) if self.bit is not None else 0.0
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        if self.bit is None:
+            return ()
+        return tuple(q for q in declared.HOLE if q.name != "rop" or self.model.drilling is not None)

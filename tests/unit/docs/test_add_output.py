@@ -1,0 +1,60 @@
+"""The page docs/development/add-output.md: its output exists after its code, and has the right value."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from drillpetsc import load_case, run
+from drillpetsc.analysis import checkpoint
+from drillpetsc.model.drilling_model import build_model
+from drillpetsc.output import catalogue, read_table
+from drillpetsc.physics import quantities
+
+ROOT = Path(__file__).parents[3]
+PAGE = ROOT / "docs" / "development" / "add-output.md"
+TITLE = "wall_friction_power [W]"
+
+
+@pytest.fixture
+def extended(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The page's declaration, as if it stood at the end of physics/quantities.py."""
+    declaration = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(), re.MULTILINE | re.DOTALL)[0]
+    monkeypatch.setattr(quantities, "CONTACT", quantities.CONTACT)  # the old tuple comes back after the test
+    monkeypatch.setattr(quantities, "_wall_friction_power", None, raising=False)
+    exec(declaration, vars(quantities))
+
+
+def test_the_new_column_is_the_power_of_friction(extended: None, tmp_path: Path) -> None:
+    """At the end of 0.1 s, a string that lies and turns: what the components turn into heat in the restored state,
+    less the damping of beam and contact; friction is nearly all of it."""
+    data = load_case(ROOT / "cases" / "lying-string.yaml")
+    case = data.model_copy(update={"time": data.time.model_copy(update={"end": 0.1})})
+    result = run(case, tmp_path / "run", progress="silent")
+    history = read_table(tmp_path / "run" / "history.csv")
+    assert history["time [s]"][-1] == pytest.approx(0.1)
+    model = build_model(case)
+    checkpoint.restore(model, checkpoint.read(tmp_path / "run" / "checkpoint.h5"))
+    state = model.system.assembly
+    elements, items = model.contact.report(state)
+    damping = model.contact.RESULTS.index("damping_power")
+    heat = model.contact.powers(0.1, state).dissipated - elements[:, damping].sum() - items[:, damping].sum()
+    assert heat > 100.0
+    assert history[TITLE][-1] == pytest.approx(heat, rel=1e-9)
+    assert result.summary["final"][TITLE] == history[TITLE][-1]
+
+
+def test_plots_and_catalogue_know_the_new_output(extended: None) -> None:
+    found = catalogue.find("wall_friction_power")
+    assert found is not None and found.title == TITLE
+    names = [q.name for q in catalogue.outputs_by_file()["history.csv"]]
+    assert (
+        names.index("joint_NNN_travel") < names.index("wall_friction_power") < names.index("kinetic_energy")
+    )
+    assert catalogue.label("wall_friction_power") == "Power of wall friction"
+
+
+def test_without_the_page_there_is_no_such_output() -> None:
+    assert catalogue.find("wall_friction_power") is None
