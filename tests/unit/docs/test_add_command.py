@@ -28,7 +28,9 @@ def code(name: str) -> str:
     return found[1]
 
 
-def test_the_command_of_the_page_answers(tmp_path: Path, capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_command_of_the_page_answers(
+    tmp_path: Path, capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """90 m of pipe and a body: 10 (7850 pi/4 (0.04 - 0.01) 90 + 100) N = 167.465 kN in air; the same without mud."""
     (tmp_path / "case.yaml").write_text(CASE)
     monkeypatch.setattr(cli, "COMMANDS", cli.COMMANDS)  # so that the command is gone afterwards
