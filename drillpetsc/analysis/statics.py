@@ -24,7 +24,7 @@ from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.quantities import STATIC_SUMMARY
 from drillpetsc.output.static_table import static_table
 from drillpetsc.output.well_files import write_well_files
-from drillpetsc.physics.beam import REPORT
+from drillpetsc.physics.beam import RESULT_NAMES
 from drillpetsc.solvers import petsc_options as options
 
 
@@ -49,7 +49,7 @@ def run_statics(
     with options.applied(case.petsc):
         model = build_model(case, comm)
         folder = make_folder(comm, name, out, False, overwrite)
-        state = find_equilibrium(model, MOTIONS[motion] if motion else None, climb=False)
+        state = find_equilibrium(model, MOTIONS[motion] if motion else None, lateral_friction=False)
         columns, values = static_table(model)
         summary = {
             "title": case.title,
@@ -101,8 +101,8 @@ def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
     if model.beam is None:
         return flow_summary(model)
     asm, cells, report = system.assembly, system.chain.cells, state.equilibrium
-    beam = model.beam.report(system.layout, asm.x, asm.y)
-    length, column = mesh.length[cells], REPORT.index
+    beam = model.beam.element_results(system.layout, asm.x, asm.y)
+    length, column = mesh.length[cells], RESULT_NAMES.index
     mean = (
         beam[:, column("axial_upper")] + 4 * beam[:, column("axial_middle")] + beam[:, column("axial_lower")]
     ) / 6

@@ -23,11 +23,13 @@ from drillpetsc.model.quaternion import quaternion_components
 from drillpetsc.model.rock_bit import build_rock_bit
 from drillpetsc.physics import interfaces
 from drillpetsc.physics.beam import Beam
-from drillpetsc.physics.contact import BitOnBottom, Contact, ContactLaw
+from drillpetsc.physics.bit_on_bottom import BitOnBottom
+from drillpetsc.physics.contact import Contact, ContactLaw
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
 from drillpetsc.physics.joints import Joints
+from drillpetsc.physics.precurvature import Precurvature
 from drillpetsc.physics.quaternion.contact import QuaternionContact
-from drillpetsc.physics.rigid_bodies import Precurvature, RigidBodies
+from drillpetsc.physics.rigid_bodies import RigidBodies
 from drillpetsc.physics.rock_bit import RockBit
 from drillpetsc.time_function import Constant
 

@@ -14,9 +14,9 @@ from drillpetsc.model.fluid import FluidComponents
 from drillpetsc.output import quantities as declared
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
-from drillpetsc.physics.fluid.channel_flow import FIGURES, ChannelFlow
+from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow
 
-_CONTENT, _SPEED = FIGURES.index("content"), FIGURES.index("speed")
+_CONTENT, _SPEED = RESULT_NAMES.index("content"), RESULT_NAMES.index("speed")
 _BIT_FLOW, _CHAMBER, _CUTTINGS = 1, 4, 6  # in the results of the flow at the bit
 
 
@@ -45,7 +45,7 @@ class FlowRecorder:
         with ExitStack() as stack:
             for channel in (self.fluid.bore, self.fluid.annulus):
                 if channel is not None:
-                    stack.enter_context(channel.taken(self.system.assembly))
+                    stack.enter_context(channel.shared_results(self.system.assembly))
             yield
 
     # ------------------------------------------------------------------ ends
@@ -73,7 +73,7 @@ class FlowRecorder:
     def bit_flow(self, sample: Sample) -> float:
         """Flow rate out of the string [m3/s]."""
         bit = self.fluid.bit
-        return 0.0 if bit is None else sample.once(bit.figures)[_BIT_FLOW]
+        return 0.0 if bit is None else sample.once(bit.element_results)[_BIT_FLOW]
 
     def outlet_flow(self, sample: Sample) -> float:
         """Flow rate out of the flow line, or out of the string without an annulus [m3/s]."""
@@ -85,16 +85,16 @@ class FlowRecorder:
     def cuttings_flow(self, sample: Sample) -> float:
         """Rock that the mud takes up [m3/s]."""
         bit = self.fluid.bit
-        return 0.0 if bit is None else sample.once(bit.figures)[_CUTTINGS]
+        return 0.0 if bit is None else sample.once(bit.element_results)[_CUTTINGS]
 
     def content(self, sample: Sample) -> float:
         """Volume of all mud at zero pressure [m3]."""
         content = 0.0
         for channel in (self.fluid.bore, self.fluid.annulus):
             if channel is not None:
-                content += channel.figures(sample.assembly)[:, _CONTENT].sum()
+                content += channel.element_results(sample.assembly)[:, _CONTENT].sum()
         if self.fluid.bit is not None:
-            content += sample.once(self.fluid.bit.figures)[_CHAMBER]
+            content += sample.once(self.fluid.bit.element_results)[_CHAMBER]
         if self.fluid.annulus is not None:
             content += self.fluid.annulus.content_above(sample.assembly)
         return content
@@ -123,7 +123,7 @@ class FlowRecorder:
 
     def speed(self, name: str, sample: Sample) -> FloatArray:
         """(nc,) speed [m/s] in the local elements, towards the bit."""
-        return np.asarray(sample.once(self.channels()[name].figures)[:, _SPEED])
+        return np.asarray(sample.once(self.channels()[name].element_results)[:, _SPEED])
 
     def wall_tension(self) -> FloatArray:
         """(nc, 2) tension [N] of the pipe's wall beyond EA times strain at both ends of the local elements.

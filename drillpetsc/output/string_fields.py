@@ -11,9 +11,9 @@ from drillpetsc.output import quantities as declared
 from drillpetsc.output.bending import bending_moments
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.in_hole import offsets
-from drillpetsc.physics.beam import REPORT
+from drillpetsc.physics.beam import RESULT_NAMES
 
-_COLUMN = {name: i for i, name in enumerate(REPORT)}
+_COLUMN = {name: i for i, name in enumerate(RESULT_NAMES)}
 _AXIAL = [_COLUMN["axial_upper"], _COLUMN["axial_lower"]]
 _BENDING = [_COLUMN["bending_upper"], _COLUMN["bending_lower"]]
 
@@ -76,7 +76,7 @@ class StringFields:
         """(nc, 9) results of the beam, with the mud's share of the wall's tension."""
         beam = self.model.beam
         assert beam is not None
-        results = beam.report(self.model.system.layout, state.x, state.y)
+        results = beam.element_results(self.model.system.layout, state.x, state.y)
         if self.mud is not None:
             results[:, _AXIAL] += self.mud.wall_tension()
         return results

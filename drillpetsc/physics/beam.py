@@ -19,7 +19,7 @@ from drillpetsc.physics.reference_frames import renew_reference_frames
 
 _results = function("beam_results", "iippppp")
 _dissipation = function("beam_dissipation", "iipppp", ctypes.c_double)
-REPORT = columns("beam_results").names
+RESULT_NAMES = columns("beam_results").names
 ENERGIES = columns("beam_results").span("kinetic", "potential")  # in the order of ``Energies``
 SLOTS = (
     ("string.position", 0),
@@ -137,7 +137,7 @@ class Beam(interfaces.Beam):
     def _twists(self, system) -> FloatArray:
         """(nc,) twist of each local element [rad]."""
         asm, cells = system.assembly, system.chain.cells
-        torque = self.report(system.layout, asm.x, asm.y)[:, REPORT.index("torque")]
+        torque = self.element_results(system.layout, asm.x, asm.y)[:, RESULT_NAMES.index("torque")]
         return torque * self.mesh.length[cells] / self.mesh.torsional_stiffness[cells]
 
     def update_reference_frames(self) -> None:
@@ -163,15 +163,15 @@ class Beam(interfaces.Beam):
         r, spin = state.layout.dofs["string.position"], state.layout.dofs["string.spin"]
         return np.hstack([state.x[r], state.y[r], state.y[spin], state.x[spin]])
 
-    def report(self, layout: DofLayout, x: FloatArray, y: FloatArray) -> FloatArray:
-        """(nc, 9) per local cell in depth order: the columns of ``REPORT`` [J, J, J, N, N, N, N m, N m, N
+    def element_results(self, layout: DofLayout, x: FloatArray, y: FloatArray) -> FloatArray:
+        """(nc, 9) per local cell in depth order: the columns of ``RESULT_NAMES`` [J, J, J, N, N, N, N m, N m, N
         m]."""
-        out = np.zeros((len(self._part.cells), len(REPORT)))
+        out = np.zeros((len(self._part.cells), len(RESULT_NAMES)))
         if self._tables is None or self._tables[0] is not layout:
             self._tables = layout, [layout.index(b) for b in self._blocks]
         for b, index in zip(self._blocks, self._tables[1], strict=True):
             if len(b.points):
-                part = np.zeros((len(b.points), len(REPORT)))
+                part = np.zeros((len(b.points), len(RESULT_NAMES)))
                 _results(
                     len(b.points),
                     index.shape[1],
@@ -185,7 +185,9 @@ class Beam(interfaces.Beam):
         return out
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(*map(float, self.report(state.layout, state.x, state.y)[:, ENERGIES].sum(axis=0)))
+        return Energies(
+            *map(float, self.element_results(state.layout, state.x, state.y)[:, ENERGIES].sum(axis=0))
+        )
 
     def powers(self, t: float, state) -> Powers:
         lost = 0.0

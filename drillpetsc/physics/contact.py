@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import ctypes
 import zlib
-from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -13,16 +12,16 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import Component, ElementBlock, Energies, Powers
+from drillpetsc.fem.component import ElementBlock, Energies, Powers
 from drillpetsc.fem.quadrature import exposed_ends, rule
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
-from drillpetsc.kernels.parameters import Parameters, columns, constant, structure
+from drillpetsc.kernels.parameters import Parameters, columns, structure
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import JUNCTION_SLOTS, SLOTS
-from drillpetsc.physics.interfaces import Bit
+from drillpetsc.physics.interfaces import WallContact
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.physics.roots import bracketed_root
 
@@ -30,11 +29,9 @@ RESULTS = {
     kernel: function(f"{kernel}_results", "ippp" + "ppp")
     for kernel in ("contact", "contact_junction", "body_contact")
 }
-_bit_results = function("bit_contact_results", "ppppp")
 _Law = structure("contact_law")  # ContactLaw of kernels/contact/contact.hpp
-REPORT = columns("contact_results").names
-NOT_IMPOSED = constant("not_imposed")
-_STORED = REPORT.index("stored")
+RESULT_NAMES = columns("contact_results").names
+_STORED = RESULT_NAMES.index("stored")
 _POWERS = columns("contact_results").span("damping_power", "friction_power")
 
 
@@ -97,7 +94,7 @@ def damping_factor(restitution: float, speed: float) -> float:
     return bracketed_root(miss, 0.5 * (1 - e), (1 - 1e-14) / e, absolute=1e-14, relative=1e-14) / speed
 
 
-class Contact(Component):
+class Contact(WallContact):
     """Contact of pipes and rigid items with the wall.
 
     with_bit False: a bit that cuts has its own contact (physics/rock_bit.py); free_top: nothing holds the
@@ -105,7 +102,7 @@ class Contact(Component):
     """
 
     name = "contact"
-    RESULTS = REPORT  # columns of ``report``
+    RESULTS = RESULT_NAMES  # columns of ``element_results``
     has_contact = True
 
     def __init__(
@@ -293,11 +290,11 @@ class Contact(Component):
         normal = self._row_of.get(cell)
         return 0.0 if normal is None else float(normal.sum())
 
-    def _figures(self, state) -> list[FloatArray]:
-        """(n, 7) of each block: the columns of ``REPORT``."""
+    def _block_results(self, state) -> list[FloatArray]:
+        """(n, 7) of each block: the columns of ``RESULT_NAMES``."""
         out = []
         for b in self._blocks:
-            out.append(np.zeros((len(b.points), len(REPORT))))
+            out.append(np.zeros((len(b.points), len(RESULT_NAMES))))
             RESULTS[b.kernel](
                 len(out[-1]),
                 pointer(state.index_of(b)),
@@ -309,10 +306,10 @@ class Contact(Component):
             )
         return out
 
-    def report(self, state) -> tuple[FloatArray, FloatArray]:
-        """(nc, 7) per local cell and (nb, 7) per rigid item of this rank: the columns of ``REPORT``."""
-        cells, bodies = np.zeros((len(self._part.cells), len(REPORT))), np.zeros((0, len(REPORT)))
-        for b, figures in zip(self._blocks, self._figures(state), strict=True):
+    def element_results(self, state) -> tuple[FloatArray, FloatArray]:
+        """(nc, 7) per local cell and (nb, 7) per rigid item of this rank: the columns of ``RESULT_NAMES``."""
+        cells, bodies = np.zeros((len(self._part.cells), len(RESULT_NAMES))), np.zeros((0, len(RESULT_NAMES)))
+        for b, figures in zip(self._blocks, self._block_results(state), strict=True):
             if b.on == "cell":
                 cells[b.points] = figures
             else:
@@ -320,123 +317,12 @@ class Contact(Component):
         return cells, bodies
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(strain=float(sum(figures[:, _STORED].sum() for figures in self._figures(state))))
+        return Energies(
+            strain=float(sum(figures[:, _STORED].sum() for figures in self._block_results(state)))
+        )
 
     def powers(self, t: float, state) -> Powers:
-        return Powers(float(sum(figures[:, _POWERS].sum() for figures in self._figures(state))))
+        return Powers(float(sum(figures[:, _POWERS].sum() for figures in self._block_results(state))))
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.CONTACT
-
-
-class BitOnBottom(Bit):
-    """The bit stands on the end of the hole: a spring along its axis, and a friction torque."""
-
-    name = "bit"
-
-    def __init__(
-        self,
-        node: int,
-        face: float,
-        radius: float,
-        stiffness: float,
-        friction: float,
-        end: FloatArray,
-        axis: FloatArray,
-        slip_velocity: float = 0.01,
-    ):
-        self.node = node
-        self.stiffness = stiffness
-        self.face, self.radius, self.friction, self.slip_velocity = face, radius, friction, slip_velocity
-        self.end, self.axis = np.array(end, dtype=float), np.array(axis, dtype=float)
-
-    def blocks(self, part) -> tuple[ElementBlock, ...]:
-        _, vertices = local_vertices(part, np.array([self.node]))
-        params = Parameters(
-            "bit_contact",
-            len(vertices),
-            face=self.face,
-            radius=self.radius,
-            stiffness=self.stiffness,
-            friction=self.friction,
-            end=self.end,
-            axis=self.axis,
-            slip=self.slip_velocity,
-            imposed=NOT_IMPOSED,
-        )
-        self._block = ElementBlock(
-            "bit_bottom", "bit_contact", "vertex", vertices, VERTEX_SLOTS, (0,), params.array
-        )
-        return (self._block,)
-
-    def impose_sliding_direction(self, axial: float, spin: float, side: float = 1.0) -> None:
-        self._block.named["imposed"] = np.sign(spin)
-
-    def release_sliding_direction(self) -> None:
-        self._block.named["imposed"] = NOT_IMPOSED
-
-    def copy_sliding_direction(self, other) -> None:
-        """Take over the sliding that statics imposed on another room."""
-        self._block.params[:] = other._block.params
-
-    def weight_and_torque(self, state) -> tuple[float, float]:
-        """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
-        if not len(self._block.points):
-            return 0.0, 0.0
-        out = np.zeros(2)
-        _bit_results(
-            pointer(state.index_of(self._block)),
-            pointer(self._block.params),
-            pointer(state.x),
-            pointer(state.y),
-            pointer(out),
-        )
-        return float(out[0]), float(out[1])
-
-    def depth_of_face(self, state) -> tuple[float, FloatArray]:
-        """How far the face is below the end of the hole [m], and its gradient by the local unknowns (n,);
-        zero without the bit."""
-        gradient = np.zeros(len(state.x))
-        if not len(self._block.points):
-            return 0.0, gradient[: state.layout.size]
-        index = state.index_of(self._block)[0]
-        face, end, axis = self.face, self.end, self.axis
-        v = state.x[index[3:6]]
-        n = np.linalg.norm(v)
-        gradient[index[:3]] = axis
-        gradient[index[3:6]] = face * (axis - v * (v @ axis) / n**2) / n
-        return float((state.x[index[:3]] + face * v / n - end) @ axis), gradient[: state.layout.size]
-
-    def torque_for(self, weight: float) -> float:
-        """Friction torque [N m] of the turning bit under ``weight`` [N]."""
-        return weight * self.friction * self.radius * 2 / 3
-
-    @contextmanager
-    def preloaded(self, weight: float, travel: float):
-        """Meanwhile the bit stands on a weak spring that carries ``weight`` [N] after ``travel`` [m], at the
-        depth of ``depth_for``."""
-        p = self._block.named
-        before = p.array.copy()
-        p["stiffness"] = weight / travel
-        p["end"] -= (travel - self.depth_for(weight)) * p["axis"]
-        try:
-            yield
-        finally:
-            p.array[:] = before
-
-    def depth_for(self, weight: float) -> float:
-        """Penetration [m] at which the bit carries ``weight`` [N]."""
-        return weight / self.stiffness
-
-    def energies(self, t: float, state) -> Energies:
-        weight, _ = self.weight_and_torque(state)
-        return Energies(strain=0.5 * weight**2 / self.stiffness)
-
-    def powers(self, t: float, state) -> Powers:
-        if not len(self._block.points):
-            return Powers()
-        _, torque = self.weight_and_torque(state)
-        return Powers(float(torque * state.y[state.index_of(self._block)[0, 6]]))
-
-    def quantities(self) -> tuple[Quantity, ...]:
-        return declared.BIT

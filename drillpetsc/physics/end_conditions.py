@@ -12,7 +12,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import Component, ElementBlock, Energies, Powers, PrescribedMotion
 from drillpetsc.geometry.frames import Frames, high_side
 from drillpetsc.kernels.parameters import Parameters
-from drillpetsc.physics.interfaces import Top
+from drillpetsc.physics.interfaces import Drive, Top
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
 
@@ -143,7 +143,7 @@ class _Zero:
     rate = integral = value
 
 
-class RotaryDrive(Component):
+class RotaryDrive(Drive):
     """Rotary drive with spring [N m/rad], damper [N m s/rad] and rotor inertia [kg m2] at the top node."""
 
     name = "drive"

@@ -1,4 +1,4 @@
-"""What the rest of the program may ask of a beam, a top and a bit, whichever stands there."""
+"""Interfaces of the components that others use: beam, top, bit, wall contact, drive, joints, fluid channels, nozzles."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Beam(Component):
     formulation: str = ""
     #: its static equilibrium is that of the ANCF element, carried over and corrected by Newton's method
     needs_ancf_equilibrium: bool = False
-    #: the bending moments in ``report`` include those of the stress-free shape
+    #: the bending moments in ``element_results`` include those of the stress-free shape
     bending_includes_free_shape: bool = False
 
     @abstractmethod
@@ -42,8 +42,8 @@ class Beam(Component):
         """(nv, 8) at the local vertices: position (3) [m], velocity (3) [m/s], spin rate [rad/s], spin angle [rad]."""
 
     @abstractmethod
-    def report(self, layout: Any, x: FloatArray, y: FloatArray) -> FloatArray:
-        """(nc, 9) per local cell in depth order: the columns of ``physics.beam.REPORT``."""
+    def element_results(self, layout: Any, x: FloatArray, y: FloatArray) -> FloatArray:
+        """(nc, 9) per local cell in depth order: the columns of ``physics.beam.RESULT_NAMES``."""
 
 
 class Top(Component):
@@ -80,6 +80,10 @@ class Bit(Component):
     def weight_and_torque(self, state: Any) -> tuple[float, float]:
         """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
 
+    def element_results(self, state: Any) -> FloatArray:
+        """Results of the bit, zero on ranks without it: weight [N] and torque [N m] first."""
+        return np.array(self.weight_and_torque(state))
+
     @abstractmethod
     def depth_of_face(self, state: Any) -> tuple[float, FloatArray]:
         """Depth of the face below the end of the hole [m] and its gradient by the local unknowns (n,)."""
@@ -101,6 +105,15 @@ class Bit(Component):
     def copy_sliding_direction(self, other: Any) -> None:
         """Take over the sliding direction that statics imposed on the bit of another model."""
 
+    def rate_under(
+        self, force: FloatArray, axis: FloatArray, omega: float, drilled: float = 0.0
+    ) -> FloatArray:
+        """(3,) rate of penetration [m/s] under ``force`` (3,) of the bit on the rock [N]; zero without rock.
+
+        axis: (3,) of the bit; omega: its rotation [rad/s]; drilled: length of new hole [m].
+        """
+        return np.zeros(3)
+
     def first_cut(self, state: Any) -> None:
         """Set the rates of a bit that begins to drill from its weight and speed."""
 
@@ -116,3 +129,98 @@ class Bit(Component):
     def drills(self) -> bool:
         """Whether the bit cuts rock."""
         return self.hole is not None
+
+
+class WallContact(Component):
+    """Contact of the string with the wall of the hole."""
+
+    @abstractmethod
+    def element_results(self, state: Any) -> tuple[FloatArray, FloatArray]:
+        """(nc, 7) per local cell and (nb, 7) per local rigid item: the columns of ``physics.contact.RESULT_NAMES``."""
+
+    @abstractmethod
+    def normal_force(self, cell: int) -> float:
+        """Normal force on a local cell in the last residual [N]."""
+
+    @abstractmethod
+    def copy_sliding_direction(self, other: Any) -> None:
+        """Take over the sliding direction that statics imposed on the contact of another model."""
+
+
+class Drive(Component):
+    """A drive that turns the upper end."""
+
+    @abstractmethod
+    def torque(self, t: float, state: Any) -> float:
+        """Torque of the drive on the string [N m], this rank's share."""
+
+
+class JointSet(Component):
+    """All joints of the string."""
+
+    @abstractmethod
+    def element_results(self, state: Any) -> FloatArray:
+        """(joints, 10) results of all joints, zero on ranks without the joint: columns of ``physics.joints.RESULT_NAMES``."""
+
+
+class Channel(Component):
+    """Flow of drilling fluid in the bore or in the annulus."""
+
+    @property
+    @abstractmethod
+    def kernel(self) -> str:
+        """First part of the kernels' names."""
+
+    @abstractmethod
+    def own_slots(self) -> tuple[tuple[str, int], ...]:
+        """Slots of the channel's own unknowns, in the order of the kernel."""
+
+    @abstractmethod
+    def parameters(self, e: np.ndarray) -> Any:
+        """Parameters of the elements ``e`` (numbers from the top)."""
+
+    @abstractmethod
+    @contextmanager
+    def shared_results(self, state: Any) -> Iterator[None]:
+        """Within it ``element_results`` are evaluated once; the state must not change."""
+        yield
+
+    @abstractmethod
+    def element_results(self, state: Any) -> FloatArray:
+        """(nc, 9) per local element: the columns of ``physics.fluid.channel_flow.RESULT_NAMES``."""
+
+    @abstractmethod
+    def flows(self, system: Any) -> FloatArray:
+        """(nc,) flow rates in the local elements, towards the bit [m3/s]."""
+
+    @abstractmethod
+    def pressures(self, system: Any) -> FloatArray:
+        """(nv,) pressures at the local vertices [Pa]."""
+
+    @abstractmethod
+    def upper_flow(self, state: Any) -> float | None:
+        """Flow rate into the upper end by conservation of mass [m3/s]; None on ranks without that end."""
+
+    @abstractmethod
+    def upper_pressure(self, state: Any) -> float:
+        """Pressure at the upper end [Pa], on the rank that holds it."""
+
+    def pumped(self, t: float, state: Any) -> float | None:
+        """Flow rate that the pump supplies [m3/s]; None on ranks without the upper end, and in an annulus."""
+        return None
+
+    def outflow(self, state: Any) -> float | None:
+        """Flow rate out of the flow line [m3/s]; None on ranks without the upper end, and in a bore."""
+        return None
+
+    def content_above(self, state: Any) -> float:
+        """Volume between the upper node and the flow line [m3], up to a constant; 0 on ranks without the upper end."""
+        return 0.0
+
+
+class Nozzle(Component):
+    """Flow through the bit."""
+
+    @abstractmethod
+    def element_results(self, state: Any) -> FloatArray:
+        """(7,) results of the bit's chamber: the columns of ``physics.fluid.bit_flow.RESULT_NAMES``."""

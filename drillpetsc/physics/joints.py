@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.arrays import FloatArray, IntArray
-from drillpetsc.fem.component import Component, ElementBlock, Energies, Field, Powers, VelocityStabilization
+from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers, VelocityStabilization
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringJoint, StringMesh
 from drillpetsc.geometry.frames import Frames
@@ -14,20 +14,21 @@ from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, Table, columns
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import SLOTS
+from drillpetsc.physics.interfaces import JointSet
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, end_frames, local_vertices
 
 _results = function("joint_results", "iippppp")
 _directions = function("joint_directions", "ipppp")
 
 KINDS = columns("joint_kind").names
-REPORT = columns("joint_results").names
+RESULT_NAMES = columns("joint_results").names
 # multipliers are in units of this [N, N m], so that their rows and columns are of the size of a pipe's
 # stiffness
 SCALE = 1.0e6
 STOP_ROUNDING = 1.0e-4  # a stop takes hold over this way [m]
 
 
-class Joints(Component):
+class Joints(JointSet):
     """All joints of a string.
 
     Fields: ``joint.load`` (6) at the node below, the multipliers in units of SCALE: force and moment that the
@@ -35,7 +36,7 @@ class Joints(Component):
     """
 
     name = "joints"
-    RESULTS = REPORT  # columns of ``report``
+    RESULTS = RESULT_NAMES  # columns of ``element_results``
 
     def __init__(self, mesh: StringMesh, frames: Frames):
         self.mesh, self.frames, self.joints = mesh, frames, mesh.joints
@@ -156,13 +157,13 @@ class Joints(Component):
             self._correction_params[:] = self._correction_rows()
 
     # ------------------------------------------------------------------ figures
-    def report(self, state) -> FloatArray:
+    def element_results(self, state) -> FloatArray:
         """(joints, 10) figures of all joints, zero where another rank has the joint: the columns of
-        ``REPORT``."""
-        out = np.zeros((len(self.joints), len(REPORT)))
+        ``RESULT_NAMES``."""
+        out = np.zeros((len(self.joints), len(RESULT_NAMES)))
         for b, chosen in zip(self._blocks, self._chosen, strict=True):
             if len(chosen):
-                index, part = state.layout.index(b), np.zeros((len(chosen), len(REPORT)))
+                index, part = state.layout.index(b), np.zeros((len(chosen), len(RESULT_NAMES)))
                 _results(
                     len(chosen),
                     index.shape[1],
@@ -176,10 +177,12 @@ class Joints(Component):
         return out
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(strain=float(self.report(state)[:, REPORT.index("stored")].sum()))
+        return Energies(strain=float(self.element_results(state)[:, RESULT_NAMES.index("stored")].sum()))
 
     def powers(self, t: float, state) -> Powers:
-        return Powers(dissipated=float(self.report(state)[:, REPORT.index("damping_power")].sum()))
+        return Powers(
+            dissipated=float(self.element_results(state)[:, RESULT_NAMES.index("damping_power")].sum())
+        )
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.JOINTS

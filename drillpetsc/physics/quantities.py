@@ -16,7 +16,7 @@ from drillpetsc.fem.quantity import FloatArray, Quantity, Sample
 
 # ---------------------------------------------------------------------- wall contact
 def _force_per_length(contact: Any, sample: Sample) -> FloatArray:
-    cells, _ = sample.once(contact.report)
+    cells, _ = sample.once(contact.element_results)
     return np.asarray(cells[:, 0] / contact.mesh.divisor[sample.system.chain.cells])
 
 
@@ -64,7 +64,7 @@ BIT: tuple[Quantity, ...] = (
 
 # ---------------------------------------------------------------------- joints
 def _of_joints(name: str, joints: Any, sample: Sample) -> FloatArray:
-    return np.asarray(sample.once(joints.report)[:, joints.RESULTS.index(name)])
+    return np.asarray(sample.once(joints.element_results)[:, joints.RESULTS.index(name)])
 
 
 JOINTS: tuple[Quantity, ...] = (

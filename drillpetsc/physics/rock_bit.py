@@ -393,7 +393,7 @@ class RockBit(Bit):
         i = state.index_of(self._block)[0]
         if self.profiled:
             self._indent(state, i)
-        rate = self.figures(state)[RESULTS["velocity"]]
+        rate = self.element_results(state)[RESULTS["velocity"]]
         state.y[i[7:10]], state.y[i[10]] = rate, np.linalg.norm(rate)
 
     def _indent(self, state, i: np.ndarray) -> None:
@@ -435,7 +435,7 @@ class RockBit(Bit):
     def _move(self, state) -> None:
         step = self._time - self._accepted
         if step > 0 and self.params["mode"][0] != STATICS:
-            rate, hold = self.figures(state)[RESULTS["velocity"]], self.params["hold"]
+            rate, hold = self.element_results(state)[RESULTS["velocity"]], self.params["hold"]
             hold[:, :3] += rate * step
             hold[:, 3] += np.linalg.norm(rate) * step
 
@@ -456,7 +456,7 @@ class RockBit(Bit):
         return int(self._made.touching)
 
     # ------------------------------------------------------------------ figures
-    def figures(self, state) -> FloatArray:
+    def element_results(self, state) -> FloatArray:
         """(11,) the columns of ``RESULTS``: weight [N], torque [N m], rate [m/s], side force [N], stored
         energy [J], power into the rock [W], depth [m], offset of the bit's centre from the hole's axis [m],
         rate of penetration in space (3) [m/s]; zero without the bit."""
@@ -475,7 +475,7 @@ class RockBit(Bit):
 
     def weight_and_torque(self, state) -> tuple[float, float]:
         """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
-        figures = self.figures(state)
+        figures = self.element_results(state)
         return float(figures[RESULTS["weight"]]), float(figures[RESULTS["torque"]])
 
     def progress(self, state) -> tuple[float, float]:
@@ -485,7 +485,7 @@ class RockBit(Bit):
         drilled = (
             self.params["hold"][0, 3] if self.rock.post_step else state.x[state.index_of(self._block)[0, 10]]
         )
-        return float(drilled), float(self.figures(state)[RESULTS["rate"]])
+        return float(drilled), float(self.element_results(state)[RESULTS["rate"]])
 
     def rate_under(
         self, force: FloatArray, axis: FloatArray, omega: float, drilled: float = 0.0
@@ -497,10 +497,10 @@ class RockBit(Bit):
         return out
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(strain=float(self.figures(state)[RESULTS["stored"]]))
+        return Energies(strain=float(self.element_results(state)[RESULTS["stored"]]))
 
     def powers(self, t: float, state) -> Powers:
-        return Powers(float(self.figures(state)[RESULTS["dissipated"]]))
+        return Powers(float(self.element_results(state)[RESULTS["dissipated"]]))
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.BIT

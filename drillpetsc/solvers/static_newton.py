@@ -428,7 +428,7 @@ class StaticNewton:
             x[f.rows] += f.D.T @ (f.condition.value(self.t) - f.D @ x[f.rows])
 
     def _end(self, report: Equilibrium) -> None:
-        """Store the largest residual in ``report``; collective."""
+        """Store the largest residual in ``element_results``; collective."""
         report.residual = self.largest(
             float(np.max(np.abs(self._gradient(self.rows())[self._owned]), initial=0.0))
         )

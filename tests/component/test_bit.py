@@ -106,7 +106,7 @@ def test_jacobian_matches_central_differences(kind):
     asm, n = system.assembly, system.layout.size
     x0, h = asm.x[:-1].copy(), 1e-5
     residual(system, x0, 0.4)
-    figures = component.figures(asm)
+    figures = component.element_results(asm)
     assert figures[0] > 0 or "loose" in kind
     assert figures[3] > 0 or "loose" in kind
     asm.jacobian(0.4, (1.0, SHIFT, SHIFT**2), condensed=True)
@@ -142,7 +142,7 @@ def test_power_of_the_bit_is_stored_or_goes_into_the_rock(kind):
 
     def stored(h):
         asm.x[:] = x0 + h * flow
-        return float(component.figures(asm)[4])
+        return float(component.element_results(asm)[4])
 
     h = 1e-4
     rate = (stored(-2 * h) - 8 * stored(-h) + 8 * stored(h) - stored(2 * h)) / (12 * h)

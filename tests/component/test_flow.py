@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc.physics.fluid.channel_flow import FIGURES, FluidConstants
+from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, FluidConstants
 from drillpetsc.physics.fluid.rheology import Rheology
 from tests.helpers.component_models import GRAVITY, SHIFT, dense, residual
 from tests.helpers.flow_models import KINDS, build
@@ -79,13 +79,14 @@ def test_mass_rows_add_up_to_the_change_of_content(kind):
         asm.x[:] = x0 + k * h * y
         for b, area in zip(widening, areas, strict=True):
             b.named["hole"] = area + k * h * speed[b.points] * b.named["widening"]
-        content.append(component.figures(asm)[:, FIGURES.index("content")].sum())
+        content.append(component.element_results(asm)[:, RESULT_NAMES.index("content")].sum())
     for b, area in zip(widening, areas, strict=True):
         b.named["hole"] = area
     asm.x[:] = x0
     rate = (content[0] - 8 * content[1] + 8 * content[2] - content[3]) / (12 * h)
     storage = sum(
-        component.figures(asm)[:, FIGURES.index(f"storage_{end}")].sum() for end in ("upper", "lower")
+        component.element_results(asm)[:, RESULT_NAMES.index(f"storage_{end}")].sum()
+        for end in ("upper", "lower")
     )
     # content of the motion at constant theta' (the mean pressure's): exact for the string, to the rounding of
     # differences for pressure
@@ -124,7 +125,7 @@ def test_energy_balance_of_an_almost_incompressible_fluid(kind):
         asm.x[:] = x + step * y
         asm.x[-1] = 1.0
         asm.y[string] = y[string] + step * a[string]
-        return component.figures(asm)[:, :3].sum()
+        return component.element_results(asm)[:, :3].sum()
 
     h = 1e-5
     e = [energy(k * h) for k in (-2, -1, 1, 2)]
@@ -147,7 +148,7 @@ def test_energy_balance_of_an_almost_incompressible_fluid(kind):
         1e2 * rows[flow] * (x[flow] + 0.174 * speed),
         1e-6 * rows[pressure] * head,
     )
-    size, lost = sum(np.abs(q).sum() for q in parts), component.figures(asm)[:, 3].sum()
+    size, lost = sum(np.abs(q).sum() for q in parts), component.element_results(asm)[:, 3].sum()
     print(kind, sum(q.sum() for q in parts), rate + lost + ends, rate, lost, ends, size)
     assert sum(q.sum() for q in parts) == pytest.approx(rate + lost + ends, abs=0.01 * size)
 

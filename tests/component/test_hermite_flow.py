@@ -151,11 +151,13 @@ def test_content_changes_by_the_flow_through_the_ends(kind):
     y[-1] = 0.0
     for k in (-2, -1, 1, 2):
         asm.x[:] = x0 + k * h * y
-        content.append(sum(r.figures(asm)[:, 4].sum() for r in components) + bit.figures(asm)[4])
+        content.append(
+            sum(r.element_results(asm)[:, 4].sum() for r in components) + bit.element_results(asm)[4]
+        )
     asm.x[:] = x0
     rate = (content[0] - 8 * content[1] + 8 * content[2] - content[3]) / (12 * h)
     through = sum(r.upper_flow(asm) for r in components) - (
-        0.0 if len(components) == 2 else bit.figures(asm)[1]
+        0.0 if len(components) == 2 else bit.element_results(asm)[1]
     )
     assert abs(through) > 0.01
     assert rate == pytest.approx(through, rel=1e-8)

@@ -11,9 +11,11 @@ from drillpetsc.fem.string_mesh import RigidItem, uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import Beam
-from drillpetsc.physics.contact import BitOnBottom, Contact, ContactLaw
+from drillpetsc.physics.bit_on_bottom import BitOnBottom
+from drillpetsc.physics.contact import Contact, ContactLaw
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
-from drillpetsc.physics.rigid_bodies import Precurvature, RigidBodies
+from drillpetsc.physics.precurvature import Precurvature
+from drillpetsc.physics.rigid_bodies import RigidBodies
 from drillpetsc.time_function import Constant, Ramp
 
 SHIFT = 2.3

@@ -13,7 +13,7 @@ from drillpetsc.physics.beam import Beam
 from drillpetsc.physics.end_conditions import FixedEnd
 from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.rigid_bodies import RigidBodies
-from drillpetsc.physics.rolling import Rolling
+from tests.helpers.rolling import Rolling
 
 AXES = ((0.0, 0.6, 0.8), (0.0, -0.8, 0.6), (1.0, 0.0, 0.0))
 NO_GRAVITY = np.zeros(3)

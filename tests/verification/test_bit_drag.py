@@ -35,7 +35,7 @@ def figures(model: DrillingModel, end: float, **petsc) -> np.ndarray:
     return sampled(
         model.system,
         end,
-        lambda m: [*bit.figures(m.assembly)[:3], unknowns(model, "hole.drilled")[0]],
+        lambda m: [*bit.element_results(m.assembly)[:3], unknowns(model, "hole.drilled")[0]],
         model.breaks,
         **petsc,
     )
@@ -122,7 +122,7 @@ def lifted(h: float = 1.0) -> tuple[DrillingModel, np.ndarray]:
     bit = bit_of(model)
 
     def sample(system):
-        f = bit.figures(system.assembly)
+        f = bit.element_results(system.assembly)
         return [
             f[0],
             f[2],

@@ -67,7 +67,7 @@ def drilled(
     with applied({"ts_rtol": 1e-5}):
         quasi = QuasiStatic(model)
         integrator = quasi.integrator()
-        quasi.begin()
+        quasi.start()
         integrator.run(0.0, end)
     return model
 
@@ -127,7 +127,7 @@ def test_radius_of_the_new_hole(overgauge, interval):
     assert float(well.radius(LENGTH + FACE + 0.7)) == pytest.approx(RADIUS + overgauge, rel=1e-12)
     assert float(well.radius(LENGTH - 0.1)) == pytest.approx(RADIUS, rel=1e-12)
     assert bit.hole.radial_clearance(RADIUS) == pytest.approx(max(overgauge, 0.0), abs=1e-12)
-    figures = bit.figures(model.system.assembly)
+    figures = bit.element_results(model.system.assembly)
     assert figures[7] == pytest.approx(max(overgauge, 0.0) + figures[3] / 1e8, abs=1e-6)
     assert figures[3] == pytest.approx(
         1e3 - WEIGHT * 0.02, rel=0.02

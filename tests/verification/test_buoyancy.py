@@ -136,7 +136,7 @@ def test_hook_load_of_a_stiff_string(plugged, inclination, modulus):
         pressure(modulus, LENGTH * np.cos(tilt)), rel=1e-6
     )  # at the hole's axis
     if inclination and modulus == STIFF:
-        side = model.contact.report(model.system.assembly)[0][:, 0].sum()
+        side = model.contact.element_results(model.system.assembly)[0][:, 0].sum()
         assert side == pytest.approx((WEIGHT - MUD * G * area * LENGTH) * np.sin(tilt), rel=1e-6)
 
 
@@ -302,7 +302,7 @@ def test_hook_load_under_circulation_of_compressible_mud(rate):
         [piece(), bit(380e-6)], modulus=2.5e9, fluid={"rheology": MUD_OF_TABLE, "flow_rate": rate}
     )
     inside, around = (
-        MUD * channel.figures(model.system.assembly)[:, 4].sum()
+        MUD * channel.element_results(model.system.assembly)[:, 4].sum()
         for channel in (model.fluid.bore, model.fluid.annulus)
     )
     shear = (figures["bit_pressure"] * (OPEN - OUTER) - G * around) / (OD + HOLE) * OD

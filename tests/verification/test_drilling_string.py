@@ -88,7 +88,7 @@ def follow(case: Case) -> Run:
         quasi = QuasiStatic(model) if case.time.mode == "quasi_static" else None  # type: ignore[union-attr]
         integrator, recorder, state = make_integrator(model, quasi), Recorder(model), find_equilibrium(model)
         if quasi is not None:
-            quasi.begin(share=state.side)
+            quasi.start(lateral_fraction=state.lateral_fraction)
         else:
             release(model)
             move_rigidly(model)
@@ -205,7 +205,7 @@ def test_side_friction_carries_part_of_the_weight_when_sliding() -> None:
     assert model.contact is not None and model.drilling is not None
     weight = GRAVITY * (STEEL * (section(PIPE) * PIPE_LENGTH + section(COLLAR) * COLLAR_LENGTH) + BIT_MASS)
     normal = sum(model.contact.normal_force(e) for e in range(len(model.mesh.lower)))
-    normal += model.drilling.figures(model.system.assembly)[3]
+    normal += model.drilling.element_results(model.system.assembly)[3]
     assert normal == pytest.approx(weight * 0.5, rel=0.03)
     assert run.drilled[-1] > 0.05
     assert run.hook[-1] + run.weight[-1] == pytest.approx(

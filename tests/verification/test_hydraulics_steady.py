@@ -174,7 +174,7 @@ def test_pressure_loss_of_nozzles(coefficient, bar):
     model = started(loop({**RIGID, "flow_rate": 0.03, "discharge_coefficient": coefficient}, string=parts))
     assert losses(model)[2] == pytest.approx(1e5 * bar, rel=1e-5)
     assert model.fluid is not None and model.fluid.bit is not None
-    lost, flow = model.fluid.bit.figures(model.system.assembly)[:2]
+    lost, flow = model.fluid.bit.element_results(model.system.assembly)[:2]
     assert flow == pytest.approx(0.03, rel=1e-12)
     assert lost == pytest.approx(1e5 * bar * 0.03, rel=1e-5)
 

@@ -19,11 +19,11 @@ from drillpetsc.fem.string_mesh import StringJoint
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.physics.end_conditions import FixedEnd, TopDrive
-from drillpetsc.physics.joints import REPORT, SCALE, STOP_ROUNDING
-from drillpetsc.physics.rolling import Rolling
+from drillpetsc.physics.joints import RESULT_NAMES, SCALE, STOP_ROUNDING
 from drillpetsc.time_function import Constant
 from tests.helpers.joint_models import body, chain_of_bodies, joint_component, place
 from tests.helpers.motion import beam, fixed, integrate, straight
+from tests.helpers.rolling import Rolling
 
 G = 9.81
 EXACT = {"q_snes_stol": 1e-12}
@@ -38,7 +38,7 @@ UP, NORTH = np.array([0.0, 0.0, -1.0]), np.array([1.0, 0.0, 0.0])
 
 def figure(system, name: str) -> float:
     """A result of the first joint in the present state of the model."""
-    return float(joint_component(system).report(system.assembly)[0, REPORT.index(name)])
+    return float(joint_component(system).element_results(system.assembly)[0, RESULT_NAMES.index(name)])
 
 
 # ---------------------------------------------------------------------- double pendulum
@@ -287,7 +287,7 @@ def test_modes_of_a_hinged_string():
             joints=[{"at": 1.0, "kind": "universal"}],
         )
     )
-    modes.settle(model)
+    modes.prepare_state(model)
     found = modes.modes(model, count=8)
     pendulum = [q for q in found.frequency if 0.1 < q < 10.0]
     M, K = np.array([[1 / 12 + 1.25, 0.5], [0.5, 1 / 12 + 0.25]]), np.diag([1.5 * G, 0.5 * G])

@@ -42,10 +42,13 @@ def surplus(model: DrillingModel, t: float) -> float:
     """
     f, asm = model.fluid, model.system.assembly
     assert f is not None and f.bore is not None and f.annulus is not None and f.bit is not None
-    end, stored = f.bit.end, sum(component.figures(asm)[:, 5:7].sum() for component in (f.bore, f.annulus))
+    end, stored = (
+        f.bit.end,
+        sum(component.element_results(asm)[:, 5:7].sum() for component in (f.bore, f.annulus)),
+    )
     at = model.system.layout.dofs["annulus.pressure"][-1, 0]
     p, rate, soft = asm.x[at], asm.y[at], 1 / f.constants.bulk_modulus
-    stored += f.bit.figures(asm)[4] * (soft + end.elasticity / (1 + end.elasticity * p)) * rate
+    stored += f.bit.element_results(asm)[4] * (soft + end.elasticity / (1 + end.elasticity * p)) * rate
     if model.beam is not None:
         speed = model.system.field("string.position", "y")[:, 2]
         stored -= np.exp(p * soft) * (1 + end.elasticity * p) * end.hole * speed[-1]

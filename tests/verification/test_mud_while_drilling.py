@@ -168,7 +168,7 @@ def test_annulus_follows_a_string_that_slides_down_a_curved_hole():
         + holes[1] * (ends[1] - 155 - w / 2)
         + np.pi * w * (r**2 + r * d + 13 / 35 * d**2)
     )
-    assert component.figures(asm)[:, 4].sum() == pytest.approx(around - pipes, rel=2e-5)
+    assert component.element_results(asm)[:, 4].sum() == pytest.approx(around - pipes, rel=2e-5)
     walked = [b.params.copy() for b in component._blocks]
     fresh = build_model(Case(**in_curved_hole()))
     place_along_hole(fresh)

@@ -14,7 +14,7 @@ import pytest
 from scipy.linalg import eigvals, null_space
 from scipy.optimize import brentq
 
-from drillpetsc.analysis.modal import modes, settle
+from drillpetsc.analysis.modal import modes, prepare_state
 from drillpetsc.analysis.placement import move_rigidly, release
 from drillpetsc.model.drilling_model import build_model
 from tests.helpers.motion import fixed, integrate
@@ -147,7 +147,9 @@ def test_pressure_does_not_change_the_frequency_of_a_blind_pipe(load):
         ({"top": SLIDING, "bottom": {"kind": "pinned", "plugged": True}}, CLAMPED_PINNED),
     ):
         model = tube.at_rest(fluid, **ends)
-        cells = model.beam.report(model.system.layout, model.system.assembly.x, model.system.assembly.y)
+        cells = model.beam.element_results(
+            model.system.layout, model.system.assembly.x, model.system.assembly.y
+        )
         assert cells[:, 3:6] == pytest.approx(load * FORCE, abs=1e-5 * FORCE)
         assert oscillating(roots_of(*across(model)), 1).imag * tube.time == pytest.approx([exact], rel=2e-5)
 
@@ -168,7 +170,9 @@ def test_outside_pressure_does_not_buckle_a_closed_pipe(load):
         ({"top": held, "bottom": {"kind": "pinned", "plugged": True}}, CLAMPED_PINNED / CLAMPED_FREE),
     ):
         model = tube.at_rest(fluid, **ends)
-        cells = model.beam.report(model.system.layout, model.system.assembly.x, model.system.assembly.y)
+        cells = model.beam.element_results(
+            model.system.layout, model.system.assembly.x, model.system.assembly.y
+        )
         assert cells[:, 3:6] == pytest.approx(-load * FORCE, abs=1e-5 * FORCE)
         assert oscillating(roots_of(*across(model)), 1).imag == pytest.approx([factor * exact], rel=2e-5)
 
@@ -296,7 +300,7 @@ def test_modes_distinguish_stable_from_unstable():
         tube = Tube.of(beta)
         for u, count in ((0.998 * critical, 0), (1.002 * critical, 2)):
             model = build_model(tube.case({"flow_rate": flow_of(u)}, top=ends[0], bottom=ends[1]))
-            settle(model)
+            prepare_state(model)
             found = modes(model, 6, kind="lateral")
             assert (found.unstable, getattr(found, kind)) == (count, count)
             on_rank = oscillating(found.eigenvalue, 4)

@@ -41,7 +41,7 @@ def test_a_string_that_lies_in_a_level_hole_is_pushed_in_against_friction():
     the string in place, pushes with mu w L."""
     model = build_model(lying("quaternion"))
     find_equilibrium(model)
-    reports, _ = model.contact.report(model.system.assembly)
+    reports, _ = model.contact.element_results(model.system.assembly)
     carried = reports[:, 0].sum()
     held = model.system.reaction("top.side_reaction_1")  # towards the high side of the hole: up
     assert carried + held == pytest.approx(WEIGHT * LENGTH, rel=1e-4)

@@ -73,7 +73,7 @@ def test_penetration_does_not_depend_on_the_number_of_points(points):
         hole([0.0, 100.0], [90.0, 90.0]), contact={"stiffness": 1e6, "points_per_element": points}
     )
     model, _, _ = solved(case)
-    cells, _ = model.contact.report(model.system.assembly)
+    cells, _ = model.contact.element_results(model.system.assembly)
     assert cells[3:7, 4] == pytest.approx(WEIGHT / 1e6, rel=1e-3)
     assert cells[3:7, 0] / 10 == pytest.approx(WEIGHT, rel=1e-3)
 
@@ -132,7 +132,7 @@ def test_rotating_pipe_rests_beside_the_low_side(friction):
     # looking north along the hole, the lowest fibre of a clockwise turning pipe moves west and friction
     # pushes it east
     assert np.arctan2(offset[:, 1], offset[:, 2]) == pytest.approx(angle, abs=1e-3)
-    cells, _ = model.contact.report(model.system.assembly)
+    cells, _ = model.contact.element_results(model.system.assembly)
     assert cells[middle, 0] / 4 == pytest.approx(WEIGHT * np.cos(angle), rel=1e-3)
     assert np.abs(cells[middle, 6]) / 4 == pytest.approx(WEIGHT * np.sin(angle) * CONTACT_RADIUS, rel=1e-3)
 
@@ -246,7 +246,7 @@ def test_pendulum_collar(stiffness, element_length, touches):
     )
     model, _, _ = solved(case)
     assert abs(model.system.reaction("bottom.side_reaction_1")) == pytest.approx(1102.87, rel=1e-3)
-    cells, _ = model.contact.report(model.system.assembly)
+    cells, _ = model.contact.element_results(model.system.assembly)
     last = np.flatnonzero(cells[:, 0] > 1.0)[-1]
     assert (
         touches[0] < 40 - model.mesh.lower[last] and 40 - model.mesh.upper[last] < touches[1] + element_length
@@ -379,13 +379,13 @@ def test_contact_force_of_a_helix():
     solver.solve()
     assert solver.negative_pivots() == 0
     middle = slice(elements // 4, 3 * elements // 4)
-    cells, _ = model.contact.report(system.assembly)
+    cells, _ = model.contact.element_results(system.assembly)
     assert (cells[middle, 0] / model.mesh.length[middle]).mean() == pytest.approx(817.076, rel=2e-2)
     position = system.field("string.position")
     angle = np.unwrap(np.arctan2(position[:, 1], position[:, 0]))
     turns = (angle[middle.stop] - angle[middle.start]) / 2 / np.pi
     assert (depth[middle.stop] - depth[middle.start]) / abs(turns) == pytest.approx(17.9486, rel=5e-2)
-    beam = model.beam.report(system.layout, system.assembly.x, system.assembly.y)
+    beam = model.beam.element_results(system.layout, system.assembly.x, system.assembly.y)
     assert beam[middle, 7].mean() == pytest.approx(6667.5, rel=3e-2)
 
 

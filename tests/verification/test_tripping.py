@@ -157,7 +157,7 @@ def test_return_past_a_casing_shoe():
     )
     chamber, recorder = model.fluid.bit, Recorder(model)  # type: ignore[union-attr]
     recorder.begin(0.0)
-    first = chamber.figures(model.system.assembly)[4]  # type: ignore[union-attr]
+    first = chamber.element_results(model.system.assembly)[4]  # type: ignore[union-attr]
 
     def after(t: float, dt: float) -> None:
         recorder.step(t, dt, t, None, not seen)
@@ -170,7 +170,7 @@ def test_return_past_a_casing_shoe():
     assert abs(mass["error"]) < 1e-9 * 20.0 * SOLID
     # 510 m of hole below at first, 490 m at the end; the transition at the shoe lies half above it, half
     # below
-    assert chamber.figures(model.system.assembly)[4] == pytest.approx(7e-3 + narrow * 490.0, rel=1e-6)  # type: ignore[union-attr]
+    assert chamber.element_results(model.system.assembly)[4] == pytest.approx(7e-3 + narrow * 490.0, rel=1e-6)  # type: ignore[union-attr]
     assert first == pytest.approx(7e-3 + narrow * 500.0 + 0.25 * np.pi * 0.2445**2 * 10.0, rel=1e-5)
 
 

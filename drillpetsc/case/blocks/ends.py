@@ -50,8 +50,9 @@ class HeldTop(TopEnd):
 
 
 class DrivenTop(TopEnd):
-    """A rotary drive with inertia, held at `rotation` by a spring and a damper (PI control). The string is
-    clamped to it.
+    """A rotary drive with inertia, held at `rotation` by a spring and a damper (PI control).
+
+    Position and direction of the upper end are clamped.
 
     torque on the drive = stiffness * (prescribed angle - angle) + damping * (prescribed speed - speed).
     """

@@ -9,7 +9,7 @@ from drillpetsc.fem.component import ElementBlock, Energies, Powers
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels.parameters import Parameters, Table
-from drillpetsc.physics.fluid.channel_flow import ENERGIES, FIGURES, ChannelFlow, FluidConstants
+from drillpetsc.physics.fluid.channel_flow import ENERGIES, RESULT_NAMES, ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus
 from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, LateralCoefficients, MovingHole
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
@@ -286,14 +286,14 @@ class AnnulusFlow(ChannelFlow):
         )
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(*map(float, self.figures(state)[:, ENERGIES].sum(axis=0)))
+        return Energies(*map(float, self.element_results(state)[:, ENERGIES].sum(axis=0)))
 
     def powers(self, t: float, state) -> Powers:
-        figures = self.figures(state)
+        figures = self.element_results(state)
         supplied, flow = 0.0, self.upper_flow(state)
         if flow is not None and self._top is not None:
-            speed = figures[int(self._top[0].points[self._top[1]]), FIGURES.index("speed")]
+            speed = figures[int(self._top[0].points[self._top[1]]), RESULT_NAMES.index("speed")]
             supplied = flow * (
                 float(self.fluid.enthalpy(self.upper_pressure(state))) + 0.5 * self.fluid.density * speed**2
             )
-        return Powers(float(figures[:, FIGURES.index("dissipated")].sum()), supplied)
+        return Powers(float(figures[:, RESULT_NAMES.index("dissipated")].sum()), supplied)

@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import Component, ElementBlock, Energies, Field, Powers
+from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, Table, columns, constant
 from drillpetsc.physics.fluid.channel_flow import FLOW_SCALE, FluidConstants
 from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, MovingHole
+from drillpetsc.physics.interfaces import Nozzle
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
 
@@ -58,7 +59,7 @@ class BitEnd:
     cut: float = 0.0
 
 
-class BitFlow(Component):
+class BitFlow(Nozzle):
     """One link and one chamber at the last node: unknown q_b [m3/s] where the bore ends in a link.
 
     hole: it grows, its end moved by the fields hole.end (3,) [m] and hole.drilled [m] of the room that
@@ -235,7 +236,7 @@ class BitFlow(Component):
     def breaks(self) -> tuple[float, ...]:
         return () if self.has_annulus else self.end.ambient.breaks()
 
-    def figures(self, state) -> FloatArray:
+    def element_results(self, state) -> FloatArray:
         """(7,) the columns of ``RESULTS``: lost power [W], flow [m3/s], kinetic and stored energy [J], content
         [m3] and potential [J] of the chamber, cuttings that enter it [m3/s at zero pressure]; this rank's."""
         out = np.zeros((1, RESULTS.width))
@@ -252,12 +253,12 @@ class BitFlow(Component):
         return out[0]
 
     def energies(self, t: float, state) -> Energies:
-        figures = self.figures(state)
+        figures = self.element_results(state)
         return Energies(*(float(figures[RESULTS[name]]) for name in ("kinetic", "stored", "potential")))
 
     def powers(self, t: float, state) -> Powers:
         """Loss in the nozzles; without an annulus, what the jet takes away counts as work done outside."""
-        figures = self.figures(state)
+        figures = self.element_results(state)
         lost, flow = figures[RESULTS["lost"]], figures[RESULTS["flow"]]
         if not self.has_link:
             return Powers()

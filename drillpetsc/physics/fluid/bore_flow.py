@@ -8,7 +8,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock, Energies, Powers
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.kernels.parameters import Parameters, Table
-from drillpetsc.physics.fluid.channel_flow import ENERGIES, FIGURES, ChannelFlow, FluidConstants
+from drillpetsc.physics.fluid.channel_flow import ENERGIES, RESULT_NAMES, ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Bore
 from drillpetsc.physics.rigid_bodies import local_vertices
 from drillpetsc.time_function import TimeFunction
@@ -117,14 +117,14 @@ class BoreFlow(ChannelFlow):
         return float(self.flow_rate.value(t)) if self.flow_rate is not None else self.upper_flow(state)
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(*map(float, self.figures(state)[:, ENERGIES].sum(axis=0)))
+        return Energies(*map(float, self.element_results(state)[:, ENERGIES].sum(axis=0)))
 
     def powers(self, t: float, state) -> Powers:
-        figures = self.figures(state)
+        figures = self.element_results(state)
         supplied, flow = 0.0, self.pumped(t, state)
         if flow is not None and self._top is not None:
-            speed = figures[int(self._top[0].points[self._top[1]]), FIGURES.index("speed")]
+            speed = figures[int(self._top[0].points[self._top[1]]), RESULT_NAMES.index("speed")]
             supplied = flow * (
                 float(self.fluid.enthalpy(self.upper_pressure(state))) + 0.5 * self.fluid.density * speed**2
             )
-        return Powers(float(figures[:, FIGURES.index("dissipated")].sum()), supplied)
+        return Powers(float(figures[:, RESULT_NAMES.index("dissipated")].sum()), supplied)

@@ -10,12 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import Component, ElementBlock, Field
+from drillpetsc.fem.component import ElementBlock, Field
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Table, columns, structure
 from drillpetsc.physics.beam import JUNCTION_SLOTS, SLOTS
+from drillpetsc.physics.interfaces import Channel
 
-FIGURES = columns("flow_results").names
+RESULT_NAMES = columns("flow_results").names
 ENERGIES = columns("flow_results").span("kinetic", "potential")  # in the order of ``Energies``
 _Fluid = structure("fluid")  # Fluid of kernels/fluid/flow.hpp
 PRESSURE_SCALE, FLOW_SCALE = 1.0e7, 1.0e-2  # usual magnitudes [Pa], [m3/s]
@@ -53,7 +54,7 @@ class FluidConstants:
         return -self.bulk_modulus * np.expm1(-np.asarray(pressure) / self.bulk_modulus)
 
 
-class ChannelFlow(Component):
+class ChannelFlow(Channel):
     """Elements of one channel; the subclass gives its name, kernel and parameters."""
 
     name = ""
@@ -128,22 +129,22 @@ class ChannelFlow(Component):
         return None
 
     @contextmanager
-    def taken(self, state) -> Iterator[None]:
-        """Within this, ``figures`` are those of the state as it is now, worked out once."""
-        self._taken = self.figures(state)
+    def shared_results(self, state) -> Iterator[None]:
+        """Within this, ``element_results`` are those of the state as it is now, worked out once."""
+        self._taken = self.element_results(state)
         try:
             yield
         finally:
             self._taken = None
 
-    def figures(self, state) -> FloatArray:
-        """(nc, 9) per local element: the columns of ``FIGURES`` (content: volume at zero pressure [m3])."""
+    def element_results(self, state) -> FloatArray:
+        """(nc, 9) per local element: the columns of ``RESULT_NAMES`` (content: volume at zero pressure [m3])."""
         if self._taken is not None:
             return self._taken
-        out = np.zeros((len(self._part.cells), len(FIGURES)))
+        out = np.zeros((len(self._part.cells), len(RESULT_NAMES)))
         for b, results in zip(self._blocks, self._results, strict=True):
             if len(b.points):
-                index, part = state.index_of(b), np.zeros((len(b.points), len(FIGURES)))
+                index, part = state.index_of(b), np.zeros((len(b.points), len(RESULT_NAMES)))
                 results(
                     len(b.points),
                     pointer(index),
@@ -162,8 +163,8 @@ class ChannelFlow(Component):
         if self._top is None:
             return None
         block, row = self._top
-        figures = self.figures(state)[int(block.points[row])]
-        return float(figures[FIGURES.index("storage_upper")] + state.x[state.index_of(block)[row, -1]])
+        figures = self.element_results(state)[int(block.points[row])]
+        return float(figures[RESULT_NAMES.index("storage_upper")] + state.x[state.index_of(block)[row, -1]])
 
     def flows(self, system) -> FloatArray:
         """(nc,) flow rates in the local elements, towards the bit [m3/s]."""

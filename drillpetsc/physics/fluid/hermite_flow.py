@@ -119,7 +119,7 @@ def volumes_at_rest(
         assert bit is not None
         taken = _taken_up(annulus, annulus.annulus.wall, pressure)
         give = 1 / bit.fluid.bulk_modulus + bit.end.elasticity
-        below = bit.chamber_volume(bit.rest_gap) * float(np.expm1(pressure[-1] * give)) - passed
+        below = bit._chamber_volume(bit.rest_gap) * float(np.expm1(pressure[-1] * give)) - passed
         out["annulus.volume"] = below + np.concatenate([np.cumsum(taken[::-1])[::-1], [0.0]])
     return out
 
@@ -362,7 +362,7 @@ class HermiteBit(BitFlow):
         self._results = function(f"{kernel}_results", "ipppppp")
         return (self._block,)
 
-    def chamber_volume(self, gap: float) -> float:
+    def _chamber_volume(self, gap: float) -> float:
         """Volume [m3] about the bit at a distance between its face and the hole's end [m]."""
         return self.end.volume + self.end.hole * GAP_ROUNDING * float(np.logaddexp(0.0, gap / GAP_ROUNDING))
 
@@ -389,7 +389,7 @@ class HermiteBit(BitFlow):
         pressure = state.x[index[0, -1]]
         theta = np.exp(pressure / self.fluid.bulk_modulus) * (1 + pressure * e.elasticity)
         passed = state.x[index[0, -2]] + (state.x[index[0, -3]] if self.has_link else 0.0)
-        volume = self.chamber_volume(gap)
-        return float((volume - self.chamber_volume(self.rest_gap)) + volume * (theta - 1) - passed), float(
+        volume = self._chamber_volume(gap)
+        return float((volume - self._chamber_volume(self.rest_gap)) + volume * (theta - 1) - passed), float(
             theta * widens
         )

@@ -21,7 +21,7 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, structure
-from drillpetsc.physics.beam import ENERGIES, POSITION_SCALE, REPORT
+from drillpetsc.physics.beam import ENERGIES, POSITION_SCALE, RESULT_NAMES
 from drillpetsc.physics.interfaces import Beam
 from drillpetsc.physics.rigid_bodies import local_vertices
 
@@ -209,7 +209,7 @@ class QuaternionBeam(Beam):
         state.x[at], state.y[at] = q, rate - q * np.sum(q * rate, axis=1, keepdims=True)
 
     # ------------------------------------------------------------------ figures
-    def motion(self, state) -> FloatArray:
+    def _node_motion(self, state) -> FloatArray:
         """(nv, 8) at the local vertices: slope r' (3), tangent (3), spin rate [rad/s], spin angle from the
         frame at the start [rad]."""
         at, frame = self._places(state.layout)
@@ -227,22 +227,22 @@ class QuaternionBeam(Beam):
 
     def section(self, state, vertex: int) -> tuple[FloatArray, FloatArray, float]:
         """Position [m], slope and spin rate [rad/s] of a local vertex."""
-        motion = self.motion(state)[vertex]
+        motion = self._node_motion(state)[vertex]
         return state.x[state.layout.dofs["string.position"][vertex]], motion[:3], float(motion[6])
 
     def columns(self, state) -> FloatArray:
         """(nv, 8) at the local vertices: position [m] and velocity [m/s], spin rate [rad/s], spin angle
         [rad]."""
-        place, motion = state.layout.dofs["string.position"], self.motion(state)
+        place, motion = state.layout.dofs["string.position"], self._node_motion(state)
         return np.hstack([state.x[place], state.y[place], motion[:, 6:]])
 
-    def report(self, layout: DofLayout, x: FloatArray, y: FloatArray) -> FloatArray:
-        """(nc, 9) per local cell in depth order: the columns of ``rooms.beam.REPORT``; bending is that beyond
+    def element_results(self, layout: DofLayout, x: FloatArray, y: FloatArray) -> FloatArray:
+        """(nc, 9) per local cell in depth order: the columns of ``rooms.beam.RESULT_NAMES``; bending is that beyond
         the stress-free shape."""
-        out = np.zeros((len(self._part.cells), len(REPORT)))
+        out = np.zeros((len(self._part.cells), len(RESULT_NAMES)))
         for b in self._elements:
             if len(b.points):
-                part, index = np.zeros((len(b.points), len(REPORT))), layout.index(b)
+                part, index = np.zeros((len(b.points), len(RESULT_NAMES))), layout.index(b)
                 _results(
                     len(b.points), pointer(index), pointer(b.params), pointer(x), pointer(y), pointer(part)
                 )
@@ -250,7 +250,9 @@ class QuaternionBeam(Beam):
         return out
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(*map(float, self.report(state.layout, state.x, state.y)[:, ENERGIES].sum(axis=0)))
+        return Energies(
+            *map(float, self.element_results(state.layout, state.x, state.y)[:, ENERGIES].sum(axis=0))
+        )
 
     def powers(self, t: float, state: Any) -> Powers:
         lost = 0.0

@@ -8,7 +8,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters
-from drillpetsc.physics.contact import REPORT, RESULTS, Contact
+from drillpetsc.physics.contact import RESULT_NAMES, RESULTS, Contact
 from drillpetsc.physics.quaternion.beam import SLOTS
 
 _results = RESULTS | {"quaternion_contact": function("quaternion_contact_results", "ipppppp")}
@@ -49,8 +49,8 @@ class QuaternionContact(Contact):
         self._blocks += self._on_items(part)
         return tuple(self._blocks)
 
-    def _figures(self, state) -> list[FloatArray]:
-        tables = [np.zeros((len(b.points), len(REPORT))) for b in self._blocks]
+    def _block_results(self, state) -> list[FloatArray]:
+        tables = [np.zeros((len(b.points), len(RESULT_NAMES))) for b in self._blocks]
         for b, out in zip(self._blocks, tables, strict=True):
             _results[b.kernel](
                 len(out),

@@ -43,8 +43,8 @@ def test_quantities_with_one_value_share_its_place() -> None:
 def test_a_result_is_evaluated_once_a_sample() -> None:
     recorder, calls = hanging(joints=JOINTS), []
     joints = next(c for c in recorder.model.components if c.name == "joints")
-    report = joints.report
-    joints.report = lambda state: (calls.append(state), report(state))[1]
+    report = joints.element_results
+    joints.element_results = lambda state: (calls.append(state), report(state))[1]
     joints.powers = joints.energies = lambda t, state: (0.0, 0.0)  # these evaluate it for themselves
     recorder.sample(0.0)
     assert len(calls) == 1  # twelve columns

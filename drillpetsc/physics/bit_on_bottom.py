@@ -1,0 +1,132 @@
+"""A bit that stands on the end of the hole: a spring along its axis and a friction torque (manual: sec-bit-on-bottom)."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+
+import numpy as np
+
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import ElementBlock, Energies, Powers
+from drillpetsc.fem.quantity import Quantity
+from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import Parameters, constant
+from drillpetsc.physics import quantities as declared
+from drillpetsc.physics.interfaces import Bit
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
+
+NOT_IMPOSED = constant("not_imposed")
+_bit_results = function("bit_contact_results", "ppppp")
+
+
+class BitOnBottom(Bit):
+    """The bit stands on the end of the hole: a spring along its axis, and a friction torque."""
+
+    name = "bit"
+
+    def __init__(
+        self,
+        node: int,
+        face: float,
+        radius: float,
+        stiffness: float,
+        friction: float,
+        end: FloatArray,
+        axis: FloatArray,
+        slip_velocity: float = 0.01,
+    ):
+        self.node = node
+        self.stiffness = stiffness
+        self.face, self.radius, self.friction, self.slip_velocity = face, radius, friction, slip_velocity
+        self.end, self.axis = np.array(end, dtype=float), np.array(axis, dtype=float)
+
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
+        _, vertices = local_vertices(part, np.array([self.node]))
+        params = Parameters(
+            "bit_contact",
+            len(vertices),
+            face=self.face,
+            radius=self.radius,
+            stiffness=self.stiffness,
+            friction=self.friction,
+            end=self.end,
+            axis=self.axis,
+            slip=self.slip_velocity,
+            imposed=NOT_IMPOSED,
+        )
+        self._block = ElementBlock(
+            "bit_bottom", "bit_contact", "vertex", vertices, VERTEX_SLOTS, (0,), params.array
+        )
+        return (self._block,)
+
+    def impose_sliding_direction(self, axial: float, spin: float, side: float = 1.0) -> None:
+        self._block.named["imposed"] = np.sign(spin)
+
+    def release_sliding_direction(self) -> None:
+        self._block.named["imposed"] = NOT_IMPOSED
+
+    def copy_sliding_direction(self, other) -> None:
+        """Take over the sliding that statics imposed on another room."""
+        self._block.params[:] = other._block.params
+
+    def weight_and_torque(self, state) -> tuple[float, float]:
+        """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
+        if not len(self._block.points):
+            return 0.0, 0.0
+        out = np.zeros(2)
+        _bit_results(
+            pointer(state.index_of(self._block)),
+            pointer(self._block.params),
+            pointer(state.x),
+            pointer(state.y),
+            pointer(out),
+        )
+        return float(out[0]), float(out[1])
+
+    def depth_of_face(self, state) -> tuple[float, FloatArray]:
+        """How far the face is below the end of the hole [m], and its gradient by the local unknowns (n,);
+        zero without the bit."""
+        gradient = np.zeros(len(state.x))
+        if not len(self._block.points):
+            return 0.0, gradient[: state.layout.size]
+        index = state.index_of(self._block)[0]
+        face, end, axis = self.face, self.end, self.axis
+        v = state.x[index[3:6]]
+        n = np.linalg.norm(v)
+        gradient[index[:3]] = axis
+        gradient[index[3:6]] = face * (axis - v * (v @ axis) / n**2) / n
+        return float((state.x[index[:3]] + face * v / n - end) @ axis), gradient[: state.layout.size]
+
+    def torque_for(self, weight: float) -> float:
+        """Friction torque [N m] of the turning bit under ``weight`` [N]."""
+        return weight * self.friction * self.radius * 2 / 3
+
+    @contextmanager
+    def preloaded(self, weight: float, travel: float):
+        """Meanwhile the bit stands on a weak spring that carries ``weight`` [N] after ``travel`` [m], at the
+        depth of ``depth_for``."""
+        p = self._block.named
+        before = p.array.copy()
+        p["stiffness"] = weight / travel
+        p["end"] -= (travel - self.depth_for(weight)) * p["axis"]
+        try:
+            yield
+        finally:
+            p.array[:] = before
+
+    def depth_for(self, weight: float) -> float:
+        """Penetration [m] at which the bit carries ``weight`` [N]."""
+        return weight / self.stiffness
+
+    def energies(self, t: float, state) -> Energies:
+        weight, _ = self.weight_and_torque(state)
+        return Energies(strain=0.5 * weight**2 / self.stiffness)
+
+    def powers(self, t: float, state) -> Powers:
+        if not len(self._block.points):
+            return Powers()
+        _, torque = self.weight_and_torque(state)
+        return Powers(float(torque * state.y[state.index_of(self._block)[0, 6]]))
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        return declared.BIT
