@@ -7,9 +7,10 @@ import numpy as np
 from drillpetsc.analysis.soft_string import TorqueDrag, torque_drag
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import ForcedBottom
+from drillpetsc.kernels.parameters import constant
 from drillpetsc.model.drilling_model import DrillingModel, hole_depth
 
-ONSET = 1e-5  # half width of the contact's onset [m], RAMP of kernels/contact/contact.hpp
+ONSET = constant("contact_onset")  # half width of the smooth onset of the penetration [m]
 SIDE_LOAD_THRESHOLD = (
     0.1  # side load at the top, as a share of the weight, above which the string lies on the wall there
 )

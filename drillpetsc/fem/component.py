@@ -16,6 +16,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.quantity import Quantity
+from drillpetsc.kernels.parameters import Table, parameters_of
 
 if TYPE_CHECKING:
     from drillpetsc.geometry.well import Well
@@ -76,7 +77,7 @@ class ElementBlock:
     on: ``cell`` or ``vertex``; points: (n,) local numbers in the chain.
     slots: (field, end) in the kernel's order of unknowns; end 0 is the upper vertex, 1 the lower one.
     spins: ends whose spin angle the kernel uses, in the kernel's order.
-    params: (n, p) constants of the elements.
+    params: (n, p) constants of the elements (kernels.parameters.Parameters); ``named`` has them by name.
     context: address of a record that all elements share, 0 for none; keep: objects that it points to.
     update(t): refreshes time-dependent parameters before an evaluation at time ``t`` [s].
     component: name in messages; the block's name unless given.
@@ -96,6 +97,11 @@ class ElementBlock:
 
     def __post_init__(self) -> None:
         self.component = self.component or self.name
+
+    @property
+    def named(self) -> Table:
+        """``params`` by the names of the kernel's parameters, as views: ``block.named["length"]``."""
+        return parameters_of(self.kernel, self.params)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,6 @@ MAX_STEP = 10.0  # m, longest piece of an arc
 MAX_ANGLE = np.radians(2.0)  # rad, largest turn of a piece
 STRAIGHT = 1e-12  # rad, below this a survey interval is a straight line
 SHORTEST_SECTION = 0.1  # m
-HEADER, NODE_ROW, STEP_ROW = 4, 16, 6  # doubles in the packed form, see kernels/contact/well.hpp
 
 
 @dataclass(frozen=True)
@@ -282,16 +281,33 @@ class Well:
     # ------------------------------------------------------------------ kernels
     @cached_property
     def _packed(self) -> Array:
+        from drillpetsc.kernels.parameters import Table, columns
+
         n, steps = len(self.node_md), self.transitions
-        rows = np.zeros((n, NODE_ROW))
-        rows[:, 0] = self.node_md
-        rows[:-1, 1] = np.diff(self.node_md)
-        rows[:-1, 2] = self.handle
-        rows[:, 3:6] = self.node_position
-        rows[:, 6:9] = self.node_tangent
-        rows[:-1, 9:12], rows[:-1, 12:15] = self.cubic
-        header = [n, len(steps), self.section_radius[0], self.section_friction[0]]
-        packed = np.concatenate([header, rows.ravel(), steps.ravel()])
+        second, third = (np.vstack([a, np.zeros(3)]) for a in self.cubic)
+        rows = Table(
+            columns("well_node"),
+            n,
+            depth=self.node_md,
+            length=np.append(np.diff(self.node_md), 0.0),
+            handle=np.append(self.handle, 0.0),
+            position=self.node_position,
+            tangent=self.node_tangent,
+            second=second,
+            third=third,
+            unused=0.0,
+        )
+        header = Table(
+            columns("well_header"),
+            1,
+            nodes=n,
+            transitions=len(steps),
+            radius=self.section_radius[0],
+            friction=self.section_friction[0],
+        )
+        names = ("start", "width", "radius", "radius_change", "friction", "friction_change")
+        changes = Table(columns("well_step"), len(steps), **dict(zip(names, steps.T, strict=True)))
+        packed = np.concatenate([table.array.ravel() for table in (header, rows, changes)])
         packed.flags.writeable = False
         return packed
 

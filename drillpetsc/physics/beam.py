@@ -13,22 +13,14 @@ from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics import interfaces
 from drillpetsc.physics.reference_frames import renew_reference_frames
 
-_report = function("beam_report", "iippppp")
+_results = function("beam_results", "iippppp")
 _dissipation = function("beam_dissipation", "iipppp", ctypes.c_double)
-REPORT = (
-    "kinetic",
-    "strain",
-    "potential",
-    "axial_upper",
-    "axial_middle",
-    "axial_lower",
-    "torque",
-    "bending_upper",
-    "bending_lower",
-)
+REPORT = columns("beam_results").names
+ENERGIES = columns("beam_results").span("kinetic", "potential")  # in the order of ``Energies``
 SLOTS = (
     ("string.position", 0),
     ("string.tangent", 0),
@@ -37,10 +29,9 @@ SLOTS = (
     ("string.tangent", 1),
     ("string.spin", 1),
 )
-SPLIT_SLOTS = (*SLOTS, ("string.ratio", 0))
+JUNCTION_SLOTS = (*SLOTS, ("string.ratio", 0))
 
 POSITION_SCALE = 0.03  # [m], of the order of a string's play in its hole
-_REFERENCE1, _REFERENCE2, _TWIST0 = slice(12, 15), slice(15, 18), 8
 
 
 class Beam(interfaces.Beam):
@@ -72,51 +63,53 @@ class Beam(interfaces.Beam):
 
     def _params(self, e: np.ndarray) -> FloatArray:
         m, f = self.mesh, self.frames
-        columns = [
-            m.length[e],
-            m.axial_stiffness[e],
-            m.bending_stiffness[e],
-            m.torsional_stiffness[e],
-            m.mass[e],
-            m.polar_inertia[e],
-            m.stiffness_damping[e],
-            m.mass_damping[e],
-            f.twist0[e],
-        ]
-        gravity = np.tile(self.gravity, (len(e), 1))
-        return np.ascontiguousarray(
-            np.column_stack([*columns, gravity, f.reference[e], f.reference[e + 1], m.rigid_above[e]])
-        )
+        return Parameters(
+            "beam",
+            len(e),
+            length=m.length[e],
+            ea=m.axial_stiffness[e],
+            ei=m.bending_stiffness[e],
+            gj=m.torsional_stiffness[e],
+            mass=m.mass[e],
+            polar=m.polar_inertia[e],
+            beta=m.stiffness_damping[e],
+            alpha=m.mass_damping[e],
+            twist0=f.twist0[e],
+            gravity=self.gravity,
+            reference1=f.reference[e],
+            reference2=f.reference[e + 1],
+            rigid=m.rigid_above[e],
+        ).array
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         """Blocks of the local cells of ``part`` (a Chain), by whether they are damped and hang on a
         junction."""
         e = part.cells
         damped = (self.mesh.stiffness_damping[e] != 0) | (self.mesh.mass_damping[e] != 0)
-        split = self.mesh.junction[e] if len(self.mesh.junction) else np.zeros(len(e), dtype=bool)
+        below = self.mesh.junction[e] if len(self.mesh.junction) else np.zeros(len(e), dtype=bool)
         any_damped = ((self.mesh.stiffness_damping != 0) | (self.mesh.mass_damping != 0)).any()
         all_damped = ((self.mesh.stiffness_damping != 0) | (self.mesh.mass_damping != 0)).all()
         element = ~self.mesh.is_joint[e]
         blocks = []
-        for is_split in (False, True):
+        for is_below in (False, True):
             for is_damped in (False, True):
                 if (
-                    (is_split and not self.mesh.junction[:-1].any())
+                    (is_below and not self.mesh.junction[:-1].any())
                     or (is_damped and not any_damped)
                     or (not is_damped and all_damped)
                 ):
                     continue  # the same decision on every rank
-                chosen = np.flatnonzero((split == is_split) & (damped == is_damped) & element).astype(
+                chosen = np.flatnonzero((below == is_below) & (damped == is_damped) & element).astype(
                     np.int32
                 )
-                kernel = "beam" + "_split" * is_split + "_damped" * is_damped
+                kernel = "beam" + "_junction" * is_below + "_damped" * is_damped
                 blocks.append(
                     ElementBlock(
-                        kernel.replace("split", "junction"),
+                        kernel,
                         kernel,
                         "cell",
                         chosen,
-                        SPLIT_SLOTS if is_split else SLOTS,
+                        JUNCTION_SLOTS if is_below else SLOTS,
                         (0, 1),
                         self._params(e[chosen]),
                     )
@@ -152,11 +145,8 @@ class Beam(interfaces.Beam):
         parameters."""
         for b in self._blocks:
             e = self._part.cells[b.points]
-            b.params[:, _REFERENCE1], b.params[:, _REFERENCE2] = (
-                self.frames.reference[e],
-                self.frames.reference[e + 1],
-            )
-            b.params[:, _TWIST0] = self.frames.twist0[e]
+            p, f = b.named, self.frames
+            p["reference1"], p["reference2"], p["twist0"] = f.reference[e], f.reference[e + 1], f.twist0[e]
 
     def section(self, state, vertex: int) -> tuple[FloatArray, FloatArray, float]:
         """Position [m], slope and spin rate [rad/s] of a local vertex."""
@@ -182,7 +172,7 @@ class Beam(interfaces.Beam):
         for b, index in zip(self._blocks, self._tables[1], strict=True):
             if len(b.points):
                 part = np.zeros((len(b.points), len(REPORT)))
-                _report(
+                _results(
                     len(b.points),
                     index.shape[1],
                     pointer(index),
@@ -195,7 +185,7 @@ class Beam(interfaces.Beam):
         return out
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(*map(float, self.report(state.layout, state.x, state.y)[:, :3].sum(axis=0)))
+        return Energies(*map(float, self.report(state.layout, state.x, state.y)[:, ENERGIES].sum(axis=0)))
 
     def powers(self, t: float, state) -> Powers:
         lost = 0.0

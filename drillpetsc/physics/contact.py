@@ -8,6 +8,7 @@ import zlib
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -18,41 +19,23 @@ from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import Parameters, columns, constant, structure
 from drillpetsc.physics import quantities as declared
-from drillpetsc.physics.beam import SLOTS, SPLIT_SLOTS
+from drillpetsc.physics.beam import JUNCTION_SLOTS, SLOTS
 from drillpetsc.physics.interfaces import Bit
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.physics.roots import bracketed_root
 
-_report = function("contact_report", "iipppppp")
-_bit_report = function("bit_report", "ppppp")
-KINDS = {"contact": 0, "contact_split": 1, "body_contact": 2}  # of kernels, as contact_report numbers them
-REPORT = ("normal", "stored", "damping_power", "friction_power", "penetration", "axial", "torque")
-
-
-class _Law(ctypes.Structure):
-    """ContactLaw of kernels/contact/contact.hpp."""
-
-    _fields_ = (
-        [("well", ctypes.c_void_p)]
-        + [
-            (n, ctypes.c_double)
-            for n in (
-                "stiffness",
-                "exponent",
-                "damping",
-                "slip",
-                "extra",
-                "decay",
-                "imposed",
-                "axial",
-                "spin",
-                "side",
-            )
-        ]
-        + [("per_point", ctypes.c_int), ("points", ctypes.c_int)]
-        + [(n, ctypes.c_void_p) for n in ("at", "normal", "segment", "touching")]
-    )
+RESULTS = {
+    kernel: function(f"{kernel}_results", "ippp" + "ppp")
+    for kernel in ("contact", "contact_junction", "body_contact")
+}
+_bit_results = function("bit_contact_results", "ppppp")
+_Law = structure("contact_law")  # ContactLaw of kernels/contact/contact.hpp
+REPORT = columns("contact_results").names
+NOT_IMPOSED = constant("not_imposed")
+_STORED = REPORT.index("stored")
+_POWERS = columns("contact_results").span("damping_power", "friction_power")
 
 
 @dataclass(frozen=True)
@@ -134,7 +117,7 @@ class Contact(Component):
         self.impact_depth = impact_depth(
             law, float(mesh.mass @ mesh.length) / length, length / len(mesh.length)
         )  # of the mean string
-        self._laws: list[_Law] = []
+        self._laws: list[Any] = []
         self._keep: list[np.ndarray] = []
 
     def _context(self, count: int, ends: tuple[bool, bool]) -> int:
@@ -143,23 +126,20 @@ class Contact(Component):
         n = count * len(at)
         normal, segment, touching = np.zeros(n), np.full(n, -1, dtype=np.int32), np.zeros(n, dtype=np.int8)
         record = _Law(
-            pointer(self._packed),
-            law.stiffness,
-            1.0 if law.law == "linear" else 1.5,
-            damping_factor(law.restitution, law.restitution_speed),
-            law.slip_velocity,
-            law.static_ratio - 1.0,
-            law.stribeck_speed,
-            0.0,
-            0.0,
-            0.0,
-            1.0,
-            int(law.law == "hertz_point"),
-            len(at),
-            pointer(at),
-            pointer(normal),
-            pointer(segment),
-            pointer(touching),
+            well=pointer(self._packed),
+            stiffness=law.stiffness,
+            exponent=1.0 if law.law == "linear" else 1.5,
+            damping=damping_factor(law.restitution, law.restitution_speed),
+            slip=law.slip_velocity,
+            extra=law.static_ratio - 1.0,
+            decay=law.stribeck_speed,
+            side=1.0,
+            per_point=int(law.law == "hertz_point"),
+            points=len(at),
+            at=pointer(at),
+            normal=pointer(normal),
+            segment=pointer(segment),
+            touching=pointer(touching),
         )
         self._laws.append(record)
         self._keep += [at, normal, segment]
@@ -179,24 +159,29 @@ class Contact(Component):
         junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
         friction = np.where(np.isnan(m.friction), -1.0, m.friction)
         touches = (m.outer_diameter > 0) & ~m.is_joint
-        for split, (name, mask, ends) in product((False, True), self._groups()):
-            on_rank = (junction[:-1] == split) & touches & mask
+        for below, (name, mask, ends) in product((False, True), self._groups()):
+            on_rank = (junction[:-1] == below) & touches & mask
             if not on_rank.any():
                 continue
             chosen = np.flatnonzero(on_rank[part.cells]).astype(np.int32)
             e = part.cells[chosen]
-            params = np.ascontiguousarray(
-                np.column_stack([m.length[e], m.rigid_above[e], 0.5 * m.outer_diameter[e], friction[e]])
+            params = Parameters(
+                "contact",
+                len(e),
+                length=m.length[e],
+                rigid=m.rigid_above[e],
+                radius=0.5 * m.outer_diameter[e],
+                friction=friction[e],
             )
             self._blocks.append(
                 ElementBlock(
-                    f"contact_junction{name}" if split else f"contact{name}",
-                    "contact_split" if split else "contact",
+                    f"contact_junction{name}" if below else f"contact{name}",
+                    "contact_junction" if below else "contact",
                     "cell",
                     chosen,
-                    SPLIT_SLOTS if split else SLOTS,
+                    JUNCTION_SLOTS if below else SLOTS,
                     (0, 1),
-                    params,
+                    params.array,
                     context=self._context(len(chosen), ends),
                     component="contact",
                 )
@@ -211,9 +196,14 @@ class Contact(Component):
             return []
         picked, vertices = local_vertices(part, np.array([b.node for b in items]))
         here = [items[k] for k in picked]
-        params = np.array(
-            [[b.above, b.length, b.radius, -1.0 if b.friction is None else b.friction] for b in here]
-        ).reshape(-1, 4)
+        params = Parameters(
+            "body_contact",
+            len(here),
+            above=[b.above for b in here],
+            length=[b.length for b in here],
+            radius=[b.radius for b in here],
+            friction=[-1.0 if b.friction is None else b.friction for b in here],
+        )
         return [
             ElementBlock(
                 "contact_bodies",
@@ -222,7 +212,7 @@ class Contact(Component):
                 vertices,
                 VERTEX_SLOTS,
                 (0,),
-                np.ascontiguousarray(params),
+                params.array,
                 context=self._context(len(here), self._item_ends),
                 component="contact",
             )
@@ -308,9 +298,8 @@ class Contact(Component):
         out = []
         for b in self._blocks:
             out.append(np.zeros((len(b.points), len(REPORT))))
-            _report(
+            RESULTS[b.kernel](
                 len(out[-1]),
-                KINDS[b.kernel],
                 pointer(state.index_of(b)),
                 pointer(b.params),
                 b.context,
@@ -331,10 +320,10 @@ class Contact(Component):
         return cells, bodies
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(strain=float(sum(figures[:, 1].sum() for figures in self._figures(state))))
+        return Energies(strain=float(sum(figures[:, _STORED].sum() for figures in self._figures(state))))
 
     def powers(self, t: float, state) -> Powers:
-        return Powers(float(sum(figures[:, 2:4].sum() for figures in self._figures(state))))
+        return Powers(float(sum(figures[:, _POWERS].sum() for figures in self._figures(state))))
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.CONTACT
@@ -358,22 +347,33 @@ class BitOnBottom(Bit):
     ):
         self.node = node
         self.stiffness = stiffness
-        self._row = [face, radius, stiffness, friction, *end, *axis, slip_velocity, -3.0]
-        self._length = face
+        self.face, self.radius, self.friction, self.slip_velocity = face, radius, friction, slip_velocity
+        self.end, self.axis = np.array(end, dtype=float), np.array(axis, dtype=float)
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([self.node]))
-        params = np.ascontiguousarray(np.tile(self._row, (len(vertices), 1)))
+        params = Parameters(
+            "bit_contact",
+            len(vertices),
+            face=self.face,
+            radius=self.radius,
+            stiffness=self.stiffness,
+            friction=self.friction,
+            end=self.end,
+            axis=self.axis,
+            slip=self.slip_velocity,
+            imposed=NOT_IMPOSED,
+        )
         self._block = ElementBlock(
-            "bit_bottom", "bit_contact", "vertex", vertices, VERTEX_SLOTS, (0,), params
+            "bit_bottom", "bit_contact", "vertex", vertices, VERTEX_SLOTS, (0,), params.array
         )
         return (self._block,)
 
     def impose_sliding_direction(self, axial: float, spin: float, side: float = 1.0) -> None:
-        self._block.params[:, 11] = np.sign(spin)
+        self._block.named["imposed"] = np.sign(spin)
 
     def release_sliding_direction(self) -> None:
-        self._block.params[:, 11] = -3.0
+        self._block.named["imposed"] = NOT_IMPOSED
 
     def copy_sliding_direction(self, other) -> None:
         """Take over the sliding that statics imposed on another room."""
@@ -384,7 +384,7 @@ class BitOnBottom(Bit):
         if not len(self._block.points):
             return 0.0, 0.0
         out = np.zeros(2)
-        _bit_report(
+        _bit_results(
             pointer(state.index_of(self._block)),
             pointer(self._block.params),
             pointer(state.x),
@@ -400,7 +400,7 @@ class BitOnBottom(Bit):
         if not len(self._block.points):
             return 0.0, gradient[: state.layout.size]
         index = state.index_of(self._block)[0]
-        face, end, axis = self._row[0], np.array(self._row[4:7]), np.array(self._row[7:10])
+        face, end, axis = self.face, self.end, self.axis
         v = state.x[index[3:6]]
         n = np.linalg.norm(v)
         gradient[index[:3]] = axis
@@ -409,28 +409,28 @@ class BitOnBottom(Bit):
 
     def torque_for(self, weight: float) -> float:
         """Friction torque [N m] of the turning bit under ``weight`` [N]."""
-        return weight * self._row[3] * self._row[1] * 2 / 3
+        return weight * self.friction * self.radius * 2 / 3
 
     @contextmanager
     def preloaded(self, weight: float, travel: float):
         """Meanwhile the bit stands on a weak spring that carries ``weight`` [N] after ``travel`` [m], at the
         depth of ``depth_for``."""
-        p = self._block.params
-        before = p.copy()
-        p[:, 2] = weight / travel
-        p[:, 4:7] -= (travel - self.depth_for(weight)) * p[:, 7:10]
+        p = self._block.named
+        before = p.array.copy()
+        p["stiffness"] = weight / travel
+        p["end"] -= (travel - self.depth_for(weight)) * p["axis"]
         try:
             yield
         finally:
-            p[:] = before
+            p.array[:] = before
 
     def depth_for(self, weight: float) -> float:
         """Penetration [m] at which the bit carries ``weight`` [N]."""
-        return weight / self._row[2]
+        return weight / self.stiffness
 
     def energies(self, t: float, state) -> Energies:
         weight, _ = self.weight_and_torque(state)
-        return Energies(strain=0.5 * weight**2 / self._row[2])
+        return Energies(strain=0.5 * weight**2 / self.stiffness)
 
     def powers(self, t: float, state) -> Powers:
         if not len(self._block.points):

@@ -11,6 +11,7 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import Component, ElementBlock, Energies, Powers, PrescribedMotion
 from drillpetsc.geometry.frames import Frames, high_side
+from drillpetsc.kernels.parameters import Parameters
 from drillpetsc.physics.interfaces import Top
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
@@ -153,14 +154,18 @@ class RotaryDrive(Component):
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([0]))
-        params = np.ascontiguousarray(np.tile([*self.constants, 0.0, 0.0], (len(vertices), 1)))
+        k, c, inertia = self.constants
+        params = Parameters(
+            "drive", len(vertices), stiffness=k, damping=c, inertia=inertia, angle=0.0, speed=0.0
+        )
+        angle, speed = params["angle"], params["speed"]
 
         def update(t: float) -> None:
-            params[:, 3] = self.angle + self.rotation.integral(t)
-            params[:, 4] = self.rotation.value(t)
+            angle[:] = self.angle + self.rotation.integral(t)
+            speed[:] = self.rotation.value(t)
 
         self._block = ElementBlock(
-            "drive", "drive", "vertex", vertices, VERTEX_SLOTS, (0,), params, update=update
+            "drive", "drive", "vertex", vertices, VERTEX_SLOTS, (0,), params.array, update=update
         )
         return (self._block,)
 
@@ -207,6 +212,15 @@ class NodeLoad:
     factor: Callable[[float], float] | None = None
 
 
+def load_rows(loads: list[NodeLoad]) -> dict[str, FloatArray]:
+    """Force, moment and slope (n, 3), and section (n,), by the names of the kernels' parameters."""
+    values = {
+        name: np.array([getattr(q, name) for q in loads], dtype=float).reshape(-1, 3)
+        for name in ("force", "moment", "slope")
+    }
+    return values | {"section": np.array([q.section for q in loads], dtype=float)}
+
+
 class Loads(Component):
     """Forces and moments on nodes."""
 
@@ -220,32 +234,37 @@ class Loads(Component):
         chosen, vertices = local_vertices(part, np.array([q.node for q in self.loads]))
         on_rank = [self.loads[k] for k in chosen]
         nodes = np.array([q.node for q in on_rank], dtype=int)
-        rows = [[*q.force, *q.moment, *q.slope, float(q.section)] for q in on_rank]
-        params = np.ascontiguousarray(
-            np.hstack(
-                [
-                    np.array(rows).reshape(-1, 10),
-                    self.frames.reference[nodes],
-                    self.frames.second[nodes],
-                    np.ones((len(on_rank), 1)),
-                ]
-            )
+        params = Parameters(
+            "load",
+            len(on_rank),
+            **load_rows(on_rank),
+            reference=self.frames.reference[nodes],
+            second=self.frames.second[nodes],
+            factor=1.0,
         )
+        now = params["factor"]
         timed = [(i, q.factor) for i, q in enumerate(on_rank) if q.factor is not None]
 
         def update(t: float) -> None:
             for i, factor in timed:
-                params[i, 16] = factor(t)
+                now[i] = factor(t)
 
         self._block = ElementBlock(
-            "loads", "load", "vertex", vertices, VERTEX_SLOTS, (0,), params, update=update if timed else None
+            "loads",
+            "load",
+            "vertex",
+            vertices,
+            VERTEX_SLOTS,
+            (0,),
+            params.array,
+            update=update if timed else None,
         )
         self._nodes = nodes
         return (self._block,)
 
     def update_reference_frames(self) -> None:
-        self._block.params[:, 10:13] = self.frames.reference[self._nodes]
-        self._block.params[:, 13:16] = self.frames.second[self._nodes]
+        p = self._block.named
+        p["reference"], p["second"] = self.frames.reference[self._nodes], self.frames.second[self._nodes]
 
     def breaks(self) -> tuple[float, ...]:
         return self._breaks

@@ -11,26 +11,16 @@ from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringJoint, StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import Parameters, Table, columns
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import SLOTS
-from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
+from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, end_frames, local_vertices
 
-_report = function("joint_report", "iippppp")
+_results = function("joint_results", "iippppp")
 _directions = function("joint_directions", "ipppp")
 
-KINDS = ("fixed", "revolute", "universal", "slider")
-REPORT = (
-    "tension",
-    "side_force",
-    "torque",
-    "bending",
-    "angle",
-    "travel",
-    "place_error",
-    "angle_error",
-    "stored",
-    "damping_power",
-)
+KINDS = columns("joint_kind").names
+REPORT = columns("joint_results").names
 # multipliers are in units of this [N, N m], so that their rows and columns are of the size of a pipe's
 # stiffness
 SCALE = 1.0e6
@@ -77,14 +67,23 @@ class Joints(Component):
         return (load, correction) if self._stabilised.any() else (load,)
 
     # ------------------------------------------------------------------ blocks
-    def _frame_columns(self, cells: np.ndarray) -> FloatArray:
-        f = self.frames
-        return np.hstack([f.reference[cells], f.second[cells], f.reference[cells + 1], f.second[cells + 1]])
-
-    @staticmethod
-    def _row(j: StringJoint) -> list[float]:
-        stops = (*j.stroke, j.stop_stiffness) if j.stroke is not None else (0.0, 0.0, 0.0)
-        return [*np.ravel(j.axes), j.spring, j.damping, *stops, STOP_ROUNDING, SCALE]
+    def _parameters(self, kernel: str, joints: list[StringJoint], cells: np.ndarray) -> FloatArray:
+        strokes = [(0.0, 0.0) if j.stroke is None else j.stroke for j in joints]
+        return Parameters(
+            kernel,
+            len(joints),
+            kind=[KINDS.index(j.kind) for j in joints],
+            rigid=self.mesh.rigid_above[cells],
+            axes=_axes(joints),
+            spring=[j.spring for j in joints],
+            damper=[j.damping for j in joints],
+            stop_in=[stroke[0] for stroke in strokes],
+            stop_out=[stroke[1] for stroke in strokes],
+            stop_stiffness=[0.0 if j.stroke is None else j.stop_stiffness for j in joints],
+            stop_rounding=STOP_ROUNDING,
+            scale=SCALE,
+            **end_frames(self.frames, cells),
+        ).array
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         self._blocks: list[ElementBlock] = []
@@ -99,17 +98,11 @@ class Joints(Component):
                 dtype=int,
             )
             cells = self._cells[chosen]
-            kinds = np.array([KINDS.index(self.joints[k].kind) for k in chosen], dtype=float)
-            tail = np.array([self._row(self.joints[k]) for k in chosen]).reshape(len(chosen), 16)
-            params = np.hstack(
-                [kinds[:, None], self.mesh.rigid_above[cells][:, None], self._frame_columns(cells), tail]
-            )
             slots = (*SLOTS, ("joint.load", 1), *((("joint.correction", 0),) if stabilised else ()))
             points = np.array([place[int(c)] for c in cells], dtype=np.int32)
             name, kernel = ("joints_stabilised", "joint_stabilised") if stabilised else ("joints", "joint")
-            self._blocks.append(
-                ElementBlock(name, kernel, "cell", points, slots, (0, 1), np.ascontiguousarray(params))
-            )
+            params = self._parameters(kernel, [self.joints[k] for k in chosen], cells)
+            self._blocks.append(ElementBlock(name, kernel, "cell", points, slots, (0, 1), params))
             self._chosen.append(chosen)
         loose = self.mesh.loose_slopes
         extra: tuple[ElementBlock, ...] = ()
@@ -123,7 +116,7 @@ class Joints(Component):
                     vertices,
                     VERTEX_SLOTS,
                     (0,),
-                    np.full((len(vertices), 1), SCALE),
+                    Parameters("unit_slope", len(vertices), stiffness=SCALE).array,
                 ),
             )
         return (*self._blocks, *extra)
@@ -146,17 +139,19 @@ class Joints(Component):
 
     def _correction_rows(self) -> FloatArray:
         nodes = self._cells[self._corrected]
-        head = np.array([KINDS.index(self.joints[k].kind) for k in self._corrected], dtype=float).reshape(
-            -1, 1
-        )
-        axes = np.array([np.ravel(self.joints[k].axes) for k in self._corrected]).reshape(-1, 9)
-        return np.ascontiguousarray(
-            np.hstack([head, self.frames.reference[nodes], self.frames.second[nodes], axes])
-        )
+        joints = [self.joints[k] for k in self._corrected]
+        return Table(
+            columns("joint_directions_parameters"),
+            len(joints),
+            kind=[KINDS.index(j.kind) for j in joints],
+            reference=self.frames.reference[nodes],
+            second=self.frames.second[nodes],
+            axes=_axes(joints),
+        ).array
 
     def update_reference_frames(self) -> None:
         for b, chosen in zip(self._blocks, self._chosen, strict=True):
-            b.params[:, 2:14] = self._frame_columns(self._cells[chosen])
+            b.named.update(end_frames(self.frames, self._cells[chosen]))
         if self._stabilised.any():
             self._correction_params[:] = self._correction_rows()
 
@@ -168,7 +163,7 @@ class Joints(Component):
         for b, chosen in zip(self._blocks, self._chosen, strict=True):
             if len(chosen):
                 index, part = state.layout.index(b), np.zeros((len(chosen), len(REPORT)))
-                _report(
+                _results(
                     len(chosen),
                     index.shape[1],
                     pointer(index),
@@ -188,3 +183,8 @@ class Joints(Component):
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.JOINTS
+
+
+def _axes(joints: list[StringJoint]) -> FloatArray:
+    """(n, 9) axes of joints, row by row."""
+    return np.array([np.ravel(j.axes) for j in joints]).reshape(-1, 9)

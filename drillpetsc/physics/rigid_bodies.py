@@ -10,7 +10,8 @@ from drillpetsc.fem.component import Component, ElementBlock, Energies
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
-from drillpetsc.physics.beam import SLOTS, SPLIT_SLOTS
+from drillpetsc.kernels.parameters import Parameters
+from drillpetsc.physics.beam import JUNCTION_SLOTS, SLOTS
 
 _body_energy = function("body_energy", "ippppp")
 _eccentric_energy = function("eccentric_energy", "iippppp")
@@ -53,33 +54,32 @@ class RigidBodies(Component):
             out += (self._on_nodes(part),)
         m = self.mesh
         junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
-        for split in (False, True):
-            if not (self.eccentric & (junction[:-1] == split)).any():
+        for below in (False, True):
+            if not (self.eccentric & (junction[:-1] == below)).any():
                 continue  # the same decision on every rank
-            chosen = np.flatnonzero(self.eccentric[part.cells] & (junction[part.cells] == split)).astype(
+            chosen = np.flatnonzero(self.eccentric[part.cells] & (junction[part.cells] == below)).astype(
                 np.int32
             )
             e = part.cells[chosen]
-            gravity = np.tile(self.gravity, (len(e), 1))
-            params = np.column_stack(
-                [
-                    m.length[e],
-                    m.mass[e],
-                    m.eccentricity[e],
-                    m.rigid_above[e],
-                    gravity,
-                    frame_columns(self.frames, e),
-                ]
+            params = Parameters(
+                "eccentric",
+                len(e),
+                length=m.length[e],
+                mass=m.mass[e],
+                offset=m.eccentricity[e],
+                rigid=m.rigid_above[e],
+                gravity=self.gravity,
+                **end_frames(self.frames, e),
             )
             self._blocks.append(
                 ElementBlock(
-                    "eccentric_junction" if split else "eccentric",
-                    "eccentric_split" if split else "eccentric",
+                    "eccentric_junction" if below else "eccentric",
+                    "eccentric_junction" if below else "eccentric",
                     "cell",
                     chosen,
-                    SPLIT_SLOTS if split else SLOTS,
+                    JUNCTION_SLOTS if below else SLOTS,
                     (0, 1),
-                    np.ascontiguousarray(params),
+                    params.array,
                 )
             )
             self._cells.append(e)
@@ -89,21 +89,28 @@ class RigidBodies(Component):
         chosen, vertices = local_vertices(part, self.entries[:, 0].astype(int))
         e = self.entries[chosen]
         self._nodes = e[:, 0].astype(int)
-        gravity = np.tile(self.gravity, (len(e), 1))
-        params = np.column_stack(
-            [e[:, 1:7], gravity, self.frames.reference[self._nodes], self.frames.second[self._nodes]]
+        _, mass, center, offset2, offset3, axial, transverse = e.T
+        params = Parameters(
+            "body",
+            len(e),
+            mass=mass,
+            center=center,
+            offset=np.column_stack([offset2, offset3]),
+            axial=axial,
+            transverse=transverse,
+            gravity=self.gravity,
+            reference=self.frames.reference[self._nodes],
+            second=self.frames.second[self._nodes],
         )
-        self._block = ElementBlock(
-            "bodies", "body", "vertex", vertices, VERTEX_SLOTS, (0,), np.ascontiguousarray(params)
-        )
+        self._block = ElementBlock("bodies", "body", "vertex", vertices, VERTEX_SLOTS, (0,), params.array)
         return self._block
 
     def update_reference_frames(self) -> None:
         if len(self._nodes):
-            self._block.params[:, 9:12] = self.frames.reference[self._nodes]
-            self._block.params[:, 12:15] = self.frames.second[self._nodes]
+            p = self._block.named
+            p["reference"], p["second"] = self.frames.reference[self._nodes], self.frames.second[self._nodes]
         for b, e in zip(self._blocks, self._cells, strict=True):
-            b.params[:, 8:20] = frame_columns(self.frames, e)
+            b.named.update(end_frames(self.frames, e))
 
     def energies(self, t: float, state) -> Energies:
         total = np.zeros(2)
@@ -133,9 +140,15 @@ class RigidBodies(Component):
         return Energies(kinetic=float(total[0]), potential=float(total[1]))
 
 
-def frame_columns(frames: Frames, e: np.ndarray) -> FloatArray:
-    """(k, 12) gauge and second director of the upper and the lower node of elements ``e`` (k,)."""
-    return np.hstack([frames.reference[e], frames.second[e], frames.reference[e + 1], frames.second[e + 1]])
+def end_frames(frames: Frames, e: np.ndarray) -> dict[str, FloatArray]:
+    """Reference directions and second directors (k, 3) of the upper and the lower node of elements ``e``
+    (k,), by the names of the kernels' parameters."""
+    return {
+        "reference1": frames.reference[e],
+        "second1": frames.second[e],
+        "reference2": frames.reference[e + 1],
+        "second2": frames.second[e + 1],
+    }
 
 
 class Precurvature(Component):
@@ -151,29 +164,29 @@ class Precurvature(Component):
         m, bent = self.mesh, np.any(self.mesh.curvature != 0, axis=1)
         junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
         self._blocks, self._cells = [], []
-        for split in (False, True):
-            if not (bent & (junction[:-1] == split)).any():
+        for below in (False, True):
+            if not (bent & (junction[:-1] == below)).any():
                 continue
-            chosen = np.flatnonzero(bent[part.cells] & (junction[part.cells] == split)).astype(np.int32)
+            chosen = np.flatnonzero(bent[part.cells] & (junction[part.cells] == below)).astype(np.int32)
             e = part.cells[chosen]
-            params = np.column_stack(
-                [
-                    m.length[e],
-                    m.bending_stiffness[e],
-                    m.curvature[e],
-                    m.rigid_above[e],
-                    frame_columns(self.frames, e),
-                ]
+            params = Parameters(
+                "curved",
+                len(e),
+                length=m.length[e],
+                ei=m.bending_stiffness[e],
+                curvature=m.curvature[e],
+                rigid=m.rigid_above[e],
+                **end_frames(self.frames, e),
             )
             self._blocks.append(
                 ElementBlock(
-                    "curvature_junction" if split else "curvature",
-                    "curved_split" if split else "curved",
+                    "curvature_junction" if below else "curvature",
+                    "curved_junction" if below else "curved",
                     "cell",
                     chosen,
-                    SPLIT_SLOTS if split else SLOTS,
+                    JUNCTION_SLOTS if below else SLOTS,
                     (0, 1),
-                    np.ascontiguousarray(params),
+                    params.array,
                 )
             )
             self._cells.append(e)
@@ -183,11 +196,11 @@ class Precurvature(Component):
         """Leave out the curvature while the string turns: nothing of it is left on average over a turn."""
         share = 0.0 if turning else 1.0
         for b, e in zip(self._blocks, self._cells, strict=True):
-            b.params[:, 2:4] = share * self.mesh.curvature[e]
+            b.named["curvature"] = share * self.mesh.curvature[e]
 
     def update_reference_frames(self) -> None:
         for b, e in zip(self._blocks, self._cells, strict=True):
-            b.params[:, 5:17] = frame_columns(self.frames, e)
+            b.named.update(end_frames(self.frames, e))
 
     def energies(self, t: float, state) -> Energies:
         total = 0.0

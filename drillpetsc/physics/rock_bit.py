@@ -6,6 +6,7 @@ from __future__ import annotations
 import ctypes
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -15,63 +16,26 @@ from drillpetsc.fem.quantity import Quantity
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import Parameters, Table, columns, constant, structure
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.interfaces import Bit
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.physics.roots import bracketed_root
 
-_report = function("bit_rock_report", "ipppppp")
+_results = function("bit_rock_results", "ipppppp")
 _rate = function("rock_rate", "pppddp")
 
-CHIPS = 12  # states of the rock's profile ahead of a blade (ProfileBit of kernels/bit/bit.cpp)
+_Law = structure("bit_law")  # BitLaw of kernels/bit/bit.hpp
+CHIPS = int(constant("bit_chips"))  # states of the rock's profile ahead of a blade
 RING_DAMPING = (
     4.0  # of the shortest wave of that profile, by its length; 3 to 6 keep every wave of a ring from growing
 )
 LAYER_WIDTH = 0.1  # length over which one layer goes over into the next [m]
-ON_ROCK = -1e-5  # depth from which the bit touches: RAMP of kernels/contact/contact.hpp [m]
-KINDS = {"rop": 0.0, "drag_bit": 1.0, "velocity_weakening": 2.0}
-# columns of the kernel's parameters
-_FACE, _CENTRE, _RADIUS, _HALF, _STIFFNESS, _SIDE, _CLEARANCE, _FRICTION, _WALL, _SLIP, _DAMPING, _END = (
-    range(12)
-)
-_AXIS, _MODE, _AXIAL, _SPIN, _SHARE, _TORQUE0, _TORQUE1, _HELD, _HOLD = 14, *range(17, 25)
-_PARAMETERS = 28
-MOTION, STATICS, QUASI_STATIC = 0.0, 1.0, 2.0
-
-
-class _Law(ctypes.Structure):
-    """BitLaw of kernels/bit/bit.hpp."""
-
-    _fields_ = (
-        [
-            (n, ctypes.c_double)
-            for n in (
-                "kind",
-                "bit_axis",
-                "walk_cos",
-                "walk_sin",
-                "reference_speed",
-                "reference_weight",
-                "width",
-                "cut",
-                "contact",
-                "torque_cut",
-                "torque_contact",
-                "blades",
-                "onset",
-                "rest",
-                "static_torque",
-                "dynamic_torque",
-                "speed",
-                "by_weight",
-                "turn_rounding",
-            )
-        ]
-        + [("layers", ctypes.c_void_p)]
-        + [("count", ctypes.c_int)]
-        + [("derivative", ctypes.c_void_p)]
-        + [("touching", ctypes.c_int)]
-    )
+ON_ROCK = -constant("contact_onset")  # depth from which the bit touches [m]
+KINDS = columns("bit_kind")
+RESULTS = columns("bit_rock_results")
+_MODES = columns("bit_mode")
+MOTION, STATICS, QUASI_STATIC = (_MODES[name] for name in ("motion", "statics", "quasi_static"))
 
 
 @dataclass(frozen=True)
@@ -220,21 +184,18 @@ class RockBit(Bit):
         )  # displacement of the hole's end (3) and metres drilled at the last accepted step
 
     # ------------------------------------------------------------------ constants
-    def _law_record(self) -> _Law:
+    def _law_record(self) -> Any:
         rock, law, a = self.rock, self.law, self.shape.radius
-        rows = [
-            [
-                q.start,
-                q.drillability,
-                q.rotary_exponent,
-                q.weight_exponent,
-                q.threshold,
-                q.bit_anisotropy,
-                *np.ravel(q.rock),
-            ]
-            for q in rock.layers
-        ]
-        self._layers = np.ascontiguousarray(rows, dtype=float)
+        self._layers = Table(
+            columns("bit_layer"),
+            len(rock.layers),
+            rock=np.array([np.ravel(q.rock) for q in rock.layers]).reshape(-1, 9),
+            **{
+                name: [getattr(q, name) for q in rock.layers]
+                for name in columns("bit_layer").names
+                if name != "rock"
+            },
+        ).array
         r = _Law(
             bit_axis=float(rock.bit_axis),
             walk_cos=np.cos(rock.walk),
@@ -307,24 +268,32 @@ class RockBit(Bit):
         slots: tuple[tuple[str, int], ...] = (*VERTEX_SLOTS, ("hole.end", 0), ("hole.drilled", 0))
         if self.profiled:
             slots += (("bit.chips", 0),)
-        row = np.zeros(_PARAMETERS)
         s, c = self.shape, self.contact
-        row[:_END] = [
-            s.face,
-            s.face - s.half,
-            s.radius,
-            s.half,
-            c.stiffness,
-            c.side,
-            0.0,
-            c.friction,
-            c.wall,
-            c.slip,
-            c.damping,
-        ]
-        row[_END : _END + 3] = self.hole.end
-        row[_HELD] = float(self.rock.post_step)
-        self.params = np.ascontiguousarray(np.tile(row, (len(vertices), 1)))
+        self.params = Parameters(
+            "bit_rock",
+            len(vertices),
+            face=s.face,
+            centre=s.face - s.half,
+            radius=s.radius,
+            half=s.half,
+            stiffness=c.stiffness,
+            side=c.side,
+            clearance=0.0,  # this and the axis: _follow
+            friction=c.friction,
+            wall=c.wall,
+            slip=c.slip,
+            damping=c.damping,
+            end=self.hole.end,
+            axis=0.0,
+            mode=MOTION,
+            axial=0.0,
+            spin=0.0,
+            share=0.0,
+            torque0=0.0,
+            torque1=0.0,
+            held=self.rock.post_step,
+            hold=0.0,
+        )
         self._block = ElementBlock(
             "bit_rock",
             "bit_rock_profile" if self.profiled else "bit_rock",
@@ -332,7 +301,7 @@ class RockBit(Bit):
             vertices,
             slots,
             (0,),
-            self.params,
+            self.params.array,
             context=ctypes.addressof(self._made),
             update=self._note,
         )
@@ -343,8 +312,8 @@ class RockBit(Bit):
         self._time = t
 
     def _follow(self) -> None:
-        self.params[:, _AXIS : _AXIS + 3] = self.hole.direction
-        self.params[:, _CLEARANCE] = self.hole.radial_clearance(self.shape.radius)
+        self.params["axis"] = self.hole.direction
+        self.params["clearance"] = self.hole.radial_clearance(self.shape.radius)
 
     # ------------------------------------------------------------------ statics and motion
     def impose_sliding_direction(self, axial: float, spin: float, side: float = 1.0) -> None:
@@ -357,16 +326,16 @@ class RockBit(Bit):
 
     def _impose(self, mode: float, axial: float, spin: float, side: float) -> None:
         p = self.params
-        p[:, _MODE], p[:, _AXIAL], p[:, _SPIN], p[:, _SHARE] = mode, axial, spin, side
-        p[:, _TORQUE0], p[:, _TORQUE1] = self._torque_line(spin)
+        p["mode"], p["axial"], p["spin"], p["share"] = mode, axial, spin, side
+        p["torque0"], p["torque1"] = self._torque_line(spin)
 
     def release_sliding_direction(self) -> None:
-        self.params[:, _MODE] = MOTION
-        self.params[:, _TORQUE0], self.params[:, _TORQUE1] = self._torque
+        self.params["mode"] = MOTION
+        self.params["torque0"], self.params["torque1"] = self._torque
 
     def copy_sliding_direction(self, other) -> None:
         """Take over the motion that statics imposed on another room."""
-        self.params[:] = other.params
+        self.params.array[:] = other.params.array
 
     def _torque_line(self, spin: float) -> tuple[float, float]:
         """Torque on bit = first + second * weight, at a rotation ``spin`` [rad/s]."""
@@ -392,15 +361,15 @@ class RockBit(Bit):
         gradient = np.zeros(len(state.x))
         if not self._mine:
             return 0.0, gradient[: state.layout.size]
-        i, p, s = state.index_of(self._block)[0], self.params[0], self.shape
+        i, p, s = state.index_of(self._block)[0], self.params, self.shape
         v = state.x[i[3:6]]
         n = float(np.linalg.norm(v))
-        t, axis = v / n, p[_AXIS : _AXIS + 3]
+        t, axis, to_centre = v / n, p["axis"][0], p["centre"][0]
         tilt, squeeze = float(t @ axis), s.half**2 - s.radius**2
         reach = np.sqrt(s.radius**2 + squeeze * tilt**2)
         gradient[i[:3]] = axis
-        gradient[i[3:6]] = (p[_CENTRE] + squeeze * tilt / reach) * (axis - t * tilt) / n
-        centre = state.x[i[:3]] + p[_CENTRE] * t - p[_END : _END + 3] - state.x[i[7:10]]
+        gradient[i[3:6]] = (to_centre + squeeze * tilt / reach) * (axis - t * tilt) / n
+        centre = state.x[i[:3]] + to_centre * t - p["end"][0] - state.x[i[7:10]]
         return float(centre @ axis + reach - s.half), gradient[: state.layout.size]
 
     @contextmanager
@@ -408,13 +377,13 @@ class RockBit(Bit):
         """Meanwhile the bit stands on a weak spring that carries ``weight`` [N] after ``travel`` [m], at the
         depth of ``depth_for``."""
         p = self.params
-        before = p.copy()
-        p[:, _STIFFNESS] = weight / travel
-        p[:, _END : _END + 3] -= (travel - self.depth_for(weight)) * p[:, _AXIS : _AXIS + 3]
+        before = p.array.copy()
+        p["stiffness"] = weight / travel
+        p["end"] -= (travel - self.depth_for(weight)) * p["axis"]
         try:
             yield
         finally:
-            p[:] = before
+            p.array[:] = before
 
     def first_cut(self, state) -> None:
         """Drilling as the string moves at the start; a drag bit's profile carries the weight on bit: steady
@@ -424,13 +393,13 @@ class RockBit(Bit):
         i = state.index_of(self._block)[0]
         if self.profiled:
             self._indent(state, i)
-        rate = self.figures(state)[8:11]
+        rate = self.figures(state)[RESULTS["velocity"]]
         state.y[i[7:10]], state.y[i[10]] = rate, np.linalg.norm(rate)
 
     def _indent(self, state, i: np.ndarray) -> None:
         depth, _ = self.depth_of_face(state)
         weight = max(0.0, depth) * self.contact.stiffness
-        down, axis, r = float(state.y[i[:3]] @ self.params[0, _AXIS : _AXIS + 3]), state.y[i[6]], self._made
+        down, axis, r = float(state.y[i[:3]] @ self.params["axis"][0]), state.y[i[6]], self._made
         flat = 0.5 * r.contact * (1 + down / np.hypot(down, r.rest))
         chip = _chip_for(weight, r.cut * r.blades, flat, r.onset)
         place = np.arange(CHIPS) / CHIPS
@@ -449,7 +418,7 @@ class RockBit(Bit):
             if self.rock.post_step:
                 self._move(state)
             i = state.index_of(self._block)[0]
-            now[:4] = self.params[0, _HOLD : _HOLD + 4] if self.rock.post_step else state.x[i[7:11]]
+            now[:4] = self.params["hold"][0] if self.rock.post_step else state.x[i[7:11]]
             now[4:] = self._time, 1.0
         return now
 
@@ -465,10 +434,10 @@ class RockBit(Bit):
 
     def _move(self, state) -> None:
         step = self._time - self._accepted
-        if step > 0 and self.params[0, _MODE] != STATICS:
-            rate = self.figures(state)[8:11]
-            self.params[:, _HOLD : _HOLD + 3] += rate * step
-            self.params[:, _HOLD + 3] += np.linalg.norm(rate) * step
+        if step > 0 and self.params["mode"][0] != STATICS:
+            rate, hold = self.figures(state)[RESULTS["velocity"]], self.params["hold"]
+            hold[:, :3] += rate * step
+            hold[:, 3] += np.linalg.norm(rate) * step
 
     def get_state(self) -> dict[str, FloatArray]:
         """For a checkpoint; the same on all ranks."""
@@ -477,8 +446,8 @@ class RockBit(Bit):
     def set_state(self, memory: dict[str, FloatArray]) -> None:
         """Go on from a checkpoint's ``memory``."""
         self.hole.set_state(memory)
-        self.params[:, _HOLD:] = self._end = np.array(memory["hold"])
-        self.params[:, _END : _END + 3] = memory["first"]
+        self.params["hold"] = self._end = np.array(memory["hold"])
+        self.params["end"] = memory["first"]
         self._accepted = self._time = float(memory["accepted"][0])
         self._follow()
 
@@ -488,15 +457,15 @@ class RockBit(Bit):
 
     # ------------------------------------------------------------------ figures
     def figures(self, state) -> FloatArray:
-        """(11,) weight [N], torque [N m], rate [m/s], side force [N], stored energy [J], power into the rock
-        [W], depth [m], offset of the bit's centre from the hole's axis [m], rate of penetration in space (3)
-        [m/s]; zero without the bit."""
-        out = np.zeros(11)
+        """(11,) the columns of ``RESULTS``: weight [N], torque [N m], rate [m/s], side force [N], stored
+        energy [J], power into the rock [W], depth [m], offset of the bit's centre from the hole's axis [m],
+        rate of penetration in space (3) [m/s]; zero without the bit."""
+        out = np.zeros(RESULTS.width)
         if self._mine:
-            _report(
+            _results(
                 int(self.profiled),
                 pointer(state.index_of(self._block)),
-                pointer(self.params),
+                pointer(self.params.array),
                 ctypes.addressof(self._made),
                 pointer(state.x),
                 pointer(state.y),
@@ -507,16 +476,16 @@ class RockBit(Bit):
     def weight_and_torque(self, state) -> tuple[float, float]:
         """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
         figures = self.figures(state)
-        return float(figures[0]), float(figures[1])
+        return float(figures[RESULTS["weight"]]), float(figures[RESULTS["torque"]])
 
     def progress(self, state) -> tuple[float, float]:
         """Metres drilled since the start and rate of penetration [m/s], zero on ranks without the bit."""
         if not self._mine:
             return 0.0, 0.0
         drilled = (
-            self.params[0, _HOLD + 3] if self.rock.post_step else state.x[state.index_of(self._block)[0, 10]]
+            self.params["hold"][0, 3] if self.rock.post_step else state.x[state.index_of(self._block)[0, 10]]
         )
-        return float(drilled), float(self.figures(state)[2])
+        return float(drilled), float(self.figures(state)[RESULTS["rate"]])
 
     def rate_under(
         self, force: FloatArray, axis: FloatArray, omega: float, drilled: float = 0.0
@@ -528,10 +497,10 @@ class RockBit(Bit):
         return out
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(strain=float(self.figures(state)[4]))
+        return Energies(strain=float(self.figures(state)[RESULTS["stored"]]))
 
     def powers(self, t: float, state) -> Powers:
-        return Powers(float(self.figures(state)[5]))
+        return Powers(float(self.figures(state)[RESULTS["dissipated"]]))
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.BIT

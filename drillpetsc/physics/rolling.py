@@ -7,10 +7,13 @@ along the surface.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import Component, ElementBlock, Field
+from drillpetsc.kernels.parameters import Parameters
 from drillpetsc.physics.joints import SCALE
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
@@ -43,17 +46,17 @@ class Rolling(Component):
         side = np.eye(3)[int(np.argmin(np.abs(n)))]
         side = side - n * (side @ n)
         side /= np.linalg.norm(side)
-        self._row = [
-            float(hole is not None),
-            center,
-            radius,
-            *point,
-            *n,
-            *side,
-            hole or 0.0,
-            float(grips_along),
-            SCALE,
-        ]
+        self._constants: dict[str, Any] = {
+            "wall": hole is not None,
+            "center": center,
+            "radius": radius,
+            "point": point,
+            "normal": n,
+            "side": side,
+            "hole": hole or 0.0,
+            "along": grips_along,
+            "scale": SCALE,
+        }
         self.multipliers = 3
 
     def regions(self) -> dict[str, np.ndarray]:
@@ -74,7 +77,7 @@ class Rolling(Component):
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([self.node]))
-        params = np.ascontiguousarray(np.tile(self._row, (len(vertices), 1)))
+        params = Parameters("rolling", len(vertices), **self._constants).array
         return (
             ElementBlock(
                 "rolling", "rolling", "vertex", vertices, (*VERTEX_SLOTS, ("rolling.force", 0)), (0,), params

@@ -9,10 +9,13 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import columns, constant
 
-LARGEST_BLOCK = 32  # unknowns per node; MAX_LD of kernels/chain/chain.cpp
-# columns of the table, as in kernels/chain/chain.cpp
-_SIZE, _LD, _DIAG, _UPPER, _LOWER, _LFAC, _LEFT, _TOP, _VEC = range(9)
+LARGEST_BLOCK = int(constant("largest_block"))  # unknowns per node
+_TABLE, _STATS = columns("chain_table"), columns("chain_stats")
+_SIZE, _LD, _DIAG, _UPPER, _LOWER, _LFAC, _LEFT, _TOP, _VEC = (
+    _TABLE[name] for name in ("size", "ld", "diag", "upper", "lower", "lfac", "left", "top", "vec")
+)
 
 _factor = function("chain_factor", "iippppppppdppp", int)
 _forward = function("chain_forward", "iippppp")
@@ -47,7 +50,7 @@ class Piece:
         before = np.append(0, b)[:-1]
         block_sizes = np.stack([ld * b, ld * after, ld * before, ld * b], axis=1)
         start = np.concatenate([[0], np.cumsum(block_sizes.ravel())])
-        table = np.zeros((n, 9), dtype=np.int64)
+        table = np.zeros((n, _TABLE.width), dtype=np.int64)
         table[:, _SIZE], table[:, _LD] = b, ld
         table[:, [_DIAG, _UPPER, _LOWER, _LFAC]] = start[:-1].reshape(n, 4)
         self.matrix = end = int(start[-1])  # entries of ``store`` without the fill to node 0
@@ -61,7 +64,7 @@ class Piece:
         self.n, self.interfaces, self.table, self.length = n, interfaces, table, int(ld.sum())
         self.store, self.inverse = aligned(end), aligned(self.length)
         self.pivot = np.zeros(self.length, dtype=np.int32)
-        self.stats = np.zeros(4)
+        self.stats = np.zeros(_STATS.width)
         self.saved: np.ndarray | None = None
         self.blocks: np.ndarray | None = None
         self._piece = (n, interfaces, pointer(table), pointer(self.store))

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import Table, columns
 from tests.helpers.component_models import build
 
-LENGTH, BETA, ALPHA, GAUGE1, GAUGE2, OFFSET, PARAMETERS = 0, 6, 7, 12, 15, 18, 19
 SIGMA = 7.3
 TRIPLES = {
     "condensed": (1.0, SIGMA, SIGMA**2),
@@ -25,16 +25,17 @@ def _elements(count: int, unknowns: int, rng: np.random.Generator):
     n = count * unknowns
     index = rng.permutation(n).astype(np.int32).reshape(count, unknowns)
     nodes = rng.permutation(2 * count).astype(np.int32).reshape(count, 2)
-    params = rng.uniform(0.5, 2.0, (count, PARAMETERS))
-    params[:, LENGTH] *= 3.0
-    params[:, [BETA, ALPHA]] = rng.uniform(0.05, 0.2, (count, 2))
+    names = columns("beam_parameters")
+    p = Table.of(names, rng.uniform(0.5, 2.0, (count, names.width)))
+    p["length"] *= 3.0
+    p["beta"], p["alpha"] = rng.uniform(0.05, 0.2, (count, 2)).T
     tangent = rng.standard_normal((count, 3))
     tangent /= np.linalg.norm(tangent, axis=1)[:, None]
-    for at in (GAUGE1, GAUGE2):
+    for name in ("reference1", "reference2"):
         reference = tangent + 0.3 * rng.standard_normal((count, 3))
-        params[:, at : at + 3] = reference / np.linalg.norm(reference, axis=1)[:, None]
+        p[name] = reference / np.linalg.norm(reference, axis=1)[:, None]
     state = rng.standard_normal((count, unknowns))
-    state[:, 7:10] = state[:, :3] + params[:, :1] * (tangent + 0.1 * rng.standard_normal((count, 3)))
+    state[:, 7:10] = state[:, :3] + p["length"][:, None] * (tangent + 0.1 * rng.standard_normal((count, 3)))
     for at in (3, 10):
         state[:, at : at + 3] = 1.1 * tangent + 0.3 * rng.standard_normal((count, 3))
     if unknowns == 15:
@@ -42,7 +43,7 @@ def _elements(count: int, unknowns: int, rng: np.random.Generator):
     x = np.zeros(n)
     x[index] = state
     y, a, spin = rng.standard_normal(n), rng.standard_normal(n), rng.standard_normal((2 * count, 3))
-    return index, nodes, params, x, y, a, spin
+    return index, nodes, p.array, x, y, a, spin
 
 
 def _jacobian(name, count, index, nodes, params, context, weights, spin, x, y, a) -> np.ndarray:
@@ -55,12 +56,12 @@ def _jacobian(name, count, index, nodes, params, context, weights, spin, x, y, a
 
 
 @pytest.mark.parametrize("triple", TRIPLES)
-@pytest.mark.parametrize("kernel", ["beam", "beam_damped", "beam_split", "beam_split_damped"])
+@pytest.mark.parametrize("kernel", ["beam", "beam_damped", "beam_junction", "beam_junction_damped"])
 @pytest.mark.parametrize("count", [4, 7])
 def test_local_derivatives_give_the_derivative_of_the_rows(kernel, triple, count):
     """Equal to rounding for any combination of positions, rates and accelerations, also in the last lanes of
     a pack."""
-    unknowns = 15 if "split" in kernel else 14
+    unknowns = 15 if "junction" in kernel else 14
     rng = np.random.default_rng(5)
     for _ in range(20):
         index, nodes, params, x, y, a, spin = _elements(count, unknowns, rng)
@@ -85,7 +86,7 @@ def test_local_derivatives_of_the_contact(kind, triple):
         if "imposed" in kind:
             system.components[1].impose_sliding_direction(0.3, 2.0, 0.5)
         asm = system.assembly
-        kernel = "contact_split" if "junction" in kind else "contact"
+        kernel = "contact_junction" if "junction" in kind else "contact"
         block = next(b for b in asm.bound_blocks if b.block.kernel == kernel)
         spin = np.random.default_rng(seed).standard_normal(asm.spin_gradient.shape)
         arguments = (

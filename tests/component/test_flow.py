@@ -6,12 +6,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc.physics.fluid.channel_flow import FluidConstants
+from drillpetsc.physics.fluid.channel_flow import FIGURES, FluidConstants
 from drillpetsc.physics.fluid.rheology import Rheology
 from tests.helpers.component_models import GRAVITY, SHIFT, dense, residual
-from tests.helpers.flow_models import KINDS, WIDENING, build
-
-HOLE = 4  # column of kernels/fluid/annulus_flow.hpp
+from tests.helpers.flow_models import KINDS, build
 
 
 def stiff_fluid() -> FluidConstants:
@@ -60,9 +58,8 @@ def mean_speeds(system) -> np.ndarray:
     upper = u[:-1] + mesh.rigid_above[:, None] * turning[:-1]
     slope = np.where(mesh.junction[:-1, None], w[:-1] * ratio[:-1, None] + v[:-1] * rate[:-1, None], w[:-1])
     mean = (upper + u[1:]) / 2 + (slope - w[1:]) * mesh.length[:, None] / 12
-    tangents = (
-        component._directions(component.well, mesh.upper, mesh.lower)[:, :6].reshape(4, 2, 3).sum(axis=1)
-    )
+    p = component.parameters(np.arange(4))
+    tangents = p["tangent1"] + p["tangent2"]
     return np.sum(mean * tangents, axis=1) / np.linalg.norm(tangents, axis=1)
 
 
@@ -75,20 +72,21 @@ def test_mass_rows_add_up_to_the_change_of_content(kind):
     asm, h = system.assembly, 1e-5
     x0, y = asm.x.copy(), asm.y.copy()
     y[-1] = 0.0
-    content, areas = [], [b.params[:, HOLE].copy() for b in component._blocks]
+    widening = [b for b in component._blocks if "widening" in kind]
+    content, areas = [], [b.named["hole"].copy() for b in widening]
     speed = mean_speeds(system) if "widening" in kind else np.zeros(4)
     for k in (-2, -1, 1, 2):
         asm.x[:] = x0 + k * h * y
-        for b, area in zip(component._blocks, areas, strict=True):
-            b.params[:, HOLE] = area + (
-                k * h * speed[b.points] * b.params[:, WIDENING] if "widening" in kind else 0.0
-            )
-        content.append(component.figures(asm)[:, 4].sum())
-    for b, area in zip(component._blocks, areas, strict=True):
-        b.params[:, HOLE] = area
+        for b, area in zip(widening, areas, strict=True):
+            b.named["hole"] = area + k * h * speed[b.points] * b.named["widening"]
+        content.append(component.figures(asm)[:, FIGURES.index("content")].sum())
+    for b, area in zip(widening, areas, strict=True):
+        b.named["hole"] = area
     asm.x[:] = x0
     rate = (content[0] - 8 * content[1] + 8 * content[2] - content[3]) / (12 * h)
-    storage = component.figures(asm)[:, 5:7].sum()
+    storage = sum(
+        component.figures(asm)[:, FIGURES.index(f"storage_{end}")].sum() for end in ("upper", "lower")
+    )
     # content of the motion at constant theta' (the mean pressure's): exact for the string, to the rounding of
     # differences for pressure
     assert storage == pytest.approx(rate, rel=1e-6)
@@ -111,9 +109,9 @@ def test_energy_balance_of_an_almost_incompressible_fluid(kind):
     asm, component = system.assembly, system.components[-1]
     for b in component._blocks:
         b.update = None
-        b.params[:, 10 if kind == "pipe" else 15] = 0.0  # no end with a given pressure
+        b.named["control"] = 0.0  # no end with a given pressure
         if kind == "annulus":
-            b.params[:, 4] = 0.3  # a hole of one size
+            b.named["hole"] = 0.3  # a hole of one size
     asm.condense(SHIFT)
     pressure, flow = (
         system.layout.dofs[f"{component.name}.pressure"][:, 0],
@@ -138,14 +136,8 @@ def test_energy_balance_of_an_almost_incompressible_fluid(kind):
     speed, ends = np.zeros(4), 0.0
     if kind == "annulus":
         u, w = system.field("string.position", "y"), system.field("string.tangent", "y")
-        t = np.array(
-            [
-                component._directions(component.well, np.array([k]), np.array([k + 1.0]))[0, :6]
-                .reshape(2, 3)
-                .sum(axis=0)
-                for k in range(4)
-            ]
-        )
+        p = component.parameters(np.arange(4))
+        t = p["tangent1"] + p["tangent2"]
         t /= np.linalg.norm(t, axis=1, keepdims=True)
         speed = np.sum(((u[:-1] + u[1:]) / 2 + (w[:-1] - w[1:]) / 12) * t, axis=1)
         ends = 0.3 * (x[pressure[-1]] * u[-1] @ t[-1] - x[pressure[0]] * u[0] @ t[0])
@@ -190,4 +182,4 @@ def test_added_mass_follows_the_position_in_the_hole():
     model.system.set_field("string.position", model.position + aside[:, None] * [0.6, 0.8, 0.0])
     component.accept(model.system.assembly)
     middle = 0.5 * (aside[1:] + aside[:-1]) / (0.5 * (0.2159 - 0.127))
-    assert block.params[:, 10] == pytest.approx([chi_eccentric(0.127, 0.2159, e) for e in middle], rel=1e-3)
+    assert block.named["chi"] == pytest.approx([chi_eccentric(0.127, 0.2159, e) for e in middle], rel=1e-3)

@@ -198,7 +198,7 @@ def test_a_turning_straight_string_has_no_strain_rate():
     m, asm = system.mesh, system.assembly
     for b in asm.bound_blocks:
         if b.block.kernel.startswith("quaternion"):
-            b.block.params[:, 7] = 0.0  # damping of the motion in space
+            b.block.named["alpha"] = 0.0  # damping of the motion in space
     omega = np.array([0.4, -1.1, 0.7])
     q = system.field("string.quaternion")
     asm.y[:] = 0.0

@@ -22,7 +22,6 @@ from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.time_function import Constant, Ramp
 from tests.helpers.component_models import GRAVITY, SECTION
 
-WIDENING = 28  # column of kernels/fluid/annulus_flow.hpp
 KINDS = (
     "pipe",
     "pipe_junction",
@@ -122,7 +121,7 @@ def build(
     system = DiscreteSystem(mesh, frames, components)
     if "widening" in kind:
         for block in components[-1]._blocks:
-            block.params[:, WIDENING] = np.linspace(0.1, -0.2, len(block.points))
+            block.named["widening"] = np.linspace(0.1, -0.2, len(block.points))
     asm, size = system.assembly, system.layout.size
     if held is None:
         system.set_field("string.position", position + noise * rng.standard_normal((5, 3)))

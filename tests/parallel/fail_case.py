@@ -34,7 +34,7 @@ def spoiled(self: Assembly, t: float):
         elif KIND == "error":
             raise SolveError("spoiled on purpose", time=t, component="contact")
         else:
-            contact.block.params[-1, 2] = np.nan  # the radius of this rank's last element
+            contact.block.named["radius"][-1] = np.nan  # of this rank's last element
     return residual(self, t)
 
 

@@ -194,7 +194,7 @@ def test_a_failed_run_names_the_place(plain):
     ready, now = next(b for b in system.assembly.bound_blocks if b.block.name == "beam"), [0.0]
 
     def update(t):
-        ready.block.params[1, 0] = np.nan if t > 0.05 else 0.125
+        ready.block.named["length"][1] = np.nan if t > 0.05 else 0.125
 
     ready.block.update = update
     with pytest.raises(SolveError) as caught:

@@ -1,4 +1,4 @@
-// Two-node spatial Euler-Bernoulli element (form P of the model): position r, slope v = r', spin angle phi at each node.
+// Two-node spatial Euler-Bernoulli element (ANCF: absolute nodal coordinates): position r, slope v = r', spin angle phi at each node.
 //
 // Strains: quadratic axial strain with the true mean, three-point bending, torsion against parallel transport with two points.
 // Rows are virtual work on (dr, dv, dtheta), dtheta = dphi + c.dv, so no term of the reference direction appears in a force.
@@ -8,17 +8,16 @@
 
 namespace dp {
 
-enum BeamParameter {  // per element
+DP_ENUM(BeamParameter,  // per element
     LENGTH,           // reference length [m]
     EA, EI, GJ,       // [N], [N m2], [N m2]
     MASS, POLAR,      // per length [kg/m], [kg m]
     BETA, ALPHA,      // Kelvin-Voigt time [s], mass-proportional rate [1/s]
     TWIST0,           // delta_e minus the stress-free twist [rad]
     GRAVITY,          // 3: [m/s2]
-    GAUGE1 = GRAVITY + 3, GAUGE2 = GAUGE1 + 3,
-    OFFSET = GAUGE2 + 3,  // length of the rigid item above the element's upper end [m]
-    BEAM_PARAMETERS
-};
+    REFERENCE1 = GRAVITY + 3, REFERENCE2 = REFERENCE1 + 3,  // 3 each: reference directions of both nodes
+    RIGID = REFERENCE2 + 3,   // length of the rigid item above the element's upper end [m]
+    BEAM_PARAMETERS)
 
 constexpr double XI3[3] = {0.11270166537925831, 0.5, 0.8872983346207417}, W3[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
 constexpr double XI2[2] = {0.21132486540518712, 0.7886751345948129}, W2[2] = {0.5, 0.5};
@@ -56,7 +55,7 @@ struct Twist {  // twist and its independent of the reference direction, gradien
 // Twist of an element against parallel transport along its centre line.
 template <class T, class S>
 inline Twist<T> twist(const Vec<T>& d, const Vec<T>& v1, const Vec<T>& v2, const T& n1, const T& n2, const T& phi1, const T& phi2, const S* p) {
-    const Vec<S> a1 = {p[GAUGE1], p[GAUGE1 + 1], p[GAUGE1 + 2]}, a2 = {p[GAUGE2], p[GAUGE2 + 1], p[GAUGE2 + 2]};
+    const Vec<S> a1 = {p[REFERENCE1], p[REFERENCE1 + 1], p[REFERENCE1 + 2]}, a2 = {p[REFERENCE2], p[REFERENCE2 + 1], p[REFERENCE2 + 2]};
     const S il = S(1.0) / p[LENGTH];
     const T m = norm(d);
     const Vec<T> h1 = chord_connection(d, m, v1, n1), h2 = chord_connection(d, m, v2, n2);
@@ -98,7 +97,7 @@ struct Bend {
     }
 };
 
-// Bending forces of one point, conjugate to r' and r''; damped: moment beta EI times the rate seen by the turning pipe.  The power of
+// Bending forces of one point, conjugate to r' and r''; damped: moment beta EI times the rate in the axes of the turning pipe.  The power of
 // the moment m = EI (k + beta rate) is m.rate, so forces and torque are its factors of q1, q2, spin.  stiffness: EI times the length
 // of the point [N m3].
 template <class T, class S, bool DAMPED>
@@ -175,10 +174,11 @@ inline Work<T> stiffness_forces(const Vec<T>& d, const Vec<T>& v1, const Vec<T>&
     return Q;
 }
 
-// SPLIT: the upper node carries a stretch ratio m (unknown 14): the element sees v = m v1 at r1 + OFFSET v1/|v1|.
-template <bool DAMPED, bool SPLIT>
+// JUNCTION: the upper node carries a stretch ratio m (unknown 14): the element's upper end has the slope m v1 at r1 + RIGID v1/|v1|.
+template <bool DAMPED, bool JUNCTION>
 struct Beam {
-    static constexpr int D = SPLIT ? 15 : 14, NP = BEAM_PARAMETERS, NSPIN = 2;
+    static constexpr int D = JUNCTION ? 15 : 14, NP = BEAM_PARAMETERS, NSPIN = 2;
+    static constexpr const char* ParameterText = BeamParameterText;
     static constexpr bool PACKED = true;
     static constexpr int SPINS[2][2] = {{6, 3}, {13, 10}};
 
@@ -188,9 +188,9 @@ struct Beam {
         const Vec<T> v0 = v1, r2 = vec(x + 7), v2 = vec(x + 10), u2 = vec(y + 7), w2 = vec(y + 10);
         Vec<T> b2 = vec(a + 7), z2 = vec(a + 10);
         T o1 = a[6], o2 = a[13];
-        if constexpr (SPLIT) {
+        if constexpr (JUNCTION) {
             const Tangent<T> t(v1, w1, z1);
-            r1 += t.t * p[OFFSET]; u1 += t.t1 * p[OFFSET]; b1 += t.t2 * p[OFFSET];
+            r1 += t.t * p[RIGID]; u1 += t.t1 * p[RIGID]; b1 += t.t2 * p[RIGID];
             z1 = v1 * a[14] + w1 * (2.0 * y[14]) + z1 * x[14];
             w1 = v1 * y[14] + w1 * x[14];
             v1 = v1 * x[14];
@@ -210,11 +210,11 @@ struct Beam {
         const T n1 = norm(v1), n2 = norm(v2);
         Vec<T> G1 = (b1 * (L * 22.0) + z1 * (L * L * 4.0) + b2 * (L * 13.0) - z2 * (L * L * 3.0)) * m + Q.v1 + cross(w1, v1) * (h1 / (n1 * n1 * n1));
         const Vec<T> G2 = (b1 * (L * -13.0) - z1 * (L * L * 3.0) - b2 * (L * 22.0) + z2 * (L * L * 4.0)) * m + Q.v2 + cross(w2, v2) * (h2 / (n2 * n2 * n2));
-        if constexpr (SPLIT) {
+        if constexpr (JUNCTION) {
             const T n0 = norm(v0);
             const Vec<T> t = v0 / n0;
             r[14] = dot(v0, G1);
-            G1 = G1 * x[14] + (F1 - t * dot(t, F1)) * (p[OFFSET] / n0);
+            G1 = G1 * x[14] + (F1 - t * dot(t, F1)) * (p[RIGID] / n0);
         }
         r[0] = F1.x; r[1] = F1.y; r[2] = F1.z; r[3] = G1.x; r[4] = G1.y; r[5] = G1.z;
         r[6] = (o1 * 5.0 + o2) * j + Q.theta1;

@@ -113,7 +113,7 @@ DP_APART void add_torsion(const ElementMotion& e, const Pack& n1, const Pack& n2
         rate_seed += p[BETA] * c1;
     }
     // gradient of the twist by the virtual displacements, and change of the torque; d(twist)/dv at constant phi has the potential too
-    const PackVec a1 = spin_potential(vec(p + GAUGE1), e.v1), a2 = spin_potential(vec(p + GAUGE2), e.v2);
+    const PackVec a1 = spin_potential(vec(p + REFERENCE1), e.v1), a2 = spin_potential(vec(p + REFERENCE2), e.v2);
     const Pack by[LOCAL] = {q.d.x, q.d.y, q.d.z, q.v1.x, q.v1.y, q.v1.z, q.v2.x, q.v2.y, q.v2.z, Pack(-1.0), Pack(1.0)};
     const Pack reference_part[9] = {Pack(0.0), Pack(0.0), Pack(0.0), -a1.x, -a1.y, -a1.z, a2.x, a2.y, a2.z};
     Pack H[9][LOCAL];
@@ -354,7 +354,7 @@ void run_beam_jacobian(int n, const int* idx, const int* nodes, const double* pa
 
 // Elements below a junction: their own Jacobians by positions, rates and accelerations, then the chain rule of beam/junction.hpp.
 template <bool DAMPED>
-void run_beam_split_jacobian(int n, const int* idx, const int* nodes, const double* par, void*, const double* c, const double* spin,
+void run_beam_junction_jacobian(int n, const int* idx, const int* nodes, const double* par, void*, const double* c, const double* spin,
                              const double* x, const double* y, const double* a, double* K) {
     constexpr double unit[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     for (int e = 0; e < n; e += 4) {
@@ -369,17 +369,17 @@ void run_beam_split_jacobian(int n, const int* idx, const int* nodes, const doub
         for (int l = 0; l < 4; ++l) {
             double xl[15], yl[15], al[15];
             for (int i = 0; i < 15; ++i) { xl[i] = X[i].v[l]; yl[i] = Y[i].v[l]; al[i] = A[i].v[l]; }
-            const JunctionSeeds<double> s = junction_seeds(xl, yl, al, P[OFFSET].v[l], c);
+            const JunctionSeeds<double> s = junction_seeds(xl, yl, al, P[RIGID].v[l], c);
             for (int order = 0; order < 3; ++order)
                 for (int k = 0; k < 6; ++k)
                     for (int j = 0; j < 4; ++j) seeds.by[order][k][j].v[l] = s.by[order][k][j];
         }
         const PackVec v0 = vec(X + 3);
-        below_junction(P[OFFSET], X, Y, A);
+        below_junction(P[RIGID], X, Y, A);
         Beam<DAMPED, false>::template force<Pack, Pack>(e, X, Y, A, P, nullptr, rows);
         for (int order = 0; order < 3; ++order) beam_jacobian<DAMPED>(X, Y, P, unit[order], none, none, J[order]);
         junction_columns(J, seeds, c, g1, g2, out);
-        junction_rows(v0, X[14], P[OFFSET], vec(rows), vec(rows + 3), c[0], out);
+        junction_rows(v0, X[14], P[RIGID], vec(rows), vec(rows + 3), c[0], out);
         for (int l = 0; l < lanes.count; ++l)
             for (int i = 0; i < 225; ++i) K[(long)(e + l) * 225 + i] = out[i / 15][i % 15].v[l];
     }

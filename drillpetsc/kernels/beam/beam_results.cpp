@@ -1,11 +1,10 @@
 // Energies and section forces of the elements, and the power lost in the material, four elements side by side.
 #include "beam/beam.hpp"
+#include "beam/beam_results.hpp"
 
 using namespace dp;
 
 namespace {
-
-enum Report { KINETIC, STRAIN, POTENTIAL, AXIAL1, AXIAL_MIDDLE, AXIAL2, TORQUE, BENDING1, BENDING2, REPORTS };
 
 typedef Vec<Pack> PackVec;
 
@@ -21,7 +20,7 @@ ElementState gather(const Lanes& lanes, int D, const int* idx, const Pack* p, co
     ElementState s = {vec(X), vec(X + 3), vec(X + 10), vec(X), vec(X + 7), vec(Y), vec(Y + 7), vec(Y + 3), vec(Y + 10), X[6], X[13], Y[6], Y[13]};
     if (D == 15) {
         const Tangent<Pack> t(s.v1, s.w1, s.w1);
-        s.r1 += t.t * p[OFFSET]; s.u1 += t.t1 * p[OFFSET];
+        s.r1 += t.t * p[RIGID]; s.u1 += t.t1 * p[RIGID];
         s.w1 = s.v1 * Y[14] + s.w1 * X[14];
         s.v1 = s.v1 * X[14];
     }
@@ -86,19 +85,21 @@ Pack dissipation(const ElementState& s, const Pack* p) {
 
 }  // namespace
 
-// out: (n, REPORTS)
-extern "C" void beam_report(int n, int D, const int* idx, const double* par, const double* x, const double* y, double* out) {
+DP_EXPORT(beam_results, BeamResultText)
+
+// out: (n, BEAM_RESULTS)
+extern "C" void beam_results(int n, int D, const int* idx, const double* par, const double* x, const double* y, double* out) {
     for (int e = 0; e < n; e += 4) {
-        Pack p[BEAM_PARAMETERS], q[REPORTS];
+        Pack p[BEAM_PARAMETERS], q[BEAM_RESULTS];
         const Lanes lanes(e, n);
         lanes.rows(BEAM_PARAMETERS, par, p);
         const ElementState s = gather(lanes, D, idx, p, x, y);
         const Pack L = p[LENGTH], m = p[MASS] * L;
         q[KINETIC] = 0.5 * (m * mass_form(L, s.u1, s.w1, s.u2, s.w2) + p[POLAR] * L * spin_form(s.o1, s.o2));
-        q[STRAIN] = strain_energy(s, p, q + AXIAL1, q + TORQUE, q + BENDING1);
+        q[STRAIN] = strain_energy(s, p, q + AXIAL_UPPER, q + TORQUE, q + BENDING_UPPER);
         q[POTENTIAL] = -m * dot(vec(p + GRAVITY), (s.r1 + s.r2) * 0.5 + (s.v1 - s.v2) * (L * (1.0 / 12)));
         for (int l = 0; l < lanes.count; ++l)
-            for (int i = 0; i < REPORTS; ++i) out[(e + l) * REPORTS + i] = q[i].v[l];
+            for (int i = 0; i < BEAM_RESULTS; ++i) out[(e + l) * BEAM_RESULTS + i] = q[i].v[l];
     }
 }
 

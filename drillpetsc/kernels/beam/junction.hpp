@@ -1,4 +1,4 @@
-// Jacobian of an element that hangs below a junction (SPLIT in beam/beam.hpp, contact/contact.hpp), from that of the element itself.
+// Jacobian of an element that hangs below a junction (JUNCTION in beam/beam.hpp, contact/contact.hpp), from that of the element itself.
 //
 // The element's upper end has r = r1 + l t, v = m v1, t = v1/|v1|, with the rates and accelerations that follow (unknowns 0-13 and m in
 // place 14).  Columns: chain rule through the end's motion.  Rows: with the element's own rows F on r and G on v, the rows of the

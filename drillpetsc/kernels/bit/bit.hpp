@@ -17,23 +17,32 @@ constexpr double THRESHOLD_ROUNDING = 0.05;  // share of the threshold weight ov
 constexpr double SPEED_ROUNDING = 1e-3;   // share of the reference speed below which |Omega| is rounded off
 constexpr double TURN_ROUNDING = 1e-3;    // speed below which the cutting of a drag bit is rounded off [rad/s]
 
-enum BitKind { ROP_BIT, DRAG_BIT, WEAKENING_BIT };
+constexpr int CHIPS = 12;                 // states of the rock's profile ahead of a blade
+
+struct BitKind { DP_ENUM(Kind, ROP, DRAG_BIT, VELOCITY_WEAKENING, KINDS) };
+struct BitMode { DP_ENUM(Mode, MOTION, STATICS, QUASI_STATIC, MODES) };
 
 // Laws of bit and rock; filled by the component of the bit.
-struct BitLaw {
+DP_RECORD(BitLaw,
     double kind, bit_axis, walk_cos, walk_sin;             // direction: 1 along the bit's axis
     double reference_speed, reference_weight, width;       // width over which one layer goes over into the next [m]
     double cut, contact, torque_cut, torque_contact;       // drag bit: W = cut d + contact, T = torque_cut d + torque_contact [N/m, N, N, N m]
     double blades, onset, rest;                            // depth over which the wear flat comes into contact [m]; rounding of its speed [m/s]
     double static_torque, dynamic_torque, speed, by_weight; // weakening: torques [N m], or lever arms [m] of the weight
     double turn_rounding;                                  // rounding of the direction of turning [rad/s]
-    const double* layers; int count;                       // rows of LAYER_ROW
+    const double* layers; int count;                       // rows of BitLayer::COLUMNS
     const double* derivative;                              // (N, N+1) of the profile by xi [1/rad]
     int touching;                                          // of the last evaluation: 1 bottom, 2 side
-};
+)
 
-// A layer: FROM [m drilled], D [m/(s N)], exponents a and b, threshold [N], anisotropy of the bit, M_r (9, row by row)
-enum { LAYER_FROM, LAYER_RATE, LAYER_A, LAYER_B, LAYER_THRESHOLD, LAYER_BIT, LAYER_ROCK, LAYER_ROW = LAYER_ROCK + 9 };
+struct BitLayer {
+    DP_ENUM(Column,
+        START, DRILLABILITY,               // [m drilled], D [m/(s N)]
+        ROTARY_EXPONENT, WEIGHT_EXPONENT,  // a and b
+        THRESHOLD, BIT_ANISOTROPY,         // [N], I_b
+        ROCK,                              // 9: M_r, row by row
+        COLUMNS = ROCK + 9)
+};
 
 // |Omega|^a / Omega_ref^a, zero and smooth at standstill; 1 for a = 0
 template <class T>
@@ -64,8 +73,8 @@ template <class T>
 inline Vec<T> cut_direction(const BitLaw& law, const double* layer, const Vec<T>& F, const Vec<T>& e) {
     const T axial = dot(F, e);
     const Vec<T> across = F - e * axial;
-    const Vec<T> g = e * axial + (across * law.walk_cos + cross(e, across) * law.walk_sin) * layer[LAYER_BIT];
-    const double* M = layer + LAYER_ROCK;
+    const Vec<T> g = e * axial + (across * law.walk_cos + cross(e, across) * law.walk_sin) * layer[BitLayer::BIT_ANISOTROPY];
+    const double* M = layer + BitLayer::ROCK;
     return {g.x * M[0] + g.y * M[1] + g.z * M[2], g.x * M[3] + g.y * M[4] + g.z * M[5], g.x * M[6] + g.y * M[7] + g.z * M[8]};
 }
 
@@ -76,7 +85,7 @@ inline Vec<T> layer_rate(const BitLaw& law, const double* layer, const Vec<T>& F
     const Vec<T> zero = {T(0.0), T(0.0), T(0.0)}, w = cut_direction(law, layer, F, e);
     if (val(weight) <= 0) return zero;
     T along;
-    if (law.kind == DRAG_BIT) {
+    if (law.kind == BitKind::DRAG_BIT) {
         T rate;
         if (chip_rate) {
             rate = *chip_rate;
@@ -87,10 +96,10 @@ inline Vec<T> layer_rate(const BitLaw& law, const double* layer, const Vec<T>& F
         along = rate / dot(w, e);
         return w * along;
     }
-    const T free = beyond(weight, layer[LAYER_THRESHOLD]);
+    const T free = beyond(weight, layer[BitLayer::THRESHOLD]);
     if (val(free) <= 0) return zero;
-    T scale = speed_factor(omega, layer[LAYER_A], law.reference_speed) * (free / weight) * layer[LAYER_RATE];
-    if (layer[LAYER_B] != 1) scale = scale * pow(free * (1.0 / law.reference_weight), layer[LAYER_B] - 1.0);
+    T scale = speed_factor(omega, layer[BitLayer::ROTARY_EXPONENT], law.reference_speed) * (free / weight) * layer[BitLayer::DRILLABILITY];
+    if (layer[BitLayer::WEIGHT_EXPONENT] != 1) scale = scale * pow(free * (1.0 / law.reference_weight), layer[BitLayer::WEIGHT_EXPONENT] - 1.0);
     return w * scale;
 }
 
@@ -98,19 +107,21 @@ inline Vec<T> layer_rate(const BitLaw& law, const double* layer, const Vec<T>& F
 template <class T>
 inline Vec<T> rock_rate(const BitLaw& law, const T& drilled, const Vec<T>& F, const Vec<T>& e, const T& omega, const T* chip_rate) {
     int k = 0;
-    while (k + 1 < law.count && val(drilled) >= law.layers[(k + 1) * LAYER_ROW + LAYER_FROM]) ++k;
-    Vec<T> v = layer_rate(law, law.layers + k * LAYER_ROW, F, e, omega, chip_rate);
+    while (k + 1 < law.count && val(drilled) >= law.layers[(k + 1) * BitLayer::COLUMNS + BitLayer::START]) ++k;
+    Vec<T> v = layer_rate(law, law.layers + k * BitLayer::COLUMNS, F, e, omega, chip_rate);
     if (k > 0) {
-        const T u = (drilled - law.layers[k * LAYER_ROW + LAYER_FROM]) * (1.0 / law.width);
+        const T u = (drilled - law.layers[k * BitLayer::COLUMNS + BitLayer::START]) * (1.0 / law.width);
         if (val(u) < 1) {
             const T share = u * u * (3.0 - 2.0 * u);
-            v = v * share + layer_rate(law, law.layers + (k - 1) * LAYER_ROW, F, e, omega, chip_rate) * (1.0 - share);
+            v = v * share + layer_rate(law, law.layers + (k - 1) * BitLayer::COLUMNS, F, e, omega, chip_rate) * (1.0 - share);
         }
     }
     return law.bit_axis != 0 ? e * dot(v, e) : v;
 }
 
-struct BitReport { double weight, torque, rate, side, stored, dissipated, depth, offset; Vec<double> velocity; };
+// Weight on bit [N], torque on bit [N m], rate of penetration [m/s], side force [N], stored energy [J], power into rock and heat [W], depth
+// of the ellipsoid below the end [m], offset of its centre from the hole's axis [m], rate of penetration in space [m/s].
+DP_RECORD(BitResults, double weight, torque, rate, side, stored, dissipated, depth, offset; Vec<double> velocity;)
 
 template <int N>  // number of states of the profile; 0: none
 struct Bit {
@@ -118,12 +129,19 @@ struct Bit {
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{6, 3}};
     enum { HOLE = 7, DRILLED = 10, CHIP = 11 };
-    // FACE, CENTRE distance from the node [m]; RADIUS a, HALF c semi-axes [m]; STIFFNESS, SIDE [N/m]; ROOM clearance [m]; FRICTION of the bottom,
-    // WALL of the side; SLIP [m/s]; DAMPING c [s/m]; END centre of the hole's end at the start [m]; AXIS of the end; MODE 0 motion, 1 statics,
-    // 2 quasi-static; AXIAL, SPIN imposed sliding, SHARE of the side push; TORQUE0, TORQUE1: T = TORQUE0 + TORQUE1 W in statics; HELD: e, s are
-    // those of HOLD (4)
-    enum { FACE, CENTRE, RADIUS, HALF, STIFFNESS, SIDE, ROOM, FRICTION, WALL, SLIP, DAMPING, END, AXIS = END + 3, MODE = AXIS + 3, AXIAL, SPIN, SHARE,
-           TORQUE0, TORQUE1, HELD, HOLD, NP = HOLD + 4 };
+    DP_ENUM(Parameter,
+        FACE, CENTRE,            // distances from the node [m]
+        RADIUS, HALF,            // semi-axes a and c [m]
+        STIFFNESS, SIDE,         // of bottom and side [N/m]
+        CLEARANCE,               // radial, of the bit in its own hole [m]
+        FRICTION, WALL,          // coefficients of bottom and side
+        SLIP, DAMPING,           // [m/s]; c [s/m]
+        END, AXIS = END + 3,     // 3 each: centre of the hole's end at the start [m], its direction
+        MODE = AXIS + 3,         // BitMode
+        AXIAL, SPIN, SHARE,      // imposed sliding [m/s], [rad/s]; share of the sideways push
+        TORQUE0, TORQUE1,        // T = TORQUE0 + TORQUE1 W in statics [N m], [m]
+        HELD, HOLD,              // 1: e, s are those of HOLD (4)
+        NP = HOLD + 4)
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T*, const S* p, void* context, T* r) {
@@ -139,10 +157,10 @@ struct Bit {
     }
 
     template <class T>
-    static void evaluate(const T* x, const T* y, const double* p, BitLaw& law, T* r, BitReport* report) {
+    static void evaluate(const T* x, const T* y, const double* p, BitLaw& law, T* r, BitResults* results) {
         for (int i = 0; i < D; ++i) r[i] = T(0.0);
         law.touching = 0;
-        const bool moving = p[MODE] == 0, held = p[HELD] != 0;
+        const bool moving = p[MODE] == BitMode::MOTION, held = p[HELD] != 0;
         const Vec<T> zero = {T(0.0), T(0.0), T(0.0)};
         const Tangent<T> t(vec(x + 3), vec(y + 3), vec(y + 3));
         const Vec<double> axis = vec(p + AXIS);
@@ -181,7 +199,7 @@ struct Bit {
         const Vec<T> across = e - axial * axis;
         const T rho = sqrt(dot(across, across) + WELL_RHO0 * WELL_RHO0);
         const Vec<T> n = across / rho;
-        const T lean = dot(n, t.t), girth = sqrt(a * a + squeeze * lean * lean), depth_s = rho + girth - (a + p[ROOM]);
+        const T lean = dot(n, t.t), girth = sqrt(a * a + squeeze * lean * lean), depth_s = rho + girth - (a + p[CLEARANCE]);
         const T closing = dot(speed - hole_speed, n) + dot(t.t1, n) * lean * squeeze / girth;
         T side = T(0.0), elastic_s = T(0.0);
         Vec<T> push = zero, drag = zero;
@@ -205,8 +223,8 @@ struct Bit {
         // the hole
         const Vec<T> on_rock = axis * weight + n * side;
         Vec<T> rate = zero;
-        if (p[MODE] != 1) rate = rock_rate(law, x[DRILLED], on_rock, t.t, omega, N > 0 && moving ? &chip_rate : nullptr);
-        if (held || p[MODE] == 1) {
+        if (p[MODE] != BitMode::STATICS) rate = rock_rate(law, x[DRILLED], on_rock, t.t, omega, N > 0 && moving ? &chip_rate : nullptr);
+        if (held || p[MODE] == BitMode::STATICS) {
             for (int i = 0; i < 4; ++i) r[HOLE + i] = (x[HOLE + i] - p[HOLD + i]) * (1e3 * ROCK_ROW);
         } else {
             r[HOLE] = (y[HOLE] - rate.x) * ROCK_ROW;
@@ -223,18 +241,18 @@ struct Bit {
         r[0] = -F.x; r[1] = -F.y; r[2] = -F.z;
         r[3] = -bend.x; r[4] = -bend.y; r[5] = -bend.z;
         r[6] = torque - dot(M, t.t);
-        if (report) {
-            report->weight = val(weight * tilt);
-            report->torque = val(r[6]);
-            report->velocity = {val(rate.x), val(rate.y), val(rate.z)};
-            report->rate = norm(report->velocity);
-            report->side = val(side);
-            report->stored = 0.5 * (val(elastic) * val(onset_or_none(depth)) + val(elastic_s) * val(onset_or_none(depth_s)));
+        if (results) {
+            results->weight = val(weight * tilt);
+            results->torque = val(r[6]);
+            results->velocity = {val(rate.x), val(rate.y), val(rate.z)};
+            results->rate = norm(results->velocity);
+            results->side = val(side);
+            results->stored = 0.5 * (val(elastic) * val(onset_or_none(depth)) + val(elastic_s) * val(onset_or_none(depth_s)));
             // what the bit gives and the two springs do not store goes into rock and heat
             const Vec<T> turning = cross(t.t, t.t1) + t.t * omega, twist = cross(contact, bottom) + cross(touch, n * (-side) + drag);
-            report->dissipated = val(torque * omega - dot(F, speed) - dot(twist, turning) - elastic * advance - elastic_s * closing);
-            report->depth = val(depth);
-            report->offset = val(rho);
+            results->dissipated = val(torque * omega - dot(F, speed) - dot(twist, turning) - elastic * advance - elastic_s * closing);
+            results->depth = val(depth);
+            results->offset = val(rho);
         }
     }
 
@@ -257,12 +275,12 @@ struct Bit {
 
     template <class T>
     static T bottom_torque(const BitLaw& law, const double* p, const T& weight, const T& depth, const T& omega, const T& sign) {
-        if (law.kind == WEAKENING_BIT) {
+        if (law.kind == BitKind::VELOCITY_WEAKENING) {
             const T q = omega * (1.0 / law.speed);
             const T size = law.dynamic_torque + (law.static_torque - law.dynamic_torque) * exp(-(q * q));
             return size * sign * (law.by_weight != 0 ? weight : touching(depth));
         }
-        if (law.kind == DRAG_BIT) return (weight * p[TORQUE1] + p[TORQUE0] * touching(depth)) * sign;
+        if (law.kind == BitKind::DRAG_BIT) return (weight * p[TORQUE1] + p[TORQUE0] * touching(depth)) * sign;
         return weight * (p[FRICTION] * p[RADIUS] * (2.0 / 3)) * sign;
     }
 

@@ -17,15 +17,17 @@
 #include <cstring>
 #include <type_traits>
 
+#include "core/names.hpp"
+
 namespace {
 
-enum { SIZE, LD, DIAG, UPPER, LOWER, LFAC, LEFT, TOP, VEC, COLUMNS };
-enum { FAILED_COLUMN, SMALLEST, LARGEST, SMALLEST_NODE };  // entries of `stats`
+DP_ENUM(TableColumn, SIZE, LD, DIAG, UPPER, LOWER, LFAC, LEFT, TOP, VEC, COLUMNS)
+DP_ENUM(StatsEntry, FAILED_COLUMN, SMALLEST, LARGEST, SMALLEST_NODE, ENTRIES)
 
 using d4 = double __attribute__((vector_size(32), aligned(8), may_alias));
 using i4 = std::int64_t __attribute__((vector_size(32), aligned(8), may_alias));
 using Row = const std::int64_t*;
-constexpr int MAX_LD = 32;
+constexpr int LARGEST_BLOCK = 32;  // unknowns per node, padded
 
 inline d4 load(const double* p) { return *reinterpret_cast<const d4*>(p); }
 inline void store4(double* p, d4 v) { *reinterpret_cast<d4*>(p) = v; }
@@ -243,7 +245,7 @@ inline void subtract_vector(Row row, double* y, const double* A, Row column, con
 int eliminate_node(Row t, double* store, double* right, int m1, double* left, int m2, double* inverse, int* pivot,
                    const double* scale, double tolerance, double* stats) {
     return dispatch(t[SIZE], [&](auto V, auto B) {
-        alignas(64) double work[2 * MAX_LD * MAX_LD];
+        alignas(64) double work[2 * LARGEST_BLOCK * LARGEST_BLOCK];
         const int b = t[SIZE], ld = t[LD];
         double* D = store + t[DIAG];
         if (m1) std::memcpy(work, right, sizeof(double) * ld * m1);
@@ -269,6 +271,10 @@ inline void solve_node(Row t, const double* store, double* x, const double* inve
 }
 
 }  // namespace
+
+DP_EXPORT(chain_table, TableColumnText)
+DP_EXPORT(chain_stats, StatsEntryText)
+DP_CONSTANT(largest_block, LARGEST_BLOCK)
 
 extern "C" {
 
@@ -299,7 +305,7 @@ int chain_factor(int n, int keep, const std::int64_t* table, double* store, cons
     stats[FAILED_COLUMN] = -1, stats[SMALLEST] = INFINITY, stats[LARGEST] = 0, stats[SMALLEST_NODE] = -1;
     const int first = keep & 1 ? 1 : 0, last = keep & 2 ? n - 1 : n;
     const Row top = table;
-    double scale[MAX_LD];
+    double scale[LARGEST_BLOCK];
     assemble_up_to(first);
     if (first < last) scales(table + first * COLUMNS, store + table[first * COLUMNS + DIAG], scale);
     for (int i = first; i < last; i++) {

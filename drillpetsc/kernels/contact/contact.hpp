@@ -7,10 +7,11 @@
 namespace dp {
 
 constexpr double RAMP = 1e-5;  // half width of the smooth onset of the penetration [m]
+constexpr double NOT_IMPOSED = -3;  // in place of a direction of turning that is given: it follows from the motion
 constexpr double CLIP = 1e-2;  // rounds off the clipping of an adhesive damping force [-]
 
 // Laws and the hole, shared by all contact elements; filled by the contact component.
-struct ContactLaw {
+DP_RECORD(ContactLaw,
     const double* well;
     double stiffness, exponent;   // force = stiffness * penetration^exponent (per length, or per point)
     double damping;               // c of the factor 1 + c * penetration rate [s/m]
@@ -24,7 +25,7 @@ struct ContactLaw {
     double* normal;               // (elements, points) normal force of the last evaluation [N]
     int* segment;                 // (elements, points) where the projection was found
     signed char* touching;        // (elements, points) contact open or closed
-};
+)
 
 // Penetration with a smooth onset: 0, (d + e)^2 / 4e, d
 template <class T>
@@ -44,7 +45,11 @@ struct Touch {
     T normal;
 };
 
-struct TouchReport { double normal, stored, damping_power, friction_power, penetration; };
+struct PointResults { double normal, stored, damping_power, friction_power, penetration; };
+
+// Sums over the points of an element: normal force [N], stored energy [J], damping and friction power [W]; largest penetration [m];
+// friction force along the axis [N], torque about it [N m].
+DP_RECORD(ContactResults, double normal, stored, damping_power, friction_power, penetration, axial, torque;)
 
 // Whether the section of radius R about the axis point x is in contact; foot: where on the hole's centreline.
 inline bool touches(const Well& well, const Vec<double>& x, double R, int& segment, Foot& foot) {
@@ -57,7 +62,7 @@ inline bool touches(const Well& well, const Vec<double>& x, double R, int& segme
 // Touching point x of the axis with velocity u, section turning with `turning`, radius R; weight: length it stands for.
 template <class T>
 inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, const Vec<T>& x, const Vec<T>& u, const Vec<T>& turning, double R,
-                  double own_friction, double weight, Touch<T>& out, TouchReport* report = nullptr) {
+                  double own_friction, double weight, Touch<T>& out, PointResults* results = nullptr) {
     const HolePoint<T> h = hole_point(well, foot, x);
     T depth = h.rho;
     Vec<T> gradient = h.n;
@@ -82,7 +87,7 @@ inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, con
         const double share = speed > 0 ? 1 / speed : 0.0;
         drag = (h.t * (va * share) + around * (vb * share)) * (-(mu0 * N));
         push = (h.t * (va * share) + around * (vb * share * law.side)) * (-(mu0 * N));
-        if (report) report->friction_power = 0;
+        if (results) results->friction_power = 0;
     } else {
         const Vec<T> surface = u + cross(turning, h.n) * R;
         const T va = dot(surface, h.t), vb = dot(surface, around), v2 = va * va + vb * vb;
@@ -90,31 +95,31 @@ inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, con
         T mu = mu0;
         if (law.extra != 0) mu = mu0 * (1.0 + law.extra * exp(-v2 / (law.decay * law.decay)));
         push = drag = (h.t * va + around * vb) * (-(mu * N) / speed);
-        if (report) report->friction_power = val(mu * N * v2 / speed);
+        if (results) results->friction_power = val(mu * N * v2 / speed);
     }
     out.force = push - gradient * N;
     out.couple = cross(h.n, drag) * R;
     out.normal = N;
-    if (report) {
+    if (results) {
         const double dv = val(d), e = val(elastic);
-        report->normal = val(N);
-        report->stored = e * dv / (law.exponent + 1);
-        report->damping_power = (val(N) - e) * val(rate);
-        report->penetration = val(depth);
+        results->normal = val(N);
+        results->stored = e * dv / (law.exponent + 1);
+        results->damping_power = (val(N) - e) * val(rate);
+        results->penetration = val(depth);
     }
 }
 
-// What a touching point of the axis gives to the centre line: force, and couple split into bending (on r') and torque.
+// Load of a contact point of the axis on the centre line: force, and couple as bending (on r') and torque.
 template <class T>
 struct PointLoad { Vec<T> force, bend; T torque, normal; Vec<T> tangent; };
 
 template <class T>
 inline PointLoad<T> point_load(const ContactLaw& law, const Well& well, const Foot& foot, const Vec<T>& place, const Vec<T>& speed, const Vec<T>& slope,
-                               const Vec<T>& slope_rate, const T& spin, double R, double own_friction, double weight, TouchReport* report) {
+                               const Vec<T>& slope_rate, const T& spin, double R, double own_friction, double weight, PointResults* results) {
     const T n = norm(slope);
     const Vec<T> t = slope / n, t1 = (slope_rate - t * dot(t, slope_rate)) / n;
     Touch<T> c;
-    touch(law, well, foot, place, speed, cross(t, t1) + t * spin, R, own_friction, weight, c, report);
+    touch(law, well, foot, place, speed, cross(t, t1) + t * spin, R, own_friction, weight, c, results);
     return {c.force, cross(c.couple, t) / n, dot(c.couple, t), c.normal, t};
 }
 
@@ -132,28 +137,31 @@ struct Interpolation {
 };
 
 // Contact points spread along a beam element.
-template <bool SPLIT>
+template <bool JUNCTION>
 struct BeamContact {
-    static constexpr int D = SPLIT ? 15 : 14, NSPIN = 2;
+    static constexpr int D = JUNCTION ? 15 : 14, NSPIN = 2;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[2][2] = {{6, 3}, {13, 10}};
-    enum { LENGTH, RIGID, RADIUS, FRICTION, NP };
+    DP_ENUM(Parameter,
+        LENGTH, RIGID,  // of the element and of the rigid item above it [m]
+        RADIUS,         // of the section [m]
+        FRICTION,       // coefficient; negative: that of the wall
+        NP)
 
     template <class T, class S>
     static void force(int e, const T* x, const T* y, const T*, const S* p, void* context, T* r) {
         evaluate<T>(e, x, y, p, *static_cast<ContactLaw*>(context), r, nullptr);
     }
 
-    // report: NORMAL, STORED, DAMPING, FRICTION power, PENETRATION, friction force along, torque about the axis
     template <class T>
-    static void evaluate(int e, const T* x, const T* y, const double* p, const ContactLaw& law, T* r, double* report) {
+    static void evaluate(int e, const T* x, const T* y, const double* p, const ContactLaw& law, T* r, ContactResults* results) {
         for (int i = 0; i < D; ++i) r[i] = T(0.0);
         const double L = p[LENGTH];
         Vec<T> r1 = vec(x), v1 = vec(x + 3), u1 = vec(y), w1 = vec(y + 3);
         const Vec<T> r2 = vec(x + 7), v2 = vec(x + 10), u2 = vec(y + 7), w2 = vec(y + 10);
         const Vec<T> v0 = v1;
         T n0;
-        if constexpr (SPLIT) {
+        if constexpr (JUNCTION) {
             const Tangent<T> t(v1, w1, w1);
             n0 = t.n;
             r1 += t.t * p[RIGID]; u1 += t.t1 * p[RIGID];
@@ -173,10 +181,10 @@ struct BeamContact {
             law.touching[k] = touches(well, {val(place.x), val(place.y), val(place.z)}, p[RADIUS], law.segment[k], foot);
             law.normal[k] = 0;
             if (!law.touching[k]) continue;
-            TouchReport now;
+            PointResults now;
             const PointLoad<T> c = point_load(law, well, foot, place, at.sum(at.r, u1, w1, u2, w2), at.sum(at.slope, r1, v1, r2, v2),
                                               at.sum(at.slope, u1, w1, u2, w2), y[6] * (1 - s) + y[13] * s, p[RADIUS], p[FRICTION], w,
-                                              report ? &now : nullptr);
+                                              results ? &now : nullptr);
             law.normal[k] = val(c.normal);
             F1 -= c.force * at.r[0] + c.bend * at.slope[0];
             G1 -= c.force * at.r[1] + c.bend * at.slope[1];
@@ -184,13 +192,14 @@ struct BeamContact {
             G2 -= c.force * at.r[3] + c.bend * at.slope[3];
             theta1 -= c.torque * (1 - s);
             theta2 -= c.torque * s;
-            if (report) {
-                report[0] += now.normal; report[1] += now.stored; report[2] += now.damping_power; report[3] += now.friction_power;
-                if (now.penetration > report[4]) report[4] = now.penetration;
-                report[5] += val(dot(c.force, c.tangent)); report[6] += val(c.torque);
+            if (results) {
+                results->normal += now.normal; results->stored += now.stored;
+                results->damping_power += now.damping_power; results->friction_power += now.friction_power;
+                if (now.penetration > results->penetration) results->penetration = now.penetration;
+                results->axial += val(dot(c.force, c.tangent)); results->torque += val(c.torque);
             }
         }
-        if constexpr (SPLIT) {
+        if constexpr (JUNCTION) {
             const Vec<T> t = v0 / n0;
             r[14] = dot(v0, G1);
             G1 = G1 * x[14] + (F1 - t * dot(t, F1)) * (p[RIGID] / n0);
@@ -205,7 +214,11 @@ struct BodyContact {
     static constexpr int D = 7, NSPIN = 1;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{6, 3}};
-    enum { ABOVE, LENGTH, RADIUS, FRICTION, NP };
+    DP_ENUM(Parameter,
+        ABOVE, LENGTH,  // distance from the node to the upper end, along the tangent; length [m]
+        RADIUS,         // [m]
+        FRICTION,       // coefficient; negative: that of the wall
+        NP)
 
     template <class T, class S>
     static void force(int e, const T* x, const T* y, const T*, const S* p, void* context, T* r) {
@@ -213,7 +226,7 @@ struct BodyContact {
     }
 
     template <class T>
-    static void evaluate(int e, const T* x, const T* y, const double* p, const ContactLaw& law, T* r, double* report) {
+    static void evaluate(int e, const T* x, const T* y, const double* p, const ContactLaw& law, T* r, ContactResults* results) {
         for (int i = 0; i < D; ++i) r[i] = T(0.0);
         const Tangent<T> t(vec(x + 3), vec(y + 3), vec(y + 3));
         const Vec<T> turning = cross(t.t, t.t1) + t.t * y[6];
@@ -227,8 +240,8 @@ struct BodyContact {
             law.normal[k] = 0;
             if (!law.touching[k]) continue;
             Touch<T> c;
-            TouchReport now;
-            touch(law, well, foot, place, vec(y) + t.t1 * distance, turning, p[RADIUS], p[FRICTION], w, c, report ? &now : nullptr);
+            PointResults now;
+            touch(law, well, foot, place, vec(y) + t.t1 * distance, turning, p[RADIUS], p[FRICTION], w, c, results ? &now : nullptr);
             law.normal[k] = val(c.normal);
             const Vec<T> push = c.force * distance + cross(c.couple, t.t);
             const Vec<T> row = (push - t.t * dot(t.t, push)) / t.n;
@@ -236,10 +249,11 @@ struct BodyContact {
             r[3] -= row.x; r[4] -= row.y; r[5] -= row.z;
             const T spin = dot(c.couple, t.t);
             r[6] -= spin;
-            if (report) {
-                report[0] += now.normal; report[1] += now.stored; report[2] += now.damping_power; report[3] += now.friction_power;
-                if (now.penetration > report[4]) report[4] = now.penetration;
-                report[5] += val(dot(c.force, t.t)); report[6] += val(spin);
+            if (results) {
+                results->normal += now.normal; results->stored += now.stored;
+                results->damping_power += now.damping_power; results->friction_power += now.friction_power;
+                if (now.penetration > results->penetration) results->penetration = now.penetration;
+                results->axial += val(dot(c.force, t.t)); results->torque += val(spin);
             }
         }
     }
@@ -250,7 +264,13 @@ struct BitContact {
     static constexpr int D = 7, NSPIN = 1;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{6, 3}};
-    enum { FACE, RADIUS, STIFFNESS, FRICTION, END, AXIS = END + 3, SLIP = AXIS + 3, IMPOSED, NP };
+    DP_ENUM(Parameter,
+        FACE, RADIUS,           // distance of the face from the node, radius [m]
+        STIFFNESS, FRICTION,    // [N/m], coefficient
+        END, AXIS = END + 3,    // 3 each: centre of the hole's end [m], direction of the hole
+        SLIP = AXIS + 3,        // velocity that rounds off Coulomb friction [m/s]
+        IMPOSED,                // statics: direction of turning, -1, 0 or 1; else NOT_IMPOSED
+        NP)
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T*, const S* p, void*, T* r) {
@@ -269,9 +289,8 @@ struct BitContact {
         weight = onset(depth) * p[STIFFNESS];
         const double arm = p[RADIUS] * (2.0 / 3);
         const T v = y[6] * arm;
-        // IMPOSED: statics, direction of turning given (0: none)
-        torque = p[IMPOSED] > -2 ? weight * (p[FRICTION] * arm * p[IMPOSED]) : weight * (p[FRICTION] * arm) * (v / sqrt(v * v + p[SLIP] * p[SLIP]));
-        const Vec<T> push = {weight * axis.x, weight * axis.y, weight * axis.z};  // what the bit gives to the rock; rows take the opposite
+        torque = p[IMPOSED] > NOT_IMPOSED ? weight * (p[FRICTION] * arm * p[IMPOSED]) : weight * (p[FRICTION] * arm) * (v / sqrt(v * v + p[SLIP] * p[SLIP]));
+        const Vec<T> push = {weight * axis.x, weight * axis.y, weight * axis.z};  // force of the bit on the rock; the rows are minus the force on the bit
         r[0] = push.x; r[1] = push.y; r[2] = push.z;
         const Vec<T> lever = push * p[FACE];
         const Vec<T> row = (lever - t.t * dot(t.t, lever)) / t.n;

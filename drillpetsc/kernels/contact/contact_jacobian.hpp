@@ -95,7 +95,7 @@ inline void run_contact_jacobian(int n, const int* idx, const int* nodes, const 
 }
 
 // Elements below a junction: the chain rule of beam/junction.hpp, for those that touch.
-inline void run_contact_split_jacobian(int n, const int* idx, const int* nodes, const double* par, void* context, const double* c,
+inline void run_contact_junction_jacobian(int n, const int* idx, const int* nodes, const double* par, void* context, const double* c,
                                        const double* spin, const double* x, const double* y, const double* a, double* K) {
     const ContactLaw& law = *static_cast<ContactLaw*>(context);
     typedef BeamContact<false> P;

@@ -2,6 +2,9 @@
 #include "contact/well.hpp"
 
 using namespace dp;
+DP_EXPORT(well_header, WellHeader::ColumnText)
+DP_EXPORT(well_node, WellNode::ColumnText)
+DP_EXPORT(well_step, WellStep::ColumnText)
 
 static void put(double* p, const Vec<double>& a) { p[0] = a.x; p[1] = a.y; p[2] = a.z; }
 

@@ -1,17 +1,25 @@
 // Closest point of the well's centreline, hole radius and friction there, with exact derivatives through Dual<N>.
 //
-// The well comes as one array of doubles made by drillpetsc.well.Well.packed():
-//   [0] number of nodes n (>= 2)  [1] number of transitions k  [2] radius and [3] friction above the first transition, then
-//   n node rows of 16: s, length L and handle m of the segment below, x(3), t(3), a2(3), a3(3), unused
+// The well comes as one array of doubles made by drillpetsc.geometry.well.Well.packed():
+//   WellHeader, then a WellNode row for each node, then a WellStep row for each transition
 //       segment: c(u) = x + m t u + a2 u^2 + a3 u^3,  s(u) = s + u L + (m-L) u (1-u)(1-2u),  0 <= u <= 1  (last row: a node only)
-//   k transition rows of 6: start, width, radius above, its change, friction above, its change (smoothstep between the two)
 // Straight lines go on beyond both ends.  No allocation; T is double or Dual<N>.
 #pragma once
 #include "core/ad.hpp"
+#include "core/names.hpp"
 
 namespace dp {
 
-constexpr int WELL_HEADER = 4, WELL_ROW = 16, WELL_STEP_ROW = 6;
+struct WellHeader { DP_ENUM(Column, NODES, TRANSITIONS, RADIUS, FRICTION, COLUMNS) };  // radius and friction above the first transition
+struct WellNode {
+    DP_ENUM(Column,
+        DEPTH, LENGTH, HANDLE,  // measured depth s; length L and handle m of the segment below [m]
+        POSITION, TANGENT = POSITION + 3, SECOND = TANGENT + 3, THIRD = SECOND + 3,  // 3 each: x, t, a2, a3
+        UNUSED = THIRD + 3, COLUMNS)
+};
+struct WellStep {  // a smoothstep over a transition
+    DP_ENUM(Column, START, WIDTH, RADIUS, RADIUS_CHANGE, FRICTION, FRICTION_CHANGE, COLUMNS)
+};
 constexpr double WELL_RHO0 = 1e-6;  // m, rounds off |e| at the axis
 
 struct Well {
@@ -20,9 +28,9 @@ struct Well {
     const double* node;
     const double* step;
     explicit Well(const double* p)
-        : nodes(int(p[0])), steps(int(p[1])), radius_top(p[2]), friction_top(p[3]), node(p + WELL_HEADER),
-          step(node + long(nodes) * WELL_ROW) {}
-    const double* row(int i) const { return node + long(i) * WELL_ROW; }
+        : nodes(int(p[WellHeader::NODES])), steps(int(p[WellHeader::TRANSITIONS])), radius_top(p[WellHeader::RADIUS]),
+          friction_top(p[WellHeader::FRICTION]), node(p + WellHeader::COLUMNS), step(node + long(nodes) * WellNode::COLUMNS) {}
+    const double* row(int i) const { return node + long(i) * WellNode::COLUMNS; }
 };
 
 // Closest point: measured depth s, centre c, unit tangent t, offset e = x - c, rho = sqrt(|e|^2 + rho0^2), n = e / rho,
@@ -40,28 +48,30 @@ inline Bore bore_at(const Well& w, double s) {
     int lo = 0, hi = w.steps;  // number of transitions that start at or above s
     while (lo < hi) {
         const int mid = (lo + hi) / 2;
-        if (w.step[mid * WELL_STEP_ROW] <= s) lo = mid + 1; else hi = mid;
+        if (w.step[mid * WellStep::COLUMNS + WellStep::START] <= s) lo = mid + 1; else hi = mid;
     }
     if (lo == 0) return {w.radius_top, 0.0, w.friction_top, 0.0, 0.0};
-    const double* p = w.step + (lo - 1) * WELL_STEP_ROW;
-    const double u = (s - p[0]) / p[1];
-    if (u >= 1.0) return {p[2] + p[3], 0.0, p[4] + p[5], 0.0, 0.0};
-    const double h = u * u * (3.0 - 2.0 * u), dh = 6.0 * u * (1.0 - u) / p[1];
-    return {p[2] + p[3] * h, p[3] * dh, p[4] + p[5] * h, p[5] * dh, p[3] * 6.0 * (1.0 - 2.0 * u) / (p[1] * p[1])};
+    typedef WellStep P;
+    const double* p = w.step + (lo - 1) * P::COLUMNS;
+    const double u = (s - p[P::START]) / p[P::WIDTH];
+    if (u >= 1.0) return {p[P::RADIUS] + p[P::RADIUS_CHANGE], 0.0, p[P::FRICTION] + p[P::FRICTION_CHANGE], 0.0, 0.0};
+    const double h = u * u * (3.0 - 2.0 * u), dh = 6.0 * u * (1.0 - u) / p[P::WIDTH];
+    return {p[P::RADIUS] + p[P::RADIUS_CHANGE] * h, p[P::RADIUS_CHANGE] * dh, p[P::FRICTION] + p[P::FRICTION_CHANGE] * h,
+            p[P::FRICTION_CHANGE] * dh, p[P::RADIUS_CHANGE] * 6.0 * (1.0 - 2.0 * u) / (p[P::WIDTH] * p[P::WIDTH])};
 }
 
 // How far x lies below the plane across the centreline at node i.
 inline double below_node(const Well& w, const Vec<double>& x, int i) {
-    const double* p = w.row(i);
-    return (x.x - p[3]) * p[6] + (x.y - p[4]) * p[7] + (x.z - p[5]) * p[8];
+    const double *p = w.row(i), *at = p + WellNode::POSITION, *t = p + WellNode::TANGENT;
+    return (x.x - at[0]) * t[0] + (x.y - at[1]) * t[1] + (x.z - at[2]) * t[2];
 }
 
-// Segment whose chord is nearest to x, by looking at all of them: used without a warm start.
+// Segment whose chord is nearest to x, found by a search of all segments: used without a warm start.
 inline int nearest_segment(const Well& w, const Vec<double>& x) {
     int best = 0;
     double least = 1e300;
     for (int i = 0; i + 1 < w.nodes; ++i) {
-        const Vec<double> a = vec(w.row(i) + 3), chord = vec(w.row(i + 1) + 3) - a, d = x - a;
+        const Vec<double> a = vec(w.row(i) + WellNode::POSITION), chord = vec(w.row(i + 1) + WellNode::POSITION) - a, d = x - a;
         double u = dot(d, chord) / dot(chord, chord);
         if (u < 0.0 && i > 0) u = 0.0;  // first and last go on straight
         if (u > 1.0 && i + 2 < w.nodes) u = 1.0;
@@ -92,9 +102,9 @@ struct Foot {
 };
 inline Foot foot_at(const double* p, const Vec<double>& x, double u) {
     Foot f;
-    const Vec<double> a1 = p[2] * vec(p + 6), a2 = vec(p + 9), a3 = vec(p + 12);
+    const Vec<double> a1 = p[WellNode::HANDLE] * vec(p + WellNode::TANGENT), a2 = vec(p + WellNode::SECOND), a3 = vec(p + WellNode::THIRD);
     f.u = u;
-    f.c = vec(p + 3) + u * (a1 + u * (a2 + u * a3));
+    f.c = vec(p + WellNode::POSITION) + u * (a1 + u * (a2 + u * a3));
     f.d1 = a1 + u * (2.0 * a2 + (3.0 * u) * a3);
     f.d2 = 2.0 * a2 + (6.0 * u) * a3;
     f.d3 = 6.0 * a3;
@@ -123,8 +133,8 @@ inline Foot find_foot(const double* p, const Vec<double>& x, double above, doubl
         f = foot_at(p, x, u);
     }
     // measured depth, cubic with ds/du = m at both ends
-    const double L = p[1], k = p[2] - L;
-    f.s = p[0] + u * L + k * u * (1.0 - u) * (1.0 - 2.0 * u);
+    const double L = p[WellNode::LENGTH], k = p[WellNode::HANDLE] - L;
+    f.s = p[WellNode::DEPTH] + u * L + k * u * (1.0 - u) * (1.0 - 2.0 * u);
     f.ds = L + k * (1.0 - 6.0 * u + 6.0 * u * u);
     f.dds = k * (12.0 * u - 6.0);
     return f;
@@ -134,12 +144,12 @@ inline Foot find_foot(const double* p, const Vec<double>& x, double above, doubl
 inline Foot straight_foot(const double* p, const Vec<double>& x, double distance) {
     Foot f;
     f.u = distance;
-    f.s = p[0] + distance;
+    f.s = p[WellNode::DEPTH] + distance;
     f.ds = 1.0;
     f.dds = 0.0;
-    f.d1 = vec(p + 6);
+    f.d1 = vec(p + WellNode::TANGENT);
     f.d2 = f.d3 = {0.0, 0.0, 0.0};
-    f.c = vec(p + 3) + distance * f.d1;
+    f.c = vec(p + WellNode::POSITION) + distance * f.d1;
     f.g = dot(x - f.c, f.d1);
     f.speed2 = f.slope = dot(f.d1, f.d1);
     return f;
@@ -155,7 +165,7 @@ inline Foot locate(const Well& w, const Vec<double>& x, int& segment) {
                  : segment == last && below < 0.0 ? straight_foot(w.row(last + 1), x, -below)
                                                   : find_foot(w.row(segment), x, above, below);
         const Vec<double> e = x - f.c;
-        // further off than any hole is wide: the warm start may be stale, so look at all segments once
+        // further off than any hole is wide: the warm start may be stale, so all segments are searched once
         if (attempt || dot(e, e) < 25.0) return f;
         const int best = nearest_segment(w, x);
         if (best == segment) return f;

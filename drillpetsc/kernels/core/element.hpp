@@ -1,13 +1,15 @@
 // Drivers that run one kernel over all elements: gather, evaluate, scatter-add.
 //
 // A kernel is a struct with
-//   D       unknowns it couples;  NP parameters per element;  PACKED: may be evaluated four elements at once;
+//   D       unknowns it couples;  PACKED: may be evaluated four elements at once;
+//   DP_ENUM(Parameter, ..., NP)   its NP parameters per element by name (core/names.hpp), which Python fills;
 //   SPINS   pairs {slot of a spin angle, slot of the tangent that belongs to it};
 //   force<T, S>(e, x, y, a, p, ctx, r)   r[D] = residual from x (unknowns), y (rates), a (accelerations).
 // y of a spin angle is the spin rate omega = phi' + c(v).v', so a change of v changes omega: `spin` (3 per node) is d(omega)/dv for
 // the combination asked for by `c` = (dx, dy, da): K = c0 dR/dx + c1 dR/dy + c2 dR/da.
 #pragma once
 #include "core/ad.hpp"
+#include "core/names.hpp"
 
 namespace dp {
 
@@ -98,7 +100,8 @@ void run_jacobian(int n, const int* idx, const int* nodes, const double* par, vo
     extern "C" void name##_residual(int n, const int* idx, const double* par, void* ctx, const double* x,           \
                                     const double* y, const double* a, double* r) {                                  \
         dp::run_residual<Kernel>(n, idx, par, ctx, x, y, a, r);                                                     \
-    }
+    }                                                                                                               \
+    DP_EXPORT(name##_parameters, Kernel::ParameterText)
 #define DP_JACOBIAN(name, run)                                                                                       \
     extern "C" void name##_jacobian(int n, const int* idx, const int* nodes, const double* par, void* ctx,          \
                                     const double* c, const double* spin, const double* x, const double* y,          \

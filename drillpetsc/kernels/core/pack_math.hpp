@@ -1,5 +1,5 @@
 // exp and log of four numbers side by side, without branches: the rational approximations of the Cephes library (S. L. Moshier, exp.c and
-// log.c, relative error 2e-16).  A number that is not finite gives none.
+// log.c, relative error 2e-16).  A number that is not finite gives NaN.
 #pragma once
 #include <cstring>
 

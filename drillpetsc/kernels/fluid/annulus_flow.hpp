@@ -12,16 +12,25 @@ namespace dp {
 
 constexpr double SLOWEST = 1e-3;  // flow speed below which the drag across the pipe by the axial flow fades [m/s]
 
-template <bool SPLIT, bool HELD>
+template <bool JUNCTION, bool HELD>
 struct AnnulusFlow {
-    static constexpr int F = HELD ? 0 : SPLIT ? 15 : 14, D = F + 3, NSPIN = HELD ? 0 : 2;
+    static constexpr int F = HELD ? 0 : JUNCTION ? 15 : 14, D = F + 3, NSPIN = HELD ? 0 : 2;
     static constexpr bool PACKED = true;
     static constexpr int SPINS[2][2] = {{6, 3}, {13, 10}};  // the drag on the turning string
-    enum { LENGTH, ABOVE, POISSON, OUTER, HOLE, OUTER_ABOVE, WALL, DIAMETER, GAP, GAP_ABOVE, CHI, DAMPING, TURNING, STEP, LOSS, CONTROL,
-           CONTROLLED, DROP, TANGENT1, TANGENT2 = TANGENT1 + 3, BEND = TANGENT2 + 3, HEAD = BEND + 3, WIDENING, NP };
-    // OUTER, HOLE: areas A_o, A_w [m2]; DIAMETER D_o, GAP D_w - D_o [m]; CHI added mass / (rho A_o); DAMPING k_v [N s/m2]; TURNING drag torque
-    // per length and spin [N s]; CONTROL 1: the upper node has the pressure CONTROLLED + rho0 (g.t_w)(t_w.r) [Pa]; BEND curvature of the hole [1/m]; DROP, HEAD as in fluid/bore_flow.hpp;
-    // WIDENING dA_w per metre that the element moves down the hole [m]: HOLE is the area where it is at the start of the step
+    DP_ENUM(Parameter,
+        LENGTH, RIGID,             // of the element and of the rigid item above it [m]
+        POISSON,                   // 0: the string does not narrow by stretch
+        OUTER, HOLE, OUTER_ABOVE,  // areas A_o, A_w; that of the rigid item [m2]
+        WALL,                      // d(ln A)/dp [1/Pa]
+        DIAMETER, GAP, GAP_ABOVE,  // D_o, D_w - D_o; the gap about the rigid item [m]
+        CHI, DAMPING, TURNING,     // added mass / (rho A_o); k_v [N s/m2]; drag torque per length and spin [N s]
+        STEP, LOSS,                // as in fluid/bore_flow.hpp
+        CONTROL, CONTROLLED,       // CONTROL 1: the upper node has the pressure CONTROLLED + rho0 (g.t_w)(t_w.r) [Pa]
+        DROP,                      // as in fluid/bore_flow.hpp
+        TANGENT1, TANGENT2 = TANGENT1 + 3, BEND = TANGENT2 + 3,  // 3 each: directions of the hole at both ends, its curvature [1/m]
+        HEAD = BEND + 3,           // as in fluid/bore_flow.hpp
+        WIDENING,                  // dA_w per metre that the element moves down the hole [m]: HOLE is the area at the start of the step
+        NP)
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
@@ -29,30 +38,30 @@ struct AnnulusFlow {
     }
 
     template <class T, class S>
-    static void evaluate(const T* x, const T* y, const T* a, const S* p, const Fluid& f, T* r, FlowReport* report) {
+    static void evaluate(const T* x, const T* y, const T* a, const S* p, const Fluid& f, T* r, FlowResults* results) {
         const T p1 = x[F], p2 = x[F + 1], q = x[F + 2], flow = y[F + 2], mean = (p1 + p2) * 0.5;
         const S L = p[LENGTH];
         const Compressed<T> c(f, mean, p[WALL]);
         if constexpr (HELD) {
             const T content = T(1.0) * (p[HOLE] - p[OUTER]), area = c.density * content * (1.0 / f.density), w = q / area;
             const T resistance = shear(f, w, c.density, p[GAP], 1.0) * (L * 4.0 / p[GAP]), mass = c.density * L / area;
-            rows(x, y, c, p, f, content * L, T(0.0), T(0.0), p[CONTROLLED], q, mass * flow - c.density * p[DROP] + resistance, r, report);
-            if constexpr (std::is_same_v<T, double>) if (report) {
-                report->dissipated += val(q) * val(f.density / c.density) * val(resistance);
-                report->kinetic = 0.5 * val(mass) * val(q) * val(q) * val(f.density / c.density);
-                report->speed = val(w);
-                report->potential = -val(c.theta * content) * f.density * p[LENGTH] * p[HEAD];
+            rows(x, y, c, p, f, content * L, T(0.0), T(0.0), p[CONTROLLED], q, mass * flow - c.density * p[DROP] + resistance, r, results);
+            if constexpr (std::is_same_v<T, double>) if (results) {
+                results->dissipated += val(q) * val(f.density / c.density) * val(resistance);
+                results->kinetic = 0.5 * val(mass) * val(q) * val(q) * val(f.density / c.density);
+                results->speed = val(w);
+                results->potential = -val(c.theta * content) * f.density * p[LENGTH] * p[HEAD];
             }
         } else {
-            const Ride<T, SPLIT> on(x, y, a, p[ABOVE]);
-            moving(on, x, y, c, p, f, p1, p2, q, flow, r, report);
+            const Ride<T, JUNCTION> on(x, y, a, p[RIGID]);
+            moving(on, x, y, c, p, f, p1, p2, q, flow, r, results);
         }
     }
 
     // mass and momentum rows; swept1, swept2: what the motion of the string adds to the content at the ends [m3/s]
     template <class T, class S, class C>
     static void rows(const T* x, const T* y, const Compressed<T>& c, const S* p, const Fluid& f, const T& volume, const T& swept1, const T& swept2,
-                     const C& controlled, const T& q, const T& momentum, T* r, FlowReport* report) {
+                     const C& controlled, const T& q, const T& momentum, T* r, FlowResults* results) {
         const T size = sqrt(q * q + 1e-20), heads = q * (q * p[STEP] + size * p[LOSS]) * (f.density * f.density) / c.density;
         const T stored = c.by_p * volume * (1.0 / 12);
         const T s1 = stored * (y[F] * 5.0 + y[F + 1]) + swept1, s2 = stored * (y[F + 1] * 5.0 + y[F]) + swept2;
@@ -60,17 +69,17 @@ struct AnnulusFlow {
         r[F] = ((s1 + q) * free + (x[F] - controlled) * (p[CONTROL] * GIVEN_PRESSURE)) * MASS_ROW;
         r[F + 1] = (s2 - q) * MASS_ROW;
         r[F + 2] = (momentum + x[F + 1] - x[F] + heads) * MOMENTUM_ROW;
-        if constexpr (std::is_same_v<T, double>) if (report) {
+        if constexpr (std::is_same_v<T, double>) if (results) {
             const double mean = 0.5 * val(x[F] + x[F + 1]), lost = val(q) * val(f.density / c.density);
-            report->stored = stored_energy(f, mean, val(p[WALL]), val(volume));
-            report->dissipated = lost * val(q * size * p[LOSS]) * f.density * f.density / val(c.density);
-            report->content = val(c.theta * volume); report->storage1 = val(s1); report->storage2 = val(s2); report->density = val(c.density);
+            results->stored = stored_energy(f, mean, val(p[WALL]), val(volume));
+            results->dissipated = lost * val(q * size * p[LOSS]) * f.density * f.density / val(c.density);
+            results->content = val(c.theta * volume); results->storage_upper = val(s1); results->storage_lower = val(s2); results->density = val(c.density);
         }
     }
 
     template <class R, class T, class S>
     static void moving(const R& on, const T* x, const T* y, const Compressed<T>& c, const S* p, const Fluid& f, const T& p1, const T& p2, const T& q,
-                       const T& flow, T* r, FlowReport* report) {
+                       const T& flow, T* r, FlowResults* results) {
         const S L = p[LENGTH], il = S(1.0) / L, AO = p[OUTER], AW = p[HOLE];
         const Vec<S> tw1 = vec(p + TANGENT1), tw2 = vec(p + TANGENT2), sum = tw1 + tw2, tw = sum * (S(1.0) / norm(sum));
         const Vec<double> g = vec(f.gravity);
@@ -98,29 +107,29 @@ struct AnnulusFlow {
         const T V = dot((on.y.r1 + on.y.r2) * 0.5 + (on.y.v1 - on.y.v2) * (L * (1.0 / 12)), tw);
         const T V1 = dot((on.a.r1 + on.a.r2) * 0.5 + (on.a.v1 - on.a.v2) * (L * (1.0 / 12)), tw);
         T widens = V * lam * (p[WIDENING] * 0.5);
-        if constexpr (SPLIT) widens += V * (p[WIDENING] * p[ABOVE] * il * 0.5);
+        if constexpr (JUNCTION) widens += V * (p[WIDENING] * p[RIGID] * il * 0.5);
         swept1 += widens;
         swept2 += widens;
         const T wall = w + V, sheared = wall - V * f.clinging;
         const T tau = shear(f, sheared, c.density, p[GAP], 1.0);
         T resistance = tau * (lam * L * 4.0 / p[GAP]), mass = c.density * lam * lam * L / area, volume = content * L;
         T momentum = c.density * w * dot(d_rate, tw) + c.density * lam * L * V1 - c.density * gw * dot(on.x.r2 - on.above, tw);
-        const T gradient = (p2 - p1) * (S(1.0) / (L + p[ABOVE]));
+        const T gradient = (p2 - p1) * (S(1.0) / (L + p[RIGID]));
         const Vec<T> weight = (g - tw * gw) * (c.density * lam), bend = vec(p + BEND) * (c.density * lam * wall * wall);
         const Vec<T> side = (weight - bend) * outer;  // buoyancy across the hole, less what guides the flow round its bends
-        if constexpr (SPLIT) {
+        if constexpr (JUNCTION) {
             const T open = thick * (AW - p[OUTER_ABOVE]);
-            resistance += shear(f, q / open + V * (1.0 - f.clinging), c.density, p[GAP_ABOVE], 1.0) * (p[ABOVE] * 4.0 / p[GAP_ABOVE]);
-            mass += c.density * p[ABOVE] / open;
-            momentum += c.density * p[ABOVE] * dot(on.a.r1, tw);
-            volume += T(0.0) + (AW - p[OUTER_ABOVE]) * p[ABOVE];
+            resistance += shear(f, q / open + V * (1.0 - f.clinging), c.density, p[GAP_ABOVE], 1.0) * (p[RIGID] * 4.0 / p[GAP_ABOVE]);
+            mass += c.density * p[RIGID] / open;
+            momentum += c.density * p[RIGID] * dot(on.a.r1, tw);
+            volume += T(0.0) + (AW - p[OUTER_ABOVE]) * p[RIGID];
         }
         // static part: pressure along the hole and buoyancy across
         const T along = gradient * outer - tau * (p[DIAMETER] * 3.14159265358979324);
         const Vec<T> at1 = tw1 * along, at2 = tw2 * along;
         Four<T> F4 = {(at1 * 0.35 + at2 * 0.15 + side * 0.5) * L - Qd, (at1 * 0.05 + at2 * (1.0 / 30) + side * (1.0 / 12)) * (L * L) + Q1,
                       (at1 * 0.15 + at2 * 0.35 + side * 0.5) * L + Qd, (at1 * (-1.0 / 30) - at2 * 0.05 - side * (1.0 / 12)) * (L * L) + Q2};
-        if constexpr (SPLIT) F4.r1 += (tw1 * gradient + (g - tw * gw) * c.density) * (p[OUTER_ABOVE] * p[ABOVE]);
+        if constexpr (JUNCTION) F4.r1 += (tw1 * gradient + (g - tw * gw) * c.density) * (p[OUTER_ABOVE] * p[RIGID]);
         // motion across the hole
         const T M = c.density * lam * (p[CHI] * AO);
         const T drag = tau * sheared / (sheared * sheared + SLOWEST * SLOWEST) * (p[DIAMETER] * 3.14159265358979324), damping = drag + p[DAMPING];
@@ -134,19 +143,19 @@ struct AnnulusFlow {
         accumulate(C, stiffness(d, on.x.v1, on.x.v2, L), -(M * across * across));
         const auto cross_part = [&tw](const Vec<T>& u) { return u - tw * dot(u, tw); };
         F4.r1 += cross_part(C.r1); F4.v1 += cross_part(C.v1); F4.r2 += cross_part(C.r2); F4.v2 += cross_part(C.v2);
-        on.store(F4, p[ABOVE], r);
+        on.store(F4, p[RIGID], r);
         r[6] = (y[6] * 2.0 + y[13]) * (p[TURNING] * L * (1.0 / 6));
         r[13] = (y[13] * 2.0 + y[6]) * (p[TURNING] * L * (1.0 / 6));
         const T head = dot(on.above, tw) * (gw * f.density);  // at the hole's axis, wherever in the hole the string is held
-        rows(x, y, c, p, f, volume, swept1 * (c.theta * L), swept2 * (c.theta * L), head + p[CONTROLLED], q, mass * flow + momentum + resistance, r, report);
-        if constexpr (std::is_same_v<T, double>) if (report) energies(on, y, c, p, f, area, M, across, w, wall, V, tau, resistance, q, drag, report);
+        rows(x, y, c, p, f, volume, swept1 * (c.theta * L), swept2 * (c.theta * L), head + p[CONTROLLED], q, mass * flow + momentum + resistance, r, results);
+        if constexpr (std::is_same_v<T, double>) if (results) energies(on, y, c, p, f, area, M, across, w, wall, V, tau, resistance, q, drag, results);
     }
 
     // of the mud: half m (w + V)^2 along, M_a |P(V + c r_s)|^2/2 across; weight at the hole's axis, less what the pipe displaces sideways
     template <class R, class T, class S>
     static void energies(const R& on, const T* y, const Compressed<T>& c, const S* p, const Fluid& f, const T& area, const T& M,
                          const T& across, const T& w, const T& wall, const T& V, const T& tau, const T& resistance, const T& q, const T& drag,
-                         FlowReport* report) {
+                         FlowResults* results) {
         const double L = val(p[LENGTH]), density = val(c.density), per_length = f.density * val(area);
         const Vec<double> t = vec(p + TANGENT1) + vec(p + TANGENT2), tw = t / norm(t), g = vec(f.gravity), side = g - tw * dot(g, tw);
         const auto cut = [&tw](const Vec<T>& u) -> Vec<double> { const Vec<double> v = {val(u.x), val(u.y), val(u.z)}; return v - tw * dot(v, tw); };
@@ -154,15 +163,15 @@ struct AnnulusFlow {
         const Four<double> X = {cut(on.x.r1), cut(on.x.v1), cut(on.x.r2), cut(on.x.v2)}, Y = {cut(on.y.r1), cut(on.y.v1), cut(on.y.r2), cut(on.y.v2)};
         const double rate = val(across), a = pair(Y, consistent(Y, L)) * L / 420, b = pair(slopes(X.r2 - X.r1, X.v1, X.v2, L), Y);
         const double s = pair(X, stiffness(X.r2 - X.r1, X.v1, X.v2, L));
-        report->kinetic = 0.5 * per_length * L * val(wall) * val(wall) + 0.5 * val(M) * (a + 2 * rate * b + rate * rate * s);
+        results->kinetic = 0.5 * per_length * L * val(wall) * val(wall) + 0.5 * val(M) * (a + 2 * rate * b + rate * rate * s);
         const Vec<double> middle = {val(on.x.r1.x + on.x.r2.x) * 0.5, val(on.x.r1.y + on.x.r2.y) * 0.5, val(on.x.r1.z + on.x.r2.z) * 0.5};
-        report->potential = -per_length * L * dot(g, tw) * dot(middle, tw) + density * val(p[OUTER]) * L * dot(middle, side);
+        results->potential = -per_length * L * dot(g, tw) * dot(middle, tw) + density * val(p[OUTER]) * L * dot(middle, side);
         const double volume = val(q) * f.density / density, round = val(p[DIAMETER]) * 3.14159265358979324;
-        report->dissipated += val(resistance) * (volume + val(V) * val(area) * f.density / density) - val(tau) * round * L * val(V);
-        report->dissipated += val(drag) * (a + rate * b) + val(p[DAMPING]) * a;
+        results->dissipated += val(resistance) * (volume + val(V) * val(area) * f.density / density) - val(tau) * round * L * val(V);
+        results->dissipated += val(drag) * (a + rate * b) + val(p[DAMPING]) * a;
         const double o1 = val(y[6]), o2 = val(y[13]);
-        report->dissipated += val(p[TURNING]) * L / 3 * (o1 * o1 + o1 * o2 + o2 * o2);
-        report->speed = val(w);
+        results->dissipated += val(p[TURNING]) * L / 3 * (o1 * o1 + o1 * o2 + o2 * o2);
+        results->speed = val(w);
     }
 };
 

@@ -13,11 +13,23 @@
 namespace dp {
 
 constexpr double FLOW_ROUNDING = 1e-5;  // rounds off q |q| at zero [m3/s]
-constexpr double VALVE_ROUNDING = 3e-7; // flow over which a check valve opens: it must not be felt in forward flow [m3/s]
+constexpr double VALVE_ROUNDING = 3e-7; // flow over which a check valve opens: far below any forward flow [m3/s]
 constexpr double GAP_ROUNDING = 1e-3;   // distance over which a bit on bottom stops displacing mud [m]
 constexpr double VALVE_CLOSED = 1e4;    // factor on the resistance of a check valve to back flow
 
 template <class T> inline T softplus(const T& g) { return val(g) > 40 ? g : log(1.0 + exp(g)); }
+
+// INERTANCE L_b [kg/m4]; NOZZLE A_n [m2]; LOSS 1/(2 C_d^2 A_n^2) [1/m4]; CHECK 1: a valve against back flow; AMBIENT [Pa]; HOLE A_w [m2];
+// VOLUME V_0 [m3]; ELASTIC 1/E [1/Pa]; FACE distance from the node to the face [m]; ADDED chi A_o, OPEN area of the annulus [m2]; BUOYANT
+// volume of rigid items below the node [m3]; HELD_GAP distance between face and bottom where the string is held [m]; END, AXIS the hole's
+// end (at the start, where it grows) and direction; TANGENT of the hole at the node; CUT [m2]
+#define DP_BIT_FLOW_PARAMETERS                                                                                                      \
+    INERTANCE, NOZZLE, LOSS, CHECK, AMBIENT, HOLE, VOLUME, ELASTIC, FACE, ADDED, OPEN, BUOYANT, HELD_GAP, END, AXIS = END + 3, \
+    TANGENT = AXIS + 3, CUT = TANGENT + 3
+
+// Power lost [W], flow through the nozzles [m3/s]; kinetic and stored energy [J], content [m3] and potential [J] of the chamber; cuttings that
+// enter it [m3/s at zero pressure].
+DP_RECORD(BitFlowResults, double lost, flow, kinetic, stored, content, potential, cuttings;)
 
 template <bool PIPE, bool ANNULUS, bool HELD, bool GROW = false>
 struct BitFlow {
@@ -26,11 +38,7 @@ struct BitFlow {
     static constexpr int NSPIN = 0;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{0, 0}};
-    enum { INERTANCE, NOZZLE, LOSS, CHECK, AMBIENT, HOLE, VOLUME, ELASTIC, FACE, ADDED, OPEN, BUOYANT, HELD_GAP, END, AXIS = END + 3, TANGENT = AXIS + 3,
-           CUT = TANGENT + 3, NP };
-    // INERTANCE L_b [kg/m4]; NOZZLE A_n [m2]; LOSS 1/(2 C_d^2 A_n^2) [1/m4]; VOLUME V_0 [m3]; ELASTIC 1/E [1/Pa]; FACE distance from the node to
-    // the face [m]; ADDED chi A_o, OPEN area of the annulus [m2]; BUOYANT volume of rigid items below the node [m3]; END, AXIS
-    // the hole's end (at the start, where it grows) and direction; TANGENT of the hole at the node; CUT [m2]
+    DP_ENUM(Parameter, DP_BIT_FLOW_PARAMETERS, NP)
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
@@ -38,7 +46,7 @@ struct BitFlow {
     }
 
     template <class T, class S>
-    static void evaluate(const T* x, const T* y, const T*, const S* p, const Fluid& f, T* r, double* report) {
+    static void evaluate(const T* x, const T* y, const T*, const S* p, const Fluid& f, T* r, BitFlowResults* results) {
         for (int i = 0; i < D; ++i) r[i] = T(0.0);
         Vec<T> F = {T(0.0), T(0.0), T(0.0)};
         const Vec<double> g = vec(f.gravity);
@@ -56,7 +64,7 @@ struct BitFlow {
                 F += (vec(y) + t.t * (q * thin / p[NOZZLE])) * (q * f.density);
             }
             // what leaves the system with the flow: loss, and the speed of the jet where it ends in the open
-            if (report) { report[0] = val(loss * q) * std::exp(-0.5 * f.compressibility * val(x[PI] + under)); report[1] = val(q); report[2] = 0.5 * p[INERTANCE] * val(q) * val(q); }
+            if (results) { results->lost = val(loss * q) * std::exp(-0.5 * f.compressibility * val(x[PI] + under)); results->flow = val(q); results->kinetic = 0.5 * p[INERTANCE] * val(q) * val(q); }
         }
         if constexpr (ANNULUS) {
             const Compressed<T> c(f, x[PA], p[ELASTIC] - f.compressibility);
@@ -70,7 +78,7 @@ struct BitFlow {
                 const T open = 1.0 / (1.0 + exp(gap * (-1.0 / GAP_ROUNDING)));
                 swept = dot(parting, axis) * open * (-p[HOLE]);
                 if constexpr (GROW) {
-                    if (report) report[6] = val(c.theta) * p[CUT] * val(y[DRILLED]);
+                    if (results) results->cuttings = val(c.theta) * p[CUT] * val(y[DRILLED]);
                     swept -= y[DRILLED] * p[CUT];
                 }
                 const Vec<double> tw = vec(p + TANGENT);
@@ -81,14 +89,14 @@ struct BitFlow {
             const T volume = p[VOLUME] + p[HOLE] * GAP_ROUNDING * softplus(gap * (1.0 / GAP_ROUNDING));
             r[PA] = (volume * c.by_p * y[PA] + c.theta * swept) * MASS_ROW;
             if constexpr (PIPE) r[PA] -= x[QB] * MASS_ROW;
-            if (report) {
-                report[3] = stored_energy(f, val(x[PA]), p[ELASTIC] - f.compressibility, val(volume));
-                report[4] = val(c.theta * volume);
+            if (results) {
+                results->stored = stored_energy(f, val(x[PA]), p[ELASTIC] - f.compressibility, val(volume));
+                results->content = val(c.theta * volume);
                 if constexpr (!HELD) {  // weight of the mud between bit and bottom, at its middle
                     Vec<double> end = vec(p + END);
                     if constexpr (GROW) end += Vec<double>{val(x[MOVED]), val(x[MOVED + 1]), val(x[MOVED + 2])};
                     const Vec<double> middle = end - vec(p + AXIS) * (0.5 * val(gap));
-                    report[5] = -report[4] * f.density * dot(middle, g);
+                    results->potential = -results->content * f.density * dot(middle, g);
                 }
             }
         }
@@ -99,12 +107,13 @@ struct BitFlow {
 // Where the string leaves the annulus: no mud presses on its section from above, which the virtual work of pressure along it takes for
 // granted at both ends (an outlet under pressure pushes the string out: snubbing force p A_o).
 struct AnnulusTop {
-    static constexpr int D = 8, NP = 1, NSPIN = 0;  // r, v, phi, pressure; area A_o [m2]
+    static constexpr int D = 8, NSPIN = 0;  // r, v, phi, pressure
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{0, 0}};
+    DP_ENUM(Parameter, OUTER, NP)  // area A_o [m2]
     template <class T, class S>
     static void force(int, const T* x, const T*, const T*, const S* p, void*, T* r) {
-        const Vec<T> v = vec(x + 3), push = v * (x[7] * p[0] / norm(v));
+        const Vec<T> v = vec(x + 3), push = v * (x[7] * p[OUTER] / norm(v));
         r[0] = push.x; r[1] = push.y; r[2] = push.z;
         r[3] = r[4] = r[5] = r[6] = r[7] = T(0.0);
     }
@@ -112,24 +121,26 @@ struct AnnulusTop {
 
 // Pressure that a valve at the flow line holds against the outflow -q, added to the row that gives the upper node of the annulus its pressure.
 struct Choke {
-    static constexpr int D = 2, NP = 1, NSPIN = 0;  // pressure of the upper node, flow rate of the first element; 1/(2 C_d^2 A^2) [1/m4]
+    static constexpr int D = 2, NSPIN = 0;  // pressure of the upper node, flow rate of the first element
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{0, 0}};
+    DP_ENUM(Parameter, LOSS, NP)  // 1/(2 C_d^2 A^2) [1/m4]
     template <class T, class S>
     static void force(int, const T* x, const T*, const T*, const S* p, void* context, T* r) {
         const Fluid& f = *static_cast<const Fluid*>(context);
-        r[0] = x[1] * sqrt(x[1] * x[1] + FLOW_ROUNDING * FLOW_ROUNDING) * (p[0] * f.density * GIVEN_PRESSURE * MASS_ROW);
+        r[0] = x[1] * sqrt(x[1] * x[1] + FLOW_ROUNDING * FLOW_ROUNDING) * (p[LOSS] * f.density * GIVEN_PRESSURE * MASS_ROW);
         r[1] = T(0.0);
     }
 };
 
 // Flow rate that a pump delivers into the bore.
 struct Pump {
-    static constexpr int D = 1, NP = 1, NSPIN = 0;
+    static constexpr int D = 1, NSPIN = 0;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{0, 0}};
+    DP_ENUM(Parameter, FLOW, NP)  // [m3/s]
     template <class T, class S>
-    static void force(int, const T*, const T*, const T*, const S* p, void*, T* r) { r[0] = T(-MASS_ROW * p[0]); }
+    static void force(int, const T*, const T*, const T*, const S* p, void*, T* r) { r[0] = T(-MASS_ROW * p[FLOW]); }
 };
 
 }  // namespace dp

@@ -12,14 +12,21 @@
 
 namespace dp {
 
-template <bool SPLIT, bool HELD>
+template <bool JUNCTION, bool HELD>
 struct BoreFlow {
-    static constexpr int F = HELD ? 0 : SPLIT ? 15 : 14, D = F + 3, NSPIN = 0;
+    static constexpr int F = HELD ? 0 : JUNCTION ? 15 : 14, D = F + 3, NSPIN = 0;
     static constexpr bool PACKED = true;
     static constexpr int SPINS[1][2] = {{0, 0}};
-    enum { LENGTH, ABOVE, POISSON, AREA, AREA_ABOVE, WALL, DIAMETER, DIAMETER_ABOVE, STEP, LOSS, CONTROL, CONTROLLED, DROP, HEAD, NP };
-    // lengths of the element and of the rigid item above it [m]; Poisson's ratio (0: rigid walls); bores [m2], [m]; WALL d(ln A)/dp [1/Pa];
-    // STEP (1/A^2 - 1/A_up^2)/2, LOSS K/(2 A^2) [1/m4]; CONTROL 1: pressure of the upper node is CONTROLLED [Pa]; DROP g.(r2 - r1), HEAD g.(r1 + r2)/2 when held
+    DP_ENUM(Parameter,
+        LENGTH, RIGID,             // of the element and of the rigid item above it [m]
+        POISSON,                   // 0: rigid walls
+        AREA, AREA_ABOVE,          // of the bore, here and in the rigid item [m2]
+        WALL,                      // d(ln A)/dp [1/Pa]
+        DIAMETER, DIAMETER_ABOVE,  // of the bore, here and in the rigid item [m]
+        STEP, LOSS,                // (1/A^2 - 1/A_up^2)/2, K/(2 A^2) [1/m4]
+        CONTROL, CONTROLLED,       // CONTROL 1: pressure of the upper node is CONTROLLED [Pa]
+        DROP, HEAD,                // when held: g.(r2 - r1), g.(r1 + r2)/2 [m2/s2]
+        NP)
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
@@ -27,7 +34,7 @@ struct BoreFlow {
     }
 
     template <class T, class S>
-    static void evaluate(const T* x, const T* y, const T* a, const S* p, const Fluid& f, T* r, FlowReport* report) {
+    static void evaluate(const T* x, const T* y, const T* a, const S* p, const Fluid& f, T* r, FlowResults* results) {
         const T p1 = x[F], p2 = x[F + 1], q = x[F + 2], flow = y[F + 2], mean = (p1 + p2) * 0.5;
         const S L = p[LENGTH], A = p[AREA];
         const Compressed<T> c(f, mean, p[WALL]);
@@ -35,7 +42,7 @@ struct BoreFlow {
         Four<T> rows;
         const Vec<double> g = vec(f.gravity);
         if constexpr (!HELD) {
-            const Ride<T, SPLIT> on(x, y, a, p[ABOVE]);
+            const Ride<T, JUNCTION> on(x, y, a, p[RIGID]);
             const Vec<T> d = on.x.r2 - on.x.r1, d_rate = on.y.r2 - on.y.r1;
             const S il = S(1.0) / L;
             stretch = T(0.0); content = T(0.0);
@@ -58,7 +65,7 @@ struct BoreFlow {
             const T m1 = c.density * (content * ((y[F] + y[F + 1]) * (0.5 * f.compressibility)) + squeeze1 + squeeze2) * A;
             const Four<T> along = slopes(d, on.x.v1, on.x.v2, L);
             inertia = c.density * (dot(along.r1, on.a.r1) + dot(along.v1, on.a.v1) + dot(along.r2, on.a.r2) + dot(along.v2, on.a.v2));
-            if constexpr (SPLIT) inertia += c.density * dot(on.t0, on.a.r1) * p[ABOVE];
+            if constexpr (JUNCTION) inertia += c.density * dot(on.t0, on.a.r1) * p[RIGID];
             drop = dot(on.x.r2 - on.above, g);
             const Four<T> push = {on.a.r1 * m + on.y.r1 * m1 - g * m, on.a.v1 * m + on.y.v1 * m1, on.a.r2 * m + on.y.r2 * m1 - g * m,
                                   on.a.v2 * m + on.y.v2 * m1};
@@ -70,26 +77,26 @@ struct BoreFlow {
             rows.r1 += on.y.r1 * G;
             rows.r2 -= on.y.r2 * G;
             accumulate(rows, stiffness(d, on.x.v1, on.x.v2, L), -(G * G / m));
-            if constexpr (SPLIT) {  // mud in the rigid item, as one piece with straight motion between its ends
-                const T half = c.density * (p[AREA_ABOVE] * p[ABOVE] * 0.5);
+            if constexpr (JUNCTION) {  // mud in the rigid item, as one piece with straight motion between its ends
+                const T half = c.density * (p[AREA_ABOVE] * p[RIGID] * 0.5);
                 const Vec<T> turn = (on.x.r1 - on.above) * (G1 * 0.5), upper = (vec(a) - g) * half + turn + on.y.r1 * G;
                 rows.r1 += (on.a.r1 - g) * half + turn - vec(y) * G;
-                on.store(rows, p[ABOVE], r);
+                on.store(rows, p[RIGID], r);
                 r[0] += upper.x; r[1] += upper.y; r[2] += upper.z;
             } else {
-                on.store(rows, p[ABOVE], r);
+                on.store(rows, p[RIGID], r);
             }
-            if constexpr (std::is_same_v<T, double>) if (report) energies(on, m, G, c, p, f, y, report);
+            if constexpr (std::is_same_v<T, double>) if (results) energies(on, m, G, c, p, f, y, results);
         }
         const T thick = c.density * (1.0 / f.density), area = thick * content * A, w = q * stretch / area;
         T resistance = shear(f, w, c.density, p[DIAMETER], 0.0) * (stretch * L * 4.0 / p[DIAMETER]);
         T mass = c.density * stretch * stretch * L / area;
         T volume = content * (A * L);
-        if constexpr (SPLIT) {
+        if constexpr (JUNCTION) {
             const T open = thick * p[AREA_ABOVE];
-            resistance += shear(f, q / open, c.density, p[DIAMETER_ABOVE], 0.0) * (p[ABOVE] * 4.0 / p[DIAMETER_ABOVE]);
-            mass += c.density * p[ABOVE] / open;
-            volume += T(0.0) + p[AREA_ABOVE] * p[ABOVE];
+            resistance += shear(f, q / open, c.density, p[DIAMETER_ABOVE], 0.0) * (p[RIGID] * 4.0 / p[DIAMETER_ABOVE]);
+            mass += c.density * p[RIGID] / open;
+            volume += T(0.0) + p[AREA_ABOVE] * p[RIGID];
         }
         const T size = sqrt(q * q + 1e-20), heads = q * (q * p[STEP] + size * p[LOSS]) * (f.density * f.density) / c.density;
         const T stored = c.by_p * volume * (1.0 / 12);
@@ -99,36 +106,36 @@ struct BoreFlow {
         r[F] = ((s1 + q) * free + (p1 - p[CONTROLLED]) * (p[CONTROL] * GIVEN_PRESSURE)) * MASS_ROW;
         r[F + 1] = (s2 - q) * MASS_ROW;
         r[F + 2] = (mass * flow + c.density * w * rate * L + inertia - c.density * drop + p2 - p1 + resistance + heads) * MOMENTUM_ROW;
-        if constexpr (std::is_same_v<T, double>) if (report) {
+        if constexpr (std::is_same_v<T, double>) if (results) {
             const double lost = val(q) * val(f.density / c.density);
-            report->stored = stored_energy(f, val(mean), val(p[WALL]), val(volume));
-            report->dissipated = lost * (val(resistance) + val(q * size * p[LOSS]) * f.density * f.density / val(c.density));
-            report->content = val(c.theta * volume); report->storage1 = val(s1); report->storage2 = val(s2);
-            report->speed = val(w); report->density = val(c.density);
+            results->stored = stored_energy(f, val(mean), val(p[WALL]), val(volume));
+            results->dissipated = lost * (val(resistance) + val(q * size * p[LOSS]) * f.density * f.density / val(c.density));
+            results->content = val(c.theta * volume); results->storage_upper = val(s1); results->storage_lower = val(s2);
+            results->speed = val(w); results->density = val(c.density);
             if constexpr (HELD) {
-                report->kinetic = 0.5 * val(mass) * val(q) * lost;
-                report->potential = -val(c.theta * volume) * f.density * p[HEAD];
+                results->kinetic = 0.5 * val(mass) * val(q) * lost;
+                results->potential = -val(c.theta * volume) * f.density * p[HEAD];
             }
         }
     }
 
     // kinetic energy m |V|^2/2 + G V.r_s + G^2 |r_s|^2/2m of the fluid in motion with the string
     template <class R, class T, class S>
-    static void energies(const R& on, const T& m, const T& G, const Compressed<T>& c, const S* p, const Fluid& f, const T* y, FlowReport* report) {
+    static void energies(const R& on, const T& m, const T& G, const Compressed<T>& c, const S* p, const Fluid& f, const T* y, FlowResults* results) {
         const S L = p[LENGTH];
         const auto pair = [](const Four<T>& u, const Four<T>& v) { return dot(u.r1, v.r1) + dot(u.v1, v.v1) + dot(u.r2, v.r2) + dot(u.v2, v.v2); };
         const Vec<T> d = on.x.r2 - on.x.r1;
         const T speed = pair(on.y, consistent(on.y, L)) * (L * (0.5 / 420)) * m;
         const T mixed = pair(slopes(d, on.x.v1, on.x.v2, L), on.y) * G;
         const T own = pair(on.x, stiffness(d, on.x.v1, on.x.v2, L)) * (G * G / m) * 0.5;
-        report->kinetic = val(speed + mixed + own);
+        results->kinetic = val(speed + mixed + own);
         const Vec<T> middle = (on.x.r1 + on.x.r2) * 0.5 + (on.x.v1 - on.x.v2) * (L * (1.0 / 12));
-        report->potential = -val(m * L * dot(middle, vec(f.gravity)));
-        if constexpr (SPLIT) {
-            const double line = val(c.density) * p[AREA_ABOVE], a = p[ABOVE];
+        results->potential = -val(m * L * dot(middle, vec(f.gravity)));
+        if constexpr (JUNCTION) {
+            const double line = val(c.density) * p[AREA_ABOVE], a = p[RIGID];
             const Vec<T> rod = on.x.r1 - on.above, V = vec(y), V1 = on.y.r1;
-            report->potential -= 0.5 * line * a * dot(on.x.r1 + on.above, vec(f.gravity));
-            report->kinetic += 0.25 * line * a * (dot(V, V) + dot(V1, V1)) + 0.5 * G * (dot(rod, V) + dot(rod, V1)) + 0.5 * G * G * a / line;
+            results->potential -= 0.5 * line * a * dot(on.x.r1 + on.above, vec(f.gravity));
+            results->kinetic += 0.25 * line * a * (dot(V, V) + dot(V1, V1)) + 0.5 * G * (dot(rod, V) + dot(rod, V1)) + 0.5 * G * G * a / line;
         }
     }
 };

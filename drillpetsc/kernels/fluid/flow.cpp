@@ -4,10 +4,10 @@
 
 using namespace dp;
 typedef BoreFlow<false, false> PipePlain;
-typedef BoreFlow<true, false> PipeSplit;
+typedef BoreFlow<true, false> PipeJunction;
 typedef BoreFlow<false, true> PipeHeld;
 typedef AnnulusFlow<false, false> AnnulusPlain;
-typedef AnnulusFlow<true, false> AnnulusSplit;
+typedef AnnulusFlow<true, false> AnnulusJunction;
 typedef AnnulusFlow<false, true> AnnulusHeld;
 typedef BitFlow<true, true, false> BitNozzle;
 typedef BitFlow<true, false, false> BitJet;
@@ -19,11 +19,11 @@ typedef BitFlow<true, false, true> BitJetHeld;
 typedef BitFlow<false, true, true> BitClosedHeld;
 DP_RESIDUAL(bore_flow, PipePlain)
 DP_JACOBIAN(bore_flow, run_bore_flow_jacobian)
-DP_ENTRY(bore_flow_split, PipeSplit)
+DP_ENTRY(bore_flow_junction, PipeJunction)
 DP_ENTRY(bore_flow_held, PipeHeld)
 DP_RESIDUAL(annulus_flow, AnnulusPlain)
 DP_JACOBIAN(annulus_flow, run_annulus_flow_jacobian)
-DP_ENTRY(annulus_flow_split, AnnulusSplit)
+DP_ENTRY(annulus_flow_junction, AnnulusJunction)
 DP_ENTRY(annulus_flow_held, AnnulusHeld)
 DP_ENTRY(bit_flow, BitNozzle)
 DP_ENTRY(bit_flow_jet, BitJet)
@@ -33,12 +33,17 @@ DP_ENTRY(bit_flow_closed_grow, BitClosedGrow)
 DP_ENTRY(bit_flow_held, BitNozzleHeld)
 DP_ENTRY(bit_flow_jet_held, BitJetHeld)
 DP_ENTRY(bit_flow_closed_held, BitClosedHeld)
-// the same by differentiating all rows by all unknowns: the oracles of the tests
+// the same by differentiating all rows by all unknowns: the tests compare with these
 DP_JACOBIAN(bore_flow_dual, run_jacobian<PipePlain>)
 DP_JACOBIAN(annulus_flow_dual, run_jacobian<AnnulusPlain>)
 DP_ENTRY(pump, Pump)
 DP_ENTRY(annulus_top, AnnulusTop)
 DP_ENTRY(choke, Choke)
+
+DP_EXPORT_RECORD(fluid, Fluid)
+DP_EXPORT(flow_results, FlowResultsText)
+DP_EXPORT(bit_flow_results, BitFlowResultsText)
+DP_CONSTANT(gap_rounding, GAP_ROUNDING)
 
 // for tests: the friction of elements side by side, n values each (a multiple of four)
 extern "C" void wall_shears_of_packs(const double* law, int n, const double* w, const double* d, double alpha, const double* density, double* stress, double* slope,
@@ -50,17 +55,17 @@ extern "C" void wall_shears_of_packs(const double* law, int n, const double* w, 
     }
 }
 
-DP_FLOW_REPORT(bore_flow, PipePlain, dp::FlowReport, 1)
-DP_FLOW_REPORT(bore_flow_split, PipeSplit, dp::FlowReport, 1)
-DP_FLOW_REPORT(bore_flow_held, PipeHeld, dp::FlowReport, 1)
-DP_FLOW_REPORT(annulus_flow, AnnulusPlain, dp::FlowReport, 1)
-DP_FLOW_REPORT(annulus_flow_split, AnnulusSplit, dp::FlowReport, 1)
-DP_FLOW_REPORT(annulus_flow_held, AnnulusHeld, dp::FlowReport, 1)
-DP_FLOW_REPORT(bit_flow, BitNozzle, double, 7)
-DP_FLOW_REPORT(bit_flow_jet, BitJet, double, 7)
-DP_FLOW_REPORT(bit_flow_closed, BitClosed, double, 7)
-DP_FLOW_REPORT(bit_flow_grow, BitNozzleGrow, double, 7)
-DP_FLOW_REPORT(bit_flow_closed_grow, BitClosedGrow, double, 7)
-DP_FLOW_REPORT(bit_flow_held, BitNozzleHeld, double, 7)
-DP_FLOW_REPORT(bit_flow_jet_held, BitJetHeld, double, 7)
-DP_FLOW_REPORT(bit_flow_closed_held, BitClosedHeld, double, 7)
+DP_FLOW_RESULTS(bore_flow, PipePlain, FlowResults)
+DP_FLOW_RESULTS(bore_flow_junction, PipeJunction, FlowResults)
+DP_FLOW_RESULTS(bore_flow_held, PipeHeld, FlowResults)
+DP_FLOW_RESULTS(annulus_flow, AnnulusPlain, FlowResults)
+DP_FLOW_RESULTS(annulus_flow_junction, AnnulusJunction, FlowResults)
+DP_FLOW_RESULTS(annulus_flow_held, AnnulusHeld, FlowResults)
+DP_FLOW_RESULTS(bit_flow, BitNozzle, BitFlowResults)
+DP_FLOW_RESULTS(bit_flow_jet, BitJet, BitFlowResults)
+DP_FLOW_RESULTS(bit_flow_closed, BitClosed, BitFlowResults)
+DP_FLOW_RESULTS(bit_flow_grow, BitNozzleGrow, BitFlowResults)
+DP_FLOW_RESULTS(bit_flow_closed_grow, BitClosedGrow, BitFlowResults)
+DP_FLOW_RESULTS(bit_flow_held, BitNozzleHeld, BitFlowResults)
+DP_FLOW_RESULTS(bit_flow_jet_held, BitJetHeld, BitFlowResults)
+DP_FLOW_RESULTS(bit_flow_closed_held, BitClosedHeld, BitFlowResults)

@@ -1,7 +1,7 @@
 // What the channels of the drilling fluid share: the fluid, the motion of the string's element that they ride on, Hermite matrices.
 //
 // Both channels count flow positive towards the bit.  Unknowns of an element: those of the string's element (0-13 as in beam/beam.hpp, the
-// stretch ratio of its upper node in place 14 where SPLIT), then pressure at both nodes [Pa, gauge] and the flow rate q = G/rho0 [m3/s] of
+// stretch ratio of its upper node in place 14 where JUNCTION), then pressure at both nodes [Pa, gauge] and the flow rate q = G/rho0 [m3/s] of
 // the element, G the mass flow relative to the string's nodes.  With HELD the string stands still and has no unknowns: only the last three.
 #pragma once
 #include "core/element.hpp"
@@ -14,12 +14,12 @@
 namespace dp {
 
 // The fluid, shared by all elements; filled by the components.
-struct Fluid {
+DP_RECORD(Fluid,
     double density, compressibility;  // at zero gauge pressure [kg/m3], 1/bulk modulus [1/Pa]
     double gravity[3];                // [m/s2]
     double clinging;                  // share of the pipe's speed that drags mud along in the annulus [-]
     const double* rheology;           // see fluid/rheology.hpp
-};
+)
 
 //! scale of rows of mass [N s/m3-like] and of momentum [m2], so that rows of all components have sizes of force
 constexpr double MASS_ROW = 1e6, MOMENTUM_ROW = 1e-2;
@@ -58,9 +58,9 @@ inline void accumulate(Four<T>& to, const Four<T>& x, const U& s) {
     to.r1 += x.r1 * s; to.v1 += x.v1 * s; to.r2 += x.r2 * s; to.v2 += x.v2 * s;
 }
 
-// Motion of a string's element, and the way of its rows back to the unknowns.  SPLIT: the element's upper end is at r1 + offset v1/|v1|,
+// Motion of a string's element, and the way of its rows back to the unknowns.  JUNCTION: the element's upper end is at r1 + offset v1/|v1|,
 // its slope there is ratio * v1 (beam/junction.hpp).
-template <class T, bool SPLIT>
+template <class T, bool JUNCTION>
 struct Ride {
     Four<T> x, y, a;
     Vec<T> above, t0;  // upper node; its tangent
@@ -71,7 +71,7 @@ struct Ride {
         y = {vec(Y), vec(Y + 3), vec(Y + 7), vec(Y + 10)};
         a = {vec(A), vec(A + 3), vec(A + 7), vec(A + 10)};
         above = x.r1;
-        if constexpr (SPLIT) {
+        if constexpr (JUNCTION) {
             const Tangent<T> t(x.v1, y.v1, a.v1);
             n0 = t.n; t0 = t.t; ratio = X[14];
             x.r1 += t.t * offset; y.r1 += t.t1 * offset; a.r1 += t.t2 * offset;
@@ -82,7 +82,7 @@ struct Ride {
     }
     template <class S>
     void store(Four<T> F, const S& offset, T* r) const {
-        if constexpr (SPLIT) {
+        if constexpr (JUNCTION) {
             r[14] = n0 * dot(t0, F.v1);
             F.v1 = F.v1 * ratio + (F.r1 - t0 * dot(t0, F.r1)) * (offset / n0);
         }
@@ -113,23 +113,24 @@ inline double stored_energy(const Fluid& f, double p, double wall, double volume
     return volume * (std::exp(x) * (1 + p * wall) * share + 0.5 * wall * p * p);
 }
 
-struct FlowReport { double kinetic, stored, potential, dissipated, content, storage1, storage2, speed, density; };
+// Energies [J], power turned into heat [W], content at zero pressure [m3], its change at both ends [m3/s], speed [m/s], density [kg/m3].
+DP_RECORD(FlowResults, double kinetic, stored, potential, dissipated, content, storage_upper, storage_lower, speed, density;)
 
-// What elements of a flow kernel tell of a state: N results of type Result each.
-template <class Kernel, int N, class Result>
-void run_report(int n, const int* idx, const double* par, const void* fluid, const double* x, const double* y, Result* out) {
+// Results of the elements of a flow kernel, a record of type Results each.
+template <class Kernel, class Results>
+void run_results(int n, const int* idx, const double* par, const void* fluid, const double* x, const double* y, Results* out) {
     constexpr int D = Kernel::D;
     for (int e = 0; e < n; ++e) {
         double X[D], Y[D], A[D], R[D];
         for (int i = 0; i < D; ++i) { X[i] = x[idx[e * D + i]]; Y[i] = y[idx[e * D + i]]; A[i] = 0.0; }
-        Kernel::template evaluate<double, double>(X, Y, A, par + e * Kernel::NP, *static_cast<const Fluid*>(fluid), R, out + e * N);
+        Kernel::template evaluate<double, double>(X, Y, A, par + e * Kernel::NP, *static_cast<const Fluid*>(fluid), R, out + e);
     }
 }
 
 }  // namespace dp
 
-#define DP_FLOW_REPORT(name, Kernel, Result, N)                                                                                    \
-    extern "C" void name##_report(int n, const int* idx, const double* par, const void* fluid, const double* x, const double* y,   \
-                                  double* out) {                                                                                   \
-        dp::run_report<Kernel, N>(n, idx, par, fluid, x, y, reinterpret_cast<Result*>(out));                                       \
+#define DP_FLOW_RESULTS(name, Kernel, Results)                                                                                      \
+    extern "C" void name##_results(int n, const int* idx, const double* par, const void* fluid, const double* x, const double* y,   \
+                                   double* out) {                                                                                   \
+        dp::run_results<Kernel>(n, idx, par, fluid, x, y, reinterpret_cast<dp::Results*>(out));                                     \
     }

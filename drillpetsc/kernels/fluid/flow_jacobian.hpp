@@ -135,7 +135,7 @@ inline Compression compression(const Fluid& f, const Compressed<Pack>& c, const 
 }
 
 // Rows of mass of both nodes: content L theta (volume per length `content`), given way by swept1, swept2, with their changes by the shape
-// and, for what is not of the shape, by the nodes.  The row at a node with a given pressure has that instead.
+// and, for what is not of the shape, by the nodes.  At a node with a given pressure the row prescribes it instead.
 struct Storage { Pack content, swept1, swept2; PackFour by_content, by_swept1, by_swept2; };
 inline void put_mass_rows(const Storage& s, const Compressed<Pack>& c, const Compression& by, const Pack& L, const Pack& y1, const Pack& y2,
                           const Pack& control, double c0, double c1, Pack (*K)[FLOW_WIDTH]) {

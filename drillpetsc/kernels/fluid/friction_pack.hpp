@@ -10,8 +10,8 @@ struct WallShears { Pack stress, slope, by_density; };  // as WallShear
 
 // Laminar stress explicit in the speed (no profile to solve for), with the blend to turbulence.
 inline bool is_explicit(const double* p) {
-    const bool profile = p[RHEO_YIELD] > 0.0 && (p[RHEO_KIND] == CASSON || p[RHEO_LAW] == LAW_EXACT);
-    return !profile && p[RHEO_LAW] != LAW_API && (p[RHEO_CONSISTENCY] > 0.0 || p[RHEO_YIELD] > 0.0) && p[RHEO_LIMIT] > 10.0;
+    const bool profile = p[RHEO_YIELD] > 0.0 && (p[RHEO_KIND] == CASSON || p[RHEO_LAW] == FrictionLaw::EXACT);
+    return !profile && p[RHEO_LAW] != FrictionLaw::API && (p[RHEO_CONSISTENCY] > 0.0 || p[RHEO_YIELD] > 0.0) && p[RHEO_LIMIT] > 10.0;
 }
 
 inline WallShears explicit_wall_shear(const double* p, const Pack& w, const Pack& diameter, bool slot, const Pack& density) {

@@ -98,7 +98,7 @@ Point exact_casson(const double* p, bool slot, double G, double ge) {
 Laminar laminar(const double* p, double w, double d, bool slot) {
     const double G = p[slot ? RHEO_SHEAR_SLOT : RHEO_SHEAR_PIPE] / 8.0, shear = 8.0 * G / d, g = shear * w;
     const double ge2 = g * g + p[RHEO_GAMMA] * p[RHEO_GAMMA];
-    const bool casson = p[RHEO_KIND] == CASSON, implicit = casson || p[RHEO_LAW] == LAW_EXACT;
+    const bool casson = p[RHEO_KIND] == CASSON, implicit = casson || p[RHEO_LAW] == FrictionLaw::EXACT;
     if (!implicit || p[RHEO_YIELD] == 0.0)
         return explicit_laminar(p, shear, g, ge2, p[slot ? RHEO_YIELD_SLOT : RHEO_YIELD_PIPE]);
     const double ge = std::sqrt(ge2);
@@ -155,12 +155,15 @@ WallShear wall_shear_and_slope(const double* p, double w, double d, double alpha
     const Laminar l = laminar(p, w, d, slot);
     if (!(l.drag > 0.0)) return {0.0, 0.0, 0.0};  // an inviscid fluid has no wall friction, turbulent or not
     const double Re = std::min(8.0 * density * std::fabs(w) / l.drag, 1e100);
-    const Factor F = p[RHEO_LAW] == LAW_API ? api_factor(p, slot ? 1.5 * Re : Re, slot ? 24.0 : 16.0) : blend_factor(p, Re);
+    const Factor F = p[RHEO_LAW] == FrictionLaw::API ? api_factor(p, slot ? 1.5 * Re : Re, slot ? 24.0 : 16.0) : blend_factor(p, Re);
     const double drag = l.drag * F.value;
     return {drag * w, drag * (l.order + (2.0 - l.order) * F.order), drag * w * F.order / density};
 }
 
 }  // namespace dp
+
+DP_EXPORT(rheology_kind, RheologyKindText)
+DP_EXPORT(friction_law, FrictionLaw::KindText)
 
 extern "C" int rheology_size() { return RHEOLOGY_SIZE; }
 

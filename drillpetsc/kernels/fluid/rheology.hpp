@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "core/ad.hpp"
+#include "core/names.hpp"
 
 namespace dp {
 
@@ -27,8 +28,8 @@ enum RheologyEntry {
     RHEO_YIELD_SLOT,
     RHEOLOGY_SIZE
 };
-enum RheologyKind { HERSCHEL_BULKLEY = 0, CASSON = 1 };  // Newton, Bingham and power law are Herschel-Bulkley fluids
-enum FrictionLaw { LAW_BLEND = 0, LAW_API = 1, LAW_EXACT = 2 };
+DP_ENUM(RheologyKind, HERSCHEL_BULKLEY, CASSON, RHEOLOGY_KINDS)  // Newton, Bingham and power law are Herschel-Bulkley fluids
+struct FrictionLaw { DP_ENUM(Kind, BLEND, API, EXACT, LAWS) };
 
 constexpr double API_ROUNDING = 40.0;  // half width in Re of the rounding of the two kinks of the API law
 

@@ -12,15 +12,16 @@
 
 namespace dp {
 
-enum JointKind { JOINT_FIXED, JOINT_REVOLUTE, JOINT_UNIVERSAL, JOINT_SLIDER };
-enum JointParameter {
-    KIND, ARM,                                // ARM: length of the rigid item between the node above and the joint [m]
-    JOINT_GAUGE1, JOINT_SECOND1 = JOINT_GAUGE1 + 3, JOINT_GAUGE2 = JOINT_SECOND1 + 3, JOINT_SECOND2 = JOINT_GAUGE2 + 3,
-    AXES = JOINT_SECOND2 + 3,                 // 3 x 3, rows: the joint's axes in (tangent, director 2, director 3)
-    SPRING = AXES + 9, DAMPER,                // along a slider [N/m], [N s/m]
-    STOP_IN, STOP_OUT, STOP_STIFFNESS, STOP_ROUNDING,  // ends of a slider's travel [m], [N/m], [m]
-    SCALE,                                    // [N], [N m]
-    JOINT_PARAMETERS
+struct JointKind { DP_ENUM(Kind, FIXED, REVOLUTE, UNIVERSAL, SLIDER, KINDS) };
+struct JointParameters {
+    DP_ENUM(Parameter,
+        KIND, RIGID,                              // JointKind; length of the rigid item between the node above and the joint [m]
+        REFERENCE1, SECOND1 = REFERENCE1 + 3, REFERENCE2 = SECOND1 + 3, SECOND2 = REFERENCE2 + 3,  // 3 each: frames of both nodes
+        AXES = SECOND2 + 3,                       // 9, rows: the joint's axes in (tangent, director 2, director 3)
+        SPRING = AXES + 9, DAMPER,                // along a slider [N/m], [N s/m]
+        STOP_IN, STOP_OUT, STOP_STIFFNESS, STOP_ROUNDING,  // ends of a slider's travel [m], [N/m], [m]
+        SCALE,                                    // [N], [N m]
+        NP)
 };
 constexpr double SOFT = 1e-12;  // share of SCALE by which a correction of velocity gives way: makes statics, where it has no row, regular
 
@@ -40,24 +41,24 @@ struct Section {
 };
 
 template <class T>
-struct JointState {
+struct JointState : JointParameters {
     Section<T> above, below;
     Vec<T> E[3], G[3];    // the joint's axes in either frame
     Vec<T> way, way_rate; // from the arm's end to the node below, and its rate
     template <class S>
     JointState(const T* x, const T* y, const S* p)
-        : above(x, y, vec(p + JOINT_GAUGE1), vec(p + JOINT_SECOND1)), below(x + 7, y + 7, vec(p + JOINT_GAUGE2), vec(p + JOINT_SECOND2)) {
+        : above(x, y, vec(p + REFERENCE1), vec(p + SECOND1)), below(x + 7, y + 7, vec(p + REFERENCE2), vec(p + SECOND2)) {
         for (int i = 0; i < 3; ++i) { E[i] = above.axis(p + AXES + 3 * i); G[i] = below.axis(p + AXES + 3 * i); }
-        way = vec(x + 7) - vec(x) - above.t * p[ARM];
-        way_rate = vec(y + 7) - vec(y) - cross(above.turning, above.t) * p[ARM];
+        way = vec(x + 7) - vec(x) - above.t * p[RIGID];
+        way_rate = vec(y + 7) - vec(y) - cross(above.turning, above.t) * p[RIGID];
     }
 };
 
 // Of the six constraints: which are there.  0-2 position (along the axes for a slider, else in space), 3-5 rotation: E1.G2, E1.G3, E2.G3.
 inline bool constrains(int kind, int i) {
-    if (i == 0) return kind != JOINT_SLIDER;
-    if (i == 4) return kind != JOINT_UNIVERSAL;
-    if (i == 5) return kind == JOINT_FIXED || kind == JOINT_SLIDER;
+    if (i == 0) return kind != JointKind::SLIDER;
+    if (i == 4) return kind != JointKind::UNIVERSAL;
+    if (i == 5) return kind == JointKind::FIXED || kind == JointKind::SLIDER;
     return true;
 }
 constexpr int PAIR[3][2] = {{0, 1}, {0, 2}, {1, 2}};
@@ -66,10 +67,11 @@ constexpr int PAIR[3][2] = {{0, 1}, {0, 2}, {1, 2}};
 // Stops: k/2 (q + sqrt(q^2 + e^2)), q the way beyond them: smooth, so that a part that hangs free still finds its stop in statics.
 template <class T, class S>
 inline T slider_force(const T& travel, const T& speed, const S* p) {
-    T f = travel * p[SPRING] + speed * p[DAMPER];
-    if (p[STOP_STIFFNESS] > 0) {
-        const double e = p[STOP_ROUNDING], k = 0.5 * p[STOP_STIFFNESS];
-        const T out = travel - p[STOP_OUT], in = p[STOP_IN] - travel;
+    typedef JointParameters P;
+    T f = travel * p[P::SPRING] + speed * p[P::DAMPER];
+    if (p[P::STOP_STIFFNESS] > 0) {
+        const double e = p[P::STOP_ROUNDING], k = 0.5 * p[P::STOP_STIFFNESS];
+        const T out = travel - p[P::STOP_OUT], in = p[P::STOP_IN] - travel;
         f += (out + sqrt(out * out + e * e)) * k;
         f -= (in + sqrt(in * in + e * e)) * k;
     }
@@ -77,12 +79,13 @@ inline T slider_force(const T& travel, const T& speed, const S* p) {
 }
 
 inline double slider_energy(double travel, const double* p) {
-    double u = 0.5 * p[SPRING] * travel * travel;
-    if (p[STOP_STIFFNESS] > 0)
+    typedef JointParameters P;
+    double u = 0.5 * p[P::SPRING] * travel * travel;
+    if (p[P::STOP_STIFFNESS] > 0)
         for (int end = 0; end < 2; ++end) {
-            const double q = end ? p[STOP_IN] - travel : travel - p[STOP_OUT];
-            const double e = p[STOP_ROUNDING], s = std::sqrt(q * q + e * e);
-            u += 0.25 * p[STOP_STIFFNESS] * (q * q + q * s + e * e * std::asinh(q / e));
+            const double q = end ? p[P::STOP_IN] - travel : travel - p[P::STOP_OUT];
+            const double e = p[P::STOP_ROUNDING], s = std::sqrt(q * q + e * e);
+            u += 0.25 * p[P::STOP_STIFFNESS] * (q * q + q * s + e * e * std::asinh(q / e));
         }
     return u;
 }
@@ -90,8 +93,8 @@ inline double slider_energy(double travel, const double* p) {
 // STABILISED (Gear, Gupta and Leimkuhler, J. Comp. Appl. Math. 12/13:77-90, 1985): the constraints hold for the velocities as well, with six
 // more multipliers that correct the velocities of the node above (see joint_directions).
 template <bool STABILISED>
-struct Joint {
-    static constexpr int D = STABILISED ? 26 : 20, NP = JOINT_PARAMETERS, NSPIN = 2;
+struct Joint : JointParameters {
+    static constexpr int D = STABILISED ? 26 : 20, NSPIN = 2;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[2][2] = {{6, 3}, {13, 10}};
 
@@ -108,7 +111,7 @@ struct Joint {
             const T lambda = x[14 + i] * scale;
             T error, rate;
             if (i < 3) {
-                if (kind == JOINT_SLIDER) {
+                if (kind == JointKind::SLIDER) {
                     const Vec<T> turn = cross(j.E[i], j.way);
                     error = dot(j.E[i], j.way);
                     if constexpr (STABILISED) rate = dot(j.E[i], j.way_rate) + dot(turn, j.above.turning);
@@ -129,13 +132,13 @@ struct Joint {
             r[14 + i] = error * scale;
             if constexpr (STABILISED) r[20 + i] += rate * scale;
         }
-        if (kind == JOINT_SLIDER) {
+        if (kind == JointKind::SLIDER) {
             const Vec<T> turn = cross(j.above.t, j.way);
             const T f = slider_force(dot(j.above.t, j.way), dot(j.above.t, j.way_rate) + dot(turn, j.above.turning), p);
             F += j.above.t * f;
             lever += turn * f;
         }
-        const Vec<T> up = moment + lever - cross(j.above.t, F) * p[ARM];
+        const Vec<T> up = moment + lever - cross(j.above.t, F) * p[RIGID];
         const Vec<T> bend1 = cross(up, j.above.t) / j.above.n, bend2 = cross(moment, j.below.t) / j.below.n;
         r[0] = -F.x; r[1] = -F.y; r[2] = -F.z; r[3] = bend1.x; r[4] = bend1.y; r[5] = bend1.z; r[6] = dot(up, j.above.t);
         r[7] = F.x; r[8] = F.y; r[9] = F.z; r[10] = -bend2.x; r[11] = -bend2.y; r[12] = -bend2.z; r[13] = -dot(moment, j.below.t);
@@ -144,15 +147,16 @@ struct Joint {
 
 // A node that no element reaches from above, or none at all: its slope has length one.
 struct UnitSlope {
-    static constexpr int D = 7, NP = 1, NSPIN = 1;
+    static constexpr int D = 7, NSPIN = 1;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{6, 3}};
+    DP_ENUM(Parameter, STIFFNESS, NP)  // against a slope of another length [N m]
 
     template <class T, class S>
     static void force(int, const T* x, const T*, const T*, const S* p, void*, T* r) {
         const Vec<T> v = vec(x + 3);
         const T n = norm(v);
-        const Vec<T> f = v * ((n - 1.0) / n * p[0]);
+        const Vec<T> f = v * ((n - 1.0) / n * p[STIFFNESS]);
         r[0] = r[1] = r[2] = r[6] = T(0.0);
         r[3] = f.x; r[4] = f.y; r[5] = f.z;
     }
@@ -166,7 +170,13 @@ struct UnitSlope {
 // contact has no velocity along the two directions of the surface (along the hole only where ALONG is set), which no function of place
 // alone can say.  The multipliers are the force on the body in the same three directions.
 struct Rolling {
-    enum { WALL, CENTER, RADIUS, POINT, NORMAL = POINT + 3, SIDE = NORMAL + 3, HOLE = SIDE + 3, ALONG, ROLL_SCALE, NP };
+    DP_ENUM(Parameter,
+        WALL,                                                // 1: on the wall of a hole, 0: on a plane
+        CENTER, RADIUS,                                      // of the body: centre along the tangent, radius [m]
+        POINT, NORMAL = POINT + 3, SIDE = NORMAL + 3,        // 3 each: point of the plane or of the hole's axis, its direction, a vector across
+        HOLE = SIDE + 3,                                     // radius of the hole [m]
+        ALONG, SCALE,                                        // 1: no slip along the hole either; [N]
+        NP)
     static constexpr int D = 10, NSPIN = 1;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{6, 3}};
@@ -178,7 +188,7 @@ struct Rolling {
         const Vec<T> t = v / n, turning = cross(t, w) / n + t * y[6];
         const Vec<T> centre = vec(x) + t * p[CENTER], speed = vec(y) + cross(turning, t) * p[CENTER];
         const Vec<double> point = vec(p + POINT), normal = vec(p + NORMAL), side = vec(p + SIDE);
-        const double R = p[RADIUS], scale = p[ROLL_SCALE];
+        const double R = p[RADIUS], scale = p[SCALE];
         Vec<T> e, out, first, second;  // to the contact, normal into the surface's free side, directions in the surface
         T gap;
         if (p[WALL] != 0) {

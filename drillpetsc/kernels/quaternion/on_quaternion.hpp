@@ -1,16 +1,16 @@
 // A kernel of the ANCF element on the unknowns of the quaternion element: r, eps, q in the place of r, v, phi at each of its nodes.
 //
-// The kernel sees position, slope and spin angle with their rates, and its rows are those of virtual displacements, slopes and turns
-// about the tangent, which Node carries back.  The spin angle is that from the frame at the start (directors of unbalance ask for it).
+// The kernel receives position, slope and spin angle with their rates, and its rows are those of virtual displacements, slopes and turns
+// about the tangent, which Node carries back.  The spin angle is that from the frame at the start (the directors of an unbalance need it).
 #pragma once
 #include "quaternion/quaternion_node.hpp"
 
 namespace dp {
 
-struct StartFrames {
+DP_RECORD(StartFrames,
     void* inner;           // context of the kernel itself
     const double* frames;  // (elements, nodes, 4) Euler parameters of the frames at the start
-};
+)
 
 // angle about the tangent beyond the smallest rotation of the frame f: f* q = (smallest rotation)(rotation about e1)
 template <class T>
@@ -23,6 +23,7 @@ inline T spin_angle(const Quat<double>& f, const Quat<T>& q) {
 template <class K, int NODES>
 struct OnQuaternion {
     static constexpr int D = K::D + NODES, NSPIN = 0, NP = K::NP, REST = K::D - 7 * NODES;
+    static constexpr const char* ParameterText = K::ParameterText;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{0, 0}};
 

@@ -1,4 +1,5 @@
 // Entry points of the quaternion element, its energies and section forces, the power lost in the material.
+#include "beam/beam_results.hpp"
 #include "quaternion/quaternion_beam.hpp"
 
 typedef dp::QuaternionBeam<false> QuaternionPlain;
@@ -10,8 +11,7 @@ namespace {
 
 using namespace dp;
 typedef double R;
-enum Report { KINETIC, STRAIN, POTENTIAL, AXIAL1, AXIAL_MIDDLE, AXIAL2, TORQUE, BENDING1, BENDING2, REPORTS };
-
+typedef QuaternionParameters P;
 struct Element {
     double X[16], Y[16];
     Element(const int* idx, const double* x, const double* y) {
@@ -31,50 +31,50 @@ R mass_form(R L, const Vec<R>& a1, const Vec<R>& a2, const Vec<R>& b1, const Vec
 }
 R spin_form(R o1, R o2) { return (5 * o1 * o1 + 2 * o1 * o2 + 5 * o2 * o2) / 12; }
 
-R bending(const double* p, const Strains<R>& s) { return p[Q_EI] * std::hypot(s.k2 - p[Q_KAPPA], s.k3 - p[Q_KAPPA + 1]); }
+R bending(const double* p, const Strains<R>& s) { return p[P::EI] * std::hypot(s.k2 - p[P::CURVATURE], s.k3 - p[P::CURVATURE + 1]); }
 
 }  // namespace
 
-// out: (n, REPORTS)
-extern "C" void quaternion_report(int n, const int* idx, const double* par, const double* x, const double* y, double* out) {
+// out: (n, BEAM_RESULTS)
+extern "C" void quaternion_beam_results(int n, const int* idx, const double* par, const double* x, const double* y, double* out) {
     for (int k = 0; k < n; ++k) {
-        const double *p = par + k * QUATERNION_PARAMETERS, L = p[Q_LENGTH];
+        const double *p = par + k * P::NP, L = p[P::LENGTH];
         const Element e(idx + 16 * k, x, y);
         const Node<R> n1(e.X, e.Y, e.Y), n2(e.X + 8, e.Y + 8, e.Y + 8);
-        double* q = out + k * REPORTS;
-        const double m = p[Q_MASS] * L;
-        q[KINETIC] = 0.5 * (m * mass_form(L, vec(e.Y), n1.w, vec(e.Y + 8), n2.w) + p[Q_POLAR] * L * spin_form(n1.spin, n2.spin));
-        q[POTENTIAL] = -m * dot(vec(p + Q_GRAVITY), (vec(e.X) + vec(e.X + 8)) * 0.5 + (n1.v - n2.v) * (L / 12));
+        double* q = out + k * BEAM_RESULTS;
+        const double m = p[P::MASS] * L;
+        q[KINETIC] = 0.5 * (m * mass_form(L, vec(e.Y), n1.w, vec(e.Y + 8), n2.w) + p[P::POLAR] * L * spin_form(n1.spin, n2.spin));
+        q[POTENTIAL] = -m * dot(vec(p + P::GRAVITY), (vec(e.X) + vec(e.X + 8)) * 0.5 + (n1.v - n2.v) * (L / 12));
         q[STRAIN] = q[TORQUE] = 0;
         for (int g = 0; g < 3; ++g) {
             const Strains<R> s = at(XI3[g], L, e, n1, n2);
-            const double eps = s.stretch - 1, k2 = s.k2 - p[Q_KAPPA], k3 = s.k3 - p[Q_KAPPA + 1];
-            q[STRAIN] += 0.5 * L * W3[g] * (p[Q_EA] * eps * eps + p[Q_GJ] * s.k1 * s.k1 + p[Q_EI] * (k2 * k2 + k3 * k3));
-            q[TORQUE] += W3[g] * p[Q_GJ] * s.k1;
+            const double eps = s.stretch - 1, k2 = s.k2 - p[P::CURVATURE], k3 = s.k3 - p[P::CURVATURE + 1];
+            q[STRAIN] += 0.5 * L * W3[g] * (p[P::EA] * eps * eps + p[P::GJ] * s.k1 * s.k1 + p[P::EI] * (k2 * k2 + k3 * k3));
+            q[TORQUE] += W3[g] * p[P::GJ] * s.k1;
         }
-        q[AXIAL1] = p[Q_EA] * e.X[3];
-        q[AXIAL_MIDDLE] = p[Q_EA] * (at(0.5, L, e, n1, n2).stretch - 1);
-        q[AXIAL2] = p[Q_EA] * e.X[11];
-        q[BENDING1] = bending(p, at(0.0, L, e, n1, n2));
-        q[BENDING2] = bending(p, at(1.0, L, e, n1, n2));
+        q[AXIAL_UPPER] = p[P::EA] * e.X[3];
+        q[AXIAL_MIDDLE] = p[P::EA] * (at(0.5, L, e, n1, n2).stretch - 1);
+        q[AXIAL_LOWER] = p[P::EA] * e.X[11];
+        q[BENDING_UPPER] = bending(p, at(0.0, L, e, n1, n2));
+        q[BENDING_LOWER] = bending(p, at(1.0, L, e, n1, n2));
     }
 }
 
 // power turned into heat by material and mass damping, summed over n elements [W]
-extern "C" double quaternion_dissipation(int n, const int* idx, const double* par, const double* x, const double* y) {
+extern "C" double quaternion_beam_dissipation(int n, const int* idx, const double* par, const double* x, const double* y) {
     double total = 0;
     for (int k = 0; k < n; ++k) {
-        const double *p = par + k * QUATERNION_PARAMETERS, L = p[Q_LENGTH];
+        const double *p = par + k * P::NP, L = p[P::LENGTH];
         const Element e(idx + 16 * k, x, y);
         const Node<R> n1(e.X, e.Y, e.Y), n2(e.X + 8, e.Y + 8, e.Y + 8);
-        total += p[Q_ALPHA] * L * (p[Q_MASS] * mass_form(L, vec(e.Y), n1.w, vec(e.Y + 8), n2.w) + p[Q_POLAR] * spin_form(n1.spin, n2.spin));
+        total += p[P::ALPHA] * L * (p[P::MASS] * mass_form(L, vec(e.Y), n1.w, vec(e.Y + 8), n2.w) + p[P::POLAR] * spin_form(n1.spin, n2.spin));
         for (int g = 0; g < 3; ++g) {
             const Shape<R, R> N(XI3[g], 1 / L);
             const Interpolated<R, R> u(N, XI3[g], 1 / L, vec(e.X + 8) - vec(e.X), n1.v, n2.v, n1.unit, n2.unit);
             const Interpolated<R, R> w(N, XI3[g], 1 / L, vec(e.Y + 8) - vec(e.Y), n1.w, n2.w, n1.unit_rate(), n2.unit_rate());
             const Strains<Rated<R>> q = rates_of(u.r1, u.r2, u.p, u.s, w.r1, w.r2, w.p, w.s);
-            total += p[Q_BETA] * L * W3[g] * (p[Q_EA] * q.stretch.d * q.stretch.d + p[Q_GJ] * q.k1.d * q.k1.d +
-                                             p[Q_EI] * (q.k2.d * q.k2.d + q.k3.d * q.k3.d));
+            total += p[P::BETA] * L * W3[g] * (p[P::EA] * q.stretch.d * q.stretch.d + p[P::GJ] * q.k1.d * q.k1.d +
+                                             p[P::EI] * (q.k2.d * q.k2.d + q.k3.d * q.k3.d));
         }
     }
     return total;
@@ -95,7 +95,7 @@ extern "C" void quaternion_motion(int n, const int* at, const double* frame, con
     }
 }
 
-// (n, 8) what kernels of the ANCF element see of n nodes: slope (3), angle about the tangent [rad], rates of both; at, frame as above
+// (n, 8) input of the ANCF kernels at n nodes: slope (3), angle about the tangent [rad], rates of both; at, frame as above
 extern "C" void quaternion_view(int n, const int* at, const double* frame, const double* x, const double* y, double* out) {
     for (int k = 0; k < n; ++k) {
         const Element e = [&] { int idx[16]; for (int i = 0; i < 16; ++i) idx[i] = at[8 * k + i % 8]; return Element(idx, x, y); }();

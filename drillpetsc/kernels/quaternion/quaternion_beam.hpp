@@ -1,5 +1,5 @@
 // Two-node spatial Euler-Bernoulli element with eight unknowns per node: position (3), normal strain, Euler parameters (4), after Zhao
-// and Ren (2012) as model/paper-equations.md 6 reconstructs it; strains by three-point integration, EA eps^2 + GJ k1^2 + EI (k2^2 + k3^2).
+// and Ren (2012); strains by three-point integration, EA eps^2 + GJ k1^2 + EI (k2^2 + k3^2).
 //
 // Inertia: consistent for the centre line, for the spin the mean of consistent and lumped (as the ANCF element); rotation of the section
 // across the axis carries none.
@@ -10,11 +10,12 @@
 
 namespace dp {
 
-enum QuaternionParameter {
-    Q_LENGTH, Q_EA, Q_EI, Q_GJ, Q_MASS, Q_POLAR, Q_BETA, Q_ALPHA,
-    Q_KAPPA,                    // 2: stress-free curvature in the section's axes 2, 3 [1/m]
-    Q_GRAVITY = Q_KAPPA + 2,    // 3
-    QUATERNION_PARAMETERS = Q_GRAVITY + 3
+struct QuaternionParameters {  // units as in beam/beam.hpp
+    DP_ENUM(Parameter,
+        LENGTH, EA, EI, GJ, MASS, POLAR, BETA, ALPHA,
+        CURVATURE,                // 2: stress-free curvature in the section's axes 2, 3 [1/m]
+        GRAVITY = CURVATURE + 2,  // 3
+        NP = GRAVITY + 3)
 };
 
 template <class T, class S>
@@ -33,8 +34,8 @@ inline Strains<Rated<T>> rates_of(const Vec<T>& r1, const Vec<T>& r2, const Quat
 }
 
 template <bool DAMPED>
-struct QuaternionBeam {
-    static constexpr int D = 16, NP = QUATERNION_PARAMETERS, NSPIN = 0;
+struct QuaternionBeam : QuaternionParameters {
+    static constexpr int D = 16, NSPIN = 0;
     static constexpr bool PACKED = true;
     static constexpr int SPINS[1][2] = {{0, 0}};
 
@@ -46,16 +47,16 @@ struct QuaternionBeam {
         Quat<T> P1 = {T(0.0), T(0.0), T(0.0), T(0.0)}, P2 = P1;
         stresses(x, y, n1, n2, p, Qd, Q1, Q2, P1, P2);
         Vec<T> b1 = vec(a), b2 = vec(a + 8), z1 = n1.z, z2 = n2.z;
-        const S L = p[Q_LENGTH], m = p[Q_MASS] * L * (1.0 / 420), j = p[Q_POLAR] * L * (1.0 / 12);
+        const S L = p[LENGTH], m = p[MASS] * L * (1.0 / 420), j = p[POLAR] * L * (1.0 / 12);
         const T h1 = (n1.spin * 5.0 + n2.spin) * j, h2 = (n2.spin * 5.0 + n1.spin) * j;
         T k1 = (n1.spin_rate * 5.0 + n2.spin_rate) * j, k2 = (n2.spin_rate * 5.0 + n1.spin_rate) * j;
         if constexpr (DAMPED) {
-            const S alpha = p[Q_ALPHA];
+            const S alpha = p[ALPHA];
             b1 += vec(y) * alpha; b2 += vec(y + 8) * alpha;
             z1 += n1.w * alpha; z2 += n2.w * alpha;
             k1 += h1 * alpha; k2 += h2 * alpha;
         }
-        const Vec<S> g = {p[Q_GRAVITY], p[Q_GRAVITY + 1], p[Q_GRAVITY + 2]};
+        const Vec<S> g = {p[GRAVITY], p[GRAVITY + 1], p[GRAVITY + 2]};
         b1 = b1 - g;
         b2 = b2 - g;
         const Vec<T> F1 = (b1 * 156.0 + z1 * (L * 22.0) + b2 * 54.0 - z2 * (L * 13.0)) * m - Qd;
@@ -72,24 +73,24 @@ struct QuaternionBeam {
     template <class T, class S>
     static void stresses(const T* x, const T* y, const Node<T>& n1, const Node<T>& n2, const S* p, Vec<T>& Qd, Vec<T>& Q1, Vec<T>& Q2, Quat<T>& P1,
                          Quat<T>& P2) {
-        const S L = p[Q_LENGTH], il = S(1.0) / L;
+        const S L = p[LENGTH], il = S(1.0) / L;
         const Vec<T> d = vec(x + 8) - vec(x);
         for (int g = 0; g < 3; ++g) {
             const double xi = XI3[g];
             const Shape<T, S> N(xi, il);
             const Interpolated<T, S> at(N, xi, il, d, n1.v, n2.v, n1.unit, n2.unit);
             const Strains<T> e = at.strains();
-            T axial = e.stretch - 1.0, k1 = e.k1, k2 = e.k2 - p[Q_KAPPA], k3 = e.k3 - p[Q_KAPPA + 1];
+            T axial = e.stretch - 1.0, k1 = e.k1, k2 = e.k2 - p[CURVATURE], k3 = e.k3 - p[CURVATURE + 1];
             if constexpr (DAMPED) {
                 const Interpolated<T, S> rate(N, xi, il, vec(y + 8) - vec(y), n1.w, n2.w, n1.unit_rate(), n2.unit_rate());
                 const Strains<Rated<T>> q = rates_of(at.r1, at.r2, at.p, at.s, rate.r1, rate.r2, rate.p, rate.s);
-                const S beta = p[Q_BETA];
+                const S beta = p[BETA];
                 axial += q.stretch.d * beta; k1 += q.k1.d * beta; k2 += q.k2.d * beta; k3 += q.k3.d * beta;
             }
             const S w = L * W3[g];
             Vec<T> f1 = {T(0.0), T(0.0), T(0.0)}, f2 = f1;
             Quat<T> fp = {T(0.0), T(0.0), T(0.0), T(0.0)}, fs = fp;
-            e.conjugate(axial * (p[Q_EA] * w), k1 * (p[Q_GJ] * w), k2 * (p[Q_EI] * w), k3 * (p[Q_EI] * w), f1, f2, fp, fs);
+            e.conjugate(axial * (p[EA] * w), k1 * (p[GJ] * w), k2 * (p[EI] * w), k3 * (p[EI] * w), f1, f2, fp, fs);
             Qd += f1 * N.B0 + f2 * N.C0;
             Q1 += f1 * N.B1 + f2 * N.C1;
             Q2 += f1 * N.B2 + f2 * N.C2;

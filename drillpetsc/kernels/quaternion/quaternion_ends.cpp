@@ -8,7 +8,7 @@ struct UnitLength {
     static constexpr int D = 5, NSPIN = 0;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{0, 0}};
-    enum { LEVEL, SCALE, NP };
+    DP_ENUM(Parameter, LEVEL, SCALE, NP)  // factor of the constraint's row
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T*, const S* p, void*, T* r) {
@@ -26,7 +26,12 @@ struct Guided {
     static constexpr int D = 7 + PLACES + TURNS, NSPIN = 0;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{0, 0}};
-    enum { LEVEL, SCALE, AXES, VALUE = AXES + 9, RATE = VALUE + 3, GOAL = RATE + 3, GOAL_RATE = GOAL + 4, NP = GOAL_RATE + 4 };
+    DP_ENUM(Parameter,
+        LEVEL, SCALE,                  // as of UnitLength
+        AXES,                          // 9, rows: the unit vectors
+        VALUE = AXES + 9, RATE = VALUE + 3,  // 3 each: place along them and its rate [m], [m/s]
+        GOAL = RATE + 3, GOAL_RATE = GOAL + 4,  // 4 each: orientation and its rate
+        NP = GOAL_RATE + 4)
 
     static Quat<double> axis(const Quat<double>& g, int k) { return k == 0 ? times_e1(g) : k == 1 ? times_e2(g) : times_e3(g); }
     template <class T> static T along(const Quat<double>& a, const T* q) { return q[0] * a.w + q[1] * a.x + q[2] * a.y + q[3] * a.z; }
@@ -56,7 +61,7 @@ struct QuaternionLoad {
     static constexpr int D = 8, NSPIN = 0;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{0, 0}};
-    enum { FORCE, MOMENT = FORCE + 3, SLOPE = MOMENT + 3, SECTION = SLOPE + 3, FACTOR, NP };
+    DP_ENUM(Parameter, FORCE, MOMENT = FORCE + 3, SLOPE = MOMENT + 3, SECTION = SLOPE + 3, FACTOR, NP)  // as of Load in beam/rigid_body.hpp
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T* a, const S* p, void*, T* r) {

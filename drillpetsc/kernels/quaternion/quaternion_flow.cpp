@@ -19,3 +19,5 @@ DP_ON_QUATERNION(bit_flow_jet, QuaternionJet, 1)
 DP_ON_QUATERNION(bit_flow_closed, QuaternionClosed, 1)
 DP_ON_QUATERNION(bit_flow_grow, QuaternionNozzleGrow, 1)
 DP_ON_QUATERNION(bit_flow_closed_grow, QuaternionClosedGrow, 1)
+
+DP_EXPORT_RECORD(start_frames, dp::StartFrames)

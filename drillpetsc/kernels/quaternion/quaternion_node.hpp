@@ -1,8 +1,8 @@
 // Kinematics of a node of the quaternion element: position r, strain eps, Euler parameters q; slope r' = (1 + eps) A(q) e1.
 //
 // The direction t = q e1 q*/|q|^2 does not depend on the length of q, so that a Newton step that turns q by a finite angle does not
-// stretch the string; the spin rate is the plain one of Euler parameters, 2 (q* q')_1.  Both are the paper's where |q| = 1, and the
-// spin rate is its in what a time formula makes of it, too (model/string.md 9.6).
+// stretch the string; the spin rate is the plain one of Euler parameters, 2 (q* q')_1.  Both are those of Zhao and Ren
+// (2012) where |q| = 1.
 #pragma once
 #include "core/element.hpp"
 #include "quaternion/quaternion.hpp"

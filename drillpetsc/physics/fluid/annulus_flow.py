@@ -8,16 +8,12 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock, Energies, Powers
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
-from drillpetsc.physics.fluid.channel_flow import FIGURES, ChannelFlow, FluidConstants
+from drillpetsc.kernels.parameters import Parameters, Table
+from drillpetsc.physics.fluid.channel_flow import ENERGIES, FIGURES, ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus
 from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, LateralCoefficients, MovingHole
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
-
-# columns of the kernel: areas and wall, gaps, motion across, step of area, given pressure, hole's tangents
-# and curvature, change of area
-_HOLE, _WALL, _GAPS, _SIDEWAYS, _CHI, _STEP = 4, 6, slice(8, 10), slice(10, 13), 10, 13
-_CONTROLLED, _TANGENTS, _WIDENING = 16, slice(18, 27), 28
 
 
 class AnnulusFlow(ChannelFlow):
@@ -63,47 +59,52 @@ class AnnulusFlow(ChannelFlow):
             annulus.hole_diameter,
         )  # (n,): those that ``sideways`` is of
 
-    def _directions(self, well: Well, upper: FloatArray, lower: FloatArray) -> FloatArray:
-        """(k, 9) tangents at both ends, at measured depths (k,) [m], and curvature in the middle [1/m]."""
+    def _directions(self, well: Well, upper: FloatArray, lower: FloatArray) -> dict[str, FloatArray]:
+        """Tangents (k, 3) at both ends, at measured depths (k,) [m], and curvature (k, 3) in the middle
+        [1/m]."""
         _, tangents, bends = well.at(np.concatenate([upper, lower, 0.5 * (upper + lower)]))
         first, second, _ = np.split(tangents, 3)
-        return np.hstack([first, second, np.split(bends, 3)[2]])
+        return {"tangent1": first, "tangent2": second, "bend": np.split(bends, 3)[2]}
 
-    def parameters(self, e: np.ndarray) -> FloatArray:
-        m, a, s, zero = self.mesh, self.annulus, self.sideways, np.zeros(len(e))
+    def parameters(self, e: np.ndarray) -> Table:
+        a, zero = self.annulus, np.zeros(len(e))
         own, above = a.hole - a.outer, np.maximum(e - 1, 0)
-        step = np.where(e > 0, 0.5 * (1 / own[e] ** 2 - 1 / own[above] ** 2), 0.0)
+        return Parameters(
+            "annulus_flow",
+            len(e),
+            **self._channel(e),
+            step=np.where(e > 0, 0.5 * (1 / own[e] ** 2 - 1 / own[above] ** 2), 0.0),
+            loss=zero,
+            control=np.where(e == 0, 1.0, 0.0),
+            widening=zero,
+        )
+
+    def _channel(self, e: np.ndarray) -> dict[str, FloatArray]:
+        """Parameters of the elements ``e`` (k,) that do not depend on how the flow is discretised."""
+        m, a, s, zero = self.mesh, self.annulus, self.sideways, np.zeros(len(e))
         length, drop, head = m.length[e], zero, zero
         if self.held_at is not None:
             length = length + m.rigid_above[e]
             drop = (self.held_at[e + 1] - self.held_at[e]) @ self.fluid.gravity
             head = 0.5 * (self.held_at[e + 1] + self.held_at[e]) @ self.fluid.gravity
-        control = np.where(e == 0, 1.0, 0.0)
-        return np.column_stack(
-            [
-                length,
-                m.rigid_above[e] if self.held_at is None else zero,
-                self.poisson[e],
-                a.outer[e],
-                a.hole[e],
-                a.outer_above[e],
-                a.wall[e],
-                a.outer_diameter[e],
-                a.gap[e],
-                a.gap_above[e],
-                s.added[e],
-                s.damping[e],
-                s.turning[e],
-                step,
-                zero,
-                control,
-                zero,
-                drop,
-                self._directions(self.well, m.upper[e], m.lower[e]),
-                head,
-                zero,
-            ]
-        )
+        return {
+            "length": length,
+            "rigid": m.rigid_above[e] if self.held_at is None else zero,
+            "poisson": self.poisson[e],
+            "outer": a.outer[e],
+            "hole": a.hole[e],
+            "outer_above": a.outer_above[e],
+            "wall": a.wall[e],
+            "diameter": a.outer_diameter[e],
+            "gap": a.gap[e],
+            "gap_above": a.gap_above[e],
+            "chi": s.added[e],
+            "damping": s.damping[e],
+            "turning": s.turning[e],
+            "controlled": zero,
+            "drop": drop,
+            "head": head,
+        } | self._directions(self.well, m.upper[e], m.lower[e])
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         elements = super().blocks(part)
@@ -117,7 +118,7 @@ class AnnulusFlow(ChannelFlow):
                 first,
                 slots,
                 (),
-                np.full((len(first), 1), self.choke),
+                Parameters("choke", len(first), loss=self.choke).array,
                 context=self.fluid.address,
             )
             valve.keep = (self.fluid,)
@@ -125,7 +126,7 @@ class AnnulusFlow(ChannelFlow):
         if self.held:
             return elements
         _, vertices = local_vertices(part, np.array([0]))
-        area = np.full((len(vertices), 1), self.annulus.outer[0])
+        area = Parameters("annulus_top", len(vertices), outer=self.annulus.outer[0])
         return (
             *elements,
             ElementBlock(
@@ -135,20 +136,20 @@ class AnnulusFlow(ChannelFlow):
                 vertices,
                 (*VERTEX_SLOTS, ("annulus.pressure", 0)),
                 (),
-                area,
+                area.array,
             ),
         )
 
     def _update_of(self, block: ElementBlock):
         if self._top is None or self._top[0] is not block:
             return None
-        row = self._top[1]
+        row, controlled = self._top[1], block.named["controlled"]
         head = -self.fluid.density * self.fluid.gravity[2] * self.flow_line
         if self.held_at is not None:
             head += self.fluid.density * float(self.fluid.gravity @ self.held_at[0])
 
         def update(t: float) -> None:
-            block.params[row, _CONTROLLED] = self.outlet.value(t) + head
+            controlled[row] = self.outlet.value(t) + head
 
         return update
 
@@ -177,32 +178,33 @@ class AnnulusFlow(ChannelFlow):
         for b in self._blocks:
             rows = np.flatnonzero(moved[b.points])
             if len(rows):
-                self._renew(b.params, rows, b.points[rows], around)
+                self._renew(b.named, rows, b.points[rows], around)
 
-    def _renew(self, params: FloatArray, rows: np.ndarray, cells: np.ndarray, around: MovingHole) -> None:
-        """Parameters (n, p) of the ``rows`` (k,) of a block, which are the local ``cells`` (k,)."""
+    def _renew(self, params: Table, rows: np.ndarray, cells: np.ndarray, around: MovingHole) -> None:
+        """Parameters of the ``rows`` (k,) of a block, which are the local ``cells`` (k,)."""
         e, nodes, m = self._part.cells[cells], self._part.ends[cells], self.mesh
         ends = around.depth[nodes]
-        params[rows, _TANGENTS] = self._directions(
-            around.current_well(), ends[:, 0] + m.rigid_above[e], ends[:, 1]
-        )
+        directions = self._directions(around.current_well(), ends[:, 0] + m.rigid_above[e], ends[:, 1])
+        for name, value in directions.items():
+            params[name][rows] = value
         if not self.resizes:
             return
         own, over = around.annulus(e, ends), np.maximum(e - 1, 0)
         other = around.annulus(
             over, np.column_stack([ends[:, 0] - m.length[over] - m.rigid_above[over], ends[:, 0]])
         )
-        params[rows, _HOLE], params[rows, _WIDENING] = around.sizes(nodes)
-        params[rows, _WALL] = own.wall
-        params[rows, _GAPS] = np.column_stack([own.gap, own.gap_above])
-        params[rows, _STEP] = np.where(
+        params["hole"][rows], params["widening"][rows] = around.sizes(nodes)
+        params["wall"][rows] = own.wall
+        params["gap"][rows], params["gap_above"][rows] = own.gap, own.gap_above
+        params["step"][rows] = np.where(
             e > 0, 0.5 * (1 / (own.hole - own.outer) ** 2 - 1 / (other.hole - other.outer) ** 2), 0.0
         )
         new = np.abs(own.hole_diameter - self._hole[e]) > OTHER_SIZE * self._hole[e]
         if new.any():
             s = around.sideways(own.only(new))
             self._hole[e[new]] = own.hole_diameter[new]
-            params[rows[new], _SIDEWAYS] = np.column_stack([s.added, s.damping, s.turning])
+            for name, value in (("chi", s.added), ("damping", s.damping), ("turning", s.turning)):
+                params[name][rows[new]] = value
 
     def _renew_added_mass(self, state) -> None:
         chi = self.sideways.by_eccentricity
@@ -218,7 +220,7 @@ class AnnulusFlow(ChannelFlow):
         )
         value = chi(np.linalg.norm(well.project(middle).offset, axis=1) / (0.5 * (hole - outer)), outer, hole)
         for b in self._blocks:
-            b.params[:, _CHI] = value[b.points]
+            b.named["chi"] = value[b.points]
 
     def get_local_state(self) -> dict[str, FloatArray]:
         """What the local nodes (nv, 7) and elements (nc, p) know of the hole, for a checkpoint; nothing where
@@ -265,7 +267,7 @@ class AnnulusFlow(ChannelFlow):
         if self.held:
             return -flow
         block, row = self._top  # type: ignore[misc]
-        speed = float(state.y[state.index_of(block)[row, :3]] @ block.params[row, _TANGENTS][:3])
+        speed = float(state.y[state.index_of(block)[row, :3]] @ block.named["tangent1"][row])
         area = self.annulus.hole[0] if self._top_place is None else self.moving_hole.area[0]  # type: ignore[union-attr]
         return float(-flow - (area - self.annulus.outer[0]) * speed)
 
@@ -275,7 +277,7 @@ class AnnulusFlow(ChannelFlow):
         if self._top is None or self.held:
             return 0.0
         (block, row), around = self._top, self.moving_hole
-        place, along = state.x[state.index_of(block)[row, :3]], block.params[row, _TANGENTS][:3]
+        place, along = state.x[state.index_of(block)[row, :3]], block.named["tangent1"][row]
         if around is None or self._top_place is None:
             return float((self.annulus.hole[0] - self.annulus.outer[0]) * (place @ along))
         way = (place - self._top_place) @ along
@@ -284,7 +286,7 @@ class AnnulusFlow(ChannelFlow):
         )
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(*map(float, self.figures(state)[:, :3].sum(axis=0)))
+        return Energies(*map(float, self.figures(state)[:, ENERGIES].sum(axis=0)))
 
     def powers(self, t: float, state) -> Powers:
         figures = self.figures(state)

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -11,25 +13,15 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import Component, ElementBlock, Energies, Field, Powers
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import Parameters, Table, columns, constant
 from drillpetsc.physics.fluid.channel_flow import FLOW_SCALE, FluidConstants
 from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, MovingHole
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
 
 END_CORRECTION = 0.61  # of an open unflanged pipe, in radii: Levine and Schwinger, Phys. Rev. 73:383, 1948
-# columns of the kernel
-_AMBIENT, _HOLE, _VOLUME, _FACE, _ADDED, _OPEN, _END, _AXIS, _TANGENT = (
-    4,
-    5,
-    6,
-    8,
-    9,
-    10,
-    slice(13, 16),
-    slice(16, 19),
-    slice(19, 22),
-)
-GAP_ROUNDING = 1e-3  # as in kernels/fluid/bit_flow.hpp [m]
+GAP_ROUNDING = constant("gap_rounding")  # distance over which a bit on bottom stops displacing mud [m]
+RESULTS = columns("bit_flow_results")
 NOZZLE_LENGTH = 0.1  # length over which mud speeds up in a nozzle [m]
 
 
@@ -104,31 +96,31 @@ class BitFlow(Component):
             else ()
         )
 
-    def _parameters(self) -> list[float]:
+    def _parameters(self) -> dict[str, Any]:
         e, f = self.end, self.fluid
         area = e.nozzle or e.bore
         length = NOZZLE_LENGTH if e.nozzle else END_CORRECTION * np.sqrt(e.bore / np.pi)
         loss = 1 / (2 * e.discharge_coefficient**2 * area**2) if e.nozzle else 0.0
         gap = 0.0 if self.held_at is None else float((e.end - self.held_at[-1]) @ e.axis) - e.face
-        return [
-            f.density * length / max(area, 1e-300),
-            max(area, 1e-300),
-            loss,
-            float(e.check_valve),
-            e.ambient.value(0.0),
-            e.hole,
-            e.volume,
-            1 / f.bulk_modulus + e.elasticity,
-            e.face,
-            e.added * e.outer,
-            max(e.open, 1e-300),
-            e.metal,
-            gap,
-            *e.end,
-            *e.axis,
-            *(e.axis if e.tangent is None else e.tangent),
-            e.cut,
-        ]
+        return {
+            "inertance": f.density * length / max(area, 1e-300),
+            "nozzle": max(area, 1e-300),
+            "loss": loss,
+            "check": e.check_valve,
+            "ambient": e.ambient.value(0.0),
+            "hole": e.hole,
+            "volume": e.volume,
+            "elastic": 1 / f.bulk_modulus + e.elasticity,
+            "face": e.face,
+            "added": e.added * e.outer,
+            "open": max(e.open, 1e-300),
+            "buoyant": e.metal,
+            "held_gap": gap,
+            "end": e.end,
+            "axis": e.axis,
+            "tangent": e.axis if e.tangent is None else e.tangent,
+            "cut": e.cut,
+        }
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([self.node]))
@@ -146,8 +138,8 @@ class BitFlow(Component):
             "" if self.has_link and self.has_annulus else "_jet" if self.has_link else "_closed"
         )
         kernel += "_held" * held + "_grow" * (self.growing is not None)
-        params = np.ascontiguousarray(np.tile(self._parameters(), (len(vertices), 1)))
-        update = None if self.has_annulus else lambda t: self.renew(params, t)
+        params = Parameters(kernel, len(vertices), **self._parameters())
+        update = None if self.has_annulus else self._ambient_update(params)
         self._part = part
         self._block = ElementBlock(
             "bit_flow",
@@ -156,17 +148,22 @@ class BitFlow(Component):
             vertices,
             slots,
             (),
-            params,
+            params.array,
             context=self.fluid.address,
             update=update,
         )
         self._block.keep = (self.fluid,)
-        self._report = function(f"{kernel}_report", "ipppppp")
+        self._results = function(f"{kernel}_results", "ipppppp")
         return (self._block,)
 
-    def renew(self, params: FloatArray, t: float) -> None:
-        """Pressure outside at ``t`` into the block's parameters."""
-        params[:, _AMBIENT] = self.end.ambient.value(t)
+    def _ambient_update(self, params: Table) -> Callable[[float], None]:
+        """Function of time that sets the pressure outside in the block's parameters."""
+        ambient = params["ambient"]
+
+        def update(t: float) -> None:
+            ambient[:] = self.end.ambient.value(t)
+
+        return update
 
     # ------------------------------------------------------------------ the hole at the bit's place
     def locate_hole(self, state) -> None:
@@ -184,31 +181,28 @@ class BitFlow(Component):
         around, block = self.moving_hole, self._block
         if around is None or not self.has_annulus or self.held_at is not None or not len(block.points):
             return
-        p, x, grown = block.params[0], state.x[state.index_of(block)[0]], self.growing
+        p, x, grown = block.named, state.x[state.index_of(block)[0]], self.growing
         node = int(block.points[0])
         depth = float(around.depth[node])
-        end, axis = (p[_END], p[_AXIS]) if grown is None else (grown.first, grown.direction)
-        if depth == self._depth and np.array_equal(axis, p[_AXIS]):
+        end, axis = (p["end"][0], p["axis"][0]) if grown is None else (grown.first, grown.direction)
+        if depth == self._depth and np.array_equal(axis, p["axis"][0]):
             return
         keep, before = keep and self._depth is not None, self._chamber(p, x)
-        p[_HOLE], p[_TANGENT], p[_AXIS], p[_END] = (
-            around.area[node],
-            around.current_well().at(depth)[1],
-            axis,
-            end,
-        )
-        p[_OPEN], self._depth = p[_HOLE] - self.end.outer, depth
+        p["hole"], p["axis"], p["end"] = around.area[node], axis, end
+        p["tangent"] = around.current_well().at(depth)[1]
+        area = float(around.area[node])
+        p["open"], self._depth = area - self.end.outer, depth
         gap = max(0.0, self._gap(p, x))
         below = float(around.hole.volume(np.array(depth + gap))) - around.volume[node]
-        p[_VOLUME] = (
-            p[_VOLUME] + before - self._chamber(p, x) if keep else self.end.volume + below - p[_HOLE] * gap
+        p["volume"] = (
+            p["volume"] + before - self._chamber(p, x) if keep else self.end.volume + below - area * gap
         )
-        if abs(p[_HOLE] - self._size) > 2 * OTHER_SIZE * self._size:
+        if abs(area - self._size) > 2 * OTHER_SIZE * self._size:
             last = np.array([self.node - 1])
             sizes = around.annulus(
                 last, np.array([[depth - around.mesh.length[-1] - around.mesh.rigid_above[-1], depth]])
             )
-            p[_ADDED], self._size = float(around.sideways(sizes).added[0]) * self.end.outer, p[_HOLE]
+            p["added"], self._size = float(around.sideways(sizes).added[0]) * self.end.outer, area
 
     def get_local_state(self) -> dict[str, FloatArray]:
         """What the bit knows of the hole, for a checkpoint: (nv, p), zero but at the bit's node."""
@@ -227,25 +221,26 @@ class BitFlow(Component):
                 return
             self._block.params[:], self._depth, self._size = row[:-2], float(row[-2]), float(row[-1])
 
-    def _gap(self, p: FloatArray, x: FloatArray) -> float:
+    def _gap(self, p: Table, x: FloatArray) -> float:
         """Distance from the bit's face to the hole's end [m] at unknowns ``x`` of the block, with parameters
         ``p``."""
-        end = p[_END] + (x[-4:-1] if self.growing is not None else 0.0)
-        return float((end - x[:3] - x[3:6] * (p[_FACE] / np.linalg.norm(x[3:6]))) @ p[_AXIS])
+        end = p["end"][0] + (x[-4:-1] if self.growing is not None else 0.0)
+        return float((end - x[:3] - x[3:6] * (p["face"][0] / np.linalg.norm(x[3:6]))) @ p["axis"][0])
 
-    def _chamber(self, p: FloatArray, x: FloatArray) -> float:
+    def _chamber(self, p: Table, x: FloatArray) -> float:
         """Volume of the chamber [m3]."""
-        return float(p[_VOLUME] + p[_HOLE] * GAP_ROUNDING * np.logaddexp(0.0, self._gap(p, x) / GAP_ROUNDING))
+        volume, hole = p["volume"][0], p["hole"][0]
+        return float(volume + hole * GAP_ROUNDING * np.logaddexp(0.0, self._gap(p, x) / GAP_ROUNDING))
 
     def breaks(self) -> tuple[float, ...]:
         return () if self.has_annulus else self.end.ambient.breaks()
 
     def figures(self, state) -> FloatArray:
-        """(7,) lost power [W], flow [m3/s], kinetic and stored energy [J], content [m3] and potential [J] of
-        the chamber, cuttings that go into it [m3/s at zero pressure]; this rank's."""
-        out = np.zeros((1, 7))
+        """(7,) the columns of ``RESULTS``: lost power [W], flow [m3/s], kinetic and stored energy [J], content
+        [m3] and potential [J] of the chamber, cuttings that enter it [m3/s at zero pressure]; this rank's."""
+        out = np.zeros((1, RESULTS.width))
         if len(self._block.points):
-            self._report(
+            self._results(
                 1,
                 pointer(state.index_of(self._block)),
                 pointer(self._block.params),
@@ -257,12 +252,13 @@ class BitFlow(Component):
         return out[0]
 
     def energies(self, t: float, state) -> Energies:
-        _, _, kinetic, stored, _, potential, _ = self.figures(state)
-        return Energies(float(kinetic), float(stored), float(potential))
+        figures = self.figures(state)
+        return Energies(*(float(figures[RESULTS[name]]) for name in ("kinetic", "stored", "potential")))
 
     def powers(self, t: float, state) -> Powers:
         """Loss in the nozzles; without an annulus, what the jet takes away counts as work done outside."""
-        lost, flow, *_ = self.figures(state)
+        figures = self.figures(state)
+        lost, flow = figures[RESULTS["lost"]], figures[RESULTS["flow"]]
         if not self.has_link:
             return Powers()
         e, mass = self.end, self.fluid.density * flow

@@ -7,12 +7,11 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock, Energies, Powers
 from drillpetsc.fem.string_mesh import StringMesh
-from drillpetsc.physics.fluid.channel_flow import FIGURES, ChannelFlow, FluidConstants
+from drillpetsc.kernels.parameters import Parameters, Table
+from drillpetsc.physics.fluid.channel_flow import ENERGIES, FIGURES, ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Bore
 from drillpetsc.physics.rigid_bodies import local_vertices
 from drillpetsc.time_function import TimeFunction
-
-_CONTROLLED = 11  # column of the given pressure, as in the kernel
 
 
 class BoreFlow(ChannelFlow):
@@ -44,35 +43,41 @@ class BoreFlow(ChannelFlow):
             held_at,
         )
 
-    def parameters(self, e: np.ndarray) -> FloatArray:
+    def parameters(self, e: np.ndarray) -> Table:
+        return Parameters("bore_flow", len(e), **self._channel(e), **self._entry(e))
+
+    def _channel(self, e: np.ndarray) -> dict[str, FloatArray]:
+        """Parameters of the elements ``e`` (k,) that do not depend on how the flow is discretised."""
         m, b = self.mesh, self.bore
-        above = b.area[np.maximum(e - 1, 0)]
-        step = np.where(e > 0, 0.5 * (1 / b.area[e] ** 2 - 1 / above**2), 0.0)
         length, zero = m.length[e], np.zeros(len(e))
         drop = head = zero
         if self.held_at is not None:
             length = length + m.rigid_above[e]
             drop = (self.held_at[e + 1] - self.held_at[e]) @ self.fluid.gravity
             head = 0.5 * (self.held_at[e + 1] + self.held_at[e]) @ self.fluid.gravity
-        control = np.where((e == 0) & (self.pump_pressure is not None), 1.0, 0.0)
-        return np.column_stack(
-            [
-                length,
-                m.rigid_above[e] if self.held_at is None else zero,
-                self.poisson[e],
-                b.area[e],
-                b.area_above[e],
-                b.wall[e],
-                b.diameter[e],
-                b.diameter_above[e],
-                step,
-                zero,
-                control,
-                zero,
-                drop,
-                head,
-            ]
-        )
+        return {
+            "length": length,
+            "rigid": m.rigid_above[e] if self.held_at is None else zero,
+            "poisson": self.poisson[e],
+            "area": b.area[e],
+            "area_above": b.area_above[e],
+            "wall": b.wall[e],
+            "diameter": b.diameter[e],
+            "diameter_above": b.diameter_above[e],
+            "drop": drop,
+            "head": head,
+        }
+
+    def _entry(self, e: np.ndarray) -> dict[str, FloatArray]:
+        """Losses where the flow enters the elements ``e`` (k,), and the pressure at the upper end."""
+        area, above = self.bore.area[e], self.bore.area[np.maximum(e - 1, 0)]
+        zero = np.zeros(len(e))
+        return {
+            "step": np.where(e > 0, 0.5 * (1 / area**2 - 1 / above**2), 0.0),
+            "loss": zero,
+            "control": np.where((e == 0) & (self.pump_pressure is not None), 1.0, 0.0),
+            "controlled": zero,
+        }
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         elements = super().blocks(part)
@@ -80,13 +85,14 @@ class BoreFlow(ChannelFlow):
         self._is_top = bool(len(vertices))
         if self.flow_rate is None:
             return elements
-        params, flow = np.zeros((len(vertices), 1)), self.flow_rate
+        params, flow = Parameters("pump", len(vertices), flow=0.0), self.flow_rate
+        now = params["flow"]
 
         def update(t: float) -> None:
-            params[:, 0] = flow.value(t)
+            now[:] = flow.value(t)
 
         self._pump = ElementBlock(
-            "pump", "pump", "vertex", vertices, (("bore.pressure", 0),), (), params, update=update
+            "pump", "pump", "vertex", vertices, (("bore.pressure", 0),), (), params.array, update=update
         )
         return (*elements, self._pump)
 
@@ -94,10 +100,10 @@ class BoreFlow(ChannelFlow):
         pressure = self.pump_pressure
         if pressure is None or self._top is None or self._top[0] is not block:
             return None
-        row = self._top[1]
+        row, controlled = self._top[1], block.named["controlled"]
 
         def update(t: float) -> None:
-            block.params[row, _CONTROLLED] = pressure.value(t)
+            controlled[row] = pressure.value(t)
 
         return update
 
@@ -111,7 +117,7 @@ class BoreFlow(ChannelFlow):
         return float(self.flow_rate.value(t)) if self.flow_rate is not None else self.upper_flow(state)
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(*map(float, self.figures(state)[:, :3].sum(axis=0)))
+        return Energies(*map(float, self.figures(state)[:, ENERGIES].sum(axis=0)))
 
     def powers(self, t: float, state) -> Powers:
         figures = self.figures(state)

@@ -12,32 +12,13 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import Component, ElementBlock, Field
 from drillpetsc.kernels import function, pointer
-from drillpetsc.physics.beam import SLOTS, SPLIT_SLOTS
+from drillpetsc.kernels.parameters import Table, columns, structure
+from drillpetsc.physics.beam import JUNCTION_SLOTS, SLOTS
 
-FIGURES = (
-    "kinetic",
-    "stored",
-    "potential",
-    "dissipated",
-    "content",
-    "storage_upper",
-    "storage_lower",
-    "speed",
-    "density",
-)
+FIGURES = columns("flow_results").names
+ENERGIES = columns("flow_results").span("kinetic", "potential")  # in the order of ``Energies``
+_Fluid = structure("fluid")  # Fluid of kernels/fluid/flow.hpp
 PRESSURE_SCALE, FLOW_SCALE = 1.0e7, 1.0e-2  # usual magnitudes [Pa], [m3/s]
-
-
-class _Fluid(ctypes.Structure):
-    """Fluid of kernels/fluid/flow.hpp."""
-
-    _fields_ = [
-        ("density", ctypes.c_double),
-        ("compressibility", ctypes.c_double),
-        ("gravity", ctypes.c_double * 3),
-        ("clinging", ctypes.c_double),
-        ("rheology", ctypes.c_void_p),
-    ]
 
 
 @dataclass
@@ -57,11 +38,11 @@ class FluidConstants:
     def __post_init__(self) -> None:
         self.rheology = np.ascontiguousarray(self.rheology, dtype=float)
         record = _Fluid(
-            self.density,
-            1.0 / self.bulk_modulus,
-            (ctypes.c_double * 3)(*self.gravity),
-            self.clinging,
-            pointer(self.rheology),
+            density=self.density,
+            compressibility=1.0 / self.bulk_modulus,
+            gravity=tuple(self.gravity),
+            clinging=self.clinging,
+            rheology=pointer(self.rheology),
         )
         self._record = record
         self.address = ctypes.addressof(record)
@@ -73,7 +54,7 @@ class FluidConstants:
 
 
 class ChannelFlow(Component):
-    """Elements of one channel; the subclass gives its name, kernel and the columns of its parameters."""
+    """Elements of one channel; the subclass gives its name, kernel and parameters."""
 
     name = ""
     spins: tuple[int, ...] = ()  # ends whose spin the kernel uses
@@ -105,8 +86,8 @@ class ChannelFlow(Component):
         """First part of the kernels' names."""
         return f"{self.name}_flow"
 
-    def parameters(self, e: np.ndarray) -> FloatArray:
-        """(k, parameters) of the elements ``e`` (numbers from the top), in the order of the kernel."""
+    def parameters(self, e: np.ndarray) -> Table:
+        """Parameters of the elements ``e`` (k,) (numbers from the top)."""
         raise NotImplementedError
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
@@ -114,14 +95,14 @@ class ChannelFlow(Component):
         is held."""
         m, own = self.mesh, self.own_slots()
         junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
-        self._part, self._blocks, self._reports = part, [], []
-        split = junction[part.cells] if not self.held else np.zeros(len(part.cells), dtype=bool)
+        self._part, self._blocks, self._results = part, [], []
+        below = junction[part.cells] if not self.held else np.zeros(len(part.cells), dtype=bool)
         for kind in (False, True):
             if kind and (self.held or not junction[:-1].any()):
                 continue
-            chosen = np.flatnonzero(split == kind).astype(np.int32)
-            kernel = self.kernel + ("_held" if self.held else "_split" if kind else "")
-            slots = own if self.held else (SPLIT_SLOTS if kind else SLOTS) + own
+            chosen = np.flatnonzero(below == kind).astype(np.int32)
+            kernel = self.kernel + ("_held" if self.held else "_junction" if kind else "")
+            slots = own if self.held else (JUNCTION_SLOTS if kind else SLOTS) + own
             spins = () if self.held else self.spins
             block = ElementBlock(
                 f"{self.name}_flow" + ("_junction" if kind else ""),
@@ -130,12 +111,12 @@ class ChannelFlow(Component):
                 chosen,
                 slots,
                 spins,
-                np.ascontiguousarray(self.parameters(part.cells[chosen])),
+                self.parameters(part.cells[chosen]).array,
                 context=self.fluid.address,
             )
             block.keep = (self.fluid,)
             self._blocks.append(block)
-            self._reports.append(function(f"{kernel}_report", "ipppppp"))
+            self._results.append(function(f"{kernel}_results", "ipppppp"))
         top = [(b, i) for b in self._blocks for i in np.flatnonzero(part.cells[b.points] == 0)]
         self._top = top[0] if top else None  # block and row of the uppermost element, where this rank has it
         for b in self._blocks:
@@ -160,10 +141,10 @@ class ChannelFlow(Component):
         if self._taken is not None:
             return self._taken
         out = np.zeros((len(self._part.cells), len(FIGURES)))
-        for b, report in zip(self._blocks, self._reports, strict=True):
+        for b, results in zip(self._blocks, self._results, strict=True):
             if len(b.points):
                 index, part = state.index_of(b), np.zeros((len(b.points), len(FIGURES)))
-                report(
+                results(
                     len(b.points),
                     pointer(index),
                     pointer(b.params),

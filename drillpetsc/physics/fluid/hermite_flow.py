@@ -17,6 +17,7 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock, Field
 from drillpetsc.kernels import function
+from drillpetsc.kernels.parameters import Parameters, Table
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
 from drillpetsc.physics.fluid.bit_flow import GAP_ROUNDING, BitFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
@@ -27,21 +28,7 @@ from drillpetsc.time_function import TimeFunction
 
 VOLUME_SCALE = 1.0e-2  # [m3]
 SMALLEST = 1e-4  # chamber that is left under a bit on bottom where the case gives less [m3]
-_REST_GAP = 12  # column of kernels/fluid/bit_flow.hpp
 WINDOW = 1.0  # time over which the reference follows a jump of the pump [s]
-# columns of kernels/fluid/hermite/hermite_bore.hpp and kernels/fluid/hermite/hermite_annulus.hpp
-_PIPE = {
-    "heads": 8,
-    "reference": 9,
-    "given": 10,
-    "flow": 11,
-    "surge": 14,
-    "closed": 15,
-    "pumped": 16,
-    "kept": 17,
-}
-_ANNULUS = {"heads": 13, "reference": 14, "controlled": 16, "surge": 28}
-_TANGENTS = slice(18, 24)
 
 
 @dataclass(frozen=True)
@@ -177,28 +164,34 @@ class HermiteBore(BoreFlow):
     def kernel(self) -> str:
         return "hermite_bore"
 
-    def parameters(self, e: np.ndarray) -> FloatArray:
-        table = np.hstack([super().parameters(e), np.zeros((len(e), 4))])
-        table[:, _PIPE["heads"]], table[:, _PIPE["given"]] = self.heads[e], e == 0
-        table[:, _PIPE["closed"]], table[:, _PIPE["kept"]] = (
-            self.closed * (e == len(self.mesh.upper) - 1),
-            self.kept,
+    def parameters(self, e: np.ndarray) -> Table:
+        return Parameters(
+            self.kernel,
+            len(e),
+            **self._channel(e),
+            heads=self.heads[e],
+            reference_flow=0.0,
+            given=e == 0,
+            flow=0.0,
+            surge=0.0,
+            closed=self.closed * (e == len(self.mesh.upper) - 1),
+            pumped=0.0,
+            kept=self.kept,
         )
-        return table
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         self._is_top = bool(len(local_vertices(part, np.array([0]))[1]))
         return ChannelFlow.blocks(self, part)
 
     def _update_of(self, block: ElementBlock):
+        p = block.named
+        reference, surge, flow, pumped = (p[name] for name in ("reference_flow", "surge", "flow", "pumped"))
+
         def update(t: float) -> None:
             self._now = self.reference.value(t)
-            block.params[:, _PIPE["reference"]], block.params[:, _PIPE["surge"]] = (
-                self._now,
-                self.reference.rate(t),
-            )
-            block.params[:, _PIPE["flow"]] = self.flow_rate.value(t)  # type: ignore[union-attr]
-            block.params[:, _PIPE["pumped"]] = self.reference.behind(t)
+            reference[:], surge[:] = self._now, self.reference.rate(t)
+            flow[:] = self.flow_rate.value(t)  # type: ignore[union-attr]
+            pumped[:] = self.reference.behind(t)
 
         return update
 
@@ -245,25 +238,27 @@ class HermiteAnnulus(AnnulusFlow):
     def kernel(self) -> str:
         return "hermite_annulus"
 
-    def parameters(self, e: np.ndarray) -> FloatArray:
-        steps = np.diff(self.heads, prepend=0.0)
-        table = np.column_stack(
-            [super().parameters(e)[:, :-1], np.zeros(len(e)), steps[e]]
-        )  # no change of area
-        table[:, _ANNULUS["heads"]] = self.heads[e]
-        return table
+    def parameters(self, e: np.ndarray) -> Table:
+        return Parameters(
+            self.kernel,
+            len(e),
+            **self._channel(e),
+            heads=self.heads[e],
+            reference_flow=0.0,
+            open=e == 0,
+            surge=0.0,
+            step=np.diff(self.heads, prepend=0.0)[e],
+        )
 
     def _update_of(self, block: ElementBlock):
         others = super()._update_of(block)
+        reference, surge = block.named["reference_flow"], block.named["surge"]
 
         def update(t: float) -> None:
             if others is not None:
                 others(t)
             self._now = -self.reference.value(t)
-            block.params[:, _ANNULUS["reference"]], block.params[:, _ANNULUS["surge"]] = (
-                self._now,
-                -self.reference.rate(t),
-            )
+            reference[:], surge[:] = self._now, -self.reference.rate(t)
 
         return update
 
@@ -276,9 +271,10 @@ class HermiteAnnulus(AnnulusFlow):
     def upper_pressure(self, state) -> float:
         """The pressure that is given there, which the unknown at the node meets in the mean only [Pa]."""
         block, row = self._top  # type: ignore[misc]
-        pressure = float(block.params[row, _ANNULUS["controlled"]])
+        p = block.named
+        pressure = float(p["controlled"][row])
         if not self.held:
-            along = block.params[row, _TANGENTS].reshape(2, 3).sum(axis=0)
+            along = p["tangent1"][row] + p["tangent2"][row]
             along = along / np.linalg.norm(along)
             pressure += (
                 self.fluid.density
@@ -334,13 +330,21 @@ class HermiteBit(BitFlow):
             + ("" if self.has_link and self.has_annulus else "_jet" if self.has_link else "_closed")
             + "_held" * held
         )
-        row = [*self._parameters(), 0.0, 0.0, *self.last_heads]
-        row[_REST_GAP] = self.rest_gap
-        params = np.ascontiguousarray(np.tile(row, (len(vertices), 1)))
+        pipe, annulus = self.last_heads
+        params = Parameters(
+            kernel,
+            len(vertices),
+            **self._parameters() | {"held_gap": self.rest_gap},
+            reference_flow=0.0,
+            surge=0.0,
+            heads_pipe=pipe,
+            heads_annulus=annulus,
+        )
+        reference, surge, ambient = params["reference_flow"], params["surge"], self._ambient_update(params)
 
         def update(t: float) -> None:
-            params[:, -4], params[:, -3] = self.reference.value(t), self.reference.rate(t)
-            self.renew(params, t)
+            reference[:], surge[:] = self.reference.value(t), self.reference.rate(t)
+            ambient(t)
 
         update(0.0)
         self._block = ElementBlock(
@@ -350,12 +354,12 @@ class HermiteBit(BitFlow):
             vertices,
             slots,
             (),
-            params,
+            params.array,
             context=self.fluid.address,
             update=update,
         )
         self._block.keep = (self.fluid,)
-        self._report = function(f"{kernel}_report", "ipppppp")
+        self._results = function(f"{kernel}_results", "ipppppp")
         return (self._block,)
 
     def chamber_volume(self, gap: float) -> float:

@@ -35,11 +35,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import columns
 
 Array = NDArray[np.float64]
 
 MODELS = ("newtonian", "bingham", "power_law", "casson", "herschel_bulkley")
-LAWS = ("blend", "api", "exact")  # the order of FrictionLaw in kernels/fluid/rheology.hpp
+LAWS = columns("friction_law").names
+_KINDS = columns("rheology_kind")
 
 _size = function("rheology_size", "", int)
 _pack = function("rheology_pack", "iiddddp")
@@ -84,7 +86,7 @@ class Rheology:
         if self.law == "api" and self.model not in ("newtonian", "power_law"):
             raise ValueError("rheology: the law api is that of a power law")
         packed = np.zeros(_size())
-        kind = int(self.model == "casson")
+        kind = _KINDS["casson" if self.model == "casson" else "herschel_bulkley"]
         _pack(
             kind,
             LAWS.index(self.law),

@@ -20,18 +20,20 @@ from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
-from drillpetsc.physics.beam import POSITION_SCALE, REPORT
+from drillpetsc.kernels.parameters import Parameters, structure
+from drillpetsc.physics.beam import ENERGIES, POSITION_SCALE, REPORT
 from drillpetsc.physics.interfaces import Beam
 from drillpetsc.physics.rigid_bodies import local_vertices
 
-_report = function("quaternion_report", "ippppp")
-_dissipation = function("quaternion_dissipation", "ipppp", ctypes.c_double)
+_results = function("quaternion_beam_results", "ippppp")
+_dissipation = function("quaternion_beam_dissipation", "ipppp", ctypes.c_double)
 _motion = function("quaternion_motion", "ippppp")
 _view = function("quaternion_view", "ippppp")
+_StartFrames = structure("start_frames")  # StartFrames of kernels/quaternion/on_quaternion.hpp
 NODE = ("string.position", "string.strain", "string.quaternion")
 SLOTS = tuple((name, end) for end in (0, 1) for name in NODE)
 NODE_SLOTS = tuple((name, 0) for name in NODE)
-GAUGE_NODE = ("string.position", "string.tangent", "string.spin")
+ANCF_NODE = ("string.position", "string.tangent", "string.spin")
 LEVELS = {"index3": 3.0, "index2": 2.0, "stabilized": 2.0}
 ROW_SCALE = 1.0e6  # of constraint rows, so that one norm fits them and the forces
 # scale of a multiplier: it is linear in the rows and right where the motion is; its own rounding grows as
@@ -64,12 +66,6 @@ def spun(q: FloatArray) -> FloatArray:
     """(n, 4) product q e1: half of it per rad/s is the rate of q that spins about its first axis."""
     w, x, y, z = np.moveaxis(q, -1, 0)
     return np.stack([-x, w, z, -y], axis=-1)
-
-
-class _StartFrames(ctypes.Structure):
-    """StartFrames of kernels/quaternion/on_quaternion.hpp."""
-
-    _fields_ = [("inner", ctypes.c_void_p), ("frames", ctypes.c_void_p)]
 
 
 class QuaternionBeam(Beam):
@@ -130,28 +126,27 @@ class QuaternionBeam(Beam):
                     )
                 )
         _, vertices = local_vertices(part, np.arange(m.nodes))
-        length = np.tile([LEVELS[self.constraint], ROW_SCALE], (len(vertices), 1))
+        length = Parameters("unit_length", len(vertices), level=LEVELS[self.constraint], scale=ROW_SCALE)
         slots = (("string.quaternion", 0), ("string.multiplier", 0))
-        self._length = ElementBlock(
-            "unit_length", "unit_length", "vertex", vertices, slots, (), np.ascontiguousarray(length)
-        )
+        self._length = ElementBlock("unit_length", "unit_length", "vertex", vertices, slots, (), length.array)
         return (*self._elements, self._length)
 
     def _params(self, e: np.ndarray) -> FloatArray:
         m = self.mesh
-        columns = [
-            m.length[e],
-            m.axial_stiffness[e],
-            m.bending_stiffness[e],
-            m.torsional_stiffness[e],
-            m.mass[e],
-            m.polar_inertia[e],
-            m.stiffness_damping[e],
-            m.mass_damping[e],
-            m.curvature[e],
-            np.tile(self.gravity, (len(e), 1)),
-        ]
-        return np.ascontiguousarray(np.column_stack(columns))
+        return Parameters(
+            "quaternion_beam",
+            len(e),
+            length=m.length[e],
+            ea=m.axial_stiffness[e],
+            ei=m.bending_stiffness[e],
+            gj=m.torsional_stiffness[e],
+            mass=m.mass[e],
+            polar=m.polar_inertia[e],
+            beta=m.stiffness_damping[e],
+            alpha=m.mass_damping[e],
+            curvature=m.curvature[e],
+            gravity=self.gravity,
+        ).array
 
     def translate(self, block: ElementBlock) -> ElementBlock:
         """A block of the ANCF element's unknowns on those of this one (kernels/quaternion/on_quaternion.hpp);
@@ -163,13 +158,13 @@ class QuaternionBeam(Beam):
         if not any(name in self.derived_fields for name, _ in block.slots):
             return block
         nodes = sum(name == "string.position" for name, _ in block.slots)
-        assert block.slots[: 3 * nodes] == tuple((name, end) for end in range(nodes) for name in GAUGE_NODE)
+        assert block.slots[: 3 * nodes] == tuple((name, end) for end in range(nodes) for name in ANCF_NODE)
         chain = self._part
         frames = self.start[
             chain.vertices[chain.ends[block.points] if block.on == "cell" else block.points[:, None]]
         ]
         frames = np.ascontiguousarray(frames, dtype=float)
-        record = _StartFrames(block.context, pointer(frames))
+        record = _StartFrames(inner=block.context, frames=pointer(frames))
         slots = tuple((name, end) for end in range(nodes) for name in NODE) + block.slots[3 * nodes :]
         return replace(
             block,
@@ -204,7 +199,7 @@ class QuaternionBeam(Beam):
 
     def constrain_positions(self, hold: bool) -> None:
         """The constraint on positions whatever its form in motion: statics knows no velocities."""
-        self._length.params[:, 0] = 3.0 if hold else LEVELS[self.constraint]
+        self._length.named["level"] = 3.0 if hold else LEVELS[self.constraint]
 
     def restore_constraints(self, state) -> None:
         """At the end of a solve in the stabilized form: unit length, and no rate along it."""
@@ -248,14 +243,14 @@ class QuaternionBeam(Beam):
         for b in self._elements:
             if len(b.points):
                 part, index = np.zeros((len(b.points), len(REPORT))), layout.index(b)
-                _report(
+                _results(
                     len(b.points), pointer(index), pointer(b.params), pointer(x), pointer(y), pointer(part)
                 )
                 out[b.points] = part
         return out
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(*map(float, self.report(state.layout, state.x, state.y)[:, :3].sum(axis=0)))
+        return Energies(*map(float, self.report(state.layout, state.x, state.y)[:, ENERGIES].sum(axis=0)))
 
     def powers(self, t: float, state: Any) -> Powers:
         lost = 0.0

@@ -7,11 +7,11 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock
 from drillpetsc.kernels import function, pointer
-from drillpetsc.physics.contact import KINDS, REPORT, Contact
-from drillpetsc.physics.contact import _report as item_report
+from drillpetsc.kernels.parameters import Parameters
+from drillpetsc.physics.contact import REPORT, RESULTS, Contact
 from drillpetsc.physics.quaternion.beam import SLOTS
 
-_report = function("quaternion_contact_report", "ipppppp")
+_results = RESULTS | {"quaternion_contact": function("quaternion_contact_results", "ipppppp")}
 
 
 class QuaternionContact(Contact):
@@ -25,8 +25,13 @@ class QuaternionContact(Contact):
             chosen = np.flatnonzero((mask & (m.outer_diameter > 0))[part.cells]).astype(np.int32)
             e = part.cells[chosen]
             friction = np.where(np.isnan(m.friction[e]), -1.0, m.friction[e])
-            params = np.ascontiguousarray(
-                np.column_stack([m.length[e], np.zeros(len(e)), 0.5 * m.outer_diameter[e], friction])
+            params = Parameters(
+                "quaternion_contact",
+                len(e),
+                length=m.length[e],
+                rigid=0.0,
+                radius=0.5 * m.outer_diameter[e],
+                friction=friction,
             )
             self._blocks.append(
                 ElementBlock(
@@ -36,7 +41,7 @@ class QuaternionContact(Contact):
                     chosen,
                     SLOTS,
                     (),
-                    params,
+                    params.array,
                     context=self._context(len(chosen), ends),
                     component="contact",
                 )
@@ -47,7 +52,8 @@ class QuaternionContact(Contact):
     def _figures(self, state) -> list[FloatArray]:
         tables = [np.zeros((len(b.points), len(REPORT))) for b in self._blocks]
         for b, out in zip(self._blocks, tables, strict=True):
-            given = (
+            _results[b.kernel](
+                len(out),
                 pointer(state.index_of(b)),
                 pointer(b.params),
                 b.context,
@@ -55,8 +61,4 @@ class QuaternionContact(Contact):
                 pointer(state.y),
                 pointer(out),
             )
-            if b.on == "cell":
-                _report(len(out), *given)
-            else:
-                item_report(len(out), KINDS["body_contact"], *given)
         return tables

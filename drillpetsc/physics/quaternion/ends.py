@@ -8,18 +8,12 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import Component, ElementBlock, Field, Powers
 from drillpetsc.geometry.frames import high_side
-from drillpetsc.physics.end_conditions import Input, NodeLoad
+from drillpetsc.kernels.parameters import Parameters
+from drillpetsc.physics.end_conditions import Input, NodeLoad, load_rows
 from drillpetsc.physics.interfaces import Top
 from drillpetsc.physics.quaternion.beam import LEVELS, NODE_SLOTS, ROW_SCALE, UNCONTROLLED_SCALE, spun, turned
 from drillpetsc.physics.rigid_bodies import local_vertices
 
-_AXES, _VALUE, _RATE, _GOAL, _GOAL_RATE = (
-    slice(2, 11),
-    slice(11, 14),
-    slice(14, 17),
-    slice(17, 21),
-    slice(21, 25),
-)
 _PLACES = ("axial_reaction", "side_reaction_1", "side_reaction_2")
 _TURNS = (
     "torque_reaction",
@@ -86,31 +80,41 @@ class ConstrainedEnd(Top):
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([self.vertex]))
-        params = np.zeros((len(vertices), 25))
-        params[:, :2] = LEVELS[self.constraint], ROW_SCALE
-        params[:, _AXES] = np.vstack([self._axes, np.zeros((3 - self.places, 3))]).ravel()
         slots = (("string.position", 0), ("string.quaternion", 0), (f"string.{self._where}_reaction", 0))
         kernel = f"guided_{self.places}{self.turns}"
+        self._given = Parameters(
+            kernel,
+            len(vertices),
+            level=LEVELS[self.constraint],
+            scale=ROW_SCALE,
+            axes=np.vstack([self._axes, np.zeros((3 - self.places, 3))]).ravel(),
+            value=0.0,
+            rate=0.0,
+            goal=0.0,
+            goal_rate=0.0,
+        )
+        self._value, self._rate, self._goal, self._goal_rate = (
+            self._given[name] for name in ("value", "rate", "goal", "goal_rate")
+        )
         self._block = ElementBlock(
-            self.name, kernel, "vertex", vertices, slots, (), params, update=self._update
+            self.name, kernel, "vertex", vertices, slots, (), self._given.array, update=self._update
         )
         return (self._block,)
 
     def _update(self, t: float) -> None:
-        p, n = self._block.params, self.places
         down, turn = self.inputs
-        p[:, _VALUE.start : _VALUE.start + n] = self.anchor[:-1]
+        self._value[:, : self.places] = self.anchor[:-1]
         if down is not None:
-            p[:, _VALUE.start] += down.integral(t)
-            p[:, _RATE.start] = down.value(t)
+            self._value[:, 0] += down.integral(t)
+            self._rate[:, 0] = down.value(t)
         angle = self.anchor[-1] + (turn.integral(t) if turn is not None else 0.0)
         goal = turned(self._orientation, angle)
-        p[:, _GOAL] = goal
-        p[:, _GOAL_RATE] = 0.5 * (turn.value(t) if turn is not None else 0.0) * spun(goal)
+        self._goal[:] = goal
+        self._goal_rate[:] = 0.5 * (turn.value(t) if turn is not None else 0.0) * spun(goal)
 
     def constrain_positions(self, hold: bool) -> None:
         """The constraints on positions whatever their form in motion: statics knows no velocities."""
-        self._block.params[:, 0] = 3.0 if hold else LEVELS[self.constraint]
+        self._given["level"] = 3.0 if hold else LEVELS[self.constraint]
 
     def copy_position(self, other: Top) -> None:
         """Prescribe at time 0 the position that the top of another model, with other elements, prescribes."""
@@ -128,14 +132,15 @@ class ConstrainedEnd(Top):
         """At the end of a solve in the stabilized form: the end stands and moves exactly as given at the time
         of the last rows."""
         if len(self._block.points):
-            p, index, n = self._block.params[0], state.index_of(self._block)[0], self.places
+            index, n = state.index_of(self._block)[0], self.places
+            goal, goal_rate = self._goal[0], self._goal_rate[0]
             r, q, axes = index[:3], index[3:7], self._axes
-            state.x[r] += axes.T @ (p[_VALUE][:n] - axes @ state.x[r])
-            state.y[r] += axes.T @ (p[_RATE][:n] - axes @ state.y[r])
+            state.x[r] += axes.T @ (self._value[0, :n] - axes @ state.x[r])
+            state.y[r] += axes.T @ (self._rate[0, :n] - axes @ state.y[r])
             if self.turns == 3:
-                state.x[q], state.y[q] = p[_GOAL], p[_GOAL_RATE]
+                state.x[q], state.y[q] = goal, goal_rate
             elif self.turns == 1:
-                off = 2 * np.arctan2(spun(p[_GOAL]) @ state.x[q], p[_GOAL] @ state.x[q])
+                off = 2 * np.arctan2(spun(goal) @ state.x[q], goal @ state.x[q])
                 state.x[q], state.y[q] = turned(state.x[q], -off), turned(state.y[q], -off)
 
     # ------------------------------------------------------------------ figures
@@ -150,7 +155,7 @@ class ConstrainedEnd(Top):
             return Powers()
         index, n = state.index_of(self._block)[0], self.places
         push, moment = np.split(state.x[index[7:]], [n])
-        goal, supplied = self._block.params[0, _GOAL], float(push @ self._axes @ state.y[index[:3]])
+        goal, supplied = self._goal[0], float(push @ self._axes @ state.y[index[:3]])
         axes = np.array([spun(goal), _times_e2(goal), _times_e3(goal)])[: self.turns]
         return Powers(supplied=supplied + float(2 * moment @ axes @ state.y[index[3:7]]))
 
@@ -175,13 +180,14 @@ class QuaternionLoads(Component):
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         chosen, vertices = local_vertices(part, np.array([q.node for q in self.loads]))
         on_rank = [self.loads[k] for k in chosen]
-        rows = [[*q.force, *q.moment, *q.slope, float(q.section), 1.0] for q in on_rank]
-        params = np.ascontiguousarray(np.array(rows).reshape(-1, 11))
+        params = Parameters("quaternion_load", len(on_rank), **load_rows(on_rank), factor=1.0)
         timed = [(i, q.factor) for i, q in enumerate(on_rank) if q.factor is not None]
+
+        now = params["factor"]
 
         def update(t: float) -> None:
             for i, factor in timed:
-                params[i, 10] = factor(t)
+                now[i] = factor(t)
 
         self._block = ElementBlock(
             "loads",
@@ -190,7 +196,7 @@ class QuaternionLoads(Component):
             vertices,
             NODE_SLOTS,
             (),
-            params,
+            params.array,
             update=update if timed else None,
         )
         return (self._block,)

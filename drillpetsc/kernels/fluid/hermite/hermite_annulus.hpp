@@ -5,15 +5,21 @@
 
 namespace dp {
 
-template <bool SPLIT, bool HELD>
+template <bool JUNCTION, bool HELD>
 struct HermiteAnnulus {
-    static constexpr int F = HELD ? 0 : SPLIT ? 15 : 14, D = F + 4, NSPIN = HELD ? 0 : 2;
+    static constexpr int F = HELD ? 0 : JUNCTION ? 15 : 14, D = F + 4, NSPIN = HELD ? 0 : 2;
     static constexpr bool PACKED = true;
     static constexpr int SPINS[2][2] = {{6, 3}, {13, 10}};
-    enum { LENGTH, ABOVE, POISSON, OUTER, HOLE, OUTER_ABOVE, WALL, DIAMETER, GAP, GAP_ABOVE, CHI, DAMPING, TURNING, HEADS, REFERENCE, OPEN, CONTROLLED,
-           DROP, TANGENT1, TANGENT2 = TANGENT1 + 3, BEND = TANGENT2 + 3, HEAD = BEND + 3, SURGE, STEP, NP };
-    // as in fluid/annulus_flow.hpp; HEADS, REFERENCE, SURGE as in fluid/hermite/hermite_bore.hpp; STEP what HEADS gains on the
-    // element above; OPEN 1: the upper end has the pressure CONTROLLED + rho0 (g.t_w)(t_w.r) [Pa]
+    DP_ENUM(Parameter,
+        LENGTH, RIGID, POISSON, OUTER, HOLE, OUTER_ABOVE, WALL, DIAMETER, GAP, GAP_ABOVE, CHI, DAMPING, TURNING,  // as in fluid/annulus_flow.hpp
+        HEADS, REFERENCE_FLOW,  // as in fluid/hermite/hermite_bore.hpp
+        OPEN, CONTROLLED,       // OPEN 1: the upper end has the pressure CONTROLLED + rho0 (g.t_w)(t_w.r) [Pa]
+        DROP,                   // as in fluid/bore_flow.hpp
+        TANGENT1, TANGENT2 = TANGENT1 + 3, BEND = TANGENT2 + 3,  // 3 each, as in fluid/annulus_flow.hpp
+        HEAD = BEND + 3,        // as in fluid/bore_flow.hpp
+        SURGE,                  // as in fluid/hermite/hermite_bore.hpp
+        STEP,                   // what HEADS gains on the element above [1/m4]
+        NP)
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
@@ -21,46 +27,46 @@ struct HermiteAnnulus {
     }
 
     template <class T, class S>
-    static void evaluate(const T* x, const T* y, const T* a, const S* p, const Fluid& f, T* r, FlowReport* report) {
+    static void evaluate(const T* x, const T* y, const T* a, const S* p, const Fluid& f, T* r, FlowResults* results) {
         const S L = p[LENGTH], il = S(1.0) / L, A = p[HOLE] - p[OUTER], zero = S(0.0);
         if constexpr (HELD) {
             const Jet<T> c = {T(0.0) + A, T(0.0), T(0.0)}, none = {T(0.0), T(0.0), T(0.0)};
             VolumeLine<T, S> line(x, y, a, f, L, p[WALL], zero, c, none, c, none);
             for (int k = 0; k < 4; ++k) {
                 const CubicShape at(XI4[k]);
-                const T q = line.flow(at) + p[REFERENCE], head = pressure_of(f, T(line.slope(at, il) / A * -1.0), p[WALL]);
+                const T q = line.flow(at) + p[REFERENCE_FLOW], head = pressure_of(f, T(line.slope(at, il) / A * -1.0), p[WALL]);
                 const T thick = exp((head - heads(f, q, head, p[HEADS])) * f.compressibility), w = q / (thick * A);
                 const T drag = shear(f, w, T(thick * f.density), p[GAP], 1.0) * (S(4.0) / p[GAP]);
                 line.add(at, W4[k], (line.surge(at) + p[SURGE]) * (S(f.density) / A) - thick * f.density * (p[DROP] * il) + drag, head);
-                if constexpr (std::is_same_v<T, double>) if (report) {
+                if constexpr (std::is_same_v<T, double>) if (results) {
                     const double part = W4[k] * L, lost = q / thick;
-                    report->dissipated += part * lost * drag;
-                    report->kinetic += part * 0.5 * f.density / A * q * lost;
-                    stored(line, A, w, thick, head, W4[k], p, f, report);
+                    results->dissipated += part * lost * drag;
+                    results->kinetic += part * 0.5 * f.density / A * q * lost;
+                    stored(line, A, w, thick, head, W4[k], p, f, results);
                 }
             }
-            if constexpr (std::is_same_v<T, double>) if (report) report->potential = -(A * L + x[0] - x[1]) * f.density * p[HEAD];
-            finish(line, y, T(0.0) + p[CONTROLLED], p, f, r, report);
+            if constexpr (std::is_same_v<T, double>) if (results) results->potential = -(A * L + x[0] - x[1]) * f.density * p[HEAD];
+            finish(line, y, T(0.0) + p[CONTROLLED], p, f, r, results);
         } else {
-            const Ride<T, SPLIT> on(x, y, a, p[ABOVE]);
+            const Ride<T, JUNCTION> on(x, y, a, p[RIGID]);
             const Vec<S> sum = vec(p + TANGENT1) + vec(p + TANGENT2), tw = sum * (S(1.0) / norm(sum));
             const Tube<T> t1(on.x.v1, on.y.v1, on.a.v1, p[POISSON]), t2(on.x.v2, on.y.v2, on.a.v2, p[POISSON]);
             const Jet<T> less1 = along(on.x.v1, on.y.v1, on.a.v1, tw, p) - t1.less.times(p[OUTER]), less2 = along(on.x.v2, on.y.v2, on.a.v2, tw, p) - t2.less.times(p[OUTER]);
             const Jet<T> rest = {T(0.0) + A, T(0.0), T(0.0)};
-            VolumeLine<T, S> line(x + F, y + F, a + F, f, L, p[WALL], SPLIT ? (p[HOLE] - p[OUTER_ABOVE]) * p[ABOVE] : zero, less1 + rest, less1, less2 + rest, less2);
+            VolumeLine<T, S> line(x + F, y + F, a + F, f, L, p[WALL], JUNCTION ? (p[HOLE] - p[OUTER_ABOVE]) * p[RIGID] : zero, less1 + rest, less1, less2 + rest, less2);
             const Vec<T> none = {T(0.0), T(0.0), T(0.0)};
             Four<T> rows = {none, none, none, none};
             const Stretch<T> stretch(on.x, il);
-            const T upper = y[F] + p[REFERENCE];
+            const T upper = y[F] + p[REFERENCE_FLOW];
             // with the step of pressure where the section jumps, which loads the shoulder there
-            const T gradient = (line.p2.x - line.p1.x - heads(f, upper, line.p1.x, p[STEP])) * (S(1.0) / (L + p[ABOVE]));
-            for (int k = 0; k < 4; ++k) point(on, stretch, CubicShape(XI4[k]), XI4[k], W4[k], tw, gradient, p, f, line, rows, report);
-            if constexpr (SPLIT) above(on, upper, a[F] + p[SURGE], tw, gradient, p, f, line, rows, report);
-            on.store(rows, p[ABOVE], r);
+            const T gradient = (line.p2.x - line.p1.x - heads(f, upper, line.p1.x, p[STEP])) * (S(1.0) / (L + p[RIGID]));
+            for (int k = 0; k < 4; ++k) point(on, stretch, CubicShape(XI4[k]), XI4[k], W4[k], tw, gradient, p, f, line, rows, results);
+            if constexpr (JUNCTION) above(on, upper, a[F] + p[SURGE], tw, gradient, p, f, line, rows, results);
+            on.store(rows, p[RIGID], r);
             r[6] = (y[6] * 2.0 + y[13]) * (p[TURNING] * L * (1.0 / 6));
             r[13] = (y[13] * 2.0 + y[6]) * (p[TURNING] * L * (1.0 / 6));
-            if constexpr (std::is_same_v<T, double>) if (report) report->dissipated += p[TURNING] * L / 3 * (y[6] * y[6] + y[6] * y[13] + y[13] * y[13]);
-            finish(line, y + F, dot(on.above, tw) * (dot(vec(f.gravity), tw) * f.density) + p[CONTROLLED], p, f, r + F, report);
+            if constexpr (std::is_same_v<T, double>) if (results) results->dissipated += p[TURNING] * L / 3 * (y[6] * y[6] + y[6] * y[13] + y[13] * y[13]);
+            finish(line, y + F, dot(on.above, tw) * (dot(vec(f.gravity), tw) * f.density) + p[CONTROLLED], p, f, r + F, results);
         }
     }
 
@@ -72,7 +78,7 @@ struct HermiteAnnulus {
 
     template <class R, class T, class S>
     static void point(const R& on, const Stretch<T>& stretch, const CubicShape& at, double xi, double weight, const Vec<S>& tw, const T& gradient, const S* p, const Fluid& f,
-                      VolumeLine<T, S>& line, Four<T>& rows, FlowReport* report) {
+                      VolumeLine<T, S>& line, Four<T>& rows, FlowResults* results) {
         const S L = p[LENGTH], il = S(1.0) / L, AO = p[OUTER];
         const Vec<double> g = vec(f.gravity);
         const S gw = dot(g, tw);
@@ -80,7 +86,7 @@ struct HermiteAnnulus {
         const Vec<S> here = vec(p + TANGENT1) * (1 - xi) + vec(p + TANGENT2) * xi;
         const T local = norm(rs), n = stretch.at(at), lam = dot(rs, tw), narrow = 1.0 - (n - 1.0) * (p[POISSON] * 2.0), bulge = 1.0 - (n * 2.0 - 1.0) * (p[POISSON] * 2.0);
         const T less = (lam - 1.0) * p[HOLE] - (n - 1.0) * (1.0 - n * (p[POISSON] * 2.0)) * AO, content = less + (p[HOLE] - AO);
-        const T q = line.flow(at) + p[REFERENCE], q1 = line.surge(at) + p[SURGE];
+        const T q = line.flow(at) + p[REFERENCE_FLOW], q1 = line.surge(at) + p[SURGE];
         const T head = pressure_of(f, T((line.slope(at, il) + less) / content * -1.0), p[WALL]), speed = heads(f, q, head, p[HEADS]);
         const T thick = exp((head - speed) * f.compressibility), density = thick * f.density, area = thick * content;
         const T w = q * lam / area, across = q / area, across1 = q1 / area, Va = dot(V, tw), wall = w + Va, sheared = wall - Va * f.clinging;
@@ -99,51 +105,51 @@ struct HermiteAnnulus {
         rows.v2 += N * (L * L * (at.N[3] * weight)) + B * (L * (at.B[3] * weight));
         const T resistance = tau * lam * (S(4.0) / p[GAP]);
         line.add(at, weight, density * lam * lam / area * q1 + density * w * dot(Vs, tw) + density * lam * (dot(Vt, tw) - gw) + resistance, head);
-        if constexpr (std::is_same_v<T, double>) if (report) {
+        if constexpr (std::is_same_v<T, double>) if (results) {
             const double part = weight * L, m = f.density * area, volume = q / thick;
             const Vec<double> X = value(at, on.x, L), moved = cut(V + rs * across), sideways = cut(V);
-            report->kinetic += part * 0.5 * (m * wall * wall + M * dot(moved, moved));
-            report->potential -= part * (m * gw * dot(X, tw) - density * AO * dot(X, g - tw * gw));
-            report->dissipated += part * (resistance * (volume + Va * content) - tau * p[DIAMETER] * 3.14159265358979324 * Va + drag * dot(sideways, moved) +
+            results->kinetic += part * 0.5 * (m * wall * wall + M * dot(moved, moved));
+            results->potential -= part * (m * gw * dot(X, tw) - density * AO * dot(X, g - tw * gw));
+            results->dissipated += part * (resistance * (volume + Va * content) - tau * p[DIAMETER] * 3.14159265358979324 * Va + drag * dot(sideways, moved) +
                                           p[DAMPING] * dot(sideways, sideways));
-            stored(line, content, w, thick, head, weight, p, f, report);
+            stored(line, content, w, thick, head, weight, p, f, results);
         }
     }
 
     // the rigid item above the element: its flow is that of the node
     template <class R, class T, class S>
     static void above(const R& on, const T& q, const T& q1, const Vec<S>& tw, const T& gradient, const S* p, const Fluid& f, VolumeLine<T, S>& line,
-                      Four<T>& rows, FlowReport* report) {
+                      Four<T>& rows, FlowResults* results) {
         const Vec<double> g = vec(f.gravity);
         const S gw = dot(g, tw), A = p[HOLE] - p[OUTER_ABOVE];
         const T thick = exp((line.p1.x - heads(f, q, line.p1.x, p[HEADS])) * f.compressibility), V = dot(on.y.r1, tw);
-        const T tau = shear(f, T(q / (thick * A) + V * (1.0 - f.clinging)), T(thick * f.density), p[GAP_ABOVE], 1.0), drag = tau * (p[ABOVE] * 4.0 / p[GAP_ABOVE]);
-        line.spread(q1 * (p[ABOVE] * f.density / A) + thick * (dot(on.a.r1, tw) * p[ABOVE] - dot(on.x.r1 - on.above, tw) * gw) * f.density + drag);
-        rows.r1 += (vec(p + TANGENT1) * gradient + (g - tw * gw) * (thick * f.density)) * (p[OUTER_ABOVE] * p[ABOVE]);
-        if constexpr (std::is_same_v<T, double>) if (report) {
-            report->dissipated += drag * (q / thick + V * A);
-            report->kinetic += 0.5 * p[ABOVE] * f.density / A * q * q / thick;
+        const T tau = shear(f, T(q / (thick * A) + V * (1.0 - f.clinging)), T(thick * f.density), p[GAP_ABOVE], 1.0), drag = tau * (p[RIGID] * 4.0 / p[GAP_ABOVE]);
+        line.spread(q1 * (p[RIGID] * f.density / A) + thick * (dot(on.a.r1, tw) * p[RIGID] - dot(on.x.r1 - on.above, tw) * gw) * f.density + drag);
+        rows.r1 += (vec(p + TANGENT1) * gradient + (g - tw * gw) * (thick * f.density)) * (p[OUTER_ABOVE] * p[RIGID]);
+        if constexpr (std::is_same_v<T, double>) if (results) {
+            results->dissipated += drag * (q / thick + V * A);
+            results->kinetic += 0.5 * p[RIGID] * f.density / A * q * q / thick;
         }
     }
 
     template <class S>
     static void stored(const VolumeLine<double, double>& line, double section, double w, double thick, double head, double weight, const S* p,
-                       const Fluid& f, FlowReport* report) {
+                       const Fluid& f, FlowResults* results) {
         const Filled<double> at(f, {head, 0.0, 0.0}, p[WALL]);
-        report->stored += 0.5 * weight * line.L * section * at.by_p * head * head;
-        report->speed += weight * w;
-        report->density += weight * thick * f.density;
+        results->stored += 0.5 * weight * line.L * section * at.by_p * head * head;
+        results->speed += weight * w;
+        results->density += weight * thick * f.density;
     }
 
     template <class T, class S>
-    static void finish(VolumeLine<T, S>& line, const T* y, const T& outlet, const S* p, const Fluid& f, T* r, FlowReport* report) {
+    static void finish(VolumeLine<T, S>& line, const T* y, const T& outlet, const S* p, const Fluid& f, T* r, FlowResults* results) {
         line.row[0] -= outlet * p[OPEN];
         line.store(f, r);
-        if constexpr (std::is_same_v<T, double>) if (report) {
-            const double own = SPLIT ? (p[HOLE] - p[OUTER_ABOVE]) * p[ABOVE] : 0.0;
-            report->content = (p[HOLE] - p[OUTER]) * p[LENGTH] + own + line.V1.x - line.V2.x;
-            if (own > 0.0) report->content += own * Filled<double>(f, line.p1, p[WALL]).excess.x;
-            report->storage1 = 0.5 * (y[0] - y[1]); report->storage2 = report->storage1;
+        if constexpr (std::is_same_v<T, double>) if (results) {
+            const double own = JUNCTION ? (p[HOLE] - p[OUTER_ABOVE]) * p[RIGID] : 0.0;
+            results->content = (p[HOLE] - p[OUTER]) * p[LENGTH] + own + line.V1.x - line.V2.x;
+            if (own > 0.0) results->content += own * Filled<double>(f, line.p1, p[WALL]).excess.x;
+            results->storage_upper = 0.5 * (y[0] - y[1]); results->storage_lower = results->storage_upper;
         }
     }
 };

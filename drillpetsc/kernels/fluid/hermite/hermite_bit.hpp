@@ -12,8 +12,11 @@ struct HermiteBit {
     static constexpr int VI = HELD ? 0 : 7, VA = VI + PIPE, PA = VA + ANNULUS, D = PA + ANNULUS, NSPIN = 0;
     static constexpr bool PACKED = false;
     static constexpr int SPINS[1][2] = {{0, 0}};
-    typedef BitFlow<PIPE, ANNULUS, HELD> B;  // its parameters come first; HELD_GAP is that at rest
-    enum { REFERENCE = B::NP, SURGE, HEADS_PIPE, HEADS_ANNULUS, NP };
+    typedef BitFlow<PIPE, ANNULUS, HELD> B;  // HELD_GAP is that at rest
+    DP_ENUM(Parameter, DP_BIT_FLOW_PARAMETERS,
+        REFERENCE_FLOW, SURGE,      // Q and its rate [m3/s], [m3/s2]
+        HEADS_PIPE, HEADS_ANNULUS,  // HEADS of the channels' lowest elements [1/m4]
+        NP)
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
@@ -21,7 +24,7 @@ struct HermiteBit {
     }
 
     template <class T, class S>
-    static void evaluate(const T* x, const T* y, const T* a, const S* p, const Fluid& f, T* r, double* report) {
+    static void evaluate(const T* x, const T* y, const T* a, const S* p, const Fluid& f, T* r, BitFlowResults* results) {
         for (int i = 0; i < D; ++i) r[i] = T(0.0);
         Vec<T> F = {T(0.0), T(0.0), T(0.0)};
         const Vec<double> g = vec(f.gravity);
@@ -38,7 +41,7 @@ struct HermiteBit {
             T passed = x[VA] - (volume - rest);
             if constexpr (PIPE) passed += x[VI];
             under = pressure_of(f, T(passed / volume), wall);
-            const T q = y[VA] - p[REFERENCE];
+            const T q = y[VA] - p[REFERENCE_FLOW];
             r[VA] = (under + heads(f, q, under, p[HEADS_ANNULUS])) * MOMENTUM_ROW;
             outside = x[PA];
             if constexpr (!HELD) {
@@ -47,18 +50,18 @@ struct HermiteBit {
                 const Vec<T> carried = (vec(y) + vec(x + 3) * rate) * M;
                 F += carried - tw * dot(carried, tw) + g * (density * p[B::BUOYANT]);
             }
-            if (report) {
+            if (results) {
                 const Filled<double> at(f, {val(under), 0.0, 0.0}, wall);
-                report[3] = 0.5 * val(volume) * at.by_p * val(under) * val(under);
-                report[4] = val(volume + passed);
+                results->stored = 0.5 * val(volume) * at.by_p * val(under) * val(under);
+                results->content = val(volume + passed);
                 if constexpr (!HELD) {
                     const Vec<double> middle = vec(p + B::END) - vec(p + B::AXIS) * (0.5 * val(gap));
-                    report[5] = -report[4] * f.density * dot(middle, g);
+                    results->potential = -results->content * f.density * dot(middle, g);
                 }
             }
         }
         if constexpr (PIPE) {
-            const T q = y[VI] + p[REFERENCE], size = sqrt(q * q + FLOW_ROUNDING * FLOW_ROUNDING);
+            const T q = y[VI] + p[REFERENCE_FLOW], size = sqrt(q * q + FLOW_ROUNDING * FLOW_ROUNDING);
             const T closed = 1.0 + (VALVE_CLOSED * 0.5 * p[B::CHECK]) * (1.0 - q / sqrt(q * q + VALVE_ROUNDING * VALVE_ROUNDING));
             const T thin = exp(under * (-f.compressibility));
             const T loss = q * size * closed * thin * (p[B::LOSS] * f.density), surge = (a[VI] + p[SURGE]) * p[B::INERTANCE];
@@ -67,7 +70,7 @@ struct HermiteBit {
                 const Tangent<T> t(vec(x + 3), vec(y + 3), vec(y + 3));
                 F += (vec(y) + t.t * (q * exp(outside * (-f.compressibility)) / p[B::NOZZLE])) * (q * f.density);
             }
-            if (report) { report[0] = val(loss * q) * std::exp(-f.compressibility * val(under + loss * 0.5)); report[1] = val(q); report[2] = 0.5 * p[B::INERTANCE] * val(q) * val(q); }
+            if (results) { results->lost = val(loss * q) * std::exp(-f.compressibility * val(under + loss * 0.5)); results->flow = val(q); results->kinetic = 0.5 * p[B::INERTANCE] * val(q) * val(q); }
         }
         if constexpr (!HELD) { r[0] += F.x; r[1] += F.y; r[2] += F.z; }
     }

@@ -6,14 +6,21 @@ namespace dp {
 
 constexpr double ANCHOR = 100.0;  // rate at which a volume where the flow is given comes back from errors of the time integration [1/s]
 
-template <bool SPLIT, bool HELD>
+template <bool JUNCTION, bool HELD>
 struct HermiteBore {
-    static constexpr int F = HELD ? 0 : SPLIT ? 15 : 14, D = F + 4, NSPIN = 0;  // volumes of both nodes, pressures of both nodes
+    static constexpr int F = HELD ? 0 : JUNCTION ? 15 : 14, D = F + 4, NSPIN = 0;  // volumes of both nodes, pressures of both nodes
     static constexpr bool PACKED = true;
     static constexpr int SPINS[1][2] = {{0, 0}};
-    enum { LENGTH, ABOVE, POISSON, AREA, AREA_ABOVE, WALL, DIAMETER, DIAMETER_ABOVE, HEADS, REFERENCE, GIVEN, FLOW, DROP, HEAD, SURGE, CLOSED, PUMPED, KEPT, NP };
-    // as in fluid/bore_flow.hpp; HEADS (1/A^2 - 1/A_0^2)/2 [1/m4]; REFERENCE Q and SURGE its rate; GIVEN 1: FLOW enters at the upper end, where
-    // V is PUMPED then; CLOSED 1: nothing leaves at the lower end, where V stays KEPT
+    DP_ENUM(Parameter,
+        LENGTH, RIGID, POISSON, AREA, AREA_ABOVE, WALL, DIAMETER, DIAMETER_ABOVE,  // as in fluid/bore_flow.hpp
+        HEADS,              // (1/A^2 - 1/A_0^2)/2 [1/m4]
+        REFERENCE_FLOW,     // Q [m3/s]
+        GIVEN, FLOW,        // GIVEN 1: FLOW enters at the upper end, where V is PUMPED [m3/s]
+        DROP, HEAD,         // as in fluid/bore_flow.hpp
+        SURGE,              // rate of Q [m3/s2]
+        CLOSED,             // 1: nothing leaves at the lower end, where V stays KEPT
+        PUMPED, KEPT,       // [m3]
+        NP)
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
@@ -21,55 +28,55 @@ struct HermiteBore {
     }
 
     template <class T, class S>
-    static void evaluate(const T* x, const T* y, const T* a, const S* p, const Fluid& f, T* r, FlowReport* report) {
+    static void evaluate(const T* x, const T* y, const T* a, const S* p, const Fluid& f, T* r, FlowResults* results) {
         const S L = p[LENGTH], il = S(1.0) / L, A = p[AREA], zero = S(0.0);
         if constexpr (HELD) {
             const Jet<T> c = {T(0.0) + A, T(0.0), T(0.0)}, none = {T(0.0), T(0.0), T(0.0)};
             VolumeLine<T, S> line(x, y, a, f, L, p[WALL], zero, c, none, c, none);
             for (int k = 0; k < 4; ++k) {
                 const CubicShape at(XI4[k]);
-                const T q = line.flow(at) + p[REFERENCE], head = pressure_of(f, T(line.slope(at, il) / A * -1.0), p[WALL]);
+                const T q = line.flow(at) + p[REFERENCE_FLOW], head = pressure_of(f, T(line.slope(at, il) / A * -1.0), p[WALL]);
                 const T inside = head - heads(f, q, head, p[HEADS]), thick = exp(inside * f.compressibility), w = q / (thick * A);
                 const T drag = shear(f, w, T(thick * f.density), p[DIAMETER], 0.0) * (S(4.0) / p[DIAMETER]);
                 line.add(at, W4[k], (line.surge(at) + p[SURGE]) * (S(f.density) / A) - thick * f.density * (p[DROP] * il) + drag, head);
-                if constexpr (std::is_same_v<T, double>) if (report) {
+                if constexpr (std::is_same_v<T, double>) if (results) {
                     const double part = W4[k] * L, lost = q / thick;
-                    report->dissipated += part * lost * drag;
-                    report->kinetic += part * 0.5 * f.density / A * q * lost;
-                    stored(line, A, w, thick, head, W4[k], p, f, report);
+                    results->dissipated += part * lost * drag;
+                    results->kinetic += part * 0.5 * f.density / A * q * lost;
+                    stored(line, A, w, thick, head, W4[k], p, f, results);
                 }
             }
-            if constexpr (std::is_same_v<T, double>) if (report) report->potential = -(A * L + x[0] - x[1]) * f.density * p[HEAD];
-            finish(line, x, y, p, f, r, report);
+            if constexpr (std::is_same_v<T, double>) if (results) results->potential = -(A * L + x[0] - x[1]) * f.density * p[HEAD];
+            finish(line, x, y, p, f, r, results);
         } else {
-            const Ride<T, SPLIT> on(x, y, a, p[ABOVE]);
+            const Ride<T, JUNCTION> on(x, y, a, p[RIGID]);
             const Tube<T> t1(on.x.v1, on.y.v1, on.a.v1, p[POISSON]), t2(on.x.v2, on.y.v2, on.a.v2, p[POISSON]);
-            VolumeLine<T, S> line(x + F, y + F, a + F, f, L, p[WALL], SPLIT ? p[AREA_ABOVE] * p[ABOVE] : zero, t1.section.times(A), t1.less.times(A),
+            VolumeLine<T, S> line(x + F, y + F, a + F, f, L, p[WALL], JUNCTION ? p[AREA_ABOVE] * p[RIGID] : zero, t1.section.times(A), t1.less.times(A),
                                   t2.section.times(A), t2.less.times(A));
             const Vec<T> none = {T(0.0), T(0.0), T(0.0)};
             Four<T> rows = {none, none, none, none};
             const Stretch<T> stretch(on.x, il);
-            for (int k = 0; k < 4; ++k) point(on, stretch, CubicShape(XI4[k]), XI4[k], W4[k], p, f, line, rows, report);
-            if constexpr (SPLIT) {
-                const Vec<T> upper = above(on, vec(y), vec(a), y[F] + p[REFERENCE], a[F] + p[SURGE], p, f, line, rows, report);
-                on.store(rows, p[ABOVE], r);
+            for (int k = 0; k < 4; ++k) point(on, stretch, CubicShape(XI4[k]), XI4[k], W4[k], p, f, line, rows, results);
+            if constexpr (JUNCTION) {
+                const Vec<T> upper = above(on, vec(y), vec(a), y[F] + p[REFERENCE_FLOW], a[F] + p[SURGE], p, f, line, rows, results);
+                on.store(rows, p[RIGID], r);
                 r[0] += upper.x; r[1] += upper.y; r[2] += upper.z;
             } else {
-                on.store(rows, p[ABOVE], r);
+                on.store(rows, p[RIGID], r);
             }
-            finish(line, x + F, y + F, p, f, r + F, report);
+            finish(line, x + F, y + F, p, f, r + F, results);
         }
     }
 
     template <class R, class T, class S>
     static void point(const R& on, const Stretch<T>& stretch, const CubicShape& at, double xi, double weight, const S* p, const Fluid& f, VolumeLine<T, S>& line, Four<T>& rows,
-                      FlowReport* report) {
+                      FlowResults* results) {
         const S L = p[LENGTH], il = S(1.0) / L, A = p[AREA];
         const Vec<double> g = vec(f.gravity);
         const Vec<T> rs = slope(at, on.x, il), V = value(at, on.y, L), Vs = slope(at, on.y, il), Vt = value(at, on.a, L);
         const T local = norm(rs), n = stretch.at(at), n1 = dot(rs, Vs) / local, less = (n - 1.0) * (1.0 - n * (p[POISSON] * 2.0)), section = less + 1.0;
         const T bulge = 1.0 - (n * 2.0 - 1.0) * (p[POISSON] * 2.0);  // d(section)/dn
-        const T q = line.flow(at) + p[REFERENCE], q1 = line.surge(at) + p[SURGE];
+        const T q = line.flow(at) + p[REFERENCE_FLOW], q1 = line.surge(at) + p[SURGE];
         const T head = pressure_of(f, T((line.slope(at, il) / A + less) / section * -1.0), p[WALL]), speed = heads(f, q, head, p[HEADS]);
         const T thick = exp((head - speed) * f.compressibility), density = thick * f.density, area = thick * section * A, w = q * n / area;
         const T m = area * f.density, G = q * f.density;
@@ -82,12 +89,12 @@ struct HermiteBore {
         rows.v2 += N * (L * L * (at.N[3] * weight)) + B * (L * (at.B[3] * weight));
         const T drag = shear(f, w, T(thick * f.density), p[DIAMETER], 0.0) * n * (S(4.0) / p[DIAMETER]);
         line.add(at, weight, density * n * n / area * q1 + density * w * n1 + density * dot(rs, Vt - g) + drag, head);
-        if constexpr (std::is_same_v<T, double>) if (report) {
-            report->dissipated += weight * L * q / thick * drag;
+        if constexpr (std::is_same_v<T, double>) if (results) {
+            results->dissipated += weight * L * q / thick * drag;
             const Vec<T> own = V * m + rs * G;
-            report->kinetic += weight * L * 0.5 * dot(own, own) / m;
-            report->potential -= weight * L * m * dot(value(at, on.x, L), g);
-            stored(line, section * A, w, thick, head, weight, p, f, report);
+            results->kinetic += weight * L * 0.5 * dot(own, own) / m;
+            results->potential -= weight * L * m * dot(value(at, on.x, L), g);
+            stored(line, section * A, w, thick, head, weight, p, f, results);
         }
     }
 
@@ -95,42 +102,42 @@ struct HermiteBore {
     // upper has the rate V0 and the acceleration A0; returns the rows there
     template <class R, class T, class S>
     static Vec<T> above(const R& on, const Vec<T>& V0, const Vec<T>& A0, const T& q, const T& q1, const S* p, const Fluid& f, VolumeLine<T, S>& line,
-                        Four<T>& rows, FlowReport* report) {
+                        Four<T>& rows, FlowResults* results) {
         const Vec<double> g = vec(f.gravity);
         const T thick = exp((line.p1.x - heads(f, q, line.p1.x, p[HEADS])) * f.compressibility), w = q / (thick * p[AREA_ABOVE]);
-        const T drag = shear(f, w, T(thick * f.density), p[DIAMETER_ABOVE], 0.0) * (p[ABOVE] * 4.0 / p[DIAMETER_ABOVE]);
-        line.spread(q1 * (p[ABOVE] * f.density / p[AREA_ABOVE]) + thick * dot(on.t0, on.a.r1 - g) * (p[ABOVE] * f.density) + drag);
-        const T half = thick * (p[AREA_ABOVE] * p[ABOVE] * (0.5 * f.density)), G = q * f.density;
+        const T drag = shear(f, w, T(thick * f.density), p[DIAMETER_ABOVE], 0.0) * (p[RIGID] * 4.0 / p[DIAMETER_ABOVE]);
+        line.spread(q1 * (p[RIGID] * f.density / p[AREA_ABOVE]) + thick * dot(on.t0, on.a.r1 - g) * (p[RIGID] * f.density) + drag);
+        const T half = thick * (p[AREA_ABOVE] * p[RIGID] * (0.5 * f.density)), G = q * f.density;
         const Vec<T> rod = on.x.r1 - on.above, turn = rod * (q1 * (0.5 * f.density));
         rows.r1 += (on.a.r1 - g) * half + turn - V0 * G;
-        if constexpr (std::is_same_v<T, double>) if (report) {
-            report->dissipated += q / thick * drag;
-            report->potential -= half * dot(on.x.r1 + on.above, g);
-            report->kinetic += 0.5 * half * (dot(V0, V0) + dot(on.y.r1, on.y.r1)) + 0.5 * G * dot(rod, V0 + on.y.r1) + 0.5 * G * w * p[ABOVE];
+        if constexpr (std::is_same_v<T, double>) if (results) {
+            results->dissipated += q / thick * drag;
+            results->potential -= half * dot(on.x.r1 + on.above, g);
+            results->kinetic += 0.5 * half * (dot(V0, V0) + dot(on.y.r1, on.y.r1)) + 0.5 * G * dot(rod, V0 + on.y.r1) + 0.5 * G * w * p[RIGID];
         }
         return (A0 - g) * half + turn + on.y.r1 * G;
     }
 
     template <class S>
     static void stored(const VolumeLine<double, double>& line, double section, double w, double thick, double head, double weight, const S* p,
-                       const Fluid& f, FlowReport* report) {
+                       const Fluid& f, FlowResults* results) {
         const Filled<double> at(f, {head, 0.0, 0.0}, p[WALL]);
-        report->stored += 0.5 * weight * line.L * section * at.by_p * head * head;
-        report->speed += weight * w;
-        report->density += weight * thick * f.density;
+        results->stored += 0.5 * weight * line.L * section * at.by_p * head * head;
+        results->speed += weight * w;
+        results->density += weight * thick * f.density;
     }
 
     template <class T, class S>
-    static void finish(VolumeLine<T, S>& line, const T* x, const T* y, const S* p, const Fluid& f, T* r, FlowReport* report) {
+    static void finish(VolumeLine<T, S>& line, const T* x, const T* y, const S* p, const Fluid& f, T* r, FlowResults* results) {
         line.store(f, r);
         // the rate, and some of the volume, without which the steady flow would leave the level open and errors in time would stay
-        r[0] = r[0] * (S(1.0) - p[GIVEN]) + (y[0] + p[REFERENCE] - p[FLOW] + (x[0] - p[PUMPED]) * ANCHOR) * (p[GIVEN] * MASS_ROW);
-        r[1] = r[1] * (S(1.0) - p[CLOSED]) + (y[1] + p[REFERENCE] + (x[1] - p[KEPT]) * ANCHOR) * (p[CLOSED] * MASS_ROW);
-        if constexpr (std::is_same_v<T, double>) if (report) {
-            const double own = HELD ? 0.0 : p[AREA_ABOVE] * p[ABOVE] * SPLIT;
-            report->content = p[AREA] * p[LENGTH] + own + line.V1.x - line.V2.x;
-            if (own > 0.0) report->content += own * Filled<double>(f, line.p1, p[WALL]).excess.x;
-            report->storage1 = 0.5 * (y[0] - y[1]); report->storage2 = report->storage1;
+        r[0] = r[0] * (S(1.0) - p[GIVEN]) + (y[0] + p[REFERENCE_FLOW] - p[FLOW] + (x[0] - p[PUMPED]) * ANCHOR) * (p[GIVEN] * MASS_ROW);
+        r[1] = r[1] * (S(1.0) - p[CLOSED]) + (y[1] + p[REFERENCE_FLOW] + (x[1] - p[KEPT]) * ANCHOR) * (p[CLOSED] * MASS_ROW);
+        if constexpr (std::is_same_v<T, double>) if (results) {
+            const double own = HELD ? 0.0 : p[AREA_ABOVE] * p[RIGID] * JUNCTION;
+            results->content = p[AREA] * p[LENGTH] + own + line.V1.x - line.V2.x;
+            if (own > 0.0) results->content += own * Filled<double>(f, line.p1, p[WALL]).excess.x;
+            results->storage_upper = 0.5 * (y[0] - y[1]); results->storage_lower = results->storage_upper;
         }
     }
 };

@@ -1,4 +1,4 @@
-// The paper's form of the flow in a channel: volume that has passed, as a cubic between the nodes (formulation: hermite).
+// Flow in a channel by its volume (Zhao and Ren 2012): volume that has passed, as a cubic between the nodes (formulation: hermite).
 //
 // V(s,t) [m3, at zero pressure] has passed the place s of the string beyond what a reference flow Q(t), the same everywhere, has brought:
 // q = V_t + Q.  Mass is then conserved identically: the content per reference length is mu = mu0 - V' (mu0: at rest, at zero pressure), and

@@ -1,0 +1,13 @@
+// Columns of the results of a string's element, whichever beam it is.
+#pragma once
+#include "core/names.hpp"
+
+namespace dp {
+
+DP_ENUM(BeamResult,
+    KINETIC, STRAIN, POTENTIAL,                 // energies [J]
+    AXIAL_UPPER, AXIAL_MIDDLE, AXIAL_LOWER,     // axial force [N]
+    TORQUE, BENDING_UPPER, BENDING_LOWER,       // [N m]
+    BEAM_RESULTS)
+
+}  // namespace dp

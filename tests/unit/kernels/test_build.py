@@ -1,0 +1,108 @@
+"""The compiled library: where it lies, what an import does, which files are refused."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import drillpetsc.kernels as kernels
+from drillpetsc.kernels import KernelsUnavailable, build
+
+HAS_ROOT = os.getuid() == 0
+
+
+def test_library_lies_in_the_package():
+    assert build.library_path().parent == Path(kernels.__file__).parent / "_build"
+
+
+def test_sources_flags_and_processor_name_the_library(monkeypatch):
+    before = build.library_path()
+    assert build.library_path() == before
+    monkeypatch.setattr(build, "FLAGS", ("-O2",))
+    other = build.library_path()
+    monkeypatch.setattr(build, "_processor", lambda: "another")
+    assert len({before, other, build.library_path()}) == 3
+
+
+def test_import_opens_nothing_and_compiles_nothing(tmp_path):
+    """In a folder that holds something of the library's name."""
+    (tmp_path / build.library_path().name).write_bytes(b"not a library")
+    code = "import drillpetsc.kernels as k; print(k.library.cache_info().currsize, 'subprocess' in dir(k))"
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split() == ["0", "False"]
+
+
+def test_missing_library_names_the_command(monkeypatch, tmp_path):
+    monkeypatch.setattr(kernels, "library_path", lambda: tmp_path / "kernels-0.so")
+    kernels.library.cache_clear()
+    with pytest.raises(KernelsUnavailable, match="python -m drillpetsc.kernels build"):
+        kernels.library()
+    kernels.library.cache_clear()
+
+
+def library(folder: Path) -> Path:
+    folder.chmod(0o755)
+    path = folder / "kernels-0.so"
+    path.write_bytes(b"")
+    path.chmod(0o755)
+    return path
+
+
+def test_library_of_the_user_is_trusted(tmp_path):
+    build.check_trusted(library(tmp_path))
+
+
+@pytest.mark.parametrize("mode", [0o775, 0o757, 0o777])
+@pytest.mark.parametrize("which", ["library", "folder"])
+def test_what_others_can_write_is_refused(which, mode, monkeypatch, tmp_path):
+    path = library(tmp_path)
+    (path if which == "library" else tmp_path).chmod(mode)
+    with pytest.raises(build.UntrustedLibrary, match="chmod go-w"):
+        build.check_trusted(path)
+    monkeypatch.setattr(kernels, "library_path", lambda: path)
+    kernels.library.cache_clear()
+    with pytest.raises(KernelsUnavailable, match="not opened"):
+        kernels.library()
+    kernels.library.cache_clear()
+
+
+@pytest.mark.skipif(not HAS_ROOT, reason="only root can give files away")
+@pytest.mark.parametrize("which", ["library", "folder"])
+def test_what_belongs_to_another_user_is_refused(which, tmp_path):
+    path = library(tmp_path)
+    os.chown(path if which == "library" else tmp_path, 12345, -1)
+    with pytest.raises(build.UntrustedLibrary, match="12345"):
+        build.check_trusted(path)
+
+
+def test_compiler_error_is_shown(monkeypatch, tmp_path):
+    source = tmp_path / "source"
+    source.mkdir()
+    (source / "wrong.cpp").write_text("int f() { return nothing; }\n")
+    monkeypatch.setattr(build, "SOURCES", source)
+    with pytest.raises(RuntimeError, match="compiling wrong.cpp failed(.|\n)*nothing"):
+        build.build(tmp_path / "out")
+
+
+def test_changed_source_compiles_alone(monkeypatch, tmp_path):
+    """An object serves as long as its source and the headers that it includes stay as they are."""
+    source, compiled = tmp_path / "source", []
+    source.mkdir()
+    (source / "a.hpp").write_text("#pragma once\nconstexpr int A = 1;\n")
+    (source / "one.cpp").write_text('#include "a.hpp"\nextern "C" int one() { return A; }\n')
+    (source / "two.cpp").write_text('extern "C" int two() { return 2; }\n')
+    monkeypatch.setattr(build, "SOURCES", source)
+    call = build._compile
+    monkeypatch.setattr(build, "_compile", lambda c, s, o: (compiled.append(s.name), call(c, s, o)))
+    first = build.build(tmp_path / "out")
+    assert sorted(compiled) == ["one.cpp", "two.cpp"] and first.stat().st_mode & 0o777 == 0o755
+    compiled.clear()
+    assert build.build(tmp_path / "out") == first and not compiled
+    (source / "a.hpp").write_text("#pragma once\nconstexpr int A = 3;\n")
+    assert build.build(tmp_path / "out") != first and compiled == ["one.cpp"]
