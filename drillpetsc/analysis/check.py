@@ -1,4 +1,4 @@
-"""The `check` command: what a scene contains and what it leaves out, in words."""
+"""The `check` command: a text on what the model of a case contains and leaves out."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from drillpetsc.case.blocks.formation import Formation
 from drillpetsc.case.case import Case
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 
-#: microseconds per element and evaluation, measured on one core (scripts/benchmark prints them afresh)
+#: microseconds per element and evaluation, measured on one core (scripts/benchmark measures and prints them)
 COST = {"residual": 0.3, "jacobian": 1.2, "factor": 0.6, "solve": 0.15, "step": 2.0}
 
 TERMS = (
@@ -26,7 +26,7 @@ TERMS = (
     ("annulus", "drilling fluid in the annulus"),
 )
 
-WHERE = {
+REGION_TEXT = {
     "junction": "section changes and rigid items",
     "top": "the upper end",
     "bottom": "the lower end",
@@ -36,7 +36,7 @@ WHERE = {
 
 
 def describe(case: Case) -> str:
-    """Text for the user; raises CaseError where the scene cannot be built."""
+    """Return the text for the user; raises CaseError where the model cannot be built."""
     return "\n".join(_lines(build_model(case)))
 
 
@@ -45,7 +45,7 @@ def _quasi_static(case: Case) -> bool:
 
 
 def _cutting(formation: Formation | None) -> str:
-    """Bit on rock in words: law, drillabilities [m/(s N)], layers."""
+    """Describe a bit on rock: law, drillabilities [m/(s N)], layers."""
     if formation is None:
         return "bit cutting rock"
     values = [formation.drillability, *(layer.drillability for layer in formation.layers)]
@@ -73,29 +73,30 @@ def _lines(model: DrillingModel) -> list[str]:
     lines.append(f"  top: {case.top.kind}; bottom: {case.bottom.kind}; start: {case.initial.from_}")
     if _quasi_static(case):
         lines.append(
-            "  time: quasi-static, every moment an equilibrium"
+            "  time: quasi-static, in equilibrium at all times"
             + (", while the hole grows" if case.formation is not None else "")
         )
+    # stress-free curvature is part of the quaternion element, not a component
     names = {component.name for component in model.components} | (
         {"curvature"} if mesh.curvature.any() else set()
-    )  # the quaternion element has its own
+    )
     damped = bool(mesh.stiffness_damping.any() or mesh.mass_damping.any())
     parts = [
         (model.beam is not None, "axial, bending, torsion, gravity"),
         (model.beam is not None and not _quasi_static(case), "inertia"),
         (damped and model.beam is not None, "material damping"),
     ]
-    parts += [(name in names, words) for name, words in TERMS] + [
+    parts += [(name in names, text) for name, text in TERMS] + [
         (case.formation is not None, _cutting(case.formation))
     ]
-    has, lacks = ([words for there, words in parts if there == wanted] for wanted in (True, False))
+    contained, left_out = ([text for present, text in parts if present == kind] for kind in (True, False))
     if case.fluid is not None:
         mud = case.fluid
         lines.append(
             f"  fluid: {mud.density:g} kg/m3, {mud.rheology.model}, law {mud.rheology.law}, bulk modulus {mud.bulk_modulus:g} Pa"
         )
-    lines.append("  contains: " + "; ".join(has))
-    lines.append("  leaves out (no unknowns, no cost): " + "; ".join(lacks))
+    lines.append("  contains: " + "; ".join(contained))
+    lines.append("  leaves out (no unknowns, no cost): " + "; ".join(left_out))
     counts = field_counts(system)
     per_node = sum(f.size for f, n in counts if n >= mesh.nodes - 1)
     unknowns, rates = sum(f.size * n for f, n in counts), sum(f.size * n for f, n in counts if f.second_order)
@@ -103,8 +104,8 @@ def _lines(model: DrillingModel) -> list[str]:
         f"  unknowns: {per_node} per node; {unknowns} solved for in a step, {unknowns + rates} in the state"
     )
     for f, n in counts:
-        if f.region in WHERE:
-            lines.append(f"    {f.name}: {f.size} at {n} nodes ({WHERE[f.region]})")
+        if f.region in REGION_TEXT:
+            lines.append(f"    {f.name}: {f.size} at {n} nodes ({REGION_TEXT[f.region]})")
     e = len(mesh.upper)
     step = (
         (3 * COST["residual"] + COST["jacobian"] + COST["factor"] + 2 * COST["solve"] + COST["step"])
@@ -115,7 +116,7 @@ def _lines(model: DrillingModel) -> list[str]:
         f"  expected cost: about {step:.2g} ms per step on one core"
         + (f"; {case.time.end:g} s to simulate" if case.time is not None else "")
     )
-    lines += [f"  {words}" for words in time_scales(model).lines()]
+    lines += [f"  {line}" for line in time_scales(model).lines()]
     coarse = coarse_elements(model)
     if coarse.any():
         limit = (240 * mesh.bending_stiffness / (mesh.mass * np.linalg.norm(case.gravity))) ** (1 / 3)

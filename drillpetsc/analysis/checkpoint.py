@@ -1,10 +1,10 @@
-"""Checkpoints: everything a run needs to go on as if it had never stopped, in one file that is whole or not
-there.
+"""Checkpoints: the complete state of a run in one file, which is written completely or not at all.
 
-The file is HDF5 behind a first block of 512 bytes (a user block, which HDF5's readers pass over) with the
-kind, the version and the SHA-256 of all that follows: what is cut short or damaged is refused before anything
-is believed of it.  Arrays are in depth order, so another number of ranks can read them; only what cannot
-matter there is kept by ranks (solvers/newton.py).
+A restarted run continues as an uninterrupted one (manual: sec-time-restart).  The file is HDF5 behind a first block of
+512 bytes (a user block, which HDF5's readers skip).  The block contains the kind, the version and the SHA-256 of all
+that follows, so that incomplete and damaged files are refused before any value is used.  Arrays are in depth order, so
+that another number of ranks can read them.  Only the entries of the factorisation are stored by rank
+(solvers/newton.py).
 """
 
 from __future__ import annotations
@@ -27,19 +27,26 @@ from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 
 VERSION = 3
-BLOCK = 512  # bytes of the first block, the least that HDF5 takes
+BLOCK = 512  # bytes of the first block, the smallest size of an HDF5 user block
 MAGIC, OLD_MAGIC = b"drillpetsc checkpoint ", b"\x89HDF\r\n\x1a\n"  # version 1 was plain HDF5
 WANT = "the checkpoint.h5 of a run"
 
 
 @dataclass
 class Checkpoint:
-    """State of a run at ``time`` [s].
+    """State of a run.
 
-    fields, rates: name -> (n_nodes, size), unknowns and rates; depths: (n_nodes,) of the nodes [m]; frames:
-    reference frames; components: their history variables by name (the same on all ranks);
-    places: what they carry at each "vertex" or "cell" (``get_local_state``, (n_nodes, k) or (n_elements, k)
-    here); recorder: of the recorder; stepper: of the integrator; notes: plain words and numbers.
+    time: [s].
+    fields, rates: by name, (n_nodes, size) unknowns and rates [SI of each field].
+    depths: (n_nodes,) measured depths of the nodes [m].
+    frames: reference frames (see ``Frames``).
+    components: by name, history variables that are the same on all ranks (``Component.get_state``).
+    local_components: by name, history variables at each "vertex" (n_nodes, k) or "cell" (n_elements, k)
+    (``Component.get_local_state``).
+    recorder: state of the recorder; stepper: state of the integrator.
+    imperfection: (n_nodes, 3) dead load at the nodes [N], None without one.
+    top: anchor of the top end, None without one.
+    notes: texts and numbers.
     """
 
     time: float
@@ -48,7 +55,7 @@ class Checkpoint:
     depths: FloatArray
     frames: dict[str, FloatArray]
     components: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
-    places: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
+    local_components: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
     recorder: dict[str, FloatArray] = field(default_factory=dict)
     stepper: dict[str, FloatArray] = field(default_factory=dict)
     imperfection: FloatArray | None = None
@@ -63,20 +70,26 @@ def take(
     time: float,
     notes: dict[str, Any] | None = None,
 ) -> Checkpoint | None:
-    """Collect the state on rank 0 (None elsewhere), changing nothing; collective, after a step is done with
-    (TimeIntegrator.at_rest)."""
+    """Collect the state on rank 0, None elsewhere, without changing it; collective.
+
+    It is called after all other work of a step (``TimeIntegrator.at_rest``).
+
+    time: [s]; notes: texts and numbers to store.
+    """
     system = model.system
     components = {c.name: history for c in model.components if (history := c.get_state())}
-    places = {c.name: _gathered(system, local) for c in model.components if (local := c.get_local_state())}
+    local_components = {
+        c.name: _gathered(system, local) for c in model.components if (local := c.get_local_state())
+    }
     balances, stepper = recorder.get_state(), integrator.get_state()
     names = [f.name for f in system.layout.fields]
     values = system.gather(
         np.hstack([system.field(n) for n in names] + [system.field(n, "y") for n in names])
     )
-    dead = None
+    dead_load = None
     if system.assembly.dead_load is not None:
-        place = system.layout.dofs["string.position"]
-        dead = system.gather(system.assembly.dead_load[place])
+        dofs = system.layout.dofs["string.position"]
+        dead_load = system.gather(system.assembly.dead_load[dofs])
     if values is None:
         return None
     sizes = [f.size for f in system.layout.fields]
@@ -96,24 +109,24 @@ def take(
         np.asarray(model.mesh.node_depth),
         frames,
         components,
-        places,
+        local_components,
         balances,
         stepper,
-        dead,
+        dead_load,
         top,
         notes or {},
     )
 
 
-def _gathered(system: DiscreteSystem, memory: dict[str, FloatArray]) -> dict[str, FloatArray]:
-    """Values at local vertices and cells, in depth order; whole on rank 0."""
-    whole = {on: system.gather(values, on) for on, values in memory.items()}
-    return {on: values for on, values in whole.items() if values is not None}
+def _gathered(system: DiscreteSystem, state: dict[str, FloatArray]) -> dict[str, FloatArray]:
+    """Collect values at local vertices and cells on rank 0, in depth order; empty elsewhere; collective."""
+    gathered = {on: system.gather(values, on) for on, values in state.items()}
+    return {on: values for on, values in gathered.items() if values is not None}
 
 
 # ---------------------------------------------------------------------- files
 def write(path: Path, c: Checkpoint) -> None:
-    """Write ``c``; the file before it stays until the disk has the new one."""
+    """Write ``c`` to ``path``; the previous file remains until the new one is on the disk."""
     import h5py
 
     tree = {
@@ -122,18 +135,22 @@ def write(path: Path, c: Checkpoint) -> None:
         "frames": c.frames,
         "recorder": c.recorder,
         "stepper": c.stepper,
-        **{f"components/{name}": memory for name, memory in c.components.items()},
-        **{f"places/{name}": memory for name, memory in c.places.items()},
+        **{f"components/{name}": state for name, state in c.components.items()},
+        **{f"places/{name}": state for name, state in c.local_components.items()},
     }
-    rest: dict[str, FloatArray | None] = {"depths": c.depths, "imperfection": c.imperfection, "top": c.top}
-    # in memory: HDF5 that meets a full disk half-way is hard to leave in good order
+    single_arrays: dict[str, FloatArray | None] = {
+        "depths": c.depths,
+        "imperfection": c.imperfection,
+        "top": c.top,
+    }
+    # in memory, since HDF5 does not recover cleanly when the disk becomes full
     with h5py.File("checkpoint", "w", driver="core", backing_store=False, userblock_size=BLOCK) as file:
         file.attrs["time"], file.attrs["notes"] = c.time, json.dumps(c.notes)
         for group, arrays in tree.items():
             file.require_group(group)
             for name, values in arrays.items():
                 file[f"{group}/{name}"] = values
-        for name, single in rest.items():
+        for name, single in single_arrays.items():
             if single is not None:
                 file[name] = single
         file.flush()
@@ -143,8 +160,10 @@ def write(path: Path, c: Checkpoint) -> None:
 
 
 def read(path: str | Path) -> Checkpoint:
-    """Read a checkpoint; raises CaseError when there is none, or it is cut short, damaged or of another
-    kind."""
+    """Read the checkpoint at ``path``.
+
+    Raises CaseError where it is missing, incomplete, damaged or of another kind or version.
+    """
     import h5py
 
     if not Path(path).is_file():
@@ -161,7 +180,7 @@ def read(path: str | Path) -> Checkpoint:
     try:
         with h5py.File(io.BytesIO(data), "r") as file:
             groups = {g: _arrays(file[g]) for g in ("fields", "rates", "frames", "recorder", "stepper")}
-            components, places = (
+            components, local_components = (
                 {name: _arrays(group) for name, group in file[kind].items()} if kind in file else {}
                 for kind in ("components", "places")
             )
@@ -175,7 +194,7 @@ def read(path: str | Path) -> Checkpoint:
                 np.array(file["depths"]),
                 groups["frames"],
                 components,
-                places,
+                local_components,
                 groups["recorder"],
                 groups["stepper"],
                 imperfection,
@@ -188,7 +207,7 @@ def read(path: str | Path) -> Checkpoint:
         ValueError,
         TypeError,
         RuntimeError,
-    ) as error:  # whole, and yet not what version 3 holds
+    ) as error:  # a complete file with other contents
         raise CaseError(
             file=path, want=WANT, hint=f"it was written by another version of drillpetsc ({error})"
         ) from None
@@ -199,7 +218,7 @@ def _arrays(group) -> dict[str, FloatArray]:
 
 
 def _inspect(path: str | Path, data: bytes) -> None:
-    """Raise CaseError unless the file is whole and of this version."""
+    """Raise CaseError unless the file is complete, undamaged and of this version."""
     if data.startswith(OLD_MAGIC):
         raise CaseError(
             file=path,
@@ -230,10 +249,13 @@ def _inspect(path: str | Path, data: bytes) -> None:
         )
 
 
-# ---------------------------------------------------------------------- back into a scene
+# ---------------------------------------------------------------------- back into a model
 def restore(model: DrillingModel, c: Checkpoint, at: str = "--restart") -> None:
-    """Put a checkpoint's state into the scene's model; raises CaseError, for the key ``at``, when it is of
-    another string."""
+    """Load the state of checkpoint ``c`` into the model.
+
+    at: key for the error message.
+    Raises CaseError where the checkpoint is of another string.
+    """
     system = model.system
     for f in system.layout.fields:
         values = c.fields.get(f.name)
@@ -243,7 +265,7 @@ def restore(model: DrillingModel, c: Checkpoint, at: str = "--restart") -> None:
             )
     if not np.allclose(c.depths, model.mesh.node_depth, rtol=0, atol=1e-6):
         raise CaseError(
-            at=at, want="a checkpoint of the same string", hint="its nodes are elsewhere along the string"
+            at=at, want="a checkpoint of the same string", hint="its nodes have other measured depths"
         )
     for f in system.layout.fields:
         system.set_field(f.name, c.fields[f.name])
@@ -254,25 +276,24 @@ def restore(model: DrillingModel, c: Checkpoint, at: str = "--restart") -> None:
     for component in system.components:
         component.update_reference_frames()
     if c.imperfection is not None:
-        dead, place = np.zeros(system.layout.size), system.layout.dofs["string.position"]
+        dead_load, dofs = np.zeros(system.layout.size), system.layout.dofs["string.position"]
         owned = system.chain.owned
-        dead[place[owned]] = c.imperfection[system.chain.vertices[owned]]
-        system.assembly.dead_load = dead
+        dead_load[dofs[owned]] = c.imperfection[system.chain.vertices[owned]]
+        system.assembly.dead_load = dead_load
     if c.top is not None and model.top is not None:
         model.top.anchor[:] = c.top
     for component in model.components:
         if component.name in c.components:
             component.set_state(c.components[component.name])
-        if component.name in c.places:
-            here = {"vertex": system.chain.vertices, "cell": system.chain.cells}
+        if component.name in c.local_components:
+            local_numbers = {"vertex": system.chain.vertices, "cell": system.chain.cells}
             component.set_local_state(
-                {on: values[here[on]] for on, values in c.places[component.name].items()}
+                {on: values[local_numbers[on]] for on, values in c.local_components[component.name].items()}
             )
 
 
-def start_clock_anew(model: DrillingModel, c: Checkpoint) -> None:
-    """Time begins at 0 again with the state of ``c``: the top goes on from the place and the angle that it
-    has there."""
+def restart_clock(model: DrillingModel, c: Checkpoint) -> None:
+    """Set the time to 0 with the state of ``c``: the top continues from its position and angle in ``c``."""
     if model.top is None:
         return
     model.top.align(*(c.fields[f"string.{name}"][0] for name in ("position", "tangent", "spin")))

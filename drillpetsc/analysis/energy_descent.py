@@ -1,5 +1,7 @@
-"""Down to a stable state: Newton where it works, else descent of the energy while the wall of the hole grows
-stiffer."""
+"""Stable static equilibrium: Newton's method, or energy minimisation with continuation in the contact stiffness.
+
+Manual: sec-statics-descent.
+"""
 
 from __future__ import annotations
 
@@ -11,18 +13,17 @@ from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.solvers.static_newton import MAX_ITERATIONS, Equilibrium, StaticNewton
 
-SUBSTITUTIONS = 30  # rounds of anything that is solved by substitution
-TRIAL = 100  # descent iterations at each stiffness before a side load is added
-SPRING = 10.0  # travel of the weak spring that carries the weight on bit while the string settles [m]
-NEAR_DEPTH = 1e-6  # the bit is this near its depth when the true bit takes over [m]
-STRONGER = (
-    10.0  # side load that is taken where the asked one does not lead to a stable state, over the asked one
-)
-SINK = 0.1  # share of the radial clearance that the pipe may sink into the softest wall
+MAX_SUBSTITUTIONS = 30  # rounds of an iteration by substitution
+TRIAL_ITERATIONS = 100  # iterations of the minimisation at each stiffness before a lateral load is added
+SPRING_TRAVEL = 10.0  # travel of the weak spring that carries the weight on bit during the minimisation [m]
+DEPTH_TOLERANCE = 1e-6  # largest error of the bit's depth when the bit replaces the spring [m]
+STRONGER_LOAD = 10.0  # factor of the lateral load where the requested one does not lead to a stable state
+#: largest penetration in the first continuation step, as a fraction of the radial clearance
+FIRST_PENETRATION = 0.1
 
 
 def nodal_weight(model: DrillingModel) -> FloatArray:
-    """(n_nodes,) weight that each node carries [N]."""
+    """Compute the weight (n_nodes,) of each node [N]: half of both neighbouring elements and the rigid items."""
     mesh, g = model.mesh, float(np.linalg.norm(model.case.gravity))
     weight = np.zeros(mesh.nodes)
     half = 0.5 * model.effective_mass * mesh.length * g
@@ -34,19 +35,21 @@ def nodal_weight(model: DrillingModel) -> FloatArray:
 
 
 class Snapshot:
-    """The state and the top's position, to come back to."""
+    """Copy of the unknowns and of the top's position, which ``restore`` puts back."""
 
     def __init__(self, model: DrillingModel):
         self.model, self.x = model, model.system.assembly.x.copy()
         self.top = None if model.top is None else model.top.anchor.copy()
 
     def restore(self) -> None:
+        """Put the copied state back."""
         self.model.system.assembly.x[:] = self.x
         if self.model.top is not None:
             self.model.top.anchor[:] = self.top
 
 
 def clearance(model: DrillingModel) -> float | None:
+    """Compute the smallest radial clearance [m], 1 mm at least; None without contact."""
     if model.well is None or model.contact is None:
         return None
     middle = 0.5 * (model.mesh.upper + model.mesh.lower)
@@ -57,15 +60,21 @@ def clearance(model: DrillingModel) -> float | None:
 def stable_state(
     model: DrillingModel, solver: StaticNewton, soft: TorqueDrag | None, report: Equilibrium
 ) -> None:
-    """Newton where it finds a stable state, else down the energy; from a saddle a small persistent side load
-    leads away."""
+    """Find a stable state: Newton's method, else minimisation of the energy; collective.
+
+    From a saddle of the energy a small persistent lateral load leads to a minimum (manual: sec-statics-descent).
+
+    soft: results of the soft string, None without one.
+    report: gets iterations, increments and imperfection.
+    Raises SolveError where no state is found.
+    """
     fraction = model.case.initial.imperfection
     factors = stiffness_steps(model, soft)
     if not solver.energy:
         solver.solve(report)
         return
     try:
-        newton_or_descent(model, solver, report, factors, TRIAL if fraction else MAX_ITERATIONS)
+        newton_or_descent(model, solver, report, factors, TRIAL_ITERATIONS if fraction else MAX_ITERATIONS)
         failure = SolveError("the static state is unstable") if solver.negative_pivots() else None
     except SolveError as error:
         failure = error
@@ -75,24 +84,23 @@ def stable_state(
         if report.converged:
             return
         raise failure
-    # on the saddle of a straight column nothing points sideways: a small persistent load does
-    load, keep = nodal_weight(model) * _own_imperfection(model, fraction), Snapshot(model)
-    for strength in (fraction, STRONGER * fraction):
+    # a straight column is a saddle of the energy, on which no force is lateral; a small persistent load is
+    load, start = nodal_weight(model) * _item_imperfection(model, fraction), Snapshot(model)
+    for strength in (fraction, STRONGER_LOAD * fraction):
         solver.add_imperfection(strength, load)
         report.imperfection = strength
         try:
-            _descend(model, solver, report, factors)
+            _minimise(model, solver, report, factors)
             return
-        except (
-            SolveError
-        ):  # far above its critical load a long string has too flat a way down for so weak a load
+        except SolveError:
+            # far above the critical load of a long string the energy falls too slowly for a weak load
             if strength > fraction:
                 raise
-            keep.restore()
+            start.restore()
 
 
-def _own_imperfection(model: DrillingModel, fraction: float) -> FloatArray:
-    """(n_nodes,) factor on ``fraction`` where a string item asks for an imperfection of its own."""
+def _item_imperfection(model: DrillingModel, fraction: float) -> FloatArray:
+    """Compute the factor (n_nodes,) on ``fraction`` of string items with their own imperfection."""
     mesh, factor = model.mesh, np.ones(model.mesh.nodes)
     for e, number in enumerate(mesh.item):
         own = model.case.string[number].initial
@@ -106,42 +114,52 @@ def newton_or_descent(
     solver: StaticNewton,
     report: Equilibrium,
     factors: tuple[float, ...],
-    most: int = MAX_ITERATIONS,
+    max_iterations: int = MAX_ITERATIONS,
 ) -> None:
-    """Full Newton steps, or descent where they do not converge; may end in an unstable state."""
-    keep = Snapshot(model)
+    """Take full Newton steps, or minimise the energy where they do not converge; collective.
+
+    The result may be unstable.
+
+    report: gets iterations and increments.
+    factors: of the contact stiffness, rising to 1.
+    max_iterations: of the minimisation at each stiffness.
+    Raises SolveError where neither converges.
+    """
+    start = Snapshot(model)
     try:
         solver.newton_free(report)
         return
     except SolveError:
         if report.converged:
             return
-        keep.restore()
-    _descend(model, solver, report, factors, most)
+        start.restore()
+    _minimise(model, solver, report, factors, max_iterations)
 
 
-def _descend(
+def _minimise(
     model: DrillingModel,
     solver: StaticNewton,
     report: Equilibrium,
     factors: tuple[float, ...],
-    most: int = MAX_ITERATIONS,
+    max_iterations: int = MAX_ITERATIONS,
 ) -> None:
-    """Down the energy while the contact grows stiffer; the weight on bit acts as a weak spring, long
-    preloaded, meanwhile."""
+    """Minimise the energy while the contact becomes stiffer.
+
+    A given weight on bit acts through a weak preloaded spring meanwhile (manual: sec-statics-wob).
+    """
     if solver.depth is None:
-        _harden(model, solver, report, factors, most)
+        _minimise_with_stiffening(model, solver, report, factors, max_iterations)
         return
     wob, constraint, bit = model.case.initial.wob, solver.depth, model.bit
     assert bit is not None and model.top is not None and wob is not None
     solver.depth = None
     try:
-        for _ in range(SUBSTITUTIONS):
-            with bit.preloaded(wob, SPRING):
-                _harden(model, solver, report, factors, most)
-            here, _, target = constraint(model.system)
-            error = target - solver.sum(here)
-            if abs(error) < NEAR_DEPTH:
+        for _ in range(MAX_SUBSTITUTIONS):
+            with bit.preloaded(wob, SPRING_TRAVEL):
+                _minimise_with_stiffening(model, solver, report, factors, max_iterations)
+            depth, _, target = constraint(model.system)
+            error = target - solver.sum(depth)
+            if abs(error) < DEPTH_TOLERANCE:
                 break
             factors = (1.0,)
             model.top.shift(error)
@@ -150,25 +168,30 @@ def _descend(
     solver.newton_free(report)
 
 
-def _harden(
-    model: DrillingModel, solver: StaticNewton, report: Equilibrium, factors: tuple[float, ...], most: int
+def _minimise_with_stiffening(
+    model: DrillingModel,
+    solver: StaticNewton,
+    report: Equilibrium,
+    factors: tuple[float, ...],
+    max_iterations: int,
 ) -> None:
+    """Minimise the energy at each contact stiffness, in the order of ``factors``; the last state has factor 1."""
     for factor in factors:
         if model.contact is not None:
             model.contact.set_stiffness(factor)
         try:
-            solver.minimise_energy(report, most)
+            solver.minimise_energy(report, max_iterations)
         finally:
             if model.contact is not None:
                 model.contact.set_stiffness(1.0)
 
 
 def stiffness_steps(model: DrillingModel, soft: TorqueDrag | None) -> tuple[float, ...]:
-    """Factors on the contact stiffness, rising to 1: at the first the most loaded part sinks in by a share of
-    its radial clearance.
+    """Compute the factors of the contact stiffness, rising to 1 (manual: eq-statics-softest).
 
-    Loads: weight, side load of the soft string, and r F^2/4EI of a helix under the largest compression F
-    (Lubinski, Althouse and Logan, JPT 14(6), 1962).
+    At the first one the most loaded part penetrates the wall by ``FIRST_PENETRATION`` of its radial clearance.
+    Loads per length: weight, lateral load of the soft string, and r F^2/4EI of a helix under the largest compression F
+    with the clearance r (Lubinski, Althouse and Logan, JPT 14(6), 1962).
     """
     gap, contact, mesh = clearance(model), model.case.contact, model.mesh
     if model.contact is None:
@@ -182,19 +205,21 @@ def stiffness_steps(model: DrillingModel, soft: TorqueDrag | None) -> tuple[floa
         load = max(load, float(np.max(soft.contact_force)))
         compression = max(compression, -float(np.min(soft.axial_force)))
     load = max(load, gap * compression**2 / (4 * float(np.min(mesh.bending_stiffness))))
-    softest = min(1.0, load / (SINK * gap * contact.stiffness))
+    softest = min(1.0, load / (FIRST_PENETRATION * gap * contact.stiffness))
     count = int(np.ceil(np.log10(1.0 / softest))) if softest < 0.5 else 0
     return tuple(np.geomspace(max(softest, 1e-6), 1.0, count + 1)) if count else (1.0,)
 
 
 def too_coarse(model: DrillingModel) -> bool:
-    """Elements longer than their bending can hold against the axial load of their weight: L^3 > 240 EI/w
-    (model, section 9.4)."""
+    """Whether an element is above the limit of ``coarse_elements``."""
     return bool(coarse_elements(model).any())
 
 
 def coarse_elements(model: DrillingModel) -> np.ndarray:
-    """(n,) elements above the limit L^3 > 240 EI/w."""
+    """Find the elements (n,) with L^3 > 240 EI/w (manual: eq-beam-length-limit).
+
+    The bending stiffness of such an element does not balance the axial load of its own weight w per length.
+    """
     mesh = model.mesh
     w = mesh.mass * np.linalg.norm(model.case.gravity)
     return mesh.length**3 * w > 240 * mesh.bending_stiffness

@@ -1,4 +1,7 @@
-"""Static equilibrium of the ANCF string with friction against a given motion, coupled with the steady flow."""
+"""Static equilibrium of the ANCF string with friction against a given motion, coupled with the steady flow.
+
+Manual: sec-statics-sequence, eq-statics-rest, eq-statics-imposed-friction.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from drillpetsc.analysis.energy_descent import (
-    SUBSTITUTIONS,
+    MAX_SUBSTITUTIONS,
     Snapshot,
     clearance,
     coarse_elements,
@@ -25,40 +28,47 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.solvers.static_newton import Equilibrium, StaticNewton
 
-ROUNDS = 30  # of string and flow in turn
-AGREED = 1e-10  # change of pressures and flows relative to their scales
-NEARLY = 1e-6  # enough when rounding stops the rounds
+MAX_COUPLING_ROUNDS = 30  # solves of flow and string in turn
+COUPLING_TOLERANCE = 1e-10  # largest change of pressures and flows relative to their scales
+ROUNDING_TOLERANCE = 1e-6  # largest change where rounding stops the coupling iteration
+#: axial direction (down positive) and rotation of each motion of the `statics` command
 MOTIONS = {"hoist": (-1.0, 0.0), "lower": (1.0, 0.0), "rotate": (0.0, 1.0)}
 
 
 @dataclass
 class StaticState:
-    """Result of ``find_equilibrium``; the state itself is in the scene's model.
+    """Result of ``find_equilibrium``; the state itself is in the model's system.
 
-    motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes; side: share of the
-    side push of friction that the state could keep; stable: no negative pivot.
+    motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes.
+    equilibrium: results of the solver.
+    soft_string: results of the soft string, None without one.
+    warnings: texts for the user.
+    lateral_fraction: fraction of the lateral friction force in the equilibrium [-] (chi in the manual:
+    eq-statics-imposed-friction).
     """
 
     motion: tuple[float, float]
     equilibrium: Equilibrium
     soft_string: TorqueDrag | None = None
     warnings: list[str] = field(default_factory=list)
-    side: float = 1.0
+    lateral_fraction: float = 1.0
 
     @property
     def stable(self) -> bool:
+        """Whether the state has no negative pivot (manual: eq-statics-stable)."""
         return self.equilibrium.negative_pivots == 0
 
 
 def director_equilibrium(
-    model: DrillingModel, motion: tuple[float, float] | None = None, climb: bool = True
+    model: DrillingModel, motion: tuple[float, float] | None = None, lateral_friction: bool = True
 ) -> StaticState:
-    """Static equilibrium of the scene, friction opposing ``motion`` (by default what the top prescribes at
-    time 0).
+    """Find the static equilibrium with friction against ``motion`` (manual: sec-statics-sequence); collective.
 
-    First without friction, to a stable state; then friction is added at once.  climb: friction across the
-    pipe pushes it up the wall of the hole, as it does with a turning pipe at rest there; without, only its
-    torque acts, as torque-and-drag models have it. Raises SolveError when no equilibrium is found.
+    motion: axial velocity [m/s, down positive] and rotation [rad/s]; by default what the top prescribes at time 0.
+    lateral_friction: friction across the pipe pushes a turning pipe up the wall; without it only its torque acts, as
+    in torque-and-drag models.
+
+    Raises SolveError where no equilibrium is found, CaseError where the weight on bit cannot be met.
     """
     lowering = prescribed_motion(model)[0] if motion is None else 0.0
     motion = prescribed_motion(model) if motion is None else motion
@@ -73,93 +83,99 @@ def director_equilibrium(
     solver = _solver(model)
     wob = model.case.initial.wob
     if wob is not None:
-        _ask_for_weight(model, solver, wob)
-    slipping = [r for r in (model.contact, model.bit) if r is not None]
-    for component in slipping:
+        _set_weight_on_bit(model, solver, wob)
+    sliding = [r for r in (model.contact, model.bit) if r is not None]
+    for component in sliding:
         component.impose_sliding_direction(0.0, 0.0)
     report = Equilibrium()
-    state, side = StaticState(motion, report, soft), 1.0 if climb else 0.0
-    moves = bool(slipping) and motion != (0.0, 0.0)
-    reached = _settle_at_once(model, solver, slipping, state, side) if moves and soft is not None else None
+    state, fraction = StaticState(motion, report, soft), 1.0 if lateral_friction else 0.0
+    moves = bool(sliding) and motion != (0.0, 0.0)
+    reached = (
+        _newton_with_friction(model, solver, sliding, state, fraction) if moves and soft is not None else None
+    )
     if reached is None:
         stable_state(model, solver, soft, report)
         if moves:
-            reached = _add_friction(model, solver, slipping, state, climb)
-    side = state.side = side if reached is None else reached
-    if climb and moves and not side:
+            reached = _add_friction(model, solver, sliding, state, lateral_friction)
+    fraction = state.lateral_fraction = fraction if reached is None else reached
+    if lateral_friction and moves and not fraction:
         state.warnings.append(
-            "friction across the pipe found no rest (a turning pipe may whirl here): "
-            "its torque acts, its side push is left out"
+            "no equilibrium with lateral friction (a turning pipe may whirl here): "
+            "the torque of friction acts, its lateral force is left out"
         )
-    for component in slipping:  # inertia is a question to the frictionless part
+    for component in sliding:  # stability is counted without friction
         component.impose_sliding_direction(0.0, 0.0)
     solver.energy = _conservative(model)
     report.negative_pivots = max(0, solver.negative_pivots()) if solver.energy else 0
-    for component in slipping:
-        component.impose_sliding_direction(*motion, side)
+    for component in sliding:
+        component.impose_sliding_direction(*motion, fraction)
     couple_flow_and_string(model, solver, report, lowering)
     _reactions(model, solver)
     model.system.assembly.freeze(None)
     if report.negative_pivots:
-        state.warnings.append(_why_unstable(model, report.negative_pivots))
+        state.warnings.append(_instability_warning(model, report.negative_pivots))
     return state
 
 
-def _settle_at_once(
-    model: DrillingModel, solver: StaticNewton, components, state: StaticState, side: float
+def _newton_with_friction(
+    model: DrillingModel, solver: StaticNewton, components, state: StaticState, fraction: float
 ) -> float | None:
-    """Newton with friction from the soft string, which has it already, first without side push; returns the
-    share of side push that it could keep.  None, and all as before, without a stable state."""
-    keep, reached = Snapshot(model), None
-    for share in sorted({side if state.motion[1] else 1.0, 0.0 if state.motion[1] else 1.0}):
-        here = Snapshot(model)
+    """Try Newton's method with friction from the soft-string solution, which already contains it.
+
+    A turning string is first solved without lateral friction, then with its ``fraction``.
+    Returns the lateral friction fraction reached, or None with the state restored where no stable equilibrium is found.
+    """
+    start, reached = Snapshot(model), None
+    for trial in sorted({fraction if state.motion[1] else 1.0, 0.0 if state.motion[1] else 1.0}):
+        last = Snapshot(model)
         for component in components:
-            component.impose_sliding_direction(*state.motion, share)
+            component.impose_sliding_direction(*state.motion, trial)
         try:
             solver.newton_damped(state.equilibrium)
-            reached = share
+            reached = trial
         except SolveError:
-            here.restore()
+            last.restore()
             break
     for component in components:
         component.impose_sliding_direction(0.0, 0.0)
     if reached is not None and not (solver.energy and solver.negative_pivots()):
         return reached
-    keep.restore()
+    start.restore()
     return None
 
 
 def _add_friction(
-    model: DrillingModel, solver: StaticNewton, components, state: StaticState, climb: bool
+    model: DrillingModel, solver: StaticNewton, components, state: StaticState, lateral_friction: bool
 ) -> float:
-    """Equilibrium with friction against the motion from the frictionless one; returns the share of side push
-    that it could keep."""
-    keep, side = Snapshot(model), 1.0 if climb else 0.0
+    """Find the equilibrium with friction from the frictionless one; returns the lateral friction fraction reached."""
+    start, fraction = Snapshot(model), 1.0 if lateral_friction else 0.0
     for component in components:
-        component.impose_sliding_direction(*state.motion, side)
+        component.impose_sliding_direction(*state.motion, fraction)
     try:
         solver.newton_damped(state.equilibrium)
-        return side
+        return fraction
     except SolveError:
-        keep.restore()
+        start.restore()
     _friction_by_substitution(model, solver, components, state)
-    keep = Snapshot(model)
-    if side and state.motion[1]:
+    start = Snapshot(model)
+    if fraction and state.motion[1]:
         for component in components:
-            component.impose_sliding_direction(*state.motion, side)
+            component.impose_sliding_direction(*state.motion, fraction)
         try:
             solver.newton_damped(state.equilibrium)
-            return side
+            return fraction
         except SolveError:
-            keep.restore()
-    return 0.0 if state.motion[1] else side
+            start.restore()
+    return 0.0 if state.motion[1] else fraction
 
 
 def _friction_by_substitution(
     model: DrillingModel, solver: StaticNewton, components, state: StaticState
 ) -> None:
-    """Friction along and about the pipe as dead load, renewed until it no longer changes: every solve has a
-    potential to descend."""
+    """Apply axial friction and friction torque as a dead load, updated until it no longer changes.
+
+    Every solve then has an energy to minimise.  Raises SolveError where the load does not converge.
+    """
     asm, system, motion, report, soft = (
         model.system.assembly,
         model.system,
@@ -168,11 +184,11 @@ def _friction_by_substitution(
         state.soft_string,
     )
     imperfection = asm.dead_load
-    fixed = 0.0 if imperfection is None else imperfection
+    imperfection_load = 0.0 if imperfection is None else imperfection
     last, weight = np.zeros(system.layout.size), float(nodal_weight(model).sum())
     change, factors = np.inf, stiffness_steps(model, soft)
     try:
-        for _ in range(SUBSTITUTIONS):
+        for _ in range(MAX_SUBSTITUTIONS):
             asm.dead_load = None
             for component in components:
                 component.impose_sliding_direction(*motion, 0.0)
@@ -183,11 +199,11 @@ def _friction_by_substitution(
             change = solver.largest(float(np.max(np.abs(friction - last), initial=0.0)))
             if change < 1e-7 * weight:
                 return
-            asm.dead_load = fixed + friction
+            asm.dead_load = imperfection_load + friction
             newton_or_descent(model, solver, report, factors)
             last, factors = friction, (1.0,)
         raise SolveError(
-            f"friction did not settle in {SUBSTITUTIONS} rounds (last change {change:.3g} N)",
+            f"friction did not converge in {MAX_SUBSTITUTIONS} rounds (last change {change:.3g} N)",
             **system.locate_largest_residual(0.0),
         )
     finally:
@@ -199,15 +215,16 @@ def _solver(model: DrillingModel) -> StaticNewton:
 
 
 def _conservative(model: DrillingModel) -> bool:
-    """Whether all loads have a potential: moments in space and loads that turn with the section have none."""
+    """Whether all loads have a potential; moments in space and loads that turn with the section have none."""
     return all(component.conservative for component in model.components)
 
 
-def _ask_for_weight(model: DrillingModel, solver: StaticNewton, wob: float) -> None:
+def _set_weight_on_bit(model: DrillingModel, solver: StaticNewton, wob: float) -> None:
+    """Make the top's axial position an unknown that meets the weight ``wob`` [N] (manual: eq-statics-wob)."""
     bit, top = model.bit, model.top
     if bit is None:
         raise CaseError(
-            at="initial.wob", got=f"{wob:g} N", want="a bottom of kind bit, on which the weight can stand"
+            at="initial.wob", got=f"{wob:g} N", want="a bottom of kind bit, which carries the weight"
         )
     if top is None or not hasattr(top, "shift") or model.case.top.force is not None:
         raise CaseError(
@@ -218,13 +235,14 @@ def _ask_for_weight(model: DrillingModel, solver: StaticNewton, wob: float) -> N
     target = bit.depth_for(wob)
 
     def depth(system):
-        here, gradient = bit.depth_of_face(system.assembly)
-        return here, gradient, target
+        present, gradient = bit.depth_of_face(system.assembly)
+        return present, gradient, target
 
     solver.depth, solver.move_top = depth, top.shift
 
 
-def _why_unstable(model: DrillingModel, count: int) -> str:
+def _instability_warning(model: DrillingModel, count: int) -> str:
+    """Text on ``count`` negative pivots: a coarse mesh, or an unstable state."""
     if too_coarse(model):
         n = int(coarse_elements(model).sum())
         return (
@@ -236,41 +254,44 @@ def _why_unstable(model: DrillingModel, count: int) -> str:
 
 
 def _reactions(model: DrillingModel, solver: StaticNewton) -> None:
-    """One residual at the final state, so that reactions stand in the assembly."""
+    """Compute one residual at the final state, which updates the reactions in the assembly."""
     solver.rows()
 
 
 def couple_flow_and_string(
     model: DrillingModel, solver: StaticNewton, report: Equilibrium, lowering: float = 0.0
 ) -> None:
-    """Steady flow and string in turn, from a string in equilibrium under the frozen flow; raises SolveError
-    where they do not settle.
+    """Solve steady flow and string in turn, from a string in equilibrium under frozen flow; collective.
 
-    lowering: speed at which the top lets the string down [m/s]; the mud then flows as it does about the
-    moving string (surge). The rounds converge by the ratio of what the fluid and what the steel gives way, a
-    few percent.
+    Manual: sec-statics-flow.  The change contracts in each round by the ratio of the fluid's compliance to the
+    steel's, a few percent.
+
+    report: gets the iterations of the string.
+    lowering: speed at which the top lowers the string [m/s]; the flow is then that about the moving string (surge).
+    Raises SolveError where the iteration does not converge.
     """
     if model.fluid is None:
         return
     system = model.system
-    on_rank, best = fluid_unknowns(system), np.inf
+    fluid, smallest = fluid_unknowns(system), np.inf
     form = model.case.fluid.formulation  # type: ignore[union-attr]
-    if lowering and form == "mixed":  # the flow of the other starts as the pump's
-        place = system.layout.dofs["string.position"]
+    if lowering and form == "mixed":  # with the Hermite formulation the flow starts from the pump's rate
+        dofs = system.layout.dofs["string.position"]
         tangent = model.tangent if model.well is None else np.asarray(model.well.at(model.mesh.node_depth)[1])
         solver.rates = np.zeros_like(system.assembly.y)
-        solver.rates[place] = lowering * tangent[system.chain.vertices]
+        solver.rates[dofs] = lowering * tangent[system.chain.vertices]
         system.assembly.y[:] = solver.rates
-    for _ in range(ROUNDS):
-        before = system.assembly.x[: system.layout.size][on_rank].copy()
+    for _ in range(MAX_COUPLING_ROUNDS):
+        before = system.assembly.x[: system.layout.size][fluid].copy()
         steady_flow(system, 0.0)
-        change = np.abs(system.assembly.x[: system.layout.size][on_rank] - before) / system.scale[on_rank]
+        change = np.abs(system.assembly.x[: system.layout.size][fluid] - before) / system.scale[fluid]
         size = solver.largest(float(change.max(initial=0.0)))
-        system.assembly.freeze(on_rank)
-        if size < AGREED or (size < NEARLY and size > 0.5 * best):
+        system.assembly.freeze(fluid)
+        if size < COUPLING_TOLERANCE or (size < ROUNDING_TOLERANCE and size > 0.5 * smallest):
             return
-        best = min(best, size)
+        smallest = min(smallest, size)
         solver.newton_damped(report)
     raise SolveError(
-        f"string and fluid did not agree on a steady state in {ROUNDS} rounds (last change {size:.1e} of the scales)"
+        f"string and fluid did not converge to a steady state in {MAX_COUPLING_ROUNDS} rounds "
+        f"(last change {size:.1e} of the scales)"
     )

@@ -14,28 +14,33 @@ from drillpetsc.model.drilling_model import DrillingModel
 
 
 def find_equilibrium(
-    model: DrillingModel, motion: tuple[float, float] | None = None, climb: bool = True
+    model: DrillingModel, motion: tuple[float, float] | None = None, lateral_friction: bool = True
 ) -> StaticState:
     """Find the static equilibrium with friction against ``motion``; the state is left in the model's system.
 
     motion: axial velocity [m/s, down positive] and rotation [rad/s]; by default what the top prescribes at time 0.
-    climb: the lateral friction force pushes a turning pipe up the wall; without it only its torque acts, as in
-    torque-and-drag models.
+    lateral_friction: the lateral friction force pushes a turning pipe up the wall; without it only its torque acts, as
+    in torque-and-drag models.
     Raises SolveError where no equilibrium is found.
     """
     if model.beam is not None and model.beam.needs_ancf_equilibrium:
-        return quaternion_equilibrium(model, motion, climb)
-    return director_equilibrium(model, motion, climb)
+        return quaternion_equilibrium(model, motion, lateral_friction)
+    return director_equilibrium(model, motion, lateral_friction)
 
 
 def initial_state(
     model: DrillingModel, case: Case, saved: checkpoint.Checkpoint | None, quasi: QuasiStatic | None
 ) -> StaticState | None:
-    """Bring the model to its state at the start; returns the static state where one was computed."""
+    """Set the model to its state at the start; returns the static state where one was computed; collective.
+
+    saved: checkpoint of a run to continue, None for a new run.
+    quasi: quasi-static motion of the model, None with inertia.
+    Raises CaseError where a checkpoint does not fit, SolveError where no equilibrium is found.
+    """
     if saved is not None:
         checkpoint.restore(model, saved)
         if quasi is not None:
-            quasi.begin(saved.time, saved.notes.get("share", 1.0))
+            quasi.start(saved.time, saved.notes.get("share", 1.0))
         return None
     state = None
     if case.initial.from_ == "statics":
@@ -45,14 +50,14 @@ def initial_state(
     else:
         other = checkpoint.read(Path(case.initial.from_) / "checkpoint.h5")
         checkpoint.restore(model, other, at="initial.from")
-        checkpoint.start_clock_anew(model, other)
+        checkpoint.restart_clock(model, other)
         if quasi is None:
             release(model)
         else:
-            quasi.begin()
+            quasi.start()
         return None
     if quasi is not None:
-        quasi.begin(share=state.side if state is not None else 1.0)
+        quasi.start(lateral_fraction=state.lateral_fraction if state is not None else 1.0)
         return state
     release(model)
     move_rigidly(model)

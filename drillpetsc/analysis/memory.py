@@ -1,4 +1,4 @@
-"""How much memory a run needs, and whether it keeps growing."""
+"""Peak memory of a run, and whether it keeps growing."""
 
 from __future__ import annotations
 
@@ -7,28 +7,31 @@ import sys
 
 from mpi4py import MPI
 
-UNIT = 1 if sys.platform == "darwin" else 1024  # of ru_maxrss [bytes]
-SETTLED = 0.1  # share of the simulated span after which nothing should be added
+RSS_UNIT = 1 if sys.platform == "darwin" else 1024  # unit of ru_maxrss [bytes]
+WARM_UP = 0.1  # fraction of the simulated time after which memory should not grow
 
 
 def peak() -> int:
-    """Largest memory that this process has had resident so far [bytes]."""
-    return UNIT * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    """Return the largest resident memory of this process so far [bytes]."""
+    return RSS_UNIT * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
 class Memory:
-    """Peak memory of all ranks: at the start of the motion, after a tenth of it, at the end."""
+    """Peak memory of all ranks: at the start of the motion, after a tenth of it, at the end.
+
+    mpi: communicator; start, end: of the motion [s].
+    """
 
     def __init__(self, mpi: MPI.Intracomm, start: float, end: float):
-        self.mpi, self.at = mpi, start + SETTLED * (end - start)
-        self.started, self.settled = peak(), 0
+        self.mpi, self.warm_up_end = mpi, start + WARM_UP * (end - start)
+        self.at_start, self.after_warm_up = peak(), 0
 
-    def look(self, t: float) -> None:
-        """After every step."""
-        if not self.settled and t >= self.at:
-            self.settled = peak()
+    def update(self, t: float) -> None:
+        """Measure after the step to ``t`` [s], once after the warm-up."""
+        if not self.after_warm_up and t >= self.warm_up_end:
+            self.after_warm_up = peak()
 
-    def as_dict(self, together: bool) -> dict[str, int]:
-        """For summary.json [bytes], the sum over ranks when they are ``together`` (collective then)."""
-        on_rank = {"start": self.started, "after_a_tenth": self.settled or peak(), "peak": peak()}
-        return {name: self.mpi.allreduce(value) if together else value for name, value in on_rank.items()}
+    def as_dict(self, all_ranks: bool) -> dict[str, int]:
+        """Return the entries of summary.json [bytes]; with ``all_ranks`` the sum over ranks, which is collective."""
+        local = {"start": self.at_start, "after_a_tenth": self.after_warm_up or peak(), "peak": peak()}
+        return {name: self.mpi.allreduce(value) if all_ranks else value for name, value in local.items()}

@@ -1,16 +1,14 @@
-"""The `modes` command: natural frequencies, damping and stability of a scene about its static or steadily
-turning state.
+"""The `modes` command: natural frequencies, damping and stability about a static or steadily rotating state.
 
-    scene = build_model(case)
-    settle(scene)                  # equilibrium, then the steady motion that the top prescribes
-    found = modes(scene, count=20)
+    model = build_model(case)
+    prepare_state(model)           # equilibrium, then the steady motion that the top prescribes
+    result = modes(model, count=20)
 
-What is linearised is the scene as it stands: contacts that are closed are springs, open ones are not there;
-friction has the slope it has at the present sliding speed.  About rest its regularised law is a stiff damper
-at closed contacts (mu N over slip_velocity), which holds the string there but for a slow creep: real roots
-near zero.  About a turning state the directions of the pipe's section are frozen, which is exact for a string
-that is round (gyroscopic terms, damping that turns with the pipe) and a snapshot for one that is bent or
-eccentric.
+The model is linearised at its present state (manual: sec-eigen-state).  Closed contacts are springs, open ones are
+absent.  Friction has the slope of its law at the present sliding speed.  About rest the regularised law is a stiff
+damper at closed contacts (mu N over slip_velocity), which leaves a slow creep: real eigenvalues near zero.  About a
+rotating state the directions of the pipe's section are frozen.  This is exact for a round string (gyroscopic terms,
+damping that turns with the pipe), and an instantaneous picture of a bent or eccentric one.
 """
 
 from __future__ import annotations
@@ -51,25 +49,28 @@ from drillpetsc.solvers.quadratic_eigenproblem import (
 )
 
 STATES = ("steady", "rest")
-ZERO = 1e-3  # roots below this share of the reference rate are zero: what nothing holds
-ROW_WEIGHT = {
-    "pressure": 1e6,
-    "flow": 1e-2,
-}  # of the fluid's rows [per m3/s] and [per Pa] (kernels/fluid/flow.hpp)
-UNBALANCED = 1.0  # force that is worth a note [N]
-PRESSURE = 1e5  # largest pressure in the shape of a mode of the fluid [Pa]
+ZERO_FRACTION = 1e-3  # eigenvalues below this fraction of the reference rate are zero: unconstrained motions
+#: weights of the fluid's rows [per m3/s] and [per Pa] (kernels/fluid/flow.hpp)
+ROW_WEIGHT = {"pressure": 1e6, "flow": 1e-2}
+REPORTED_IMBALANCE = 1.0  # unbalanced force above which a note is shown [N]
+SHAPE_PRESSURE = 1e5  # largest pressure in the shape of a mode of the fluid [Pa]
 
 
 @dataclass(frozen=True)
 class Modes:
-    """Modes exp(s t), s = growth + i 2 pi frequency, sorted by frequency; real roots (frequency 0) first, of
-    them the fastest growing.
+    """Modes exp(s t), s = growth + i 2 pi frequency, sorted by frequency (manual: eq-eigen-figures).
 
-    frequency (m,) [Hz]; growth (m,) [1/s]; damping_ratio (m,) -growth/|s| (nan at zero); share (m, 4): of the
-    mode's energy in the columns of ``KINDS``; kind: the largest; error (m,): backward error of the root;
-    shapes: {field: (m, nodes, size)} complex, the largest displacement 1 m, or spin angle 1 rad, or pressure
-    1 bar, and real.  imbalance [N]: largest force on a node that the state leaves over. zero [1/s]: what
-    counts as a root zero; lowering [m/s] and rotation [rad/s] of the state.
+    Real eigenvalues (frequency 0) are first, of them the fastest growing.
+
+    eigenvalue: (m,) s [1/s]; frequency: (m,) [Hz]; growth: (m,) [1/s].
+    damping_ratio: (m,) -growth/|s| [-], nan at zero.
+    share: (m, 4) fractions of the mode's energy in the columns of ``KINDS`` [-]; kind: (m,) the largest of them.
+    error: (m,) backward errors of the eigenvalues [-].
+    shapes: by field, (m, nodes, size) complex; the largest displacement is 1 m, or spin angle 1 rad, or pressure
+    1 bar, and real.
+    imbalance: largest unbalanced force on a node in the state [N].
+    zero: eigenvalues of this size or smaller count as zero [1/s].
+    lowering [m/s], rotation [rad/s]: of the state.
     """
 
     eigenvalue: np.ndarray
@@ -87,11 +88,12 @@ class Modes:
 
     @property
     def count(self) -> int:
+        """Number of modes."""
         return len(self.eigenvalue)
 
     @property
     def margin(self) -> float:
-        """Largest growth [1/s]: negative where every mode found dies out."""
+        """Largest growth [1/s]; negative where every computed mode decays."""
         return float(self.growth.max(initial=-np.inf))
 
     @property
@@ -101,22 +103,22 @@ class Modes:
 
     @property
     def diverging(self) -> int:
-        """Modes that grow without oscillation."""
+        """Number of modes that grow without oscillation."""
         return int((self._grows & (self.frequency == 0)).sum())
 
     @property
     def fluttering(self) -> int:
-        """Modes that grow as they oscillate."""
+        """Number of modes that grow with oscillation."""
         return int((self._grows & (self.frequency > 0)).sum())
 
     @property
     def unstable(self) -> int:
+        """Number of modes that grow."""
         return self.diverging + self.fluttering
 
     @property
     def zeros(self) -> int:
-        """Eigenvalues that are zero: motions that nothing holds, or a load at which the string just
-        buckles."""
+        """Number of eigenvalues that are zero: unconstrained motions, or a load at which the string just buckles."""
         return int((np.abs(self.eigenvalue) <= self.zero).sum())
 
     @property
@@ -126,12 +128,13 @@ class Modes:
 
 
 # ---------------------------------------------------------------------- state
-def settle(model: DrillingModel, about: str = "steady") -> StaticState:
-    """Bring the scene to the state to linearise about; collective.
+def prepare_state(model: DrillingModel, about: str = "steady") -> StaticState:
+    """Set the model to the state for the linearisation (manual: sec-eigen-state); collective.
 
-    steady: as a run starts, in equilibrium under friction against the motion that the top prescribes at time
-    0, and in that motion.
-    rest: in equilibrium without friction, at rest.
+    about: ``steady`` or ``rest``.  Steady is the start of a run: in equilibrium with friction against the motion that
+    the top prescribes at time 0, and in that motion.  Rest is in equilibrium without friction, at rest.
+
+    Raises SolveError where no equilibrium is found.
     """
     if about == "steady" and prescribed_motion(model) != (0.0, 0.0):
         state = find_equilibrium(model)
@@ -146,8 +149,11 @@ def settle(model: DrillingModel, about: str = "steady") -> StaticState:
 
 
 def reference_rate(model: DrillingModel) -> float:
-    """A slow rate of the scene [1/s]: lowest bending of the whole string between hinges and its swing as a
-    pendulum; the passage of sound along it where the string is held."""
+    """Compute a slow rate of the model [1/s] (manual: eq-eigen-reference).
+
+    It combines the lowest bending frequency of the whole string between hinges and its pendulum frequency.  For a held
+    string it is the inverse travel time of sound along the string.
+    """
     mesh, length = model.mesh, model.mesh.total_length
     if model.beam is None and model.fluid is not None:
         fluid = model.fluid.constants
@@ -158,13 +164,13 @@ def reference_rate(model: DrillingModel) -> float:
 
 
 def _imbalance(model: DrillingModel) -> float:
-    """Largest force on an unknown position that the rows leave over [N]; 0 without a string."""
+    """Compute the largest unbalanced force on a node [N], 0 without unknown positions; collective."""
     system = model.system
     rows = system.new_condensed()
     system.sum_residual(0.0, rows)
-    on_rank = system.layout.local_of_owned
+    owned = system.layout.local_of_owned
     position = np.array([f.name == "string.position" for f in system.layout.fields])[
-        system.layout.field_of[on_rank]
+        system.layout.field_of[owned]
     ]
     largest = float(np.abs(rows.getArray(readonly=1)[position]).max(initial=0.0))
     return max(system.comm.tompi4py().allgather(largest))
@@ -178,28 +184,34 @@ def modes(
     kind: str | None = None,
     engine: str = "auto",
 ) -> Modes:
-    """Modes of the scene about the state it is in (see ``settle``), the same on all ranks; collective.
+    """Compute the modes of the model about its present state, the same on all ranks; collective.
 
-    Without a shift: the ``count`` lowest oscillating ones, all growing ones found beside them, and a few of
-    the slowest that do not oscillate.  kind: of one of ``KINDS`` alone, so that stability is known for that
-    kind only.  shift [Hz]: the ``count`` nearest to that frequency.  engine: as in
-    solve.pencil.eigenvalues_near.
+    Without a shift the result contains the lowest oscillating modes, all growing modes computed with them, and a few
+    of the slowest that do not oscillate (manual: sec-eigen-search).
+
+    model: in the state of ``prepare_state``.
+    count: number of oscillating modes.
+    shift: the ``count`` modes nearest to this frequency [Hz] instead.
+    kind: only modes of this one of ``KINDS``; stability is then known for that kind only.
+    engine: as in ``eigenvalues_near``.
+
+    Raises SolveError where no eigenvalue converges.
     """
     system, reference = model.system, reference_rate(model)
     imbalance, linearised = _imbalance(model), linearise(system)
     answer: Any = None
     if linearised is not None:
         try:
-            pencil = linearised.eigenproblem(reference)
+            problem = linearised.eigenproblem(reference)
             if shift is None:
-                roots = lowest_eigenvalues(
-                    pencil, count, engine, _of_kind(model, linearised, kind) if kind else None
+                eigenvalues = lowest_eigenvalues(
+                    problem, count, engine, _of_kind(model, linearised, kind) if kind else None
                 )
             else:
-                roots = _nearest(
-                    eigenvalues_near(pencil, 2j * np.pi * shift, 2 * count, engine), shift, count
+                eigenvalues = _nearest(
+                    eigenvalues_near(problem, 2j * np.pi * shift, 2 * count, engine), shift, count
                 )
-            answer = _describe(model, linearised, roots)
+            answer = _describe(model, linearised, eigenvalues)
         except DrillError as failure:
             answer = failure
     if system.comm.size > 1:
@@ -210,9 +222,8 @@ def modes(
     size = np.abs(s)
     ratio = np.divide(-s.real, size, out=np.full(len(s), np.nan), where=size > 0)
     kinds = tuple(KINDS[i] for i in share.argmax(axis=1))
-    motion = (
-        prescribed_motion(model) if system.assembly.y.any() else (0.0, 0.0)
-    )  # a rigid motion: seen by every rank
+    # a rigid motion has rates on every rank
+    motion = prescribed_motion(model) if system.assembly.y.any() else (0.0, 0.0)
     return Modes(
         s,
         s.imag / (2 * np.pi),
@@ -223,79 +234,86 @@ def modes(
         error,
         shapes,
         imbalance,
-        ZERO * reference,
+        ZERO_FRACTION * reference,
         *motion,
     )
 
 
 def _of_kind(model: DrillingModel, linearised: Linearised, kind: str):
-    """Function that says which roots are of a kind."""
+    """Return a function that selects the eigenvalues of a kind: (m,) mask."""
 
-    def wanted(roots: Eigenvalues) -> np.ndarray:
-        return _shares(model, linearised, roots.s, linearised.T @ roots.u).argmax(axis=1) == KINDS.index(kind)
+    def selected(found: Eigenvalues) -> np.ndarray:
+        return _shares(model, linearised, found.s, linearised.T @ found.u).argmax(axis=1) == KINDS.index(kind)
 
-    return wanted
-
-
-def _nearest(roots: Eigenvalues, shift: float, count: int) -> Eigenvalues:
-    near = np.argsort(np.abs(roots.s - 2j * np.pi * shift), kind="stable")[:count]
-    return roots.subset(near[np.lexsort((-roots.s.real[near], roots.s.imag[near]))])
+    return selected
 
 
-def _describe(model: DrillingModel, linearised: Linearised, roots: Eigenvalues):
-    """Eigenvalues, energy shares, errors and shapes, on the rank that has the system."""
-    u = linearised.T @ roots.u
+def _nearest(found: Eigenvalues, shift: float, count: int) -> Eigenvalues:
+    """Select the ``count`` eigenvalues nearest to the frequency ``shift`` [Hz], sorted."""
+    near = np.argsort(np.abs(found.s - 2j * np.pi * shift), kind="stable")[:count]
+    return found.subset(near[np.lexsort((-found.s.real[near], found.s.imag[near]))])
+
+
+def _describe(model: DrillingModel, linearised: Linearised, found: Eigenvalues):
+    """Return eigenvalues, energy fractions, errors and scaled shapes, on the rank that has the linearised system."""
+    u = linearised.T @ found.u
     fields, nodes = model.system.layout.fields, model.mesh.nodes
     shapes = {f.name: linearised.field_values(i, u, nodes, f.size) for i, f in enumerate(fields)}
-    share = _shares(model, linearised, roots.s, u)
-    factor = np.array([_factor(shapes, m, KINDS[share[m].argmax()]) for m in range(len(roots.s))])
+    share = _shares(model, linearised, found.s, u)
+    factor = np.array([_factor(shapes, m, KINDS[share[m].argmax()]) for m in range(len(found.s))])
     return (
-        roots.s,
+        found.s,
         share,
-        roots.error,
+        found.error,
         {name: values * factor[:, None, None] for name, values in shapes.items()},
     )
 
 
 def _shares(model: DrillingModel, linearised: Linearised, s: np.ndarray, u: np.ndarray) -> FloatArray:
-    """(m, 4) share of the kinds in the energy of each mode: (|s|^2 u*Mu + |u*Ku|)/2 of the string's motion
-    across and along its tangent and about it, c |u|^2/2 summed over the fluid's pressures and flows (c: what
-    they store, from the diagonal of C)."""
+    """Compute the fractions (m, 4) of the kinds in the energy of each mode (manual: eq-eigen-share).
+
+    The string's energy is (|s|^2 u*Mu + |u*Ku|)/2 of its motion across the tangent, along it and about it.  That of
+    the fluid is c |u|^2/2 summed over pressures and flows, with the storage coefficients c on the diagonal of C.
+
+    s: (m,) [1/s]; u: (n, m) vectors of all unknowns.
+    """
     names = [f.name for f in model.system.layout.fields]
     parts = np.zeros((len(KINDS), *u.shape), dtype=complex)
     for i, name in enumerate(names):
-        on_rank = np.flatnonzero(linearised.field == i)
+        unknowns = np.flatnonzero(linearised.field == i)
         if name in ("string.position", "string.tangent"):
             values, t = linearised.field_values(i, u, model.mesh.nodes, 3), model.tangent
             along = np.sum(values * t, axis=2, keepdims=True) * t
-            parts[1][on_rank] = along[:, linearised.node[on_rank], linearised.component[on_rank]].T
-            parts[0][on_rank] = u[on_rank] - parts[1][on_rank]
+            parts[1][unknowns] = along[:, linearised.node[unknowns], linearised.component[unknowns]].T
+            parts[0][unknowns] = u[unknowns] - parts[1][unknowns]
         elif name.startswith("string."):
-            parts[2 if name == "string.spin" else 1][on_rank] = u[on_rank]
+            parts[2 if name == "string.spin" else 1][unknowns] = u[unknowns]
     energy = np.zeros((u.shape[1], len(KINDS)))
     for k in range(3):
         kinetic, strain = (
             np.abs(np.sum(parts[k].conj() * (A @ parts[k]), axis=0)) for A in (linearised.M, linearised.K)
         )
-        energy[:, k] = 0.5 * (np.maximum(np.abs(s), ZERO * reference_rate(model)) ** 2 * kinetic + strain)
+        energy[:, k] = 0.5 * (
+            np.maximum(np.abs(s), ZERO_FRACTION * reference_rate(model)) ** 2 * kinetic + strain
+        )
     stored = np.abs(linearised.C.diagonal())
     for i, name in enumerate(names):
-        on_rank = np.flatnonzero((linearised.field == i) & ~linearised.second_order)
+        unknowns = np.flatnonzero((linearised.field == i) & ~linearised.second_order)
         energy[:, 3] += (
-            0.5 * (stored[on_rank] / ROW_WEIGHT.get(name.split(".")[-1], 1.0)) @ np.abs(u[on_rank]) ** 2
+            0.5 * (stored[unknowns] / ROW_WEIGHT.get(name.split(".")[-1], 1.0)) @ np.abs(u[unknowns]) ** 2
         )
     return energy / np.maximum(energy.sum(axis=1, keepdims=True), 1e-300)
 
 
 def _factor(shapes: dict[str, np.ndarray], m: int, kind: str) -> complex:
-    """What makes the largest displacement (spin angle, pressure) of mode m one, and real."""
+    """Compute the factor that makes the largest displacement (spin angle, pressure) of mode m real and of unit size."""
     name = {"torsional": "string.spin", "fluid": ""}.get(kind, "string.position")
     size = 1.0
     if not name:
         pressures = [v for k, v in shapes.items() if k.endswith("pressure")]
         values, size = (
             np.concatenate([p[m].ravel() for p in pressures] or [v[m].ravel() for v in shapes.values()]),
-            PRESSURE,
+            SHAPE_PRESSURE,
         )
     else:
         values = shapes[name][m].ravel()
@@ -315,7 +333,18 @@ def run_modes(
     name: str = "case",
     comm: PETSc.Comm | None = None,
 ) -> RunResult:
-    """Find the modes of a case, write modes.csv, modes/mode_NN.vtu, string.pvd and summary.json (collective)."""
+    """Compute the modes of a case and write modes.csv, modes/mode_NN.vtu, string.pvd and summary.json; collective.
+
+    case: the user's case.
+    out: run folder, None: a new one named after ``name``.
+    count, kind: as in ``modes``; shift: frequency [Hz].
+    about: as in ``prepare_state``.
+    overwrite: replace an existing run folder.
+    comm: communicator, all ranks by default.
+
+    Returns folder, summary and the lines to show.  Raises CaseError for wrong arguments, SolveError where no state
+    or mode is found.
+    """
     refuse_quaternion(case, "modes")
     comm = comm or PETSc.COMM_WORLD
     if count < 1:
@@ -327,7 +356,7 @@ def run_modes(
     with options.applied(case.petsc):
         model = build_model(case, comm)
         folder = make_folder(comm, name, out, False, overwrite)
-        state = settle(model, about)
+        state = prepare_state(model, about)
         fields = FieldOutput(model).fields(0.0)
         found = modes(model, count, shift, kind)
         searched = (
@@ -347,7 +376,7 @@ def run_modes(
 
 
 def mode_summary(found: Modes, state: StaticState) -> dict[str, Any]:
-    """Figures of all modes together."""
+    """Return the entries of summary.json: results of all modes together."""
     moves = [f"rotation at {found.rotation:g} rad/s"] if found.rotation else []
     moves += [f"lowering at {found.lowering:g} m/s"] if found.lowering else []
     return {
@@ -374,6 +403,7 @@ def mode_summary(found: Modes, state: StaticState) -> dict[str, Any]:
 
 
 def _write(model: DrillingModel, folder: RunFolder, found: Modes, summary: dict[str, Any], fields) -> None:
+    """Write the files of the run folder; ``fields``: those of the state, None without a string."""
     model.case.dump(folder.case)
     numbers = np.arange(1, found.count + 1)
     write_table(
@@ -411,8 +441,10 @@ def _write_shape(points: FloatArray, lines: np.ndarray, data: dict[str, FloatArr
 
 
 def _point_data(model: DrillingModel, found: Modes, m: int) -> dict[str, FloatArray]:
-    """Real and imaginary part of a mode's shape: the motion is real cos(wt) - imaginary sin(wt), growing with
-    the mode."""
+    """Return real and imaginary part of a mode's shape at the nodes.
+
+    The motion is real cos(wt) - imaginary sin(wt), times exp(growth t).
+    """
     names = {
         "string.position": ("displacement", "m"),
         "string.spin": ("spin_angle", "rad"),
@@ -432,6 +464,7 @@ def _point_data(model: DrillingModel, found: Modes, m: int) -> dict[str, FloatAr
 
 
 def _lines(case: Case, folder: RunFolder, found: Modes, summary: dict[str, Any]) -> list[str]:
+    """Return the lines to show."""
     lines = [
         f"{case.title or 'case'}: modes about {summary['about']}, the {summary['searched']}",
         "  mode   frequency [Hz]        [rpm]   damping ratio   growth [1/s]   kind",
@@ -444,17 +477,19 @@ def _lines(case: Case, folder: RunFolder, found: Modes, summary: dict[str, Any])
             f"  {m + 1:>4}   {found.frequency[m]:>14.6g} {60 * found.frequency[m]:>12.5g}   {found.damping_ratio[m]:>13.4g}   "
             f"{found.growth[m]:>12.4g}   {found.kind[m]}{mark}"
         )
-    words = (
+    stability = (
         "stable"
         if summary["stable"]
         else f"{found.diverging} diverging, {found.fluttering} fluttering, {found.zeros} at zero"
     )
-    lines.append(f"  {words}; largest growth {found.margin:.4g} 1/s, smallest |s| {found.smallest:.4g} rad/s")
-    if found.imbalance > UNBALANCED:
+    lines.append(
+        f"  {stability}; largest growth {found.margin:.4g} 1/s, smallest |s| {found.smallest:.4g} rad/s"
+    )
+    if found.imbalance > REPORTED_IMBALANCE:
         lines.append(
-            f"  note: forces up to {found.imbalance:.3g} N are left over: this motion is steady but for them"
+            f"  note: unbalanced forces up to {found.imbalance:.3g} N are left: the state is not exactly steady"
         )
-    lines += [f"  {words}" for words in summary["time_scales"]]
+    lines += [f"  {line}" for line in summary["time_scales"]]
     lines += [f"  note: {w}" for w in summary["warnings"]]
     lines.append(f"  results: {folder.path}")
     return lines

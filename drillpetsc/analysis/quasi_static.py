@@ -1,5 +1,7 @@
-"""Quasi-static drilling: string and fluid in equilibrium at every time, the hole's end integrated; steps of
-seconds to minutes."""
+"""Quasi-static drilling: string and fluid are in equilibrium at all times, the end of the hole is integrated.
+
+Steps are seconds to minutes.  Manual: sec-statics-quasi-static, sec-bit-quasi-static.
+"""
 
 from __future__ import annotations
 
@@ -12,13 +14,12 @@ from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 
 FIRST_STEP = 1.0  # [s]
-ADVANCE = 0.1  # metres that the top may come down in a step: the wall stands still meanwhile
+LARGEST_ADVANCE = 0.1  # largest motion of the top in a step [m], during which the wall is fixed
 LONGEST_STEP = 60.0  # [s]
 
 
 def longest_step(model: DrillingModel) -> float:
-    """Step that the error control may not exceed [s]: what the hole's shape asks for where the string slides
-    down it."""
+    """Compute the longest step [s] of the error control; the shape of the hole limits it where the string slides down."""
     case = model.case
     assert case.time is not None
     if case.time.step is not None:
@@ -28,29 +29,34 @@ def longest_step(model: DrillingModel) -> float:
         return LONGEST_STEP
     times = np.linspace(0.0, case.time.end, 200)
     fastest = max((abs(lowering.value(t)) for t in times), default=0.0)
-    return min(LONGEST_STEP, ADVANCE / fastest) if fastest > 0 else LONGEST_STEP
+    return min(LONGEST_STEP, LARGEST_ADVANCE / fastest) if fastest > 0 else LONGEST_STEP
 
 
 class QuasiStatic:
-    """Moves a scene without inertia: before each step friction and fluid see the motion that the top
-    prescribes then.
+    """Motion of a model without inertia: each step uses the motion that the top prescribes at its end.
 
-    The string turns about its own axis without changing place, so its directors stand still (a bent item
-    keeps its tool face while the top does not turn; while it turns its bend averages out).
+    This motion gives the direction of friction and the string's velocity in the fluid.  The string turns about its own
+    axis in place, and its directors are fixed.  A bent item keeps its tool face while the top does not turn; while the
+    top turns, the bend averages out.
+
+    rates: (n+1,) imposed rates of the string.
+    lateral_fraction: fraction of the lateral friction force that acts [-].
     """
 
     def __init__(self, model: DrillingModel):
-        self.model, self.system, self.share = model, model.system, 1.0
+        self.model, self.system, self.lateral_fraction = model, model.system, 1.0
         layout = self.system.layout
         string = np.array([f.physics == "string" for f in layout.fields])
         self.rates = np.zeros(layout.size + 1)
-        self._mask = string[
-            layout.field_of
-        ]  # mud keeps its storage: at steps of seconds its waves are gone, its content adds up
-        self._average_over_turn(self.motion(0.0)[1])  # also in the static state it starts from
+        # the mud keeps its storage: steps of seconds damp its waves, but its content accumulates
+        self._mask = string[layout.field_of]
+        self._average_over_turn(self.motion(0.0)[1])  # the static start state needs this, too
 
     def integrator(self) -> TimeIntegrator:
-        """The integrator of the hole's end, with the string following."""
+        """Create the integrator of the hole's end; the string is in equilibrium at each step.
+
+        Raises CaseError where PETSc options select another integrator than the condensed BDF.
+        """
         longest = longest_step(self.model)
         options: dict[str, Any] = {"ts_adapt_dt_max": longest}
         d = TimeIntegrator(
@@ -68,18 +74,20 @@ class QuasiStatic:
         d.before_solve.append(self.move)
         return d
 
-    def begin(self, t: float = 0.0, share: float = 1.0) -> None:
-        """From the static state to quasi-static motion; share of the side push of friction, as the static
-        state could keep it."""
-        asm, self.share = self.system.assembly, share
+    def start(self, t: float = 0.0, lateral_fraction: float = 1.0) -> None:
+        """Start quasi-static integration from the static state at ``t`` [s]; collective.
+
+        lateral_fraction: fraction of the lateral friction force that the static solution sustained [-].
+        """
+        asm, self.lateral_fraction = self.system.assembly, lateral_fraction
         asm.set_imposed_rates(self.rates, self._mask)
         asm.y[:] = asm.a[:] = 0.0
         self.move(t)
         asm.apply_imposed_rates()
-        self.system.sum_residual(t, self.system.new_condensed())  # so that reactions stand in the assembly
+        self.system.sum_residual(t, self.system.new_condensed())  # updates the reactions in the assembly
 
     def motion(self, t: float) -> tuple[float, float]:
-        """Lowering [m/s] and rotation [rad/s] of the top at ``t``."""
+        """Return lowering [m/s] and rotation [rad/s] of the top at ``t`` [s]."""
         top = self.model.case.top
         lowering = top.lowering if top.force is None else None
         rotation = top.rotation
@@ -88,7 +96,7 @@ class QuasiStatic:
         )
 
     def move(self, t: float) -> None:
-        """Rates of all nodes and the sliding that friction opposes, at ``t``."""
+        """Set the rates of all nodes and the sliding direction of friction to those at ``t`` [s]."""
         lowering, rotation = self.motion(t)
         layout, asm = self.system.layout, self.system.assembly
         slope = layout.dofs["string.tangent"]
@@ -98,9 +106,9 @@ class QuasiStatic:
         model = self.model
         self._average_over_turn(rotation)
         for component in model.components:
-            component.impose_drilling(lowering, rotation, self.share)
+            component.impose_drilling(lowering, rotation, self.lateral_fraction)
 
     def _average_over_turn(self, rotation: float) -> None:
-        """Leave a bent item its bend while the top stands, and nothing of it while the top turns."""
+        """Include the bend of a bent item while the top does not turn; leave it out while the top turns."""
         for component in self.model.components:
             component.average_over_turn(bool(rotation))

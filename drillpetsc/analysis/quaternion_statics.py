@@ -1,4 +1,7 @@
-"""Static equilibrium of the string with quaternion elements: the ANCF equilibrium, then Newton's method."""
+"""Static equilibrium of a string with quaternion elements: the ANCF equilibrium, then Newton's method.
+
+Manual: sec-quaternion-constraints.
+"""
 
 from __future__ import annotations
 
@@ -16,44 +19,50 @@ from drillpetsc.physics.quaternion.beam import quaternions, turned
 from drillpetsc.solvers.chain_lu import ZeroPivot
 from drillpetsc.solvers.newton import chain_factor
 
-CONVERGED = 2.0e-9  # increment relative to the fields' scales
-ITERATIONS = 40
+CONVERGED_INCREMENT = 2.0e-9  # largest increment of a converged state, in the fields' scales
+MAX_ITERATIONS = 40
 
 
 def quaternion_equilibrium(
-    model: DrillingModel, motion: tuple[float, float] | None, climb: bool
+    model: DrillingModel, motion: tuple[float, float] | None, lateral_friction: bool
 ) -> StaticState:
-    """The ANCF equilibrium of the same case, then Newton's method on the quaternion's own rows
-    from there."""
-    twin = build_model(model.case.model_copy(update={"beam": BeamTheory()}), model.system.comm)
-    state = director_equilibrium(twin, motion, climb)
+    """Find the ANCF equilibrium of the same case, then iterate by Newton's method on the rows of the quaternion string.
+
+    motion, lateral_friction: see ``find_equilibrium``.  Collective.
+    Raises SolveError where no equilibrium is found.
+    """
+    ancf = build_model(model.case.model_copy(update={"beam": BeamTheory()}), model.system.comm)
+    state = director_equilibrium(ancf, motion, lateral_friction)
     place_along_hole(model)
-    take_over(twin.system, model.system)
-    # statics may have moved the top aside, to where the string lies
-    if model.top is not None and twin.top is not None:
-        model.top.copy_position(twin.top)
-    if model.contact is not None and twin.contact is not None:
-        model.contact.copy_sliding_direction(twin.contact)
-    if model.bit is not None and twin.bit is not None:
-        model.bit.copy_sliding_direction(twin.bit)
-    for component in model.system.components:  # size and direction of the hole where the string is now
+    copy_ancf_state(ancf.system, model.system)
+    # statics may have moved the top across the hole, to the wall
+    if model.top is not None and ancf.top is not None:
+        model.top.copy_position(ancf.top)
+    if model.contact is not None and ancf.contact is not None:
+        model.contact.copy_sliding_direction(ancf.contact)
+    if model.bit is not None and ancf.bit is not None:
+        model.bit.copy_sliding_direction(ancf.bit)
+    for (
+        component
+    ) in model.system.components:  # size and direction of the hole at the string's present position
         component.locate_hole(model.system.assembly)
     asm = model.system.assembly
-    asm.freeze(
-        fluid_unknowns(model.system)
-    )  # the mud is as about the twin, and flows as about a string that moves as the top has it
+    # pressures and flow rates are those of the ANCF string; their drag uses the velocity that the top prescribes
+    asm.freeze(fluid_unknowns(model.system))
     try:
-        state.equilibrium.iterations += settle(
-            model.system, velocity=_lowered(model) if motion is None else None
+        state.equilibrium.iterations += solve_at_rest(
+            model.system, velocity=_lowering_velocity(model) if motion is None else None
         )
     finally:
         asm.freeze(None)
     return state
 
 
-def _lowered(model: DrillingModel) -> FloatArray | None:
-    """(nv, 3) velocity [m/s] of the local nodes with which the top lowers the string at time 0, where there
-    is mud to feel it."""
+def _lowering_velocity(model: DrillingModel) -> FloatArray | None:
+    """Compute the velocity (nv, 3) [m/s] of the local nodes with which the top lowers the string at time 0.
+
+    None without mud or without lowering.
+    """
     lowering = prescribed_motion(model)[0]
     if model.fluid is None or not lowering:
         return None
@@ -61,17 +70,18 @@ def _lowered(model: DrillingModel) -> FloatArray | None:
     return lowering * tangent[model.system.chain.vertices]
 
 
-def take_over(ancf: DiscreteSystem, system: DiscreteSystem) -> None:
-    """The state of an ANCF string on the same nodes, slopes below a junction left aside; and its dead
-    forces."""
+def copy_ancf_state(ancf: DiscreteSystem, system: DiscreteSystem) -> None:
+    """Copy the state and the dead load of an ANCF string to a quaternion string with the same nodes.
+
+    The stretch ratios of junctions have no counterpart and are left out.
+    """
     nodes, v, phi = ancf.chain.vertices, ancf.field("string.tangent"), ancf.field("string.spin")[:, 0]
     length = np.linalg.norm(v, axis=1)
     t, a = v / length[:, None], ancf.frames.reference[nodes]
-    small = np.column_stack(
-        [1.0 + np.sum(a * t, axis=1), np.cross(a, t)]
-    )  # the smallest rotation from a to t
-    small /= np.linalg.norm(small, axis=1, keepdims=True)
-    w, u = small[:, :1], small[:, 1:]
+    # quaternion of the smallest rotation from a to t (manual: eq-beam-minimal-rotation)
+    minimal = np.column_stack([1.0 + np.sum(a * t, axis=1), np.cross(a, t)])
+    minimal /= np.linalg.norm(minimal, axis=1, keepdims=True)
+    w, u = minimal[:, :1], minimal[:, 1:]
     f = turned(quaternions(ancf.frames)[nodes], phi)
     q = np.column_stack(
         [
@@ -85,21 +95,22 @@ def take_over(ancf: DiscreteSystem, system: DiscreteSystem) -> None:
         ("quaternion", q),
     ):
         system.assembly.x[system.layout.dofs[f"string.{name}"]] = values
-    for own in system.layout.fields:  # mud, hole, bit
-        if not own.name.startswith("string."):
-            here, there = system.layout.dofs[own.name], ancf.layout.dofs[own.name]
-            system.assembly.x[here[here >= 0]] = ancf.assembly.x[there[there >= 0]]
+    for other in system.layout.fields:  # mud, hole, bit
+        if not other.name.startswith("string."):
+            dofs, ancf_dofs = system.layout.dofs[other.name], ancf.layout.dofs[other.name]
+            system.assembly.x[dofs[dofs >= 0]] = ancf.assembly.x[ancf_dofs[ancf_dofs >= 0]]
     if ancf.assembly.dead_load is not None:
-        dead, name = np.zeros(system.layout.size), "string.position"
-        dead[system.layout.dofs[name]] = ancf.assembly.dead_load[ancf.layout.dofs[name]]
-        system.assembly.dead_load = dead
+        dead_load, name = np.zeros(system.layout.size), "string.position"
+        dead_load[system.layout.dofs[name]] = ancf.assembly.dead_load[ancf.layout.dofs[name]]
+        system.assembly.dead_load = dead_load
 
 
-def settle(system: DiscreteSystem, t: float = 0.0, velocity: FloatArray | None = None) -> int:
-    """Newton's method on the rows at rest from the assembly's x, inputs as at ``t`` [s]; returns the
-    iterations.  Raises SolveError.
+def solve_at_rest(system: DiscreteSystem, t: float = 0.0, velocity: FloatArray | None = None) -> int:
+    """Solve for the equilibrium at rest by Newton's method from the assembly's x; returns the iterations; collective.
 
-    velocity: (nv, 3) of the local nodes [m/s], for the drag of mud; none by default.
+    t: time of the inputs [s].
+    velocity: (nv, 3) of the local nodes [m/s], for the drag of mud; zero by default.
+    Raises SolveError where the iteration does not converge.
     """
     for component in system.components:
         component.constrain_positions(True)
@@ -114,7 +125,7 @@ def _newton(system: DiscreteSystem, t: float, velocity: FloatArray | None) -> in
     asm, factor, q = system.assembly, chain_factor(system), system.new_condensed()
     rows, owned = system.new_condensed(), system.layout.local_of_owned
     step, before, mpi = np.zeros(len(owned)), np.inf, system.comm.tompi4py()
-    for iteration in range(1, ITERATIONS + 1):
+    for iteration in range(1, MAX_ITERATIONS + 1):
         asm.y[:], asm.a[:] = 0.0, 0.0
         if velocity is not None:
             asm.y[system.layout.dofs["string.position"]] = velocity
@@ -124,8 +135,8 @@ def _newton(system: DiscreteSystem, t: float, velocity: FloatArray | None) -> in
             factor.factor(asm.values)
         except ZeroPivot:
             raise SolveError(
-                "the static tangent is singular",
-                hint="is the string held anywhere?",
+                "singular stiffness matrix",
+                hint="check the end conditions: a rigid-body mode may not be constrained",
                 **system.locate_largest_residual(t),
             ) from None
         factor.solve_owned(rows.getArray(readonly=1), step)
@@ -133,11 +144,13 @@ def _newton(system: DiscreteSystem, t: float, velocity: FloatArray | None) -> in
         q.getArray()[:] -= step
         system.load_unknowns(q)
         size = max(mpi.allgather(float(np.max(np.abs(step) / system.scale[owned], initial=0.0))))
-        if size < CONVERGED or (size < 1e-5 and size > 0.5 * before):  # rounding stops it
+        if size < CONVERGED_INCREMENT or (
+            size < 1e-5 and size > 0.5 * before
+        ):  # rounding stops the iteration
             system.sum_residual(t, rows)
             return iteration
         before = size
     raise SolveError(
-        f"statics did not converge in {ITERATIONS} iterations (last increment {before:.1e} of the fields' scales)",
+        f"statics did not converge in {MAX_ITERATIONS} iterations (last increment {before:.1e} of the fields' scales)",
         **system.locate_largest_residual(t),
     )

@@ -1,5 +1,4 @@
-"""What may end a run from outside: signals, and files that cannot be written.  One rank notices, all ranks
-act at the same step."""
+"""Signals and write failures.  Detected on one rank, acted on by all ranks after the same step."""
 
 from __future__ import annotations
 
@@ -9,71 +8,74 @@ from typing import Any
 
 from drillpetsc.errors import cannot_write
 
-NOTHING, SAVE, STOP, FAILED = range(4)  # the larger one wins
-EVERY = 16  # steps between two questions to the other ranks
+NOTHING, SAVE, STOP, FAILED = range(4)  # actions after a step; of those of all ranks the largest is taken
+POLL_INTERVAL = 16  # steps between two exchanges with the other ranks
 
 
 class RunControl:
-    """Within it SIGTERM and SIGINT ask for the end of the run after a step, SIGUSR1 for a checkpoint; a
-    second SIGINT ends it at once.
+    """Context in which signals control a run.
 
-    Signals may reach one rank only; ``poll`` makes it known to all.  Outside the main thread signals are left alone.
+    SIGTERM and SIGINT end the run after a step, SIGUSR1 writes a checkpoint, and a second SIGINT ends the run at once.
+    A signal may reach one rank only; ``poll`` distributes it to all ranks.  Outside the main thread no signal handler
+    is set.
+
+    mpi: communicator of the run.
     """
 
     def __init__(self, mpi: Any):
         self.mpi, self.error = mpi, ""
-        self._mine, self._number, self._steps = NOTHING, 0, 0
-        self._received = 0  # the number that any rank got
+        self._local_action, self._number, self._steps = NOTHING, 0, 0
+        self._received = 0  # number of the signal that any rank got
         self._before: dict[int, Any] = {}
 
     def __enter__(self) -> RunControl:
         if threading.current_thread() is threading.main_thread():
             for name, handler in (("SIGTERM", self._stop), ("SIGINT", self._stop), ("SIGUSR1", self._save)):
                 number = getattr(signal, name, None)
-                if (
-                    number is not None and signal.getsignal(number) != signal.SIG_IGN
-                ):  # who starts us may have had it ignored
+                # a signal that the parent process ignores stays ignored
+                if number is not None and signal.getsignal(number) != signal.SIG_IGN:
                     self._before[number] = signal.signal(number, handler)
         return self
 
     def __exit__(self, *_: object) -> None:
         for number, handler in self._before.items():
-            signal.signal(
-                number, handler if handler is not None else signal.SIG_DFL
-            )  # None: not set from Python
+            # None: the earlier handler was not set from Python
+            signal.signal(number, handler if handler is not None else signal.SIG_DFL)
         self._before = {}
 
     def _stop(self, number: int, frame: object) -> None:
-        if self._mine >= STOP and number == signal.SIGINT:
+        if self._local_action >= STOP and number == signal.SIGINT:
             raise KeyboardInterrupt
-        self._mine, self._number = max(self._mine, STOP), number
+        self._local_action, self._number = max(self._local_action, STOP), number
 
     def _save(self, number: int, frame: object) -> None:
-        self._mine = max(self._mine, SAVE)
+        self._local_action = max(self._local_action, SAVE)
 
     def report_write_error(self, error: OSError, what: str) -> None:
-        """This rank could not write."""
-        self._mine, self.error = FAILED, cannot_write(error, what)
+        """Report that this rank could not write ``what``; ``poll`` then returns FAILED on all ranks."""
+        self._local_action, self.error = FAILED, cannot_write(error, what)
 
     def poll(self, now: bool) -> int:
-        """What is to be done after this step, the same on all ranks, which must all call it with the same
-        ``now``: at once, or only if the time for a question has come."""
+        """Return the action after this step, the same on all ranks; collective, with the same ``now`` on every rank.
+
+        now: exchange with the other ranks at this step; otherwise every ``POLL_INTERVAL`` steps.
+        """
         self._steps += 1
         if self.mpi.size > 1:
-            if not now and self._steps % EVERY:
+            if not now and self._steps % POLL_INTERVAL:
                 return NOTHING
             from mpi4py import MPI
 
-            # by the first of the two; the handler alone writes _number: a signal may arrive just now
-            asked, self._received = self.mpi.allreduce((self._mine, self._number), op=MPI.MAX)
+            # the maximum is by the action; only the handler writes _number, since a signal may arrive during this call
+            action, self._received = self.mpi.allreduce((self._local_action, self._number), op=MPI.MAX)
         else:
-            asked = self._mine
-        if asked == SAVE:
-            self._mine = NOTHING
-        return int(asked)
+            action = self._local_action
+        if action == SAVE:
+            self._local_action = NOTHING
+        return int(action)
 
     @property
     def name(self) -> str:
-        """Of the signal that asked for the end."""
+        """Name of the signal that ends the run."""
         number = self._received or self._number
         return signal.Signals(number).name if number else "a signal"

@@ -1,15 +1,14 @@
-"""Torque and drag of a string that lies on the wall and has no bending stiffness.
+"""Soft string: torque and drag of a string that lies on the wall and has no bending stiffness.
 
-Johancsik, Friesen and Dawson, "Torque and Drag in Directional Wells - Prediction and Measurement", JPT 36(6),
-1984 (SPE 11380), in the form of a differential equation (Sheppard, Wick and Burgess, SPEDE 1987, SPE 15463).
-With T the axial force (compression negative), M the torque, t the tangent of the hole, kappa = dt/ds, w the
-buoyed weight per length, and md counted downwards:
+Johancsik, Friesen and Dawson, "Torque and Drag in Directional Wells - Prediction and Measurement", JPT 36(6), 1984
+(SPE 11380), in the form of a differential equation (Sheppard, Wick and Burgess, SPEDE 1987, SPE 15463).  With T the
+axial force (compression negative), M the torque, t the tangent of the hole, kappa = dt/ds, w the buoyed weight per
+length, and md counted downwards (manual: eq-soft-string-contact, eq-soft-string-force):
 
-    dT/ds = -(w cos I + a mu N)      dM/ds = -c mu N R_o      N = |T kappa + w_perp|      w_perp = w (z -
-    (z.t) t)
+    dT/ds = -(w cos I + a mu N)      dM/ds = -c mu N R_o      N = |T kappa + w_perp|      w_perp = w (z - (z.t) t)
 
-(a, c) = (v, omega R_o) / |(v, omega R_o)| is the slip direction, v positive when hoisting.  Without motion
-there is no friction.
+(a, c) = (v, omega R_o) / |(v, omega R_o)| is the slip direction, v positive when hoisting (manual: eq-soft-string-slip).
+Without motion there is no friction.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ from drillpetsc.geometry.well import Well
 
 Array = NDArray[np.float64]
 
-MAX_STEP = 5.0  # m, longest step of the integration
+MAX_STEP = 5.0  # longest step of the integration [m]
 _GAUSS = np.array([0.5 - np.sqrt(3) / 6, 0.5 + np.sqrt(3) / 6])
 # two-stage Gauss collocation, order 4 (Hairer, Norsett and Wanner,
 # Solving Ordinary Differential Equations I, section II.7)
@@ -32,20 +31,23 @@ _A11, _A12, _A21, _A22 = 0.25, 0.25 - np.sqrt(3) / 6, 0.25 + np.sqrt(3) / 6, 0.2
 
 @dataclass(frozen=True)
 class TorqueDrag:
-    """Result along the string; n + 1 boundaries from the top down, n intervals between them.
+    """Results along the string, at n + 1 boundaries from the top down, with n intervals between them.
 
-    md (n+1,) [m]; axial_force (n+1,) [N], compression negative; torque (n+1,) [N m]; contact_force (n+1,)
-    [N/m] and side (n+1, 3), the unit direction from the hole axis to the wall the string is pressed to (zero
-    where it is not), both from the mean of the two sides of a boundary; mean_contact_force (n,) [N/m] over
-    each interval, the one that friction sums to; elongation (n+1,) [m] and twist (n+1,) [rad] counted from
-    the top down to each boundary.
+    md: (n+1,) measured depths [m].
+    axial_force: (n+1,) [N], compression negative.
+    torque: (n+1,) [N m].
+    contact_force: (n+1,) [N/m], mean of the two sides of a boundary.
+    wall_direction: (n+1, 3) unit direction of the contact load, from the hole axis to the touched wall; zero without
+    contact.
+    mean_contact_force: (n,) over each interval [N/m], from which friction is summed.
+    elongation: (n+1,) [m] and twist: (n+1,) [rad], from the top down to each boundary.
     """
 
     md: Array
     axial_force: Array
     torque: Array
     contact_force: Array
-    side: Array
+    wall_direction: Array
     mean_contact_force: Array
     elongation: Array
     twist: Array
@@ -66,11 +68,13 @@ class TorqueDrag:
         return float(self.elongation[-1])
 
 
-def slip_shares(axial_velocity: float, rotation: float, contact_radius: ArrayLike) -> tuple[Array, Array]:
-    """Axial and circumferential share of the friction, (v, omega R_o)/|(v, omega R_o)|; both zero without
-    motion.
+def slip_direction(axial_velocity: float, rotation: float, contact_radius: ArrayLike) -> tuple[Array, Array]:
+    """Compute the slip direction (v, omega R_o)/|(v, omega R_o)| (manual: eq-soft-string-slip).
 
-    axial_velocity [m/s] positive when hoisting, rotation [rad/s], contact_radius (n,) [m].
+    axial_velocity: v [m/s], positive when hoisting.
+    rotation: omega [rad/s].
+    contact_radius: (n,) R_o [m].
+    Returns the axial and the circumferential component, (n,) each; both are zero without motion.
     """
     around = rotation * np.asarray(contact_radius, dtype=float)
     speed = np.hypot(axial_velocity, around)
@@ -92,12 +96,21 @@ def torque_drag(
     rotation: float = 0.0,
     friction: ArrayLike | None = None,
 ) -> TorqueDrag:
-    """Integrates the soft string from the bottom up.
+    """Integrate the soft string from the bottom up (manual: sec-soft-string-integration).
 
-    md (n+1,) [m] interval boundaries, increasing; per interval (n,) or one number for all: weight [N/m]
-    (buoyed, positive down), contact_radius [m], axial_stiffness EA [N], torsional_stiffness GJ [N m2],
-    friction [-] (None: the well's).  bottom_force [N] at md[-1], compression negative; bottom_torque [N m]
-    that the rock takes; axial_velocity [m/s], positive when hoisting; rotation [rad/s].
+    Values per interval are (n,), or one number for all.
+
+    well: the hole.
+    md: (n+1,) interval boundaries [m], increasing.
+    weight: buoyed weight per length [N/m], positive down.
+    contact_radius: [m].
+    axial_stiffness: EA [N]; torsional_stiffness: GJ [N m2].
+    bottom_force: axial force at md[-1] [N], compression negative.
+    bottom_torque: torque of the rock on the string [N m].
+    axial_velocity: [m/s], positive when hoisting; rotation: [rad/s].
+    friction: friction coefficient [-], None: that of the well.
+
+    Raises ValueError where md does not increase.
     """
     md = np.asarray(md, dtype=float)
     n = len(md) - 1
@@ -107,7 +120,7 @@ def torque_drag(
         np.broadcast_to(np.asarray(v, dtype=float), (n,))
         for v in (weight, contact_radius, axial_stiffness, torsional_stiffness)
     )
-    edges, owner = _steps(well, md)
+    edges, interval = _steps(well, md)
     h = np.diff(edges)
     points = edges[:-1, None] + h[:, None] * _GAUSS  # (k, 2)
     _, tangent, curvature = well.at(points)
@@ -115,65 +128,70 @@ def torque_drag(
         mu = well.friction(points)
     else:
         mu = np.broadcast_to(
-            np.broadcast_to(np.asarray(friction, dtype=float), (n,))[owner][:, None], points.shape
+            np.broadcast_to(np.asarray(friction, dtype=float), (n,))[interval][:, None], points.shape
         )
-    along, around = slip_shares(axial_velocity, rotation, contact_radius)
-    w = weight[owner][:, None]
+    along, around = slip_direction(axial_velocity, rotation, contact_radius)
+    w = weight[interval][:, None]
     down = w * tangent[..., 2]
     across = -down[..., None] * tangent  # w_perp
     across[..., 2] += w
 
-    tension, at_points = _integrate(h, down, along[owner][:, None] * mu, curvature, across, bottom_force)
+    tension, at_points = _integrate(h, down, along[interval][:, None] * mu, curvature, across, bottom_force)
     contact = np.linalg.norm(at_points[..., None] * curvature + across, axis=-1)
-    share = 0.5 * h  # weight of each Gauss point
-    torque_step = share * around[owner] * contact_radius[owner] * (mu * contact).sum(axis=1)
-    torque = bottom_torque + _sum_up(torque_step)
-    # M is linear in a step to the order of the scheme, T is known at the Gauss points
-    stretch_step = share * at_points.sum(axis=1) / ea[owner]
-    twist_step = share * (torque[:-1] + torque[1:]) / gj[owner]
+    point_weight = 0.5 * h  # weight of each Gauss point
+    torque_step = point_weight * around[interval] * contact_radius[interval] * (mu * contact).sum(axis=1)
+    torque = bottom_torque + _sum_from_below(torque_step)
+    # to the order of the scheme M is linear in a step; T is known at the Gauss points
+    stretch_step = point_weight * at_points.sum(axis=1) / ea[interval]
+    twist_step = point_weight * (torque[:-1] + torque[1:]) / gj[interval]
 
-    at = np.searchsorted(edges, md)
-    force, side = _at_boundaries(well, md, tension[at], weight)
+    boundary = np.searchsorted(edges, md)
+    force, wall_direction = _at_boundaries(well, md, tension[boundary], weight)
     return TorqueDrag(
         md=md,
-        axial_force=tension[at],
-        torque=torque[at],
+        axial_force=tension[boundary],
+        torque=torque[boundary],
         contact_force=force,
-        side=side,
-        mean_contact_force=np.bincount(owner, share * contact.sum(axis=1), n) / np.diff(md),
-        elongation=np.r_[0.0, np.cumsum(stretch_step)][at],
-        twist=np.r_[0.0, np.cumsum(twist_step)][at],
+        wall_direction=wall_direction,
+        mean_contact_force=np.bincount(interval, point_weight * contact.sum(axis=1), n) / np.diff(md),
+        elongation=np.r_[0.0, np.cumsum(stretch_step)][boundary],
+        twist=np.r_[0.0, np.cumsum(twist_step)][boundary],
     )
 
 
 def _steps(well: Well, md: Array) -> tuple[Array, NDArray[np.int64]]:
-    """Edges of the integration steps (k+1,) [m] and the interval of each step (k,).
+    """Compute the edges of the integration steps (k+1,) [m] and the interval of each step (k,).
 
-    Steps end at every interval boundary, well node and end of a radius or friction transition, so nothing
-    jumps inside one.
+    Steps end at every interval boundary, well node and end of a radius or friction transition, so that no value jumps
+    within a step.
     """
     rows = well.transitions
     marks = np.concatenate([well.node_md, rows[:, 0], rows[:, 0] + rows[:, 1]])
     marks = marks[(marks > md[0]) & (marks < md[-1])]
     after = np.searchsorted(md, marks)
-    apart = np.minimum(marks - md[after - 1], md[after] - marks) > 1e-6  # rounding must not make a tiny step
-    coarse = np.unique(np.concatenate([md, marks[apart]]))
+    # a mark at a boundary up to rounding would make a very short step
+    separate = np.minimum(marks - md[after - 1], md[after] - marks) > 1e-6
+    coarse = np.unique(np.concatenate([md, marks[separate]]))
     pieces = np.ceil(np.diff(coarse) / MAX_STEP).astype(int)
     first = np.repeat(np.cumsum(pieces) - pieces, pieces)
     fraction = (np.arange(pieces.sum()) - first) / np.repeat(pieces, pieces)
     edges = np.append(np.repeat(coarse[:-1], pieces) + fraction * np.repeat(np.diff(coarse), pieces), md[-1])
-    owner = np.searchsorted(md, 0.5 * (edges[:-1] + edges[1:])) - 1
-    return edges, owner
+    interval = np.searchsorted(md, 0.5 * (edges[:-1] + edges[1:])) - 1
+    return edges, interval
 
 
 def _integrate(
     h: Array, down: Array, drag: Array, curvature: Array, across: Array, bottom: float
 ) -> tuple[Array, Array]:
-    """Axial force at the step edges (k+1,) and at the Gauss points (k, 2) [N], from the bottom up.
+    """Integrate the axial force from the bottom up (manual: eq-soft-string-force, eq-soft-string-square).
 
-    h (k,) [m]; at the Gauss points (k, 2): down = w cos I [N/m], drag = a mu [-], curvature and across =
-    w_perp (k, 2, 3). N^2 = T^2 |kappa|^2 + 2 T kappa.w_perp + |w_perp|^2; the stage equations are solved by
-    fixed-point iteration (drag kappa h << 1).
+    N^2 = T^2 |kappa|^2 + 2 T kappa.w_perp + |w_perp|^2.  The stage equations are solved by fixed-point iteration
+    (drag kappa h << 1).
+
+    h: (k,) step lengths [m]; bottom: axial force at the lower end [N].
+    At the Gauss points: down: (k, 2) w cos I [N/m]; drag: (k, 2) a mu [-]; curvature: (k, 2, 3) kappa [1/m];
+    across: (k, 2, 3) w_perp [N/m].
+    Returns the axial force at the step edges (k+1,) and at the Gauss points (k, 2) [N].
     """
     kk = (curvature * curvature).sum(axis=-1)
     kw = (curvature * across).sum(axis=-1)
@@ -183,7 +201,7 @@ def _integrate(
     table = np.column_stack([h, down, drag, kk, kw, ww]).tolist()
     for i in range(len(h) - 1, -1, -1):
         step, g1, g2, m1, m2, k1, k2, c1, c2, w1, w2 = table[i]
-        # going up: the first stage is the lower Gauss point (index 2)
+        # the integration goes up, so the first stage is the lower Gauss point (index 2)
         lower = upper = t
         for _ in range(50):
             n2 = max(lower * lower * k2 + 2 * lower * c2 + w2, 0.0) ** 0.5
@@ -200,14 +218,18 @@ def _integrate(
     return tension, inner
 
 
-def _sum_up(step: Array) -> Array:
-    """Sum of the steps (k,) below each edge (k+1,)."""
+def _sum_from_below(step: Array) -> Array:
+    """Sum the steps (k,) below each edge (k+1,)."""
     return np.append(np.cumsum(step[::-1])[::-1], 0.0)
 
 
 def _at_boundaries(well: Well, md: Array, tension: Array, weight: Array) -> tuple[Array, Array]:
-    """Contact force (n+1,) [N/m] and side (n+1, 3) at the boundaries, mean of above and below inside the
-    string."""
+    """Compute contact force (n+1,) [N/m] and its direction (n+1, 3) at the boundaries.
+
+    Inside the string they are means of the values above and below.
+
+    tension: (n+1,) axial force [N]; weight: (n,) per length [N/m].
+    """
     load = np.zeros((len(md), 3))
     beside = min(1e-6 * max(1.0, float(md[-1] - md[0]) / 1e3), 0.5 * float(np.diff(md).min()))
     above, below = np.arange(1, len(md)), np.arange(len(md) - 1)  # boundaries with an interval above, below

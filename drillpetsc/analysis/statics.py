@@ -49,7 +49,7 @@ def run_statics(
     with options.applied(case.petsc):
         model = build_model(case, comm)
         folder = make_folder(comm, name, out, False, overwrite)
-        state = find_equilibrium(model, MOTIONS[motion] if motion else None, climb=False)
+        state = find_equilibrium(model, MOTIONS[motion] if motion else None, lateral_friction=False)
         columns, values = static_table(model)
         summary = {
             "title": case.title,

@@ -1,5 +1,7 @@
-"""Steady flow of the drilling fluid in a string that stands (or moves) as it is: Newton's method on pressures
-and flow rates."""
+"""Steady flow of the drilling fluid with fixed position and motion of the string: Newton's method on pressures and flows.
+
+Manual: sec-mud-steady.
+"""
 
 from __future__ import annotations
 
@@ -14,45 +16,52 @@ from drillpetsc.model.fluid import FluidComponents
 from drillpetsc.solvers.chain_lu import ZeroPivot
 from drillpetsc.solvers.newton import chain_factor
 
-CONVERGED = 1e-12  # increment relative to the fields' scales
-NEARLY = 1e-7  # good enough when rounding stops the iteration
-ITERATIONS = 100
-#: weight of the storage terms [1/s]: a closed bore keeps the level of pressure it has, which the steady
-#: equations leave open
-LEVEL = 1e-8
+CONVERGED_INCREMENT = 1e-12  # largest increment of a converged flow, in the fields' scales
+ROUNDING_INCREMENT = (
+    1e-7  # increment below which a flow counts as converged where rounding stops the iteration
+)
+MAX_ITERATIONS = 100
+#: weight of the storage terms [1/s]; the steady equations do not determine the pressure level of a closed bore, which
+#: these terms leave at its value
+STORAGE_WEIGHT = 1e-8
 
 
 @dataclass
 class SteadyFlow:
+    """Iterations of a steady flow, and its last increment in the fields' scales."""
+
     iterations: int = 0
     increment: float = 0.0
 
 
 def fluid_unknowns(system: DiscreteSystem) -> np.ndarray:
-    """(n,) mask of the local unknowns that belong to the fluid."""
+    """Return the mask (n,) of the local unknowns that belong to the fluid."""
     fluid = np.array([f.physics == "fluid" for f in system.layout.fields])
     return fluid[system.layout.field_of]
 
 
-def place_fluid(system: DiscreteSystem, fluid: FluidComponents, t: float = 0.0) -> None:
-    """Hydrostatic pressure under the outlet's (or nothing), flow rates those of the pump at ``t``."""
-    asm, held = system.assembly, "string.position" not in system.layout.dofs
+def set_fluid_at_rest(system: DiscreteSystem, fluid: FluidComponents, t: float = 0.0) -> None:
+    """Set hydrostatic pressures below the outlet's pressure, and the pump's flow rate in all channels.
+
+    Without an outlet the pressure at the top is zero.  ``t``: time of outlet and pump [s].
+    """
+    asm, is_held = system.assembly, "string.position" not in system.layout.dofs
     flow = 0.0
     if fluid.bore is not None and fluid.bore.flow_rate is not None:
         flow = fluid.bore.flow_rate.value(t)
-    if held:
-        position = next(r.held_at for r in (fluid.bore, fluid.annulus) if r is not None)
-        assert position is not None
-        place, top = position[system.chain.vertices], position[0]
+    if is_held:
+        held_position = next(r.held_at for r in (fluid.bore, fluid.annulus) if r is not None)
+        assert held_position is not None
+        position, top = held_position[system.chain.vertices], held_position[0]
     else:
-        place = system.field("string.position")
+        position = system.field("string.position")
         top = (
-            system.comm.tompi4py().bcast(place[0] if len(place) else None)
+            system.comm.tompi4py().bcast(position[0] if len(position) else None)
             if system.comm.size > 1
-            else place[0]
+            else position[0]
         )
     gravity = fluid.constants.gravity
-    head = fluid.constants.density * ((place - top) @ gravity)
+    head = fluid.constants.density * ((position - top) @ gravity)
     level = fluid.annulus.outlet.value(t) if fluid.annulus is not None else 0.0
     for component, sign in ((fluid.bore, 1.0), (fluid.annulus, -1.0)):
         if component is None:
@@ -62,41 +71,41 @@ def place_fluid(system: DiscreteSystem, fluid: FluidComponents, t: float = 0.0) 
         closed = fluid.bit is None or not fluid.bit.has_link
         asm.x[system.layout.dofs[f"{component.name}.pressure"][:, 0]] = base + head
         if f"{component.name}.flow" in system.layout.dofs:
-            rate = system.layout.dofs[f"{component.name}.flow"]
-            asm.x[rate[rate >= 0]] = 0.0 if closed else sign * flow
+            dofs = system.layout.dofs[f"{component.name}.flow"]
+            asm.x[dofs[dofs >= 0]] = 0.0 if closed else sign * flow
     if "bit.flow" in system.layout.dofs:
-        where = system.layout.dofs["bit.flow"][:, 0]
-        asm.x[where[where >= 0]] = flow
+        dofs = system.layout.dofs["bit.flow"][:, 0]
+        asm.x[dofs[dofs >= 0]] = flow
     if fluid.volumes is not None:
         for name, values in fluid.volumes(level).items():
             system.set_field(name, values[:, None])
 
 
 def steady_flow(system: DiscreteSystem, t: float = 0.0) -> SteadyFlow:
-    """Solve for pressures and flow rates with the string's place and rates as they are in the assembly;
-    collective.
+    """Solve for pressures and flow rates with the string's position and rates fixed; collective.
 
+    system: its assembly contains position and rates of the string and the start of the iteration.
+    t: time of the inputs [s].
     Raises SolveError where no steady flow is found.
     """
     asm, report = system.assembly, SteadyFlow()
-    on_rank = fluid_unknowns(system)
-    for component in system.components:  # size and direction of the hole where the string is now
+    is_fluid = fluid_unknowns(system)
+    for component in system.components:  # size and direction of the hole at the string's present position
         component.locate_hole(asm)
-    asm.freeze(~on_rank)
+    asm.freeze(~is_fluid)
     try:
         factor, f = chain_factor(system), system.new_condensed()
-        weight, place = 1.0 / system.scale, np.flatnonzero(on_rank)
-        best, quiet, share = np.inf, 0, 1.0
-        asm.y[place] = asm.a[place] = 0.0
+        weight, dofs = 1.0 / system.scale, np.flatnonzero(is_fluid)
+        smallest, stalled, damping = np.inf, 0, 1.0
+        asm.y[dofs] = asm.a[dofs] = 0.0
         _fill_chamber(system)
-        for _ in range(ITERATIONS):
+        for _ in range(MAX_ITERATIONS):
             asm.invalidate_prescribed_values()
             system.sum_residual(t, f)
-            asm.jacobian(t, (1.0, LEVEL, 0.0), condensed=False)
+            asm.jacobian(t, (1.0, STORAGE_WEIGHT, 0.0), condensed=False)
             step = np.zeros(len(system.layout.local_of_owned))
-            f.getArray()[~on_rank[system.layout.local_of_owned]] = (
-                0.0  # the string stays: not even its ends' rounding errors are put right
-            )
+            # the string does not move, not even by the rounding errors of its ends
+            f.getArray()[~is_fluid[system.layout.local_of_owned]] = 0.0
             try:
                 factor.factor(asm.values)
             except ZeroPivot as error:
@@ -107,24 +116,23 @@ def steady_flow(system: DiscreteSystem, t: float = 0.0) -> SteadyFlow:
             owned = system.layout.local_of_owned
             size = _largest(
                 system,
-                float(np.max(np.abs(step[on_rank[owned]]) * weight[owned][on_rank[owned]], initial=0.0)),
+                float(np.max(np.abs(step[is_fluid[owned]]) * weight[owned][is_fluid[owned]], initial=0.0)),
             )
             if not np.isfinite(size):
-                raise SolveError("the steady flow ran away", time=t, **system.locate_largest_residual(t))
-            share = (
-                min(1.0, 2 * share) if size < best else max(0.1, 0.5 * share)
-            )  # yield stress makes full steps overshoot
-            _move(system, step * share)
+                raise SolveError("the steady flow is not finite", time=t, **system.locate_largest_residual(t))
+            # a yield stress makes full steps overshoot
+            damping = min(1.0, 2 * damping) if size < smallest else max(0.1, 0.5 * damping)
+            _move(system, step * damping)
             report.iterations += 1
             report.increment = size
-            quiet += size < NEARLY and size > 0.5 * best
-            if share == 1.0 and (size < CONVERGED or quiet >= 2):
+            stalled += size < ROUNDING_INCREMENT and size > 0.5 * smallest
+            if damping == 1.0 and (size < CONVERGED_INCREMENT or stalled >= 2):
                 return report
-            best = min(best, size)
+            smallest = min(smallest, size)
     finally:
         asm.freeze(None)
     raise SolveError(
-        f"the steady flow did not converge in {ITERATIONS} iterations (last increment {report.increment:.1e} of the scales)",
+        f"the steady flow did not converge in {MAX_ITERATIONS} iterations (last increment {report.increment:.1e} of the scales)",
         time=t,
         hint="a larger fluid.rheology.shear_rate smooths a yield stress",
         **system.locate_largest_residual(t),
@@ -132,14 +140,14 @@ def steady_flow(system: DiscreteSystem, t: float = 0.0) -> SteadyFlow:
 
 
 def freeze_flow(model: DrillingModel, t: float = 0.0) -> None:
-    """Solve for the steady flow in the string where it is now, and hold the fluid's unknowns (``release_flow``)."""
+    """Solve for the steady flow with the present string at ``t`` [s], and freeze the fluid's unknowns; collective."""
     if model.fluid is not None:
         steady_flow(model.system, t)
         model.system.assembly.freeze(fluid_unknowns(model.system))
 
 
 def release_flow(model: DrillingModel) -> None:
-    """Free all unknowns; the flow is steady in the string with the rates it has now, and reactions are renewed."""
+    """Release all unknowns, solve for the steady flow at the string's present rates, update the reactions; collective."""
     if model.fluid is not None:
         model.system.assembly.freeze(None)
         steady_flow(model.system, 0.0)
@@ -147,19 +155,22 @@ def release_flow(model: DrillingModel) -> None:
 
 
 def _fill_chamber(system: DiscreteSystem) -> None:
-    """With formulation hermite: volumes of the annulus and their rates, at every node alike, for the bit's
-    chamber as it lies and moves."""
-    missing = [component.missing_volume(system.assembly) for component in system.components]
-    lack = next((np.array(volume) for volume in missing if volume is not None), None)
-    if lack is None or "annulus.volume" not in system.layout.dofs:
+    """With the Hermite formulation, set the volume and volume rate of the annulus that the bit's chamber needs; collective.
+
+    All nodes get the same addition.
+    """
+    volumes = [component.missing_volume(system.assembly) for component in system.components]
+    missing = next((np.array(volume) for volume in volumes if volume is not None), None)
+    if missing is None or "annulus.volume" not in system.layout.dofs:
         return
-    lack = lack if system.comm.size == 1 else system.comm.tompi4py().allreduce(lack)
-    asm, place = system.assembly, system.layout.dofs["annulus.volume"][:, 0]
-    asm.x[place] += lack[0]
-    asm.y[place] = lack[1]
+    missing = missing if system.comm.size == 1 else system.comm.tompi4py().allreduce(missing)
+    asm, dofs = system.assembly, system.layout.dofs["annulus.volume"][:, 0]
+    asm.x[dofs] += missing[0]
+    asm.y[dofs] = missing[1]
 
 
 def _move(system: DiscreteSystem, step: np.ndarray) -> None:
+    """Add the step (owned,) to the assembly's unknowns, ghosts included; collective."""
     q = system.new_condensed()
     system.store_unknowns(q)
     q.getArray()[:] += step

@@ -1,8 +1,8 @@
-"""The shortest times of a scene: impacts, waves across one element; and what they ask of the time step.
+"""The shortest times of a model, impacts and waves across one element, and the time steps that resolve them.
 
-Waves across an element: the highest frequency of one free element, which bounds that of any mesh of them
-(Irons and Treharne, 1971). BDF up to order 2 is stable at any step, so these limit no run; they say what a
-step can resolve, and what an explicit method would need.
+The highest frequency of one free element bounds that of any mesh of such elements (Irons and Treharne, 1971).  BDF up
+to order 2 is stable at any step, so these times do not limit a run.  They show what a step can resolve, and what step
+an explicit method would need.
 """
 
 from __future__ import annotations
@@ -16,25 +16,25 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.contact import ContactLaw
 
-RESOLVED = (
-    0.3  # share of an impact's duration within which a step may be: beyond, BDF2 makes or loses energy there
+#: longest step that resolves an impact, as a fraction of its duration; with longer steps BDF2 gains or loses energy
+RESOLVED_FRACTION = 0.3
+STRICT_FRACTION = (
+    0.5  # longest adaptive step with contact.energy_strict, as a fraction of an impact's duration
 )
-STRICT = 0.5  # share that contact.energy_strict caps adaptive steps at
-#: omega^2 of the highest mode of a free element, times (L/c)^2: cubic along its axis with its consistent mass
-#: (the larger root of
-#: l^2 - 45 l + 105 = 0 for half the length, times 4), cubic bending (times L^4 mu/EI); torsion, and pressure
-#: at the nodes with flow in the
-#: element, are linear with the mean of consistent and lumped mass (storage), [5 1; 1 5]/12, which has the
-#: least dispersion
+#: omega^2 of the highest mode of a free element, times (L/c)^2 (bending: times L^4 mu/EI).  Axial motion is cubic with
+#: consistent mass: the larger root of l^2 - 45 l + 105 = 0 for half the length, times 4.  Bending is cubic.  Torsion,
+#: and pressure at the nodes with flow in the element, are linear with the mean of consistent and lumped mass (storage),
+#: [5 1; 1 5]/12, which has the least dispersion.
 AXIAL, BENDING, TORSIONAL, MUD = 4 * (45 + sqrt(1605)) / 2, 8400.0, 6.0, 6.0
 
 
 @dataclass(frozen=True)
 class TimeScales:
-    """Shortest times [s], infinite where the scene has no such thing.
+    """Shortest times [s], infinite where the model has no such motion.
 
-    impact: of a piece of the string on the wall; bit: half a period of the bit on the bottom; axial,
-    torsional, bending, mud: periods of the fastest element.
+    impact: duration of an impact of an element or rigid item on the wall.
+    bit: half a period of the bit on the bottom.
+    axial, torsional, bending, mud: period of the fastest element.
     """
 
     impact: float = np.inf
@@ -50,7 +50,7 @@ class TimeScales:
         return min(self.axial, self.torsional, self.bending, self.mud, 2 * self.impact) / pi
 
     def lines(self) -> list[str]:
-        """In words."""
+        """Return lines of text for the user."""
         parts = [
             (self.impact, "impact on the wall"),
             (self.bit, "bit on the bottom"),
@@ -59,14 +59,14 @@ class TimeScales:
             (self.bending, "bending wave"),
             (self.mud, "pressure wave"),
         ]
-        named = [f"{words} {format_time(value)}" for value, words in parts if np.isfinite(value)]
+        named = [f"{text} {format_time(value)}" for value, text in parts if np.isfinite(value)]
         if not named:
             return []
         out = ["time scales (waves: period of the fastest element): " + ", ".join(named)]
         if np.isfinite(self.impact):
             out.append(
-                f"steps: impacts are resolved below {format_time(RESOLVED * self.impact)}; contact.energy_strict caps them at "
-                f"{format_time(STRICT * self.impact)}; an explicit method would need {format_time(self.explicit_step)}"
+                f"steps: impacts are resolved below {format_time(RESOLVED_FRACTION * self.impact)}; contact.energy_strict caps them at "
+                f"{format_time(STRICT_FRACTION * self.impact)}; an explicit method would need {format_time(self.explicit_step)}"
             )
         else:
             out.append(
@@ -76,7 +76,7 @@ class TimeScales:
 
 
 def format_time(seconds: float) -> str:
-    """0.0017 -> "1.7 ms"."""
+    """Format a time [s] with a unit of its size: 0.0017 -> "1.7 ms"."""
     for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
         if seconds >= size:
             return f"{seconds / size:.3g} {unit}"
@@ -84,29 +84,33 @@ def format_time(seconds: float) -> str:
 
 
 def impact_time(law: ContactLaw, mass: FloatArray, length: FloatArray) -> FloatArray:
-    """(n,) duration [s] of the undamped impact of pieces of ``mass`` [kg/m] and ``length`` [m] at the law's
-    ``restitution_speed`` v.
+    """Compute the duration (n,) [s] of undamped impacts at the law's ``restitution_speed`` v (manual: eq-contact-impact-time).
 
-    From m u'' = -k u^p: t = 2 d/v int_0^1 dx / sqrt(1 - x^(p+1)) = 2 d/v sqrt(pi) G(1 + q)/G(1/2 + q), q =
-    1/(p + 1), with the depth d = ((p + 1) m v^2 / 2k)^q; pi sqrt(m/k) at p = 1, 2.943 d/v at p = 3/2 (Hertz:
-    Timoshenko and Goodier, Theory of Elasticity, 142).
+    From m u'' = -k u^p: t = 2 d/v int_0^1 dx / sqrt(1 - x^(p+1)) = 2 d/v sqrt(pi) G(1 + q)/G(1/2 + q), with
+    q = 1/(p + 1) and the depth d = ((p + 1) m v^2 / 2k)^q (manual: eq-contact-impact-depth).  It is pi sqrt(m/k) at
+    p = 1, and 2.943 d/v at p = 3/2 (Hertz: Timoshenko and Goodier, Theory of Elasticity, 142).
+
+    law: contact law.
+    mass: (n,) per length [kg/m]; length: (n,) of the impacting pieces [m].
     """
     p = 1.0 if law.law == "linear" else 1.5
-    share = mass * length / law.points if law.law == "hertz_point" else mass
+    point_mass = mass * length / law.points if law.law == "hertz_point" else mass
     q, v = 1 / (p + 1), law.restitution_speed
-    depth = (0.5 * (p + 1) * share * v**2 / law.stiffness) ** q
+    depth = (0.5 * (p + 1) * point_mass * v**2 / law.stiffness) ** q
     return 2 * depth / v * sqrt(pi) * gamma(1 + q) / gamma(0.5 + q)
 
 
 def time_scales(model: DrillingModel) -> TimeScales:
-    """Of a scene; steel alone carries the waves and impacts (mud that moves along makes them slower)."""
-    mesh, found = model.mesh, {}
+    """Compute the time scales of a model; waves and impacts use the mass of steel only (added mud would slow them)."""
+    mesh, scales = model.mesh, {}
     if model.beam is not None:
         e = ~mesh.is_joint
         L, mass = mesh.length[e], mesh.mass[e]
-        found["axial"] = _period(AXIAL * mesh.axial_stiffness[e] / (mass * L**2))
-        found["torsional"] = _period(TORSIONAL * mesh.torsional_stiffness[e] / (mesh.polar_inertia[e] * L**2))
-        found["bending"] = _period(BENDING * mesh.bending_stiffness[e] / (mass * L**4))
+        scales["axial"] = _period(AXIAL * mesh.axial_stiffness[e] / (mass * L**2))
+        scales["torsional"] = _period(
+            TORSIONAL * mesh.torsional_stiffness[e] / (mesh.polar_inertia[e] * L**2)
+        )
+        scales["bending"] = _period(BENDING * mesh.bending_stiffness[e] / (mass * L**4))
     if model.contact is not None:
         touching = (mesh.outer_diameter > 0) & ~mesh.is_joint
         masses, lengths = list(mesh.mass[touching]), list(mesh.length[touching])
@@ -115,27 +119,29 @@ def time_scales(model: DrillingModel) -> TimeScales:
                 masses.append(item.mass / item.length)
                 lengths.append(item.length)
         if masses:
-            found["impact"] = float(impact_time(model.contact.law, np.array(masses), np.array(lengths)).min())
+            scales["impact"] = float(
+                impact_time(model.contact.law, np.array(masses), np.array(lengths)).min()
+            )
     if model.bit is not None:
         stiffness = model.bit.stiffness
-        end = (
+        mass_at_end = (
             sum(b.mass for b in mesh.bodies if b.node == mesh.nodes - 1)
             + 0.5 * mesh.mass[-1] * mesh.length[-1]
         )
-        found["bit"] = pi * sqrt(float(end) / stiffness)
+        scales["bit"] = pi * sqrt(float(mass_at_end) / stiffness)
     if model.fluid is not None:
-        found["mud"] = _mud(model)
-    return TimeScales(**found)
+        scales["mud"] = _mud(model)
+    return TimeScales(**scales)
 
 
 def _period(squares: FloatArray) -> float:
-    """Shortest period [s] of frequencies given as squares [1/s2]."""
-    good = squares[np.isfinite(squares) & (squares > 0)]
-    return 2 * pi / sqrt(float(good.max())) if good.size else np.inf
+    """Compute the shortest period [s] from squared angular frequencies (n,) [1/s2]."""
+    valid = squares[np.isfinite(squares) & (squares > 0)]
+    return 2 * pi / sqrt(float(valid.max())) if valid.size else np.inf
 
 
 def _mud(model: DrillingModel) -> float:
-    """Fastest element of both channels; wave speed a = (rho (1/K + wall))^(-1/2) (Korteweg)."""
+    """Compute the period [s] of the fastest element of both channels; wave speed (rho (1/K + wall))^(-1/2) (Korteweg)."""
     assert model.fluid is not None
     f, L = model.fluid.constants, model.mesh.length
     walls = [component.bore.wall for component in (model.fluid.bore,) if component is not None]
@@ -144,16 +150,16 @@ def _mud(model: DrillingModel) -> float:
 
 
 def longest_strict_step(model: DrillingModel) -> float:
-    """Cap of the step under contact.energy_strict [s]; infinite without contact."""
-    return STRICT * time_scales(model).impact
+    """Compute the longest adaptive step [s] with contact.energy_strict; infinite without contact."""
+    return STRICT_FRACTION * time_scales(model).impact
 
 
 def step_warnings(model: DrillingModel, fixed_step: float | None) -> list[str]:
-    """What steps of fixed length [s] are too long for."""
+    """Return warnings for a ``fixed_step`` [s] that is too long for impacts; None stands for adaptive steps."""
     impact = time_scales(model).impact
-    if fixed_step is None or fixed_step <= RESOLVED * impact:
+    if fixed_step is None or fixed_step <= RESOLVED_FRACTION * impact:
         return []
     return [
-        f"fixed steps of {format_time(fixed_step)} do not resolve impacts of {format_time(impact)}: rebounds and the energy they keep are not to be "
-        f"trusted (below {format_time(RESOLVED * impact)} they are; or leave the step to -ts_rtol)"
+        f"fixed steps of {format_time(fixed_step)} do not resolve impacts of {format_time(impact)}: rebounds and their energy are not reliable "
+        f"(take steps below {format_time(RESOLVED_FRACTION * impact)}, or let -ts_rtol control the step)"
     ]

@@ -186,7 +186,7 @@ def _notes(
 ) -> dict[str, Any]:
     """Notes that the summary reports and checkpoints keep."""
     notes = saved.notes if saved is not None else summary.static_notes(state)
-    return notes | ({"share": quasi.share} if quasi is not None else {})
+    return notes | ({"share": quasi.lateral_fraction} if quasi is not None else {})
 
 
 def _fixed_step(integrator: TimeIntegrator, quasi: QuasiStatic | None) -> float | None:
@@ -311,7 +311,7 @@ class TransientRun:
         newton = integrator.newton_iterations()
         self.due = writer.write(t, dt, newton - self.newton, self.control)
         self.t, self.newton = t, newton
-        self.memory.look(t)
+        self.memory.update(t)
         self.bar.update(t, integrator.counters.steps, dt)
 
     def _at_rest(self, t: float) -> None:

@@ -6,7 +6,6 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field
-from functools import cached_property
 from itertools import groupby
 from typing import Any
 
@@ -42,24 +41,22 @@ class Row:
 
 @dataclass(frozen=True)
 class Slot:
-    """Part of a sample that one value fills: ``count`` entities from ``start`` on, ``size`` numbers each.  Quantities
-    with the same value share a slot."""
+    """Part ``span`` of a sample that one value fills, with ``size`` numbers per entity.  Quantities with the same
+    value share a slot.
+
+    is_number: the value is a number, not an array.
+    """
 
     source: Any
     value: Callable[[Any, Sample], Any]
-    start: int
-    count: int
+    span: slice
     size: int
     motion: bool
+    is_number: bool
 
-    @cached_property
-    def span(self) -> slice:
-        return slice(self.start, self.start + self.count * self.size)
-
-    @cached_property
-    def single(self) -> bool:
-        """Whether the value is one number."""
-        return self.count * self.size == 1
+    @property
+    def start(self) -> int:
+        return int(self.span.start)
 
 
 @dataclass
@@ -75,9 +72,13 @@ class SampleLayout:
         key = id(source), quantity.value
         if key not in self.slots:
             assert quantity.value is not None
-            count, motion = self.counts[quantity.on], quantity.interpolate == "motion"
-            self.slots[key] = Slot(source, quantity.value, self.width, count, quantity.size, motion)
-            self.width = self.slots[key].span.stop
+            span = slice(self.width, self.width + self.counts[quantity.on] * quantity.size)
+            is_number, motion = (
+                quantity.on == "scalar" and quantity.size == 1,
+                quantity.interpolate == "motion",
+            )
+            self.slots[key] = Slot(source, quantity.value, span, quantity.size, motion, is_number)
+            self.width = span.stop
         return self.slots[key]
 
     def motion(self) -> np.ndarray:
@@ -176,7 +177,7 @@ class Recorder:
         with self.mud.shared_results() if self.mud is not None else nullcontext():
             for slot in self.layout.slots.values():
                 values = slot.value(slot.source, sample)
-                v[slot.span] = values if slot.single else np.reshape(values, -1)
+                v[slot.span] = values if slot.is_number else values.ravel()
         return v if self.system.comm.size == 1 else self.comm.allreduce(v)
 
     def value(self, sample: FloatArray, name: str) -> float:

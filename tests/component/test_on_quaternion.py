@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc.analysis.quaternion_statics import take_over
+from drillpetsc.analysis.quaternion_statics import copy_ancf_state
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.physics.beam import Beam
 from drillpetsc.physics.contact import Contact
@@ -39,7 +39,7 @@ def pair(kind: str, seed: int = 2) -> tuple[DiscreteSystem, DiscreteSystem]:
     other = DiscreteSystem(
         twin.mesh, twin.frames, [QuaternionBeam(twin.mesh, twin.frames, GRAVITY), *components]
     )
-    take_over(one, other)
+    copy_ancf_state(one, other)
     asm, rng = other.assembly, np.random.default_rng(seed)
     asm.v0[:], asm.v1[:] = 0.3 * rng.standard_normal((2, len(asm.v0))) - SHIFT * np.array(
         [asm.x[: len(asm.v0)], 0 * asm.v0]

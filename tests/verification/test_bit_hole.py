@@ -67,7 +67,7 @@ def drilled(
     with applied({"ts_rtol": 1e-5}):
         quasi = QuasiStatic(model)
         integrator = quasi.integrator()
-        quasi.begin()
+        quasi.start()
         integrator.run(0.0, end)
     return model
 

@@ -88,7 +88,7 @@ def follow(case: Case) -> Run:
         quasi = QuasiStatic(model) if case.time.mode == "quasi_static" else None  # type: ignore[union-attr]
         integrator, recorder, state = make_integrator(model, quasi), Recorder(model), find_equilibrium(model)
         if quasi is not None:
-            quasi.begin(share=state.side)
+            quasi.start(lateral_fraction=state.lateral_fraction)
         else:
             release(model)
             move_rigidly(model)

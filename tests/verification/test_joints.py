@@ -287,7 +287,7 @@ def test_modes_of_a_hinged_string():
             joints=[{"at": 1.0, "kind": "universal"}],
         )
     )
-    modes.settle(model)
+    modes.prepare_state(model)
     found = modes.modes(model, count=8)
     pendulum = [q for q in found.frequency if 0.1 < q < 10.0]
     M, K = np.array([[1 / 12 + 1.25, 0.5], [0.5, 1 / 12 + 0.25]]), np.diag([1.5 * G, 0.5 * G])

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from scipy.special import jn_zeros
 
 from drillpetsc import Case
-from drillpetsc.analysis.modal import modes, run_modes, settle
+from drillpetsc.analysis.modal import modes, prepare_state, run_modes
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import build_model
@@ -52,7 +52,7 @@ def rod(elements: int = 16, length: float = L, **more) -> dict:
 def found(count: int = 20, engine: str = "auto", kind: str | None = None, **case):
     case = {"gravity": 0.0, "initial": {"imperfection": 0.0}, **case}
     model = build_model(Case(**case))
-    settle(model)
+    prepare_state(model)
     return modes(model, count, kind=kind, engine=engine)
 
 
@@ -163,7 +163,7 @@ def test_torsion_with_the_inertia_of_the_bit():
     m = found(2, kind="torsional", string=string, top="clamped", gravity=9.81)
     assert m.frequency[:2] == pytest.approx([0.180895, 0.840968], rel=1e-3)
     model = build_model(Case(string=string, top="clamped", gravity=9.81))
-    settle(model)
+    prepare_state(model)
     near = modes(model, 3, shift=0.181)
     assert near.frequency[near.kind.index("torsional")] == pytest.approx(m.frequency[0], rel=1e-9)
 

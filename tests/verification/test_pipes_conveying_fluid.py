@@ -14,7 +14,7 @@ import pytest
 from scipy.linalg import eigvals, null_space
 from scipy.optimize import brentq
 
-from drillpetsc.analysis.modal import modes, settle
+from drillpetsc.analysis.modal import modes, prepare_state
 from drillpetsc.analysis.placement import move_rigidly, release
 from drillpetsc.model.drilling_model import build_model
 from tests.helpers.motion import fixed, integrate
@@ -296,7 +296,7 @@ def test_modes_distinguish_stable_from_unstable():
         tube = Tube.of(beta)
         for u, count in ((0.998 * critical, 0), (1.002 * critical, 2)):
             model = build_model(tube.case({"flow_rate": flow_of(u)}, top=ends[0], bottom=ends[1]))
-            settle(model)
+            prepare_state(model)
             found = modes(model, 6, kind="lateral")
             assert (found.unstable, getattr(found, kind)) == (count, count)
             rates = oscillating(found.eigenvalue, 4)

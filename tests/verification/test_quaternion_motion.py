@@ -11,7 +11,7 @@ import pytest
 
 from drillpetsc import Case, run
 from drillpetsc.analysis.modal import run_modes
-from drillpetsc.analysis.quaternion_statics import settle
+from drillpetsc.analysis.quaternion_statics import solve_at_rest
 from drillpetsc.analysis.statics import run_statics
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
@@ -185,7 +185,7 @@ def test_hook_load_and_torque_of_a_smooth_start_are_mass_times_acceleration():
             top=top,
             string=[beam(20.0, 2, 1e8, 2e4, 1.5e6, 30.0, 0.3, damping={"stiffness": 5e-3})],
         )
-        settle(model.system)
+        solve_at_rest(model.system)
         integrate(model.system, T / 2, fixed(0.01))
         m = model.system
         assert -m.reaction("top.axial_reaction") == pytest.approx(

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from drillpetsc import Case
 from drillpetsc.analysis.initial_state import find_equilibrium
-from drillpetsc.analysis.quaternion_statics import settle
+from drillpetsc.analysis.quaternion_statics import solve_at_rest
 from drillpetsc.model.drilling_model import build_model
 from tests.helpers.motion import beam, straight
 
@@ -28,7 +28,7 @@ def cantilever(elements: int, axial: float, steps: int, **load):
         loads=[{"at": 1.0, "value_over": RISING, **load}],
     )
     for t in np.linspace(0, 1, steps + 1)[1:]:
-        settle(model.system, t)
+        solve_at_rest(model.system, t)
     return model.system
 
 
@@ -130,7 +130,7 @@ def test_an_end_torque_twists_a_straight_string():
         loads=[{"at": 1.0, "moment": [0, 0, T], "value_over": RISING}],
     )
     for t in np.linspace(0, 1, 11)[1:]:
-        settle(model.system, t)
+        solve_at_rest(model.system, t)
     # the angle increases from node to node, so it is summed over the elements
     angle = np.unwrap(model.beam.motion(model.system.assembly)[:, 7])
     assert 1 - angle[-1] / (n * x) == pytest.approx((0.5 * x) ** 4 / 60, rel=0.05)
@@ -149,7 +149,7 @@ def test_a_bent_pipe_rests_in_its_own_shape(curvature, side):
     # curvature_angle 0: along the second axis (north); 90 degrees: along the third (east)
     item = beam(L, n, 1e4, 1.0, 0.8, 1.0, 0.01, curvature=curvature, curvature_angle=0.5 * np.pi * side)
     model = straight(string=[item], top="clamped", gravity=0.0, beam=QUATERNION)
-    settle(model.system)
+    solve_at_rest(model.system)
     tip = model.system.field("string.position")[-1]
     away = (1 - np.cos(curvature * L)) / curvature
     expected = np.array([[0.0, -away], [away, 0.0]][side])

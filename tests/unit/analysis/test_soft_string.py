@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from drillpetsc.analysis.soft_string import slip_shares, torque_drag
+from drillpetsc.analysis.soft_string import slip_direction, torque_drag
 from drillpetsc.geometry.well import Well
 
 EA, GJ, RADIUS, WEIGHT = 7.0137489e8, 9.4156072e5, 0.0635, 242.0
@@ -47,13 +47,15 @@ def test_incline(motion, load):
     assert result.surface_torque == pytest.approx(3992.5 if motion is TURN else 0.0, rel=2e-5, abs=1e-9)
     assert result.mean_contact_force == pytest.approx(WEIGHT * np.sin(np.pi / 3) * np.ones(50))
     # the string lies on the low side
-    assert result.side == pytest.approx(np.tile([-np.cos(np.pi / 3), 0, np.sin(np.pi / 3)], (51, 1)))
+    assert result.wall_direction == pytest.approx(
+        np.tile([-np.cos(np.pi / 3), 0, np.sin(np.pi / 3)], (51, 1))
+    )
 
 
 def test_pull_and_rotate():
     """0.3 m/s and 60 rpm: fractions 0.600978 and 0.799265, hook load 158.786 kN, torque 3191.0 N m (manual:
     verif-incline-pull-rotate)."""
-    along, around = slip_shares(0.3, 2 * np.pi, RADIUS)
+    along, around = slip_direction(0.3, 2 * np.pi, RADIUS)
     assert (along, around) == (pytest.approx(0.600978, abs=1e-6), pytest.approx(0.799265, abs=1e-6))
     result = run(hole([0, 1000], [60, 60], 0.3), 1000, axial_velocity=0.3, rotation=2 * np.pi)
     assert result.hook_load == pytest.approx(158.786e3, rel=1e-5)
@@ -119,7 +121,7 @@ def test_hanging_stretch_and_twist():
     assert result.stretch == pytest.approx(0.747655, rel=2e-6)
     assert result.twist[-1] == pytest.approx(21.24133, rel=2e-6)
     assert result.elongation[0] == 0.0 and np.all(np.diff(result.elongation) > 0)
-    assert result.side == pytest.approx(np.zeros((14, 3)))
+    assert result.wall_direction == pytest.approx(np.zeros((14, 3)))
 
 
 def test_hole_crossing_north_has_the_side_forces_of_the_turned_hole():
@@ -129,7 +131,9 @@ def test_hole_crossing_north_has_the_side_forces_of_the_turned_hole():
     b = run(hole([0, 300], [60, 60], 0.25, [85, 95]), 300, bottom_force=1e5, **PULL)
     assert a.hook_load == pytest.approx(b.hook_load, rel=1e-12)
     assert a.contact_force == pytest.approx(b.contact_force, rel=1e-9)
-    assert a.side[:, [1, 2]] == pytest.approx(np.c_[-b.side[:, 0], b.side[:, 2]], abs=1e-9)
+    assert a.wall_direction[:, [1, 2]] == pytest.approx(
+        np.c_[-b.wall_direction[:, 0], b.wall_direction[:, 2]], abs=1e-9
+    )
 
 
 def test_friction_of_the_well_sections_and_override():
