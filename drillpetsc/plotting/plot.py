@@ -40,8 +40,8 @@ def plot(run: str | os.PathLike, out: str | os.PathLike | None = None) -> list[P
         return pictures
     into = Path(out) if out is not None else folder.plots
     into.mkdir(parents=True, exist_ok=True)
-    reported = read_summary(folder.summary) if folder.summary.exists() else {}
-    title = str(reported.get("title") or folder.path.name)
+    summary = read_summary(folder.summary) if folder.summary.exists() else {}
+    title = str(summary.get("title") or folder.path.name)
     drawings: dict[str, Any] = {}
     with style.look():
         if folder.history.exists():
@@ -58,7 +58,7 @@ def plot(run: str | os.PathLike, out: str | os.PathLike | None = None) -> list[P
         if folder.trajectory.exists():
             path, drilled = (
                 read_table(folder.trajectory),
-                reported.get("new_hole", {}).get("drilled [m]", 0.0),
+                summary.get("new_hole", {}).get("drilled [m]", 0.0),
             )
             drawings["trajectory"] = well_path(path, title, drilled)
             drawings["new_hole"] = new_hole(path, title, drilled)

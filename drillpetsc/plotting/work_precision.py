@@ -16,43 +16,43 @@ NORM = "rms"
 
 
 def draw_study(
-    reported: Mapping[str, Any], into: Path, norm: str = NORM, name: str = "", dpi: float = 100
+    content: Mapping[str, Any], into: Path, norm: str = NORM, name: str = "", dpi: float = 100
 ) -> list[Path]:
     """Draw work_precision.png and orders.png (speed_up.png where ranks vary), with ``name`` in front.
 
     Without a point with an error nothing is drawn. Returns the files.
     """
-    if reported["vary"] == "ranks":
-        return [_speed_up(reported, into / f"{name}speed_up.png", dpi)] if reported["speed_up"] else []
-    if not reported["outputs"]:
+    if content["vary"] == "ranks":
+        return [_speed_up(content, into / f"{name}speed_up.png", dpi)] if content["speed_up"] else []
+    if not content["outputs"]:
         return []
     files = []
     for kind, abscissa, label in (
         ("work_precision", "cpu", "CPU time [s]"),
-        ("orders", "abscissa", reported["abscissa"]),
+        ("orders", "abscissa", content["abscissa"]),
     ):
-        drawing = _panels(reported, abscissa, label, norm, dpi)
+        drawing = _panels(content, abscissa, label, norm, dpi)
         files.append(into / f"{name}{kind}.png")
         drawing.savefig(files[-1])
     return files
 
 
-def _panels(reported: Mapping[str, Any], abscissa: str, label: str, norm: str, dpi: float) -> Any:
+def _panels(content: Mapping[str, Any], abscissa: str, label: str, norm: str, dpi: float) -> Any:
     """A panel per output, a line per curve."""
-    outputs = list(reported["outputs"])
+    outputs = list(content["outputs"])
     columns = min(len(outputs), 3)
     rows = -(-len(outputs) // columns)
-    curves = list(dict.fromkeys(p["curve"] for p in reported["points"]))
+    curves = list(dict.fromkeys(p["curve"] for p in content["points"]))
     with style.look():
         drawing = style.figure(4.6 * columns + 2.6, 3.9 * rows + 0.9, dpi=dpi)
         grid = drawing.subplots(rows, columns, squeeze=False)
         what = "error over CPU time" if abscissa == "cpu" else f"error over {label.split(' [')[0]}"
-        drawing.suptitle(f"{reported['title']}: {what}", x=0.02, ha="left", fontweight="bold", fontsize=12)
+        drawing.suptitle(f"{content['title']}: {what}", x=0.02, ha="left", fontweight="bold", fontsize=12)
         drawing.text(
-            0.02, 0.008, _note(reported), fontsize=7.5, color="0.3", ha="left", va="bottom", wrap=True
+            0.02, 0.008, _note(content), fontsize=7.5, color="0.3", ha="left", va="bottom", wrap=True
         )
         for axes, name in zip(grid.reshape(-1), outputs, strict=False):
-            _panel(axes, reported, name, curves, abscissa, norm)
+            _panel(axes, content, name, curves, abscissa, norm)
             axes.set(xlabel=label, ylabel=f"{norm} error / range", title=_title(name))
         for axes in grid.reshape(-1)[len(outputs) :]:
             axes.remove()
@@ -72,18 +72,18 @@ def _title(name: str) -> str:
     return f"{kind} at {probe[2]} m"
 
 
-def _note(reported: Mapping[str, Any]) -> str:
-    reference = reported["reference"]
+def _note(content: Mapping[str, Any]) -> str:
+    reference = content["reference"]
     return f"Reference: {reference['what']}. Dashed: its own error, where it is known. Crosses: points that failed."
 
 
 def _panel(
-    axes: Any, reported: Mapping[str, Any], name: str, curves: Sequence[str], abscissa: str, norm: str
+    axes: Any, content: Mapping[str, Any], name: str, curves: Sequence[str], abscissa: str, norm: str
 ) -> None:
     drawn: list[tuple[float, float]] = []
     failed: list[tuple[int, Mapping[str, Any]]] = []
     for k, curve in enumerate(curves):
-        on_curve = [p for p in reported["points"] if p["curve"] == curve]
+        on_curve = [p for p in content["points"] if p["curve"] == curve]
         good = [(p[abscissa], p[f"error_{name}_{norm}"]) for p in on_curve if p["status"] == "done"]
         shown = [(x, y) for x, y in good if _positive(x) and _positive(y)]
         drawn += shown
@@ -104,7 +104,7 @@ def _panel(
         _few_labels(axes.xaxis, [x for x, _ in drawn])
         if abscissa == "abscissa":
             _guides(axes, drawn)
-        own = (reported["reference"]["own_error"] or {}).get(name)
+        own = (content["reference"]["own_error"] or {}).get(name)
         if _positive(own):
             axes.axhline(own, color="0.45", linewidth=0.9, linestyle=(0, (5, 3)))
     else:
@@ -159,19 +159,19 @@ def _guides(axes: Any, drawn: Sequence[tuple[float, float]]) -> None:
         axes.annotate(str(slope), (end, high * (end / right) ** slope), fontsize=7.5, color="0.5")
 
 
-def _speed_up(reported: Mapping[str, Any], file: Path, dpi: float) -> Path:
+def _speed_up(content: Mapping[str, Any], file: Path, dpi: float) -> Path:
     with style.look():
         drawing = style.figure(5.6, 4.2, dpi=dpi)
         axes = drawing.subplots()
-        ranks = sorted(int(n) for n in reported["speed_up"])
+        ranks = sorted(int(n) for n in content["speed_up"])
         axes.plot(
-            ranks, [reported["speed_up"][str(n)] for n in ranks], "o-", color=COLORS[0], label="measured"
+            ranks, [content["speed_up"][str(n)] for n in ranks], "o-", color=COLORS[0], label="measured"
         )
         axes.plot(ranks, ranks, ":", color="0.6", label="ideal")
         axes.set(
             xlabel="ranks",
             ylabel="wall time on 1 rank / wall time",
-            title=f"{reported['title']}: speed-up",
+            title=f"{content['title']}: speed-up",
             xticks=ranks,
         )
         axes.legend(frameon=False)

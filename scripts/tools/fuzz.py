@@ -181,13 +181,13 @@ def _command(case: Case, m: Mutant) -> str:
     if m.how != "text":
         m.file.write_text(case.to_yaml(), encoding="utf-8")
     with (
-        contextlib.redirect_stdout(io.StringIO()) as reported,
+        contextlib.redirect_stdout(io.StringIO()) as printed,
         contextlib.redirect_stderr(io.StringIO()) as refused,
     ):
         status = guarded(lambda: main(["check", str(m.file)]), 20.0)
     if (
         status not in (0, 2)
-        or bool(reported.getvalue()) != (status == 0)
+        or bool(printed.getvalue()) != (status == 0)
         or bool(refused.getvalue()) != (status == 2)
     ):
         raise Failure(f"drillpetsc check ended with {status}")

@@ -78,7 +78,7 @@ def check_message(error: CaseError, files: tuple[Path, ...], lines: int | None) 
     lines: number of lines of the case file; None without a file.
     """
     for each in (error, *error.also):
-        reported = str(each)
+        message = str(each)
         if not each.want:
             raise Failure("message without what is allowed")
         if each.file is None or Path(each.file) not in files:
@@ -100,9 +100,9 @@ def check_message(error: CaseError, files: tuple[Path, ...], lines: int | None) 
             and "stations" not in each.want
         ):
             raise Failure(f"message without key or value: want {each.want[:40]}")
-        if any(len(row) > LONGEST_LINE + len(each.file) for row in reported.split("\n")):
+        if any(len(row) > LONGEST_LINE + len(each.file) for row in message.split("\n")):
             raise Failure(f"message with an endless line: want {each.want[:40]}")
-        if any(not letter.isprintable() and letter != "\n" for letter in reported):
+        if any(not letter.isprintable() and letter != "\n" for letter in message):
             raise Failure("message with unprintable letters")
 
 

@@ -72,18 +72,18 @@ def test_power_is_that_of_the_ancf_element(kind):
     for b in other.assembly.bound_blocks:
         if not b.block.kernel.startswith("quaternion_") or b.block.name.startswith("beam"):
             continue
-        on_rank = next(q for q in one.assembly.bound_blocks if q.block.name == b.block.name)
-        assert b.block.kernel == f"quaternion_{on_rank.block.kernel}" and b.count == on_rank.count > 0
-        petsc_names = other.assembly.block_rows(b, T), other.assembly.y[b.index]
-        ours = one.assembly.block_rows(on_rank, T), one.assembly.y[on_rank.index]
+        twin = next(q for q in one.assembly.bound_blocks if q.block.name == b.block.name)
+        assert b.block.kernel == f"quaternion_{twin.block.kernel}" and b.count == twin.count > 0
+        quaternion_rows = other.assembly.block_rows(b, T), other.assembly.y[b.index]
+        ancf_rows = one.assembly.block_rows(twin, T), one.assembly.y[twin.index]
         nodes = 2 if b.block.on == "cell" else 1
         total = [
             np.sum(rows[:, : width * nodes] * y[:, : width * nodes], axis=1)
-            for (rows, y), width in ((petsc_names, 8), (ours, 7))
+            for (rows, y), width in ((quaternion_rows, 8), (ancf_rows, 7))
         ]
-        assert total[0] == pytest.approx(total[1], rel=2e-7, abs=2e-7 * np.abs(ours[0]).max())
-        assert petsc_names[0][:, 8 * nodes :] == pytest.approx(
-            ours[0][:, 7 * nodes :], rel=1e-7, abs=1e-7 * np.abs(ours[0]).max()
+        assert total[0] == pytest.approx(total[1], rel=2e-7, abs=2e-7 * np.abs(ancf_rows[0]).max())
+        assert quaternion_rows[0][:, 8 * nodes :] == pytest.approx(
+            ancf_rows[0][:, 7 * nodes :], rel=1e-7, abs=1e-7 * np.abs(ancf_rows[0]).max()
         )
         compared += 1
     assert compared >= 1
@@ -113,10 +113,10 @@ def test_results_are_those_of_the_ancf_element():
     one, other = pair("pipe_annulus_bit")
     pairs = [(r, q) for r in one.components for q in other.components if type(r) is type(q)]
     assert len(pairs) == 3
-    for on_rank, petsc_names in pairs:
-        assert list(petsc_names.energies(T, other.assembly)) == pytest.approx(
-            list(on_rank.energies(T, one.assembly)), rel=1e-9
+    for twin, component in pairs:
+        assert list(component.energies(T, other.assembly)) == pytest.approx(
+            list(twin.energies(T, one.assembly)), rel=1e-9
         )
-        assert list(petsc_names.powers(T, other.assembly)) == pytest.approx(
-            list(on_rank.powers(T, one.assembly)), rel=1e-9
+        assert list(component.powers(T, other.assembly)) == pytest.approx(
+            list(twin.powers(T, one.assembly)), rel=1e-9
         )

@@ -21,8 +21,8 @@ def _mpirun() -> tuple[str, bool] | None:
     command = str(beside) if beside.exists() else shutil.which("mpirun") or shutil.which("mpiexec")
     if command is None:
         return None
-    reported = subprocess.run([command, "--version"], capture_output=True, text=True)
-    return command, "Open MPI" in reported.stdout or "OpenRTE" in reported.stdout
+    version = subprocess.run([command, "--version"], capture_output=True, text=True)
+    return command, "Open MPI" in version.stdout or "OpenRTE" in version.stdout
 
 
 def have_mpi() -> bool:

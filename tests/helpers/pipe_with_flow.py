@@ -95,9 +95,9 @@ def across(model: DrillingModel) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     all other unknowns."""
     system = model.system
     place = system.layout.dofs
-    on_rank = np.concatenate([place["string.position"][:, 0], place["string.tangent"][:, 0]])
+    lateral = np.concatenate([place["string.position"][:, 0], place["string.tangent"][:, 0]])
     held = [row for f in system.assembly.row_replacements for row in f.rows[np.abs(f.D).max(axis=0) > 0]]
-    free, others = np.setdiff1d(on_rank, held), np.setdiff1d(np.arange(system.layout.size), on_rank)
+    free, others = np.setdiff1d(lateral, held), np.setdiff1d(np.arange(system.layout.size), lateral)
     out = matrices(system)
     for A in out:
         assert np.abs(A[np.ix_(free, others)]).max(initial=0.0) <= 1e-9 * np.abs(A).max()

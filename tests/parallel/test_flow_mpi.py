@@ -71,11 +71,11 @@ def test_flow_is_the_same_on_1_2_and_3_ranks(kind, runs):
     a hundred may need one iteration more or less.
     """
     tables = [read_table(folder / kind / "history.csv") for folder in runs]
-    reported = [json.loads((folder / kind / "summary.json").read_text()) for folder in runs]
-    assert [t["ranks"] for t in reported] == [1, 2, 3]
+    summaries = [json.loads((folder / kind / "summary.json").read_text()) for folder in runs]
+    assert [t["ranks"] for t in summaries] == [1, 2, 3]
     flow = tables[0]["outlet_flow [m3/s]"]
     assert np.ptp(flow) > 0.1 * np.abs(flow).max()  # the case is not at rest
-    for other, summary in zip(tables[1:], reported[1:], strict=True):
+    for other, summary in zip(tables[1:], summaries[1:], strict=True):
         for column, values in tables[0].items():
             if not column.startswith(
                 ("energy_error", "newton")
@@ -83,9 +83,9 @@ def test_flow_is_the_same_on_1_2_and_3_ranks(kind, runs):
                 assert np.abs(other[column] - values).max() <= 1e-9 * max(
                     np.abs(values).max(), SMALL.get(column, 0.0)
                 ), column
-        assert summary["steps"] == reported[0]["steps"]
-        assert abs(summary["newton_iterations"] - reported[0]["newton_iterations"]) <= (
+        assert summary["steps"] == summaries[0]["steps"]
+        assert abs(summary["newton_iterations"] - summaries[0]["newton_iterations"]) <= (
             6 if kind in ("drilling", "moving") else 0
         )
         for figure in ("pumped", "returned", "content_change"):
-            assert summary["mass"][figure] == pytest.approx(reported[0]["mass"][figure], rel=1e-9)
+            assert summary["mass"][figure] == pytest.approx(summaries[0]["mass"][figure], rel=1e-9)

@@ -52,8 +52,8 @@ def test_inertia(ranks):
 @pytest.mark.parametrize("ranks", RANKS)
 def test_missing_stiffness_is_named_on_every_rank(ranks):
     """Nodes inside the pieces and on the joints (6 on two ranks, 4 and 8 on three)."""
-    for dead, reported in report(ranks)["dead"]:
-        assert reported == [dead] * ranks
+    for dead, node in report(ranks)["dead"]:
+        assert node == [dead] * ranks
 
 
 @pytest.mark.parametrize("ranks", RANKS[1:])
@@ -83,9 +83,9 @@ def test_price_of_a_piece_between_two_joints():
 def test_as_petsc_preconditioner(ranks):
     """KSP preonly: the residual with PETSc's own matrix vanishes, and the factor is computed again only for
     new values."""
-    reported = report(ranks)
-    assert reported["pc_residual"] < 1e-12
-    assert reported["pc_factorisations_same"] == 1
-    assert reported["pc_factorisations_new"] == 2
-    assert reported["pc_half"] < 1e-14  # twice the matrix, half the solution
-    assert reported["pc_event_counts"] == [2, 3]
+    checks = report(ranks)
+    assert checks["pc_residual"] < 1e-12
+    assert checks["pc_factorisations_same"] == 1
+    assert checks["pc_factorisations_new"] == 2
+    assert checks["pc_half"] < 1e-14  # twice the matrix, half the solution
+    assert checks["pc_event_counts"] == [2, 3]

@@ -244,9 +244,9 @@ def test_the_state_of_a_component_is_restored(tmp_path):
     models = [build_model(load_case(tmp_path / "case.yaml")) for _ in range(2)]
     for model in models:
         place_along_hole(model)
-    reported: dict[str, np.ndarray] = {}
+    restored: dict[str, np.ndarray] = {}
     models[0].contact.get_state = lambda: {"worn": np.array([1.0, 2.5]), "count": np.array(3)}
-    models[1].contact.set_state = reported.update
+    models[1].contact.set_state = restored.update
     recorder, integrator = Recorder(models[0]), TimeIntegrator(models[0].system)
     recorder.start(0.0)
     c = checkpoint.take(models[0], recorder, integrator, 0.0, {"share": 0.5})
@@ -254,7 +254,7 @@ def test_the_state_of_a_component_is_restored(tmp_path):
     checkpoint.write(tmp_path / "checkpoint.h5", c)
     back = checkpoint.read(tmp_path / "checkpoint.h5")
     checkpoint.restore(models[1], back)
-    assert np.array_equal(reported["worn"], [1.0, 2.5]) and int(reported["count"]) == 3
+    assert np.array_equal(restored["worn"], [1.0, 2.5]) and int(restored["count"]) == 3
     assert back.notes == {"share": 0.5}
     assert np.array_equal(models[1].system.assembly.x, models[0].system.assembly.x)
 
@@ -263,9 +263,9 @@ def test_the_summary_of_every_run_has_the_balances(saved):
     """Energy and mud mass balance close; the values are those of the history and the flow rates."""
     import json
 
-    reported = json.loads((saved / "summary.json").read_text())
+    summary = json.loads((saved / "summary.json").read_text())
     history = read_table(saved / "history.csv")
-    assert set(reported["energy"]) >= {
+    assert set(summary["energy"]) >= {
         "kinetic",
         "strain",
         "potential",
@@ -277,11 +277,11 @@ def test_the_summary_of_every_run_has_the_balances(saved):
         "flag",
     }
     assert (
-        reported["energy"]["error"] == history["energy_error [J]"][-1]
-        or reported["time"] > history["time [s]"][-1]
+        summary["energy"]["error"] == history["energy_error [J]"][-1]
+        or summary["time"] > history["time [s]"][-1]
     )
-    assert abs(reported["energy"]["error_share"]) < 0.05 and not reported["energy"]["flag"]
-    assert reported["mass"]["pumped"] == pytest.approx(0.02 * 2e-3, rel=1e-6)  # 20 l/s for 2 ms
+    assert abs(summary["energy"]["error_share"]) < 0.05 and not summary["energy"]["flag"]
+    assert summary["mass"]["pumped"] == pytest.approx(0.02 * 2e-3, rel=1e-6)  # 20 l/s for 2 ms
     assert (
-        abs(reported["mass"]["error_share"]) < 5e-3
+        abs(summary["mass"]["error_share"]) < 5e-3
     )  # 0.1 ml in a start of 40 ml: the jump from flow at rest to flow in motion

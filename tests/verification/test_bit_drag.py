@@ -269,6 +269,6 @@ def test_small_vibrations_grow_as_in_the_delay_equation(
     u = vibration(damping, stiffness, turning, 1e-3, wear_flat, end, step)
     assert np.abs(u).max() < 1e-4  # a tenth of a chip: nothing leaves the groove
     found = fitted_exponents(u[len(u) // 4 :], step, 12)
-    on_rank = found[np.argmin(np.abs(found - root))]
-    assert on_rank.real == pytest.approx(root.real, rel=0.02)
-    assert on_rank.imag == pytest.approx(root.imag, rel=0.02)
+    nearest = found[np.argmin(np.abs(found - root))]
+    assert nearest.real == pytest.approx(root.real, rel=0.02)
+    assert nearest.imag == pytest.approx(root.imag, rel=0.02)

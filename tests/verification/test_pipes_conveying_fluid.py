@@ -303,8 +303,8 @@ def test_modes_distinguish_stable_from_unstable():
             prepare_state(model)
             found = modes(model, 6, kind="lateral")
             assert (found.unstable, getattr(found, kind)) == (count, count)
-            on_rank = oscillating(found.eigenvalue, 4)
-            assert on_rank[::2] == pytest.approx(oscillating(roots_of(*across(model)), 2), rel=1e-5)
+            rates = oscillating(found.eigenvalue, 4)
+            assert rates[::2] == pytest.approx(oscillating(roots_of(*across(model)), 2), rel=1e-5)
 
 
 def test_the_spectral_solution_gives_known_beams():

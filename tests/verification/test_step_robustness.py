@@ -57,9 +57,9 @@ def test_energy_strict_caps_steps_at_half_an_impact(tmp_path, options):
     """By the case and by the option; without it steps are longer (manual: verif-step-limits)."""
     free, _ = computed(tmp_path, LYING)
     assert free["step [s]"].max() > 0.6 * IMPACT
-    capped, reported = computed(tmp_path, LYING | {"contact": {"energy_strict": True}}, "capped")
+    capped, summary = computed(tmp_path, LYING | {"contact": {"energy_strict": True}}, "capped")
     assert 0.3 * IMPACT < capped["step [s]"].max() <= 0.5 * IMPACT * (1 + 1e-9)
-    assert reported["petsc_options"]["ts_adapt_dt_max"]
+    assert summary["petsc_options"]["ts_adapt_dt_max"]
     options(drillpetsc_energy_strict=True)
     by_option, _ = computed(tmp_path, LYING, "option")
     assert np.array_equal(by_option["hook_load [N]"], capped["hook_load [N]"])
@@ -70,11 +70,11 @@ def test_energy_strict_caps_steps_at_half_an_impact(tmp_path, options):
 
 def test_fixed_steps_too_long_for_impacts_are_reported(tmp_path, options):
     options(ts_adapt_type="none", ts_dt=0.5 * IMPACT)
-    _, reported = computed(tmp_path, LYING)
-    assert len(reported["warnings"]) == 1 and "do not resolve impacts" in reported["warnings"][0]
+    _, summary = computed(tmp_path, LYING)
+    assert len(summary["warnings"]) == 1 and "do not resolve impacts" in summary["warnings"][0]
     options(ts_dt=0.25 * IMPACT)
-    _, reported = computed(tmp_path, LYING, "short")
-    assert reported["warnings"] == []
+    _, summary = computed(tmp_path, LYING, "short")
+    assert summary["warnings"] == []
 
 
 @pytest.mark.parametrize("fixed", [True, False])
@@ -94,10 +94,10 @@ def test_a_failed_newton_is_never_accepted(fixed, tmp_path, options, monkeypatch
     monkeypatch.setattr(CondensedNewton, "solve", stubborn)
     if fixed:
         options(ts_adapt_type="none", ts_dt=2e-3)
-    history, reported = computed(tmp_path, LYING | {"time": {"end": "20 ms"}})
-    assert failed and reported["status"] == "done"
+    history, summary = computed(tmp_path, LYING | {"time": {"end": "20 ms"}})
+    assert failed and summary["status"] == "done"
     assert history["step [s]"].max() <= 1.5 * 4e-4  # BDF2: shift is 1.5/dt at equal steps
-    assert reported["rejected_steps"] >= len(failed) > 0
+    assert summary["rejected_steps"] >= len(failed) > 0
 
 
 def test_fixed_steps_end_at_breaks(tmp_path, options):
@@ -143,20 +143,20 @@ def test_spurious_energy_gain_is_reported_and_can_stop_the_run(tmp_path, options
         "output": {"history_every": "5 ms", "field_every": "1 s"},
     }
     options(ts_adapt_type="none", ts_dt=3e-3, ts_bdf_order=1)
-    _, reported = computed(tmp_path, case)
+    _, summary = computed(tmp_path, case)
     assert (
-        not reported["energy"]["flag"]
-        and reported["energy"]["gained_share"] < 1e-6
-        and reported["warnings"] == []
+        not summary["energy"]["flag"]
+        and summary["energy"]["gained_share"] < 1e-6
+        and summary["warnings"] == []
     )
     options(ts_bdf_order=3)
-    history, reported = computed(tmp_path, case, "order3")
+    history, summary = computed(tmp_path, case, "order3")
     assert (
-        reported["energy"]["flag"]
-        and reported["energy"]["gained_share"] > 0.01
-        and "gained" in reported["warnings"][0]
+        summary["energy"]["flag"]
+        and summary["energy"]["gained_share"] > 0.01
+        and "gained" in summary["warnings"][0]
     )
-    assert reported["energy"]["gained"] == pytest.approx(history["energy_error [J]"].max())
+    assert summary["energy"]["gained"] == pytest.approx(history["energy_error [J]"].max())
     options(drillpetsc_stop_on_gain=True)
     with pytest.raises(SolveError, match="gained"):
         computed(tmp_path, case, "stopped")

@@ -20,7 +20,7 @@ from drillpetsc.case.key_paths import parsed, written
 from drillpetsc.errors import CaseError
 from drillpetsc.output.files.run_folder import ABSENT
 
-MOST_ERRORS = 5  # reported at once
+MOST_ERRORS = 5  # explained at once
 WITHOUT = {"contact": "none"}  # blocks that a case has by default -> the value that removes them
 #: keys that are no blocks of physics: on and off are refused
 SETTINGS = (
@@ -166,8 +166,8 @@ def variations(path: str | Path, choices: dict[str, list[str]]) -> list[Variatio
             found.append(Variation(values, case))
         except CaseError as error:
             for each in (error, *error.also):
-                reported = _explained(each, values)
-                errors.setdefault(f"{reported.at} {reported.got} {reported.want}", reported)
+                explained = _explained(each, values)
+                errors.setdefault(f"{explained.at} {explained.got} {explained.want}", explained)
     if errors:
         first, *others = list(errors.values())[:MOST_ERRORS]
         first.also = tuple(others)

@@ -71,8 +71,8 @@ def make_sweep(
     for k, (row, hole) in enumerate(zip(rows, holes, strict=True), 1):
         run = RunFolder.create("x", out=folder / f"member-{k:03d}")
         write_hole(run.trajectory, *hole)
-        reported = status if k == len(rows) else "done"
-        lines.append(f"{k},{row},{reported},member-{k:03d},1,{hole[4]},{30 * hole[2] / hole[4]},")
+        member_status = status if k == len(rows) else "done"
+        lines.append(f"{k},{row},{member_status},member-{k:03d},1,{hole[4]},{30 * hole[2] / hole[4]},")
     (folder / "sweep.csv").write_text("\n".join(lines) + "\n")
     units = {key: unit_of(key) for key in names.split(",")}
     write_summary(folder / "summary.json", {"title": "made by hand", "units": units})

@@ -273,14 +273,14 @@ class Stub:
         rows = "".join(f"{float(a)!r},{float(a * (1 + h**2 + self.mesh * element**4))!r}\n" for a in t)
         (job.folder / "history.csv").write_text("time [s],bit_speed [rad/s]\n" + rows, encoding="utf-8")
         steps = round(1 / (h or 1e-3))
-        reported = {
+        summary = {
             "wall_seconds": 2.0 * steps,
             "cpu_seconds": float(steps),
             "steps": steps,
             "simulated": 1.0,
             "elements": round(2 / element),
         }
-        (job.folder / "summary.json").write_text(json.dumps(reported), encoding="utf-8")
+        (job.folder / "summary.json").write_text(json.dumps(summary), encoding="utf-8")
         return ""
 
 

@@ -273,16 +273,16 @@ def test_the_table_has_the_state_of_each_member(file, tmp_path):
     store_outcome(plan, Outcome(3, "done", "", (1,), 0.5))
     write(plan, {"ranks": 4})
     assert read_table(tmp_path / "out" / "sweep.csv")["message"].tolist() == ["", 'broke, "so"', ""]
-    reported = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert (reported["status"], reported["done"], reported["failed"], reported["title"]) == (
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert (summary["status"], summary["done"], summary["failed"], summary["title"]) == (
         "failed",
         2,
         1,
         "title",
     )
-    assert [m["computed_by"] for m in reported["members"]] == [[2, 3], [0], [1]] and set(outcomes(plan)) == {
+    assert [m["computed_by"] for m in summary["members"]] == [[2, 3], [0], [1]] and set(outcomes(plan)) == {
         1,
         2,
         3,
     }
-    assert reported["units"] == {"fluid.density": "kg/m3"}
+    assert summary["units"] == {"fluid.density": "kg/m3"}
