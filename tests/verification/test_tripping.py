@@ -156,7 +156,7 @@ def test_return_past_a_casing_shoe():
         [],
     )
     chamber, recorder = model.fluid.bit, Recorder(model)  # type: ignore[union-attr]
-    recorder.begin(0.0)
+    recorder.start(0.0)
     first = chamber.element_results(model.system.assembly)[4]  # type: ignore[union-attr]
 
     def after(t: float, dt: float) -> None:
