@@ -1,5 +1,7 @@
-"""Joints in the string: constraints with multipliers between the two nodes of a cell without length
-(kernels/joints/joints.hpp)."""
+"""Joints in the string: constraints with multipliers between the two nodes of a cell without length.
+
+Kernel: kernels/joints/joints.hpp.  Manual: sec-joints.
+"""
 
 from __future__ import annotations
 
@@ -29,17 +31,17 @@ REPORT = (
     "stored",
     "damping_power",
 )
-# multipliers are in units of this [N, N m], so that their rows and columns are of the size of a pipe's
-# stiffness
+# unit of the multipliers [N, N m], which gives their rows and columns the size of a pipe's stiffness
 SCALE = 1.0e6
-STOP_ROUNDING = 1.0e-4  # a stop takes hold over this way [m]
+STOP_ROUNDING = 1.0e-4  # length over which the force of a stop sets in [m]
 
 
 class Joints(Component):
     """All joints of a string.
 
-    Fields: ``joint.load`` (6) at the node below, the multipliers in units of SCALE: force and moment that the
-    joint carries; a stabilised joint has ``joint.correction`` (6) [m/s, rad/s] at the node above.
+    Fields: ``joint.load`` (6) at the node below, force and moment of the joint in units of SCALE (manual:
+    eq-joint-loads).  A stabilised joint has ``joint.correction`` (6) [m/s, rad/s] at the node above (manual:
+    eq-joint-ggl).
     """
 
     name = "joints"
@@ -48,11 +50,11 @@ class Joints(Component):
         self.mesh, self.frames, self.joints = mesh, frames, mesh.joints
         self._stabilised = np.array([j.stabilised for j in self.joints], dtype=bool)
         self._cells = np.array([j.cell for j in self.joints], dtype=int)
-        #: multipliers: so many negative eigenvalues has the tangent of a stable state
+        #: number of multipliers; a stable equilibrium has exactly as many negative eigenvalues
         self.multipliers = 6 * len(self.joints) + 6 * int(self._stabilised.sum())
 
     def regions(self) -> dict[str, np.ndarray]:
-        """Nodes that have the fields of this room."""
+        """Nodes with the fields of this component."""
         below, above = np.zeros(self.mesh.nodes, dtype=bool), np.zeros(self.mesh.nodes, dtype=bool)
         below[self._cells + 1] = True
         above[self._cells[self._stabilised]] = True
@@ -126,8 +128,7 @@ class Joints(Component):
         return (*self._blocks, *extra)
 
     def velocity_stabilization(self, part) -> VelocityStabilization | None:
-        """What corrects the velocities of the stabilised joints, on every rank that holds a node above
-        one."""
+        """Velocity correction of the stabilised joints, on every rank with a node above one (manual: eq-joint-directions)."""
         if not self._stabilised.any():
             return None
         local = {int(v): i for i, v in enumerate(part.vertices)}
@@ -157,10 +158,12 @@ class Joints(Component):
         if self._stabilised.any():
             self._correction_params[:] = self._correction_rows()
 
-    # ------------------------------------------------------------------ figures
+    # ------------------------------------------------------------------ results
     def report(self, state) -> FloatArray:
-        """(joints, 10) figures of all joints, zero where another rank has the joint: the columns of
-        ``REPORT``."""
+        """Compute (joints, 10) results of all joints, zero where another rank has the joint: the columns of ``REPORT``.
+
+        Manual: sec-joints-report.
+        """
         out = np.zeros((len(self.joints), len(REPORT)))
         for b, chosen in zip(self._blocks, self._chosen, strict=True):
             if len(chosen):

@@ -1,5 +1,7 @@
-"""Rigid bodies on nodes (stabiliser, bit, drive), unbalance and distributed eccentricity, stress-free
-curvature."""
+"""Rigid bodies on nodes (stabiliser, bit, drive), unbalance and distributed eccentricity, stress-free curvature.
+
+Manual: sec-junctions-bodies, sec-junctions-unbalance, sec-junctions-eccentric, sec-junctions-curvature.
+"""
 
 from __future__ import annotations
 
@@ -19,17 +21,17 @@ VERTEX_SLOTS = (("string.position", 0), ("string.tangent", 0), ("string.spin", 0
 
 
 def local_vertices(part, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Which of ``nodes`` (k,) this rank owns: (positions in ``nodes``, local vertex numbers)."""
+    """Find the ``nodes`` (k,) that this rank owns; returns their positions in ``nodes`` and local vertex numbers."""
     local = {int(v): i for i, v in enumerate(part.vertices) if part.owned[i]}
     chosen = [k for k, node in enumerate(nodes) if int(node) in local]
     return np.array(chosen, dtype=int), np.array([local[int(nodes[k])] for k in chosen], dtype=np.int32)
 
 
 class RigidBodies(Component):
-    """Masses off the axis or beside the pipe's own: rigid items on nodes, and pipes whose mass centre lies
-    beside their axis.
+    """Rigid items on nodes, and pipes whose centre of mass is off their axis.
 
-    balanced: without what is off the axis, which averages out over a turn.
+    mesh: of the string; frames: reference frames of its nodes; gravity: (3,) [m/s2].
+    balanced: leave out offsets from the axis, whose effect averages out over a turn.
     """
 
     name = "bodies"
@@ -134,13 +136,12 @@ class RigidBodies(Component):
 
 
 def frame_columns(frames: Frames, e: np.ndarray) -> FloatArray:
-    """(k, 12) gauge and second director of the upper and the lower node of elements ``e`` (k,)."""
+    """Return (k, 12) reference direction and second director of the upper and the lower node of elements ``e`` (k,)."""
     return np.hstack([frames.reference[e], frames.second[e], frames.reference[e + 1], frames.second[e + 1]])
 
 
 class Precurvature(Component):
-    """Pipe that is bent when free of stress: curvature (2,) [1/m] in the node directors, element by
-    element."""
+    """Stress-free curvature of the elements, (2,) [1/m] along the node directors (manual: eq-curved-field)."""
 
     name = "curvature"
 
@@ -180,7 +181,7 @@ class Precurvature(Component):
         return tuple(self._blocks)
 
     def average_over_turn(self, turning: bool) -> None:
-        """Leave out the curvature while the string turns: nothing of it is left on average over a turn."""
+        """Leave out the curvature while the string turns: its average over a turn is zero."""
         share = 0.0 if turning else 1.0
         for b, e in zip(self._blocks, self._cells, strict=True):
             b.params[:, 2:4] = share * self.mesh.curvature[e]
