@@ -1,4 +1,7 @@
-"""What the rooms of the drilling fluid share: constants of the fluid, fields, element blocks, figures."""
+"""Base of the components of the drilling fluid: constants of the fluid, fields, element blocks, results.
+
+Manual: sec-mud-unknowns, sec-mud-mass, sec-mud-momentum.
+"""
 
 from __future__ import annotations
 
@@ -42,10 +45,13 @@ class _Fluid(ctypes.Structure):
 
 @dataclass
 class FluidConstants:
-    """Density at zero gauge pressure [kg/m3], bulk modulus [Pa], gravity (3,) [m/s2], rheology as
-    kernels/fluid/rheology.hpp wants it.
+    """Constants of the fluid (manual: eq-mud-density).
 
-    ``address`` is what the kernels are given; the object must outlive them.
+    density: at zero gauge pressure [kg/m3]; bulk_modulus: [Pa]; gravity: (3,) [m/s2].
+    rheology: parameters in the layout of kernels/fluid/rheology.hpp.
+    clinging: clinging factor [-] (manual: eq-mud-clinging).
+
+    ``address`` is the kernels' argument; the object must live as long as the blocks that use it.
     """
 
     density: float
@@ -67,13 +73,18 @@ class FluidConstants:
         self.address = ctypes.addressof(record)
 
     def enthalpy(self, pressure: FloatArray | float) -> FloatArray | float:
-        """Flow work of pressure [Pa], per volume at zero pressure [J/m3]: int dp rho0/rho = K (1 -
-        exp(-p/K))."""
+        """Compute the flow work of a pressure [Pa] per volume at zero pressure [J/m3] (manual: sec-mud-energy).
+
+        It is int dp rho0/rho = K (1 - exp(-p/K)).
+        """
         return -self.bulk_modulus * np.expm1(-np.asarray(pressure) / self.bulk_modulus)
 
 
 class ChannelFlow(Component):
-    """Elements of one channel; the subclass gives its name, kernel and the columns of its parameters."""
+    """Elements of one channel; the subclass defines its name, kernel and parameters.
+
+    mesh: of the string; fluid: constants; held: the string is held, so the kernel has none of its unknowns.
+    """
 
     name = ""
     spins: tuple[int, ...] = ()  # ends whose spin the kernel uses
@@ -102,7 +113,7 @@ class ChannelFlow(Component):
 
     @property
     def kernel(self) -> str:
-        """First part of the kernels' names."""
+        """Common first part of the kernels' names."""
         return f"{self.name}_flow"
 
     def parameters(self, e: np.ndarray) -> FloatArray:
@@ -110,8 +121,7 @@ class ChannelFlow(Component):
         raise NotImplementedError
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
-        """Blocks of the local cells: those below a junction apart, and none of the string's unknowns when it
-        is held."""
+        """Blocks of the local cells: below a junction or not; those of a held string have none of its unknowns."""
         m, own = self.mesh, self.own_slots()
         junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
         self._part, self._blocks, self._reports = part, [], []
@@ -143,12 +153,12 @@ class ChannelFlow(Component):
         return tuple(self._blocks)
 
     def _update_of(self, block: ElementBlock):
-        """Function of time that renews the block's parameters, or None."""
+        """Return the function of time that updates the block's parameters, or None."""
         return None
 
     @contextmanager
     def taken(self, state) -> Iterator[None]:
-        """Within this, ``figures`` are those of the state as it is now, worked out once."""
+        """Context in which ``figures`` returns the results of the present state, which are computed once."""
         self._taken = self.figures(state)
         try:
             yield
@@ -156,7 +166,11 @@ class ChannelFlow(Component):
             self._taken = None
 
     def figures(self, state) -> FloatArray:
-        """(nc, 9) per local element: the columns of ``FIGURES`` (content: volume at zero pressure [m3])."""
+        """Compute (nc, 9) for the local elements: the columns of ``FIGURES``.
+
+        Energies [J], dissipated power [W], content and storage as volume at zero pressure [m3, m3/s], speed [m/s],
+        density [kg/m3].
+        """
         if self._taken is not None:
             return self._taken
         out = np.zeros((len(self._part.cells), len(FIGURES)))
@@ -176,8 +190,7 @@ class ChannelFlow(Component):
         return out
 
     def upper_flow(self, state) -> float | None:
-        """Flow rate into the channel's upper end as mass conservation has it [m3/s]; None where this rank has
-        not the end."""
+        """Compute the flow rate into the channel's upper end from the mass balance [m3/s]; None on ranks without the end."""
         if self._top is None:
             return None
         block, row = self._top
@@ -185,14 +198,14 @@ class ChannelFlow(Component):
         return float(figures[FIGURES.index("storage_upper")] + state.x[state.index_of(block)[row, -1]])
 
     def flows(self, system) -> FloatArray:
-        """(nc,) flow rates in the local elements, towards the bit [m3/s]."""
+        """Return the flow rates (nc,) in the local elements, towards the bit [m3/s]."""
         return system.field(f"{self.name}.flow")[system.chain.ends[:, 1], 0]
 
     def pressures(self, system) -> FloatArray:
-        """(nv,) pressures at the local vertices [Pa]."""
+        """Return the pressures (nv,) at the local vertices [Pa]."""
         return system.field(f"{self.name}.pressure")[:, 0]
 
     def upper_pressure(self, state) -> float:
-        """Pressure at the channel's upper end [Pa] (on the rank that has it)."""
+        """Return the pressure at the channel's upper end [Pa], on the rank with this end."""
         block, row = self._top  # type: ignore[misc]
         return float(state.x[state.index_of(block)[row, -3]])

@@ -1,8 +1,7 @@
-"""The channels of the drilling fluid: bore of the string and annulus, element by element, from string, hole
-and materials.
+"""Channels of the drilling fluid: bore and annulus of each element, from string, hole and materials.
 
-A rigid item between two elements is part of the channel of the element below it; its metal, mass over
-density, is what it takes from hole and bore, whatever the shape of its blades.
+A rigid item between two elements is part of the channel of the element below it.  The volume of its metal, mass over
+density, is taken from hole and bore, independent of the shape of its blades.
 """
 
 from __future__ import annotations
@@ -22,8 +21,11 @@ _GAUSS = np.polynomial.legendre.leggauss(4)  # exact to degree 7
 
 @dataclass(frozen=True)
 class Bore:
-    """Bore of the string; all (n,) SI: area [m2], wall d(ln area)/dp [1/Pa], area_above of the rigid item
-    above the element."""
+    """Bore of the string, all arrays (n,).
+
+    area: [m2]; wall: compliance d(ln area)/dp [1/Pa] (manual: eq-mud-wall-bore).
+    area_above: of the rigid item above the element [m2].
+    """
 
     area: FloatArray
     wall: FloatArray
@@ -40,8 +42,12 @@ class Bore:
 
 @dataclass(frozen=True)
 class Annulus:
-    """Space between string and hole; all (n,) SI: outer and hole areas [m2], wall d(ln area)/dp [1/Pa],
-    outer_above of rigid items."""
+    """Space between string and hole, all arrays (n,).
+
+    outer, hole: areas of string and hole [m2].
+    wall: compliance d(ln area)/dp [1/Pa] (manual: eq-mud-wall-annulus).
+    outer_above: area of the rigid item above the element [m2].
+    """
 
     outer: FloatArray
     hole: FloatArray
@@ -66,13 +72,15 @@ class Annulus:
         return self.hole_diameter - np.sqrt(4 / np.pi * self.outer_above)
 
     def only(self, which: np.ndarray) -> Annulus:
-        """Some of the elements."""
+        """Return the annulus of the elements ``which`` (mask or numbers)."""
         return Annulus(self.outer[which], self.hole[which], self.wall[which], self.outer_above[which])
 
 
 def poisson(case: Case, mesh: StringMesh) -> FloatArray:
-    """(n,) Poisson's ratio by which the section narrows under stretch; 0 for pieces given by stiffnesses, and
-    for rigid walls."""
+    """Return Poisson's ratio (n,) [-] by which the section narrows under stretch (manual: eq-mud-narrowing).
+
+    It is 0 for items that are given by stiffnesses, and for rigid walls.
+    """
     assert case.fluid is not None
     if not case.fluid.elastic_walls:
         return np.zeros(len(mesh.upper))
@@ -80,23 +88,19 @@ def poisson(case: Case, mesh: StringMesh) -> FloatArray:
 
 
 def _constants(case: Case, number: int) -> tuple[float, float]:
-    """Young's modulus [Pa] and Poisson's ratio of a string item; a piece given by its stiffnesses has a rigid
-    wall."""
+    """Return Young's modulus [Pa] and Poisson's ratio of a string item; an item given by stiffnesses has a rigid wall."""
     item = case.string[number]
     return (item.material.young, item.material.poisson) if isinstance(item, Pipe) else (np.inf, 0.0)
 
 
 def _rigid_runs(case: Case, mesh: StringMesh) -> tuple[FloatArray, FloatArray]:
-    """(n+1, 2) mean bore area and metal area [m2] of the rigid items that hang on each node, and (n+1,) their
-    metal volume [m3]."""
+    """Compute (n+1, 2) mean bore and metal area [m2] of the rigid items at each node, and (n+1,) their metal volume [m3]."""
     area, volume, length = np.zeros((mesh.nodes, 2)), np.zeros(mesh.nodes), np.zeros(mesh.nodes)
     items = [item for item in case.string if isinstance(item, Rigid)]
     for item, body in zip(items, mesh.bodies, strict=True):
         density = getattr(item, "material", case.material).density
         bore = np.pi / 4 * (getattr(item, "id", 0.0) or 0.0) ** 2
-        if (
-            bore == 0.0
-        ):  # solid as far as the case tells: what flows through is as wide as in the pipe beside it
+        if bore == 0.0:  # the case gives no bore: it is taken as wide as that of the pipe beside it
             bore = np.pi / 4 * mesh.inner_diameter[min(body.node, len(mesh.upper) - 1)] ** 2
         area[body.node] += np.array([bore * body.length, body.mass / density])
         volume[body.node] += body.mass / density
@@ -106,7 +110,10 @@ def _rigid_runs(case: Case, mesh: StringMesh) -> tuple[FloatArray, FloatArray]:
 
 
 def build_bore(case: Case, mesh: StringMesh) -> Bore:
-    """Bore of every element. Elasticity of a thick tube (Lame): (2/E) [(Ro^2 + Ri^2)/(Ro^2 - Ri^2) + nu]."""
+    """Create the bore of every element (manual: eq-mud-wall-bore).
+
+    Compliance of a thick tube (Lame): (2/E) [(Ro^2 + Ri^2)/(Ro^2 - Ri^2) + nu].
+    """
     assert case.fluid is not None
     inner, outer = 0.5 * mesh.inner_diameter, 0.5 * mesh.outer_diameter
     area, wall = np.pi * inner**2, np.zeros(len(inner))
@@ -118,8 +125,10 @@ def build_bore(case: Case, mesh: StringMesh) -> Bore:
 
 
 class HoleVolume:
-    """Volume of a well's hole from measured depth 0 downwards, exact: the radius squared is a polynomial of
-    degree 6 between the places where a transition begins or ends."""
+    """Exact volume of a well's hole from measured depth 0 downwards (manual: sec-borehole-volume).
+
+    Between the ends of transitions the radius squared is a polynomial of degree 6.
+    """
 
     def __init__(self, well: Well):
         rows = well.transitions
@@ -132,21 +141,24 @@ class HoleVolume:
         return half * (self.area(middle[..., None] + half[..., None] * _GAUSS[0]) @ _GAUSS[1])
 
     def area(self, md: FloatArray | float) -> FloatArray:
-        """Area [m2] at md (...) [m]; above the rotary table and below the last section that of the section
-        next to it."""
+        """Compute the area (...) [m2] at md (...) [m]; beyond the ends of the hole it is that of the nearest section."""
         return np.pi * np.asarray(self.well.radius(md)) ** 2
 
     def volume(self, md: FloatArray) -> FloatArray:
-        """Volume [m3] between measured depth 0 and md (...) [m]."""
+        """Compute the volume (...) [m3] between measured depth 0 and md (...) [m]."""
         at = self._at[i := np.maximum(np.searchsorted(self._at, md, side="right") - 1, 0)]
         return self._below[i] + self._piece(at, np.asarray(md, dtype=float))
 
 
 @dataclass(frozen=True)
 class AnnulusWalls:
-    """What bounds the annulus besides the hole's size: outer, inner radius (n,) [m] of the elements, their
-    Young's modulus [Pa] and Poisson's ratio, mean section of the string about their upper node (n,) [m2];
-    give (m,) [1/Pa] of the rock of each hole section down to section_to (m,) [m]; elastic or rigid."""
+    """Walls of the annulus: string and rock.
+
+    outer, inner: (n,) radii of the elements [m]; young: (n,) [Pa]; poisson: (n,) [-].
+    outer_above: (n,) mean section of the rigid items above the element [m2]; rigid_above: (n,) their length [m].
+    section_to: (m,) lower end of each hole section [m]; give: (m,) compliance of its rock, (1 + nu)/E [1/Pa].
+    elastic: the walls are elastic, else rigid.
+    """
 
     outer: FloatArray
     inner: FloatArray
@@ -159,12 +171,11 @@ class AnnulusWalls:
     elastic: bool
 
     def annulus(self, hole: HoleVolume, e: np.ndarray, upper: FloatArray, lower: FloatArray) -> Annulus:
-        """Annulus of the elements ``e`` (k,) with their ends at measured depths ``upper``, ``lower`` (k,)
-        [m].
+        """Create the annulus of the elements ``e`` (k,) between measured depths ``upper`` and ``lower`` (k,) [m].
 
-        Elasticity (Lame): 2/(Rw^2 - Ro^2) {Rw^2 (1 + nu_r)/E_r + (Ro^2/E) [(Ro^2 + Ri^2)/(Ro^2 - Ri^2) -
-        nu]}; the first term is that of rock without end (left out where a section gives no compliance: a
-        rigid wall).
+        Compliance (Lame; manual: eq-mud-wall-annulus):
+        2/(Rw^2 - Ro^2) {Rw^2 (1 + nu_r)/E_r + (Ro^2/E) [(Ro^2 + Ri^2)/(Ro^2 - Ri^2) - nu]}.  The first term is that of
+        infinite rock; it is left out where a section has no compliance (a rigid wall).
         """
         top, outer, inner, wall = (
             upper - self.rigid_above[e],
@@ -184,7 +195,7 @@ class AnnulusWalls:
 
 
 def build_walls(case: Case, mesh: StringMesh) -> AnnulusWalls:
-    """What bounds the annulus of the case's string."""
+    """Create the walls of the annulus of the case's string."""
     assert case.fluid is not None and case.well is not None
     outer, sections = 0.5 * mesh.outer_diameter, case.well.sections
     young, nu = np.array([_constants(case, k) for k in mesh.item]).T
@@ -209,5 +220,5 @@ def _give(section) -> float:
 
 
 def metal_below(case: Case, mesh: StringMesh) -> float:
-    """Volume of the rigid items below the last node [m3]: mud that a bit displaces."""
+    """Return the volume of the rigid items below the last node [m3], which displace mud at the bit."""
     return float(_rigid_runs(case, mesh)[1][-1])
