@@ -20,8 +20,8 @@ SMALLEST_GROWTH = 1e-3
 class GrowingHole:
     """A hole whose end advances; the same on all ranks.
 
-    The *end* is the centre of the bit on bottom, above the hole's deepest point.  After every ``interval`` of new
-    hole a node of the centreline is fixed.  Between the last node and the end the hole follows the end.
+    The *end* is the centre of the bit on bottom, above the hole's deepest point.  After every ``interval`` of
+    new hole a node of the centreline is fixed.  Between the last node and the end the hole follows the end.
 
     well: the hole at the start.
     half: distance from the end down to the deepest point [m].
@@ -80,7 +80,10 @@ class GrowingHole:
         return True
 
     def whole(self, drilled: float, place: FloatArray) -> Well:
-        """Return the hole down to its deepest point, with the end at ``place`` (3,) [m] after ``drilled`` [m]."""
+        """Return the hole down to its deepest point.
+
+        With the end at ``place`` (3,) [m] after ``drilled`` [m].
+        """
         if drilled <= 0.0:
             return self._frozen
         s, well = self.start - self.half + drilled, self._frozen
@@ -138,12 +141,14 @@ class GrowingHole:
     def _tangent(self, s: float, place: FloatArray) -> FloatArray:
         """Compute the direction (3,) at the end (manual: eq-borehole-end-direction).
 
-        It is the slope of the parabola through the end and two points half an interval apart behind it.  On an arc it
-        is exact to second order.  The wandering of the bit within a turn is averaged over half an interval.
+        It is the slope of the parabola through the end and two points half an interval apart behind it.  On
+        an arc it is exact to second order.  The wandering of the bit within a turn is averaged over half an
+        interval.
 
         s: measured depth of the end [m]; place: (3,) its position [m].
         """
-        # both points are on the existing trail; otherwise long steps would extrapolate from their own direction
+        # both points are on the existing trail; otherwise long steps would extrapolate from their own
+        # direction
         h = max(0.5 * self.interval, s - self._trail[-1, 0])
         one, two = self._at(s - h)[0], self._at(s - 2 * h)[0]
         t = 3 * place - 4 * one + two

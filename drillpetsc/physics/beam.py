@@ -50,8 +50,8 @@ class Beam(interfaces.Beam):
 
     mesh: of the string; frames: reference frames of its nodes.
     gravity: (3,) [m/s2].
-    finest_motion: penetration of impacts into the wall [m], infinite without contact.  Where it is smaller than
-    ``POSITION_SCALE`` it is the scale of positions (manual: sec-time-error).
+    finest_motion: penetration of impacts into the wall [m], infinite without contact.  Where it is smaller
+    than ``POSITION_SCALE`` it is the scale of positions (manual: sec-time-error).
     """
 
     name = "beam"
@@ -133,7 +133,9 @@ class Beam(interfaces.Beam):
         system.set_field("string.spin", np.zeros((self.mesh.nodes, 1)))
 
     def set_rigid_motion(self, system, tangent: FloatArray, lowering: float, rotation: float) -> None:
-        """Set the velocity of every node to ``lowering`` [m/s] along ``tangent`` and its spin to ``rotation`` [rad/s]."""
+        """Set the velocity of every node to ``lowering`` [m/s] along ``tangent`` and its spin to ``rotation``
+        [rad/s].
+        """
         system.set_field("string.position", lowering * tangent, "y")
         system.set_field("string.tangent", np.zeros((self.mesh.nodes, 3)), "y")
         system.set_field("string.spin", np.full((self.mesh.nodes, 1), rotation), "y")
@@ -173,7 +175,9 @@ class Beam(interfaces.Beam):
         return np.hstack([state.x[r], state.y[r], state.y[spin], state.x[spin]])
 
     def report(self, layout: DofLayout, x: FloatArray, y: FloatArray) -> FloatArray:
-        """Compute (nc, 9) for the local cells in depth order: the columns of ``REPORT`` (manual: sec-beam-report).
+        """Compute (nc, 9) for the local cells in depth order: the columns of ``REPORT``.
+
+        Manual: sec-beam-report.
 
         Units: energies [J], axial forces [N], torque and bending moments [N m].
         """

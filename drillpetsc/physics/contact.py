@@ -1,4 +1,5 @@
-"""Contact of the string with its hole: contact and friction along the pipe, of rigid items, and of the bit on the bottom.
+"""Contact of the string with its hole: contact and friction along the pipe, of rigid items, and of the bit on
+the bottom.
 
 Manual: sec-contact, sec-bit-on-bottom.
 """
@@ -59,7 +60,8 @@ class _Law(ctypes.Structure):
 class ContactLaw:
     """Constants of the wall contact.
 
-    stiffness: per unit length [N/m^2] (``linear``), [N/m^2.5] (``hertz``), or per point [N/m^1.5] (``hertz_point``).
+    stiffness: per unit length [N/m^2] (``linear``), [N/m^2.5] (``hertz``), or per point [N/m^1.5]
+    (``hertz_point``).
     law: one of these three (manual: eq-contact-normal).
     restitution: coefficient [-] at ``restitution_speed`` [m/s] (manual: eq-contact-restitution).
     slip_velocity: regularisation of Coulomb's law [m/s] (manual: eq-contact-friction).
@@ -78,10 +80,12 @@ class ContactLaw:
 
 
 def impact_depth(law: ContactLaw, mass: float, length: float) -> float:
-    """Compute the penetration [m] of an undamped impact at ``restitution_speed`` v (manual: eq-contact-impact-depth).
+    """Compute the penetration [m] of an undamped impact at ``restitution_speed`` v.
 
-    The energy m v^2/2 becomes the stored energy k d^(p+1)/(p+1), so d = ((p+1) m v^2 / 2k)^(1/(p+1)).  With a law per
-    point m is the mass of an element divided by its points.
+    Manual: eq-contact-impact-depth.
+
+    The energy m v^2/2 becomes the stored energy k d^(p+1)/(p+1), so d = ((p+1) m v^2 / 2k)^(1/(p+1)).  With a
+    law per point m is the mass of an element divided by its points.
 
     mass: per length [kg/m]; length: of an element [m].
     """
@@ -91,10 +95,12 @@ def impact_depth(law: ContactLaw, mass: float, length: float) -> float:
 
 
 def damping_factor(restitution: float, speed: float) -> float:
-    """Compute the damping factor c [s/m] for a given restitution (manual: eq-contact-damping, eq-contact-restitution).
+    """Compute the damping factor c [s/m] for a given restitution.
 
-    The contact force has the factor 1 + c * penetration rate.  With d = c speed the rebound is exact for any exponent:
-    d (1 + e) = ln((1 + d) / (1 - d e)), from m u du = -k (1 + c u) f dx.
+    Manual: eq-contact-damping, eq-contact-restitution.
+
+    The contact force has the factor 1 + c * penetration rate.  With d = c speed the rebound is exact for any
+    exponent: d (1 + e) = ln((1 + d) / (1 - d e)), from m u du = -k (1 + c u) f dx.
 
     restitution: coefficient e [-], above 0; speed: of the impact [m/s].
     Raises ValueError for a restitution of 0 or less.
@@ -112,7 +118,8 @@ def damping_factor(restitution: float, speed: float) -> float:
 
     if miss((1 - 1e-14) / e) < 0:  # below e = 0.027: 1 - d e = (1 + d) exp(-d (1 + e)) is less than rounding
         return 1 / e / speed
-    # d = 0 is a root, too; near e = 1 the other one is 3/2 (1 - e) (1 + (1 - e) + ...), by the series of the logarithms
+    # d = 0 is a root, too; near e = 1 the other one is 3/2 (1 - e) (1 + (1 - e) + ...), by the series of the
+    # logarithms
     if 1 - e < 1e-4:
         return 1.5 * (1 - e) * (2 - e) / speed
     return float(brentq(miss, 0.5 * (1 - e), (1 - 1e-14) / e, xtol=1e-14, rtol=1e-14)) / speed
@@ -237,12 +244,17 @@ class Contact(Component):
 
     @property
     def _item_ends(self) -> tuple[bool, bool]:
-        """Whether upper and lower ends of rigid items are exposed: not with a law per point, whose points are tool joints."""
+        """Whether upper and lower ends of rigid items are exposed: not with a law per point, whose points are
+        tool joints.
+        """
         stands = self.law.law != "hertz_point"
         return stands, stands
 
     def _groups(self) -> list[tuple[str, np.ndarray, tuple[bool, bool]]]:
-        """Group the elements by their quadrature: name, mask (n,) and exposed ends; those without exposed ends first."""
+        """Group the elements by their quadrature: name, mask (n,) and exposed ends.
+
+        Those without exposed ends first.
+        """
         upper, lower = exposed_ends(self.mesh, self.free_top)
         if self.law.law == "hertz_point":
             upper, lower = np.zeros_like(upper), np.zeros_like(lower)
@@ -292,7 +304,10 @@ class Contact(Component):
             record.stiffness = self.law.stiffness * factor
 
     def contact_signature(self) -> int:
-        """A number that changes when a contact opens or closes on this rank; unlike ``hash`` the same in every process."""
+        """A number that changes when a contact opens or closes on this rank.
+
+        Unlike ``hash`` the same in every process.
+        """
         return zlib.crc32(b"".join(t.tobytes() for t in self._touching))
 
     def normal_force(self, cell: int) -> float:
@@ -325,7 +340,9 @@ class Contact(Component):
         return out
 
     def report(self, state) -> tuple[FloatArray, FloatArray]:
-        """Compute (nc, 7) for the local cells and (nb, 7) for the rigid items of this rank: the columns of ``REPORT``."""
+        """Compute (nc, 7) for the local cells and (nb, 7) for the rigid items of this rank: the columns of
+        ``REPORT``.
+        """
         cells, bodies = np.zeros((len(self._part.cells), len(REPORT))), np.zeros((0, len(REPORT)))
         for b, figures in zip(self._blocks, self._figures(state), strict=True):
             if b.on == "cell":
@@ -345,7 +362,8 @@ class BitOnBottom(Bit):
     """Bit on the end of the hole: a spring along its axis, and a friction torque (manual: eq-bit-on-bottom).
 
     node: of the bit; face: distance from the node down to the bit's face [m]; radius: of the bit [m].
-    stiffness: of the bottom [N/m]; friction: coefficient [-]; slip_velocity: regularisation of friction [m/s].
+    stiffness: of the bottom [N/m]; friction: coefficient [-]; slip_velocity: regularisation of friction
+    [m/s].
     end: (3,) end of the hole [m]; axis: (3,) its direction.
     """
 
@@ -400,7 +418,10 @@ class BitOnBottom(Bit):
         return float(out[0]), float(out[1])
 
     def depth_of_face(self, state) -> tuple[float, FloatArray]:
-        """Compute the depth of the face below the end of the hole [m] and its gradient (n,); zero without the bit."""
+        """Compute the depth of the face below the end of the hole [m] and its gradient (n,).
+
+        Zero without the bit.
+        """
         gradient = np.zeros(len(state.x))
         if not len(self._block.points):
             return 0.0, gradient[: state.layout.size]

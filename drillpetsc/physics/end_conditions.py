@@ -34,7 +34,10 @@ def _axes(tangent: FloatArray) -> FloatArray:
 
 
 def _rows(position: FloatArray, tangent: FloatArray, spin: bool) -> FloatArray:
-    """Form the directions D (m, 7): rows of ``position`` act on r, of ``tangent`` on v; the spin angle is last."""
+    """Form the directions D (m, 7): rows of ``position`` act on r, of ``tangent`` on v.
+
+    The spin angle is last.
+    """
     m = len(position) + len(tangent) + spin
     D = np.zeros((m, 7))
     D[: len(position), :3] = position
@@ -179,7 +182,10 @@ class RotaryDrive(Component):
         return self.rotation.breaks()
 
     def torque(self, t: float, state) -> float:
-        """Compute the torque of the drive on the string [N m], zero on ranks without the top (manual: eq-prescribed-drive)."""
+        """Compute the torque of the drive on the string [N m], zero on ranks without the top.
+
+        Manual: eq-prescribed-drive.
+        """
         if not len(self._block.points):
             return 0.0
         here = state.layout.index(self._block)[0, 6]

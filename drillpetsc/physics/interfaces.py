@@ -25,11 +25,15 @@ class Beam(Component):
 
     @abstractmethod
     def place(self, system: Any, position: FloatArray, tangent: FloatArray) -> None:
-        """Put the unstrained string at rest on ``position`` (n_nodes, 3) [m] with directions ``tangent`` (n_nodes, 3)."""
+        """Put the unstrained string at rest on ``position`` (n_nodes, 3) [m] with directions ``tangent``
+        (n_nodes, 3).
+        """
 
     @abstractmethod
     def set_rigid_motion(self, system: Any, tangent: FloatArray, lowering: float, rotation: float) -> None:
-        """Set the velocity of every node to ``lowering`` [m/s] along ``tangent`` (n_nodes, 3), its spin to ``rotation`` [rad/s]."""
+        """Set the velocity of every node to ``lowering`` [m/s] along ``tangent`` (n_nodes, 3), its spin to
+        ``rotation`` [rad/s].
+        """
 
     @abstractmethod
     def section(self, state: Any, vertex: int) -> tuple[FloatArray, FloatArray, float]:
@@ -37,7 +41,9 @@ class Beam(Component):
 
     @abstractmethod
     def columns(self, state: Any) -> FloatArray:
-        """Return (nv, 8) at the local vertices: position (3) [m], velocity (3) [m/s], spin rate [rad/s], spin angle [rad]."""
+        """Return (nv, 8) at the local vertices: position (3) [m], velocity (3) [m/s], spin rate [rad/s], spin
+        angle [rad].
+        """
 
     @abstractmethod
     def report(self, layout: Any, x: FloatArray, y: FloatArray) -> FloatArray:
@@ -48,7 +54,10 @@ class Beam(Component):
 
 
 class Top(Component):
-    """Upper end of the string, fixed or moved.  ``anchor``: prescribed values at time 0 [m, -, rad]; ``shift`` changes them."""
+    """Upper end of the string, fixed or moved.  ``anchor``: prescribed values at time 0 [m, -, rad].
+
+    ``shift`` changes them.
+    """
 
     anchor: FloatArray
 
@@ -96,7 +105,10 @@ class Bit(Component):
     @abstractmethod
     @contextmanager
     def preloaded(self, weight: float, travel: float) -> Iterator[None]:
-        """Context in which a soft spring replaces the bottom; it carries ``weight`` [N] after ``travel`` [m]."""
+        """Context in which a soft spring replaces the bottom.
+
+        It carries ``weight`` [N] after ``travel`` [m].
+        """
 
     @abstractmethod
     def copy_sliding_direction(self, other: Any) -> None:

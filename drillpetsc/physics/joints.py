@@ -128,7 +128,10 @@ class Joints(Component):
         return (*self._blocks, *extra)
 
     def velocity_stabilization(self, part) -> VelocityStabilization | None:
-        """Velocity correction of the stabilised joints, on every rank with a node above one (manual: eq-joint-directions)."""
+        """Velocity correction of the stabilised joints, on every rank with a node above one.
+
+        Manual: eq-joint-directions.
+        """
         if not self._stabilised.any():
             return None
         local = {int(v): i for i, v in enumerate(part.vertices)}
@@ -160,7 +163,9 @@ class Joints(Component):
 
     # ------------------------------------------------------------------ results
     def report(self, state) -> FloatArray:
-        """Compute (joints, 10) results of all joints, zero where another rank has the joint: the columns of ``REPORT``.
+        """Compute (joints, 10) results of all joints.
+
+        Zero where another rank has the joint: the columns of ``REPORT``.
 
         Manual: sec-joints-report.
         """

@@ -1,9 +1,12 @@
-"""Update of the reference frames at nodes whose tangent is far from the reference direction; no physical quantity changes.
+"""Update of the reference frames at nodes whose tangent is far from the reference direction.
 
-The spin angle is counted from a reference direction a, and is singular where the tangent t is opposite to it.  When
-a.t < -0.5 the reference direction becomes a' = t (manual: eq-beam-update-criterion).  The smallest rotation carries the
-second director along.  The spin angle changes by minus the solid angle of (a, a', v), and the twist offset of each
-neighbouring element compensates the change of its twist (manual: eq-beam-update).
+No physical quantity changes.
+
+The spin angle is counted from a reference direction a, and is singular where the tangent t is opposite to it.
+When a.t < -0.5 the reference direction becomes a' = t (manual: eq-beam-update-criterion).  The smallest
+rotation carries the second director along.  The spin angle changes by minus the solid angle of (a, a', v),
+and the twist offset of each neighbouring element compensates the change of its twist (manual:
+eq-beam-update).
 """
 
 from __future__ import annotations
@@ -22,7 +25,8 @@ REFERENCE_LIMIT_COSINE = -0.5  # cosine between gauge and tangent below which a 
 def renew_reference_frames(system: DiscreteSystem, frames: Frames, twists: Callable[[], FloatArray]) -> bool:
     """Update reference frames where needed; True where any changed; collective.
 
-    Call it between load steps or time steps only: a time formula with earlier spin angles must restart after a change.
+    Call it between load steps or time steps only: a time formula with earlier spin angles must restart after
+    a change.
 
     system: its assembly and all components get the new frames.
     frames: the same on all ranks.
@@ -55,7 +59,10 @@ def renew_reference_frames(system: DiscreteSystem, frames: Frames, twists: Calla
 
 
 def _far_nodes(system: DiscreteSystem, frames: Frames) -> list[tuple[int, np.ndarray]]:
-    """Find all nodes whose tangent is far from the reference direction: (node, slope (3,)), the same on all ranks."""
+    """Find all nodes whose tangent is far from the reference direction: (node, slope (3,)).
+
+    The same on all ranks.
+    """
     chain, v = system.chain, system.field("string.tangent")
     cosine = np.sum(frames.reference[chain.vertices] * v, axis=1) / np.linalg.norm(v, axis=1)
     far = np.flatnonzero((cosine < REFERENCE_LIMIT_COSINE) & chain.owned)

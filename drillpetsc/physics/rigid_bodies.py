@@ -21,7 +21,10 @@ VERTEX_SLOTS = (("string.position", 0), ("string.tangent", 0), ("string.spin", 0
 
 
 def local_vertices(part, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Find the ``nodes`` (k,) that this rank owns; returns their positions in ``nodes`` and local vertex numbers."""
+    """Find the ``nodes`` (k,) that this rank owns.
+
+    Returns their positions in ``nodes`` and local vertex numbers.
+    """
     local = {int(v): i for i, v in enumerate(part.vertices) if part.owned[i]}
     chosen = [k for k, node in enumerate(nodes) if int(node) in local]
     return np.array(chosen, dtype=int), np.array([local[int(nodes[k])] for k in chosen], dtype=np.int32)
@@ -141,7 +144,10 @@ def frame_columns(frames: Frames, e: np.ndarray) -> FloatArray:
 
 
 class Precurvature(Component):
-    """Stress-free curvature of the elements, (2,) [1/m] along the node directors (manual: eq-curved-field)."""
+    """Stress-free curvature of the elements, (2,) [1/m] along the node directors.
+
+    Manual: eq-curved-field.
+    """
 
     name = "curvature"
 

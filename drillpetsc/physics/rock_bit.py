@@ -98,8 +98,8 @@ class Layer:
 class DragBit:
     """Drag bit (manual: eq-bit-drag; Detournay and Defourny, Int. J. Rock Mech. Min. Sci. 29(1):13, 1992).
 
-    W = zeta eps a d + sigma a l, T = eps a^2 d/2 + mu gamma sigma a^2 l/2, with the radius a and the depth of cut d
-    per turn.
+    W = zeta eps a d + sigma a l, T = eps a^2 d/2 + mu gamma sigma a^2 l/2, with the radius a and the depth of
+    cut d per turn.
 
     blades: their number.
     specific_energy: eps [Pa]; inclination_ratio: zeta [-].
@@ -116,7 +116,9 @@ class DragBit:
 
 @dataclass(frozen=True)
 class Weakening:
-    """Torque that falls from ``static`` to ``dynamic`` over ``speed`` [rad/s] (manual: eq-bit-torque-weakening).
+    """Torque that falls from ``static`` to ``dynamic`` over ``speed`` [rad/s].
+
+    Manual: eq-bit-torque-weakening.
 
     static, dynamic: torques [N m], or lever arms of the weight on bit [m] where ``by_weight``.
     """
@@ -135,8 +137,8 @@ class Rock:
     reference_speed [rad/s], reference_weight [N]: manual: eq-bit-speed-factor.
     walk: walk angle [rad].
     bit_axis: the hole grows along the bit's axis, else along the rate of penetration.
-    post_step: the end moves between the steps, as in the reference formulation (manual: sec-paper-source); else the end
-    is a state of the integrator.
+    post_step: the end moves between the steps, as in the reference formulation (manual: sec-paper-source);
+    else the end is a state of the integrator.
     """
 
     layers: tuple[Layer, ...]
@@ -177,13 +179,16 @@ class BitContact:
 
 
 def profile_derivative(states: int, length: float) -> FloatArray:
-    """Compute the derivative matrix (n, n+1) of a profile at Chebyshev points from 0 to ``length`` (manual: eq-bit-profile).
+    """Compute the derivative matrix (n, n+1) of a profile at Chebyshev points from 0 to ``length``.
 
-    The points are x_k = (1 - cos(pi k/n)) length/2, k = 0 .. n; the last one is the inflow.  The entries follow from
-    the barycentric weights (Trefethen, Spectral Methods in MATLAB, chapter 6).  Chebyshev modes above two thirds of n
-    are damped (spectral viscosity, Tadmor 1989).  Off bottom the inflow equals the outflow, and on this ring the
-    undamped derivative lets one mode grow by 5e-4 per radian.  With the damping no mode grows.  For smooth profiles the
-    derivative is unchanged: polynomials of degree <= 2 n/3 are exact, and a sine is within 1e-4 after a quarter turn.
+    Manual: eq-bit-profile.
+
+    The points are x_k = (1 - cos(pi k/n)) length/2, k = 0 .. n; the last one is the inflow.  The entries
+    follow from the barycentric weights (Trefethen, Spectral Methods in MATLAB, chapter 6).  Chebyshev modes
+    above two thirds of n are damped (spectral viscosity, Tadmor 1989).  Off bottom the inflow equals the
+    outflow, and on this ring the undamped derivative lets one mode grow by 5e-4 per radian.  With the damping
+    no mode grows.  For smooth profiles the derivative is unchanged: polynomials of degree <= 2 n/3 are exact,
+    and a sine is within 1e-4 after a quarter turn.
 
     states: number n of states; length: of the profile [rad].
     """
@@ -203,8 +208,8 @@ def profile_derivative(states: int, length: float) -> FloatArray:
 class RockBit(Bit):
     """The bit at the lower end of the string (manual: sec-bit).
 
-    Unknowns: displacement of the hole's end hole.end (3) [m], length drilled hole.drilled [m], and the profile
-    bit.chips [m] of a drag bit.
+    Unknowns: displacement of the hole's end hole.end (3) [m], length drilled hole.drilled [m], and the
+    profile bit.chips [m] of a drag bit.
 
     node: of the bit; shape, contact: of the bit; law: of its torque, None: friction; rock: the formation.
     hole: the growing hole.
@@ -395,7 +400,10 @@ class RockBit(Bit):
         self.params[:] = other.params
 
     def _torque_line(self, spin: float) -> tuple[float, float]:
-        """Compute the torque on bit as first + second * weight, at a rotation ``spin`` [rad/s]; [N m] and [m]."""
+        """Compute the torque on bit as first + second * weight, at a rotation ``spin`` [rad/s].
+
+        [N m] and [m].
+        """
         if not isinstance(self.law, Weakening):
             return self._torque
         size = self.law.dynamic + (self.law.static - self.law.dynamic) * float(
@@ -449,8 +457,8 @@ class RockBit(Bit):
     def first_cut(self, state) -> None:
         """Set the rates of the hole's end from the string's motion at the start (manual: sec-bit-start).
 
-        The profile of a drag bit is set to carry the weight on bit: steady cutting if the bit turns, else a flat
-        indentation.
+        The profile of a drag bit is set to carry the weight on bit: steady cutting if the bit turns, else a
+        flat indentation.
         """
         if not self._mine:
             return
@@ -474,8 +482,8 @@ class RockBit(Bit):
     def local_update(self, state) -> FloatArray:
         """Return (6,) after an accepted step, zero without the bit.
 
-        Displacement of the end (3) [m] and length drilled since the start [m], time [s], number of bits.  With
-        ``post_step`` the end is moved in this call.
+        Displacement of the end (3) [m] and length drilled since the start [m], time [s], number of bits.
+        With ``post_step`` the end is moved in this call.
         """
         now = np.zeros(6)
         if self._mine:
@@ -523,8 +531,9 @@ class RockBit(Bit):
     def figures(self, state) -> FloatArray:
         """Compute (11,) results, zero without the bit.
 
-        Weight [N], torque [N m], rate of penetration [m/s], side force [N], stored energy [J], power into the rock [W],
-        depth [m], offset of the bit's centre from the hole's axis [m], rate of penetration in space (3) [m/s].
+        Weight [N], torque [N m], rate of penetration [m/s], side force [N], stored energy [J], power into the
+        rock [W], depth [m], offset of the bit's centre from the hole's axis [m], rate of penetration in space
+        (3) [m/s].
         """
         out = np.zeros(11)
         if self._mine:
@@ -545,7 +554,10 @@ class RockBit(Bit):
         return float(figures[0]), float(figures[1])
 
     def progress(self, state) -> tuple[float, float]:
-        """Return the length drilled since the start [m] and the rate of penetration [m/s], zero on ranks without the bit."""
+        """Return the length drilled since the start [m] and the rate of penetration [m/s].
+
+        Zero on ranks without the bit.
+        """
         if not self._mine:
             return 0.0, 0.0
         drilled = (
@@ -558,7 +570,8 @@ class RockBit(Bit):
     ) -> FloatArray:
         """Compute the rate of penetration (3,) [m/s] (manual: eq-bit-rate).
 
-        force: (3,) of the bit on the rock [N]; axis: (3,) of the bit; omega: rotation [rad/s]; drilled: length [m].
+        force: (3,) of the bit on the rock [N]; axis: (3,) of the bit; omega: rotation [rad/s]; drilled:
+        length [m].
         """
         out, F, e = np.zeros(3), np.array(force, dtype=float), np.array(axis, dtype=float)
         _rate(ctypes.addressof(self._made), pointer(F), pointer(e), omega, drilled, pointer(out))
@@ -574,7 +587,8 @@ class RockBit(Bit):
 def _chip_for(weight: float, cut: float, flat: float, onset: float) -> float:
     """Compute the chip thickness per blade d [m] that carries ``weight`` [N].
 
-    The weight is cut d + flat e(d/onset) with the smooth onset e of kernels/bit/bit.hpp (manual: eq-bit-flat).
+    The weight is cut d + flat e(d/onset) with the smooth onset e of kernels/bit/bit.hpp (manual:
+    eq-bit-flat).
 
     cut: [N/m]; flat: [N]; onset: [m].
     """

@@ -1,7 +1,8 @@
-"""Rolling without slip: a round rigid body on a plane, or on the wall of a straight round hole (kernels/joints/joints.hpp).
+"""Rolling without slip: a round rigid body on a plane, or on the wall of a straight round hole
+(kernels/joints/joints.hpp).
 
-It is the only non-holonomic constraint of the package: the velocity of the body's contact point is zero along the
-surface (manual: sec-joints-rolling).
+It is the only non-holonomic constraint of the package: the velocity of the body's contact point is zero along
+the surface (manual: sec-joints-rolling).
 """
 
 from __future__ import annotations
@@ -17,9 +18,9 @@ from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 class Rolling(Component):
     """Rolling of a round body on a plane, or on the wall of a hole.
 
-    The start must satisfy the constraints in position and velocity.  There is no statics of rolling, since it does not
-    fix a position.  The field ``rolling.force`` (3) is the normal force and the two forces along the surface, in units
-    of SCALE.
+    The start must satisfy the constraints in position and velocity.  There is no statics of rolling, since it
+    does not fix a position.  The field ``rolling.force`` (3) is the normal force and the two forces along the
+    surface, in units of SCALE.
 
     nodes: of the string; node: of the body; radius: of the body [m].
     center: distance from the node along the tangent to the body's centre [m].
@@ -85,6 +86,9 @@ class Rolling(Component):
         )
 
     def force(self, system) -> FloatArray:
-        """Return (3,) normal force on the body and the two forces along the surface [N]; zero on ranks without the node."""
+        """Return (3,) normal force on the body and the two forces along the surface [N].
+
+        Zero on ranks without the node.
+        """
         local = np.flatnonzero((system.chain.vertices == self.node) & system.chain.owned)
         return SCALE * system.field("rolling.force")[local[0]] if len(local) else np.zeros(3)

@@ -1,4 +1,6 @@
-"""Added mass and viscous damping of a string that moves laterally in a fluid-filled annulus (manual: sec-mud-added-mass).
+"""Added mass and viscous damping of a string that moves laterally in a fluid-filled annulus.
+
+Manual: sec-mud-added-mass.
 
 The fluid's force per length on a cylinder of diameter D_o that oscillates with the lateral velocity V at the
 angular frequency Omega is
@@ -17,8 +19,8 @@ from scipy.special import ive, kve
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-# S (ratio - 1)^2 below which inertia is left out, since the four functions become nearly dependent there; the part of
-# inertia in C_d, measured against the exact solution just above, is below 1e-6
+# S (ratio - 1)^2 below which inertia is left out, since the four functions become nearly dependent there; the
+# part of inertia in C_d, measured against the exact solution just above, is below 1e-6
 QUASI_STEADY = 1e-3
 
 
@@ -37,12 +39,12 @@ def chi_confined(outer_diameter: ArrayLike, hole_diameter: ArrayLike) -> Array:
 def chi_eccentric(outer_diameter: float, hole_diameter: float, eccentricity: float) -> float:
     """Compute added mass over displaced mass [-] of an eccentric cylinder (manual: eq-mud-chi-eccentric).
 
-    It is the same along the offset and across it.  Derivation by potential flow in bipolar coordinates (tau, sigma),
-    where the circles are tau_1 (string) and tau_2 (hole): x/c = 1 + 2 sum exp(-n tau) cos(n sigma),
-    y/c = 2 sum exp(-n tau) sin(n sigma).  The stream function of a motion U along x is U y on the string and 0 on the
-    hole, psi = 2 c U sum exp(-n tau_1) sinh(n(tau - tau_2))/sinh(n(tau_1 - tau_2)) sin(n sigma).  A motion along y has
-    cos(n sigma) instead.  The kinetic energy rho/2 int psi dpsi/dtau dsigma over the string gives, with
-    a = c/sinh(tau_1),
+    It is the same along the offset and across it.  Derivation by potential flow in bipolar coordinates (tau,
+    sigma), where the circles are tau_1 (string) and tau_2 (hole): x/c = 1 + 2 sum exp(-n tau) cos(n sigma),
+    y/c = 2 sum exp(-n tau) sin(n sigma).  The stream function of a motion U along x is U y on the string and
+    0 on the hole, psi = 2 c U sum exp(-n tau_1) sinh(n(tau - tau_2))/sinh(n(tau_1 - tau_2)) sin(n sigma).  A
+    motion along y has cos(n sigma) instead.  The kinetic energy rho/2 int psi dpsi/dtau dsigma over the
+    string gives, with a = c/sinh(tau_1),
 
         chi = 4 sinh^2(tau_1) sum_n n exp(-2 n tau_1) coth(n(tau_1 - tau_2)).
 
@@ -66,11 +68,12 @@ def chi_eccentric(outer_diameter: float, hole_diameter: float, eccentricity: flo
 
 
 def stokes_coefficients(stokes_number: ArrayLike, ratio: ArrayLike) -> tuple[Array, Array]:
-    """Compute (C_m, C_d) [-] of a cylinder that oscillates with small amplitude in a concentric annulus of viscous fluid.
+    """Compute (C_m, C_d) [-] of a cylinder that oscillates with small amplitude in a concentric annulus of
+    viscous fluid.
 
     Manual: eq-mud-stokes, eq-mud-stokes-coefficients.  Exact solution of the unsteady Stokes equations (Chen,
-    Wambsganss and Jendrzejczyk, J. Appl. Mech. 43, 1976, 325-329), derived here: lengths in R_o, speeds in the
-    cylinder's, stream function f(r) sin(theta) exp(i Omega t) with
+    Wambsganss and Jendrzejczyk, J. Appl. Mech. 43, 1976, 325-329), derived here: lengths in R_o, speeds in
+    the cylinder's, stream function f(r) sin(theta) exp(i Omega t) with
 
         f = A/r + B r + C I_1(l r) + D K_1(l r),  l = sqrt(i S);   f(1) = f'(1) = 1, f(ratio) = f'(ratio) = 0.
 
@@ -79,7 +82,8 @@ def stokes_coefficients(stokes_number: ArrayLike, ratio: ArrayLike) -> tuple[Arr
     within a few per cent where S (1 - k)^2 > 1e4.  For slow motion, S (ratio - 1)^2 < QUASI_STEADY, steady
     Stokes flow has C_d S = 4/(ln(ratio) - (ratio^2 - 1)/(ratio^2 + 1)), and C_m has its value at that limit.
 
-    stokes_number: S = Omega R_o^2/nu [-], above 0; ratio: hole over string diameter [-], above 1; they broadcast.
+    stokes_number: S = Omega R_o^2/nu [-], above 0; ratio: hole over string diameter [-], above 1; they
+    broadcast.
     Raises ValueError for other values.
     """
     S, R = np.broadcast_arrays(np.asarray(stokes_number, dtype=float), np.asarray(ratio, dtype=float))
@@ -93,8 +97,8 @@ def stokes_coefficients(stokes_number: ArrayLike, ratio: ArrayLike) -> tuple[Arr
 def steady_resistance(ratio: ArrayLike) -> Array:
     """Compute the limit of C_d S (n,) [-] for slow motion, where the force per length is (C_d S) pi mu V.
 
-    Steady Stokes flow between concentric cylinders, f = A/r + B r + C r ln(r) + D r^3 with the wall conditions of
-    `stokes_coefficients`.  The force is that of the Stokeslet C.
+    Steady Stokes flow between concentric cylinders, f = A/r + B r + C r ln(r) + D r^3 with the wall
+    conditions of `stokes_coefficients`.  The force is that of the Stokeslet C.
 
     ratio: (n,) hole over string diameter [-].
     """
@@ -103,12 +107,18 @@ def steady_resistance(ratio: ArrayLike) -> Array:
 
 
 def _unsteady(S: Array, R: Array) -> tuple[Array, Array]:
-    """Solve the four wall conditions for (C_m, C_d); the Bessel functions are scaled, so that no exponential overflows."""
+    """Solve the four wall conditions for (C_m, C_d).
+
+    The Bessel functions are scaled, so that no exponential overflows.
+    """
     l = np.sqrt(1j * S)
     decay = np.exp(l.real * (1.0 - R)) + 0j
 
     def rows(r: Array, growing: Complex, falling: Complex) -> tuple[list[Complex], list[Complex]]:
-        """Compute value and derivative over |l| of the four functions at r; the factors undo the scaling of I_1 and K_1."""
+        """Compute value and derivative over |l| of the four functions at r.
+
+        The factors undo the scaling of I_1 and K_1.
+        """
         z, size = l * r, np.abs(l)
         i1, k1 = ive(1, z), kve(1, z)
         value = [1.0 / r + 0j, r + 0j, i1 * growing, k1 * falling]
@@ -137,7 +147,9 @@ def lateral_damping(
     apparent_viscosity: ArrayLike,
     omega: ArrayLike,
 ) -> Array:
-    """Compute the damping force per length and lateral speed, C_d rho A_o Omega [N s/m2] (manual: eq-mud-stokes).
+    """Compute the damping force per length and lateral speed, C_d rho A_o Omega [N s/m2].
+
+    Manual: eq-mud-stokes.
 
     At omega = 0 it is the steady Stokes value, without viscosity zero.  All arguments broadcast.
 

@@ -24,14 +24,15 @@ _CONTROLLED, _TANGENTS, _WIDENING = 16, slice(18, 27), 28
 
 
 class AnnulusFlow(ChannelFlow):
-    """Flow in the annulus: pressure [Pa] at the nodes, flow rate at zero pressure [m3/s] in the elements, towards the bit.
+    """Flow in the annulus: pressure [Pa] at the nodes, flow rate at zero pressure [m3/s] in the elements,
+    towards the bit.
 
     mesh: of the string; annulus: of its elements; well: the hole; fluid: constants.
     poisson: (n,) Poisson's ratio [-], 0 where stretch does not narrow the string.
     sideways: added mass, damping and rotational drag of the elements.
     outlet: gauge pressure at the flow line over time [Pa]; flow_line: its depth below the rotary table [m].
-    moving_hole: the hole around a moving string, where sizes and directions depend on the position of the elements;
-    None: they remain those at the start.
+    moving_hole: the hole around a moving string, where sizes and directions depend on the position of the
+    elements; None: they remain those at the start.
     held_at: (n+1, 3) positions of the nodes of a held string [m], None for a string that moves.
     choke: 1/(2 C_d^2 A^2) of a valve at the flow line [1/m4], 0 without one.
     """
@@ -227,7 +228,10 @@ class AnnulusFlow(ChannelFlow):
             b.params[:, _CHI] = value[b.points]
 
     def get_local_state(self) -> dict[str, FloatArray]:
-        """State of the hole at the local nodes (nv, 7) and elements (nc, p), for a checkpoint; empty for a uniform hole."""
+        """State of the hole at the local nodes (nv, 7) and elements (nc, p), for a checkpoint.
+
+        Empty for a uniform hole.
+        """
         around, part = self.moving_hole, self._part
         if around is None or self.held or not around.placed:
             return {}
@@ -261,8 +265,8 @@ class AnnulusFlow(ChannelFlow):
     def outflow(self, state) -> float | None:
         """Compute the flow rate out of the flow line [m3/s]; None on ranks without the upper end.
 
-        It is the flow out of the upper node, less the volume that the hole between the node and the fixed flow line
-        gains while the node moves down.
+        It is the flow out of the upper node, less the volume that the hole between the node and the fixed
+        flow line gains while the node moves down.
         """
         flow = self.upper_flow(state)
         if flow is None:
@@ -275,7 +279,10 @@ class AnnulusFlow(ChannelFlow):
         return float(-flow - (area - self.annulus.outer[0]) * speed)
 
     def content_above(self, state) -> float:
-        """Compute the volume between the upper node and the flow line [m3], up to a constant; 0 on ranks without the end."""
+        """Compute the volume between the upper node and the flow line [m3], up to a constant.
+
+        0 on ranks without the end.
+        """
         if self._top is None or self.held:
             return 0.0
         (block, row), around = self._top, self.moving_hole

@@ -43,7 +43,8 @@ class BitEnd:
     nozzle: flow area [m2], 0: an open end without loss.
     discharge_coefficient: [-] (manual: eq-mud-nozzle); check_valve: (manual: eq-mud-check-valve).
     ambient: pressure outside over time [Pa], without an annulus.
-    hole, open, outer: areas of the hole, of the last annulus and of the last element [m2]; hole 0: no annulus.
+    hole, open, outer: areas of the hole, of the last annulus and of the last element [m2]; hole 0: no
+    annulus.
     elasticity: compliance d(ln content)/dp of the chamber's walls [1/Pa].
     volume: of the chamber with the bit on bottom [m3] (manual: eq-mud-chamber).
     face: distance of the face below the last node [m]; on bottom the face is at ``end``.
@@ -78,10 +79,10 @@ class BitFlow(Component):
 
     node: the last one; end: data of the lower end; fluid: constants.
     held_at: (n+1, 3) positions of the nodes of a held string [m], None for a string that moves.
-    moving_hole: the hole around a moving string, where size and direction depend on the position; None: they remain
-    those at the start.
-    hole: the growing hole, whose end moves by the fields hole.end (3,) [m] and hole.drilled [m] of the bit; None: the
-    hole does not grow.
+    moving_hole: the hole around a moving string, where size and direction depend on the position; None: they
+    remain those at the start.
+    hole: the growing hole, whose end moves by the fields hole.end (3,) [m] and hole.drilled [m] of the bit;
+    None: the hole does not grow.
     """
 
     name = "bit_flow"
@@ -190,8 +191,8 @@ class BitFlow(Component):
     def _look(self, state, keep: bool) -> None:
         """Evaluate size and direction of the hole at the last node and at the hole's end.
 
-        keep: during a run the volume of the chamber does not change, and only its further rate of change is that of the
-        new size.  Otherwise the volume becomes that of the hole below the bit.
+        keep: during a run the volume of the chamber does not change, and only its further rate of change is
+        that of the new size.  Otherwise the volume becomes that of the hole below the bit.
         """
         around, block = self.moving_hole, self._block
         if around is None or not self.has_annulus or self.held_at is not None or not len(block.points):
@@ -240,7 +241,10 @@ class BitFlow(Component):
             self._block.params[:], self._depth, self._size = row[:-2], float(row[-2]), float(row[-1])
 
     def _gap(self, p: FloatArray, x: FloatArray) -> float:
-        """Compute the distance from the bit's face to the hole's end [m], with parameters ``p`` and unknowns ``x`` of the block."""
+        """Compute the distance from the bit's face to the hole's end [m].
+
+        With parameters ``p`` and unknowns ``x`` of the block.
+        """
         end = p[_END] + (x[-4:-1] if self.growing is not None else 0.0)
         return float((end - x[:3] - x[3:6] * (p[_FACE] / np.linalg.norm(x[3:6]))) @ p[_AXIS])
 
@@ -254,8 +258,8 @@ class BitFlow(Component):
     def figures(self, state) -> FloatArray:
         """Compute (7,) results, zero on ranks without the bit.
 
-        Dissipated power [W], flow [m3/s], kinetic and stored energy [J], content [m3] and potential energy [J] of the
-        chamber, cuttings into the chamber [m3/s at zero pressure].
+        Dissipated power [W], flow [m3/s], kinetic and stored energy [J], content [m3] and potential energy
+        [J] of the chamber, cuttings into the chamber [m3/s at zero pressure].
         """
         out = np.zeros((1, 7))
         if len(self._block.points):
@@ -275,7 +279,10 @@ class BitFlow(Component):
         return Energies(float(kinetic), float(stored), float(potential))
 
     def powers(self, t: float, state) -> Powers:
-        """Compute the power lost in the nozzles; without an annulus the power of the jet is work done outside."""
+        """Compute the power lost in the nozzles.
+
+        Without an annulus the power of the jet is work done outside.
+        """
         lost, flow, *_ = self.figures(state)
         if not self.has_link:
             return Powers()

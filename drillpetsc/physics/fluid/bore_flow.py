@@ -1,4 +1,6 @@
-"""Drilling fluid in the bore of the string, pumped in at its upper end (kernels/fluid/bore_flow.hpp; manual: sec-mud)."""
+"""Drilling fluid in the bore of the string, pumped in at its upper end (kernels/fluid/bore_flow.hpp; manual:
+sec-mud).
+"""
 
 from __future__ import annotations
 

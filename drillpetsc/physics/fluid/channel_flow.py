@@ -73,7 +73,9 @@ class FluidConstants:
         self.address = ctypes.addressof(record)
 
     def enthalpy(self, pressure: FloatArray | float) -> FloatArray | float:
-        """Compute the flow work of a pressure [Pa] per volume at zero pressure [J/m3] (manual: sec-mud-energy).
+        """Compute the flow work of a pressure [Pa] per volume at zero pressure [J/m3].
+
+        Manual: sec-mud-energy.
 
         It is int dp rho0/rho = K (1 - exp(-p/K)).
         """
@@ -121,7 +123,10 @@ class ChannelFlow(Component):
         raise NotImplementedError
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
-        """Blocks of the local cells: below a junction or not; those of a held string have none of its unknowns."""
+        """Blocks of the local cells: below a junction or not.
+
+        Those of a held string have none of its unknowns.
+        """
         m, own = self.mesh, self.own_slots()
         junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
         self._part, self._blocks, self._reports = part, [], []
@@ -168,8 +173,8 @@ class ChannelFlow(Component):
     def figures(self, state) -> FloatArray:
         """Compute (nc, 9) for the local elements: the columns of ``FIGURES``.
 
-        Energies [J], dissipated power [W], content and storage as volume at zero pressure [m3, m3/s], speed [m/s],
-        density [kg/m3].
+        Energies [J], dissipated power [W], content and storage as volume at zero pressure [m3, m3/s], speed
+        [m/s], density [kg/m3].
         """
         if self._taken is not None:
             return self._taken
@@ -190,7 +195,10 @@ class ChannelFlow(Component):
         return out
 
     def upper_flow(self, state) -> float | None:
-        """Compute the flow rate into the channel's upper end from the mass balance [m3/s]; None on ranks without the end."""
+        """Compute the flow rate into the channel's upper end from the mass balance [m3/s].
+
+        None on ranks without the end.
+        """
         if self._top is None:
             return None
         block, row = self._top

@@ -1,7 +1,7 @@
 """Channels of the drilling fluid: bore and annulus of each element, from string, hole and materials.
 
-A rigid item between two elements is part of the channel of the element below it.  The volume of its metal, mass over
-density, is taken from hole and bore, independent of the shape of its blades.
+A rigid item between two elements is part of the channel of the element below it.  The volume of its metal,
+mass over density, is taken from hole and bore, independent of the shape of its blades.
 """
 
 from __future__ import annotations
@@ -88,13 +88,18 @@ def poisson(case: Case, mesh: StringMesh) -> FloatArray:
 
 
 def _constants(case: Case, number: int) -> tuple[float, float]:
-    """Return Young's modulus [Pa] and Poisson's ratio of a string item; an item given by stiffnesses has a rigid wall."""
+    """Return Young's modulus [Pa] and Poisson's ratio of a string item.
+
+    An item given by stiffnesses has a rigid wall.
+    """
     item = case.string[number]
     return (item.material.young, item.material.poisson) if isinstance(item, Pipe) else (np.inf, 0.0)
 
 
 def _rigid_runs(case: Case, mesh: StringMesh) -> tuple[FloatArray, FloatArray]:
-    """Compute (n+1, 2) mean bore and metal area [m2] of the rigid items at each node, and (n+1,) their metal volume [m3]."""
+    """Compute (n+1, 2) mean bore and metal area [m2] of the rigid items at each node, and (n+1,) their metal
+    volume [m3].
+    """
     area, volume, length = np.zeros((mesh.nodes, 2)), np.zeros(mesh.nodes), np.zeros(mesh.nodes)
     items = [item for item in case.string if isinstance(item, Rigid)]
     for item, body in zip(items, mesh.bodies, strict=True):
@@ -141,7 +146,10 @@ class HoleVolume:
         return half * (self.area(middle[..., None] + half[..., None] * _GAUSS[0]) @ _GAUSS[1])
 
     def area(self, md: FloatArray | float) -> FloatArray:
-        """Compute the area (...) [m2] at md (...) [m]; beyond the ends of the hole it is that of the nearest section."""
+        """Compute the area (...) [m2] at md (...) [m].
+
+        Beyond the ends of the hole it is that of the nearest section.
+        """
         return np.pi * np.asarray(self.well.radius(md)) ** 2
 
     def volume(self, md: FloatArray) -> FloatArray:
@@ -155,7 +163,8 @@ class AnnulusWalls:
     """Walls of the annulus: string and rock.
 
     outer, inner: (n,) radii of the elements [m]; young: (n,) [Pa]; poisson: (n,) [-].
-    outer_above: (n,) mean section of the rigid items above the element [m2]; rigid_above: (n,) their length [m].
+    outer_above: (n,) mean section of the rigid items above the element [m2]; rigid_above: (n,) their length
+    [m].
     section_to: (m,) lower end of each hole section [m]; give: (m,) compliance of its rock, (1 + nu)/E [1/Pa].
     elastic: the walls are elastic, else rigid.
     """
@@ -173,9 +182,9 @@ class AnnulusWalls:
     def annulus(self, hole: HoleVolume, e: np.ndarray, upper: FloatArray, lower: FloatArray) -> Annulus:
         """Create the annulus of the elements ``e`` (k,) between measured depths ``upper`` and ``lower`` (k,) [m].
 
-        Compliance (Lame; manual: eq-mud-wall-annulus):
-        2/(Rw^2 - Ro^2) {Rw^2 (1 + nu_r)/E_r + (Ro^2/E) [(Ro^2 + Ri^2)/(Ro^2 - Ri^2) - nu]}.  The first term is that of
-        infinite rock; it is left out where a section has no compliance (a rigid wall).
+        Compliance (Lame; manual: eq-mud-wall-annulus): 2/(Rw^2 - Ro^2) {Rw^2 (1 + nu_r)/E_r + (Ro^2/E) [(Ro^2
+        + Ri^2)/(Ro^2 - Ri^2) - nu]}.  The first term is that of infinite rock; it is left out where a section
+        has no compliance (a rigid wall).
         """
         top, outer, inner, wall = (
             upper - self.rigid_above[e],

@@ -1,11 +1,12 @@
 """Flow in the channels by volumes, as in the reference formulation (``formulation: hermite``).
 
-Kernel: kernels/fluid/hermite/hermite_flow.hpp.  Manual: eq-mud-hermite, eq-mud-hermite-momentum, sec-paper-source.
+Kernel: kernels/fluid/hermite/hermite_flow.hpp.  Manual: eq-mud-hermite, eq-mud-hermite-momentum,
+sec-paper-source.
 
-Unknowns at every node: the volume that has passed it in excess of a reference flow Q(t), and the pressure (with the
-heads of the flow's speed since the channel's uppermost element).  Q is arbitrary as long as volumes stay small.  Here it
-is the pump's flow with its jumps distributed over a second, in the annulus with the other sign, so that steady
-circulation is a state of rest.
+Unknowns at every node: the volume that has passed it in excess of a reference flow Q(t), and the pressure
+(with the heads of the flow's speed since the channel's uppermost element).  Q is arbitrary as long as volumes
+stay small.  Here it is the pump's flow with its jumps distributed over a second, in the annulus with the
+other sign, so that steady circulation is a state of rest.
 """
 
 from __future__ import annotations
@@ -49,7 +50,8 @@ _TANGENTS = slice(18, 24)
 class Reference:
     """The pump's flow q(t) [m3/s] without jumps.
 
-    It is q(t) - sum of D_k (1 + cos(pi (t - t_k)/W))/2 over the jumps D_k at t_k within the last W = ``WINDOW`` [s].
+    It is q(t) - sum of D_k (1 + cos(pi (t - t_k)/W))/2 over the jumps D_k at t_k within the last W =
+    ``WINDOW`` [s].
     """
 
     flow: TimeFunction
@@ -125,8 +127,8 @@ def volumes_at_rest(
 ) -> dict[str, FloatArray]:
     """Compute nodal volumes (n+1,) [m3] by field of fluid at rest under the pressures level + ``head`` (n+1,) [Pa].
 
-    The volume is zero at the pump.  From there it decreases by the volumes that each element and the chamber store.
-    The pressure is linear between the nodes.
+    The volume is zero at the pump.  From there it decreases by the volumes that each element and the chamber
+    store. The pressure is linear between the nodes.
     """
     out, passed = {}, 0.0
     pressure = level + head
@@ -144,7 +146,9 @@ def volumes_at_rest(
 
 
 def _taken_up(component: HermiteBore | HermiteAnnulus, wall: FloatArray, pressure: FloatArray) -> FloatArray:
-    """Compute the stored volume (n,) of each element [m3]: content at ``pressure`` (n+1,) [Pa] minus that at zero pressure."""
+    """Compute the stored volume (n,) of each element [m3]: content at ``pressure`` (n+1,) [Pa] minus that at
+    zero pressure.
+    """
     m = component.mesh
     length = m.length + m.rigid_above
     ends = [
@@ -218,7 +222,10 @@ class HermiteBore(BoreFlow):
         return float(state.y[state.index_of(block)[row, -4]]) + self._now
 
     def pumped(self, t: float, state) -> float | None:
-        """Return the inflow by the formula of the time integrator [m3/s], with which the mass balance is exact."""
+        """Return the inflow by the formula of the time integrator [m3/s].
+
+        With which the mass balance is exact.
+        """
         return self.upper_flow(state)
 
     def upper_pressure(self, state) -> float:
@@ -235,8 +242,8 @@ class HermiteBore(BoreFlow):
 class HermiteAnnulus(AnnulusFlow):
     """Annulus with the pump's flow upwards as reference flow.
 
-    Its sizes remain those at the start: the pressure follows from the content of an element, and would jump with it.
-    Arguments as in ``AnnulusFlow``; pump: its flow over time [m3/s].
+    Its sizes remain those at the start: the pressure follows from the content of an element, and would jump
+    with it. Arguments as in ``AnnulusFlow``; pump: its flow over time [m3/s].
     """
 
     resizes = False
@@ -378,8 +385,8 @@ class HermiteBit(BitFlow):
     def missing_volume(self, state) -> tuple[float, float] | None:
         """Compute volume [m3] and volume rate [m3/s] at zero pressure to add to the annulus' volumes.
 
-        With the volume the chamber has the annulus' lowest pressure; with the rate it keeps this pressure while the bit
-        moves.  Both are zero on ranks without the bit.
+        With the volume the chamber has the annulus' lowest pressure; with the rate it keeps this pressure
+        while the bit moves.  Both are zero on ranks without the bit.
         """
         index, e = state.index_of(self._block), self.end
         if not self.has_annulus or not len(index):

@@ -1,11 +1,12 @@
 """The hole around a string that moves along it: measured depths of the nodes, and the volume of hole above each.
 
-Manual: sec-mud-moving, eq-mud-swept.  A node at measured depth s has the volume W of hole above it, and
-dW/dt = a ds/dt with the hole's area a at the node.  An element between two nodes has W2 - W1, and the chamber under the
-bit has the volume below the last node, so no volume is lost between them.  The rows of mass contain these rates
-(WIDENING in kernels/fluid/annulus_flow.hpp is a2 - a1 over the length); where the hole is wider or narrower at the new
-position, mud flows in or out.  When the geometry is re-evaluated, W has changed by a ds, which is what the rates have
-integrated to; mass is conserved for any a.  a is chosen so that W becomes the hole's true volume ``AHEAD`` further on.
+Manual: sec-mud-moving, eq-mud-swept.  A node at measured depth s has the volume W of hole above it, and dW/dt
+= a ds/dt with the hole's area a at the node.  An element between two nodes has W2 - W1, and the chamber under
+the bit has the volume below the last node, so no volume is lost between them.  The rows of mass contain these
+rates (WIDENING in kernels/fluid/annulus_flow.hpp is a2 - a1 over the length); where the hole is wider or
+narrower at the new position, mud flows in or out.  When the geometry is re-evaluated, W has changed by a ds,
+which is what the rates have integrated to; mass is conserved for any a.  a is chosen so that W becomes the
+hole's true volume ``AHEAD`` further on.
 """
 
 from __future__ import annotations
@@ -29,12 +30,15 @@ OTHER_SIZE = (
 
 @dataclass(frozen=True)
 class LateralCoefficients:
-    """Coefficients of the mud's force on a string that moves across the hole and rotates (manual: sec-mud-added-mass).
+    """Coefficients of the mud's force on a string that moves across the hole and rotates.
+
+    Manual: sec-mud-added-mass.
 
     added: (n,) added mass over displaced mass [-]; damping: (n,) [N s/m2].
     turning: (n,) torque per length and spin [N s].
-    by_eccentricity(eccentricity, outer, hole): added mass (k,) at eccentricities (k,) from 0 to 1, of elements of outer
-    diameters (k,) [m] in holes of diameters (k,) [m]; None: independent of the eccentricity.
+    by_eccentricity(eccentricity, outer, hole): added mass (k,) at eccentricities (k,) from 0 to 1, of
+    elements of outer diameters (k,) [m] in holes of diameters (k,) [m]; None: independent of the
+    eccentricity.
     """
 
     added: FloatArray
@@ -50,8 +54,8 @@ class MovingHole:
     current_well(): the present hole, a new object whenever it has grown.
     sideways(annulus): coefficients of the mud's force on elements of this annulus.
 
-    At the last evaluation of the hole at a node, (nv,) each: depth, measured [m]; volume of hole above it [m3]; area
-    [m2]; ahead: motion for which these values are valid [m].
+    At the last evaluation of the hole at a node, (nv,) each: depth, measured [m]; volume of hole above it
+    [m3]; area [m2]; ahead: motion for which these values are valid [m].
     """
 
     def __init__(
@@ -93,8 +97,8 @@ class MovingHole:
         """Re-evaluate the hole at the nodes that have moved; returns their mask (nv,).
 
         depths: (nv,) present measured depths of the nodes [m].
-        keep: volumes change by the integral of the rates.  A node that has moved further than ``ahead`` gets the true
-        volume.  Without ``keep`` all volumes are those of the hole.
+        keep: volumes change by the integral of the rates.  A node that has moved further than ``ahead`` gets
+        the true volume.  Without ``keep`` all volumes are those of the hole.
         """
         if not self.placed:
             self.depth, (self.volume, self.area, self.ahead), keep = (
@@ -118,7 +122,9 @@ class MovingHole:
         return moved
 
     def sizes(self, ends: np.ndarray) -> tuple[FloatArray, FloatArray]:
-        """Compute the mean area of the hole (k,) [m2] between nodes ``ends`` (k, 2), and its change with their depth (k,) [m]."""
+        """Compute the mean area of the hole (k,) [m2] between nodes ``ends`` (k, 2), and its change with
+        their depth (k,) [m].
+        """
         first, second = ends.T
         length = self.depth[second] - self.depth[first]
         return (self.volume[second] - self.volume[first]) / length, (

@@ -1,8 +1,9 @@
 """Rheology of the drilling fluid and its wall friction in pipe and annulus (manual: sec-mud-friction).
 
-`Rheology` is plain data; `Rheology.parameters()` is the flat array of kernel arguments.  The wall shear stress tau
-is signed and odd in the mean speed w.  It has a continuous derivative through zero flow and through the transition to
-turbulence.  The pressure falls by 4 tau / d_h per length, with d_h the bore, or the hole minus the string diameter.
+`Rheology` is plain data; `Rheology.parameters()` is the flat array of kernel arguments.  The wall shear
+stress tau is signed and odd in the mean speed w.  It has a continuous derivative through zero flow and
+through the transition to turbulence.  The pressure falls by 4 tau / d_h per length, with d_h the bore, or the
+hole minus the string diameter.
 
 Models: tau = tau_y + K gamma^n (newtonian, power_law, bingham, herschel_bulkley are its cases), and casson,
 sqrt(tau) = sqrt(tau_y) + sqrt(K gamma).  Laws, alpha = 0 pipe, 1 annulus (a slot):
@@ -22,8 +23,8 @@ number, f = 16/Re in a
 exact   tau_lam from the integrated profile of the pipe (Rabinowitsch, Buckingham) or of the slot; transition
 and turbulence as blend.
 
-The flow index n of a Casson fluid is 1.  A gel below its yield stress creeps, since `shear_rate_eps` smooths the
-yield.  The constants a and b are those of n = 0.05 for any smaller index.
+The flow index n of a Casson fluid is 1.  A gel below its yield stress creeps, since `shear_rate_eps` smooths
+the yield.  The constants a and b are those of n = 0.05 for any smaller index.
 """
 
 from __future__ import annotations
@@ -153,7 +154,10 @@ class Rheology:
 def wall_shear_and_slope(
     law: Rheology, speed: ArrayLike, diameter: ArrayLike, annulus: ArrayLike, density: ArrayLike
 ) -> tuple[Array, Array]:
-    """Compute the wall shear stress [Pa] and its derivative by the speed [Pa s/m]; arguments as in `wall_shear`."""
+    """Compute the wall shear stress [Pa] and its derivative by the speed [Pa s/m].
+
+    Arguments as in `wall_shear`.
+    """
     values = np.broadcast_arrays(speed, diameter, np.asarray(annulus, dtype=bool), density)
     shape = values[0].shape
     flat = [np.ascontiguousarray(v, dtype=float).reshape(-1) for v in values]
@@ -166,7 +170,9 @@ def wall_shear_and_slope(
 def wall_shear(
     law: Rheology, speed: ArrayLike, diameter: ArrayLike, annulus: ArrayLike, density: ArrayLike
 ) -> Array:
-    """Compute the signed wall shear stress [Pa] (manual: eq-mud-laminar, eq-mud-blend).  All arguments broadcast.
+    """Compute the signed wall shear stress [Pa] (manual: eq-mud-laminar, eq-mud-blend).
+
+    All arguments broadcast.
 
     law: rheology; speed: mean speed [m/s].
     diameter: hydraulic diameter [m], the bore, or hole minus string diameter.
@@ -207,7 +213,9 @@ def from_dial_readings(R600: float, R300: float, R100: float, R3: float) -> Dial
 def eccentricity_factor(
     eccentricity: ArrayLike, diameter_ratio: ArrayLike, index: float, turbulent: bool = False
 ) -> Array:
-    """Compute the pressure loss of an eccentric annulus over that of the concentric one [-] (manual: sec-mud-eccentricity).
+    """Compute the pressure loss of an eccentric annulus over that of the concentric one [-].
+
+    Manual: sec-mud-eccentricity.
 
     Haciislamoglu and Langlinais, "Non-Newtonian flow in eccentric annuli", J. Energy Resour. Technol. 112,
     1990, 163-169, and Haciislamoglu and Cartalos, SPE 28304, 1994, for turbulent flow; the coefficients are

@@ -2,9 +2,10 @@
 
 Kernel: kernels/quaternion/quaternion_beam.hpp.  Manual: sec-quaternion, sec-paper-source.
 
-A multiplier keeps the Euler parameters at unit length, which makes the equations a DAE (manual: eq-quat-constraint).
-The constraint is on positions (index 3), on velocities (index 2, the length drifts), or on velocities with a
-projection after each step (stabilized: coordinate projection, Eich, SIAM J. Numer. Anal. 30, 1993).
+A multiplier keeps the Euler parameters at unit length, which makes the equations a DAE (manual:
+eq-quat-constraint). The constraint is on positions (index 3), on velocities (index 2, the length drifts), or
+on velocities with a projection after each step (stabilized: coordinate projection, Eich, SIAM J. Numer. Anal.
+30, 1993).
 """
 
 from __future__ import annotations
@@ -35,8 +36,8 @@ NODE_SLOTS = tuple((name, 0) for name in NODE)
 GAUGE_NODE = ("string.position", "string.tangent", "string.spin")
 LEVELS = {"index3": 3.0, "index2": 2.0, "stabilized": 2.0}
 ROW_SCALE = 1.0e6  # of constraint rows, so that one norm fits them and the forces
-# scale of a multiplier, which is linear in the rows and correct where the motion is; its rounding error grows as
-# 1/step^2, so it takes no part in error control
+# scale of a multiplier, which is linear in the rows and correct where the motion is; its rounding error grows
+# as 1/step^2, so it takes no part in error control
 UNCONTROLLED_SCALE = 1.0e30
 
 
@@ -64,7 +65,10 @@ def turned(q: FloatArray, angle: FloatArray | float) -> FloatArray:
 
 
 def spun(q: FloatArray) -> FloatArray:
-    """Compute the product q e1 (n, 4); half of it per rad/s is the rate of a q that spins about its first axis."""
+    """Compute the product q e1 (n, 4).
+
+    Half of it per rad/s is the rate of a q that spins about its first axis.
+    """
     w, x, y, z = np.moveaxis(q, -1, 0)
     return np.stack([-x, w, z, -y], axis=-1)
 
@@ -80,7 +84,8 @@ class QuaternionBeam(Beam):
 
     mesh: of the string; frames: at its nodes at the start; gravity: (3,) [m/s2].
     constraint: ``index3``, ``index2`` or ``stabilized`` (manual: sec-quaternion-constraints).
-    finest_motion: penetration of impacts into the wall [m], infinite without contact; a limit of the position scale.
+    finest_motion: penetration of impacts into the wall [m], infinite without contact; a limit of the position
+    scale.
     """
 
     name = "beam"
@@ -116,7 +121,10 @@ class QuaternionBeam(Beam):
         )
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
-        """Blocks of the local cells of ``part`` (a Chain), with and without damping, and of the nodes' unit lengths."""
+        """Blocks of the local cells of ``part`` (a Chain).
+
+        With and without damping, and of the nodes' unit lengths.
+        """
         m, e, self._part = self.mesh, part.cells, part
         damped = (m.stiffness_damping != 0) | (m.mass_damping != 0)
         self._elements = []
@@ -160,10 +168,13 @@ class QuaternionBeam(Beam):
         return np.ascontiguousarray(np.column_stack(columns))
 
     def translate(self, block: ElementBlock) -> ElementBlock:
-        """Rewrite a block from the ANCF element's unknowns to those of this element (manual: sec-quaternion-view).
+        """Rewrite a block from the ANCF element's unknowns to those of this element.
 
-        Other blocks are returned unchanged.  The parameters are shared, so that a component updates both with its own.
-        ``Assembly.index_of`` gives that component the derived fields.  Kernel: kernels/quaternion/on_quaternion.hpp.
+        Manual: sec-quaternion-view.
+
+        Other blocks are returned unchanged.  The parameters are shared, so that a component updates both with
+        its own. ``Assembly.index_of`` gives that component the derived fields.  Kernel:
+        kernels/quaternion/on_quaternion.hpp.
         """
         if not any(name in self.derived_fields for name, _ in block.slots):
             return block
@@ -200,7 +211,9 @@ class QuaternionBeam(Beam):
         system.set_field("string.quaternion", self.start)
 
     def set_rigid_motion(self, system, tangent: FloatArray, lowering: float, rotation: float) -> None:
-        """Set the velocity of every node to ``lowering`` [m/s] along ``tangent`` and its spin to ``rotation`` [rad/s]."""
+        """Set the velocity of every node to ``lowering`` [m/s] along ``tangent`` and its spin to ``rotation``
+        [rad/s].
+        """
         q = np.zeros((self.mesh.nodes, 4))
         q[system.chain.vertices] = 0.5 * rotation * spun(system.field("string.quaternion"))
         system.set_field("string.position", lowering * tangent, "y")
@@ -212,7 +225,10 @@ class QuaternionBeam(Beam):
         self._length.params[:, 0] = 3.0 if hold else LEVELS[self.constraint]
 
     def restore_constraints(self, state) -> None:
-        """Project onto unit length, with no rate along it, after a solve in the stabilized form (manual: eq-quat-constraint)."""
+        """Project onto unit length, with no rate along it, after a solve in the stabilized form.
+
+        Manual: eq-quat-constraint.
+        """
         at = state.layout.dofs["string.quaternion"]
         q, rate = state.x[at], state.y[at]
         q = q / np.linalg.norm(q, axis=1, keepdims=True)

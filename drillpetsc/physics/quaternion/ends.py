@@ -34,7 +34,8 @@ class ConstrainedEnd(Top):
     """End with prescribed position and orientation: clamped, pinned, or moved by a top drive.
 
     vertex: its node; nodes: of the string.
-    places: number of prescribed positions: 3 along the tangent and across, 2 across only (the axial force is a load).
+    places: number of prescribed positions: 3 along the tangent and across, 2 across only (the axial force is
+    a load).
     turns: number of prescribed rotations: 3 the section, 1 its spin about the tangent, 0 none (manual:
     eq-quat-orientation).
     position: (3,) [m]; orientation: (4,) unit quaternion; tangent: (3,) unit; all at time 0.
@@ -148,7 +149,10 @@ class ConstrainedEnd(Top):
 
     # ------------------------------------------------------------------ results
     def reaction(self, name: str, state) -> float:
-        """Return the reaction ``name`` on the string, a force [N] or a moment [N m]; zero on ranks without the end."""
+        """Return the reaction ``name`` on the string, a force [N] or a moment [N m].
+
+        Zero on ranks without the end.
+        """
         if name not in self.names or not len(self._block.points):
             return 0.0
         return float(state.x[state.index_of(self._block)[0, 7 + self.names.index(name)]])
