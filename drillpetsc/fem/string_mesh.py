@@ -41,7 +41,7 @@ class RigidItem:
 
 @dataclass(frozen=True)
 class StringJoint:
-    """A joint: a cell without length between two nodes at the same place.
+    """A joint: a cell without length between two nodes at the same position.
 
     depth: measured depth [m].
     kind: word of the case file; cell: number of the joint's cell from the top.

@@ -82,7 +82,7 @@ def refine_stations(well: Well, md: ArrayLike, within: float = SURVEY_TOLERANCE)
     """
     s = np.asarray(md, dtype=float)
     x, t, _ = well.at(s)
-    half = np.maximum(0.5 * dogleg(t[:-1], t[1:]), 1e-9)  # tan(x)/x is 1 from there down
+    half = np.maximum(0.5 * dogleg(t[:-1], t[1:]), 1e-9)  # below this tan(x)/x is 1 up to rounding
     arc = 0.5 * (np.diff(s) * np.tan(half) / half)[:, None] * (t[:-1] + t[1:])
     missed = np.linalg.norm(np.diff(x, axis=0) - arc, axis=1)
     pieces = np.maximum(np.ceil(np.sqrt(missed / within)), 1).astype(int)

@@ -75,6 +75,7 @@ class Well:
         section_radius: ArrayLike,
         section_friction: ArrayLike,
         section_kind: Sequence[str] | None = None,
+        *,
         max_step: float = MAX_STEP,
         max_angle: float = MAX_ANGLE,
     ) -> Well:

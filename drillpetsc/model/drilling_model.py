@@ -131,7 +131,14 @@ def build_model(case: Case, comm: PETSc.Comm | None = None) -> DrillingModel:
         mesh = replace(mesh, junction=np.zeros(0, dtype=bool))
         contact, bit = _contact(case, mesh, well, QuaternionContact), _bit(case, mesh, well)
         beam, top, components = quaternion_components(
-            case, mesh, frames, position, tangent, _loads(case, mesh, tangent), breaks, contact
+            case,
+            mesh,
+            frames,
+            position=position,
+            tangent=tangent,
+            loads=_loads(case, mesh, tangent),
+            breaks=breaks,
+            contact=contact,
         )
         if mesh.bodies or mesh.eccentricity.any():
             components.append(RigidBodies(mesh, frames, np.array(case.gravity, dtype=float)))

@@ -186,7 +186,7 @@ class Contact(Component):
         self._part = part
         self._touching: list[np.ndarray] = []
         self._row_of: dict[int, FloatArray] | None = (
-            None  # normal forces at the points of a local cell, once asked for
+            None  # normal forces at the points of a local cell, filled at the first use
         )
         self._normal: list[np.ndarray] = []
         self._blocks: list[ElementBlock] = []

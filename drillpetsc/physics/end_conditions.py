@@ -213,7 +213,7 @@ class NodeLoad:
     """Load at a node.
 
     force: (3,) [N]; moment: (3,) [N m].
-    slope: (3,) dead force on the slope [N m], part of a load along the elements.
+    slope: (3,) dead load on the slope [N m], part of a load along the elements.
     section: components are along (tangent, director 2, director 3) instead of global axes.
     factor(t): factor over time [s], None: 1.
     """

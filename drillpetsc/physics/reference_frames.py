@@ -19,7 +19,9 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.geometry.frames import Frames, reference_change, smallest_rotation
 
-REFERENCE_LIMIT_COSINE = -0.5  # cosine between gauge and tangent below which a gauge is renewed
+REFERENCE_LIMIT_COSINE = (
+    -0.5
+)  # largest cosine between reference direction and tangent at which it is replaced
 
 
 def renew_reference_frames(system: DiscreteSystem, frames: Frames, twists: Callable[[], FloatArray]) -> bool:

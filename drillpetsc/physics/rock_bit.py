@@ -24,7 +24,7 @@ _rate = function("rock_rate", "pppddp")
 
 CHIPS = 12  # states of the rock's profile ahead of a blade (ProfileBit of kernels/bit/bit.cpp)
 RING_DAMPING = (
-    4.0  # of the shortest wave of that profile, by its length; 3 to 6 keep every wave of a ring from growing
+    4.0  # damping of the profile's shortest wave, times its length; with 3 to 6 no wave grows on a ring
 )
 LAYER_WIDTH = 0.1  # length of the transition between layers [m]
 ON_ROCK = -1e-5  # depth at which the bit begins to touch [m]: RAMP of kernels/contact/contact.hpp

@@ -403,7 +403,7 @@ class StaticNewton:
         Collective.
 
         Friction is what the components have set: off, or in an imposed direction.  With an energy, a result
-        from full Newton steps is stable; after a minimisation ``negative_pivots`` tells whether it is.
+        from full Newton steps is stable; after a minimisation ``negative_pivots`` shows whether it is.
         Raises SolveError where neither converges.
         """
         report = report or Equilibrium()

@@ -289,7 +289,7 @@ class BitFlow(Component):
         e, mass = self.end, self.fluid.density * flow
         arriving = (
             0.5 * mass * (flow / e.bore) ** 2
-        )  # kinetic power from the bore; the pressure loss of a nozzle accelerates the jet anew
+        )  # kinetic power from the bore; the pressure loss of a nozzle accelerates the jet again
         if (
             self.has_annulus
         ):  # the jet comes to rest in the chamber, from which the annulus accelerates the flow

@@ -23,9 +23,7 @@ from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, HoleVolume
 
 REFRESH = 0.01  # motion of a node after which the hole is re-evaluated [m]; 3 deg/30 m turn the hole by 2e-5 over it
 AHEAD = 0.5  # [m], as long as the shortest transition of a hole between two diameters
-OTHER_SIZE = (
-    0.01  # relative change of the hole's diameter after which added mass and damping are worked out anew
-)
+OTHER_SIZE = 0.01  # relative change of the hole's diameter after which added mass and damping are recomputed
 
 
 @dataclass(frozen=True)
