@@ -1,10 +1,10 @@
 """Checkpoints: the complete state of a run in one file, which is written completely or not at all.
 
-A restarted run continues as an uninterrupted one (manual: sec-time-restart).  The file is HDF5 behind a first block of
-512 bytes (a user block, which HDF5's readers skip).  The block contains the kind, the version and the SHA-256 of all
-that follows, so that incomplete and damaged files are refused before any value is used.  Arrays are in depth order, so
-that another number of ranks can read them.  Only the entries of the factorisation are stored by rank
-(solvers/newton.py).
+A restarted run continues as an uninterrupted one (manual: sec-time-restart).  The file is HDF5 behind a first
+block of 512 bytes (a user block, which HDF5's readers skip).  The block contains the kind, the version and
+the SHA-256 of all that follows, so that incomplete and damaged files are refused before any value is used.
+Arrays are in depth order, so that another number of ranks can read them.  Only the entries of the
+factorisation are stored by rank (solvers/newton.py).
 """
 
 from __future__ import annotations

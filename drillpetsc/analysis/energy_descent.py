@@ -62,7 +62,8 @@ def stable_state(
 ) -> None:
     """Find a stable state: Newton's method, else minimisation of the energy; collective.
 
-    From a saddle of the energy a small persistent lateral load leads to a minimum (manual: sec-statics-descent).
+    From a saddle of the energy a small persistent lateral load leads to a minimum (manual:
+    sec-statics-descent).
 
     soft: results of the soft string, None without one.
     report: gets iterations, increments and imperfection.
@@ -175,7 +176,10 @@ def _minimise_with_stiffening(
     factors: tuple[float, ...],
     max_iterations: int,
 ) -> None:
-    """Minimise the energy at each contact stiffness, in the order of ``factors``; the last state has factor 1."""
+    """Minimise the energy at each contact stiffness, in the order of ``factors``.
+
+    The last state has factor 1.
+    """
     for factor in factors:
         if model.contact is not None:
             model.contact.set_stiffness(factor)
@@ -189,9 +193,10 @@ def _minimise_with_stiffening(
 def stiffness_steps(model: DrillingModel, soft: TorqueDrag | None) -> tuple[float, ...]:
     """Compute the factors of the contact stiffness, rising to 1 (manual: eq-statics-softest).
 
-    At the first one the most loaded part penetrates the wall by ``FIRST_PENETRATION`` of its radial clearance.
-    Loads per length: weight, lateral load of the soft string, and r F^2/4EI of a helix under the largest compression F
-    with the clearance r (Lubinski, Althouse and Logan, JPT 14(6), 1962).
+    At the first one the most loaded part penetrates the wall by ``FIRST_PENETRATION`` of its radial
+    clearance.
+    Loads per length: weight, lateral load of the soft string, and r F^2/4EI of a helix under the largest
+    compression F with the clearance r (Lubinski, Althouse and Logan, JPT 14(6), 1962).
     """
     gap, contact, mesh = clearance(model), model.case.contact, model.mesh
     if model.contact is None:

@@ -62,11 +62,14 @@ class StaticState:
 def director_equilibrium(
     model: DrillingModel, motion: tuple[float, float] | None = None, lateral_friction: bool = True
 ) -> StaticState:
-    """Find the static equilibrium with friction against ``motion`` (manual: sec-statics-sequence); collective.
+    """Find the static equilibrium with friction against ``motion``; collective.
 
-    motion: axial velocity [m/s, down positive] and rotation [rad/s]; by default what the top prescribes at time 0.
-    lateral_friction: friction across the pipe pushes a turning pipe up the wall; without it only its torque acts, as
-    in torque-and-drag models.
+    Manual: sec-statics-sequence.
+
+    motion: axial velocity [m/s, down positive] and rotation [rad/s]; by default what the top prescribes at
+    time 0.
+    lateral_friction: friction across the pipe pushes a turning pipe up the wall; without it only its torque
+    acts, as in torque-and-drag models.
 
     Raises SolveError where no equilibrium is found, CaseError where the weight on bit cannot be met.
     """
@@ -123,7 +126,8 @@ def _newton_with_friction(
     """Try Newton's method with friction from the soft-string solution, which already contains it.
 
     A turning string is first solved without lateral friction, then with its ``fraction``.
-    Returns the lateral friction fraction reached, or None with the state restored where no stable equilibrium is found.
+    Returns the lateral friction fraction reached, or None with the state restored where no stable equilibrium
+    is found.
     """
     start, reached = Snapshot(model), None
     for trial in sorted({fraction if state.motion[1] else 1.0, 0.0 if state.motion[1] else 1.0}):
@@ -147,7 +151,10 @@ def _newton_with_friction(
 def _add_friction(
     model: DrillingModel, solver: StaticNewton, components, state: StaticState, lateral_friction: bool
 ) -> float:
-    """Find the equilibrium with friction from the frictionless one; returns the lateral friction fraction reached."""
+    """Find the equilibrium with friction from the frictionless one.
+
+    Returns the lateral friction fraction reached.
+    """
     start, fraction = Snapshot(model), 1.0 if lateral_friction else 0.0
     for component in components:
         component.impose_sliding_direction(*state.motion, fraction)
@@ -263,11 +270,12 @@ def couple_flow_and_string(
 ) -> None:
     """Solve steady flow and string in turn, from a string in equilibrium under frozen flow; collective.
 
-    Manual: sec-statics-flow.  The change contracts in each round by the ratio of the fluid's compliance to the
-    steel's, a few percent.
+    Manual: sec-statics-flow.  The change contracts in each round by the ratio of the fluid's compliance to
+    the steel's, a few percent.
 
     report: gets the iterations of the string.
-    lowering: speed at which the top lowers the string [m/s]; the flow is then that about the moving string (surge).
+    lowering: speed at which the top lowers the string [m/s]; the flow is then that about the moving string
+    (surge).
     Raises SolveError where the iteration does not converge.
     """
     if model.fluid is None:

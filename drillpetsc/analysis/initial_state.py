@@ -18,9 +18,10 @@ def find_equilibrium(
 ) -> StaticState:
     """Find the static equilibrium with friction against ``motion``; the state is left in the model's system.
 
-    motion: axial velocity [m/s, down positive] and rotation [rad/s]; by default what the top prescribes at time 0.
-    lateral_friction: the lateral friction force pushes a turning pipe up the wall; without it only its torque acts, as
-    in torque-and-drag models.
+    motion: axial velocity [m/s, down positive] and rotation [rad/s]; by default what the top prescribes at
+    time 0.
+    lateral_friction: the lateral friction force pushes a turning pipe up the wall; without it only its torque
+    acts, as in torque-and-drag models.
     Raises SolveError where no equilibrium is found.
     """
     if model.beam is not None and model.beam.needs_ancf_equilibrium:

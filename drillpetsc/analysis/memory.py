@@ -32,6 +32,9 @@ class Memory:
             self.after_warm_up = peak()
 
     def as_dict(self, all_ranks: bool) -> dict[str, int]:
-        """Return the entries of summary.json [bytes]; with ``all_ranks`` the sum over ranks, which is collective."""
+        """Return the entries of summary.json [bytes].
+
+        With ``all_ranks`` the sum over ranks, which is collective.
+        """
         local = {"start": self.at_start, "after_a_tenth": self.after_warm_up or peak(), "peak": peak()}
         return {name: self.mpi.allreduce(value) if all_ranks else value for name, value in local.items()}

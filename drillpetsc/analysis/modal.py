@@ -4,11 +4,12 @@
     prepare_state(model)           # equilibrium, then the steady motion that the top prescribes
     result = modes(model, count=20)
 
-The model is linearised at its present state (manual: sec-eigen-state).  Closed contacts are springs, open ones are
-absent.  Friction has the slope of its law at the present sliding speed.  About rest the regularised law is a stiff
-damper at closed contacts (mu N over slip_velocity), which leaves a slow creep: real eigenvalues near zero.  About a
-rotating state the directions of the pipe's section are frozen.  This is exact for a round string (gyroscopic terms,
-damping that turns with the pipe), and an instantaneous picture of a bent or eccentric one.
+The model is linearised at its present state (manual: sec-eigen-state).  Closed contacts are springs, open
+ones are absent.  Friction has the slope of its law at the present sliding speed.  About rest the regularised
+law is a stiff damper at closed contacts (mu N over slip_velocity), which leaves a slow creep: real
+eigenvalues near zero.  About a rotating state the directions of the pipe's section are frozen.  This is exact
+for a round string (gyroscopic terms, damping that turns with the pipe), and an instantaneous picture of a
+bent or eccentric one.
 """
 
 from __future__ import annotations
@@ -64,10 +65,11 @@ class Modes:
 
     eigenvalue: (m,) s [1/s]; frequency: (m,) [Hz]; growth: (m,) [1/s].
     damping_ratio: (m,) -growth/|s| [-], nan at zero.
-    share: (m, 4) fractions of the mode's energy in the columns of ``KINDS`` [-]; kind: (m,) the largest of them.
+    share: (m, 4) fractions of the mode's energy in the columns of ``KINDS`` [-]; kind: (m,) the largest of
+    them.
     error: (m,) backward errors of the eigenvalues [-].
-    shapes: by field, (m, nodes, size) complex; the largest displacement is 1 m, or spin angle 1 rad, or pressure
-    1 bar, and real.
+    shapes: by field, (m, nodes, size) complex; the largest displacement is 1 m, or spin angle 1 rad, or
+    pressure 1 bar, and real.
     imbalance: largest unbalanced force on a node in the state [N].
     zero: eigenvalues of this size or smaller count as zero [1/s].
     lowering [m/s], rotation [rad/s]: of the state.
@@ -131,8 +133,9 @@ class Modes:
 def prepare_state(model: DrillingModel, about: str = "steady") -> StaticState:
     """Set the model to the state for the linearisation (manual: sec-eigen-state); collective.
 
-    about: ``steady`` or ``rest``.  Steady is the start of a run: in equilibrium with friction against the motion that
-    the top prescribes at time 0, and in that motion.  Rest is in equilibrium without friction, at rest.
+    about: ``steady`` or ``rest``.  Steady is the start of a run: in equilibrium with friction against the
+    motion that the top prescribes at time 0, and in that motion.  Rest is in equilibrium without friction, at
+    rest.
 
     Raises SolveError where no equilibrium is found.
     """
@@ -151,8 +154,8 @@ def prepare_state(model: DrillingModel, about: str = "steady") -> StaticState:
 def reference_rate(model: DrillingModel) -> float:
     """Compute a slow rate of the model [1/s] (manual: eq-eigen-reference).
 
-    It combines the lowest bending frequency of the whole string between hinges and its pendulum frequency.  For a held
-    string it is the inverse travel time of sound along the string.
+    It combines the lowest bending frequency of the whole string between hinges and its pendulum frequency.
+    For a held string it is the inverse travel time of sound along the string.
     """
     mesh, length = model.mesh, model.mesh.total_length
     if model.beam is None and model.fluid is not None:
@@ -186,8 +189,8 @@ def modes(
 ) -> Modes:
     """Compute the modes of the model about its present state, the same on all ranks; collective.
 
-    Without a shift the result contains the lowest oscillating modes, all growing modes computed with them, and a few
-    of the slowest that do not oscillate (manual: sec-eigen-search).
+    Without a shift the result contains the lowest oscillating modes, all growing modes computed with them,
+    and a few of the slowest that do not oscillate (manual: sec-eigen-search).
 
     model: in the state of ``prepare_state``.
     count: number of oscillating modes.
@@ -255,7 +258,10 @@ def _nearest(found: Eigenvalues, shift: float, count: int) -> Eigenvalues:
 
 
 def _describe(model: DrillingModel, linearised: Linearised, found: Eigenvalues):
-    """Return eigenvalues, energy fractions, errors and scaled shapes, on the rank that has the linearised system."""
+    """Return eigenvalues, energy fractions, errors and scaled shapes.
+
+    On the rank that has the linearised system.
+    """
     u = linearised.T @ found.u
     fields, nodes = model.system.layout.fields, model.mesh.nodes
     shapes = {f.name: linearised.field_values(i, u, nodes, f.size) for i, f in enumerate(fields)}
@@ -272,8 +278,9 @@ def _describe(model: DrillingModel, linearised: Linearised, found: Eigenvalues):
 def _shares(model: DrillingModel, linearised: Linearised, s: np.ndarray, u: np.ndarray) -> FloatArray:
     """Compute the fractions (m, 4) of the kinds in the energy of each mode (manual: eq-eigen-share).
 
-    The string's energy is (|s|^2 u*Mu + |u*Ku|)/2 of its motion across the tangent, along it and about it.  That of
-    the fluid is c |u|^2/2 summed over pressures and flows, with the storage coefficients c on the diagonal of C.
+    The string's energy is (|s|^2 u*Mu + |u*Ku|)/2 of its motion across the tangent, along it and about it.
+    That of the fluid is c |u|^2/2 summed over pressures and flows, with the storage coefficients c on the
+    diagonal of C.
 
     s: (m,) [1/s]; u: (n, m) vectors of all unknowns.
     """

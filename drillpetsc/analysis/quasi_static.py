@@ -19,7 +19,10 @@ LONGEST_STEP = 60.0  # [s]
 
 
 def longest_step(model: DrillingModel) -> float:
-    """Compute the longest step [s] of the error control; the shape of the hole limits it where the string slides down."""
+    """Compute the longest step [s] of the error control.
+
+    The shape of the hole limits it where the string slides down.
+    """
     case = model.case
     assert case.time is not None
     if case.time.step is not None:
@@ -35,9 +38,9 @@ def longest_step(model: DrillingModel) -> float:
 class QuasiStatic:
     """Motion of a model without inertia: each step uses the motion that the top prescribes at its end.
 
-    This motion gives the direction of friction and the string's velocity in the fluid.  The string turns about its own
-    axis in place, and its directors are fixed.  A bent item keeps its tool face while the top does not turn; while the
-    top turns, the bend averages out.
+    This motion gives the direction of friction and the string's velocity in the fluid.  The string turns
+    about its own axis in place, and its directors are fixed.  A bent item keeps its tool face while the top
+    does not turn; while the top turns, the bend averages out.
 
     rates: (n+1,) imposed rates of the string.
     lateral_fraction: fraction of the lateral friction force that acts [-].

@@ -47,7 +47,8 @@ def quaternion_equilibrium(
     ) in model.system.components:  # size and direction of the hole at the string's present position
         component.locate_hole(model.system.assembly)
     asm = model.system.assembly
-    # pressures and flow rates are those of the ANCF string; their drag uses the velocity that the top prescribes
+    # pressures and flow rates are those of the ANCF string; their drag uses the velocity that the top
+    # prescribes
     asm.freeze(fluid_unknowns(model.system))
     try:
         state.equilibrium.iterations += solve_at_rest(
@@ -106,7 +107,9 @@ def copy_ancf_state(ancf: DiscreteSystem, system: DiscreteSystem) -> None:
 
 
 def solve_at_rest(system: DiscreteSystem, t: float = 0.0, velocity: FloatArray | None = None) -> int:
-    """Solve for the equilibrium at rest by Newton's method from the assembly's x; returns the iterations; collective.
+    """Solve for the equilibrium at rest by Newton's method from the assembly's x; returns the iterations.
+
+    Collective.
 
     t: time of the inputs [s].
     velocity: (nv, 3) of the local nodes [m/s], for the drag of mud; zero by default.

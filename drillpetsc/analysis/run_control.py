@@ -15,9 +15,9 @@ POLL_INTERVAL = 16  # steps between two exchanges with the other ranks
 class RunControl:
     """Context in which signals control a run.
 
-    SIGTERM and SIGINT end the run after a step, SIGUSR1 writes a checkpoint, and a second SIGINT ends the run at once.
-    A signal may reach one rank only; ``poll`` distributes it to all ranks.  Outside the main thread no signal handler
-    is set.
+    SIGTERM and SIGINT end the run after a step, SIGUSR1 writes a checkpoint, and a second SIGINT ends the run
+    at once. A signal may reach one rank only; ``poll`` distributes it to all ranks.  Outside the main thread
+    no signal handler is set.
 
     mpi: communicator of the run.
     """
@@ -56,7 +56,9 @@ class RunControl:
         self._local_action, self.error = FAILED, cannot_write(error, what)
 
     def poll(self, now: bool) -> int:
-        """Return the action after this step, the same on all ranks; collective, with the same ``now`` on every rank.
+        """Return the action after this step, the same on all ranks.
+
+        Collective, with the same ``now`` on every rank.
 
         now: exchange with the other ranks at this step; otherwise every ``POLL_INTERVAL`` steps.
         """
@@ -66,7 +68,8 @@ class RunControl:
                 return NOTHING
             from mpi4py import MPI
 
-            # the maximum is by the action; only the handler writes _number, since a signal may arrive during this call
+            # the maximum is by the action; only the handler writes _number, since a signal may arrive during
+            # this call
             action, self._received = self.mpi.allreduce((self._local_action, self._number), op=MPI.MAX)
         else:
             action = self._local_action

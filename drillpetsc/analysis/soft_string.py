@@ -1,13 +1,14 @@
 """Soft string: torque and drag of a string that lies on the wall and has no bending stiffness.
 
-Johancsik, Friesen and Dawson, "Torque and Drag in Directional Wells - Prediction and Measurement", JPT 36(6), 1984
-(SPE 11380), in the form of a differential equation (Sheppard, Wick and Burgess, SPEDE 1987, SPE 15463).  With T the
-axial force (compression negative), M the torque, t the tangent of the hole, kappa = dt/ds, w the buoyed weight per
-length, and md counted downwards (manual: eq-soft-string-contact, eq-soft-string-force):
+Johancsik, Friesen and Dawson, "Torque and Drag in Directional Wells - Prediction and Measurement", JPT 36(6),
+1984 (SPE 11380), in the form of a differential equation (Sheppard, Wick and Burgess, SPEDE 1987, SPE 15463).
+With T the axial force (compression negative), M the torque, t the tangent of the hole, kappa = dt/ds, w the
+buoyed weight per length, and md counted downwards (manual: eq-soft-string-contact, eq-soft-string-force):
 
     dT/ds = -(w cos I + a mu N)      dM/ds = -c mu N R_o      N = |T kappa + w_perp|      w_perp = w (z - (z.t) t)
 
-(a, c) = (v, omega R_o) / |(v, omega R_o)| is the slip direction, v positive when hoisting (manual: eq-soft-string-slip).
+(a, c) = (v, omega R_o) / |(v, omega R_o)| is the slip direction, v positive when hoisting (manual:
+eq-soft-string-slip).
 Without motion there is no friction.
 """
 
@@ -37,8 +38,8 @@ class TorqueDrag:
     axial_force: (n+1,) [N], compression negative.
     torque: (n+1,) [N m].
     contact_force: (n+1,) [N/m], mean of the two sides of a boundary.
-    wall_direction: (n+1, 3) unit direction of the contact load, from the hole axis to the touched wall; zero without
-    contact.
+    wall_direction: (n+1, 3) unit direction of the contact load, from the hole axis to the touched wall; zero
+    without contact.
     mean_contact_force: (n,) over each interval [N/m], from which friction is summed.
     elongation: (n+1,) [m] and twist: (n+1,) [rad], from the top down to each boundary.
     """
@@ -162,8 +163,8 @@ def torque_drag(
 def _steps(well: Well, md: Array) -> tuple[Array, NDArray[np.int64]]:
     """Compute the edges of the integration steps (k+1,) [m] and the interval of each step (k,).
 
-    Steps end at every interval boundary, well node and end of a radius or friction transition, so that no value jumps
-    within a step.
+    Steps end at every interval boundary, well node and end of a radius or friction transition, so that no
+    value jumps within a step.
     """
     rows = well.transitions
     marks = np.concatenate([well.node_md, rows[:, 0], rows[:, 0] + rows[:, 1]])
@@ -185,8 +186,8 @@ def _integrate(
 ) -> tuple[Array, Array]:
     """Integrate the axial force from the bottom up (manual: eq-soft-string-force, eq-soft-string-square).
 
-    N^2 = T^2 |kappa|^2 + 2 T kappa.w_perp + |w_perp|^2.  The stage equations are solved by fixed-point iteration
-    (drag kappa h << 1).
+    N^2 = T^2 |kappa|^2 + 2 T kappa.w_perp + |w_perp|^2.  The stage equations are solved by fixed-point
+    iteration (drag kappa h << 1).
 
     h: (k,) step lengths [m]; bottom: axial force at the lower end [N].
     At the Gauss points: down: (k, 2) w cos I [N/m]; drag: (k, 2) a mu [-]; curvature: (k, 2, 3) kappa [1/m];

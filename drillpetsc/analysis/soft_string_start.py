@@ -21,12 +21,13 @@ LATERAL_LOAD_THRESHOLD = 0.1
 def soft_string_start(model: DrillingModel, motion: tuple[float, float]) -> TorqueDrag | None:
     """Place the string at the positions of a soft string with friction against ``motion``.
 
-    The positions contain the stretch of the string and the touched side of the hole (manual: eq-statics-start-position).
-    The top moves along its axis to meet a requested weight on bit, and across to the wall where the string is on it.
+    The positions contain the stretch of the string and the touched side of the hole (manual:
+    eq-statics-start-position). The top moves along its axis to meet a requested weight on bit, and across to
+    the wall where the string is on it.
 
     motion: axial velocity [m/s, down positive] and rotation [rad/s].
-    Returns the results of the soft string.  Without contact, or where gravity is not vertical, the string is not placed
-    and the result is None.
+    Returns the results of the soft string.  Without contact, or where gravity is not vertical, the string is
+    not placed and the result is None.
     """
     mesh, well, case = model.mesh, model.well, model.case
     if model.contact is None or well is None:
@@ -73,8 +74,8 @@ def soft_string_start(model: DrillingModel, motion: tuple[float, float]) -> Torq
     )
     system = model.system
     if model.top is not None and soft.contact_force[0] > LATERAL_LOAD_THRESHOLD * weight[0]:
-        # the top is at the wall with the string: on the axis it would carry the first tens of metres, which changes
-        # torque and drag of a short string by percents
+        # the top is at the wall with the string: on the axis it would carry the first tens of metres, which
+        # changes torque and drag of a short string by percents
         model.top.displace(offset[0] * soft.wall_direction[0])
     system.set_field("string.position", centre + offset[:, None] * soft.wall_direction[at])
     system.set_field("string.tangent", (1 + strain)[:, None] * tangent)
@@ -93,7 +94,10 @@ def _penetration(force: FloatArray, contact) -> FloatArray:
 
 
 def _force_below(model: DrillingModel, g: float) -> float:
-    """Compute the axial force [N] on the lowest node from its rigid items and from a given force; ``g`` in m/s2."""
+    """Compute the axial force [N] on the lowest node from its rigid items and from a given force.
+
+    ``g`` in m/s2.
+    """
     mesh, bottom = model.mesh, model.case.bottom
     force = np.array([0.0, 0.0, g * sum(b.mass for b in mesh.bodies if b.node == mesh.nodes - 1)])
     if isinstance(bottom, ForcedBottom):

@@ -1,4 +1,5 @@
-"""Steady flow of the drilling fluid with fixed position and motion of the string: Newton's method on pressures and flows.
+"""Steady flow of the drilling fluid with fixed position and motion of the string: Newton's method on
+pressures and flows.
 
 Manual: sec-mud-steady.
 """
@@ -21,8 +22,8 @@ ROUNDING_INCREMENT = (
     1e-7  # increment below which a flow counts as converged where rounding stops the iteration
 )
 MAX_ITERATIONS = 100
-#: weight of the storage terms [1/s]; the steady equations do not determine the pressure level of a closed bore, which
-#: these terms leave at its value
+#: weight of the storage terms [1/s]; the steady equations do not determine the pressure level of a closed
+#: bore, which these terms leave at its value
 STORAGE_WEIGHT = 1e-8
 
 
@@ -140,14 +141,20 @@ def steady_flow(system: DiscreteSystem, t: float = 0.0) -> SteadyFlow:
 
 
 def freeze_flow(model: DrillingModel, t: float = 0.0) -> None:
-    """Solve for the steady flow with the present string at ``t`` [s], and freeze the fluid's unknowns; collective."""
+    """Solve for the steady flow with the present string at ``t`` [s], and freeze the fluid's unknowns.
+
+    Collective.
+    """
     if model.fluid is not None:
         steady_flow(model.system, t)
         model.system.assembly.freeze(fluid_unknowns(model.system))
 
 
 def release_flow(model: DrillingModel) -> None:
-    """Release all unknowns, solve for the steady flow at the string's present rates, update the reactions; collective."""
+    """Release all unknowns, solve for the steady flow at the string's present rates, update the reactions.
+
+    Collective.
+    """
     if model.fluid is not None:
         model.system.assembly.freeze(None)
         steady_flow(model.system, 0.0)
@@ -155,7 +162,9 @@ def release_flow(model: DrillingModel) -> None:
 
 
 def _fill_chamber(system: DiscreteSystem) -> None:
-    """With the Hermite formulation, set the volume and volume rate of the annulus that the bit's chamber needs; collective.
+    """With the Hermite formulation, set the volume and volume rate of the annulus that the bit's chamber needs.
+
+    Collective.
 
     All nodes get the same addition.
     """

@@ -1,8 +1,8 @@
 """The shortest times of a model, impacts and waves across one element, and the time steps that resolve them.
 
-The highest frequency of one free element bounds that of any mesh of such elements (Irons and Treharne, 1971).  BDF up
-to order 2 is stable at any step, so these times do not limit a run.  They show what a step can resolve, and what step
-an explicit method would need.
+The highest frequency of one free element bounds that of any mesh of such elements (Irons and Treharne, 1971).
+BDF up to order 2 is stable at any step, so these times do not limit a run.  They show what a step can
+resolve, and what step an explicit method would need.
 """
 
 from __future__ import annotations
@@ -16,15 +16,16 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.contact import ContactLaw
 
-#: longest step that resolves an impact, as a fraction of its duration; with longer steps BDF2 gains or loses energy
+#: longest step that resolves an impact, as a fraction of its duration; with longer steps BDF2 gains or loses
+#: energy
 RESOLVED_FRACTION = 0.3
 STRICT_FRACTION = (
     0.5  # longest adaptive step with contact.energy_strict, as a fraction of an impact's duration
 )
-#: omega^2 of the highest mode of a free element, times (L/c)^2 (bending: times L^4 mu/EI).  Axial motion is cubic with
-#: consistent mass: the larger root of l^2 - 45 l + 105 = 0 for half the length, times 4.  Bending is cubic.  Torsion,
-#: and pressure at the nodes with flow in the element, are linear with the mean of consistent and lumped mass (storage),
-#: [5 1; 1 5]/12, which has the least dispersion.
+#: omega^2 of the highest mode of a free element, times (L/c)^2 (bending: times L^4 mu/EI).  Axial motion is
+#: cubic with consistent mass: the larger root of l^2 - 45 l + 105 = 0 for half the length, times 4.  Bending
+#: is cubic.  Torsion, and pressure at the nodes with flow in the element, are linear with the mean of
+#: consistent and lumped mass (storage), [5 1; 1 5]/12, which has the least dispersion.
 AXIAL, BENDING, TORSIONAL, MUD = 4 * (45 + sqrt(1605)) / 2, 8400.0, 6.0, 6.0
 
 
@@ -84,11 +85,13 @@ def format_time(seconds: float) -> str:
 
 
 def impact_time(law: ContactLaw, mass: FloatArray, length: FloatArray) -> FloatArray:
-    """Compute the duration (n,) [s] of undamped impacts at the law's ``restitution_speed`` v (manual: eq-contact-impact-time).
+    """Compute the duration (n,) [s] of undamped impacts at the law's ``restitution_speed`` v.
 
-    From m u'' = -k u^p: t = 2 d/v int_0^1 dx / sqrt(1 - x^(p+1)) = 2 d/v sqrt(pi) G(1 + q)/G(1/2 + q), with
-    q = 1/(p + 1) and the depth d = ((p + 1) m v^2 / 2k)^q (manual: eq-contact-impact-depth).  It is pi sqrt(m/k) at
-    p = 1, and 2.943 d/v at p = 3/2 (Hertz: Timoshenko and Goodier, Theory of Elasticity, 142).
+    Manual: eq-contact-impact-time.
+
+    From m u'' = -k u^p: t = 2 d/v int_0^1 dx / sqrt(1 - x^(p+1)) = 2 d/v sqrt(pi) G(1 + q)/G(1/2 + q), with q
+    = 1/(p + 1) and the depth d = ((p + 1) m v^2 / 2k)^q (manual: eq-contact-impact-depth).  It is pi
+    sqrt(m/k) at p = 1, and 2.943 d/v at p = 3/2 (Hertz: Timoshenko and Goodier, Theory of Elasticity, 142).
 
     law: contact law.
     mass: (n,) per length [kg/m]; length: (n,) of the impacting pieces [m].
@@ -101,7 +104,10 @@ def impact_time(law: ContactLaw, mass: FloatArray, length: FloatArray) -> FloatA
 
 
 def time_scales(model: DrillingModel) -> TimeScales:
-    """Compute the time scales of a model; waves and impacts use the mass of steel only (added mud would slow them)."""
+    """Compute the time scales of a model.
+
+    Waves and impacts use the mass of steel only (added mud would slow them).
+    """
     mesh, scales = model.mesh, {}
     if model.beam is not None:
         e = ~mesh.is_joint
@@ -141,7 +147,10 @@ def _period(squares: FloatArray) -> float:
 
 
 def _mud(model: DrillingModel) -> float:
-    """Compute the period [s] of the fastest element of both channels; wave speed (rho (1/K + wall))^(-1/2) (Korteweg)."""
+    """Compute the period [s] of the fastest element of both channels.
+
+    Wave speed (rho (1/K + wall))^(-1/2) (Korteweg).
+    """
     assert model.fluid is not None
     f, L = model.fluid.constants, model.mesh.length
     walls = [component.bore.wall for component in (model.fluid.bore,) if component is not None]
@@ -155,7 +164,10 @@ def longest_strict_step(model: DrillingModel) -> float:
 
 
 def step_warnings(model: DrillingModel, fixed_step: float | None) -> list[str]:
-    """Return warnings for a ``fixed_step`` [s] that is too long for impacts; None stands for adaptive steps."""
+    """Return warnings for a ``fixed_step`` [s] that is too long for impacts.
+
+    None stands for adaptive steps.
+    """
     impact = time_scales(model).impact
     if fixed_step is None or fixed_step <= RESOLVED_FRACTION * impact:
         return []

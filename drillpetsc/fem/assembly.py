@@ -1,7 +1,7 @@
 """Residual and Jacobian of a discrete system on one rank: runs the kernels on the local arrays.
 
-Manual: sec-time-condensed (condensed rates), sec-joints-prescribed (prescribed motion), eq-joint-ggl (corrected
-rates), sec-time-imposed (imposed rates).
+Manual: sec-time-condensed (condensed rates), sec-joints-prescribed (prescribed motion), eq-joint-ggl
+(corrected rates), sec-time-imposed (imposed rates).
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ _fix_rows = function("constraint_rows", "ippppp" + "dpp")
 _fix_matrix = function("constraint_matrix", "ippppp")
 _gradient = function("spin_gradient", "ippppddp")
 
-#: weight of a replaced row, position error [m or rad] to force [N or N m]; it has the order of a pipe's stiffness,
-#: so that one norm serves all rows (manual: eq-prescribed-rows)
+#: weight of a replaced row, position error [m or rad] to force [N or N m]; it has the order of a pipe's
+#: stiffness, so that one norm serves all rows (manual: eq-prescribed-rows)
 ROW_SCALE = 1.0e6
-#: weight of the columns by imposed rates [1/s]; without it the pressure of a closed channel would have no pivot
-#: in the block of its own node (manual: sec-time-imposed)
+#: weight of the columns by imposed rates [1/s]; without it the pressure of a closed channel would have no
+#: pivot in the block of its own node (manual: sec-time-imposed)
 IMPOSED_RATE_WEIGHT = 1.0e-4
 #: fields of the seven unknowns of a node: position, slope, spin angle
 NODE_FIELDS = ("string.position", "string.tangent", "string.spin")
@@ -144,9 +144,10 @@ class RowReplacement:
 class BoundStabilization:
     """Correction of rates by multipliers in an assembly (Gear, Gupta and Leimkuhler 1985; manual: eq-joint-ggl).
 
-    With x' = y - B mu the velocity constraint G y = 0 stands beside g(x) = 0.  The rates of the corrected unknowns
-    are y = shift x + v0 + B mu (manual: eq-joint-corrected-rates).  The Jacobian columns by mu are the columns by
-    the rates, times B.  The derivative of B by x is left out, since mu has the size of the time formula's error.
+    With x' = y - B mu the velocity constraint G y = 0 stands beside g(x) = 0.  The rates of the corrected
+    unknowns are y = shift x + v0 + B mu (manual: eq-joint-corrected-rates).  The Jacobian columns by mu are
+    the columns by the rates, times B.  The derivative of B by x is left out, since mu has the size of the
+    time formula's error.
 
     rates: (k, 7) local dofs of the corrected nodes; multipliers: (k, 6) local dofs of mu.
     elements: (block, element, slots of the seven dofs in the element, number k of the node).
@@ -240,8 +241,8 @@ class Assembly:
     """Residual and Jacobian of all components on this rank.
 
     With n local dofs in condensed numbering, ghosts included:
-    x, y, a: (array_length,) unknowns, rates and accelerations [SI of each field].  Entry n stands for absent fields;
-    the derived fields follow it (``DofLayout.derived``; ``derive`` computes them).
+    x, y, a: (array_length,) unknowns, rates and accelerations [SI of each field].  Entry n stands for absent
+    fields; the derived fields follow it (``DofLayout.derived``; ``derive`` computes them).
     r: (array_length,) residual, not summed over ranks.
     v0, v1: (n,) constants of the time formula, y = shift x + v0 and a = shift y + v1.
     values: all Jacobian entries, in the order of ``rows`` and ``columns`` (local dofs, -1: left out).
@@ -335,7 +336,8 @@ class Assembly:
         """Impose rates on unknowns without inertia or storage; None ends it (manual: sec-time-imposed).
 
         rates: (n+1,) [SI of each field per second]; the array is read again at every evaluation.
-        mask: (n,) unknowns with imposed rates.  Their accelerations are zero; all others follow the time formula.
+        mask: (n,) unknowns with imposed rates.  Their accelerations are zero; all others follow the time
+        formula.
         """
         if rates is None or mask is None or not mask.any():
             self._imposed = None
@@ -379,7 +381,10 @@ class Assembly:
             f.time = None
 
     def transport(self) -> FloatArray:
-        """Compute c(v).w (nv,) [rad/s]: spin rate minus rate of the spin angle (manual: eq-time-spin-transport)."""
+        """Compute c(v).w (nv,) [rad/s]: spin rate minus rate of the spin angle.
+
+        Manual: eq-time-spin-transport.
+        """
         out = np.zeros(len(self.spin_at))
         _transport(
             len(out),
@@ -470,7 +475,9 @@ class Assembly:
         self._event["Jacobian"].end()
 
     def _jacobian_with_imposed_rates(self, b: BoundBlock, state: tuple) -> None:
-        """Compute the entries of a block some of whose unknowns have imposed rates (manual: sec-time-imposed).
+        """Compute the entries of a block some of whose unknowns have imposed rates.
+
+        Manual: sec-time-imposed.
 
         Their columns are dR/dx plus ``IMPOSED_RATE_WEIGHT`` dR/dy.
         """
@@ -497,7 +504,10 @@ class Assembly:
                 start += 49
 
     def index_of(self, block: ElementBlock) -> np.ndarray:
-        """Return the (n, d) dofs of a block in x, y, a; derived fields are computed first where it uses them."""
+        """Return the (n, d) dofs of a block in x, y, a.
+
+        Derived fields are computed first where it uses them.
+        """
         found = next((b.index for b in self.bound_blocks if b.block is block), None)
         if found is not None:
             return found

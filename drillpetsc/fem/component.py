@@ -1,9 +1,10 @@
 """The interface of a physics component, and the plain data that it hands to the discrete system.
 
-A component is one physical effect: a beam, a wall contact, a bit, a mud channel.  It declares unknowns (``Field``),
-groups of elements that share a compiled kernel (``ElementBlock``), prescribed motion and energies.  ``Component``
-declares every hook that the rest of the program may call, each with a harmless default, so a component implements
-only what it needs.  Nothing here uses PETSc or MPI: ``fem.dof_layout`` and ``fem.assembly`` allocate the memory.
+A component is one physical effect: a beam, a wall contact, a bit, a mud channel.  It declares unknowns
+(``Field``), groups of elements that share a compiled kernel (``ElementBlock``), prescribed motion and
+energies.  ``Component`` declares every hook that the rest of the program may call, each with a harmless
+default, so a component implements only what it needs.  Nothing here uses PETSc or MPI: ``fem.dof_layout`` and
+``fem.assembly`` allocate the memory.
 """
 
 from __future__ import annotations
@@ -45,11 +46,12 @@ class Field:
     size: number of components at a vertex.
     region: name of a set of vertices; ``string`` is all of them.
     scale: usual magnitude [SI]; tolerances and error messages are relative to it.
-    second_order: the field's rate is a further unknown of the time integrator (position and velocity).  Other fields are
-    first-order states, or algebraic where ``differential`` is False.
+    second_order: the field's rate is a further unknown of the time integrator (position and velocity).  Other
+    fields are first-order states, or algebraic where ``differential`` is False.
     multiplier: a Lagrange multiplier: algebraic, and its rows are constraints.
     default: value used where an element refers to the field and a node does not have it.
-    physics: ``string``, ``joint``, ``fluid`` or ``rock``; error control, line search and the steady flow select by it.
+    physics: ``string``, ``joint``, ``fluid`` or ``rock``; error control, line search and the steady flow
+    select by it.
     """
 
     name: str
@@ -110,7 +112,8 @@ class PrescribedMotion:
 
     directions: (m, 7) orthonormal rows over (position, slope, spin angle) of the vertex.
     value, rate: (m,) as functions of time [m, -, rad and per second].
-    names: (m,) of the reactions: the residual components that the condition replaces (manual: eq-prescribed-rows).
+    names: (m,) of the reactions: the residual components that the condition replaces (manual:
+    eq-prescribed-rows).
     """
 
     vertex: int
@@ -152,8 +155,8 @@ class Powers(NamedTuple):
 class Component:
     """Base class of all physics components.  A component has no public hook that is not declared here.
 
-    ``state`` is the assembly of this rank (``fem.assembly.Assembly``): unknowns ``x``, rates ``y``, accelerations ``a``.
-    ``system`` is the discrete system (``fem.discrete_system.DiscreteSystem``).
+    ``state`` is the assembly of this rank (``fem.assembly.Assembly``): unknowns ``x``, rates ``y``,
+    accelerations ``a``. ``system`` is the discrete system (``fem.discrete_system.DiscreteSystem``).
     """
 
     #: unique in a model; key of the component in checkpoints
@@ -166,7 +169,8 @@ class Component:
     has_constraints: bool = False
     #: the component's unknowns turn with the string, so its Jacobian is renewed in every solve
     turns_with_string: bool = False
-    #: components at a node of quantities that are computed from the unknowns and that other components use as fields
+    #: number of components at a node of derived fields: quantities that are computed from the unknowns, and that
+    #: other components use as fields
     derived_fields: dict[str, int] = {}
 
     def fields(self) -> tuple[Field, ...]:
@@ -202,7 +206,10 @@ class Component:
 
     # ------------------------------------------------------------------ reference frames
     def renew_reference_frames(self, system: Any) -> bool:
-        """Replace reference directions that are nearly opposite to the tangent; collective; True where any changed."""
+        """Replace reference directions that are nearly opposite to the tangent; collective.
+
+        True where any changed.
+        """
         return False
 
     def update_reference_frames(self) -> None:
@@ -302,5 +309,8 @@ class Component:
 
     # ------------------------------------------------------------------ fluid
     def missing_volume(self, state: Any) -> tuple[float, float] | None:
-        """Volume [m3] and its rate [m3/s] that the steady flow must add at every node; None without such a level."""
+        """Volume [m3] and its rate [m3/s] that the steady flow must add at every node.
+
+        None without such a level.
+        """
         return None

@@ -53,8 +53,8 @@ class DiscreteSystem:
         for component in self.components:
             regions |= component.regions()
         self.regions = regions
-        #: number of Lagrange multipliers of the whole string; a stable equilibrium has exactly as many negative
-        #: eigenvalues (manual: eq-statics-stable)
+        #: number of Lagrange multipliers of the whole string; a stable equilibrium has exactly as many
+        #: negative eigenvalues (manual: eq-statics-stable)
         self.multipliers = sum(component.multipliers for component in self.components)
         #: whether the equations are a DAE of index 2 or 3
         self.constrained = self.multipliers > 0 or any(
@@ -126,7 +126,10 @@ class DiscreteSystem:
             asm.a[: layout.size] = np.where(self._has_rate, s[layout.y_local], 0.0)
 
     def load_history(self, constant: PETSc.Vec) -> None:
-        """Copy the constant V of the time formula, Xdot = shift X + V, into v0 and v1 (manual: eq-time-bdf)."""
+        """Copy the constant V of the time formula, Xdot = shift X + V, into v0 and v1.
+
+        Manual: eq-time-bdf.
+        """
         layout, asm = self.layout, self.assembly
         layout.state_dm.globalToLocal(constant, self._state)
         s = self._state.getArray(readonly=1)
@@ -173,7 +176,10 @@ class DiscreteSystem:
         return local
 
     def locate_largest_residual(self, t: float) -> dict[str, Any]:
-        """Find the largest (or first non-finite) residual: component, element and measured depth [m]; collective."""
+        """Find the largest (or first non-finite) residual: component, element and measured depth [m].
+
+        Collective.
+        """
         asm, largest = self.assembly, (-1.0, "", -1, 0.0)
         for b in asm.bound_blocks:
             if not b.count:
@@ -201,7 +207,8 @@ class DiscreteSystem:
     def accept(self) -> None:
         """Accept the current state and update components with history variables (collective).
 
-        Rank-local changes are returned by ``local_update``; their sum over ranks is passed to ``apply_update``.
+        Rank-local changes are returned by ``local_update``; their sum over ranks is passed to
+        ``apply_update``.
         """
         for component in self.components:
             component.accept(self.assembly)
@@ -210,7 +217,10 @@ class DiscreteSystem:
                 component.apply_update(change if self._serial else self.comm.tompi4py().allreduce(change))
 
     def renew_reference_frames(self) -> bool:
-        """Replace reference directions that are nearly opposite to the tangent; True where any changed (collective)."""
+        """Replace reference directions that are nearly opposite to the tangent.
+
+        True where any changed (collective).
+        """
         changed = [component.renew_reference_frames(self) for component in self.components]
         return any(changed)
 
@@ -239,7 +249,10 @@ class DiscreteSystem:
         return parts
 
     def reaction(self, name: str) -> float:
-        """Return the reaction ``name`` [N or N m], the same on all ranks; 0 where nothing of this name is prescribed."""
+        """Return the reaction ``name`` [N or N m], the same on all ranks.
+
+        0 where nothing of this name is prescribed.
+        """
         value = 0.0
         for f in self.assembly.row_replacements:
             if f.owned and name in f.condition.names:
@@ -286,7 +299,10 @@ class DiscreteSystem:
         return np.where(dofs >= 0, values, default)
 
     def set_field(self, name: str, values: FloatArray, what: str = "x") -> None:
-        """Set a field's local values from (n_nodes, size) values over the whole string; ``what`` as in ``field``."""
+        """Set a field's local values from (n_nodes, size) values over the whole string.
+
+        ``what`` as in ``field``.
+        """
         dofs = self.layout.dofs[name]
         present = dofs >= 0
         getattr(self.assembly, what)[dofs[present]] = values[self.chain.vertices][present]

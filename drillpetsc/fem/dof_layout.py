@@ -1,8 +1,8 @@
 """Dof layout: PETSc sections over the chain, and the tables from a kernel's slots to dofs.
 
-Two kinds of vectors share one chain (manual: sec-time-state).  The *state* is what the time integrator uses: all
-unknowns of a vertex, then the rates of the second-order ones.  The *condensed* vector has the unknowns only; within
-a step the rates follow from them (manual: eq-time-condensed).
+Two kinds of vectors share one chain (manual: sec-time-state).  The *state* is what the time integrator uses:
+all unknowns of a vertex, then the rates of the second-order ones.  The *condensed* vector has the unknowns
+only; within a step the rates follow from them (manual: eq-time-condensed).
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class DofLayout:
     x_local, y_local: (n,) index of each unknown and of its rate (-1: none) in the local state.
     x_owned, y_owned: (m,) the same in the owned part of the global state.
     local_of_owned: (m,) local dof of each owned unknown of the condensed vector.
-    derived[name]: (nv, size) indices of a derived field in the assembly's arrays, next_index the unknowns.
+    derived[name]: (nv, size) indices of a derived field in the assembly's arrays, behind the unknowns.
     """
 
     chain: Chain
@@ -83,7 +83,10 @@ class DofLayout:
 def _section(
     chain: Chain, fields: tuple[Field, ...], regions: dict[str, np.ndarray], with_rates: bool
 ) -> PETSc.DM:
-    """Create a DM with a section of ``fields``; ``with_rates`` adds the rates of second-order fields next_index them."""
+    """Create a DM with a section of ``fields``.
+
+    ``with_rates`` adds the rates of second-order fields behind them.
+    """
     dm = chain.plex.clone()
     section_fields = [(f, "") for f in fields] + (
         [(f, ".rate") for f in fields if f.second_order] if with_rates else []

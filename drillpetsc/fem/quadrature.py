@@ -60,7 +60,7 @@ def exposed_ends(mesh: StringMesh, free_top: bool = False) -> tuple[np.ndarray, 
         np.append(0.0 if free_top else np.inf, beside[:-1]),
         np.append(beside[1:], 0.0),
     )  # radii beside an element's two ends
-    # in a stack of bodies at one node, the first one adjoins the element above, the last one the element below
+    # in a stack of bodies at one node, the first adjoins the element above, the last the element below
     for body in mesh.bodies:
         if body.node < len(above):
             above[body.node] = body.radius

@@ -41,7 +41,7 @@ class RigidItem:
 
 @dataclass(frozen=True)
 class StringJoint:
-    """A joint: a cell without length between two nodes at the same place.
+    """A joint: a cell without length between two nodes at the same position.
 
     depth: measured depth [m].
     kind: word of the case file; cell: number of the joint's cell from the top.
@@ -68,8 +68,8 @@ class StringMesh:
     """Elements from the top down; arrays are (n,) unless a line below gives another shape.
 
     upper, lower: measured depth of the element's ends [m].
-    node_depth: (n+1,) measured depth of the nodes [m]; with a rigid item at a node, that of the item's upper end.
-    axial_stiffness EA [N], bending_stiffness EI [N m2], torsional_stiffness GJ [N m2].
+    node_depth: (n+1,) measured depth of the nodes [m]; with a rigid item at a node, that of the item's upper
+    end. axial_stiffness EA [N], bending_stiffness EI [N m2], torsional_stiffness GJ [N m2].
     mass per length [kg/m], polar_inertia: polar mass moment per length [kg m].
     outer_diameter, inner_diameter [m].
     stiffness_damping [s], mass_damping [1/s]: Rayleigh coefficients.

@@ -25,7 +25,8 @@ class Frames:
 
 
 def smallest_rotation(a: FloatArray, b: FloatArray, e: FloatArray) -> FloatArray:
-    """Rotate the vector ``e`` (3,) by the smallest rotation from the unit vector ``a`` to the unit vector ``b``, (3,) each.
+    """Rotate the vector ``e`` (3,) by the smallest rotation from the unit vector ``a`` to the unit vector
+    ``b``, (3,) each.
 
     Manual: eq-beam-minimal-rotation.
     """
@@ -34,7 +35,9 @@ def smallest_rotation(a: FloatArray, b: FloatArray, e: FloatArray) -> FloatArray
 
 
 def high_side(tangent: FloatArray) -> FloatArray:
-    """Return the unit vector (3,) across ``tangent`` (3,) towards the high side of the hole (manual: eq-conv-high-side).
+    """Return the unit vector (3,) across ``tangent`` (3,) towards the high side of the hole.
+
+    Manual: eq-conv-high-side.
 
     It points north where the hole is vertical; z points down.
     """
@@ -80,9 +83,12 @@ def directors(
 
 
 def reference_change(a: FloatArray, d: FloatArray, v: FloatArray) -> float:
-    """Compute the change of the spin angle [rad] with a change of the reference direction (manual: eq-beam-update).
+    """Compute the change of the spin angle [rad] with a change of the reference direction.
 
-    It is minus the solid angle of the triangle of both directions and the tangent (manual: eq-beam-solid-angle).
+    Manual: eq-beam-update.
+
+    It is minus the solid angle of the triangle of both directions and the tangent (manual:
+    eq-beam-solid-angle).
 
     a: (3,) old reference direction, unit; d: (3,) along the new one; v: (3,) along the tangent.
     """

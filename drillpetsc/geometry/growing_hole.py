@@ -20,8 +20,8 @@ SMALLEST_GROWTH = 1e-3
 class GrowingHole:
     """A hole whose end advances; the same on all ranks.
 
-    The *end* is the centre of the bit on bottom, above the hole's deepest point.  After every ``interval`` of new
-    hole a node of the centreline is fixed.  Between the last node and the end the hole follows the end.
+    The *end* is the centre of the bit on bottom, above the hole's deepest point.  After every ``interval`` of
+    new hole a node of the centreline is fixed.  Between the last node and the end the hole follows the end.
 
     well: the hole at the start.
     half: distance from the end down to the deepest point [m].
@@ -57,45 +57,48 @@ class GrowingHole:
         """Compute the radial clearance [m] of a bit of ``radius`` [m] at the end, zero at least."""
         return max(float(self.well.radius(self._trail[-1, 0])) - radius, 0.0)
 
-    def follow(self, drilled: float, place: FloatArray) -> bool:
+    def follow(self, drilled: float, position: FloatArray) -> bool:
         """Move the end; returns whether the hole has changed.
 
-        drilled: length of new hole [m]; place: (3,) position of the end [m].
+        drilled: length of new hole [m]; position: (3,) of the end [m].
         """
         if drilled - self._drilled < SMALLEST_GROWTH:
             return False
         self._drilled = drilled
         s = self.start - self.half + drilled
-        tangent = self._tangent(s, place)
-        self._trail = np.vstack([self._trail, [s, *place, *tangent]])
+        tangent = self._tangent(s, position)
+        self._trail = np.vstack([self._trail, [s, *position, *tangent]])
         # nodes at even distances, independent of the time steps
         while s >= self._frozen.node_md[-1] + 1.5 * self.interval:
             self._freeze(self._frozen.node_md[-1] + self.interval)
         # this length is enough for the directions of coming nodes
         self._trail = self._trail[self._trail[:, 0] > s - 4 * self.interval - 1.0]
         live = s - self._frozen.node_md[-1] > 0.04 * self.interval
-        self.well = self._longer(self._frozen, s, place, tangent) if live else self._frozen
+        self.well = self._longer(self._frozen, s, position, tangent) if live else self._frozen
         for call in self.followers:
             call(self.well)
         return True
 
-    def whole(self, drilled: float, place: FloatArray) -> Well:
-        """Return the hole down to its deepest point, with the end at ``place`` (3,) [m] after ``drilled`` [m]."""
+    def whole(self, drilled: float, position: FloatArray) -> Well:
+        """Return the hole down to its deepest point.
+
+        drilled: length of new hole [m]; position: (3,) of the end [m].
+        """
         if drilled <= 0.0:
             return self._frozen
         s, well = self.start - self.half + drilled, self._frozen
-        tangent = self._tangent(s, place)
+        tangent = self._tangent(s, position)
         if s - well.node_md[-1] > 0.04 * self.interval:
-            well = self._longer(well, s, place, tangent)
+            well = self._longer(well, s, position, tangent)
         bottom = self.start + drilled
-        return self._longer(well, bottom, place + self.half * tangent, tangent)
+        return self._longer(well, bottom, position + self.half * tangent, tangent)
 
-    def _longer(self, well: Well, s: float, place: FloatArray, tangent: FloatArray) -> Well:
-        """Return ``well`` with one more node at ``s`` [m], position ``place`` (3,) [m] and direction ``tangent`` (3,).
+    def _longer(self, well: Well, s: float, position: FloatArray, tangent: FloatArray) -> Well:
+        """Return ``well`` with one more node at ``s`` [m], ``position`` (3,) [m] and ``tangent`` (3,).
 
         The new hole becomes a section of its own as soon as it is long enough for a transition of the radius.
         """
-        longer, old = well.extended(s, place, tangent), self._old
+        longer, old = well.extended(s, position, tangent), self._old
         same = (self.radius, self.friction) == (old.section_radius[-1], old.section_friction[-1])
         if same or s - old.depth < SHORTEST_SECTION:
             return longer
@@ -135,18 +138,20 @@ class GrowingHole:
         )
         return x, t / np.linalg.norm(t)
 
-    def _tangent(self, s: float, place: FloatArray) -> FloatArray:
+    def _tangent(self, s: float, position: FloatArray) -> FloatArray:
         """Compute the direction (3,) at the end (manual: eq-borehole-end-direction).
 
-        It is the slope of the parabola through the end and two points half an interval apart behind it.  On an arc it
-        is exact to second order.  The wandering of the bit within a turn is averaged over half an interval.
+        It is the slope of the parabola through the end and two points half an interval apart behind it.  On
+        an arc it is exact to second order.  The wandering of the bit within a turn is averaged over half an
+        interval.
 
-        s: measured depth of the end [m]; place: (3,) its position [m].
+        s: measured depth of the end [m]; position: (3,) of the end [m].
         """
-        # both points are on the existing trail; otherwise long steps would extrapolate from their own direction
+        # both points are on the existing trail; otherwise long steps would extrapolate from their own
+        # direction
         h = max(0.5 * self.interval, s - self._trail[-1, 0])
         one, two = self._at(s - h)[0], self._at(s - 2 * h)[0]
-        t = 3 * place - 4 * one + two
+        t = 3 * position - 4 * one + two
         return t / np.linalg.norm(t)
 
     # ------------------------------------------------------------------ checkpoints

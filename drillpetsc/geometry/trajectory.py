@@ -24,8 +24,8 @@ class NewHole:
     length: of the new hole [m].
     inclination, azimuth: (2,) at its start and at its end [rad].
     dogleg_severity, build_rate, turn_rate: averages [rad/m] (manual: eq-borehole-rates).
-    offset: (2,) offset of its end from the straight continuation of the old hole, towards the old hole's high side
-    and to the right looking down [m].
+    offset: (2,) offset of its end from the straight continuation of the old hole, towards the old hole's high
+    side and to the right looking down [m].
     """
 
     length: float
@@ -59,7 +59,8 @@ def dogleg_severity(md: ArrayLike, tangent: ArrayLike, course: float = COURSE) -
 
     md: (n,) measured depths of the stations [m].
     tangent: (n, 3) unit tangents.
-    course: length [m].  It is cut at the first station; where stations are further apart, it reaches to the one above.
+    course: length [m].  It is cut at the first station; where stations are further apart, it reaches to the
+    one above.
     """
     s, t = np.asarray(md, dtype=float), np.asarray(tangent, dtype=float)
     out = np.zeros(len(s))
@@ -72,16 +73,16 @@ def dogleg_severity(md: ArrayLike, tangent: ArrayLike, course: float = COURSE) -
 def refine_stations(well: Well, md: ArrayLike, within: float = SURVEY_TOLERANCE) -> FloatArray:
     """Add stations where minimum curvature would miss the path of the well; returns all stations (m,) [m].
 
-    Minimum curvature integrates the directions by the trapezoidal rule, and is exact at constant curvature.  Between
-    stations h apart its error is h^2/12 times the change of curvature; with k equal pieces it is 1/k^2 of that
-    (manual: eq-borehole-survey-error).
+    Minimum curvature integrates the directions by the trapezoidal rule, and is exact at constant curvature.
+    Between stations h apart its error is h^2/12 times the change of curvature; with k equal pieces it is
+    1/k^2 of that (manual: eq-borehole-survey-error).
 
     md: (n,) measured depths of the stations [m].
     within: largest error from one station to the next [m].
     """
     s = np.asarray(md, dtype=float)
     x, t, _ = well.at(s)
-    half = np.maximum(0.5 * dogleg(t[:-1], t[1:]), 1e-9)  # tan(x)/x is 1 from there down
+    half = np.maximum(0.5 * dogleg(t[:-1], t[1:]), 1e-9)  # below this tan(x)/x is 1 up to rounding
     arc = 0.5 * (np.diff(s) * np.tan(half) / half)[:, None] * (t[:-1] + t[1:])
     missed = np.linalg.norm(np.diff(x, axis=0) - arc, axis=1)
     pieces = np.maximum(np.ceil(np.sqrt(missed / within)), 1).astype(int)
@@ -92,8 +93,9 @@ def refine_stations(well: Well, md: ArrayLike, within: float = SURVEY_TOLERANCE)
 def new_hole(well: Well, start: float) -> NewHole | None:
     """Compute angles and rates of the part of ``well`` below ``start`` [m]; None where nothing was drilled.
 
-    With the directions t1 of the old hole and t2 of the new end, the dogleg severity is arccos(t1.t2)/dS, the build
-    rate (I2 - I1)/dS, and the turn rate (A2 - A1) sin(I)/dS with the mean inclination I (manual: eq-borehole-rates).
+    With the directions t1 of the old hole and t2 of the new end, the dogleg severity is arccos(t1.t2)/dS, the
+    build rate (I2 - I1)/dS, and the turn rate (A2 - A1) sin(I)/dS with the mean inclination I (manual:
+    eq-borehole-rates).
     """
     length = well.depth - start
     if length <= 0:

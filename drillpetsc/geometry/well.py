@@ -1,9 +1,10 @@
 """The well: centreline, hole radius and friction along measured depth, closest point of the centreline.
 
 Axes x north, y east, z down; measured depth 0 at the origin (manual: sec-borehole).  The survey becomes
-minimum-curvature arcs (manual: eq-borehole-arc; Sawaryn and Thorogood, "A Compendium of Directional Calculations
-Based on the Minimum Curvature Method", SPE 84246, 2005).  Every arc is cut into pieces of at most 10 m and 2 deg, and
-each piece is a cubic Hermite segment (manual: eq-borehole-hermite).  A `Well` is plain data, the same on every rank.
+minimum-curvature arcs (manual: eq-borehole-arc; Sawaryn and Thorogood, "A Compendium of Directional
+Calculations Based on the Minimum Curvature Method", SPE 84246, 2005).  Every arc is cut into pieces of at
+most 10 m and 2 deg, and each piece is a cubic Hermite segment (manual: eq-borehole-hermite).  A `Well` is
+plain data, the same on every rank.
 """
 
 from __future__ import annotations
@@ -73,13 +74,17 @@ class Well:
         section_radius: ArrayLike,
         section_friction: ArrayLike,
         section_kind: Sequence[str] | None = None,
+        *,
         max_step: float = MAX_STEP,
         max_angle: float = MAX_ANGLE,
     ) -> Well:
-        """Create a well from a survey and hole sections, both from the surface down (manual: sec-borehole-survey).
+        """Create a well from a survey and hole sections, both from the surface down.
 
-        A survey that starts below md 0 is continued upward along its first direction.  A survey that ends above the
-        bottom of the last section is continued downward.  A straight line has no nodes between its ends.
+        Manual: sec-borehole-survey.
+
+        A survey that starts below md 0 is continued upward along its first direction.  A survey that ends
+        above the bottom of the last section is continued downward.  A straight line has no nodes between its
+        ends.
 
         md: (k,) measured depths of the stations [m].
         inclination, azimuth: (k,) [rad].
@@ -130,12 +135,13 @@ class Well:
         return a2, a3
 
     def at(self, md: ArrayLike) -> tuple[Array, Array, Array]:
-        """Compute position (..., 3) [m], unit tangent (..., 3) and curvature vector dt/ds (..., 3) [1/m] at md (...) [m].
+        """Compute position (..., 3) [m], unit tangent (..., 3) and curvature vector dt/ds (..., 3) [1/m] at
+        md (...) [m].
 
-        Measured depth within a segment is s(u) = s0 + u L + (m - L) u (1-u)(1-2u) (manual: eq-borehole-depth).  This
-        cubic has ds/du = m at both ends, so dc/ds is the unit tangent at every node (C1 in s), and s is the arc length
-        up to order beta^4 inside.  Beyond both ends the centreline continues straight.  At a node the curvature is
-        that of the segment below it.
+        Measured depth within a segment is s(u) = s0 + u L + (m - L) u (1-u)(1-2u) (manual:
+        eq-borehole-depth).  This cubic has ds/du = m at both ends, so dc/ds is the unit tangent at every node
+        (C1 in s), and s is the arc length up to order beta^4 inside.  Beyond both ends the centreline
+        continues straight.  At a node the curvature is that of the segment below it.
         """
         md = np.asarray(md, dtype=float)
         s = np.clip(md, self.node_md[0], self.node_md[-1])
@@ -173,8 +179,8 @@ class Well:
         """Transitions of radius and friction between sections (manual: eq-borehole-transition).
 
         Rows (start [m], width [m], radius above [m], its change [m], friction above [-], its change [-]).
-        Each section boundary is smoothed over max(0.5 m, 10 |dR|) centred on it, or over the shorter of its two
-        neighbouring sections where that is less, so that transitions do not overlap.
+        Each section boundary is smoothed over max(0.5 m, 10 |dR|) centred on it, or over the shorter of its
+        two neighbouring sections where that is less, so that transitions do not overlap.
         """
         dr, df = np.diff(self.section_radius), np.diff(self.section_friction)
         length = np.diff(np.r_[-np.inf, self.section_to[:-1], np.inf])
@@ -229,7 +235,8 @@ class Well:
     ) -> Well:
         """Return this well with one more node.
 
-        The last section becomes longer, or a new open-hole section is added where radius or friction differ from it.
+        The last section becomes longer, or a new open-hole section is added where radius or friction differ
+        from it.
 
         md: of the node [m], below the last node; position: (3,) [m]; tangent: (3,).
         radius: of the new hole [m]; friction: [-]; None: those of the last section.
@@ -312,7 +319,9 @@ class Well:
         return packed
 
     def packed(self) -> Array:
-        """Pack the well for the C++ kernels: one float64 array in the layout of kernels/contact/well.hpp (read-only, cached)."""
+        """Pack the well for the C++ kernels: one float64 array in the layout of kernels/contact/well.hpp
+        (read-only, cached).
+        """
         return self._packed
 
     def project(self, points: ArrayLike, segment: NDArray[np.int32] | None = None) -> ClosestPoints:
@@ -340,7 +349,9 @@ class Well:
 
 
 def direction(inclination: ArrayLike, azimuth: ArrayLike) -> Array:
-    """Compute the unit tangent (..., 3), north-east-down: (sin I cos A, sin I sin A, cos I) (manual: eq-borehole-tangent).
+    """Compute the unit tangent (..., 3), north-east-down: (sin I cos A, sin I sin A, cos I).
+
+    Manual: eq-borehole-tangent.
 
     inclination, azimuth: (...) [rad].
     """
@@ -359,7 +370,9 @@ def _angle(t0: Array, t1: Array) -> Array:
 def minimum_curvature(
     md: Array, tangents: Array, max_step: float = MAX_STEP, max_angle: float = MAX_ANGLE
 ) -> tuple[Array, Array, Array]:
-    """Compute nodes on the minimum-curvature arcs between stations; the first station is at md 0 at the origin.
+    """Compute nodes on the minimum-curvature arcs between stations.
+
+    The first station is at md 0 at the origin.
 
     Arc between stations (manual: eq-borehole-arc; SPE 84246):
     x(f) = x1 + (ds/b)[sin(f b) e1 + (1 - cos f b) e2], e1 = t1, e2 = (t2 - cos b t1)/sin b.
@@ -389,7 +402,8 @@ def _arc(
 ) -> list[tuple[float, Array, Array]]:
     """Cut an arc into equal pieces; returns (md [m], position (3,) [m], tangent (3,)) of their lower ends.
 
-    The arc runs from s0 to s1 [m], starts at x0 (3,) [m], has the end tangents t0 and t1 (3,) and the angle b [rad].
+    The arc runs from s0 to s1 [m], starts at x0 (3,) [m], has the end tangents t0 and t1 (3,) and the angle b
+    [rad].
     """
     e2 = t1 - np.dot(t0, t1) * t0
     e2 /= np.linalg.norm(e2)

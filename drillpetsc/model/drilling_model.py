@@ -41,9 +41,11 @@ class DrillingModel:
     case: the user's case; mesh: of the string.
     well: the present hole, its newly drilled part included; None without a hole.
     frames: reference frames of the nodes.
-    position: (n_nodes, 3) unstrained string along the axis of the hole [m]; tangent: (n_nodes, 3) unit tangents.
+    position: (n_nodes, 3) unstrained string along the axis of the hole [m]; tangent: (n_nodes, 3) unit
+    tangents.
     components: all components, in the order of the discrete system.
-    beam, top, drive, contact, bit: the components of these kinds, None where absent.  A held string has no beam.
+    beam, top, drive, contact, bit: the components of these kinds, None where absent.  A held string has no
+    beam.
     system: the discrete system.
     fluid: components of the drilling fluid, None in a dry model.
     """
@@ -131,7 +133,14 @@ def build_model(case: Case, comm: PETSc.Comm | None = None) -> DrillingModel:
         mesh = replace(mesh, junction=np.zeros(0, dtype=bool))
         contact, bit = _contact(case, mesh, well, QuaternionContact), _bit(case, mesh, well)
         beam, top, components = quaternion_components(
-            case, mesh, frames, position, tangent, _loads(case, mesh, tangent), breaks, contact
+            case,
+            mesh,
+            frames,
+            position=position,
+            tangent=tangent,
+            loads=_loads(case, mesh, tangent),
+            breaks=breaks,
+            contact=contact,
         )
         if mesh.bodies or mesh.eccentricity.any():
             components.append(RigidBodies(mesh, frames, np.array(case.gravity, dtype=float)))
@@ -329,8 +338,8 @@ def _loads(case: Case, mesh: StringMesh, tangent: FloatArray) -> tuple[NodeLoad,
 def _line_load(load: LineLoad, mesh: StringMesh, section: bool, factor) -> list[NodeLoad]:
     """Compute consistent nodal loads of a uniform load between two depths (manual: eq-beam-node-load).
 
-    They are integrals of the cubic shape functions over the loaded part.  In section axes, which turn with the pipe,
-    force and moment are distributed linearly between an element's nodes.
+    They are integrals of the cubic shape functions over the loaded part.  In section axes, which turn with
+    the pipe, force and moment are distributed linearly between an element's nodes.
 
     section: the load is given in section axes.
     factor: its factor as a function of time [s], None: constant.

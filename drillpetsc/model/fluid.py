@@ -36,8 +36,8 @@ class FluidComponents:
 
     constants: of the fluid.
     bore, annulus, bit: None where the model has no such channel.
-    volumes(pressure): nodal volumes (n+1,) [m3] by field of fluid at rest under a pressure at the top [Pa]; only with
-    formulation hermite.
+    volumes(pressure): nodal volumes (n+1,) [m3] by field of fluid at rest under a pressure at the top [Pa];
+    only with formulation hermite.
     """
 
     constants: FluidConstants
@@ -161,7 +161,8 @@ def _added_mass(case: Case, sizes: Annulus) -> FloatArray:
 def _added_mass_table(inner: float, outer: float) -> tuple[FloatArray, FloatArray]:
     """Tabulate the added-mass coefficient [-] by eccentricity [-] (manual: eq-mud-chi-eccentric).
 
-    The coefficient has no limit at the wall; the table ends at ``LARGEST_ECCENTRICITY``, its points are denser there.
+    The coefficient has no limit at the wall; the table ends at ``LARGEST_ECCENTRICITY``, its points are
+    denser there.
 
     inner, outer: diameters of string and hole [m].
     """
@@ -192,8 +193,8 @@ def shear_viscosity(case: Case, shear_rate: FloatArray) -> FloatArray:
 def _lateral_coefficients(case: Case, sizes: Annulus) -> LateralCoefficients:
     """Compute added mass, lateral damping (manual: eq-mud-stokes-coefficients) and rotational drag of the elements.
 
-    The viscosity is that at the wall of a pipe that rotates at the reference speed omega, where the shear rate is
-    2 omega/(1 - (Do/Dw)^2) (Couette).
+    The viscosity is that at the wall of a pipe that rotates at the reference speed omega, where the shear
+    rate is 2 omega/(1 - (Do/Dw)^2) (Couette).
     """
     f = case.fluid
     assert f is not None

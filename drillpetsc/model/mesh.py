@@ -144,7 +144,10 @@ def _polar(size: float, angle: float) -> tuple[float, float]:
 
 
 def _curvature(case: Case, item: Flexible, a: float, b: float, bend) -> tuple[float, float]:
-    """Stress-free curvature [1/m] along the directors of the element from a to b [m] (manual: eq-bend-curvature)."""
+    """Stress-free curvature [1/m] along the directors of the element from a to b [m].
+
+    Manual: eq-bend-curvature.
+    """
     k = np.array(_polar(item.curvature, item.curvature_angle))
     if bend:
         k += np.array(_polar(bend.angle / (b - a), bend.tool_face))
@@ -200,7 +203,7 @@ def _assemble(case: Case, rows, rigid, joints: tuple[StringJoint, ...]) -> Strin
         if isinstance(load, PointLoad):
             node = int(np.argmin(np.abs(node_depth - load.at)))
             junction[node] |= 0 < node < n
-    # the parts at a joint have no common strain; a stretch ratio belongs to the rigid item between joint and element
+    # the parts at a joint have no common strain; a stretch ratio belongs to a rigid item between joint and element
     for node in np.flatnonzero(is_joint[:-1] | is_joint[1:]):
         junction[node] = node < n and not is_joint[node + 1] and above[node] > 0
     junction[0] = above[0] > 0 and not is_joint[1] if n else False

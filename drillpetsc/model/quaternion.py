@@ -22,6 +22,7 @@ def quaternion_components(
     case: Case,
     mesh: StringMesh,
     frames: Frames,
+    *,
     position: FloatArray,
     tangent: FloatArray,
     loads: Sequence[NodeLoad],

@@ -90,8 +90,9 @@ def _layer(q, start: float) -> Layer:
 def rock_matrix(rock) -> FloatArray:
     """Compute the rock anisotropy matrix (3, 3), M_r = n n + I_1 d d + I_2 s s (manual: eq-bit-rock-matrix).
 
-    n is the normal of the bedding, d the direction of its dip, s that of its strike, in north, east, down.  The bedding
-    dips by ``dip`` [rad] towards ``dip_azimuth`` [rad]; horizontal bedding has a vertical normal.
+    n is the normal of the bedding, d the direction of its dip, s that of its strike, in north, east, down.
+    The bedding dips by ``dip`` [rad] towards ``dip_azimuth`` [rad]; horizontal bedding has a vertical
+    normal.
     """
     dip, azimuth = rock.dip, rock.dip_azimuth
     d = np.array([np.cos(dip) * np.cos(azimuth), np.cos(dip) * np.sin(azimuth), np.sin(dip)])

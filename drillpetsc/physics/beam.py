@@ -1,5 +1,7 @@
-"""The drillstring's beam: axial, bending, torsion, inertia, gravity, material damping
-(kernels/beam/beam.hpp)."""
+"""ANCF beam of the drillstring: axial, bending, torsion, inertia, gravity, material damping (kernels/beam/beam.hpp).
+
+Manual: sec-beam.
+"""
 
 from __future__ import annotations
 
@@ -35,11 +37,12 @@ POSITION_SCALE = 0.03  # [m], of the order of a string's play in its hole
 
 
 class Beam(interfaces.Beam):
-    """Elements of the string; unknowns r [m], v = dr/ds [-], phi [rad] at every node, a stretch ratio at
-    junctions.
+    """Elements of the string; unknowns r [m], v = dr/ds [-], phi [rad] at every node, a stretch ratio [-] at junctions.
 
-    finest_motion [m]: depth to which impacts press the string into the wall, in a scene with contact; errors
-    of positions are then measured by it where it is smaller than ``POSITION_SCALE``.
+    mesh: of the string; frames: reference frames of its nodes.
+    gravity: (3,) [m/s2].
+    finest_motion: penetration of impacts into the wall [m], infinite without contact.  Where it is smaller
+    than ``POSITION_SCALE`` it is the scale of positions (manual: sec-time-error).
     """
 
     name = "beam"
@@ -82,8 +85,7 @@ class Beam(interfaces.Beam):
         ).array
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
-        """Blocks of the local cells of ``part`` (a Chain), by whether they are damped and hang on a
-        junction."""
+        """Blocks of the local cells of ``part`` (a Chain): with and without damping, below a junction or not."""
         e = part.cells
         damped = (self.mesh.stiffness_damping[e] != 0) | (self.mesh.mass_damping[e] != 0)
         below = self.mesh.junction[e] if len(self.mesh.junction) else np.zeros(len(e), dtype=bool)
@@ -125,7 +127,9 @@ class Beam(interfaces.Beam):
         system.set_field("string.spin", np.zeros((self.mesh.nodes, 1)))
 
     def set_rigid_motion(self, system, tangent: FloatArray, lowering: float, rotation: float) -> None:
-        """Give every node the velocity ``lowering`` [m/s] along ``tangent`` and the spin ``rotation`` [rad/s]."""
+        """Set the velocity of every node to ``lowering`` [m/s] along ``tangent`` and its spin to ``rotation``
+        [rad/s].
+        """
         system.set_field("string.position", lowering * tangent, "y")
         system.set_field("string.tangent", np.zeros((self.mesh.nodes, 3)), "y")
         system.set_field("string.spin", np.full((self.mesh.nodes, 1), rotation), "y")
@@ -135,21 +139,20 @@ class Beam(interfaces.Beam):
         return renew_reference_frames(system, self.frames, lambda: self._twists(system))
 
     def _twists(self, system) -> FloatArray:
-        """(nc,) twist of each local element [rad]."""
+        """Compute the twist (nc,) of each local element [rad]."""
         asm, cells = system.assembly, system.chain.cells
         torque = self.element_results(system.layout, asm.x, asm.y)[:, RESULT_NAMES.index("torque")]
         return torque * self.mesh.length[cells] / self.mesh.torsional_stiffness[cells]
 
     def update_reference_frames(self) -> None:
-        """Take over renewed reference frames and twist offsets from ``frames`` into the blocks'
-        parameters."""
+        """Copy changed reference frames and twist offsets from ``frames`` into the blocks' parameters."""
         for b in self._blocks:
             e = self._part.cells[b.points]
             p, f = b.named, self.frames
             p["reference1"], p["reference2"], p["twist0"] = f.reference[e], f.reference[e + 1], f.twist0[e]
 
     def section(self, state, vertex: int) -> tuple[FloatArray, FloatArray, float]:
-        """Position [m], slope and spin rate [rad/s] of a local vertex."""
+        """Return position [m], slope [-] and spin rate [rad/s] of a local vertex."""
         place = state.layout.dofs
         return (
             state.x[place["string.position"][vertex]],
@@ -158,8 +161,7 @@ class Beam(interfaces.Beam):
         )
 
     def columns(self, state) -> FloatArray:
-        """(nv, 8) at the local vertices: position [m] and velocity [m/s], spin rate [rad/s], spin angle
-        [rad]."""
+        """Return (nv, 8) at the local vertices: position [m], velocity [m/s], spin rate [rad/s], spin angle [rad]."""
         r, spin = state.layout.dofs["string.position"], state.layout.dofs["string.spin"]
         return np.hstack([state.x[r], state.y[r], state.y[spin], state.x[spin]])
 

@@ -1,5 +1,8 @@
-"""The string in its hole: contact and friction along the pipe, of rigid items, and of the bit on the
-bottom."""
+"""Contact of the string with its hole: contact and friction along the pipe, of rigid items, and of the bit on
+the bottom.
+
+Manual: sec-contact, sec-bit-on-bottom.
+"""
 
 from __future__ import annotations
 
@@ -39,10 +42,13 @@ _POWERS = columns("contact_results").span("damping_power", "friction_power")
 class ContactLaw:
     """Constants of the wall contact.
 
-    stiffness per unit length [N/m^2] (``linear``), [N/m^2.5] (``hertz``), or per point [N/m^1.5]
-    (``hertz_point``); restitution at
-    ``restitution_speed`` [m/s]; slip_velocity [m/s] rounds off Coulomb's law; static_ratio = mu_static / mu,
-    stribeck_speed [m/s].
+    stiffness: per unit length [N/m^2] (``linear``), [N/m^2.5] (``hertz``), or per point [N/m^1.5]
+    (``hertz_point``).
+    law: one of these three (manual: eq-contact-normal).
+    restitution: coefficient [-] at ``restitution_speed`` [m/s] (manual: eq-contact-restitution).
+    slip_velocity: regularisation of Coulomb's law [m/s] (manual: eq-contact-friction).
+    static_ratio: mu_static / mu [-]; stribeck_speed: [m/s] (manual: eq-contact-stribeck).
+    points: contact points of an element.
     """
 
     stiffness: float = 1.0e8
@@ -56,11 +62,14 @@ class ContactLaw:
 
 
 def impact_depth(law: ContactLaw, mass: float, length: float) -> float:
-    """Depth [m] to which a piece of string of ``mass`` [kg/m] that strikes at ``restitution_speed`` v goes
-    into the wall, undamped.
+    """Compute the penetration [m] of an undamped impact at ``restitution_speed`` v.
 
-    Its energy m v^2/2 is stored in k d^(p+1)/(p+1), so d = ((p+1) m v^2 / 2k)^(1/(p+1)); for a law per point
-    m is the share of an element of ``length`` [m] that its point carries.
+    Manual: eq-contact-impact-depth.
+
+    The energy m v^2/2 becomes the stored energy k d^(p+1)/(p+1), so d = ((p+1) m v^2 / 2k)^(1/(p+1)).  With a
+    law per point m is the mass of an element divided by its points.
+
+    mass: per length [kg/m]; length: of an element [m].
     """
     power = 1.0 if law.law == "linear" else 1.5
     share = mass * length / law.points if law.law == "hertz_point" else mass
@@ -68,11 +77,15 @@ def impact_depth(law: ContactLaw, mass: float, length: float) -> float:
 
 
 def damping_factor(restitution: float, speed: float) -> float:
-    """c [s/m] of the factor 1 + c * penetration rate that returns ``restitution`` of an impact at ``speed``
-    [m/s].
+    """Compute the damping factor c [s/m] for a given restitution.
 
-    With d = c speed the rebound is exact for any exponent: d (1 + e) = ln((1 + d) / (1 - d e)) (from m u du =
-    -k (1 + c u) f dx).
+    Manual: eq-contact-damping, eq-contact-restitution.
+
+    The contact force has the factor 1 + c * penetration rate.  With d = c speed the rebound is exact for any
+    exponent: d (1 + e) = ln((1 + d) / (1 - d e)), from m u du = -k (1 + c u) f dx.
+
+    restitution: coefficient e [-], above 0; speed: of the impact [m/s].
+    Raises ValueError for a restitution of 0 or less.
     """
     e = restitution
     if e >= 1.0:
@@ -87,8 +100,8 @@ def damping_factor(restitution: float, speed: float) -> float:
 
     if miss((1 - 1e-14) / e) < 0:  # below e = 0.027: 1 - d e = (1 + d) exp(-d (1 + e)) is less than rounding
         return 1 / e / speed
-    # d = 0 is a root, too; near e = 1 the wanted one is 3/2 (1 - e) (1 + (1 - e) + ...), from the series of
-    # the logarithms
+    # d = 0 is a root, too; near e = 1 the other one is 3/2 (1 - e) (1 + (1 - e) + ...), by the series of the
+    # logarithms
     if 1 - e < 1e-4:
         return 1.5 * (1 - e) * (2 - e) / speed
     return bracketed_root(miss, 0.5 * (1 - e), (1 - 1e-14) / e, absolute=1e-14, relative=1e-14) / speed
@@ -97,8 +110,9 @@ def damping_factor(restitution: float, speed: float) -> float:
 class Contact(WallContact):
     """Contact of pipes and rigid items with the wall.
 
-    with_bit False: a bit that cuts has its own contact (physics/rock_bit.py); free_top: nothing holds the
-    string's upper end.
+    mesh: of the string; well: the hole; law: constants of the contact.
+    with_bit: include the bit; a bit that cuts has its own contact (physics/rock_bit.py).
+    free_top: the upper end of the string is free.
     """
 
     name = "contact"
@@ -118,7 +132,10 @@ class Contact(WallContact):
         self._keep: list[np.ndarray] = []
 
     def _context(self, count: int, ends: tuple[bool, bool]) -> int:
-        """Record for a block; ends: whether the upper and the lower ends of its elements stand out."""
+        """Create the kernel's record for a block of ``count`` elements; returns its address.
+
+        ends: the upper and the lower ends of its elements are exposed (``exposed_ends``).
+        """
         law, at = self.law, rule(self.law.points, *ends)
         n = count * len(at)
         normal, segment, touching = np.zeros(n), np.full(n, -1, dtype=np.int32), np.zeros(n, dtype=np.int8)
@@ -149,7 +166,7 @@ class Contact(WallContact):
         self._part = part
         self._touching: list[np.ndarray] = []
         self._row_of: dict[int, FloatArray] | None = (
-            None  # normal forces at the points of a local cell, once asked for
+            None  # normal forces at the points of a local cell, filled at the first use
         )
         self._normal: list[np.ndarray] = []
         self._blocks: list[ElementBlock] = []
@@ -187,7 +204,7 @@ class Contact(WallContact):
         return tuple(self._blocks)
 
     def _on_items(self, part) -> list[ElementBlock]:
-        """The block of the rigid items."""
+        """Create the block of the rigid items, if there are any."""
         items = [b for b in self.mesh.bodies if b.radius > 0 and (self.with_bit or b.kind != "bit")]
         if not items:
             return []
@@ -217,14 +234,17 @@ class Contact(WallContact):
 
     @property
     def _item_ends(self) -> tuple[bool, bool]:
-        """The ends of rigid items stand out, but for a law per point, whose points stand for so many tool
-        joints."""
+        """Whether upper and lower ends of rigid items are exposed: not with a law per point, whose points are
+        tool joints.
+        """
         stands = self.law.law != "hertz_point"
         return stands, stands
 
     def _groups(self) -> list[tuple[str, np.ndarray, tuple[bool, bool]]]:
-        """Name, (n,) mask and ends that stand out, of the elements whose contact is integrated alike; those
-        without such ends first."""
+        """Group the elements by their quadrature: name, mask (n,) and exposed ends.
+
+        Those without exposed ends first.
+        """
         upper, lower = exposed_ends(self.mesh, self.free_top)
         if self.law.law == "hertz_point":
             upper, lower = np.zeros_like(upper), np.zeros_like(lower)
@@ -240,23 +260,23 @@ class Contact(WallContact):
         return [group for group in found if group[1].any()]
 
     def follow_hole(self, well: Well) -> None:
-        """The hole has grown: take its wall from ``well``."""
+        """Use the wall of a borehole that has grown."""
         self.well = well
         self._packed = np.ascontiguousarray(well.packed())
         for record in self._laws:
             record.well = pointer(self._packed)
 
     def impose_sliding_direction(self, axial: float, spin: float, side: float = 1.0) -> None:
-        """StaticNewton: friction acts against a rigid motion of the string, ``axial`` [m/s] downward and
-        ``spin`` [rad/s].
+        """Let friction oppose a rigid motion of the string, for statics (manual: eq-contact-imposed).
 
-        side 0: friction across the pipe gives its torque but does not push it sideways.
+        axial: velocity [m/s], down positive; spin: [rad/s].
+        side: fraction of the lateral friction force; at 0 friction across the pipe has only its torque.
         """
         for record in self._laws:
             record.imposed, record.axial, record.spin, record.side = 1.0, axial, spin, side
 
     def copy_sliding_direction(self, other: Contact) -> None:
-        """Take over the sliding direction that statics imposed on the contact of another model."""
+        """Copy the sliding direction that statics imposed on the contact of another model."""
         imposed = next((record for record in other._laws if record.imposed), None)
         if imposed is None:
             self.release_sliding_direction()
@@ -264,22 +284,24 @@ class Contact(WallContact):
             self.impose_sliding_direction(imposed.axial, imposed.spin, imposed.side)
 
     def release_sliding_direction(self) -> None:
-        """TimeIntegrator: friction follows the motion."""
+        """Let friction follow the actual motion."""
         for record in self._laws:
             record.imposed = 0.0
 
     def set_stiffness(self, factor: float) -> None:
-        """Scale the stiffness (continuation in statics)."""
+        """Scale the stiffness by ``factor`` [-] (continuation in statics; manual: sec-contact-continuation)."""
         for record in self._laws:
             record.stiffness = self.law.stiffness * factor
 
     def contact_signature(self) -> int:
-        """Changes whenever a contact opens or closes on this rank; the same in another process (unlike
-        hash)."""
+        """A number that changes when a contact opens or closes on this rank.
+
+        Unlike ``hash`` the same in every process.
+        """
         return zlib.crc32(b"".join(t.tobytes() for t in self._touching))
 
     def normal_force(self, cell: int) -> float:
-        """Normal force on a local cell in the last residual [N]."""
+        """Return the normal force on a local cell in the last residual [N]."""
         if self._row_of is None:
             self._row_of = {
                 int(c): normal[e]

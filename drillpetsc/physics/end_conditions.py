@@ -1,4 +1,7 @@
-"""The string's ends: clamped, pinned, free, top drive, driven; and loads at points or along the string."""
+"""End conditions of the string (clamped, pinned, free, top drive, driven), and loads at points or along the string.
+
+Manual: sec-joints-prescribed.
+"""
 
 from __future__ import annotations
 
@@ -26,13 +29,16 @@ class Input(Protocol):
 
 
 def _axes(tangent: FloatArray) -> FloatArray:
-    """(3, 3) rows: tangent and two unit vectors across it."""
+    """Return (3, 3) rows: the tangent and two unit vectors across it."""
     side = high_side(tangent)
     return np.array([tangent, side, np.cross(tangent, side)])
 
 
 def _rows(position: FloatArray, tangent: FloatArray, spin: bool) -> FloatArray:
-    """(m, 7) directions: rows of ``position`` act on r, of ``tangent`` on v, and the spin angle last."""
+    """Form the directions D (m, 7): rows of ``position`` act on r, of ``tangent`` on v.
+
+    The spin angle is last.
+    """
     m = len(position) + len(tangent) + spin
     D = np.zeros((m, 7))
     D[: len(position), :3] = position
@@ -43,8 +49,12 @@ def _rows(position: FloatArray, tangent: FloatArray, spin: bool) -> FloatArray:
 
 
 class FixedEnd(Top):
-    """An end that does not move: clamped (position, direction, spin), pinned (position; spin where
-    ``spin``)."""
+    """Fixed end: clamped (position, direction, spin) or pinned (position).
+
+    vertex: its node; kind: ``clamped`` or ``pinned``.
+    position: (3,) [m]; tangent: (3,) unit.
+    spin: the spin angle is fixed at ``angle`` [rad].
+    """
 
     name = "held_end"
 
@@ -83,11 +93,11 @@ class FixedEnd(Top):
 
 
 class TopDrive(Top):
-    """PrescribedMotion rotation [rad/s] and lowering [m/s] of the top node; the replaced rows are hook load
-    and surface torque.
+    """Prescribed rotation and lowering of the top node; the replaced rows are hook load and surface torque.
 
-    lowering None: the axial row stays free (a force is prescribed by a load).  rotation None: the spin stays
-    free (``driven``).
+    position: (3,) [m] and tangent: (3,) unit, at time 0; angle: spin angle at time 0 [rad].
+    rotation: over time [rad/s]; None: the spin is free (``driven``).
+    lowering: over time [m/s]; None: the axial position is free, and a load prescribes the force.
     """
 
     name = "top_drive"
@@ -173,7 +183,10 @@ class RotaryDrive(Drive):
         return self.rotation.breaks()
 
     def torque(self, t: float, state) -> float:
-        """Torque of the drive on the string [N m] (this rank's share)."""
+        """Compute the torque of the drive on the string [N m], zero on ranks without the top.
+
+        Manual: eq-prescribed-drive.
+        """
         if not len(self._block.points):
             return 0.0
         here = state.layout.index(self._block)[0, 6]
@@ -198,10 +211,12 @@ class RotaryDrive(Drive):
 
 @dataclass(frozen=True)
 class NodeLoad:
-    """Force [N] and moment [N m] at a node; ``slope``: dead force on the slope [N m], from a load spread
-    along the elements.
+    """Load at a node.
 
-    section: components are along (tangent, director 2, director 3) instead of global axes; factor: over time.
+    force: (3,) [N]; moment: (3,) [N m].
+    slope: (3,) dead load on the slope [N m], part of a load along the elements.
+    section: components are along (tangent, director 2, director 3) instead of global axes.
+    factor(t): factor over time [s], None: 1.
     """
 
     node: int

@@ -16,22 +16,26 @@ from drillpetsc.geometry.well import Well
 
 
 class Beam(Component):
-    """The string's elements."""
+    """Elements of the string."""
 
     #: name of the formation in the case file: ``ancf`` or ``quaternion``
     formulation: str = ""
-    #: its static equilibrium is that of the ANCF element, carried over and corrected by Newton's method
+    #: statics starts from the equilibrium of the ANCF element, which Newton's method corrects
     needs_ancf_equilibrium: bool = False
     #: the bending moments in ``element_results`` include those of the stress-free shape
     bending_includes_free_shape: bool = False
 
     @abstractmethod
     def place(self, system: Any, position: FloatArray, tangent: FloatArray) -> None:
-        """Put the unstrained string at rest on ``position`` (n_nodes, 3) [m] with directions ``tangent`` (n_nodes, 3)."""
+        """Put the unstrained string at rest on ``position`` (n_nodes, 3) [m] with directions ``tangent``
+        (n_nodes, 3).
+        """
 
     @abstractmethod
     def set_rigid_motion(self, system: Any, tangent: FloatArray, lowering: float, rotation: float) -> None:
-        """Give every node the velocity ``lowering`` [m/s] along ``tangent`` (n_nodes, 3) and the spin ``rotation`` [rad/s]."""
+        """Set the velocity of every node to ``lowering`` [m/s] along ``tangent`` (n_nodes, 3), its spin to
+        ``rotation`` [rad/s].
+        """
 
     @abstractmethod
     def section(self, state: Any, vertex: int) -> tuple[FloatArray, FloatArray, float]:
@@ -39,7 +43,9 @@ class Beam(Component):
 
     @abstractmethod
     def columns(self, state: Any) -> FloatArray:
-        """(nv, 8) at the local vertices: position (3) [m], velocity (3) [m/s], spin rate [rad/s], spin angle [rad]."""
+        """Return (nv, 8) at the local vertices: position (3) [m], velocity (3) [m/s], spin rate [rad/s], spin
+        angle [rad].
+        """
 
     @abstractmethod
     def element_results(self, layout: Any, x: FloatArray, y: FloatArray) -> FloatArray:
@@ -47,7 +53,10 @@ class Beam(Component):
 
 
 class Top(Component):
-    """What holds or moves the string's upper end.  ``anchor``: prescribed values at time 0, changed by ``shift``."""
+    """Upper end of the string, fixed or moved.  ``anchor``: prescribed values at time 0 [m, -, rad].
+
+    ``shift`` changes them.
+    """
 
     anchor: FloatArray
 
@@ -61,10 +70,10 @@ class Top(Component):
             self.anchor += condition.directions[:, :3] @ offset
 
     def copy_position(self, other: Top) -> None:
-        """Prescribe at time 0 the position that the top of another model, with other elements, prescribes."""
+        """Copy the prescribed position at time 0 from the top of another model with other elements."""
 
     def align(self, position: FloatArray, slope: FloatArray, spin: FloatArray) -> None:
-        """Prescribe at time 0 the position (3,) [m], slope (3,) and spin angle (1,) [rad] that the top node has."""
+        """Prescribe at time 0 the given position (3,) [m], slope (3,) [-] and spin angle (1,) [rad] of the top node."""
         for condition in self.prescribed():
             self.anchor[:] = condition.directions @ np.concatenate([position, slope, spin])
 
@@ -78,7 +87,7 @@ class Bit(Component):
 
     @abstractmethod
     def weight_and_torque(self, state: Any) -> tuple[float, float]:
-        """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
+        """Compute weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
 
     def element_results(self, state: Any) -> FloatArray:
         """Results of the bit, zero on ranks without it: weight [N] and torque [N m] first."""
@@ -86,24 +95,27 @@ class Bit(Component):
 
     @abstractmethod
     def depth_of_face(self, state: Any) -> tuple[float, FloatArray]:
-        """Depth of the face below the end of the hole [m] and its gradient by the local unknowns (n,)."""
+        """Compute the depth of the face below the end of the hole [m] and its gradient (n,) by the local unknowns."""
 
     @abstractmethod
     def depth_for(self, weight: float) -> float:
-        """Depth [m] at which the resting bit carries ``weight`` [N]."""
+        """Compute the depth [m] at which the resting bit carries ``weight`` [N]."""
 
     @abstractmethod
     def torque_for(self, weight: float) -> float:
-        """Torque [N m] of the turning bit under ``weight`` [N]."""
+        """Compute the torque [N m] of the turning bit under ``weight`` [N]."""
 
     @abstractmethod
     @contextmanager
     def preloaded(self, weight: float, travel: float) -> Iterator[None]:
-        """Within it the bit stands on a soft spring that carries ``weight`` [N] after ``travel`` [m]."""
+        """Context in which a soft spring replaces the bottom.
+
+        It carries ``weight`` [N] after ``travel`` [m].
+        """
 
     @abstractmethod
     def copy_sliding_direction(self, other: Any) -> None:
-        """Take over the sliding direction that statics imposed on the bit of another model."""
+        """Copy the sliding direction that statics imposed on the bit of another model."""
 
     def rate_under(
         self, force: FloatArray, axis: FloatArray, omega: float, drilled: float = 0.0
@@ -122,7 +134,7 @@ class Bit(Component):
         return 0.0, 0.0
 
     def drilled_hole(self) -> Well | None:
-        """The hole with its new part; None where nothing is drilled."""
+        """Return the hole with its new part; None where nothing is drilled."""
         return None
 
     @property

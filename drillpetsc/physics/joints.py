@@ -1,5 +1,7 @@
-"""Joints in the string: constraints with multipliers between the two nodes of a cell without length
-(kernels/joints/joints.hpp)."""
+"""Joints in the string: constraints with multipliers between the two nodes of a cell without length.
+
+Kernel: kernels/joints/joints.hpp.  Manual: sec-joints.
+"""
 
 from __future__ import annotations
 
@@ -25,14 +27,15 @@ RESULT_NAMES = columns("joint_results").names
 # multipliers are in units of this [N, N m], so that their rows and columns are of the size of a pipe's
 # stiffness
 SCALE = 1.0e6
-STOP_ROUNDING = 1.0e-4  # a stop takes hold over this way [m]
+STOP_ROUNDING = 1.0e-4  # length over which the force of a stop sets in [m]
 
 
 class Joints(JointSet):
     """All joints of a string.
 
-    Fields: ``joint.load`` (6) at the node below, the multipliers in units of SCALE: force and moment that the
-    joint carries; a stabilised joint has ``joint.correction`` (6) [m/s, rad/s] at the node above.
+    Fields: ``joint.load`` (6) at the node below, force and moment of the joint in units of SCALE (manual:
+    eq-joint-loads).  A stabilised joint has ``joint.correction`` (6) [m/s, rad/s] at the node above (manual:
+    eq-joint-ggl).
     """
 
     name = "joints"
@@ -42,11 +45,11 @@ class Joints(JointSet):
         self.mesh, self.frames, self.joints = mesh, frames, mesh.joints
         self._stabilised = np.array([j.stabilised for j in self.joints], dtype=bool)
         self._cells = np.array([j.cell for j in self.joints], dtype=int)
-        #: multipliers: so many negative eigenvalues has the tangent of a stable state
+        #: number of multipliers; a stable equilibrium has exactly as many negative eigenvalues
         self.multipliers = 6 * len(self.joints) + 6 * int(self._stabilised.sum())
 
     def regions(self) -> dict[str, np.ndarray]:
-        """Nodes that have the fields of this room."""
+        """Nodes with the fields of this component."""
         below, above = np.zeros(self.mesh.nodes, dtype=bool), np.zeros(self.mesh.nodes, dtype=bool)
         below[self._cells + 1] = True
         above[self._cells[self._stabilised]] = True
@@ -123,8 +126,10 @@ class Joints(JointSet):
         return (*self._blocks, *extra)
 
     def velocity_stabilization(self, part) -> VelocityStabilization | None:
-        """What corrects the velocities of the stabilised joints, on every rank that holds a node above
-        one."""
+        """Velocity correction of the stabilised joints, on every rank with a node above one.
+
+        Manual: eq-joint-directions.
+        """
         if not self._stabilised.any():
             return None
         local = {int(v): i for i, v in enumerate(part.vertices)}

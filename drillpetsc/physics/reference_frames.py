@@ -1,11 +1,12 @@
-"""Upkeep of the reference frames: a node whose tangent has turned far from its reference direction gets a new
-one; nothing physical changes.
+"""Update of the reference frames at nodes whose tangent is far from the reference direction.
 
-The spin angle is counted from a reference direction a and is singular where the tangent t is opposite to it.
-When a.t <
--0.5 the gauge becomes a' = t, the second director is carried along by the smallest rotation, the spin angle
-changes by minus the solid angle of (a, a', v), and each neighbouring element's twist offset takes up what its
-twist would have changed (model, section 7).
+No physical quantity changes.
+
+The spin angle is counted from a reference direction a, and is singular where the tangent t is opposite to it.
+When a.t < -0.5 the reference direction becomes a' = t (manual: eq-beam-update-criterion).  The smallest
+rotation carries the second director along.  The spin angle changes by minus the solid angle of (a, a', v),
+and the twist offset of each neighbouring element compensates the change of its twist (manual:
+eq-beam-update).
 """
 
 from __future__ import annotations
@@ -18,15 +19,20 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.geometry.frames import Frames, reference_change, smallest_rotation
 
-REFERENCE_LIMIT_COSINE = -0.5  # cosine between gauge and tangent below which a gauge is renewed
+REFERENCE_LIMIT_COSINE = (
+    -0.5
+)  # largest cosine between reference direction and tangent at which it is replaced
 
 
 def renew_reference_frames(system: DiscreteSystem, frames: Frames, twists: Callable[[], FloatArray]) -> bool:
-    """Renew reference frames where needed, in ``frames`` (the same on all ranks), the assembly and all rooms;
-    True where any changed.
+    """Update reference frames where needed; True where any changed; collective.
 
-    Call it between load steps or time steps only: an integrator that keeps earlier spin angles must be
-    restarted after a change.
+    Call it between load steps or time steps only: a time formula with earlier spin angles must restart after
+    a change.
+
+    system: its assembly and all components get the new frames.
+    frames: the same on all ranks.
+    twists(): twist (nc,) of the local elements [rad].
     """
     if "string.tangent" not in system.layout.dofs:
         return False
@@ -55,8 +61,10 @@ def renew_reference_frames(system: DiscreteSystem, frames: Frames, twists: Calla
 
 
 def _far_nodes(system: DiscreteSystem, frames: Frames) -> list[tuple[int, np.ndarray]]:
-    """(node, slope (3,)) of all nodes of the string whose tangent is far from the gauge, the same on all
-    ranks."""
+    """Find all nodes whose tangent is far from the reference direction: (node, slope (3,)).
+
+    The same on all ranks.
+    """
     chain, v = system.chain, system.field("string.tangent")
     cosine = np.sum(frames.reference[chain.vertices] * v, axis=1) / np.linalg.norm(v, axis=1)
     far = np.flatnonzero((cosine < REFERENCE_LIMIT_COSINE) & chain.owned)

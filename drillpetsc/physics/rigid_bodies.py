@@ -1,5 +1,7 @@
-"""Rigid bodies on nodes (stabiliser, bit, drive), unbalance and distributed eccentricity, stress-free
-curvature."""
+"""Rigid bodies on nodes (stabiliser, bit, drive), unbalance and distributed eccentricity, stress-free curvature.
+
+Manual: sec-junctions-bodies, sec-junctions-unbalance, sec-junctions-eccentric, sec-junctions-curvature.
+"""
 
 from __future__ import annotations
 
@@ -19,17 +21,20 @@ VERTEX_SLOTS = (("string.position", 0), ("string.tangent", 0), ("string.spin", 0
 
 
 def local_vertices(part, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Which of ``nodes`` (k,) this rank owns: (positions in ``nodes``, local vertex numbers)."""
+    """Find the ``nodes`` (k,) that this rank owns.
+
+    Returns their positions in ``nodes`` and local vertex numbers.
+    """
     local = {int(v): i for i, v in enumerate(part.vertices) if part.owned[i]}
     chosen = [k for k, node in enumerate(nodes) if int(node) in local]
     return np.array(chosen, dtype=int), np.array([local[int(nodes[k])] for k in chosen], dtype=np.int32)
 
 
 class RigidBodies(Component):
-    """Masses off the axis or beside the pipe's own: rigid items on nodes, and pipes whose mass centre lies
-    beside their axis.
+    """Rigid items on nodes, and pipes whose centre of mass is off their axis.
 
-    balanced: without what is off the axis, which averages out over a turn.
+    mesh: of the string; frames: reference frames of its nodes; gravity: (3,) [m/s2].
+    balanced: leave out offsets from the axis, whose effect averages out over a turn.
     """
 
     name = "bodies"

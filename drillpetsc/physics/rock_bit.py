@@ -1,5 +1,7 @@
-"""A bit that cuts rock: contact with bottom and side of its own hole, laws of bit and rock, the hole's end as
-states (kernels/bit/bit.hpp)."""
+"""A bit that cuts rock: contact with bottom and side of its hole, laws of bit and rock, the end of the hole as states.
+
+Kernel: kernels/bit/bit.hpp.  Manual: sec-bit.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,7 @@ _rate = function("rock_rate", "pppddp")
 _Law = structure("bit_law")  # BitLaw of kernels/bit/bit.hpp
 CHIPS = int(constant("bit_chips"))  # states of the rock's profile ahead of a blade
 RING_DAMPING = (
-    4.0  # of the shortest wave of that profile, by its length; 3 to 6 keep every wave of a ring from growing
+    4.0  # damping of the profile's shortest wave, times its length; with 3 to 6 no wave grows on a ring
 )
 LAYER_WIDTH = 0.1  # length over which one layer goes over into the next [m]
 ON_ROCK = -constant("contact_onset")  # depth from which the bit touches [m]
@@ -40,10 +42,14 @@ MOTION, STATICS, QUASI_STATIC = (_MODES[name] for name in ("motion", "statics", 
 
 @dataclass(frozen=True)
 class Layer:
-    """Rock from ``start`` [m] of new hole on.
+    """Rock of a layer (manual: sec-bit-layers, eq-bit-rate).
 
-    drillability D [m/(s N)]; exponents of rotary speed and weight; threshold [N]; anisotropy of the bit I_b;
-    rock (3, 3): M_r, symmetric.
+    start: length of new hole at its top [m].
+    drillability: D [m/(s N)].
+    rotary_exponent, weight_exponent: of rotary speed and weight [-] (manual: eq-bit-speed-factor).
+    threshold: of the weight [N] (manual: eq-bit-threshold).
+    bit_anisotropy: I_b [-].
+    rock: (3, 3) M_r, symmetric (manual: eq-bit-rock-matrix).
     """
 
     start: float
@@ -57,11 +63,14 @@ class Layer:
 
 @dataclass(frozen=True)
 class DragBit:
-    """Drag bit (Detournay and Defourny, Int. J. Rock Mech. Min. Sci. 29(1):13, 1992).
+    """Drag bit (manual: eq-bit-drag; Detournay and Defourny, Int. J. Rock Mech. Min. Sci. 29(1):13, 1992).
 
-    blades; specific_energy eps [Pa]; inclination_ratio zeta [-]; contact_stress sigma [Pa]; wear_flat l [m];
-    friction mu gamma [-]. W = zeta eps a d + sigma a l, T = eps a^2 d/2 + mu gamma sigma a^2 l/2 with the
-    bit's radius a and the depth of cut d per turn.
+    W = zeta eps a d + sigma a l, T = eps a^2 d/2 + mu gamma sigma a^2 l/2, with the radius a and the depth of
+    cut d per turn.
+
+    blades: their number.
+    specific_energy: eps [Pa]; inclination_ratio: zeta [-].
+    contact_stress: sigma [Pa]; wear_flat: l [m]; friction: mu gamma [-].
     """
 
     blades: int = 4
@@ -74,8 +83,12 @@ class DragBit:
 
 @dataclass(frozen=True)
 class Weakening:
-    """Torque that falls from ``static`` to ``dynamic`` over ``speed`` [rad/s]; torques [N m], or lever arms
-    [m] of the weight on bit."""
+    """Torque that falls from ``static`` to ``dynamic`` over ``speed`` [rad/s].
+
+    Manual: eq-bit-torque-weakening.
+
+    static, dynamic: torques [N m], or lever arms of the weight on bit [m] where ``by_weight``.
+    """
 
     static: float
     dynamic: float
@@ -85,11 +98,14 @@ class Weakening:
 
 @dataclass(frozen=True)
 class Rock:
-    """Formation and how the hole grows in it.
+    """Formation, and the growth of the hole in it (manual: sec-bit-growth).
 
-    layers from the start on; reference_speed [rad/s], reference_weight [N]; walk [rad]; bit_axis: the hole
-    goes along the bit's axis, else along the rate of penetration; post_step: the end is moved between the
-    steps (the paper's rule), else it is a state.
+    layers: from the start on.
+    reference_speed [rad/s], reference_weight [N]: manual: eq-bit-speed-factor.
+    walk: walk angle [rad].
+    bit_axis: the hole grows along the bit's axis, else along the rate of penetration.
+    post_step: the end moves between the steps, as in the reference formulation (manual: sec-paper-source);
+    else the end is a state of the integrator.
     """
 
     layers: tuple[Layer, ...]
@@ -102,7 +118,10 @@ class Rock:
 
 @dataclass(frozen=True)
 class BitShape:
-    """face: distance of the face below the node [m]; radius a and half height c of the ellipsoid [m]."""
+    """Shape of the bit, an ellipsoid (manual: sec-bit-shape).
+
+    face: distance of the face below the node [m]; radius: a [m]; half: half height c [m].
+    """
 
     face: float
     radius: float
@@ -111,8 +130,12 @@ class BitShape:
 
 @dataclass(frozen=True)
 class BitContact:
-    """stiffness of bottom and side [N/m]; friction of the bottom and of the side (wall); slip [m/s] rounds
-    off both; damping c [s/m]."""
+    """Contact of the bit with its hole.
+
+    stiffness, side: stiffness of bottom and side [N/m].
+    friction, wall: friction coefficients of bottom and side [-].
+    slip: regularisation of both [m/s]; damping: c of ``damping_factor`` [s/m].
+    """
 
     stiffness: float
     side: float
@@ -123,14 +146,18 @@ class BitContact:
 
 
 def profile_derivative(states: int, length: float) -> FloatArray:
-    """(n, n+1) derivative of a profile by its place at Chebyshev points 0 .. ``length``, the last of which is
-    the inflow.
+    """Compute the derivative matrix (n, n+1) of a profile at Chebyshev points from 0 to ``length``.
 
-    Points x_k = (1 - cos(pi k/n)) length/2; entries from the barycentric weights (Trefethen, Spectral Methods
-    in MATLAB, chapter 6). The Chebyshev modes above two thirds of n are damped besides (spectral viscosity,
-    Tadmor 1989): off bottom the inflow is what flows out, a ring, on which the bare derivative lets one mode
-    grow by 5e-4 per radian.  With the damping none grows; a smooth profile's derivative is as it was
-    (polynomials of degree <= 2 n/3 stay exact, a sine's way through a quarter turn is within 1e-4).
+    Manual: eq-bit-profile.
+
+    The points are x_k = (1 - cos(pi k/n)) length/2, k = 0 .. n; the last one is the inflow.  The entries
+    follow from the barycentric weights (Trefethen, Spectral Methods in MATLAB, chapter 6).  Chebyshev modes
+    above two thirds of n are damped (spectral viscosity, Tadmor 1989).  Off bottom the inflow equals the
+    outflow, and on this ring the undamped derivative lets one mode grow by 5e-4 per radian.  With the damping
+    no mode grows.  For smooth profiles the derivative is unchanged: polynomials of degree <= 2 n/3 are exact,
+    and a sine is within 1e-4 after a quarter turn.
+
+    states: number n of states; length: of the profile [rad].
     """
     k = np.arange(states + 1)
     x = 0.5 * length * (1 - np.cos(np.pi * k / states))
@@ -146,10 +173,14 @@ def profile_derivative(states: int, length: float) -> FloatArray:
 
 
 class RockBit(Bit):
-    """The bit at the lower end of the string; unknowns hole.end (3) [m] and hole.drilled [m], and a drag
-    bit's profile bit.chips [m].
+    """The bit at the lower end of the string (manual: sec-bit).
 
-    inertia False: the string moves quasi-statically, a drag bit cuts steadily and needs no profile.
+    Unknowns: displacement of the hole's end hole.end (3) [m], length drilled hole.drilled [m], and the
+    profile bit.chips [m] of a drag bit.
+
+    node: of the bit; shape, contact: of the bit; law: of its torque, None: friction; rock: the formation.
+    hole: the growing hole.
+    inertia: the string has inertia; without it a drag bit cuts steadily and has no profile.
     """
 
     name = "bit"
@@ -317,11 +348,14 @@ class RockBit(Bit):
 
     # ------------------------------------------------------------------ statics and motion
     def impose_sliding_direction(self, axial: float, spin: float, side: float = 1.0) -> None:
-        """StaticNewton: the hole stays; friction acts against an imposed motion (physics/contact.py)."""
+        """Let friction oppose an imposed motion, for statics; the hole does not grow (see ``Contact``)."""
         self._impose(STATICS, axial, spin, side)
 
     def impose_drilling(self, axial: float, spin: float, side: float = 1.0) -> None:
-        """The hole grows under a bit that turns with ``spin`` [rad/s]; inertia and impacts are left out."""
+        """Let the hole grow under a bit that turns with ``spin`` [rad/s], without inertia and impacts.
+
+        Manual: sec-bit-quasi-static.
+        """
         self._impose(QUASI_STATIC, axial, spin, side)
 
     def _impose(self, mode: float, axial: float, spin: float, side: float) -> None:
@@ -338,7 +372,10 @@ class RockBit(Bit):
         self.params.array[:] = other.params.array
 
     def _torque_line(self, spin: float) -> tuple[float, float]:
-        """Torque on bit = first + second * weight, at a rotation ``spin`` [rad/s]."""
+        """Compute the torque on bit as first + second * weight, at a rotation ``spin`` [rad/s].
+
+        [N m] and [m].
+        """
         if not isinstance(self.law, Weakening):
             return self._torque
         size = self.law.dynamic + (self.law.static - self.law.dynamic) * float(
@@ -347,17 +384,19 @@ class RockBit(Bit):
         return (0.0, size) if self.law.by_weight else (size, 0.0)
 
     def torque_for(self, weight: float) -> float:
-        """Torque [N m] of the turning bit under ``weight`` [N]."""
+        """Compute the torque [N m] of the turning bit under ``weight`` [N]."""
         first, second = self._torque_line(self.rock.reference_speed)
         return first + second * weight if weight > 0 else 0.0
 
     def depth_for(self, weight: float) -> float:
-        """Depth [m] at which the bit carries ``weight`` [N] at rest."""
+        """Compute the depth [m] at which the bit carries ``weight`` [N] at rest."""
         return weight / self.contact.stiffness
 
     def depth_of_face(self, state) -> tuple[float, FloatArray]:
-        """How far the bit is below the end of the hole [m], and its gradient by the local unknowns (n,); zero
-        without the bit."""
+        """Compute the depth of the bit below the end of the hole [m] and its gradient (n,) by the local unknowns.
+
+        Both are zero without the bit.  Manual: eq-bit-support, eq-bit-depths.
+        """
         gradient = np.zeros(len(state.x))
         if not self._mine:
             return 0.0, gradient[: state.layout.size]
@@ -374,8 +413,10 @@ class RockBit(Bit):
 
     @contextmanager
     def preloaded(self, weight: float, travel: float):
-        """Meanwhile the bit stands on a weak spring that carries ``weight`` [N] after ``travel`` [m], at the
-        depth of ``depth_for``."""
+        """Context in which a weak spring replaces the bottom (manual: sec-statics-wob).
+
+        It carries ``weight`` [N] after ``travel`` [m], at the depth of ``depth_for``.
+        """
         p = self.params
         before = p.array.copy()
         p["stiffness"] = weight / travel
@@ -386,8 +427,11 @@ class RockBit(Bit):
             p.array[:] = before
 
     def first_cut(self, state) -> None:
-        """Drilling as the string moves at the start; a drag bit's profile carries the weight on bit: steady
-        cutting if the bit turns, else a flat indentation."""
+        """Set the rates of the hole's end from the string's motion at the start (manual: sec-bit-start).
+
+        The profile of a drag bit is set to carry the weight on bit: steady cutting if the bit turns, else a
+        flat indentation.
+        """
         if not self._mine:
             return
         i = state.index_of(self._block)[0]
@@ -408,10 +452,10 @@ class RockBit(Bit):
 
     # ------------------------------------------------------------------ growth
     def local_update(self, state) -> FloatArray:
-        """(6,) after an accepted step, zero without the bit: place of the end (3) and metres drilled since
-        the start, time, number of bits.
+        """Return (6,) after an accepted step, zero without the bit.
 
-        By the paper's rule the end is moved now.
+        Displacement of the end (3) [m] and length drilled since the start [m], time [s], number of bits.
+        With ``post_step`` the end is moved in this call.
         """
         now = np.zeros(6)
         if self._mine:
@@ -423,13 +467,13 @@ class RockBit(Bit):
         return now
 
     def apply_update(self, total: FloatArray) -> None:
-        """All ranks learn what ``local_update`` said; the wall follows the end."""
+        """Store the sum of ``local_update`` over all ranks; the wall follows the end."""
         self._end, self._accepted = total[:4].copy(), float(total[4])
         if self.hole.follow(total[3], self.hole.first + total[:3]):
             self._follow()
 
     def drilled_hole(self) -> Well:
-        """The hole with its new part, as of the last accepted step."""
+        """Return the hole with its new part after the last accepted step."""
         return self.hole.whole(float(self._end[3]), self.hole.first + self._end[:3])
 
     def _move(self, state) -> None:
@@ -440,11 +484,11 @@ class RockBit(Bit):
             hold[:, 3] += np.linalg.norm(rate) * step
 
     def get_state(self) -> dict[str, FloatArray]:
-        """For a checkpoint; the same on all ranks."""
+        """History variables for a checkpoint, the same on all ranks; those of the hole included."""
         return {"hold": self._end, "accepted": np.array([self._accepted])} | self.hole.get_state()
 
     def set_state(self, memory: dict[str, FloatArray]) -> None:
-        """Go on from a checkpoint's ``memory``."""
+        """Continue from the history variables of a checkpoint."""
         self.hole.set_state(memory)
         self.params["hold"] = self._end = np.array(memory["hold"])
         self.params["end"] = memory["first"]
@@ -452,7 +496,7 @@ class RockBit(Bit):
         self._follow()
 
     def contact_signature(self) -> int:
-        """Changes whenever the bit leaves the bottom or comes back to it, on the bit's rank."""
+        """A number that changes when the bit leaves the bottom or comes back to it, on the bit's rank."""
         return int(self._made.touching)
 
     # ------------------------------------------------------------------ figures
@@ -479,7 +523,10 @@ class RockBit(Bit):
         return float(figures[RESULTS["weight"]]), float(figures[RESULTS["torque"]])
 
     def progress(self, state) -> tuple[float, float]:
-        """Metres drilled since the start and rate of penetration [m/s], zero on ranks without the bit."""
+        """Return the length drilled since the start [m] and the rate of penetration [m/s].
+
+        Zero on ranks without the bit.
+        """
         if not self._mine:
             return 0.0, 0.0
         drilled = (
@@ -490,8 +537,11 @@ class RockBit(Bit):
     def rate_under(
         self, force: FloatArray, axis: FloatArray, omega: float, drilled: float = 0.0
     ) -> FloatArray:
-        """(3,) rate of penetration [m/s] under a ``force`` (3,) of the bit on the rock [N], bit axis (3,),
-        rotation [rad/s]."""
+        """Compute the rate of penetration (3,) [m/s] (manual: eq-bit-rate).
+
+        force: (3,) of the bit on the rock [N]; axis: (3,) of the bit; omega: rotation [rad/s]; drilled:
+        length [m].
+        """
         out, F, e = np.zeros(3), np.array(force, dtype=float), np.array(axis, dtype=float)
         _rate(ctypes.addressof(self._made), pointer(F), pointer(e), omega, drilled, pointer(out))
         return out

@@ -1,8 +1,8 @@
 """BDF history for checkpoints: a restarted run reproduces an uninterrupted one bit for bit.
 
-PETSc does not expose the history of TSBDF.  The accepted states are therefore recorded here.  A restarted run first
-steps through this record with a solver that returns the recorded states, so that TSBDF rebuilds the same times and
-vectors (manual: sec-time-restart).
+PETSc does not expose the history of TSBDF.  The accepted states are therefore recorded here.  A restarted run
+first steps through this record with a solver that returns the recorded states, so that TSBDF rebuilds the
+same times and vectors (manual: sec-time-restart).
 """
 
 from __future__ import annotations
@@ -23,10 +23,11 @@ class BdfHistory:
 
     depth: a formula of order p, its predictor and its error estimate use p + 1 earlier states.
     times: (k,) times of the states [s].
-    steps: (k - 1,) requested step from each state to the next [s]; rounding makes it differ from that of the times.
+    steps: (k - 1,) requested step from each state to the next [s]; rounding makes it differ from that of the
+    times.
     states: unknowns and rates at these times.
-    half: state in the middle of the first step.  TSBDF computes it at each start, and uses it until it has enough
-    other states.
+    half: state in the middle of the first step.  TSBDF computes it at each start, and uses it until it has
+    enough other states.
     """
 
     depth: int
@@ -65,7 +66,9 @@ class BdfHistory:
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self, system: DiscreteSystem) -> dict[str, FloatArray]:
-        """Return the record for a checkpoint on rank 0; empty before the first start and on other ranks; collective.
+        """Return the record for a checkpoint on rank 0; empty before the first start and on other ranks.
+
+        Collective.
 
         times: (k,) [s]; steps: (k - 1,) [s].
         states: (k or k + 1, 2, nodes, m) unknowns and rates of all fields; the half step is the last one.
@@ -96,13 +99,19 @@ class BdfHistory:
 
 
 def _nodal(system: DiscreteSystem, values: FloatArray) -> FloatArray:
-    """Arrange local values (array_length,) by node: (nv, m) components of all fields, zero where a field is absent."""
+    """Arrange local values (array_length,) by node: (nv, m) components of all fields.
+
+    Zero where a field is absent.
+    """
     dofs = np.hstack([system.layout.dofs[f.name] for f in system.layout.fields])
     return np.where(dofs >= 0, values[np.maximum(dofs, 0)], 0.0)
 
 
 def _local(system: DiscreteSystem, nodal: FloatArray, like: FloatArray) -> FloatArray:
-    """Return local values (array_length,) from ``nodal`` (nodes, m); entries that are no unknowns are those of ``like``."""
+    """Return local values (array_length,) from ``nodal`` (nodes, m).
+
+    Entries that are no unknowns are those of ``like``.
+    """
     dofs = np.hstack([system.layout.dofs[f.name] for f in system.layout.fields])
     out = like.copy()
     out[dofs[dofs >= 0]] = nodal[system.chain.vertices][dofs >= 0]

@@ -123,7 +123,10 @@ class Piece:
         _forward(*self._piece, *self._lu, pointer(vec))
 
     def backward(self, vec: np.ndarray) -> None:
-        """Sweep from the interfaces, which contain their solution, to all nodes; in place on a padded vector."""
+        """Sweep from the interfaces, which contain their solution, to all nodes.
+
+        In place on a padded vector.
+        """
         _backward(*self._piece, pointer(vec))
 
     def solve(

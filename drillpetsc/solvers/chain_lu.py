@@ -1,17 +1,20 @@
 """Direct solver for the equations of one drillstring: block tridiagonal LU, distributed over the ranks.
 
-The unknowns belong to the nodes of a chain (manual: eq-chain-matrix).  Each rank has a run of neighbouring elements
-and all their nodes, so the end node of a run belongs to two ranks.  Such a node is called an interface.
+The unknowns belong to the nodes of a chain (manual: eq-chain-matrix).  Each rank has a run of neighbouring
+elements and all their nodes, so the end node of a run belongs to two ranks.  Such a node is called an
+interface.
 
-In serial this is the block Thomas algorithm with partial pivoting inside the pivot block (manual: eq-chain-thomas;
-Golub & Van Loan, Matrix Computations, 4th ed., section 4.5.1).  In parallel every rank eliminates its interior nodes
-towards its interfaces (manual: eq-chain-fill).  The Schur complement of the interfaces is block tridiagonal with one
-node fewer than ranks (manual: eq-chain-schur).  All ranks assemble it from one Allgatherv and factorise it with
-identical results (partition method: Wang 1981, ACM Trans. Math. Softw. 7(2):170-183).
+In serial this is the block Thomas algorithm with partial pivoting inside the pivot block (manual:
+eq-chain-thomas; Golub & Van Loan, Matrix Computations, 4th ed., section 4.5.1).  In parallel every rank
+eliminates its interior nodes towards its interfaces (manual: eq-chain-fill).  The Schur complement of the
+interfaces is block tridiagonal with one node fewer than ranks (manual: eq-chain-schur).  All ranks assemble
+it from one Allgatherv and factorise it with identical results (partition method: Wang 1981, ACM Trans. Math.
+Softw. 7(2):170-183).
 
-Work per node of block size b, leading term (manual: sec-chain-cost): 14/3 b^3 towards one interface (serial, first
-and last rank): LU of the pivot block 2/3, two-sided solve 2, update of the next block 2.  Between two interfaces it
-is 38/3 b^3: the fill towards the first interface costs one more solve, 2, and three more products, 6.
+Work per node of block size b, leading term (manual: sec-chain-cost): 14/3 b^3 towards one interface (serial,
+first and last rank): LU of the pivot block 2/3, two-sided solve 2, update of the next block 2.  Between two
+interfaces it is 38/3 b^3: the fill towards the first interface costs one more solve, 2, and three more
+products, 6.
 """
 
 from __future__ import annotations
@@ -24,8 +27,8 @@ from drillpetsc.errors import SolveError
 from drillpetsc.kernels import function, pointer
 from drillpetsc.solvers.block_tridiagonal import LARGEST_BLOCK, Piece, aligned
 
-#: length of the header before the blocks of a rank's message: failed node (-1: none), its column, smallest and
-#: largest pivot ratio, node of the smallest
+#: length of the header before the blocks of a rank's message: failed node (-1: none), its column, smallest
+#: and largest pivot ratio, node of the smallest
 _HEADER = 5
 
 _gather = function("chain_gather", "ippp")
@@ -49,7 +52,10 @@ class ZeroPivot(SolveError):
 
 
 def _raise_on_all_ranks(comm: Any, problem: str | None) -> None:
-    """Raise ValueError with the first problem of any rank on every rank, so that no rank waits forever; collective."""
+    """Raise ValueError with the first problem of any rank on every rank, so that no rank waits forever.
+
+    Collective.
+    """
     problems = [problem] if comm is None else comm.allgather(problem)
     for rank, text in enumerate(problems):
         if text:
@@ -101,21 +107,25 @@ class _Message:
 
 
 class ChainFactor:
-    """Factors of the matrix of one chain; built once for a mesh, refilled by ``factor`` and used by ``solve``.
+    """Factors of the matrix of one chain.
+
+    Built once for a mesh, refilled by ``factor`` and used by ``solve``.
 
     comm: communicator of the chain (PETSc's, mpi4py's, or None for one process); collective.
-    nodes: (n,) numbers along the chain of the local nodes, ascending by one; empty on a rank without elements.
+    nodes: (n,) numbers along the chain of the local nodes, ascending by one; empty on a rank without
+    elements.
     node_of_dof: (size,) index in ``nodes`` of every unknown of the ghosted local vector.  The unknowns of an
     interface must come in the same order on both ranks.
     local_of_owned: (owned,) local number of each owned unknown, in the order of the global vector.
     rows, columns: (m,) local numbers of the matrix entries.  Entries with a negative number are left out.
     Duplicates add up, and so do the contributions of two ranks to their interface.
     refine: steps of iterative refinement in every solve.
-    pivot_tolerance: a pivot must exceed this fraction of the largest entry of its column in the diagonal block.
+    pivot_tolerance: a pivot must exceed this fraction of the largest entry of its column in the diagonal
+    block.
 
     After ``factor``:
-    smallest_pivot, growth: smallest and largest of that ratio of |pivot| to the column of the diagonal block, over
-    all nodes and ranks; columns that are zero in the block are not counted.
+    smallest_pivot, growth: smallest and largest of that ratio of |pivot| to the column of the diagonal block,
+    over all nodes and ranks; columns that are zero in the block are not counted.
     smallest_pivot_node: number of its node along the chain.
     factor_flops, solve_flops: operations of one call on this rank, the interface system included.
 
@@ -198,7 +208,10 @@ class ChainFactor:
         self._vec, self._rhs, self._sum = (aligned(self.piece.length) for _ in range(3))
 
     def _set_entries(self, node_of_dof: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> None:
-        """Check the matrix entries (m,) and set their positions in the blocks; ValueError where one is wrong."""
+        """Check the matrix entries (m,) and set their positions in the blocks.
+
+        ValueError where one is wrong.
+        """
         if rows.shape != columns.shape or rows.ndim != 1:
             raise ValueError(f"rows {rows.shape} and columns {columns.shape} must be flat and of one length")
         used = (rows >= 0) & (columns >= 0)
@@ -328,7 +341,8 @@ class ChainFactor:
     def solve(self, b: np.ndarray, x: np.ndarray) -> None:
         """Solve A x = b for ghosted local arrays (size,); collective.
 
-        b is read at owned entries; x is filled at ghosts as well.  Raises ValueError for other lengths or types.
+        b is read at owned entries; x is filled at ghosts as well.  Raises ValueError for other lengths or
+        types.
         """
         self._check(b, x, self.size)
         self._solve(self._owned_local_at, b, self._local_at, x)
@@ -344,10 +358,12 @@ class ChainFactor:
             raise ValueError(f"b and x must be float arrays of length {size}, got {got}")
 
     def negative_pivots(self, values: np.ndarray) -> int:
-        """Count the negative eigenvalues of the symmetric matrix with entries ``values`` (m,), and factor it; collective.
+        """Count the negative eigenvalues of the symmetric matrix with entries ``values`` (m,), and factor it.
 
-        The inertia of a block LDL^T factorisation without exchanges between blocks is the sum of the inertias of the
-        pivot blocks (manual: eq-chain-inertia; Haynsworth 1968, Linear Algebra Appl. 1(1):73-81).
+        Collective.
+
+        The inertia of a block LDL^T factorisation without exchanges between blocks is the sum of the inertias
+        of the pivot blocks (manual: eq-chain-inertia; Haynsworth 1968, Linear Algebra Appl. 1(1):73-81).
         Raises ZeroPivot as ``factor``.
         """
         pieces = self.piece, self.interface
@@ -376,12 +392,12 @@ class ChainPC:
     """Context of a PETSc PC of type python (manual: sec-chain-petsc).
 
     It solves exactly with ``chain`` for KSP preonly, or preconditions a Krylov method with a lagged factor.
-    PETSc calls ``setUp`` when the state of the operator changed: assemble it, or call its stateIncrease.  The matrix
-    is factored again only where ``provider.version`` changed.
+    PETSc calls ``setUp`` when the state of the operator changed: assemble it, or call its stateIncrease.  The
+    matrix is factored again only where ``provider.version`` changed.
 
     chain: the solver; provider: its matrix entries.
-    stop: raise ZeroPivot where a pivot is missing.  Otherwise the KSP diverges with DIVERGED_PC_FAILED, so that the
-    time step can be reduced, and ``error`` is the reason.
+    stop: raise ZeroPivot where a pivot is missing.  Otherwise the KSP diverges with DIVERGED_PC_FAILED, so
+    that the time step can be reduced, and ``error`` is the reason.
     """
 
     def __init__(self, chain: ChainFactor, provider: MatrixValues, *, stop: bool = True):

@@ -1,8 +1,9 @@
 """The assembled first-order system, for other integrators and solvers than the condensed default.
 
-Manual: sec-time-first-order, eq-time-system.  A second-order unknown has two rows: the kinematic row x' - y = 0 (for
-a spin angle phi' - omega + c(v).w = 0) and the dynamic row in place of y'.  Each kind has seven rows at a prescribed
-vertex; those along D become D x = value and D y = rate, so the index is 1 (manual: eq-time-first-order-prescribed).
+Manual: sec-time-first-order, eq-time-system.  A second-order unknown has two rows: the kinematic row x' - y =
+0 (for a spin angle phi' - omega + c(v).w = 0) and the dynamic row in place of y'.  Each kind has seven rows
+at a prescribed vertex; those along D become D x = value and D y = rate, so the index is 1 (manual:
+eq-time-first-order-prescribed).
 """
 
 from __future__ import annotations
@@ -19,8 +20,8 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 
 #: integrators for implicit first-order systems with algebraic rows
 IMPLICIT = ("bdf", "beuler", "cn", "theta", "alpha", "arkimex", "dirk", "rosw")
-#: integrators that keep their order with constraints at position level (Brenan, Campbell and Petzold, Numerical
-#: Solution of IVPs in DAEs, section 3.2)
+#: integrators that keep their order with constraints at position level (Brenan, Campbell and Petzold,
+#: Numerical Solution of IVPs in DAEs, section 3.2)
 HIGH_INDEX = ("bdf", "beuler")
 
 
@@ -107,10 +108,12 @@ class FirstOrderSystem:
         self._free = ~prescribed[self._second_order], ~prescribed[self._spin_nodes]
 
     def _entry_dofs(self) -> tuple[np.ndarray, np.ndarray]:
-        """Compute local rows and columns of all matrix entries, -1 where left out (manual: eq-time-first-order-jacobian).
+        """Compute local rows and columns of all matrix entries, -1 where left out.
 
-        In this order: the kinematic rows by x and y, their spin terms by v and w, all blocks by x and by y, and three
-        7x7 blocks for each prescribed vertex.
+        Manual: eq-time-first-order-jacobian.
+
+        In this order: the kinematic rows by x and y, their spin terms by v and w, all blocks by x and by y,
+        and three 7x7 blocks for each prescribed vertex.
         """
         system, layout, asm, every = self.system, self.system.layout, self.system.assembly, self._second_order
         owned = system.owned_index >= 0
@@ -233,7 +236,10 @@ class FirstOrderSystem:
         return out
 
     def locate_largest_residual(self) -> dict[str, Any]:
-        """Find the place of rows that were not finite shortly before, else that of the largest residual; collective."""
+        """Find the place of rows that were not finite shortly before, else that of the largest residual.
+
+        Collective.
+        """
         return self._not_finite or self.system.locate_largest_residual(self._t)
 
     def accept(self, ts) -> None:

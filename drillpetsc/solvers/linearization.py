@@ -1,15 +1,15 @@
 """Linearisation of the discrete system about the current state: R(x, y, a) = 0 becomes (K + s C + s^2 M) u = 0.
 
-Manual: eq-eigen-rates, eq-eigen-problem.  With K_R = dR/dx, C_R = dR/dy, M_R = dR/da, the rates of most unknowns are
-y = x', a = x''.  The rate of a spin angle is the spin omega = phi' + c(v).v'.  A small motion changes it by
-(phi' + c.v') s + (d(c.v')/dv).v.  So y = (s P + G) u and a = s y: P is the unit matrix plus the rows c(v), G has the
-rows d(c.v')/dv.  Then K = K_R + C_R G, C = C_R P + M_R G, M = M_R P.
+Manual: eq-eigen-rates, eq-eigen-problem.  With K_R = dR/dx, C_R = dR/dy, M_R = dR/da, the rates of most
+unknowns are y = x', a = x''.  The rate of a spin angle is the spin omega = phi' + c(v).v'.  A small motion
+changes it by (phi' + c.v') s + (d(c.v')/dv).v.  So y = (s P + G) u and a = s y: P is the unit matrix plus the
+rows c(v), G has the rows d(c.v')/dv.  Then K = K_R + C_R G, C = C_R P + M_R G, M = M_R P.
 
-Prescribed components do not move: u = T q with orthonormal columns over the free motions, and rows are projected by
-the transpose of T.
+Prescribed components do not move: u = T q with orthonormal columns over the free motions, and rows are
+projected by the transpose of T.
 
-The matrices are collected on rank 0, and the eigenvalues are computed there (a string has a few thousand unknowns:
-seconds).  Every rank receives them.
+The matrices are collected on rank 0, and the eigenvalues are computed there (a string has a few thousand
+unknowns: seconds).  Every rank receives them.
 """
 
 from __future__ import annotations
@@ -34,7 +34,8 @@ class Linearised:
 
     K, C, M: (n, n) sparse [rows of R by unknown, its rate, its acceleration].
     T: (n, q) basis of the motions that the ends leave free.
-    field, node, component: (n,) of each unknown: number of its field, of its node from the top, of its component.
+    field, node, component: (n,) of each unknown: number of its field, of its node from the top, of its
+    component.
     scale: (n,) usual size of each unknown [SI].
     second_order: (n,) whether the rate of the unknown is a further unknown.
     """
@@ -70,7 +71,10 @@ class Linearised:
 
 
 def linearise(system: DiscreteSystem, t: float = 0.0) -> Linearised | None:
-    """Linearise at the assembly's x, y, a and time ``t`` [s]; the result is on rank 0, None elsewhere; collective."""
+    """Linearise at the assembly's x, y, a and time ``t`` [s]; the result is on rank 0, None elsewhere.
+
+    Collective.
+    """
     layout, asm = system.layout, system.assembly
     numbers = layout.condensed_dm.getLGMap().getIndices()
     used = (asm.rows >= 0) & (asm.columns >= 0)

@@ -1,9 +1,10 @@
 """Local errors of the time formula in a run with BDF, summed by unknown (manual: eq-time-local-error).
 
-A step of BDF k solves p'(t_n) = f, where p is the polynomial through x_n and the k states before it.  Let D be the
-divided difference of order k + 1 of the last k + 2 states.  Then x'(t_n) - p'(t_n) = D prod_i (t_n - t_(n-i)),
-i = 1..k, and x_n has the coefficient sum_i 1/(t_n - t_(n-i)) in p'(t_n).  The local error is their quotient,
-e = D prod_i (t_n - t_(n-i)) / sum_i 1/(t_n - t_(n-i)).  At a fixed step h and k = 2 it is 2/9 h^3 x'''.
+A step of BDF k solves p'(t_n) = f, where p is the polynomial through x_n and the k states before it.  Let D
+be the divided difference of order k + 1 of the last k + 2 states.  Then x'(t_n) - p'(t_n) = D prod_i (t_n -
+t_(n-i)), i = 1..k, and x_n has the coefficient sum_i 1/(t_n - t_(n-i)) in p'(t_n).  The local error is their
+quotient, e = D prod_i (t_n - t_(n-i)) / sum_i 1/(t_n - t_(n-i)).  At a fixed step h and k = 2 it is 2/9 h^3
+x'''.
 Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, III.2.
 
 Sums of e are not the error at the end: the motion may damp or amplify local errors.
@@ -26,7 +27,9 @@ MEANING = (
 
 
 class LocalErrorEstimate:
-    """Sums of local errors of a run with BDF, and its number of residuals; other integrators have no estimate.
+    """Sums of local errors of a run with BDF, and its number of residuals.
+
+    Other integrators have no estimate.
 
     integrator: the ``TimeIntegrator`` of the run; the estimate is updated after each of its steps.
     """
@@ -76,7 +79,10 @@ class LocalErrorEstimate:
         return {**calls, "error_estimate": {"time": self._by_unknown()}} if ended else calls
 
     def _by_unknown(self) -> dict[str, Any] | None:
-        """Return the sums by field, largest over the string; None for integrators without an estimate; collective."""
+        """Return the sums by field, largest over the string; None for integrators without an estimate.
+
+        Collective.
+        """
         if not self.is_bdf:
             return None
         sums = {"largest_step": self._largest, "sum": self._sum, "net": np.abs(self._net)}

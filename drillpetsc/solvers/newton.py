@@ -1,8 +1,9 @@
 """Modified Newton method on the condensed unknowns (manual: sec-time-newton).
 
-Convergence is tested on scaled increments; the factorisation is reused while it converges fast enough.  The rates
-of a step follow from the unknowns, y = shift x + v0 (manual: eq-time-condensed), so only the unknowns are solved for
-(manual: eq-time-condensed-residual).  The solver is an inner PETSc SNES with the options prefix ``q_``.
+Convergence is tested on scaled increments; the factorisation is reused while it converges fast enough.  The
+rates of a step follow from the unknowns, y = shift x + v0 (manual: eq-time-condensed), so only the unknowns
+are solved for (manual: eq-time-condensed-residual).  The solver is an inner PETSc SNES with the options
+prefix ``q_``.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ from drillpetsc.solvers.chain_lu import ChainFactor, ChainPC, ZeroPivot
 RESOLUTION = 64 * np.finfo(float).eps
 #: an increment that no longer shrinks and is below this fraction of the scales is rounding
 ROUNDING_INCREMENT = 1e-10
-#: a step is shortened where its work afterwards is opposite and above this fraction (manual: eq-time-line-search)
+#: a step is shortened where its work afterwards is opposite and above this fraction (manual:
+#: eq-time-line-search)
 OVERSHOOT_FRACTION = 0.1
 SHORTEST_STEP_FRACTION = 0.05
 Reason = PETSc.SNES.ConvergedReason
@@ -91,10 +93,10 @@ class CondensedNewton:
         options = PETSc.Options(prefix)
         chosen = options.hasName("snes_linesearch_type")
         if not chosen:
-            # Contact and friction make Newton overshoot.  "cp" finds the zero of the work of the rows along the
-            # step from residuals alone; measured on the whirling 2000 m string it takes a third of the iterations
-            # and no step fails.  With the balances of mud this work has no sign to search by, and after a jump the
-            # search does not progress.
+            # Contact and friction make Newton overshoot.  "cp" finds the zero of the work of the rows along
+            # the step from residuals alone; measured on the whirling 2000 m string it takes a third of the
+            # iterations and no step fails.  With the balances of mud this work has no sign to search by, and
+            # after a jump the search does not progress.
             forces = all(f.does_work for f in system.layout.fields)
             options.setValue("snes_linesearch_type", "cp" if system.has_contact and forces else "basic")
         petsc_names = (
@@ -181,7 +183,10 @@ class CondensedNewton:
         return bool(self.system.comm.tompi4py().allreduce(int(local), op=_min()))
 
     def can_reuse_factor(self, its: int) -> bool:
-        """Whether the last factorisation may be used in iteration ``its``; the same on every rank, collective."""
+        """Whether the last factorisation may be used in iteration ``its``.
+
+        The same on every rank, collective.
+        """
         lag = self.lag
         assert lag is not None
         reusable = (
@@ -199,7 +204,9 @@ class CondensedNewton:
         return self.convergence_reason(its, step, bool(np.isfinite(norms[2])))
 
     def convergence_reason(self, its: int, step: np.ndarray, finite: bool) -> int:
-        """Test convergence after ``its`` iterations (manual: eq-time-increment, eq-time-convergence); collective.
+        """Test convergence after ``its`` iterations; collective.
+
+        Manual: eq-time-increment, eq-time-convergence.
 
         step: (owned,) last increment of the owned unknowns; finite: the residual after it is finite.
         Returns a SNES reason, 0 to continue.
@@ -237,11 +244,14 @@ class CondensedNewton:
             self.lag.good = False
 
     def get_state(self) -> dict[str, np.ndarray]:
-        """Return the matrix entries of the factorisation and the convergence factor for a checkpoint; collective.
+        """Return the matrix entries of the factorisation and the convergence factor for a checkpoint.
+
+        Collective.
 
         The result is complete on rank 0 and may be empty elsewhere.
         newton: convergence factor [-] and shift [1/s].
-        entries: entries of all ranks; shares: their number on each rank; signatures: contact signature of each rank.
+        entries: entries of all ranks; shares: their number on each rank; signatures: contact signature of
+        each rank.
         """
         lag, mpi = self.lag, self.system.comm.tompi4py()
         if lag is None or not lag.good:
@@ -262,7 +272,8 @@ class CondensedNewton:
     def set_state(self, state: dict[str, np.ndarray]) -> None:
         """Restore the factorisation from a checkpoint: ``state`` as returned by ``get_state``; collective.
 
-        On another number of ranks the entries are distributed differently, and only the convergence factor is used.
+        On another number of ranks the entries are distributed differently, and only the convergence factor is
+        used.
         """
         asm, mpi = self.system.assembly, self.system.comm.tompi4py()
         self.discard_factor()
@@ -294,7 +305,8 @@ class CondensedNewton:
         self.t, self.shift = t, shift
         if self.lag and self._turns_with_string:  # the Jacobian turns with the string
             self.lag.good = False
-        # the convergence factor of one step counts less in the next one (Hairer and Wanner, Solving ODEs II, IV.8)
+        # the convergence factor of one step counts less in the next one (Hairer and Wanner, Solving ODEs II,
+        # IV.8)
         self.eta = 1.0 if self.eta > 1.0 else max(self.eta, 1e-10) ** 0.8
         if self.lag and self.lag.good:
             # a factorisation at another shift leaves an error of this fraction in each iteration
@@ -317,10 +329,11 @@ class CondensedNewton:
 
 
 class _DirectIteration:
-    """Context of the python SNES of a ``CondensedNewton``: one residual an iteration, steps shortened only on overshoot.
+    """Context of the python SNES of a ``CondensedNewton``: one residual an iteration, steps shortened only on
+    overshoot.
 
-    Any ``-q_snes_type`` replaces it.  ``newtonls`` with line search ``cp`` needs two more residuals an iteration, even
-    where the full step is good.
+    Any ``-q_snes_type`` replaces it.  ``newtonls`` with line search ``cp`` needs two more residuals an
+    iteration, even where the full step is good.
     """
 
     def __init__(self, newton: CondensedNewton):
@@ -423,8 +436,8 @@ def _min():
 def chain_factor(system: DiscreteSystem) -> ChainFactor:
     """Create the direct solver for the system's chain of nodes (manual: sec-chain)."""
     layout, asm = system.layout, system.assembly
-    # the pivot of a constraint is of the order of the squared step, without cancellation, so a small one does not
-    # mean a singular matrix
+    # the pivot of a constraint is of the order of the squared step, without cancellation, so a small one does
+    # not mean a singular matrix
     smallest = 1e-25 if system.multipliers else 1e-15
     return ChainFactor(
         system.comm,

@@ -61,7 +61,10 @@ def _was_read(name: str) -> bool:
 
 
 def unread(names: Iterable[str]) -> list[str]:
-    """Return the options that the solvers have not read after their set-up; options read only at the end are left out."""
+    """Return the options that the solvers have not read after their set-up.
+
+    Options read only at the end are left out.
+    """
     present = PETSc.Options().getAll()  # petsc_compat removes options that have a newer name
     return [name for name in names if name in present and not _is_late(name) and not _was_read(name)]
 

@@ -9,8 +9,8 @@ With v = s u of the second-order unknowns the problem is A z = s B z, z = (u, v)
     [ -K -C2 ] [v] = s [ C1  M2 ] [v]
 
 where S selects the second-order unknowns, C2 and M2 have their columns, and C1 has the columns of the others.
-B is singular: infinite eigenvalues become zeros of Op = (A - sigma B)^-1 B, whose eigenvalues are 1/(s - sigma).
-Op needs only one factor, that of K + sigma C + sigma^2 M (manual: eq-eigen-operator):
+B is singular: infinite eigenvalues become zeros of Op = (A - sigma B)^-1 B, whose eigenvalues are 1/(s -
+sigma). Op needs only one factor, that of K + sigma C + sigma^2 M (manual: eq-eigen-operator):
 
     u = -(K + sigma C + sigma^2 M)^-1 [C1 u0 + M2 v0 + (C2 + sigma M2) S u0],   v = S u0 + sigma S u.
 """
@@ -39,7 +39,8 @@ LARGEST_BACKWARD_ERROR = 1e-6  # eigenvalues with a larger backward error are di
 NEUTRAL_GROWTH = 1e-6  # growth below this fraction of |s| is rounding (measured up to 1.2e-7 on 12 km)
 OSCILLATING_PER_SLOW_REAL = 4  # one slow real eigenvalue is shown for so many oscillating ones
 DEFLATION_CHECKS = 4  # eigenvalues of the deflated operator that are computed to find one that was missed
-#: eigenvalues of the operator below this fraction of its largest are zero up to rounding: infinite eigenvalues
+#: eigenvalues of the operator below this fraction of its largest are zero up to rounding: infinite
+#: eigenvalues
 SMALLEST_OPERATOR_EIGENVALUE = 1e-11
 MAX_DEFLATIONS = 40
 MAX_DISCS = 200
@@ -52,8 +53,8 @@ class QuadraticEigenproblem:
     K, C, M: (n, n) sparse [for example N/m, N s/m, kg].
     second_order: (n,) which unknowns are of second order.
     scale: (n,) usual sizes of the unknowns [SI].
-    reference: a slow rate of the system [1/s], by which rates are scaled (manual: eq-eigen-reference).  Shifts are
-    real multiples of it unless one is given.
+    reference: a slow rate of the system [1/s], by which rates are scaled (manual: eq-eigen-reference).
+    Shifts are real multiples of it unless one is given.
 
     Raises ValueError where a first-order unknown has an inertia.
     """
@@ -120,7 +121,9 @@ class _Scaled:
         self.n, self.size = len(p.second_order), p.size
 
     def operator(self, sigma: complex) -> Callable[[np.ndarray], np.ndarray]:
-        """Return Op at the shift sigma, for vectors (size,) or matrices (size, k) (manual: eq-eigen-operator).
+        """Return Op at the shift sigma, for vectors (size,) or matrices (size, k).
+
+        Manual: eq-eigen-operator.
 
         Raises SolveError where the system is singular at the shift.
         """
@@ -148,7 +151,10 @@ class _Scaled:
         return apply
 
     def error(self, s: np.ndarray, u: np.ndarray) -> FloatArray:
-        """Compute the backward errors (m,) of eigenvalues s (m,) with vectors u (n, m) (manual: eq-eigen-error)."""
+        """Compute the backward errors (m,) of eigenvalues s (m,) with vectors u (n, m).
+
+        Manual: eq-eigen-error.
+        """
         terms = self.K @ u, s * (self.C @ u), s**2 * (self.M @ u)
         weight = sum(
             abs(f) * sparse_linalg.norm(A, np.inf) for f, A in ((s**0, self.K), (s, self.C), (s**2, self.M))
@@ -231,8 +237,8 @@ def _span(Q: np.ndarray, W: np.ndarray, real: bool) -> np.ndarray:
 def _leading(apply, size: int, count: int, real: bool, engine: str) -> tuple[np.ndarray, np.ndarray, float]:
     """Compute at least ``count`` eigenvalues of largest size (manual: sec-eigen-search).
 
-    A Krylov space contains a multiple eigenvalue only through rounding.  The method therefore runs again on the
-    operator with the found space projected out, until no eigenvalue of that size is left.
+    A Krylov space contains a multiple eigenvalue only through rounding.  The method therefore runs again on
+    the operator with the found space projected out, until no eigenvalue of that size is left.
 
     Returns eigenvalues (m,), vectors (size, m), and a bound: no eigenvalue larger than it is missing.
     Raises SolveError where nothing converges.
@@ -276,8 +282,8 @@ def eigenvalues_near(
     """Compute at least ``count`` eigenvalues nearest to ``shift`` [1/s]; all of a small system.
 
     count: both eigenvalues of a conjugate pair count.
-    engine: ``dense``, ``arpack``, ``slepc`` or ``auto``.  Auto uses a dense matrix up to DENSE_BELOW, then SLEPc
-    where it is installed and has the number type of the shift, else ARPACK.
+    engine: ``dense``, ``arpack``, ``slepc`` or ``auto``.  Auto uses a dense matrix up to DENSE_BELOW, then
+    SLEPc where it is installed and has the number type of the shift, else ARPACK.
 
     Raises SolveError where nothing converges.  Manual: sec-eigen-search.
     """
@@ -325,10 +331,10 @@ def lowest_eigenvalues(
 ) -> Eigenvalues:
     """Compute the oscillating eigenvalues of lowest |Im s|, sorted by |Im s|, real ones by growth.
 
-    Some of the slowest real eigenvalues are included, and of all computed ones those that grow.
-    The search uses discs about shifts, first near zero, then up the imaginary axis (manual: sec-eigen-search).
-    Within a disc every eigenvalue is found.  An eigenvalue far to the left that no disc reaches is missing: it decays
-    within a fraction of a period of the others.
+    Some of the slowest real eigenvalues are included, and of all computed ones those that grow. The search
+    uses discs about shifts, first near zero, then up the imaginary axis (manual: sec-eigen-search).
+    Within a disc every eigenvalue is found.  An eigenvalue far to the left that no disc reaches is missing:
+    it decays within a fraction of a period of the others.
 
     problem: the eigenvalue problem.
     count: number of oscillating eigenvalues.

@@ -1,10 +1,13 @@
-"""Static equilibrium: Newton's method on the potential energy, with a shift where the stiffness is not positive definite.
+"""Static equilibrium: Newton's method on the potential energy.
 
-Manual: sec-statics-newton, sec-statics-descent.  The frictionless problem has an energy, whose minima are the stable
-states.  Each step solves with K + sigma M (manual: eq-statics-step).  sigma is raised until no pivot is negative
-(Sylvester), and the step is shortened by the slope of the energy along it.  The result is then a minimum; a straight
-string above its buckling load is returned only if nothing disturbs it.  In that case a small persistent lateral load
-is added.  Friction in the imposed sliding direction follows, by Newton's method without a shift.
+With a shift where the stiffness is not positive definite.
+
+Manual: sec-statics-newton, sec-statics-descent.  The frictionless problem has an energy, whose minima are the
+stable states.  Each step solves with K + sigma M (manual: eq-statics-step).  sigma is raised until no pivot
+is negative (Sylvester), and the step is shortened by the slope of the energy along it.  The result is then a
+minimum; a straight string above its buckling load is returned only if nothing disturbs it.  In that case a
+small persistent lateral load is added.  Friction in the imposed sliding direction follows, by Newton's method
+without a shift.
 """
 
 from __future__ import annotations
@@ -27,7 +30,8 @@ ROUNDING_INCREMENT = (
 )
 MAX_ITERATIONS = 600
 MAX_FULL_STEPS = 40
-#: full Newton steps without a smaller increment before the iteration ends; contacts may open and close without end
+#: full Newton steps without a smaller increment before the iteration ends; contacts may open and close
+#: without end
 STALL_WINDOW = 8
 MAX_SLOPE_CHANGE = 0.4  # largest change of a node's slope in one step
 
@@ -36,8 +40,10 @@ MAX_SLOPE_CHANGE = 0.4  # largest change of a node's slope in one step
 class Equilibrium:
     """Results of a static solve.
 
-    iterations: Newton steps; history: (iterations,) increments in the fields' scales, the last one in ``increment``.
-    negative_pivots: negative eigenvalues of the stiffness beyond those of multipliers (manual: eq-statics-stable).
+    iterations: Newton steps; history: (iterations,) increments in the fields' scales, the last one in
+    ``increment``.
+    negative_pivots: negative eigenvalues of the stiffness beyond those of multipliers (manual:
+    eq-statics-stable).
     residual: largest residual [N, N m].
     imperfection: relative size of the lateral loads that were added [-].
     """
@@ -60,8 +66,9 @@ class StaticNewton:
     t: time at which inputs are evaluated [s].
 
     The caller may set, with n local dofs:
-    depth(system): depth of the bit below the hole's end [m], its gradient (n,) by the local unknowns, and the depth
-    [m] of the requested weight on bit.  The top's axial position is then an unknown (manual: eq-statics-wob).
+    depth(system): depth of the bit below the hole's end [m], its gradient (n,) by the local unknowns, and the
+    depth [m] of the requested weight on bit.  The top's axial position is then an unknown (manual:
+    eq-statics-wob).
     move_top(step): moves the prescribed position of the top by ``step`` [m].
     rates: (n+1,) rates of a steady motion [SI of each field per second], None at rest.
     """
@@ -86,7 +93,8 @@ class StaticNewton:
         """Find the matrix entries to which the shift M is added (manual: eq-statics-shift).
 
         M is a lateral spring at each node: h (I - t t^T) for positions and h^3/100 (I - t t^T) for slopes.
-        Returns for position and for slope: owned vertices (k,), each once, and entries (k, 3, 3) of a diagonal block.
+        Returns for position and for slope: owned vertices (k,), each once, and entries (k, 3, 3) of a
+        diagonal block.
         """
         system, asm = self.system, self.system.assembly
         chain = system.chain
@@ -153,7 +161,8 @@ class StaticNewton:
     def _gradient(self, rows: FloatArray) -> FloatArray:
         """Compute the derivative (n,) of the energy by (r, v, phi) from the residual ``rows`` (n,).
 
-        The rows of v include the part of the spin coordinate (manual: eq-beam-quasi-rows); prescribed rows are zero.
+        The rows of v include the part of the spin coordinate (manual: eq-beam-quasi-rows); prescribed rows
+        are zero.
         """
         asm, g = self.system.assembly, rows.copy()
         for f in asm.row_replacements:
@@ -170,7 +179,10 @@ class StaticNewton:
         return np.cross(v, asm.reference) / (n * (n + np.sum(v * asm.reference, axis=1, keepdims=True)))
 
     def _stiffness(self) -> None:
-        """Compute the stiffness at x into the assembly's values; it is symmetric where all loads are conservative."""
+        """Compute the stiffness at x into the assembly's values.
+
+        It is symmetric where all loads are conservative.
+        """
         asm = self.system.assembly
         asm.jacobian(self.t, (1.0, 0.0, 0.0), condensed=False)
         # (n+1,) derivative of the free rows by the downward motion of the top
@@ -197,8 +209,8 @@ class StaticNewton:
     def _factor(self, sigma: float) -> int:
         """Factor K + sigma M; ``sigma`` in N/m2 (manual: eq-statics-step).
 
-        Returns the number of negative pivots beyond those of multipliers, -1 where a pivot is missing, and 0 where the
-        loads have no energy.
+        Returns the number of negative pivots beyond those of multipliers, -1 where a pivot is missing, and 0
+        where the loads have no energy.
         """
         values = self.system.assembly.values.copy()
         if sigma:
@@ -235,7 +247,9 @@ class StaticNewton:
 
     # ------------------------------------------------------------------ iteration
     def _step_limit(self, p: FloatArray) -> float:
-        """Compute the largest factor of the step ``p`` (n,) with bounded lateral motion and slope change of every node."""
+        """Compute the largest factor of the step ``p`` (n,) with bounded lateral motion and slope change of
+        every node.
+        """
         system = self.system
         r, v = p[system.layout.dofs["string.position"]], p[system.layout.dofs["string.tangent"]]
         t = system.field("string.tangent")
@@ -250,9 +264,11 @@ class StaticNewton:
     def _search(self, x0: FloatArray, p: FloatArray, slope0: float, alpha: float, most: float) -> float:
         """Search the step length by the slope of the energy along the step; returns the factor of ``p``.
 
-        The step is shortened where the energy rises again beyond it, and lengthened while the energy falls steeply.
+        The step is shortened where the energy rises again beyond it, and lengthened while the energy falls
+        steeply.
 
-        x0: (n,) start; p: (n,) step; slope0: slope at the start [J]; alpha: first factor; most: largest factor.
+        x0: (n,) start; p: (n,) step; slope0: slope at the start [J]; alpha: first factor; most: largest
+        factor.
         """
         good, shrunk = 0.0, False
         for _ in range(12):
@@ -382,10 +398,12 @@ class StaticNewton:
 
     # ------------------------------------------------------------------ use
     def solve(self, report: Equilibrium | None = None) -> Equilibrium:
-        """Find the equilibrium from the assembly's x: full Newton steps, else energy minimisation; collective.
+        """Find the equilibrium from the assembly's x: full Newton steps, else energy minimisation.
 
-        Friction is what the components have set: off, or in an imposed direction.  With an energy, a result from
-        full Newton steps is stable; after a minimisation ``negative_pivots`` tells whether it is.
+        Collective.
+
+        Friction is what the components have set: off, or in an imposed direction.  With an energy, a result
+        from full Newton steps is stable; after a minimisation ``negative_pivots`` shows whether it is.
         Raises SolveError where neither converges.
         """
         report = report or Equilibrium()
@@ -411,7 +429,9 @@ class StaticNewton:
             raise SolveError("the static state is unstable", **self.system.locate_largest_residual(self.t))
 
     def minimise_energy(self, report: Equilibrium, max_iterations: int = MAX_ITERATIONS) -> None:
-        """Minimise the energy by steps with a positive definite matrix (manual: sec-statics-descent); collective.
+        """Minimise the energy by steps with a positive definite matrix; collective.
+
+        Manual: sec-statics-descent.
 
         The result is a stable state, or a saddle where the start is one.
         Raises SolveError where the iteration does not converge.
@@ -434,7 +454,9 @@ class StaticNewton:
         )
 
     def newton_damped(self, report: Equilibrium) -> None:
-        """Take full Newton steps without a stability count, for loads without an energy (friction); collective.
+        """Take full Newton steps without a stability count, for loads without an energy (friction).
+
+        Collective.
 
         Raises SolveError where the steps do not converge.
         """
@@ -445,7 +467,9 @@ class StaticNewton:
             self.energy = energy
 
     def negative_pivots(self) -> int:
-        """Count the negative pivots of the stiffness at x beyond those of multipliers (manual: eq-statics-stable).
+        """Count the negative pivots of the stiffness at x beyond those of multipliers.
+
+        Manual: eq-statics-stable.
 
         The count has a meaning without friction only.
         """

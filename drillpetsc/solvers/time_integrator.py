@@ -1,6 +1,7 @@
 """Time integration: PETSc's TS around the condensed Newton method, or around the assembled first-order system.
 
-Manual: sec-time-condensed, sec-time-call, sec-time-error, sec-time-jumps.  PETSc options select the first-order system.
+Manual: sec-time-condensed, sec-time-call, sec-time-error, sec-time-jumps.  PETSc options select the
+first-order system.
 """
 
 from __future__ import annotations
@@ -60,8 +61,8 @@ class TimeIntegrator:
     controlled(field): whether a field takes part in the error control.
     defaults: further PETSc options, below those of the user.
 
-    ``jumped`` is true in after_step for the steps whose time formula reaches over a jump (manual: sec-time-jumps).
-    ``fresh`` is true for the first step after a restart of the formula.
+    ``jumped`` is true in after_step for the steps whose time formula reaches over a jump (manual:
+    sec-time-jumps). ``fresh`` is true for the first step after a restart of the formula.
     """
 
     system: DiscreteSystem
@@ -97,7 +98,8 @@ class TimeIntegrator:
         )
         self._order, self.fresh = options.getInt("ts_bdf_order", 2), True
         self._last, self._t, self._jump, self._stop = 0.0, 0.0, np.inf, np.inf
-        # formulas whose history can be rebuilt; the others restart at every checkpoint, also in uninterrupted runs
+        # formulas whose history can be rebuilt; the others restart at every checkpoint, also in uninterrupted
+        # runs
         self.remembers = self.condensed and options.getString("ts_adapt_type", "basic") in ("basic", "none")
         # _step_number: steps in all; _requested_step: requested length of the last solved step [s]
         self.history, self.stopped, self._step_number, self._requested_step, self._next_step = (
@@ -163,10 +165,12 @@ class TimeIntegrator:
         self.ts.setPostStep(self._post_step)
 
     def _set_tolerances(self, jumped: bool) -> None:
-        """Set the tolerances of the error control; after a jump without those of the mud (manual: sec-time-jumps).
+        """Set the tolerances of the error control; after a jump without those of the mud.
 
-        Where a prescribed motion jumps, the flow relative to the pipe jumps as well, and its error control would
-        reject every step length.
+        Manual: sec-time-jumps.
+
+        Where a prescribed motion jumps, the flow relative to the pipe jumps as well, and its error control
+        would reject every step length.
         """
         self._mud_masked = jumped
         self.ts.setTolerances(rtol=self._zero, atol=self.tolerance_vector(fluid=not jumped))
@@ -174,7 +178,8 @@ class TimeIntegrator:
     def tolerance_vector(self, fluid: bool = True) -> PETSc.Vec:
         """Return the absolute tolerance of each row of the state (manual: eq-time-tolerance).
 
-        It is -ts_rtol times the field's scale.  Rates and algebraic rows are masked; without ``fluid`` also the mud.
+        It is -ts_rtol times the field's scale.  Rates and algebraic rows are masked; without ``fluid`` also
+        the mud.
         """
         layout, vector = self.system.layout, self.system.new_state()
         controlled = np.array(
@@ -295,8 +300,8 @@ class TimeIntegrator:
         self._steps_over_jump, self.fresh = max(0, self._steps_over_jump - 1), False
         if self._mud_masked and not self._steps_over_jump:
             self._set_tolerances(False)
-        # a tangent far from its reference direction gets a new one, 60 degrees before the singularity; the formula
-        # then restarts (manual: eq-beam-update-criterion)
+        # a tangent far from its reference direction gets a new one, 60 degrees before the singularity; the
+        # formula then restarts (manual: eq-beam-update-criterion)
         asm = self.system.assembly
         if self._step_number % 4 == 0 and self.system.renew_reference_frames():
             self.system.store_state(ts.getSolution())
@@ -331,8 +336,8 @@ class TimeIntegrator:
     def run(self, start: float, end: float, breaks: tuple[float, ...] = ()) -> None:
         """Integrate from ``start`` to ``end`` [s]; collective.
 
-        breaks: times at which inputs jump or bend [s].  A step ends at each of them, and the formula restarts there
-        (manual: sec-time-jumps).
+        breaks: times at which inputs jump or bend [s].  A step ends at each of them, and the formula restarts
+        there (manual: sec-time-jumps).
 
         Raises SolveError when no step can be taken.  The assembly then contains the last accepted state.
         """
@@ -369,7 +374,10 @@ class TimeIntegrator:
                 return
 
     def _start_formula(self, stop: float) -> None:
-        """Restart the formula without history, e.g. after a discontinuity; ``stop``: time of the next break [s]."""
+        """Restart the formula without history, e.g. after a discontinuity.
+
+        ``stop``: time of the next break [s].
+        """
         ts, asm = self.ts, self.system.assembly
         self._discard_factor()
         if self._rates_jump(ts.getTime()):

@@ -1,8 +1,8 @@
 """Rolling without slip: a round rigid body on a plane, or on the wall of a straight round hole
 (kernels/joints/joints.hpp).
 
-The only non-holonomic constraint of the package: the velocity of the body's point at the contact is zero
-along the surface.
+It is the only non-holonomic constraint of the package: the velocity of the body's contact point is zero along
+the surface (manual: sec-joints-rolling).
 """
 
 from __future__ import annotations
@@ -19,13 +19,17 @@ from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
 
 class Rolling(Component):
-    """A body of ``radius`` [m] on ``node``, whose centre is ``center`` [m] along the tangent from it, rolls.
+    """Rolling of a round body on a plane, or on the wall of a hole.
 
-    On a plane through ``point`` with ``normal`` (to the side of the body); or, with ``hole`` [m] the radius
-    of a hole whose axis runs through ``point`` along ``normal``, on its wall: then it slides freely along the
-    hole unless ``grips_along``. Its start must satisfy the constraints in place and velocity.  Rolling has no
-    statics: it does not fix a place. Field ``rolling.force`` (3) in units of SCALE: normal force, and the two
-    forces along the surface.
+    The start must satisfy the constraints in position and velocity.  There is no statics of rolling, since it
+    does not fix a position.  The field ``rolling.force`` (3) is the normal force and the two forces along the
+    surface, in units of SCALE.
+
+    nodes: of the string; node: of the body; radius: of the body [m].
+    center: distance from the node along the tangent to the body's centre [m].
+    point: (3,) on the plane [m]; normal: (3,) of the plane, towards the body.
+    hole: radius of a hole [m] whose axis goes through ``point`` along ``normal``; None: a plane.
+    grips_along: no slip along the hole either.
     """
 
     name = "rolling"
@@ -85,7 +89,9 @@ class Rolling(Component):
         )
 
     def force(self, system) -> FloatArray:
-        """(3,) normal force on the body and the two forces along the surface [N], on the rank of the node;
-        else zero."""
+        """Return (3,) normal force on the body and the two forces along the surface [N].
+
+        Zero on ranks without the node.
+        """
         local = np.flatnonzero((system.chain.vertices == self.node) & system.chain.owned)
         return SCALE * system.field("rolling.force")[local[0]] if len(local) else np.zeros(3)

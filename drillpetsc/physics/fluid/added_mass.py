@@ -1,7 +1,9 @@
-"""Added mass and viscous damping of a string that moves sideways in a fluid-filled annulus.
+"""Added mass and viscous damping of a string that moves laterally in a fluid-filled annulus.
+
+Manual: sec-mud-added-mass.
 
 The fluid's force per length on a cylinder of diameter D_o that oscillates with the lateral velocity V at the
-angular frequency Omega:
+angular frequency Omega is
 
     F = -rho A_o (C_m dV/dt + C_d Omega V),   A_o = pi D_o^2/4
 
@@ -16,33 +18,38 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-# S (ratio - 1)^2 below which inertia is left out: the four functions become nearly dependent there, and the
-# share
+# S (ratio - 1)^2 below which inertia is left out, since the four functions become nearly dependent there; the
+# part of inertia in C_d, measured against the exact solution just above, is below 1e-6
 QUASI_STEADY = 1e-3
-# of inertia in C_d, measured against the exact solution just above, is below 1e-6
 
 
 def chi_confined(outer_diameter: ArrayLike, hole_diameter: ArrayLike) -> Array:
-    """Added mass over displaced mass [-] of a concentric cylinder, (D_w^2 + D_o^2)/(D_w^2 - D_o^2).
+    """Compute added mass over displaced mass (n,) [-] of a concentric cylinder (manual: eq-mud-chi).
 
-    Potential flow with phi = (A r + B/r) cos(theta); Paidoussis, Fluid-Structure Interactions, vol. 2.
-    Diameters (n,) [m] of string and hole.
+    It is (D_w^2 + D_o^2)/(D_w^2 - D_o^2), from potential flow with phi = (A r + B/r) cos(theta); Paidoussis,
+    Fluid-Structure Interactions, vol. 2.
+
+    outer_diameter, hole_diameter: (n,) of string and hole [m].
     """
     inner, outer = np.asarray(outer_diameter, dtype=float) ** 2, np.asarray(hole_diameter, dtype=float) ** 2
     return (outer + inner) / (outer - inner)
 
 
 def chi_eccentric(outer_diameter: float, hole_diameter: float, eccentricity: float) -> float:
-    """Added mass over displaced mass [-] of an eccentric cylinder, the same along the offset and across it.
+    """Compute added mass over displaced mass [-] of an eccentric cylinder (manual: eq-mud-chi-eccentric).
 
-    eccentricity: offset of the axes over the radial clearance, 0 <= e < 1.  Potential flow in bipolar
-    coordinates (tau, sigma), where the circles are tau_1 (string) and tau_2 (hole): x/c = 1 + 2 sum exp(-n
-    tau) cos(n sigma), y/c = 2 sum exp(-n tau) sin(n sigma).  The stream function of a motion U along x is U y
-    on the string and 0 on the hole, psi = 2 c U sum exp(-n tau_1) sinh(n(tau - tau_2))/sinh(n(tau_1 - tau_2))
-    sin(n sigma); a motion along y has cos(n sigma) instead.  The kinetic energy rho/2 int psi dpsi/dtau
-    dsigma over the string gives, with a = c/sinh(tau_1),
+    It is the same along the offset and across it.  Derivation by potential flow in bipolar coordinates (tau,
+    sigma), where the circles are tau_1 (string) and tau_2 (hole): x/c = 1 + 2 sum exp(-n tau) cos(n sigma),
+    y/c = 2 sum exp(-n tau) sin(n sigma).  The stream function of a motion U along x is U y on the string and
+    0 on the hole, psi = 2 c U sum exp(-n tau_1) sinh(n(tau - tau_2))/sinh(n(tau_1 - tau_2)) sin(n sigma).  A
+    motion along y has cos(n sigma) instead.  The kinetic energy rho/2 int psi dpsi/dtau dsigma over the
+    string gives, with a = c/sinh(tau_1),
 
         chi = 4 sinh^2(tau_1) sum_n n exp(-2 n tau_1) coth(n(tau_1 - tau_2)).
+
+    outer_diameter, hole_diameter: of string and hole [m].
+    eccentricity: offset of the axes over the radial clearance [-], 0 <= e < 1.
+    Raises ValueError for other values.
     """
     a, b = 0.5 * outer_diameter, 0.5 * hole_diameter
     if not (0 < a < b and 0 <= eccentricity < 1):
@@ -60,20 +67,23 @@ def chi_eccentric(outer_diameter: float, hole_diameter: float, eccentricity: flo
 
 
 def stokes_coefficients(stokes_number: ArrayLike, ratio: ArrayLike) -> tuple[Array, Array]:
-    """(C_m, C_d) [-] of a cylinder oscillating in a concentric annulus of viscous fluid, small amplitude.
+    """Compute (C_m, C_d) [-] of a cylinder that oscillates with small amplitude in a concentric annulus of
+    viscous fluid.
 
-    stokes_number S = Omega R_o^2/nu > 0; ratio = hole over string diameter > 1; they broadcast.  Exact
-    solution of the unsteady Stokes equations (Chen, Wambsganss and Jendrzejczyk, J. Appl. Mech. 43, 1976,
-    325-329), derived here: lengths in R_o, speeds in the cylinder's, stream function f(r) sin(theta) exp(i
-    Omega t) with
+    Manual: eq-mud-stokes, eq-mud-stokes-coefficients.  Exact solution of the unsteady Stokes equations (Chen,
+    Wambsganss and Jendrzejczyk, J. Appl. Mech. 43, 1976, 325-329), derived here: lengths in R_o, speeds in
+    the cylinder's, stream function f(r) sin(theta) exp(i Omega t) with
 
         f = A/r + B r + C I_1(l r) + D K_1(l r),  l = sqrt(i S);   f(1) = f'(1) = 1, f(ratio) = f'(ratio) = 0.
 
     The pressure belongs to A and B only, the shear stress at the wall is mu l^2 (C I_1 + D K_1), and together
     C_m - i C_d = 2 A - 1.  With k = 1/ratio the damping is C_d = (2 sqrt(2)/sqrt(S)) (1 + k^3)/(1 - k^2)^2
     within a few per cent where S (1 - k)^2 > 1e4.  For slow motion, S (ratio - 1)^2 < QUASI_STEADY, steady
-    Stokes flow has C_d S = 4/(ln(ratio) - (ratio^2 - 1)/(ratio^2 + 1)), and C_m keeps the value it has at
-    that limit.
+    Stokes flow has C_d S = 4/(ln(ratio) - (ratio^2 - 1)/(ratio^2 + 1)), and C_m has its value at that limit.
+
+    stokes_number: S = Omega R_o^2/nu [-], above 0; ratio: hole over string diameter [-], above 1; they
+    broadcast.
+    Raises ValueError for other values.
     """
     S, R = np.broadcast_arrays(np.asarray(stokes_number, dtype=float), np.asarray(ratio, dtype=float))
     if not (np.all(S > 0) and np.all(R > 1)):
@@ -84,10 +94,12 @@ def stokes_coefficients(stokes_number: ArrayLike, ratio: ArrayLike) -> tuple[Arr
 
 
 def steady_resistance(ratio: ArrayLike) -> Array:
-    """Limit of C_d S [-] for slow motion: force = (C_d S) pi mu V per length.
+    """Compute the limit of C_d S (n,) [-] for slow motion, where the force per length is (C_d S) pi mu V.
 
-    Steady Stokes flow between concentric cylinders, f = A/r + B r + C r ln(r) + D r^3 with the walls as in
-    `stokes_coefficients`; the force is that of the Stokeslet C.
+    Steady Stokes flow between concentric cylinders, f = A/r + B r + C r ln(r) + D r^3 with the wall
+    conditions of `stokes_coefficients`.  The force is that of the Stokeslet C.
+
+    ratio: (n,) hole over string diameter [-].
     """
     R = np.asarray(ratio, dtype=float)
     return 4.0 / (np.log(R) - (R**2 - 1.0) / (R**2 + 1.0))
@@ -102,8 +114,10 @@ def _unsteady(S: Array, R: Array) -> tuple[Array, Array]:
     decay = np.exp(l.real * (1.0 - R)) + 0j
 
     def rows(r: Array, growing: Complex, falling: Complex) -> tuple[list[Complex], list[Complex]]:
-        """Value and derivative over |l| of the four functions at r; the two factors undo the scaling of I_1
-        and K_1."""
+        """Compute value and derivative over |l| of the four functions at r.
+
+        The factors undo the scaling of I_1 and K_1.
+        """
         z, size = l * r, np.abs(l)
         i1, k1 = ive(1, z), kve(1, z)
         value = [1.0 / r + 0j, r + 0j, i1 * growing, k1 * falling]
@@ -132,11 +146,15 @@ def lateral_damping(
     apparent_viscosity: ArrayLike,
     omega: ArrayLike,
 ) -> Array:
-    """Damping force per length and lateral speed, C_d rho A_o Omega [N s/m2].
+    """Compute the damping force per length and lateral speed, C_d rho A_o Omega [N s/m2].
 
-    Diameters [m] of string and hole, density [kg/m3], apparent_viscosity [Pa s], omega [rad/s] the frequency
-    (or whirl speed) of the motion; all broadcast.  At omega = 0 the steady Stokes value; without viscosity
-    zero.
+    Manual: eq-mud-stokes.
+
+    At omega = 0 it is the steady Stokes value, without viscosity zero.  All arguments broadcast.
+
+    outer_diameter, hole_diameter: of string and hole [m].
+    density: [kg/m3]; apparent_viscosity: [Pa s].
+    omega: frequency or whirl speed of the motion [rad/s].
     """
     D, W, rho, mu, speed = (
         np.asarray(v, dtype=float)

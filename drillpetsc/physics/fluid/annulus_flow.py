@@ -1,4 +1,7 @@
-"""Drilling fluid between string and hole, from the bit to the flow line (kernels/fluid/annulus_flow.hpp)."""
+"""Drilling fluid between string and hole, from the bit to the flow line (kernels/fluid/annulus_flow.hpp).
+
+Manual: sec-mud, sec-mud-force-annulus, sec-mud-moving.
+"""
 
 from __future__ import annotations
 
@@ -20,9 +23,14 @@ class AnnulusFlow(ChannelFlow):
     """Flow in the annulus: pressure [Pa] at the nodes, flow rate at zero pressure [m3/s] in the elements,
     towards the bit.
 
-    outlet: gauge pressure at the flow line over time, which lies ``flow_line`` [m] below the rotary table.
-    moving_hole: the hole as it is now, where sizes and directions depend on the place of the elements (None:
-    they stay those at the start).  choke: 1/(2 C_d^2 A^2) of a valve at the flow line [1/m4], 0 without one.
+    mesh: of the string; annulus: of its elements; well: the hole; fluid: constants.
+    poisson: (n,) Poisson's ratio [-], 0 where stretch does not narrow the string.
+    sideways: added mass, damping and rotational drag of the elements.
+    outlet: gauge pressure at the flow line over time [Pa]; flow_line: its depth below the rotary table [m].
+    moving_hole: the hole around a moving string, where sizes and directions depend on the position of the
+    elements; None: they remain those at the start.
+    held_at: (n+1, 3) positions of the nodes of a held string [m], None for a string that moves.
+    choke: 1/(2 C_d^2 A^2) of a valve at the flow line [1/m4], 0 without one.
     """
 
     name = "annulus"
@@ -53,11 +61,11 @@ class AnnulusFlow(ChannelFlow):
             outlet,
         )
         self.flow_line, self.moving_hole, self.held_at = flow_line, moving_hole, held_at
-        self._top_place: FloatArray | None = None  # (3,) of the upper node when it last looked at the hole
+        self._top_place: FloatArray | None = None  # (3,) upper node at the last evaluation of the hole [m]
         self._outer, self._hole = (
             annulus.outer_diameter,
             annulus.hole_diameter,
-        )  # (n,): those that ``sideways`` is of
+        )  # (n,) diameters [m] to which ``sideways`` belongs
 
     def _directions(self, well: Well, upper: FloatArray, lower: FloatArray) -> dict[str, FloatArray]:
         """Tangents (k, 3) at both ends, at measured depths (k,) [m], and curvature (k, 3) in the middle
@@ -153,14 +161,13 @@ class AnnulusFlow(ChannelFlow):
 
         return update
 
-    # ------------------------------------------------------------------ the hole at the string's place
+    # ------------------------------------------------------------------ the hole at the string's position
     def locate_hole(self, state) -> None:
-        """Take the hole where the string is now, before a run: in statics."""
+        """Evaluate the hole at the string's present position, before a run or in statics."""
         self._look(state, False)
 
     def accept(self, state) -> None:
-        """Follow the string in its hole at an accepted state; the added mass, where it depends on the
-        place."""
+        """Update hole and added mass to the string's position after an accepted step."""
         self._look(state, True)
         if self.sideways.by_eccentricity is not None:
             self._renew_added_mass(state)
@@ -223,8 +230,10 @@ class AnnulusFlow(ChannelFlow):
             b.named["chi"] = value[b.points]
 
     def get_local_state(self) -> dict[str, FloatArray]:
-        """What the local nodes (nv, 7) and elements (nc, p) know of the hole, for a checkpoint; nothing where
-        it is the same all over."""
+        """State of the hole at the local nodes (nv, 7) and elements (nc, p), for a checkpoint.
+
+        Empty for a uniform hole.
+        """
         around, part = self.moving_hole, self._part
         if around is None or self.held or not around.placed:
             return {}
@@ -239,7 +248,7 @@ class AnnulusFlow(ChannelFlow):
         return {"vertex": nodes, "cell": elements}
 
     def set_local_state(self, memory: dict[str, FloatArray]) -> None:
-        """Go on from the local part of ``get_local_state``."""
+        """Continue from the local part of ``get_local_state``."""
         around, part = self.moving_hole, self._part
         if around is None or not memory:
             return
@@ -256,10 +265,10 @@ class AnnulusFlow(ChannelFlow):
         return self.outlet.breaks()
 
     def outflow(self, state) -> float | None:
-        """Flow rate out of the flow line [m3/s]; None where this rank has not the upper end.
+        """Compute the flow rate out of the flow line [m3/s]; None on ranks without the upper end.
 
-        What leaves the upper node, less what the hole takes up between it and the fixed flow line as the node
-        moves down.
+        It is the flow out of the upper node, less the volume that the hole between the node and the fixed
+        flow line gains while the node moves down.
         """
         flow = self.upper_flow(state)
         if flow is None:
@@ -272,8 +281,10 @@ class AnnulusFlow(ChannelFlow):
         return float(-flow - (area - self.annulus.outer[0]) * speed)
 
     def content_above(self, state) -> float:
-        """Volume between the upper node and the flow line [m3] (up to a constant); 0 where this rank has not
-        the upper end."""
+        """Compute the volume between the upper node and the flow line [m3], up to a constant.
+
+        0 on ranks without the end.
+        """
         if self._top is None or self.held:
             return 0.0
         (block, row), around = self._top, self.moving_hole

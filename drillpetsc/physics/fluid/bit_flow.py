@@ -1,5 +1,7 @@
-"""Drilling fluid at the string's lower end: nozzles or open end, mud under the bit, reaction of the jet
-(kernels/fluid/bit_flow.hpp)."""
+"""Drilling fluid at the string's lower end: nozzles or open end, mud under the bit, reaction of the jet.
+
+Kernel: kernels/fluid/bit_flow.hpp.  Manual: sec-mud-bit, sec-mud-force-ends.
+"""
 
 from __future__ import annotations
 
@@ -30,14 +32,20 @@ NOZZLE_LENGTH = 0.1  # length over which mud speeds up in a nozzle [m]
 class BitEnd:
     """Lower end of the string.
 
-    bore: area of the last element's bore [m2] (0: no link); nozzle: flow area [m2] (0: an open end, without
-    loss); discharge coefficient; check_valve; ambient [Pa] over time: pressure outside where there is no
-    annulus; hole, open, outer: areas of the hole and of the last annulus and string [m2] (hole 0: no
-    annulus); elasticity d(ln content)/dp of the chamber's walls [1/Pa]; volume [m3] of the chamber with the
-    bit on bottom; face [m] below the last node (what meets ``end`` on bottom); added mass ratio; metal [m3]
-    of rigid items below the last node; end, axis (3,): lower end of the hole and its direction; tangent (3,)
-    of the hole at the last node, by default the axis; cut: rock that goes into the mud per metre drilled
-    [m2].
+    bore: area of the last element's bore [m2], 0: no link.
+    nozzle: flow area [m2], 0: an open end without loss.
+    discharge_coefficient: [-] (manual: eq-mud-nozzle); check_valve: (manual: eq-mud-check-valve).
+    ambient: pressure outside over time [Pa], without an annulus.
+    hole, open, outer: areas of the hole, of the last annulus and of the last element [m2]; hole 0: no
+    annulus.
+    elasticity: compliance d(ln content)/dp of the chamber's walls [1/Pa].
+    volume: of the chamber with the bit on bottom [m3] (manual: eq-mud-chamber).
+    face: distance of the face below the last node [m]; on bottom the face is at ``end``.
+    added: added mass over displaced mass [-].
+    metal: volume of rigid items below the last node [m3].
+    end: (3,) lower end of the hole [m]; axis: (3,) its direction.
+    tangent: (3,) of the hole at the last node, by default the axis.
+    cut: rock that becomes part of the mud per length drilled [m2] (manual: sec-mud-cuttings).
     """
 
     bore: float
@@ -62,9 +70,12 @@ class BitEnd:
 class BitFlow(Nozzle):
     """One link and one chamber at the last node: unknown q_b [m3/s] where the bore ends in a link.
 
-    hole: it grows, its end moved by the fields hole.end (3,) [m] and hole.drilled [m] of the room that
-    drills.  moving_hole: the hole as it is now, where its size or direction depends on the place (None: they
-    stay those at the start).
+    node: the last one; end: data of the lower end; fluid: constants.
+    held_at: (n+1, 3) positions of the nodes of a held string [m], None for a string that moves.
+    moving_hole: the hole around a moving string, where size and direction depend on the position; None: they
+    remain those at the start.
+    hole: the growing hole, whose end moves by the fields hole.end (3,) [m] and hole.drilled [m] of the bit;
+    None: the hole does not grow.
     """
 
     name = "bit_flow"
@@ -87,8 +98,8 @@ class BitFlow(Nozzle):
         )
         self.has_link, self.has_annulus = end.bore > 0, end.hole > 0
         self.growing = hole if self.has_annulus and held_at is None else None
-        self._depth: float | None = None  # measured depth of the node when it last looked at the hole [m]
-        self._size = end.hole  # area that the added mass is of [m2]
+        self._depth: float | None = None  # measured depth of the node at the last evaluation of the hole [m]
+        self._size = end.hole  # area of the hole to which the added mass belongs [m2]
 
     def fields(self) -> tuple[Field, ...]:
         return (
@@ -166,19 +177,21 @@ class BitFlow(Nozzle):
 
         return update
 
-    # ------------------------------------------------------------------ the hole at the bit's place
+    # ------------------------------------------------------------------ the hole at the bit's position
     def locate_hole(self, state) -> None:
-        """Take the hole where the string is now, before a run: in statics."""
+        """Evaluate the hole at the string's present position, before a run or in statics."""
         self._look(state, False)
 
     def accept(self, state) -> None:
-        """Follow the bit in its hole at an accepted state."""
+        """Update the hole to the bit's position after an accepted step."""
         self._look(state, True)
 
     def _look(self, state, keep: bool) -> None:
-        """Size and direction of the hole at the last node and at the hole's end.  During a run the chamber
-        keeps the volume it has: only the rate at which it changes from now on is that of the new size;
-        before, it is that of the hole below the bit."""
+        """Evaluate size and direction of the hole at the last node and at the hole's end.
+
+        keep: during a run the volume of the chamber does not change, and only its further rate of change is
+        that of the new size.  Otherwise the volume becomes that of the hole below the bit.
+        """
         around, block = self.moving_hole, self._block
         if around is None or not self.has_annulus or self.held_at is not None or not len(block.points):
             return
@@ -206,7 +219,7 @@ class BitFlow(Nozzle):
             p["added"], self._size = float(around.sideways(sizes).added[0]) * self.end.outer, area
 
     def get_local_state(self) -> dict[str, FloatArray]:
-        """What the bit knows of the hole, for a checkpoint: (nv, p), zero but at the bit's node."""
+        """State of the hole at the bit for a checkpoint: (nv, p), zero except at the bit's node."""
         if self.moving_hole is None or self.held_at is not None:
             return {}
         block, nodes = self._block, np.zeros((len(self._part.vertices), self._block.params.shape[1] + 2))
@@ -215,10 +228,10 @@ class BitFlow(Nozzle):
         return {"vertex": nodes}
 
     def set_local_state(self, memory: dict[str, FloatArray]) -> None:
-        """Go on from the local part of ``get_local_state``."""
+        """Continue from the local part of ``get_local_state``."""
         if self.moving_hole is not None and memory and len(self._block.points):
             row = memory["vertex"][self._block.points[0]]
-            if not row.any():  # it had not looked yet
+            if not row.any():  # the hole had not been evaluated yet
                 return
             self._block.params[:], self._depth, self._size = row[:-2], float(row[-2]), float(row[-1])
 
@@ -265,10 +278,10 @@ class BitFlow(Nozzle):
         e, mass = self.end, self.fluid.density * flow
         arriving = (
             0.5 * mass * (flow / e.bore) ** 2
-        )  # what the bore's flow brings; a nozzle's pressure loss makes the jet afresh
+        )  # kinetic power from the bore; the pressure loss of a nozzle accelerates the jet again
         if (
             self.has_annulus
-        ):  # the jet comes to rest in the chamber, the annulus starts with a speed of its own
+        ):  # the jet comes to rest in the chamber, from which the annulus accelerates the flow
             return Powers(float(lost + arriving - 0.5 * mass * (flow / e.open) ** 2))
         jet = 0.5 * mass * (flow / (e.nozzle or e.bore)) ** 2
         return Powers(

@@ -1,4 +1,6 @@
-"""Drilling fluid in the bore of the string, pumped in at its upper end (kernels/fluid/bore_flow.hpp)."""
+"""Drilling fluid in the bore of the string, pumped in at its upper end (kernels/fluid/bore_flow.hpp; manual:
+sec-mud).
+"""
 
 from __future__ import annotations
 
@@ -15,11 +17,12 @@ from drillpetsc.time_function import TimeFunction
 
 
 class BoreFlow(ChannelFlow):
-    """Flow in the bore: pressure [Pa] at the nodes, flow rate at zero pressure [m3/s] in the elements,
-    towards the bit.
+    """Flow in the bore: pressure [Pa] at the nodes, flow rate at zero pressure [m3/s] in the elements, towards the bit.
 
-    flow_rate or pump_pressure over time feeds the upper end.  poisson: (n,), 0 where stretch does not narrow
-    the bore.  slope: (n+1, 3) places of the nodes for a string that is held.
+    mesh: of the string; bore: of its elements; fluid: constants.
+    poisson: (n,) Poisson's ratio [-], 0 where stretch does not narrow the bore (manual: eq-mud-narrowing).
+    flow_rate [m3/s] or pump_pressure [Pa]: over time, at the upper end.
+    held_at: (n+1, 3) positions of the nodes of a held string [m], None for a string that moves.
     """
 
     name = "bore"
@@ -111,7 +114,7 @@ class BoreFlow(ChannelFlow):
         return (self.flow_rate or self.pump_pressure).breaks()  # type: ignore[union-attr]
 
     def pumped(self, t: float, state) -> float | None:
-        """Flow rate that enters the string [m3/s]; None where this rank has not its top."""
+        """Return the flow rate into the string [m3/s] at ``t`` [s]; None on ranks without its top."""
         if not self._is_top:
             return None
         return float(self.flow_rate.value(t)) if self.flow_rate is not None else self.upper_flow(state)

@@ -1,4 +1,7 @@
-"""What the rooms of the drilling fluid share: constants of the fluid, fields, element blocks, figures."""
+"""Base of the components of the drilling fluid: constants of the fluid, fields, element blocks, results.
+
+Manual: sec-mud-unknowns, sec-mud-mass, sec-mud-momentum.
+"""
 
 from __future__ import annotations
 
@@ -24,10 +27,13 @@ PRESSURE_SCALE, FLOW_SCALE = 1.0e7, 1.0e-2  # usual magnitudes [Pa], [m3/s]
 
 @dataclass
 class FluidConstants:
-    """Density at zero gauge pressure [kg/m3], bulk modulus [Pa], gravity (3,) [m/s2], rheology as
-    kernels/fluid/rheology.hpp wants it.
+    """Constants of the fluid (manual: eq-mud-density).
 
-    ``address`` is what the kernels are given; the object must outlive them.
+    density: at zero gauge pressure [kg/m3]; bulk_modulus: [Pa]; gravity: (3,) [m/s2].
+    rheology: parameters in the layout of kernels/fluid/rheology.hpp.
+    clinging: clinging factor [-] (manual: eq-mud-clinging).
+
+    ``address`` is the kernels' argument; the object must live as long as the blocks that use it.
     """
 
     density: float
@@ -49,8 +55,12 @@ class FluidConstants:
         self.address = ctypes.addressof(record)
 
     def enthalpy(self, pressure: FloatArray | float) -> FloatArray | float:
-        """Flow work of pressure [Pa], per volume at zero pressure [J/m3]: int dp rho0/rho = K (1 -
-        exp(-p/K))."""
+        """Compute the flow work of a pressure [Pa] per volume at zero pressure [J/m3].
+
+        Manual: sec-mud-energy.
+
+        It is int dp rho0/rho = K (1 - exp(-p/K)).
+        """
         return -self.bulk_modulus * np.expm1(-np.asarray(pressure) / self.bulk_modulus)
 
 
@@ -84,7 +94,7 @@ class ChannelFlow(Channel):
 
     @property
     def kernel(self) -> str:
-        """First part of the kernels' names."""
+        """Common first part of the kernels' names."""
         return f"{self.name}_flow"
 
     def parameters(self, e: np.ndarray) -> Table:
@@ -92,8 +102,10 @@ class ChannelFlow(Channel):
         raise NotImplementedError
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
-        """Blocks of the local cells: those below a junction apart, and none of the string's unknowns when it
-        is held."""
+        """Blocks of the local cells: below a junction or not.
+
+        Those of a held string have none of its unknowns.
+        """
         m, own = self.mesh, self.own_slots()
         junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
         self._part, self._blocks, self._results = part, [], []
@@ -125,7 +137,7 @@ class ChannelFlow(Channel):
         return tuple(self._blocks)
 
     def _update_of(self, block: ElementBlock):
-        """Function of time that renews the block's parameters, or None."""
+        """Return the function of time that updates the block's parameters, or None."""
         return None
 
     @contextmanager
@@ -158,8 +170,10 @@ class ChannelFlow(Channel):
         return out
 
     def upper_flow(self, state) -> float | None:
-        """Flow rate into the channel's upper end as mass conservation has it [m3/s]; None where this rank has
-        not the end."""
+        """Compute the flow rate into the channel's upper end from the mass balance [m3/s].
+
+        None on ranks without the end.
+        """
         if self._top is None:
             return None
         block, row = self._top
@@ -167,14 +181,14 @@ class ChannelFlow(Channel):
         return float(figures[RESULT_NAMES.index("storage_upper")] + state.x[state.index_of(block)[row, -1]])
 
     def flows(self, system) -> FloatArray:
-        """(nc,) flow rates in the local elements, towards the bit [m3/s]."""
+        """Return the flow rates (nc,) in the local elements, towards the bit [m3/s]."""
         return system.field(f"{self.name}.flow")[system.chain.ends[:, 1], 0]
 
     def pressures(self, system) -> FloatArray:
-        """(nv,) pressures at the local vertices [Pa]."""
+        """Return the pressures (nv,) at the local vertices [Pa]."""
         return system.field(f"{self.name}.pressure")[:, 0]
 
     def upper_pressure(self, state) -> float:
-        """Pressure at the channel's upper end [Pa] (on the rank that has it)."""
+        """Return the pressure at the channel's upper end [Pa], on the rank with this end."""
         block, row = self._top  # type: ignore[misc]
         return float(state.x[state.index_of(block)[row, -3]])

@@ -18,8 +18,11 @@ _GAUSS = np.polynomial.legendre.leggauss(4)  # exact to degree 7
 
 @dataclass(frozen=True)
 class Bore:
-    """Bore of the string; all (n,) SI: area [m2], wall d(ln area)/dp [1/Pa], area_above of the rigid item
-    above the element."""
+    """Bore of the string, all arrays (n,).
+
+    area: [m2]; wall: compliance d(ln area)/dp [1/Pa] (manual: eq-mud-wall-bore).
+    area_above: of the rigid item above the element [m2].
+    """
 
     area: FloatArray
     wall: FloatArray
@@ -36,8 +39,12 @@ class Bore:
 
 @dataclass(frozen=True)
 class Annulus:
-    """Space between string and hole; all (n,) SI: outer and hole areas [m2], wall d(ln area)/dp [1/Pa],
-    outer_above of rigid items."""
+    """Space between string and hole, all arrays (n,).
+
+    outer, hole: areas of string and hole [m2].
+    wall: compliance d(ln area)/dp [1/Pa] (manual: eq-mud-wall-annulus).
+    outer_above: area of the rigid item above the element [m2].
+    """
 
     outer: FloatArray
     hole: FloatArray
@@ -62,13 +69,15 @@ class Annulus:
         return self.hole_diameter - np.sqrt(4 / np.pi * self.outer_above)
 
     def only(self, which: np.ndarray) -> Annulus:
-        """Some of the elements."""
+        """Return the annulus of the elements ``which`` (mask or numbers)."""
         return Annulus(self.outer[which], self.hole[which], self.wall[which], self.outer_above[which])
 
 
 class HoleVolume:
-    """Volume of a well's hole from measured depth 0 downwards, exact: the radius squared is a polynomial of
-    degree 6 between the places where a transition begins or ends."""
+    """Exact volume of a well's hole from measured depth 0 downwards (manual: sec-borehole-volume).
+
+    Between the ends of transitions the radius squared is a polynomial of degree 6.
+    """
 
     def __init__(self, well: Well):
         rows = well.transitions
@@ -81,21 +90,28 @@ class HoleVolume:
         return half * (self.area(middle[..., None] + half[..., None] * _GAUSS[0]) @ _GAUSS[1])
 
     def area(self, md: FloatArray | float) -> FloatArray:
-        """Area [m2] at md (...) [m]; above the rotary table and below the last section that of the section
-        next to it."""
+        """Compute the area (...) [m2] at md (...) [m].
+
+        Beyond the ends of the hole it is that of the nearest section.
+        """
         return np.pi * np.asarray(self.well.radius(md)) ** 2
 
     def volume(self, md: FloatArray) -> FloatArray:
-        """Volume [m3] between measured depth 0 and md (...) [m]."""
+        """Compute the volume (...) [m3] between measured depth 0 and md (...) [m]."""
         at = self._at[i := np.maximum(np.searchsorted(self._at, md, side="right") - 1, 0)]
         return self._below[i] + self._piece(at, np.asarray(md, dtype=float))
 
 
 @dataclass(frozen=True)
 class AnnulusWalls:
-    """What bounds the annulus besides the hole's size: outer, inner radius (n,) [m] of the elements, their
-    Young's modulus [Pa] and Poisson's ratio, mean section of the string about their upper node (n,) [m2];
-    give (m,) [1/Pa] of the rock of each hole section down to section_to (m,) [m]; elastic or rigid."""
+    """Walls of the annulus: string and rock.
+
+    outer, inner: (n,) radii of the elements [m]; young: (n,) [Pa]; poisson: (n,) [-].
+    outer_above: (n,) mean section of the rigid items above the element [m2]; rigid_above: (n,) their length
+    [m].
+    section_to: (m,) lower end of each hole section [m]; give: (m,) compliance of its rock, (1 + nu)/E [1/Pa].
+    elastic: the walls are elastic, else rigid.
+    """
 
     outer: FloatArray
     inner: FloatArray
@@ -108,12 +124,11 @@ class AnnulusWalls:
     elastic: bool
 
     def annulus(self, hole: HoleVolume, e: np.ndarray, upper: FloatArray, lower: FloatArray) -> Annulus:
-        """Annulus of the elements ``e`` (k,) with their ends at measured depths ``upper``, ``lower`` (k,)
-        [m].
+        """Create the annulus of the elements ``e`` (k,) between measured depths ``upper`` and ``lower`` (k,) [m].
 
-        Elasticity (Lame): 2/(Rw^2 - Ro^2) {Rw^2 (1 + nu_r)/E_r + (Ro^2/E) [(Ro^2 + Ri^2)/(Ro^2 - Ri^2) -
-        nu]}; the first term is that of rock without end (left out where a section gives no compliance: a
-        rigid wall).
+        Compliance (Lame; manual: eq-mud-wall-annulus): 2/(Rw^2 - Ro^2) {Rw^2 (1 + nu_r)/E_r + (Ro^2/E) [(Ro^2
+        + Ri^2)/(Ro^2 - Ri^2) - nu]}.  The first term is that of infinite rock; it is left out where a section
+        has no compliance (a rigid wall).
         """
         top, outer, inner, wall = (
             upper - self.rigid_above[e],

@@ -1,10 +1,12 @@
-"""The channels by the volume that has passed, as the paper has them (``formulation: hermite``;
-kernels/fluid/hermite/hermite_flow.hpp).
+"""Flow in the channels by volumes, as in the reference formulation (``formulation: hermite``).
 
-Unknowns at every node: the volume that has passed it beyond a reference flow Q(t), and the pressure (with the
-heads of the flow's speed since the channel's uppermost element).  Any Q does for which volumes stay small;
-here it is the pump's flow, its jumps drawn out over a second, in the annulus with the other sign, so that
-steady circulation is a state of rest.
+Kernel: kernels/fluid/hermite/hermite_flow.hpp.  Manual: eq-mud-hermite, eq-mud-hermite-momentum,
+sec-paper-source.
+
+Unknowns at every node: the volume that has passed it in excess of a reference flow Q(t), and the pressure
+(with the heads of the flow's speed since the channel's uppermost element).  Q is arbitrary as long as volumes
+stay small.  Here it is the pump's flow with its jumps distributed over a second, in the annulus with the
+other sign, so that steady circulation is a state of rest.
 """
 
 from __future__ import annotations
@@ -33,8 +35,11 @@ WINDOW = 1.0  # time over which the reference follows a jump of the pump [s]
 
 @dataclass(frozen=True)
 class Reference:
-    """The pump's flow [m3/s] without jumps: q(t) - sum of D_k (1 + cos(pi (t - t_k)/W))/2 over the jumps D_k
-    of the last W = ``WINDOW``."""
+    """The pump's flow q(t) [m3/s] without jumps.
+
+    It is q(t) - sum of D_k (1 + cos(pi (t - t_k)/W))/2 over the jumps D_k at t_k within the last W =
+    ``WINDOW`` [s].
+    """
 
     flow: TimeFunction
 
@@ -51,12 +56,12 @@ class Reference:
         return float(self.flow.value(t) - late)
 
     def behind(self, t: float) -> float:
-        """Integral of the pump's flow less this one, from 0 to t [m3]."""
+        """Compute the integral of the pump's flow minus this one, from 0 to t [m3]."""
         passed = [(min(t - at, WINDOW), d) for at, d in self._jumps if t >= at]
         return float(sum(0.5 * d * (s + WINDOW / np.pi * np.sin(np.pi * s / WINDOW)) for s, d in passed))
 
     def rate(self, t: float) -> float:
-        """Rate just before ``t``: that of the step which ends there."""
+        """Return the rate just before ``t`` [s], which is that of a step ending there [m3/s2]."""
         late = sum(
             0.5 * d * np.pi / WINDOW * np.sin(np.pi * (t - at) / WINDOW)
             for at, d in self._jumps
@@ -77,18 +82,18 @@ def _slots(name: str) -> tuple[tuple[str, int], ...]:
 
 
 def _heads(area: FloatArray) -> FloatArray:
-    """(n,) (1/A^2 - 1/A_0^2)/2 of each element [1/m4]."""
+    """Compute (1/A^2 - 1/A_0^2)/2 (n,) of each element [1/m4]."""
     return 0.5 * (1 / area**2 - 1 / area[0] ** 2)
 
 
 def _flows(component: ChannelFlow, system, reference: float) -> FloatArray:
-    """(nc,) mean of the flow rates at both ends of the local elements [m3/s]."""
+    """Compute the mean flow rates (nc,) of both ends of the local elements [m3/s]."""
     rate = system.field(f"{component.name}.volume", "y")[:, 0]
     return rate[system.chain.ends].mean(axis=1) + reference
 
 
 def _pressures(component: ChannelFlow, system, reference: float, heads: FloatArray) -> FloatArray:
-    """(nv,) pressure above the node [Pa]: the unknown less the heads (n,) of the element above."""
+    """Compute the pressures (nv,) above the nodes [Pa]: the unknown minus the heads (n,) of the element above."""
     flow = system.field(f"{component.name}.volume", "y")[:, 0] + reference
     total = system.field(f"{component.name}.pressure")[:, 0]
     return (
@@ -107,8 +112,11 @@ def volumes_at_rest(
     head: FloatArray,
     level: float,
 ) -> dict[str, FloatArray]:
-    """Nodal volumes (n+1,) [m3] by field under the pressures level + ``head`` (n+1,) [Pa]: none at the pump,
-    then less by what each element and the chamber have taken up; pressure straight between the nodes."""
+    """Compute nodal volumes (n+1,) [m3] by field of fluid at rest under the pressures level + ``head`` (n+1,) [Pa].
+
+    The volume is zero at the pump.  From there it decreases by the volumes that each element and the chamber
+    store. The pressure is linear between the nodes.
+    """
     out, passed = {}, 0.0
     pressure = level + head
     if bore is not None:
@@ -125,7 +133,9 @@ def volumes_at_rest(
 
 
 def _taken_up(component: HermiteBore | HermiteAnnulus, wall: FloatArray, pressure: FloatArray) -> FloatArray:
-    """(n,) volume at zero pressure that each element holds beyond its own at zero pressure [m3]."""
+    """Compute the stored volume (n,) of each element [m3]: content at ``pressure`` (n+1,) [Pa] minus that at
+    zero pressure.
+    """
     m = component.mesh
     length = m.length + m.rigid_above
     ends = [
@@ -136,8 +146,11 @@ def _taken_up(component: HermiteBore | HermiteAnnulus, wall: FloatArray, pressur
 
 
 class HermiteBore(BoreFlow):
-    """Bore fed by a pump of given flow.  closed: nothing leaves at its lower end, where the volume then stays
-    at ``kept`` [m3]."""
+    """Bore with a given flow of the pump.
+
+    closed: the lower end is closed, and the volume there has the constant value ``kept`` [m3].
+    Other arguments as in ``BoreFlow``.
+    """
 
     def __init__(
         self,
@@ -202,7 +215,10 @@ class HermiteBore(BoreFlow):
         return float(state.y[state.index_of(block)[row, -4]]) + self._now
 
     def pumped(self, t: float, state) -> float | None:
-        """What has entered by the formula of the time integrator [m3/s], so that the books of mass close."""
+        """Return the inflow by the formula of the time integrator [m3/s].
+
+        With which the mass balance is exact.
+        """
         return self.upper_flow(state)
 
     def upper_pressure(self, state) -> float:
@@ -217,8 +233,11 @@ class HermiteBore(BoreFlow):
 
 
 class HermiteAnnulus(AnnulusFlow):
-    """Annulus whose reference flow is the pump's upwards.  Its sizes stay those at the start: the pressure
-    follows from the volume that an element holds, and would jump with it."""
+    """Annulus with the pump's flow upwards as reference flow.
+
+    Its sizes remain those at the start: the pressure follows from the content of an element, and would jump
+    with it. Arguments as in ``AnnulusFlow``; pump: its flow over time [m3/s].
+    """
 
     resizes = False
 
@@ -269,7 +288,7 @@ class HermiteAnnulus(AnnulusFlow):
         return float(state.y[state.index_of(block)[row, -4]]) + self._now
 
     def upper_pressure(self, state) -> float:
-        """The pressure that is given there, which the unknown at the node meets in the mean only [Pa]."""
+        """Return the given pressure at the upper end [Pa], which the unknown at the node meets only in the mean."""
         block, row = self._top  # type: ignore[misc]
         p = block.named
         pressure = float(p["controlled"][row])
@@ -291,10 +310,11 @@ class HermiteAnnulus(AnnulusFlow):
 
 
 class HermiteBit(BitFlow):
-    """Nozzles and chamber without unknowns of their own (kernels/fluid/hermite/hermite_bit.hpp).
+    """Nozzles and chamber without own unknowns (kernels/fluid/hermite/hermite_bit.hpp).
 
-    rest_at: (3,) place of the lowest node at which the volumes count from; heads of the channels' lowest
-    elements are theirs.
+    node, end, fluid, held_at: as in ``BitFlow``; pump: its flow over time [m3/s].
+    bore, annulus: the channels, whose lowest elements give the heads; None where absent.
+    rest_at: (3,) position of the lowest node at which volumes are zero [m].
     """
 
     def __init__(
@@ -367,9 +387,11 @@ class HermiteBit(BitFlow):
         return self.end.volume + self.end.hole * GAP_ROUNDING * float(np.logaddexp(0.0, gap / GAP_ROUNDING))
 
     def missing_volume(self, state) -> tuple[float, float] | None:
-        """(volume [m3], volume rate [m3/s]) at zero pressure that the annulus' volumes lack: for the chamber
-        to have the annulus' lowest pressure, and for it to keep it in the motion of the bit; this rank's
-        share."""
+        """Compute volume [m3] and volume rate [m3/s] at zero pressure to add to the annulus' volumes.
+
+        With the volume the chamber has the annulus' lowest pressure; with the rate it keeps this pressure
+        while the bit moves.  Both are zero on ranks without the bit.
+        """
         index, e = state.index_of(self._block), self.end
         if not self.has_annulus or not len(index):
             return 0.0, 0.0

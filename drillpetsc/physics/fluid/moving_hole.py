@@ -1,13 +1,12 @@
-"""The hole about the elements of a string that moves along it: where their nodes are, and how much hole there
-is above each.
+"""The hole around a string that moves along it: measured depths of the nodes, and the volume of hole above each.
 
-A node at measured depth s has the volume W of hole above it; dW/dt = a ds/dt with the hole's area a at the
-node.  An element between two nodes has W2 - W1, the chamber under the bit what is left below the last one:
-nothing is lost between them.  The rows of mass contain these rates (WIDENING in
-kernels/fluid/annulus_flow.hpp is a2 - a1 over the length), so what the hole is wider or narrower at the new
-place flows in or out as mud.  Looking at the hole anew, W has grown by a times the way, just what the rates
-brought: mass is kept whatever a is. It is chosen such that W becomes the hole's true volume ``AHEAD`` further
-on.
+Manual: sec-mud-moving, eq-mud-swept.  A node at measured depth s has the volume W of hole above it, and dW/dt
+= a ds/dt with the hole's area a at the node.  An element between two nodes has W2 - W1, and the chamber under
+the bit has the volume below the last node, so no volume is lost between them.  The rows of mass contain these
+rates (WIDENING in kernels/fluid/annulus_flow.hpp is a2 - a1 over the length); where the hole is wider or
+narrower at the new position, mud flows in or out.  When the geometry is re-evaluated, W has changed by a ds,
+which is what the rates have integrated to; mass is conserved for any a.  a is chosen so that W becomes the
+hole's true volume ``AHEAD`` further on.
 """
 
 from __future__ import annotations
@@ -22,18 +21,23 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, HoleVolume
 
-REFRESH = 0.01  # a node looks at the hole anew after this way [m]: over it, 3 deg/30 m turn the hole by 2e-5
+REFRESH = 0.01  # motion of a node after which the hole is re-evaluated [m]; 3 deg/30 m turn the hole by 2e-5 over it
 AHEAD = 0.5  # [m], as long as the shortest transition of a hole between two diameters
-OTHER_SIZE = (
-    0.01  # relative change of the hole's diameter after which added mass and damping are worked out anew
-)
+OTHER_SIZE = 0.01  # relative change of the hole's diameter after which added mass and damping are recomputed
 
 
 @dataclass(frozen=True)
 class LateralCoefficients:
-    """What mud does to a string that moves across the hole: added mass over displaced mass (n,), damping (n,)
-    [N s/m2], and torque per length and spin (n,) [N s].  by_eccentricity gives the added mass (k,) of
-    elements of outer diameters and in holes of diameters (k,) [m] at eccentricities (k,) from 0 to 1."""
+    """Coefficients of the mud's force on a string that moves across the hole and rotates.
+
+    Manual: sec-mud-added-mass.
+
+    added: (n,) added mass over displaced mass [-]; damping: (n,) [N s/m2].
+    turning: (n,) torque per length and spin [N s].
+    by_eccentricity(eccentricity, outer, hole): added mass (k,) at eccentricities (k,) from 0 to 1, of
+    elements of outer diameters (k,) [m] in holes of diameters (k,) [m]; None: independent of the
+    eccentricity.
+    """
 
     added: FloatArray
     damping: FloatArray
@@ -42,11 +46,14 @@ class LateralCoefficients:
 
 
 class MovingHole:
-    """The hole as it is now, and the local nodes in it.
+    """The present hole and the local nodes in it.
 
-    current_well: the hole, a new object whenever it has grown.  sideways: from the sizes of elements to what
-    mud does to them. (nv,) each, when the node last looked: depth, measured [m]; volume of hole above it
-    [m3]; area [m2]; ahead, the way for which that is good [m].
+    mesh: of the string; walls: of the annulus.
+    current_well(): the present hole, a new object whenever it has grown.
+    sideways(annulus): coefficients of the mud's force on elements of this annulus.
+
+    At the last evaluation of the hole at a node, (nv,) each: depth, measured [m]; volume of hole above it
+    [m3]; area [m2]; ahead: motion for which these values are valid [m].
     """
 
     def __init__(
@@ -63,31 +70,33 @@ class MovingHole:
 
     @property
     def placed(self) -> bool:
-        """Whether the nodes have looked at the hole yet."""
+        """Whether the hole has been evaluated at the nodes."""
         return len(self.depth) > 0
 
     @property
     def hole(self) -> HoleVolume:
+        """Volume of the present hole."""
         well = self.current_well()
         if well is not self._hole.well:
             self._hole = HoleVolume(well)
         return self._hole
 
     def node_depths(self, state) -> FloatArray:
-        """(nv,) measured depth of the local vertices [m]."""
+        """Compute the measured depths (nv,) of the local vertices [m]."""
         found = self.current_well().project(state.x[state.layout.dofs["string.position"]], self._near)
         self._near = found.segment
         return found.md
 
     def annulus(self, e: np.ndarray, ends: FloatArray) -> Annulus:
-        """Annulus of the elements ``e`` (k,) whose nodes are at the measured depths ``ends`` (k, 2) [m]."""
+        """Create the annulus of the elements ``e`` (k,) whose nodes are at measured depths ``ends`` (k, 2) [m]."""
         return self.walls.annulus(self.hole, e, ends[:, 0] + self.mesh.rigid_above[e], ends[:, 1])
 
     def look(self, depths: FloatArray, keep: bool) -> np.ndarray:
-        """Let the nodes that have moved, now at ``depths`` (nv,), look at the hole; returns which (nv,) did.
+        """Re-evaluate the hole at the nodes that have moved; returns their mask (nv,).
 
-        keep: volumes grow by what the rates of flow have brought (a node that has come further than it could
-        foresee takes the hole as it finds it); without, they are the hole's.
+        depths: (nv,) present measured depths of the nodes [m].
+        keep: volumes change by the integral of the rates.  A node that has moved further than ``ahead`` gets
+        the true volume.  Without ``keep`` all volumes are those of the hole.
         """
         if not self.placed:
             self.depth, (self.volume, self.area, self.ahead), keep = (
@@ -111,7 +120,9 @@ class MovingHole:
         return moved
 
     def sizes(self, ends: np.ndarray) -> tuple[FloatArray, FloatArray]:
-        """Mean area of the hole [m2] between nodes ``ends`` (k, 2), and its change with their depth [m]."""
+        """Compute the mean area of the hole (k,) [m2] between nodes ``ends`` (k, 2), and its change with
+        their depth (k,) [m].
+        """
         first, second = ends.T
         length = self.depth[second] - self.depth[first]
         return (self.volume[second] - self.volume[first]) / length, (
@@ -119,9 +130,9 @@ class MovingHole:
         ) / length
 
     def get_state(self) -> FloatArray:
-        """(nv, 4) what a continued run needs to know."""
+        """Return (nv, 4) depth, volume, area, ahead, for a checkpoint."""
         return np.column_stack([self.depth, self.volume, self.area, self.ahead])
 
     def set_state(self, memory: FloatArray) -> None:
-        """Go on from a ``memory``."""
+        """Continue from the result of ``get_state``."""
         self.depth, self.volume, self.area, self.ahead = np.array(memory.T)

@@ -1,8 +1,8 @@
-"""Rheology of the drilling fluid and its wall friction in pipe and annulus.
+"""Rheology of the drilling fluid and its wall friction in pipe and annulus (manual: sec-mud-friction).
 
-`Rheology` is plain data; `Rheology.parameters()` is the flat array that the kernels take.  The wall shear
-stress tau is signed and odd in the mean speed w, and has a continuous derivative through zero flow and
-through the transition to turbulence; the pressure falls by 4 tau / d_h per length, with d_h the bore, or the
+`Rheology` is plain data; `Rheology.parameters()` is the flat array of kernel arguments.  The wall shear
+stress tau is signed and odd in the mean speed w.  It has a continuous derivative through zero flow and
+through the transition to turbulence.  The pressure falls by 4 tau / d_h per length, with d_h the bore, or the
 hole minus the string diameter.
 
 Models: tau = tau_y + K gamma^n (newtonian, power_law, bingham, herschel_bulkley are its cases), and casson,
@@ -23,8 +23,8 @@ number, f = 16/Re in a
 exact   tau_lam from the integrated profile of the pipe (Rabinowitsch, Buckingham) or of the slot; transition
 and turbulence as blend.
 
-With n the flow index of a Casson fluid is 1.  A gel below its yield stress is not held but creeps:
-`shear_rate_eps` smooths the yield. The constants a and b are those of n = 0.05 for any smaller index.
+The flow index n of a Casson fluid is 1.  A gel below its yield stress creeps, since `shear_rate_eps` smooths
+the yield.  The constants a and b are those of n = 0.05 for any smaller index.
 """
 
 from __future__ import annotations
@@ -50,10 +50,14 @@ _wall_shear = function("rheology_wall_shear", "pipppppp")
 
 @dataclass(frozen=True)
 class Rheology:
-    """A drilling fluid's flow curve and friction law.
+    """Flow curve and friction law of a drilling fluid.
 
-    consistency K [Pa s^n] (the viscosity, or plastic viscosity, [Pa s] of models with n = 1), index n [-],
-    yield_stress [Pa], shear_rate_eps [1/s]: shear rate below which stresses go smoothly to zero.
+    model: one of ``MODELS``; law: one of ``LAWS``.
+    consistency: K [Pa s^n]; with n = 1 the viscosity or plastic viscosity [Pa s].
+    index: n [-]; yield_stress: [Pa].
+    shear_rate_eps: shear rate below which stresses go smoothly to zero [1/s].
+
+    Raises ValueError for combinations that no kernel can evaluate.
     """
 
     model: str
@@ -65,7 +69,7 @@ class Rheology:
     _parameters: Array = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        """Refuses what no kernel can evaluate; fills the packed form once."""
+        """Check the values and fill the packed form."""
         if self.model not in MODELS or self.law not in LAWS:
             raise ValueError(
                 f"rheology {self.model!r}, {self.law!r}: models are {', '.join(MODELS)}; laws {', '.join(LAWS)}"
@@ -101,28 +105,28 @@ class Rheology:
 
     @classmethod
     def newtonian(cls, viscosity: float, law: str = "blend", shear_rate_eps: float = 1.0) -> Rheology:
-        """Viscosity [Pa s]; 0 is a fluid without friction."""
+        """Create a Newtonian fluid; viscosity [Pa s], 0: without friction."""
         return cls("newtonian", law, viscosity, shear_rate_eps=shear_rate_eps)
 
     @classmethod
     def power_law(
         cls, consistency: float, index: float, law: str = "blend", shear_rate_eps: float = 1.0
     ) -> Rheology:
-        """Consistency [Pa s^n] and index n [-]."""
+        """Create a power-law fluid; consistency [Pa s^n], index n [-]."""
         return cls("power_law", law, consistency, index, shear_rate_eps=shear_rate_eps)
 
     @classmethod
     def bingham(
         cls, plastic_viscosity: float, yield_stress: float, law: str = "blend", shear_rate_eps: float = 1.0
     ) -> Rheology:
-        """Plastic viscosity [Pa s] and yield stress [Pa]."""
+        """Create the fluid; plastic viscosity [Pa s], yield stress [Pa]."""
         return cls("bingham", law, plastic_viscosity, 1.0, yield_stress, shear_rate_eps)
 
     @classmethod
     def casson(
         cls, plastic_viscosity: float, yield_stress: float, law: str = "blend", shear_rate_eps: float = 1.0
     ) -> Rheology:
-        """Plastic viscosity [Pa s] and yield stress [Pa]."""
+        """Create the fluid; plastic viscosity [Pa s], yield stress [Pa]."""
         return cls("casson", law, plastic_viscosity, 1.0, yield_stress, shear_rate_eps)
 
     @classmethod
@@ -134,16 +138,15 @@ class Rheology:
         law: str = "blend",
         shear_rate_eps: float = 1.0,
     ) -> Rheology:
-        """Consistency [Pa s^n], index n [-] and yield stress [Pa]."""
+        """Create a Herschel-Bulkley fluid; consistency [Pa s^n], index n [-], yield_stress [Pa]."""
         return cls("herschel_bulkley", law, consistency, index, yield_stress, shear_rate_eps)
 
     def parameters(self) -> Array:
-        """The law as the kernels take it, (RHEOLOGY_SIZE,), entries as in kernels/fluid/rheology.hpp; read
-        only."""
+        """Return the kernels' parameters (RHEOLOGY_SIZE,) in the layout of kernels/fluid/rheology.hpp, read-only."""
         return self._parameters
 
     def apparent_viscosity(self, shear_rate: ArrayLike) -> Array:
-        """Stress over shear rate [Pa s] at shear_rate (n,) [1/s], smoothed below shear_rate_eps."""
+        """Compute stress over shear rate (n,) [Pa s] at shear_rate (n,) [1/s], smoothed below shear_rate_eps."""
         rate = np.hypot(np.asarray(shear_rate, dtype=float), self.shear_rate_eps)
         if self.model == "casson":
             return (np.sqrt(self.yield_stress / rate) + np.sqrt(self.consistency)) ** 2
@@ -153,7 +156,10 @@ class Rheology:
 def wall_shear_and_slope(
     law: Rheology, speed: ArrayLike, diameter: ArrayLike, annulus: ArrayLike, density: ArrayLike
 ) -> tuple[Array, Array]:
-    """Wall shear stress [Pa] and its derivative by the speed [Pa s/m], arguments as `wall_shear`."""
+    """Compute the wall shear stress [Pa] and its derivative by the speed [Pa s/m].
+
+    Arguments as in `wall_shear`.
+    """
     values = np.broadcast_arrays(speed, diameter, np.asarray(annulus, dtype=bool), density)
     shape = values[0].shape
     flat = [np.ascontiguousarray(v, dtype=float).reshape(-1) for v in values]
@@ -166,10 +172,13 @@ def wall_shear_and_slope(
 def wall_shear(
     law: Rheology, speed: ArrayLike, diameter: ArrayLike, annulus: ArrayLike, density: ArrayLike
 ) -> Array:
-    """Signed wall shear stress [Pa].
+    """Compute the signed wall shear stress [Pa] (manual: eq-mud-laminar, eq-mud-blend).
 
-    speed: mean speed [m/s]; diameter: hydraulic diameter [m], the bore, or hole minus string diameter;
-    annulus: true for an annulus; density [kg/m3].  All broadcast together.
+    All arguments broadcast.
+
+    law: rheology; speed: mean speed [m/s].
+    diameter: hydraulic diameter [m], the bore, or hole minus string diameter.
+    annulus: true for an annulus; density: [kg/m3].
     """
     return wall_shear_and_slope(law, speed, diameter, annulus, density)[0]
 
@@ -177,7 +186,7 @@ def wall_shear(
 def pressure_gradient(
     law: Rheology, speed: ArrayLike, diameter: ArrayLike, annulus: ArrayLike, density: ArrayLike
 ) -> Array:
-    """Frictional pressure loss per length, 4 tau/d_h [Pa/m], arguments as `wall_shear`."""
+    """Compute the frictional pressure loss per length, 4 tau/d_h [Pa/m]; arguments as in `wall_shear`."""
     return 4.0 * wall_shear(law, speed, diameter, annulus, density) / np.asarray(diameter, dtype=float)
 
 
@@ -192,7 +201,7 @@ class DialConstants:
 
 
 def from_dial_readings(R600: float, R300: float, R100: float, R3: float) -> DialConstants:
-    """Power-law constants from the dial readings [deg] of a rotational viscometer at 600, 300, 100 and 3 rpm.
+    """Compute power-law constants from dial readings [deg] of a rotational viscometer at 600, 300, 100 and 3 rpm.
 
     API RP 13D, third edition, 1995: n_p = 3.32 log10(R600/R300), K_p = 5.11 R600/1022^n_p, n_a = 0.657
     log10(R100/R3), K_a = 5.11 R100/170.2^n_a, K in dyn s^n/cm2 = 0.1 Pa s^n.
@@ -206,12 +215,18 @@ def from_dial_readings(R600: float, R300: float, R100: float, R3: float) -> Dial
 def eccentricity_factor(
     eccentricity: ArrayLike, diameter_ratio: ArrayLike, index: float, turbulent: bool = False
 ) -> Array:
-    """Pressure loss of an eccentric annulus over that of the concentric one [-].
+    """Compute the pressure loss of an eccentric annulus over that of the concentric one [-].
+
+    Manual: sec-mud-eccentricity.
 
     Haciislamoglu and Langlinais, "Non-Newtonian flow in eccentric annuli", J. Energy Resour. Technol. 112,
     1990, 163-169, and Haciislamoglu and Cartalos, SPE 28304, 1994, for turbulent flow; the coefficients are
-    recalled, not re-read.  eccentricity: offset of the axes over half the difference of the diameters, 0 to
-    0.95; diameter_ratio: string over hole diameter, 0.3 to 0.9; index: flow index, 0.4 to 1.
+    recalled, not re-read.
+
+    eccentricity: offset of the axes over half the difference of the diameters [-], 0 to 0.95.
+    diameter_ratio: string over hole diameter [-], 0.3 to 0.9.
+    index: flow index [-], 0.4 to 1.
+    turbulent: the flow is turbulent.
     """
     e, k = np.asarray(eccentricity, dtype=float), np.asarray(diameter_ratio, dtype=float)
     c1, c2, c3 = (0.048, 2.0 / 3.0, 0.285) if turbulent else (0.072, 1.5, 0.96)

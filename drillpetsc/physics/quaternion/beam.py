@@ -1,9 +1,11 @@
-"""The paper's string element: position, normal strain and Euler parameters at each node
-(kernels/quaternion/quaternion_beam.hpp).
+"""String element of the reference formulation: position, normal strain and Euler parameters at each node.
 
-The Euler parameters have unit length by a multiplier, which makes the equations a DAE.  The constraint may
-stand on positions (index 3), on velocities (index 2, the length drifts), or on velocities with the length
-restored after each step (stabilized: coordinate projection, Eich, SIAM J. Numer. Anal. 30, 1993).
+Kernel: kernels/quaternion/quaternion_beam.hpp.  Manual: sec-quaternion, sec-paper-source.
+
+A multiplier keeps the Euler parameters at unit length, which makes the equations a DAE (manual:
+eq-quat-constraint). The constraint is on positions (index 3), on velocities (index 2, the length drifts), or
+on velocities with a projection after each step (stabilized: coordinate projection, Eich, SIAM J. Numer. Anal.
+30, 1993).
 """
 
 from __future__ import annotations
@@ -36,18 +38,20 @@ NODE_SLOTS = tuple((name, 0) for name in NODE)
 ANCF_NODE = ("string.position", "string.tangent", "string.spin")
 LEVELS = {"index3": 3.0, "index2": 2.0, "stabilized": 2.0}
 ROW_SCALE = 1.0e6  # of constraint rows, so that one norm fits them and the forces
-# scale of a multiplier: it is linear in the rows and right where the motion is; its own rounding grows as
-# 1/step^2
+# scale of a multiplier, which is linear in the rows and correct where the motion is; its rounding error grows
+# as 1/step^2, so it takes no part in error control
 UNCONTROLLED_SCALE = 1.0e30
 
 
 def quaternions(frames: Frames) -> FloatArray:
-    """(n, 4) Euler parameters of the node frames (tangent, second director, third), scalar first; neighbours
-    on one side."""
+    """Compute the Euler parameters (n, 4) of the node frames (tangent, second director, third), scalar first.
+
+    Neighbours have the same sign.
+    """
     out = np.empty((len(frames.reference), 4))
     for i, (a, b) in enumerate(zip(frames.reference, frames.second, strict=True)):
         R = np.column_stack([a, b, np.cross(a, b)])
-        # the largest of the four squares keeps the division safe (Shepperd, J. Guid. Control 1, 1978)
+        # dividing by the largest of the four squares avoids cancellation (Shepperd, J. Guid. Control 1, 1978)
         w = np.array([[R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]]).T
         K = np.block([[np.array([[1 + np.trace(R)]]), w.T], [w, R + R.T + (1 - np.trace(R)) * np.eye(3)]])
         q = K[int(np.argmax(np.diag(K)))]
@@ -57,30 +61,38 @@ def quaternions(frames: Frames) -> FloatArray:
 
 
 def turned(q: FloatArray, angle: FloatArray | float) -> FloatArray:
-    """(n, 4) orientations ``q`` turned by ``angle`` (n,) [rad] about their own first axis."""
+    """Rotate orientations ``q`` (n, 4) by ``angle`` (n,) [rad] about their first axis."""
     half = 0.5 * np.asarray(angle, dtype=float)[..., None]
     return q * np.cos(half) + spun(q) * np.sin(half)
 
 
 def spun(q: FloatArray) -> FloatArray:
-    """(n, 4) product q e1: half of it per rad/s is the rate of q that spins about its first axis."""
+    """Compute the product q e1 (n, 4).
+
+    Half of it per rad/s is the rate of a q that spins about its first axis.
+    """
     w, x, y, z = np.moveaxis(q, -1, 0)
     return np.stack([-x, w, z, -y], axis=-1)
 
 
 class QuaternionBeam(Beam):
-    """Elements of the string with unknowns r [m], eps [-], q [-] and the multiplier of |q| = 1 [N m] at every
-    node."""
+    """Elements of the string with unknowns r [m], eps [-], q [-] and the multiplier of |q| = 1 [N m] at every node.
+
+    mesh: of the string; frames: at its nodes at the start; gravity: (3,) [m/s2].
+    constraint: ``index3``, ``index2`` or ``stabilized`` (manual: sec-quaternion-constraints).
+    finest_motion: penetration of impacts into the wall [m], infinite without contact; a limit of the position
+    scale.
+    """
 
     name = "beam"
     formulation = "quaternion"
     needs_ancf_equilibrium = True
     has_constraints = True
-    turns_with_string = True  # its unknowns turn with the string, and so do its Jacobian's entries
+    turns_with_string = True  # unknowns and Jacobian entries turn with the string
     derived_fields = {
         "string.tangent": 3,
         "string.spin": 1,
-    }  # what rooms of the ANCF element see: slope, spin angle, and their rates
+    }  # slope, spin angle and their rates, for components of the ANCF element (manual: sec-quaternion-view)
 
     def __init__(
         self,
@@ -105,8 +117,10 @@ class QuaternionBeam(Beam):
         )
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
-        """Elements of the local cells of ``part`` (a Chain), damped ones apart, and the unit lengths of this
-        rank's nodes."""
+        """Blocks of the local cells of ``part`` (a Chain).
+
+        With and without damping, and of the nodes' unit lengths.
+        """
         m, e, self._part = self.mesh, part.cells, part
         damped = (m.stiffness_damping != 0) | (m.mass_damping != 0)
         self._elements = []
@@ -149,11 +163,13 @@ class QuaternionBeam(Beam):
         ).array
 
     def translate(self, block: ElementBlock) -> ElementBlock:
-        """A block of the ANCF element's unknowns on those of this one (kernels/quaternion/on_quaternion.hpp);
-        others as they are.
+        """Rewrite a block from the ANCF element's unknowns to those of this element.
 
-        Constants are shared, so that a room that renews its own renews these; Assembly.index_of leads it to
-        the view.
+        Manual: sec-quaternion-view.
+
+        Other blocks are returned unchanged.  The parameters are shared, so that a component updates both with
+        its own. ``Assembly.index_of`` gives that component the derived fields.  Kernel:
+        kernels/quaternion/on_quaternion.hpp.
         """
         if not any(name in self.derived_fields for name, _ in block.slots):
             return block
@@ -176,7 +192,7 @@ class QuaternionBeam(Beam):
         )
 
     def derive(self, state) -> None:
-        """Fill the state's view."""
+        """Compute the derived fields (manual: eq-quat-tangent, eq-quat-spin-angle)."""
         at, frame = self._places(state.layout)
         out, view = np.zeros((len(at), 8)), state.layout.derived
         _view(len(at), pointer(at), pointer(frame), pointer(state.x), pointer(state.y), pointer(out))
@@ -190,7 +206,9 @@ class QuaternionBeam(Beam):
         system.set_field("string.quaternion", self.start)
 
     def set_rigid_motion(self, system, tangent: FloatArray, lowering: float, rotation: float) -> None:
-        """Give every node the velocity ``lowering`` [m/s] along ``tangent`` and the spin ``rotation`` [rad/s]."""
+        """Set the velocity of every node to ``lowering`` [m/s] along ``tangent`` and its spin to ``rotation``
+        [rad/s].
+        """
         q = np.zeros((self.mesh.nodes, 4))
         q[system.chain.vertices] = 0.5 * rotation * spun(system.field("string.quaternion"))
         system.set_field("string.position", lowering * tangent, "y")
@@ -202,7 +220,10 @@ class QuaternionBeam(Beam):
         self._length.named["level"] = 3.0 if hold else LEVELS[self.constraint]
 
     def restore_constraints(self, state) -> None:
-        """At the end of a solve in the stabilized form: unit length, and no rate along it."""
+        """Project onto unit length, with no rate along it, after a solve in the stabilized form.
+
+        Manual: eq-quat-constraint.
+        """
         at = state.layout.dofs["string.quaternion"]
         q, rate = state.x[at], state.y[at]
         q = q / np.linalg.norm(q, axis=1, keepdims=True)
@@ -218,7 +239,7 @@ class QuaternionBeam(Beam):
         return out
 
     def _places(self, layout: DofLayout) -> tuple[np.ndarray, FloatArray]:
-        """(nv, 8) places of the nodes' unknowns and (nv, 4) frames at the start."""
+        """Return the dofs (nv, 8) of the nodes and their Euler parameters (nv, 4) at the start."""
         if self._layout is not layout:
             self._layout = layout
             self._at = np.ascontiguousarray(np.hstack([layout.dofs[name] for name in NODE]), dtype=np.int32)

@@ -15,7 +15,7 @@ _results = RESULTS | {"quaternion_contact": function("quaternion_contact_results
 
 
 class QuaternionContact(Contact):
-    """The wall contact of ``Contact`` on the quaternion element's unknowns."""
+    """The wall contact of ``Contact``, on the unknowns of the quaternion element."""
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         m = self.mesh

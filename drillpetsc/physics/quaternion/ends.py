@@ -1,5 +1,7 @@
-"""Ends and loads of the quaternion string (kernels/quaternion/quaternion_ends.cpp): constraints with
-multipliers, which are the reactions."""
+"""Ends and loads of the quaternion string: constraints with multipliers, which are the reactions.
+
+Kernel: kernels/quaternion/quaternion_ends.cpp.  Manual: sec-quaternion-constraints.
+"""
 
 from __future__ import annotations
 
@@ -23,11 +25,16 @@ _TURNS = (
 
 
 class ConstrainedEnd(Top):
-    """An end whose place and orientation are given: clamped, pinned, or moved by a top drive.
+    """End with prescribed position and orientation: clamped, pinned, or moved by a top drive.
 
-    places 3: along the tangent and two directions across; 2: across only (the axial force is a load).  turns
-    3: the whole section; 1: its spin about the tangent; 0: none.  ``lowering`` [m/s] and ``rotation`` [rad/s]
-    over time, None: at rest.
+    vertex: its node; nodes: of the string.
+    places: number of prescribed positions: 3 along the tangent and across, 2 across only (the axial force is
+    a load).
+    turns: number of prescribed rotations: 3 the section, 1 its spin about the tangent, 0 none (manual:
+    eq-quat-orientation).
+    position: (3,) [m]; orientation: (4,) unit quaternion; tangent: (3,) unit; all at time 0.
+    constraint: as in ``QuaternionBeam``.
+    lowering [m/s], rotation [rad/s]: over time, None: at rest.
     """
 
     name = "guided_end"
@@ -56,7 +63,7 @@ class ConstrainedEnd(Top):
         self.inputs, self._orientation = (lowering, rotation), orientation
         side = high_side(tangent)
         self._axes = np.array([tangent, side, np.cross(tangent, side)])[3 - places :]
-        self.anchor = np.append(self._axes @ position, 0.0)  # places [m] and angle [rad] at time 0
+        self.anchor = np.append(self._axes @ position, 0.0)  # positions [m] and angle [rad] at time 0
         self._where = "top" if vertex == 0 else "bottom"
         self.restores_constraints = constraint == "stabilized"
         self.names = tuple(f"{self._where}.{n}" for n in (*_PLACES[3 - places :], *_TURNS[:turns]))
@@ -75,7 +82,7 @@ class ConstrainedEnd(Top):
         )
 
     def regions(self) -> dict[str, np.ndarray]:
-        """The end that is guided."""
+        """The node of the end."""
         return {self._where: np.arange(self.nodes) == self.vertex}
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
@@ -117,7 +124,7 @@ class ConstrainedEnd(Top):
         self._given["level"] = 3.0 if hold else LEVELS[self.constraint]
 
     def copy_position(self, other: Top) -> None:
-        """Prescribe at time 0 the position that the top of another model, with other elements, prescribes."""
+        """Copy the prescribed position at time 0 from the top of another model with other elements."""
         self.anchor[: self.places] = other.anchor[: self.places]
 
     def shift(self, distance: float) -> None:
@@ -129,8 +136,10 @@ class ConstrainedEnd(Top):
         return tuple(b for i in self.inputs if i is not None for b in i.breaks())
 
     def restore_constraints(self, state) -> None:
-        """At the end of a solve in the stabilized form: the end stands and moves exactly as given at the time
-        of the last rows."""
+        """Set position and motion of the end to the prescribed ones at the time of the last residual.
+
+        It is called after a solve in the stabilized form.
+        """
         if len(self._block.points):
             index, n = state.index_of(self._block)[0], self.places
             goal, goal_rate = self._goal[0], self._goal_rate[0]
@@ -143,9 +152,12 @@ class ConstrainedEnd(Top):
                 off = 2 * np.arctan2(spun(goal) @ state.x[q], goal @ state.x[q])
                 state.x[q], state.y[q] = turned(state.x[q], -off), turned(state.y[q], -off)
 
-    # ------------------------------------------------------------------ figures
+    # ------------------------------------------------------------------ results
     def reaction(self, name: str, state) -> float:
-        """Force [N] or torque [N m] on the string of the component ``name``, this rank's share."""
+        """Return the reaction ``name`` on the string, a force [N] or a moment [N m].
+
+        Zero on ranks without the end.
+        """
         if name not in self.names or not len(self._block.points):
             return 0.0
         return float(state.x[state.index_of(self._block)[0, 7 + self.names.index(name)]])
