@@ -1,7 +1,7 @@
 """Compile the C++ kernels to one shared library in ``_build``, beside the sources.
 
 The file name carries a digest of all sources, the flags and the processor, so a library never serves other
-sources or another machine.  This module uses the standard library only: ``setup.py`` runs it before anything is
+sources or another machine.  This module uses the standard library only: ``scripts/setup`` runs it before anything is
 installed.
 """
 

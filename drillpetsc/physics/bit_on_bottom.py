@@ -66,7 +66,7 @@ class BitOnBottom(Bit):
         self._block.named["imposed"] = NOT_IMPOSED
 
     def copy_sliding_direction(self, other) -> None:
-        """Take over the sliding that statics imposed on another room."""
+        """Take over the sliding that statics imposed on the bit of another model."""
         self._block.params[:] = other._block.params
 
     def weight_and_torque(self, state) -> tuple[float, float]:

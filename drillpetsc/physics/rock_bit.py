@@ -368,7 +368,7 @@ class RockBit(Bit):
         self.params["torque0"], self.params["torque1"] = self._torque
 
     def copy_sliding_direction(self, other) -> None:
-        """Take over the motion that statics imposed on another room."""
+        """Take over the motion that statics imposed on the bit of another model."""
         self.params.array[:] = other.params.array
 
     def _torque_line(self, spin: float) -> tuple[float, float]:

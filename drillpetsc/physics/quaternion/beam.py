@@ -258,7 +258,7 @@ class QuaternionBeam(Beam):
         return np.hstack([state.x[place], state.y[place], motion[:, 6:]])
 
     def element_results(self, layout: DofLayout, x: FloatArray, y: FloatArray) -> FloatArray:
-        """(nc, 9) per local cell in depth order: the columns of ``rooms.beam.RESULT_NAMES``; bending is that beyond
+        """(nc, 9) per local cell in depth order: the columns of ``physics.beam.RESULT_NAMES``; bending is that beyond
         the stress-free shape."""
         out = np.zeros((len(self._part.cells), len(RESULT_NAMES)))
         for b in self._elements:
