@@ -39,7 +39,7 @@ def plain(text: str, longest: int) -> str:
     )
 
 
-RESTART_HINT = "what was written up to now can be read; make room, then continue with --restart"
+RESTART_HINT = "what was written up to now can be read; free disk space, then continue with --restart"
 
 
 def cannot_write(error: OSError, what: str) -> str:

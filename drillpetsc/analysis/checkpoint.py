@@ -72,7 +72,7 @@ def take(
 ) -> Checkpoint | None:
     """Collect the state on rank 0, None elsewhere, without changing it; collective.
 
-    It is called after all other work of a step (``TimeIntegrator.at_rest``).
+    It is called after all other work of a step (``TimeIntegrator.on_step_end``).
 
     time: [s]; notes: texts and numbers to store.
     """
@@ -98,7 +98,7 @@ def take(
     rates = dict(zip(names, parts[len(names) :], strict=True))
     frames = {
         "reference": system.frames.reference,
-        "second": system.frames.second,
+        "second": system.frames.second_director,
         "twist0": system.frames.twist0,
     }
     top = model.top.anchor if model.top is not None else None
@@ -270,7 +270,7 @@ def restore(model: DrillingModel, c: Checkpoint, at: str = "--restart") -> None:
     for f in system.layout.fields:
         system.set_field(f.name, c.fields[f.name])
         system.set_field(f.name, c.rates[f.name], "y")
-    system.frames.reference[:], system.frames.second[:] = c.frames["reference"], c.frames["second"]
+    system.frames.reference[:], system.frames.second_director[:] = c.frames["reference"], c.frames["second"]
     system.frames.twist0[:] = c.frames["twist0"]
     system.assembly.reference[:] = system.frames.reference[system.chain.vertices]
     for component in system.components:

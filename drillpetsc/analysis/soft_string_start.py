@@ -43,7 +43,7 @@ def soft_string_start(model: DrillingModel, motion: tuple[float, float]) -> Torq
     for b in mesh.bodies:
         if b.node < mesh.nodes - 1:
             cell = b.node - 1 if mesh.is_joint[b.node] and b.node else b.node  # a joint is no element
-            weight[cell] += b.mass * g / mesh.divisor[cell]
+            weight[cell] += b.mass * g / mesh.length_divisor[cell]
     # joints have no length and are left out; both nodes of a joint get the same values
     has_length = np.diff(depth) > 0
     at = np.concatenate([[0], np.cumsum(has_length)])  # boundary of the soft string at each node

@@ -241,7 +241,7 @@ class TransientRun:
         integrator.after_step.append(self._after_step)
         if recorder.energy is not None:
             integrator.at_jump.append(recorder.energy.at_jump)
-        integrator.at_rest.append(self._at_rest)
+        integrator.on_step_end.append(self._finish_step)
         self.estimate, self.memory = (
             LocalErrorEstimate(integrator),
             Memory(self.mpi, self.start, self.end),
@@ -286,7 +286,7 @@ class TransientRun:
         k = after(self.start, every)
         stops = (
             []
-            if self.integrator.remembers
+            if self.integrator.keeps_history
             else [j * every for j in range(k, after(end, every)) if j * every < end * (1 - ROUNDING)]
         )
         self.next_save = k
@@ -314,14 +314,16 @@ class TransientRun:
         self.memory.update(t)
         self.bar.update(t, integrator.counters.steps, dt)
 
-    def _at_rest(self, t: float) -> None:
+    def _finish_step(self, t: float) -> None:
         """After all calls of a step: act on signals and write errors, write a checkpoint that is due."""
         every, asked = self._checkpoint_interval, self.control.poll(self.due)
         if asked == FAILED:
             reported = self.mpi.allreduce(self.control.error)  # a text on one rank only
             raise SolveError(reported, time=t, hint=RESTART_HINT)
         due = (
-            self.integrator.remembers and passed(self.next_save * every, t) and t < self.end * (1 - ROUNDING)
+            self.integrator.keeps_history
+            and passed(self.next_save * every, t)
+            and t < self.end * (1 - ROUNDING)
         )
         if due or asked != NOTHING:
             self._save(t)

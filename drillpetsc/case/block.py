@@ -142,8 +142,8 @@ def tagged_union(
         if not isinstance(value, Mapping):
             raise refuse(got=value, want=f"a mapping with a {key}, one of {every}")
         if key not in value:
-            guess = next((suggestion(other, [key]) for other in value if suggestion(other, [key])), "")
-            raise refuse(key, want=f"a key '{key}', one of {every}", hint=guess)
+            suggested = next((suggestion(other, [key]) for other in value if suggestion(other, [key])), "")
+            raise refuse(key, want=f"a key '{key}', one of {every}", hint=suggested)
         if not isinstance(value[key], str) or value[key] not in block_of:
             raise refuse(key, got=value[key], want=f"one of {every}", hint=suggestion(value[key], block_of))
         return value

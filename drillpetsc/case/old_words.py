@@ -14,7 +14,9 @@ from drillpetsc.errors import CaseError
 EACH = "[]"
 """Stands for every entry of a list in the paths below: ("string", EACH, "od")."""
 
-RENAMED_KEYS: dict[Path, str] = {}
+RENAMED_KEYS: dict[Path, str] = {
+    ("formation", "freeze_interval"): "node_spacing",
+}
 """Path of an old key -> new key in the same block."""
 
 RENAMED_VALUES: dict[Path, dict[str, str]] = {

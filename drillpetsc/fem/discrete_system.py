@@ -235,10 +235,10 @@ class DiscreteSystem:
 
         The supplied power includes that of the reactions of the last residual.
         """
-        parts = self.own_powers(t)
+        parts = self.local_powers(t)
         return Powers(*(parts if self._serial else self.comm.tompi4py().allreduce(parts)))
 
-    def own_powers(self, t: float) -> FloatArray:
+    def local_powers(self, t: float) -> FloatArray:
         """Compute this rank's part (2,) of the dissipated and the supplied power [W]."""
         parts = np.array([component.powers(t, self.assembly) for component in self.components]).sum(axis=0)
         parts[1] += sum(

@@ -118,12 +118,12 @@ class StringMesh:
         return mask
 
     @property
-    def divisor(self) -> FloatArray:
+    def length_divisor(self) -> FloatArray:
         """(n,) divisors for values per length: element lengths [m], 1 for joints, whose values are zero."""
         return np.where(self.is_joint, 1.0, self.length) if self.joints else self.length
 
     @property
-    def loose_slopes(self) -> np.ndarray:
+    def free_slope_nodes(self) -> np.ndarray:
         """Nodes beside a joint whose slope length is undetermined (manual: eq-joint-unit-slope).
 
         No element constrains it: the node has only rigid items, or a stretch ratio replaces the slope length.

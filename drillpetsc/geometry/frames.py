@@ -14,13 +14,13 @@ class Frames:
     """Reference frames of n nodes.
 
     reference: (n, 3) unit reference directions a.
-    second: (n, 3) unit second reference directors b.
+    second_director: (n, 3) unit second reference directors b.
     twist0: (n-1,) offset of each element's twist [rad]; it changes only with a reference direction (manual:
     eq-beam-update).
     """
 
     reference: FloatArray
-    second: FloatArray
+    second_director: FloatArray
     twist0: FloatArray
 
 
@@ -71,7 +71,7 @@ def directors(
     nodes: (k,) numbers; v: (k, 3) slopes [-]; phi: (k,) spin angles [rad].
     """
     t = v / np.linalg.norm(v, axis=1, keepdims=True)
-    a, b2 = frames.reference[nodes], frames.second[nodes]
+    a, b2 = frames.reference[nodes], frames.second_director[nodes]
     b3 = np.cross(a, b2)
     c, s = np.cos(phi)[:, None], np.sin(phi)[:, None]
     factor = (a + t) / (1.0 + np.sum(a * t, axis=1, keepdims=True))

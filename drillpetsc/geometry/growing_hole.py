@@ -41,7 +41,7 @@ class GrowingHole:
         # rows: measured depth [m], position [m] and direction of the end
         self._trail = np.column_stack([s, position, tangent])
         self._drilled = 0.0
-        self.first = self.end  # (3,) at the start [m]
+        self.start_point = self.end  # (3,) at the start [m]
 
     @property
     def end(self) -> FloatArray:
@@ -79,7 +79,7 @@ class GrowingHole:
             call(self.well)
         return True
 
-    def whole(self, drilled: float, position: FloatArray) -> Well:
+    def whole_path(self, drilled: float, position: FloatArray) -> Well:
         """Return the hole down to its deepest point.
 
         drilled: length of new hole [m]; position: (3,) of the end [m].
@@ -164,7 +164,7 @@ class GrowingHole:
         """
         w = self._frozen
         return {
-            "first": self.first,
+            "first": self.start_point,
             "trail": self._trail,
             "drilled": np.array([self._drilled]),
             "nodes": np.column_stack([w.node_md, w.node_position, w.node_tangent]),
@@ -179,7 +179,7 @@ class GrowingHole:
         self._frozen = Well(
             nodes[:, 0].copy(), nodes[:, 1:4].copy(), nodes[:, 4:7].copy(), to, radius, friction, kinds
         )
-        self._trail, self._drilled, self.first = (
+        self._trail, self._drilled, self.start_point = (
             np.array(state["trail"]),
             float(state["drilled"][0]),
             np.array(state["first"]),

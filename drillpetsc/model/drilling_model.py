@@ -22,7 +22,7 @@ from drillpetsc.model.mesh import build_mesh
 from drillpetsc.model.quaternion import quaternion_components
 from drillpetsc.model.rock_bit import build_rock_bit
 from drillpetsc.physics import interfaces
-from drillpetsc.physics.beam import Beam
+from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.bit_on_bottom import BitOnBottom
 from drillpetsc.physics.contact import Contact, ContactLaw
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
@@ -148,7 +148,7 @@ def build_model(case: Case, comm: PETSc.Comm | None = None) -> DrillingModel:
     elif not case.hold_string:
         gravity = np.array(case.gravity, dtype=float)
         contact, bit = _contact(case, mesh, well), _bit(case, mesh, well)
-        beam = Beam(mesh, frames, gravity, contact.impact_depth if contact is not None else np.inf)
+        beam = AncfBeam(mesh, frames, gravity, contact.impact_depth if contact is not None else np.inf)
         components.append(beam)
         components += _optional_components(mesh, frames, gravity, balanced=is_quasi_static(case))
         top, drive = _top_components(case, position[0], tangent[0])

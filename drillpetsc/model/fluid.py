@@ -23,7 +23,7 @@ from drillpetsc.physics.fluid.bit_flow import BitEnd, BitFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, Bore, HoleVolume
-from drillpetsc.physics.fluid.hermite_flow import HermiteAnnulus, HermiteBit, HermiteBore, volumes_at_rest
+from drillpetsc.physics.fluid.hermite.flow import HermiteAnnulus, HermiteBit, HermiteBore, volumes_at_rest
 from drillpetsc.physics.fluid.moving_hole import LateralCoefficients, MovingHole
 from drillpetsc.physics.fluid.rheology import Rheology
 
@@ -278,7 +278,7 @@ def _in_growing_hole(end: BitEnd, hole: GrowingHole, returned: bool) -> BitEnd:
     """
     return replace(
         end,
-        end=hole.first,
+        end=hole.start_point,
         axis=hole.direction,
         face=end.face - hole.half,
         cut=np.pi * hole.radius**2 if returned else 0.0,

@@ -25,7 +25,7 @@ def build_rock_bit(case: Case, mesh: StringMesh, well: Well) -> RockBit:
     # the cutting part of a bit is about as high as wide; the part above it does not touch the hole
     shape = BitShape(face, radius, 0.5 * min(length, 2 * radius) or 0.5 * radius)
     start, friction = float(case.well.survey.md[-1]), float(case.well.sections[-1].friction)  # type: ignore[arg-type]
-    hole = GrowingHole(well, shape.half, radius + formation.overgauge, friction, formation.freeze_interval)
+    hole = GrowingHole(well, shape.half, radius + formation.overgauge, friction, formation.node_spacing)
     wall = friction if item is None or item.friction is None else item.friction
     c = case.contact
     if c is None:

@@ -17,7 +17,7 @@ def curvatures(model: DrillingModel) -> FloatArray:
     system, mesh, chain = model.system, model.mesh, model.system.chain
     r, v, phi = (system.field(f"string.{k}") for k in ("position", "tangent", "spin"))
     a, b, e = chain.ends[:, 0], chain.ends[:, 1], chain.cells
-    L, t = mesh.divisor[e][:, None], v[a] / np.linalg.norm(v[a], axis=1, keepdims=True)
+    L, t = mesh.length_divisor[e][:, None], v[a] / np.linalg.norm(v[a], axis=1, keepdims=True)
     d = r[b] - r[a] - mesh.rigid_above[e][:, None] * t
     va, vb = v[a], v[b]
     if "string.ratio" in system.layout.dofs:

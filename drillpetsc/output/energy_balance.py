@@ -113,9 +113,9 @@ class EnergyBalance:
             "energies": self.energies,
         }
 
-    def set_state(self, memory: dict[str, FloatArray]) -> None:
+    def set_state(self, saved: dict[str, FloatArray]) -> None:
         """Continue from a checkpoint."""
-        sums = list(map(float, memory["sums"]))
+        sums = list(map(float, saved["sums"]))
         (
             self.dissipated,
             self.supplied,
@@ -126,7 +126,7 @@ class EnergyBalance:
             self.last_error,
         ) = sums[:7]
         self._powers = (sums[7], sums[8])
-        self._first_energies, self.energies = np.array(memory["first_energies"]), np.array(memory["energies"])
+        self._first_energies, self.energies = np.array(saved["first_energies"]), np.array(saved["energies"])
 
 
 class EnergyGainMonitor:

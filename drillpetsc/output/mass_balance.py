@@ -65,8 +65,8 @@ class MassBalance:
         sums, step = self._before if self._before is not None else (np.zeros(3), 0.0)
         return {"mud": np.array([*self._sums, self.start_content, *sums, step])}
 
-    def set_state(self, memory: dict[str, FloatArray]) -> None:
+    def set_state(self, saved: dict[str, FloatArray]) -> None:
         """Continue from a checkpoint."""
-        volumes = np.array(memory["mud"])
+        volumes = np.array(saved["mud"])
         self._sums, self.start_content = volumes[:3], float(volumes[3])
         self._before = (volumes[4:7], float(volumes[7])) if volumes[7] > 0.0 else None

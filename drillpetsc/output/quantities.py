@@ -335,7 +335,7 @@ POWERS = Quantity(
     on="scalar",
     label="Powers",
     doc="Dissipated and supplied power.",
-    value=lambda balance, sample: sample.system.own_powers(sample.time),
+    value=lambda balance, sample: sample.system.local_powers(sample.time),
     size=2,
 )
 

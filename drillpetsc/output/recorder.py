@@ -232,15 +232,15 @@ class Recorder:
         energy = self.energy.get_state() if self.energy is not None else {}
         return energy | samples | (self.mass.get_state() if self.mass is not None else {})
 
-    def set_state(self, memory: dict[str, FloatArray]) -> None:
+    def set_state(self, saved: dict[str, FloatArray]) -> None:
         """Continue from a checkpoint; raises CaseError if the run that wrote it had other probes."""
-        if memory["samples"].shape[1] != 1 + self.layout.width:
+        if saved["samples"].shape[1] != 1 + self.layout.width:
             raise CaseError(at="output.probes", want="the probes of the run that is continued")
-        self._samples.extend((float(row[0]), np.array(row[1:])) for row in memory["samples"])
+        self._samples.extend((float(row[0]), np.array(row[1:])) for row in saved["samples"])
         if self.energy is not None:
-            self.energy.set_state(memory)
+            self.energy.set_state(saved)
         if self.mass is not None:
-            self.mass.set_state(memory)
+            self.mass.set_state(saved)
 
     # ------------------------------------------------------------------ rows
     def at(self, t: float) -> FloatArray:

@@ -66,7 +66,7 @@ def _of_string(
     axial, torque = string.axial_force(sample), string.results(sample, "torque")
     push = np.zeros(len(torque))
     if model.contact is not None:
-        push = sample.once(model.contact.element_results)[0][:, 0] / mesh.divisor[system.chain.cells]
+        push = sample.once(model.contact.element_results)[0][:, 0] / mesh.length_divisor[system.chain.cells]
     bend = np.linalg.norm(curvatures(model), axis=3).reshape(len(torque), 4)
     nodal = system.gather(np.hstack([system.field("string.position"), system.field("string.tangent")]))
     cell = system.gather(np.column_stack([axial, torque, push, bend]), "cell")

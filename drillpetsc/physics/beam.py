@@ -36,7 +36,7 @@ JUNCTION_SLOTS = (*SLOTS, ("string.ratio", 0))
 POSITION_SCALE = 0.03  # [m], of the order of a string's play in its hole
 
 
-class Beam(interfaces.Beam):
+class AncfBeam(interfaces.Beam):
     """Elements of the string; unknowns r [m], v = dr/ds [-], phi [rad] at every node, a stretch ratio [-] at junctions.
 
     mesh: of the string; frames: reference frames of its nodes.

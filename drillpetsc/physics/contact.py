@@ -331,20 +331,20 @@ class Contact(WallContact):
     def element_results(self, state) -> tuple[FloatArray, FloatArray]:
         """(nc, 7) per local cell and (nb, 7) per rigid item of this rank: the columns of ``RESULT_NAMES``."""
         cells, bodies = np.zeros((len(self._part.cells), len(RESULT_NAMES))), np.zeros((0, len(RESULT_NAMES)))
-        for b, figures in zip(self._blocks, self._block_results(state), strict=True):
+        for b, results in zip(self._blocks, self._block_results(state), strict=True):
             if b.on == "cell":
-                cells[b.points] = figures
+                cells[b.points] = results
             else:
-                bodies = figures
+                bodies = results
         return cells, bodies
 
     def energies(self, t: float, state) -> Energies:
         return Energies(
-            strain=float(sum(figures[:, _STORED].sum() for figures in self._block_results(state)))
+            strain=float(sum(results[:, _STORED].sum() for results in self._block_results(state)))
         )
 
     def powers(self, t: float, state) -> Powers:
-        return Powers(float(sum(figures[:, _POWERS].sum() for figures in self._block_results(state))))
+        return Powers(float(sum(results[:, _POWERS].sum() for results in self._block_results(state))))
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.CONTACT

@@ -254,7 +254,7 @@ class Loads(Component):
             len(on_rank),
             **load_rows(on_rank),
             reference=self.frames.reference[nodes],
-            second=self.frames.second[nodes],
+            second=self.frames.second_director[nodes],
             factor=1.0,
         )
         now = params["factor"]
@@ -279,7 +279,10 @@ class Loads(Component):
 
     def update_reference_frames(self) -> None:
         p = self._block.named
-        p["reference"], p["second"] = self.frames.reference[self._nodes], self.frames.second[self._nodes]
+        p["reference"], p["second"] = (
+            self.frames.reference[self._nodes],
+            self.frames.second_director[self._nodes],
+        )
 
     def breaks(self) -> tuple[float, ...]:
         return self._breaks

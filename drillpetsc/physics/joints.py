@@ -108,7 +108,7 @@ class Joints(JointSet):
             params = self._parameters(kernel, [self.joints[k] for k in chosen], cells)
             self._blocks.append(ElementBlock(name, kernel, "cell", points, slots, (0, 1), params))
             self._chosen.append(chosen)
-        loose = self.mesh.loose_slopes
+        loose = self.mesh.free_slope_nodes
         extra: tuple[ElementBlock, ...] = ()
         if len(loose):
             _, vertices = local_vertices(part, loose)
@@ -151,7 +151,7 @@ class Joints(JointSet):
             len(joints),
             kind=[KINDS.index(j.kind) for j in joints],
             reference=self.frames.reference[nodes],
-            second=self.frames.second[nodes],
+            second=self.frames.second_director[nodes],
             axes=_axes(joints),
         ).array
 
@@ -161,9 +161,9 @@ class Joints(JointSet):
         if self._stabilised.any():
             self._correction_params[:] = self._correction_rows()
 
-    # ------------------------------------------------------------------ figures
+    # ------------------------------------------------------------------ results
     def element_results(self, state) -> FloatArray:
-        """(joints, 10) figures of all joints, zero where another rank has the joint: the columns of
+        """(joints, 10) results of all joints, zero where another rank has the joint: the columns of
         ``RESULT_NAMES``."""
         out = np.zeros((len(self.joints), len(RESULT_NAMES)))
         for b, chosen in zip(self._blocks, self._chosen, strict=True):

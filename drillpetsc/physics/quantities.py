@@ -17,7 +17,7 @@ from drillpetsc.fem.quantity import FloatArray, Quantity, Sample
 # ---------------------------------------------------------------------- wall contact
 def _force_per_length(contact: Any, sample: Sample) -> FloatArray:
     cells, _ = sample.once(contact.element_results)
-    return np.asarray(cells[:, 0] / contact.mesh.divisor[sample.system.chain.cells])
+    return np.asarray(cells[:, 0] / contact.mesh.length_divisor[sample.system.chain.cells])
 
 
 CONTACT: tuple[Quantity, ...] = (

@@ -44,7 +44,7 @@ def renew_reference_frames(system: DiscreteSystem, frames: Frames, twists: Calla
     asm, spin = system.assembly, system.layout.dofs["string.spin"][:, 0]
     for node, v in changes:
         a, t = frames.reference[node].copy(), v / np.linalg.norm(v)
-        frames.second[node] = smallest_rotation(a, t, frames.second[node])
+        frames.second_director[node] = smallest_rotation(a, t, frames.second_director[node])
         frames.reference[node] = t
         if node in local:
             asm.x[spin[local[node]]] += reference_change(a, t, v)

@@ -104,7 +104,7 @@ class RigidBodies(Component):
             transverse=transverse,
             gravity=self.gravity,
             reference=self.frames.reference[self._nodes],
-            second=self.frames.second[self._nodes],
+            second=self.frames.second_director[self._nodes],
         )
         self._block = ElementBlock("bodies", "body", "vertex", vertices, VERTEX_SLOTS, (0,), params.array)
         return self._block
@@ -112,7 +112,10 @@ class RigidBodies(Component):
     def update_reference_frames(self) -> None:
         if len(self._nodes):
             p = self._block.named
-            p["reference"], p["second"] = self.frames.reference[self._nodes], self.frames.second[self._nodes]
+            p["reference"], p["second"] = (
+                self.frames.reference[self._nodes],
+                self.frames.second_director[self._nodes],
+            )
         for b, e in zip(self._blocks, self._cells, strict=True):
             b.named.update(end_frames(self.frames, e))
 
@@ -149,7 +152,7 @@ def end_frames(frames: Frames, e: np.ndarray) -> dict[str, FloatArray]:
     (k,), by the names of the kernels' parameters."""
     return {
         "reference1": frames.reference[e],
-        "second1": frames.second[e],
+        "second1": frames.second_director[e],
         "reference2": frames.reference[e + 1],
-        "second2": frames.second[e + 1],
+        "second2": frames.second_director[e + 1],
     }

@@ -469,12 +469,12 @@ class RockBit(Bit):
     def apply_update(self, total: FloatArray) -> None:
         """Store the sum of ``local_update`` over all ranks; the wall follows the end."""
         self._end, self._accepted = total[:4].copy(), float(total[4])
-        if self.hole.follow(total[3], self.hole.first + total[:3]):
+        if self.hole.follow(total[3], self.hole.start_point + total[:3]):
             self._follow()
 
     def drilled_hole(self) -> Well:
         """Return the hole with its new part after the last accepted step."""
-        return self.hole.whole(float(self._end[3]), self.hole.first + self._end[:3])
+        return self.hole.whole_path(float(self._end[3]), self.hole.start_point + self._end[:3])
 
     def _move(self, state) -> None:
         step = self._time - self._accepted
@@ -487,19 +487,19 @@ class RockBit(Bit):
         """History variables for a checkpoint, the same on all ranks; those of the hole included."""
         return {"hold": self._end, "accepted": np.array([self._accepted])} | self.hole.get_state()
 
-    def set_state(self, memory: dict[str, FloatArray]) -> None:
+    def set_state(self, saved: dict[str, FloatArray]) -> None:
         """Continue from the history variables of a checkpoint."""
-        self.hole.set_state(memory)
-        self.params["hold"] = self._end = np.array(memory["hold"])
-        self.params["end"] = memory["first"]
-        self._accepted = self._time = float(memory["accepted"][0])
+        self.hole.set_state(saved)
+        self.params["hold"] = self._end = np.array(saved["hold"])
+        self.params["end"] = saved["first"]
+        self._accepted = self._time = float(saved["accepted"][0])
         self._follow()
 
     def contact_signature(self) -> int:
         """A number that changes when the bit leaves the bottom or comes back to it, on the bit's rank."""
         return int(self._made.touching)
 
-    # ------------------------------------------------------------------ figures
+    # ------------------------------------------------------------------ results
     def element_results(self, state) -> FloatArray:
         """(11,) the columns of ``RESULTS``: weight [N], torque [N m], rate [m/s], side force [N], stored
         energy [J], power into the rock [W], depth [m], offset of the bit's centre from the hole's axis [m],
@@ -519,8 +519,8 @@ class RockBit(Bit):
 
     def weight_and_torque(self, state) -> tuple[float, float]:
         """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
-        figures = self.element_results(state)
-        return float(figures[RESULTS["weight"]]), float(figures[RESULTS["torque"]])
+        results = self.element_results(state)
+        return float(results[RESULTS["weight"]]), float(results[RESULTS["torque"]])
 
     def progress(self, state) -> tuple[float, float]:
         """Return the length drilled since the start [m] and the rate of penetration [m/s].

@@ -233,7 +233,9 @@ class StaticNewton:
         sigma: shift of the last step [N/m2].  Raises SolveError where no shift suffices.
         """
         mesh = self.system.mesh
-        first = 1e-3 * self.largest(float(np.max((mesh.bending_stiffness / mesh.divisor**4)[~mesh.is_joint])))
+        first = 1e-3 * self.largest(
+            float(np.max((mesh.bending_stiffness / mesh.length_divisor**4)[~mesh.is_joint]))
+        )
         trial = sigma / 8 if sigma > 8 * first else 0.0
         for _ in range(60):
             if self._factor(trial) == 0:
@@ -487,7 +489,7 @@ class StaticNewton:
         rng = np.random.default_rng(seed)
         loads = fraction * weight[:, None] * rng.standard_normal((system.mesh.nodes, 2))
         t = system.frames.reference
-        second = system.frames.second
+        second = system.frames.second_director
         force = loads[:, :1] * second + loads[:, 1:] * np.cross(t, second)
         dead_load = np.zeros(system.layout.size)
         dofs = system.layout.dofs["string.position"]

@@ -56,7 +56,7 @@ class TimeIntegrator:
     after_step(t, dt): called after every accepted step, with x, y, a of the assembly at ``t`` [s].
     at_jump(t): called where the rate of a prescribed motion jumps, before the step that follows.
     before_solve(t): called before the solve of a step that ends at ``t`` [s].
-    at_rest(t): called last after a step; here ``get_state`` and ``stop`` may be called.
+    on_step_end(t): called last after a step; here ``get_state`` and ``stop`` may be called.
     first_step: length of the first step [s].
     controlled(field): whether a field takes part in the error control.
     defaults: further PETSc options, below those of the user.
@@ -69,7 +69,7 @@ class TimeIntegrator:
     after_step: list[Callable[[float, float], None]] = field(default_factory=list)
     at_jump: list[Callable[[float], None]] = field(default_factory=list)
     before_solve: list[Callable[[float], None]] = field(default_factory=list)
-    at_rest: list[Callable[[float], None]] = field(default_factory=list)
+    on_step_end: list[Callable[[float], None]] = field(default_factory=list)
     first_step: float = 1.0e-4
     controlled: Callable[[Field], bool] = field(default=lambda field: True)
     defaults: dict[str, Any] = field(default_factory=dict)
@@ -100,7 +100,10 @@ class TimeIntegrator:
         self._last, self._t, self._jump, self._stop = 0.0, 0.0, np.inf, np.inf
         # formulas whose history can be rebuilt; the others restart at every checkpoint, also in uninterrupted
         # runs
-        self.remembers = self.condensed and options.getString("ts_adapt_type", "basic") in ("basic", "none")
+        self.keeps_history = self.condensed and options.getString("ts_adapt_type", "basic") in (
+            "basic",
+            "none",
+        )
         # _step_number: steps in all; _requested_step: requested length of the last solved step [s]
         self.history, self.stopped, self._step_number, self._requested_step, self._next_step = (
             BdfHistory(self._order + 1),
@@ -309,9 +312,9 @@ class TimeIntegrator:
             ts.restartStep()
             self.fresh = True
             self.history.start(self._last, asm.x, asm.y)
-        elif self.remembers:
+        elif self.keeps_history:
             self.history.add_step(self._last, self._requested_step, asm.x, asm.y)
-        for finish in self.at_rest:
+        for finish in self.on_step_end:
             finish(self._last)
         if self.stopped:
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_USER)
@@ -391,18 +394,18 @@ class TimeIntegrator:
         ts.setTimeStep(min(self.first_step, stop - ts.getTime()))
 
     def stop(self) -> None:
-        """End the run after this step; to be called from at_rest, on all ranks."""
+        """End the run after this step; to be called from on_step_end, on all ranks."""
         self.stopped = True
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> dict[str, FloatArray]:
-        """Return what a restart needs beside the state, for use in at_rest; complete on rank 0; collective.
+        """Return what a restart needs beside the state, for use in on_step_end; complete on rank 0; collective.
 
         clock: next step [s], number of steps, coming steps over a jump, whether the mud has no error control.
         Further entries: see ``BdfHistory.get_state`` and ``CondensedNewton.get_state``.
         An integrator whose history cannot be rebuilt has only first_step [s].
         """
-        if not self.remembers:  # the formula restarts here, in this run and in a restarted one
+        if not self.keeps_history:  # the formula restarts here, in this run and in a restarted one
             self.first_step = max(self.first_step, 0.1 * self.last_step)
             return {"first_step": np.array(self.first_step)}
         clock = np.array(
@@ -415,7 +418,7 @@ class TimeIntegrator:
 
         With the checkpoint of another kind of integrator the formula restarts.
         """
-        if not self.remembers:
+        if not self.keeps_history:
             self.first_step = float(state.get("first_step", self.first_step))
         elif "times" in state:
             self.history.set_state(self.system, state)

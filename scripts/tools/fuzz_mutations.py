@@ -89,7 +89,7 @@ EXTRAS: dict[str, tuple[tuple[str, Any], ...]] = {
     ),
     "fluid.rheology": (("shear_rate", 3.0), ("law", "exact"), ("law", "api")),
     "formation": (
-        ("growth", "post_step"), ("direction", "bit_axis"), ("overgauge", 1e-3), ("walk", 0.1), ("freeze_interval", 0.2),
+        ("growth", "post_step"), ("direction", "bit_axis"), ("overgauge", 1e-3), ("walk", 0.1), ("node_spacing", 0.2),
         ("threshold", 10.0),
         ("layers", [{"from": 3}]), ("layers", [{"from": 3, "to": 4}]), ("bit_law", "drag_bit"), ("rock_anisotropy", {"dip": 0.2}),
         ("reference_speed", 9.0), ("reference_weight", 9e4), ("rotary_exponent", 0.5), ("weight_exponent", 1.2), ("drillability", 1e-8),

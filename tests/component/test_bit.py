@@ -11,7 +11,7 @@ from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
-from drillpetsc.physics.beam import Beam
+from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.rock_bit import CHIPS, BitContact, BitShape, DragBit, Layer, Rock, RockBit, Weakening
 from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, curved_tangents, dense, residual
 
@@ -69,7 +69,7 @@ def build(kind: str, seed: int = 7) -> tuple[DiscreteSystem, RockBit]:
     ).cut(4.3)
     hole = GrowingHole(well, 0.15, 0.26 if "loose" in kind else 0.2, 0.3)
     component = bit(kind, hole)
-    system = DiscreteSystem(mesh, frames, [Beam(mesh, frames, GRAVITY), component])
+    system = DiscreteSystem(mesh, frames, [AncfBeam(mesh, frames, GRAVITY), component])
     position, tangent, _ = well.at(np.arange(5.0))
     place = position + 0.02 * rng.standard_normal((5, 3))
     lean = tangent + 0.05 * rng.standard_normal((5, 3))

@@ -12,13 +12,13 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import RigidItem, uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.well import Well
-from drillpetsc.physics.beam import Beam
+from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.end_conditions import TopDrive
 from drillpetsc.physics.fluid.annulus_flow import LateralCoefficients
 from drillpetsc.physics.fluid.bit_flow import BitEnd
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus, Bore
-from drillpetsc.physics.fluid.hermite_flow import WINDOW, HermiteAnnulus, HermiteBit, HermiteBore, Reference
+from drillpetsc.physics.fluid.hermite.flow import WINDOW, HermiteAnnulus, HermiteBit, HermiteBore, Reference
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp
 from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, dense, residual
@@ -59,7 +59,7 @@ def build(kind: str, seed: int = 5) -> DiscreteSystem:
     law = Rheology("power_law", law="blend", consistency=0.8, index=0.7, yield_stress=0.0, shear_rate_eps=1.0)
     fluid = FluidConstants(3.0, 60.0, GRAVITY, law.parameters(), 0.4)
     held = position if "held" in kind else None
-    components: list = [] if held is not None else [Beam(mesh, frames, GRAVITY)]
+    components: list = [] if held is not None else [AncfBeam(mesh, frames, GRAVITY)]
     if "topdrive" in kind:
         components.append(TopDrive(position[0], tangents[0], Ramp(1.0, 2.0), Constant(0.3)))
     pump, pipe, annulus = Ramp(1.0, 0.03), None, None

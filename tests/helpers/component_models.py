@@ -10,7 +10,7 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import RigidItem, uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.well import Well
-from drillpetsc.physics.beam import Beam
+from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.bit_on_bottom import BitOnBottom
 from drillpetsc.physics.contact import Contact, ContactLaw
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
@@ -54,7 +54,7 @@ def build(kind: str, seed: int = 3) -> DiscreteSystem:
     rng = np.random.default_rng(seed)
     mesh, tangents = mesh_for(kind), curved_tangents(5)
     frames = transported_frames(tangents)
-    components = [Beam(mesh, frames, GRAVITY)]
+    components = [AncfBeam(mesh, frames, GRAVITY)]
     position = np.cumsum(np.vstack([[0, 0, 0], tangents[:-1]]), axis=0)
     noise = 0.02 if "contact" in kind else 0.1
     if "bodies" in kind:

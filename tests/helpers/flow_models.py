@@ -11,7 +11,7 @@ from drillpetsc.fem.string_mesh import RigidItem, uniform_string
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
-from drillpetsc.physics.beam import Beam
+from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.end_conditions import TopDrive
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow, LateralCoefficients
 from drillpetsc.physics.fluid.bit_flow import BitEnd, BitFlow
@@ -80,7 +80,7 @@ def build(
     law = Rheology("power_law", law="blend", consistency=0.8, index=0.7, yield_stress=0.0, shear_rate_eps=1.0)
     fluid = fluid or FluidConstants(3.0, 60.0, GRAVITY, law.parameters(), 0.4)
     held = position if "held" in kind else None
-    components: list = [] if held is not None else [Beam(mesh, frames, GRAVITY)]
+    components: list = [] if held is not None else [AncfBeam(mesh, frames, GRAVITY)]
     if "topdrive" in kind:
         components.append(TopDrive(position[0], tangents[0], Ramp(1.0, 2.0), Constant(0.3)))
     poisson, n = np.full(4, 0.3), np.ones(4)

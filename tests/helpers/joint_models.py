@@ -9,7 +9,7 @@ import numpy as np
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import RigidItem, StringJoint, StringMesh, uniform_string
 from drillpetsc.geometry.frames import transported_frames
-from drillpetsc.physics.beam import Beam
+from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.end_conditions import FixedEnd
 from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.rigid_bodies import RigidBodies
@@ -78,7 +78,7 @@ def place(
         mesh,
         frames,
         [
-            Beam(mesh, frames, g),
+            AncfBeam(mesh, frames, g),
             *([RigidBodies(mesh, frames, g)] if mesh.bodies else []),
             Joints(mesh, frames),
             *(component(frames) for component in components),
@@ -129,7 +129,7 @@ def random_state(
     frames = transported_frames(tangents)
     ends = [FixedEnd(1, "clamped", np.array([0, 0.1, 1.0]), tangents[1])] if held else []
     system = DiscreteSystem(
-        mesh, frames, [Beam(mesh, frames, np.array([1.0, 2.0, 9.0])), Joints(mesh, frames), *ends]
+        mesh, frames, [AncfBeam(mesh, frames, np.array([1.0, 2.0, 9.0])), Joints(mesh, frames), *ends]
     )
     system.set_field(
         "string.position",

@@ -6,7 +6,7 @@ import numpy as np
 
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.geometry.frames import transported_frames
-from drillpetsc.physics.beam import Beam
+from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.contact import Contact
 
 
@@ -20,7 +20,7 @@ def straight_model(mesh, components=(), gravity=(0.0, 0.0, 0.0)) -> DiscreteSyst
     depth = min(
         (component.impact_depth for component in others if isinstance(component, Contact)), default=np.inf
     )
-    system = DiscreteSystem(mesh, frames, [Beam(mesh, frames, np.array(gravity), depth), *others])
+    system = DiscreteSystem(mesh, frames, [AncfBeam(mesh, frames, np.array(gravity), depth), *others])
     system.set_field("string.position", position)
     system.set_field("string.tangent", tangent)
     if "string.ratio" in system.layout.dofs:

@@ -15,12 +15,12 @@ from tests.helpers.mpi import run_mpi
 SCRIPT = Path(__file__).parent / "run_case.py"
 EXACT = ["-ts_adapt_type", "none", "-ts_dt", "2e-3", "-q_snes_stol", "1e-12"]
 FORMATIONS = {
-    "rop": {"drillability": 2e-6, "freeze_interval": 0.005},
+    "rop": {"drillability": 2e-6, "node_spacing": 0.005},
     "drag_bit": {
         "bit_law": {"kind": "drag_bit", "specific_energy": 3e6, "contact_stress": 3e6},
-        "freeze_interval": 0.005,
+        "node_spacing": 0.005,
     },
-    "post_step": {"drillability": 2e-6, "growth": "post_step", "freeze_interval": 0.005},
+    "post_step": {"drillability": 2e-6, "growth": "post_step", "node_spacing": 0.005},
 }
 
 

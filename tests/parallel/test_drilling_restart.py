@@ -38,14 +38,14 @@ MOTION = {
 RUNS = {
     "quasi-static, mud": (
         QUASI,
-        {"drillability": 5e-8, "freeze_interval": 0.02, "layers": [{"from": 80.03, "drillability": 3e-8}]},
+        {"drillability": 5e-8, "node_spacing": 0.02, "layers": [{"from": 80.03, "drillability": 3e-8}]},
     ),
-    "plain rate": (MOTION, {"drillability": 2e-6, "freeze_interval": 0.002}),
+    "plain rate": (MOTION, {"drillability": 2e-6, "node_spacing": 0.002}),
     "chips": (
         MOTION,
         {
             "bit_law": {"kind": "drag_bit", "specific_energy": 3e6, "contact_stress": 3e6},
-            "freeze_interval": 0.002,
+            "node_spacing": 0.002,
         },
     ),
     "weakening": (
@@ -55,7 +55,7 @@ RUNS = {
             "bit_law": {"kind": "velocity_weakening", "static": 900, "dynamic": 500, "speed": 1},
         },
     ),
-    "moved after steps": (MOTION, {"drillability": 2e-6, "growth": "post_step", "freeze_interval": 0.002}),
+    "moved after steps": (MOTION, {"drillability": 2e-6, "growth": "post_step", "node_spacing": 0.002}),
 }
 
 

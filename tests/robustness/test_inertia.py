@@ -76,7 +76,7 @@ def test_kinetic_energy_of_a_rigid_motion(elements):
     speed = np.array([0.3, -1.1, 0.7])
     model = collar(offset, elements)
     m = model.system
-    t, second = np.array([1.0, 0.0, 0.0]), m.frames.second[0]
+    t, second = np.array([1.0, 0.0, 0.0]), m.frames.second_director[0]
     m.set_field("string.position", np.tile(speed, (elements + 1, 1)), "y")
     m.set_field("string.spin", np.full((elements + 1, 1), spin), "y")
     centre = speed + spin * np.cross(t, offset * second)

@@ -133,7 +133,7 @@ def vertical_case(freeze: float, rows: float, frames: float) -> Case:
         "survey": {"md": [0, 20.2], "inclination": [0, 0], "azimuth": [0, 0]},
         "sections": [{"to": 20.2, "kind": "open_hole", "diameter": 2 * RADIUS, "friction": 0.25}],
     }
-    formation = {"drillability": 2e-6, "rotary_exponent": 0.0, "freeze_interval": freeze}
+    formation = {"drillability": 2e-6, "rotary_exponent": 0.0, "node_spacing": freeze}
     return Case(
         string=[pipe, {"kind": "bit", "length": 0.2, "od": 2 * RADIUS, "mass": 60.0}],
         well=well,
@@ -192,7 +192,7 @@ def test_rejected_steps_have_no_effect(law):
     runs = []
     times = np.array([0.4, 0.8, 1.2]) if law == "rop" else np.array([0.25, 0.5, 0.75])
     for every in (0, 7):
-        formation = {"bit_law": law, "freeze_interval": 0.01, "drillability": 1e-6, "rock_anisotropy": BEDS}
+        formation = {"bit_law": law, "node_spacing": 0.01, "drillability": 1e-6, "rock_anisotropy": BEDS}
         model = drilling(
             formation, lowered(0.08), axial=1e9, bending=1e5, damping=1e-2, stiffness=1e7, inclination=0.3
         )

@@ -60,7 +60,7 @@ def drilled(
         top={"kind": "top_drive", "rotation": TURNING, "lowering": DRILLABILITY * WEIGHT},
         initial={"from": "statics"},
         bottom={"kind": "bit", "stiffness": 1e8, "friction": 0.0},
-        formation={"drillability": DRILLABILITY, "rotary_exponent": 0.0, "freeze_interval": 0.1, **formation},
+        formation={"drillability": DRILLABILITY, "rotary_exponent": 0.0, "node_spacing": 0.1, **formation},
     )
     model = build_model(case)
     find_equilibrium(model)
@@ -121,7 +121,7 @@ def test_radius_of_the_new_hole(overgauge, interval):
     A bit in a hole of its own size has no clearance. In an overgauge hole it touches the wall only after the
     clearance: offset = clearance + force/stiffness.
     """
-    model = drilled({"overgauge": overgauge, "freeze_interval": interval}, 1e3, 10.0, bending=1e8)
+    model = drilled({"overgauge": overgauge, "node_spacing": interval}, 1e3, 10.0, bending=1e8)
     bit = bit_of(model)
     well = bit.hole.well
     assert float(well.radius(LENGTH + FACE + 0.7)) == pytest.approx(RADIUS + overgauge, rel=1e-12)
@@ -153,13 +153,13 @@ def test_nodes_of_a_curved_path_lie_on_its_arc(interval, longest):
         return np.stack([radius * (1 - np.cos(u)), 0 * u, np.minimum(q, 1.0) + radius * np.sin(u)], axis=-1)
 
     for q in s:
-        assert hole.follow(q, hole.first + circle(q))
+        assert hole.follow(q, hole.start_point + circle(q))
     nodes = hole.get_state()["nodes"][2:]
     q = nodes[:, 0] - 29.9
     late = q > 2.5
     assert nodes[:, 0] == pytest.approx(30.0 + interval * np.arange(1, len(nodes) + 1), abs=1e-12)
     assert late.sum() > 20
-    assert nodes[late, 1:4] == pytest.approx((hole.first + circle(q))[late], abs=2e-6)
+    assert nodes[late, 1:4] == pytest.approx((hole.start_point + circle(q))[late], abs=2e-6)
     angle = (q[late] - 1.0) / radius
     assert nodes[late, 4:] == pytest.approx(
         np.stack([np.sin(angle), 0 * angle, np.cos(angle)], axis=-1), abs=2e-5

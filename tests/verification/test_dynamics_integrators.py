@@ -9,7 +9,7 @@ from petsc4py import PETSc
 
 from drillpetsc import Case, run
 from drillpetsc.errors import CaseError, SolveError
-from drillpetsc.physics.beam import Beam
+from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.solvers.first_order_system import FirstOrderSystem
 from tests.helpers.component_models import KINDS, SHIFT, build
 from tests.helpers.motion import beam, fixed, integrate, straight
@@ -219,7 +219,7 @@ def test_a_failed_run_keeps_its_output(tmp_path, monkeypatch):
         time={"end": 1.0},
         output={"history_every": 0.01},
     )
-    made = Beam.blocks
+    made = AncfBeam.blocks
 
     def broken(self, part):
         blocks = made(self, part)
@@ -231,7 +231,7 @@ def test_a_failed_run_keeps_its_output(tmp_path, monkeypatch):
         blocks[0].update = update
         return blocks
 
-    monkeypatch.setattr(Beam, "blocks", broken)
+    monkeypatch.setattr(AncfBeam, "blocks", broken)
     with pytest.raises(SolveError) as caught:
         run(case, out=tmp_path / "out", progress="silent")
     assert caught.value.exit_status == 1 and caught.value.component == "beam"

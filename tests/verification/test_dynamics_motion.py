@@ -277,7 +277,7 @@ def test_synchronous_whirl_amplitude(ratio):
     q = ratio**2
     system = hinged_shaft(n, speed, e * np.sin(np.pi * (np.arange(n) + 0.5) / n))
     amplitude, sampled = e * q / (1 - q), []
-    second = system.frames.second[0]  # the eccentricity points this way at t = 0
+    second = system.frames.second_director[0]  # the eccentricity points this way at t = 0
     bend(system, *(amplitude * second[:2]), "x")
     bend(system, *(speed * amplitude * np.array([-second[1], second[0]])), "y")
     integrate(

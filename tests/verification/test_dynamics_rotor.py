@@ -147,14 +147,14 @@ def test_creep_of_regularised_friction():
     weight = 25.0 * 9.81
     from drillpetsc.fem.discrete_system import DiscreteSystem
     from drillpetsc.geometry.frames import transported_frames
-    from drillpetsc.physics.beam import Beam
+    from drillpetsc.physics.beam import AncfBeam
 
     position, tangent, _ = LYING.at(np.array([5.0, 6.0]))
     frames = transported_frames(tangent)
     law = ContactLaw(slip_velocity=1e-3, stiffness=1e7)
     load = Loads((NodeLoad(0, force=tuple(0.5 * 0.3 * weight * tangent[0])),), frames)
     system = DiscreteSystem(
-        mesh, frames, [Beam(mesh, frames, np.array([0, 0, 9.81])), load, Contact(mesh, LYING, law)]
+        mesh, frames, [AncfBeam(mesh, frames, np.array([0, 0, 9.81])), load, Contact(mesh, LYING, law)]
     )
     system.set_field("string.position", position + np.array([0, 0, 0.002 + weight / 1e7]))
     system.set_field("string.tangent", tangent)

@@ -20,7 +20,7 @@ from drillpetsc.output.mass_balance import MassBalance
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.channels import Bore
-from drillpetsc.physics.fluid.hermite_flow import HermiteBore
+from drillpetsc.physics.fluid.hermite.flow import HermiteBore
 from drillpetsc.physics.fluid.rheology import Rheology
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.time_integrator import TimeIntegrator

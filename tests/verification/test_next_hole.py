@@ -37,7 +37,7 @@ def drilling(survey: Any, last: dict[str, Any], end: float) -> Case:
             ],
             "top": {"kind": "top_drive", "rotation": "120 rpm", "lowering": "10 m/h"},
             "bottom": {"kind": "bit"},
-            "formation": {"freeze_interval": INTERVAL},
+            "formation": {"node_spacing": INTERVAL},
             "initial": {"wob": 6e4},
             "time": {"end": end, "mode": "quasi_static"},
             "output": {"history_every": 36.0},

@@ -205,7 +205,7 @@ class Formation(Block):
         description="rop_vector: the hole grows along the velocity of penetration; bit_axis: along the bit's axis, with the component "
         "of the velocity in that direction",
     )
-    freeze_interval: Annotated[float, Quantity("m", above=0, at_most=10)] = Field(
+    node_spacing: Annotated[float, Quantity("m", above=0, at_most=10)] = Field(
         default=0.5, description="distance between the nodes of the drilled hole"
     )
     layers: tuple[Layer, ...] = Field(

@@ -146,7 +146,7 @@ def _is_alive(owner: dict[str, Any]) -> bool:
 
 
 def _started(pid: int) -> int | None:
-    """When a process began, in the system's own count; None where that cannot be told."""
+    """When a process began, in the system's own count; None where it is unknown."""
     try:
         text = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace")
         return int(text.rpartition(")")[2].split()[19])  # field 22 of proc(5)

@@ -25,7 +25,7 @@ class AnnulusFlow(ChannelFlow):
 
     mesh: of the string; annulus: of its elements; well: the hole; fluid: constants.
     poisson: (n,) Poisson's ratio [-], 0 where stretch does not narrow the string.
-    sideways: added mass, damping and rotational drag of the elements.
+    lateral: added mass, damping and rotational drag of the elements.
     outlet: gauge pressure at the flow line over time [Pa]; flow_line: its depth below the rotary table [m].
     moving_hole: the hole around a moving string, where sizes and directions depend on the position of the
     elements; None: they remain those at the start.
@@ -44,7 +44,7 @@ class AnnulusFlow(ChannelFlow):
         well: Well,
         fluid: FluidConstants,
         poisson: FloatArray,
-        sideways: LateralCoefficients,
+        lateral: LateralCoefficients,
         outlet: TimeFunction,
         flow_line: float = 0.0,
         moving_hole: MovingHole | None = None,
@@ -53,11 +53,11 @@ class AnnulusFlow(ChannelFlow):
     ):
         super().__init__(mesh, fluid, held_at is not None)
         self.choke = choke
-        self.annulus, self.well, self.poisson, self.sideways, self.outlet = (
+        self.annulus, self.well, self.poisson, self.lateral, self.outlet = (
             annulus,
             well,
             poisson,
-            sideways,
+            lateral,
             outlet,
         )
         self.flow_line, self.moving_hole, self.held_at = flow_line, moving_hole, held_at
@@ -65,7 +65,7 @@ class AnnulusFlow(ChannelFlow):
         self._outer, self._hole = (
             annulus.outer_diameter,
             annulus.hole_diameter,
-        )  # (n,) diameters [m] to which ``sideways`` belongs
+        )  # (n,) diameters [m] to which ``lateral`` belongs
 
     def _directions(self, well: Well, upper: FloatArray, lower: FloatArray) -> dict[str, FloatArray]:
         """Tangents (k, 3) at both ends, at measured depths (k,) [m], and curvature (k, 3) in the middle
@@ -89,7 +89,7 @@ class AnnulusFlow(ChannelFlow):
 
     def _channel(self, e: np.ndarray) -> dict[str, FloatArray]:
         """Parameters of the elements ``e`` (k,) that do not depend on how the flow is discretised."""
-        m, a, s, zero = self.mesh, self.annulus, self.sideways, np.zeros(len(e))
+        m, a, s, zero = self.mesh, self.annulus, self.lateral, np.zeros(len(e))
         length, drop, head = m.length[e], zero, zero
         if self.held_at is not None:
             length = length + m.rigid_above[e]
@@ -164,19 +164,19 @@ class AnnulusFlow(ChannelFlow):
     # ------------------------------------------------------------------ the hole at the string's position
     def locate_hole(self, state) -> None:
         """Evaluate the hole at the string's present position, before a run or in statics."""
-        self._look(state, False)
+        self._update_hole(state, False)
 
     def accept(self, state) -> None:
         """Update hole and added mass to the string's position after an accepted step."""
-        self._look(state, True)
-        if self.sideways.by_eccentricity is not None:
+        self._update_hole(state, True)
+        if self.lateral.by_eccentricity is not None:
             self._renew_added_mass(state)
 
-    def _look(self, state, keep: bool) -> None:
+    def _update_hole(self, state, keep: bool) -> None:
         around = self.moving_hole
         if around is None or self.held:
             return
-        moved = around.look(around.node_depths(state), keep)
+        moved = around.update(around.node_depths(state), keep)
         if not moved.any():
             return
         if moved[0] and self._top is not None and self.resizes:
@@ -208,13 +208,13 @@ class AnnulusFlow(ChannelFlow):
         )
         new = np.abs(own.hole_diameter - self._hole[e]) > OTHER_SIZE * self._hole[e]
         if new.any():
-            s = around.sideways(own.only(new))
+            s = around.lateral(own.only(new))
             self._hole[e[new]] = own.hole_diameter[new]
             for name, value in (("chi", s.added), ("damping", s.damping), ("turning", s.turning)):
                 params[name][rows[new]] = value
 
     def _renew_added_mass(self, state) -> None:
-        chi = self.sideways.by_eccentricity
+        chi = self.lateral.by_eccentricity
         assert chi is not None
         chain, m = self._part, self.mesh
         r, v = (state.x[state.dofs_of(f"string.{name}")] for name in ("position", "tangent"))
@@ -235,7 +235,7 @@ class AnnulusFlow(ChannelFlow):
         Empty for a uniform hole.
         """
         around, part = self.moving_hole, self._part
-        if around is None or self.held or not around.placed:
+        if around is None or self.held or not around.evaluated:
             return {}
         nodes, elements = (
             np.zeros((len(part.vertices), 7)),
@@ -247,19 +247,19 @@ class AnnulusFlow(ChannelFlow):
             elements[b.points] = np.column_stack([b.params, self._hole[part.cells[b.points]]])
         return {"vertex": nodes, "cell": elements}
 
-    def set_local_state(self, memory: dict[str, FloatArray]) -> None:
+    def set_local_state(self, saved: dict[str, FloatArray]) -> None:
         """Continue from the local part of ``get_local_state``."""
         around, part = self.moving_hole, self._part
-        if around is None or not memory:
+        if around is None or not saved:
             return
-        around.set_state(memory["vertex"][:, :4])
+        around.set_state(saved["vertex"][:, :4])
         for b in self._blocks:
             b.params[:], self._hole[part.cells[b.points]] = (
-                memory["cell"][b.points, :-1],
-                memory["cell"][b.points, -1],
+                saved["cell"][b.points, :-1],
+                saved["cell"][b.points, -1],
             )
         if self._top is not None and self.resizes:
-            self._top_place = np.array(memory["vertex"][0, 4:])
+            self._top_place = np.array(saved["vertex"][0, 4:])
 
     def breaks(self) -> tuple[float, ...]:
         return self.outlet.breaks()
@@ -300,11 +300,11 @@ class AnnulusFlow(ChannelFlow):
         return Energies(*map(float, self.element_results(state)[:, ENERGIES].sum(axis=0)))
 
     def powers(self, t: float, state) -> Powers:
-        figures = self.element_results(state)
+        results = self.element_results(state)
         supplied, flow = 0.0, self.upper_flow(state)
         if flow is not None and self._top is not None:
-            speed = figures[int(self._top[0].points[self._top[1]]), RESULT_NAMES.index("speed")]
+            speed = results[int(self._top[0].points[self._top[1]]), RESULT_NAMES.index("speed")]
             supplied = flow * (
                 float(self.fluid.enthalpy(self.upper_pressure(state))) + 0.5 * self.fluid.density * speed**2
             )
-        return Powers(float(figures[:, RESULT_NAMES.index("dissipated")].sum()), supplied)
+        return Powers(float(results[:, RESULT_NAMES.index("dissipated")].sum()), supplied)

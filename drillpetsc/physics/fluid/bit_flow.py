@@ -180,13 +180,13 @@ class BitFlow(Nozzle):
     # ------------------------------------------------------------------ the hole at the bit's position
     def locate_hole(self, state) -> None:
         """Evaluate the hole at the string's present position, before a run or in statics."""
-        self._look(state, False)
+        self._update_hole(state, False)
 
     def accept(self, state) -> None:
         """Update the hole to the bit's position after an accepted step."""
-        self._look(state, True)
+        self._update_hole(state, True)
 
-    def _look(self, state, keep: bool) -> None:
+    def _update_hole(self, state, keep: bool) -> None:
         """Evaluate size and direction of the hole at the last node and at the hole's end.
 
         keep: during a run the volume of the chamber does not change, and only its further rate of change is
@@ -198,7 +198,7 @@ class BitFlow(Nozzle):
         p, x, grown = block.named, state.x[state.index_of(block)[0]], self.growing
         node = int(block.points[0])
         depth = float(around.depth[node])
-        end, axis = (p["end"][0], p["axis"][0]) if grown is None else (grown.first, grown.direction)
+        end, axis = (p["end"][0], p["axis"][0]) if grown is None else (grown.start_point, grown.direction)
         if depth == self._depth and np.array_equal(axis, p["axis"][0]):
             return
         keep, before = keep and self._depth is not None, self._chamber(p, x)
@@ -216,7 +216,7 @@ class BitFlow(Nozzle):
             sizes = around.annulus(
                 last, np.array([[depth - around.mesh.length[-1] - around.mesh.rigid_above[-1], depth]])
             )
-            p["added"], self._size = float(around.sideways(sizes).added[0]) * self.end.outer, area
+            p["added"], self._size = float(around.lateral(sizes).added[0]) * self.end.outer, area
 
     def get_local_state(self) -> dict[str, FloatArray]:
         """State of the hole at the bit for a checkpoint: (nv, p), zero except at the bit's node."""
@@ -227,10 +227,10 @@ class BitFlow(Nozzle):
             nodes[block.points] = [*block.params[0], self._depth, self._size]
         return {"vertex": nodes}
 
-    def set_local_state(self, memory: dict[str, FloatArray]) -> None:
+    def set_local_state(self, saved: dict[str, FloatArray]) -> None:
         """Continue from the local part of ``get_local_state``."""
-        if self.moving_hole is not None and memory and len(self._block.points):
-            row = memory["vertex"][self._block.points[0]]
+        if self.moving_hole is not None and saved and len(self._block.points):
+            row = saved["vertex"][self._block.points[0]]
             if not row.any():  # the hole had not been evaluated yet
                 return
             self._block.params[:], self._depth, self._size = row[:-2], float(row[-2]), float(row[-1])
@@ -266,13 +266,13 @@ class BitFlow(Nozzle):
         return out[0]
 
     def energies(self, t: float, state) -> Energies:
-        figures = self.element_results(state)
-        return Energies(*(float(figures[RESULTS[name]]) for name in ("kinetic", "stored", "potential")))
+        results = self.element_results(state)
+        return Energies(*(float(results[RESULTS[name]]) for name in ("kinetic", "stored", "potential")))
 
     def powers(self, t: float, state) -> Powers:
         """Loss in the nozzles; without an annulus, what the jet takes away counts as work done outside."""
-        figures = self.element_results(state)
-        lost, flow = figures[RESULTS["lost"]], figures[RESULTS["flow"]]
+        results = self.element_results(state)
+        lost, flow = results[RESULTS["lost"]], results[RESULTS["flow"]]
         if not self.has_link:
             return Powers()
         e, mass = self.end, self.fluid.density * flow

@@ -123,11 +123,11 @@ class BoreFlow(ChannelFlow):
         return Energies(*map(float, self.element_results(state)[:, ENERGIES].sum(axis=0)))
 
     def powers(self, t: float, state) -> Powers:
-        figures = self.element_results(state)
+        results = self.element_results(state)
         supplied, flow = 0.0, self.pumped(t, state)
         if flow is not None and self._top is not None:
-            speed = figures[int(self._top[0].points[self._top[1]]), RESULT_NAMES.index("speed")]
+            speed = results[int(self._top[0].points[self._top[1]]), RESULT_NAMES.index("speed")]
             supplied = flow * (
                 float(self.fluid.enthalpy(self.upper_pressure(state))) + 0.5 * self.fluid.density * speed**2
             )
-        return Powers(float(figures[:, RESULT_NAMES.index("dissipated")].sum()), supplied)
+        return Powers(float(results[:, RESULT_NAMES.index("dissipated")].sum()), supplied)

@@ -73,7 +73,7 @@ class ChannelFlow(Channel):
     def __init__(self, mesh, fluid: FluidConstants, held: bool = False):
         self.mesh, self.fluid, self.held = mesh, fluid, held
         self._blocks: list[ElementBlock] = []
-        self._taken: FloatArray | None = None
+        self._shared_results: FloatArray | None = None
 
     def fields(self) -> tuple[Field, ...]:
         return (
@@ -143,16 +143,16 @@ class ChannelFlow(Channel):
     @contextmanager
     def shared_results(self, state) -> Iterator[None]:
         """Within this, ``element_results`` are those of the state as it is now, worked out once."""
-        self._taken = self.element_results(state)
+        self._shared_results = self.element_results(state)
         try:
             yield
         finally:
-            self._taken = None
+            self._shared_results = None
 
     def element_results(self, state) -> FloatArray:
         """(nc, 9) per local element: the columns of ``RESULT_NAMES`` (content: volume at zero pressure [m3])."""
-        if self._taken is not None:
-            return self._taken
+        if self._shared_results is not None:
+            return self._shared_results
         out = np.zeros((len(self._part.cells), len(RESULT_NAMES)))
         for b, results in zip(self._blocks, self._results, strict=True):
             if len(b.points):
@@ -177,8 +177,8 @@ class ChannelFlow(Channel):
         if self._top is None:
             return None
         block, row = self._top
-        figures = self.element_results(state)[int(block.points[row])]
-        return float(figures[RESULT_NAMES.index("storage_upper")] + state.x[state.index_of(block)[row, -1]])
+        results = self.element_results(state)[int(block.points[row])]
+        return float(results[RESULT_NAMES.index("storage_upper")] + state.x[state.index_of(block)[row, -1]])
 
     def flows(self, system) -> FloatArray:
         """Return the flow rates (nc,) in the local elements, towards the bit [m3/s]."""

@@ -50,7 +50,7 @@ class MovingHole:
 
     mesh: of the string; walls: of the annulus.
     current_well(): the present hole, a new object whenever it has grown.
-    sideways(annulus): coefficients of the mud's force on elements of this annulus.
+    lateral(annulus): coefficients of the mud's force on elements of this annulus.
 
     At the last evaluation of the hole at a node, (nv,) each: depth, measured [m]; volume of hole above it
     [m3]; area [m2]; ahead: motion for which these values are valid [m].
@@ -61,15 +61,15 @@ class MovingHole:
         mesh: StringMesh,
         walls: AnnulusWalls,
         current_well: Callable[[], Well],
-        sideways: Callable[[Annulus], LateralCoefficients],
+        lateral: Callable[[Annulus], LateralCoefficients],
     ):
-        self.mesh, self.walls, self.current_well, self.sideways = mesh, walls, current_well, sideways
+        self.mesh, self.walls, self.current_well, self.lateral = mesh, walls, current_well, lateral
         self._hole = HoleVolume(current_well())
         self._near: np.ndarray | None = None
         self.depth = self.volume = self.area = self.ahead = np.zeros(0)
 
     @property
-    def placed(self) -> bool:
+    def evaluated(self) -> bool:
         """Whether the hole has been evaluated at the nodes."""
         return len(self.depth) > 0
 
@@ -91,14 +91,14 @@ class MovingHole:
         """Create the annulus of the elements ``e`` (k,) whose nodes are at measured depths ``ends`` (k, 2) [m]."""
         return self.walls.annulus(self.hole, e, ends[:, 0] + self.mesh.rigid_above[e], ends[:, 1])
 
-    def look(self, depths: FloatArray, keep: bool) -> np.ndarray:
+    def update(self, depths: FloatArray, keep: bool) -> np.ndarray:
         """Re-evaluate the hole at the nodes that have moved; returns their mask (nv,).
 
         depths: (nv,) present measured depths of the nodes [m].
         keep: volumes change by the integral of the rates.  A node that has moved further than ``ahead`` gets
         the true volume.  Without ``keep`` all volumes are those of the hole.
         """
-        if not self.placed:
+        if not self.evaluated:
             self.depth, (self.volume, self.area, self.ahead), keep = (
                 depths.copy(),
                 np.zeros((3, len(depths))),
@@ -133,6 +133,6 @@ class MovingHole:
         """Return (nv, 4) depth, volume, area, ahead, for a checkpoint."""
         return np.column_stack([self.depth, self.volume, self.area, self.ahead])
 
-    def set_state(self, memory: FloatArray) -> None:
+    def set_state(self, saved: FloatArray) -> None:
         """Continue from the result of ``get_state``."""
-        self.depth, self.volume, self.area, self.ahead = np.array(memory.T)
+        self.depth, self.volume, self.area, self.ahead = np.array(saved.T)

@@ -49,7 +49,7 @@ def quaternions(frames: Frames) -> FloatArray:
     Neighbours have the same sign.
     """
     out = np.empty((len(frames.reference), 4))
-    for i, (a, b) in enumerate(zip(frames.reference, frames.second, strict=True)):
+    for i, (a, b) in enumerate(zip(frames.reference, frames.second_director, strict=True)):
         R = np.column_stack([a, b, np.cross(a, b)])
         # dividing by the largest of the four squares avoids cancellation (Shepperd, J. Guid. Control 1, 1978)
         w = np.array([[R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]]).T
@@ -229,7 +229,7 @@ class QuaternionBeam(Beam):
         q = q / np.linalg.norm(q, axis=1, keepdims=True)
         state.x[at], state.y[at] = q, rate - q * np.sum(q * rate, axis=1, keepdims=True)
 
-    # ------------------------------------------------------------------ figures
+    # ------------------------------------------------------------------ results
     def _node_motion(self, state) -> FloatArray:
         """(nv, 8) at the local vertices: slope r' (3), tangent (3), spin rate [rad/s], spin angle from the
         frame at the start [rad]."""

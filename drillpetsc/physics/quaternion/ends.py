@@ -16,8 +16,8 @@ from drillpetsc.physics.interfaces import Top
 from drillpetsc.physics.quaternion.beam import LEVELS, NODE_SLOTS, ROW_SCALE, UNCONTROLLED_SCALE, spun, turned
 from drillpetsc.physics.rigid_bodies import local_vertices
 
-_PLACES = ("axial_reaction", "side_reaction_1", "side_reaction_2")
-_TURNS = (
+_POSITION_NAMES = ("axial_reaction", "side_reaction_1", "side_reaction_2")
+_ROTATION_NAMES = (
     "torque_reaction",
     "side_moment_1",
     "side_moment_2",
@@ -28,9 +28,9 @@ class ConstrainedEnd(Top):
     """End with prescribed position and orientation: clamped, pinned, or moved by a top drive.
 
     vertex: its node; nodes: of the string.
-    places: number of prescribed positions: 3 along the tangent and across, 2 across only (the axial force is
+    prescribed_positions: number of prescribed positions: 3 along the tangent and across, 2 across only (the axial force is
     a load).
-    turns: number of prescribed rotations: 3 the section, 1 its spin about the tangent, 0 none (manual:
+    prescribed_rotations: number of prescribed rotations: 3 the section, 1 its spin about the tangent, 0 none (manual:
     eq-quat-orientation).
     position: (3,) [m]; orientation: (4,) unit quaternion; tangent: (3,) unit; all at time 0.
     constraint: as in ``QuaternionBeam``.
@@ -44,8 +44,8 @@ class ConstrainedEnd(Top):
         self,
         vertex: int,
         nodes: int,
-        places: int,
-        turns: int,
+        prescribed_positions: int,
+        prescribed_rotations: int,
         position: FloatArray,
         orientation: FloatArray,
         tangent: FloatArray,
@@ -53,20 +53,23 @@ class ConstrainedEnd(Top):
         lowering: Input | None = None,
         rotation: Input | None = None,
     ):
-        self.vertex, self.nodes, self.places, self.turns, self.constraint = (
+        self.vertex, self.nodes, self.prescribed_positions, self.prescribed_rotations, self.constraint = (
             vertex,
             nodes,
-            places,
-            turns,
+            prescribed_positions,
+            prescribed_rotations,
             constraint,
         )
         self.inputs, self._orientation = (lowering, rotation), orientation
         side = high_side(tangent)
-        self._axes = np.array([tangent, side, np.cross(tangent, side)])[3 - places :]
+        self._axes = np.array([tangent, side, np.cross(tangent, side)])[3 - prescribed_positions :]
         self.anchor = np.append(self._axes @ position, 0.0)  # positions [m] and angle [rad] at time 0
         self._where = "top" if vertex == 0 else "bottom"
         self.restores_constraints = constraint == "stabilized"
-        self.names = tuple(f"{self._where}.{n}" for n in (*_PLACES[3 - places :], *_TURNS[:turns]))
+        self.names = tuple(
+            f"{self._where}.{n}"
+            for n in (*_POSITION_NAMES[3 - prescribed_positions :], *_ROTATION_NAMES[:prescribed_rotations])
+        )
 
     def fields(self) -> tuple[Field, ...]:
         name = f"string.{self._where}_reaction"
@@ -88,13 +91,13 @@ class ConstrainedEnd(Top):
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([self.vertex]))
         slots = (("string.position", 0), ("string.quaternion", 0), (f"string.{self._where}_reaction", 0))
-        kernel = f"guided_{self.places}{self.turns}"
+        kernel = f"guided_{self.prescribed_positions}{self.prescribed_rotations}"
         self._given = Parameters(
             kernel,
             len(vertices),
             level=LEVELS[self.constraint],
             scale=ROW_SCALE,
-            axes=np.vstack([self._axes, np.zeros((3 - self.places, 3))]).ravel(),
+            axes=np.vstack([self._axes, np.zeros((3 - self.prescribed_positions, 3))]).ravel(),
             value=0.0,
             rate=0.0,
             goal=0.0,
@@ -110,7 +113,7 @@ class ConstrainedEnd(Top):
 
     def _update(self, t: float) -> None:
         down, turn = self.inputs
-        self._value[:, : self.places] = self.anchor[:-1]
+        self._value[:, : self.prescribed_positions] = self.anchor[:-1]
         if down is not None:
             self._value[:, 0] += down.integral(t)
             self._rate[:, 0] = down.value(t)
@@ -125,11 +128,11 @@ class ConstrainedEnd(Top):
 
     def copy_position(self, other: Top) -> None:
         """Copy the prescribed position at time 0 from the top of another model with other elements."""
-        self.anchor[: self.places] = other.anchor[: self.places]
+        self.anchor[: self.prescribed_positions] = other.anchor[: self.prescribed_positions]
 
     def shift(self, distance: float) -> None:
         """Move the axial position by ``distance`` [m], down positive."""
-        if self.places == 3:
+        if self.prescribed_positions == 3:
             self.anchor[0] += distance
 
     def breaks(self) -> tuple[float, ...]:
@@ -141,14 +144,14 @@ class ConstrainedEnd(Top):
         It is called after a solve in the stabilized form.
         """
         if len(self._block.points):
-            index, n = state.index_of(self._block)[0], self.places
+            index, n = state.index_of(self._block)[0], self.prescribed_positions
             goal, goal_rate = self._goal[0], self._goal_rate[0]
             r, q, axes = index[:3], index[3:7], self._axes
             state.x[r] += axes.T @ (self._value[0, :n] - axes @ state.x[r])
             state.y[r] += axes.T @ (self._rate[0, :n] - axes @ state.y[r])
-            if self.turns == 3:
+            if self.prescribed_rotations == 3:
                 state.x[q], state.y[q] = goal, goal_rate
-            elif self.turns == 1:
+            elif self.prescribed_rotations == 1:
                 off = 2 * np.arctan2(spun(goal) @ state.x[q], goal @ state.x[q])
                 state.x[q], state.y[q] = turned(state.x[q], -off), turned(state.y[q], -off)
 
@@ -165,10 +168,10 @@ class ConstrainedEnd(Top):
     def powers(self, t: float, state) -> Powers:
         if not len(self._block.points):
             return Powers()
-        index, n = state.index_of(self._block)[0], self.places
+        index, n = state.index_of(self._block)[0], self.prescribed_positions
         push, moment = np.split(state.x[index[7:]], [n])
         goal, supplied = self._goal[0], float(push @ self._axes @ state.y[index[:3]])
-        axes = np.array([spun(goal), _times_e2(goal), _times_e3(goal)])[: self.turns]
+        axes = np.array([spun(goal), _times_e2(goal), _times_e3(goal)])[: self.prescribed_rotations]
         return Powers(supplied=supplied + float(2 * moment @ axes @ state.y[index[3:7]]))
 
 

@@ -1,4 +1,4 @@
-"""Shortest times of a scene against closed forms, and against the eigenvalues of the elements themselves."""
+"""Shortest times of a model against closed forms, and against the eigenvalues of the elements themselves."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_impact_on_a_hertz_wall_against_integration_in_time():
 
 
 def test_periods_of_one_free_element_are_its_highest_eigenvalues(tmp_path):
-    """K and M of the scene's own element: bending sqrt(8400 EI/(mu L^4)) (e.g. Cook, Concepts and
+    """K and M of the own element: bending sqrt(8400 EI/(mu L^4)) (e.g. Cook, Concepts and
     Applications of FEA, 11.4), torsion sqrt(6 GJ/(I L^2)) (mean of consistent and lumped inertia); along the
     axis it is no stiffer than the full cubic."""
     model = scene_of(tmp_path, ONE)

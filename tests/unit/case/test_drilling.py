@@ -57,7 +57,7 @@ def test_defaults() -> None:
     assert (made.threshold, made.reference_speed, made.reference_weight) == (0.0, 4 * math.pi, 1e5)
     beds = made.rock_anisotropy
     assert (beds.dip, beds.dip_azimuth, beds.index_dip, beds.index_strike) == (0.0, 0.0, 1.0, 1.0)
-    assert (made.walk, made.overgauge, made.freeze_interval) == (0.0, 0.0, 0.5)
+    assert (made.walk, made.overgauge, made.node_spacing) == (0.0, 0.0, 0.5)
     assert (made.growth, made.direction, made.layers) == ("state", "rop_vector", ())
     assert (made.bit_law.kind, made.bit_law.stiffness) == ("rop", None)
     assert make_case(formation=None).formation is None
@@ -268,8 +268,8 @@ def test_quasi_static_time(tmp_path: Path) -> None:
         ({"overgauge": "-25 mm"}, "overgauge"),
         ({"growth": "states"}, "growth"),
         ({"direction": "axis"}, "direction"),
-        ({"freeze_interval": 0}, "freeze_interval"),
-        ({"freeze_interval": "11 m"}, "freeze_interval"),
+        ({"node_spacing": 0}, "node_spacing"),
+        ({"node_spacing": "11 m"}, "node_spacing"),
         ({"layers": {"from": 100}}, "layers"),
         ({"layers": [{"drillability": 1e-8}]}, "layers[0].from"),
         ({"layers": [{"from": 5}, {"from": 5}]}, "layers[1].from"),

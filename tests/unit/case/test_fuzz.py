@@ -199,7 +199,7 @@ START = "top: clamped\nstring:\n- {kind: pipe, od: 0.1, length: 9}\n"
         (START + "x: &x [*x]", 4, "a value"),
         ("%YAML 1.1\n---\n" + START + "hold_string: yes", 1, "YAML 1.2"),
         (START + "title: !!python/object/apply:os.system [ls]", 4, "no YAML tag"),
-        (START + "title: !mine {a: 1}", 4, "no YAML tag"),
+        (START + "title: !custom {a: 1}", 4, "no YAML tag"),
         (START + 'title: "\\ud800"', 4, "Unicode"),
         (START + "gravity: 1" + "0" * 400, 4, "308 digits"),
         (START + "petsc: {x: 0x" + "F" * 5000 + "}", 4, "308 digits"),

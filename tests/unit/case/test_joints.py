@@ -127,12 +127,12 @@ def test_mesh_around_joints() -> None:
     assert mesh.rigid_above[cells] == pytest.approx([0, 0, 0.5, 0])
     assert [(b.node, b.above) for b in mesh.bodies] == [(6, 0.0), (11, 0.0)]
     assert not mesh.junction.any()
-    assert list(mesh.loose_slopes) == [6, 11]
+    assert list(mesh.free_slope_nodes) == [6, 11]
     assert mesh.total_length == pytest.approx(19.0)
     mesh = build_mesh(
         make_case([{"at": 9, "kind": "fixed"}])
     )  # the body hangs below the joint, above an element
-    assert list(np.flatnonzero(mesh.junction)) == [4] and list(mesh.loose_slopes) == [4]
+    assert list(np.flatnonzero(mesh.junction)) == [4] and list(mesh.free_slope_nodes) == [4]
 
 
 def test_a_bend_right_below_a_joint_has_no_place() -> None:

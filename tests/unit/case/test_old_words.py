@@ -5,6 +5,7 @@ from typing import Any
 import pytest
 
 from drillpetsc.case import Case
+from drillpetsc.case.blocks.formation import Formation
 from drillpetsc.case.blocks.settings import BeamTheory
 from drillpetsc.case.old_words import EACH, RENAMED_KEYS, RENAMED_VALUES, check_old_words
 from drillpetsc.errors import CaseError
@@ -39,3 +40,10 @@ def test_the_new_words_exist() -> None:
             for step in reversed(path):
                 block = [block] if step == EACH else {step: block}
             assert old != new and Case(**data(**block)).to_yaml()
+
+
+def test_the_hole_s_node_spacing_has_one_name() -> None:
+    with pytest.raises(CaseError) as caught:
+        Case(**data(formation={"freeze_interval": 0.5}))
+    assert caught.value.hint == "freeze_interval is now called node_spacing"
+    assert "node_spacing" in Formation.model_fields

@@ -16,7 +16,7 @@ from drillpetsc import kernels
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import uniform_string
 from drillpetsc.geometry.frames import transported_frames
-from drillpetsc.physics.beam import Beam
+from drillpetsc.physics.beam import AncfBeam
 from tests.helpers.motion import fixed, integrate
 
 PAGE = Path(__file__).parents[3] / "docs" / "development" / "add-component.md"
@@ -72,7 +72,7 @@ def falling(component: Any) -> DiscreteSystem:
     position = np.linspace(0, LENGTH, 3)[:, None] * DOWN
     tangent = np.tile(DOWN, (3, 1))
     frames = transported_frames(tangent)
-    system = DiscreteSystem(mesh, frames, [Beam(mesh, frames, GRAVITY * DOWN), component])
+    system = DiscreteSystem(mesh, frames, [AncfBeam(mesh, frames, GRAVITY * DOWN), component])
     system.set_field("string.position", position)
     system.set_field("string.tangent", tangent)
     return system

@@ -27,8 +27,8 @@ def test_rules_integrate_polynomials(points, upper, lower):
 
 @pytest.mark.parametrize("key", list(_TABULATED))
 def test_tabulated_rules_are_those_of_scipy(key):
-    for own, theirs in zip(_TABULATED[key], roots_jacobi(*key), strict=True):
-        assert np.array(own) == pytest.approx(theirs, rel=1e-15, abs=1e-16)
+    for own, published in zip(_TABULATED[key], roots_jacobi(*key), strict=True):
+        assert np.array(own) == pytest.approx(published, rel=1e-15, abs=1e-16)
 
 
 def test_known_rules():

@@ -72,7 +72,7 @@ def test_growing_hole_follows_an_arc(step):
     assert len(new) >= 8
     assert np.abs(x - place).max() < 2e-6
     assert np.abs(t - tangent).max() < 1e-5
-    q = new_hole(hole.whole(path[-1], arc(np.array([path[-1] - half]), radius, azimuth)[0][0]), 100.0)
+    q = new_hole(hole.whole_path(path[-1], arc(np.array([path[-1] - half]), radius, azimuth)[0][0]), 100.0)
     assert q.length == pytest.approx(path[-1])
     end = arc(np.array([path[-1] - half]), radius, azimuth)[1][0]
     assert q.inclination[1] == pytest.approx(angles(end)[0], abs=2e-5)

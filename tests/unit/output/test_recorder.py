@@ -71,7 +71,7 @@ def test_a_quasi_static_run_evaluates_no_energies() -> None:
     }
     recorder = hanging(well=well, time={"end": 1.0, "mode": "quasi_static"})
     assert recorder.energy is None
-    recorder.system.own_powers = recorder.system.energies = None  # type: ignore[method-assign,assignment]
+    recorder.system.local_powers = recorder.system.energies = None  # type: ignore[method-assign,assignment]
     recorder.start(0.0)
     recorder.step(0.1, 0.1, 0.0)
     assert "energy_error" not in [name for name, _ in recorder.columns]

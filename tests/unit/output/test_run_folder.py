@@ -36,10 +36,10 @@ def test_runs_that_start_together_get_folders_of_their_own(tmp_path: Path) -> No
 
 
 def test_explicit_folder_that_exists_is_refused_and_untouched(tmp_path: Path) -> None:
-    out = tmp_path / "mine"
+    out = tmp_path / "result"
     run = RunFolder.create("a", out=out)
     run.history.write_text("time [s]\n1\n")
-    with pytest.raises(RunFolderExists, match="mine exists.*--restart.*--overwrite"):
+    with pytest.raises(RunFolderExists, match="result exists.*--restart.*--overwrite"):
         RunFolder.create("a", out=out)
     assert issubclass(RunFolderExists, FileExistsError)
     assert run.history.read_text() == "time [s]\n1\n"

@@ -142,7 +142,7 @@ def test_whole_tables_refuse_what_does_not_fit(tmp_path: Path) -> None:
 
 
 def test_a_row_costs_little(tmp_path: Path) -> None:
-    """20 us a row of 17 columns was asked for; the bound leaves room for a slow disk, not for reopening the
+    """20 us a row of 17 columns was asked for; the bound allows for a slow disk, not for reopening the
     file."""
     row = list(np.random.default_rng(0).normal(size=17))
     with Table(tmp_path / "history.csv", [(f"c{k}", "N") for k in range(17)]) as table:
