@@ -35,7 +35,7 @@ MODES: tuple[Quantity, ...] = (
         label="Critical speed",
         mnemonic="CRPM",
         sign="not negative",
-        doc="Rotary speed at which one excitation per turn meets the mode.",
+        doc="Rotary speed at which one excitation per turn meets the mode, 0 for a real eigenvalue.",
     ),
     Quantity(
         "damping_ratio",
@@ -44,7 +44,7 @@ MODES: tuple[Quantity, ...] = (
         label="Damping ratio",
         mnemonic="DAMP",
         sign="the mode decays",
-        doc="Damping as a fraction of critical damping (manual: eq-eigen-figures).",
+        doc="Damping as a fraction of critical damping, -sigma/|s|; nan at zero (manual: eq-eigen-figures).",
     ),
     Quantity(
         "growth",
@@ -53,7 +53,7 @@ MODES: tuple[Quantity, ...] = (
         label="Growth rate",
         mnemonic="GROW",
         sign="the mode grows",
-        doc="Real part of the eigenvalue.",
+        doc="Real part sigma of the eigenvalue s.",
     ),
     Quantity(
         "kind",
