@@ -48,7 +48,7 @@ ECD = Quantity(
     on="node",
     label="Equivalent circulating density",
     mnemonic="ECD",
-    doc="Pressure in the annulus over gravity and the vertical depth below the top.",
+    doc="Pressure in the annulus (in the summary: at the bottom) over gravity and the vertical depth below the top.",
 )
 STRETCH = Quantity(
     "stretch",
