@@ -25,7 +25,13 @@ extensions = [
     "sphinx_design",
     "sphinxcontrib.bibtex",
 ]
-exclude_patterns = ["_build", "Thumbs.db", ".DS_Store", "**/README.md"]
+exclude_patterns = [
+    "_build",
+    "Thumbs.db",
+    ".DS_Store",
+    "**/README.md",
+    "_generated/outputs/*",  # tables that guide/outputs.md includes
+]
 
 # Markdown
 myst_enable_extensions = [

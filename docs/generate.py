@@ -5,8 +5,9 @@
 - `commands.md`: commands and options, from the argparse parser of `drillpetsc.cli`
 - `messages.md`: what the program answers to each file of `cases/broken`
 - `supported.md`: which formulation takes which feature, found out by building small cases
+- `outputs/*.md`: the tables of columns, fields and keys that `docs/guide/outputs.md` includes, from the catalogue of outputs
 
-Only names of the public face are used (`Case`, `load_case`, `cli.parser`), so files of the package may move.
+Only names of the public face are used (`Case`, `load_case`, `cli.parser`, `catalogue.records`), so files of the package may move.
 A file whose text does not change is left alone, which keeps Sphinx from building it again.
 """
 
@@ -40,6 +41,7 @@ def write(folder: Path) -> None:
         "commands.md": commands_page(),
         "messages.md": messages_page(),
         "supported.md": supported_page(),
+        **output_tables(),
     }
     for name, text in pages.items():
         file = folder / name
@@ -543,6 +545,65 @@ def supported_page() -> str:
         "\nThe commands `modes` and `study --vary formulation` have limits of their own; their messages name them.\n"
     )
     return "\n".join(out)
+
+
+# ----------------------------------------------------------------------------------------------------
+# outputs
+#: fragment -> file of the catalogue, what its entries are called
+OUTPUT_TABLES = {
+    "outputs/history.md": ("history.csv", "column"),
+    "outputs/probes.md": ("probes.csv", "column"),
+    "outputs/statics.md": ("statics.csv", "column"),
+    "outputs/modes.md": ("modes.csv", "column"),
+    "outputs/string.md": ("string/*.vtu", "field"),
+    "outputs/trajectory.md": ("trajectory.csv", "column"),
+    "outputs/summary-run.md": ("summary.json of run", "key"),
+    "outputs/summary-statics.md": ("summary.json of statics", "key"),
+    "outputs/summary-modes.md": ("summary.json of modes", "key"),
+}
+
+
+def output_tables() -> dict[str, str]:
+    """A fragment with one table for each file of a run folder."""
+    from drillpetsc.output.catalogue import records
+
+    files = {file for file, _ in OUTPUT_TABLES.values()}
+    missing = {record["file"] for record in records()} - files
+    if missing:
+        raise ValueError(f"OUTPUT_TABLES of docs/generate.py lacks {sorted(missing)}")
+    return {
+        page: HEAD + output_table([r for r in records() if r["file"] == file], name)
+        for page, (file, name) in OUTPUT_TABLES.items()
+    }
+
+
+def output_table(records: list[dict[str, str]], name: str) -> str:
+    """Outputs as a Markdown table; a column in which no output has a text is left out.  name: of the first column."""
+    columns = {name: "name", "unit": "unit", "meaning": "doc", "sign": "sign", "present with": "condition"}
+    kept = {title: entry for title, entry in columns.items() if any(r[entry] for r in records)}
+    lines = ["| " + " | ".join(kept) + " |", "|" + " --- |" * len(kept)]
+    for record in records:
+        cells = {
+            "name": f"`{record['name']}`",
+            "unit": markdown(pretty(record["unit"])),
+            "doc": with_references(markdown(record["doc"])),
+            "sign": markdown(record["sign"]),
+            "condition": markdown(record["condition"]),
+        }
+        lines.append("| " + " | ".join(cells[entry] for entry in kept.values()) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def with_references(text: str) -> str:
+    """`(manual: eq-LABEL)` of the program's texts as a reference to the equation, or `(manual: sec-LABEL)` to the section."""
+
+    def reference(match: re.Match[str]) -> str:
+        labels = match[1].split(", ")  # the number of an equation has parentheses of its own
+        return ", ".join(
+            f"{{eq}}`{label}`" if label.startswith("eq-") else f"({{ref}}`{label}`)" for label in labels
+        )
+
+    return re.sub(r"\(manual: ((?:eq|sec)-[\w-]+(?:, (?:eq|sec)-[\w-]+)*)\)", reference, text)
 
 
 if __name__ == "__main__":

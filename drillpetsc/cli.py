@@ -309,7 +309,13 @@ def _plot_arguments(command: argparse.ArgumentParser) -> None:
 
 
 def _schema_arguments(command: argparse.ArgumentParser) -> None:
-    command.add_argument("file", nargs="?", metavar="FILE", help="default: standard output")
+    command.add_argument("file", nargs="?", metavar="FILE", help="where to write (default: standard output)")
+    command.add_argument(
+        "--outputs",
+        action="store_true",
+        help="instead, list the outputs as JSON: file, name, unit, label, mnemonic, sign, doc and condition of each column, "
+        "field and key of a run folder",
+    )
 
 
 # ---------------------------------------------------------------------- handlers
@@ -487,6 +493,15 @@ def _draw(draw: Callable[[], Iterable[Path]], run: str) -> int:
 def _schema(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     import json
 
+    if arguments.outputs:
+        from drillpetsc.output.catalogue import records
+
+        text = json.dumps(records(), indent=2)
+        if arguments.file:
+            Path(arguments.file).write_text(f"{text}\n", encoding="utf-8")
+        else:
+            print(text)
+        return 0
     from drillpetsc.case import case_json_schema, write_schema
 
     if arguments.file:
@@ -571,7 +586,7 @@ COMMANDS = (
     ),
     Command(
         "schema",
-        "write the JSON schema of case files, for editors",
+        "write the JSON schema of case files, for editors, or the list of outputs",
         _schema_arguments,
         _schema,
         takes_petsc_options=False,

@@ -1,64 +1,138 @@
-"""All outputs of the program, by file and in the order of its columns.
+"""All outputs of the program, by file and in the order of its columns, each with the condition under which it exists.
 
-Plots, tables, the schema and the manual read this page.  It needs neither a model nor PETSc.
+Plots, tables, the manual and ``drillpetsc schema --outputs`` read this page.  It needs neither a model nor PETSc.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from drillpetsc.fem.quantity import Quantity
+from drillpetsc.output import conditions as where
 from drillpetsc.output import quantities as measured
+from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.physics import quantities as physics
 
 
-def outputs_by_file() -> dict[str, tuple[Quantity, ...]]:
-    """Outputs of each file of a run folder, in the order of its columns or arrays."""
-    components = (*physics.BIT, *physics.JOINTS, *physics.CONTACT)
-    history = (
-        *measured.ROW_START,
-        *measured.TOP_END,
-        *physics.BIT,
-        *measured.LOWER_END,
-        *measured.HOLE,
-        *measured.MUD,
-        *physics.JOINTS,
-        *(q for q in components if q.on == "scalar" and q not in physics.BIT),
-        *measured.ENERGY,
-        *measured.ROW_END,
+@dataclass(frozen=True)
+class Listed:
+    """A quantity in a file.
+
+    condition: what the case has where the file contains the quantity; empty: always.
+    """
+
+    quantity: Quantity
+    condition: str
+
+
+def listed_by_file() -> dict[str, tuple[Listed, ...]]:
+    """Quantities of each file of a run folder with their conditions, in the order of its columns or arrays."""
+    along_string = (
+        *_listed(_along_string(physics.BIT), where.BIT),
+        *_listed(_along_string(physics.JOINTS), where.JOINTS),
+        *_listed(_along_string(physics.CONTACT), where.CONTACT),
+    )
+    contact_scalars = tuple(q for q in physics.CONTACT if q.on == "scalar")
+    mud_at_ends = _listed(measured.MUD, where.MUD, **dict.fromkeys(measured.BORE_ONLY, where.BORE))
+    mud_fields = tuple(
+        Listed(q, where.BORE if q.name.startswith("internal") else where.ANNULUS) for q in measured.MUD_FIELDS
     )
     return {
-        "history.csv": history,
-        "probes.csv": (*measured.ROW_START, *measured.PROBES),
+        "history.csv": (
+            *_listed(measured.ROW_START),
+            *_listed(measured.TOP_END, where.TOP),
+            *_listed(physics.BIT, where.BIT),
+            *_listed(measured.LOWER_END, where.STRING),
+            *_listed(measured.HOLE, where.BIT, rop=where.DRILLS),
+            *mud_at_ends,
+            *_listed(physics.JOINTS, where.JOINTS),
+            *_listed(contact_scalars, where.CONTACT),
+            *_listed(measured.ENERGY, where.INERTIA),
+            *_listed(measured.ROW_END),
+        ),
+        "probes.csv": (
+            *_listed(measured.ROW_START),
+            *_listed(measured.PROBES, contact_NNN=where.CONTACT),
+        ),
         "statics.csv": (
-            measured.MD,
-            measured.AXIAL_FORCE,
-            measured.TORQUE,
-            *_along_string(physics.CONTACT),
-            measured.BENDING_MOMENT,
-            measured.INCLINATION,
-            measured.OFFSET_X,
-            measured.OFFSET_Y,
-            measured.CURVATURE,
-            measured.BENDING_STRESS,
-            measured.BUCKLING_LOAD,
-            measured.BUCKLING_RATIO,
-            *(q for q in measured.MUD_FIELDS if q.unit != "m/s"),
-            measured.ECD,
-            measured.EFFECTIVE_TENSION,
+            *_listed((measured.MD,)),
+            *_listed((measured.AXIAL_FORCE, measured.TORQUE), where.STRING),
+            *_listed(_along_string(physics.CONTACT), where.STRING),
+            *_listed(
+                (
+                    measured.BENDING_MOMENT,
+                    measured.INCLINATION,
+                    measured.OFFSET_X,
+                    measured.OFFSET_Y,
+                    measured.CURVATURE,
+                    measured.BENDING_STRESS,
+                    measured.BUCKLING_LOAD,
+                    measured.BUCKLING_RATIO,
+                ),
+                where.STRING,
+            ),
+            *(entry for entry in mud_fields if entry.quantity.unit != "m/s"),
+            *_listed((measured.ECD,), where.ANNULUS),
+            *_listed((measured.EFFECTIVE_TENSION,), where.MUD_AND_STRING),
         ),
         "string/*.vtu": (
-            *measured.STRING_FIELDS,
-            *_along_string(components),
-            measured.HOLE_RADIUS,
-            *measured.MUD_FIELDS,
+            *_listed(
+                measured.STRING_FIELDS,
+                where.STRING,
+                md="",
+                outer_radius="",
+                stress=where.TUBES,
+                effective_tension=where.MUD_AND_STRING,
+            ),
+            *along_string,
+            *_listed((measured.HOLE_RADIUS,), where.WELL),
+            *mud_fields,
         ),
-        "summary.json of statics": measured.STATIC_SUMMARY,
-        "modes.csv": measured.MODES,
-        "trajectory.csv": measured.TRAJECTORY,
+        "summary.json of statics": (
+            *_listed(measured.STATIC_SUMMARY, where.STRING),
+            *mud_at_ends,
+            *_listed((measured.ECD,), where.ANNULUS),
+        ),
+        "modes.csv": _listed(measured.MODES),
+        "trajectory.csv": _listed(measured.TRAJECTORY),
     }
+
+
+def _listed(quantities: tuple[Quantity, ...], condition: str = "", **others: str) -> tuple[Listed, ...]:
+    """Quantities with their condition.  others: conditions of single quantities, by name."""
+    return tuple(Listed(q, others.get(q.name, condition)) for q in quantities)
 
 
 def _along_string(quantities: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
     return tuple(q for q in quantities if q.on in ("node", "element"))
+
+
+def outputs_by_file() -> dict[str, tuple[Quantity, ...]]:
+    """Outputs of each file of a run folder, in the order of its columns or arrays."""
+    return {file: tuple(entry.quantity for entry in entries) for file, entries in listed_by_file().items()}
+
+
+def records() -> list[dict[str, str]]:
+    """Every output and key of the files of a run folder, as texts: what ``drillpetsc schema --outputs`` prints.
+
+    ``condition`` is empty for what every such file contains; ``label``, ``mnemonic`` and ``sign`` are empty for keys of
+    summary.json that are no quantities.
+    """
+    described = listed_by_file()
+    out: list[dict[str, str]] = []
+    for file in dict.fromkeys([*described, *SUMMARY_KEYS]):
+        for entry in described.get(file, ()):
+            q = entry.quantity
+            texts = (file, q.name, q.unit, q.label, q.mnemonic, q.sign, q.doc, entry.condition)
+            out.append(dict(zip(RECORD, texts, strict=True)))
+        for key in SUMMARY_KEYS.get(file, ()):
+            texts = (file, key.name, key.unit, "", "", "", key.doc, key.condition)
+            out.append(dict(zip(RECORD, texts, strict=True)))
+    return out
+
+
+#: entries of a record
+RECORD = ("file", "name", "unit", "label", "mnemonic", "sign", "doc", "condition")
 
 
 def all_quantities() -> tuple[Quantity, ...]:

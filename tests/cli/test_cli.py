@@ -180,6 +180,21 @@ def test_every_command_has_a_help_of_its_own():
         assert ended.value.code == 0
 
 
+def test_schema_is_that_of_the_case_or_a_list_of_outputs(finished, tmp_path):
+    case = json.loads(drillpetsc("schema", cwd=tmp_path).stdout)
+    assert "string" in case["properties"]
+    listed = json.loads(drillpetsc("schema", "--outputs", cwd=tmp_path).stdout)
+    written = drillpetsc("schema", "outputs.json", "--outputs", cwd=tmp_path)
+    assert written.returncode == 0 and not written.stdout
+    assert json.loads((tmp_path / "outputs.json").read_text()) == listed
+    assert {tuple(entry) for entry in listed} == {
+        ("file", "name", "unit", "label", "mnemonic", "sign", "doc", "condition")
+    }
+    history = {f"{q['name']} [{q['unit']}]": q for q in listed if q["file"] == "history.csv"}
+    assert set(read_table(finished / "run" / "history.csv")) <= set(history)
+    assert history["wob [N]"]["condition"] == "bit on bottom" and not history["time [s]"]["condition"]
+
+
 def test_an_old_option_is_not_a_new_one_too():
     from drillpetsc.cli import RENAMED_OPTIONS, parser
 

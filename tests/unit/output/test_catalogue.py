@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +14,19 @@ import pytest
 from drillpetsc import Case, run
 from drillpetsc.analysis.modal import run_modes
 from drillpetsc.analysis.statics import run_statics
+from drillpetsc.output import conditions as where
 from drillpetsc.output import read_frame, read_series, read_table
-from drillpetsc.output.catalogue import all_quantities, find, in_order, label, outputs_by_file
+from drillpetsc.output.catalogue import (
+    all_quantities,
+    find,
+    in_order,
+    label,
+    listed_by_file,
+    outputs_by_file,
+    records,
+)
 from drillpetsc.output.files.tables import split_name
+from drillpetsc.output.summary_keys import STATIC_START, SUMMARY_KEYS
 from drillpetsc.physics.quantities import BIT
 
 PIPE = {"kind": "pipe", "length": 29.6, "od": 0.127, "id": 0.1086, "element_length": 5.0}
@@ -25,6 +37,7 @@ WELL = {
 }
 DRIVE = {"kind": "top_drive", "rotation": 1.0}
 SHORT = {"time": {"end": 0.01}, "output": {"history_every": 0.005, "field_every": 0.01}}
+QUASI = {"mode": "quasi_static", "end": 0.01}
 MUD = {
     "density": 1200,
     "rheology": {"model": "bingham", "yield_stress": 5.0, "plastic_viscosity": 0.02},
@@ -46,6 +59,37 @@ CASES: dict[str, dict[str, Any]] = {
         "joints": [{"at": 15.0, "kind": "universal"}],
         "output": SHORT["output"] | {"probes": [20.0]},
     },
+    "drilling with mud": {
+        "string": [PIPE | {"length": 29.5}, BIT_ITEM | {"nozzle_area": 4e-4}],
+        "top": DRIVE,
+        "bottom": "bit",
+        "formation": {"drillability": 3e-8},
+        "well": WELL,
+        "fluid": MUD | {"cuttings": "returned"},
+    },
+    "held": {"string": [PIPE], "top": "clamped", "well": WELL, "fluid": MUD, "hold_string": True},
+    "free top, quasi-static": {"string": [PIPE], "top": "free", "bottom": "clamped", "time": QUASI},
+}
+#: conditions under which outputs exist, in each case
+_STRING = {"", where.STRING, where.INERTIA, STATIC_START}
+_MUD = {where.MUD, where.BORE, where.ANNULUS}
+_IN_WELL = {where.WELL, where.CONTACT, where.TOP}
+CONDITIONS: dict[str, set[str]] = {
+    "dry with bit": {*_STRING, *_IN_WELL, where.TUBES, where.BIT},
+    "mud": {*_STRING, *_IN_WELL, *_MUD, where.TUBES, where.MUD_AND_STRING},
+    "joints": {*_STRING, where.TUBES, where.TOP, where.JOINTS},
+    "drilling with mud": {
+        *_STRING,
+        *_IN_WELL,
+        *_MUD,
+        where.TUBES,
+        where.MUD_AND_STRING,
+        where.BIT,
+        where.DRILLS,
+        where.CUTTINGS,
+    },
+    "held": {"", *_MUD, where.WELL, where.INERTIA, STATIC_START},
+    "free top, quasi-static": {"", where.STRING, where.TUBES, STATIC_START},
 }
 
 
@@ -57,27 +101,60 @@ def described(title: str, file: str) -> None:
     assert matching[0].unit == unit, title
 
 
+def described_and_complete(titles: list[str], file: str, conditions: set[str]) -> None:
+    """A file has all outputs that the catalogue lists for its conditions, in order, and no others."""
+    for title in titles:
+        described(title, file)
+    entries = listed_by_file()[file]
+    wanted = [entry.quantity for entry in entries if entry.condition in conditions]
+    found = [q for q in outputs_by_file()[file] if any(q.matches(split_name(title)[0]) for title in titles)]
+    assert [q.name for q in found] == [q.name for q in wanted], file
+    order = [q.title for q in wanted]
+    assert [title for title in titles if title in order] == [title for title in order if title in titles], (
+        file
+    )
+
+
+def summary_keys(block: dict[str, Any], path: str = "") -> Iterator[str]:
+    """Paths of the keys of summary.json, without units."""
+    for key, value in block.items():
+        name = path + split_name(key)[0]
+        yield name
+        if isinstance(value, dict):
+            yield from summary_keys(value, f"{name}.")
+
+
+def summary_is_described(folder: Path, file: str, conditions: set[str]) -> None:
+    """summary.json has the keys that the catalogue lists for its conditions; others are parts of a listed block."""
+    found = set(summary_keys(json.loads((folder / "summary.json").read_text())))
+    listed = {r["name"]: r["condition"] for r in records() if r["file"] == file}
+    wanted = {name for name, condition in listed.items() if condition in conditions}
+    assert wanted <= found and not found & (set(listed) - wanted)
+    for name in found - wanted:
+        is_part = any(name.startswith(f"{block}.") for block in wanted)
+        is_block = any(key.startswith(f"{name}.") for key in wanted)
+        assert is_part or is_block, name
+
+
 @pytest.mark.parametrize("name", CASES)
-def test_every_column_and_array_is_described(name: str, tmp_path: Path) -> None:
-    case = Case(**{**SHORT, **CASES[name]})
+def test_every_output_is_described_with_its_condition(name: str, tmp_path: Path) -> None:
+    case, conditions = Case(**{**SHORT, **CASES[name]}), CONDITIONS[name]
     run(case, tmp_path / "run", progress="silent")
     run_statics(case, tmp_path / "statics")
-    tables = {"run/history.csv", "statics/statics.csv"} | (
-        {"run/probes.csv"} if case.output.probes else set()
-    )
-    for table in sorted(tables | ({"run/trajectory.csv"} if case.well is not None else set())):
-        titles = list(read_table(tmp_path / table))
-        for title in titles:
-            described(title, Path(table).name)
-        order = [q.title for q in outputs_by_file()[Path(table).name]]
-        assert [t for t in titles if t in order] == [t for t in order if t in titles], table
+    tables = {"run/history.csv", "statics/statics.csv"}
+    tables |= {"run/probes.csv"} if case.output.probes else set()
+    tables |= {"run/trajectory.csv"} if case.well is not None else set()
+    for table in sorted(tables):
+        described_and_complete(list(read_table(tmp_path / table)), Path(table).name, conditions)
     for folder in ("run", "statics"):
-        for title in read_frame(read_series(tmp_path / folder)[-1][1]).point_data:
-            described(title, "string/*.vtu")
+        fields = list(read_frame(read_series(tmp_path / folder)[-1][1]).point_data)
+        described_and_complete(fields, "string/*.vtu", conditions)
+        summary_is_described(tmp_path / folder, f"summary.json of {folder}", conditions)
 
 
 def test_the_table_of_modes_is_described(tmp_path: Path) -> None:
     run_modes(Case(string=[PIPE], top="clamped"), tmp_path / "modes", count=2)
+    summary_is_described(tmp_path / "modes", "summary.json of modes", {""})
     titles = list(read_table(tmp_path / "modes" / "modes.csv"))
     assert titles == [q.title for q in outputs_by_file()["modes.csv"]]
 
@@ -111,6 +188,18 @@ def test_an_output_is_found_at_any_depth() -> None:
         assert found is not None and found.name == pattern
     assert find("x_") is None and find("mean_wob") is None and find("joint_1_nothing") is None
     assert label("spin_600.5") == "Spin rate at 600.5 m" and label("nothing") is None
+
+
+def test_records_are_one_sentence_each() -> None:
+    for record in records():
+        assert (
+            record["doc"].endswith(".")
+            and record["name"]
+            and all(isinstance(v, str) for v in record.values())
+        )
+    assert {r["file"] for r in records()} == {*outputs_by_file(), *SUMMARY_KEYS}
+    places = [(r["file"], r["name"]) for r in records()]
+    assert len(set(places)) == len(places)
 
 
 def test_an_output_that_the_catalogue_does_not_list_comes_last() -> None:

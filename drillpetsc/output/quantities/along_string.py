@@ -1,0 +1,193 @@
+"""Motion, forces and surroundings of the string at its nodes and elements."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.fem.quantity import FloatArray, Quantity, Sample
+
+
+def _position(string: Any, sample: Sample) -> FloatArray:
+    return np.asarray(string.position(sample))
+
+
+def _offset(string: Any, position: FloatArray, depth: FloatArray) -> FloatArray:
+    return np.asarray(string.offset(position, depth))
+
+
+MD = Quantity(
+    "md",
+    "m",
+    on="node",
+    label="Measured depth",
+    mnemonic="MD",
+    sign="down",
+    doc="Measured depth: along the unstrained string, in trajectory.csv along the hole.",
+    mean=False,
+    value=lambda string, sample: string.node_depth,
+)
+OFFSET_X = Quantity(
+    "offset_x",
+    "m",
+    on="node",
+    label="Offset to the high side",
+    mnemonic="OFFX",
+    sign="towards the high side (north in a vertical hole)",
+    doc="Offset of the string's centre from the hole's axis.",
+    value=_position,
+    size=3,
+    finish=_offset,
+    index=0,
+)
+OFFSET_Y = Quantity(
+    "offset_y",
+    "m",
+    on="node",
+    label="Offset to the right",
+    mnemonic="OFFY",
+    sign="to the right of the high side, looking down (east in a vertical hole)",
+    doc="Offset of the string's centre from the hole's axis.",
+    value=_position,
+    size=3,
+    finish=_offset,
+    index=1,
+)
+AXIAL_FORCE = Quantity(
+    "axial_force",
+    "N",
+    on="element",
+    label="Axial force",
+    mnemonic="AXFR",
+    sign="tension positive, compression negative",
+    doc="Tension of the pipe's wall (manual: eq-mud-effective-tension).",
+    value=lambda string, sample: string.axial_force(sample),
+)
+TORQUE = Quantity(
+    "torque",
+    "N m",
+    on="element",
+    label="Torque",
+    mnemonic="TORQ",
+    sign="as the surface torque: the part above turns the part below clockwise",
+    doc="Torque in the string.",
+    value=lambda string, sample: string.results(sample, "torque"),
+    finish=lambda string, values, depth: -values,
+)
+BENDING_MOMENT = Quantity(
+    "bending_moment",
+    "N m",
+    on="element",
+    label="Bending moment",
+    mnemonic="BEND",
+    sign="not negative",
+    doc="Magnitude of the bending moment, beyond the stress-free shape.",
+    value=lambda string, sample: string.bending_moment(sample),
+)
+EFFECTIVE_TENSION = Quantity(
+    "effective_tension",
+    "N",
+    on="element",
+    label="Effective tension",
+    mnemonic="EFFT",
+    sign="tension positive, compression negative",
+    doc="Axial force less the pressures, T - p_i A_i + p_o A_o, the force that buckles (manual: eq-mud-effective-tension).",
+    value=lambda string, sample: string.tension_and_pressure(sample),
+    size=2,
+    finish=lambda string, parts, depth: parts[:, :1] + parts[:, 1:],
+)
+HOLE_RADIUS = Quantity(
+    "hole_radius",
+    "m",
+    on="node",
+    label="Radius of the hole",
+    mnemonic="HRAD",
+    doc="Radius of the hole where the node is now.",
+    value=_position,
+    size=3,
+    finish=lambda string, position, depth: string.hole_radius(position),
+)
+STRING_FIELDS: tuple[Quantity, ...] = (
+    MD,
+    Quantity(
+        "outer_radius",
+        "m",
+        on="element",
+        label="Outer radius of the pipe",
+        mnemonic="PRAD",
+        doc="Outer radius of the pipe.",
+        value=lambda string, sample: string.outer_radius,
+    ),
+    Quantity(
+        "displacement",
+        "m",
+        on="node",
+        label="Displacement",
+        mnemonic="DISP",
+        sign="north, east, down",
+        doc="Displacement from the unstrained string along the hole's axis at the start.",
+        value=_position,
+        size=3,
+        finish=lambda string, position, depth: position - string.start,
+        index=None,
+    ),
+    Quantity(
+        "velocity",
+        "m/s",
+        on="node",
+        label="Velocity",
+        mnemonic="VELO",
+        sign="north, east, down",
+        doc="Velocity of the string's centre.",
+        value=lambda string, sample: string.motion(sample)[:, 3:6],
+        size=3,
+        index=None,
+    ),
+    Quantity(
+        "spin",
+        "rad/s",
+        on="node",
+        label="Spin rate",
+        mnemonic="SPIN",
+        sign="clockwise (looking down)",
+        doc="Spin rate of the string about its axis.",
+        value=lambda string, sample: string.motion(sample)[:, 6],
+    ),
+    Quantity(
+        "spin_angle",
+        "rad",
+        on="node",
+        label="Spin angle",
+        mnemonic="SANG",
+        sign="clockwise (looking down)",
+        doc="Angle about the string's axis since the start, turns included.",
+        value=lambda string, sample: string.motion(sample)[:, 7],
+    ),
+    OFFSET_X,
+    OFFSET_Y,
+    AXIAL_FORCE,
+    TORQUE,
+    BENDING_MOMENT,
+    Quantity(
+        "stress",
+        "Pa",
+        on="element",
+        label="Largest normal stress",
+        mnemonic="STRS",
+        sign="not negative",
+        doc="Largest normal stress of the section, from axial force and bending.",
+        value=lambda string, sample: string.stress(sample),
+    ),
+    EFFECTIVE_TENSION,
+)
+
+INCLINATION = Quantity(
+    "inclination",
+    "deg",
+    on="node",
+    label="Inclination",
+    mnemonic="INCL",
+    sign="from the vertical, 90 deg is level",
+    doc="Angle of the string (in trajectory.csv: of the hole) from the vertical.",
+)

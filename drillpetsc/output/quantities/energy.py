@@ -1,0 +1,58 @@
+"""Energies of a run."""
+
+from __future__ import annotations
+
+from drillpetsc.fem.quantity import Quantity
+
+ENERGY: tuple[Quantity, ...] = (
+    Quantity(
+        "kinetic_energy",
+        "J",
+        on="scalar",
+        label="Kinetic energy",
+        mnemonic="EKIN",
+        doc="Kinetic energy of string and mud.",
+        interpolate="none",
+        mean=False,
+        value=lambda balance, sample: balance.energies[0],
+        panel=9,
+        numerics=True,
+    ),
+    Quantity(
+        "strain_energy",
+        "J",
+        on="scalar",
+        label="Strain energy",
+        mnemonic="ESTR",
+        doc="Energy stored in the string, in contacts, springs and compressed mud.",
+        interpolate="none",
+        mean=False,
+        value=lambda balance, sample: balance.energies[1],
+        panel=9,
+        numerics=True,
+    ),
+    Quantity(
+        "energy_error",
+        "J",
+        on="scalar",
+        label="Energy error",
+        mnemonic="EERR",
+        sign="the time integration created energy",
+        doc="Stored energy gained plus dissipated less supplied energy since the start.",
+        interpolate="none",
+        mean=False,
+        value=lambda balance, sample: balance.error,
+        panel=10,
+        numerics=True,
+    ),
+)
+#: what the energy balance samples: dissipated and supplied power; not written anywhere
+POWERS = Quantity(
+    "powers",
+    "W",
+    on="scalar",
+    label="Powers",
+    doc="Dissipated and supplied power.",
+    value=lambda balance, sample: sample.system.local_powers(sample.time),
+    size=2,
+)

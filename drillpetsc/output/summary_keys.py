@@ -1,0 +1,199 @@
+"""Keys of summary.json that are no quantities of the model: counts, times, balances, settings.
+
+Plain descriptions, like ``drillpetsc.output.quantities``.  ``tests/unit/output/test_catalogue.py`` compares them with
+the files that the commands write.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from drillpetsc.output.conditions import CONTACT, CUTTINGS, DRILLS, INERTIA, MUD, STRING
+
+
+@dataclass(frozen=True)
+class SummaryKey:
+    """One key of summary.json.
+
+    name: path of the key, ``energy.error`` for ``error`` in the block ``energy``; a path may name a whole block.
+    unit: as in ``Quantity``; empty for text, blocks and truth values.
+    doc: one sentence.
+    condition: what the case or the run has where the key exists; empty: always.
+    """
+
+    name: str
+    unit: str
+    doc: str
+    condition: str = ""
+
+
+STATIC_START = "static start"
+MESH_ERROR = "run --mesh-error"
+
+RUN: tuple[SummaryKey, ...] = (
+    SummaryKey("title", "", "Title of the case."),
+    SummaryKey("status", "", "'done', 'failed: REASON', or 'stopped by SIGNAL ...'."),
+    SummaryKey("interrupted", "", "True if a signal ended the run."),
+    SummaryKey("versions", "", "Versions of drillpetsc, PETSc, numpy and Python that computed the run."),
+    SummaryKey("petsc_options", "", "PETSc options in effect."),
+    SummaryKey("ranks", "-", "Number of ranks."),
+    SummaryKey("elements", "-", "Number of elements."),
+    SummaryKey("unknowns", "-", "Number of unknowns, without their rates."),
+    SummaryKey("simulated", "s", "Simulated time of this run; of a continued run, since it was continued."),
+    SummaryKey("time", "s", "Simulated time at the end."),
+    SummaryKey("steps", "-", "Number of accepted time steps."),
+    SummaryKey("rejected_steps", "-", "Number of rejected time steps."),
+    SummaryKey("newton_iterations", "-", "Number of Newton iterations."),
+    SummaryKey("jacobians", "-", "Number of evaluations of the Jacobian."),
+    SummaryKey("failed_solves", "-", "Number of time steps in which Newton's method failed."),
+    SummaryKey("linear_iterations", "-", "Number of iterations of the linear solver."),
+    SummaryKey("residuals", "-", "Number of evaluations of the residual."),
+    SummaryKey("wall_seconds", "s", "Wall time of the motion."),
+    SummaryKey("cpu_seconds", "s", "Processor time of the motion, all ranks together."),
+    SummaryKey("start_seconds", "s", "Wall time of the start, which contains the statics."),
+    SummaryKey("real_time_factor", "-", "Simulated time over wall time of the motion."),
+    SummaryKey(
+        "wall_by_phase",
+        "s",
+        "Wall time of the first rank by phase: residual, Jacobian, factorisation, solve, output; empty without PETSc's log.",
+    ),
+    SummaryKey("warnings", "", "What the user should know."),
+    SummaryKey("statics.iterations", "-", "Newton iterations of the static start.", STATIC_START),
+    SummaryKey(
+        "statics.negative_pivots",
+        "-",
+        "Negative pivots of the stiffness matrix in the static start, beyond one for each constraint.",
+        STATIC_START,
+    ),
+    SummaryKey("statics.residual", "N", "Residual of the static start.", STATIC_START),
+    SummaryKey(
+        "statics.imperfection",
+        "-",
+        "Lateral load that was added to leave a straight unstable state, as a fraction of the weight.",
+        STATIC_START,
+    ),
+    SummaryKey("statics.warnings", "", "Warnings of the static start.", STATIC_START),
+    SummaryKey("energy.kinetic", "J", "Kinetic energy at the end.", INERTIA),
+    SummaryKey("energy.strain", "J", "Strain energy at the end.", INERTIA),
+    SummaryKey("energy.potential", "J", "Potential energy of gravity at the end.", INERTIA),
+    SummaryKey("energy.dissipated", "J", "Energy dissipated since the start.", INERTIA),
+    SummaryKey("energy.supplied", "J", "Energy supplied since the start.", INERTIA),
+    SummaryKey(
+        "energy.error",
+        "J",
+        "Stored energy gained plus dissipated less supplied energy since the start.",
+        INERTIA,
+    ),
+    SummaryKey(
+        "energy.error_share",
+        "-",
+        "Energy error over the larger of supplied work and peak change of stored energy.",
+        INERTIA,
+    ),
+    SummaryKey("energy.gained", "J", "Largest energy error in any row of the history, at least 0.", INERTIA),
+    SummaryKey("energy.gained_share", "-", "Gained energy, as a share like error_share.", INERTIA),
+    SummaryKey("energy.gain_limit", "-", "Limit of gained_share (option -drillpetsc_gain_limit).", INERTIA),
+    SummaryKey("energy.flag", "", "True if gained_share exceeds its limit.", INERTIA),
+    SummaryKey("mass.pumped", "m3", "Volume of mud pumped in since the start.", MUD),
+    SummaryKey("mass.returned", "m3", "Volume of mud that came out since the start.", MUD),
+    SummaryKey("mass.cuttings", "m3", "Volume of rock that the mud took up, counted as mud.", CUTTINGS),
+    SummaryKey("mass.content_change", "m3", "Change of the volume of mud in string and hole.", MUD),
+    SummaryKey("mass.error", "m3", "Change of content less pumped plus returned less cuttings.", MUD),
+    SummaryKey(
+        "mass.error_share", "-", "Error over the largest of pumped, returned and changed volume.", MUD
+    ),
+    SummaryKey("new_hole.drilled", "m", "Length of the new hole.", DRILLS),
+    SummaryKey("new_hole.inclination_start", "deg", "Inclination where the new hole begins.", DRILLS),
+    SummaryKey("new_hole.inclination_end", "deg", "Inclination at the end of the new hole.", DRILLS),
+    SummaryKey("new_hole.azimuth_start", "deg", "Azimuth where the new hole begins.", DRILLS),
+    SummaryKey("new_hole.azimuth_end", "deg", "Azimuth at the end of the new hole.", DRILLS),
+    SummaryKey(
+        "new_hole.build_rate", "deg/30m", "Build rate of the new hole (manual: eq-borehole-rates).", DRILLS
+    ),
+    SummaryKey(
+        "new_hole.turn_rate", "deg/30m", "Turn rate of the new hole (manual: eq-borehole-rates).", DRILLS
+    ),
+    SummaryKey("new_hole.dogleg_severity", "deg/30m", "Dogleg severity of the new hole.", DRILLS),
+    SummaryKey(
+        "new_hole.end_above",
+        "m",
+        "Offset of the end of the hole from the straight continuation of the old hole, to the high side.",
+        DRILLS,
+    ),
+    SummaryKey("new_hole.end_right", "m", "Offset to the right of that, looking down the hole.", DRILLS),
+    SummaryKey("final", "", "Last values of history.csv, by column."),
+    SummaryKey(
+        "error_estimate.time", "", "Local errors of the BDF formula by unknown, largest over the string."
+    ),
+    SummaryKey(
+        "error_estimate.mesh",
+        "",
+        "Differences of the history from that on elements twice as long.",
+        MESH_ERROR,
+    ),
+    SummaryKey("memory.start", "bytes", "Peak memory at the start of the motion, all ranks together."),
+    SummaryKey("memory.after_a_tenth", "bytes", "Peak memory after a tenth of the motion."),
+    SummaryKey("memory.peak", "bytes", "Peak memory at the end."),
+)
+
+STATICS: tuple[SummaryKey, ...] = (
+    SummaryKey("title", "", "Title of the case."),
+    SummaryKey(
+        "motion", "", "Motion that friction opposes: 'hoist', 'lower', 'rotate' or 'as the top prescribes'."
+    ),
+    SummaryKey(
+        "negative_pivots",
+        "-",
+        "Negative pivots of the stiffness matrix beyond one for each constraint; a stable state has none.",
+        STRING,
+    ),
+    SummaryKey("stable", "", "True if the state is stable.", STRING),
+    SummaryKey("iterations", "-", "Iterations of Newton's method.", STRING),
+    SummaryKey("residual", "N", "Residual of the equilibrium.", STRING),
+    SummaryKey(
+        "imperfection",
+        "-",
+        "Lateral load that was added to leave a straight unstable state, as a fraction of the weight.",
+        STRING,
+    ),
+    SummaryKey("warnings", "", "What the user should know.", STRING),
+    SummaryKey("soft_string.hook_load", "N", "Hook load by the soft-string model.", CONTACT),
+    SummaryKey("soft_string.surface_torque", "N m", "Surface torque by the soft-string model.", CONTACT),
+    SummaryKey("soft_string.stretch", "m", "Stretch by the soft-string model.", CONTACT),
+)
+
+MODES: tuple[SummaryKey, ...] = (
+    SummaryKey("title", "", "Title of the case."),
+    SummaryKey("searched", "", "Which modes were computed."),
+    SummaryKey("about", "", "The state: 'rest', or its motion."),
+    SummaryKey("lowering", "m/s", "Axial velocity of the state, positive down."),
+    SummaryKey("rotation", "rad/s", "Rotation of the state, positive clockwise."),
+    SummaryKey("modes", "-", "Number of modes found."),
+    SummaryKey("stable", "", "True if no mode grows and no eigenvalue is zero."),
+    SummaryKey("margin", "1/s", "Largest growth rate; negative where every computed mode decays."),
+    SummaryKey("unstable", "-", "Number of modes that grow."),
+    SummaryKey("diverging", "-", "Number of modes that grow without oscillation."),
+    SummaryKey("fluttering", "-", "Number of modes that grow with oscillation."),
+    SummaryKey(
+        "zero_roots",
+        "-",
+        "Number of zero eigenvalues: free motions, or a load at which the string just buckles.",
+    ),
+    SummaryKey("smallest_eigenvalue", "rad/s", "Smallest magnitude of an eigenvalue."),
+    SummaryKey("largest_error", "-", "Largest backward error of an eigenvalue."),
+    SummaryKey("imbalance", "N", "Largest unbalanced force on a node in the state."),
+    SummaryKey("frequency", "Hz", "List: frequency of each mode."),
+    SummaryKey("damping_ratio", "-", "List: damping ratio of each mode."),
+    SummaryKey("growth", "1/s", "List: growth rate of each mode."),
+    SummaryKey("kind", "", "List: kind of each mode."),
+    SummaryKey("negative_pivots", "-", "As in the summary of statics."),
+    SummaryKey("warnings", "", "What the user should know."),
+    SummaryKey("time_scales", "", "Periods and travel times of waves, as text."),
+)
+
+#: keys by file, as the catalogue names the files
+SUMMARY_KEYS = {
+    "summary.json of run": RUN,
+    "summary.json of statics": STATICS,
+    "summary.json of modes": MODES,
+}
