@@ -176,7 +176,7 @@ def test_incline(motion, hook, torque):
 
 def test_incline_rotating_pipe_beside_the_low_side():
     """The same with a pipe that may move up the wall: it rests at atan(mu), so the torque is smaller by
-    cos(atan(mu)) (manual: verif-incline-climbing)."""
+    cos(atan(mu)) (manual: verif-incline-free)."""
     _, _, figures = solved(string_in(hole([0.0, 1000.0], [60.0, 60.0], 0.3)), ROTATE, lateral_friction=True)
     assert figures["hook_load"] == pytest.approx(121.000e3, rel=1e-4)
     assert figures["surface_torque"] == pytest.approx(3992.5 / np.hypot(1, 0.3), rel=5e-3)

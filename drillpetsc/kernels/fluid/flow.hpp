@@ -1,7 +1,7 @@
 // What the channels of the drilling fluid share: the fluid, the motion of the string's element that they ride on, Hermite matrices.
 //
 // Both channels count flow positive towards the bit.  Unknowns of an element: those of the string's element (0-13 as in beam/beam.hpp, the
-// stretch ratio of its upper node in place 14 where JUNCTION), then pressure at both nodes [Pa, gauge] and the flow rate q = G/rho0 [m3/s] of
+// stretch ratio of its upper node in place 14 where JUNCTION), then pressure at both nodes [Pa, gauge pressure] and the flow rate q = G/rho0 [m3/s] of
 // the element, G the mass flow relative to the string's nodes.  With HELD the string stands still and has no unknowns: only the last three.
 #pragma once
 #include "core/element.hpp"
