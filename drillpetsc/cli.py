@@ -493,21 +493,22 @@ def _draw(draw: Callable[[], Iterable[Path]], run: str) -> int:
 def _schema(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     import json
 
-    if arguments.outputs:
-        from drillpetsc.output.catalogue import records
+    from drillpetsc.case import case_json_schema, write_schema
+    from drillpetsc.output.catalogue import records
 
-        text = json.dumps(records(), indent=2)
-        if arguments.file:
+    if not arguments.file:
+        print(json.dumps(records() if arguments.outputs else case_json_schema(), indent=2))
+        return 0
+    try:
+        if arguments.outputs:
+            text = json.dumps(records(), indent=2)
             Path(arguments.file).write_text(f"{text}\n", encoding="utf-8")
         else:
-            print(text)
-        return 0
-    from drillpetsc.case import case_json_schema, write_schema
-
-    if arguments.file:
-        write_schema(arguments.file)
-    else:
-        print(json.dumps(case_json_schema(), indent=2))
+            write_schema(arguments.file)
+    except OSError as error:
+        raise CaseError(
+            at="FILE", got=arguments.file, want=f"a file that can be written ({error.strerror})"
+        ) from None
     return 0
 
 

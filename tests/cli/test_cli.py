@@ -180,6 +180,13 @@ def test_every_command_has_a_help_of_its_own():
         assert ended.value.code == 0
 
 
+@pytest.mark.parametrize("options", [(), ("--outputs",)])
+def test_a_schema_that_cannot_be_written_is_one_message(tmp_path, options):
+    refused = drillpetsc("schema", "no-folder/file.json", *options, cwd=tmp_path)
+    assert refused.returncode == 2 and "Traceback" not in refused.stderr
+    assert "no-folder/file.json" in refused.stderr and "No such file" in refused.stderr
+
+
 def test_schema_is_that_of_the_case_or_a_list_of_outputs(finished, tmp_path):
     case = json.loads(drillpetsc("schema", cwd=tmp_path).stdout)
     assert "string" in case["properties"]
