@@ -20,7 +20,7 @@ from drillpetsc.analysis.energy_descent import (
     stiffness_steps,
     too_coarse,
 )
-from drillpetsc.analysis.placement import place_along_hole, prescribed_motion
+from drillpetsc.analysis.placement import hole_at_string, place_along_hole, prescribed_motion
 from drillpetsc.analysis.soft_string import TorqueDrag
 from drillpetsc.analysis.soft_string_start import soft_string_start
 from drillpetsc.analysis.steady_flow import fluid_unknowns, freeze_flow, steady_flow
@@ -285,7 +285,7 @@ def couple_flow_and_string(
     form = model.case.fluid.formulation  # type: ignore[union-attr]
     if lowering and form == "mixed":  # with the Hermite formulation the flow starts from the pump's rate
         dofs = system.layout.dofs["string.position"]
-        tangent = model.tangent if model.well is None else np.asarray(model.well.at(model.mesh.node_depth)[1])
+        tangent, _ = hole_at_string(model)
         solver.rates = np.zeros_like(system.assembly.y)
         solver.rates[dofs] = lowering * tangent[system.chain.vertices]
         system.assembly.y[:] = solver.rates

@@ -22,6 +22,7 @@ _forward = function("chain_forward", "iippppp")
 _backward = function("chain_backward", "iippp")
 _solve = function("chain_solve", "ippppippppp")
 _residual = function("chain_residual", "ipppp")
+_negative = function("chain_negative", "iipp", int)
 
 
 def aligned(count: int) -> np.ndarray:
@@ -186,13 +187,5 @@ class Piece:
         Manual: eq-chain-inertia.
         """
         assert self.blocks is not None
-        table, count = self.table[self.interfaces & 1 : self.n - (self.interfaces >> 1)], 0
-        for b, ld in np.unique(table[:, [_SIZE, _LD]], axis=0):
-            first = table[(table[:, _SIZE] == b) & (table[:, _LD] == ld), _DIAG]
-            S = self.blocks[first[:, None, None] + (ld * np.arange(b)[:, None] + np.arange(b))]
-            S = 0.5 * (S + S.transpose(0, 2, 1))
-            size = np.abs(S).max(axis=2)
-            # scaling both sides is a congruence, which preserves the signs of the eigenvalues
-            scale = np.exp2(-np.round(0.5 * np.log2(np.where(size > 0, size, 1.0))))
-            count += int(np.sum(np.linalg.eigvalsh(scale[:, :, None] * S * scale[:, None, :]) < 0))
-        return count
+        n, interfaces, table, _ = self._piece
+        return _negative(n, interfaces, table, pointer(self.blocks))

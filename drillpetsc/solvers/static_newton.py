@@ -19,7 +19,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
-from drillpetsc.fem.assembly import ROW_SCALE
+from drillpetsc.fem.assembly import ROW_SCALE, RowReplacement
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.solvers.chain_lu import ZeroPivot
 from drillpetsc.solvers.newton import chain_factor
@@ -191,7 +191,7 @@ class StaticNewton:
             for item, e, slots in f.elements:
                 K = asm.values[item.span].reshape(item.count, item.width, item.width)[e]
                 if f is self._top_rows:
-                    np.add.at(self._by_top, item.index[e], K[:, slots] @ f.D[0])
+                    np.add.at(self._by_top, item.index[e], K[:, slots] @ self._advance(f))
                 K[:, slots] = K[:, slots] @ f.complement
         c = self._spin_potential()
         slot = np.full(self.system.layout.size + 1, -1)
@@ -205,6 +205,11 @@ class StaticNewton:
                 if item.width < 7 or (node < 0).all():
                     continue
                 K[:, s - 3 : s, :] += c[node][:, :, None] * K[:, s : s + 1, :]
+
+    def _advance(self, f: RowReplacement) -> FloatArray:
+        """Change (7,) of the unknowns of a prescribed end by the length that it is moved down its path."""
+        advance = f.condition.advance
+        return f.D[0] if advance is None else advance(self.system.assembly.x[f.rows])
 
     def _factor(self, sigma: float) -> int:
         """Factor K + sigma M; ``sigma`` in N/m2 (manual: eq-statics-step).
@@ -303,7 +308,7 @@ class StaticNewton:
         s = np.zeros(n)
         self.factor.solve(-self._gradient(system.sum_local(self._by_top)), s)
         if self._top_rows is not None:
-            s[self._top_rows.rows] += self._top_rows.D[0]
+            s[self._top_rows.rows] += self._advance(self._top_rows)
         depth, gradient, target = self.depth(system)  # type: ignore[misc]
         by_step = self.sum(float(gradient[self._owned] @ p[self._owned]))
         by_top = self.sum(float(gradient[self._owned] @ s[self._owned]))
@@ -394,7 +399,8 @@ class StaticNewton:
         asm = self.system.assembly
         for f in asm.row_replacements:
             if f.owned:
-                error = f.D @ asm.x[f.rows] - f.condition.value(self.t)
+                f.evaluate(self.t, asm.x)
+                error = f.D @ asm.x[f.rows] - f.value
                 out[f.rows] += f.D.T @ (ROW_SCALE * error)
         return out
 
@@ -446,8 +452,10 @@ class StaticNewton:
         """Put prescribed components at their values."""
         report.converged = False
         x = self.system.assembly.x
+        self.system.assembly.invalidate_prescribed_values()
         for f in self.system.assembly.row_replacements:
-            x[f.rows] += f.D.T @ (f.condition.value(self.t) - f.D @ x[f.rows])
+            f.evaluate(self.t, x)
+            x[f.rows] += f.D.T @ (f.value - f.D @ x[f.rows])
 
     def _end(self, report: Equilibrium) -> None:
         """Store the largest residual in ``element_results``; collective."""
