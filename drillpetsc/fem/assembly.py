@@ -428,6 +428,16 @@ class Assembly:
         self._event["Residual"].end()
         return self.r
 
+    def partial_residual(self, t: float, chosen: Callable[[ElementBlock], bool]) -> FloatArray:
+        """Compute the residual of the ``chosen`` blocks at time ``t`` [s] into ``r``, not summed over ranks."""
+        self.r[:] = 0.0
+        for b in self.bound_blocks:
+            if b.count and chosen(b.block):
+                if b.block.update:
+                    b.update_parameters(t)
+                b.residual(*b.head, *self._state)
+        return self.r
+
     def replace_rows(self, t: float, owned: FloatArray, owned_index: np.ndarray) -> None:
         """Replace the rows along prescribed directions; store the reactions (manual: eq-prescribed-rows).
 

@@ -22,18 +22,26 @@ from drillpetsc.errors import SolveError
 from drillpetsc.fem.assembly import ROW_SCALE, RowReplacement
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.solvers.chain_lu import ZeroPivot
-from drillpetsc.solvers.newton import chain_factor
+from drillpetsc.solvers.newton import static_factor
 
 CONVERGED_INCREMENT = 2.0e-9  # largest increment of a converged state, in the fields' scales
 ROUNDING_INCREMENT = (
     1.0e-5  # increment below which a state counts as converged where rounding stops the descent
 )
+ROUNDING_RATIO = 0.1  # an increment below it that is not this much smaller than all before it is rounding
 MAX_ITERATIONS = 600
 MAX_FULL_STEPS = 40
 #: full Newton steps without a smaller increment before the iteration ends; contacts may open and close
 #: without end
 STALL_WINDOW = 8
+SLOPE_STEP = 1.0e-4  # share of a step over which its direction is differenced
+#: largest lateral motion of a node in one step, as a share of its clearance: full Newton steps, shifted steps
+STEP_SHARE, SHIFTED_STEP_SHARE = 2.0, 0.5
 MAX_SLOPE_CHANGE = 0.4  # largest change of a node's slope in one step
+
+
+#: (unknowns, step, factor) -> unknowns after the step
+Advance = Callable[[FloatArray, FloatArray, float], FloatArray]
 
 
 @dataclass
@@ -62,8 +70,9 @@ class StaticNewton:
 
     system: the discrete system.
     energy: the loads have a potential, so that the matrix inertia and the descent have a meaning.
-    clearance: smallest radial clearance [m], None without a well.
+    clearance: (n_nodes,) radial clearance [m], or the same for all; None without a well.
     t: time at which inputs are evaluated [s].
+    advance: takes a step, equal to x + factor p to first order; None: exactly that.
 
     The caller may set, with n local dofs:
     depth(system): depth of the bit below the hole's end [m], its gradient (n,) by the local unknowns, and the
@@ -74,11 +83,20 @@ class StaticNewton:
     """
 
     def __init__(
-        self, system: DiscreteSystem, energy: bool = True, clearance: float | None = None, t: float = 0.0
+        self,
+        system: DiscreteSystem,
+        energy: bool = True,
+        clearance: FloatArray | float | None = None,
+        t: float = 0.0,
+        advance: Advance | None = None,
     ):
         self.system, self.energy, self.t = system, energy, t
-        self.max_lateral_step = 0.5 * clearance if clearance else 0.2 * float(system.mesh.node_depth[-1])
-        self.factor = chain_factor(system)
+        self._advanced: Advance = advance or (lambda x, p, factor: x + factor * p)
+        free = 0.2 * float(system.mesh.node_depth[-1])
+        step = free if clearance is None else np.asarray(clearance, dtype=float)
+        self._step_shares = (1.0, 1.0) if clearance is None else (STEP_SHARE, SHIFTED_STEP_SHARE)
+        self.max_lateral_step = np.broadcast_to(step, (system.mesh.nodes,))[system.chain.vertices]
+        self.factor = static_factor(system)
         self.f = system.new_condensed()
         self.depth: Callable[[DiscreteSystem], tuple[float, FloatArray, float]] | None = None
         self.move_top: Callable[[float], None] | None = None
@@ -253,18 +271,19 @@ class StaticNewton:
         )
 
     # ------------------------------------------------------------------ iteration
-    def _step_limit(self, p: FloatArray) -> float:
+    def _step_limit(self, p: FloatArray, shifted: bool) -> float:
         """Compute the largest factor of the step ``p`` (n,) with bounded lateral motion and slope change of
-        every node.
+        every node.  ``shifted``: the limit of shifted steps.
         """
         system = self.system
         r, v = p[system.layout.dofs["string.position"]], p[system.layout.dofs["string.tangent"]]
         t = system.field("string.tangent")
         t = t / np.linalg.norm(t, axis=1, keepdims=True)
-        lateral = np.linalg.norm(r - t * np.sum(r * t, axis=1, keepdims=True), axis=1).max(initial=0.0)
+        lateral = np.linalg.norm(r - t * np.sum(r * t, axis=1, keepdims=True), axis=1)
+        share = (lateral / self.max_lateral_step).max(initial=0.0)
         slope = np.linalg.norm(v, axis=1).max(initial=0.0)
         return min(
-            self.max_lateral_step / max(self.largest(lateral), 1e-300),
+            self._step_shares[shifted] / max(self.largest(share), 1e-300),
             MAX_SLOPE_CHANGE / max(self.largest(slope), 1e-300),
         )
 
@@ -296,8 +315,11 @@ class StaticNewton:
 
     def _slope_at(self, x0: FloatArray, p: FloatArray, alpha: float) -> float:
         """Compute the slope [J] of the energy along ``p`` (n,) at x0 + alpha p; collective."""
-        self.system.assembly.x[: self.system.layout.size] = x0 + alpha * p
-        return self.sum(float(self._gradient(self.rows())[self._owned] @ p[self._owned]))
+        self.system.assembly.x[: self.system.layout.size] = self._advanced(x0, p, alpha)
+        way = (self._advanced(x0, p, alpha + SLOPE_STEP) - self._advanced(x0, p, alpha - SLOPE_STEP)) / (
+            2 * SLOPE_STEP
+        )
+        return self.sum(float(self._gradient(self.rows())[self._owned] @ way[self._owned]))
 
     def _bring_to_depth(self, p: FloatArray) -> float:
         """Add to ``p`` (n,) the motion of the top that brings the bit to its depth (manual: eq-statics-wob).
@@ -322,18 +344,25 @@ class StaticNewton:
         return move
 
     def _newton(
-        self, shifted: bool, report: Equilibrium, search: bool = True, max_iterations: int = MAX_ITERATIONS
+        self,
+        shifted: bool,
+        report: Equilibrium,
+        search: bool = True,
+        max_iterations: int = MAX_ITERATIONS,
+        tolerance: float = CONVERGED_INCREMENT,
     ) -> None:
         """Iterate from the assembly's x (manual: eq-statics-step).
 
         shifted: use a shift that leaves no negative pivot; otherwise full Newton steps.
         report: gets iterations, increments and ``converged``.
         search: search the step length where the step is shifted.
+        tolerance: largest increment of a converged state.
         Raises SolveError where the iteration does not converge.
         """
         asm, n = self.system.assembly, self.system.layout.size
         sigma, smallest, weight = 0.0, np.inf, 1.0 / self.system.scale
-        stalled, start = 0, len(report.history)
+        rounded, start = 0, len(report.history)
+        full_steps: list[float] = []
         for _ in range(max_iterations):
             rows = self.rows()
             g = self._gradient(rows)
@@ -350,12 +379,12 @@ class StaticNewton:
             self.factor.solve(-self._with_constraints(g), p)
             move = self._bring_to_depth(p) if self.depth else 0.0
             x0 = asm.x[:n].copy()
-            longest = self._step_limit(p)
+            longest = self._step_limit(p, shifted)
             alpha = min(1.0, longest)
             slope0 = self.sum(float(g[self._owned] @ p[self._owned]))
             if search and shifted and abs(move) < 1e-9 and slope0 < 0:
                 alpha = self._search(x0, p, slope0, alpha, longest if sigma else alpha)
-            asm.x[:n] = x0 + alpha * p
+            asm.x[:n] = self._advanced(x0, p, alpha)
             if self.depth and self.move_top:
                 self.move_top(alpha * move)
             size = self.largest(float(np.max(np.abs(alpha * p) * weight, initial=0.0)))
@@ -366,18 +395,19 @@ class StaticNewton:
                 raise SolveError(
                     "the static solution is not finite", **self.system.locate_largest_residual(self.t)
                 )
-            # rounding: the increment is small and no longer shrinks
-            stalled += size < ROUNDING_INCREMENT and size > 0.8 * smallest
+            full_steps = [*full_steps, size] if alpha == 1.0 else []
+            # rounding: a small increment that a further step no longer shrinks
+            rounded = rounded + 1 if size < ROUNDING_INCREMENT and size > ROUNDING_RATIO * smallest else 0
             if (
                 alpha == 1.0
                 and sigma == 0.0
-                and (size < CONVERGED_INCREMENT or stalled >= 3)
-                or (stalled >= 8 and size < CONVERGED_INCREMENT)
+                and (size < tolerance or rounded)
+                or (rounded >= 8 and size < CONVERGED_INCREMENT)
             ):
                 report.converged = True
                 return
             smallest = min(smallest, size)
-            if not shifted and self._does_not_shrink(report.history[start:], alpha):
+            if not shifted and self._does_not_shrink(full_steps):
                 break
         raise SolveError(
             f"statics did not converge in {len(report.history) - start} iterations "
@@ -387,9 +417,9 @@ class StaticNewton:
         )
 
     @staticmethod
-    def _does_not_shrink(sizes: list[float], alpha: float) -> bool:
+    def _does_not_shrink(sizes: list[float]) -> bool:
         """Whether the increments ``sizes`` of full steps have not become smaller within ``STALL_WINDOW`` steps."""
-        if alpha < 1.0 or len(sizes) <= 2 * STALL_WINDOW:
+        if len(sizes) <= 2 * STALL_WINDOW:
             return False
         return min(sizes[-STALL_WINDOW:]) > 0.5 * min(sizes[:-STALL_WINDOW])
 
@@ -425,14 +455,20 @@ class StaticNewton:
             self.minimise_energy(report)
         return report
 
-    def newton_free(self, report: Equilibrium) -> None:
+    def newton_free(self, report: Equilibrium, tolerance: float = CONVERGED_INCREMENT) -> None:
         """Take full Newton steps, the fastest method where it converges; collective.
+
+        tolerance: largest increment of a converged state, in the fields' scales.
 
         Raises SolveError where the steps do not converge to a stable state.
         """
         self._begin(report)
-        self._newton(False, report, search=False, max_iterations=MAX_FULL_STEPS)
+        self._newton(False, report, False, MAX_FULL_STEPS, tolerance)
         self._end(report)
+        self.check_stable()
+
+    def check_stable(self) -> None:
+        """Raise SolveError where the loads have an energy and the state is no minimum of it; collective."""
         if self.energy and self.negative_pivots():
             raise SolveError("the static state is unstable", **self.system.locate_largest_residual(self.t))
 
@@ -463,8 +499,10 @@ class StaticNewton:
             float(np.max(np.abs(self._gradient(self.rows())[self._owned]), initial=0.0))
         )
 
-    def newton_damped(self, report: Equilibrium) -> None:
+    def newton_damped(self, report: Equilibrium, tolerance: float = CONVERGED_INCREMENT) -> None:
         """Take full Newton steps without a stability count, for loads without an energy (friction).
+
+        tolerance: largest increment of a converged state, in the fields' scales.
 
         Collective.
 
@@ -472,7 +510,7 @@ class StaticNewton:
         """
         energy, self.energy = self.energy, False
         try:
-            self.newton_free(report)
+            self.newton_free(report, tolerance)
         finally:
             self.energy = energy
 
