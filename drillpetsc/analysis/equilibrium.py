@@ -60,8 +60,8 @@ class StaticState:
 
     @property
     def stable(self) -> bool:
-        """Whether the state has no negative pivot (manual: eq-statics-stable)."""
-        return self.equilibrium.negative_pivots == 0
+        """Whether the state has neither a negative nor a zero pivot (manual: eq-statics-stable)."""
+        return self.equilibrium.negative_pivots == 0 and not self.equilibrium.singular
 
 
 def director_equilibrium(
@@ -117,8 +117,8 @@ def director_equilibrium(
         )
     for component in sliding:  # stability is counted without friction
         component.impose_sliding_direction(0.0, 0.0)
-    solver.energy = _conservative(model)
-    report.negative_pivots = max(0, solver.negative_pivots()) if solver.energy else 0
+    count = solver.negative_pivots()
+    report.negative_pivots, report.singular = max(0, count), count < 0
     for component in sliding:
         component.impose_sliding_direction(*motion, fraction)
     couple_flow_and_string(model, solver, report, lowering)
@@ -126,6 +126,10 @@ def director_equilibrium(
     model.system.assembly.freeze(None)
     if report.negative_pivots:
         state.warnings.append(_instability_warning(model, report.negative_pivots))
+    elif report.singular:
+        state.warnings.append(
+            "the stiffness is singular: part of the string may move freely, or it is about to buckle"
+        )
     return state
 
 
@@ -237,7 +241,7 @@ def _friction_by_substitution(
 def _solver(model: DrillingModel) -> StaticNewton:
     return StaticNewton(
         model.system,
-        energy=_conservative(model),
+        symmetric=_conservative(model),
         clearance=_node_clearance(model),
         advance=_steps_in_hole(model),
     )
@@ -314,6 +318,11 @@ def _instability_warning(model: DrillingModel, count: int) -> str:
             f"{count} negative pivots: the mesh is too coarse ({n} elements longer than (240 EI/w)^(1/3)), "
             "which is not buckling; "
             "shorten element_length"
+        )
+    if not _conservative(model):
+        return (
+            f"the state is not shown to be stable ({count} negative pivots of the symmetric stiffness; "
+            "a moment or a load that turns with the section has no potential)"
         )
     return f"the static state is unstable ({count} negative pivots)"
 

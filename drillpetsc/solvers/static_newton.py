@@ -37,6 +37,9 @@ STALL_WINDOW = 8
 SLOPE_STEP = 1.0e-4  # share of a step over which its direction is differenced
 #: largest lateral motion of a node in one step, as a share of its clearance: full Newton steps, shifted steps
 STEP_SHARE, SHIFTED_STEP_SHARE = 2.0, 0.5
+AXIAL_SHIFT = (
+    1e-6  # axial entries of the shift over the lateral ones; they hold a string that nothing else holds
+)
 MAX_SLOPE_CHANGE = 0.4  # largest change of a node's slope in one step
 
 
@@ -53,6 +56,7 @@ class Equilibrium:
     negative_pivots: negative eigenvalues of the stiffness beyond those of multipliers (manual:
     eq-statics-stable).
     residual: largest residual [N, N m].
+    singular: the stiffness has a zero pivot, so that stability is not known.
     imperfection: relative size of the lateral loads that were added [-].
     """
 
@@ -61,6 +65,7 @@ class Equilibrium:
     residual: float = 0.0
     increment: float = 0.0
     imperfection: float = 0.0
+    singular: bool = False
     converged: bool = False
     history: list[float] = field(default_factory=list)
 
@@ -69,7 +74,9 @@ class StaticNewton:
     """Static solver of one discrete system; the state is the assembly's x, rates are zero.
 
     system: the discrete system.
-    energy: the loads have a potential, so that the matrix inertia and the descent have a meaning.
+    energy: no friction acts, so that the inertia of the matrix and the descent have a meaning.
+    symmetric: the loads have a potential. Without one the inertia is that of the symmetric part: no negative
+    pivot still means stable (manual: eq-statics-stable).
     clearance: (n_nodes,) radial clearance [m], or the same for all; None without a well.
     t: time at which inputs are evaluated [s].
     advance: takes a step, equal to x + factor p to first order; None: exactly that.
@@ -89,8 +96,9 @@ class StaticNewton:
         clearance: FloatArray | float | None = None,
         t: float = 0.0,
         advance: Advance | None = None,
+        symmetric: bool = True,
     ):
-        self.system, self.energy, self.t = system, energy, t
+        self.system, self.energy, self.t, self.symmetric = system, energy, t, symmetric
         self._advanced: Advance = advance or (lambda x, p, factor: x + factor * p)
         free = 0.2 * float(system.mesh.node_depth[-1])
         step = free if clearance is None else np.asarray(clearance, dtype=float)
@@ -238,17 +246,32 @@ class StaticNewton:
         values = self.system.assembly.values.copy()
         if sigma:
             v = self.system.field("string.tangent")
-            across = np.eye(3) - v[:, :, None] * v[:, None, :] / np.sum(v * v, axis=1)[:, None, None]
+            along = v[:, :, None] * v[:, None, :] / np.sum(v * v, axis=1)[:, None, None]
             h = self._node_size()
-            for (vertices, entries), scale in zip(self._entries, (h, h**3 / 100), strict=True):
-                values[entries] += sigma * scale[vertices, None, None] * across[vertices]
+            for (vertices, entries), scale, share in zip(
+                self._entries, (h, h**3 / 100), (AXIAL_SHIFT, 0.0), strict=True
+            ):
+                M = np.eye(3) - (1 - share) * along[vertices]
+                values[entries] += sigma * scale[vertices, None, None] * M
         try:
-            if self.energy:  # each multiplier is a negative eigenvalue in every state (saddle point)
-                return self.factor.negative_pivots(values) - self.system.multipliers
-            self.factor.factor(values)
-            return 0
+            if not self.energy:
+                self.factor.factor(values)
+                return 0
+            # each multiplier is a negative eigenvalue in every state (saddle point)
+            count = self.factor.negative_pivots(values if self.symmetric else self._symmetric_part(values))
+            if not self.symmetric:
+                self.factor.factor(values)
+            return count - self.system.multipliers
         except ZeroPivot:
             return -1
+
+    def _symmetric_part(self, values: FloatArray) -> FloatArray:
+        """Symmetric part of the matrix with entries ``values``; loads without a potential add to the rest."""
+        out = values.copy()
+        for item in self.system.assembly.bound_blocks:
+            K = out[item.span].reshape(item.count, item.width, item.width)
+            K[:] = 0.5 * (K + K.transpose(0, 2, 1))
+        return out
 
     def _positive_factor(self, sigma: float) -> float:
         """Find the smallest shift [N/m2] on a coarse scale without negative pivots, and factor with it.
