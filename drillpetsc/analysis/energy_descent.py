@@ -234,7 +234,8 @@ def _minimise_with_stiffening(
         if model.contact is not None:
             model.contact.set_stiffness(factor)
         try:
-            solver.minimise_energy(report, max_iterations)
+            last = factor == factors[-1]
+            solver.minimise_energy(report, max_iterations, CONVERGED_INCREMENT if last else COARSE_INCREMENT)
         finally:
             if model.contact is not None:
                 model.contact.set_stiffness(1.0)

@@ -135,16 +135,11 @@ def march(model: DrillingModel, motion: tuple[float, float]) -> March | None:
     bending[:-1][mesh.is_joint] = mesh.bending_stiffness[~mesh.is_joint].max()
     radius = _radius(model)
     clearance = np.maximum(np.asarray(well.radius(depth)) - radius, 0.0)
-    mu = np.asarray(well.friction(depth)).copy()
-    own = np.append(mesh.friction, mesh.friction[-1])
-    mu = np.where(np.isnan(own), mu, own)
-    # as in torque_drag: the slip direction has the axial speed and the speed of the circumference
-    speed = np.hypot(motion[0], motion[1] * radius)
-    scale = np.divide(mu, speed, out=np.zeros(n), where=speed > 0)
+    drag, around = friction_factors(model, motion)
     weight = np.linalg.norm(force, axis=1) / np.maximum(half, 1e-9)
     column = _Column(
         along,
-        motion[0] * scale,
+        drag,
         np.sum(turn * turn, axis=1),
         np.sum(turn * across, axis=1),
         np.sum(across * across, axis=1),
@@ -159,7 +154,7 @@ def march(model: DrillingModel, motion: tuple[float, float]) -> March | None:
         bottom = on_bottom = _bottom_force(column)
     tension, contact, helical, locked = column.run(bottom)
     rock = model.bit.torque_for(wob) * np.sign(motion[1]) if model.bit is not None else 0.0
-    steps = motion[1] * scale * radius**2 * contact - load_torque
+    steps = around * contact - load_torque
     torque = np.append(np.cumsum(steps[::-1])[::-1], 0.0) + rock
     inner = tension[1:-1]
     coils = helical[:-1] & helical[1:] & ~mesh.is_joint
@@ -194,6 +189,22 @@ def march(model: DrillingModel, motion: tuple[float, float]) -> March | None:
         usual_contact_force=float(np.quantile(contact / np.maximum(half, 1e-9), 0.9)),
         locked_at=None if locked is None else float(depth[locked]),
     )
+
+
+def friction_factors(model: DrillingModel, motion: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+    """Compute axial friction and friction torque over the contact force, (n,) each [-, m], against ``motion``.
+
+    As in torque_drag: the slip direction has the axial speed and the speed of the circumference.
+    """
+    mesh, well = model.mesh, model.well
+    assert well is not None
+    radius = _radius(model)
+    mu = np.asarray(well.friction(mesh.node_depth)).copy()
+    own = np.append(mesh.friction, mesh.friction[-1])
+    mu = np.where(np.isnan(own), mu, own)
+    speed = np.hypot(motion[0], motion[1] * radius)
+    scale = np.divide(mu, speed, out=np.zeros(mesh.nodes), where=speed > 0)
+    return motion[0] * scale, motion[1] * scale * radius**2
 
 
 def _radius(model: DrillingModel) -> FloatArray:

@@ -495,7 +495,12 @@ class StaticNewton:
         if self.energy and self.negative_pivots():
             raise SolveError("the static state is unstable", **self.system.locate_largest_residual(self.t))
 
-    def minimise_energy(self, report: Equilibrium, max_iterations: int = MAX_ITERATIONS) -> None:
+    def minimise_energy(
+        self,
+        report: Equilibrium,
+        max_iterations: int = MAX_ITERATIONS,
+        tolerance: float = CONVERGED_INCREMENT,
+    ) -> None:
         """Minimise the energy by steps with a positive definite matrix; collective.
 
         Manual: sec-statics-descent.
@@ -504,7 +509,7 @@ class StaticNewton:
         Raises SolveError where the iteration does not converge.
         """
         self._begin(report)
-        self._newton(self.energy, report, max_iterations=max_iterations)
+        self._newton(self.energy, report, max_iterations=max_iterations, tolerance=tolerance)
         self._end(report)
 
     def _begin(self, report: Equilibrium) -> None:
