@@ -11,10 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.kernels.parameters import constant
 from drillpetsc.model.drilling_model import DrillingModel, hole_depth
+from drillpetsc.physics.contact import penetration
 
-ONSET = constant("contact_onset")  # half width of the contact's onset [m] (manual: eq-contact-onset)
 #: contact force at the top, as a fraction of the load of its node, above which the string is on the wall there
 LATERAL_LOAD_THRESHOLD = 0.1
 CROSSING = 12.0  # half length over which a helix begins and ends [m]
@@ -279,7 +278,9 @@ def _shape(
     across = (1 - share)[:, None] * lying + share[:, None] * coil
     distance = np.linalg.norm(across, axis=1)
     on_wall = distance > 0.97 * clearance
-    deep = clearance + penetration(contact, model.case.contact)
+    law = model.case.contact
+    linear = law is not None and law.law == "linear"
+    deep = clearance + (penetration(contact / law.stiffness) if linear and law is not None else 0.0)
     across[on_wall] *= (deep[on_wall] / np.maximum(distance[on_wall], 1e-12))[:, None]
     slope = np.zeros_like(across)
     if not model.mesh.is_joint.any():
@@ -289,14 +290,3 @@ def _shape(
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     strain = np.concatenate([strain[:1], strain])
     return centre + offset, (1 + strain)[:, None] * tangent, offset
-
-
-def penetration(force: FloatArray, contact) -> FloatArray:
-    """Compute the penetration (n,) [m] at which a linear wall carries ``force`` (n,) [N/m].
-
-    The onset is a parabola, (d + e)^2/4e for |d| < e (manual: eq-contact-onset).
-    """
-    if contact.law != "linear":
-        return np.zeros_like(force)
-    d = force / contact.stiffness
-    return np.where(d > ONSET, d, 2 * np.sqrt(ONSET * np.maximum(d, 0.0)) - ONSET)
