@@ -89,6 +89,8 @@ def director_equilibrium(
     freeze_flow(model)
     soft, found = soft_string(model, motion), march(model, motion)
     if found is not None:
+        if found.locked_at is not None:
+            raise _lock_up(model, found)
         place_marched(model, found)
     solver = _solver(model)
     wob = model.case.initial.wob
@@ -131,6 +133,20 @@ def director_equilibrium(
             "the stiffness is singular: part of the string may move freely, or it is about to buckle"
         )
     return state
+
+
+def _lock_up(model: DrillingModel, found: March) -> SolveError:
+    """The error that no push reaches the bit: what friction takes grows faster than the push."""
+    mesh, case = model.mesh, model.case
+    assert found.locked_at is not None
+    element = int(np.clip(np.searchsorted(mesh.node_depth, found.locked_at), 1, mesh.nodes - 1)) - 1
+    item = case.string[int(mesh.item[element])]
+    what = "no weight" if case.initial.wob else "no push"
+    return SolveError(
+        f"locked up: {what} passes MD {found.locked_at:.0f} m ({item.name or item.kind}); "
+        "below it the string coils in the hole, and friction takes any further push",
+        hint="a stiffer or lighter string below that depth, less friction, rotation, or less weight",
+    )
 
 
 def _newton_with_friction(

@@ -21,7 +21,7 @@ CROSSING = 12.0  # half length over which a helix begins and ends [m]
 HELIX_FACTOR = 2 * np.sqrt(2.0)
 #: force over which a vertical string coils: 2.65 (EI w^2)^(1/3) (manual: eq-statics-helix)
 VERTICAL_FACTOR = 2.65
-LARGEST_FORCE = 1e9  # a larger force means that no push reaches further [N]
+CRUSHING_STRAIN = 0.01  # a push that compresses the string by more means that no push passes [-]
 #: largest rotation of a helix within one element, so that the mesh can represent it [rad]
 MAX_ROTATION = 0.45 * np.pi
 LEFT_OUT = (
@@ -82,8 +82,8 @@ def nodal_loads(model: DrillingModel) -> tuple[FloatArray, FloatArray]:
 class _Column:
     """Values of the nodes that the march uses, as lists, and the march itself."""
 
-    def __init__(self, along, drag, kk, kw, ww, length, bending, clearance, vertical) -> None:
-        self.rows = np.column_stack([along, drag, kk, kw, ww, length, bending, clearance, vertical]).tolist()
+    def __init__(self, *values: FloatArray) -> None:
+        self.rows = np.column_stack(values).tolist()
 
     def run(self, bottom: float) -> tuple[FloatArray, FloatArray, np.ndarray, int | None]:
         """Return tension (n+1,), contact force (n,), helical (n,) and the node of lock-up, from the force below."""
@@ -91,7 +91,7 @@ class _Column:
         tension, contact, helical, locked = np.empty(n + 1), np.empty(n), np.zeros(n, dtype=bool), None
         tension[n] = below = bottom
         for i in range(n - 1, -1, -1):
-            load, drag, kk, kw, ww, length, bending, clearance, vertical = self.rows[i]
+            load, drag, kk, kw, ww, length, bending, clearance, vertical, crushing = self.rows[i]
             above, total, coils = below + load, 0.0, False
             for _ in range(3):
                 mean = 0.5 * (below + above)
@@ -103,9 +103,8 @@ class _Column:
                         coil = clearance * push * push / (4 * bending) * length
                 total, coils = max(side, coil), coil > 0
                 above = below + load - drag * total
-            if abs(above) > LARGEST_FORCE:
-                locked = i if locked is None else locked
-                above = LARGEST_FORCE if above > 0 else -LARGEST_FORCE
+            if above < -crushing:
+                locked, above = (i if locked is None else locked), -crushing
             helical[i], contact[i], tension[i] = coils, total, above
             below = above
         return tension, contact, helical, locked
@@ -136,6 +135,7 @@ def march(model: DrillingModel, motion: tuple[float, float]) -> March | None:
     clearance = np.maximum(np.asarray(well.radius(depth)) - radius, 0.0)
     drag, around = friction_factors(model, motion)
     weight = np.linalg.norm(force, axis=1) / np.maximum(half, 1e-9)
+    axial = np.where(mesh.is_joint, mesh.axial_stiffness[~mesh.is_joint].max(), mesh.axial_stiffness)
     column = _Column(
         along,
         drag,
@@ -146,6 +146,7 @@ def march(model: DrillingModel, motion: tuple[float, float]) -> March | None:
         bending,
         np.maximum(clearance, 1e-3),
         VERTICAL_FACTOR * np.cbrt(bending * weight**2),
+        CRUSHING_STRAIN * np.append(axial, axial[-1]),
     )
     wob = case.initial.wob or 0.0
     bottom, on_bottom = -wob, 0.0

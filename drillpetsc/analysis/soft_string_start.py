@@ -1,6 +1,6 @@
 """The soft string beside statics, and the start of statics on the wall of the hole.
 
-Manual: sec-statics-soft-string, sec-statics-march.
+Manual: sec-soft-string-bound, sec-statics-march.
 """
 
 from __future__ import annotations
