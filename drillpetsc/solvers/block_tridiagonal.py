@@ -22,6 +22,7 @@ _forward = function("chain_forward", "iippppp")
 _backward = function("chain_backward", "iippp")
 _solve = function("chain_solve", "ippppippppp")
 _residual = function("chain_residual", "ipppp")
+_set_entries = function("chain_entries", "ippppipppp", int)
 _negative = function("chain_negative", "iipp", int)
 
 
@@ -90,6 +91,32 @@ class Piece:
         self.slot = (block + column_at * t[row_node, _LD] + row_at)[by_node].astype(np.int32)
         self.source = np.asarray(source)[by_node].astype(np.int32)
         self.start = np.searchsorted(row_node[by_node], np.arange(self.n + 1)).astype(np.int32)
+        self._entries = (pointer(self.start), pointer(self.slot), pointer(self.source))
+
+    def set_matrix_entries(
+        self, rows: np.ndarray, columns: np.ndarray, node: np.ndarray, component: np.ndarray
+    ) -> None:
+        """Set the positions of the entries (m,) of a matrix in the blocks, as ``set_entries``.
+
+        rows, columns: unknowns, negative where an entry is left out; node, component: (size,) of each unknown.
+        Raises ValueError where an entry couples nodes that are not neighbours.
+        """
+        rows, columns, node, component = (
+            np.ascontiguousarray(a, dtype=np.int64) for a in (rows, columns, node, component)
+        )
+        used = int(np.count_nonzero((rows >= 0) & (columns >= 0)))
+        self.start = np.zeros(self.n + 1, dtype=np.int32)
+        self.slot, self.source = np.empty(used, dtype=np.int32), np.empty(used, dtype=np.int32)
+        wrong = _set_entries(
+            len(rows),
+            *(pointer(a) for a in (rows, columns, node, component)),
+            self.n,
+            *(pointer(a) for a in (self.table, self.start, self.slot, self.source)),
+        )
+        if wrong >= 0:
+            raise ValueError(
+                f"an entry couples local nodes {node[rows[wrong]]} and {node[columns[wrong]]}: not neighbours"
+            )
         self._entries = (pointer(self.start), pointer(self.slot), pointer(self.source))
 
     def interface_blocks(self) -> list[np.ndarray]:

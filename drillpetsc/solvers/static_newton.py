@@ -21,8 +21,11 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.assembly import ROW_SCALE, RowReplacement
 from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.kernels import function, pointer
 from drillpetsc.solvers.chain_lu import ZeroPivot
 from drillpetsc.solvers.newton import static_factor
+
+_quasi_rows = function("quasi_rows", "iipppp")
 
 CONVERGED_INCREMENT = 2.0e-9  # largest increment of a converged state, in the fields' scales
 ROUNDING_INCREMENT = (
@@ -123,29 +126,25 @@ class StaticNewton:
         diagonal block.
         """
         system, asm = self.system, self.system.assembly
-        chain = system.chain
-        vertex_of_dof = {}
+        chain, out = system.chain, []
         for name in ("string.position", "string.tangent"):
+            vertex = np.full(system.layout.size + 1, -1)
             first = system.layout.dofs[name][:, 0]
-            vertex_of_dof[name] = {int(p): v for v, p in enumerate(first) if p >= 0 and chain.owned[v]}
-        out = []
-        for name in vertex_of_dof:
-            entries: dict[int, np.ndarray] = {}
+            chosen = (first >= 0) & chain.owned
+            vertex[first[chosen]] = np.flatnonzero(chosen)
+            found, entries = [np.zeros(0, dtype=int)], [np.zeros(0, dtype=int)]
             for item in asm.bound_blocks:
-                for e in range(item.count):
-                    for slot in _slots(item.index[e], vertex_of_dof[name]):
-                        vertex = vertex_of_dof[name][int(item.index[e, slot])]
-                        if vertex not in entries:
-                            k = slot + np.arange(3)
-                            entries[vertex] = (
-                                item.span.start + e * item.width**2 + k[:, None] * item.width + k
-                            )
-            out.append(
-                (
-                    np.array(list(entries), dtype=int),
-                    np.array(list(entries.values()), dtype=int).reshape(-1, 3, 3),
-                )
-            )
+                if not item.count:
+                    continue
+                element, slot = np.nonzero(vertex[item.index] >= 0)
+                found.append(vertex[item.index[element, slot]])
+                entries.append(item.span.start + element * item.width**2 + slot * (item.width + 1))
+                # width of the block, to find the other entries
+                entries[-1] = np.column_stack([entries[-1], np.full(len(element), item.width)])
+            vertices, once = np.unique(np.concatenate(found), return_index=True)
+            corner, width = np.concatenate([np.zeros((0, 2), dtype=int), *entries[1:]])[once].T
+            k = np.arange(3)
+            out.append((vertices, corner[:, None, None] + k[:, None] * width[:, None, None] + k))
         return out
 
     def _node_size(self) -> FloatArray:
@@ -219,18 +218,13 @@ class StaticNewton:
                 if f is self._top_rows:
                     np.add.at(self._by_top, item.index[e], K[:, slots] @ self._advance(f))
                 K[:, slots] = K[:, slots] @ f.complement
-        c = self._spin_potential()
-        slot = np.full(self.system.layout.size + 1, -1)
-        slot[asm.spin_at[:, 0]] = np.arange(len(asm.spin_at))
+        c = np.ascontiguousarray(self._spin_potential())
+        number = np.full(self.system.layout.size + 1, -1, dtype=np.int32)
+        number[asm.spin_at[:, 0]] = np.arange(len(asm.spin_at))
         for item in asm.bound_blocks:
-            if not item.count:
-                continue
-            K = asm.values[item.span].reshape(item.count, item.width, item.width)
-            for s in range(item.width):
-                node = slot[item.index[:, s]]
-                if item.width < 7 or (node < 0).all():
-                    continue
-                K[:, s - 3 : s, :] += c[node][:, :, None] * K[:, s : s + 1, :]
+            if item.count and item.width >= 7:
+                at = pointer(asm.values) + 8 * item.span.start
+                _quasi_rows(item.count, item.width, pointer(item.index), pointer(number), pointer(c), at)
 
     def _advance(self, f: RowReplacement) -> FloatArray:
         """Change (7,) of the unknowns of a prescribed end by the length that it is moved down its path."""
@@ -570,8 +564,3 @@ class StaticNewton:
         owned = system.chain.owned
         dead_load[dofs[owned]] = force[system.chain.vertices[owned]]
         asm.dead_load = dead_load
-
-
-def _slots(element_dofs: np.ndarray, dofs: dict[int, int]) -> list[int]:
-    """Return the slots of an element whose dofs are among the keys of ``dofs``."""
-    return [s for s, dof in enumerate(element_dofs) if int(dof) in dofs]

@@ -389,6 +389,33 @@ int chain_factor(int n, int keep, const std::int64_t* table, double* store, cons
     return -1;
 }
 
+// Lists of the matrix entries for chain_factor, sorted by node (a stable counting sort).  rows, columns: (m) unknowns of each entry,
+// negative where it is left out; node, component: of each unknown.  Out: start (n + 1), slot and source (as many as are used).
+// Returns -1, or the entry that couples nodes that are no neighbours.
+int chain_entries(int m, const std::int64_t* rows, const std::int64_t* columns, const std::int64_t* node, const std::int64_t* component,
+                  int n, const std::int64_t* table, int* start, int* slot, int* source) {
+    for (int i = 0; i <= n; i++) start[i] = 0;
+    for (int k = 0; k < m; k++) {
+        if (rows[k] < 0 || columns[k] < 0) continue;
+        const std::int64_t i = node[rows[k]], step = node[columns[k]] - i;
+        if (step < -1 || step > 1) return k;
+        start[i + 1]++;
+    }
+    for (int i = 0; i < n; i++) start[i + 1] += start[i];
+    for (int k = 0; k < m; k++) {
+        if (rows[k] < 0 || columns[k] < 0) continue;
+        const std::int64_t i = node[rows[k]], j = node[columns[k]];
+        const Row t = table + i * COLUMNS;
+        const std::int64_t block = t[j < i ? LOWER : j > i ? UPPER : DIAG];
+        const int at = start[i]++;
+        slot[at] = static_cast<int>(block + component[columns[k]] * t[LD] + component[rows[k]]);
+        source[at] = k;
+    }
+    for (int i = n; i > 0; i--) start[i] = start[i - 1];
+    start[0] = 0;
+    return -1;
+}
+
 // Number of negative eigenvalues of the symmetric parts of the pivot blocks `blocks` of the eliminated nodes.
 int chain_negative(int n, int keep, const std::int64_t* table, const double* blocks) {
     const int first = keep & 1 ? 1 : 0, last = keep & 2 ? n - 1 : n;
