@@ -20,7 +20,7 @@ from drillpetsc.analysis.energy_descent import (
     stiffness_steps,
     too_coarse,
 )
-from drillpetsc.analysis.march import March, march
+from drillpetsc.analysis.march import CRUSHING_STRAIN, March, march
 from drillpetsc.analysis.placement import hole_at_string, place_along_hole, prescribed_motion
 from drillpetsc.analysis.soft_string import TorqueDrag
 from drillpetsc.analysis.soft_string_start import place_marched, soft_string
@@ -135,9 +135,16 @@ def director_equilibrium(
     return state
 
 
-def _lock_up(model: DrillingModel, found: March) -> SolveError:
+def _lock_up(model: DrillingModel, found: March) -> SolveError | CaseError:
     """The error that no push reaches the bit: what friction takes grows faster than the push."""
     mesh, case = model.mesh, model.case
+    most, wob = CRUSHING_STRAIN * float(mesh.axial_stiffness[~mesh.is_joint][-1]), case.initial.wob
+    if wob is not None and wob > most:
+        return CaseError(
+            at="initial.wob",
+            got=f"{wob:g} N",
+            want=f"less than {most:.3g} N, which compresses the pipe above the bit by 1 %",
+        )
     assert found.locked_at is not None
     element = int(np.clip(np.searchsorted(mesh.node_depth, found.locked_at), 1, mesh.nodes - 1)) - 1
     item = case.string[int(mesh.item[element])]

@@ -19,7 +19,7 @@ LATERAL_LOAD_THRESHOLD = 0.1
 CROSSING = 12.0  # half length over which a helix begins and ends [m]
 #: axial force over which a string that lies on the wall coils (Chen, Lin and Cheatham 1990): 2 sqrt(2) sqrt(EI w/r)
 HELIX_FACTOR = 2 * np.sqrt(2.0)
-#: force over which a vertical string coils: 2.65 (EI w^2)^(1/3) (manual: eq-statics-helix)
+#: force over which a vertical string coils: 2.65 (EI w^2)^(1/3) (manual: eq-statics-march)
 VERTICAL_FACTOR = 2.65
 CRUSHING_STRAIN = 0.01  # a push that compresses the string by more means that no push passes [-]
 #: largest rotation of a helix within one element, so that the mesh can represent it [rad]
