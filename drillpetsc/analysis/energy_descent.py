@@ -11,7 +11,7 @@ from drillpetsc.analysis.soft_string import TorqueDrag
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.solvers.static_newton import MAX_ITERATIONS, Equilibrium, StaticNewton
+from drillpetsc.solvers.static_newton import CONVERGED_INCREMENT, MAX_ITERATIONS, Equilibrium, StaticNewton
 
 MAX_SUBSTITUTIONS = 30  # rounds of an iteration by substitution
 TRIAL_ITERATIONS = 100  # iterations of the minimisation at each stiffness before a lateral load is added
@@ -20,6 +20,46 @@ DEPTH_TOLERANCE = 1e-6  # largest error of the bit's depth when the bit replaces
 STRONGER_LOAD = 10.0  # factor of the lateral load where the requested one does not lead to a stable state
 #: largest penetration in the first continuation step, as a fraction of the radial clearance
 FIRST_PENETRATION = 0.1
+SOFT_PENETRATION = 0.05  # penetration of the softest wall in Newton's method, as a fraction of the clearance
+COARSE_INCREMENT = 1e-3  # largest increment of a converged state on a wall that is still soft
+
+
+def newton_with_stiffening(
+    model: DrillingModel,
+    solver: StaticNewton,
+    report: Equilibrium,
+    load: float,
+    tolerance: float = CONVERGED_INCREMENT,
+) -> None:
+    """Take full Newton steps while the wall becomes stiff (manual: sec-statics-stiffening).
+
+    On a stiff wall the region where a pipe crosses from one side of the hole to the other grows by a node in
+    each step; on a soft wall all of it moves at once.
+
+    load: contact force per length [N/m] that presses the string into the softest wall by
+    ``SOFT_PENETRATION`` of its clearance; 0: the wall keeps its stiffness.
+    tolerance: largest increment of the last solve.
+    Raises SolveError where a solve does not converge.
+    """
+    if model.contact is not None:
+        try:
+            for factor in _softening(model, load):
+                model.contact.set_stiffness(factor)
+                solver.newton_damped(report, COARSE_INCREMENT)
+        finally:
+            model.contact.set_stiffness(1.0)
+    solver.newton_damped(report, tolerance)
+
+
+def _softening(model: DrillingModel, load: float) -> tuple[float, ...]:
+    """Compute the factors of the contact stiffness before 1; none where the wall is soft."""
+    contact, gap = model.case.contact, clearance(model)
+    if contact is None or contact.law != "linear" or gap is None:
+        return ()
+    softest = load / (SOFT_PENETRATION * gap * contact.stiffness)
+    if not 0 < softest < 0.1:
+        return ()
+    return tuple(np.geomspace(softest, 1.0, int(np.ceil(-np.log10(softest) / 2)) + 1)[:-1])
 
 
 def nodal_weight(model: DrillingModel) -> FloatArray:
@@ -58,7 +98,11 @@ def clearance(model: DrillingModel) -> float | None:
 
 
 def stable_state(
-    model: DrillingModel, solver: StaticNewton, soft: TorqueDrag | None, report: Equilibrium
+    model: DrillingModel,
+    solver: StaticNewton,
+    soft: TorqueDrag | None,
+    report: Equilibrium,
+    load: float,
 ) -> None:
     """Find a stable state: Newton's method, else minimisation of the energy; collective.
 
@@ -67,6 +111,7 @@ def stable_state(
 
     soft: results of the soft string, None without one.
     report: gets iterations, increments and imperfection.
+    load: as for ``newton_with_stiffening``.
     Raises SolveError where no state is found.
     """
     fraction = model.case.initial.imperfection
@@ -75,7 +120,9 @@ def stable_state(
         solver.solve(report)
         return
     try:
-        newton_or_descent(model, solver, report, factors, TRIAL_ITERATIONS if fraction else MAX_ITERATIONS)
+        newton_or_descent(
+            model, solver, report, factors, TRIAL_ITERATIONS if fraction else MAX_ITERATIONS, load
+        )
         failure = SolveError("the static state is unstable") if solver.negative_pivots() else None
     except SolveError as error:
         failure = error
@@ -86,9 +133,9 @@ def stable_state(
             return
         raise failure
     # a straight column is a saddle of the energy, on which no force is lateral; a small persistent load is
-    load, start = nodal_weight(model) * _item_imperfection(model, fraction), Snapshot(model)
+    lateral, start = nodal_weight(model) * _item_imperfection(model, fraction), Snapshot(model)
     for strength in (fraction, STRONGER_LOAD * fraction):
-        solver.add_imperfection(strength, load)
+        solver.add_imperfection(strength, lateral)
         report.imperfection = strength
         try:
             _minimise(model, solver, report, factors)
@@ -116,6 +163,7 @@ def newton_or_descent(
     report: Equilibrium,
     factors: tuple[float, ...],
     max_iterations: int = MAX_ITERATIONS,
+    load: float = 0.0,
 ) -> None:
     """Take full Newton steps, or minimise the energy where they do not converge; collective.
 
@@ -124,11 +172,13 @@ def newton_or_descent(
     report: gets iterations and increments.
     factors: of the contact stiffness, rising to 1.
     max_iterations: of the minimisation at each stiffness.
+    load: as for ``newton_with_stiffening``; 0: the wall keeps its stiffness.
     Raises SolveError where neither converges.
     """
     start = Snapshot(model)
     try:
-        solver.newton_free(report)
+        newton_with_stiffening(model, solver, report, load)
+        solver.check_stable()
         return
     except SolveError:
         if report.converged:
@@ -184,7 +234,8 @@ def _minimise_with_stiffening(
         if model.contact is not None:
             model.contact.set_stiffness(factor)
         try:
-            solver.minimise_energy(report, max_iterations)
+            last = factor == factors[-1]
+            solver.minimise_energy(report, max_iterations, CONVERGED_INCREMENT if last else COARSE_INCREMENT)
         finally:
             if model.contact is not None:
                 model.contact.set_stiffness(1.0)

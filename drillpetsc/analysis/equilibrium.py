@@ -12,24 +12,29 @@ import numpy as np
 from drillpetsc.analysis.energy_descent import (
     MAX_SUBSTITUTIONS,
     Snapshot,
-    clearance,
     coarse_elements,
     newton_or_descent,
+    newton_with_stiffening,
     nodal_weight,
     stable_state,
     stiffness_steps,
     too_coarse,
 )
-from drillpetsc.analysis.placement import place_along_hole, prescribed_motion
+from drillpetsc.analysis.march import CRUSHING_STRAIN, March, march
+from drillpetsc.analysis.placement import hole_at_string, place_along_hole, prescribed_motion
 from drillpetsc.analysis.soft_string import TorqueDrag
-from drillpetsc.analysis.soft_string_start import soft_string_start
+from drillpetsc.analysis.soft_string_start import place_marched, soft_string
 from drillpetsc.analysis.steady_flow import fluid_unknowns, freeze_flow, steady_flow
+from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.geometry.hole_steps import HoleSteps
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.solvers.static_newton import Equilibrium, StaticNewton
 
 MAX_COUPLING_ROUNDS = 30  # solves of flow and string in turn
 COUPLING_TOLERANCE = 1e-10  # largest change of pressures and flows relative to their scales
+LEAST_CLEARANCE = 1e-3  # [m]
+COUPLING_SHARE = 1e-3  # increment of the string's solve over the flow's last change
 ROUNDING_TOLERANCE = 1e-6  # largest change where rounding stops the coupling iteration
 #: axial direction (down positive) and rotation of each motion of the `statics` command
 MOTIONS = {"hoist": (-1.0, 0.0), "lower": (1.0, 0.0), "rotate": (0.0, 1.0)}
@@ -55,8 +60,8 @@ class StaticState:
 
     @property
     def stable(self) -> bool:
-        """Whether the state has no negative pivot (manual: eq-statics-stable)."""
-        return self.equilibrium.negative_pivots == 0
+        """Whether the state has neither a negative nor a zero pivot (manual: eq-statics-stable)."""
+        return self.equilibrium.negative_pivots == 0 and not self.equilibrium.singular
 
 
 def director_equilibrium(
@@ -82,7 +87,11 @@ def director_equilibrium(
             (0.0, 0.0), Equilibrium(iterations=flow.iterations, increment=flow.increment, converged=True)
         )
     freeze_flow(model)
-    soft = soft_string_start(model, motion)
+    soft, found = soft_string(model, motion), march(model, motion)
+    if found is not None:
+        if found.locked_at is not None:
+            raise _lock_up(model, found)
+        place_marched(model, found)
     solver = _solver(model)
     wob = model.case.initial.wob
     if wob is not None:
@@ -94,10 +103,12 @@ def director_equilibrium(
     state, fraction = StaticState(motion, report, soft), 1.0 if lateral_friction else 0.0
     moves = bool(sliding) and motion != (0.0, 0.0)
     reached = (
-        _newton_with_friction(model, solver, sliding, state, fraction) if moves and soft is not None else None
+        _newton_with_friction(model, solver, sliding, state, fraction, found)
+        if moves and found is not None
+        else None
     )
     if reached is None:
-        stable_state(model, solver, soft, report)
+        stable_state(model, solver, soft, report, found.usual_contact_force if found is not None else 0.0)
         if moves:
             reached = _add_friction(model, solver, sliding, state, lateral_friction)
     fraction = state.lateral_fraction = fraction if reached is None else reached
@@ -108,8 +119,8 @@ def director_equilibrium(
         )
     for component in sliding:  # stability is counted without friction
         component.impose_sliding_direction(0.0, 0.0)
-    solver.energy = _conservative(model)
-    report.negative_pivots = max(0, solver.negative_pivots()) if solver.energy else 0
+    count = solver.negative_pivots()
+    report.negative_pivots, report.singular = max(0, count), count < 0
     for component in sliding:
         component.impose_sliding_direction(*motion, fraction)
     couple_flow_and_string(model, solver, report, lowering)
@@ -117,13 +128,43 @@ def director_equilibrium(
     model.system.assembly.freeze(None)
     if report.negative_pivots:
         state.warnings.append(_instability_warning(model, report.negative_pivots))
+    elif report.singular:
+        state.warnings.append(
+            "the stiffness is singular: part of the string may move freely, or it is about to buckle"
+        )
     return state
 
 
+def _lock_up(model: DrillingModel, found: March) -> SolveError | CaseError:
+    """The error that no push reaches the bit: what friction takes grows faster than the push."""
+    mesh, case = model.mesh, model.case
+    most, wob = CRUSHING_STRAIN * float(mesh.axial_stiffness[~mesh.is_joint][-1]), case.initial.wob
+    if wob is not None and wob > most:
+        return CaseError(
+            at="initial.wob",
+            got=f"{wob:g} N",
+            want=f"less than {most:.3g} N, which compresses the pipe above the bit by 1 %",
+        )
+    assert found.locked_at is not None
+    element = int(np.clip(np.searchsorted(mesh.node_depth, found.locked_at), 1, mesh.nodes - 1)) - 1
+    item = case.string[int(mesh.item[element])]
+    what = "no weight" if case.initial.wob else "no push"
+    return SolveError(
+        f"locked up: {what} passes MD {found.locked_at:.0f} m ({item.name or item.kind}); "
+        "below it the string coils in the hole, and friction takes any further push",
+        hint="a stiffer or lighter string below that depth, less friction, rotation, or less weight",
+    )
+
+
 def _newton_with_friction(
-    model: DrillingModel, solver: StaticNewton, components, state: StaticState, fraction: float
+    model: DrillingModel,
+    solver: StaticNewton,
+    components,
+    state: StaticState,
+    fraction: float,
+    found: March,
 ) -> float | None:
-    """Try Newton's method with friction from the soft-string solution, which already contains it.
+    """Try Newton's method with friction from the start ``found``, which already contains it.
 
     A turning string is first solved without lateral friction, then with its ``fraction``.
     Returns the lateral friction fraction reached, or None with the state restored where no stable equilibrium
@@ -135,7 +176,10 @@ def _newton_with_friction(
         for component in components:
             component.impose_sliding_direction(*state.motion, trial)
         try:
-            solver.newton_damped(state.equilibrium)
+            if reached is None:
+                newton_with_stiffening(model, solver, state.equilibrium, found.usual_contact_force)
+            else:
+                solver.newton_damped(state.equilibrium)
             reached = trial
         except SolveError:
             last.restore()
@@ -218,7 +262,48 @@ def _friction_by_substitution(
 
 
 def _solver(model: DrillingModel) -> StaticNewton:
-    return StaticNewton(model.system, energy=_conservative(model), clearance=clearance(model))
+    return StaticNewton(
+        model.system,
+        symmetric=_conservative(model),
+        clearance=_node_clearance(model),
+        advance=_steps_in_hole(model),
+    )
+
+
+def _gap(model: DrillingModel) -> FloatArray:
+    """Radial clearance (n_nodes,) [m] of the thicker pipe at each node, not below zero."""
+    mesh, well = model.mesh, model.well
+    assert well is not None
+    outer = np.zeros(mesh.nodes)
+    np.maximum.at(outer, np.arange(mesh.nodes - 1), mesh.outer_diameter)
+    np.maximum.at(outer, np.arange(1, mesh.nodes), mesh.outer_diameter)
+    return np.maximum(np.asarray(well.radius(mesh.node_depth)) - 0.5 * outer, 0.0)
+
+
+def _node_clearance(model: DrillingModel) -> FloatArray | None:
+    """Clearance (n_nodes,) [m] that limits steps, ``LEAST_CLEARANCE`` at least; None without contact."""
+    if model.well is None or model.contact is None:
+        return None
+    return np.maximum(_gap(model), LEAST_CLEARANCE)
+
+
+def _steps_in_hole(model: DrillingModel) -> HoleSteps | None:
+    """Create the steps in the hole's coordinates of this rank's nodes; None without contact.
+
+    Ends with prescribed positions take plain steps; rigid items, joints and their neighbours do not move
+    about the axis.
+    """
+    if model.well is None or model.contact is None:
+        return None
+    system, mesh = model.system, model.mesh
+    gap = _gap(model)
+    gap[[b.node for b in mesh.bodies]] = 0.0
+    gap[:-1][mesh.is_joint] = gap[1:][mesh.is_joint] = 0.0
+    vertices, dofs = system.chain.vertices, system.layout.dofs
+    at = np.column_stack([dofs["string.position"][:, 0], dofs["string.tangent"][:, 0]])
+    prescribed = {f.condition.vertex for f in system.assembly.row_replacements}
+    free = np.array([v not in prescribed for v in vertices], dtype=bool)
+    return HoleSteps(model.well, at[free], gap[vertices[free]])
 
 
 def _conservative(model: DrillingModel) -> bool:
@@ -257,6 +342,11 @@ def _instability_warning(model: DrillingModel, count: int) -> str:
             "which is not buckling; "
             "shorten element_length"
         )
+    if not _conservative(model):
+        return (
+            f"the state is not shown to be stable ({count} negative pivots of the symmetric stiffness; "
+            "a moment or a load that turns with the section has no potential)"
+        )
     return f"the static state is unstable ({count} negative pivots)"
 
 
@@ -285,7 +375,7 @@ def couple_flow_and_string(
     form = model.case.fluid.formulation  # type: ignore[union-attr]
     if lowering and form == "mixed":  # with the Hermite formulation the flow starts from the pump's rate
         dofs = system.layout.dofs["string.position"]
-        tangent = model.tangent if model.well is None else np.asarray(model.well.at(model.mesh.node_depth)[1])
+        tangent, _ = hole_at_string(model)
         solver.rates = np.zeros_like(system.assembly.y)
         solver.rates[dofs] = lowering * tangent[system.chain.vertices]
         system.assembly.y[:] = solver.rates
@@ -296,9 +386,10 @@ def couple_flow_and_string(
         size = solver.largest(float(change.max(initial=0.0)))
         system.assembly.freeze(fluid)
         if size < COUPLING_TOLERANCE or (size < ROUNDING_TOLERANCE and size > 0.5 * smallest):
+            solver.newton_damped(report)
             return
         smallest = min(smallest, size)
-        solver.newton_damped(report)
+        solver.newton_damped(report, COUPLING_SHARE * size)
     raise SolveError(
         f"string and fluid did not converge to a steady state in {MAX_COUPLING_ROUNDS} rounds "
         f"(last change {size:.1e} of the scales)"

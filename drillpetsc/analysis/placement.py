@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.analysis.steady_flow import release_flow, set_fluid_at_rest
+from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 
 
@@ -34,14 +35,28 @@ def place_along_hole(model: DrillingModel) -> None:
         set_fluid_at_rest(system, model.fluid)
 
 
+def hole_at_string(model: DrillingModel) -> tuple[FloatArray, FloatArray]:
+    """Return the hole's unit tangent and its derivative [1/m] at the present nodes, (n_nodes, 3) each.
+
+    Rows of nodes of other ranks are zero.  Without a hole the tangent is that of the straight string.
+    """
+    system, well = model.system, model.well
+    tangent, curvature = np.array(model.tangent), np.zeros_like(model.tangent)
+    if well is not None:
+        here = system.chain.vertices
+        depth = well.project(system.field("string.position")).md
+        tangent, curvature = np.zeros_like(tangent), np.zeros_like(tangent)
+        _, tangent[here], curvature[here] = well.at(depth)
+    return tangent, curvature
+
+
 def move_rigidly(model: DrillingModel) -> None:
     """Set the rates of every node to the rotation and the lowering that the top prescribes at time 0."""
     if model.beam is not None:
-        system = model.system
-        tangent = model.tangent if model.well is None else np.asarray(model.well.at(model.mesh.node_depth)[1])
-        model.beam.set_rigid_motion(system, tangent, *prescribed_motion(model))
+        tangent, curvature = hole_at_string(model)
+        model.beam.set_rigid_motion(model.system, tangent, curvature, *prescribed_motion(model))
         if model.bit is not None:
-            model.bit.first_cut(system.assembly)
+            model.bit.first_cut(model.system.assembly)
     release_flow(model)
 
 

@@ -8,16 +8,16 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.analysis.equilibrium import StaticState, director_equilibrium
-from drillpetsc.analysis.placement import place_along_hole, prescribed_motion
+from drillpetsc.analysis.placement import hole_at_string, place_along_hole, prescribed_motion
 from drillpetsc.analysis.steady_flow import fluid_unknowns
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.settings import BeamTheory
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.model.drilling_model import DrillingModel, build_model
-from drillpetsc.physics.quaternion.beam import quaternions, turned
+from drillpetsc.physics.quaternion.beam import minimal_rotation, product, quaternions, turned
 from drillpetsc.solvers.chain_lu import ZeroPivot
-from drillpetsc.solvers.newton import chain_factor
+from drillpetsc.solvers.newton import static_factor
 
 CONVERGED_INCREMENT = 2.0e-9  # largest increment of a converged state, in the fields' scales
 MAX_ITERATIONS = 40
@@ -67,7 +67,7 @@ def _lowering_velocity(model: DrillingModel) -> FloatArray | None:
     lowering = prescribed_motion(model)[0]
     if model.fluid is None or not lowering:
         return None
-    tangent = model.tangent if model.well is None else np.asarray(model.well.at(model.mesh.node_depth)[1])
+    tangent, _ = hole_at_string(model)
     return lowering * tangent[model.system.chain.vertices]
 
 
@@ -79,17 +79,7 @@ def copy_ancf_state(ancf: DiscreteSystem, system: DiscreteSystem) -> None:
     nodes, v, phi = ancf.chain.vertices, ancf.field("string.tangent"), ancf.field("string.spin")[:, 0]
     length = np.linalg.norm(v, axis=1)
     t, a = v / length[:, None], ancf.frames.reference[nodes]
-    # quaternion of the smallest rotation from a to t (manual: eq-beam-minimal-rotation)
-    minimal = np.column_stack([1.0 + np.sum(a * t, axis=1), np.cross(a, t)])
-    minimal /= np.linalg.norm(minimal, axis=1, keepdims=True)
-    w, u = minimal[:, :1], minimal[:, 1:]
-    f = turned(quaternions(ancf.frames)[nodes], phi)
-    q = np.column_stack(
-        [
-            w[:, 0] * f[:, 0] - np.sum(u * f[:, 1:], axis=1),
-            w * f[:, 1:] + f[:, :1] * u + np.cross(u, f[:, 1:]),
-        ]
-    )
+    q = product(minimal_rotation(a, t), turned(quaternions(ancf.frames)[nodes], phi))
     for name, values in (
         ("position", ancf.field("string.position")),
         ("strain", length[:, None] - 1.0),
@@ -125,7 +115,7 @@ def solve_at_rest(system: DiscreteSystem, t: float = 0.0, velocity: FloatArray |
 
 
 def _newton(system: DiscreteSystem, t: float, velocity: FloatArray | None) -> int:
-    asm, factor, q = system.assembly, chain_factor(system), system.new_condensed()
+    asm, factor, q = system.assembly, static_factor(system), system.new_condensed()
     rows, owned = system.new_condensed(), system.layout.local_of_owned
     step, before, mpi = np.zeros(len(owned)), np.inf, system.comm.tompi4py()
     for iteration in range(1, MAX_ITERATIONS + 1):

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
+from drillpetsc.analysis.buckling import Buckling, buckling
 from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.transient import RunResult, make_folder
@@ -51,10 +52,13 @@ def run_statics(
         folder = make_folder(comm, name, out, False, overwrite)
         state = find_equilibrium(model, MOTIONS[motion] if motion else None, lateral_friction=False)
         columns, values = static_table(model)
+        buckled = buckling(model, columns, values) if values is not None else Buckling()
+        state.warnings += buckled.lines()
         summary = {
             "title": case.title,
             **static_summary(model, state),
             "motion": motion or "as the top prescribes",
+            **({"buckling": buckled.as_dict()} if model.beam is not None else {}),
         }
         fields = FieldOutput(model).fields(0.0)
         if comm.rank == 0:

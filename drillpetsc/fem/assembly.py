@@ -83,7 +83,8 @@ class BoundBlock:
 class RowReplacement:
     """Row replacement at one vertex of this rank, owned or ghost (manual: eq-prescribed-rows).
 
-    D: (m, 7) prescribed directions over the node's unknowns; complement: I - D^T D.
+    D: (m, 7) prescribed directions over the node's unknowns; complement: I - D^T D.  On a curved path both
+    are those of the last evaluation.
     rows: (7,) local dofs of the node.
     elements: (block, element, slots of the seven dofs in the element) of every element at the node.
     value [m, -, rad], rate [per second], reaction [N, N m]: (m,) each.
@@ -93,7 +94,7 @@ class RowReplacement:
         self, condition: PrescribedMotion, layout: DofLayout, local: int, bound_blocks: list[BoundBlock]
     ):
         self.condition = condition
-        self.D = np.ascontiguousarray(condition.directions)
+        self.D = np.array(condition.directions, order="C")
         parts = [layout.dofs[name][local] for name in NODE_FIELDS]
         self.rows = np.concatenate(parts).astype(np.int32)
         self.owned = bool(layout.chain.owned[local])
@@ -134,11 +135,21 @@ class RowReplacement:
             pointer(self.slots),
         )
 
-    def evaluate(self, t: float) -> None:
-        """Set ``value`` and ``rate`` to those at ``t`` [s]; evaluated once per time."""
-        if t != self.time:
+    def evaluate(self, t: float, x: FloatArray) -> None:
+        """Set ``value`` and ``rate``, on a curved path also the directions, to those at ``t`` [s].
+
+        They are evaluated once per time.  x: unknowns of the system.
+        """
+        if t == self.time:
+            return
+        if self.condition.along_path is None:
             self.value[:], self.rate[:] = self.condition.value(t), self.condition.rate(t)
-            self.time = t
+        else:
+            self.D[:], self.value[:], self.rate[:] = self.condition.along_path(t, x[self.rows])
+            projector = self.D.T @ self.D
+            self.projector[:] = projector.ravel()
+            self.complement[:] = np.eye(7) - projector
+        self.time = t
 
 
 class BoundStabilization:
@@ -372,7 +383,7 @@ class Assembly:
         """
         _, y, a, _ = self._state
         for f in self.row_replacements:
-            f.evaluate(t)
+            f.evaluate(t, self.x)
             _fix_rates(*f.head, f.rate_at, sigma, self._history[1], y, a)
 
     def invalidate_prescribed_values(self) -> None:
@@ -417,6 +428,16 @@ class Assembly:
         self._event["Residual"].end()
         return self.r
 
+    def partial_residual(self, t: float, chosen: Callable[[ElementBlock], bool]) -> FloatArray:
+        """Compute the residual of the ``chosen`` blocks at time ``t`` [s] into ``r``, not summed over ranks."""
+        self.r[:] = 0.0
+        for b in self.bound_blocks:
+            if b.count and chosen(b.block):
+                if b.block.update:
+                    b.update_parameters(t)
+                b.residual(*b.head, *self._state)
+        return self.r
+
     def replace_rows(self, t: float, owned: FloatArray, owned_index: np.ndarray) -> None:
         """Replace the rows along prescribed directions; store the reactions (manual: eq-prescribed-rows).
 
@@ -426,7 +447,7 @@ class Assembly:
         """
         for f in self.row_replacements:
             if f.owned:
-                f.evaluate(t)
+                f.evaluate(t, self.x)
                 if f.owned_rows is None:
                     f.owned_rows = np.ascontiguousarray(owned_index[f.rows], dtype=np.int32)
                     f.owned_rows_at = pointer(f.owned_rows)

@@ -110,10 +110,14 @@ class ElementBlock:
 class PrescribedMotion:
     """Dirichlet condition: components of one vertex whose motion is given, ``directions @ x = value(t)``.
 
-    directions: (m, 7) orthonormal rows over (position, slope, spin angle) of the vertex.
+    directions: (m, 7) orthonormal rows over (position, slope, spin angle) of the vertex, at the start.
     value, rate: (m,) as functions of time [m, -, rad and per second].
     names: (m,) of the reactions: the residual components that the condition replaces (manual:
     eq-prescribed-rows).
+    along_path(t, x): on a curved path, directions, value and rate at the time t and the vertex' unknowns x
+    (7,); None: the directions are constant.
+    advance(x): change (7,) of the vertex' unknowns x (7,) by the length of path that an end is moved down;
+    None: the end does not move.
     """
 
     vertex: int
@@ -121,6 +125,8 @@ class PrescribedMotion:
     value: Callable[[float], FloatArray]
     rate: Callable[[float], FloatArray]
     names: tuple[str, ...]
+    along_path: Callable[[float, FloatArray], tuple[FloatArray, FloatArray, FloatArray]] | None = None
+    advance: Callable[[FloatArray], FloatArray] | None = None
 
 
 @dataclass(frozen=True)

@@ -241,9 +241,10 @@ class DiscreteSystem:
     def local_powers(self, t: float) -> FloatArray:
         """Compute this rank's part (2,) of the dissipated and the supplied power [W]."""
         parts = np.array([component.powers(t, self.assembly) for component in self.components]).sum(axis=0)
-        parts[1] += sum(
-            float(f.reaction @ f.condition.rate(t)) for f in self.assembly.row_replacements if f.owned
-        )
+        for f in self.assembly.row_replacements:
+            if f.owned:
+                f.evaluate(t, self.assembly.x)
+                parts[1] += float(f.reaction @ f.rate)
         if self.assembly.dead_load is not None:
             parts[1] += self.assembly.dead_load @ self.assembly.y[: self.layout.size]
         return parts

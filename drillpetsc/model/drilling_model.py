@@ -26,6 +26,7 @@ from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.bit_on_bottom import BitOnBottom
 from drillpetsc.physics.contact import Contact, ContactLaw
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
+from drillpetsc.physics.hole_path import HolePath, is_curved
 from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.precurvature import Precurvature
 from drillpetsc.physics.quaternion.contact import QuaternionContact
@@ -141,6 +142,7 @@ def build_model(case: Case, comm: PETSc.Comm | None = None) -> DrillingModel:
             loads=_loads(case, mesh, tangent),
             breaks=breaks,
             contact=contact,
+            path=_top_path(well, frames),
         )
         if mesh.bodies or mesh.eccentricity.any():
             components.append(RigidBodies(mesh, frames, np.array(case.gravity, dtype=float)))
@@ -151,7 +153,7 @@ def build_model(case: Case, comm: PETSc.Comm | None = None) -> DrillingModel:
         beam = AncfBeam(mesh, frames, gravity, contact.impact_depth if contact is not None else np.inf)
         components.append(beam)
         components += _optional_components(mesh, frames, gravity, balanced=is_quasi_static(case))
-        top, drive = _top_components(case, position[0], tangent[0])
+        top, drive = _top_components(case, position[0], tangent[0], _top_path(well, frames), frames)
         components += [r for r in (top, drive) if r is not None]
         components += _bottom_components(case, position[-1], tangent[-1])
         loads = _loads(case, mesh, tangent)
@@ -229,18 +231,32 @@ def _axis(case: Case, mesh: StringMesh, well: Well | None) -> tuple[FloatArray, 
 
 
 # ---------------------------------------------------------------------- ends
-def _top_components(case: Case, position: FloatArray, tangent: FloatArray):
-    """Create the top end and, for a driven top, the rotary drive; None where absent."""
+def _top_path(well: Well | None, frames: Frames) -> HolePath | None:
+    """Create the path along which the top moves; None where it is one straight line."""
+    if well is None or not is_curved(well):
+        return None
+    return HolePath(well, 0.0, frames.second_director[0])
+
+
+def _top_components(
+    case: Case, position: FloatArray, tangent: FloatArray, path: HolePath | None, frames: Frames
+):
+    """Create the top end and, for a driven top, the rotary drive; None where absent.
+
+    path: of the top, None: a straight line.
+    """
     top = case.top
     if isinstance(top, HeldTop):
-        return (None if top.kind == "free" else FixedEnd(0, top.kind, position, tangent)), None
+        return (
+            None if top.kind == "free" else FixedEnd(0, top.kind, position, tangent, path=path, frames=frames)
+        ), None
     if isinstance(top, TopDriveCase):
         lowering = None if top.force is not None else top.lowering
         # without inertia rotation acts through the direction of friction only
         rotation = Constant(0.0) if is_quasi_static(case) else top.rotation
-        return TopDrive(position, tangent, rotation, lowering), None
+        return TopDrive(position, tangent, rotation, lowering, path=path, frames=frames), None
     assert isinstance(top, DrivenTop)
-    return TopDrive(position, tangent, None, top.lowering), RotaryDrive(
+    return TopDrive(position, tangent, None, top.lowering, path=path, frames=frames), RotaryDrive(
         top.rotation, top.stiffness, top.damping, top.inertia
     )
 

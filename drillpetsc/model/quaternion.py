@@ -14,6 +14,7 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.physics.contact import Contact
 from drillpetsc.physics.end_conditions import NodeLoad
+from drillpetsc.physics.hole_path import HolePath
 from drillpetsc.physics.quaternion.beam import QuaternionBeam
 from drillpetsc.physics.quaternion.ends import ConstrainedEnd, QuaternionLoads
 
@@ -28,19 +29,24 @@ def quaternion_components(
     loads: Sequence[NodeLoad],
     breaks: tuple[float, ...],
     contact: Contact | None,
+    path: HolePath | None = None,
 ) -> tuple[QuaternionBeam, ConstrainedEnd | None, list]:
     """Create the components of a string with quaternion elements.
 
     position, tangent: (n_nodes, 3) of the unstrained string [m, -].
     loads: nodal loads; breaks: times at which they jump or bend [s].
     contact: wall contact, None without one.
+    path: of the top, None: a straight line.
     Returns the beam, the constrained top end (None where it is free), and all components.
     """
     finest = contact.impact_depth if contact is not None else np.inf
     beam = QuaternionBeam(
         mesh, frames, np.array(case.gravity, dtype=float), case.beam.constraint or "index3", finest
     )
-    top, bottom = _top(case, beam, position[0], tangent[0]), _bottom(case, beam, position[-1], tangent[-1])
+    top, bottom = (
+        _top(case, beam, position[0], tangent[0], path),
+        _bottom(case, beam, position[-1], tangent[-1]),
+    )
     components = [beam, *(r for r in (top, bottom) if r is not None)]
     if loads:
         components.append(QuaternionLoads(tuple(loads), breaks))
@@ -73,19 +79,21 @@ def _constrained_end(
 
 
 def _top(
-    case: Case, beam: QuaternionBeam, position: FloatArray, tangent: FloatArray
+    case: Case, beam: QuaternionBeam, position: FloatArray, tangent: FloatArray, path: HolePath | None
 ) -> ConstrainedEnd | None:
     top = case.top
     if isinstance(top, TopDriveCase):
         lowering = None if top.force is not None else top.lowering
         return _constrained_end(
-            beam, 0, 2 if lowering is None else 3, 3, position, tangent, lowering, top.rotation
+            beam, 0, 2 if lowering is None else 3, 3, position, tangent, lowering, top.rotation, path
         )
     assert isinstance(top, HeldTop)  # the check of the case refuses other kinds
     return (
         None
         if top.kind == "free"
-        else _constrained_end(beam, 0, 3, 3 if top.kind == "clamped" else 1, position, tangent)
+        else _constrained_end(
+            beam, 0, 3, 3 if top.kind == "clamped" else 1, position, tangent, None, None, path
+        )
     )
 
 

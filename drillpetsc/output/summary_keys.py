@@ -156,6 +156,15 @@ STATICS: tuple[SummaryKey, ...] = (
         "Lateral load that was added to leave a straight unstable state, as a fraction of the weight.",
         STRING,
     ),
+    SummaryKey(
+        "buckling.sinusoidal",
+        "",
+        "Measured depths (from, to) between which the compression exceeds the sinusoidal buckling load [m].",
+        STRING,
+    ),
+    SummaryKey(
+        "buckling.helical", "", "Measured depths (from, to) between which the string coils [m].", STRING
+    ),
     SummaryKey("warnings", "", "What the user should know.", STRING),
     SummaryKey("soft_string.hook_load", "N", "Hook load by the soft-string model.", CONTACT),
     SummaryKey("soft_string.surface_torque", "N m", "Surface torque by the soft-string model.", CONTACT),

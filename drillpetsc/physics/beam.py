@@ -126,12 +126,17 @@ class AncfBeam(interfaces.Beam):
         system.set_field("string.tangent", tangent)
         system.set_field("string.spin", np.zeros((self.mesh.nodes, 1)))
 
-    def set_rigid_motion(self, system, tangent: FloatArray, lowering: float, rotation: float) -> None:
-        """Set the velocity of every node to ``lowering`` [m/s] along ``tangent`` and its spin to ``rotation``
-        [rad/s].
+    def set_rigid_motion(
+        self, system, tangent: FloatArray, curvature: FloatArray, lowering: float, rotation: float
+    ) -> None:
+        """Set the velocity of every node to ``lowering`` [m/s] along the hole, its spin to ``rotation`` [rad/s].
+
+        tangent, curvature: (n_nodes, 3) of the hole at the nodes [-, 1/m].
         """
+        stretch = np.zeros((self.mesh.nodes, 1))
+        stretch[system.chain.vertices] = np.linalg.norm(system.field("string.tangent"), axis=1, keepdims=True)
         system.set_field("string.position", lowering * tangent, "y")
-        system.set_field("string.tangent", np.zeros((self.mesh.nodes, 3)), "y")
+        system.set_field("string.tangent", lowering * stretch * curvature, "y")
         system.set_field("string.spin", np.full((self.mesh.nodes, 1), rotation), "y")
 
     def renew_reference_frames(self, system) -> bool:

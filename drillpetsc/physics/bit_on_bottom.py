@@ -12,6 +12,7 @@ from drillpetsc.fem.quantity import Quantity
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, constant
 from drillpetsc.physics import quantities as declared
+from drillpetsc.physics.contact import penetration
 from drillpetsc.physics.interfaces import Bit
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
@@ -115,8 +116,8 @@ class BitOnBottom(Bit):
             p.array[:] = before
 
     def depth_for(self, weight: float) -> float:
-        """Penetration [m] at which the bit carries ``weight`` [N]."""
-        return weight / self.stiffness
+        """Penetration [m] at which the bit carries ``weight`` [N] (manual: eq-contact-onset)."""
+        return float(penetration(weight / self.stiffness))
 
     def energies(self, t: float, state) -> Energies:
         weight, _ = self.weight_and_torque(state)

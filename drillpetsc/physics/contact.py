@@ -13,6 +13,7 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock, Energies, Powers
@@ -21,7 +22,7 @@ from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
-from drillpetsc.kernels.parameters import Parameters, columns, structure
+from drillpetsc.kernels.parameters import Parameters, columns, constant, structure
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import JUNCTION_SLOTS, SLOTS
 from drillpetsc.physics.interfaces import WallContact
@@ -105,6 +106,18 @@ def damping_factor(restitution: float, speed: float) -> float:
     if 1 - e < 1e-4:
         return 1.5 * (1 - e) * (2 - e) / speed
     return bracketed_root(miss, 0.5 * (1 - e), (1 - 1e-14) / e, absolute=1e-14, relative=1e-14) / speed
+
+
+ONSET = constant("contact_onset")  # half width of the onset [m] (manual: eq-contact-onset)
+
+
+def penetration(linear: ArrayLike) -> FloatArray:
+    """Compute the penetration [m] at which the wall carries a force, from that of a wall without onset.
+
+    The onset is a parabola, (d + e)^2/4e for |d| < e (manual: eq-contact-onset).
+    """
+    d = np.asarray(linear, dtype=float)
+    return np.where(d > ONSET, d, 2 * np.sqrt(ONSET * np.maximum(d, 0.0)) - ONSET)
 
 
 class Contact(WallContact):

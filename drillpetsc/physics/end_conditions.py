@@ -13,8 +13,9 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import Component, ElementBlock, Energies, Powers, PrescribedMotion
-from drillpetsc.geometry.frames import Frames, high_side
+from drillpetsc.geometry.frames import Frames, high_side, smallest_rotation
 from drillpetsc.kernels.parameters import Parameters
+from drillpetsc.physics.hole_path import HolePath, PathPoint
 from drillpetsc.physics.interfaces import Drive, Top
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
@@ -48,12 +49,149 @@ def _rows(position: FloatArray, tangent: FloatArray, spin: bool) -> FloatArray:
     return D
 
 
-class FixedEnd(Top):
+class PathEnd(Top):
+    """End whose prescribed position lies on a path: the centreline of the hole, or a straight line.
+
+    A straight path keeps its directions D (m, 7), and the values are ``anchor`` (m,) plus the motion.  On a
+    curved path (manual: sec-prescribed-path) ``anchor`` (4,) is the measured depth [m], the offsets from the
+    centreline along both normals [m] and the angle of the section about the tangent [rad], all at time 0.
+
+    The axial position is prescribed where ``axial``, the slope's direction where ``tilt``, the spin where
+    ``spin``.
+    """
+
+    def __init__(
+        self,
+        vertex: int,
+        position: FloatArray,
+        tangent: FloatArray,
+        angle: float,
+        *,
+        axial: bool,
+        tilt: bool,
+        spin: bool,
+        rotation: Input | None = None,
+        lowering: Input | None = None,
+        path: HolePath | None = None,
+        frames: Frames | None = None,
+    ):
+        zero = _Zero()
+        self._down, self._turn = lowering or zero, rotation or zero
+        self.inputs = tuple(i for i in (rotation, lowering) if i is not None)
+        self._axial_row, self._tilt, self._spin = axial, tilt, spin
+        self._path, self._frames, self._vertex = path, frames, vertex
+        axes = _axes(tangent)
+        where = "top" if vertex == 0 else "bottom"
+        names = (
+            ["axial_reaction"] * axial
+            + ["side_reaction_1", "side_reaction_2"]
+            + ["side_moment_1", "side_moment_2"] * tilt
+            + ["torque_reaction"] * spin
+        )
+        D = _rows(axes if axial else axes[1:], axes[1:] if tilt else axes[:0], spin)
+        along, about = np.zeros(len(D)), np.zeros(len(D))
+        along[:1], about[-1:] = float(axial), float(spin)
+        start = D @ np.concatenate([position, tangent, [angle]])
+        if path is not None:
+            start = np.append(path.coordinates(position), angle)
+        self.anchor = start
+        down, turn, self._first_row = self._down, self._turn, along
+        self._condition = PrescribedMotion(
+            vertex,
+            D,
+            lambda t: start + along * down.integral(t) + about * turn.integral(t),
+            lambda t: along * down.value(t) + about * turn.value(t),
+            tuple(f"{where}.{n}" for n in names),
+            along_path=None if path is None else self._at,
+            advance=None if path is None else self._advance,
+        )
+
+    def _spin_about_reference(self, x: FloatArray, here: PathPoint) -> float:
+        """Compute the spin angle [rad] of a section whose first director is the path's first normal."""
+        assert self._frames is not None
+        t = here.axes[0]
+        a, b = self._frames.reference[self._vertex], self._frames.second_director[self._vertex]
+        one = smallest_rotation(a, t, b)
+        return float(np.arctan2(here.axes[1] @ np.cross(t, one), here.axes[1] @ one))
+
+    def _at(self, t: float, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Compute directions (m, 7), values and rates (m,) at the time ``t`` [s]; x: (7,) unknowns."""
+        assert self._path is not None
+        s0, *offset, angle = self.anchor
+        speed = 0.0
+        if self._axial_row:
+            depth, speed = s0 + self._down.integral(t), self._down.value(t)
+        else:
+            depth = self._path.depth_of(x[:3])
+        here = self._path.at(depth)
+        axes, place = here.axes, here.centre + offset @ here.axes[1:]
+        D = _rows(axes if self._axial_row else axes[1:], axes[1:] if self._tilt else axes[:0], self._spin)
+        spin = angle + self._turn.integral(t) + self._spin_about_reference(x, here) if self._spin else 0.0
+        value = D @ np.concatenate([place, axes[0], [spin]])
+        rate = D @ np.concatenate(
+            [
+                speed * (1 - here.curvature @ (place - here.centre)) * axes[0],
+                speed * (axes[0] @ x[3:6]) * here.curvature,
+                [self._turn.value(t)],
+            ]
+        )
+        return D, value, rate
+
+    def _advance(self, x: FloatArray) -> FloatArray:
+        """Change (7,) of the unknowns ``x`` (7,) by the measured depth of the end."""
+        assert self._path is not None and self._frames is not None
+        here = self._path.at(self._path.depth_of(x[:3]))
+        v = x[3:6]
+        n, a = np.linalg.norm(v), self._frames.reference[self._vertex]
+        turn = n * here.curvature
+        transport = float(np.cross(v, a) @ turn / (n * (n + v @ a)))
+        return np.concatenate(
+            [(1 - here.curvature @ (x[:3] - here.centre)) * here.axes[0], turn, [-transport]]
+        )
+
+    def prescribed(self) -> tuple[PrescribedMotion, ...]:
+        return (self._condition,)
+
+    @property
+    def on_path(self) -> bool:
+        return self._path is not None
+
+    def prescribed_position(self) -> FloatArray:
+        assert self._path is not None
+        return self._path.position(self.anchor[:3])
+
+    def shift(self, distance: float) -> None:
+        """Move the axial position by ``distance`` [m], down positive."""
+        if self._path is None:
+            self.anchor += distance * self._first_row
+        elif self._axial_row:
+            self.anchor[0] += distance
+
+    def displace(self, offset: FloatArray) -> None:
+        if self._path is None:
+            super().displace(offset)
+        else:
+            self.anchor[1:3] += self._path.at(self.anchor[0]).axes[1:] @ offset
+
+    def align(self, position: FloatArray, slope: FloatArray, spin: FloatArray) -> None:
+        if self._path is None:
+            super().align(position, slope, spin)
+            return
+        self.anchor[:3] = self._path.coordinates(position)
+        here = self._path.at(float(self.anchor[0]))
+        self.anchor[3] = spin[0] - self._spin_about_reference(np.concatenate([position, slope, spin]), here)
+
+    def breaks(self) -> tuple[float, ...]:
+        return tuple(b for i in self.inputs for b in i.breaks())
+
+
+class FixedEnd(PathEnd):
     """Fixed end: clamped (position, direction, spin) or pinned (position).
 
     vertex: its node; kind: ``clamped`` or ``pinned``.
     position: (3,) [m]; tangent: (3,) unit.
     spin: the spin angle is fixed at ``angle`` [rad].
+    path, frames: centreline along which ``shift`` moves the end, and the string's frames; None: its tangent.
     """
 
     name = "held_end"
@@ -66,38 +204,22 @@ class FixedEnd(Top):
         tangent: FloatArray,
         spin: bool = True,
         angle: float = 0.0,
+        path: HolePath | None = None,
+        frames: Frames | None = None,
     ):
-        axes = _axes(tangent)
-        D = _rows(axes, axes[1:] if kind == "clamped" else axes[:0], spin)
-        self.anchor = target = D @ np.concatenate([position, tangent, [angle]])
-        still = np.zeros(len(D))
-        tilt = ("side_moment_1", "side_moment_2") if kind == "clamped" else ()
-        names = (
-            "axial_reaction",
-            "side_reaction_1",
-            "side_reaction_2",
-            *tilt,
-            *(("torque_reaction",) if spin else ()),
-        )
-        where = "top" if vertex == 0 else "bottom"
-        self._condition = PrescribedMotion(
-            vertex, D, lambda t: target, lambda t: still, tuple(f"{where}.{n}" for n in names)
-        )
-
-    def shift(self, distance: float) -> None:
-        """Move the axial position by ``distance`` [m], down positive."""
-        self.anchor[0] += distance
-
-    def prescribed(self) -> tuple[PrescribedMotion, ...]:
-        return (self._condition,)
+        super().__init__(
+            vertex, position, tangent, angle, axial=True, tilt=kind == "clamped", spin=spin, path=path,
+            frames=frames,
+        )  # fmt: skip
 
 
-class TopDrive(Top):
+class TopDrive(PathEnd):
     """Prescribed rotation and lowering of the top node; the replaced rows are hook load and surface torque.
 
     position: (3,) [m] and tangent: (3,) unit, at time 0; angle: spin angle at time 0 [rad].
     rotation: over time [rad/s]; None: the spin is free (``driven``).
     lowering: over time [m/s]; None: the axial position is free, and a load prescribes the force.
+    path, frames: centreline along which the top moves, and the string's frames; None: its tangent.
     """
 
     name = "top_drive"
@@ -109,41 +231,13 @@ class TopDrive(Top):
         rotation: Input | None,
         lowering: Input | None,
         angle: float = 0.0,
+        path: HolePath | None = None,
+        frames: Frames | None = None,
     ):
-        axes = _axes(tangent)
-        self.inputs = tuple(i for i in (rotation, lowering) if i is not None)
-        D = _rows(axes if lowering is not None else axes[1:], axes[1:], rotation is not None)
-        self.anchor = start = D @ np.concatenate([position, tangent, [angle]])
-        self._axial = axial = np.zeros(len(D))
-        spin = np.zeros(len(D))
-        if lowering is not None:
-            axial[0] = 1.0
-        if rotation is not None:
-            spin[-1] = 1.0
-        zero = _Zero()
-        down, turn = lowering or zero, rotation or zero
-        names = (
-            ["top.axial_reaction"] * (lowering is not None)
-            + ["top.side_reaction_1", "top.side_reaction_2", "top.side_moment_1", "top.side_moment_2"]
-            + ["top.torque_reaction"] * (rotation is not None)
-        )
-        self._condition = PrescribedMotion(
-            0,
-            D,
-            lambda t: start + axial * down.integral(t) + spin * turn.integral(t),
-            lambda t: axial * down.value(t) + spin * turn.value(t),
-            tuple(names),
-        )
-
-    def prescribed(self) -> tuple[PrescribedMotion, ...]:
-        return (self._condition,)
-
-    def shift(self, distance: float) -> None:
-        """Move the axial position by ``distance`` [m], down positive."""
-        self.anchor += distance * self._axial
-
-    def breaks(self) -> tuple[float, ...]:
-        return tuple(b for i in self.inputs for b in i.breaks())
+        super().__init__(
+            0, position, tangent, angle, axial=lowering is not None, tilt=True, spin=rotation is not None,
+            rotation=rotation, lowering=lowering, path=path, frames=frames,
+        )  # fmt: skip
 
 
 class _Zero:

@@ -32,9 +32,12 @@ class Beam(Component):
         """
 
     @abstractmethod
-    def set_rigid_motion(self, system: Any, tangent: FloatArray, lowering: float, rotation: float) -> None:
-        """Set the velocity of every node to ``lowering`` [m/s] along ``tangent`` (n_nodes, 3), its spin to
-        ``rotation`` [rad/s].
+    def set_rigid_motion(
+        self, system: Any, tangent: FloatArray, curvature: FloatArray, lowering: float, rotation: float
+    ) -> None:
+        """Set the velocity of every node to ``lowering`` [m/s] along the hole, its spin to ``rotation`` [rad/s].
+
+        tangent: (n_nodes, 3) of the hole at the nodes; curvature: (n_nodes, 3) its derivative [1/m].
         """
 
     @abstractmethod
@@ -63,6 +66,15 @@ class Top(Component):
     @abstractmethod
     def shift(self, distance: float) -> None:
         """Move the prescribed axial position by ``distance`` [m], down positive."""
+
+    @property
+    def on_path(self) -> bool:
+        """Whether the end moves along a curved path; ``anchor`` then has coordinates on the path."""
+        return False
+
+    def prescribed_position(self) -> FloatArray:
+        """Return the prescribed position (3,) at time 0 [m]; only where ``on_path``."""
+        raise NotImplementedError
 
     def displace(self, offset: FloatArray) -> None:
         """Move the prescribed position by ``offset`` (3,) [m]."""

@@ -20,6 +20,7 @@ from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, Table, columns, constant, structure
 from drillpetsc.physics import quantities as declared
+from drillpetsc.physics.contact import penetration
 from drillpetsc.physics.interfaces import Bit
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.physics.roots import bracketed_root
@@ -390,7 +391,7 @@ class RockBit(Bit):
 
     def depth_for(self, weight: float) -> float:
         """Compute the depth [m] at which the bit carries ``weight`` [N] at rest."""
-        return weight / self.contact.stiffness
+        return float(penetration(weight / self.contact.stiffness))
 
     def depth_of_face(self, state) -> tuple[float, FloatArray]:
         """Compute the depth of the bit below the end of the hole [m] and its gradient (n,) by the local unknowns.

@@ -22,6 +22,8 @@ _forward = function("chain_forward", "iippppp")
 _backward = function("chain_backward", "iippp")
 _solve = function("chain_solve", "ippppippppp")
 _residual = function("chain_residual", "ipppp")
+_set_entries = function("chain_entries", "ippppipppp", int)
+_negative = function("chain_negative", "iipp", int)
 
 
 def aligned(count: int) -> np.ndarray:
@@ -89,6 +91,32 @@ class Piece:
         self.slot = (block + column_at * t[row_node, _LD] + row_at)[by_node].astype(np.int32)
         self.source = np.asarray(source)[by_node].astype(np.int32)
         self.start = np.searchsorted(row_node[by_node], np.arange(self.n + 1)).astype(np.int32)
+        self._entries = (pointer(self.start), pointer(self.slot), pointer(self.source))
+
+    def set_matrix_entries(
+        self, rows: np.ndarray, columns: np.ndarray, node: np.ndarray, component: np.ndarray
+    ) -> None:
+        """Set the positions of the entries (m,) of a matrix in the blocks, as ``set_entries``.
+
+        rows, columns: unknowns, negative where an entry is left out; node, component: (size,) of each unknown.
+        Raises ValueError where an entry couples nodes that are not neighbours.
+        """
+        rows, columns, node, component = (
+            np.ascontiguousarray(a, dtype=np.int64) for a in (rows, columns, node, component)
+        )
+        used = int(np.count_nonzero((rows >= 0) & (columns >= 0)))
+        self.start = np.zeros(self.n + 1, dtype=np.int32)
+        self.slot, self.source = np.empty(used, dtype=np.int32), np.empty(used, dtype=np.int32)
+        wrong = _set_entries(
+            len(rows),
+            *(pointer(a) for a in (rows, columns, node, component)),
+            self.n,
+            *(pointer(a) for a in (self.table, self.start, self.slot, self.source)),
+        )
+        if wrong >= 0:
+            raise ValueError(
+                f"an entry couples local nodes {node[rows[wrong]]} and {node[columns[wrong]]}: not neighbours"
+            )
         self._entries = (pointer(self.start), pointer(self.slot), pointer(self.source))
 
     def interface_blocks(self) -> list[np.ndarray]:
@@ -186,13 +214,5 @@ class Piece:
         Manual: eq-chain-inertia.
         """
         assert self.blocks is not None
-        table, count = self.table[self.interfaces & 1 : self.n - (self.interfaces >> 1)], 0
-        for b, ld in np.unique(table[:, [_SIZE, _LD]], axis=0):
-            first = table[(table[:, _SIZE] == b) & (table[:, _LD] == ld), _DIAG]
-            S = self.blocks[first[:, None, None] + (ld * np.arange(b)[:, None] + np.arange(b))]
-            S = 0.5 * (S + S.transpose(0, 2, 1))
-            size = np.abs(S).max(axis=2)
-            # scaling both sides is a congruence, which preserves the signs of the eigenvalues
-            scale = np.exp2(-np.round(0.5 * np.log2(np.where(size > 0, size, 1.0))))
-            count += int(np.sum(np.linalg.eigvalsh(scale[:, :, None] * S * scale[:, None, :]) < 0))
-        return count
+        n, interfaces, table, _ = self._piece
+        return _negative(n, interfaces, table, pointer(self.blocks))

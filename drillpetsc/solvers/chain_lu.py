@@ -214,15 +214,11 @@ class ChainFactor:
         """
         if rows.shape != columns.shape or rows.ndim != 1:
             raise ValueError(f"rows {rows.shape} and columns {columns.shape} must be flat and of one length")
-        used = (rows >= 0) & (columns >= 0)
-        r, c = rows[used], columns[used]
-        if len(r) and max(r.max(), c.max()) >= self.size:
-            raise ValueError(f"an entry names local unknown {max(r.max(), c.max())}, there are {self.size}")
+        largest = max(rows.max(initial=-1), columns.max(initial=-1))
+        if largest >= self.size:
+            raise ValueError(f"an entry names local unknown {largest}, there are {self.size}")
         self._entries = len(rows)
-        component = self._component
-        self.piece.set_entries(
-            node_of_dof[r], component[r], node_of_dof[c], component[c], np.flatnonzero(used)
-        )
+        self.piece.set_matrix_entries(rows, columns, node_of_dof, self._component)
 
     def _prepare_messages(self) -> None:
         """Build the tables of the interface system: the numbers that each rank sends, and their positions in it.

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from petsc4py import PETSc
@@ -448,3 +449,16 @@ def chain_factor(system: DiscreteSystem) -> ChainFactor:
         asm.columns,
         pivot_tolerance=smallest,
     )
+
+
+_static_factors: WeakKeyDictionary[DiscreteSystem, ChainFactor] = WeakKeyDictionary()
+
+
+def static_factor(system: DiscreteSystem) -> ChainFactor:
+    """Return the direct solver that all static solves of a system share, created at the first call.
+
+    Its tables take longer than a factorisation.  A caller factors before it solves and keeps no factors.
+    """
+    if system not in _static_factors:
+        _static_factors[system] = chain_factor(system)
+    return _static_factors[system]

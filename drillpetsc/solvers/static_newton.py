@@ -19,21 +19,35 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
-from drillpetsc.fem.assembly import ROW_SCALE
+from drillpetsc.fem.assembly import ROW_SCALE, RowReplacement
 from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.kernels import function, pointer
 from drillpetsc.solvers.chain_lu import ZeroPivot
-from drillpetsc.solvers.newton import chain_factor
+from drillpetsc.solvers.newton import static_factor
+
+_quasi_rows = function("quasi_rows", "iipppp")
 
 CONVERGED_INCREMENT = 2.0e-9  # largest increment of a converged state, in the fields' scales
 ROUNDING_INCREMENT = (
     1.0e-5  # increment below which a state counts as converged where rounding stops the descent
 )
+ROUNDING_RATIO = 0.1  # an increment below it that is not this much smaller than all before it is rounding
 MAX_ITERATIONS = 600
 MAX_FULL_STEPS = 40
 #: full Newton steps without a smaller increment before the iteration ends; contacts may open and close
 #: without end
 STALL_WINDOW = 8
+SLOPE_STEP = 1.0e-4  # share of a step over which its direction is differenced
+#: largest lateral motion of a node in one step, as a share of its clearance: full Newton steps, shifted steps
+STEP_SHARE, SHIFTED_STEP_SHARE = 2.0, 0.5
+AXIAL_SHIFT = (
+    1e-6  # axial entries of the shift over the lateral ones; they hold a string that nothing else holds
+)
 MAX_SLOPE_CHANGE = 0.4  # largest change of a node's slope in one step
+
+
+#: (unknowns, step, factor) -> unknowns after the step
+Advance = Callable[[FloatArray, FloatArray, float], FloatArray]
 
 
 @dataclass
@@ -45,6 +59,7 @@ class Equilibrium:
     negative_pivots: negative eigenvalues of the stiffness beyond those of multipliers (manual:
     eq-statics-stable).
     residual: largest residual [N, N m].
+    singular: the stiffness has a zero pivot, so that stability is not known.
     imperfection: relative size of the lateral loads that were added [-].
     """
 
@@ -53,6 +68,7 @@ class Equilibrium:
     residual: float = 0.0
     increment: float = 0.0
     imperfection: float = 0.0
+    singular: bool = False
     converged: bool = False
     history: list[float] = field(default_factory=list)
 
@@ -61,9 +77,12 @@ class StaticNewton:
     """Static solver of one discrete system; the state is the assembly's x, rates are zero.
 
     system: the discrete system.
-    energy: the loads have a potential, so that the matrix inertia and the descent have a meaning.
-    clearance: smallest radial clearance [m], None without a well.
+    energy: no friction acts, so that the inertia of the matrix and the descent have a meaning.
+    symmetric: the loads have a potential. Without one the inertia is that of the symmetric part: no negative
+    pivot still means stable (manual: eq-statics-stable).
+    clearance: (n_nodes,) radial clearance [m], or the same for all; None without a well.
     t: time at which inputs are evaluated [s].
+    advance: takes a step, equal to x + factor p to first order; None: exactly that.
 
     The caller may set, with n local dofs:
     depth(system): depth of the bit below the hole's end [m], its gradient (n,) by the local unknowns, and the
@@ -74,11 +93,21 @@ class StaticNewton:
     """
 
     def __init__(
-        self, system: DiscreteSystem, energy: bool = True, clearance: float | None = None, t: float = 0.0
+        self,
+        system: DiscreteSystem,
+        energy: bool = True,
+        clearance: FloatArray | float | None = None,
+        t: float = 0.0,
+        advance: Advance | None = None,
+        symmetric: bool = True,
     ):
-        self.system, self.energy, self.t = system, energy, t
-        self.max_lateral_step = 0.5 * clearance if clearance else 0.2 * float(system.mesh.node_depth[-1])
-        self.factor = chain_factor(system)
+        self.system, self.energy, self.t, self.symmetric = system, energy, t, symmetric
+        self._advanced: Advance = advance or (lambda x, p, factor: x + factor * p)
+        free = 0.2 * float(system.mesh.node_depth[-1])
+        step = free if clearance is None else np.asarray(clearance, dtype=float)
+        self._step_shares = (1.0, 1.0) if clearance is None else (STEP_SHARE, SHIFTED_STEP_SHARE)
+        self.max_lateral_step = np.broadcast_to(step, (system.mesh.nodes,))[system.chain.vertices]
+        self.factor = static_factor(system)
         self.f = system.new_condensed()
         self.depth: Callable[[DiscreteSystem], tuple[float, FloatArray, float]] | None = None
         self.move_top: Callable[[float], None] | None = None
@@ -97,29 +126,25 @@ class StaticNewton:
         diagonal block.
         """
         system, asm = self.system, self.system.assembly
-        chain = system.chain
-        vertex_of_dof = {}
+        chain, out = system.chain, []
         for name in ("string.position", "string.tangent"):
+            vertex = np.full(system.layout.size + 1, -1)
             first = system.layout.dofs[name][:, 0]
-            vertex_of_dof[name] = {int(p): v for v, p in enumerate(first) if p >= 0 and chain.owned[v]}
-        out = []
-        for name in vertex_of_dof:
-            entries: dict[int, np.ndarray] = {}
+            chosen = (first >= 0) & chain.owned
+            vertex[first[chosen]] = np.flatnonzero(chosen)
+            found, entries = [np.zeros(0, dtype=int)], [np.zeros(0, dtype=int)]
             for item in asm.bound_blocks:
-                for e in range(item.count):
-                    for slot in _slots(item.index[e], vertex_of_dof[name]):
-                        vertex = vertex_of_dof[name][int(item.index[e, slot])]
-                        if vertex not in entries:
-                            k = slot + np.arange(3)
-                            entries[vertex] = (
-                                item.span.start + e * item.width**2 + k[:, None] * item.width + k
-                            )
-            out.append(
-                (
-                    np.array(list(entries), dtype=int),
-                    np.array(list(entries.values()), dtype=int).reshape(-1, 3, 3),
-                )
-            )
+                if not item.count:
+                    continue
+                element, slot = np.nonzero(vertex[item.index] >= 0)
+                found.append(vertex[item.index[element, slot]])
+                entries.append(item.span.start + element * item.width**2 + slot * (item.width + 1))
+                # width of the block, to find the other entries
+                entries[-1] = np.column_stack([entries[-1], np.full(len(element), item.width)])
+            vertices, once = np.unique(np.concatenate(found), return_index=True)
+            corner, width = np.concatenate([np.zeros((0, 2), dtype=int), *entries[1:]])[once].T
+            k = np.arange(3)
+            out.append((vertices, corner[:, None, None] + k[:, None] * width[:, None, None] + k))
         return out
 
     def _node_size(self) -> FloatArray:
@@ -191,20 +216,20 @@ class StaticNewton:
             for item, e, slots in f.elements:
                 K = asm.values[item.span].reshape(item.count, item.width, item.width)[e]
                 if f is self._top_rows:
-                    np.add.at(self._by_top, item.index[e], K[:, slots] @ f.D[0])
+                    np.add.at(self._by_top, item.index[e], K[:, slots] @ self._advance(f))
                 K[:, slots] = K[:, slots] @ f.complement
-        c = self._spin_potential()
-        slot = np.full(self.system.layout.size + 1, -1)
-        slot[asm.spin_at[:, 0]] = np.arange(len(asm.spin_at))
+        c = np.ascontiguousarray(self._spin_potential())
+        number = np.full(self.system.layout.size + 1, -1, dtype=np.int32)
+        number[asm.spin_at[:, 0]] = np.arange(len(asm.spin_at))
         for item in asm.bound_blocks:
-            if not item.count:
-                continue
-            K = asm.values[item.span].reshape(item.count, item.width, item.width)
-            for s in range(item.width):
-                node = slot[item.index[:, s]]
-                if item.width < 7 or (node < 0).all():
-                    continue
-                K[:, s - 3 : s, :] += c[node][:, :, None] * K[:, s : s + 1, :]
+            if item.count and item.width >= 7:
+                at = pointer(asm.values) + 8 * item.span.start
+                _quasi_rows(item.count, item.width, pointer(item.index), pointer(number), pointer(c), at)
+
+    def _advance(self, f: RowReplacement) -> FloatArray:
+        """Change (7,) of the unknowns of a prescribed end by the length that it is moved down its path."""
+        advance = f.condition.advance
+        return f.D[0] if advance is None else advance(self.system.assembly.x[f.rows])
 
     def _factor(self, sigma: float) -> int:
         """Factor K + sigma M; ``sigma`` in N/m2 (manual: eq-statics-step).
@@ -215,17 +240,32 @@ class StaticNewton:
         values = self.system.assembly.values.copy()
         if sigma:
             v = self.system.field("string.tangent")
-            across = np.eye(3) - v[:, :, None] * v[:, None, :] / np.sum(v * v, axis=1)[:, None, None]
+            along = v[:, :, None] * v[:, None, :] / np.sum(v * v, axis=1)[:, None, None]
             h = self._node_size()
-            for (vertices, entries), scale in zip(self._entries, (h, h**3 / 100), strict=True):
-                values[entries] += sigma * scale[vertices, None, None] * across[vertices]
+            for (vertices, entries), scale, share in zip(
+                self._entries, (h, h**3 / 100), (AXIAL_SHIFT, 0.0), strict=True
+            ):
+                M = np.eye(3) - (1 - share) * along[vertices]
+                values[entries] += sigma * scale[vertices, None, None] * M
         try:
-            if self.energy:  # each multiplier is a negative eigenvalue in every state (saddle point)
-                return self.factor.negative_pivots(values) - self.system.multipliers
-            self.factor.factor(values)
-            return 0
+            if not self.energy:
+                self.factor.factor(values)
+                return 0
+            # each multiplier is a negative eigenvalue in every state (saddle point)
+            count = self.factor.negative_pivots(values if self.symmetric else self._symmetric_part(values))
+            if not self.symmetric:
+                self.factor.factor(values)
+            return count - self.system.multipliers
         except ZeroPivot:
             return -1
+
+    def _symmetric_part(self, values: FloatArray) -> FloatArray:
+        """Symmetric part of the matrix with entries ``values``; loads without a potential add to the rest."""
+        out = values.copy()
+        for item in self.system.assembly.bound_blocks:
+            K = out[item.span].reshape(item.count, item.width, item.width)
+            K[:] = 0.5 * (K + K.transpose(0, 2, 1))
+        return out
 
     def _positive_factor(self, sigma: float) -> float:
         """Find the smallest shift [N/m2] on a coarse scale without negative pivots, and factor with it.
@@ -248,18 +288,19 @@ class StaticNewton:
         )
 
     # ------------------------------------------------------------------ iteration
-    def _step_limit(self, p: FloatArray) -> float:
+    def _step_limit(self, p: FloatArray, shifted: bool) -> float:
         """Compute the largest factor of the step ``p`` (n,) with bounded lateral motion and slope change of
-        every node.
+        every node.  ``shifted``: the limit of shifted steps.
         """
         system = self.system
         r, v = p[system.layout.dofs["string.position"]], p[system.layout.dofs["string.tangent"]]
         t = system.field("string.tangent")
         t = t / np.linalg.norm(t, axis=1, keepdims=True)
-        lateral = np.linalg.norm(r - t * np.sum(r * t, axis=1, keepdims=True), axis=1).max(initial=0.0)
+        lateral = np.linalg.norm(r - t * np.sum(r * t, axis=1, keepdims=True), axis=1)
+        share = (lateral / self.max_lateral_step).max(initial=0.0)
         slope = np.linalg.norm(v, axis=1).max(initial=0.0)
         return min(
-            self.max_lateral_step / max(self.largest(lateral), 1e-300),
+            self._step_shares[shifted] / max(self.largest(share), 1e-300),
             MAX_SLOPE_CHANGE / max(self.largest(slope), 1e-300),
         )
 
@@ -291,8 +332,11 @@ class StaticNewton:
 
     def _slope_at(self, x0: FloatArray, p: FloatArray, alpha: float) -> float:
         """Compute the slope [J] of the energy along ``p`` (n,) at x0 + alpha p; collective."""
-        self.system.assembly.x[: self.system.layout.size] = x0 + alpha * p
-        return self.sum(float(self._gradient(self.rows())[self._owned] @ p[self._owned]))
+        self.system.assembly.x[: self.system.layout.size] = self._advanced(x0, p, alpha)
+        way = (self._advanced(x0, p, alpha + SLOPE_STEP) - self._advanced(x0, p, alpha - SLOPE_STEP)) / (
+            2 * SLOPE_STEP
+        )
+        return self.sum(float(self._gradient(self.rows())[self._owned] @ way[self._owned]))
 
     def _bring_to_depth(self, p: FloatArray) -> float:
         """Add to ``p`` (n,) the motion of the top that brings the bit to its depth (manual: eq-statics-wob).
@@ -303,7 +347,7 @@ class StaticNewton:
         s = np.zeros(n)
         self.factor.solve(-self._gradient(system.sum_local(self._by_top)), s)
         if self._top_rows is not None:
-            s[self._top_rows.rows] += self._top_rows.D[0]
+            s[self._top_rows.rows] += self._advance(self._top_rows)
         depth, gradient, target = self.depth(system)  # type: ignore[misc]
         by_step = self.sum(float(gradient[self._owned] @ p[self._owned]))
         by_top = self.sum(float(gradient[self._owned] @ s[self._owned]))
@@ -317,18 +361,25 @@ class StaticNewton:
         return move
 
     def _newton(
-        self, shifted: bool, report: Equilibrium, search: bool = True, max_iterations: int = MAX_ITERATIONS
+        self,
+        shifted: bool,
+        report: Equilibrium,
+        search: bool = True,
+        max_iterations: int = MAX_ITERATIONS,
+        tolerance: float = CONVERGED_INCREMENT,
     ) -> None:
         """Iterate from the assembly's x (manual: eq-statics-step).
 
         shifted: use a shift that leaves no negative pivot; otherwise full Newton steps.
         report: gets iterations, increments and ``converged``.
         search: search the step length where the step is shifted.
+        tolerance: largest increment of a converged state.
         Raises SolveError where the iteration does not converge.
         """
         asm, n = self.system.assembly, self.system.layout.size
         sigma, smallest, weight = 0.0, np.inf, 1.0 / self.system.scale
-        stalled, start = 0, len(report.history)
+        rounded, start = 0, len(report.history)
+        full_steps: list[float] = []
         for _ in range(max_iterations):
             rows = self.rows()
             g = self._gradient(rows)
@@ -345,12 +396,12 @@ class StaticNewton:
             self.factor.solve(-self._with_constraints(g), p)
             move = self._bring_to_depth(p) if self.depth else 0.0
             x0 = asm.x[:n].copy()
-            longest = self._step_limit(p)
+            longest = self._step_limit(p, shifted)
             alpha = min(1.0, longest)
             slope0 = self.sum(float(g[self._owned] @ p[self._owned]))
             if search and shifted and abs(move) < 1e-9 and slope0 < 0:
                 alpha = self._search(x0, p, slope0, alpha, longest if sigma else alpha)
-            asm.x[:n] = x0 + alpha * p
+            asm.x[:n] = self._advanced(x0, p, alpha)
             if self.depth and self.move_top:
                 self.move_top(alpha * move)
             size = self.largest(float(np.max(np.abs(alpha * p) * weight, initial=0.0)))
@@ -361,18 +412,19 @@ class StaticNewton:
                 raise SolveError(
                     "the static solution is not finite", **self.system.locate_largest_residual(self.t)
                 )
-            # rounding: the increment is small and no longer shrinks
-            stalled += size < ROUNDING_INCREMENT and size > 0.8 * smallest
+            full_steps = [*full_steps, size] if alpha == 1.0 else []
+            # rounding: a small increment that a further step no longer shrinks
+            rounded = rounded + 1 if size < ROUNDING_INCREMENT and size > ROUNDING_RATIO * smallest else 0
             if (
                 alpha == 1.0
                 and sigma == 0.0
-                and (size < CONVERGED_INCREMENT or stalled >= 3)
-                or (stalled >= 8 and size < CONVERGED_INCREMENT)
+                and (size < tolerance or rounded)
+                or (rounded >= 8 and size < CONVERGED_INCREMENT)
             ):
                 report.converged = True
                 return
             smallest = min(smallest, size)
-            if not shifted and self._does_not_shrink(report.history[start:], alpha):
+            if not shifted and self._does_not_shrink(full_steps):
                 break
         raise SolveError(
             f"statics did not converge in {len(report.history) - start} iterations "
@@ -382,9 +434,9 @@ class StaticNewton:
         )
 
     @staticmethod
-    def _does_not_shrink(sizes: list[float], alpha: float) -> bool:
+    def _does_not_shrink(sizes: list[float]) -> bool:
         """Whether the increments ``sizes`` of full steps have not become smaller within ``STALL_WINDOW`` steps."""
-        if alpha < 1.0 or len(sizes) <= 2 * STALL_WINDOW:
+        if len(sizes) <= 2 * STALL_WINDOW:
             return False
         return min(sizes[-STALL_WINDOW:]) > 0.5 * min(sizes[:-STALL_WINDOW])
 
@@ -394,7 +446,8 @@ class StaticNewton:
         asm = self.system.assembly
         for f in asm.row_replacements:
             if f.owned:
-                error = f.D @ asm.x[f.rows] - f.condition.value(self.t)
+                f.evaluate(self.t, asm.x)
+                error = f.D @ asm.x[f.rows] - f.value
                 out[f.rows] += f.D.T @ (ROW_SCALE * error)
         return out
 
@@ -419,18 +472,29 @@ class StaticNewton:
             self.minimise_energy(report)
         return report
 
-    def newton_free(self, report: Equilibrium) -> None:
+    def newton_free(self, report: Equilibrium, tolerance: float = CONVERGED_INCREMENT) -> None:
         """Take full Newton steps, the fastest method where it converges; collective.
+
+        tolerance: largest increment of a converged state, in the fields' scales.
 
         Raises SolveError where the steps do not converge to a stable state.
         """
         self._begin(report)
-        self._newton(False, report, search=False, max_iterations=MAX_FULL_STEPS)
+        self._newton(False, report, False, MAX_FULL_STEPS, tolerance)
         self._end(report)
+        self.check_stable()
+
+    def check_stable(self) -> None:
+        """Raise SolveError where the loads have an energy and the state is no minimum of it; collective."""
         if self.energy and self.negative_pivots():
             raise SolveError("the static state is unstable", **self.system.locate_largest_residual(self.t))
 
-    def minimise_energy(self, report: Equilibrium, max_iterations: int = MAX_ITERATIONS) -> None:
+    def minimise_energy(
+        self,
+        report: Equilibrium,
+        max_iterations: int = MAX_ITERATIONS,
+        tolerance: float = CONVERGED_INCREMENT,
+    ) -> None:
         """Minimise the energy by steps with a positive definite matrix; collective.
 
         Manual: sec-statics-descent.
@@ -439,15 +503,17 @@ class StaticNewton:
         Raises SolveError where the iteration does not converge.
         """
         self._begin(report)
-        self._newton(self.energy, report, max_iterations=max_iterations)
+        self._newton(self.energy, report, max_iterations=max_iterations, tolerance=tolerance)
         self._end(report)
 
     def _begin(self, report: Equilibrium) -> None:
         """Put prescribed components at their values."""
         report.converged = False
         x = self.system.assembly.x
+        self.system.assembly.invalidate_prescribed_values()
         for f in self.system.assembly.row_replacements:
-            x[f.rows] += f.D.T @ (f.condition.value(self.t) - f.D @ x[f.rows])
+            f.evaluate(self.t, x)
+            x[f.rows] += f.D.T @ (f.value - f.D @ x[f.rows])
 
     def _end(self, report: Equilibrium) -> None:
         """Store the largest residual in ``element_results``; collective."""
@@ -455,8 +521,10 @@ class StaticNewton:
             float(np.max(np.abs(self._gradient(self.rows())[self._owned]), initial=0.0))
         )
 
-    def newton_damped(self, report: Equilibrium) -> None:
+    def newton_damped(self, report: Equilibrium, tolerance: float = CONVERGED_INCREMENT) -> None:
         """Take full Newton steps without a stability count, for loads without an energy (friction).
+
+        tolerance: largest increment of a converged state, in the fields' scales.
 
         Collective.
 
@@ -464,7 +532,7 @@ class StaticNewton:
         """
         energy, self.energy = self.energy, False
         try:
-            self.newton_free(report)
+            self.newton_free(report, tolerance)
         finally:
             self.energy = energy
 
@@ -496,8 +564,3 @@ class StaticNewton:
         owned = system.chain.owned
         dead_load[dofs[owned]] = force[system.chain.vertices[owned]]
         asm.dead_load = dead_load
-
-
-def _slots(element_dofs: np.ndarray, dofs: dict[int, int]) -> list[int]:
-    """Return the slots of an element whose dofs are among the keys of ``dofs``."""
-    return [s for s, dof in enumerate(element_dofs) if int(dof) in dofs]

@@ -41,6 +41,36 @@ def test_a_second_with_contact_is_the_same_on_1_2_and_3_ranks(tmp_path):
     assert os.path.getsize(tmp_path / "ranks3" / "checkpoint.h5") > 0
 
 
+CURVE = """
+well:
+  survey: {md: [0 m, 700 m], inclination: [0 deg, 70 deg], azimuth: [20 deg, 60 deg]}
+  sections: [{to: 700 m, kind: open_hole, diameter: 215.9 mm, friction: 0.2}]
+string:
+  - {kind: pipe, length: 299.5 m, od: 127 mm, id: 108.6 mm, element_length: 20 m}
+  - {kind: bit, length: 0.5 m, od: 215.9 mm, mass: 60 kg}
+top: {kind: top_drive, lowering: 0.5 m/s, rotation: 20 rpm}
+bottom: free
+initial: {from: statics}
+time: {end: 0.2 s}
+"""
+
+
+@pytest.mark.parallel
+def test_a_top_that_goes_down_a_curve_is_the_same_on_1_2_and_3_ranks(tmp_path):
+    """Fixed steps and Newton to rounding: histories equal to 1e-8 of each column's size."""
+    case, runs = tmp_path / "curve.yaml", []
+    case.write_text(CURVE)
+    for n in (1, 2, 3):
+        out = tmp_path / f"ranks{n}"
+        script = ROOT / "tests" / "parallel" / "run_case.py"
+        run_mpi(n, script, [str(case), str(out), *EXACT], timeout=300)
+        runs.append(read_table(out / "history.csv"))
+    for other in runs[1:]:
+        for column in ("hook_load [N]", "surface_torque [N m]", "bit_depth [m]"):
+            size = np.abs(runs[0][column]).max()
+            assert np.abs(other[column] - runs[0][column]).max() <= 5e-8 * size, column
+
+
 @pytest.mark.parallel
 def test_no_rank_holds_the_whole_string(tmp_path):
     """Local sizes on 2 ranks are about half of the string, and so is the work of factorisation."""

@@ -446,3 +446,24 @@ def test_s_well_of_12_km(motion, weight_on_bit):
     assert figures["surface_torque"] == pytest.approx(figures["soft_string"]["surface_torque"], rel=2.5e-2)
     assert figures["wob"] == pytest.approx(weight_on_bit, rel=1e-6)
     assert state.stable
+
+
+@pytest.mark.parametrize("formation", [None, {"drillability": 4e-8}])
+@pytest.mark.parametrize("wob", [10.0, 100.0, 900.0, 5e3])
+def test_a_small_weight_on_bit_is_met(wob, formation):
+    """The onset of the bit's contact carries 250 N at no depth; asked: the weight to 0.1 %."""
+    well = hole([0.0, 300.0], [0.0, 20.0], 0.2)
+    made = Case(
+        well=well,
+        string=[
+            {**PIPE, "length": 299.5, "element_length": 10.0},
+            {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0},
+        ],
+        top={"kind": "top_drive", "lowering": 0.1},
+        bottom={"kind": "bit"},
+        gravity=9.81,
+        initial={"from": "statics", "wob": wob},
+        **({"formation": formation} if formation else {}),
+    )
+    model = build_model(made)
+    assert static_summary(model, find_equilibrium(model))["wob"] == pytest.approx(wob, rel=1e-3)

@@ -248,7 +248,23 @@ def test_clamped_rod_buckles_under_twist(elements, limit):
 
 def test_ten_turns_of_torsion_in_one_step():
     """Twist M L/GJ = 20 pi over 20 elements: pi per element without branch; linear, so one Newton step (and
-    one to detect convergence; manual: verif-ten-turns)."""
+    one to detect convergence; manual: verif-ten-turns).
+
+    The moment of 0.5 MN m is below that of Greenhill, pi EI/L at the least, so that the straight rod is stable."""
+    case = Case(
+        string=[rod(100.0, 20, 1e8, 1e8, 8e5)],
+        top="clamped",
+        gravity=0.0,
+        loads=[{"at": 100.0, "moment": [0, 0, 8e5 * 20 * np.pi / 100]}],
+    )
+    model = build_model(case)
+    state = find_equilibrium(model)
+    assert model.system.field("string.spin")[-1, 0] == pytest.approx(20 * np.pi, rel=1e-12)
+    assert state.equilibrium.iterations <= 2 and state.stable
+
+
+def test_a_straight_rod_above_the_torsional_buckling_moment_is_not_called_stable():
+    """Greenhill's moment of a rod with a clamped and a free end that the moment does not follow is pi EI/L at most."""
     case = Case(
         string=[rod(100.0, 20, 1e8, 1e6, 8e5)],
         top="clamped",
@@ -257,8 +273,7 @@ def test_ten_turns_of_torsion_in_one_step():
     )
     model = build_model(case)
     state = find_equilibrium(model)
-    assert model.system.field("string.spin")[-1, 0] == pytest.approx(20 * np.pi, rel=1e-12)
-    assert state.equilibrium.iterations <= 2
+    assert not state.stable and any("not shown to be stable" in w for w in state.warnings)
 
 
 # ---------------------------------------------------------------------- stretch

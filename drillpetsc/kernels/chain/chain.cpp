@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 #include <type_traits>
 
 #include "core/names.hpp"
@@ -270,6 +271,56 @@ inline void solve_node(Row t, const double* store, double* x, const double* inve
     });
 }
 
+// Number of negative eigenvalues of the symmetric matrix S (b, b), column-major with columns of length b; S is destroyed.
+// LDL^T with complete pivoting (Bunch and Parlett 1971, SIAM J. Numer. Anal. 8(4):639-655): the signs of D are those of the
+// eigenvalues (Sylvester), and entries of L stay below 2.781.
+int negative_eigenvalues(int b, double* S) {
+    const double alpha = (1 + std::sqrt(17.0)) / 8;
+    const auto at = [&](int i, int j) -> double& { return S[b * j + i]; };
+    int count = 0;
+    for (int k = 0; k < b;) {
+        int d = k, p = k, q = k;  // largest diagonal entry, largest entry off the diagonal
+        double diagonal = -1, off = -1;
+        for (int j = k; j < b; j++) {
+            if (std::fabs(at(j, j)) > diagonal) diagonal = std::fabs(at(j, j)), d = j;
+            for (int i = j + 1; i < b; i++)
+                if (std::fabs(at(i, j)) > off) off = std::fabs(at(i, j)), p = j, q = i;
+        }
+        if (!(diagonal > 0) && !(off > 0)) break;  // what is left is zero
+        const auto exchange = [&](int i, int j) {
+            if (i == j) return;
+            for (int m = 0; m < b; m++) std::swap(at(m, i), at(m, j));
+            for (int m = 0; m < b; m++) std::swap(at(i, m), at(j, m));
+        };
+        if (diagonal >= alpha * off) {
+            exchange(k, d);
+            const double pivot = at(k, k);
+            count += pivot < 0;
+            for (int j = k + 1; j < b; j++) {
+                const double l = at(j, k) / pivot;
+                for (int i = j; i < b; i++) at(i, j) -= at(i, k) * l;
+            }
+            for (int j = k + 1; j < b; j++)
+                for (int i = k + 1; i < j; i++) at(i, j) = at(j, i);
+            k += 1;
+        } else {
+            exchange(k, p);
+            exchange(k + 1, q);
+            const double e = at(k, k), f = at(k + 1, k + 1), g = at(k + 1, k), det = e * f - g * g;
+            count += det < 0 ? 1 : e < 0 ? 2 : 0;
+            for (int j = k + 2; j < b; j++) {
+                const double u = at(j, k), v = at(j, k + 1);
+                const double lu = (f * u - g * v) / det, lv = (e * v - g * u) / det;
+                for (int i = j; i < b; i++) at(i, j) -= at(i, k) * lu + at(i, k + 1) * lv;
+            }
+            for (int j = k + 2; j < b; j++)
+                for (int i = k + 2; i < j; i++) at(i, j) = at(j, i);
+            k += 2;
+        }
+    }
+    return count;
+}
+
 }  // namespace
 
 DP_EXPORT(chain_table, TableColumnText)
@@ -336,6 +387,55 @@ int chain_factor(int n, int keep, const std::int64_t* table, double* store, cons
     }
     assemble_up_to(n - 1);
     return -1;
+}
+
+// Lists of the matrix entries for chain_factor, sorted by node (a stable counting sort).  rows, columns: (m) unknowns of each entry,
+// negative where it is left out; node, component: of each unknown.  Out: start (n + 1), slot and source (as many as are used).
+// Returns -1, or the entry that couples nodes that are no neighbours.
+int chain_entries(int m, const std::int64_t* rows, const std::int64_t* columns, const std::int64_t* node, const std::int64_t* component,
+                  int n, const std::int64_t* table, int* start, int* slot, int* source) {
+    for (int i = 0; i <= n; i++) start[i] = 0;
+    for (int k = 0; k < m; k++) {
+        if (rows[k] < 0 || columns[k] < 0) continue;
+        const std::int64_t i = node[rows[k]], step = node[columns[k]] - i;
+        if (step < -1 || step > 1) return k;
+        start[i + 1]++;
+    }
+    for (int i = 0; i < n; i++) start[i + 1] += start[i];
+    for (int k = 0; k < m; k++) {
+        if (rows[k] < 0 || columns[k] < 0) continue;
+        const std::int64_t i = node[rows[k]], j = node[columns[k]];
+        const Row t = table + i * COLUMNS;
+        const std::int64_t block = t[j < i ? LOWER : j > i ? UPPER : DIAG];
+        const int at = start[i]++;
+        slot[at] = static_cast<int>(block + component[columns[k]] * t[LD] + component[rows[k]]);
+        source[at] = k;
+    }
+    for (int i = n; i > 0; i--) start[i] = start[i - 1];
+    start[0] = 0;
+    return -1;
+}
+
+// Number of negative eigenvalues of the symmetric parts of the pivot blocks `blocks` of the eliminated nodes.
+int chain_negative(int n, int keep, const std::int64_t* table, const double* blocks) {
+    const int first = keep & 1 ? 1 : 0, last = keep & 2 ? n - 1 : n;
+    double S[LARGEST_BLOCK * LARGEST_BLOCK], scale[LARGEST_BLOCK];
+    int count = 0;
+    for (int i = first; i < last; i++) {
+        const Row t = table + i * COLUMNS;
+        const int b = t[SIZE], ld = t[LD];
+        const double* D = blocks + t[DIAG];
+        for (int k = 0; k < b; k++) {
+            double size = 0;
+            for (int m = 0; m < b; m++) size = std::fmax(size, std::fabs(D[ld * k + m] + D[ld * m + k]));
+            // scaling both sides is a congruence, which preserves the signs of the eigenvalues
+            scale[k] = size > 0 && size < INFINITY ? std::exp2(-std::round(0.5 * std::log2(size))) : 1.0;
+        }
+        for (int k = 0; k < b; k++)
+            for (int m = 0; m < b; m++) S[b * k + m] = scale[k] * scale[m] * (D[ld * k + m] + D[ld * m + k]);
+        count += negative_eigenvalues(b, S);
+    }
+    return count;
 }
 
 // vec[k] = b[index[k]], 0 where index < 0.

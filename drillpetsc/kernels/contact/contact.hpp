@@ -66,11 +66,13 @@ inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, con
     const HolePoint<T> h = hole_point(well, foot, x);
     T depth = h.rho;
     Vec<T> gradient = h.n;
-    if (!(val(h.radius) <= R)) {  // so that a radius that is not a number is no centring spring
+    const bool clearance = !(val(h.radius) <= R);  // so that a radius that is not a number is no centring spring
+    if (clearance) {
         depth = h.rho + R - h.radius;
         gradient = h.n - h.t * (h.radius_slope * h.ds_dx);
     }
-    const T d = onset(depth), elastic = power_law(d, law.exponent) * (law.stiffness * (law.per_point ? 1.0 : weight));
+    // a centring spring has no onset: at the axis the onset's force, stiffness x RAMP/4, would jump in direction
+    const T d = clearance ? onset(depth) : depth, elastic = power_law(d, law.exponent) * (law.stiffness * (law.per_point ? 1.0 : weight));
     T factor = T(1.0);
     const T rate = dot(u, gradient);
     if (law.damping != 0 && !law.imposed) {

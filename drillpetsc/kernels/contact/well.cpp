@@ -6,6 +6,7 @@ DP_EXPORT(well_header, WellHeader::ColumnText)
 DP_EXPORT(well_node, WellNode::ColumnText)
 DP_EXPORT(well_step, WellStep::ColumnText)
 
+static constexpr double NEAR_AXIS = 0.2;
 static void put(double* p, const Vec<double>& a) { p[0] = a.x; p[1] = a.y; p[2] = a.z; }
 
 // Closest points of n positions x (n, 3).  segment (n): warm start in, found segment out.
@@ -41,5 +42,43 @@ extern "C" void well_project_derivatives(const double* packed, int n, const doub
             value[16L * i + j] = all[j].v;
             for (int k = 0; k < 3; ++k) slope[48L * i + 3 * j + k] = all[j].d(k);
         }
+    }
+}
+
+// Steps of n nodes in the hole's own coordinates (manual: eq-statics-retraction).  at (n, 2): places of position and slope in x, p and
+// out; clearance (n): a node further from the axis than NEAR_AXIS of it also steps about the axis, 0: never; segment (n): warm start in, found segment out.
+// out = x + p to first order; a node that slides along the wall stays on it to second order.
+extern "C" void hole_advance(const double* packed, int n, const int* at, const double* clearance, const double* x, const double* p,
+                             double factor, int* segment, double* out) {
+    const Well w(packed);
+    for (int i = 0; i < n; ++i) {
+        const int r = at[2 * i], v = at[2 * i + 1];
+        const Vec<double> place = vec(x + r), step = factor * vec(p + r), turn = factor * vec(p + v);
+        const Foot f = locate(w, place, segment[i]);
+        const HolePoint<double> h = hole_point(w, f, place);
+        const Vec<double> d1 = f.d1, kappa = (1.0 / f.speed2) * (f.d2 - (dot(f.d2, d1) / f.speed2) * d1);
+        const double along = dot(step, h.t), fall = 1.0 - dot(h.e, kappa), ds = along / (fall > 0.2 ? fall : 0.2);
+        Vec<double> across = step - along * h.t;
+        double angle = 0.0;
+        if (clearance[i] > 0.0 && h.rho > NEAR_AXIS * clearance[i]) {
+            const Vec<double> b = cross(h.t, h.n);
+            const double sideways = dot(across, b);
+            angle = sideways / h.rho;
+            across = across - sideways * b;
+        }
+        int next = segment[i];
+        const Vec<double> ahead = h.c + ds * h.t;
+        const Foot g = locate(w, ahead, next);
+        const HolePoint<double> k = hole_point(w, g, ahead);
+        // rotation about t by the angle, then the smallest rotation from t to the tangent there
+        const double c = std::cos(angle), sn = std::sin(angle), both = 1.0 + dot(h.t, k.t);
+        const Vec<double> axis = cross(h.t, k.t), spin = angle * h.t + ds * cross(h.t, kappa);
+        const auto rotated = [&](const Vec<double>& a) {
+            const Vec<double> q = c * a + sn * cross(h.t, a) + ((1.0 - c) * dot(h.t, a)) * h.t;
+            return dot(h.t, k.t) * q + cross(axis, q) + (dot(axis, q) / both) * axis;
+        };
+        put(out + r, k.c + rotated(h.e + across));
+        const Vec<double> slope = vec(x + v);
+        put(out + v, rotated(slope + turn - cross(spin, slope)));
     }
 }

@@ -36,3 +36,15 @@ extern "C" void spin_gradient(int k, const int* where, const double* reference, 
         spin[3 * j + 2] = scale * (cw.d(2) + sigma * c.z.v);
     }
 }
+
+// Rows of v get c(v) times the row of the spin angle (manual: eq-beam-quasi-rows).  index (n, width): unknowns of each matrix K (n, width,
+// width); number: of the node whose spin angle an unknown is, or -1; c: (k, 3).  The slope stands in the three slots before its spin angle.
+extern "C" void quasi_rows(int n, int width, const int* index, const int* number, const double* c, double* K) {
+    for (int e = 0; e < n; ++e, index += width, K += long(width) * width)
+        for (int s = 3; s < width; ++s) {
+            const int node = number[index[s]];
+            if (node < 0) continue;
+            for (int k = 0; k < 3; ++k)
+                for (int j = 0; j < width; ++j) K[(s - 3 + k) * width + j] += c[3 * node + k] * K[s * width + j];
+        }
+}

@@ -75,6 +75,27 @@ def spun(q: FloatArray) -> FloatArray:
     return np.stack([-x, w, z, -y], axis=-1)
 
 
+def product(p: FloatArray, q: FloatArray) -> FloatArray:
+    """Compute the quaternion products p q (..., 4): the rotation q, then the rotation p."""
+    a, u, b, v = p[..., :1], p[..., 1:], q[..., :1], q[..., 1:]
+    scalar = a * b - np.sum(u * v, axis=-1, keepdims=True)
+    return np.concatenate([scalar, a * v + b * u + np.cross(u, v)], axis=-1)
+
+
+def as_quaternion(vectors: FloatArray) -> FloatArray:
+    """Quaternions (..., 4) without scalar part of ``vectors`` (..., 3)."""
+    return np.concatenate([np.zeros_like(vectors[..., :1]), vectors], axis=-1)
+
+
+def minimal_rotation(a: FloatArray, t: FloatArray) -> FloatArray:
+    """Compute the quaternions (..., 4) of the smallest rotation of unit vectors a to t, (..., 3) each.
+
+    Manual: eq-beam-minimal-rotation.
+    """
+    out = np.concatenate([1.0 + np.sum(a * t, axis=-1, keepdims=True), np.cross(a, t)], axis=-1)
+    return np.asarray(out / np.linalg.norm(out, axis=-1, keepdims=True))
+
+
 class QuaternionBeam(Beam):
     """Elements of the string with unknowns r [m], eps [-], q [-] and the multiplier of |q| = 1 [N m] at every node.
 
@@ -205,12 +226,17 @@ class QuaternionBeam(Beam):
         system.set_field("string.strain", np.zeros((self.mesh.nodes, 1)))
         system.set_field("string.quaternion", self.start)
 
-    def set_rigid_motion(self, system, tangent: FloatArray, lowering: float, rotation: float) -> None:
-        """Set the velocity of every node to ``lowering`` [m/s] along ``tangent`` and its spin to ``rotation``
-        [rad/s].
+    def set_rigid_motion(
+        self, system, tangent: FloatArray, curvature: FloatArray, lowering: float, rotation: float
+    ) -> None:
+        """Set the velocity of every node to ``lowering`` [m/s] along the hole, its spin to ``rotation`` [rad/s].
+
+        tangent, curvature: (n_nodes, 3) of the hole at the nodes [-, 1/m].
         """
-        q = np.zeros((self.mesh.nodes, 4))
-        q[system.chain.vertices] = 0.5 * rotation * spun(system.field("string.quaternion"))
+        q, here = np.zeros((self.mesh.nodes, 4)), system.chain.vertices
+        present = system.field("string.quaternion")
+        bend = lowering * np.cross(tangent, curvature)[here]
+        q[here] = 0.5 * (rotation * spun(present) + product(as_quaternion(bend), present))
         system.set_field("string.position", lowering * tangent, "y")
         system.set_field("string.strain", np.zeros((self.mesh.nodes, 1)), "y")
         system.set_field("string.quaternion", q, "y")

@@ -9,11 +9,22 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import Component, ElementBlock, Field, Powers
-from drillpetsc.geometry.frames import high_side
+from drillpetsc.geometry.frames import high_side, smallest_rotation
 from drillpetsc.kernels.parameters import Parameters
 from drillpetsc.physics.end_conditions import Input, NodeLoad, load_rows
+from drillpetsc.physics.hole_path import HolePath
 from drillpetsc.physics.interfaces import Top
-from drillpetsc.physics.quaternion.beam import LEVELS, NODE_SLOTS, ROW_SCALE, UNCONTROLLED_SCALE, spun, turned
+from drillpetsc.physics.quaternion.beam import (
+    LEVELS,
+    NODE_SLOTS,
+    ROW_SCALE,
+    UNCONTROLLED_SCALE,
+    as_quaternion,
+    minimal_rotation,
+    product,
+    spun,
+    turned,
+)
 from drillpetsc.physics.rigid_bodies import local_vertices
 
 _POSITION_NAMES = ("axial_reaction", "side_reaction_1", "side_reaction_2")
@@ -22,6 +33,12 @@ _ROTATION_NAMES = (
     "side_moment_1",
     "side_moment_2",
 )  # about the tangent, and about the section's two axes
+
+
+def _axes_of(tangent: FloatArray) -> FloatArray:
+    """Return (3, 3) rows: the tangent and two unit vectors across it."""
+    side = high_side(tangent)
+    return np.array([tangent, side, np.cross(tangent, side)])
 
 
 class ConstrainedEnd(Top):
@@ -35,6 +52,8 @@ class ConstrainedEnd(Top):
     position: (3,) [m]; orientation: (4,) unit quaternion; tangent: (3,) unit; all at time 0.
     constraint: as in ``QuaternionBeam``.
     lowering [m/s], rotation [rad/s]: over time, None: at rest.
+    path: curved centreline along which the end moves, None: along its tangent.  ``anchor`` (4,) then has the
+    measured depth [m], the offsets along both normals [m] and the angle [rad] at time 0.
     """
 
     name = "guided_end"
@@ -52,6 +71,7 @@ class ConstrainedEnd(Top):
         constraint: str,
         lowering: Input | None = None,
         rotation: Input | None = None,
+        path: HolePath | None = None,
     ):
         self.vertex, self.nodes, self.prescribed_positions, self.prescribed_rotations, self.constraint = (
             vertex,
@@ -61,9 +81,13 @@ class ConstrainedEnd(Top):
             constraint,
         )
         self.inputs, self._orientation = (lowering, rotation), orientation
-        side = high_side(tangent)
-        self._axes = np.array([tangent, side, np.cross(tangent, side)])[3 - prescribed_positions :]
+        self._axes = _axes_of(tangent)[3 - prescribed_positions :]
         self.anchor = np.append(self._axes @ position, 0.0)  # positions [m] and angle [rad] at time 0
+        # without an axial position the end does not move along a path
+        self._path = path if prescribed_positions == 3 else None
+        self._start_axes = _axes_of(tangent) if path is None else path.at(path.depth_of(position)).axes
+        if self._path is not None:
+            self.anchor = np.append(self._path.coordinates(position), 0.0)
         self._where = "top" if vertex == 0 else "bottom"
         self.restores_constraints = constraint == "stabilized"
         self.names = tuple(
@@ -112,6 +136,9 @@ class ConstrainedEnd(Top):
         return (self._block,)
 
     def _update(self, t: float) -> None:
+        if self._path is not None:
+            self._update_on_path(self._path, t)
+            return
         down, turn = self.inputs
         self._value[:, : self.prescribed_positions] = self.anchor[:-1]
         if down is not None:
@@ -122,13 +149,52 @@ class ConstrainedEnd(Top):
         self._goal[:] = goal
         self._goal_rate[:] = 0.5 * (turn.value(t) if turn is not None else 0.0) * spun(goal)
 
+    def _update_on_path(self, path: HolePath, t: float) -> None:
+        """Evaluate the prescribed motion at the time ``t`` [s] on a curved path (manual: sec-prescribed-path)."""
+        down, turn = self.inputs
+        s0, one, two, angle = self.anchor
+        speed = down.value(t) if down is not None else 0.0
+        spin = turn.value(t) if turn is not None else 0.0
+        here = path.at(s0 + (down.integral(t) if down is not None else 0.0))
+        self._axes = here.axes
+        offset = one * here.axes[1] + two * here.axes[2]
+        self._given["axes"] = here.axes.ravel()
+        self._value[:] = here.axes @ (here.centre + offset)
+        self._rate[:, 0] = speed * (1 - here.curvature @ offset)
+        # the section turns with the path's normals, which differ from the smallest rotation by ``turned_by``
+        first, side, _ = self._start_axes
+        carried = smallest_rotation(first, here.axes[0], side)
+        about = np.cross(here.axes[0], carried)
+        turned_by = np.arctan2(here.axes[1] @ about, here.axes[1] @ carried)
+        angle += turned_by + (turn.integral(t) if turn is not None else 0.0)
+        goal = turned(product(minimal_rotation(first, here.axes[0]), self._orientation), angle)
+        self._goal[:] = goal
+        bend = as_quaternion(speed * np.cross(here.axes[0], here.curvature))
+        self._goal_rate[:] = 0.5 * (product(bend, goal) + spin * spun(goal))
+
+    def prescribed_position(self) -> FloatArray:
+        """Return the prescribed position (3,) at time 0 [m]."""
+        if self._path is not None:
+            return self._path.position(self.anchor[:3])
+        return self._axes.T @ self.anchor[: self.prescribed_positions]
+
     def constrain_positions(self, hold: bool) -> None:
         """The constraints on positions whatever their form in motion: statics knows no velocities."""
         self._given["level"] = 3.0 if hold else LEVELS[self.constraint]
 
     def copy_position(self, other: Top) -> None:
         """Copy the prescribed position at time 0 from the top of another model with other elements."""
-        self.anchor[: self.prescribed_positions] = other.anchor[: self.prescribed_positions]
+        n = self.prescribed_positions
+        if self._path is not None:
+            self.anchor[:3] = other.anchor[:3]
+        elif other.on_path:
+            self.anchor[:n] = self._axes @ other.prescribed_position()
+        else:
+            self.anchor[:n] = other.anchor[:n]
+
+    @property
+    def on_path(self) -> bool:
+        return self._path is not None
 
     def shift(self, distance: float) -> None:
         """Move the axial position by ``distance`` [m], down positive."""

@@ -1,0 +1,293 @@
+"""Start of statics: axial force, torque and shape of the string in its hole, marched from the bit up.
+
+Manual: sec-statics-march.  The loads of each node are the rows of the model itself, with the string
+unstrained along the hole, so that mud, pressure, rigid items and loads are contained.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from drillpetsc.arrays import FloatArray
+from drillpetsc.model.drilling_model import DrillingModel, hole_depth
+from drillpetsc.physics.contact import penetration
+
+#: contact force at the top, as a fraction of the load of its node, above which the string is on the wall there
+LATERAL_LOAD_THRESHOLD = 0.1
+CROSSING = 12.0  # half length over which a helix begins and ends [m]
+#: axial force over which a string that lies on the wall coils (Chen, Lin and Cheatham 1990): 2 sqrt(2) sqrt(EI w/r)
+HELIX_FACTOR = 2 * np.sqrt(2.0)
+#: force over which a vertical string coils: 2.65 (EI w^2)^(1/3) (manual: eq-statics-march)
+VERTICAL_FACTOR = 2.65
+CRUSHING_STRAIN = 0.01  # a push that compresses the string by more means that no push passes [-]
+#: largest rotation of a helix within one element, so that the mesh can represent it [rad]
+MAX_ROTATION = 0.45 * np.pi
+LEFT_OUT = (
+    "contact",
+    "body_contact",
+    "bit_contact",
+    "bit_rock",
+)  # first words of kernels whose forces are no loads
+
+
+@dataclass
+class March:
+    """Result of ``march``, node arrays (n,) unless said otherwise.
+
+    axial_force: (n+1,) tension above node 0, of each element, and below the last node [N].
+    contact_force: on the wall [N]; helical: whether the string coils there.
+    torque: (n+1,) as the axial force [N m].
+    position, tangent: (n, 3) of the start [m, -]; twist: spin angle [rad].
+    offset: (n, 3) from the axis of the hole [m]; top_on_wall: whether the string lies on the wall at its top.
+    top_motion: distance that the top is moved down [m].
+    usual_contact_force: force per length that nine tenths of the nodes do not exceed [N/m].
+    locked_at: measured depth above which no push passes [m], None: it passes.
+    """
+
+    axial_force: FloatArray
+    contact_force: FloatArray
+    helical: np.ndarray
+    torque: FloatArray
+    position: FloatArray
+    tangent: FloatArray
+    twist: FloatArray
+    offset: FloatArray
+    top_on_wall: bool
+    top_motion: float
+    locked_at: float | None = None
+    usual_contact_force: float = 0.0
+
+
+def nodal_loads(model: DrillingModel) -> tuple[FloatArray, FloatArray]:
+    """Compute force (n, 3) [N] and torque (n,) [N m] on every node but those of contact, bit and axial strain.
+
+    The string must lie unstrained along the hole.  Collective; the same on all ranks.
+    """
+    system, asm = model.system, model.system.assembly
+    asm.y[:] = asm.a[:] = 0.0
+    asm.partial_residual(0.0, lambda block: not block.kernel.startswith(LEFT_OUT))
+    rows = system.sum_local(asm.r.copy()) if system.comm.size > 1 else asm.r[: system.layout.size].copy()
+    force, torque, owned = np.zeros((model.mesh.nodes, 3)), np.zeros(model.mesh.nodes), system.chain.owned
+    here = system.chain.vertices[owned]
+    force[here] = -rows[system.layout.dofs["string.position"][owned]]
+    torque[here] = -rows[system.layout.dofs["string.spin"][owned, 0]]
+    if system.comm.size > 1:
+        comm = system.comm.tompi4py()
+        force, torque = comm.allreduce(force), comm.allreduce(torque)
+    return force, torque
+
+
+class _Column:
+    """Values of the nodes that the march uses, as lists, and the march itself."""
+
+    def __init__(self, *values: FloatArray) -> None:
+        self.rows = np.column_stack(values).tolist()
+
+    def run(self, bottom: float) -> tuple[FloatArray, FloatArray, np.ndarray, int | None]:
+        """Return tension (n+1,), contact force (n,), helical (n,) and the node of lock-up, from the force below."""
+        n = len(self.rows)
+        tension, contact, helical, locked = np.empty(n + 1), np.empty(n), np.zeros(n, dtype=bool), None
+        tension[n] = below = bottom
+        for i in range(n - 1, -1, -1):
+            load, drag, kk, kw, ww, length, bending, clearance, vertical, crushing = self.rows[i]
+            above, total, coils = below + load, 0.0, False
+            for _ in range(3):
+                mean = 0.5 * (below + above)
+                side = max(kk * mean * mean + 2 * kw * mean + ww, 0.0) ** 0.5
+                push, coil = -mean, 0.0
+                if push > 0 and length > 0 and clearance > 0:
+                    critical = HELIX_FACTOR * (bending * side / length / clearance) ** 0.5
+                    if push > max(critical, vertical):
+                        coil = clearance * push * push / (4 * bending) * length
+                total, coils = max(side, coil), coil > 0
+                above = below + load - drag * total
+            if above < -crushing:
+                locked, above = (i if locked is None else locked), -crushing
+            helical[i], contact[i], tension[i] = coils, total, above
+            below = above
+        return tension, contact, helical, locked
+
+
+def march(model: DrillingModel, motion: tuple[float, float]) -> March | None:
+    """March from the bit up; None without contact, or with a free top.
+
+    motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes.
+    Collective; the same on all ranks.
+    """
+    mesh, well, case = model.mesh, model.well, model.case
+    if model.contact is None or well is None:
+        return None
+    n, depth = mesh.nodes, mesh.node_depth
+    force, load_torque = nodal_loads(model)
+    _, t, _ = well.at(depth)
+    half = np.zeros(n)
+    half[:-1] += 0.5 * mesh.length
+    half[1:] += 0.5 * mesh.length
+    middle = np.concatenate([[depth[0]], 0.5 * (depth[1:] + depth[:-1]), [depth[-1]]])
+    turn = np.diff(np.asarray(well.at(middle)[1]), axis=0)  # of the hole over each node's own length
+    along = np.sum(force * t, axis=1)
+    across = force - along[:, None] * t
+    bending = np.append(mesh.bending_stiffness, mesh.bending_stiffness[-1])
+    bending[:-1][mesh.is_joint] = mesh.bending_stiffness[~mesh.is_joint].max()
+    radius = _radius(model)
+    clearance = np.maximum(np.asarray(well.radius(depth)) - radius, 0.0)
+    drag, around = friction_factors(model, motion)
+    weight = np.linalg.norm(force, axis=1) / np.maximum(half, 1e-9)
+    axial = np.where(mesh.is_joint, mesh.axial_stiffness[~mesh.is_joint].max(), mesh.axial_stiffness)
+    column = _Column(
+        along,
+        drag,
+        np.sum(turn * turn, axis=1),
+        np.sum(turn * across, axis=1),
+        np.sum(across * across, axis=1),
+        half,
+        bending,
+        np.maximum(clearance, 1e-3),
+        VERTICAL_FACTOR * np.cbrt(bending * weight**2),
+        CRUSHING_STRAIN * np.append(axial, axial[-1]),
+    )
+    wob = case.initial.wob or 0.0
+    bottom, on_bottom = -wob, 0.0
+    if case.top.force is not None and model.bit is not None:
+        bottom = on_bottom = _bottom_force(column)
+    tension, contact, helical, locked = column.run(bottom)
+    rock = model.bit.torque_for(wob) * np.sign(motion[1]) if model.bit is not None else 0.0
+    steps = around * contact - load_torque
+    torque = np.append(np.cumsum(steps[::-1])[::-1], 0.0) + rock
+    inner = tension[1:-1]
+    coils = helical[:-1] & helical[1:] & ~mesh.is_joint
+    pitch = np.where(coils, np.sqrt(np.maximum(-inner, 0.0) / (2 * bending[:-1])), 0.0)
+    pitch = np.minimum(pitch, MAX_ROTATION / np.maximum(mesh.length, 1e-9))
+    gap = 0.5 * (clearance[:-1] + clearance[1:])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        strain = np.where(mesh.is_joint, 0.0, inner / mesh.axial_stiffness)
+        twist = np.where(mesh.is_joint, 0.0, torque[1:-1] * mesh.length / mesh.torsional_stiffness)
+    stretch = np.concatenate([[0.0], np.cumsum((strain - 0.5 * (gap * pitch) ** 2) * mesh.length)])
+    top_motion = 0.0
+    if model.bit is not None and case.initial.wob is not None:
+        top_motion = hole_depth(case) - (mesh.total_length + stretch[-1])
+    elif on_bottom < -1.0 and model.bit is not None:
+        top_motion = hole_depth(case) - (mesh.total_length + stretch[-1]) + model.bit.depth_for(-on_bottom)
+    load = 0.5 * (tension[:-1] + tension[1:])[:, None] * turn + across
+    position, tangent, offset = _shape(
+        model, depth + stretch + top_motion, load, contact / np.maximum(half, 1e-9), clearance, helical,
+        np.concatenate([[0.0], np.cumsum(pitch * mesh.length)]), strain,
+    )  # fmt: skip
+    return March(
+        axial_force=tension,
+        contact_force=contact,
+        helical=helical,
+        torque=torque,
+        position=position,
+        tangent=tangent,
+        twist=-np.concatenate([[0.0], np.cumsum(twist)]),
+        offset=offset,
+        top_on_wall=bool(contact[0] > LATERAL_LOAD_THRESHOLD * np.linalg.norm(force[0]) and not helical[0]),
+        top_motion=top_motion,
+        usual_contact_force=float(np.quantile(contact / np.maximum(half, 1e-9), 0.9)),
+        locked_at=None if locked is None else float(depth[locked]),
+    )
+
+
+def friction_factors(model: DrillingModel, motion: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+    """Compute axial friction and friction torque over the contact force, (n,) each [-, m], against ``motion``.
+
+    As in torque_drag: the slip direction has the axial speed and the speed of the circumference.
+    """
+    mesh, well = model.mesh, model.well
+    assert well is not None
+    radius = _radius(model)
+    mu = np.asarray(well.friction(mesh.node_depth)).copy()
+    own = np.append(mesh.friction, mesh.friction[-1])
+    mu = np.where(np.isnan(own), mu, own)
+    speed = np.hypot(motion[0], motion[1] * radius)
+    scale = np.divide(mu, speed, out=np.zeros(mesh.nodes), where=speed > 0)
+    return motion[0] * scale, motion[1] * scale * radius**2
+
+
+def _radius(model: DrillingModel) -> FloatArray:
+    """Outer radius (n,) [m] of the string at each node, that of a rigid item where one is."""
+    mesh = model.mesh
+    radius = 0.5 * np.append(mesh.outer_diameter, mesh.outer_diameter[-1])
+    for b in mesh.bodies:
+        radius[b.node] = max(radius[b.node], b.radius)
+    return radius
+
+
+def _bottom_force(column: _Column) -> float:
+    """Find the axial force at the bottom [N] that belongs to the given force at the top, by bisection.
+
+    The top's load is among the loads of the first node, so the tension above it vanishes.
+    """
+    low, high = -1e7, 0.0
+    if column.run(high)[0][0] >= 0:
+        return 0.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if column.run(middle)[0][0] > 0:
+            low = middle
+        else:
+            high = middle
+        if high - low < 1e-3:
+            break
+    return 0.5 * (low + high)
+
+
+def _eased(values: FloatArray, s: FloatArray) -> FloatArray:
+    """Average ``values`` (n, k) over +-CROSSING [m] along ``s`` (n,), exact for constants."""
+    pieces = 0.5 * (values[1:] + values[:-1]) * np.diff(s)[:, None]
+    total = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(pieces, axis=0)])
+    width = np.minimum(np.minimum(s - s[0], s[-1] - s), CROSSING)
+    out = np.column_stack([np.interp(s + width, s, c) - np.interp(s - width, s, c) for c in total.T])
+    wide = width > 1e-9
+    return np.where(wide[:, None], out / np.where(wide, 2 * width, 1.0)[:, None], values)
+
+
+def _shape(
+    model: DrillingModel,
+    s: FloatArray,
+    load: FloatArray,
+    contact: FloatArray,
+    clearance: FloatArray,
+    helical: np.ndarray,
+    phase: FloatArray,
+    strain: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Place the nodes on the wall: positions, slopes and offsets from the axis, (n, 3) each.
+
+    s: (n,) measured depths [m]; load: (n, 3) on the wall [N]; contact: (n,) per length [N/m].
+    clearance: (n,) [m]; helical: (n,); phase: (n,) of the helix [rad]; strain: (n-1,).
+    """
+    well, frames = model.well, model.frames
+    assert well is not None
+    centre, t, _ = (np.asarray(q) for q in well.at(s))
+    size = np.linalg.norm(load, axis=1)
+    touches = size > 1e-6 * size.max(initial=0.0)
+    side = np.divide(load, size[:, None], out=np.zeros_like(load), where=touches[:, None])
+    second = frames.second_director - t * np.sum(frames.second_director * t, axis=1, keepdims=True)
+    second /= np.linalg.norm(second, axis=1, keepdims=True)
+    third = np.cross(t, second)
+    lying = np.column_stack([np.sum(side * second, axis=1), np.sum(side * third, axis=1)])
+    lying = lying * clearance[:, None]
+    share = _eased(helical[:, None].astype(float), s)[:, 0]
+    share[clearance < 1e-4] = 0.0
+    first = int(np.argmax(helical)) if helical.any() else 0
+    angle = phase - phase[first] + np.arctan2(lying[first, 1], lying[first, 0])
+    coil = clearance[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    across = (1 - share)[:, None] * lying + share[:, None] * coil
+    distance = np.linalg.norm(across, axis=1)
+    on_wall = distance > 0.97 * clearance
+    law = model.case.contact
+    linear = law is not None and law.law == "linear"
+    deep = clearance + (penetration(contact / law.stiffness) if linear and law is not None else 0.0)
+    across[on_wall] *= (deep[on_wall] / np.maximum(distance[on_wall], 1e-12))[:, None]
+    slope = np.zeros_like(across)
+    if not model.mesh.is_joint.any():
+        slope = np.gradient(across, s, axis=0) * share[:, None]
+    offset = across[:, :1] * second + across[:, 1:] * third
+    tangent = t + slope[:, :1] * second + slope[:, 1:] * third
+    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+    strain = np.concatenate([strain[:1], strain])
+    return centre + offset, (1 + strain)[:, None] * tangent, offset

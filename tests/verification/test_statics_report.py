@@ -1,0 +1,161 @@
+"""What statics says of buckling, lock-up and stability (manual: sec-statics-report, sec-statics-march)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from drillpetsc import Case, statics
+from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.march import march
+from drillpetsc.analysis.placement import place_along_hole
+from drillpetsc.errors import SolveError
+from drillpetsc.geometry.hole_steps import HoleSteps
+from drillpetsc.geometry.well import Well
+from drillpetsc.model.drilling_model import build_model
+
+BENDING, WEIGHT, CLEARANCE = 1.2240289e6, 242.0, 0.04445
+AREA = 3.4047325e-3
+PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086, "material": {"density": WEIGHT / 9.81 / AREA}}
+
+
+def straight(inclination: float, length: float, friction: float = 0.0) -> dict:
+    survey = {"md": [0.0, length], "inclination": [np.radians(inclination)] * 2, "azimuth": [0.3, 0.3]}
+    return {
+        "survey": survey,
+        "sections": [{"to": length, "kind": "open_hole", "diameter": 0.2159, "friction": friction}],
+    }
+
+
+def pushed(force: float, length: float = 300.0, element: float = 3.0, **keys) -> Case:
+    """A pipe in a level hole, pushed at the top against a bit that stands."""
+    return Case(
+        **{
+            "well": straight(90.0, length),
+            "string": [{**PIPE, "length": length, "element_length": element}],
+            "top": {"kind": "top_drive", "force": -force},
+            "bottom": {"kind": "bit", "friction": 0},
+            "gravity": 9.81,
+            **keys,
+        }
+    )
+
+
+def test_steps_follow_the_wall_to_second_order() -> None:
+    """A node that moves by d along the wall of a hole leaves it by less than d^3; x + p leaves it by d^2/2r."""
+    md = np.arange(0.0, 301.0, 30.0)
+    well = Well.from_survey(
+        md, np.radians(0.1 * md), np.radians(20 + 0.1 * md), [300.0], [0.1], [0.2], ["open_hole"]
+    )
+    rng = np.random.default_rng(1)
+    centre, t, _ = well.at(np.array([77.0, 141.0]))
+    side = np.cross(t, [1.0, 0.0, 0.0])
+    side /= np.linalg.norm(side, axis=1, keepdims=True)
+    x = np.zeros(14)
+    for k in range(2):
+        x[7 * k : 7 * k + 3], x[7 * k + 3 : 7 * k + 6] = centre[k] + 0.04 * side[k], t[k]
+    steps = HoleSteps(well, np.array([[0, 3], [7, 10]]), np.full(2, 0.05))
+    p = rng.standard_normal(14)
+    for k in range(2):  # along the wall: no radial part
+        p[7 * k : 7 * k + 3] -= side[k] * (side[k] @ p[7 * k : 7 * k + 3])
+    small = steps(x, p, 1e-7) - x
+    assert small == pytest.approx(1e-7 * p, abs=2e-11)
+    for size in (4e-3, 1e-3):
+        moved = steps(x, size * p / np.linalg.norm(p[:3]), 1.0).reshape(2, 7)[:, :3]
+        plain = (x + size * p / np.linalg.norm(p[:3])).reshape(2, 7)[:, :3]
+        on, off = (np.linalg.norm(well.project(q).offset, axis=1) - 0.04 for q in (moved, plain))
+        assert np.abs(on).max() < 2 * size**3 / 0.04**2 and np.abs(off).max() > 0.1 * size**2 / 0.08
+
+
+def test_a_moment_does_not_switch_stability_off() -> None:
+    """A vertical string under ten times its critical load with an end moment is not returned straight and stable.
+
+    Critical load of Lubinski: 1.94 (EI w^2)^(1/3) = 8.1 kN.  The energy's Hessian of the straight string has
+    negative eigenvalues whatever the moment, so a state that is called stable must lie on the wall.
+    """
+    made = Case(
+        well=straight(0.0, 200.0),
+        string=[
+            {**PIPE, "length": 199.5, "element_length": 2.5},
+            {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0},
+        ],
+        top={"kind": "top_drive"},
+        bottom={"kind": "bit"},
+        loads=[{"at": 150.0, "moment": [0.0, 0.0, 500.0]}],
+        gravity=9.81,
+        initial={"from": "statics", "wob": 85e3},
+    )
+    model = build_model(made)
+    try:
+        state = find_equilibrium(model)
+    except SolveError:
+        return  # refused: nothing is said that is not so
+    offset = np.linalg.norm(model.well.project(model.system.field("string.position")).offset, axis=1)
+    assert not state.stable or offset.max() > 0.9 * CLEARANCE
+
+
+def test_coiled_tubing_that_is_pushed_locks_up(tmp_path) -> None:
+    """The push T of a helix obeys dT/ds = mu C T^2/4EI: it is infinite 4EI/(mu C T) above a force T."""
+    bending, clearance = 2.06e11 * np.pi / 64 * (0.0603**4 - 0.0507**4), (0.1143 - 0.0603) / 2
+    end = 40e3  # push that reaches the bit [N], above the helical load at any weight here
+    length = 4 * bending / (0.3 * clearance * end)
+    made = Case(
+        well={**straight(90.0, 1.5 * length, 0.3), "sections": [
+            {"to": 1.5 * length, "kind": "casing", "diameter": 0.1143, "friction": 0.3}
+        ]},
+        string=[{"kind": "pipe", "length": 1.5 * length, "od": 0.0603, "id": 0.0507, "element_length": 1.5 * length / 400,
+                 "material": {"young": 2.06e11, "density": 1000.0}}],
+        top={"kind": "top_drive", "lowering": 0.2},
+        bottom={"kind": "bit"},
+        gravity=9.81,
+        initial={"from": "statics", "wob": end},
+    )  # fmt: skip
+    with pytest.raises(SolveError, match="locked up: no weight passes MD") as caught:
+        statics(made, tmp_path / "run")
+    depth = float(str(caught.value).split("passes MD ")[1].split(" m")[0])
+    # a push of 1 % of EA instead of an infinite one: the distance is shorter by 4EI/(mu C 0.01 EA)
+    crushing = 0.01 * 2.06e11 * np.pi / 4 * (0.0603**2 - 0.0507**2)
+    expected = 1.5 * length - 4 * bending / (0.3 * clearance) * (1 / end - 1 / crushing)
+    assert depth == pytest.approx(expected, rel=0.02)
+
+
+def test_the_march_is_torque_and_drag_where_nothing_coils() -> None:
+    """Level hole: T at the top is that at the bottom less mu w L when lowered (exact), the torque zero."""
+    made = Case(
+        well=straight(90.0, 400.0, 0.25),
+        string=[{**PIPE, "length": 400.0, "element_length": 8.0}],
+        top={"kind": "top_drive", "lowering": 0.2},
+        bottom="free",
+        gravity=9.81,
+    )
+    model = build_model(made)
+    place_along_hole(model)
+    found = march(model, (1.0, 0.0))
+    assert found is not None and not found.helical.any() and found.locked_at is None
+    assert found.axial_force[0] == pytest.approx(-0.25 * WEIGHT * 400.0, rel=1e-6)
+    assert found.torque == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(("ratio", "kind"), [(0.6, None), (1.15, "sinusoidal"), (2.9, "helical")])
+def test_buckling_is_named(tmp_path, ratio, kind) -> None:
+    """Sinusoidal above F_DP = 2 sqrt(EI w/C) (Dawson and Paslay, SPE 11167), helical from 1.83 F_DP at the latest
+    (Chen, Lin and Cheatham 1990)."""
+    critical = 2 * np.sqrt(BENDING * WEIGHT / CLEARANCE)
+    result = statics(pushed(ratio * critical), tmp_path / "run")
+    buckling = result.summary["buckling"]
+    if kind is None:
+        assert buckling == {"sinusoidal": [], "helical": []}
+        return
+    longest = max(b - a for a, b in buckling[kind])
+    assert longest > 120.0 and any("may have other stable states" in w for w in result.summary["warnings"])
+
+
+def test_elements_too_long_for_a_helix_are_reported(tmp_path) -> None:
+    """A quarter of the pitch 2 pi sqrt(2EI/F) is what would do."""
+    force = 400e3
+    result = statics(pushed(force, element=10.0), tmp_path / "run")
+    enough = 0.5 * np.pi * np.sqrt(2 * BENDING / force)
+    lines = [w for w in result.summary["warnings"] if "too long for the buckled shape" in w]
+    assert lines and float(lines[0].split("element_length of ")[1].split(" m")[0]) == pytest.approx(
+        enough, rel=0.05
+    )
