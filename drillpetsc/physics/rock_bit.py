@@ -558,10 +558,12 @@ class RockBit(Bit):
 
 def _chip_for(weight: float, cut: float, flat: float, onset: float) -> float:
     """Chip per blade [m] that carries ``weight`` [N]: cut d + flat e(d/onset) with the smooth onset e of
-    kernels/bit/bit.hpp."""
+    kernels/bit/bit.hpp.  A sharp bit (``flat`` 0) cuts with all of the weight."""
+    if weight <= 0 or flat <= 0:
+        return max(weight, 0.0) / cut
 
     def miss(d: float) -> float:
         u = np.clip(d / onset, 0.0, 1.0)
         return float(cut * d + flat * u * u * (3 - 2 * u) - weight)
 
-    return bracketed_root(miss, 0.0, weight / cut) if weight > 0 else 0.0
+    return bracketed_root(miss, 0.0, weight / cut)

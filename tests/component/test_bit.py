@@ -12,7 +12,17 @@ from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import AncfBeam
-from drillpetsc.physics.rock_bit import CHIPS, BitContact, BitShape, DragBit, Layer, Rock, RockBit, Weakening
+from drillpetsc.physics.rock_bit import (
+    CHIPS,
+    BitContact,
+    BitShape,
+    DragBit,
+    Layer,
+    Rock,
+    RockBit,
+    Weakening,
+    _chip_for,
+)
 from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, curved_tangents, dense, residual
 
 ANISOTROPIC = np.array([[1.0, 0.05, 0.02], [0.05, 0.9, -0.03], [0.02, -0.03, 1.1]])
@@ -150,3 +160,12 @@ def test_power_of_the_bit_is_stored_or_goes_into_the_rock(kind):
     heat = component.powers(0.4, asm).dissipated
     assert power == pytest.approx(rate + heat, rel=2e-2 if rate else 1e-9)
     assert heat > 0
+
+
+@pytest.mark.parametrize("weight", [1.0, 20e3, 16066.040225503912, 64133.17558576836])
+def test_first_chip_of_a_sharp_bit(weight):
+    """Without a wear flat all of the weight cuts: d = W/(zeta eps a) for any weight, W = 0 cuts nothing
+    (manual: eq-bit-drag with l_w = 0).  With the last two weights cut (W/cut) is below W by rounding."""
+    cut = 0.6 * 60e6 * 0.108
+    assert _chip_for(weight, cut, 0.0, 1e-6) == pytest.approx(weight / cut, rel=1e-14)
+    assert _chip_for(0.0, cut, 0.0, 1e-6) == 0.0
