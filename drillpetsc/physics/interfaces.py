@@ -102,8 +102,11 @@ class Bit(Component):
         """Compute the depth [m] at which the resting bit carries ``weight`` [N]."""
 
     @abstractmethod
-    def torque_for(self, weight: float) -> float:
-        """Compute the torque [N m] of the turning bit under ``weight`` [N]."""
+    def torque_for(self, weight: float, spin: float) -> float:
+        """Compute the torque [N m] of the bit that turns with ``spin`` [rad/s] under ``weight`` [N].
+
+        It is not negative; it brakes the rotation.
+        """
 
     @abstractmethod
     @contextmanager

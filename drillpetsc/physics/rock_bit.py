@@ -261,7 +261,7 @@ class RockBit(Bit):
         elif isinstance(law, Weakening):
             r.kind, r.by_weight = KINDS["velocity_weakening"], float(law.by_weight)
             r.static_torque, r.dynamic_torque, r.speed = law.static, law.dynamic, law.speed
-            r.turn_rounding = min(r.turn_rounding, law.speed / 100)  # so that the static peak is kept
+            r.turn_rounding = min(r.turn_rounding, law.speed / 100)  # the bit breaks loose at this speed
         return r
 
     def fields(self) -> tuple[Field, ...]:
@@ -378,14 +378,13 @@ class RockBit(Bit):
         """
         if not isinstance(self.law, Weakening):
             return self._torque
-        size = self.law.dynamic + (self.law.static - self.law.dynamic) * float(
-            np.exp(-((spin / self.law.speed) ** 2))
-        )
+        beyond = max(abs(spin) - self._made.turn_rounding, 0.0) / self.law.speed
+        size = self.law.dynamic + (self.law.static - self.law.dynamic) * float(np.exp(-(beyond**2)))
         return (0.0, size) if self.law.by_weight else (size, 0.0)
 
-    def torque_for(self, weight: float) -> float:
-        """Compute the torque [N m] of the turning bit under ``weight`` [N]."""
-        first, second = self._torque_line(self.rock.reference_speed)
+    def torque_for(self, weight: float, spin: float) -> float:
+        """Compute the torque [N m] of the bit that turns with ``spin`` [rad/s] under ``weight`` [N]."""
+        first, second = self._torque_line(spin)
         return first + second * weight if weight > 0 else 0.0
 
     def depth_for(self, weight: float) -> float:

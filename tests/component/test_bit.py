@@ -23,6 +23,7 @@ from drillpetsc.physics.rock_bit import (
     Weakening,
     _chip_for,
 )
+from tests.helpers.bit_models import drilling
 from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, curved_tangents, dense, residual
 
 ANISOTROPIC = np.array([[1.0, 0.05, 0.02], [0.05, 0.9, -0.03], [0.02, -0.03, 1.1]])
@@ -169,3 +170,34 @@ def test_first_chip_of_a_sharp_bit(weight):
     cut = 0.6 * 60e6 * 0.108
     assert _chip_for(weight, cut, 0.0, 1e-6) == pytest.approx(weight / cut, rel=1e-14)
     assert _chip_for(0.0, cut, 0.0, 1e-6) == 0.0
+
+
+@pytest.mark.parametrize("contact", ["none", {"slip_velocity": 0.5}])
+@pytest.mark.parametrize("dynamic", [0.0, 5e3])
+def test_the_weakening_torque_reaches_its_static_value(contact, dynamic):
+    """The largest torque over all speeds is the static one, to 1e-12, with and without a contact block; at
+    twice the weakening's speed it is T_d + (T_s - T_d) exp(-4), shifted by at most a hundredth of that speed
+    (manual: eq-bit-torque-weakening)."""
+    law = {"kind": "velocity_weakening", "static": 10e3, "dynamic": dynamic, "speed": 2.0}
+    top = {"kind": "top_drive", "rotation": 1.0}
+    model = drilling({"drillability": 0, "bit_law": law}, top, contact=contact, clearance=0.01)
+    bit, asm = model.drilling, model.system.assembly
+    place = model.system.field("string.position").copy()
+    place[-1, 2] += 1e-3  # on the bottom
+    model.system.set_field("string.position", place)
+    spin = model.system.layout.dofs["string.spin"][-1, 0]
+
+    def torque(speed: float) -> float:
+        asm.y[spin] = speed
+        return bit.weight_and_torque(asm)[1]
+
+    near = np.unique(
+        np.concatenate([np.linspace(0.0, 0.1, 2001), bit._made.turn_rounding * np.linspace(0.9, 1.1, 201)])
+    )
+    torques = np.array([torque(w) for w in near])
+    assert torques.max() == pytest.approx(10e3, rel=1e-12)
+    assert torque(-near[torques.argmax()]) == pytest.approx(-10e3, rel=1e-12)
+    shifted = dynamic + (10e3 - dynamic) * np.exp(-(((4.0 - bit._made.turn_rounding) / 2.0) ** 2))
+    assert torque(4.0) == pytest.approx(shifted, rel=1e-12)
+    assert torque(4.0) == pytest.approx(dynamic + (10e3 - dynamic) * np.exp(-4), abs=0.05 * 10e3 * np.exp(-4))
+    assert bit.torque_for(5e3, 4.0) == pytest.approx(torque(4.0), rel=1e-12)  # not that of reference_speed
