@@ -215,6 +215,9 @@ class Contact(WallContact):
             len(here),
             above=[b.above for b in here],
             length=[b.length for b in here],
+            span=[
+                b.length or 2 * b.radius for b in here
+            ],  # the wall pushes an item without length at one point
             radius=[b.radius for b in here],
             friction=[-1.0 if b.friction is None else b.friction for b in here],
         )

@@ -132,7 +132,7 @@ class BitShape:
 class BitContact:
     """Contact of the bit with its hole.
 
-    stiffness, side: stiffness of bottom and side [N/m].
+    stiffness, side: stiffness of bottom and side [N/m]; side 0: the side does not touch.
     friction, wall: friction coefficients of bottom and side [-].
     slip: regularisation of both [m/s]; damping: c of ``damping_factor`` [s/m].
     """

@@ -204,7 +204,7 @@ struct Bit {
         T side = T(0.0), elastic_s = T(0.0);
         Vec<T> push = zero, drag = zero;
         const Vec<T> touch = (n * (a * a) + t.t * (squeeze * lean)) / girth;
-        if (!(val(depth_s) <= -RAMP)) {
+        if (p[SIDE] != 0 && !(val(depth_s) <= -RAMP)) {
             law.touching |= 2;
             elastic_s = onset(depth_s) * p[SIDE];
             side = moving ? damped(elastic_s, closing, p[DAMPING]) : elastic_s;
