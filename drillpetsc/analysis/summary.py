@@ -92,6 +92,8 @@ def outcome(
         result["energy"] = recorder.energy.summary()
     if recorder.mass is not None:
         result["mass"] = recorder.mass_balance()
+    if model.contact is not None:
+        result["rigid_items"] = recorder.rigid_items()
     if model.bit is not None and model.bit.hole is not None:
         well = model.bit.drilled_hole()
         drilled = new_hole(well, model.bit.hole.start, model.bit.hole.original) if well is not None else None
