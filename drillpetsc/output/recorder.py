@@ -136,7 +136,7 @@ class Recorder:
         self._depths = {
             "joint": tuple(joints),
             "probe": self.probes.depths,
-            "item": self._items.depths,
+            "rigid_item": self._items.depths,
         }
         self.layout = SampleLayout({"scalar": 1, **{on: len(d) for on, d in self._depths.items()}})
         sources = (self._row, TopEnd(model), *model.components, LowerEnd(model), DrilledHole(model))
@@ -145,7 +145,7 @@ class Recorder:
             (source, q)
             for source in (*sources, *optional)
             for q in source.quantities()
-            if q.on in ("scalar", "joint", "item")
+            if q.on in ("scalar", "joint", "rigid_item")
         ]
         self._history = self._table(in_order(declared_by, "history.csv"))
         self._probe_table = self._table(

@@ -7,7 +7,7 @@ from drillpetsc.fem.quantity import Quantity
 SIDE_FORCE = Quantity(
     "side_force_NNN",
     "N",
-    on="item",
+    on="rigid_item",
     label="Side force of the rigid item at NNN m",
     mnemonic="SINNN",
     sign="push of the wall on the string, not negative",
