@@ -154,6 +154,10 @@ class WallContact(Component):
         """(nc, 7) per local cell and (nb, 7) per local rigid item: the columns of ``physics.contact.RESULT_NAMES``."""
 
     @abstractmethod
+    def item_forces(self, state: Any) -> FloatArray:
+        """(bodies,) normal force of the wall on each rigid item of the mesh [N], zero where another rank has it."""
+
+    @abstractmethod
     def normal_force(self, cell: int) -> float:
         """Normal force on a local cell in the last residual [N]."""
 
