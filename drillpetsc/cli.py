@@ -287,7 +287,7 @@ def _modes_arguments(command: argparse.ArgumentParser) -> None:
 
 def _view_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("run", metavar="RUN")
-    command.add_argument("--field", default="axial_force [N]", help="field that colours the string")
+    command.add_argument("--field", help="field that colours the string (default: the axial force)")
     command.add_argument(
         "--time", type=float, help="simulated time of the picture [s] (default: the last frame)"
     )

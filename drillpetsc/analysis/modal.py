@@ -5,9 +5,9 @@
     result = modes(model, count=20)
 
 The model is linearised at its present state (manual: sec-eigen-state).  Closed contacts are springs, open
-ones are absent.  Friction has the slope of its law at the present sliding speed.  About rest the regularised
-law is a stiff damper at closed contacts (mu N over slip_velocity), which leaves a slow creep: real
-eigenvalues near zero.  About a rotating state the directions of the pipe's section are frozen.  This is exact
+ones are absent.  Friction has the slope of its law at the present sliding speed.  About rest there is no
+friction: the regularised law would be a stiff damper at closed contacts, neither sticking nor sliding.  About
+a rotating state the directions of the pipe's section are frozen.  This is exact
 for a round string (gyroscopic terms, damping that turns with the pipe), and an instantaneous picture of a
 bent or eccentric one.
 """
@@ -146,6 +146,11 @@ def prepare_state(model: DrillingModel, about: str = "steady") -> StaticState:
         return state
     state = find_equilibrium(model, (0.0, 0.0))
     release(model)
+    for part in (model.contact, model.bit):
+        if (
+            part is not None
+        ):  # no sliding: without friction, which at rest would be a damper of mu N over the slip velocity
+            part.impose_sliding_direction(0.0, 0.0)
     model.system.assembly.y[:] = 0.0
     release_flow(model)
     return state

@@ -43,7 +43,7 @@ def soft_string(model: DrillingModel, motion: tuple[float, float]) -> TorqueDrag
         mesh.axial_stiffness[has_length],
         mesh.torsional_stiffness[has_length],
         bottom_force=_force_below(model, g) - wob,
-        bottom_torque=model.bit.torque_for(wob) * np.sign(motion[1]) if model.bit else 0.0,
+        bottom_torque=model.bit.torque_for(wob, motion[1]) * np.sign(motion[1]) if model.bit else 0.0,
         axial_velocity=-motion[0],
         rotation=motion[1],
     )

@@ -23,6 +23,7 @@ from drillpetsc.output.field_output import FieldOutput
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.quantities import STATIC_SUMMARY
+from drillpetsc.output.rigid_items import RigidItems
 from drillpetsc.output.static_table import static_table
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.physics.beam import RESULT_NAMES
@@ -89,6 +90,10 @@ def _lines(case: Case, folder: RunFolder, state: StaticState, summary: dict[str,
     for q in STATIC_SUMMARY:
         if summary.get(q.name) is not None:
             lines.append(f"  {q.label.lower():<15} {summary[q.name]:>14.6g} {q.unit}")
+    for item in summary.get("rigid_items", ()):
+        lines.append(
+            f"  side force      {item['side_force [N]']:>14.6g} N   on {item['name']} at {item['md [m]']:g} m"
+        )
     stable = "stable" if state.stable else f"UNSTABLE: {state.equilibrium.negative_pivots} negative pivots"
     lines.append(
         f"  {stable}; {state.equilibrium.iterations} Newton iterations, residual {state.equilibrium.residual:.2g} N"
@@ -135,6 +140,9 @@ def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
         "imperfection": report.imperfection,
         "warnings": list(state.warnings),
     }
+    if model.contact is not None:
+        items = RigidItems(model)
+        out["rigid_items"] = items.listed(_sum_over_ranks(model, items.forces(Sample(system, 0.0))))
     if soft is not None:
         out["soft_string"] = {
             "hook_load": soft.hook_load,

@@ -92,9 +92,11 @@ def outcome(
         result["energy"] = recorder.energy.summary()
     if recorder.mass is not None:
         result["mass"] = recorder.mass_balance()
+    if model.contact is not None:
+        result["rigid_items"] = recorder.rigid_items()
     if model.bit is not None and model.bit.hole is not None:
         well = model.bit.drilled_hole()
-        drilled = new_hole(well, model.bit.hole.start) if well is not None else None
+        drilled = new_hole(well, model.bit.hole.start, model.bit.hole.original) if well is not None else None
         if drilled is not None:
             result["new_hole"] = as_dict(drilled)
     if error is None or isinstance(error, Interrupted):

@@ -16,7 +16,7 @@ from drillpetsc.arrays import FloatArray
 
 Result = TypeVar("Result")
 
-Entity = Literal["scalar", "node", "element", "item", "joint", "probe"]
+Entity = Literal["scalar", "node", "element", "item", "rigid_item", "joint", "probe"]
 Interpolation = Literal["linear", "motion", "none"]
 #: stands for a measured depth [m] in the name of a quantity of a joint or a probe
 DEPTH = "NNN"
@@ -27,9 +27,9 @@ _NUMBER = r"[-+.\deE]+"
 class Quantity:
     """One output: its name and unit in files, its words for people, and how it is evaluated.
 
-    name: column or array in files; ``NNN`` in it stands for the measured depth [m] of a joint or probe.
+    name: column or array in files; ``NNN`` in it stands for the measured depth [m] of a joint, probe or rigid item.
     unit: SI, as in ``N m``; ``-`` for a pure number.
-    on: what has a value: the whole model (``scalar``), each node, element, item of the string, joint or probe.
+    on: what has a value: the whole model (``scalar``), each node, element, item, rigid item, joint or probe.
     label: words in pictures and reports.
     mnemonic: abbreviation in exports, WITS or WITSML where one exists.
     sign: what a positive value means.

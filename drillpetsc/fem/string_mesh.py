@@ -64,6 +64,20 @@ class StringJoint:
 
 
 @dataclass(frozen=True)
+class BentCell:
+    """A stress-free curvature of one element.
+
+    cell: number of the element from the top; node: at which the tool face is measured.
+    size: of the curvature [1/m]; tool_face: direction in which the element bends downward [rad].
+    """
+
+    cell: int
+    node: int
+    size: float
+    tool_face: float
+
+
+@dataclass(frozen=True)
 class StringMesh:
     """Elements from the top down; arrays are (n,) unless a line below gives another shape.
 
@@ -75,10 +89,10 @@ class StringMesh:
     stiffness_damping [s], mass_damping [1/s]: Rayleigh coefficients.
     rigid_above: length of the rigid items between the upper node and the element [m].
     eccentricity: (n, 2) offset of the centre of mass along the directors [m].
-    curvature: (n, 2) stress-free curvature along the directors [1/m].
+    curvature: (n, 2) stress-free curvature, an axial vector along the directors [1/m].
     item: index of the string item in the case.
     friction: friction coefficient [-], nan: that of the hole.
-    bodies: rigid items; bends: (node, angle [rad], tool face [rad]) of the kinks of bent subs.
+    bodies: rigid items; bent: stress-free curvatures by tool face, from which ``curvature`` follows.
     junction: (n+1,) nodes with a stretch ratio (manual: eq-junction-kinematics).
     joints: the joints, whose cells have no length and no element.
     """
@@ -101,7 +115,7 @@ class StringMesh:
     item: np.ndarray
     friction: FloatArray
     bodies: tuple[RigidItem, ...] = ()
-    bends: tuple[tuple[int, float, float], ...] = ()
+    bent: tuple[BentCell, ...] = ()
     junction: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
     joints: tuple[StringJoint, ...] = ()
 

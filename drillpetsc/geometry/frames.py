@@ -8,6 +8,9 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 
+#: inclination below which a tool face is measured from north [rad]
+MAGNETIC_BELOW = np.radians(5.0)
+
 
 @dataclass
 class Frames:
@@ -47,6 +50,34 @@ def high_side(tangent: FloatArray) -> FloatArray:
         north = np.array([1.0, 0.0, 0.0])
         across = north - tangent * (north @ tangent)
     return across / np.linalg.norm(across)
+
+
+def tool_face_zero(tangent: FloatArray) -> FloatArray:
+    """Return the unit vector (3,) across ``tangent`` (3,) from which a tool face is measured.
+
+    Manual: eq-conv-tool-face.
+
+    It is the high side (gravity tool face).  Where the hole is inclined by less than ``MAGNETIC_BELOW`` to the
+    vertical, it points north (magnetic tool face).
+    """
+    if np.hypot(tangent[0], tangent[1]) >= np.sin(MAGNETIC_BELOW):
+        return high_side(tangent)
+    north = np.array([1.0, 0.0, 0.0])
+    across = north - tangent * (north @ tangent)
+    return across / np.linalg.norm(across)
+
+
+def axial_curvature(tangent: FloatArray, second: FloatArray, size: float, tool_face: float) -> FloatArray:
+    """Compute the axial vector (2,) [1/m] along directors 2 and 3 of a curvature towards a tool face.
+
+    Manual: eq-conv-bend-direction.
+
+    tangent: (3,) unit vector; second: (3,) director 2; size: of the curvature [1/m]; tool_face [rad].
+    """
+    zero = tool_face_zero(tangent)
+    towards = np.cos(tool_face) * zero + np.sin(tool_face) * np.cross(tangent, zero)
+    axial = size * np.cross(tangent, towards)
+    return np.array([axial @ second, axial @ np.cross(tangent, second)])
 
 
 def transported_frames(tangents: FloatArray) -> Frames:

@@ -15,13 +15,16 @@ from drillpetsc.geometry.well import SHORTEST_SECTION, Well
 
 #: growth after which the wall of the hole is updated [m]; the wall then shifts by this times a small angle
 SMALLEST_GROWTH = 1e-3
+#: distance of the two nodes on either side of the beginning of the path, over the distance of the other nodes [-]
+KINK = 0.1
 
 
 class GrowingHole:
     """A hole whose end advances; the same on all ranks.
 
-    The *end* is the centre of the bit on bottom, above the hole's deepest point.  After every ``interval`` of
-    new hole a node of the centreline is fixed.  Between the last node and the end the hole follows the end.
+    The *end* is the centre of the bit on bottom, above the hole's deepest point.  The new path begins at its
+    place at the start, ``half`` above the bottom of the old hole.  After every ``interval`` of new hole a node
+    of the centreline is fixed.  Between the last node and the end the hole follows the end.
 
     well: the hole at the start.
     half: distance from the end down to the deepest point [m].
@@ -32,11 +35,13 @@ class GrowingHole:
     """
 
     def __init__(self, well: Well, half: float, radius: float, friction: float, interval: float = 0.5):
-        self.well = self._frozen = self._old = well
+        self.well = self.original = well
         self.start, self.half = well.depth, half
         self.radius, self.friction, self.interval = radius, friction, interval
         self.followers: list[Callable[[Well], None]] = []
-        s = self.start - half + np.linspace(-2 * interval, 0.0, 9)
+        self.path_start = self.start - half - 0.5 * KINK * interval
+        self._frozen = _centreline_down_to(well, self.path_start)
+        s = self.start - half + np.linspace(-2 * interval - 1.0, 0.0, 17)
         position, tangent, _ = well.at(s)
         # rows: measured depth [m], position [m] and direction of the end
         self._trail = np.column_stack([s, position, tangent])
@@ -68,9 +73,11 @@ class GrowingHole:
         s = self.start - self.half + drilled
         tangent = self._tangent(s, position)
         self._trail = np.vstack([self._trail, [s, *position, *tangent]])
-        # nodes at even distances, independent of the time steps
-        while s >= self._frozen.node_md[-1] + 1.5 * self.interval:
-            self._freeze(self._frozen.node_md[-1] + self.interval)
+        # independent of the time steps
+        node, reach = self._next_node()
+        while s >= node + reach:
+            self._freeze(node, reach)
+            node, reach = self._next_node()
         # this length is enough for the directions of coming nodes
         self._trail = self._trail[self._trail[:, 0] > s - 4 * self.interval - 1.0]
         live = s - self._frozen.node_md[-1] > 0.04 * self.interval
@@ -85,7 +92,7 @@ class GrowingHole:
         drilled: length of new hole [m]; position: (3,) of the end [m].
         """
         if drilled <= 0.0:
-            return self._frozen
+            return self.original
         s, well = self.start - self.half + drilled, self._frozen
         tangent = self._tangent(s, position)
         if s - well.node_md[-1] > 0.04 * self.interval:
@@ -98,7 +105,7 @@ class GrowingHole:
 
         The new hole becomes a section of its own as soon as it is long enough for a transition of the radius.
         """
-        longer, old = well.extended(s, position, tangent), self._old
+        longer, old = well.extended(s, position, tangent), self.original
         same = (self.radius, self.friction) == (old.section_radius[-1], old.section_friction[-1])
         if same or s - old.depth < SHORTEST_SECTION:
             return longer
@@ -110,12 +117,22 @@ class GrowingHole:
             section_kind=(*old.section_kind, "open_hole"),
         )
 
-    def _freeze(self, s: float) -> None:
-        """Fix a node at ``s`` [m], half an interval or more behind the end.
+    def _next_node(self) -> tuple[float, float]:
+        """Return the measured depth of the next node and the reach of its chord [m].
 
-        Its direction is that of the chord from half an interval above to half an interval below it.
+        The first node of the new path is close to the last one of the old hole: the path may have a kink
+        between them, over which a long cubic would swing.  All others are at even distances.
         """
-        h = 0.5 * self.interval
+        last = float(self._frozen.node_md[-1])
+        if last <= self.path_start:
+            return last + KINK * self.interval, 0.5 * KINK * self.interval
+        return last + self.interval, 0.5 * self.interval
+
+    def _freeze(self, s: float, h: float) -> None:
+        """Fix a node at ``s`` [m], ``h`` [m] or more behind the end.
+
+        Its direction is that of the chord from ``h`` above to ``h`` below it.
+        """
         chord = self._at(s + h)[0] - self._at(s - h)[0]
         self._frozen = self._longer(self._frozen, s, self._at(s)[0], chord / np.linalg.norm(chord))
 
@@ -141,17 +158,22 @@ class GrowingHole:
     def _tangent(self, s: float, position: FloatArray) -> FloatArray:
         """Compute the direction (3,) at the end (manual: eq-borehole-end-direction).
 
-        It is the slope of the parabola through the end and two points half an interval apart behind it.  On
-        an arc it is exact to second order.  The wandering of the bit within a turn is averaged over half an
-        interval.
+        It is that of the chord over the last half interval, turned on by half the turn since the chord before
+        it, but by no more than half the turn between that one and the chord before it.  On an arc it is exact
+        to second order.  At a kink it does not go beyond the new direction.  The wandering of the bit within a
+        turn is averaged over half an interval.
 
         s: measured depth of the end [m]; position: (3,) of the end [m].
         """
-        # both points are on the existing trail; otherwise long steps would extrapolate from their own
+        # the points behind are on the existing trail; otherwise long steps would extrapolate from their own
         # direction
         h = max(0.5 * self.interval, s - self._trail[-1, 0])
-        one, two = self._at(s - h)[0], self._at(s - 2 * h)[0]
-        t = 3 * position - 4 * one + two
+        points = [position, *(self._at(s - k * h)[0] for k in (1, 2, 3))]
+        chord, above, first = (a - b for a, b in zip(points, points[1:], strict=False))
+        turn, before = chord - above, above - first
+        size = float(turn @ turn)
+        share = min(1.0, max(0.0, float(turn @ before) / size)) if size > 0 else 0.0
+        t = chord + 0.5 * share * turn
         return t / np.linalg.norm(t)
 
     # ------------------------------------------------------------------ checkpoints
@@ -187,5 +209,19 @@ class GrowingHole:
         s, end = self._trail[-1, 0], self._trail[-1]
         live = s - self._frozen.node_md[-1] > 0.04 * self.interval
         self.well = self._longer(self._frozen, s, end[1:4], end[4:7]) if live else self._frozen
+        if self._drilled <= 0.0:
+            self.well = self.original
         for call in self.followers:
             call(self.well)
+
+
+def _centreline_down_to(well: Well, md: float) -> Well:
+    """Return ``well`` without its nodes below ``md`` [m] and with one there; its sections keep their ends."""
+    above = well.node_md < md - 1e-6
+    position, tangent, _ = well.at(md)
+    return replace(
+        well,
+        node_md=np.r_[well.node_md[above], md],
+        node_position=np.vstack([well.node_position[above], position]),
+        node_tangent=np.vstack([well.node_tangent[above], tangent]),
+    )

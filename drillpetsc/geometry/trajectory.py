@@ -90,17 +90,20 @@ def refine_stations(well: Well, md: ArrayLike, within: float = SURVEY_TOLERANCE)
     return np.concatenate([*between, s[-1:]])
 
 
-def new_hole(well: Well, start: float) -> NewHole | None:
+def new_hole(well: Well, start: float, original: Well | None = None) -> NewHole | None:
     """Compute angles and rates of the part of ``well`` below ``start`` [m]; None where nothing was drilled.
 
     With the directions t1 of the old hole and t2 of the new end, the dogleg severity is arccos(t1.t2)/dS, the
     build rate (I2 - I1)/dS, and the turn rate (A2 - A1) sin(I)/dS with the mean inclination I (manual:
     eq-borehole-rates).
+
+    original: the hole before it grew, for the direction at its end; the upper part of ``well`` where not given.
     """
+    original = original or well
     length = well.depth - start
     if length <= 0:
         return None
-    (x0, x1), (t0, t1), _ = well.at(np.array([start, well.depth]))
+    (x0, x1), (t0, t1), _ = (np.array(q) for q in zip(original.at(start), well.at(well.depth), strict=True))
     inclination, azimuth = angles(np.array([t0, t1]))
     turn = (azimuth[1] - azimuth[0] + np.pi) % (2 * np.pi) - np.pi if inclination.min() > 1e-9 else 0.0
     return NewHole(

@@ -18,7 +18,7 @@ from drillpetsc.geometry.frames import Frames, transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.fluid import FluidComponents, build_fluid
-from drillpetsc.model.mesh import build_mesh
+from drillpetsc.model.mesh import build_mesh, curvature_by_tool_face
 from drillpetsc.model.quaternion import quaternion_components
 from drillpetsc.model.rock_bit import build_rock_bit
 from drillpetsc.physics import interfaces
@@ -124,6 +124,7 @@ def build_model(case: Case, comm: PETSc.Comm | None = None) -> DrillingModel:
     mesh, well = build_mesh(case), build_well(case)
     position, tangent = _axis(case, mesh, well)
     frames = transported_frames(tangent)
+    mesh = curvature_by_tool_face(mesh, frames)
     beam: interfaces.Beam | None = None
     top: interfaces.Top | None = None
     drive, contact, bit = None, None, None

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import takewhile
 from typing import Any
 
 import numpy as np
@@ -14,7 +17,8 @@ from drillpetsc.case.blocks.string import Bend, Flexible, Item, Pipe, Rigid
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import element_count
 from drillpetsc.errors import CaseError
-from drillpetsc.fem.string_mesh import RigidItem, StringJoint, StringMesh, tube
+from drillpetsc.fem.string_mesh import BentCell, RigidItem, StringJoint, StringMesh, tube
+from drillpetsc.geometry.frames import Frames, axial_curvature
 
 BEND_LENGTH = 0.5  # the kink of a bent sub is distributed over an element of this length [m] (manual: sec-junctions-bend)
 NODE_TOLERANCE = 1e-6  # depths closer than this are one node [m]; relative beyond 1 m
@@ -23,6 +27,7 @@ NODE_TOLERANCE = 1e-6  # depths closer than this are one node [m]; relative beyo
 def build_mesh(case: Case) -> StringMesh:
     """Mesh the string of ``case``, with nodes at item ends, at point loads, at joints and by element_length.
 
+    ``curvature_by_tool_face`` completes the stress-free curvature when the frames of the nodes are known.
     Raises CaseError where no item of the string is flexible, or a bend is right below a joint.
     """
     if not any(isinstance(item, Flexible) for item in case.string):
@@ -33,6 +38,7 @@ def build_mesh(case: Case) -> StringMesh:
         )
     rows: list = []
     rigid: list = []
+    tops: dict[int, int] = {}  # cell at the upper end of each flexible item
     pending: list = []
     joints: list[StringJoint] = []
     remaining = sorted(case.joints, key=lambda j: j.at)
@@ -42,7 +48,7 @@ def build_mesh(case: Case) -> StringMesh:
         if remaining and abs(remaining[0].at - depth) <= NODE_TOLERANCE * max(1.0, depth):
             joint = remaining.pop(0)
             joints.append(_joint(joint, len(rows)))
-            rows.append((-1, item, depth, depth, sum(q.length for _, q in pending), None))
+            rows.append((-1, item, depth, depth, sum(q.length for _, q in pending)))
             pending.clear()
 
     for number, item in enumerate(case.string):
@@ -51,20 +57,16 @@ def build_mesh(case: Case) -> StringMesh:
         if isinstance(item, Flexible):
             edges = _edges(case, number, item, top, bottom)
             above = sum(q.length for _, q in pending)
-            bent = (
-                _bend_of(item)
-                if not pending
-                else next((_bend_of(q) for _, q in pending if _bend_of(q)), _bend_of(item))
-            )
+            tops[number] = len(rows)
             for k, (a, b) in enumerate(zip(edges, edges[1:], strict=False)):
                 if k:
                     add_joint(item, a)
-                rows.append((number, item, a, b, above if k == 0 else 0.0, bent if k == 0 else None))
+                rows.append((number, item, a, b, above if k == 0 else 0.0))
             pending.clear()
         else:
             rigid.append((number, item, len(rows), sum(q.length for _, q in pending)))
             pending.append((number, item))
-    return _assemble(case, rows, rigid, tuple(joints))
+    return _assemble(case, rows, rigid, tops, tuple(joints))
 
 
 def _joint(joint: Joint, cell: int) -> StringJoint:
@@ -86,15 +88,22 @@ def _bend_of(item: Item) -> Bend | None:
     return bend if bend is not None and bend.angle != 0 else None
 
 
+def _bent_after(items: Sequence[Item]) -> bool:
+    """Whether one of the rigid items at the beginning of ``items`` has a bend."""
+    return any(_bend_of(q) for q in takewhile(lambda q: isinstance(q, Rigid), items))
+
+
 def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -> list[float]:
     """Compute the measured depths [m] of the element ends of a flexible item between ``top`` and ``bottom`` [m]."""
     edges = list(np.linspace(top, bottom, element_count(item) + 1))
     extra: list[float] = []
     if _bend_of(item) and item.length > 2 * BEND_LENGTH:
         extra.append(top + BEND_LENGTH)
-    below = case.string[number + 1] if number + 1 < len(case.string) else None
-    if isinstance(below, Rigid) and _bend_of(below) and item.length > 2 * BEND_LENGTH:
+    if _bent_after(case.string[number + 1 :]) and item.length > 2 * BEND_LENGTH:
         extra.append(bottom - BEND_LENGTH)
+    first = not any(isinstance(q, Flexible) for q in case.string[:number])
+    if first and _bent_after(case.string[:number]) and item.length > 2 * BEND_LENGTH:
+        extra.append(top + BEND_LENGTH)
     for load in case.loads:
         if isinstance(load, PointLoad) and top < load.at < bottom:
             extra.append(load.at)
@@ -143,22 +152,59 @@ def _polar(size: float, angle: float) -> tuple[float, float]:
     return size * np.cos(angle), size * np.sin(angle)
 
 
-def _curvature(case: Case, item: Flexible, a: float, b: float, bend) -> tuple[float, float]:
-    """Stress-free curvature [1/m] along the directors of the element from a to b [m].
+def _bent_cells(rows, rigid, tops: dict[int, int], is_joint: np.ndarray) -> tuple[BentCell, ...]:
+    """Return the stress-free curvatures of the elements (manual: sec-junctions-bend).
 
-    Manual: eq-bend-curvature.
+    is_joint: (n,) mask of the cells that are joints; the other arguments are those of ``_assemble``.
+    Raises CaseError where the kink of a rigid item would be in a joint.
     """
-    k = np.array(_polar(item.curvature, item.curvature_angle))
-    if bend:
-        k += np.array(_polar(bend.angle / (b - a), bend.tool_face))
-    return float(k[0]), float(k[1])
+    bent: list[BentCell] = []
+
+    def kink(cell: int, bend: Bend) -> None:
+        upper, lower = rows[cell][2:4]
+        bent.append(BentCell(cell, cell, bend.angle / (lower - upper), bend.tool_face))
+
+    for cell, (number, item, *_) in enumerate(rows):
+        if not is_joint[cell] and item.curvature != 0:
+            bent.append(BentCell(cell, tops[number], item.curvature, item.curvature_angle))
+    for cell in tops.values():
+        bend = _bend_of(rows[cell][1])
+        if bend is not None:
+            kink(cell, bend)
+    for _, item, node, _ in rigid:  # a bent rigid item kinks the end of the flexible one above it
+        bend = _bend_of(item)
+        if bend is None:
+            continue
+        cell = max(node - 1, 0)
+        if is_joint[cell]:
+            raise CaseError(
+                at="string",
+                got=f"a bend of {item.kind}",
+                want="no bend right below a joint" if node else "no bend between the top and a joint",
+                hint="put a pipe between",
+            )
+        kink(cell, bend)
+    return tuple(bent)
 
 
-def _assemble(case: Case, rows, rigid, joints: tuple[StringJoint, ...]) -> StringMesh:
+def curvature_by_tool_face(mesh: StringMesh, frames: Frames) -> StringMesh:
+    """Return ``mesh`` with the stress-free curvature along the directors (manual: eq-bend-curvature).
+
+    frames: reference frames of the nodes, at spin angle zero.
+    """
+    curvature = np.zeros_like(mesh.curvature)
+    for q in mesh.bent:
+        tangent, second = frames.reference[q.node], frames.second_director[q.node]
+        curvature[q.cell] += axial_curvature(tangent, second, q.size, q.tool_face)
+    return replace(mesh, curvature=curvature)
+
+
+def _assemble(case: Case, rows, rigid, tops: dict[int, int], joints: tuple[StringJoint, ...]) -> StringMesh:
     """Assemble the mesh.
 
-    rows: (number, item, upper, lower, rigid length above, bend) of each element and joint, depths in m.
+    rows: (number, item, upper, lower, rigid length above) of each element and joint, depths in m.
     rigid: (number, item, node, distance from the node down to the item [m]) of each rigid item.
+    tops: row at the upper end of each flexible item, by its number.
     """
     n = len(rows)
     rows = _with_sections(rows)
@@ -181,19 +227,6 @@ def _assemble(case: Case, rows, rigid, joints: tuple[StringJoint, ...]) -> Strin
     above = np.array([r[4] for r in rows])
     node_depth = np.append(upper - above, lower[-1])
     bodies = tuple(_body(item, node, before) for _, item, node, before in rigid)
-    curvature = np.array([_curvature(case, item, a, b, bend) for _, item, a, b, _, bend in rows])
-    curvature[is_joint[1:-1]] = 0.0
-    for _, item, node, _ in rigid:  # a bent rigid item kinks the end of the flexible one above it
-        bend = _bend_of(item)
-        if bend is not None and 0 < node <= n:
-            if is_joint[node]:
-                raise CaseError(
-                    at="string",
-                    got=f"a bend of {item.kind}",
-                    want="no bend right below a joint",
-                    hint="put a pipe between",
-                )
-            curvature[node - 1] += _polar(bend.angle / (lower[node - 1] - upper[node - 1]), bend.tool_face)
     junction = np.zeros(n + 1, dtype=bool)
     stiffness = columns["axial_stiffness"]
     junction[1:n] = ~np.isclose(stiffness[1:], stiffness[:-1], rtol=1e-12)
@@ -216,7 +249,8 @@ def _assemble(case: Case, rows, rigid, joints: tuple[StringJoint, ...]) -> Strin
         node_depth=node_depth,
         rigid_above=above,
         eccentricity=eccentricity,
-        curvature=curvature,
+        curvature=np.zeros((n, 2)),
+        bent=_bent_cells(rows, rigid, tops, is_joint[1:-1]),
         item=np.array([r[0] for r in rows]),
         friction=friction,
         bodies=bodies,

@@ -29,7 +29,7 @@ def build_rock_bit(case: Case, mesh: StringMesh, well: Well) -> RockBit:
     wall = friction if item is None or item.friction is None else item.friction
     c = case.contact
     if c is None:
-        contact = BitContact(bottom.stiffness, bottom.stiffness, bottom.friction, wall)
+        contact = BitContact(bottom.stiffness, 0.0, bottom.friction, 0.0)  # the bottom only
     else:
         lateral = c.stiffness * length if c.law == "linear" and length > 0 else bottom.stiffness
         damping = damping_factor(c.restitution, c.restitution_speed)

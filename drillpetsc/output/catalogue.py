@@ -47,6 +47,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
             *mud_at_ends,
             *_listed(physics.JOINTS, where.JOINTS),
             *_listed(contact_scalars, where.CONTACT),
+            *_listed((measured.SIDE_FORCE,), where.ITEM_FORCES),
             *_listed(measured.ENERGY, where.INERTIA),
             *_listed(measured.ROW_END),
         ),
@@ -57,7 +58,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         "statics.csv": (
             *_listed((measured.MD,)),
             *_listed((measured.AXIAL_FORCE, measured.TORQUE), where.STRING),
-            *_listed(_along_string(physics.CONTACT), where.STRING),
+            *_listed((*_along_string(physics.CONTACT), measured.ITEM_SIDE_FORCE), where.STRING),
             *_listed(
                 (
                     measured.BENDING_MOMENT,

@@ -22,6 +22,7 @@ from drillpetsc.output.files.tables import Column
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.mass_balance import MassBalance
 from drillpetsc.output.probes import Probes
+from drillpetsc.output.rigid_items import RigidItems
 from drillpetsc.output.string_ends import DrilledHole, LowerEnd, TopEnd
 
 STEPS_AHEAD = 3.0  # a step at most doubles: with it, the step before the one that passes a row is sampled
@@ -88,7 +89,7 @@ class SampleLayout:
 
 
 class TableColumn:
-    """A column of a table: a quantity, of one joint or probe where it has several.
+    """A column of a table: a quantity, of one joint, probe or rigid item where it has several.
 
     slot: of the sampled value; None where the value is that at the time of writing.
     number: of the joint or probe, at ``depth`` [m].
@@ -131,15 +132,20 @@ class Recorder:
         self.mass = MassBalance() if self.mud is not None else None
         self._row = Row()
         joints = [j.depth for j in model.mesh.joints] if model.beam is not None else []
-        self._depths = {"joint": tuple(joints), "probe": self.probes.depths}
+        self._items = RigidItems(model)
+        self._depths = {
+            "joint": tuple(joints),
+            "probe": self.probes.depths,
+            "rigid_item": self._items.depths,
+        }
         self.layout = SampleLayout({"scalar": 1, **{on: len(d) for on, d in self._depths.items()}})
         sources = (self._row, TopEnd(model), *model.components, LowerEnd(model), DrilledHole(model))
-        optional = tuple(s for s in (self.mud, self.energy) if s is not None)
+        optional = tuple(s for s in (self.mud, self._items, self.energy) if s is not None)
         declared_by: list[tuple[Source, Quantity]] = [
             (source, q)
             for source in (*sources, *optional)
             for q in source.quantities()
-            if q.on in ("scalar", "joint")
+            if q.on in ("scalar", "joint", "rigid_item")
         ]
         self._history = self._table(in_order(declared_by, "history.csv"))
         self._probe_table = self._table(
@@ -150,6 +156,7 @@ class Recorder:
         self._powers = (
             self.layout.add(self.energy, declared.POWERS).span if self.energy is not None else slice(0)
         )
+        self._side_forces = self.layout.add(self._items, declared.SIDE_FORCE).span
         self._rates, self._content = np.zeros(0, dtype=int), 0
         if self.mud is not None:
             inputs = (declared.PUMP_FLOW, declared.OUTLET_FLOW, declared.CUTTINGS_FLOW, declared.MUD_CONTENT)
@@ -224,6 +231,10 @@ class Recorder:
         if self.mass is None:
             return {}
         return self.mass.balance(float(self._samples[-1][1][self._content]))
+
+    def rigid_items(self) -> list[dict[str, Any]]:
+        """Name, measured depth [m] and side force [N] of every rigid item, at the last sample."""
+        return self._items.listed(self._samples[-1][1][self._side_forces])
 
     # ------------------------------------------------------------------ checkpoints
     def get_state(self) -> dict[str, FloatArray]:

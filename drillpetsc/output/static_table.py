@@ -14,6 +14,7 @@ from drillpetsc.output.catalogue import outputs_by_file
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.in_hole import offsets
+from drillpetsc.output.rigid_items import RigidItems
 from drillpetsc.output.string_fields import StringFields
 
 
@@ -67,6 +68,10 @@ def _of_string(
     push = np.zeros(len(torque))
     if model.contact is not None:
         push = sample.once(model.contact.element_results)[0][:, 0] / mesh.length_divisor[system.chain.cells]
+    items = RigidItems(model)
+    on_items = items.at_nodes(items.forces(sample)) if len(items.items) else np.zeros(mesh.nodes)
+    if system.comm.size > 1:
+        on_items = system.comm.tompi4py().allreduce(on_items)
     bend = np.linalg.norm(curvatures(model), axis=3).reshape(len(torque), 4)
     nodal = system.gather(np.hstack([system.field("string.position"), system.field("string.tangent")]))
     cell = system.gather(np.column_stack([axial, torque, push, bend]), "cell")
@@ -87,6 +92,7 @@ def _of_string(
     load = _buckling_load(model, effective)
     out["torque"] = -_linear(torque, ~mesh.is_joint)
     out["contact_force"] = mean(push, push)
+    out["item_side_force"] = on_items
     out["bending_moment"] = mean(*moment)
     out["inclination"] = np.degrees(np.arccos(np.clip(t[:, 2], -1, 1)))
     out["offset_x"], out["offset_y"] = offsets(model, nodal[:, :3]).T

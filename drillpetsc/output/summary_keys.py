@@ -102,6 +102,12 @@ RUN: tuple[SummaryKey, ...] = (
     SummaryKey(
         "mass.error_share", "-", "Error over the largest of pumped, returned and changed volume.", MUD
     ),
+    SummaryKey(
+        "rigid_items",
+        "",
+        "List: name, md [m] of the middle and side_force [N] of every rigid item with an outer diameter at the end.",
+        CONTACT,
+    ),
     SummaryKey("new_hole.drilled", "m", "Length of the new hole.", DRILLS),
     SummaryKey("new_hole.inclination_start", "deg", "Inclination where the new hole begins.", DRILLS),
     SummaryKey("new_hole.inclination_end", "deg", "Inclination at the end of the new hole.", DRILLS),
@@ -166,6 +172,12 @@ STATICS: tuple[SummaryKey, ...] = (
         "buckling.helical", "", "Measured depths (from, to) between which the string coils [m].", STRING
     ),
     SummaryKey("warnings", "", "What the user should know.", STRING),
+    SummaryKey(
+        "rigid_items",
+        "",
+        "List: name, md [m] of the middle and side_force [N] of every rigid item with an outer diameter.",
+        CONTACT,
+    ),
     SummaryKey("soft_string.hook_load", "N", "Hook load by the soft-string model.", CONTACT),
     SummaryKey("soft_string.surface_torque", "N m", "Surface torque by the soft-string model.", CONTACT),
     SummaryKey("soft_string.stretch", "m", "Stretch by the soft-string model.", CONTACT),

@@ -28,6 +28,8 @@ def stations(model: DrillingModel, well: Well) -> FloatArray:
     case_well = model.case.well
     assert case_well is not None
     old = float(case_well.survey.md[-1])
+    hole = model.drilling.hole if model.drilling is not None else None
+    new = hole.path_start if hole is not None and well.depth > old else old
     even = np.linspace(0.0, old, max(2, int(np.ceil(old / SPACING)) + 1))
     md = np.sort(
         np.concatenate(
@@ -35,7 +37,7 @@ def stations(model: DrillingModel, well: Well) -> FloatArray:
                 even,
                 case_well.survey.md,
                 [s.to for s in case_well.sections],
-                well.node_md[well.node_md > old],
+                well.node_md[well.node_md > new - 1e-6],
                 [well.depth],
             ]
         )

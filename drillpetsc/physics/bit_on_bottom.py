@@ -98,8 +98,8 @@ class BitOnBottom(Bit):
         gradient[index[3:6]] = face * (axis - v * (v @ axis) / n**2) / n
         return float((state.x[index[:3]] + face * v / n - end) @ axis), gradient[: state.layout.size]
 
-    def torque_for(self, weight: float) -> float:
-        """Friction torque [N m] of the turning bit under ``weight`` [N]."""
+    def torque_for(self, weight: float, spin: float) -> float:
+        """Friction torque [N m] of the bit that turns with ``spin`` [rad/s] under ``weight`` [N]."""
         return weight * self.friction * self.radius * 2 / 3
 
     @contextmanager

@@ -218,16 +218,22 @@ class Contact(WallContact):
 
     def _on_items(self, part) -> list[ElementBlock]:
         """Create the block of the rigid items, if there are any."""
-        items = [b for b in self.mesh.bodies if b.radius > 0 and (self.with_bit or b.kind != "bit")]
-        if not items:
+        bodies = self.mesh.bodies
+        touching = [k for k, b in enumerate(bodies) if b.radius > 0 and (self.with_bit or b.kind != "bit")]
+        self._items = np.zeros(0, dtype=int)  # of this rank: numbers in mesh.bodies
+        if not touching:
             return []
-        picked, vertices = local_vertices(part, np.array([b.node for b in items]))
-        here = [items[k] for k in picked]
+        picked, vertices = local_vertices(part, np.array([bodies[k].node for k in touching]))
+        self._items = np.array(touching, dtype=int)[picked]
+        here = [bodies[k] for k in self._items]
         params = Parameters(
             "body_contact",
             len(here),
             above=[b.above for b in here],
             length=[b.length for b in here],
+            span=[
+                b.length or 2 * b.radius for b in here
+            ],  # the wall pushes an item without length at one point
             radius=[b.radius for b in here],
             friction=[-1.0 if b.friction is None else b.friction for b in here],
         )
@@ -350,6 +356,13 @@ class Contact(WallContact):
             else:
                 bodies = results
         return cells, bodies
+
+    def item_forces(self, state) -> FloatArray:
+        """(bodies,) normal force of the wall on each rigid item of the mesh [N], zero where another rank has it."""
+        out = np.zeros(len(self.mesh.bodies))
+        _, results = self.element_results(state)
+        out[self._items] = results[:, 0]
+        return out
 
     def energies(self, t: float, state) -> Energies:
         return Energies(

@@ -114,8 +114,11 @@ class Bit(Component):
         """Compute the depth [m] at which the resting bit carries ``weight`` [N]."""
 
     @abstractmethod
-    def torque_for(self, weight: float) -> float:
-        """Compute the torque [N m] of the turning bit under ``weight`` [N]."""
+    def torque_for(self, weight: float, spin: float) -> float:
+        """Compute the torque [N m] of the bit that turns with ``spin`` [rad/s] under ``weight`` [N].
+
+        It is not negative; it brakes the rotation.
+        """
 
     @abstractmethod
     @contextmanager
@@ -161,6 +164,10 @@ class WallContact(Component):
     @abstractmethod
     def element_results(self, state: Any) -> tuple[FloatArray, FloatArray]:
         """(nc, 7) per local cell and (nb, 7) per local rigid item: the columns of ``physics.contact.RESULT_NAMES``."""
+
+    @abstractmethod
+    def item_forces(self, state: Any) -> FloatArray:
+        """(bodies,) normal force of the wall on each rigid item of the mesh [N], zero where another rank has it."""
 
     @abstractmethod
     def normal_force(self, cell: int) -> float:

@@ -133,7 +133,7 @@ class BitShape:
 class BitContact:
     """Contact of the bit with its hole.
 
-    stiffness, side: stiffness of bottom and side [N/m].
+    stiffness, side: stiffness of bottom and side [N/m]; side 0: the side does not touch.
     friction, wall: friction coefficients of bottom and side [-].
     slip: regularisation of both [m/s]; damping: c of ``damping_factor`` [s/m].
     """
@@ -262,7 +262,7 @@ class RockBit(Bit):
         elif isinstance(law, Weakening):
             r.kind, r.by_weight = KINDS["velocity_weakening"], float(law.by_weight)
             r.static_torque, r.dynamic_torque, r.speed = law.static, law.dynamic, law.speed
-            r.turn_rounding = min(r.turn_rounding, law.speed / 100)  # so that the static peak is kept
+            r.turn_rounding = min(r.turn_rounding, law.speed / 100)  # the bit breaks loose at this speed
         return r
 
     def fields(self) -> tuple[Field, ...]:
@@ -379,14 +379,13 @@ class RockBit(Bit):
         """
         if not isinstance(self.law, Weakening):
             return self._torque
-        size = self.law.dynamic + (self.law.static - self.law.dynamic) * float(
-            np.exp(-((spin / self.law.speed) ** 2))
-        )
+        beyond = max(abs(spin) - self._made.turn_rounding, 0.0) / self.law.speed
+        size = self.law.dynamic + (self.law.static - self.law.dynamic) * float(np.exp(-(beyond**2)))
         return (0.0, size) if self.law.by_weight else (size, 0.0)
 
-    def torque_for(self, weight: float) -> float:
-        """Compute the torque [N m] of the turning bit under ``weight`` [N]."""
-        first, second = self._torque_line(self.rock.reference_speed)
+    def torque_for(self, weight: float, spin: float) -> float:
+        """Compute the torque [N m] of the bit that turns with ``spin`` [rad/s] under ``weight`` [N]."""
+        first, second = self._torque_line(spin)
         return first + second * weight if weight > 0 else 0.0
 
     def depth_for(self, weight: float) -> float:
@@ -559,10 +558,12 @@ class RockBit(Bit):
 
 def _chip_for(weight: float, cut: float, flat: float, onset: float) -> float:
     """Chip per blade [m] that carries ``weight`` [N]: cut d + flat e(d/onset) with the smooth onset e of
-    kernels/bit/bit.hpp."""
+    kernels/bit/bit.hpp.  A sharp bit (``flat`` 0) cuts with all of the weight."""
+    if weight <= 0 or flat <= 0:
+        return max(weight, 0.0) / cut
 
     def miss(d: float) -> float:
         u = np.clip(d / onset, 0.0, 1.0)
         return float(cut * d + flat * u * u * (3 - 2 * u) - weight)
 
-    return bracketed_root(miss, 0.0, weight / cut) if weight > 0 else 0.0
+    return bracketed_root(miss, 0.0, weight / cut)

@@ -28,7 +28,7 @@ def well_path(table: Table, title: str, drilled: float = 0.0) -> Any:
     north, east, depth = table["north [m]"], table["east [m]"], table["tvd [m]"]
     away = np.hypot(north - north[0], east - east[0])
     drawing = style.figure(11.0, 6.2, dpi=110)
-    drawing.suptitle(f"{title}: well path", x=0.02, ha="left", fontweight="bold", fontsize=12)
+    top = style.heading(drawing, f"{title}: well path")
     section, plan = drawing.subplots(1, 2)
     start = table["md [m]"][-1] - drilled
     old, new = table["md [m]"] <= start + 1e-6, table["md [m]"] >= start - 1e-6
@@ -63,8 +63,17 @@ def well_path(table: Table, title: str, drilled: float = 0.0) -> Any:
         title="Plan",
     )
     plan.set_aspect("equal")
+    if max(float(np.ptp(east)), float(np.ptp(north))) < 1e-3 * span:
+        plan.text(
+            0.5,
+            0.42,
+            "vertical hole:\nthe plan is one point",
+            transform=plan.transAxes,
+            ha="center",
+            color="0.35",
+        )
     plan.legend(frameon=False)
-    drawing.tight_layout(rect=(0, 0, 1, 0.97))
+    drawing.tight_layout(rect=(0, 0, 1, top))
     return drawing
 
 
@@ -79,7 +88,7 @@ def new_hole(table: Table, title: str, drilled: float) -> Any:
     shown = np.union1d(md[md > top], top)
     turned = np.degrees(np.unwrap(np.radians(table["azimuth [deg]"])))
     drawing = style.figure(9.5, 7.5, dpi=110)
-    drawing.suptitle(f"{title}: new hole, {drilled:.4g} m", x=0.02, ha="left", fontweight="bold", fontsize=12)
+    above = style.heading(drawing, f"{title}: new hole, {drilled:.4g} m")
     tracks = drawing.subplots(1, 3, sharey=True)
     _track(tracks[0], shown, np.interp(shown, md, table["inclination [deg]"]), start, "Inclination [deg]")
     _track(tracks[1], shown, np.interp(shown, md, turned), start, "Azimuth [deg]")
@@ -108,7 +117,7 @@ def new_hole(table: Table, title: str, drilled: float) -> Any:
             fontsize=8.5,
             color=color,
         )
-    drawing.tight_layout(rect=(0, 0, 1, 0.975))
+    drawing.tight_layout(rect=(0, 0, 1, above))
     return drawing
 
 

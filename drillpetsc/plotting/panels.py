@@ -71,7 +71,9 @@ def offset_track(axes: Any, shape: Shape, paint: Paint, component: int, half: fl
     size = 1e-3 if half < 5 else 1.0
     hole_walls(axes, shape, size)
     axes.set_xlim(-half / size, half / size)
-    axes.set_xlabel(f"offset {'xy'[component]} [{'mm' if size < 1 else 'm'}]")
+    axes.set_xlabel(
+        f"offset {'xy'[component]} [{'mm' if size < 1 else 'm'}]\n({('+ high side', '+ right')[component]})"
+    )
     axes.locator_params(axis="x", nbins=4)
     body: Any
     if shape.outer_radius is None:
@@ -182,8 +184,8 @@ def clearance_panel(axes: Any, shape: Shape, paint: Paint) -> Update:
     axes.set(
         xlim=(-1.25, 1.25),
         ylim=(-1.25, 1.25),
-        xlabel="offset x / clearance",
-        ylabel="offset y / clearance",
+        xlabel="to the right, y / clearance",
+        ylabel="to the high side, x / clearance",
         title="Down the hole (circle: pipe on the wall)",
     )
     axes.grid(False)
@@ -192,7 +194,7 @@ def clearance_panel(axes: Any, shape: Shape, paint: Paint) -> Update:
 
     def update(now: Shape) -> None:
         share = np.where(free[:, None], now.offset / np.where(free, clearance, 1.0)[:, None], np.nan)
-        line.set_segments(segments(share[:, 0], share[:, 1]))
+        line.set_segments(segments(share[:, 1], share[:, 0]))  # the high side is on top
         line.set_array(middle(now.values) / paint.size)
 
     return update

@@ -19,6 +19,7 @@ from drillpetsc.output.files.run_folder import SWEEP_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table, split_name
 from drillpetsc.plotting import style
 from drillpetsc.plotting.hole_path import new_hole, well_path
+from drillpetsc.plotting.modes import draw_modes
 from drillpetsc.plotting.style import GROUND, LINE_COLORS, WALL, display_unit, label, words
 from drillpetsc.plotting.sweep import draw_sweep
 
@@ -35,7 +36,7 @@ def plot(run: str | os.PathLike, out: str | os.PathLike | None = None) -> list[P
         pictures = draw_sweep(folder.path, out)
         if not pictures:
             raise FileNotFoundError(
-                f"no member of the sweep {folder.path} drilled new hole: plot the members"
+                f"no member of the sweep {folder.path} drilled new hole or has results: nothing to plot"
             )
         return pictures
     into = Path(out) if out is not None else folder.plots
@@ -55,6 +56,7 @@ def plot(run: str | os.PathLike, out: str | os.PathLike | None = None) -> list[P
             drawings["probes"] = _probes(probes, clearances, title)
         if folder.statics.exists():
             drawings["along_depth"] = _along_depth(read_table(folder.statics), title)
+        drawings["modes"] = draw_modes(folder.path, title)
         if folder.trajectory.exists():
             path, drilled = (
                 read_table(folder.trajectory),
@@ -104,7 +106,7 @@ def _histories(table: Table, panels: list[list[str]], title: str) -> Any:
     columns = 1 if len(panels) == 1 else 2
     rows = -(-len(panels) // columns)
     drawing = style.figure(13.0, 0.9 + 2.15 * rows, dpi=110)
-    drawing.suptitle(title, x=0.02, ha="left", fontweight="bold", fontsize=12)
+    top = style.heading(drawing, title)
     grid = drawing.subplots(rows, columns, squeeze=False, sharex=True)
     places = list(grid.T.reshape(-1))
     for axes, panel in zip(places, panels, strict=False):
@@ -117,7 +119,7 @@ def _histories(table: Table, panels: list[list[str]], title: str) -> Any:
             if count:
                 axes.set_ylim(0, 1.08 * max(float(np.nanmax(table[name])), 1.0))
                 axes.yaxis.get_major_locator().set_params(integer=True)
-        _level(axes, together / size)
+        style.level(axes, together / size, style.is_noise(panel[0], together))
         if len(panel) == 1:
             axes.set_ylabel(label(panel[0], unit))
         else:
@@ -137,17 +139,8 @@ def _histories(table: Table, panels: list[list[str]], title: str) -> Any:
         last = [axes for axes in grid[:, column] if axes.figure is not None][-1]
         last.set_xlabel("time [s]")
         last.tick_params(labelbottom=True)
-    drawing.tight_layout(rect=(0, 0, 1, 0.985), h_pad=1.1)
+    drawing.tight_layout(rect=(0, 0, 1, top), h_pad=1.1)
     return drawing
-
-
-def _level(axes: Any, values: np.ndarray) -> None:
-    """Limit the magnification of a constant to avoid showing its rounding, and switch off axis offsets."""
-    axes.ticklabel_format(axis="y", useOffset=False)
-    finite = values[np.isfinite(values)]
-    if finite.size and np.ptp(finite) < 1e-6 * np.abs(finite).max():
-        middle, half = 0.5 * (finite.max() + finite.min()), 1e-3 * np.abs(finite).max()
-        axes.set_ylim(middle - half, middle + half)
 
 
 def probe_names(table: Table) -> list[str]:
@@ -182,32 +175,31 @@ def _orbits(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
     columns = min(len(names), 4)
     rows = -(-len(names) // columns)
     drawing = style.figure(max(3.9 * columns, 6.5), 0.7 + 4.1 * rows, dpi=110)
-    drawing.suptitle(
-        f"{title}: orbits of the string's centre", x=0.02, ha="left", fontweight="bold", fontsize=12
-    )
+    top = style.heading(drawing, f"{title}: orbits of the string's centre")
     lines = None
     grid = drawing.subplots(rows, columns, squeeze=False)
     for axes, name in zip(grid.reshape(-1), names, strict=False):
         x, y = 1e3 * table[f"x_{name} [m]"], 1e3 * table[f"y_{name} [m]"]
         circle = None if clearances is None else 1e3 * float(np.interp(float(name), *clearances))
         _clearance_circle(axes, circle, float(np.nanmax(np.hypot(x, y))))
-        points = np.column_stack((x, y))
+        points = np.column_stack((y, x))  # looking down the hole with the high side on top
         lines = LineCollection(
             list(np.stack((points[:-1], points[1:]), axis=1)), cmap="viridis_r", linewidths=0.8, zorder=3
         )
         lines.set_array(time[1:])
         axes.add_collection(lines, autolim=False)
-        axes.plot(x[-1], y[-1], "o", color="#b03060", markersize=4.5, zorder=4)
+        axes.plot(y[-1], x[-1], "o", color="#b03060", markersize=4.5, zorder=4)
         axes.set_aspect("equal")
         axes.set(
-            xlabel="offset x [mm]",
-            ylabel="offset y [mm]",
+            xlabel="to the right (east where vertical), y [mm]",
+            ylabel="to the high side (north where vertical), x [mm]",
             title=f"{float(name):g} m" + (f", clearance {circle:.1f} mm" if circle is not None else ""),
         )
     for axes in grid.reshape(-1)[len(names) :]:
         axes.remove()
-    drawing.tight_layout(rect=(0, 0, 0.93, 0.97))
-    bar = drawing.add_axes((0.94, 0.18, 0.011, 0.62))
+    width = float(drawing.get_size_inches()[0])
+    drawing.tight_layout(rect=(0, 0, 1 - 1.0 / width, top))
+    bar = drawing.add_axes((1 - 0.85 / width, 0.18, 0.13 / width, 0.62))  # 0.7 inches for its numbers
     drawing.colorbar(lines, cax=bar)
     bar.set_title("time [s]", fontsize=9)
     return drawing
@@ -246,7 +238,7 @@ def _probes(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
     if not kept or len(time) < 2:
         return None
     drawing = style.figure(13.0, 0.9 + 2.4 * len(kept), dpi=110)
-    drawing.suptitle(f"{title}: probes", x=0.02, ha="left", fontweight="bold", fontsize=12)
+    top = style.heading(drawing, f"{title}: probes")
     for axes, (column, group) in zip(
         drawing.subplots(len(kept), 1, squeeze=False, sharex=True)[:, 0], kept.items(), strict=True
     ):
@@ -267,8 +259,10 @@ def _probes(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
         axes.margins(x=0.0)
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8.5)
         axes.ticklabel_format(axis="y", useOffset=False)
+        if style.is_noise(column, np.concatenate(list(group.values()))):
+            axes.set_ylim(-1.0, 1.0)
     axes.set_xlabel("time [s]")
-    drawing.tight_layout(rect=(0, 0, 1, 0.98))
+    drawing.tight_layout(rect=(0, 0, 1, top))
     return drawing
 
 
@@ -282,9 +276,7 @@ def _along_depth(table: Table, title: str) -> Any:
     per_row = min(len(numbers), 6)
     rows = -(-len(numbers) // per_row)
     drawing = style.figure(max(1.2 + 2.3 * per_row, 6.0), 0.9 + 7.2 * rows, dpi=110)
-    drawing.suptitle(
-        f"{title}: static equilibrium along the string", x=0.02, ha="left", fontweight="bold", fontsize=12
-    )
+    top = style.heading(drawing, f"{title}: static equilibrium along the string")
     grid = drawing.subplots(rows, per_row, squeeze=False, sharey=True)
     for axes, name in zip(grid.reshape(-1), numbers, strict=False):
         size, unit = display_unit(name, table[name])
@@ -299,10 +291,13 @@ def _along_depth(table: Table, title: str) -> Any:
             axes.set_title("compression shaded", fontsize=8.5, color=LINE_COLORS[1])
         axes.set_xlabel(label(name, unit))
         axes.locator_params(axis="x", nbins=4)
+        axes.ticklabel_format(axis="x", useOffset=False)
+        if style.is_noise(name, table[name]):
+            axes.set_xlim(-1.0, 1.0)
     for axes in grid.reshape(-1)[len(numbers) :]:
         axes.remove()
     for axes in grid[:, 0]:
         axes.set_ylabel(f"{words(depth_title)} [m]")
     grid[0, 0].set_ylim(depth.max(), depth.min())
-    drawing.tight_layout(rect=(0, 0, 1, 0.975))
+    drawing.tight_layout(rect=(0, 0, 1, top))
     return drawing

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,22 @@ STEPS: dict[str, list[tuple[str, float]]] = {
 }
 FIXED = {"rop": ("m/h", 1 / 3600), "step": ("ms", 1e-3)}
 DEPTHS = ("md", "tvd", "bit_depth", "hole_depth", "north", "east", "time")  # never in mm or ms
+
+# unit -> size in SI below which all values of a quantity are rounding
+NOISE = {
+    "N": 1e-4,
+    "N m": 1e-4,
+    "N/m": 1e-6,
+    "Pa": 1e-2,
+    "J": 1e-6,
+    "W": 1e-6,
+    "m": 1e-9,
+    "rad": 1e-9,
+    "rad/s": 1e-9,
+    "m/s": 1e-9,
+    "m3/s": 1e-12,
+    "1/m": 1e-12,
+}
 
 LINE_COLORS = ("#1f5fa8", "#c8501e", "#3a8a4d", "#7d4fa0", "#8a6d1f", "#b03060")
 GROUND = "#e9e3d8"
@@ -109,3 +126,40 @@ def figure(width: float, height: float, dpi: float) -> Any:
     drawing = Figure(figsize=(width, height), dpi=dpi)
     FigureCanvasAgg(drawing)
     return drawing
+
+
+def is_noise(title: str, values: Any) -> bool:
+    """Whether all values of a column are no more than rounding. title: "wob [N]"; values: array [SI]."""
+    finite = np.abs(np.asarray(values, dtype=float))
+    finite = finite[np.isfinite(finite)]
+    return bool(finite.size) and 0 < float(finite.max()) < NOISE.get(split_name(title)[1], 0.0)
+
+
+def heading(drawing: Any, text: str) -> float:
+    """Write a heading above a drawing, in as many lines as its width needs.
+
+    Returns the height below the heading, as a fraction of the drawing.
+    """
+    width, height = drawing.get_size_inches()
+    lines = textwrap.wrap(text, max(int((width - 0.4) / 0.105), 20))
+    text_box = drawing.suptitle("\n".join(lines), x=0.02, ha="left", fontweight="bold", fontsize=12)
+    text_box.set_in_layout(False)  # the height returned leaves its place free
+    return 1.0 - (0.25 + 0.2 * len(lines)) / float(height)
+
+
+def level(axes: Any, values: np.ndarray, noise: bool) -> None:
+    """Limit the magnification of a constant or of rounding (``noise``), and switch off axis offsets.
+
+    A power of ten above the axis stands at its right end, where no legend is.
+    """
+    axes.ticklabel_format(axis="y", useOffset=False)
+    power = axes.yaxis.get_offset_text()
+    axes.yaxis.set_offset_position("right")
+    power.set_horizontalalignment("right")
+    if noise:
+        axes.set_ylim(-1.0, 1.0)
+        return
+    finite = values[np.isfinite(values)]
+    if finite.size and np.ptp(finite) < 1e-6 * np.abs(finite).max():
+        middle, half = 0.5 * (finite.max() + finite.min()), 1e-3 * np.abs(finite).max()
+        axes.set_ylim(middle - half, middle + half)

@@ -64,23 +64,61 @@ class Path3:
 def draw_sweep(sweep: str | os.PathLike, out: str | os.PathLike | None = None) -> list[Path]:
     """Draw the new hole of the members, into ``out`` or the sweep's folder; returns the files written.
 
-    Without new hole nothing is drawn.
+    Without new hole: the results of the table, one panel each, over the members.
     """
     folder = Path(sweep)
     paths = drilled_paths(folder)
-    if not paths:
-        return []
     into = folder if out is None else Path(out)
     into.mkdir(parents=True, exist_ok=True)
     title = str(_summary(folder).get("title") or folder.name)
     with style.look():
-        files = []
+        files: list[Path] = []
+        if not paths:
+            drawing = results(folder, title)
+            if drawing is not None:
+                files.append(into / "results.png")
+                drawing.savefig(files[-1])
+            return files
         for name, draw in zip(SWEEP_PICTURES, (trajectories, inclinations, build_rates), strict=True):
             drawing = draw(paths, title)
             if drawing is not None:
                 files.append(into / name)
                 drawing.savefig(files[-1])
     return files
+
+
+def results(folder: Path, title: str) -> Any:
+    """Draw means and last values of the table over the number of the member; None without a member that is done."""
+    table = read_table(folder / SWEEP_TABLE)
+    done = np.flatnonzero(np.asarray(table["status"]) == "done")
+    after = list(table)[list(table).index("status") + 1 :]
+    skipped = ("ranks", "wall [s]", "time [s]", "real_time_factor [-]", "steps [-]", "message")
+    shown = [
+        name
+        for name in after
+        if name not in skipped
+        and np.asarray(table[name]).dtype.kind == "f"
+        and np.isfinite(table[name][done]).any()
+    ]
+    if not len(done) or not shown:
+        return None
+    columns = min(3, len(shown))
+    rows = -(-len(shown) // columns)
+    drawing = style.figure(12.0, 0.9 + 1.9 * rows, dpi=110)
+    top = style.heading(drawing, f"{title}: results of the members")
+    grid = drawing.subplots(rows, columns, squeeze=False, sharex=True).reshape(-1)
+    member = np.asarray(table["member"], dtype=float)[done]
+    for axes, name in zip(grid, shown, strict=False):
+        size, unit = style.display_unit(name, table[name][done])
+        axes.plot(member, table[name][done] / size, "o-", color=style.LINE_COLORS[0], markersize=4)
+        axes.set_ylabel(style.label(name, unit), fontsize=8)
+        style.level(axes, table[name][done] / size, style.is_noise(name, table[name][done]))
+        axes.xaxis.get_major_locator().set_params(integer=True)
+        axes.set_xlabel("member")
+    for axes in grid[len(shown) :]:
+        axes.remove()
+    drawing.tight_layout(rect=(0, 0, 1, top))
+    return drawing
 
 
 # ---------------------------------------------------------------------- data of the folder

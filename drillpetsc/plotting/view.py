@@ -27,6 +27,7 @@ from drillpetsc.plotting.shape import Shape, cut, find_field, half_width, shape_
 Renderer = Literal["auto", "pyvista", "matplotlib"]
 Interval = tuple[float, float]
 SIZE = (15.0, 9.4)  # inches
+HELD_FIELDS = ("annulus_pressure [Pa]", "internal_pressure [Pa]")  # shown of a string that is held
 TRACKS_HEIGHT = 7.55  # inches of a depth track
 TRACK_WIDTH = 1.75
 SHADED_WIDTH = 2.6
@@ -36,7 +37,7 @@ def view(
     run: str | os.PathLike,
     out: str | os.PathLike | None = None,
     *,
-    field: str = "axial_force [N]",
+    field: str | None = None,
     time: float | int | None = None,
     animate: bool = False,
     lateral_scale: float | None = None,
@@ -50,7 +51,8 @@ def view(
 
     out: file to write; by default view.png or view.gif in the run's plots folder. A .mp4 needs imageio with
     ffmpeg.
-    field: what colours the string, with or without its unit.
+    field: what colours the string, with or without its unit; by default the axial force, of a held string the first
+    of ``HELD_FIELDS`` that exists.
     time: a float is a simulated time [s] (the nearest frame is taken), an int an index (-1 the last, as by
     default).
     animate: all times, at most max_frames evenly chosen ones.
@@ -63,7 +65,10 @@ def view(
     folder = RunFolder.open(run)
     chosen = _chosen(read_series(folder.path), time, animate, max_frames, folder.path)
     frames = [(moment, read_frame(file)) for moment, file in chosen]
-    field = find_field(field, frames[-1][1].point_data)
+    data = frames[-1][1].point_data
+    if field is None:
+        field = next((name for name in ("axial_force [N]", *HELD_FIELDS) if name in data), "axial_force [N]")
+    field = find_field(field, data)
     shapes = [shape_of(frame, moment, field) for moment, frame in frames]
     if any(shape.bent for shape in shapes):
         shapes = [replace(shape, bent=True) for shape in shapes]
@@ -134,7 +139,7 @@ def _compose(
     else:
         updates, remark = _straightened(drawing, shapes, paint, lateral_scale, interval, renderer, say)
     note.set_text(remark)
-    bar = drawing.add_axes((0.952, 0.12, 0.011, 0.72))
+    bar = drawing.add_axes((0.94, 0.12, 0.011, 0.72))
     colorbar = drawing.colorbar(_mappable(paint), cax=bar)
     ticks = _ticks(paint.low, paint.high)
     colorbar.set_ticks(ticks)

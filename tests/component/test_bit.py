@@ -12,7 +12,18 @@ from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import AncfBeam
-from drillpetsc.physics.rock_bit import CHIPS, BitContact, BitShape, DragBit, Layer, Rock, RockBit, Weakening
+from drillpetsc.physics.rock_bit import (
+    CHIPS,
+    BitContact,
+    BitShape,
+    DragBit,
+    Layer,
+    Rock,
+    RockBit,
+    Weakening,
+    _chip_for,
+)
+from tests.helpers.bit_models import drilling
 from tests.helpers.component_models import GRAVITY, SECTION, SHIFT, curved_tangents, dense, residual
 
 ANISOTROPIC = np.array([[1.0, 0.05, 0.02], [0.05, 0.9, -0.03], [0.02, -0.03, 1.1]])
@@ -150,3 +161,43 @@ def test_power_of_the_bit_is_stored_or_goes_into_the_rock(kind):
     heat = component.powers(0.4, asm).dissipated
     assert power == pytest.approx(rate + heat, rel=2e-2 if rate else 1e-9)
     assert heat > 0
+
+
+@pytest.mark.parametrize("weight", [1.0, 20e3, 16066.040225503912, 64133.17558576836])
+def test_first_chip_of_a_sharp_bit(weight):
+    """Without a wear flat all of the weight cuts: d = W/(zeta eps a) for any weight, W = 0 cuts nothing
+    (manual: eq-bit-drag with l_w = 0).  With the last two weights cut (W/cut) is below W by rounding."""
+    cut = 0.6 * 60e6 * 0.108
+    assert _chip_for(weight, cut, 0.0, 1e-6) == pytest.approx(weight / cut, rel=1e-14)
+    assert _chip_for(0.0, cut, 0.0, 1e-6) == 0.0
+
+
+@pytest.mark.parametrize("contact", ["none", {"slip_velocity": 0.5}])
+@pytest.mark.parametrize("dynamic", [0.0, 5e3])
+def test_the_weakening_torque_reaches_its_static_value(contact, dynamic):
+    """The largest torque over all speeds is the static one, to 1e-12, with and without a contact block; at
+    twice the weakening's speed it is T_d + (T_s - T_d) exp(-4), shifted by at most a hundredth of that speed
+    (manual: eq-bit-torque-weakening)."""
+    law = {"kind": "velocity_weakening", "static": 10e3, "dynamic": dynamic, "speed": 2.0}
+    top = {"kind": "top_drive", "rotation": 1.0}
+    model = drilling({"drillability": 0, "bit_law": law}, top, contact=contact, clearance=0.01)
+    bit, asm = model.drilling, model.system.assembly
+    place = model.system.field("string.position").copy()
+    place[-1, 2] += 1e-3  # on the bottom
+    model.system.set_field("string.position", place)
+    spin = model.system.layout.dofs["string.spin"][-1, 0]
+
+    def torque(speed: float) -> float:
+        asm.y[spin] = speed
+        return bit.weight_and_torque(asm)[1]
+
+    near = np.unique(
+        np.concatenate([np.linspace(0.0, 0.1, 2001), bit._made.turn_rounding * np.linspace(0.9, 1.1, 201)])
+    )
+    torques = np.array([torque(w) for w in near])
+    assert torques.max() == pytest.approx(10e3, rel=1e-12)
+    assert torque(-near[torques.argmax()]) == pytest.approx(-10e3, rel=1e-12)
+    shifted = dynamic + (10e3 - dynamic) * np.exp(-(((4.0 - bit._made.turn_rounding) / 2.0) ** 2))
+    assert torque(4.0) == pytest.approx(shifted, rel=1e-12)
+    assert torque(4.0) == pytest.approx(dynamic + (10e3 - dynamic) * np.exp(-4), abs=0.05 * 10e3 * np.exp(-4))
+    assert bit.torque_for(5e3, 4.0) == pytest.approx(torque(4.0), rel=1e-12)  # not that of reference_speed

@@ -139,20 +139,18 @@ def test_an_end_torque_twists_a_straight_string():
 
 @pytest.mark.parametrize("curvature, side", [(0.5, 0), (0.5, 1)])
 def test_a_bent_pipe_rests_in_its_own_shape(curvature, side):
-    """Stress-free curvature k about the second or third axis of the section without load: an arc, tip at (1 -
-    cos kL)/k, no strain energy.
+    """Stress-free curvature k towards north or east without load: an arc, tip at (1 - cos kL)/k, no strain
+    energy.
 
-    kappa = t x t': curvature along the third axis (east here) bends towards north (east x down). Order 4 in k
-    L/n.
+    In a vertical string the tool face is magnetic: 0 is north, 90 degrees east. Order 4 in k L/n.
     """
     n, L = 8, 1.0
-    # curvature_angle 0: along the second axis (north); 90 degrees: along the third (east)
     item = beam(L, n, 1e4, 1.0, 0.8, 1.0, 0.01, curvature=curvature, curvature_angle=0.5 * np.pi * side)
     model = straight(string=[item], top="clamped", gravity=0.0, beam=QUATERNION)
     solve_at_rest(model.system)
     tip = model.system.field("string.position")[-1]
     away = (1 - np.cos(curvature * L)) / curvature
-    expected = np.array([[0.0, -away], [away, 0.0]][side])
+    expected = np.array([[away, 0.0], [0.0, away]][side])
     assert tip[:2] == pytest.approx(expected, abs=1e-5)
     assert tip[2] == pytest.approx(np.sin(curvature * L) / curvature, abs=1e-5)
     assert model.system.energies(0.0).strain < 1e-6

@@ -199,7 +199,7 @@ def test_bend_of_45_degrees(load):
     length 78.5; the shooting solution within 4e-4 of the length, because interpolated directors are of second
     order (manual: verif-bend-45)."""
     model = cantilever(
-        rod(BEND_LENGTH, 8, BEND_EA, BEND_EI, BEND_GJ, curvature=1 / RADIUS),
+        rod(BEND_LENGTH, 8, BEND_EA, BEND_EI, BEND_GJ, curvature=1 / RADIUS, curvature_angle=-np.pi / 2),
         [{"at": BEND_LENGTH, "force": [0, 0, load], "value_over": RISE}],
     )
     StaticNewton(model.system).solve()  # no load: the rod takes its curved shape

@@ -55,12 +55,15 @@ def rotation(t: float) -> float:
 
 
 def friction(speed: float) -> tuple[float, float]:
-    """Torque on bit and its slope (manual: eq-bit-torque-weakening), smoothed at a hundredth of the speed."""
-    rounding = WEAKENING / 100
-    size = np.hypot(speed, rounding)
-    fall = (STATIC - DYNAMIC) * np.exp(-((speed / WEAKENING) ** 2))
-    slope = (DYNAMIC + fall) * rounding**2 / size**3 - 2 * speed / WEAKENING**2 * fall * speed / size
-    return (DYNAMIC + fall) * speed / size, slope
+    """Torque on bit and its slope: rises to the static torque at a hundredth of the weakening's speed, then
+    falls (manual: eq-bit-torque-weakening)."""
+    loose = WEAKENING / 100
+    u = speed / loose
+    if abs(u) < 1:
+        return STATIC * u * (15 - 10 * u**2 + 3 * u**4) / 8, STATIC * 15 * (1 - u**2) ** 2 / 8 / loose
+    q = (abs(speed) - loose) / WEAKENING
+    fall = (STATIC - DYNAMIC) * np.exp(-(q**2))
+    return np.sign(speed) * (DYNAMIC + fall), -2 * q / WEAKENING * fall
 
 
 def characteristics(end: float, cells: int = 200) -> tuple[np.ndarray, np.ndarray]:
@@ -145,17 +148,22 @@ class OneMode(NamedTuple):
     def uncertain(self) -> float:
         """Effect of the second mode, excited by that torque, on the two ends of the slip [s]: its speed over
         the bit's acceleration."""
-        second = (
-            brentq(lambda x: x * np.sin(x) - PIPE * LENGTH / BIT * np.cos(x), np.pi, 1.5 * np.pi)
-            * SPEED
-            / LENGTH
-        )
-        return 2 * self.left_torque / (BIT * second) / (self.frequency**2 * self.amplitude)
+        return 2 * self.left_torque / (BIT * mode(BIT, 2).frequency) / (self.frequency**2 * self.amplitude)
+
+    @property
+    def swing(self) -> float:
+        """Largest speed of the bit in this mode, from the twist A at rest [rad/s]."""
+        return self.share * self.frequency * self.amplitude
 
 
 def one_mode(bit: float) -> OneMode:
-    pipe = PIPE * LENGTH
-    x = brentq(lambda x: x * np.sin(x) - pipe / bit * np.cos(x), 1e-9, np.pi / 2)
+    return mode(bit, 1)
+
+
+def mode(bit: float, number: int) -> OneMode:
+    """The torsional mode of that number of the pipe with the bit; the root of mode n is in ((n-1) pi, (n-1/2) pi)."""
+    pipe, low = PIPE * LENGTH, (number - 1) * np.pi
+    x = brentq(lambda x: x * np.sin(x) - pipe / bit * np.cos(x), low + 1e-9, low + np.pi / 2)
     frequency = x * SPEED / LENGTH
     whole = bit + pipe * (0.5 - np.sin(2 * x) / (4 * x)) / np.sin(x) ** 2
     return OneMode(x, frequency, TWIST / (whole * frequency**2))
@@ -164,8 +172,12 @@ def one_mode(bit: float) -> OneMode:
 @pytest.fixture(scope="module")
 def run() -> np.ndarray:
     """Rows (time, bit speed, torque on bit, weight on bit) of three cycles of cases/stick-slip-2000m.yaml on
-    a coarser mesh."""
-    case = load_case(CASES / "stick-slip-2000m.yaml", ["string[0].element_length=50 m"])
+    a coarser mesh.
+
+    The tolerance of the step resolves the moment of breaking loose: at the peak of the torque the bit waits
+    for a small rise, so at the default tolerance of 1e-4 that moment is up to 0.1 s late.
+    """
+    case = load_case(CASES / "stick-slip-2000m.yaml", ["string[0].element_length=25 m"])
     model = build_model(case)
     find_equilibrium(model)
     release(model)
@@ -177,7 +189,7 @@ def run() -> np.ndarray:
         weight, torque = bit.weight_and_torque(system.assembly)
         return [system.field("string.spin", "y")[-1, 0], torque, weight]
 
-    return sampled(model.system, 25.0, look, model.breaks)
+    return sampled(model.system, 25.0, look, model.breaks, ts_rtol=1e-5)
 
 
 def test_bit_speed_is_that_of_the_torsional_waves(run: np.ndarray) -> None:
@@ -190,32 +202,34 @@ def test_bit_speed_is_that_of_the_torsional_waves(run: np.ndarray) -> None:
 
 
 def test_first_slip_is_that_of_one_mode(run: np.ndarray) -> None:
-    """From a straight twist only the first mode slips; a third of the pipe's inertia is added to the bit.
+    """From a straight twist the first mode slips; a third of the pipe's inertia is added to the bit.
+
+    The second mode takes part in the straight twist with its own share and adds at most its swing to the peak.
 
     Twice the width of the weakening is passed after w/(rate of w) = 0.2/13 s, and as long before the end.
     """
-    mode, first = one_mode(BIT), cycles(run[:, 0], run[:, 1])
-    late = 2 * WEAKENING / (mode.frequency**2 * mode.amplitude)
-    assert mode.frequency == pytest.approx(np.sqrt(TWIST / (BIT + PIPE * LENGTH / 3)), rel=5e-3)
-    assert first.slip[0] == pytest.approx(mode.slip - 2 * late, rel=0.01)
-    assert first.peak[0] == pytest.approx(mode.peak, rel=0.01)
+    first_mode, first = one_mode(BIT), cycles(run[:, 0], run[:, 1])
+    late = 2 * WEAKENING / (first_mode.frequency**2 * first_mode.amplitude)
+    assert first_mode.frequency == pytest.approx(np.sqrt(TWIST / (BIT + PIPE * LENGTH / 3)), rel=5e-3)
+    assert first.slip[0] == pytest.approx(first_mode.slip - 2 * late, rel=0.01)
+    assert first.peak[0] == pytest.approx(first_mode.peak, abs=mode(BIT, 2).swing)
 
 
 def test_period_is_that_of_one_mode_and_the_waves_it_leaves(run: np.ndarray) -> None:
     """Between the period of one mode and that reduced by the effect of the waves in the stuck pipe (5 %)."""
-    mode, ours = one_mode(BIT), cycles(run[:, 0], run[:, 1])
-    middle = mode.slip + mode.stick - 0.5 * mode.earlier
-    assert np.diff(ours.loose) == pytest.approx([middle] * 2, abs=0.5 * mode.earlier + mode.uncertain)
+    first, ours = one_mode(BIT), cycles(run[:, 0], run[:, 1])
+    middle = first.slip + first.stick - 0.5 * first.earlier
+    assert np.diff(ours.loose) == pytest.approx([middle] * 2, abs=0.5 * first.earlier + first.uncertain)
 
 
 def test_bit_sticks_does_not_turn_back_and_carries_the_weight(run: np.ndarray) -> None:
-    """A stuck bit creeps at eps T/sqrt(T_s^2 - T^2) for T < T_s, eps = 1e-3 rad/s; the torque never exceeds
-    the static one."""
+    """A stuck bit creeps with less than 1e-3 rad/s for T < T_s; the torque reaches the static one and never
+    exceeds it."""
     speed, torque, weight = run[:, 1:].T
     ours = cycles(run[:, 0], speed)
     for stop, loose in zip(ours.loose[:2] + ours.slip[:2], ours.loose[1:], strict=True):
         stuck = (run[:, 0] > stop + 0.1) & (run[:, 0] < loose - 0.1)
         assert np.abs(speed[stuck]).max() < 0.01
     assert speed.min() > -0.1
-    assert np.abs(torque).max() < STATIC * (1 + 1e-6)
+    assert STATIC * 0.998 < np.abs(torque).max() < STATIC * (1 + 1e-6)
     assert weight == pytest.approx(2e3, rel=1e-3)

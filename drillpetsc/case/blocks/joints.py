@@ -28,7 +28,9 @@ class Joint(Block):
         description="fixed: nothing moves; revolute: a hinge about one axis; universal: bends in two planes and transmits torque "
         "(Hooke joint); slider: telescopes along the string, all else is fixed (bumper sub, slip joint)"
     )
-    at: Annotated[float, Quantity("m", above=0)] = Field(description="measured depth on the string")
+    at: Annotated[float, Quantity("m", at_least=0)] = Field(
+        description="measured depth on the string, between its ends"
+    )
     axis: Annotated[tuple[float, float, float], Vector("")] = Field(
         default=(0.0, 1.0, 0.0),
         description="axis of a revolute joint, or of a universal joint's pin in the part above, as components along the string and the two "

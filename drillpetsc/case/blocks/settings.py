@@ -122,6 +122,11 @@ class Output(Block):
             description="measured depths along the string that get their own columns in probes.csv",
         )
     )
+    item_forces: bool = Field(
+        default=False,
+        strict=True,
+        description="true: the side force of every rigid item gets its own column in history.csv",
+    )
     checkpoint_every: Interval = derived_default("interval of checkpoint.h5; end/10 when not given")
 
     @model_validator(mode="after")

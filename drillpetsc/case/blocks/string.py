@@ -25,6 +25,12 @@ MIN_WALL_RATIO = 1e-4  # (od - id) over od [-]
 MIN_BORE = 1e-4  # inner diameter [m]
 
 
+_TOOL_FACE = (
+    "0 is the high side, 90 deg to the right looking down the hole; measured from north where the inclination is below "
+    "5 deg; at spin angle zero"
+)
+
+
 class Damping(Block):
     """Damping of the pipe: Kelvin-Voigt in the rotating section, and external, proportional to the mass."""
 
@@ -58,7 +64,7 @@ class Bend(Block):
         description="bend angle"
     )
     tool_face: Angle = Field(
-        default=0.0, description="direction of the bend about the axis, in the item's section"
+        default=0.0, description="direction in which the string below the kink points: " + _TOOL_FACE
     )
 
 
@@ -138,7 +144,7 @@ class Flexible(Item):
         default=0.0, description="stress-free curvature"
     )
     curvature_angle: Angle = Field(
-        default=0.0, description="direction of the stress-free curvature in the section"
+        default=0.0, description="direction in which the item bends downward: " + _TOOL_FACE
     )
     bend: Bend | None = Field(default=None, description="bent sub: kink at the item's upper end")
     initial: ItemInitial | None = Field(default=None, description="imperfection of this item")

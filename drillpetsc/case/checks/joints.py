@@ -32,6 +32,7 @@ def check_joints(case: CaseBlocks) -> None:
                 "at",
                 got=joint.at,
                 want=f"a measured depth inside the string, between 0 and {end:g} m",
+                hint="a joint connects the part above it with the part below; for an end that can bend: top or bottom pinned",
             )
         for other, k in seen.items():
             if abs(other - joint.at) <= TOLERANCE:

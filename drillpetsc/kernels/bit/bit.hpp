@@ -204,7 +204,7 @@ struct Bit {
         T side = T(0.0), elastic_s = T(0.0);
         Vec<T> push = zero, drag = zero;
         const Vec<T> touch = (n * (a * a) + t.t * (squeeze * lean)) / girth;
-        if (!(val(depth_s) <= -RAMP)) {
+        if (p[SIDE] != 0 && !(val(depth_s) <= -RAMP)) {
             law.touching |= 2;
             elastic_s = onset(depth_s) * p[SIDE];
             side = moving ? damped(elastic_s, closing, p[DAMPING]) : elastic_s;
@@ -273,12 +273,20 @@ struct Bit {
 
     static double direction(const double* p) { return (p[SPIN] > 0) - (p[SPIN] < 0); }
 
+    // torque or lever arm: rises to the static value at turn_rounding, then falls to the dynamic one; C2 up to the fall's second derivative
+    template <class T>
+    static T weakening(const BitLaw& law, const T& omega) {
+        const T u = omega * (1.0 / law.turn_rounding), u2 = u * u;
+        if (val(u2) < 1) return u * (15.0 - 10.0 * u2 + 3.0 * u2 * u2) * (law.static_torque / 8);
+        const double way = val(omega) > 0 ? 1.0 : -1.0;
+        const T q = (omega * way - law.turn_rounding) * (1.0 / law.speed);
+        return (law.dynamic_torque + (law.static_torque - law.dynamic_torque) * exp(-(q * q))) * way;
+    }
+
     template <class T>
     static T bottom_torque(const BitLaw& law, const double* p, const T& weight, const T& depth, const T& omega, const T& sign) {
         if (law.kind == BitKind::VELOCITY_WEAKENING) {
-            const T q = omega * (1.0 / law.speed);
-            const T size = law.dynamic_torque + (law.static_torque - law.dynamic_torque) * exp(-(q * q));
-            return size * sign * (law.by_weight != 0 ? weight : touching(depth));
+            return weakening(law, omega) * (law.by_weight != 0 ? weight : touching(depth));
         }
         if (law.kind == BitKind::DRAG_BIT) return (weight * p[TORQUE1] + p[TORQUE0] * touching(depth)) * sign;
         return weight * (p[FRICTION] * p[RADIUS] * (2.0 / 3)) * sign;

@@ -218,6 +218,7 @@ struct BodyContact {
     static constexpr int SPINS[1][2] = {{6, 3}};
     DP_ENUM(Parameter,
         ABOVE, LENGTH,  // distance from the node to the upper end, along the tangent; length [m]
+        SPAN,           // length over which the wall pushes [m]
         RADIUS,         // [m]
         FRICTION,       // coefficient; negative: that of the wall
         NP)
@@ -234,7 +235,7 @@ struct BodyContact {
         const Vec<T> turning = cross(t.t, t.t1) + t.t * y[6];
         const Well well(law.well);
         for (int q = 0; q < law.points; ++q) {
-            const double distance = p[ABOVE] + law.at[2 * q] * p[LENGTH], w = law.at[2 * q + 1] * p[LENGTH];
+            const double distance = p[ABOVE] + law.at[2 * q] * p[LENGTH], w = law.at[2 * q + 1] * p[SPAN];
             const int k = e * law.points + q;
             const Vec<T> place = vec(x) + t.t * distance;
             Foot foot;

@@ -38,12 +38,14 @@ from drillpetsc.output.quantities.mud import (
     PUMP_FLOW,
 )
 from drillpetsc.output.quantities.probes import PROBES
+from drillpetsc.output.quantities.rigid_items import SIDE_FORCE
 from drillpetsc.output.quantities.statics import (
     BENDING_STRESS,
     BUCKLING_LOAD,
     BUCKLING_RATIO,
     CURVATURE,
     ECD,
+    ITEM_SIDE_FORCE,
     STATIC_SUMMARY,
     STRETCH,
     TWIST,
@@ -65,6 +67,7 @@ __all__ = [
     "HOLE",
     "HOLE_RADIUS",
     "INCLINATION",
+    "ITEM_SIDE_FORCE",
     "LOWER_END",
     "MD",
     "MODES",
@@ -82,6 +85,7 @@ __all__ = [
     "PUMP_FLOW",
     "ROW_END",
     "ROW_START",
+    "SIDE_FORCE",
     "STATIC_SUMMARY",
     "STEP",
     "STRETCH",

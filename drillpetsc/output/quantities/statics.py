@@ -50,6 +50,15 @@ ECD = Quantity(
     mnemonic="ECD",
     doc="Pressure in the annulus (in the summary: at the bottom) over gravity and the vertical depth below the top.",
 )
+ITEM_SIDE_FORCE = Quantity(
+    "item_side_force",
+    "N",
+    on="node",
+    label="Side force on rigid items",
+    mnemonic="ISFC",
+    sign="push of the wall on the string, not negative",
+    doc="Normal force of the wall on the rigid items that hang on the node (stabilizer, body, bit).",
+)
 STRETCH = Quantity(
     "stretch",
     "m",

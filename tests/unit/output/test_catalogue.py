@@ -175,7 +175,7 @@ def test_an_output_has_words_for_people(quantity) -> None:
     assert 1 < len(quantity.mnemonic.replace("NNN", "")) <= 4 and quantity.mnemonic.isupper()
     assert quantity.doc.endswith(".") and (quantity.doc[0].isupper() or quantity.doc[0].isdigit())
     assert quantity.sign or quantity.unit in ("-", "s", "J", "m", "kg/m3"), quantity.name
-    assert ("NNN" in quantity.name) == (quantity.on in ("joint", "probe"))
+    assert ("NNN" in quantity.name) == (quantity.on in ("joint", "probe", "rigid_item"))
 
 
 def test_an_output_is_found_at_any_depth() -> None:

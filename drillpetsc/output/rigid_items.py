@@ -1,0 +1,58 @@
+"""Contact forces of the rigid items: stabilizers, other bodies with an outer diameter, and the bit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.fem.component import FloatArray
+from drillpetsc.fem.quantity import Quantity, Sample
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.output import quantities as declared
+from drillpetsc.physics.rock_bit import RESULTS as BIT_RESULTS
+
+
+class RigidItems:
+    """The rigid items of a string that can touch the wall; none without contact.
+
+    names: of the items; depths: measured depths of their middles [m].
+    """
+
+    def __init__(self, model: DrillingModel) -> None:
+        self.model, mesh = model, model.mesh
+        touches = model.contact is not None
+        self.items = np.array([k for k, b in enumerate(mesh.bodies) if touches and b.radius > 0], dtype=int)
+        bodies = [mesh.bodies[k] for k in self.items]
+        self.names = tuple(b.name for b in bodies)
+        self.depths = tuple(float(mesh.node_depth[b.node]) + b.above + 0.5 * b.length for b in bodies)
+
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Columns of the history, where the case asks for them."""
+        asked = self.model.case.output.item_forces and len(self.items) > 0
+        return (declared.SIDE_FORCE,) if asked else ()
+
+    def forces(self, sample: Sample) -> FloatArray:
+        """(items,) normal force of the wall [N], zero where another rank has the item."""
+        if self.model.contact is None:
+            return np.zeros(0)
+        out: FloatArray = sample.once(self.model.contact.item_forces).copy()
+        bit = self.model.drilling
+        if bit is not None:  # a bit that cuts has a contact of its own
+            last = max((k for k, b in enumerate(self.model.mesh.bodies) if b.kind == "bit"), default=None)
+            if last is not None:
+                out[last] += float(sample.once(bit.element_results)[BIT_RESULTS["side"]])
+        return np.asarray(out[self.items])
+
+    def at_nodes(self, forces: FloatArray) -> FloatArray:
+        """(n_nodes,) sums of ``forces`` (items,) over the items that hang on each node [N]."""
+        out = np.zeros(self.model.mesh.nodes)
+        np.add.at(out, [self.model.mesh.bodies[k].node for k in self.items], forces)
+        return out
+
+    def listed(self, forces: FloatArray) -> list[dict[str, Any]]:
+        """Name, measured depth and side force of every item, for summary.json."""
+        rows = zip(self.names, self.depths, forces, strict=True)
+        return [
+            {"name": name, "md [m]": depth, "side_force [N]": float(force)} for name, depth, force in rows
+        ]
