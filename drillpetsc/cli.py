@@ -169,6 +169,11 @@ def _run_arguments(command: argparse.ArgumentParser) -> None:
         help="run the case on elements twice as long, too, and state the differences as mesh error in summary.json (one case)",
     )
     command.add_argument(
+        "--accept-changes",
+        action="store_true",
+        help="with --restart: continue although the case or the PETSc options have changed (one case)",
+    )
+    command.add_argument(
         "--progress", choices=("auto", "live", "log", "silent"), default="auto", help="how progress is shown"
     )
 
@@ -320,6 +325,8 @@ def _schema_arguments(command: argparse.ArgumentParser) -> None:
 
 # ---------------------------------------------------------------------- handlers
 def _run(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    if arguments.accept_changes and not arguments.restart:
+        raise CaseError(at="--accept-changes", want="--accept-changes together with --restart")
     if len(arguments.cases) > 1:
         return _run_several(arguments, petsc_options)
     from drillpetsc.case import load_case
@@ -334,6 +341,7 @@ def _run(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         arguments.out,
         restart=arguments.restart,
         overwrite=arguments.overwrite,
+        accept_changes=arguments.accept_changes,
         name=name,
         progress=arguments.progress,
     )
@@ -349,6 +357,8 @@ def _run(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
 def _run_several(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     if arguments.mesh_error:
         raise CaseError(at="--mesh-error", want="one case")
+    if arguments.accept_changes:
+        raise CaseError(at="--accept-changes", want="one case")
     start_job(petsc_options)
     from drillpetsc.studies.sweep.sweep import closing_lines, run_cases
 

@@ -75,6 +75,7 @@ class CaseError(DrillError):
     hint: a likely cause or cure
     file, line: place of the value; lines count from 1
     also: further errors in the same file
+    longest: letters of the value that are shown
     """
 
     exit_status = 2
@@ -88,8 +89,10 @@ class CaseError(DrillError):
         file: str | Path | None = None,
         line: int | None = None,
         also: Sequence[CaseError] = (),
+        longest: int = 60,
     ) -> None:
         super().__init__()
+        self.longest = longest
         self.at = at
         self.got = got
         self.want = want
@@ -111,7 +114,7 @@ class CaseError(DrillError):
     def __str__(self) -> str:
         lines = [self.place()]
         if self.got is not None:
-            lines.append(f"  given:   {shown(self.got)}")
+            lines.append(f"  given:   {shown(self.got, self.longest)}")
         if self.want:
             lines.append(f"  allowed: {plain(self.want, LONGEST)}")
         if self.hint:

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import platform
 import time as clock
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.equilibrium import StaticState
+from drillpetsc.analysis.provenance import digest, versions
 from drillpetsc.errors import Interrupted
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.geometry.trajectory import as_dict, new_hole
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.time_integrator import TimeIntegrator
-from drillpetsc.version import __version__
 
 FOR_RATES = 5.0  # length of new hole [m] below which its waviness, tenths of a degree, hides its build rate
 PHASES = ("Residual", "Jacobian", "ChainFactor", "ChainSolve", "Output")
@@ -41,12 +39,8 @@ def run_summary(
         "title": model.case.title,
         "status": "done" if error is None else str(error) if interrupted else f"failed: {error}",
         "interrupted": interrupted,
-        "versions": {
-            "drillpetsc": __version__,
-            "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
-            "numpy": np.__version__,
-            "python": platform.python_version(),
-        },
+        "case_digest": digest(model.case),
+        "versions": versions(),
         "petsc_options": integrator.options,
         "ranks": system.comm.size,
         "elements": system.chain.size - 1 - len(system.mesh.joints),
@@ -86,6 +80,8 @@ def outcome(
 ) -> dict[str, Any]:
     """Warnings, balances, the new hole and the last values of the history."""
     result: dict[str, Any] = {"warnings": list(notes.get("warnings", ()))}
+    if "accepted_changes" in notes:
+        result["accepted_changes"] = list(notes["accepted_changes"])
     if "statics" in notes:
         result["statics"] = notes["statics"]
     if recorder.energy is not None:
@@ -154,6 +150,11 @@ def phases() -> dict[str, float]:
 
 def closing_lines(result: dict[str, Any], folder) -> list[str]:
     """Report of a run for the screen."""
+    if result.get("nothing_left"):
+        return [
+            f"{result['title'] or 'case'}: nothing was left to do, the run has reached its end at {result['time']:.6g} s",
+            f"  results: {folder}",
+        ]
     e = result.get("energy", {})
     lines = [
         f"{result['title'] or 'case'}: {result['elements']} elements, {result['unknowns']} unknowns, {result['ranks']} rank(s)",

@@ -73,6 +73,11 @@ def _is_late(name: str) -> bool:
     return not name.startswith("drillpetsc_") and any(word in name for word in READ_LATE)
 
 
+def changes_no_result(name: str) -> bool:
+    """Whether an option acts on reports and monitors only."""
+    return _is_late(name) or name in ("drillpetsc_gain_limit", "drillpetsc_stop_on_gain")
+
+
 def refuse_unread(names: Iterable[str]) -> None:
     """Raise CaseError for options that the solvers, once set up, have not read."""
     for name in unread(names):

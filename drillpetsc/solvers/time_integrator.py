@@ -61,6 +61,7 @@ class TimeIntegrator:
     controlled(field): whether a field takes part in the error control.
     defaults: further PETSc options, below those of the user.
 
+    ``user_options`` are the PETSc options that the user gave, ``options`` those in effect.
     ``jumped`` is true in after_step for the steps whose time formula reaches over a jump (manual:
     sec-time-jumps). ``fresh`` is true for the first step after a restart of the formula.
     """
@@ -78,6 +79,7 @@ class TimeIntegrator:
         options = PETSc.Options()
         petsc_compat.rename_time_step(options)
         given = set(options.getAll())
+        self.user_options = dict(options.getAll())
         for key, value in {**DEFAULTS, petsc_compat.max_rejections_option(): 60, **self.defaults}.items():
             if key not in given:
                 options.setValue(key, value)
