@@ -124,6 +124,16 @@ class CaseError(DrillError):
         return "\n".join(lines)
 
 
+class OptionError(CaseError):
+    """A PETSc option that is refused; its message is one line."""
+
+    def __str__(self) -> str:
+        parts = [] if self.got is None else [f"given {shown(self.got)}"]
+        parts += [f"allowed: {plain(self.want, LONGEST)}"] if self.want else []
+        parts += [plain(self.hint, LONGEST)] if self.hint else []
+        return f"{self.place()}: " + "; ".join(parts)
+
+
 class SolveError(DrillError):
     """A computation that cannot go on.
 

@@ -89,6 +89,7 @@ def run(
         )
     began = clock.perf_counter(), clock.process_time()
     with options.applied(case.petsc) as used:
+        options.refuse_integrator_of_run(PETSc.Options().getAll())
         model = build_model(case, comm)
         quasi = QuasiStatic(model) if is_quasi_static(case) else None
         recorder, integrator = Recorder(model), make_integrator(model, quasi)
@@ -413,6 +414,13 @@ class TransientRun:
             self.gain.check(t)
         if asked == STOP:
             self.integrator.stop()
+        elif self.integrator.counters.steps >= self.integrator.max_steps and not is_finished(t, self.end):
+            self._save(t)
+            raise SolveError(
+                f"the run has taken the {self.integrator.max_steps} steps of -ts_max_steps before its end at {self.end:.6g} s",
+                time=t,
+                hint="--restart continues; a larger -ts_max_steps, or none, takes it further",
+            )
 
     def _save(self, t: float) -> None:
         """Write a checkpoint; collective."""
