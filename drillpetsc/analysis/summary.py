@@ -18,6 +18,7 @@ from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 
 FOR_RATES = 5.0  # length of new hole [m] below which its waviness, tenths of a degree, hides its build rate
+DAMPING_SHOWN = 1e-3  # share of energy lost above which the report names the damping of the time formula
 PHASES = ("Residual", "Jacobian", "ChainFactor", "ChainSolve", "Output")
 
 
@@ -163,8 +164,9 @@ def closing_lines(result: dict[str, Any], folder) -> list[str]:
         f"{result['jacobians']} Jacobians",
     ]
     if e:
+        damped = ", removed by numerical damping" if e["error_share"] < -DAMPING_SHOWN else ""
         lines.append(
-            f"  energy error {e['error']:.3g} J ({100 * e['error_share']:.2g} % of the energy exchanged)"
+            f"  energy error {e['error']:.3g} J ({100 * e['error_share']:.2g} % of the energy exchanged{damped})"
         )
     if "mass" in result:
         m = result["mass"]
