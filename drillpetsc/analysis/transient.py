@@ -29,6 +29,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.errors import LONGEST, RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.output import RunFolder, read_summary, write_summary
+from drillpetsc.output.boiling import BoilingMonitor
 from drillpetsc.output.energy_balance import EnergyGainMonitor
 from drillpetsc.output.progress import Progress
 from drillpetsc.output.recorder import Recorder
@@ -298,6 +299,11 @@ class TransientRun:
         self.notes["warnings"] = step_warnings(self.model, self.fixed_step)
         if self.saved is not None:
             self.notes["warnings"] += provenance.version_warnings(self.saved.provenance)
+        self.boiling = BoilingMonitor(self.model.system, self.model.fluid)
+        if self.saved is not None:
+            self.boiling.set_notes(self.saved.notes.get("boiling", {}))
+        else:
+            self.boiling.update(0.0)
         self.newton, self.moving_since = 0, self.began
         mode: Any = self.progress if self.first else "silent"
         self.bar = Progress(self.end, self.start, mode=mode)
@@ -391,6 +397,9 @@ class TransientRun:
             recorder.energy.add_impulse_work(t)
         newton = integrator.newton_iterations()
         self.due = writer.write(t, dt, newton - self.newton, self.control)
+        self.boiling.update(t)
+        if self.due:
+            self.boiling.share()
         self.t, self.newton = t, newton
         self.memory.update(t)
         self.bar.update(t, integrator.counters.steps, dt)
@@ -424,7 +433,8 @@ class TransientRun:
 
     def _save(self, t: float) -> None:
         """Write a checkpoint; collective."""
-        self.notes["last_row"] = self.writer.last_row
+        self.boiling.share()
+        self.notes["last_row"], self.notes["boiling"] = self.writer.last_row, self.boiling.get_notes()
         c = checkpoint.take(self.model, self.recorder, self.integrator, t, self.notes)
 
         def put() -> None:
@@ -444,6 +454,7 @@ class TransientRun:
         result |= summary.timing(self.integrator, clocks, self.start, self.t, error)
         result |= summary.outcome(model, self.recorder, self.notes, self.t, error)
         result |= self.estimate.as_dict(error is None) | {"memory": self.memory.as_dict(error is None)}
+        result["warnings"] = [*result["warnings"], *self.boiling.warnings()]
         if "energy" in result:
             result["energy"] |= self.gain.summary()
             if result["energy"]["flag"]:
