@@ -515,7 +515,7 @@ def _draw(draw: Callable[[], Iterable[Path]], run: str) -> int:
     try:
         files = draw()
     except (OSError, ValueError) as error:
-        raise CaseError(got=run, want=str(error)) from None
+        raise CaseError(at="RUN", got=run, want=str(error)) from None
     for file in files:
         print(file)
     return 0

@@ -7,6 +7,7 @@ go on: exit status 1, what was written before is kept.
 from __future__ import annotations
 
 import os
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -142,6 +143,7 @@ class SolveError(DrillError):
     component: name of the component of the model
     element: number of the element
     measured_depth: place on the string [m]
+    item: name of the item of the string there
     hint: a likely cause or cure
     """
 
@@ -155,8 +157,10 @@ class SolveError(DrillError):
         element: int | None = None,
         measured_depth: float | None = None,
         hint: str = "",
+        item: str = "",
     ) -> None:
         super().__init__()
+        self.item = item
         self.what = what
         self.time = time
         self.component = component
@@ -173,7 +177,7 @@ class SolveError(DrillError):
         if self.element is not None:
             where.append(f"element {self.element}")
         if self.measured_depth is not None:
-            where.append(f"measured depth {self.measured_depth:.6g} m")
+            where.append(f"at MD {self.measured_depth:.6g} m" + (f" ({self.item})" if self.item else ""))
         lines = [self.what]
         if where:
             lines.append("  where:   " + ", ".join(where))
@@ -199,5 +203,5 @@ class Interrupted(DrillError):
     def __str__(self) -> str:
         return (
             f"stopped by {self.signal} at {self.time:.6g} s, with a checkpoint\n"
-            f"  continue: the same command with --out {self.folder} --restart"
+            f"  continue: the same command with --out {shlex.quote(self.folder)} --restart"
         )

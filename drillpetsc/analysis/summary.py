@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import time as clock
 from dataclasses import dataclass
 from typing import Any
@@ -188,6 +189,7 @@ def closing_lines(result: dict[str, Any], folder) -> list[str]:
         lines.append(f"  note: {warning}")
     lines.append(f"  results: {folder}")
     lines.append(
-        f"  look at them: scripts/drillpetsc plot {folder}   scripts/drillpetsc view {folder}   (string.pvd opens in ParaView)"
+        f"  look at them: scripts/drillpetsc plot {shlex.quote(str(folder))}   scripts/drillpetsc view {shlex.quote(str(folder))}   "
+        "(string.pvd opens in ParaView)"
     )
     return lines
