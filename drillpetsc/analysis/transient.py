@@ -30,6 +30,7 @@ from drillpetsc.errors import LONGEST, RESTART_HINT, CaseError, Interrupted, Sol
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.output import RunFolder, read_summary, write_summary
 from drillpetsc.output.boiling import BoilingMonitor
+from drillpetsc.output.creep import creep_warnings
 from drillpetsc.output.energy_balance import EnergyGainMonitor
 from drillpetsc.output.progress import Progress
 from drillpetsc.output.recorder import Recorder
@@ -455,6 +456,8 @@ class TransientRun:
         result |= summary.outcome(model, self.recorder, self.notes, self.t, error)
         result |= self.estimate.as_dict(error is None) | {"memory": self.memory.as_dict(error is None)}
         result["warnings"] = [*result["warnings"], *self.boiling.warnings()]
+        if error is None and self.recorder.energy is not None:  # a quasi-static string has no slip speeds
+            result["warnings"] += creep_warnings(model, self.t)
         if "energy" in result:
             result["energy"] |= self.gain.summary()
             if result["energy"]["flag"]:
