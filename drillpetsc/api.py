@@ -34,6 +34,7 @@ def run(case: Case | str | Path, out: str | Path | None = None, **keywords: Any)
     out: run folder; by default results/<case>-NNN, the next free number
     restart: True to continue from the checkpoint in the run folder
     overwrite: True to replace the results in an existing folder
+    accept_changes: True to continue although the case or the PETSc options have changed
     name: name of the case in the default folder
     comm: PETSc communicator; by default all ranks
     progress: auto, live, log or silent

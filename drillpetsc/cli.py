@@ -7,6 +7,7 @@ the imports of another.
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import sys
 from collections.abc import Callable, Iterable
@@ -15,14 +16,17 @@ from pathlib import Path
 from typing import Any
 
 from drillpetsc import __version__
-from drillpetsc.errors import CaseError, DrillError
+from drillpetsc.errors import CaseError, DrillError, SolveError
 from drillpetsc.parallel import report_error, report_interrupt, start_job, world_rank
 
-EPILOG = """Words that start with a dash and are PETSc options go to PETSc: -ts_rtol 1e-5 -ts_monitor -log_view ...
+EXIT_STATUS = (
+    "Exit status: 0 done, 1 the run failed (what was written is kept), 2 bad input (nothing written)."
+)
+EPILOG = f"""Words that start with a dash and are PETSc options go to PETSc: -ts_rtol 1e-5 -ts_monitor -log_view ...
 The time integrator is TS BDF with the condensed Newton solver (prefix q_): -ts_rtol (default 1e-4, relative to the usual size
 of each unknown), -ts_bdf_order, -ts_dt, -ts_adapt_type none, -q_snes_stol, -q_snes_linesearch_type bt, -q_pc_type lu ...;
--snes_type newtonls solves the whole assembled system instead, -ts_type arkimex, alpha2, theta integrate it.
-Exit status: 0 done, 1 the run failed (what was written is kept), 2 bad input (nothing written)."""
+-snes_type newtonls solves the whole assembled system instead, -ts_type arkimex, theta integrate it.
+{EXIT_STATUS}"""
 
 RENAMED_OPTIONS = {"--companion": "--mesh-error"}  # old -> new
 
@@ -48,6 +52,17 @@ def main(words: list[str] | None = None) -> int:
 
     words: command line without the name of the program; by default that of this process
     """
+    try:
+        try:
+            return _main(words)
+        finally:
+            sys.stdout.flush()
+    except BrokenPipeError:  # the reader, `head` for instance, has read enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+
+
+def _main(words: list[str] | None) -> int:
     words = sys.argv[1:] if words is None else words
     own, petsc_options = split_words(words)
     arguments, unknown = parser().parse_known_args(own)
@@ -62,6 +77,12 @@ def main(words: list[str] | None = None) -> int:
         return report_error(error)
     except KeyboardInterrupt:
         return report_interrupt()
+    except RuntimeError as error:  # PETSc.Error is one
+        if "petsc4py.PETSc" not in sys.modules or not isinstance(error, sys.modules["petsc4py.PETSc"].Error):
+            raise
+        from drillpetsc.petsc_compat import reason_of
+
+        return report_error(SolveError(f"PETSc failed: {reason_of(error)}", hint="check the PETSc options"))
 
 
 def parser() -> argparse.ArgumentParser:
@@ -78,7 +99,7 @@ def parser() -> argparse.ArgumentParser:
                 help=command.help,
                 description=command.help,
                 parents=list(command.parents),
-                **_PARSER_STYLE,
+                **(_PARSER_STYLE if command.takes_petsc_options else _PARSER_STYLE | {"epilog": EXIT_STATUS}),
             )
         )
     return whole
@@ -167,6 +188,11 @@ def _run_arguments(command: argparse.ArgumentParser) -> None:
         "--mesh-error",
         action="store_true",
         help="run the case on elements twice as long, too, and state the differences as mesh error in summary.json (one case)",
+    )
+    command.add_argument(
+        "--accept-changes",
+        action="store_true",
+        help="with --restart: continue although the case or the PETSc options have changed (one case)",
     )
     command.add_argument(
         "--progress", choices=("auto", "live", "log", "silent"), default="auto", help="how progress is shown"
@@ -320,6 +346,8 @@ def _schema_arguments(command: argparse.ArgumentParser) -> None:
 
 # ---------------------------------------------------------------------- handlers
 def _run(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    if arguments.accept_changes and not arguments.restart:
+        raise CaseError(at="--accept-changes", want="--accept-changes together with --restart")
     if len(arguments.cases) > 1:
         return _run_several(arguments, petsc_options)
     from drillpetsc.case import load_case
@@ -334,6 +362,7 @@ def _run(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         arguments.out,
         restart=arguments.restart,
         overwrite=arguments.overwrite,
+        accept_changes=arguments.accept_changes,
         name=name,
         progress=arguments.progress,
     )
@@ -349,6 +378,8 @@ def _run(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
 def _run_several(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     if arguments.mesh_error:
         raise CaseError(at="--mesh-error", want="one case")
+    if arguments.accept_changes:
+        raise CaseError(at="--accept-changes", want="one case")
     start_job(petsc_options)
     from drillpetsc.studies.sweep.sweep import closing_lines, run_cases
 
@@ -484,7 +515,7 @@ def _draw(draw: Callable[[], Iterable[Path]], run: str) -> int:
     try:
         files = draw()
     except (OSError, ValueError) as error:
-        raise CaseError(got=run, want=str(error)) from None
+        raise CaseError(at="RUN", got=run, want=str(error)) from None
     for file in files:
         print(file)
     return 0

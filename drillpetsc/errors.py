@@ -7,6 +7,7 @@ go on: exit status 1, what was written before is kept.
 from __future__ import annotations
 
 import os
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -75,6 +76,7 @@ class CaseError(DrillError):
     hint: a likely cause or cure
     file, line: place of the value; lines count from 1
     also: further errors in the same file
+    longest: letters of the value that are shown
     """
 
     exit_status = 2
@@ -88,8 +90,10 @@ class CaseError(DrillError):
         file: str | Path | None = None,
         line: int | None = None,
         also: Sequence[CaseError] = (),
+        longest: int = 60,
     ) -> None:
         super().__init__()
+        self.longest = longest
         self.at = at
         self.got = got
         self.want = want
@@ -111,7 +115,7 @@ class CaseError(DrillError):
     def __str__(self) -> str:
         lines = [self.place()]
         if self.got is not None:
-            lines.append(f"  given:   {shown(self.got)}")
+            lines.append(f"  given:   {shown(self.got, self.longest)}")
         if self.want:
             lines.append(f"  allowed: {plain(self.want, LONGEST)}")
         if self.hint:
@@ -119,6 +123,16 @@ class CaseError(DrillError):
         for error in self.also:
             lines.extend(str(error).splitlines())
         return "\n".join(lines)
+
+
+class OptionError(CaseError):
+    """A PETSc option that is refused; its message is one line."""
+
+    def __str__(self) -> str:
+        parts = [] if self.got is None else [f"given {shown(self.got)}"]
+        parts += [f"allowed: {plain(self.want, LONGEST)}"] if self.want else []
+        parts += [plain(self.hint, LONGEST)] if self.hint else []
+        return f"{self.place()}: " + "; ".join(parts)
 
 
 class SolveError(DrillError):
@@ -129,6 +143,7 @@ class SolveError(DrillError):
     component: name of the component of the model
     element: number of the element
     measured_depth: place on the string [m]
+    item: name of the item of the string there
     hint: a likely cause or cure
     """
 
@@ -142,8 +157,10 @@ class SolveError(DrillError):
         element: int | None = None,
         measured_depth: float | None = None,
         hint: str = "",
+        item: str = "",
     ) -> None:
         super().__init__()
+        self.item = item
         self.what = what
         self.time = time
         self.component = component
@@ -160,7 +177,7 @@ class SolveError(DrillError):
         if self.element is not None:
             where.append(f"element {self.element}")
         if self.measured_depth is not None:
-            where.append(f"measured depth {self.measured_depth:.6g} m")
+            where.append(f"at MD {self.measured_depth:.6g} m" + (f" ({self.item})" if self.item else ""))
         lines = [self.what]
         if where:
             lines.append("  where:   " + ", ".join(where))
@@ -186,5 +203,5 @@ class Interrupted(DrillError):
     def __str__(self) -> str:
         return (
             f"stopped by {self.signal} at {self.time:.6g} s, with a checkpoint\n"
-            f"  continue: the same command with --out {self.folder} --restart"
+            f"  continue: the same command with --out {shlex.quote(self.folder)} --restart"
         )

@@ -6,6 +6,7 @@ barrier on a communicator of their own, the control communicator. No message of 
 
 from __future__ import annotations
 
+import signal
 import sys
 import time as clock
 from collections.abc import Callable, Sequence
@@ -41,6 +42,8 @@ def start_job(options: Sequence[str]) -> None:
     initialise_petsc(options)
     from petsc4py import PETSc
 
+    # PETSc's handler would print a stack where the reader of a pipe has ended; Python raises BrokenPipeError
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     PETSc.Log.begin()
     if PETSc.COMM_WORLD.size > 1:
         _control = PETSc.COMM_WORLD.tompi4py().Dup()

@@ -36,6 +36,12 @@ def own_errors() -> Iterator[None]:
         raise
 
 
+def reason_of(error: PETSc.Error) -> str:
+    """PETSc's reason for an error: the last line of its trace, without the rank."""
+    lines = str(error).splitlines() or ["no reason given"]
+    return lines[-1].partition("] ")[2].strip() or lines[-1].strip()
+
+
 def _library() -> ctypes.CDLL:
     return ctypes.CDLL(PETSc.__file__)
 

@@ -82,7 +82,8 @@ def _lines(model: DrillingModel) -> list[str]:
     )
     damped = bool(mesh.stiffness_damping.any() or mesh.mass_damping.any())
     parts = [
-        (model.beam is not None, "axial, bending, torsion, gravity"),
+        (model.beam is not None, "axial, bending, torsion"),
+        (bool(np.any(case.gravity)), "gravity"),
         (model.beam is not None and not _quasi_static(case), "inertia"),
         (damped and model.beam is not None, "material damping"),
     ]

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis import provenance
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.discrete_system import DiscreteSystem
@@ -26,7 +27,7 @@ from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 
-VERSION = 3
+VERSION = 4
 BLOCK = 512  # bytes of the first block, the smallest size of an HDF5 user block
 MAGIC, OLD_MAGIC = b"drillpetsc checkpoint ", b"\x89HDF\r\n\x1a\n"  # version 1 was plain HDF5
 WANT = "the checkpoint.h5 of a run"
@@ -47,6 +48,7 @@ class Checkpoint:
     imperfection: (n_nodes, 3) dead load at the nodes [N], None without one.
     top: anchor of the top end, None without one.
     notes: texts and numbers.
+    provenance: case, versions and PETSc options (``provenance.record``).
     """
 
     time: float
@@ -61,6 +63,7 @@ class Checkpoint:
     imperfection: FloatArray | None = None
     top: FloatArray | None = None
     notes: dict[str, Any] = field(default_factory=dict)
+    provenance: dict[str, Any] = field(default_factory=dict)
 
 
 def take(
@@ -115,6 +118,7 @@ def take(
         dead_load,
         top,
         notes or {},
+        provenance.record(model.case, integrator.user_options),
     )
 
 
@@ -146,6 +150,8 @@ def write(path: Path, c: Checkpoint) -> None:
     # in memory, since HDF5 does not recover cleanly when the disk becomes full
     with h5py.File("checkpoint", "w", driver="core", backing_store=False, userblock_size=BLOCK) as file:
         file.attrs["time"], file.attrs["notes"] = c.time, json.dumps(c.notes)
+        # a dataset, since an attribute holds 64 kB at most
+        file["provenance"] = np.frombuffer(json.dumps(c.provenance).encode(), dtype=np.uint8)
         for group, arrays in tree.items():
             file.require_group(group)
             for name, values in arrays.items():
@@ -168,7 +174,8 @@ def read(path: str | Path) -> Checkpoint:
 
     if not Path(path).is_file():
         raise CaseError(
-            got=str(path),
+            file=path,
+            got="no such file",
             want="a run folder with a checkpoint.h5",
             hint="was the run stopped before its first checkpoint?",
         )
@@ -200,6 +207,7 @@ def read(path: str | Path) -> Checkpoint:
                 imperfection,
                 top,
                 json.loads(file.attrs["notes"]),
+                json.loads(np.array(file["provenance"]).tobytes()),
             )
     except (
         OSError,

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from drillpetsc.analysis import checkpoint
 from drillpetsc.analysis.equilibrium import StaticState, director_equilibrium
+from drillpetsc.analysis.imperfection import add_imperfection_of_rest
 from drillpetsc.analysis.placement import move_rigidly, place_along_hole, release
 from drillpetsc.analysis.quasi_static import QuasiStatic
 from drillpetsc.analysis.quaternion_statics import quaternion_equilibrium
@@ -48,6 +49,7 @@ def initial_state(
         state = find_equilibrium(model)
     elif case.initial.from_ in ("rest", "straight"):
         place_along_hole(model)
+        add_imperfection_of_rest(model)
     else:
         other = checkpoint.read(Path(case.initial.from_) / "checkpoint.h5")
         checkpoint.restore(model, other, at="initial.from")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,8 @@ from drillpetsc.output.static_table import static_table
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.physics.beam import RESULT_NAMES
 from drillpetsc.solvers import petsc_options as options
+
+NOISE = 1e-12  # share of the largest load below which a load is rounding noise
 
 
 def run_statics(
@@ -99,7 +102,7 @@ def _lines(case: Case, folder: RunFolder, state: StaticState, summary: dict[str,
         f"  {stable}; {state.equilibrium.iterations} Newton iterations, residual {state.equilibrium.residual:.2g} N"
     )
     lines += [f"  note: {w}" for w in state.warnings]
-    lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {folder.path})")
+    lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
     return lines
 
 
@@ -125,7 +128,7 @@ def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
     )
     stretch, twist, wob, bit_torque, drive = _sum_over_ranks(model, local)
     force, soft = model.case.top.force, state.soft_string
-    out = {
+    out: dict[str, Any] = {
         "motion": {"lowering": state.motion[0], "rotation": state.motion[1]},
         "hook_load": float(force.value(0.0)) if force is not None else -system.reaction("top.axial_reaction"),
         "surface_torque": system.reaction("top.torque_reaction") + float(drive),
@@ -143,6 +146,8 @@ def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
     if model.contact is not None:
         items = RigidItems(model)
         out["rigid_items"] = items.listed(_sum_over_ranks(model, items.forces(Sample(system, 0.0))))
+    for name in ("hook_load", "surface_torque", "wob", "bit_torque"):
+        out[name] = without_noise(out[name], abs(out["hook_load"]) + abs(out["wob"]))
     if soft is not None:
         out["soft_string"] = {
             "hook_load": soft.hook_load,
@@ -150,6 +155,11 @@ def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
             "stretch": soft.stretch,
         }
     return out | flow_summary(model)
+
+
+def without_noise(value: float, scale: float) -> float:
+    """``value``, or 0 where it is rounding noise of numbers of the size ``scale``."""
+    return 0.0 if abs(value) <= NOISE * scale else value
 
 
 def flow_summary(model: DrillingModel) -> dict[str, Any]:

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-import platform
+import shlex
 import time as clock
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.equilibrium import StaticState
+from drillpetsc.analysis.provenance import digest, versions
 from drillpetsc.errors import Interrupted
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.geometry.trajectory import as_dict, new_hole
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.time_integrator import TimeIntegrator
-from drillpetsc.version import __version__
 
 FOR_RATES = 5.0  # length of new hole [m] below which its waviness, tenths of a degree, hides its build rate
+DAMPING_SHOWN = 1e-3  # share of energy lost above which the report names the damping of the time formula
 PHASES = ("Residual", "Jacobian", "ChainFactor", "ChainSolve", "Output")
 
 
@@ -41,12 +41,8 @@ def run_summary(
         "title": model.case.title,
         "status": "done" if error is None else str(error) if interrupted else f"failed: {error}",
         "interrupted": interrupted,
-        "versions": {
-            "drillpetsc": __version__,
-            "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
-            "numpy": np.__version__,
-            "python": platform.python_version(),
-        },
+        "case_digest": digest(model.case),
+        "versions": versions(),
         "petsc_options": integrator.options,
         "ranks": system.comm.size,
         "elements": system.chain.size - 1 - len(system.mesh.joints),
@@ -86,6 +82,8 @@ def outcome(
 ) -> dict[str, Any]:
     """Warnings, balances, the new hole and the last values of the history."""
     result: dict[str, Any] = {"warnings": list(notes.get("warnings", ()))}
+    if "accepted_changes" in notes:
+        result["accepted_changes"] = list(notes["accepted_changes"])
     if "statics" in notes:
         result["statics"] = notes["statics"]
     if recorder.energy is not None:
@@ -156,6 +154,11 @@ def phases() -> dict[str, float]:
 
 def closing_lines(result: dict[str, Any], folder) -> list[str]:
     """Report of a run for the screen."""
+    if result.get("nothing_left"):
+        return [
+            f"{result['title'] or 'case'}: nothing was left to do, the run has reached its end at {result['time']:.6g} s",
+            f"  results: {folder}",
+        ]
     e = result.get("energy", {})
     lines = [
         f"{result['title'] or 'case'}: {result['elements']} elements, {result['unknowns']} unknowns, {result['ranks']} rank(s)",
@@ -164,8 +167,9 @@ def closing_lines(result: dict[str, Any], folder) -> list[str]:
         f"{result['jacobians']} Jacobians",
     ]
     if e:
+        damped = ", removed by numerical damping" if e["error_share"] < -DAMPING_SHOWN else ""
         lines.append(
-            f"  energy error {e['error']:.3g} J ({100 * e['error_share']:.2g} % of the energy exchanged)"
+            f"  energy error {e['error']:.3g} J ({100 * e['error_share']:.2g} % of the energy exchanged{damped})"
         )
     if "mass" in result:
         m = result["mass"]
@@ -187,6 +191,7 @@ def closing_lines(result: dict[str, Any], folder) -> list[str]:
         lines.append(f"  note: {warning}")
     lines.append(f"  results: {folder}")
     lines.append(
-        f"  look at them: scripts/drillpetsc plot {folder}   scripts/drillpetsc view {folder}   (string.pvd opens in ParaView)"
+        f"  look at them: scripts/drillpetsc plot {shlex.quote(str(folder))}   scripts/drillpetsc view {shlex.quote(str(folder))}   "
+        "(string.pvd opens in ParaView)"
     )
     return lines

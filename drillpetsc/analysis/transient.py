@@ -12,7 +12,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
-from drillpetsc.analysis import checkpoint, summary
+from drillpetsc.analysis import checkpoint, provenance, summary
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.initial_state import initial_state
 from drillpetsc.analysis.memory import Memory
@@ -26,13 +26,15 @@ from drillpetsc.analysis.run_control import (
 from drillpetsc.analysis.steady_flow import fluid_unknowns
 from drillpetsc.analysis.time_scales import longest_strict_step, step_warnings
 from drillpetsc.case.case import Case
-from drillpetsc.errors import RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
+from drillpetsc.errors import LONGEST, RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
-from drillpetsc.output import RunFolder, write_summary
+from drillpetsc.output import RunFolder, read_summary, write_summary
+from drillpetsc.output.boiling import BoilingMonitor
+from drillpetsc.output.creep import creep_warnings
 from drillpetsc.output.energy_balance import EnergyGainMonitor
 from drillpetsc.output.progress import Progress
 from drillpetsc.output.recorder import Recorder
-from drillpetsc.output.run_writer import RunWriter, after, passed
+from drillpetsc.output.run_writer import RunWriter, after, missing_output, passed
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.parallel import first_rank_does
 from drillpetsc.solvers import petsc_options as options
@@ -62,6 +64,7 @@ def run(
     *,
     restart: bool = False,
     overwrite: bool = False,
+    accept_changes: bool = False,
     name: str | None = None,
     comm: PETSc.Comm | None = None,
     progress: str = "auto",
@@ -71,6 +74,7 @@ def run(
     case: a Case, or the path of a case file.
     out: the run folder; None: a new folder named after the case.
     restart: continue from the checkpoint in ``out``; overwrite: replace the results in ``out``.
+    accept_changes: continue although the case, the PETSc options or the version of drillpetsc have changed.
     name: of the case, for the folder's name.
     progress: auto, live, log or silent.
 
@@ -87,6 +91,7 @@ def run(
         )
     began = clock.perf_counter(), clock.process_time()
     with options.applied(case.petsc) as used:
+        options.refuse_integrator_of_run(PETSc.Options().getAll())
         model = build_model(case, comm)
         quasi = QuasiStatic(model) if is_quasi_static(case) else None
         recorder, integrator = Recorder(model), make_integrator(model, quasi)
@@ -95,6 +100,11 @@ def run(
         folder = make_folder(comm, name or "case", out, restart, overwrite)
         try:
             saved = _saved(comm, folder, restart)
+            accepted = _check_restart(comm, saved, folder, case, recorder, integrator, accept_changes)
+            if saved is not None and is_finished(saved.time, case.time.end):
+                done = _result_of_finished_run(comm, folder)
+                if done is not None:
+                    return done
             if restart and saved is None and comm.rank == 0 and progress != "silent":
                 print(
                     f"{folder.path}: no checkpoint yet, so the run starts from its beginning", file=sys.stderr
@@ -107,7 +117,7 @@ def run(
                 gain=gain,
                 folder=folder,
                 saved=saved,
-                notes=_notes(saved, state, quasi),
+                notes=_notes(saved, state, quasi, accepted),
                 fixed_step=_fixed_step(integrator, quasi),
                 began=began,
                 progress=progress,
@@ -181,11 +191,77 @@ def _saved(comm, folder: RunFolder, restart: bool) -> checkpoint.Checkpoint | No
     return answer
 
 
+def _check_restart(
+    comm,
+    saved: checkpoint.Checkpoint | None,
+    folder: RunFolder,
+    case: Case,
+    recorder: Recorder,
+    integrator: TimeIntegrator,
+    accept_changes: bool,
+) -> list[str]:
+    """Raise CaseError, on all ranks, where ``saved`` cannot be continued; returns accepted changes; collective."""
+    if saved is None:
+        if accept_changes:
+            raise CaseError(at="--accept-changes", want="--restart of a run with a checkpoint")
+        return []
+    assert case.time is not None
+    changes = provenance.changes(saved.provenance, case, integrator.user_options)
+    if changes and not accept_changes:
+        raise CaseError(
+            file=folder.checkpoint,
+            got="changed since the checkpoint: " + provenance.listed(changes),
+            want="the case, the PETSc options and the drillpetsc of the run; "
+            f"only {', '.join(provenance.FREE_KEYS)} may change",
+            hint="--accept-changes continues nevertheless; --overwrite begins anew",
+            longest=LONGEST,
+        )
+    if case.time.end < saved.time * (1 - ROUNDING):
+        raise CaseError(
+            at="time.end",
+            got=f"{case.time.end:.9g} s",
+            want=f"at least {saved.time:.9g} s, the time of the checkpoint",
+            hint=f"the run in {folder.path} has already passed this time",
+        )
+    refusal: CaseError | None = None
+    if comm.rank == 0:
+        refusal = missing_output(folder, recorder, saved.time, saved.notes["last_row"])
+    refusal = comm.tompi4py().bcast(refusal)
+    if refusal is not None:
+        raise refusal
+    return changes
+
+
+def is_finished(time: float, end: float) -> bool:
+    """Whether a run that has reached ``time`` [s] is at its ``end`` [s]."""
+    return time >= end * (1 - ROUNDING)
+
+
+def _result_of_finished_run(comm, folder: RunFolder) -> RunResult | None:
+    """Result of a run that has reached its end; None if its summary is not written yet; collective."""
+    found: dict[str, Any] | None = None
+    if comm.rank == 0 and folder.summary.is_file():
+        found = read_summary(folder.summary)
+    found = comm.tompi4py().bcast(found)
+    if found is None or found.get("status") != "done":
+        return None
+    return RunResult(folder.path, found | {"nothing_left": True})
+
+
 def _notes(
-    saved: checkpoint.Checkpoint | None, state: StaticState | None, quasi: QuasiStatic | None
+    saved: checkpoint.Checkpoint | None,
+    state: StaticState | None,
+    quasi: QuasiStatic | None,
+    accepted: list[str],
 ) -> dict[str, Any]:
-    """Notes that the summary reports and checkpoints keep."""
-    notes = saved.notes if saved is not None else summary.static_notes(state)
+    """Notes that the summary reports and checkpoints keep.
+
+    accepted: changes since the checkpoint that the user has accepted.
+    """
+    notes = dict(saved.notes) if saved is not None else summary.static_notes(state)
+    if saved is not None and accepted:
+        earlier = notes.get("accepted_changes", [])
+        notes["accepted_changes"] = [*earlier, *(f"at {saved.time:.6g} s: {text}" for text in accepted)]
     return notes | ({"share": quasi.lateral_fraction} if quasi is not None else {})
 
 
@@ -222,6 +298,13 @@ class TransientRun:
         self.start = self.t = self.saved.time if self.saved is not None else 0.0
         self.end = float(self.case.time.end)  # type: ignore[union-attr]
         self.notes["warnings"] = step_warnings(self.model, self.fixed_step)
+        if self.saved is not None:
+            self.notes["warnings"] += provenance.version_warnings(self.saved.provenance)
+        self.boiling = BoilingMonitor(self.model.system, self.model.fluid)
+        if self.saved is not None:
+            self.boiling.set_notes(self.saved.notes.get("boiling", {}))
+        else:
+            self.boiling.update(0.0)
         self.newton, self.moving_since = 0, self.began
         mode: Any = self.progress if self.first else "silent"
         self.bar = Progress(self.end, self.start, mode=mode)
@@ -274,14 +357,19 @@ class TransientRun:
             self.folder if self.first else None,
             None if self.saved is None else self.start,
         )
-        if self.first and self.saved is None:
-            _write_model(self.model, self.folder)
+        if self.saved is not None:
+            self.writer.last_row = self.saved.notes["last_row"]
+        if self.first:
+            if self.saved is None:
+                _write_model(self.model, self.folder)
+            else:  # with a later end, or accepted changes
+                self.model.case.dump(self.folder.case)
 
     def _move(self) -> None:
         """Compute all steps.  The integrator passes the times of checkpoints, or stops there if its formula cannot be
         restored at other times."""
         every, end = self._checkpoint_interval, self.end
-        if self.start >= end * (1 - ROUNDING):
+        if is_finished(self.start, end):
             return
         k = after(self.start, every)
         stops = (
@@ -310,6 +398,9 @@ class TransientRun:
             recorder.energy.add_impulse_work(t)
         newton = integrator.newton_iterations()
         self.due = writer.write(t, dt, newton - self.newton, self.control)
+        self.boiling.update(t)
+        if self.due:
+            self.boiling.share()
         self.t, self.newton = t, newton
         self.memory.update(t)
         self.bar.update(t, integrator.counters.steps, dt)
@@ -333,9 +424,18 @@ class TransientRun:
             self.gain.check(t)
         if asked == STOP:
             self.integrator.stop()
+        elif self.integrator.counters.steps >= self.integrator.max_steps and not is_finished(t, self.end):
+            self._save(t)
+            raise SolveError(
+                f"the run has taken the {self.integrator.max_steps} steps of -ts_max_steps before its end at {self.end:.6g} s",
+                time=t,
+                hint="--restart continues; a larger -ts_max_steps, or none, takes it further",
+            )
 
     def _save(self, t: float) -> None:
         """Write a checkpoint; collective."""
+        self.boiling.share()
+        self.notes["last_row"], self.notes["boiling"] = self.writer.last_row, self.boiling.get_notes()
         c = checkpoint.take(self.model, self.recorder, self.integrator, t, self.notes)
 
         def put() -> None:
@@ -355,6 +455,9 @@ class TransientRun:
         result |= summary.timing(self.integrator, clocks, self.start, self.t, error)
         result |= summary.outcome(model, self.recorder, self.notes, self.t, error)
         result |= self.estimate.as_dict(error is None) | {"memory": self.memory.as_dict(error is None)}
+        result["warnings"] = [*result["warnings"], *self.boiling.warnings()]
+        if error is None and self.recorder.energy is not None:  # a quasi-static string has no slip speeds
+            result["warnings"] += creep_warnings(model, self.t)
         if "energy" in result:
             result["energy"] |= self.gain.summary()
             if result["energy"]["flag"]:

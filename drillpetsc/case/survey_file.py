@@ -111,7 +111,9 @@ def _columns(path: Path, line: int, head: list[str]) -> dict[str, tuple[int, str
     missing = [key for key in _COLUMNS if key not in columns]
     if missing:
         want = "a header with md, inclination, azimuth, such as: md [m], inclination [deg], azimuth [deg]"
-        raise CaseError(at=missing[0], got=", ".join(head), want=want, file=path, line=line)
+        # the line itself is not shown where the file is no survey: it may be anything, a password too
+        got = ", ".join(head) if columns else "a line without these names"
+        raise CaseError(at=missing[0], got=got, want=want, file=path, line=line)
     return columns
 
 

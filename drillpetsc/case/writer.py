@@ -18,6 +18,8 @@ def case_data(case: CaseBlocks) -> dict[str, Any]:
         data["contact"] = "none"
     if case.well is not None:  # the hole gives the position of the string
         del data["initial"]["inclination"], data["initial"]["azimuth"]
+    if case.initial.from_ != "statics" and "imperfection" not in case.initial.model_fields_set:
+        del data["initial"]["imperfection"]  # a start from rest has one only where it is given
     for item, item_data in zip(case.string, data["string"], strict=True):
         if item.material == case.material:
             del item_data["material"]

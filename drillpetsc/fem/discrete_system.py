@@ -37,6 +37,7 @@ class DiscreteSystem:
         comm: PETSc.Comm | None = None,
     ):
         self.mesh, self.frames, self.components = mesh, frames, tuple(components)
+        self.item_names: tuple[str, ...] = ()  # of the items of the string, for messages
         # the two nodes of a joint have one depth: with joints the chain is ordered by node number instead
         self.chain = build_chain(
             np.arange(mesh.nodes, dtype=float) if mesh.joints else mesh.node_depth, comm or PETSc.COMM_WORLD
@@ -202,7 +203,11 @@ class DiscreteSystem:
                 )
         if not self._serial:
             largest = max(self.comm.tompi4py().allgather(largest))
-        return {"component": largest[1], "element": largest[2], "measured_depth": largest[3]}
+        place = {"component": largest[1], "element": largest[2], "measured_depth": largest[3]}
+        items = self.mesh.item
+        if self.item_names and len(items):
+            place["item"] = self.item_names[items[min(max(largest[2], 0), len(items) - 1)]]
+        return place
 
     def accept(self) -> None:
         """Accept the current state and update components with history variables (collective).

@@ -165,6 +165,7 @@ def build_model(case: Case, comm: PETSc.Comm | None = None) -> DrillingModel:
     fluid = build_fluid(case, mesh, well, position, tangent, bit.hole if bit is not None else None)
     components += fluid.components if fluid is not None else ()
     system = DiscreteSystem(mesh, frames, components, comm)
+    system.item_names = tuple(item.name or item.kind for item in case.string)
     model = DrillingModel(
         case,
         mesh,

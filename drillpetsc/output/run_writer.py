@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Protocol
 
+import numpy as np
 from petsc4py import PETSc
 
+from drillpetsc.errors import CaseError
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.output import FieldWriter, RunFolder, Table
+from drillpetsc.output import FieldWriter, RunFolder, Table, read_series
 from drillpetsc.output.field_output import FieldOutput
+from drillpetsc.output.files.tables import header
 from drillpetsc.output.recorder import Recorder
 
 
@@ -24,6 +28,8 @@ class RunWriter:
 
     folder: the run folder, None on the other ranks.
     restart_time: time [s] from which a run continues; later rows and frames are removed.
+
+    ``last_row`` is the time of the last row [s].
     """
 
     def __init__(
@@ -36,6 +42,7 @@ class RunWriter:
         self.next_row, self.next_frame = (
             (0, 0) if restart_time is None else (after(restart_time, e) for e in self.every)
         )
+        self.last_row = -1.0
         self.event = PETSc.Log.Event("Output")
         if folder is not None:
             self.history = Table(folder.history, recorder.columns, restart_time=restart_time)
@@ -72,6 +79,7 @@ class RunWriter:
         except OSError as error:
             errors.report_write_error(error, error.filename or str(self.folder.path))  # type: ignore[union-attr]
         self.next_row = rows.stop
+        self.last_row = rows[-1] * self.every[0] if rows else self.last_row
         if frame_due:
             self.next_frame = after(t, self.every[1])
         self.event.end()
@@ -107,6 +115,53 @@ class RunWriter:
             self.history.close()
             if self.probes is not None:
                 self.probes.close()
+
+
+def missing_output(
+    folder: RunFolder, recorder: Recorder, restart_time: float, last_row: float
+) -> CaseError | None:
+    """The error for output of a run folder that cannot be continued, None where all is there.
+
+    restart_time: time of the checkpoint [s].
+    last_row: time of the last row before it [s].
+    """
+    tables = [(folder.history, recorder.columns)]
+    if recorder.probes.depths:
+        tables.append((folder.probes, recorder.probe_columns))
+    for path, columns in tables:
+        if not path.is_file():
+            return _gone(path, "no such file")
+        first, *lines = path.read_text(encoding="utf-8").splitlines() or [""]
+        if first != ",".join(header(columns)):
+            return _gone(path, "other columns than the run has", "the case has changed, or the file")
+        times = [_time(line) for line in lines]
+        last = max((t for t in times if passed(t, restart_time)), default=-np.inf)
+        if not passed(last_row, last):
+            got = f"rows up to {last:.9g} s, not up to {last_row:.9g} s" if np.isfinite(last) else "no rows"
+            return _gone(path, got)
+    if not folder.string_series.is_file():
+        return _gone(folder.string_series, "no such file")
+    for time, frame in read_series(folder.path):
+        if passed(time, restart_time) and not frame.is_file():
+            return _gone(frame, "no such file")
+    return None
+
+
+def _gone(path: Path, got: str, hint: str = "") -> CaseError:
+    return CaseError(
+        file=path,
+        got=got,
+        want="the output of the run up to its checkpoint, which is continued",
+        hint=hint or "take the file from a copy of the run folder, or start the run again with --overwrite",
+    )
+
+
+def _time(line: str) -> float:
+    """First value of a row; NaN in an incomplete one."""
+    try:
+        return float(line.partition(",")[0])
+    except ValueError:
+        return np.nan
 
 
 def passed(due: float, t: float) -> bool:

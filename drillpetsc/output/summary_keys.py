@@ -29,11 +29,13 @@ class SummaryKey:
 
 STATIC_START = "static start"
 MESH_ERROR = "run --mesh-error"
+ACCEPTED_CHANGES = "run --accept-changes"
 
 RUN: tuple[SummaryKey, ...] = (
     SummaryKey("title", "", "Title of the case."),
     SummaryKey("status", "", "'done', 'failed: REASON', or 'stopped by SIGNAL ...'."),
     SummaryKey("interrupted", "", "True if a signal ended the run."),
+    SummaryKey("case_digest", "", "SHA-256 of the case with all defaults, in SI."),
     SummaryKey("versions", "", "Versions of drillpetsc, PETSc, numpy and Python that computed the run."),
     SummaryKey("petsc_options", "", "PETSc options in effect."),
     SummaryKey("ranks", "-", "Number of ranks."),
@@ -58,6 +60,12 @@ RUN: tuple[SummaryKey, ...] = (
         "Wall time of the first rank by phase: residual, Jacobian, factorisation, solve, output; empty without PETSc's log.",
     ),
     SummaryKey("warnings", "", "What the user should know."),
+    SummaryKey(
+        "accepted_changes",
+        "",
+        "Changes of the case that a continued run was told to accept, each with its time.",
+        ACCEPTED_CHANGES,
+    ),
     SummaryKey("statics.iterations", "-", "Newton iterations of the static start.", STATIC_START),
     SummaryKey(
         "statics.negative_pivots",

@@ -14,11 +14,12 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
-from drillpetsc.errors import CaseError
+from drillpetsc.errors import CaseError, OptionError
 from drillpetsc.fem.assembly import spin_derivatives
 from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.solvers.petsc_options import INTEGRATORS
 
-#: integrators for implicit first-order systems with algebraic rows
+#: integrators for implicit first-order systems with algebraic rows; a run refuses rosw (petsc_options.REFUSED_INTEGRATORS)
 IMPLICIT = ("bdf", "beuler", "cn", "theta", "alpha", "arkimex", "dirk", "rosw")
 #: integrators that keep their order with constraints at position level (Brenan, Campbell and Petzold,
 #: Numerical Solution of IVPs in DAEs, section 3.2)
@@ -26,13 +27,13 @@ HIGH_INDEX = ("bdf", "beuler")
 
 
 def refuse_integrator(kind: str, multipliers: bool = False) -> None:
-    """Raise CaseError for an integrator that cannot treat the system.
+    """Raise OptionError for an integrator that cannot treat the system.
 
     kind: PETSc's name of the integrator.  It must treat an implicit system with algebraic (prescribed) rows.
     multipliers: constraints have multipliers (index 3), which further integrators cannot treat.
     """
     if multipliers and kind not in HIGH_INDEX:
-        raise CaseError(
+        raise OptionError(
             at="petsc.ts_type",
             got=kind,
             want=" | ".join(HIGH_INDEX),
@@ -40,10 +41,10 @@ def refuse_integrator(kind: str, multipliers: bool = False) -> None:
             "integrators lose their order or fail",
         )
     if kind not in IMPLICIT:
-        raise CaseError(
+        raise OptionError(
             at="petsc.ts_type",
             got=kind,
-            want=" | ".join(IMPLICIT),
+            want=INTEGRATORS,
             hint="prescribed motions are algebraic rows and the mass matrix is not diagonal: the integrator must be implicit "
             "and made for first-order systems",
         )
@@ -51,10 +52,10 @@ def refuse_integrator(kind: str, multipliers: bool = False) -> None:
         PETSc.TS().create(comm=PETSc.COMM_SELF).setType(kind)
     except PETSc.Error:
         version = ".".join(map(str, PETSc.Sys.getVersion()))
-        raise CaseError(
+        raise OptionError(
             at="petsc.ts_type",
             got=kind,
-            want=" | ".join(k for k in IMPLICIT if k != kind),
+            want=INTEGRATORS,
             hint=f"the installed PETSc {version} has no integrator of this name",
         ) from None
 

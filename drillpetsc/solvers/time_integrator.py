@@ -21,6 +21,7 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.solvers.bdf_history import BdfHistory, State
 from drillpetsc.solvers.first_order_system import FirstOrderSystem, refuse_integrator
 from drillpetsc.solvers.newton import CondensedNewton
+from drillpetsc.solvers.petsc_options import refused_by_petsc
 
 MASKED = 1.0e20  # tolerance of a row without error control
 DEFAULTS = {
@@ -61,6 +62,8 @@ class TimeIntegrator:
     controlled(field): whether a field takes part in the error control.
     defaults: further PETSc options, below those of the user.
 
+    ``max_steps`` is the option -ts_max_steps, for the caller.
+    ``user_options`` are the PETSc options that the user gave, ``options`` those in effect.
     ``jumped`` is true in after_step for the steps whose time formula reaches over a jump (manual:
     sec-time-jumps). ``fresh`` is true for the first step after a restart of the formula.
     """
@@ -78,6 +81,7 @@ class TimeIntegrator:
         options = PETSc.Options()
         petsc_compat.rename_time_step(options)
         given = set(options.getAll())
+        self.user_options = dict(options.getAll())
         for key, value in {**DEFAULTS, petsc_compat.max_rejections_option(): 60, **self.defaults}.items():
             if key not in given:
                 options.setValue(key, value)
@@ -96,6 +100,7 @@ class TimeIntegrator:
             0.0,
             0,
         )
+        self.max_steps = options.getInt("ts_max_steps", 2**31 - 1)  # the caller of ``run`` ends it
         self._order, self.fresh = options.getInt("ts_bdf_order", 2), True
         self._last, self._t, self._jump, self._stop = 0.0, 0.0, np.inf, np.inf
         # formulas whose history can be rebuilt; the others restart at every checkpoint, also in uninterrupted
@@ -162,7 +167,8 @@ class TimeIntegrator:
             self.ts.setEquationType(
                 constrained if system.assembly.row_replacements or system.constrained else kinds.IMPLICIT
             )
-        self.ts.setFromOptions()
+        with refused_by_petsc():
+            self.ts.setFromOptions()
         self._zero = system.new_state()
         self._set_tolerances(False)
         self.ts.setPostStep(self._post_step)

@@ -168,7 +168,7 @@ DAMAGE = {
     "longer": (lambda data: data + b"\0", "cut short or damaged"),
     "text": (lambda data: b"time,hook_load\n0,1\n", "something else"),
     "version 1": (lambda data: b"\x89HDF\r\n\x1a\n" + data, "version 1"),
-    "version 99": (lambda data: data.replace(b"checkpoint 3", b"checkpoint 99", 1), "version 99"),
+    "version 99": (lambda data: data.replace(b"checkpoint 4", b"checkpoint 99", 1), "version 99"),
 }
 
 
@@ -183,13 +183,19 @@ def test_a_damaged_checkpoint_is_refused_with_a_message(damage, saved, tmp_path)
 
 
 def test_a_checkpoint_of_another_string_is_refused(saved, tmp_path):
-    """With the same number of nodes elsewhere, and with more nodes."""
+    """With the same number of nodes elsewhere, and with more nodes; also where changes are accepted."""
     for change in (("length: 30 m", "length: 29 m"), ("length: 20 m", "length: 29 m")):
         (tmp_path / "other.yaml").write_text(CASE.replace(*change))
         shutil.copytree(saved, tmp_path / "run", dirs_exist_ok=True)
         before = files(tmp_path / "run")
         with pytest.raises(CaseError, match="a checkpoint of the same string"):
-            run(load_case(tmp_path / "other.yaml"), tmp_path / "run", restart=True, progress="silent")
+            run(
+                load_case(tmp_path / "other.yaml"),
+                tmp_path / "run",
+                restart=True,
+                accept_changes=True,
+                progress="silent",
+            )
         assert files(tmp_path / "run") == before
 
 

@@ -58,7 +58,8 @@ class Initial(Block):
     azimuth: Angle = Field(default=0.0, description="azimuth of a string without a well")
     imperfection: Annotated[float, Quantity("", at_least=0, at_most=1)] = Field(
         default=1e-3,
-        description="lateral load as a fraction of the weight, so that the string leaves an unstable equilibrium",
+        description="lateral load as a fraction of the weight, so that the string leaves an unstable equilibrium; a start from "
+        "rest or straight has one only where it is given",
     )
 
     @field_validator("from_", mode="before")

@@ -29,6 +29,7 @@ struct AnnulusFlow {
         DROP,                      // as in fluid/bore_flow.hpp
         TANGENT1, TANGENT2 = TANGENT1 + 3, BEND = TANGENT2 + 3,  // 3 each: directions of the hole at both ends, its curvature [1/m]
         HEAD = BEND + 3,           // as in fluid/bore_flow.hpp
+        LEVEL,                     // (g - t_w t_w.g).c at a point c of the hole's axis, for the height of the mud [m2/s2]
         WIDENING,                  // dA_w per metre that the element moves down the hole [m]: HOLE is the area at the start of the step
         NP)
 
@@ -148,14 +149,14 @@ struct AnnulusFlow {
         r[13] = (y[13] * 2.0 + y[6]) * (p[TURNING] * L * (1.0 / 6));
         const T head = dot(on.above, tw) * (gw * f.density);  // at the hole's axis, wherever in the hole the string is held
         rows(x, y, c, p, f, volume, swept1 * (c.theta * L), swept2 * (c.theta * L), head + p[CONTROLLED], q, mass * flow + momentum + resistance, r, results);
-        if constexpr (std::is_same_v<T, double>) if (results) energies(on, y, c, p, f, area, M, across, w, wall, V, tau, resistance, q, drag, results);
+        if constexpr (std::is_same_v<T, double>) if (results) energies(on, y, c, p, f, area, M, across, w, wall, V, tau, resistance, q, drag, (swept1 + swept2) * L, (p1 + p2) * 0.5, volume, p1, p2, results);
     }
 
     // of the mud: half m (w + V)^2 along, M_a |P(V + c r_s)|^2/2 across; weight at the hole's axis, less what the pipe displaces sideways
     template <class R, class T, class S>
     static void energies(const R& on, const T* y, const Compressed<T>& c, const S* p, const Fluid& f, const T& area, const T& M,
                          const T& across, const T& w, const T& wall, const T& V, const T& tau, const T& resistance, const T& q, const T& drag,
-                         FlowResults* results) {
+                         const T& widens, const T& pressure, const T& held, const T& p1, const T& p2, FlowResults* results) {
         const double L = val(p[LENGTH]), density = val(c.density), per_length = f.density * val(area);
         const Vec<double> t = vec(p + TANGENT1) + vec(p + TANGENT2), tw = t / norm(t), g = vec(f.gravity), side = g - tw * dot(g, tw);
         const auto cut = [&tw](const Vec<T>& u) -> Vec<double> { const Vec<double> v = {val(u.x), val(u.y), val(u.z)}; return v - tw * dot(v, tw); };
@@ -165,7 +166,14 @@ struct AnnulusFlow {
         const double s = pair(X, stiffness(X.r2 - X.r1, X.v1, X.v2, L));
         results->kinetic = 0.5 * per_length * L * val(wall) * val(wall) + 0.5 * val(M) * (a + 2 * rate * b + rate * rate * s);
         const Vec<double> middle = {val(on.x.r1.x + on.x.r2.x) * 0.5, val(on.x.r1.y + on.x.r2.y) * 0.5, val(on.x.r1.z + on.x.r2.z) * 0.5};
-        results->potential = -per_length * L * dot(g, tw) * dot(middle, tw) + density * val(p[OUTER]) * L * dot(middle, side);
+        // the mud at the hole's axis, all of it with that in the give of the walls, less what the pipe displaces across the hole
+        const double give = val(pressure) * p[WALL], gw = dot(g, tw), content = density * val(held);
+        results->potential = -content * (1 + give) * (gw * dot(middle, tw) + p[LEVEL]) + density * val(p[OUTER]) * L * (dot(middle, side) - p[LEVEL]);
+        results->left_out = -give * (content * gw * val(V) + 0.5 * val(pressure * widens));
+        // r_s.t_w with the mean tangent counts a motion across a bent hole as a change of the hole's length; pressure does work on it that no
+        // force on the string takes up
+        const auto plain = [](const Vec<T>& u) -> Vec<double> { return {val(u.x), val(u.y), val(u.z)}; };
+        results->left_out += val(p[HOLE]) * (val(p2) * dot(plain(on.y.r2), vec(p + TANGENT2) - tw) - val(p1) * dot(plain(on.y.r1), vec(p + TANGENT1) - tw));
         const double volume = val(q) * f.density / density, round = val(p[DIAMETER]) * 3.14159265358979324;
         results->dissipated += val(resistance) * (volume + val(V) * val(area) * f.density / density) - val(tau) * round * L * val(V);
         results->dissipated += val(drag) * (a + rate * b) + val(p[DAMPING]) * a;

@@ -92,11 +92,14 @@ struct BitFlow {
             if (results) {
                 results->stored = stored_energy(f, val(x[PA]), p[ELASTIC] - f.compressibility, val(volume));
                 results->content = val(c.theta * volume);
-                if constexpr (!HELD) {  // weight of the mud between bit and bottom, at its middle
+                if constexpr (HELD)  // all at the bit, which does not move
+                    results->potential = -results->content * f.density * dot(vec(p + END) - vec(p + AXIS) * (p[HELD_GAP] + p[FACE]), g);
+                else {  // weight of the mud between bit and bottom, at its middle
                     Vec<double> end = vec(p + END);
                     if constexpr (GROW) end += Vec<double>{val(x[MOVED]), val(x[MOVED + 1]), val(x[MOVED + 2])};
                     const Vec<double> middle = end - vec(p + AXIS) * (0.5 * val(gap));
-                    results->potential = -results->content * f.density * dot(middle, g);
+                    // what pressure has pressed in has entered at the bit, from which the chamber has no drop of pressure
+                    results->potential = -f.density * (val(volume) * dot(middle, g) + (results->content - val(volume)) * val(dot(vec(x), g)));
                 }
             }
         }

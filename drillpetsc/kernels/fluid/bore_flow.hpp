@@ -86,7 +86,7 @@ struct BoreFlow {
             } else {
                 on.store(rows, p[RIGID], r);
             }
-            if constexpr (std::is_same_v<T, double>) if (results) energies(on, m, G, c, p, f, y, results);
+            if constexpr (std::is_same_v<T, double>) if (results) energies(on, m, G, c, p, f, y, (squeeze1 + squeeze2) * (A * L), mean, results);
         }
         const T thick = c.density * (1.0 / f.density), area = thick * content * A, w = q * stretch / area;
         T resistance = shear(f, w, c.density, p[DIAMETER], 0.0) * (stretch * L * 4.0 / p[DIAMETER]);
@@ -119,9 +119,11 @@ struct BoreFlow {
         }
     }
 
+    // widens: rate of the volume at zero pressure by the motion of the string [m3/s].  The potential is that of all mud, with that in the give.
     // kinetic energy m |V|^2/2 + G V.r_s + G^2 |r_s|^2/2m of the fluid in motion with the string
     template <class R, class T, class S>
-    static void energies(const R& on, const T& m, const T& G, const Compressed<T>& c, const S* p, const Fluid& f, const T* y, FlowResults* results) {
+    static void energies(const R& on, const T& m, const T& G, const Compressed<T>& c, const S* p, const Fluid& f, const T* y, const T& widens,
+                         const T& pressure, FlowResults* results) {
         const S L = p[LENGTH];
         const auto pair = [](const Four<T>& u, const Four<T>& v) { return dot(u.r1, v.r1) + dot(u.v1, v.v1) + dot(u.r2, v.r2) + dot(u.v2, v.v2); };
         const Vec<T> d = on.x.r2 - on.x.r1;
@@ -130,11 +132,15 @@ struct BoreFlow {
         const T own = pair(on.x, stiffness(d, on.x.v1, on.x.v2, L)) * (G * G / m) * 0.5;
         results->kinetic = val(speed + mixed + own);
         const Vec<T> middle = (on.x.r1 + on.x.r2) * 0.5 + (on.x.v1 - on.x.v2) * (L * (1.0 / 12));
-        results->potential = -val(m * L * dot(middle, vec(f.gravity)));
+        const Vec<T> middle_rate = (on.y.r1 + on.y.r2) * 0.5 + (on.y.v1 - on.y.v2) * (L * (1.0 / 12));
+        const double give = val(pressure) * p[WALL], g_rate = val(dot(middle_rate, vec(f.gravity)));
+        results->potential = -val(m * L * dot(middle, vec(f.gravity))) * (1 + give);
+        results->left_out = -give * (val(m) * L * g_rate + 0.5 * val(pressure * widens));
         if constexpr (JUNCTION) {
             const double line = val(c.density) * p[AREA_ABOVE], a = p[RIGID];
             const Vec<T> rod = on.x.r1 - on.above, V = vec(y), V1 = on.y.r1;
-            results->potential -= 0.5 * line * a * dot(on.x.r1 + on.above, vec(f.gravity));
+            results->potential -= 0.5 * line * a * (1 + give) * dot(on.x.r1 + on.above, vec(f.gravity));
+            results->left_out -= 0.5 * line * a * give * dot(V1 + V, vec(f.gravity));
             results->kinetic += 0.25 * line * a * (dot(V, V) + dot(V1, V1)) + 0.5 * G * (dot(rod, V) + dot(rod, V1)) + 0.5 * G * G * a / line;
         }
     }

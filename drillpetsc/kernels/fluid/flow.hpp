@@ -113,8 +113,11 @@ inline double stored_energy(const Fluid& f, double p, double wall, double volume
     return volume * (std::exp(x) * (1 + p * wall) * share + 0.5 * wall * p * p);
 }
 
-// Energies [J], power turned into heat [W], content at zero pressure [m3], its change at both ends [m3/s], speed [m/s], density [kg/m3].
-DP_RECORD(FlowResults, double kinetic, stored, potential, dissipated, content, storage_upper, storage_lower, speed, density;)
+// Energies [J], power turned into heat [W], content at zero pressure [m3], its change at both ends [m3/s], speed [m/s], density [kg/m3],
+// power of the forces that the give of the walls leaves out [W].
+// The walls' give holds mud, which the flow lifts and compresses; the string does not carry its weight, nor the force by which pressure in
+// the give would stretch the string (fluid/bore_flow.hpp).  The work of both stands in `left_out` as supplied, so that energies add up.
+DP_RECORD(FlowResults, double kinetic, stored, potential, dissipated, content, storage_upper, storage_lower, speed, density, left_out;)
 
 // Results of the elements of a flow kernel, a record of type Results each.
 template <class Kernel, class Results>

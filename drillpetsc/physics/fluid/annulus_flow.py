@@ -74,6 +74,17 @@ class AnnulusFlow(ChannelFlow):
         first, second, _ = np.split(tangents, 3)
         return {"tangent1": first, "tangent2": second, "bend": np.split(bends, 3)[2]}
 
+    def _level(self, well: Well, upper: FloatArray, lower: FloatArray) -> FloatArray:
+        """(k,) height of the axis of elements between measured depths (k,) [m], times gravity [m2/s2].
+
+        It is the part that does not change along the mean tangent of the element.
+        """
+        axis, tangents, _ = well.at(np.concatenate([upper, lower]))
+        along = sum(np.split(tangents, 2))
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        middle, g = 0.5 * sum(np.split(axis, 2)), self.fluid.gravity
+        return middle @ g - (along @ g) * np.sum(along * middle, axis=1)
+
     def parameters(self, e: np.ndarray) -> Table:
         a, zero = self.annulus, np.zeros(len(e))
         own, above = a.hole - a.outer, np.maximum(e - 1, 0)
@@ -84,6 +95,7 @@ class AnnulusFlow(ChannelFlow):
             step=np.where(e > 0, 0.5 * (1 / own[e] ** 2 - 1 / own[above] ** 2), 0.0),
             loss=zero,
             control=np.where(e == 0, 1.0, 0.0),
+            level=self._level(self.well, self.mesh.upper[e], self.mesh.lower[e]),
             widening=zero,
         )
 
@@ -196,6 +208,7 @@ class AnnulusFlow(ChannelFlow):
             params[name][rows] = value
         if not self.resizes:
             return
+        params["level"][rows] = self._level(around.current_well(), ends[:, 0] + m.rigid_above[e], ends[:, 1])
         own, over = around.annulus(e, ends), np.maximum(e - 1, 0)
         other = around.annulus(
             over, np.column_stack([ends[:, 0] - m.length[over] - m.rigid_above[over], ends[:, 0]])
@@ -305,6 +318,20 @@ class AnnulusFlow(ChannelFlow):
         if flow is not None and self._top is not None:
             speed = results[int(self._top[0].points[self._top[1]]), RESULT_NAMES.index("speed")]
             supplied = flow * (
-                float(self.fluid.enthalpy(self.upper_pressure(state))) + 0.5 * self.fluid.density * speed**2
+                float(self.fluid.enthalpy(self.upper_pressure(state)))
+                + 0.5 * self.fluid.density * speed**2
+                - self._upper_head(state)
             )
-        return Powers(float(results[:, RESULT_NAMES.index("dissipated")].sum()), supplied)
+        return self._channel_powers(results, supplied)
+
+    def _upper_head(self, state) -> float:
+        """Weight of the mud above the upper node, at the hole's axis [Pa]: density times gravity times depth."""
+        assert self._top is not None
+        if self.held_at is not None:
+            return self.fluid.density * float(self.fluid.gravity @ self.held_at[0])
+        block, row = self._top
+        place, p = state.x[state.index_of(block)[row, :3]], block.named
+        along = p["tangent1"][row] + p["tangent2"][row]
+        along = along / np.linalg.norm(along)
+        level = p["level"][row] if self.resizes else 0.0
+        return self.fluid.density * float((self.fluid.gravity @ along) * (place @ along) + level)

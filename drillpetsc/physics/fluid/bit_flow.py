@@ -285,5 +285,13 @@ class BitFlow(Nozzle):
             return Powers(float(lost + arriving - 0.5 * mass * (flow / e.open) ** 2))
         jet = 0.5 * mass * (flow / (e.nozzle or e.bore)) ** 2
         return Powers(
-            float(lost + arriving - jet), float(-flow * self.fluid.enthalpy(e.ambient.value(t)) - jet)
+            float(lost + arriving - jet),
+            float(-flow * (self.fluid.enthalpy(e.ambient.value(t)) - self._head(state)) - jet),
         )
+
+    def _head(self, state) -> float:
+        """Density times gravity times depth of the last node [Pa], on the rank that has it; else 0."""
+        if not len(self._block.points):
+            return 0.0
+        place = state.x[state.index_of(self._block)[0][:3]] if self.held_at is None else self.held_at[-1]
+        return self.fluid.density * float(self.fluid.gravity @ place)

@@ -128,6 +128,14 @@ class BoreFlow(ChannelFlow):
         if flow is not None and self._top is not None:
             speed = results[int(self._top[0].points[self._top[1]]), RESULT_NAMES.index("speed")]
             supplied = flow * (
-                float(self.fluid.enthalpy(self.upper_pressure(state))) + 0.5 * self.fluid.density * speed**2
+                float(self.fluid.enthalpy(self.upper_pressure(state)))
+                + 0.5 * self.fluid.density * speed**2
+                - self.fluid.density * float(self.fluid.gravity @ self._upper_place(state))
             )
-        return Powers(float(results[:, RESULT_NAMES.index("dissipated")].sum()), supplied)
+        return self._channel_powers(results, supplied)
+
+    def _upper_place(self, state) -> FloatArray:
+        """(3,) position of the upper node [m], on the rank that has it."""
+        if self.held_at is not None:
+            return self.held_at[0]
+        return state.x[state.layout.dofs["string.position"][0]]

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import ElementBlock, Field
+from drillpetsc.fem.component import ElementBlock, Field, Powers
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Table, columns, structure
 from drillpetsc.physics.beam import JUNCTION_SLOTS, SLOTS
@@ -150,7 +150,7 @@ class ChannelFlow(Channel):
             self._shared_results = None
 
     def element_results(self, state) -> FloatArray:
-        """(nc, 9) per local element: the columns of ``RESULT_NAMES`` (content: volume at zero pressure [m3])."""
+        """(nc, 10) per local element: the columns of ``RESULT_NAMES`` (content: volume at zero pressure [m3])."""
         if self._shared_results is not None:
             return self._shared_results
         out = np.zeros((len(self._part.cells), len(RESULT_NAMES)))
@@ -168,6 +168,13 @@ class ChannelFlow(Channel):
                 )
                 out[b.points] = part
         return out
+
+    def _channel_powers(self, results: FloatArray, at_end: float) -> Powers:
+        """Powers of the channel [W] with ``element_results`` (nc, k), and the power ``at_end`` supplied at its upper end."""
+        dissipated, left_out = (
+            float(results[:, RESULT_NAMES.index(n)].sum()) for n in ("dissipated", "left_out")
+        )
+        return Powers(dissipated, at_end + left_out)
 
     def upper_flow(self, state) -> float | None:
         """Compute the flow rate into the channel's upper end from the mass balance [m3/s].

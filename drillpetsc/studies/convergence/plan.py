@@ -36,7 +36,6 @@ INTEGRATORS: dict[str, tuple[Options, bool]] = {
     "bdf3": ({"ts_type": "bdf", "ts_bdf_order": "3", "ts_adapt_clip": "0.2,1.5"}, True),
     "arkimex": ({"ts_type": "arkimex", "ts_arkimex_type": "4", "ts_arkimex_fully_implicit": "true"}, True),
     "arkimex3": ({"ts_type": "arkimex", "ts_arkimex_type": "3", "ts_arkimex_fully_implicit": "true"}, True),
-    "rosw": ({"ts_type": "rosw"}, True),
     "cn": ({"ts_type": "cn"}, False),
     "beuler": ({"ts_type": "beuler"}, False),
     "alpha": ({"ts_type": "alpha"}, False),

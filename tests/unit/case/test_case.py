@@ -297,9 +297,7 @@ def test_cases_and_errors_travel_between_ranks() -> None:
     failure = pickle.loads(
         pickle.dumps(SolveError("diverged", time=1.5, component="contact", element=3, measured_depth=27.0))
     )
-    assert (
-        str(failure) == "diverged\n  where:   time 1.5 s, component contact, element 3, measured depth 27 m"
-    )
+    assert str(failure) == "diverged\n  where:   time 1.5 s, component contact, element 3, at MD 27 m"
     assert failure.exit_status == 1
 
 

@@ -1,0 +1,86 @@
+"""Watches the pressure of the mud: below its vapour pressure mud boils, which the model does not contain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.model.fluid import FluidComponents
+
+VAPOUR_PRESSURE = -1.0e5  # gauge pressure [Pa]: absolute zero, below which no liquid is
+
+
+@dataclass(frozen=True)
+class LowPressure:
+    """A pressure [Pa] below that of the vapour, with time [s], node and channel."""
+
+    pressure: float
+    time: float
+    node: int
+    channel: str
+
+
+class BoilingMonitor:
+    """Finds where and when the pressure first falls below the vapour pressure, and its lowest value.
+
+    first, lowest: None as long as no pressure is below it; the same on all ranks after ``share``.
+    """
+
+    def __init__(self, system: DiscreteSystem, fluid: FluidComponents | None) -> None:
+        self.system = system
+        channels = () if fluid is None else (fluid.bore, fluid.annulus)
+        self._channels = [c for c in channels if c is not None]
+        self.first: LowPressure | None = None
+        self.lowest: LowPressure | None = None
+
+    def update(self, t: float) -> None:
+        """After an accepted step to ``t`` [s]; not collective."""
+        for channel in self._channels:
+            pressures = channel.pressures(self.system)
+            k = int(np.argmin(pressures)) if len(pressures) else -1
+            if k < 0 or not pressures[k] < VAPOUR_PRESSURE:
+                continue
+            low = LowPressure(float(pressures[k]), t, int(self.system.chain.vertices[k]), channel.name)
+            self.first = self.first or low
+            if self.lowest is None or low.pressure < self.lowest.pressure:
+                self.lowest = low
+
+    def share(self) -> None:
+        """Make ``first`` and ``lowest`` those of all ranks; collective."""
+        if not self._channels or self.system.comm.size == 1:
+            return
+        found = self.system.comm.tompi4py().allgather((self.first, self.lowest))
+        firsts, lows = ([q for q in quantity if q is not None] for quantity in zip(*found, strict=True))
+        self.first = min(firsts, key=lambda q: q.time, default=None)
+        self.lowest = min(lows, key=lambda q: q.pressure, default=None)
+
+    def warnings(self) -> list[str]:
+        """Warning for the summary."""
+        if self.first is None or self.lowest is None:
+            return []
+        low = self.lowest
+        return [
+            f"the pressure of the mud in the {low.channel} falls to {low.pressure / 1e6:.3g} MPa gauge at {low.time:.6g} s, "
+            f"{self._place(low)}, first below the vapour pressure at {self.first.time:.6g} s, {self._place(self.first)}: "
+            "the mud would boil; results there are not valid"
+        ]
+
+    def _place(self, low: LowPressure) -> str:
+        return f"at MD {self.system.mesh.node_depth[low.node]:.6g} m"
+
+    def get_notes(self) -> dict[str, Any]:
+        """For a checkpoint."""
+        return {
+            name: [low.pressure, low.time, low.node, low.channel]
+            for name, low in (("first", self.first), ("lowest", self.lowest))
+            if low is not None
+        }
+
+    def set_notes(self, saved: dict[str, Any]) -> None:
+        """Continue from ``get_notes``."""
+        self.first, self.lowest = (
+            LowPressure(*saved[name]) if name in saved else None for name in ("first", "lowest")
+        )

@@ -1,0 +1,67 @@
+"""A pump that stops draws a vacuum that no mud bears: Joukowsky's pressure, with a warning."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from drillpetsc import Case, run
+from drillpetsc.output import read_table
+
+DENSITY, MODULUS, AREA = 1200.0, 2.2e9, np.pi / 4 * 0.1086**2
+SPEED = np.sqrt(MODULUS / DENSITY)  # of sound between rigid walls [m/s]
+FLOW = 0.008  # [m3/s]
+
+
+def stopped(folder, outlet: float, **keywords):
+    """A frictionless pump stop after 50 ms in a held level pipe of 600 m, from the pressure ``outlet`` [Pa]."""
+    case = Case(
+        well={
+            "survey": {"md": [0, 700], "inclination": [1.5707963, 1.5707963], "azimuth": [0, 0]},
+            "sections": [{"to": 700, "kind": "casing", "diameter": 0.2159, "friction": 0}],
+        },
+        string=[{"kind": "pipe", "length": 600, "od": 0.127, "id": 0.1086, "element_length": 10}],
+        hold_string=True,
+        fluid={
+            "density": DENSITY,
+            "bulk_modulus": MODULUS,
+            "elastic_walls": False,
+            "rheology": {"model": "newtonian", "viscosity": 0},
+            "outlet_pressure": outlet,
+            "flow_rate": {"time": [0, 0.05, 0.15], "value": [FLOW, FLOW, 0]},
+        },
+        time={"end": keywords.pop("end", 0.3)},
+        output={"history_every": 0.01},
+    )
+    return run(case, folder, progress="silent", **keywords)
+
+
+def test_a_pressure_below_the_vapour_pressure_is_a_warning(tmp_path):
+    """The stop lowers the pump pressure by rho a q/A (Joukowsky) = 1.40 MPa, here from 0.5 MPa; the warning names
+    channel, time of the first such pressure (during the stop of 100 ms) and the depth."""
+    summary = stopped(tmp_path / "run", 0.5e6).summary
+    pressure = read_table(tmp_path / "run" / "history.csv")["pump_pressure [Pa]"]
+    expected = 0.5e6 - DENSITY * SPEED * FLOW / AREA
+    assert pressure.min() == pytest.approx(expected, rel=0.03)
+    (warning,) = (w for w in summary["warnings"] if "boil" in w)
+    assert "in the bore" in warning and "vapour pressure" in warning and " at MD " in warning
+    first = float(warning.split("vapour pressure at ")[1].split(" s")[0])
+    assert 0.05 < first < 0.15
+    assert warning in json.loads((tmp_path / "run" / "summary.json").read_text())["warnings"]
+
+
+def test_without_such_a_pressure_there_is_no_warning(tmp_path):
+    summary = stopped(tmp_path / "run", 3e6).summary
+    assert not [w for w in summary["warnings"] if "boil" in w]
+
+
+def test_a_continued_run_remembers_it(tmp_path):
+    """At 200 ms the pressure has fallen; the run goes on to 210 ms, and the warning keeps its first time."""
+    first = stopped(tmp_path / "run", 0.5e6, end=0.2).summary["warnings"]
+    after = stopped(tmp_path / "run", 0.5e6, end=0.21, restart=True).summary["warnings"]
+    part = "first below"
+    assert [w.split(part)[1] for w in first if "boil" in w] == [
+        w.split(part)[1] for w in after if "boil" in w
+    ]
