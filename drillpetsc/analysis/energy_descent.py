@@ -135,7 +135,7 @@ def stable_state(
     # a straight column is a saddle of the energy, on which no force is lateral; a small persistent load is
     lateral, start = nodal_weight(model) * _item_imperfection(model, fraction), Snapshot(model)
     for strength in (fraction, STRONGER_LOAD * fraction):
-        solver.add_imperfection(strength, lateral)
+        solver.add_imperfection(strength * lateral)
         report.imperfection = strength
         try:
             _minimise(model, solver, report, factors)

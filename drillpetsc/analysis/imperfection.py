@@ -10,8 +10,7 @@ import numpy as np
 from drillpetsc.analysis.energy_descent import nodal_weight
 from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
-
-SEED = 1
+from drillpetsc.solvers.static_newton import lateral_loads
 
 
 def add_imperfection_of_rest(model: DrillingModel) -> None:
@@ -23,16 +22,8 @@ def add_imperfection_of_rest(model: DrillingModel) -> None:
     fractions = imperfections(model)
     if model.beam is None or not fractions.any():
         return
-    system = model.system
-    rng = np.random.default_rng(SEED)
     size = fractions * nodal_weight(model)
-    loads = size[:, None] * rng.standard_normal((system.mesh.nodes, 2))
-    tangent, second = system.frames.reference, system.frames.second_director
-    force = loads[:, :1] * second + loads[:, 1:] * np.cross(tangent, second)
-    dead_load = np.zeros(system.layout.size)
-    dofs, owned = system.layout.dofs["string.position"], system.chain.owned
-    dead_load[dofs[owned]] = force[system.chain.vertices[owned]]
-    system.assembly.dead_load = dead_load
+    model.system.assembly.dead_load = lateral_loads(model.system, size)
 
 
 def imperfections(model: DrillingModel) -> FloatArray:

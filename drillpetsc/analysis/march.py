@@ -153,7 +153,7 @@ def march(model: DrillingModel, motion: tuple[float, float]) -> March | None:
     if case.top.force is not None and model.bit is not None:
         bottom = on_bottom = _bottom_force(column)
     tension, contact, helical, locked = column.run(bottom)
-    rock = model.bit.torque_for(wob) * np.sign(motion[1]) if model.bit is not None else 0.0
+    rock = model.bit.torque_for(wob, motion[1]) * np.sign(motion[1]) if model.bit is not None else 0.0
     steps = around * contact - load_torque
     torque = np.append(np.cumsum(steps[::-1])[::-1], 0.0) + rock
     inner = tension[1:-1]

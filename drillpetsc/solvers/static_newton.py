@@ -546,21 +546,20 @@ class StaticNewton:
         self._stiffness()
         return self._factor(0.0)
 
-    def add_imperfection(self, fraction: float, weight: FloatArray, seed: int = 1) -> None:
-        """Add persistent random lateral loads at the nodes, as the assembly's dead load.
+    def add_imperfection(self, size: FloatArray) -> None:
+        """Add persistent random lateral loads, see ``lateral_loads``, as the assembly's dead load."""
+        self.system.assembly.dead_load = lateral_loads(self.system, size)
 
-        fraction: standard deviation of a load relative to the node's weight [-].
-        weight: (n_nodes,) weight of each node [N].
-        seed: of the random numbers.
-        """
-        system, asm = self.system, self.system.assembly
-        rng = np.random.default_rng(seed)
-        loads = fraction * weight[:, None] * rng.standard_normal((system.mesh.nodes, 2))
-        t = system.frames.reference
-        second = system.frames.second_director
-        force = loads[:, :1] * second + loads[:, 1:] * np.cross(t, second)
-        dead_load = np.zeros(system.layout.size)
-        dofs = system.layout.dofs["string.position"]
-        owned = system.chain.owned
-        dead_load[dofs[owned]] = force[system.chain.vertices[owned]]
-        asm.dead_load = dead_load
+
+def lateral_loads(system: DiscreteSystem, size: FloatArray, seed: int = 1) -> FloatArray:
+    """Compute random lateral loads at the nodes, (n,) by the local unknowns [N]; the same for any number of ranks.
+
+    size: (n_nodes,) standard deviation at each node [N]; seed: of the random numbers.
+    """
+    loads = size[:, None] * np.random.default_rng(seed).standard_normal((system.mesh.nodes, 2))
+    t, second = system.frames.reference, system.frames.second_director
+    force = loads[:, :1] * second + loads[:, 1:] * np.cross(t, second)
+    out = np.zeros(system.layout.size)
+    dofs, owned = system.layout.dofs["string.position"], system.chain.owned
+    out[dofs[owned]] = force[system.chain.vertices[owned]]
+    return out
