@@ -33,6 +33,7 @@ from drillpetsc.solvers.static_newton import Equilibrium, StaticNewton
 
 MAX_COUPLING_ROUNDS = 30  # solves of flow and string in turn
 COUPLING_TOLERANCE = 1e-10  # largest change of pressures and flows relative to their scales
+BEYOND_BOTTOM = 1e-3  # distance below the end of the hole that is reported [m]
 LEAST_CLEARANCE = 1e-3  # [m]
 COUPLING_SHARE = 1e-3  # increment of the string's solve over the flow's last change
 ROUNDING_TOLERANCE = 1e-6  # largest change where rounding stops the coupling iteration
@@ -126,6 +127,12 @@ def director_equilibrium(
     couple_flow_and_string(model, solver, report, lowering)
     _reactions(model, solver)
     model.system.assembly.freeze(None)
+    beyond = _beyond_bottom(model)
+    if beyond > BEYOND_BOTTOM:
+        state.warnings.append(
+            f"the string's end lies {beyond:.3g} m below the end of the hole, which its stretch makes it reach; "
+            "bottom: {kind: bit} stands on it, and a shorter string hangs above it"
+        )
     if report.negative_pivots:
         state.warnings.append(_instability_warning(model, report.negative_pivots))
     elif report.singular:
@@ -133,6 +140,19 @@ def director_equilibrium(
             "the stiffness is singular: part of the string may move freely, or it is about to buckle"
         )
     return state
+
+
+def _beyond_bottom(model: DrillingModel) -> float:
+    """Distance [m] of the string's end below the end of the hole; not above zero where it hangs free, or stands."""
+    if model.well is None or model.beam is None or model.bit is not None:
+        return 0.0
+    system, mesh, local = model.system, model.mesh, 0.0
+    last = np.flatnonzero(system.chain.owned & (system.chain.vertices == mesh.nodes - 1))
+    if len(last):
+        position = system.field("string.position")[last]
+        face = mesh.total_length - mesh.node_depth[-1]
+        local = float(model.well.project(position).md[0]) + face - float(model.well.depth)
+    return local if system.comm.size == 1 else float(system.comm.tompi4py().allreduce(local))
 
 
 def _lock_up(model: DrillingModel, found: March) -> SolveError | CaseError:

@@ -261,3 +261,32 @@ def test_the_pressure_outside_a_string_without_annulus_follows_its_input():
     assert model.breaks == (0.01, 0.02)
     TimeIntegrator(model.system).run(0.0, 1.0, model.breaks)
     assert pressures(model, "bore") == pytest.approx(5e5, rel=1e-3)
+
+
+def test_a_string_that_reaches_below_the_end_of_its_hole_has_a_steady_flow():
+    """The mud under the bit opens by a logistic function of the gap, whose exponential overflowed 0.3 m below
+    the bottom; the message was that the flow is not determined."""
+    case = Case(
+        well={
+            "survey": {"md": [0.0, 2000.0], "inclination": [0.0, 0.0], "azimuth": [0.0, 0.0]},
+            "sections": [{"to": 2000.0, "kind": "open_hole", "diameter": 0.3, "friction": 0.1}],
+        },
+        string=[
+            {"kind": "pipe", "length": 1999.6, "od": 0.127, "id": 0.1086, "element_length": 50.0},
+            {"kind": "bit", "length": 0.4, "od": 0.25, "mass": 60.0},
+        ],
+        top={"kind": "top_drive"},
+        bottom="free",
+        gravity=9.81,
+        fluid={
+            "density": 1200.0,
+            "rheology": {"model": "newtonian", "viscosity": 0.02},
+            "bulk_modulus": 2e9,
+            "flow_rate": 0.01,
+        },
+    )
+    model = build_model(case)
+    state = find_equilibrium(model)
+    assert any("below the end of the hole" in w for w in state.warnings)
+    flow = model.system.field("bore.flow")
+    assert np.isfinite(model.system.assembly.x).all() and flow.size

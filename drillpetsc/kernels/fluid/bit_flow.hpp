@@ -31,6 +31,14 @@ template <class T> inline T softplus(const T& g) { return val(g) > 40 ? g : log(
 // enter it [m3/s at zero pressure].
 DP_RECORD(BitFlowResults, double lost, flow, kinetic, stored, content, potential, cuttings;)
 
+// 1/(1 + exp(-z)); neither exponential overflows, whose derivative would be no number
+template <class T>
+inline T logistic(const T& z) {
+    if (val(z) > 0) return 1.0 / (1.0 + exp(-z));
+    const T e = exp(z);
+    return e / (1.0 + e);
+}
+
 template <bool PIPE, bool ANNULUS, bool HELD, bool GROW = false>
 struct BitFlow {
     static constexpr int B = HELD ? 0 : 7, PI = B, PA = PI + (PIPE ? 1 : 0), QA = PA + 1, QB = PA + (ANNULUS ? (HELD ? 1 : 2) : 0);
@@ -75,7 +83,7 @@ struct BitFlow {
                 Vec<T> apart = end - vec(x) - t.t * p[FACE], parting = vec(y) + t.t1 * p[FACE];
                 if constexpr (GROW) { apart += vec(x + MOVED); parting = parting - vec(y + MOVED); }
                 gap = dot(apart, axis);
-                const T open = 1.0 / (1.0 + exp(gap * (-1.0 / GAP_ROUNDING)));
+                const T open = logistic(gap * (1.0 / GAP_ROUNDING));
                 swept = dot(parting, axis) * open * (-p[HOLE]);
                 if constexpr (GROW) {
                     if (results) results->cuttings = val(c.theta) * p[CUT] * val(y[DRILLED]);
