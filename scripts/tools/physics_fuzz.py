@@ -210,7 +210,7 @@ def inside_hole(data: dict[str, Any], solved: Solved) -> list[str]:
     contact = np.abs(t["contact_force [N/m]"]).max(initial=0.0)
     # contact acts at points inside the elements: a node between them reaches beyond the wall by millimetres, most
     # where a clamped end bends the string
-    allowed = np.maximum(gap, 0.0) + 3e-3 + 3 * contact / 1e8
+    allowed = np.maximum(gap, 0.0) + 5e-3 + 3 * contact / 1e8
     allowed[:5] += 5e-3
     beyond = offset - allowed
     # nodes have the depth of the unstrained string, so which side of a shoe they are on is not known
