@@ -98,6 +98,9 @@ def random_case(seed: int, number: int) -> tuple[dict[str, Any], str | None, str
     if rng.random() < 0.5:
         string.append({"kind": "stabilizer", "length": 1.0, "od": round(0.98 * bit, 4), "mass": 120.0})
         string.append({"kind": "pipe", "name": "near bit", "length": 3.0, "od": collar[0], "id": collar[1]})
+    wet = rng.random() < 0.4
+    if wet and len(string) > 2:  # the body of a bladed stabilizer, past which the mud flows
+        string[2]["od"] = round(0.85 * bit, 4)
     string.append({"kind": "bit", "length": 0.4, "od": bit, "mass": 60.0})
     rest = sum(item["length"] for item in string)
     string[0]["length"] = round(length - short - rest, 4)
@@ -117,7 +120,7 @@ def random_case(seed: int, number: int) -> tuple[dict[str, Any], str | None, str
         "gravity": G,
         "initial": {"from": "statics", **({"wob": wob} if on_bottom else {})},
     }
-    if rng.random() < 0.4:
+    if wet:
         data["fluid"] = {
             "density": rng.uniform(1000, 1800),
             "rheology": {"model": "power_law", "consistency": 0.4, "index": 0.7},
@@ -161,11 +164,11 @@ def balance(data: dict[str, Any], motion: str | None, solved: Solved) -> list[st
     contact = t["contact_force [N/m]"]
     inside = 0.5 * (contact[1:] + contact[:-1]) * mesh.length
     items = [(item["side_force [N]"], 0.5 * data["string"][i]["od"]) for i, item in rigid(data, s)]
-    mu = np.asarray(well.friction(0.5 * (mesh.upper + mesh.lower)))
+    shift = float(data["well"]["sections"][-1]["to"]) - mesh.total_length if "wob" in data["initial"] else 0.0
+    mu = np.asarray(well.friction(0.5 * (mesh.upper + mesh.lower) + shift))
     # the last item is the bit, whose drag is part of the axial force at the lowest node
     drag = float((mu * inside).sum()) + float(mu[-1]) * sum(force for force, _ in items[:-1])
     direction = {"hoist": 1.0, "lower": -1.0}.get(motion or "", 0.0)
-    _, tangent, _ = well.at(mesh.node_depth + (model.mesh.total_length - mesh.total_length))
     problems = []
     force = t.get("effective_tension [N]", t["axial_force [N]"])
     # buoyed weight along the hole between the nodes, from the vertical depths of the string itself
@@ -212,6 +215,9 @@ def inside_hole(data: dict[str, Any], solved: Solved) -> list[str]:
     # where a clamped end bends the string
     allowed = np.maximum(gap, 0.0) + 5e-3 + 3 * contact / 1e8
     allowed[:5] += 5e-3
+    element = data["string"][0]["element_length"]
+    curvature = np.linalg.norm(np.asarray(well.at(np.linspace(0.0, float(well.depth), 500))[2]), axis=1).max()
+    allowed += 0.1 * element**2 * curvature / 8
     beyond = offset - allowed
     # nodes have the depth of the unstrained string, so which side of a shoe they are on is not known
     margin = solved.summary["stretch"] + data["string"][0]["element_length"]

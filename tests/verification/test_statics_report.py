@@ -159,3 +159,29 @@ def test_elements_too_long_for_a_helix_are_reported(tmp_path) -> None:
     assert lines and float(lines[0].split("element_length of ")[1].split(" m")[0]) == pytest.approx(
         enough, rel=0.05
     )
+
+
+def test_the_soft_string_lies_where_the_string_lies(tmp_path) -> None:
+    """A string of 300 m on the bottom of a hole of 400 m: the soft string beside it begins at 100 m, too.
+
+    Hole of 3 deg/30 m, no friction: T = w (z(400) - z(100)) - WOB (virtual work of a rope in a tube).
+    """
+    radius = 30 / np.radians(3)
+    made = Case(
+        well={
+            "survey": {"md": [0.0, 400.0], "inclination": [0.0, 400.0 / radius], "azimuth": [0.0, 0.0]},
+            "sections": [{"to": 400.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
+        },
+        string=[
+            {**PIPE, "length": 299.9, "element_length": 10.0},
+            {"kind": "bit", "length": 0.1, "od": 0.2159, "mass": 1.0},
+        ],
+        top={"kind": "top_drive"},
+        bottom={"kind": "bit"},
+        gravity=9.81,
+        initial={"from": "statics", "wob": 10e3},
+    )
+    result = statics(made, tmp_path / "run")
+    expected = WEIGHT * radius * (np.sin(400 / radius) - np.sin(100 / radius)) - 10e3
+    assert result.summary["soft_string"]["hook_load"] == pytest.approx(expected, rel=1e-3)
+    assert result.summary["hook_load"] == pytest.approx(expected, rel=2e-3)
