@@ -96,7 +96,14 @@ def random_case(seed: int, number: int) -> tuple[dict[str, Any], str | None, str
         {"kind": "pipe", "name": "drill collar", "length": round(bha, 1), "od": collar[0], "id": collar[1]},
     ]
     if rng.random() < 0.5:
-        string.append({"kind": "stabilizer", "length": 1.0, "od": round(0.98 * bit, 4), "mass": 120.0})
+        string.append(
+            {
+                "kind": "stabilizer",
+                "length": 1.0,
+                "od": round(0.98 * bit, 4),
+                "mass": round(3000.0 * bit**2, 1),
+            }
+        )
         string.append({"kind": "pipe", "name": "near bit", "length": 3.0, "od": collar[0], "id": collar[1]})
     wet = rng.random() < 0.4
     if wet and len(string) > 2:  # the body of a bladed stabilizer, past which the mud flows

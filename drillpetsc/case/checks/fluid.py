@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.ends import DrivenTop, ForcedBottom
-from drillpetsc.case.blocks.string import Beam, Flexible
+from drillpetsc.case.blocks.string import Beam, Flexible, Rigid
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import largest
 
@@ -46,8 +48,29 @@ def check_fluid(case: CaseBlocks) -> None:
     for i, item in enumerate(case.string):
         if isinstance(item, Beam) and item.od is None:
             raise refuse("string", i, "od", want="an outer diameter (and id): the case has a fluid")
+    _metal_of_rigid_items(case)
     _lower_end(case)
     _bore(case)
+
+
+def _metal_of_rigid_items(case: CaseBlocks) -> None:
+    """Raise where a rigid item is heavier than a solid cylinder of its od.
+
+    The mud flows past the volume of its metal, which would close the annulus further than the od does.
+    """
+    for i, item in enumerate(case.string[:-1]):
+        if isinstance(item, Rigid) and item.od is not None and item.length > 0:
+            density = (item.material or case.material).density
+            most = density * item.length * math.pi / 4 * (item.od**2 - item.id**2)
+            if item.mass is not None and item.mass > 1.01 * most:
+                raise refuse(
+                    "string",
+                    i,
+                    "mass",
+                    got=f"{item.mass:g} kg",
+                    want=f"at most {most:.4g} kg, the metal of a tube with this od, id and length",
+                    hint="the mud flows past the item's metal; a larger od, or its own material: {density: ...}",
+                )
 
 
 def _annulus(case: CaseBlocks) -> None:
