@@ -89,9 +89,13 @@ def director_equilibrium(
         )
     freeze_flow(model)
     soft, found = soft_string(model, motion), march(model, motion)
+    straight = found
     if found is not None:
         if found.locked_at is not None:
             raise _lock_up(model, found)
+        if found.helical.any():
+            straight = march(model, motion, coils=False)
+        start = Snapshot(model)
         place_marched(model, found)
     solver = _solver(model)
     wob = model.case.initial.wob
@@ -103,15 +107,20 @@ def director_equilibrium(
     report = Equilibrium()
     state, fraction = StaticState(motion, report, soft), 1.0 if lateral_friction else 0.0
     moves = bool(sliding) and motion != (0.0, 0.0)
-    reached = (
-        _newton_with_friction(model, solver, sliding, state, fraction, found)
-        if moves and found is not None
-        else None
-    )
-    if reached is None:
-        stable_state(model, solver, soft, report, found.usual_contact_force if found is not None else 0.0)
-        if moves:
-            reached = _add_friction(model, solver, sliding, state, lateral_friction)
+    try:
+        reached = _reach(model, solver, sliding, state, fraction, found)
+    except SolveError as error:
+        if found is None or straight is None or not found.helical.any():
+            raise
+        error.hint = _helix_hint(model, found, moves)
+        # a coiled string has many states with friction; the one from a straight start may be easier
+        start.restore()
+        model.system.assembly.dead_load, report.imperfection = None, 0.0
+        place_marched(model, straight)
+        try:
+            reached = _reach(model, solver, sliding, state, fraction, straight)
+        except SolveError:
+            raise error from None
     fraction = state.lateral_fraction = fraction if reached is None else reached
     if lateral_friction and moves and not fraction:
         state.warnings.append(
@@ -155,6 +164,20 @@ def _beyond_bottom(model: DrillingModel) -> float:
     return local if system.comm.size == 1 else float(system.comm.tompi4py().allreduce(local))
 
 
+def _helix_hint(model: DrillingModel, found: March, moves: bool) -> str:
+    """What to do about a string without a static state that coils by the march."""
+    depth = model.mesh.node_depth[found.helical]
+    largest = -float(found.axial_force.min())
+    pitch = 2 * np.pi * np.sqrt(2 * float(model.mesh.bending_stiffness[~model.mesh.is_joint].min()) / largest)
+    hint = (
+        f"by the march the string coils from MD {depth[0]:.0f} to {depth[-1]:.0f} m under a push of {largest:.3g} N; "
+        f"elements of {pitch / 4:.2g} m or less show it"
+    )
+    if moves:
+        hint += "; with friction a coiled string has many states: `run` finds the one of a given motion"
+    return hint
+
+
 def _lock_up(model: DrillingModel, found: March) -> SolveError | CaseError:
     """The error that no push reaches the bit: what friction takes grows faster than the push."""
     mesh, case = model.mesh, model.case
@@ -174,6 +197,31 @@ def _lock_up(model: DrillingModel, found: March) -> SolveError | CaseError:
         "below it the string coils in the hole, and friction takes any further push",
         hint="a stiffer or lighter string below that depth, less friction, rotation, or less weight",
     )
+
+
+def _reach(
+    model: DrillingModel,
+    solver: StaticNewton,
+    components,
+    state: StaticState,
+    fraction: float,
+    found: March | None,
+) -> float | None:
+    """Find an equilibrium with friction from the present state; returns the lateral friction fraction reached.
+
+    fraction: that asked for; found: the start, None without contact.  None: nothing moves.
+    Raises SolveError where no equilibrium is found.
+    """
+    moves = bool(components) and state.motion != (0.0, 0.0)
+    reached = None
+    if moves and found is not None:
+        reached = _newton_with_friction(model, solver, components, state, fraction, found)
+    if reached is None:
+        load = found.usual_contact_force if found is not None else 0.0
+        stable_state(model, solver, state.soft_string, state.equilibrium, load)
+        if moves:
+            reached = _add_friction(model, solver, components, state, fraction > 0)
+    return reached
 
 
 def _newton_with_friction(

@@ -110,11 +110,12 @@ class _Column:
         return tension, contact, helical, locked
 
 
-def march(model: DrillingModel, motion: tuple[float, float]) -> March | None:
+def march(model: DrillingModel, motion: tuple[float, float], coils: bool = True) -> March | None:
     """March from the bit up; None without contact, or with a free top.
 
     motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes.
-    Collective; the same on all ranks.
+    coils: the string coils where the push suffices; otherwise it stays straight in the hole.
+    The string must lie unstrained along the hole.  Collective; the same on all ranks.
     """
     mesh, well, case = model.mesh, model.well, model.case
     if model.contact is None or well is None:
@@ -144,7 +145,7 @@ def march(model: DrillingModel, motion: tuple[float, float]) -> March | None:
         np.sum(across * across, axis=1),
         half,
         bending,
-        np.maximum(clearance, 1e-3),
+        np.maximum(clearance, 1e-3) if coils else np.zeros(n),
         VERTICAL_FACTOR * np.cbrt(bending * weight**2),
         CRUSHING_STRAIN * np.append(axial, axial[-1]),
     )
@@ -222,14 +223,14 @@ def _bottom_force(column: _Column) -> float:
     The top's load is among the loads of the first node, so the tension above it vanishes.
     """
     low, high = -1e7, 0.0
-    if column.run(high)[0][0] >= 0:
+    if column.run(high)[0][0] <= 0:  # friction takes the push, or the top pulls
         return 0.0
     for _ in range(60):
         middle = 0.5 * (low + high)
         if column.run(middle)[0][0] > 0:
-            low = middle
-        else:
             high = middle
+        else:
+            low = middle
         if high - low < 1e-3:
             break
     return 0.5 * (low + high)

@@ -185,3 +185,25 @@ def test_the_soft_string_lies_where_the_string_lies(tmp_path) -> None:
     expected = WEIGHT * radius * (np.sin(400 / radius) - np.sin(100 / radius)) - 10e3
     assert result.summary["soft_string"]["hook_load"] == pytest.approx(expected, rel=1e-3)
     assert result.summary["hook_load"] == pytest.approx(expected, rel=2e-3)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.2])
+def test_the_push_that_reaches_a_standing_bit(friction) -> None:
+    """Level hole, pushed below the helical load: F - mu w L at the bit, the whole push without friction (exact)."""
+    force, length = 60e3, 300.0
+    model = build_model(pushed(force, length, well=straight(90.0, length, friction)))
+    place_along_hole(model)
+    found = march(model, (1.0, 0.0))
+    assert found is not None and not found.helical.any()
+    assert found.axial_force[-1] == pytest.approx(-(force - friction * WEIGHT * length), rel=1e-6)
+    assert found.axial_force[0] == pytest.approx(0.0, abs=1.0)
+
+
+def test_a_pushed_string_without_friction_stands_on_the_bit_with_the_whole_push() -> None:
+    """A helix carries the push on: 2.2 F_DP at the top are 2.2 F_DP on the bit."""
+    force = 2.2 * 2 * np.sqrt(BENDING * WEIGHT / CLEARANCE)
+    model = build_model(pushed(force))
+    state = find_equilibrium(model)
+    assert state.stable
+    weight, _ = model.bit.weight_and_torque(model.system.assembly)
+    assert weight == pytest.approx(force, rel=1e-4)
