@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drillpetsc.analysis.placement import top_depth
 from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.files.tables import Column
@@ -24,7 +25,7 @@ WINDING = 1.5 * np.pi  # rotation of the offset within a pitch from which a stri
 
 @dataclass(frozen=True)
 class Buckling:
-    """Buckling of a static state: ranges (from, to) of measured depth [m].
+    """Buckling of a static state: ranges (from, to) of measured depth in the hole [m].
 
     sinusoidal: the compression exceeds the sinusoidal load but the string does not coil.
     helical: the string coils about the axis of the hole.
@@ -45,7 +46,7 @@ class Buckling:
         out += [f"helically buckled from MD {a:.0f} to {b:.0f} m" for a, b in self.helical]
         if self.sinusoidal or self.helical:
             out.append(
-                "a buckled string may have other stable states; this is the one found from a straight start"
+                "a buckled string may have other stable states; which one it is depends on its history"
             )
         return out + [
             f"elements of {length:.3g} m from MD {a:.0f} to {b:.0f} m are too long for the buckled shape: "
@@ -71,27 +72,18 @@ def buckling(model: DrillingModel, columns: list[Column], values: FloatArray) ->
     buckled = push > load
     if not buckled.any():
         return Buckling()
+    depth = mesh.node_depth + top_depth(model)
     pitch = 2 * np.pi * np.sqrt(2 * stiffness / np.maximum(push, 1.0))
     helical = (
         buckled & _winds(model, table, pitch) & (push > HELICAL_RATIO * np.nan_to_num(table["buckling_load"]))
     )
     length = np.maximum(np.append(mesh.length, 0.0), np.append(0.0, mesh.length))
     coarse = buckled & (length > pitch / ELEMENTS_PER_PITCH * (1 + 1e-9))
-    return Buckling(
-        _ranges(mesh.node_depth, buckled & ~helical),
-        _ranges(mesh.node_depth, helical),
-        tuple(
-            (
-                a,
-                b,
-                float(length[(mesh.node_depth >= a) & (mesh.node_depth <= b) & coarse].max()),
-                float(
-                    pitch[(mesh.node_depth >= a) & (mesh.node_depth <= b) & coarse].min() / ELEMENTS_PER_PITCH
-                ),
-            )
-            for a, b in _ranges(mesh.node_depth, coarse)
-        ),
-    )
+    ranges = []
+    for a, b in _ranges(depth, coarse):
+        there = coarse & (depth >= a) & (depth <= b)
+        ranges.append((a, b, float(length[there].max()), float(pitch[there].min() / ELEMENTS_PER_PITCH)))
+    return Buckling(_ranges(depth, buckled & ~helical), _ranges(depth, helical), tuple(ranges))
 
 
 def _winds(model: DrillingModel, table: dict[str, FloatArray], pitch: FloatArray) -> np.ndarray:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.soft_string import TorqueDrag
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
@@ -92,7 +93,7 @@ def clearance(model: DrillingModel) -> float | None:
     """Compute the smallest radial clearance [m], 1 mm at least; None without contact."""
     if model.well is None or model.contact is None:
         return None
-    middle = 0.5 * (model.mesh.upper + model.mesh.lower)
+    middle = 0.5 * (model.mesh.upper + model.mesh.lower) + top_depth(model)
     gap = np.asarray(model.well.radius(middle)) - 0.5 * model.mesh.outer_diameter
     return float(max(1e-3, np.min(gap[model.mesh.outer_diameter > 0], initial=0.1)))
 

@@ -21,7 +21,7 @@ from drillpetsc.analysis.energy_descent import (
     too_coarse,
 )
 from drillpetsc.analysis.march import CRUSHING_STRAIN, March, march
-from drillpetsc.analysis.placement import hole_at_string, place_along_hole, prescribed_motion
+from drillpetsc.analysis.placement import hole_at_string, place_along_hole, prescribed_motion, top_depth
 from drillpetsc.analysis.soft_string import TorqueDrag
 from drillpetsc.analysis.soft_string_start import place_marched, soft_string
 from drillpetsc.analysis.steady_flow import fluid_unknowns, freeze_flow, steady_flow
@@ -81,7 +81,7 @@ def director_equilibrium(
     """
     lowering = prescribed_motion(model)[0] if motion is None else 0.0
     motion = prescribed_motion(model) if motion is None else motion
-    place_along_hole(model)
+    place_along_hole(model, top_depth(model))
     if model.beam is None:
         flow = steady_flow(model.system)
         return StaticState(
@@ -166,7 +166,7 @@ def _beyond_bottom(model: DrillingModel) -> float:
 
 def _helix_hint(model: DrillingModel, found: March, moves: bool) -> str:
     """What to do about a string without a static state that coils by the march."""
-    depth = model.mesh.node_depth[found.helical]
+    depth = model.mesh.node_depth[found.helical] + top_depth(model)
     largest = -float(found.axial_force.min())
     pitch = 2 * np.pi * np.sqrt(2 * float(model.mesh.bending_stiffness[~model.mesh.is_joint].min()) / largest)
     hint = (
@@ -189,8 +189,7 @@ def _lock_up(model: DrillingModel, found: March) -> SolveError | CaseError:
             want=f"less than {most:.3g} N, which compresses the pipe above the bit by 1 %",
         )
     assert found.locked_at is not None
-    element = int(np.clip(np.searchsorted(mesh.node_depth, found.locked_at), 1, mesh.nodes - 1)) - 1
-    item = case.string[int(mesh.item[element])]
+    item = case.string[int(mesh.item[max(found.locked_node - 1, 0)])]
     what = "no weight" if case.initial.wob else "no push"
     return SolveError(
         f"locked up: {what} passes MD {found.locked_at:.0f} m ({item.name or item.kind}); "
@@ -345,7 +344,7 @@ def _gap(model: DrillingModel) -> FloatArray:
     outer = np.zeros(mesh.nodes)
     np.maximum.at(outer, np.arange(mesh.nodes - 1), mesh.outer_diameter)
     np.maximum.at(outer, np.arange(1, mesh.nodes), mesh.outer_diameter)
-    return np.maximum(np.asarray(well.radius(mesh.node_depth)) - 0.5 * outer, 0.0)
+    return np.maximum(np.asarray(well.radius(mesh.node_depth + top_depth(model))) - 0.5 * outer, 0.0)
 
 
 def _node_clearance(model: DrillingModel) -> FloatArray | None:
@@ -386,7 +385,7 @@ def _set_weight_on_bit(model: DrillingModel, solver: StaticNewton, wob: float) -
         raise CaseError(
             at="initial.wob", got=f"{wob:g} N", want="a bottom of kind bit, which carries the weight"
         )
-    if top is None or not hasattr(top, "shift") or model.case.top.force is not None:
+    if top is None or model.case.top.force is not None:
         raise CaseError(
             at="initial.wob",
             got=f"{wob:g} N",

@@ -10,7 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drillpetsc.analysis.placement import top_depth
 from drillpetsc.arrays import FloatArray
+from drillpetsc.geometry.frames import directors
 from drillpetsc.model.drilling_model import DrillingModel, hole_depth
 from drillpetsc.physics.contact import penetration
 
@@ -43,7 +45,7 @@ class March:
     offset: (n, 3) from the axis of the hole [m]; top_on_wall: whether the string lies on the wall at its top.
     top_motion: distance that the top is moved down [m].
     usual_contact_force: force per length that nine tenths of the nodes do not exceed [N/m].
-    locked_at: measured depth above which no push passes [m], None: it passes.
+    locked_at: measured depth in the hole below which no push passes, None: it passes; locked_node: its node.
     """
 
     axial_force: FloatArray
@@ -57,6 +59,7 @@ class March:
     top_on_wall: bool
     top_motion: float
     locked_at: float | None = None
+    locked_node: int = 0
     usual_contact_force: float = 0.0
 
 
@@ -111,16 +114,17 @@ class _Column:
 
 
 def march(model: DrillingModel, motion: tuple[float, float], coils: bool = True) -> March | None:
-    """March from the bit up; None without contact, or with a free top.
+    """March from the bit up; None without contact.
 
     motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes.
     coils: the string coils where the push suffices; otherwise it stays straight in the hole.
-    The string must lie unstrained along the hole.  Collective; the same on all ranks.
+    The string must lie unstrained along the hole, its top at ``top_depth``.  Collective; the same on all ranks.
     """
     mesh, well, case = model.mesh, model.well, model.case
     if model.contact is None or well is None:
         return None
-    n, depth = mesh.nodes, mesh.node_depth
+    start = top_depth(model)
+    n, depth = mesh.nodes, mesh.node_depth + start
     force, load_torque = nodal_loads(model)
     _, t, _ = well.at(depth)
     half = np.zeros(n)
@@ -154,7 +158,9 @@ def march(model: DrillingModel, motion: tuple[float, float], coils: bool = True)
     if case.top.force is not None and model.bit is not None:
         bottom = on_bottom = _bottom_force(column)
     tension, contact, helical, locked = column.run(bottom)
-    rock = model.bit.torque_for(wob, motion[1]) * np.sign(motion[1]) if model.bit is not None else 0.0
+    rock = 0.0
+    if model.bit is not None:
+        rock = model.bit.torque_for(max(wob, -on_bottom), motion[1]) * np.sign(motion[1])
     steps = around * contact - load_torque
     torque = np.append(np.cumsum(steps[::-1])[::-1], 0.0) + rock
     inner = tension[1:-1]
@@ -166,14 +172,14 @@ def march(model: DrillingModel, motion: tuple[float, float], coils: bool = True)
         strain = np.where(mesh.is_joint, 0.0, inner / mesh.axial_stiffness)
         twist = np.where(mesh.is_joint, 0.0, torque[1:-1] * mesh.length / mesh.torsional_stiffness)
     stretch = np.concatenate([[0.0], np.cumsum((strain - 0.5 * (gap * pitch) ** 2) * mesh.length)])
-    top_motion = 0.0
+    top_motion = start
     if model.bit is not None and case.initial.wob is not None:
         top_motion = hole_depth(case) - (mesh.total_length + stretch[-1])
     elif on_bottom < -1.0 and model.bit is not None:
         top_motion = hole_depth(case) - (mesh.total_length + stretch[-1]) + model.bit.depth_for(-on_bottom)
     load = 0.5 * (tension[:-1] + tension[1:])[:, None] * turn + across
     position, tangent, offset = _shape(
-        model, depth + stretch + top_motion, load, contact / np.maximum(half, 1e-9), clearance, helical,
+        model, depth + stretch + top_motion - start, load, contact / np.maximum(half, 1e-9), clearance, helical,
         np.concatenate([[0.0], np.cumsum(pitch * mesh.length)]), strain,
     )  # fmt: skip
     return March(
@@ -189,6 +195,7 @@ def march(model: DrillingModel, motion: tuple[float, float], coils: bool = True)
         top_motion=top_motion,
         usual_contact_force=float(np.quantile(contact / np.maximum(half, 1e-9), 0.9)),
         locked_at=None if locked is None else float(depth[locked]),
+        locked_node=locked or 0,
     )
 
 
@@ -200,7 +207,7 @@ def friction_factors(model: DrillingModel, motion: tuple[float, float]) -> tuple
     mesh, well = model.mesh, model.well
     assert well is not None
     radius = _radius(model)
-    mu = np.asarray(well.friction(mesh.node_depth)).copy()
+    mu = np.asarray(well.friction(mesh.node_depth + top_depth(model))).copy()
     own = np.append(mesh.friction, mesh.friction[-1])
     mu = np.where(np.isnan(own), mu, own)
     speed = np.hypot(motion[0], motion[1] * radius)
@@ -267,9 +274,8 @@ def _shape(
     size = np.linalg.norm(load, axis=1)
     touches = size > 1e-6 * size.max(initial=0.0)
     side = np.divide(load, size[:, None], out=np.zeros_like(load), where=touches[:, None])
-    second = frames.second_director - t * np.sum(frames.second_director * t, axis=1, keepdims=True)
-    second /= np.linalg.norm(second, axis=1, keepdims=True)
-    third = np.cross(t, second)
+    # the hole where the string lies may have any direction beside the frames of the start
+    second, third = directors(frames, np.arange(len(t)), t, np.zeros(len(t)))
     lying = np.column_stack([np.sum(side * second, axis=1), np.sum(side * third, axis=1)])
     lying = lying * clearance[:, None]
     share = _eased(helical[:, None].astype(float), s)[:, 0]
@@ -281,8 +287,9 @@ def _shape(
     distance = np.linalg.norm(across, axis=1)
     on_wall = distance > 0.97 * clearance
     law = model.case.contact
-    linear = law is not None and law.law == "linear"
-    deep = clearance + (penetration(contact / law.stiffness) if linear and law is not None else 0.0)
+    deep = clearance
+    if law is not None and law.law == "linear":
+        deep = clearance + penetration(contact / law.stiffness)
     across[on_wall] *= (deep[on_wall] / np.maximum(distance[on_wall], 1e-12))[:, None]
     slope = np.zeros_like(across)
     if not model.mesh.is_joint.any():

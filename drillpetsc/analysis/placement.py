@@ -6,7 +6,7 @@ import numpy as np
 
 from drillpetsc.analysis.steady_flow import release_flow, set_fluid_at_rest
 from drillpetsc.arrays import FloatArray
-from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.model.drilling_model import DrillingModel, hole_depth
 
 
 def prescribed_motion(model: DrillingModel) -> tuple[float, float]:
@@ -19,11 +19,28 @@ def prescribed_motion(model: DrillingModel) -> tuple[float, float]:
     )
 
 
-def place_along_hole(model: DrillingModel) -> None:
-    """Put the unstrained string on the axis of the hole, on a straight line without a hole; at rest."""
+def top_depth(model: DrillingModel) -> float:
+    """Measured depth [m] of the top of the unstrained string in statics.
+
+    A string with a weight on bit is lowered onto the bottom of its hole, which may be deeper than the string is
+    long.
+    """
+    if model.well is None or model.case.initial.wob is None or model.case.top.force is not None:
+        return 0.0
+    return hole_depth(model.case) - model.mesh.total_length
+
+
+def place_along_hole(model: DrillingModel, top: float = 0.0) -> None:
+    """Put the unstrained string on the axis of the hole, on a straight line without a hole; at rest.
+
+    top: measured depth of its upper end [m].
+    """
     system = model.system
     if model.beam is not None:
-        model.beam.place(system, model.position, model.tangent)
+        position, tangent = model.position, model.tangent
+        if top and model.well is not None:
+            position, tangent, _ = (np.asarray(q) for q in model.well.at(model.mesh.node_depth + top))
+        model.beam.place(system, position, tangent)
     if "string.ratio" in system.layout.dofs:
         system.set_field("string.ratio", np.ones((system.mesh.nodes, 1)))
     for name in ("joint.load", "joint.correction"):

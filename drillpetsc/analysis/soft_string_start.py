@@ -8,9 +8,10 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.analysis.march import March
+from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.soft_string import TorqueDrag, torque_drag
 from drillpetsc.case.blocks.ends import ForcedBottom
-from drillpetsc.model.drilling_model import DrillingModel, hole_depth
+from drillpetsc.model.drilling_model import DrillingModel
 
 
 def soft_string(model: DrillingModel, motion: tuple[float, float]) -> TorqueDrag | None:
@@ -26,9 +27,7 @@ def soft_string(model: DrillingModel, motion: tuple[float, float]) -> TorqueDrag
     g = float(np.linalg.norm(gravity))
     if gravity[0] or gravity[1] or gravity[2] < 0:
         return None
-    depth, wob = mesh.node_depth, case.initial.wob or 0.0
-    if case.initial.wob is not None and case.top.force is None:  # the top goes down until the bit stands
-        depth = depth + hole_depth(case) - mesh.total_length
+    depth, wob = mesh.node_depth + top_depth(model), case.initial.wob or 0.0
     weight = model.effective_mass * g
     for b in mesh.bodies:
         if b.node < mesh.nodes - 1:

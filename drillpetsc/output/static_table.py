@@ -89,7 +89,7 @@ def _of_string(
     inertia = np.pi / 64 * (mesh.outer_diameter**4 - mesh.inner_diameter**4)
     by_moment = np.divide(radius, inertia, out=np.zeros_like(radius), where=inertia > 0)  # stress per moment
     moment = [mesh.bending_stiffness * bending[2], mesh.bending_stiffness * bending[3]]
-    load = _buckling_load(model, effective)
+    load = _buckling_load(model, nodal[:, :3], effective)
     out["torque"] = -_linear(torque, ~mesh.is_joint)
     out["contact_force"] = mean(push, push)
     out["item_side_force"] = on_items
@@ -135,19 +135,22 @@ def _linear(values: FloatArray, element: np.ndarray) -> FloatArray:
     return out
 
 
-def _buckling_load(model: DrillingModel, tension: FloatArray) -> FloatArray:
-    """(n_nodes,) load of sinusoidal buckling [N] under an effective tension (n_nodes,) [N]; nan where the string has
-    no side load or no clearance."""
+def _buckling_load(model: DrillingModel, position: FloatArray, tension: FloatArray) -> FloatArray:
+    """(n_nodes,) load of sinusoidal buckling [N] of nodes at ``position`` (n_nodes, 3) [m] under an effective tension
+    (n_nodes,) [N]; nan where the string has no side load or no clearance."""
     mesh, well = model.mesh, model.well
     if well is None or model.contact is None:
         return np.full(mesh.nodes, np.nan)
-    _, t, kappa = well.at(mesh.node_depth)
+    depth = well.project(
+        position
+    ).md  # of the hole where the node is, which may be lowered or stretched there
+    _, t, kappa = well.at(depth)
     weight = at_nodes(model.effective_mass, model.effective_mass)[:, None] * np.array(model.case.gravity)
     side = np.linalg.norm(
         weight - t * np.sum(weight * t, axis=1, keepdims=True) + tension[:, None] * kappa, axis=1
     )
     radius = at_nodes(0.5 * mesh.outer_diameter, 0.5 * mesh.outer_diameter)
-    clearance = np.asarray(well.radius(mesh.node_depth)) - radius
+    clearance = np.asarray(well.radius(depth)) - radius
     inside = (clearance > 0) & (side > 1e-6 * np.linalg.norm(weight, axis=1))
     stiffness = at_nodes(mesh.bending_stiffness, mesh.bending_stiffness)
     square = np.divide(stiffness * side, clearance, out=np.full(mesh.nodes, np.nan), where=inside)

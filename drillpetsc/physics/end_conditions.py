@@ -106,7 +106,7 @@ class PathEnd(Top):
             advance=None if path is None else self._advance,
         )
 
-    def _spin_about_reference(self, x: FloatArray, here: PathPoint) -> float:
+    def _spin_about_reference(self, here: PathPoint) -> float:
         """Compute the spin angle [rad] of a section whose first director is the path's first normal."""
         assert self._frames is not None
         t = here.axes[0]
@@ -126,7 +126,7 @@ class PathEnd(Top):
         here = self._path.at(depth)
         axes, place = here.axes, here.centre + offset @ here.axes[1:]
         D = _rows(axes if self._axial_row else axes[1:], axes[1:] if self._tilt else axes[:0], self._spin)
-        spin = angle + self._turn.integral(t) + self._spin_about_reference(x, here) if self._spin else 0.0
+        spin = angle + self._turn.integral(t) + self._spin_about_reference(here) if self._spin else 0.0
         value = D @ np.concatenate([place, axes[0], [spin]])
         rate = D @ np.concatenate(
             [
@@ -179,7 +179,7 @@ class PathEnd(Top):
             return
         self.anchor[:3] = self._path.coordinates(position)
         here = self._path.at(float(self.anchor[0]))
-        self.anchor[3] = spin[0] - self._spin_about_reference(np.concatenate([position, slope, spin]), here)
+        self.anchor[3] = spin[0] - self._spin_about_reference(here)
 
     def breaks(self) -> tuple[float, ...]:
         return tuple(b for i in self.inputs for b in i.breaks())

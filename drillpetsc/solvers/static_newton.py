@@ -132,17 +132,16 @@ class StaticNewton:
             first = system.layout.dofs[name][:, 0]
             chosen = (first >= 0) & chain.owned
             vertex[first[chosen]] = np.flatnonzero(chosen)
-            found, entries = [np.zeros(0, dtype=int)], [np.zeros(0, dtype=int)]
+            # vertex, first entry of its diagonal block, and width of the element's matrix
+            found = [np.zeros((0, 3), dtype=int)]
             for item in asm.bound_blocks:
-                if not item.count:
-                    continue
                 element, slot = np.nonzero(vertex[item.index] >= 0)
-                found.append(vertex[item.index[element, slot]])
-                entries.append(item.span.start + element * item.width**2 + slot * (item.width + 1))
-                # width of the block, to find the other entries
-                entries[-1] = np.column_stack([entries[-1], np.full(len(element), item.width)])
-            vertices, once = np.unique(np.concatenate(found), return_index=True)
-            corner, width = np.concatenate([np.zeros((0, 2), dtype=int), *entries[1:]])[once].T
+                first = item.span.start + element * item.width**2 + slot * (item.width + 1)
+                at = vertex[item.index[element, slot]]
+                found.append(np.column_stack([at, first, np.full(len(at), item.width)]))
+            rows = np.concatenate(found)
+            vertices, once = np.unique(rows[:, 0], return_index=True)
+            _, corner, width = rows[once].T
             k = np.arange(3)
             out.append((vertices, corner[:, None, None] + k[:, None] * width[:, None, None] + k))
         return out

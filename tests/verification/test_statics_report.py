@@ -13,6 +13,7 @@ from drillpetsc.errors import SolveError
 from drillpetsc.geometry.hole_steps import HoleSteps
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import build_model
+from drillpetsc.output import read_table
 
 BENDING, WEIGHT, CLEARANCE = 1.2240289e6, 242.0, 0.04445
 AREA = 3.4047325e-3
@@ -207,3 +208,68 @@ def test_a_pushed_string_without_friction_stands_on_the_bit_with_the_whole_push(
     assert state.stable
     weight, _ = model.bit.weight_and_torque(model.system.assembly)
     assert weight == pytest.approx(force, rel=1e-4)
+
+
+@pytest.mark.parametrize("azimuth", [0.0, 1.2])
+@pytest.mark.parametrize("wet", [False, True])
+def test_a_short_string_is_judged_where_it_lies(tmp_path, azimuth, wet) -> None:
+    """600 m in a J-well of 1600 m, on bottom: all of it in the level part, from MD 1000 m on.
+
+    Load of Dawson and Paslay 2 sqrt(EI w/C) with the buoyed weight, not that of the vertical part above; 20 kN do
+    not buckle it.  The level part may point to the second director of the vertical top (azimuth 0).
+    """
+    md = np.append(np.arange(0.0, 1600.0, 30.0), 1600.0)
+    survey = {
+        "md": md.tolist(),
+        "inclination": np.radians(np.clip((md - 300) * 0.2, 0, 90)).tolist(),
+        "azimuth": [azimuth] * len(md),
+    }
+    fluid = {
+        "density": 1300.0,
+        "rheology": {"model": "newtonian", "viscosity": 0.02},
+        "bulk_modulus": 2e9,
+        "flow_rate": 0.02,
+    }
+    made = Case(
+        well={
+            "survey": survey,
+            "sections": [{"to": 1600.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.2}],
+        },
+        string=[
+            {**PIPE, "length": 599.5, "element_length": 10.0},
+            {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0},
+        ],
+        top={"kind": "top_drive"},
+        bottom={"kind": "bit"},
+        gravity=9.81,
+        initial={"from": "statics", "wob": 20e3},
+        **({"fluid": fluid} if wet else {}),
+    )
+    result = statics(made, tmp_path / "run", motion="lower")
+    assert result.summary["stable"] and result.summary["buckling"] == {"sinusoidal": [], "helical": []}
+    table = read_table(tmp_path / "run" / "statics.csv")
+    # mud in and around the pipe: metal less the fluid it displaces
+    weight = WEIGHT - (1300.0 * 9.81 * AREA if wet else 0.0)
+    expected = 2 * np.sqrt(BENDING * weight / CLEARANCE)
+    assert table["buckling_load [N]"][5:-5] == pytest.approx(expected, rel=2e-3)
+
+
+def test_lock_up_is_reported_at_the_depth_of_the_hole(tmp_path) -> None:
+    """The same string and hole, 100 m deeper in a longer hole: the depth of lock-up is 100 m deeper."""
+    depths = []
+    for below in (0.0, 100.0):
+        made = Case(
+            well={
+                **straight(90.0, 1000.0 + below),
+                "sections": [{"to": 1000.0 + below, "kind": "casing", "diameter": 0.1143, "friction": 0.4}],
+            },
+            string=[{"kind": "pipe", "length": 1000.0, "od": 0.0603, "id": 0.0507, "element_length": 2.5}],
+            top={"kind": "top_drive", "lowering": 0.2},
+            bottom={"kind": "bit"},
+            gravity=9.81,
+            initial={"from": "statics", "wob": 60e3},
+        )
+        with pytest.raises(SolveError, match="locked up") as caught:
+            statics(made, tmp_path / f"run{below:g}")
+        depths.append(float(str(caught.value).split("passes MD ")[1].split(" m")[0]))
+    assert depths[1] - depths[0] == pytest.approx(100.0, abs=1.0)
