@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from drillpetsc.case import Case, load_case
 from drillpetsc.parallel import initialise_petsc
@@ -69,6 +69,7 @@ def statics(
     out: str | Path | None = None,
     *,
     motion: str | None = None,
+    path: Literal["sliding", "slack_off"] | None = None,
     overwrite: bool = False,
     name: str | None = None,
     comm: Any = None,
@@ -79,6 +80,8 @@ def statics(
     case: a Case, or the path of a case file
     out: run folder; by default results/<case>-NNN
     motion: hoist, lower or rotate, which friction opposes; by default the motion of the top at time 0
+    path: follow the history of a buckled string with friction: sliding, the whole string moves along the hole, or
+    slack_off, it is lowered onto a bit that stands
     overwrite: True to replace the results in an existing folder
     name: name of the case in the default folder
     comm: PETSc communicator; by default all ranks
@@ -87,7 +90,7 @@ def statics(
     initialise_petsc()
     from drillpetsc.analysis.statics import run_statics
 
-    return run_statics(case, out, motion, overwrite, name, comm)
+    return run_statics(case, out, motion, overwrite, name, comm, path)
 
 
 def modes(

@@ -285,6 +285,12 @@ def _statics_arguments(command: argparse.ArgumentParser) -> None:
         choices=("hoist", "lower", "rotate"),
         help="motion that friction opposes (default: the top's)",
     )
+    command.add_argument(
+        "--path",
+        choices=("sliding", "slack_off"),
+        help="follow the history of a buckled string with friction: the whole string slides (gives the band of states), "
+        "or it is lowered onto a bit that stands",
+    )
 
 
 def _modes_arguments(command: argparse.ArgumentParser) -> None:
@@ -459,7 +465,8 @@ def _statics(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.analysis.statics import run_statics
 
     name = Path(arguments.case).stem
-    _print(run_statics(case, arguments.out, arguments.motion, arguments.overwrite, name).lines)
+    motion, path = arguments.motion, arguments.path
+    _print(run_statics(case, arguments.out, motion, arguments.overwrite, name, path=path).lines)
     return 0
 
 

@@ -20,6 +20,7 @@ HELICAL_RATIO = np.sqrt(2.0)
 #: first buckling of a vertical string with the weight w per length, F/(EI w^2)^(1/3) (Lubinski, 1950)
 VERTICAL_LOAD = 1.94
 ELEMENTS_PER_PITCH = 4.0  # with fewer, the shape of a helix is wrong
+FEW_RANGES = 3  # that are told one by one
 WINDING = 1.5 * np.pi  # rotation of the offset within a pitch from which a string counts as a helix [rad]
 
 
@@ -42,8 +43,9 @@ class Buckling:
 
     def lines(self) -> list[str]:
         """Sentences for the user."""
-        out = [f"sinusoidally buckled from MD {a:.0f} to {b:.0f} m" for a, b in self.sinusoidal]
-        out += [f"helically buckled from MD {a:.0f} to {b:.0f} m" for a, b in self.helical]
+        out = _sentences("sinusoidally buckled", self.sinusoidal) + _sentences(
+            "helically buckled", self.helical
+        )
         if self.sinusoidal or self.helical:
             out.append(
                 "a buckled string may have other stable states; which one it is depends on its history"
@@ -53,6 +55,16 @@ class Buckling:
             f"element_length of {enough:.2g} m or less"
             for a, b, length, enough in self.coarse
         ]
+
+
+def _sentences(what: str, ranges: tuple[tuple[float, float], ...]) -> list[str]:
+    """One sentence a range, or one for all of many."""
+    if len(ranges) <= FEW_RANGES:
+        return [f"{what} from MD {a:.0f} to {b:.0f} m" for a, b in ranges]
+    total = sum(b - a for a, b in ranges)
+    return [
+        f"{what} in {len(ranges)} pieces between MD {ranges[0][0]:.0f} and {ranges[-1][1]:.0f} m, {total:.0f} m in all"
+    ]
 
 
 def buckling(model: DrillingModel, columns: list[Column], values: FloatArray) -> Buckling:

@@ -20,6 +20,15 @@ from drillpetsc.analysis.energy_descent import (
     stiffness_steps,
     too_coarse,
 )
+from drillpetsc.analysis.friction_path import (
+    SEED,
+    FrictionPath,
+    PathAnswer,
+    PathKind,
+    follow_paths,
+    has_path,
+    refuse_path,
+)
 from drillpetsc.analysis.march import CRUSHING_STRAIN, March, march
 from drillpetsc.analysis.placement import hole_at_string, place_along_hole, prescribed_motion, top_depth
 from drillpetsc.analysis.soft_string import TorqueDrag
@@ -51,6 +60,7 @@ class StaticState:
     warnings: texts for the user.
     lateral_fraction: fraction of the lateral friction force in the equilibrium [-] (chi in the manual:
     eq-statics-imposed-friction).
+    path: answer of the paths of a buckled string with friction, None where Newton's method found the state.
     """
 
     motion: tuple[float, float]
@@ -58,6 +68,7 @@ class StaticState:
     soft_string: TorqueDrag | None = None
     warnings: list[str] = field(default_factory=list)
     lateral_fraction: float = 1.0
+    path: PathAnswer | None = None
 
     @property
     def stable(self) -> bool:
@@ -66,7 +77,10 @@ class StaticState:
 
 
 def director_equilibrium(
-    model: DrillingModel, motion: tuple[float, float] | None = None, lateral_friction: bool = True
+    model: DrillingModel,
+    motion: tuple[float, float] | None = None,
+    lateral_friction: bool = True,
+    path: PathKind | None = None,
 ) -> StaticState:
     """Find the static equilibrium with friction against ``motion``; collective.
 
@@ -76,6 +90,8 @@ def director_equilibrium(
     time 0.
     lateral_friction: friction across the pipe pushes a turning pipe up the wall; without it only its torque
     acts, as in torque-and-drag models.
+    path: the question that is answered by following the string's history; None: Newton's method answers, and a
+    path of steady sliding where it finds no state of a string that coils.
 
     Raises SolveError where no equilibrium is found, CaseError where the weight on bit cannot be met.
     """
@@ -87,16 +103,19 @@ def director_equilibrium(
         return StaticState(
             (0.0, 0.0), Equilibrium(iterations=flow.iterations, increment=flow.increment, converged=True)
         )
+    if path is not None:
+        refuse_path(model, motion, path)
     freeze_flow(model)
     soft, found = soft_string(model, motion), march(model, motion)
     straight = found
+    start = Snapshot(model)
     if found is not None:
-        if found.locked_at is not None:
+        if found.locked_at is not None and path != "slack_off":
             raise _lock_up(model, found)
         if found.helical.any():
             straight = march(model, motion, coils=False)
-        start = Snapshot(model)
-        place_marched(model, found)
+        if path is None:
+            place_marched(model, found)
     solver = _solver(model)
     wob = model.case.initial.wob
     if wob is not None:
@@ -107,32 +126,24 @@ def director_equilibrium(
     report = Equilibrium()
     state, fraction = StaticState(motion, report, soft), 1.0 if lateral_friction else 0.0
     moves = bool(sliding) and motion != (0.0, 0.0)
-    try:
-        reached = _reach(model, solver, sliding, state, fraction, found)
-    except SolveError as error:
-        if found is None or straight is None or not found.helical.any():
-            raise
-        error.hint = _helix_hint(model, found, moves)
-        # a coiled string has many states with friction; the one from a straight start may be easier
-        start.restore()
-        model.system.assembly.dead_load, report.imperfection = None, 0.0
-        place_marched(model, straight)
-        try:
-            reached = _reach(model, solver, sliding, state, fraction, straight)
-        except SolveError:
-            raise error from None
-    fraction = state.lateral_fraction = fraction if reached is None else reached
-    if lateral_friction and moves and not fraction:
-        state.warnings.append(
-            "no equilibrium with lateral friction (a turning pipe may whirl here): "
-            "the torque of friction acts, its lateral force is left out"
+    if path is not None:
+        _answer_by_path(model, solver, state, path, lowering)
+    else:
+        fraction = _answer_by_newton(
+            model, solver, sliding, state, fraction, (found, straight), start, lowering
         )
-    for component in sliding:  # stability is counted without friction
-        component.impose_sliding_direction(0.0, 0.0)
-    count = solver.negative_pivots()
-    report.negative_pivots, report.singular = max(0, count), count < 0
-    for component in sliding:
-        component.impose_sliding_direction(*motion, fraction)
+    if state.path is None:
+        if lateral_friction and moves and not fraction:
+            state.warnings.append(
+                "no equilibrium with lateral friction (a turning pipe may whirl here): "
+                "the torque of friction acts, its lateral force is left out"
+            )
+        for component in sliding:  # stability is counted without friction
+            component.impose_sliding_direction(0.0, 0.0)
+        count = solver.negative_pivots()
+        report.negative_pivots, report.singular = max(0, count), count < 0
+        for component in sliding:
+            component.impose_sliding_direction(*motion, fraction)
     couple_flow_and_string(model, solver, report, lowering)
     _reactions(model, solver)
     model.system.assembly.freeze(None)
@@ -142,13 +153,78 @@ def director_equilibrium(
             f"the string's end lies {beyond:.3g} m below the end of the hole, which its stretch makes it reach; "
             "bottom: {kind: bit} stands on it, and a shorter string hangs above it"
         )
-    if report.negative_pivots:
+    if report.negative_pivots and state.path is None:
         state.warnings.append(_instability_warning(model, report.negative_pivots))
     elif report.singular:
         state.warnings.append(
             "the stiffness is singular: part of the string may move freely, or it is about to buckle"
         )
     return state
+
+
+def _answer_by_newton(
+    model: DrillingModel,
+    solver: StaticNewton,
+    sliding,
+    state: StaticState,
+    fraction: float,
+    starts: tuple[March | None, March | None],
+    origin: Snapshot,
+    lowering: float,
+) -> float:
+    """Find the state by Newton's method or the descent, else by a path; returns the lateral friction fraction.
+
+    starts: the march where the string coils, and where it does not; origin: the string along the hole.
+    lowering: speed at which the top lowers the string [m/s].
+    Raises SolveError where no equilibrium is found.
+    """
+    found, straight = starts
+    moves = bool(sliding) and state.motion != (0.0, 0.0)
+    try:
+        reached = _reach(model, solver, sliding, state, fraction, found)
+    except SolveError as error:
+        if found is None or straight is None:
+            raise
+        if not found.helical.any():
+            if not has_path(model, state.motion):
+                raise
+            origin.restore()
+            model.system.assembly.dead_load, state.equilibrium.imperfection = None, 0.0
+            _answer_by_path(model, solver, state, "sliding", lowering)
+            return 1.0
+        error.hint = _helix_hint(model, found, moves)
+        # a coiled string has many states with friction; the one from a straight start may be easier
+        origin.restore()
+        model.system.assembly.dead_load, state.equilibrium.imperfection = None, 0.0
+        place_marched(model, straight)
+        try:
+            reached = _reach(model, solver, sliding, state, fraction, straight)
+        except SolveError:
+            if not has_path(model, state.motion):
+                raise error from None
+            origin.restore()
+            _answer_by_path(model, solver, state, "sliding", lowering)
+            return 1.0
+    state.lateral_fraction = fraction if reached is None else reached
+    return state.lateral_fraction
+
+
+def _answer_by_path(
+    model: DrillingModel, solver: StaticNewton, state: StaticState, kind: PathKind, lowering: float
+) -> None:
+    """Find the state of a string with friction at the end of a path, and what other starts give.
+
+    Raises SolveError where the path has no end.
+    """
+    clearance, steps = _node_clearance(model), _steps_in_hole(model)
+    assert clearance is not None and steps is not None
+    sign, surge = float(np.sign(state.motion[0])), surge_rates(model, lowering)
+    path = FrictionPath(model, kind, solver, sign, clearance, steps, surge)
+    state.path = follow_paths(path, ("straight", "overload") if kind == "sliding" else ("straight",))
+    report, end = state.equilibrium, state.path.ends[0]
+    report.imperfection, report.negative_pivots, report.converged = SEED, end.negative_pivots, True
+    report.iterations += end.iterations
+    state.warnings += state.path.lines()
 
 
 def _beyond_bottom(model: DrillingModel) -> float:
@@ -422,6 +498,19 @@ def _reactions(model: DrillingModel, solver: StaticNewton) -> None:
     solver.rows()
 
 
+def surge_rates(model: DrillingModel, lowering: float) -> FloatArray | None:
+    """Compute the rates (n+1,) of a string that its top lowers with ``lowering`` [m/s]; None where the flow does
+    not see them.
+    """
+    if model.case.fluid is None or not lowering or model.case.fluid.formulation != "mixed":
+        return None  # with the Hermite formulation the flow starts from the pump's rate
+    system = model.system
+    dofs, rates = system.layout.dofs["string.position"], np.zeros_like(system.assembly.y)
+    tangent, _ = hole_at_string(model)
+    rates[dofs] = lowering * tangent[system.chain.vertices]
+    return rates
+
+
 def couple_flow_and_string(
     model: DrillingModel, solver: StaticNewton, report: Equilibrium, lowering: float = 0.0
 ) -> None:
@@ -439,13 +528,10 @@ def couple_flow_and_string(
         return
     system = model.system
     fluid, smallest = fluid_unknowns(system), np.inf
-    form = model.case.fluid.formulation  # type: ignore[union-attr]
-    if lowering and form == "mixed":  # with the Hermite formulation the flow starts from the pump's rate
-        dofs = system.layout.dofs["string.position"]
-        tangent, _ = hole_at_string(model)
-        solver.rates = np.zeros_like(system.assembly.y)
-        solver.rates[dofs] = lowering * tangent[system.chain.vertices]
-        system.assembly.y[:] = solver.rates
+    rates = surge_rates(model, lowering)
+    if rates is not None:
+        solver.rates = rates
+        system.assembly.y[:] = rates
     for _ in range(MAX_COUPLING_ROUNDS):
         before = system.assembly.x[: system.layout.size][fluid].copy()
         steady_flow(system, 0.0)

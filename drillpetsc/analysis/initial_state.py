@@ -6,6 +6,7 @@ from pathlib import Path
 
 from drillpetsc.analysis import checkpoint
 from drillpetsc.analysis.equilibrium import StaticState, director_equilibrium
+from drillpetsc.analysis.friction_path import PathKind
 from drillpetsc.analysis.imperfection import add_imperfection_of_rest
 from drillpetsc.analysis.placement import move_rigidly, place_along_hole, release
 from drillpetsc.analysis.quasi_static import QuasiStatic
@@ -15,7 +16,10 @@ from drillpetsc.model.drilling_model import DrillingModel
 
 
 def find_equilibrium(
-    model: DrillingModel, motion: tuple[float, float] | None = None, lateral_friction: bool = True
+    model: DrillingModel,
+    motion: tuple[float, float] | None = None,
+    lateral_friction: bool = True,
+    path: PathKind | None = None,
 ) -> StaticState:
     """Find the static equilibrium with friction against ``motion``; the state is left in the model's system.
 
@@ -23,11 +27,12 @@ def find_equilibrium(
     time 0.
     lateral_friction: the lateral friction force pushes a turning pipe up the wall; without it only its torque
     acts, as in torque-and-drag models.
+    path: the question that is answered by following the string's history, see ``director_equilibrium``.
     Raises SolveError where no equilibrium is found.
     """
     if model.beam is not None and model.beam.needs_ancf_equilibrium:
         return quaternion_equilibrium(model, motion, lateral_friction)
-    return director_equilibrium(model, motion, lateral_friction)
+    return director_equilibrium(model, motion, lateral_friction, path)
 
 
 def initial_state(
@@ -47,6 +52,8 @@ def initial_state(
     state = None
     if case.initial.from_ == "statics":
         state = find_equilibrium(model)
+        if state.path is not None:  # friction follows the motion from now on
+            model.system.assembly.dead_load = state.path.persistent_load
     elif case.initial.from_ in ("rest", "straight"):
         place_along_hole(model)
         add_imperfection_of_rest(model)

@@ -113,11 +113,14 @@ class _Column:
         return tension, contact, helical, locked
 
 
-def march(model: DrillingModel, motion: tuple[float, float], coils: bool = True) -> March | None:
+def march(
+    model: DrillingModel, motion: tuple[float, float], coils: bool = True, wob: float | None = None
+) -> March | None:
     """March from the bit up; None without contact.
 
     motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes.
     coils: the string coils where the push suffices; otherwise it stays straight in the hole.
+    wob: weight on bit [N]; None takes that of the case.
     The string must lie unstrained along the hole, its top at ``top_depth``.  Collective; the same on all ranks.
     """
     mesh, well, case = model.mesh, model.well, model.case
@@ -153,7 +156,7 @@ def march(model: DrillingModel, motion: tuple[float, float], coils: bool = True)
         VERTICAL_FACTOR * np.cbrt(bending * weight**2),
         CRUSHING_STRAIN * np.append(axial, axial[-1]),
     )
-    wob = case.initial.wob or 0.0
+    wob = (case.initial.wob or 0.0) if wob is None else wob
     bottom, on_bottom = -wob, 0.0
     if case.top.force is not None and model.bit is not None:
         bottom = on_bottom = _bottom_force(column)
@@ -191,7 +194,7 @@ def march(model: DrillingModel, motion: tuple[float, float], coils: bool = True)
         tangent=tangent,
         twist=-np.concatenate([[0.0], np.cumsum(twist)]),
         offset=offset,
-        top_on_wall=bool(contact[0] > LATERAL_LOAD_THRESHOLD * np.linalg.norm(force[0]) and not helical[0]),
+        top_on_wall=bool(contact[0] > LATERAL_LOAD_THRESHOLD * weight[1] * half[0] and not helical[0]),
         top_motion=top_motion,
         usual_contact_force=float(np.quantile(contact / np.maximum(half, 1e-9), 0.9)),
         locked_at=None if locked is None else float(depth[locked]),

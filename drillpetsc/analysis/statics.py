@@ -11,6 +11,7 @@ from petsc4py import PETSc
 
 from drillpetsc.analysis.buckling import Buckling, buckling
 from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
+from drillpetsc.analysis.friction_path import PathKind
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.transient import RunResult, make_folder
 from drillpetsc.case.case import Case
@@ -40,10 +41,12 @@ def run_statics(
     overwrite: bool = False,
     name: str = "case",
     comm: PETSc.Comm | None = None,
+    path: PathKind | None = None,
 ) -> RunResult:
     """Solve for the equilibrium, write statics.csv, string.pvd and summary.json.
 
     motion: hoist, lower or rotate; None takes the motion that the top prescribes at time 0.  Collective.
+    path: sliding or slack_off, the question that a path answers (manual: sec-statics-path).
     """
     refuse_quaternion(case, "statics")
     comm = comm or PETSc.COMM_WORLD
@@ -54,7 +57,7 @@ def run_statics(
     with options.applied(case.petsc):
         model = build_model(case, comm)
         folder = make_folder(comm, name, out, False, overwrite)
-        state = find_equilibrium(model, MOTIONS[motion] if motion else None, lateral_friction=False)
+        state = find_equilibrium(model, MOTIONS[motion] if motion else None, False, path)
         columns, values = static_table(model)
         buckled = buckling(model, columns, values) if values is not None else Buckling()
         state.warnings += buckled.lines()
@@ -62,6 +65,7 @@ def run_statics(
             "title": case.title,
             **static_summary(model, state),
             "motion": motion or "as the top prescribes",
+            **(state.path.as_dict() if state.path is not None else {}),
             **({"buckling": buckled.as_dict()} if model.beam is not None else {}),
         }
         fields = FieldOutput(model).fields(0.0)
@@ -97,7 +101,14 @@ def _lines(case: Case, folder: RunFolder, state: StaticState, summary: dict[str,
         lines.append(
             f"  side force      {item['side_force [N]']:>14.6g} N   on {item['name']} at {item['md [m]']:g} m"
         )
-    stable = "stable" if state.stable else f"UNSTABLE: {state.equilibrium.negative_pivots} negative pivots"
+    held = state.path is not None and state.equilibrium.negative_pivots
+    stable = (
+        "stable"
+        if state.stable
+        else "held by friction"
+        if held
+        else f"UNSTABLE: {state.equilibrium.negative_pivots} negative pivots"
+    )
     lines.append(
         f"  {stable}; {state.equilibrium.iterations} Newton iterations, residual {state.equilibrium.residual:.2g} N"
     )

@@ -61,6 +61,7 @@ class BoundBlock:
             block.context,
         )
         rows = np.where(self.index < layout.size, self.index, -1)
+        self.holds_rates = False  # see ``Assembly.hold_rates``
         self.values_at = 0  # address of the block's entries, set by the assembly
         self.rows = np.repeat(rows, self.width, axis=1).ravel()
         self.columns = np.tile(rows, (1, self.width)).ravel()
@@ -326,6 +327,23 @@ class Assembly:
         #: (dofs, rates, entries of each block by other dofs, by the block's first entry)
         self._imposed: tuple[np.ndarray, FloatArray, dict[int, np.ndarray]] | None = None
 
+    def hold_rates(self, mask: np.ndarray | None, rates: FloatArray | None = None) -> None:
+        """Evaluate blocks that have an unknown of ``mask`` (n,) with given rates and zero accelerations; None: no block.
+
+        For frozen mud beside a string on a path: its forces are those on the string at rest or in a steady motion.
+
+        rates: (n+1,) [SI of each field per second]; None: zero.
+        """
+        self._held_rates = np.zeros((2, len(self.x))), np.zeros(3), np.zeros_like(self.spin_gradient)
+        values, weights, spin = self._held_rates
+        if rates is not None:
+            values[0, : len(rates)] = rates
+        for b in self.bound_blocks:
+            b.holds_rates = mask is not None and bool(np.isin(b.index, np.flatnonzero(mask)).any())
+        x, _, _, r = self._state
+        self._held_state = x, pointer(values[0]), pointer(values[1]), r
+        self._held_head = pointer(weights), pointer(spin), *self._held_state[:3]
+
     def freeze(self, mask: np.ndarray | None) -> None:
         """Fix the unknowns of ``mask`` (n,) at their values; None releases all.
 
@@ -421,7 +439,7 @@ class Assembly:
                 b.event.begin()
                 if b.block.update:
                     b.update_parameters(t)
-                b.residual(*b.head, *state)
+                b.residual(*b.head, *(self._held_state if b.holds_rates else state))
                 b.event.end()
         if self._frozen is not None:
             self.r[self._frozen[0]] = 0.0
@@ -480,7 +498,10 @@ class Assembly:
                 b.event.begin()
                 if b.block.update:
                     b.update_parameters(t)
-                if self._imposed is None or not condensed:
+                if b.holds_rates:
+                    self._held_rates[1][0] = c[0]
+                    b.jacobian(*b.matrix_head, *self._held_head, b.values_at)
+                elif self._imposed is None or not condensed:
                     b.jacobian(*b.matrix_head, *state, b.values_at)
                 else:
                     self._jacobian_with_imposed_rates(b, state)

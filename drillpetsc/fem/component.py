@@ -293,6 +293,12 @@ class Component:
     def release_sliding_direction(self) -> None:
         """Let friction follow the actual motion."""
 
+    def follow_overdamped_motion(self, speed: float, slip: float) -> None:
+        """Let friction follow the actual motion plus ``speed`` [m/s, down] along the hole; no damping.
+
+        slip: velocity that rounds off Coulomb's law [m/s].
+        """
+
     def impose_drilling(self, axial: float, spin: float, side: float = 1.0) -> None:
         """As ``impose_sliding_direction``, while a bit that cuts advances without inertia."""
         self.impose_sliding_direction(axial, spin, side)

@@ -179,6 +179,14 @@ STATICS: tuple[SummaryKey, ...] = (
     SummaryKey(
         "buckling.helical", "", "Measured depths (from, to) between which the string coils [m].", STRING
     ),
+    SummaryKey("path", "", "Question that a path answered: 'sliding' or 'slack_off'.", CONTACT),
+    SummaryKey(
+        "path_states",
+        "",
+        "List, one entry a path: start, hook_load [N], wob [N], negative_pivots, change of the transmitted force over "
+        "the push, slid [m], steps, iterations; the first is the state of the table.",
+        CONTACT,
+    ),
     SummaryKey("warnings", "", "What the user should know.", STRING),
     SummaryKey(
         "rigid_items",

@@ -141,6 +141,7 @@ class Contact(WallContact):
         self.impact_depth = impact_depth(
             law, float(mesh.mass @ mesh.length) / length, length / len(mesh.length)
         )  # of the mean string
+        self._damping = damping_factor(law.restitution, law.restitution_speed)
         self._laws: list[Any] = []
         self._keep: list[np.ndarray] = []
 
@@ -156,7 +157,7 @@ class Contact(WallContact):
             well=pointer(self._packed),
             stiffness=law.stiffness,
             exponent=1.0 if law.law == "linear" else 1.5,
-            damping=damping_factor(law.restitution, law.restitution_speed),
+            damping=self._damping,
             slip=law.slip_velocity,
             extra=law.static_ratio - 1.0,
             decay=law.stribeck_speed,
@@ -293,6 +294,7 @@ class Contact(WallContact):
         """
         for record in self._laws:
             record.imposed, record.axial, record.spin, record.side = 1.0, axial, spin, side
+            record.slip, record.damping = self.law.slip_velocity, self._damping
 
     def copy_sliding_direction(self, other: Contact) -> None:
         """Copy the sliding direction that statics imposed on the contact of another model."""
@@ -305,7 +307,19 @@ class Contact(WallContact):
     def release_sliding_direction(self) -> None:
         """Let friction follow the actual motion."""
         for record in self._laws:
-            record.imposed = 0.0
+            record.imposed = record.axial = 0.0
+            record.slip, record.damping = self.law.slip_velocity, self._damping
+
+    def follow_overdamped_motion(self, speed: float, slip: float) -> None:
+        """Let friction follow the actual motion past a moving hole; the wall has no damping.
+
+        Manual: sec-statics-path.
+
+        speed: that of the string along the hole [m/s], down positive, to which its own velocities add.
+        slip: velocity that rounds off Coulomb's law [m/s].
+        """
+        for record in self._laws:
+            record.imposed, record.axial, record.slip, record.damping = 0.0, speed, slip, 0.0
 
     def set_stiffness(self, factor: float) -> None:
         """Scale the stiffness by ``factor`` [-] (continuation in statics; manual: sec-contact-continuation)."""

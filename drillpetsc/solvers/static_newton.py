@@ -113,61 +113,19 @@ class StaticNewton:
         self.move_top: Callable[[float], None] | None = None
         self.rates: FloatArray | None = None
         self._owned = system.owned_index >= 0
-        self._entries = self._shift_entries()
+        self._entries = diagonal_blocks(system, ("string.position", "string.tangent"))
         self._top_rows = next(
             (f for f in system.assembly.row_replacements if f.owned and f.condition.vertex == 0), None
         )
 
-    def _shift_entries(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Find the matrix entries to which the shift M is added (manual: eq-statics-shift).
-
-        M is a lateral spring at each node: h (I - t t^T) for positions and h^3/100 (I - t t^T) for slopes.
-        Returns for position and for slope: owned vertices (k,), each once, and entries (k, 3, 3) of a
-        diagonal block.
-        """
-        system, asm = self.system, self.system.assembly
-        chain, out = system.chain, []
-        for name in ("string.position", "string.tangent"):
-            vertex = np.full(system.layout.size + 1, -1)
-            first = system.layout.dofs[name][:, 0]
-            chosen = (first >= 0) & chain.owned
-            vertex[first[chosen]] = np.flatnonzero(chosen)
-            # vertex, first entry of its diagonal block, and width of the element's matrix
-            found = [np.zeros((0, 3), dtype=int)]
-            for item in asm.bound_blocks:
-                element, slot = np.nonzero(vertex[item.index] >= 0)
-                first = item.span.start + element * item.width**2 + slot * (item.width + 1)
-                at = vertex[item.index[element, slot]]
-                found.append(np.column_stack([at, first, np.full(len(at), item.width)]))
-            rows = np.concatenate(found)
-            vertices, once = np.unique(rows[:, 0], return_index=True)
-            _, corner, width = rows[once].T
-            k = np.arange(3)
-            out.append((vertices, corner[:, None, None] + k[:, None] * width[:, None, None] + k))
-        return out
-
-    def _node_size(self) -> FloatArray:
-        """Compute the length [m] (nv,) that belongs to each local node: half of both neighbouring elements."""
-        mesh = self.system.mesh
-        size = np.zeros(mesh.nodes)
-        np.add.at(size, np.arange(mesh.nodes - 1), 0.5 * mesh.length)
-        np.add.at(size, np.arange(1, mesh.nodes), 0.5 * mesh.length)
-        return size[self.system.chain.vertices]
-
     # ------------------------------------------------------------------ pieces
     def sum(self, value: float) -> float:
         """Sum ``value`` over all ranks; collective."""
-        return value if self.system.comm.size == 1 else float(self.system.comm.tompi4py().allreduce(value))
+        return sum_of(self.system, value)
 
     def largest(self, value: float) -> float:
         """Largest ``value`` of all ranks; collective."""
-        from mpi4py import MPI
-
-        return (
-            value
-            if self.system.comm.size == 1
-            else float(self.system.comm.tompi4py().allreduce(value, op=MPI.MAX))
-        )
+        return largest_of(self.system, value)
 
     def rows(self) -> FloatArray:
         """Compute the residual (n,) at rest or in the steady motion ``rates``, summed over ranks; collective.
@@ -240,7 +198,7 @@ class StaticNewton:
         if sigma:
             v = self.system.field("string.tangent")
             along = v[:, :, None] * v[:, None, :] / np.sum(v * v, axis=1)[:, None, None]
-            h = self._node_size()
+            h = nodal_length(self.system)
             for (vertices, entries), scale, share in zip(
                 self._entries, (h, h**3 / 100), (AXIAL_SHIFT, 0.0), strict=True
             ):
@@ -548,6 +506,55 @@ class StaticNewton:
     def add_imperfection(self, size: FloatArray) -> None:
         """Add persistent random lateral loads, see ``lateral_loads``, as the assembly's dead load."""
         self.system.assembly.dead_load = lateral_loads(self.system, size)
+
+
+def sum_of(system: DiscreteSystem, value: float) -> float:
+    """Sum ``value`` over all ranks; collective."""
+    return value if system.comm.size == 1 else float(system.comm.tompi4py().allreduce(value))
+
+
+def largest_of(system: DiscreteSystem, value: float) -> float:
+    """Largest ``value`` of all ranks; collective."""
+    from mpi4py import MPI
+
+    return value if system.comm.size == 1 else float(system.comm.tompi4py().allreduce(value, op=MPI.MAX))
+
+
+def nodal_length(system: DiscreteSystem) -> FloatArray:
+    """Compute the length [m] (nv,) that belongs to each local node: half of both neighbouring elements."""
+    mesh = system.mesh
+    size = np.zeros(mesh.nodes)
+    np.add.at(size, np.arange(mesh.nodes - 1), 0.5 * mesh.length)
+    np.add.at(size, np.arange(1, mesh.nodes), 0.5 * mesh.length)
+    return size[system.chain.vertices]
+
+
+def diagonal_blocks(system: DiscreteSystem, fields: tuple[str, ...]) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Find the matrix entries of the diagonal blocks of nodal ``fields``.
+
+    Returns for each field: owned vertices (k,), each once, and the places (k, d, d) in ``Assembly.values`` of one
+    element's entries, for fields of d components.
+    """
+    asm = system.assembly
+    chain, out = system.chain, []
+    for name in fields:
+        dofs = system.layout.dofs[name]
+        vertex, first = np.full(system.layout.size + 1, -1), dofs[:, 0]
+        chosen = (first >= 0) & chain.owned
+        vertex[first[chosen]] = np.flatnonzero(chosen)
+        # vertex, first entry of its diagonal block, and width of the element's matrix
+        found = [np.zeros((0, 3), dtype=int)]
+        for item in asm.bound_blocks:
+            element, slot = np.nonzero(vertex[item.index] >= 0)
+            corner = item.span.start + element * item.width**2 + slot * (item.width + 1)
+            at = vertex[item.index[element, slot]]
+            found.append(np.column_stack([at, corner, np.full(len(at), item.width)]))
+        rows = np.concatenate(found)
+        vertices, once = np.unique(rows[:, 0], return_index=True)
+        _, corner, width = rows[once].T
+        k = np.arange(dofs.shape[1])
+        out.append((vertices, corner[:, None, None] + k[:, None] * width[:, None, None] + k))
+    return out
 
 
 def lateral_loads(system: DiscreteSystem, size: FloatArray, seed: int = 1) -> FloatArray:

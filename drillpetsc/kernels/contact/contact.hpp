@@ -18,7 +18,8 @@ DP_RECORD(ContactLaw,
     double slip;                  // velocity that rounds off Coulomb friction [m/s]
     double extra, decay;          // Stribeck: mu_s/mu_k - 1 and velocity [m/s]
     double imposed;               // 1: sliding direction given (statics), 0: from the motion
-    double axial, spin;           // imposed motion of the pipe: velocity along [m/s], spin [rad/s]; only the direction counts
+    double axial, spin;           // imposed motion of the pipe: velocity along [m/s], spin [rad/s]; only the direction counts.  Not
+                                  // imposed: axial velocity of the pipe along a hole that passes by
     double side;                  // imposed: share of the friction across the pipe that pushes it sideways (its torque always acts)
     int per_point, points;        // hertz_point; points per element
     const double* at;             // (points, 2) place in the element 0..1 and weight
@@ -92,7 +93,7 @@ inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, con
         if (results) results->friction_power = 0;
     } else {
         const Vec<T> surface = u + cross(turning, h.n) * R;
-        const T va = dot(surface, h.t), vb = dot(surface, around), v2 = va * va + vb * vb;
+        const T va = dot(surface, h.t) + law.axial, vb = dot(surface, around), v2 = va * va + vb * vb;
         const T speed = sqrt(v2 + law.slip * law.slip);
         T mu = mu0;
         if (law.extra != 0) mu = mu0 * (1.0 + law.extra * exp(-v2 / (law.decay * law.decay)));

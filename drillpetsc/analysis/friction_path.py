@@ -1,0 +1,492 @@
+"""Static states of buckled strings with friction: the end of a path on which the string is loaded and slides.
+
+Manual: sec-statics-path.  With friction a buckled string has many states; which one it is depends on its history.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from drillpetsc.analysis.energy_descent import Snapshot, newton_with_stiffening, nodal_weight
+from drillpetsc.analysis.march import march
+from drillpetsc.analysis.placement import place_along_hole, top_depth
+from drillpetsc.analysis.soft_string_start import place_marched
+from drillpetsc.analysis.steady_flow import fluid_unknowns, steady_flow
+from drillpetsc.arrays import FloatArray
+from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.solvers.overdamped import Drag, OverdampedMotion
+from drillpetsc.solvers.static_newton import Advance, Equilibrium, StaticNewton, lateral_loads, sum_of
+
+PathKind = Literal["sliding", "slack_off"]
+SEED = 1e-3  # random side loads, as a share of the weight
+SPEED = 1.0  # of the string past the hole while it slides [m/s]
+SETTLE, HOLD, START = 0.5, 0.5, 1.0  # times of: the string lies down; its load stays; it begins to slide [s]
+OVERLOAD = 1.3  # load from which the second path comes back, over the load
+SLIDE, LONGEST_SLIDE = 30.0, 60.0  # distance that the string slides [m]
+LONGEST_STEP = 0.4  # distance that it slides in one step [m]; longer implicit steps damp a growing buckle
+SLIP_SHARE = 5e-3  # rounding velocity over that of the top, where the push is given
+LIFT = 0.2  # height of the bit over the bottom from which the string is slacked off [m]
+LOWERING = 0.2  # speed at which the top is lowered onto the bit that stands [m/s]
+MOST_LOWERING = 3.0  # largest way of the top in the hole, over the shortening of a straight string
+WEIGHT_TOLERANCE = 1e-3  # of the weight on bit, over the weight, where the lowering ends
+STEADY = 2e-3  # largest change of the transmitted force from quarter to quarter of the slide, over the push
+FIRST_STEP, SHORTEST_STEP = 1e-3, 1e-9  # [s]
+MOST_STEPS = 4000
+FLOW_STEPS = 10  # steps after which the steady flow is solved again
+FREE_BIT = 1e-3  # weight on the spring in place of a bit that carries a given force [N]
+LEAST_WEIGHT = 1.0  # on the bit before it is loaded [N]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Artificial constants of a path.
+
+    ramp: time in which the load rises [s]; slip: velocity that rounds off Coulomb's law [m/s].
+    drag: across the hole [N s/m2]; along: its share along the hole [-].
+    """
+
+    ramp: float
+    slip: float
+    drag: float
+    along: float
+
+
+#: slack-off is slow against drag and friction's creep (docs: sec-statics-path has the figures)
+SETTINGS = {
+    "sliding": Settings(ramp=1.0, slip=0.01 * SPEED, drag=1000.0, along=0.03),
+    "slack_off": Settings(ramp=4.0, slip=1e-3, drag=300.0, along=1e-3),
+}
+
+
+@dataclass(frozen=True)
+class PathEnd:
+    """End of one path; its state is in the model's system.
+
+    start: ``straight`` or ``overload``.
+    hook_load, wob: forces at both ends [N].
+    negative_pivots: of the stiffness with friction as a dead load; above 0 friction alone holds the state.
+    change: of the transmitted force from the first to the second half of the slide, over the push [-].
+    slid: distance [m]; steps, iterations: of the path.
+    """
+
+    start: str
+    hook_load: float
+    wob: float
+    negative_pivots: int
+    change: float
+    slid: float
+    steps: int
+    iterations: int
+
+    @property
+    def steady(self) -> bool:
+        """Whether the transmitted force has settled."""
+        return self.change <= STEADY
+
+
+@dataclass(frozen=True)
+class PathAnswer:
+    """Answer to one question about a buckled string with friction.
+
+    kind: the question.  ends: of the paths, that of the state in the system first.
+    persistent_load: (n,) random side loads that led the string off its axis [N].
+    force_given: the top's force is given, and the weight on bit follows; else the hook load follows.
+    failed: (start, reason) of paths without an end.
+    """
+
+    kind: PathKind
+    ends: tuple[PathEnd, ...]
+    persistent_load: FloatArray
+    force_given: bool
+    failed: tuple[tuple[str, str], ...] = ()
+
+    def as_dict(self) -> dict[str, Any]:
+        """Entries of summary.json."""
+        return {"path": self.kind, "path_states": [asdict(end) for end in self.ends]}
+
+    def lines(self) -> list[str]:
+        """Sentences for the user."""
+        name, what = ("wob", "weight on bit") if self.force_given else ("hook_load", "hook load")
+        values = [getattr(end, name) for end in self.ends]
+        if self.kind == "slack_off":
+            out = [
+                "question answered: slack-off on a bit that stands; the string was run in, then lowered "
+                "(--path sliding: steady sliding)"
+            ]
+        else:
+            out = [
+                "question answered: steady sliding, the whole string moves along the hole "
+                "(--path slack_off: it is lowered onto a bit that stands)"
+            ]
+            if len(values) > 1:
+                out.append(
+                    f"{what} between {min(values):.5g} and {max(values):.5g} N: {values[0]:.5g} N from a straight "
+                    f"string, {values[1]:.5g} N after an overload of {OVERLOAD:g}; the table is the first"
+                )
+            for end in self.ends:
+                if not end.steady:
+                    out.append(
+                        f"the state from the {end.start} start still changes: {what} by {100 * end.change:.2g} % of the "
+                        f"push over the last {end.slid / 4:.3g} m of {end.slid:.3g} m"
+                    )
+        if self.ends[0].negative_pivots:
+            out.append(
+                f"held by friction only: without it the state has {self.ends[0].negative_pivots} unstable directions"
+            )
+        return out + [f"no state from the {start} start: {why}" for start, why in self.failed]
+
+
+class FrictionPath:
+    """Paths of one model.
+
+    kind: the question.
+    solver: its static solver, with the weight on bit as its constraint where one is given.
+    sign: direction of the motion along the hole, 1 down and -1 up.
+    clearance: (n_nodes,) [m]; advance: as for ``OverdampedMotion``.
+    surge: (n+1,) rates of the steady motion that the mud sees [SI of each field per second]; None: at rest.
+    """
+
+    def __init__(
+        self,
+        model: DrillingModel,
+        kind: PathKind,
+        solver: StaticNewton,
+        sign: float,
+        clearance: FloatArray,
+        advance: Advance,
+        surge: FloatArray | None = None,
+    ):
+        assert model.well is not None
+        self.model, self.kind, self.solver, self.sign = model, kind, solver, sign
+        self.settings, self._surge = SETTINGS[kind], surge
+        self.components = [r for r in (model.contact, model.bit) if r is not None]
+        tangent = np.asarray(model.well.at(model.mesh.node_depth + top_depth(model))[1])
+        drag = Drag(self.settings.drag, self.settings.along, tangent)
+        self.motion = OverdampedMotion(model.system, drag, clearance, advance)
+        self._tangent = tangent
+        if kind == "slack_off" and model.case.top.force is not None:
+            mesh, force = model.mesh, abs(model.case.top.force.value(0.0))
+            pipe = ~mesh.is_joint
+            speed = force * float(np.sum(mesh.length[pipe] / mesh.axial_stiffness[pipe])) / self.settings.ramp
+            self.settings = replace(self.settings, slip=min(self.settings.slip, SLIP_SHARE * speed))
+        self._wob = model.case.initial.wob if solver.depth is not None else None
+        self.seeds = lateral_loads(model.system, SEED * nodal_weight(model))
+        self._push = self._top_force()
+        self._anchor = None if model.top is None else model.top.anchor.copy()
+        self.steps = 0
+
+    def _top_force(self) -> FloatArray:
+        """Force (n,) of the top on the string by the local unknowns [N]; zero where its position is given."""
+        model = self.model
+        out, force = np.zeros(model.system.layout.size), model.case.top.force
+        if force is not None:
+            chain = model.system.chain
+            here = np.flatnonzero(chain.owned & (chain.vertices == 0))
+            dofs = model.system.layout.dofs["string.position"][here]
+            out[dofs] = -force.value(0.0) * model.tangent[0]
+        return out
+
+    def _set_load(self, share: float) -> None:
+        """Let ``share`` of the top's force, and of the weight on a bit that does not stand, act."""
+        asm = self.model.system.assembly
+        asm.dead_load = self.seeds + (share - 1.0) * self._push
+        if self._wob is not None and self.kind == "sliding":
+            assert self.model.bit is not None
+            _, gradient = self.model.bit.depth_of_face(asm)
+            asm.dead_load -= share * self._wob * gradient
+
+    def _friction(self, speed: float) -> None:
+        for component in self.components:
+            component.follow_overdamped_motion(speed, self.settings.slip)
+
+    # ------------------------------------------------------------------ path
+    def follow(self, start: str) -> PathEnd:
+        """Load the string, let it slide where that is the question, and close on the state it reaches; collective.
+
+        start: ``straight``, the load rises to its value, or ``overload``, it comes back from ``OVERLOAD`` of it.
+        Raises SolveError where a step collapses.
+        """
+        model, self.steps, self.motion.iterations = self.model, 0, 0
+        if model.top is not None:
+            model.top.anchor[:] = self._anchor
+        place_along_hole(model, top_depth(model))
+        straight = march(model, (self.sign, 0.0), coils=False, wob=LEAST_WEIGHT)
+        assert straight is not None
+        if self._wob is not None:
+            place_marched(model, straight)
+        elif model.top is not None and straight.top_on_wall:  # unstrained on the wall
+            model.top.displace(straight.offset[0])
+            model.system.set_field("string.position", model.position + straight.offset)
+        slid, change = 0.0, 0.0
+        asm = model.system.assembly
+        if model.fluid is not None:
+            asm.hold_rates(fluid_unknowns(model.system), self._surge)
+        try:
+            with self._free_bit() if self.kind == "sliding" else nullcontext():
+                if self.kind == "sliding":
+                    slid, change = self._slide(OVERLOAD if start == "overload" else 1.0)
+                else:
+                    self._slack_off(straight.usual_contact_force)
+                if model.fluid is not None:
+                    self._renew_flow()
+                held = self._held()
+        finally:
+            asm.hold_rates(None)
+        negative = self._close(held)
+        hook, wob = self._end_forces()
+        return PathEnd(start, hook, wob, negative, change, slid, self.steps, self.motion.iterations)
+
+    def _free_bit(self):
+        """Meanwhile a bit with a given weight stands on nothing: the weight is a dead load."""
+        if self._wob is None:
+            return nullcontext()
+        assert self.model.bit is not None
+        return self.model.bit.preloaded(FREE_BIT, 1.0)
+
+    def _ramp(self, low: float, high: float) -> None:
+        """Change the load from ``low`` to ``high``, shares of its value, and hold it."""
+        ramp = self.settings.ramp
+        self._advance(ramp, lambda t: low + (high - low) * t / ramp, ramp / 20)
+        self._advance(HOLD, lambda t: high, ramp / 20)
+
+    def _slide(self, peak: float) -> tuple[float, float]:
+        """Let the string slide under its load; returns the distance [m] and the change of what it transmits."""
+        # under a given top force the string slides once the load exceeds what friction carries off
+        speed = self.sign * SPEED
+        self._friction(speed if self._wob is not None else 0.0)
+        self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
+        self._ramp(0.0, 1.0)
+        if self._wob is None:
+            self._advance(START, lambda t: 1.0, START / 20, past=lambda t: speed * t / START)
+        if peak > 1.0:
+            self._ramp(1.0, peak)
+            self._ramp(peak, 1.0)
+        slid, change, log = 0.0, np.inf, []
+        while slid < LONGEST_SLIDE - 1e-9 and change > STEADY:
+            part = self._advance(SLIDE / SPEED, lambda t: 1.0, LONGEST_STEP / SPEED, bit_to_bottom=True)
+            log += [(slid + SPEED * t, force) for t, force in part]
+            slid += SLIDE
+            change = self._change(log)
+        return slid, change
+
+    def _slack_off(self, contact_force: float) -> None:
+        """Lower the top onto the bit that stands, or raise the top's force.
+
+        contact_force: usual one of the start [N/m].
+        """
+        if self._wob is None:
+            self._friction(0.0)
+            self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
+            ramp = self.settings.ramp  # the load is not held: friction would creep
+            self._advance(ramp, lambda t: t / ramp, ramp / 20)
+            return
+        model, system = self.model, self.model.system
+        assert model.top is not None
+        dofs = system.layout.dofs["string.position"]
+        system.assembly.x[dofs] -= LIFT * self._tangent[system.chain.vertices]
+        model.top.shift(-LIFT)
+        self._hang(contact_force)
+        self._friction(0.0)
+        self._lower(self._wob)
+
+    def _hang(self, contact_force: float) -> None:
+        """Find the equilibrium of the string that is run in, its bit above the bottom.
+
+        contact_force: usual one of the start [N/m].
+        """
+        solver, depth = self.solver, self.solver.depth
+        for component in self.components:
+            component.impose_sliding_direction(1.0, 0.0)
+        solver.depth = None
+        try:
+            newton_with_stiffening(self.model, solver, Equilibrium(), contact_force)
+        finally:
+            solver.depth = depth
+
+    def _lower(self, target: float) -> None:
+        """Lower the top until the bit carries ``target`` [N]; raises SolveError where it does not."""
+        mesh = self.model.mesh
+        pipe = ~mesh.is_joint
+        straight = target * float(np.sum(mesh.length[pipe] / mesh.axial_stiffness[pipe]))
+        way = LIFT + MOST_LOWERING * straight + 1.0
+        log = self._advance(way / LOWERING, lambda t: 1.0, 0.02 / LOWERING, speed=LOWERING, target=target)
+        wob = self._end_forces()[1]
+        if abs(wob - target) > 10 * WEIGHT_TOLERANCE * target:
+            raise SolveError(
+                f"locked up: the bit carries {wob:.4g} N after the top was lowered by {log[-1][0] * LOWERING:.3g} m, "
+                f"not {target:.4g} N; friction takes the rest",
+                hint="less weight, less friction, rotation, or a stiffer string",
+            )
+
+    def _advance(
+        self,
+        duration: float,
+        load: Callable[[float], float],
+        longest: float,
+        speed: float = 0.0,
+        target: float | None = None,
+        bit_to_bottom: bool = False,
+        past: Callable[[float], float] | None = None,
+    ) -> list[tuple[float, float]]:
+        """Advance by ``duration`` [s] under ``load(t)`` with steps of ``longest`` [s] at most.
+
+        speed: of the top [m/s, down]; target: weight on bit [N] at which the advance ends.
+        bit_to_bottom: the top moves so that the free bit comes to where it carries its weight.
+        past(t): speed of the string past the hole [m/s]; None: it does not change.
+        Returns (time, transmitted force) after each step.  Raises SolveError where the steps collapse.
+        """
+        model, system = self.model, self.model.system
+        asm, n, top = system.assembly, system.layout.size, model.top
+        t, dt, last, last_dt, log = 0.0, FIRST_STEP, None, 1.0, [(0.0, self._transmitted())]
+        if speed:  # friction is that of a string that moves with its top
+            last = np.zeros(n)
+            last[system.layout.dofs["string.position"]] = speed * self._tangent[system.chain.vertices]
+        while t < duration - 1e-9:
+            d = min(dt, longest, duration - t)
+            d = duration - t if d > 0.9 * (duration - t) else d
+            before, moved = Snapshot(model), speed * d
+            if bit_to_bottom and self._wob is not None:
+                moved = self._miss() * min(1.0, d)
+            self._set_load(load(t + d))
+            if past is not None:
+                self._friction(past(t + d))
+            guess = last * (d / last_dt) if last is not None and d <= 2 * last_dt else None
+            iterations = None
+            for first in (guess, None) if guess is not None else (None,):
+                before.restore()
+                if moved and top is not None:
+                    top.shift(moved)
+                iterations = self.motion.step(d, first)
+                if iterations is not None:
+                    break
+            wob = self._end_forces()[1] if target and iterations is not None else 0.0
+            beyond = target is not None and wob > (1 + WEIGHT_TOLERANCE) * target
+            if iterations is None or beyond:
+                before.restore()
+                dt, last = d / (2 if beyond else 4), (last if beyond else None)
+                if dt < SHORTEST_STEP:
+                    raise SolveError(
+                        "the path of the buckled string ends: its steps collapse",
+                        hint="shorter elements, or a smaller load",
+                        **system.locate_largest_residual(0.0),
+                    )
+                continue
+            t, last, last_dt = t + d, asm.x[:n] - before.x[:n], d
+            self.steps += 1
+            if model.fluid is not None and self.steps % FLOW_STEPS == 0:
+                self._renew_flow()
+            log.append((t, self._transmitted()))
+            if target is not None and wob >= (1 - WEIGHT_TOLERANCE) * target:
+                break
+            if self.steps > MOST_STEPS:
+                raise SolveError(f"the path of the buckled string did not end in {MOST_STEPS} steps")
+            factor = 2.0 if iterations <= 6 else 1.5 if iterations <= 10 else 1.0 if iterations <= 18 else 0.7
+            if d >= 0.5 * min(dt, longest):
+                dt = min(d * factor, longest)
+        return log
+
+    def _renew_flow(self) -> None:
+        """Solve for the steady flow about the present string, and freeze it."""
+        system, rates = self.model.system, self.model.system.assembly.y
+        before = rates.copy()
+        rates[:] = 0.0 if self._surge is None else self._surge
+        fluid = fluid_unknowns(system)
+        system.assembly.hold_rates(None)
+        steady_flow(system, 0.0)
+        system.assembly.freeze(fluid)
+        system.assembly.hold_rates(fluid, self._surge)
+        rates[:] = before
+
+    def _miss(self) -> float:
+        """Distance [m] from the bit's face to the depth at which it carries its weight."""
+        bit = self.model.bit
+        assert bit is not None and self._wob is not None
+        with_spring = bit.depth_of_face(self.model.system.assembly)[0]
+        return bit.depth_for(self._wob) - sum_of(self.model.system, with_spring)
+
+    def _transmitted(self) -> float:
+        """Force that depends on the path: the weight on bit under a given top force, else the hook load [N]."""
+        hook, wob = self._end_forces()
+        return wob if self.model.case.top.force is not None else hook
+
+    def _end_forces(self) -> tuple[float, float]:
+        """Hook load and weight on bit [N]."""
+        model, force = self.model, self.model.case.top.force
+        hook = force.value(0.0) if force is not None else -model.system.reaction("top.axial_reaction")
+        wob = model.bit.weight_and_torque(model.system.assembly)[0] if model.bit is not None else 0.0
+        return float(hook), sum_of(model.system, wob)
+
+    def _change(self, log: list[tuple[float, float]]) -> float:
+        """Change of the mean transmitted force from the third to the last quarter of ``log``, over the push."""
+        t, force = np.array(log).T
+        step = np.diff(np.concatenate([[0.0], t]))
+        end, means = t[-1], []
+        for low, high in ((0.5, 0.75), (0.75, 1.0)):
+            there = (t > low * end) & (t <= high * end + 1e-9)
+            means.append(float(np.average(force[there], weights=step[there])))
+        case = self.model.case
+        push = abs(case.top.force.value(0.0)) if case.top.force is not None else case.initial.wob or 1.0
+        return abs(means[1] - means[0]) / push
+
+    # ------------------------------------------------------------------ closing
+    def _held(self) -> FloatArray:
+        """Forces (n,) of friction and drag at the end of a path, by the local unknowns; sets friction aside."""
+        for component in self.components:
+            component.impose_sliding_direction(0.0, 0.0)
+        held = self.solver.rows()
+        for f in self.model.system.assembly.row_replacements:
+            held[f.rows] = f.complement @ held[f.rows]
+        return held
+
+    def _close(self, held: FloatArray) -> int:
+        """Make the state an equilibrium with ``held`` as the assembly's dead load; returns its negative pivots."""
+        asm, solver = self.model.system.assembly, self.solver
+        asm.dead_load = self.seeds + held
+        solver.newton_damped(Equilibrium())
+        return solver.negative_pivots()
+
+
+def follow_paths(path: FrictionPath, starts: tuple[str, ...]) -> PathAnswer:
+    """Follow a path from each of ``starts``; the system is left in the state of the first; collective.
+
+    Raises SolveError where the first has no end.
+    """
+    ends, failed = [], []
+    for start in starts[:0:-1]:  # the first one last, so that its state stays
+        try:
+            ends.append(path.follow(start))
+        except SolveError as error:
+            failed.append((start, str(error).splitlines()[0]))
+    ends.append(path.follow(starts[0]))
+    force_given = path.model.case.top.force is not None
+    return PathAnswer(path.kind, tuple(ends[::-1]), path.seeds, force_given, tuple(failed))
+
+
+def has_path(model: DrillingModel, motion: tuple[float, float]) -> bool:
+    """Whether a path of steady sliding has a meaning for ``model`` and ``motion``."""
+    try:
+        refuse_path(model, motion, "sliding")
+    except CaseError:
+        return False
+    return True
+
+
+def refuse_path(model: DrillingModel, motion: tuple[float, float], got: str) -> None:
+    """Raise CaseError where a path has no meaning for ``model`` and ``motion``."""
+    at = "--path"
+    if got == "slack_off" and motion[0] < 0:
+        raise CaseError(at=at, got=got, want="a string that is lowered (--motion lower)")
+    if model.contact is None or model.well is None or model.beam is None:
+        raise CaseError(at=at, got=got, want="a string in a hole with contact")
+    if motion[1] or not motion[0]:
+        raise CaseError(
+            at=at, got=got, want="a string that slides and does not turn (--motion hoist or lower)"
+        )
+    if model.case.top.force is None and model.case.initial.wob is None:
+        raise CaseError(at=at, got=got, want="a push: initial.wob, or a force of the top")

@@ -1,0 +1,111 @@
+"""Buckled strings with friction: states at the end of a path (manual: sec-statics-path)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from drillpetsc import Case, run, statics
+from drillpetsc.errors import CaseError
+from tests.verification.test_statics_report import BENDING, CLEARANCE, PIPE, WEIGHT, pushed, straight
+
+FRICTION = 0.25
+
+
+def transmitted(force: float, length: float, threshold: float | None) -> float:
+    """Push [N] at the lower end of a pipe in a level hole; ``threshold``: of the helix over the sinusoidal load.
+
+    Without helix the wall carries the weight; in a helix it carries r F^2/4EI (Lubinski, Althouse and Logan, JPT
+    14(6), 1962), and the weight averages out over a turn.
+    """
+    sinusoidal = 2 * np.sqrt(BENDING * WEIGHT / CLEARANCE)
+    step = 0.1
+    for _ in range(round(length / step)):
+        helix = threshold is not None and force > threshold * sinusoidal
+        wall = CLEARANCE * force**2 / (4 * BENDING) if helix else WEIGHT
+        force -= FRICTION * wall * step
+    return force
+
+
+def level(force: float, **keys) -> Case:
+    case = {"well": straight(90.0, 300.0, FRICTION), **keys}
+    return pushed(force, element=3.0, **case)
+
+
+@pytest.mark.parametrize("path", ["sliding", "slack_off"])
+def test_a_straight_string_transmits_its_push_less_the_friction_of_its_weight(path, tmp_path) -> None:
+    """Below the sinusoidal load of 163 kN: F - mu w L."""
+    result = statics(level(120e3), tmp_path / "out", motion="lower", path=path)
+    summary = result.summary
+    # the seeds take 0.1 % of the weight; axial drag and friction's rounding another
+    expected = transmitted(120e3, 300.0, None)
+    assert summary["wob"] == pytest.approx(expected, abs=2e-3 * 120e3)
+    assert summary["path"] == path and summary["path_states"][0]["wob"] == pytest.approx(summary["wob"])
+    assert any("question answered" in w for w in summary["warnings"])
+
+
+def test_a_helix_transmits_what_theory_allows(tmp_path) -> None:
+    """Between the thresholds 1.41 (the largest wall force) and 1.83 of the helix (Chen 1990; Wu 1992); the same from
+    twice the load. Newton's method finds no state here, so that statics follows the path by itself.
+    """
+    result = statics(level(450e3), tmp_path / "out", motion="lower")
+    low, high = (transmitted(450e3, 300.0, k) for k in (np.sqrt(2), 1.83))
+    states = result.summary["path_states"]
+    assert [q["start"] for q in states] == ["straight", "overload"]
+    for state in states:
+        assert 0.97 * low < state["wob"] < 1.03 * high
+    assert result.summary["wob"] == pytest.approx(states[0]["wob"], rel=1e-9)
+    assert result.summary["buckling"]["helical"]
+
+
+def test_a_string_lowered_onto_a_bit_that_stands_transmits_more(tmp_path) -> None:
+    """Near the bit nothing slides, and friction holds the string across the hole."""
+    sliding = statics(level(350e3), tmp_path / "a", motion="lower", path="sliding").summary["wob"]
+    lowered = statics(level(350e3), tmp_path / "b", motion="lower", path="slack_off").summary["wob"]
+    assert sliding < lowered < transmitted(350e3, 300.0, None) * 1.005
+
+
+@pytest.mark.parametrize("path", ["sliding", "slack_off"])
+def test_the_weight_on_bit_is_met(path, tmp_path) -> None:
+    """An inclined straight hole: hook load = w L cos i - wob - mu w L sin i below the buckling load."""
+    wob, length, angle = 60e3, 400.0, np.radians(45)
+    case = Case(
+        well=straight(45.0, length, FRICTION),
+        string=[{**PIPE, "length": length, "element_length": 5.0}],
+        top={"kind": "top_drive", "lowering": 0.1},
+        bottom={"kind": "bit", "friction": 0},
+        gravity=9.81,
+        initial={"from": "statics", "wob": wob},
+    )
+    summary = statics(case, tmp_path / "out", path=path).summary
+    weight = WEIGHT * length
+    expected = weight * np.cos(angle) - wob - FRICTION * weight * np.sin(angle)
+    assert summary["wob"] == pytest.approx(wob, rel=1e-3)
+    assert summary["hook_load"] == pytest.approx(expected, abs=3e-3 * weight)
+
+
+@pytest.mark.parametrize(
+    ("motion", "path", "keys", "want"),
+    [
+        ("rotate", "sliding", {}, "does not turn"),
+        ("hoist", "slack_off", {}, "lowered"),
+        ("lower", "sliding", {"top": {"kind": "top_drive"}}, "push"),
+        ("lower", "slack_off", {"contact": "none"}, "contact"),
+    ],
+)
+def test_a_path_that_has_no_meaning_is_refused(motion, path, keys, want, tmp_path) -> None:
+    with pytest.raises(CaseError, match=want):
+        statics(level(100e3, **keys), tmp_path / "out", motion=motion, path=path)
+    assert not (tmp_path / "out" / "statics.csv").exists()
+
+
+def test_a_run_starts_from_the_end_of_a_path(tmp_path) -> None:
+    """Friction of the path is not kept as a load: a string on which the push falls to nothing moves back."""
+    case = level(
+        450e3,
+        initial={"from": "statics"},
+        time={"end": 0.02},
+        top={"kind": "top_drive", "force": -450e3, "rotation": 0.0},
+    )
+    result = run(case, tmp_path / "out")
+    assert result.summary["status"] == "done"
