@@ -14,7 +14,7 @@ from drillpetsc.time_function import Constant, TimeFunction
 Consistency = Annotated[float, Quantity("Pa s^n", above=0, at_most=1e3)]
 Viscosity = Annotated[float, Quantity("Pa s", at_least=0, at_most=1e3)]
 PlasticViscosity = Annotated[float, Quantity("Pa s", above=0, at_most=1e3)]
-YieldStress = Annotated[float, Quantity("Pa", at_least=0, at_most=1e4)]
+YieldStress = Annotated[float, Quantity("Pa", at_least=0, at_most=1e4, kind="yield_point")]
 FlowIndex = Annotated[float, Quantity("", above=0, at_most=2)]
 
 _STRESS = "shear stress = "
@@ -30,7 +30,7 @@ class Rheology(Block):
         description="friction in pipe and annulus: blend: one smooth formula from laminar to turbulent flow; "
         "api: API form with Metzner-Reed Reynolds number and straight transition; exact: laminar profile integrated",
     )
-    shear_rate: Annotated[float, Quantity("1/s", above=0, at_most=1e3)] = Field(
+    shear_rate: Annotated[float, Quantity("1/s", above=0, at_most=1e3, kind="shear_rate")] = Field(
         default=1.0, description="shear rate below which stresses go smoothly to zero"
     )
 
@@ -133,7 +133,7 @@ class Choke(Block):
 class Fluid(Block):
     """The drilling fluid: down the string's bore, through the bit, up the annulus."""
 
-    density: Annotated[float, Quantity("kg/m^3", above=0, at_most=30e3)] = Field(
+    density: Annotated[float, Quantity("kg/m^3", above=0, at_most=30e3, kind="mud_weight")] = Field(
         description="density at zero (gauge) pressure"
     )
     rheology: AnyRheology = Field(description="shear stress as a function of the shear rate")
@@ -144,11 +144,11 @@ class Fluid(Block):
         "volume pumped into the string over time, negative in reverse circulation; "
         "0 when neither this nor a pump_pressure is given"
     )
-    pump_pressure: Annotated[TimeFunction, OverTime("Pa")] | None = Field(
+    pump_pressure: Annotated[TimeFunction, OverTime("Pa", kind="pressure")] | None = Field(
         default=None,
         description="gauge pressure at the string's upper end over time, instead of a flow_rate",
     )
-    outlet_pressure: Annotated[TimeFunction, OverTime("Pa")] = Field(
+    outlet_pressure: Annotated[TimeFunction, OverTime("Pa", kind="pressure")] = Field(
         default=Constant(0.0),
         description="gauge pressure at the flow line, or without an annulus at the string's lower end, over time",
     )
@@ -199,7 +199,7 @@ class Fluid(Block):
         description="force per length over sideways speed in still fluid; stokes: from the oscillating "
         "viscous flow at lateral_damping_speed; none: 0",
     )
-    lateral_damping_speed: Annotated[float, Quantity("rad/s", above=0)] = derived_default(
+    lateral_damping_speed: Annotated[float, Quantity("rad/s", above=0, kind="none")] = derived_default(
         "angular frequency for lateral_damping stokes; when not given, the fastest rotation of the top, "
         "or 1 rad/s if the top does not turn"
     )

@@ -76,7 +76,9 @@ class Section(Block):
         )
     )
     kind: Literal["casing", "open_hole"] = Field(description="cased or open hole")
-    diameter: Annotated[float, Quantity("m", above=0, at_most=10)] = Field(description="inner diameter")
+    diameter: Annotated[float, Quantity("m", above=0, at_most=10, kind="diameter")] = Field(
+        description="inner diameter"
+    )
     friction: Friction = derived_default(
         "friction coefficient; 0.2 in casing, 0.3 in open hole when not given"
     )
