@@ -13,11 +13,14 @@ import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from drillpetsc import __version__
 from drillpetsc.errors import CaseError, DrillError, SolveError
 from drillpetsc.parallel import report_error, report_interrupt, start_job, world_rank
+
+if TYPE_CHECKING:
+    from drillpetsc.case import Case
 
 EXIT_STATUS = (
     "Exit status: 0 done, 1 the run failed (what was written is kept), 2 bad input (nothing written)."
@@ -354,6 +357,7 @@ def _run(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
 
     name, case = Path(arguments.cases[0]).stem, load_case(arguments.cases[0])
     start_job(petsc_options)
+    _warn(case)
     from drillpetsc.analysis.summary import closing_lines
     from drillpetsc.analysis.transient import run
 
@@ -456,6 +460,7 @@ def _statics(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
 
     case = load_case(arguments.case)
     start_job(petsc_options)
+    _warn(case)
     from drillpetsc.analysis.statics import run_statics
 
     name = Path(arguments.case).stem
@@ -468,6 +473,7 @@ def _modes(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
 
     case = load_case(arguments.case)
     start_job(petsc_options)
+    _warn(case)
     from drillpetsc.analysis.modal import run_modes
 
     result = run_modes(
@@ -541,6 +547,16 @@ def _schema(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
             at="FILE", got=arguments.file, want=f"a file that can be written ({error.strerror})"
         ) from None
     return 0
+
+
+def _warn(case: Case) -> None:
+    """Print warnings about values that look like another unit, once for the whole job, to standard error."""
+    from drillpetsc.case.plausibility import notes
+
+    if world_rank() == 0:
+        for line in notes(case):
+            if line.startswith("WARNING"):
+                print(line, file=sys.stderr)
 
 
 def _print(lines: Iterable[str]) -> None:

@@ -9,6 +9,7 @@ from drillpetsc.analysis.summary import field_counts
 from drillpetsc.analysis.time_scales import time_scales
 from drillpetsc.case.blocks.formation import Formation
 from drillpetsc.case.case import Case
+from drillpetsc.case.plausibility import notes
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 
 #: microseconds per element and evaluation, measured on one core (scripts/benchmark measures and prints them)
@@ -118,6 +119,7 @@ def _lines(model: DrillingModel) -> list[str]:
         + (f"; {case.time.end:g} s to simulate" if case.time is not None else "")
     )
     lines += [f"  {line}" for line in time_scales(model).lines()]
+    lines += [f"  {line}" for line in notes(case)]
     coarse = coarse_elements(model)
     if coarse.any():
         limit = (240 * mesh.bending_stiffness / (mesh.mass * np.linalg.norm(case.gravity))) ** (1 / 3)
