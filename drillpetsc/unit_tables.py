@@ -86,51 +86,51 @@ INCH, POUND, GRAVITY = (
     0.45359237,
     9.80665,
 )  # [m], [kg], [m/s2]: exact by definition (NIST SP 811, appendix B)
-_FOOT, _POUND_FORCE, _GALLON = 12 * INCH, POUND * GRAVITY, 231 * INCH**3  # [m], [N], [m3] (US gallon)
+FOOT, _POUND_FORCE, _GALLON = 12 * INCH, POUND * GRAVITY, 231 * INCH**3  # [m], [N], [m3] (US gallon)
 _BARREL, _PSI, _DEGREE = 42 * _GALLON, _POUND_FORCE / INCH**2, 0.017453292519943295
 _TON = 1000 * GRAVITY  # [N] weight of a tonne
-_PER_100_FT2 = _POUND_FORCE / (100 * _FOOT**2)  # [Pa] lbf/100 ft2
+_PER_100_FT2 = _POUND_FORCE / (100 * FOOT**2)  # [Pa] lbf/100 ft2
 
 # fmt: off
 # Spellings of the oil field, some of which pint reads as something else (cp is a cup, bpm a heart rate). The keys are written
 # as `canonical` leaves a unit. They are looked up before pint is asked.
 FIELD: dict[str, dict[str, float]] = {
-    "m": {'"': INCH, "inch": INCH, "inches": INCH, "'": _FOOT, "feet": _FOOT, "foot": _FOOT, "ftUS": 1200 / 3937, "meter": 1.0, "meters": 1.0,
+    "m": {'"': INCH, "inch": INCH, "inches": INCH, "'": FOOT, "feet": FOOT, "foot": FOOT, "ftUS": 1200 / 3937, "meter": 1.0, "meters": 1.0,
           "metre": 1.0, "metres": 1.0},
-    "m^2": {"sq in": INCH**2, "sqin": INCH**2, "sq ft": _FOOT**2, "sqft": _FOOT**2, "sq mm": 1e-6},
+    "m^2": {"sq in": INCH**2, "sqin": INCH**2, "sq ft": FOOT**2, "sqft": FOOT**2, "sq mm": 1e-6},
     "m^3": {"bbls": _BARREL, "L": 1e-3, "usgal": _GALLON},
     "1/s": {"1/sec": 1.0, "s^-1": 1.0},
     "s": {"sec": 1.0, "hr": 3600.0},
     "kg": {"lbm": POUND, "lbs": POUND, "klbm": 1e3 * POUND, "short_ton": 2000 * POUND, "long_ton": 2240 * POUND},
-    "kg/m": {"lbf/ft": POUND / _FOOT, "lbm/ft": POUND / _FOOT, "ppf": POUND / _FOOT, "#": POUND / _FOOT, "#/ft": POUND / _FOOT,
+    "kg/m": {"lbf/ft": POUND / FOOT, "lbm/ft": POUND / FOOT, "ppf": POUND / FOOT, "#": POUND / FOOT, "#/ft": POUND / FOOT,
              "N/m": 1 / GRAVITY, "kN/m": 1e3 / GRAVITY, "daN/m": 10 / GRAVITY},
     "kg/m^3": {"sg": 1e3, "SG": 1e3, "s.g.": 1e3, "g/cc": 1e3, "kg/dm^3": 1e3, "lbm/gal": POUND / _GALLON, "lb/usgal": POUND / _GALLON,
-               "lbm/ft^3": POUND / _FOOT**3, "pcf": POUND / _FOOT**3,
-               "psi/ft": _PSI / _FOOT / GRAVITY, "kPa/m": 1e3 / GRAVITY, "bar/m": 1e5 / GRAVITY},
-    "m/s": {"m/hr": 1 / 3600, "ft/hr": _FOOT / 3600, "fph": _FOOT / 3600, "fpm": _FOOT / 60, "m/sec": 1.0, "ft/sec": _FOOT},
+               "lbm/ft^3": POUND / FOOT**3, "pcf": POUND / FOOT**3,
+               "psi/ft": _PSI / FOOT / GRAVITY, "kPa/m": 1e3 / GRAVITY, "bar/m": 1e5 / GRAVITY},
+    "m/s": {"m/hr": 1 / 3600, "ft/hr": FOOT / 3600, "fph": FOOT / 3600, "fpm": FOOT / 60, "m/sec": 1.0, "ft/sec": FOOT},
     "m^3/s": {"usgal/min": _GALLON / 60, "galUS/min": _GALLON / 60, "gal(US)/min": _GALLON / 60, "usgpm": _GALLON / 60, "bpm": _BARREL / 60,
               "lpm": 1e-3 / 60, "L/min": 1e-3 / 60, "L/s": 1e-3, "m^3/hr": 1 / 3600, "m^3/sec": 1.0, "l/sec": 1e-3},
     "rad": {"dega": _DEGREE, "degree": _DEGREE, "degrees": _DEGREE},
     "rad/s": {"r/min": 0.10471975511965977, "rev/sec": 6.283185307179586, "rad/sec": 1.0, "rps": 6.283185307179586, "dega/s": _DEGREE},
     "1/m": {f"{angle}/{length}": _DEGREE / meters for angle in ("deg", "dega")
-            for length, meters in (("100ft", 100 * _FOOT), ("30ft", 30 * _FOOT), ("30m", 30.0), ("10m", 10.0), ("ft", _FOOT))},
+            for length, meters in (("100ft", 100 * FOOT), ("30ft", 30 * FOOT), ("30m", 30.0), ("10m", 10.0), ("ft", FOOT))},
     "N": {"lb": _POUND_FORCE, "lbs": _POUND_FORCE, "klb": 1e3 * _POUND_FORCE, "klbs": 1e3 * _POUND_FORCE, "kip": 1e3 * _POUND_FORCE,
           "kips": 1e3 * _POUND_FORCE, "daN": 10.0, "kdaN": 1e4, "kgf": GRAVITY, "tf": _TON, "t": _TON, "tonne": _TON, "tonnes": _TON,
           "tonf_us": 2000 * _POUND_FORCE, "tonf_uk": 2240 * _POUND_FORCE},
-    "N/m": {"lb/ft": _POUND_FORCE / _FOOT, "daN/m": 10.0, "lb/in": _POUND_FORCE / INCH},
+    "N/m": {"lb/ft": _POUND_FORCE / FOOT, "daN/m": 10.0, "lb/in": _POUND_FORCE / INCH},
     "N m": {**{f"{force} {length}": size * arm for force, size in (("lbf", _POUND_FORCE), ("lb", _POUND_FORCE))
-               for length, arm in (("ft", _FOOT), ("in", INCH))},
+               for length, arm in (("ft", FOOT), ("in", INCH))},
             **{f"{length} {force}": size * arm for force, size in (("lbf", _POUND_FORCE), ("lb", _POUND_FORCE))
-               for length, arm in (("ft", _FOOT), ("kft", 1e3 * _FOOT), ("in", INCH))},
-            "klbf ft": 1e3 * _POUND_FORCE * _FOOT, "klb ft": 1e3 * _POUND_FORCE * _FOOT, "ft klbf": 1e3 * _POUND_FORCE * _FOOT,
-            "ft klb": 1e3 * _POUND_FORCE * _FOOT, "ft lbs": _POUND_FORCE * _FOOT, "Nm": 1.0, "kNm": 1e3, "daN m": 10.0, "daNm": 10.0,
+               for length, arm in (("ft", FOOT), ("kft", 1e3 * FOOT), ("in", INCH))},
+            "klbf ft": 1e3 * _POUND_FORCE * FOOT, "klb ft": 1e3 * _POUND_FORCE * FOOT, "ft klbf": 1e3 * _POUND_FORCE * FOOT,
+            "ft klb": 1e3 * _POUND_FORCE * FOOT, "ft lbs": _POUND_FORCE * FOOT, "Nm": 1.0, "kNm": 1e3, "daN m": 10.0, "daNm": 10.0,
             "kdaN m": 1e4, "kgf m": GRAVITY},
-    "Pa": {"psig": _PSI, "barg": 1e5, "kgf/cm^2": GRAVITY * 1e4, "lbf/ft^2": _POUND_FORCE / _FOOT**2, "lb/ft^2": _POUND_FORCE / _FOOT**2,
+    "Pa": {"psig": _PSI, "barg": 1e5, "kgf/cm^2": GRAVITY * 1e4, "lbf/ft^2": _POUND_FORCE / FOOT**2, "lb/ft^2": _POUND_FORCE / FOOT**2,
            "lbf/100ft^2": _PER_100_FT2, "lb/100ft^2": _PER_100_FT2, "dyn/cm^2": 0.1},
     "Pa s": {"cp": 1e-3, "centipoise": 1e-3, "mPas": 1e-3},
     "Pa s^n": {"Pa s^n": 1.0, "mPa s^n": 1e-3, "lbf s^n/100ft^2": _PER_100_FT2, "lb s^n/100ft^2": _PER_100_FT2, "eq cP": 1e-3, "eqcP": 1e-3,
                "dyn s^n/100cm^2": 1e-3, "dyn s^n/cm^2": 0.1},
-    "W": {"hp": 550 * _POUND_FORCE * _FOOT, "HHP": 550 * _POUND_FORCE * _FOOT},
+    "W": {"hp": 550 * _POUND_FORCE * FOOT, "HHP": 550 * _POUND_FORCE * FOOT},
 }
 
 # SI unit of a key -> spelling -> (size of a degree, value of its zero), both in the SI unit
@@ -139,7 +139,7 @@ WITH_ZERO: dict[str, dict[str, tuple[float, float]]] = {
 }
 
 # SI unit of a key -> spelling of its inverse -> factor: 2 min/m is 120 s/m, which is 1/120 m/s
-INVERSE: dict[str, dict[str, float]] = {"m/s": {"min/m": 60.0, "min/ft": 60 / _FOOT, "s/m": 1.0, "h/m": 3600.0}}
+INVERSE: dict[str, dict[str, float]] = {"m/s": {"min/m": 60.0, "min/ft": 60 / FOOT, "s/m": 1.0, "h/m": 3600.0}}
 
 _WHICH_TON = "which ton? t (tonne), tonf_us (2000 lbf) or tonf_uk (2240 lbf)"
 _GAUGE = "gauge pressures here: psi or bar above the air's"

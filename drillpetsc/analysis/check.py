@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from drillpetsc.analysis.energy_descent import coarse_elements
 from drillpetsc.analysis.summary import field_counts
 from drillpetsc.analysis.time_scales import time_scales
+from drillpetsc.case.blocks.fluid import Rheology, flow_constants, stress_at
 from drillpetsc.case.blocks.formation import Formation
 from drillpetsc.case.case import Case
+from drillpetsc.case.mud_report import misfit
 from drillpetsc.case.plausibility import notes
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 
@@ -43,6 +47,18 @@ def describe(case: Case) -> str:
 
 def _quasi_static(case: Case) -> bool:
     return case.time is not None and case.time.mode == "quasi_static"
+
+
+def _fitted(key: str, rheology: Rheology | None) -> list[str]:
+    """Describe the fit of a rheology to dial readings; nothing where there are none."""
+    if rheology is None or not rheology.dial:
+        return []
+    consistency, index, stress = flow_constants(rheology)
+    rms = misfit(rheology.dial, partial(stress_at, rheology))
+    return [
+        f"    {key}: {len(rheology.dial)} dial readings ({', '.join(rheology.dial)} rpm), fit {rheology.fit or 'given'}: "
+        f"yield stress {stress:.4g} Pa, consistency {consistency:.4g} Pa s^n, index {index:.4g}; misfit {rms:.3g} Pa rms"
+    ]
 
 
 def _cutting(formation: Formation | None) -> str:
@@ -97,6 +113,7 @@ def _lines(model: DrillingModel) -> list[str]:
         lines.append(
             f"  fluid: {mud.density:g} kg/m3, {mud.rheology.model}, law {mud.rheology.law}, bulk modulus {mud.bulk_modulus:g} Pa"
         )
+        lines += [*_fitted("rheology", mud.rheology), *_fitted("annulus_rheology", mud.annulus_rheology)]
     lines.append("  contains: " + "; ".join(contained))
     lines.append("  leaves out (no unknowns, no cost): " + "; ".join(left_out))
     counts = field_counts(system)
