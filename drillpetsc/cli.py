@@ -337,6 +337,17 @@ def _plot_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("--out", metavar="DIR")
 
 
+def _import_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "files",
+        nargs="+",
+        metavar="FILE",
+        help="WITSML 1.4.1 trajectory, tubular, wbGeometry (.xml), or a survey in CSV, xlsx, LAS",
+    )
+    command.add_argument("--out", metavar="CASE.yaml", help="where to write (default: standard output)")
+    command.add_argument("--overwrite", action="store_true", help="replace an existing --out")
+
+
 def _schema_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("file", nargs="?", metavar="FILE", help="where to write (default: standard output)")
     command.add_argument(
@@ -559,6 +570,24 @@ def _warn(case: Case) -> None:
                 print(line, file=sys.stderr)
 
 
+def _import(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case.importers.fragment import fragment
+
+    out = Path(arguments.out) if arguments.out else None
+    if out is not None and out.exists() and not arguments.overwrite:
+        raise CaseError(at="--out", got=out, want="a file that does not exist, or --overwrite")
+    text, remarks = fragment(arguments.files, out.parent if out is not None else Path())
+    if out is None:
+        print(text, end="")
+        return 0
+    try:
+        out.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise CaseError(at="--out", got=out, want=f"a file that can be written ({error.strerror})") from None
+    print("\n".join([f"{out}: written", *(f"  {remark}" for remark in remarks)]))
+    return 0
+
+
 def _print(lines: Iterable[str]) -> None:
     """Print lines once for the whole job."""
     if world_rank() == 0:
@@ -630,6 +659,13 @@ COMMANDS = (
         "time histories, probe orbits, forces along depth, as pictures",
         _plot_arguments,
         _plot,
+        takes_petsc_options=False,
+    ),
+    Command(
+        "import",
+        "write a part of a case from a survey, or from WITSML documents: survey, string, hole",
+        _import_arguments,
+        _import,
         takes_petsc_options=False,
     ),
     Command(

@@ -88,7 +88,7 @@ def readings_of(value: Any) -> dict[str, float]:
     for fast, slow in zip(speeds, speeds[1:], strict=False):
         if found[fast] < found[slow]:
             got = f"{found[fast]:g} at {fast:g} rpm, {found[slow]:g} at {slow:g} rpm"
-            raise refuse("dial", got=got, want="readings that do not fall as the speed rises")
+            raise refuse("dial", got=got, want="readings that do not fall as the speed rises", hint=got)
     return {f"{speed:g}": found[speed] for speed in speeds}
 
 

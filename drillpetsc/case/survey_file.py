@@ -1,4 +1,4 @@
-"""Surveys from files: text tables, xlsx, LAS, and the trajectory.csv of a run.
+"""Surveys from files: text tables, xlsx, LAS, WITSML, and the trajectory.csv of a run.
 
 The file is found here; its format is read in `importers/`.
 """
@@ -17,7 +17,7 @@ FOLDER: ContextVar[Path] = ContextVar("FOLDER", default=Path())
 """Base of relative file names in a case: the folder of the case file, else the working directory."""
 
 OWN_HEADS = ["md [m]", "inclination [deg]", "azimuth [deg]", "north [m]"]  # of the trajectory.csv of a run
-SHEETS, LOGS = (".xlsx", ".xlsm"), (".las",)
+SHEETS, LOGS, XML = (".xlsx", ".xlsm"), (".las",), (".xml",)
 
 
 def read_survey(name: str, rules: Rules) -> Stations:
@@ -37,6 +37,10 @@ def read_survey(name: str, rules: Rules) -> Stations:
             from drillpetsc.case.importers.las import table_of_las
 
             return stations_of(table_of_las(file), rules)
+        if kind in XML:
+            from drillpetsc.case.importers.witsml import trajectory_table
+
+            return stations_of(trajectory_table(file), rules)
         table = table_of_text(file)
         own = is_run or (file.name == "trajectory.csv" and table.heads[: len(OWN_HEADS)] == OWN_HEADS)
         return stations_of(table, Rules(exact=True) if own else rules)

@@ -37,7 +37,7 @@ class SurveyFile(Block):
     """A survey in a file of another program."""
 
     file: str = Field(
-        description="CSV and other text tables, xlsx (`well.xlsx#Sheet2`), LAS; or a run folder"
+        description="CSV and other text tables, xlsx (`well.xlsx#Sheet2`), LAS, WITSML trajectory; or a run folder"
     )
     tie_in: TieIn | None = Field(default=None, description="station above the first one of the file")
     allow_dogleg: bool = Field(
