@@ -185,6 +185,19 @@ def _case_argument(command: argparse.ArgumentParser) -> None:
     command.add_argument("case", metavar="CASE.yaml")
 
 
+def _check_arguments(command: argparse.ArgumentParser) -> None:
+    _case_argument(command)
+    _units_argument(command)
+
+
+def _units_argument(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--units",
+        choices=("field", "metric", "metric_t", "SI"),
+        help="units of what is printed and plotted (default: the case's; files stay in SI); metric_t: forces in tonnes",
+    )
+
+
 def _run_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("cases", nargs="+", metavar="CASE.yaml")
     command.add_argument(
@@ -200,6 +213,7 @@ def _run_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--progress", choices=("auto", "live", "log", "silent"), default="auto", help="how progress is shown"
     )
+    _units_argument(command)
 
 
 def _sweep_arguments(command: argparse.ArgumentParser) -> None:
@@ -283,6 +297,7 @@ def _study_arguments(command: argparse.ArgumentParser) -> None:
 
 def _statics_arguments(command: argparse.ArgumentParser) -> None:
     _case_argument(command)
+    _units_argument(command)
     command.add_argument(
         "--motion",
         choices=("hoist", "lower", "rotate"),
@@ -335,6 +350,7 @@ def _view_arguments(command: argparse.ArgumentParser) -> None:
 def _plot_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("run", metavar="RUN")
     command.add_argument("--out", metavar="DIR")
+    _units_argument(command)
 
 
 def _import_arguments(command: argparse.ArgumentParser) -> None:
@@ -366,7 +382,7 @@ def _run(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         return _run_several(arguments, petsc_options)
     from drillpetsc.case import load_case
 
-    name, case = Path(arguments.cases[0]).stem, load_case(arguments.cases[0])
+    name, case = Path(arguments.cases[0]).stem, _in_units(load_case(arguments.cases[0]), arguments.units)
     start_job(petsc_options)
     _warn(case)
     from drillpetsc.analysis.summary import closing_lines
@@ -381,7 +397,7 @@ def _run(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         name=name,
         progress=arguments.progress,
     )
-    _print(closing_lines(result.summary, result.folder))
+    _print(closing_lines(result.summary, result.folder, case.output.units))
     if arguments.mesh_error:
         from drillpetsc.studies.convergence.coarse_mesh import add_mesh_error, mesh_lines
 
@@ -395,6 +411,8 @@ def _run_several(arguments: argparse.Namespace, petsc_options: list[str]) -> int
         raise CaseError(at="--mesh-error", want="one case")
     if arguments.accept_changes:
         raise CaseError(at="--accept-changes", want="one case")
+    if arguments.units:
+        raise CaseError(at="--units", got=arguments.units, want="one case, or the key units of each")
     start_job(petsc_options)
     from drillpetsc.studies.sweep.sweep import closing_lines, run_cases
 
@@ -458,7 +476,7 @@ def _study(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
 def _check(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.case import load_case
 
-    case = load_case(arguments.case)
+    case = _in_units(load_case(arguments.case), arguments.units)
     start_job(petsc_options)
     from drillpetsc.analysis.check import describe
 
@@ -469,7 +487,7 @@ def _check(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
 def _statics(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.case import load_case
 
-    case = load_case(arguments.case)
+    case = _in_units(load_case(arguments.case), arguments.units)
     start_job(petsc_options)
     _warn(case)
     from drillpetsc.analysis.statics import run_statics
@@ -524,7 +542,7 @@ def _view(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
 def _plot(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.plotting.plot import plot
 
-    return _draw(lambda: plot(arguments.run, arguments.out), arguments.run)
+    return _draw(lambda: plot(arguments.run, arguments.out, arguments.units), arguments.run)
 
 
 def _draw(draw: Callable[[], Iterable[Path]], run: str) -> int:
@@ -558,6 +576,15 @@ def _schema(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
             at="FILE", got=arguments.file, want=f"a file that can be written ({error.strerror})"
         ) from None
     return 0
+
+
+def _in_units(case: Case, units: str | None) -> Case:
+    """The case with another system of units for what is printed and plotted."""
+    return (
+        case
+        if units is None
+        else case.model_copy(update={"output": case.output.model_copy(update={"units": units})})
+    )
 
 
 def _warn(case: Case) -> None:
@@ -630,7 +657,7 @@ COMMANDS = (
     Command(
         "check",
         "read and validate a case, and say what the model contains and leaves out",
-        _case_argument,
+        _check_arguments,
         _check,
     ),
     Command(

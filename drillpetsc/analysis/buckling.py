@@ -14,6 +14,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.static_table import at_nodes
+from drillpetsc.unit_systems import System, display_unit
 
 #: helical over sinusoidal buckling load in a hole with side load (Chen, Lin and Cheatham, SPEDE 1990)
 HELICAL_RATIO = np.sqrt(2.0)
@@ -40,17 +41,22 @@ class Buckling:
         """Ranges for summary.json [m]."""
         return {"sinusoidal": [list(q) for q in self.sinusoidal], "helical": [list(q) for q in self.helical]}
 
-    def lines(self) -> list[str]:
-        """Sentences for the user."""
-        out = [f"sinusoidally buckled from MD {a:.0f} to {b:.0f} m" for a, b in self.sinusoidal]
-        out += [f"helically buckled from MD {a:.0f} to {b:.0f} m" for a, b in self.helical]
+    def lines(self, units: System = "metric") -> list[str]:
+        """Sentences for the user, with depths in a system of units."""
+        size, _, unit = display_unit("length", units)
+
+        def between(a: float, b: float) -> str:
+            return f"from MD {a / size:.0f} to {b / size:.0f} {unit}"
+
+        out = [f"sinusoidally buckled {between(a, b)}" for a, b in self.sinusoidal]
+        out += [f"helically buckled {between(a, b)}" for a, b in self.helical]
         if self.sinusoidal or self.helical:
             out.append(
                 "a buckled string may have other stable states; which one it is depends on its history"
             )
         return out + [
-            f"elements of {length:.3g} m from MD {a:.0f} to {b:.0f} m are too long for the buckled shape: "
-            f"element_length of {enough:.2g} m or less"
+            f"elements of {length / size:.3g} {unit} {between(a, b)} are too long for the buckled shape: "
+            f"element_length of {enough / size:.2g} {unit} or less"
             for a, b, length, enough in self.coarse
         ]
 

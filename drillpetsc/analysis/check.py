@@ -15,6 +15,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.mud_report import misfit
 from drillpetsc.case.plausibility import notes
 from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.unit_systems import display_unit, shown
 
 #: microseconds per element and evaluation, measured on one core (scripts/benchmark measures and prints them)
 COST = {"residual": 0.3, "jacobian": 1.2, "factor": 0.6, "solve": 0.15, "step": 2.0}
@@ -75,16 +76,19 @@ def _cutting(formation: Formation | None) -> str:
 
 def _lines(model: DrillingModel) -> list[str]:
     case, mesh, system = model.case, model.mesh, model.system
+    units = case.output.units or "SI"
+    size, _, unit = display_unit("length", units)
     lines = [f"{case.title or 'case'}: valid"]
     element = ~mesh.is_joint
     lines.append(
-        f"  string: {len(case.string)} items, {mesh.total_length:g} m, {int(element.sum())} elements of "
-        f"{mesh.length[element].min():.3g} to {mesh.length.max():.3g} m, {mesh.nodes} nodes, {len(mesh.bodies)} rigid items"
+        f"  string: {len(case.string)} items, {mesh.total_length / size:g} {unit}, {int(element.sum())} elements of "
+        f"{mesh.length[element].min() / size:.3g} to {mesh.length.max() / size:.3g} {unit}, {mesh.nodes} nodes, "
+        f"{len(mesh.bodies)} rigid items"
     )
     if case.well is not None:
         q = case.well
         lines.append(
-            f"  well: {len(q.survey.md)} survey stations to {q.survey.md[-1]:g} m, inclination up to "
+            f"  well: {len(q.survey.md)} survey stations to {q.survey.md[-1] / size:g} {unit}, inclination up to "
             f"{np.degrees(max(q.survey.inclination)):.3g} deg, {len(q.sections)} sections"
         )
     lines.append(f"  top: {case.top.kind}; bottom: {case.bottom.kind}; start: {case.initial.from_}")
@@ -111,7 +115,7 @@ def _lines(model: DrillingModel) -> list[str]:
     if case.fluid is not None:
         mud = case.fluid
         lines.append(
-            f"  fluid: {mud.density:g} kg/m3, {mud.rheology.model}, law {mud.rheology.law}, bulk modulus {mud.bulk_modulus:g} Pa"
+            f"  fluid: {shown(mud.density, 'mud_weight', units, 6)}, {mud.rheology.model}, law {mud.rheology.law}, bulk modulus {mud.bulk_modulus:g} Pa"
         )
         lines += [*_fitted("rheology", mud.rheology), *_fitted("annulus_rheology", mud.annulus_rheology)]
     lines.append("  contains: " + "; ".join(contained))

@@ -89,7 +89,8 @@ def _check_items(path: Path, content: Imported) -> None:
         TypeAdapter(tuple[StringItem, ...]).validate_python(tuple(content.string))
     except ValidationError as error:
         wrong = case_error(error, {str(i): item for i, item in enumerate(content.string)})
-        wrong.file, wrong.line = str(path), 1
+        for each in (wrong, *wrong.also):
+            each.file, each.line, each.at = str(path), 1, f"string{each.at}"
         raise wrong from None
 
 

@@ -13,13 +13,14 @@ from drillpetsc.unit_systems import System
 from drillpetsc.units import UnitError, to_si
 
 MOST_ERRORS = 10
-MISSING = ("", "-999.25", "-999", "-999.0", "-9999", "-9999.25", "-9999.0")
+MISSING = (-999.25, -999.0, -9999.0, -9999.25)  # what other programs write for no value
 STEEPEST_START = math.radians(
     5
 )  # of a first station below measured depth 0, above which the hole is taken as vertical
 STRAIGHT = math.radians(0.5)  # inclination below which an azimuth tells nothing
 SHARPEST = math.radians(30) / 30  # [rad/m] dogleg of a typing error
 SAME_DEPTH = 1e-6  # [m]
+NO_ROW = 0  # number of a station that stands in no row
 _NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
 
 
@@ -127,8 +128,11 @@ def _numbers(
         texts = {
             column: cells[i].strip() if i < len(cells) else "" for column, (i, _) in table.columns.items()
         }
-        if any(texts[column] in MISSING for column in NEEDED):
-            if any(texts[column] not in MISSING for column in NEEDED):
+        absent = {
+            column for column, text in texts.items() if not text or number_of(text, table.comma) in MISSING
+        }
+        if absent & set(NEEDED):
+            if not absent >= set(NEEDED):
                 missing.append(number)
             continue
         row: dict[str, float] = {}
@@ -153,7 +157,7 @@ def _numbers(
         others = {
             column: value * scale[column]
             for column in scale
-            if column not in NEEDED and texts[column] not in MISSING
+            if column not in NEEDED and column not in absent
             for value in [number_of(texts[column], table.comma)]
             if value is not None
         }
@@ -234,7 +238,7 @@ def _tied(
         raise CaseError(at="tie_in", got=f"{tie_in[0]:g} m", want=want, file=table.file, line=numbers[0])
     for column, value in zip(NEEDED, tie_in, strict=True):
         values[column].insert(0, value)
-    numbers.insert(0, table.head_at)
+    numbers.insert(0, NO_ROW)
 
 
 def _from_the_top(
@@ -249,11 +253,13 @@ def _from_the_top(
         what = f"survey starts at {md:g} m with {math.degrees(inclination):.3g} deg"
         want = "a first station at 0 m (the rotary table), or the tie-in station"
         hint = "survey: {file: ..., tie_in: {md: 0 m, inclination: 0 deg, azimuth: 0 deg}}"
-        raise CaseError(at="md", got=what, want=want, hint=hint, file=table.file, line=numbers[0])
+        raise CaseError(
+            at="md", got=what, want=want, hint=hint, file=table.file, line=numbers[0] or table.head_at
+        )
     remarks.append(f"survey starts at {md:g} m: a vertical station at 0 m put in front")
     for column, value in (("md", 0.0), ("inclination", 0.0), ("azimuth", values["azimuth"][0])):
         values[column].insert(0, value)
-    numbers.insert(0, numbers[0])
+    numbers.insert(0, NO_ROW)
 
 
 def _no_twist(values: dict[str, list[float]], remarks: list[str]) -> None:
@@ -285,8 +291,9 @@ def _smooth(table: Table, numbers: list[int], values: dict[str, list[float]]) ->
             got = f"{math.degrees(angle):.3g} deg in {length:.3g} m above {values['md'][i]:g} m"
             want = "at most 30 deg/30 m between stations"
             hint = "a wrong cell? If the hole is like that: survey: {file: ..., allow_dogleg: true}"
+            line = numbers[i] or table.head_at
             errors.append(
-                CaseError(at="inclination", got=got, want=want, hint=hint, file=table.file, line=numbers[i])
+                CaseError(at="inclination", got=got, want=want, hint=hint, file=table.file, line=line)
             )
             if len(errors) >= MOST_ERRORS:
                 break
@@ -348,7 +355,7 @@ def _positions(
         else:
             severity = 0.0
         own = {"ns": at[0], "ew": at[1], "tvd": at[2]}
-        for column, value in told.get(numbers[i], {}).items() if numbers[i] != numbers[i - 1] else ():
+        for column, value in told.get(numbers[i], {}).items():
             if column == "dls":
                 if abs(value - severity) > math.radians(0.5) / 30 + 0.1 * severity and i > 1:
                     worst.setdefault(column, (values["md"][i], value - severity))

@@ -309,7 +309,9 @@ def _no_header(lines: list[str], file: Path) -> CaseError:
             missing = [column for column in NEEDED if column not in known]
             if len(missing) < len(NEEDED) and len(known) > 1:
                 got = ", ".join(cell.strip() for cell in cells)
-                return CaseError(at=missing[0], got=got, want=want, file=file, line=number)
+                if not missing:
+                    want = f"the header within {TITLE_LINES} lines"
+                return CaseError(at=(*missing, *NEEDED)[0], got=got, want=want, file=file, line=number)
     number = next((i for i, line in enumerate(lines, 1) if line.strip()), 1)
     return CaseError(at="md", got="lines without these names", want=want, file=file, line=number)
 

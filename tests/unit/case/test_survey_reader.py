@@ -231,6 +231,20 @@ def test_positions_in_the_file_are_compared(column: str, wrong: float, warned: b
     assert bool(warnings) == warned and all("MD 300 m" in warning for warning in warnings)
 
 
+def test_positions_below_a_start_that_was_put_in_front(tmp_path: Path) -> None:
+    """TVD 30 m at the first station, at 30 m of vertical hole."""
+    text = "MD (m),Inc,Azi,TVD\n30,0,0,30\n300,0,0,300\n"
+    found = read(tmp_path, text)
+    assert not any("WARNING" in remark for remark in found.remarks)
+    found = read(tmp_path, text.replace("300\n", "303\n"))
+    assert [remark for remark in found.remarks if "WARNING" in remark and "MD 300 m" in remark]
+
+
+def test_missing_values_with_a_decimal_comma(tmp_path: Path) -> None:
+    found = read(tmp_path, "MD (m);Inc;Azi\n0;0;0\n30,5;-999,25;-999,25\n60,5;1,5;10\n")
+    check(found, [0, 60.5], [0, 1.5], [0, 10])
+
+
 def test_depths_in_feet_told_as_metres_are_found_by_the_tvd(tmp_path: Path) -> None:
     text = "MD (m),Inc,Azi,TVD (ft)\n0,0,0,0\n1000,0,0,1000\n"
     assert any("TVD" in remark for remark in read(tmp_path, text).remarks)
