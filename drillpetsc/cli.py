@@ -13,11 +13,14 @@ import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from drillpetsc import __version__
 from drillpetsc.errors import CaseError, DrillError, SolveError
 from drillpetsc.parallel import report_error, report_interrupt, start_job, world_rank
+
+if TYPE_CHECKING:
+    from drillpetsc.case import Case
 
 EXIT_STATUS = (
     "Exit status: 0 done, 1 the run failed (what was written is kept), 2 bad input (nothing written)."
@@ -182,6 +185,19 @@ def _case_argument(command: argparse.ArgumentParser) -> None:
     command.add_argument("case", metavar="CASE.yaml")
 
 
+def _check_arguments(command: argparse.ArgumentParser) -> None:
+    _case_argument(command)
+    _units_argument(command)
+
+
+def _units_argument(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--units",
+        choices=("field", "metric", "metric_t", "SI"),
+        help="units of what is printed and plotted (default: the case's; files stay in SI); metric_t: forces in tonnes",
+    )
+
+
 def _run_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("cases", nargs="+", metavar="CASE.yaml")
     command.add_argument(
@@ -197,6 +213,7 @@ def _run_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--progress", choices=("auto", "live", "log", "silent"), default="auto", help="how progress is shown"
     )
+    _units_argument(command)
 
 
 def _sweep_arguments(command: argparse.ArgumentParser) -> None:
@@ -280,6 +297,7 @@ def _study_arguments(command: argparse.ArgumentParser) -> None:
 
 def _statics_arguments(command: argparse.ArgumentParser) -> None:
     _case_argument(command)
+    _units_argument(command)
     command.add_argument(
         "--motion",
         choices=("hoist", "lower", "rotate"),
@@ -338,6 +356,18 @@ def _view_arguments(command: argparse.ArgumentParser) -> None:
 def _plot_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("run", metavar="RUN")
     command.add_argument("--out", metavar="DIR")
+    _units_argument(command)
+
+
+def _import_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "files",
+        nargs="+",
+        metavar="FILE",
+        help="WITSML 1.4.1 trajectory, tubular, wbGeometry (.xml), or a survey in CSV, xlsx, LAS",
+    )
+    command.add_argument("--out", metavar="CASE.yaml", help="where to write (default: standard output)")
+    command.add_argument("--overwrite", action="store_true", help="replace an existing --out")
 
 
 def _schema_arguments(command: argparse.ArgumentParser) -> None:
@@ -358,8 +388,9 @@ def _run(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         return _run_several(arguments, petsc_options)
     from drillpetsc.case import load_case
 
-    name, case = Path(arguments.cases[0]).stem, load_case(arguments.cases[0])
+    name, case = Path(arguments.cases[0]).stem, _in_units(load_case(arguments.cases[0]), arguments.units)
     start_job(petsc_options)
+    _warn(case)
     from drillpetsc.analysis.summary import closing_lines
     from drillpetsc.analysis.transient import run
 
@@ -372,7 +403,7 @@ def _run(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         name=name,
         progress=arguments.progress,
     )
-    _print(closing_lines(result.summary, result.folder))
+    _print(closing_lines(result.summary, result.folder, case.output.units))
     if arguments.mesh_error:
         from drillpetsc.studies.convergence.coarse_mesh import add_mesh_error, mesh_lines
 
@@ -386,6 +417,8 @@ def _run_several(arguments: argparse.Namespace, petsc_options: list[str]) -> int
         raise CaseError(at="--mesh-error", want="one case")
     if arguments.accept_changes:
         raise CaseError(at="--accept-changes", want="one case")
+    if arguments.units:
+        raise CaseError(at="--units", got=arguments.units, want="one case, or the key units of each")
     start_job(petsc_options)
     from drillpetsc.studies.sweep.sweep import closing_lines, run_cases
 
@@ -449,7 +482,7 @@ def _study(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
 def _check(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.case import load_case
 
-    case = load_case(arguments.case)
+    case = _in_units(load_case(arguments.case), arguments.units)
     start_job(petsc_options)
     from drillpetsc.analysis.check import describe
 
@@ -460,8 +493,9 @@ def _check(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
 def _statics(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.case import load_case
 
-    case = load_case(arguments.case)
+    case = _in_units(load_case(arguments.case), arguments.units)
     start_job(petsc_options)
+    _warn(case)
     from drillpetsc.analysis.statics import run_statics
 
     name = Path(arguments.case).stem
@@ -475,6 +509,7 @@ def _modes(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
 
     case = load_case(arguments.case)
     start_job(petsc_options)
+    _warn(case)
     from drillpetsc.analysis.modal import run_modes
 
     result = run_modes(
@@ -514,7 +549,7 @@ def _view(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
 def _plot(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.plotting.plot import plot
 
-    return _draw(lambda: plot(arguments.run, arguments.out), arguments.run)
+    return _draw(lambda: plot(arguments.run, arguments.out, arguments.units), arguments.run)
 
 
 def _draw(draw: Callable[[], Iterable[Path]], run: str) -> int:
@@ -547,6 +582,43 @@ def _schema(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         raise CaseError(
             at="FILE", got=arguments.file, want=f"a file that can be written ({error.strerror})"
         ) from None
+    return 0
+
+
+def _in_units(case: Case, units: str | None) -> Case:
+    """The case with another system of units for what is printed and plotted."""
+    return (
+        case
+        if units is None
+        else case.model_copy(update={"output": case.output.model_copy(update={"units": units})})
+    )
+
+
+def _warn(case: Case) -> None:
+    """Print warnings about values that look like another unit, once for the whole job, to standard error."""
+    from drillpetsc.case.plausibility import notes
+
+    if world_rank() == 0:
+        for line in notes(case):
+            if line.startswith("WARNING"):
+                print(line, file=sys.stderr)
+
+
+def _import(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case.importers.fragment import fragment
+
+    out = Path(arguments.out) if arguments.out else None
+    if out is not None and out.exists() and not arguments.overwrite:
+        raise CaseError(at="--out", got=out, want="a file that does not exist, or --overwrite")
+    text, remarks = fragment(arguments.files, out.parent if out is not None else Path())
+    if out is None:
+        print(text, end="")
+        return 0
+    try:
+        out.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise CaseError(at="--out", got=out, want=f"a file that can be written ({error.strerror})") from None
+    print("\n".join([f"{out}: written", *(f"  {remark}" for remark in remarks)]))
     return 0
 
 
@@ -592,7 +664,7 @@ COMMANDS = (
     Command(
         "check",
         "read and validate a case, and say what the model contains and leaves out",
-        _case_argument,
+        _check_arguments,
         _check,
     ),
     Command(
@@ -621,6 +693,13 @@ COMMANDS = (
         "time histories, probe orbits, forces along depth, as pictures",
         _plot_arguments,
         _plot,
+        takes_petsc_options=False,
+    ),
+    Command(
+        "import",
+        "write a part of a case from a survey, or from WITSML documents: survey, string, hole",
+        _import_arguments,
+        _import,
         takes_petsc_options=False,
     ),
     Command(

@@ -14,6 +14,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.static_table import at_nodes
+from drillpetsc.unit_systems import System, display_unit
 
 #: helical over sinusoidal buckling load in a hole with side load (Chen, Lin and Cheatham, SPEDE 1990)
 HELICAL_RATIO = np.sqrt(2.0)
@@ -41,30 +42,31 @@ class Buckling:
         """Ranges for summary.json [m]."""
         return {"sinusoidal": [list(q) for q in self.sinusoidal], "helical": [list(q) for q in self.helical]}
 
-    def lines(self) -> list[str]:
-        """Sentences for the user."""
-        out = _sentences("sinusoidally buckled", self.sinusoidal) + _sentences(
-            "helically buckled", self.helical
-        )
+    def lines(self, units: System = "metric") -> list[str]:
+        """Sentences for the user, with depths in a system of units."""
+        size, _, unit = display_unit("length", units)
+
+        def between(a: float, b: float) -> str:
+            return f"from MD {a / size:.0f} to {b / size:.0f} {unit}"
+
+        out = []
+        for what, ranges in (("sinusoidally", self.sinusoidal), ("helically", self.helical)):
+            if len(ranges) <= FEW_RANGES:
+                out += [f"{what} buckled {between(a, b)}" for a, b in ranges]
+            else:
+                total, whole = sum(b - a for a, b in ranges), between(ranges[0][0], ranges[-1][1])
+                out.append(
+                    f"{what} buckled in {len(ranges)} pieces {whole}, {total / size:.0f} {unit} in all"
+                )
         if self.sinusoidal or self.helical:
             out.append(
                 "a buckled string may have other stable states; which one it is depends on its history"
             )
         return out + [
-            f"elements of {length:.3g} m from MD {a:.0f} to {b:.0f} m are too long for the buckled shape: "
-            f"element_length of {enough:.2g} m or less"
+            f"elements of {length / size:.3g} {unit} {between(a, b)} are too long for the buckled shape: "
+            f"element_length of {enough / size:.2g} {unit} or less"
             for a, b, length, enough in self.coarse
         ]
-
-
-def _sentences(what: str, ranges: tuple[tuple[float, float], ...]) -> list[str]:
-    """One sentence a range, or one for all of many."""
-    if len(ranges) <= FEW_RANGES:
-        return [f"{what} from MD {a:.0f} to {b:.0f} m" for a, b in ranges]
-    total = sum(b - a for a, b in ranges)
-    return [
-        f"{what} in {len(ranges)} pieces between MD {ranges[0][0]:.0f} and {ranges[-1][1]:.0f} m, {total:.0f} m in all"
-    ]
 
 
 def buckling(model: DrillingModel, columns: list[Column], values: FloatArray) -> Buckling:

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from drillpetsc.analysis.energy_descent import coarse_elements
 from drillpetsc.analysis.summary import field_counts
 from drillpetsc.analysis.time_scales import time_scales
+from drillpetsc.case.blocks.fluid import Rheology, flow_constants, stress_at
 from drillpetsc.case.blocks.formation import Formation
 from drillpetsc.case.case import Case
+from drillpetsc.case.mud_report import misfit
+from drillpetsc.case.plausibility import notes
 from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.unit_systems import display_unit, shown
 
 #: microseconds per element and evaluation, measured on one core (scripts/benchmark measures and prints them)
 COST = {"residual": 0.3, "jacobian": 1.2, "factor": 0.6, "solve": 0.15, "step": 2.0}
@@ -44,6 +50,18 @@ def _quasi_static(case: Case) -> bool:
     return case.time is not None and case.time.mode == "quasi_static"
 
 
+def _fitted(key: str, rheology: Rheology | None) -> list[str]:
+    """Describe the fit of a rheology to dial readings; nothing where there are none."""
+    if rheology is None or not rheology.dial:
+        return []
+    consistency, index, stress = flow_constants(rheology)
+    rms = misfit(rheology.dial, partial(stress_at, rheology))
+    return [
+        f"    {key}: {len(rheology.dial)} dial readings ({', '.join(rheology.dial)} rpm), fit {rheology.fit or 'given'}: "
+        f"yield stress {stress:.4g} Pa, consistency {consistency:.4g} Pa s^n, index {index:.4g}; misfit {rms:.3g} Pa rms"
+    ]
+
+
 def _cutting(formation: Formation | None) -> str:
     """Describe a bit on rock: law, drillabilities [m/(s N)], layers."""
     if formation is None:
@@ -58,16 +76,19 @@ def _cutting(formation: Formation | None) -> str:
 
 def _lines(model: DrillingModel) -> list[str]:
     case, mesh, system = model.case, model.mesh, model.system
+    units = case.output.units or "SI"
+    size, _, unit = display_unit("length", units)
     lines = [f"{case.title or 'case'}: valid"]
     element = ~mesh.is_joint
     lines.append(
-        f"  string: {len(case.string)} items, {mesh.total_length:g} m, {int(element.sum())} elements of "
-        f"{mesh.length[element].min():.3g} to {mesh.length.max():.3g} m, {mesh.nodes} nodes, {len(mesh.bodies)} rigid items"
+        f"  string: {len(case.string)} items, {mesh.total_length / size:g} {unit}, {int(element.sum())} elements of "
+        f"{mesh.length[element].min() / size:.3g} to {mesh.length.max() / size:.3g} {unit}, {mesh.nodes} nodes, "
+        f"{len(mesh.bodies)} rigid items"
     )
     if case.well is not None:
         q = case.well
         lines.append(
-            f"  well: {len(q.survey.md)} survey stations to {q.survey.md[-1]:g} m, inclination up to "
+            f"  well: {len(q.survey.md)} survey stations to {q.survey.md[-1] / size:g} {unit}, inclination up to "
             f"{np.degrees(max(q.survey.inclination)):.3g} deg, {len(q.sections)} sections"
         )
     lines.append(f"  top: {case.top.kind}; bottom: {case.bottom.kind}; start: {case.initial.from_}")
@@ -94,8 +115,9 @@ def _lines(model: DrillingModel) -> list[str]:
     if case.fluid is not None:
         mud = case.fluid
         lines.append(
-            f"  fluid: {mud.density:g} kg/m3, {mud.rheology.model}, law {mud.rheology.law}, bulk modulus {mud.bulk_modulus:g} Pa"
+            f"  fluid: {shown(mud.density, 'mud_weight', units, 6)}, {mud.rheology.model}, law {mud.rheology.law}, bulk modulus {mud.bulk_modulus:g} Pa"
         )
+        lines += [*_fitted("rheology", mud.rheology), *_fitted("annulus_rheology", mud.annulus_rheology)]
     lines.append("  contains: " + "; ".join(contained))
     lines.append("  leaves out (no unknowns, no cost): " + "; ".join(left_out))
     counts = field_counts(system)
@@ -118,6 +140,7 @@ def _lines(model: DrillingModel) -> list[str]:
         + (f"; {case.time.end:g} s to simulate" if case.time is not None else "")
     )
     lines += [f"  {line}" for line in time_scales(model).lines()]
+    lines += [f"  {line}" for line in notes(case)]
     coarse = coarse_elements(model)
     if coarse.any():
         limit = (240 * mesh.bending_stiffness / (mesh.mass * np.linalg.norm(case.gravity))) ** (1 / 3)

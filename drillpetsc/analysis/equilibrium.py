@@ -224,7 +224,7 @@ def _answer_by_path(
     report, end = state.equilibrium, state.path.ends[0]
     report.imperfection, report.negative_pivots, report.converged = SEED, end.negative_pivots, True
     report.iterations += end.iterations
-    state.warnings += state.path.lines()
+    state.warnings += state.path.lines(model.case.output.units or "metric")
 
 
 def _beyond_bottom(model: DrillingModel) -> float:

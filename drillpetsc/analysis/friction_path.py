@@ -22,6 +22,7 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.solvers.overdamped import Drag, OverdampedMotion
 from drillpetsc.solvers.static_newton import Advance, Equilibrium, StaticNewton, lateral_loads, sum_of
+from drillpetsc.unit_systems import System, display
 
 PathKind = Literal["sliding", "slack_off"]
 SEED = 1e-3  # random side loads, as a share of the weight
@@ -110,8 +111,13 @@ class PathAnswer:
         """Entries of summary.json."""
         return {"path": self.kind, "path_states": [asdict(end) for end in self.ends]}
 
-    def lines(self) -> list[str]:
-        """Sentences for the user."""
+    def lines(self, units: System = "metric") -> list[str]:
+        """Sentences for the user, with forces and lengths in a system of units."""
+
+        def told(value: float, kind: str) -> str:
+            number, unit = display(value, kind, units)
+            return f"{number:.5g} {unit}"
+
         name, what = ("wob", "weight on bit") if self.force_given else ("hook_load", "hook load")
         values = [getattr(end, name) for end in self.ends]
         if self.kind == "slack_off":
@@ -126,14 +132,14 @@ class PathAnswer:
             ]
             if len(values) > 1:
                 out.append(
-                    f"{what} between {min(values):.5g} and {max(values):.5g} N: {values[0]:.5g} N from a straight "
-                    f"string, {values[1]:.5g} N after an overload of {OVERLOAD:g}; the table is the first"
+                    f"{what} between {told(min(values), 'force')} and {told(max(values), 'force')}: "
+                    f"{told(values[0], 'force')} from a straight string, {told(values[1], 'force')} after an overload of {OVERLOAD:g}; the table is the first"
                 )
             for end in self.ends:
                 if not end.steady:
                     out.append(
                         f"the state from the {end.start} start still changes: {what} by {100 * end.change:.2g} % of the "
-                        f"push over the last {end.slid / 4:.3g} m of {end.slid:.3g} m"
+                        f"push over the last {told(end.slid / 4, 'length')} of {told(end.slid, 'length')}"
                     )
         if self.ends[0].negative_pivots:
             out.append(

@@ -44,9 +44,10 @@ def versions() -> dict[str, str]:
 
 
 def resolved(case: Case) -> dict[str, Any]:
-    """The case with all defaults, in SI, as JSON data."""
+    """The case with all defaults, in SI, as JSON data, without the units of what is printed."""
     data = plain(case_data(case))
     assert isinstance(data, dict)
+    data.get("output", {}).pop("units", None)
     return data
 
 

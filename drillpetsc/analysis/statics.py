@@ -18,7 +18,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.fem.quantity import Sample
+from drillpetsc.fem.quantity import Quantity, Sample
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
 from drillpetsc.output.field_output import FieldOutput
@@ -30,6 +30,7 @@ from drillpetsc.output.static_table import static_table
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.physics.beam import RESULT_NAMES
 from drillpetsc.solvers import petsc_options as options
+from drillpetsc.unit_systems import System, display, kind_of
 
 NOISE = 1e-12  # share of the largest load below which a load is rounding noise
 
@@ -60,7 +61,7 @@ def run_statics(
         state = find_equilibrium(model, MOTIONS[motion] if motion else None, False, path)
         columns, values = static_table(model)
         buckled = buckling(model, columns, values) if values is not None else Buckling()
-        state.warnings += buckled.lines()
+        state.warnings += buckled.lines(case.output.units or "metric")
         summary = {
             "title": case.title,
             **static_summary(model, state),
@@ -93,14 +94,16 @@ def _write(
 
 
 def _lines(case: Case, folder: RunFolder, state: StaticState, summary: dict[str, Any]) -> list[str]:
+    units = case.output.units or "SI"
     lines = [f"{case.title or 'case'}: static equilibrium, motion {summary['motion']}"]
     for q in STATIC_SUMMARY:
         if summary.get(q.name) is not None:
-            lines.append(f"  {q.label.lower():<15} {summary[q.name]:>14.6g} {q.unit}")
+            number, unit = in_units(summary[q.name], q, units)
+            lines.append(f"  {q.label.lower():<15} {number:>14.6g} {unit}")
     for item in summary.get("rigid_items", ()):
-        lines.append(
-            f"  side force      {item['side_force [N]']:>14.6g} N   on {item['name']} at {item['md [m]']:g} m"
-        )
+        force, unit = display(item["side_force [N]"], "force", units)
+        depth, length = display(item["md [m]"], "length", units)
+        lines.append(f"  side force      {force:>14.6g} {unit:<3} on {item['name']} at {depth:g} {length}")
     held = state.path is not None and state.equilibrium.negative_pivots
     stable = (
         "stable"
@@ -115,6 +118,12 @@ def _lines(case: Case, folder: RunFolder, state: StaticState, summary: dict[str,
     lines += [f"  note: {w}" for w in state.warnings]
     lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
     return lines
+
+
+def in_units(value: float, quantity: Quantity, units: System) -> tuple[float, str]:
+    """(number, unit text) of a value [SI] of an output, as a system of units shows it."""
+    kind = kind_of(quantity.unit, quantity.kind)
+    return display(value, kind, units) if kind and units != "SI" else (value, quantity.unit)
 
 
 # ---------------------------------------------------------------------- summary

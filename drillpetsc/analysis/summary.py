@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 import time as clock
 from dataclasses import dataclass
@@ -17,6 +18,7 @@ from drillpetsc.geometry.trajectory import as_dict, new_hole
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.time_integrator import TimeIntegrator
+from drillpetsc.unit_systems import System, display_unit, shown
 
 FOR_RATES = 5.0  # length of new hole [m] below which its waviness, tenths of a degree, hides its build rate
 DAMPING_SHOWN = 1e-3  # share of energy lost above which the report names the damping of the time formula
@@ -152,8 +154,9 @@ def phases() -> dict[str, float]:
     return out
 
 
-def closing_lines(result: dict[str, Any], folder) -> list[str]:
-    """Report of a run for the screen."""
+def closing_lines(result: dict[str, Any], folder, units: System | None = None) -> list[str]:
+    """Report of a run for the screen, in a system of units."""
+    system = units or "metric"
     if result.get("nothing_left"):
         return [
             f"{result['title'] or 'case'}: nothing was left to do, the run has reached its end at {result['time']:.6g} s",
@@ -178,13 +181,15 @@ def closing_lines(result: dict[str, Any], folder) -> list[str]:
         )
     if "new_hole" in result:
         q = result["new_hole"]
+        rate, _, per = display_unit("dogleg", system)
+        build, turn = (math.radians(q[f"{name}_rate [deg/30m]"]) / 30 / rate for name in ("build", "turn"))
         rates = (
-            f", build rate {q['build_rate [deg/30m]']:.3g}, turn rate {q['turn_rate [deg/30m]']:.3g} deg/30 m"
+            f", build rate {build:.3g}, turn rate {turn:.3g} {per.replace('30m', '30 m')}"
             if q["drilled [m]"] >= FOR_RATES
             else " (too short for rates)"
         )
         lines.append(
-            f"  drilled {q['drilled [m]']:.4g} m: inclination {q['inclination_start [deg]']:.4g} to "
+            f"  drilled {shown(q['drilled [m]'], 'length', system)}: inclination {q['inclination_start [deg]']:.4g} to "
             f"{q['inclination_end [deg]']:.4g} deg{rates}"
         )
     for warning in (*result.get("statics", {}).get("warnings", ()), *result.get("warnings", ())):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +11,20 @@ from pydantic import ValidationError, model_validator
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.checks.case import check_case
 from drillpetsc.case.defaults import fill_case_defaults, fill_presence_defaults
-from drillpetsc.case.key_paths import check_plain
+from drillpetsc.case.key_paths import check_plain, refuse
 from drillpetsc.case.messages import case_error
 from drillpetsc.case.old_words import check_old_words
+from drillpetsc.case.quantities import BARE_NUMBERS
 from drillpetsc.case.writer import case_yaml
+from drillpetsc.unit_systems import System
+
+
+def _system(keys: Mapping[str, Any]) -> System:
+    """Unit system of bare numbers; SI for a word that is none, which is refused with the key."""
+    units = keys.get("units")
+    if units == "metric":
+        return "metric_t" if keys.get("force_unit") == "t" else "metric"
+    return "field" if units == "field" else "SI"
 
 
 class Case(CaseBlocks):
@@ -21,24 +32,41 @@ class Case(CaseBlocks):
     absent is absent physics.
 
     Built from the keys of a case file: `Case(string=[{"kind": "pipe", "length": "9 m", "od": "5 in"}],
-    top="clamped")`. Numbers are SI, text carries a unit; after construction everything is SI and every
+    top="clamped")`. Numbers are SI, text carries a unit, and `units="field"` gives bare numbers field units; after construction everything is SI and every
     default is filled in. Wrong input is a `CaseError`.
     """
 
     def __init__(self, /, **keys: Any) -> None:
         check_plain(keys)
         check_old_words(keys)
+        token = BARE_NUMBERS.set(_system(keys))
         try:
             super().__init__(**keys)
         except ValidationError as error:
             raise case_error(error, keys) from None
+        finally:
+            BARE_NUMBERS.reset(token)
 
     @model_validator(mode="after")
     def _check_and_fill(self) -> Case:
-        fill_presence_defaults(self)
-        check_case(self)
-        fill_case_defaults(self)
+        token = BARE_NUMBERS.set("SI")  # blocks that defaults build
+        try:
+            fill_presence_defaults(self)
+            check_case(self)
+            fill_case_defaults(self)
+            self._units_to_output()
+        finally:
+            BARE_NUMBERS.reset(token)
         return self
+
+    def _units_to_output(self) -> None:
+        """Leave the units of the case to what is printed and plotted: all numbers are in SI now."""
+        if self.force_unit is not None and self.units != "metric":
+            raise refuse("force_unit", got=self.force_unit, want="no force_unit unless 'units: metric'")
+        given: System = "metric_t" if self.force_unit == "t" else self.units
+        if "units" in self.model_fields_set and self.output.units is None:
+            self.fill_defaults(output=self.output.model_copy(update={"units": given}))
+        self.fill_defaults(units="SI", force_unit=None)
 
     def to_yaml(self) -> str:
         """The case as YAML, in SI numbers and with every default written out; `load_case` reads it back

@@ -8,7 +8,9 @@ import math
 from drillpetsc.case.block import overlaid
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.contact import Contact
+from drillpetsc.case.blocks.fluid import PowerLaw
 from drillpetsc.case.blocks.string import Beam, Inertia, Item, Material, Pipe, Rigid
+from drillpetsc.case.mud_report import api_annulus
 from drillpetsc.case.quantities import largest
 
 
@@ -22,8 +24,24 @@ def fill_presence_defaults(case: CaseBlocks) -> None:
     if case.fluid is not None:
         annulus = case.well is not None if case.fluid.annulus is None else case.fluid.annulus
         speed = case.fluid.lateral_damping_speed or largest(case.top.rotation) or 1.0
+        in_string, around = case.fluid.rheology, case.fluid.annulus_rheology
+        if annulus and around is None and in_string.law == "api" and in_string.fit and in_string.dial:
+            found = api_annulus(in_string.dial)
+            if found:
+                consistency, index = found
+                around = PowerLaw(
+                    model="power_law",
+                    law="api",
+                    consistency=consistency,
+                    index=index,
+                    shear_rate=in_string.shear_rate,
+                    dial=in_string.dial,
+                    fit="api",
+                )
         case.fill_defaults(
-            fluid=case.fluid.model_copy(update={"annulus": annulus, "lateral_damping_speed": speed})
+            fluid=case.fluid.model_copy(
+                update={"annulus": annulus, "lateral_damping_speed": speed, "annulus_rheology": around}
+            )
         )
 
 

@@ -1,12 +1,14 @@
 """Types of the values in a case: numbers with a unit, vectors, values over time.
 
 Used as `Annotated[float, Quantity("m", above=0, at_most=20e3)]`. Unit and bounds are written here only:
-messages, schema, the manual and plots read them from here. Bounds are in SI.
+messages, schema, the manual and plots read them from here. Bounds are in SI. A bare number is in SI, or in the unit
+that the case's `units` has for the kind of the quantity.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
@@ -16,13 +18,44 @@ from pydantic_core import CoreSchema, core_schema
 
 from drillpetsc.case.key_paths import refuse, suggestion
 from drillpetsc.time_function import Constant, PiecewiseLinear, Ramp, TimeFunction
-from drillpetsc.units import DIMENSIONS, UnitError, to_si, wanted
+from drillpetsc.unit_systems import System, unit_of_bare_number
+from drillpetsc.unit_tables import DIMENSIONS
+from drillpetsc.units import UnitError, bare_number, spelled, to_si, wanted
+
+BARE_NUMBERS: ContextVar[System] = ContextVar("BARE_NUMBERS", default="SI")
+"""Unit system of numbers without a unit, while a case is read."""
 
 SMALLEST, LARGEST = (
     1e-60,
     1e30,
 )  # magnitudes in SI: within them no formula of the model overflows or divides by zero
 _EXAMPLE_UNITS = {"m": "mm", "Pa": "GPa", "rad": "deg", "rad/s": "rpm", "kg/m^3": "g/cm3", "s": "ms"}
+
+
+class InSI(float):
+    """A number that a reader of files has converted: in SI, whatever the units of the case are."""
+
+
+def with_unit(value: object, unit: str, kind: str, *at: str | int) -> object:
+    """A bare number as text with the unit that it has in the case; any other value unchanged.
+
+    unit: SI unit of the key
+    kind: kind of the quantity, a key of `unit_systems.KINDS`
+    at: key path below the validated value, for messages
+    """
+    system = BARE_NUMBERS.get()
+    if system == "SI" or not unit or isinstance(value, InSI):
+        return value
+    number = bare_number(value)
+    if number is None:
+        return value
+    own = unit_of_bare_number(unit, kind, system)
+    if own is None:
+        hint = f"'units: {system.partition('_')[0]}' has no unit for this key; '{value} {spelled(unit)}', or another unit"
+        raise refuse(*at, got=value, want=f"a number with a unit: {wanted(unit)}", hint=hint)
+    if isinstance(value, str) and "/" in value and not (kind == "diameter" and system == "field"):
+        return value  # a fraction without a unit, which is refused
+    return f"{number!r} {own}"
 
 
 @dataclass(frozen=True)
@@ -37,6 +70,8 @@ class Quantity:
     at_most: float | None = None
     why: str = ""
     """Meaning of the number, the hint of the message for a number out of range."""
+    kind: str = ""
+    """A key of `unit_systems.KINDS`, `none` for a quantity whose numbers always need a unit, or "": the usual kind of the unit."""
 
     def allowed(self) -> str:
         """The range in words, empty when unbounded."""
@@ -65,13 +100,14 @@ class Quantity:
         at: key path below the validated value, for messages
         """
         try:
-            number = to_si(value, self.unit)
+            number = to_si(with_unit(value, self.unit, self.kind, *at), self.unit)
         except UnitError as error:
             raise refuse(*at, got=value, want=error.want, hint=error.hint) from None
         if not self.inside(number):
             hint = self.why
             if not isinstance(value, str) and self.unit in _EXAMPLE_UNITS:
-                hint = f"a bare number is in {self.unit}; was '{value} {_EXAMPLE_UNITS[self.unit]}' meant?"
+                own = unit_of_bare_number(self.unit, self.kind, BARE_NUMBERS.get())
+                hint = f"a bare number is in {own}; was '{value} {_EXAMPLE_UNITS[self.unit]}' meant?"
             want = f"{DIMENSIONS.get(self.unit, ('a value', ''))[0]}, {self.allowed()}"
             raise refuse(*at, got=value, want=want, hint=hint)
         if number != 0 and not SMALLEST <= abs(number) <= LARGEST:
@@ -116,9 +152,10 @@ class Vector:
     unit: str
     along_z: bool = False
     along_x: bool = False
+    kind: str = ""
 
     def read(self, value: object) -> tuple[float, float, float]:
-        component = Quantity(self.unit)
+        component = Quantity(self.unit, kind=self.kind)
         value = as_list(value)
         if isinstance(value, (list, tuple)):
             if len(value) != 3:
@@ -146,12 +183,13 @@ class OverTime:
     """A value over time in the SI unit `unit`: a constant, {time, value} or {ramp, value}."""
 
     unit: str
+    kind: str = ""
 
     def read(self, value: object) -> TimeFunction:
         if isinstance(value, (Constant, PiecewiseLinear, Ramp)):
             return value
         if not isinstance(value, Mapping):
-            return Constant(Quantity(self.unit).read(value))
+            return Constant(Quantity(self.unit, kind=self.kind).read(value))
         forms = "a constant, {time: [...], value: [...]} or {ramp: 2 s, value: ...}"
         for key in value:
             if key not in ("time", "ramp", "value"):
@@ -160,16 +198,18 @@ class OverTime:
             raise refuse(got=dict(value), want=forms)
         if "ramp" in value:
             duration = Quantity("s", above=0).read(value["ramp"], "ramp")
-            return Ramp(duration, Quantity(self.unit).read(value["value"], "value"))
+            return Ramp(duration, Quantity(self.unit, kind=self.kind).read(value["value"], "value"))
         return self._table(value["time"], value["value"])
 
     def _table(self, times: object, values: object) -> PiecewiseLinear:
         columns = []
-        for key, column, unit in (("time", times, "s"), ("value", values, self.unit)):
+        for key, column, unit, kind in (("time", times, "s", ""), ("value", values, self.unit, self.kind)):
             column = as_list(column)
             if not isinstance(column, (list, tuple)) or not column:
                 raise refuse(key, got=column, want=f"a list, each {wanted(unit)}")
-            columns.append(tuple(Quantity(unit).read(cell, key, i) for i, cell in enumerate(column)))
+            columns.append(
+                tuple(Quantity(unit, kind=kind).read(cell, key, i) for i, cell in enumerate(column))
+            )
         if len(columns[0]) != len(columns[1]):
             count = f"{len(columns[0])} times and {len(columns[1])} values"
             raise refuse("value", got=count, want="as many values as times")

@@ -163,6 +163,11 @@ def _plain_mapping(node: Any, at: Path, lines: Lines, file: FilePath | None) -> 
     plain: dict[str, Any] = {}
     for key in node:
         line = _line(node, key) or line_of(at, lines)
+        if at and at[-1] == "dial" and isinstance(key, (int, float)) and not isinstance(key, bool):
+            path = (*at, str(key))  # speeds of a viscometer
+            lines[path] = line
+            plain[str(key)] = _plain(node[key], path, lines, file)
+            continue
         if not isinstance(key, str):
             raise CaseError(at=written(at), got=shown(key), want="a word as key", file=file, line=line)
         path = (*at, str(key))

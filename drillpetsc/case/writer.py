@@ -13,7 +13,7 @@ def case_data(case: CaseBlocks) -> dict[str, Any]:
 
     `Case(**case_data(case)) == case`.
     """
-    data = case.model_dump(mode="python", by_alias=True, exclude_none=True)
+    data = case.model_dump(mode="python", by_alias=True, exclude_none=True, exclude={"units"})
     if case.well is not None and case.contact is None:
         data["contact"] = "none"
     if case.well is not None:  # the hole gives the position of the string

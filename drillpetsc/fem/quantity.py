@@ -46,6 +46,7 @@ class Quantity:
     panel: quantities of one panel are drawn together, panels in ascending order; 0: with others of the same unit.
     numerics: tells about the computation, not about the string.
     interest: 1 for what a study compares first; 0: after all others.
+    kind: key of ``unit_systems.KINDS``, for the unit in which people see it; empty: the usual kind of the unit.
     """
 
     name: str
@@ -64,6 +65,7 @@ class Quantity:
     panel: int = 0
     numerics: bool = False
     interest: int = 0
+    kind: str = ""
 
     @property
     def title(self) -> str:

@@ -26,6 +26,7 @@ from drillpetsc.physics.fluid.channels import Annulus, AnnulusWalls, Bore, HoleV
 from drillpetsc.physics.fluid.hermite.flow import HermiteAnnulus, HermiteBit, HermiteBore, volumes_at_rest
 from drillpetsc.physics.fluid.moving_hole import LateralCoefficients, MovingHole
 from drillpetsc.physics.fluid.rheology import Rheology
+from drillpetsc.physics.fluid.surface_line import SurfaceLine
 
 LARGEST_ECCENTRICITY = 0.98  # eccentricity [-] above which the added mass is constant
 
@@ -38,6 +39,7 @@ class FluidComponents:
     bore, annulus, bit: None where the model has no such channel.
     volumes(pressure): nodal volumes (n+1,) [m3] by field of fluid at rest under a pressure at the top [Pa];
     only with formulation hermite.
+    surface_line: between pump and string, None without one.
     """
 
     constants: FluidConstants
@@ -45,6 +47,7 @@ class FluidComponents:
     annulus: AnnulusFlow | None
     bit: BitFlow | None
     volumes: Callable[[float], dict[str, FloatArray]] | None = None
+    surface_line: SurfaceLine | None = None
 
     @property
     def components(self) -> tuple:
@@ -52,10 +55,10 @@ class FluidComponents:
         return tuple(r for r in (self.bore, self.annulus, self.bit) if r is not None)
 
 
-def build_rheology(case: Case) -> Rheology:
-    """Create the rheology of the case's fluid."""
+def build_rheology(case: Case, annulus: bool = False) -> Rheology:
+    """Create the rheology of the case's fluid, in the string or in the annulus."""
     assert case.fluid is not None
-    q = case.fluid.rheology
+    q = (case.fluid.annulus_rheology if annulus else None) or case.fluid.rheology
     consistency, index, yield_stress = flow_constants(q)
     return Rheology(
         q.model,
@@ -87,6 +90,9 @@ def build_fluid(
     constants = FluidConstants(
         f.density, f.bulk_modulus, gravity, build_rheology(case).parameters(), f.clinging
     )
+    around = constants
+    if f.annulus_rheology is not None:
+        around = replace(constants, rheology=build_rheology(case, annulus=True).parameters())
     narrowing, fixed_position = poisson(case, mesh), position if case.hold_string else None
     hermite = f.formulation == "hermite"
     bore_flow: BoreFlow | None = None
@@ -113,7 +119,7 @@ def build_fluid(
             mesh,
             sizes,
             well,
-            constants,
+            around,
             narrowing,
             _lateral_coefficients(case, sizes),
             f.outlet_pressure,
@@ -144,7 +150,23 @@ def build_fluid(
             bore_flow.kept = float(
                 volumes(f.outlet_pressure.value(0.0) if annulus is not None else 0.0)["bore.volume"][-1]
             )
-    return FluidComponents(constants, bore_flow, annulus, bit, volumes)
+    return FluidComponents(constants, bore_flow, annulus, bit, volumes, _surface_line(case))
+
+
+def _surface_line(case: Case) -> SurfaceLine | None:
+    """The lines between pump and string, None without them."""
+    assert case.fluid is not None
+    line = case.fluid.surface_line
+    if line is None:
+        return None
+    return SurfaceLine(
+        build_rheology(case),
+        case.fluid.density,
+        line.length or 0.0,
+        line.id or 0.0,
+        line.loss or 0.0,
+        line.at or 0.0,
+    )
 
 
 def _added_mass(case: Case, sizes: Annulus) -> FloatArray:
@@ -183,9 +205,11 @@ def _added_mass_at(eccentricity: FloatArray, inner: FloatArray, outer: FloatArra
 
 
 def shear_viscosity(case: Case, shear_rate: FloatArray) -> FloatArray:
-    """Compute the apparent viscosity (n,) [Pa s] of the fluid at shear rates (n,) [1/s]."""
-    consistency, index, yield_stress = flow_constants(case.fluid.rheology)  # type: ignore[union-attr]
-    if case.fluid.rheology.model == "casson":  # type: ignore[union-attr]
+    """Compute the apparent viscosity (n,) [Pa s] of the fluid in the annulus at shear rates (n,) [1/s]."""
+    assert case.fluid is not None
+    rheology = case.fluid.annulus_rheology or case.fluid.rheology
+    consistency, index, yield_stress = flow_constants(rheology)
+    if rheology.model == "casson":
         return (np.sqrt(yield_stress) + np.sqrt(consistency * shear_rate)) ** 2 / shear_rate
     return yield_stress / shear_rate + consistency * shear_rate ** (index - 1)
 

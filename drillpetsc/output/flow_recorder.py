@@ -56,11 +56,12 @@ class FlowRecorder:
         return 0.0 if flow is None else flow
 
     def pump_pressure(self, sample: Sample) -> float:
-        """Pressure at the upper end of the bore [Pa]."""
-        bore = self.fluid.bore
-        if bore is None or sample.once(bore.pumped, sample.time) is None:  # another rank has the end
+        """Pressure at the upper end of the bore, plus the loss of the surface line [Pa]."""
+        bore, line = self.fluid.bore, self.fluid.surface_line
+        flow = None if bore is None else sample.once(bore.pumped, sample.time)
+        if bore is None or flow is None:  # another rank has the end
             return 0.0
-        return bore.upper_pressure(sample.assembly)
+        return bore.upper_pressure(sample.assembly) + (0.0 if line is None else line.loss(flow))
 
     def bit_pressure(self, sample: Sample) -> float:
         """Pressure at the last node [Pa]: of the annulus, or of the bore where there is none."""

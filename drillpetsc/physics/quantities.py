@@ -24,6 +24,7 @@ CONTACT: tuple[Quantity, ...] = (
     Quantity(
         "contact_force",
         "N/m",
+        kind="side_force",
         on="element",
         label="Side force",
         mnemonic="SFPL",

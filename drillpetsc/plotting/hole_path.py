@@ -25,7 +25,8 @@ def well_path(table: Table, title: str, drilled: float = 0.0) -> Any:
     """
     if len(table["md [m]"]) < 2:
         return None
-    north, east, depth = table["north [m]"], table["east [m]"], table["tvd [m]"]
+    length, unit = style.depth_unit()
+    north, east, depth = (table[f"{name} [m]"] / length for name in ("north", "east", "tvd"))
     away = np.hypot(north - north[0], east - east[0])
     drawing = style.figure(11.0, 6.2, dpi=110)
     top = style.heading(drawing, f"{title}: well path")
@@ -41,10 +42,12 @@ def well_path(table: Table, title: str, drilled: float = 0.0) -> Any:
                 color=NEW,
                 linewidth=3.5,
                 solid_capstyle="butt",
-                label=f"new hole, {drilled:.4g} m",
+                label=f"new hole, {drilled / length:.4g} {unit}",
             )
     section.set(
-        xlabel="horizontal distance from the well head [m]", ylabel="True vertical depth [m]", title="Section"
+        xlabel=f"horizontal distance from the well head [{unit}]",
+        ylabel=f"True vertical depth [{unit}]",
+        title="Section",
     )
     span = max(float(np.ptp(depth)), float(np.ptp(away)), 1e-9)
     section.set(
@@ -58,8 +61,8 @@ def well_path(table: Table, title: str, drilled: float = 0.0) -> Any:
     plan.set(
         xlim=(middle[0] - half, middle[0] + half),
         ylim=(middle[1] - half, middle[1] + half),
-        xlabel="east [m]",
-        ylabel="north [m]",
+        xlabel=f"east [{unit}]",
+        ylabel=f"north [{unit}]",
         title="Plan",
     )
     plan.set_aspect("equal")

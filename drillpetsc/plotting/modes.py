@@ -50,7 +50,7 @@ def draw_modes(folder: Path, title: str) -> Any:
             axes.legend(
                 loc="upper center", bbox_to_anchor=(0.5, -0.045), frameon=False, fontsize=7, handlelength=1.2
             )
-    tracks[0].set_ylabel("Measured depth [m]")
+    tracks[0].set_ylabel(f"Measured depth [{style.depth_unit()[1]}]")
     tracks[0].set_ylim(depth.max(), depth.min())
     drawing.tight_layout(rect=(0, 0, 1, top))
     return drawing
@@ -65,7 +65,7 @@ def _lines(file: Path, kind: str) -> tuple[np.ndarray, list[tuple[str, np.ndarra
         stem, unit = name.split(" ", 1)
         return np.asarray(data[name]) + 1j * np.asarray(data[f"{stem}_imaginary {unit}"])
 
-    depth = np.asarray(data["md [m]"], dtype=float)
+    depth = np.asarray(data["md [m]"], dtype=float) / style.depth_unit()[0]
     if kind in PARTS and PARTS[kind][0] in data:
         column, names = PARTS[kind]
         values = shape(column)

@@ -22,16 +22,31 @@ from drillpetsc.plotting.hole_path import new_hole, well_path
 from drillpetsc.plotting.modes import draw_modes
 from drillpetsc.plotting.style import GROUND, LINE_COLORS, WALL, display_unit, label, words
 from drillpetsc.plotting.sweep import draw_sweep
+from drillpetsc.unit_systems import System
+from drillpetsc.unit_systems import display_unit as display_unit_of
 
 Table = dict[str, np.ndarray]
 
 
-def plot(run: str | os.PathLike, out: str | os.PathLike | None = None) -> list[Path]:
+def plot(
+    run: str | os.PathLike, out: str | os.PathLike | None = None, units: System | None = None
+) -> list[Path]:
     """Draw the pictures of a run folder; returns the files written, in `out` or the run's plots folder.
 
     For the folder of a sweep: the new hole of its members.
+
+    units: field, metric, metric_t or SI; by default those of the case.
     """
     folder = RunFolder.open(run)
+    token = style.UNITS.set(units or style.units_of_run(folder.case))
+    try:
+        return _plot(folder, out)
+    finally:
+        style.UNITS.reset(token)
+
+
+def _plot(folder: RunFolder, out: str | os.PathLike | None) -> list[Path]:
+    """Draw the pictures of a run folder in the units of `style.UNITS`."""
     if (folder.path / SWEEP_TABLE).is_file():
         pictures = draw_sweep(folder.path, out)
         if not pictures:
@@ -177,10 +192,13 @@ def _orbits(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
     drawing = style.figure(max(3.9 * columns, 6.5), 0.7 + 4.1 * rows, dpi=110)
     top = style.heading(drawing, f"{title}: orbits of the string's centre")
     lines = None
+    size, _, unit = display_unit_of("diameter", style.UNITS.get() or "metric")
+    length, depth_text = style.depth_unit()
+    digits = 1 if unit == "mm" else 3
     grid = drawing.subplots(rows, columns, squeeze=False)
     for axes, name in zip(grid.reshape(-1), names, strict=False):
-        x, y = 1e3 * table[f"x_{name} [m]"], 1e3 * table[f"y_{name} [m]"]
-        circle = None if clearances is None else 1e3 * float(np.interp(float(name), *clearances))
+        x, y = table[f"x_{name} [m]"] / size, table[f"y_{name} [m]"] / size
+        circle = None if clearances is None else float(np.interp(float(name), *clearances)) / size
         _clearance_circle(axes, circle, float(np.nanmax(np.hypot(x, y))))
         points = np.column_stack((y, x))  # looking down the hole with the high side on top
         lines = LineCollection(
@@ -191,9 +209,10 @@ def _orbits(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
         axes.plot(y[-1], x[-1], "o", color="#b03060", markersize=4.5, zorder=4)
         axes.set_aspect("equal")
         axes.set(
-            xlabel="to the right (east where vertical), y [mm]",
-            ylabel="to the high side (north where vertical), x [mm]",
-            title=f"{float(name):g} m" + (f", clearance {circle:.1f} mm" if circle is not None else ""),
+            xlabel=f"to the right (east where vertical), y [{unit}]",
+            ylabel=f"to the high side (north where vertical), x [{unit}]",
+            title=f"{round(float(name) / length, 2):g} {depth_text}"
+            + (f", clearance {circle:.{digits}f} {unit}" if circle is not None else ""),
         )
     for axes in grid.reshape(-1)[len(names) :]:
         axes.remove()
@@ -206,7 +225,7 @@ def _orbits(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
 
 
 def _clearance_circle(axes: Any, clearance: float | None, reach: float) -> None:
-    """Draw the rock outside the circle of contact. clearance, reach (largest offset of the orbit): [mm]."""
+    """Draw the rock outside the circle of contact. clearance, reach (largest offset of the orbit): in one unit."""
     half = 1.15 * max(reach, clearance or 0.0, 1e-6)
     if clearance is not None and clearance > 0:
         angle = np.linspace(0, 2 * np.pi, 181)
@@ -244,7 +263,9 @@ def _probes(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
     ):
         size, unit = display_unit(column, np.concatenate(list(group.values())))
         for (name, values), color in zip(group.items(), LINE_COLORS * 3, strict=False):
-            axes.plot(time, values / size, color=color, linewidth=1.0, label=f"{float(name):g} m")
+            length, depth_text = style.depth_unit()
+            at = f"{round(float(name) / length, 2):g} {depth_text}"
+            axes.plot(time, values / size, color=color, linewidth=1.0, label=at)
             if column.startswith("distance") and clearances is not None:
                 axes.axhline(
                     np.interp(float(name), *clearances) / size,
@@ -269,7 +290,8 @@ def _probes(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
 def _along_depth(table: Table, title: str) -> Any:
     """Draw every column of statics.csv over depth."""
     depth_title, *rest = table
-    depth = table[depth_title]
+    length, depth_text = style.depth_unit()
+    depth = table[depth_title] / length
     numbers = [name for name in rest if table[name].dtype.kind == "f" and np.isfinite(table[name]).any()]
     if not numbers or len(depth) < 2:
         return None
@@ -297,7 +319,7 @@ def _along_depth(table: Table, title: str) -> Any:
     for axes in grid.reshape(-1)[len(numbers) :]:
         axes.remove()
     for axes in grid[:, 0]:
-        axes.set_ylabel(f"{words(depth_title)} [m]")
+        axes.set_ylabel(f"{words(depth_title)} [{depth_text}]")
     grid[0, 0].set_ylim(depth.max(), depth.min())
     drawing.tight_layout(rect=(0, 0, 1, top))
     return drawing

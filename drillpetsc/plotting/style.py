@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 import math
+import re
 import textwrap
-from typing import Any
+from contextvars import ContextVar
+from pathlib import Path
+from typing import Any, get_args
 
 import numpy as np
 
 from drillpetsc.output import catalogue
 from drillpetsc.output.files.tables import split_name
+from drillpetsc.unit_systems import System, kind_of
+from drillpetsc.unit_systems import display_unit as unit_in
+
+UNITS: ContextVar[System | None] = ContextVar("UNITS", default=None)
+"""Unit system of a picture; None: metric units of a size that fits the values."""
+_OUTPUT_UNITS = re.compile(r"^output:.*?^  units: (\w+)$", re.MULTILINE | re.DOTALL)
 
 # unit -> displayed units in ascending order: (text, size in SI); the last one not above the values is used
 STEPS: dict[str, list[tuple[str, float]]] = {
@@ -53,6 +62,15 @@ WALL = "#6b5b45"
 def display_unit(title: str, values: Any) -> tuple[float, str]:
     """How to show a column: (divide by, unit text). title: "wob [N]"; values: array [SI]."""
     name, unit = split_name(title)
+    system = UNITS.get()
+    if system is not None:
+        quantity = catalogue.find(name)
+        across = "diameter" if name in ("distance_from_centre", "offset") else ""
+        kind = kind_of(unit, quantity.kind if quantity is not None else across)
+        if kind and kind != "temperature":
+            size, _, text = unit_in(kind, system, plot=True)
+            return size, text
+        return 1.0, "" if unit == "-" else unit
     if name in FIXED:
         text, size = FIXED[name]
         return size, text
@@ -67,6 +85,21 @@ def display_unit(title: str, values: Any) -> tuple[float, str]:
         return size, text
     fitting = [step for step in steps if step[1] <= largest * 1.0000001] or steps[:1]
     return fitting[-1][1], fitting[-1][0]
+
+
+def depth_unit() -> tuple[float, str]:
+    """How to show depths and distances: (divide by, unit text)."""
+    size, _, text = unit_in("length", UNITS.get() or "metric")
+    return size, text
+
+
+def units_of_run(case: Path) -> System | None:
+    """Unit system that the case of a run has for what is plotted; None where it has none.
+
+    case: the case.yaml of a run folder, which the program has written
+    """
+    found = _OUTPUT_UNITS.search(case.read_text(encoding="utf-8")) if case.is_file() else None
+    return found.group(1) if found and found.group(1) in get_args(System) else None  # type: ignore[return-value]
 
 
 def words(title: str) -> str:

@@ -20,6 +20,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import fuzz_files
 from fuzz_cases import valid_case
 from fuzz_judge import Failure, check_message, check_round_trip, check_visible, guarded
 from fuzz_mutations import mutate_data, mutate_survey, mutate_text, places, replaced, value_at, without
@@ -343,6 +344,9 @@ def main() -> int:
     p.add_argument(
         "--thorough", action="store_true", help="build, write and check all that stay valid, not one in ten"
     )
+    p.add_argument(
+        "--files", type=int, default=20_000, help="mutants of survey and XML files besides (default: 20000)"
+    )
     given = p.parse_args()
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     import petsc4py
@@ -364,7 +368,11 @@ def main() -> int:
         f"\n{done} mutants of {len(case_files())} case files and of random cases in {took:.0f} s, seed {given.seed}: "
         f"{len(tally.failures)} distinct failures"
     )
-    return 1 if tally.failures else 0
+    with tempfile.TemporaryDirectory() as name:
+        say = lambda line: print(line, file=sys.stderr, flush=True)  # noqa: E731
+        of_files = fuzz_files.run(given.files, given.seed, Path(name), given.keep, say)
+    print("\n".join(["", *fuzz_files.table(of_files)]))
+    return 1 if tally.failures or of_files.failures else 0
 
 
 if __name__ == "__main__":

@@ -61,7 +61,8 @@ EXTRAS: dict[str, tuple[tuple[str, Any], ...]] = {
                   "sections": [{"to": 100, "kind": "open_hole", "diameter": 0.3}]}),
         ("bottom", "bit"), ("bottom", "pinned"), ("material", {"young": 7e10}), ("beam", {"formulation": "ancf"}),
         ("beam", {"formulation": "quaternion"}),
-        ("joints", []), ("joints", [{"at": 4, "kind": "universal"}]), ("joints", [{"at": 30, "kind": "slider"}]),
+        ("joints", []), ("joints", [{"at": 4, "kind": "universal"}]), ("units", "field"), ("units", "metric"), ("units", "SI"), ("force_unit", "t"),
+        ("joints", [{"at": 30, "kind": "slider"}]),
     ),
     "string": (
         ("element_length", 3.0), ("element_length", 1e-9), ("friction", 0.1), ("name", "x"), ("id", 0.01), ("od", 0.1), ("mass", 50.0),
@@ -85,9 +86,15 @@ EXTRAS: dict[str, tuple[tuple[str, Any], ...]] = {
         ("outlet_pressure", 1e5), ("clinging", 0.3), ("added_mass", 2.0), ("lateral_damping", 3.0), ("lateral_damping_speed", 3.0),
         ("rotation_drag", True), ("cuttings", "returned"), ("formulation", "hermite"), ("dynamics", "quasi_steady"),
         ("elastic_walls", False),
-        ("check_valve", True), ("bulk_modulus", 1e12), ("flow_rate", 0.01), ("discharge_coefficient", 0.8),
+        ("check_valve", True), ("bulk_modulus", 1e12), ("surface_line", {"case": 3}), ("surface_line", {"length": 3, "id": 0.1}),
+        ("surface_line", {"loss": 1e5, "at": 0.03}), ("annulus_rheology", {"pv": 0.02, "yp": 5}), ("rheology", {"pv": 0.02, "yp": 5}),
+        ("rheology", {"n": 0.6, "k": 0.5}), ("rheology", {"ty": 3, "n": 0.6, "k": 0.5}), ("rheology", {"dial": {"600": 64, "300": 41, "3": 7}}),
+        ("rheology", {"dial": {"600": 64, "300": 41, "100": 22, "3": 7}, "law": "api"}), ("flow_rate", 0.01), ("discharge_coefficient", 0.8),
     ),
-    "fluid.rheology": (("shear_rate", 3.0), ("law", "exact"), ("law", "api")),
+    "fluid.rheology": (
+        ("dial", {"600": 64, "300": 41}), ("dial", {600: 64, "300": 41, 3: 7}), ("dial", {"600": 1}), ("fit", "api"), ("fit", "least_squares"),
+        ("pv", 0.02), ("yp", "18 lbf/100ft2"), ("n", 0.6), ("k", 0.5), ("ty", 3.0),
+        ("shear_rate", 3.0), ("law", "exact"), ("law", "api")),
     "formation": (
         ("growth", "post_step"), ("direction", "bit_axis"), ("overgauge", 1e-3), ("walk", 0.1), ("node_spacing", 0.2),
         ("threshold", 10.0),
@@ -102,7 +109,7 @@ EXTRAS: dict[str, tuple[tuple[str, Any], ...]] = {
     "beam": (("formulation", "quaternion"), ("constraint", "index2")),
     "initial": (("wob", "1 kN"), ("imperfection", 0.02), ("inclination", 0.4), ("azimuth", 0.4), ("from", "straight")),
     "time": (("mode", "quasi_static"), ("mode", "dynamic"), ("step", 0.5)),
-    "output": (("probes", [1.5]), ("checkpoint_every", 0.3), ("field_every", 0.3), ("history_every", 0.3)),
+    "output": (("probes", [1.5]), ("units", "field"), ("units", "SI"), ("checkpoint_every", 0.3), ("field_every", 0.3), ("history_every", 0.3)),
     "petsc": (("ts_dt", 0.1), ("x", None), ("y", True)),
     "material": (("poisson", 0.2), ("density", 7000.0), ("damping", {"mass": 0.2}), ("young", "100 GPa")),
 }  # fmt: skip

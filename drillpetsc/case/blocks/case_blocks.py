@@ -48,6 +48,14 @@ class CaseBlocks(Block):
     )
 
     title: str = Field(default="", description="title of the case")
+    units: Literal["field", "metric", "SI"] = Field(
+        default="SI",
+        description="units of numbers without one: field (ft, in, klbf, ft-lbf, psi, ppg, gpm), metric (m, mm, kN, kN m, bar, sg, l/min) or SI; "
+        "reports use them too",
+    )
+    force_unit: Literal["kN", "t"] | None = Field(
+        default=None, description="unit of forces in the metric system: kN, or t for tonnes-force"
+    )
     well: Well | None = Field(default=None, description="the hole; without it the string is in free space")
     string: tuple[StringItem, ...] = Field(
         min_length=1, description="from the top down; the last item ends at the bit"

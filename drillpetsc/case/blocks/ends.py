@@ -187,7 +187,7 @@ class LineLoad(Load):
         alias="from", description="measured depth of the upper end"
     )
     to: Annotated[float, Quantity("m", at_least=0)] = Field(description="measured depth of the lower end")
-    force: Annotated[tuple[float, float, float], Vector("N/m")] = Field(
+    force: Annotated[tuple[float, float, float], Vector("N/m", kind="side_force")] = Field(
         default=(0.0, 0.0, 0.0), description="force per length"
     )
     moment: Annotated[tuple[float, float, float], Vector("N m/m")] = Field(

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Strict, Tag, model_validator
 
 from drillpetsc.case.block import Block, derived_default, tagged_union
 from drillpetsc.case.key_paths import refuse
+from drillpetsc.case.mud_report import standard
 from drillpetsc.case.quantities import OverTime, Quantity, WordOrNumber
 from drillpetsc.time_function import Constant, TimeFunction
+from drillpetsc.unit_tables import FOOT, INCH
 
 Consistency = Annotated[float, Quantity("Pa s^n", above=0, at_most=1e3)]
 Viscosity = Annotated[float, Quantity("Pa s", at_least=0, at_most=1e3)]
 PlasticViscosity = Annotated[float, Quantity("Pa s", above=0, at_most=1e3)]
-YieldStress = Annotated[float, Quantity("Pa", at_least=0, at_most=1e4)]
+YieldStress = Annotated[float, Quantity("Pa", at_least=0, at_most=1e4, kind="yield_point")]
 FlowIndex = Annotated[float, Quantity("", above=0, at_most=2)]
 
 _STRESS = "shear stress = "
@@ -30,8 +33,17 @@ class Rheology(Block):
         description="friction in pipe and annulus: blend: one smooth formula from laminar to turbulent flow; "
         "api: API form with Metzner-Reed Reynolds number and straight transition; exact: laminar profile integrated",
     )
-    shear_rate: Annotated[float, Quantity("1/s", above=0, at_most=1e3)] = Field(
+    shear_rate: Annotated[float, Quantity("1/s", above=0, at_most=1e3, kind="shear_rate")] = Field(
         default=1.0, description="shear rate below which stresses go smoothly to zero"
+    )
+    dial: dict[str, float] | None = Field(
+        default=None,
+        description="readings of a viscometer in degrees by its speed in rpm, {600: 64, 300: 41}; the constants of the model are fitted to them "
+        "unless they are given",
+    )
+    fit: Literal["api", "least_squares"] | None = Field(
+        default=None,
+        description="fit to the readings: api: rules of API RP 13D (default with two readings and with law api); least_squares: in stress",
     )
 
 
@@ -101,7 +113,16 @@ AnyRheology = Annotated[
     | Annotated[HerschelBulkley, Tag("kind:HerschelBulkley")],
     Discriminator(_rheology_tag),
     BeforeValidator(_rheology),
+    BeforeValidator(standard),
 ]
+
+
+def stress_at(rheology: Rheology, shear_rate: float) -> float:
+    """Shear stress [Pa] at a shear rate [1/s]."""
+    consistency, index, yield_stress = flow_constants(rheology)
+    if isinstance(rheology, Casson):
+        return (math.sqrt(yield_stress) + math.sqrt(consistency * shear_rate)) ** 2
+    return float(yield_stress + consistency * shear_rate**index)
 
 
 def flow_constants(rheology: Rheology) -> tuple[float, float, float]:
@@ -121,6 +142,43 @@ def flow_constants(rheology: Rheology) -> tuple[float, float, float]:
     return rheology.plastic_viscosity, 1.0, rheology.yield_stress
 
 
+#: surface lines of API RP 13D: length [m] of 3.826 in bore, by case
+SURFACE_LINES = {1: 2600 * FOOT, 2: 946 * FOOT, 3: 610 * FOOT, 4: 424 * FOOT}
+SURFACE_BORE = 3.826 * INCH  # [m]
+
+
+class SurfaceLine(Block):
+    """Standpipe, hose, swivel and kelly. Their loss is added to the pump pressure and to nothing else."""
+
+    case: Literal[1, 2, 3, 4] | None = Field(
+        default=None,
+        description="equipment of API RP 13D: 2600, 946, 610 or 424 ft of 3.826 in bore with the string's friction law",
+    )
+    length: Annotated[float, Quantity("m", above=0, at_most=10e3)] | None = Field(
+        default=None, description="length of an equal pipe, with id, instead of a case"
+    )
+    id: Annotated[float, Quantity("m", at_least=1e-3, at_most=2, kind="diameter")] | None = Field(
+        default=None, description="inner diameter of that pipe"
+    )
+    loss: Annotated[float, Quantity("Pa", at_least=0, at_most=1e9, kind="pressure")] | None = Field(
+        default=None,
+        description="measured loss, with the flow rate `at`, instead of a case; it goes with the flow rate squared",
+    )
+    at: Annotated[float, Quantity("m^3/s", above=0)] | None = Field(
+        default=None, description="flow rate of the loss"
+    )
+
+    @model_validator(mode="after")
+    def _one_form(self) -> SurfaceLine:
+        given = {key for key in SurfaceLine.model_fields if getattr(self, key) is not None}
+        if given not in ({"case"}, {"length", "id"}, {"loss", "at"}):
+            want = "{case: 1}, {length: ..., id: ...} or {loss: ..., at: ...}"
+            raise refuse(got=", ".join(sorted(given)) or "nothing", want=want)
+        if self.case is not None:
+            self.fill_defaults(length=SURFACE_LINES[self.case], id=SURFACE_BORE, case=None)
+        return self
+
+
 class Choke(Block):
     """A valve at the flow line. Its pressure drop is rho q |q| / (2 Cd^2 A^2)."""
 
@@ -133,10 +191,19 @@ class Choke(Block):
 class Fluid(Block):
     """The drilling fluid: down the string's bore, through the bit, up the annulus."""
 
-    density: Annotated[float, Quantity("kg/m^3", above=0, at_most=30e3)] = Field(
+    density: Annotated[float, Quantity("kg/m^3", above=0, at_most=30e3, kind="mud_weight")] = Field(
         description="density at zero (gauge) pressure"
     )
-    rheology: AnyRheology = Field(description="shear stress as a function of the shear rate")
+    rheology: AnyRheology = Field(
+        description="shear stress as a function of the shear rate; also as in a mud report: {pv, yp}, {n, k}, {ty, n, k} or {dial: {600: 64, 300: 41}}"
+    )
+    annulus_rheology: AnyRheology | None = Field(
+        default=None,
+        description="rheology in the annulus, where it differs; with law api and dial readings at 100 and 3 rpm, the power law through these",
+    )
+    surface_line: SurfaceLine | None = Field(
+        default=None, description="lines between pump and string, whose loss the pump pressure contains"
+    )
     bulk_modulus: Annotated[float, Quantity("Pa", above=0)] = Field(
         default=2e9, description="bulk modulus of the fluid alone"
     )
@@ -144,11 +211,11 @@ class Fluid(Block):
         "volume pumped into the string over time, negative in reverse circulation; "
         "0 when neither this nor a pump_pressure is given"
     )
-    pump_pressure: Annotated[TimeFunction, OverTime("Pa")] | None = Field(
+    pump_pressure: Annotated[TimeFunction, OverTime("Pa", kind="pressure")] | None = Field(
         default=None,
         description="gauge pressure at the string's upper end over time, instead of a flow_rate",
     )
-    outlet_pressure: Annotated[TimeFunction, OverTime("Pa")] = Field(
+    outlet_pressure: Annotated[TimeFunction, OverTime("Pa", kind="pressure")] = Field(
         default=Constant(0.0),
         description="gauge pressure at the flow line, or without an annulus at the string's lower end, over time",
     )
@@ -199,7 +266,7 @@ class Fluid(Block):
         description="force per length over sideways speed in still fluid; stokes: from the oscillating "
         "viscous flow at lateral_damping_speed; none: 0",
     )
-    lateral_damping_speed: Annotated[float, Quantity("rad/s", above=0)] = derived_default(
+    lateral_damping_speed: Annotated[float, Quantity("rad/s", above=0, kind="none")] = derived_default(
         "angular frequency for lateral_damping stokes; when not given, the fastest rotation of the top, "
         "or 1 rad/s if the top does not turn"
     )
@@ -220,6 +287,9 @@ class Fluid(Block):
     def _pump_and_outlet(self) -> Fluid:
         if self.flow_rate is not None and self.pump_pressure is not None:
             raise refuse("pump_pressure", want="a flow_rate or a pump_pressure, not both")
+        if self.surface_line is not None and self.pump_pressure is not None:
+            hint = "a pump_pressure acts at the string's upper end, below the surface line"
+            raise refuse("surface_line", want="a flow_rate with a surface_line", hint=hint)
         if self.flow_rate is None and self.pump_pressure is None:
             self.fill_defaults(flow_rate=Constant(0.0))
         if self.choke is not None and (self.formulation == "hermite" or self.annulus is False):

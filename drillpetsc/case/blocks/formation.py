@@ -107,7 +107,7 @@ class DragBit(Block):
     contact_stress: Annotated[float, Quantity("Pa", at_least=0)] = Field(
         default=60e6, description="largest stress between wear flats and rock"
     )
-    wear_flat: Annotated[float, Quantity("m", at_least=0, at_most=1)] = Field(
+    wear_flat: Annotated[float, Quantity("m", at_least=0, at_most=1, kind="diameter")] = Field(
         default=1.2e-3, description="width of all wear flats together; 0 for a sharp bit"
     )
     friction: Friction = Field(
@@ -192,7 +192,7 @@ class Formation(Block):
         default=0.0,
         description="walk angle about the bit's axis, from the side force to the sideways motion of the bit",
     )
-    overgauge: Annotated[float, Quantity("m")] = Field(
+    overgauge: Annotated[float, Quantity("m", kind="diameter")] = Field(
         default=0.0,
         description="radius of the new hole less that of the bit; negative for an under-gauge hole",
     )

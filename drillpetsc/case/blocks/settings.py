@@ -13,6 +13,7 @@ from drillpetsc.case.blocks.string import Angle
 from drillpetsc.case.key_paths import refuse, suggestion
 from drillpetsc.case.quantities import Quantity, as_list
 from drillpetsc.case.survey_file import FOLDER
+from drillpetsc.unit_systems import System
 
 STARTS = ("statics", "rest", "straight")
 
@@ -129,6 +130,10 @@ class Output(Block):
         description="true: the side force of every rigid item gets its own column in history.csv",
     )
     checkpoint_every: Interval = derived_default("interval of checkpoint.h5; end/10 when not given")
+    units: System | None = Field(
+        default=None,
+        description="units of printed and plotted figures (files stay in SI); the case's units when not given",
+    )
 
     @model_validator(mode="after")
     def _distinct_names(self) -> Output:

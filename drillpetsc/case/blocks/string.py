@@ -14,9 +14,9 @@ from drillpetsc.case.quantities import Quantity, Vector
 
 Length = Annotated[float, Quantity("m", at_least=1e-3, at_most=50e3)]
 RigidLength = Annotated[float, Quantity("m", at_least=0, at_most=200)]
-Diameter = Annotated[float, Quantity("m", at_least=1e-4, at_most=2)]
-Bore = Annotated[float, Quantity("m", at_least=0, at_most=2)]
-Offset = Annotated[float, Quantity("m", at_least=0, at_most=1)]
+Diameter = Annotated[float, Quantity("m", at_least=1e-4, at_most=2, kind="diameter")]
+Bore = Annotated[float, Quantity("m", at_least=0, at_most=2, kind="diameter")]
+Offset = Annotated[float, Quantity("m", at_least=0, at_most=1, kind="diameter")]
 Angle = Annotated[float, Quantity("rad")]
 Friction = Annotated[float, Quantity("", at_least=0, at_most=10)]
 
@@ -34,7 +34,7 @@ _TOOL_FACE = (
 class Damping(Block):
     """Damping of the pipe: Kelvin-Voigt in the rotating section, and external, proportional to the mass."""
 
-    stiffness: Annotated[float, Quantity("s", at_least=0)] = Field(
+    stiffness: Annotated[float, Quantity("s", at_least=0, kind="none")] = Field(
         default=0.0, description="Kelvin-Voigt time constant: stress E (strain + stiffness * strain rate)"
     )
     mass: Annotated[float, Quantity("1/s", at_least=0)] = Field(
@@ -172,7 +172,9 @@ class Beam(Flexible):
     """An item given by its stiffnesses, for anything that is not a round tube."""
 
     kind: Literal["beam"] = Field(description="item given by its stiffnesses")
-    axial_stiffness: Annotated[float, Quantity("N", above=0)] = Field(description="axial stiffness EA")
+    axial_stiffness: Annotated[float, Quantity("N", above=0, kind="none")] = Field(
+        description="axial stiffness EA"
+    )
     bending_stiffness: Annotated[float, Quantity("N m^2", above=0)] = Field(
         description="bending stiffness EI"
     )

@@ -3,22 +3,61 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Field, WrapValidator, model_validator
+from pydantic import Field, PrivateAttr, ValidatorFunctionWrapHandler, WrapValidator, model_validator
+from pydantic_core import PydanticCustomError
 
 from drillpetsc.case.block import Block, derived_default
 from drillpetsc.case.blocks.string import Friction
+from drillpetsc.case.importers.stations import Rules
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import Quantity
+from drillpetsc.case.quantities import BARE_NUMBERS, InSI, Quantity
 from drillpetsc.case.survey_file import read_survey
 
 DEFAULT_FRICTION = {"casing": 0.2, "open_hole": 0.3}
 
 
+class TieIn(Block):
+    """The station that a survey continues."""
+
+    md: Annotated[float, Quantity("m", at_least=0, at_most=50e3)] = Field(
+        default=0.0, description="measured depth"
+    )
+    inclination: Annotated[float, Quantity("rad", at_least=0, at_most=math.pi)] = Field(
+        default=0.0, description="inclination from the vertical"
+    )
+    azimuth: Annotated[float, Quantity("rad", at_least=-2 * math.pi, at_most=2 * math.pi)] = Field(
+        default=0.0, description="azimuth from north over east"
+    )
+
+
+class SurveyFile(Block):
+    """A survey in a file of another program."""
+
+    file: str = Field(
+        description="CSV and other text tables, xlsx (`well.xlsx#Sheet2`), LAS, WITSML trajectory; or a run folder"
+    )
+    tie_in: TieIn | None = Field(default=None, description="station above the first one of the file")
+    allow_dogleg: bool = Field(
+        default=False, strict=True, description="true: bends above 30 deg/30 m are no typing errors"
+    )
+    north: Literal["grid", "true", "magnetic"] | None = Field(
+        default=None, description="what azimuths are measured from, for reports; applied to nothing"
+    )
+    convergence: Annotated[float, Quantity("rad", at_least=-math.pi, at_most=math.pi)] | None = Field(
+        default=None, description="grid convergence, for reports; applied to nothing"
+    )
+    declination: Annotated[float, Quantity("rad", at_least=-math.pi, at_most=math.pi)] | None = Field(
+        default=None, description="magnetic declination, for reports; applied to nothing"
+    )
+
+
 class Survey(Block):
     """Stations of the hole, from the rotary table down: lists of the same length."""
+
+    _remarks: tuple[str, ...] = PrivateAttr(default=())
 
     md: tuple[Annotated[float, Quantity("m", at_least=0, at_most=50e3)], ...] = Field(
         min_length=2, description="measured depths, rising from 0"
@@ -29,6 +68,29 @@ class Survey(Block):
     azimuth: tuple[Annotated[float, Quantity("rad", at_least=-2 * math.pi, at_most=2 * math.pi)], ...] = (
         Field(description="azimuths from north over east")
     )
+
+    north: Literal["grid", "true", "magnetic"] | None = Field(
+        default=None, description="what azimuths are measured from, for reports; applied to nothing"
+    )
+    convergence: Annotated[float, Quantity("rad", at_least=-math.pi, at_most=math.pi)] | None = Field(
+        default=None, description="grid convergence, for reports; applied to nothing"
+    )
+    declination: Annotated[float, Quantity("rad", at_least=-math.pi, at_most=math.pi)] | None = Field(
+        default=None, description="magnetic declination, for reports; applied to nothing"
+    )
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the reader of the survey's file assumed, left out or found."""
+        return self._remarks
+
+    def __eq__(self, other: object) -> bool:
+        """Whether the stations are the same; how they were read does not count."""
+        if not isinstance(other, Survey):
+            return NotImplemented
+        return all(getattr(self, key) == getattr(other, key) for key in Survey.model_fields)
+
+    __hash__ = None  # type: ignore[assignment]
 
     @model_validator(mode="after")
     def _stations(self) -> Survey:
@@ -45,8 +107,39 @@ class Survey(Block):
         return self
 
 
-def _survey(value: Any) -> Any:
-    return read_survey(value) if isinstance(value, str) else value
+def _survey(value: Any, read: ValidatorFunctionWrapHandler) -> Survey:
+    """A survey from its lists, or from a file."""
+    if isinstance(value, Mapping) and "file" in value:
+        given = SurveyFile.model_validate(value)
+    elif isinstance(value, str):
+        given = SurveyFile(file=value)
+    elif isinstance(value, SurveyFile):
+        given = value
+    else:
+        return read(value)
+    tie = given.tie_in
+    rules = Rules(
+        units=BARE_NUMBERS.get(),
+        tie_in=None if tie is None else (tie.md, tie.inclination, tie.azimuth),
+        allow_dogleg=given.allow_dogleg,
+    )
+    try:
+        found = read_survey(given.file, rules)
+    except PydanticCustomError as error:
+        if isinstance(value, Mapping):
+            context = error.context or {}
+            raise refuse("file", got=given.file, want=context["want"], hint=context["hint"]) from None
+        raise
+    keys: dict[str, Any] = {
+        key: tuple(map(InSI, getattr(found, key))) for key in ("md", "inclination", "azimuth")
+    }
+    for key in ("north", "convergence", "declination"):
+        number = getattr(given, key)
+        if number is not None:
+            keys[key] = InSI(number) if isinstance(number, float) else number
+    survey: Survey = read(keys)
+    survey._remarks = tuple(found.remarks)
+    return survey
 
 
 class Compliance(Block):
@@ -76,7 +169,9 @@ class Section(Block):
         )
     )
     kind: Literal["casing", "open_hole"] = Field(description="cased or open hole")
-    diameter: Annotated[float, Quantity("m", above=0, at_most=10)] = Field(description="inner diameter")
+    diameter: Annotated[float, Quantity("m", above=0, at_most=10, kind="diameter")] = Field(
+        description="inner diameter"
+    )
     friction: Friction = derived_default(
         "friction coefficient; 0.2 in casing, 0.3 in open hole when not given"
     )
@@ -95,9 +190,11 @@ class Section(Block):
 class Well(Block):
     """The hole."""
 
-    survey: Annotated[Survey, BeforeValidator(_survey, json_schema_input_type=str | Survey)] = Field(
-        description="stations md, inclination, azimuth; or the name of a CSV file with these columns; or a run folder, for the hole that "
-        "the run drilled"
+    survey: Annotated[Survey, WrapValidator(_survey, json_schema_input_type=str | SurveyFile | Survey)] = (
+        Field(
+            description="stations md, inclination, azimuth; or the name of a file with these columns; or a run folder, for the hole that "
+            "the run drilled"
+        )
     )
     sections: tuple[Section, ...] = Field(
         min_length=1, description="casing and open hole, from the surface down"

@@ -45,6 +45,15 @@ def check_fluid(case: CaseBlocks) -> None:
     if case.formation is not None and case.fluid.formulation == "hermite":
         hint = "hermite needs a hole of constant size; formulation: mixed lets the hole grow"
         raise refuse("fluid", "formulation", got="hermite", want="mixed with a formation", hint=hint)
+    if case.fluid.surface_line is not None and not case.has_bore:
+        want = "no surface_line where nothing flows into the string"
+        raise refuse("fluid", "surface_line", want=want)
+    if case.fluid.annulus_rheology is not None:
+        if not case.fluid.annulus:
+            raise refuse("fluid", "annulus_rheology", want="no annulus_rheology without an annulus")
+        if case.fluid.formulation == "hermite":
+            want = "formulation mixed with an annulus_rheology"
+            raise refuse("fluid", "formulation", got="hermite", want=want)
     for i, item in enumerate(case.string):
         if isinstance(item, Beam) and item.od is None:
             raise refuse("string", i, "od", want="an outer diameter (and id): the case has a fluid")

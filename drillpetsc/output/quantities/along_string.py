@@ -31,6 +31,7 @@ MD = Quantity(
 OFFSET_X = Quantity(
     "offset_x",
     "m",
+    kind="diameter",
     on="node",
     label="Offset to the high side",
     mnemonic="OFFX",
@@ -44,6 +45,7 @@ OFFSET_X = Quantity(
 OFFSET_Y = Quantity(
     "offset_y",
     "m",
+    kind="diameter",
     on="node",
     label="Offset to the right",
     mnemonic="OFFY",
@@ -100,6 +102,7 @@ EFFECTIVE_TENSION = Quantity(
 HOLE_RADIUS = Quantity(
     "hole_radius",
     "m",
+    kind="diameter",
     on="node",
     label="Radius of the hole",
     mnemonic="HRAD",
@@ -113,6 +116,7 @@ STRING_FIELDS: tuple[Quantity, ...] = (
     Quantity(
         "outer_radius",
         "m",
+        kind="diameter",
         on="element",
         label="Outer radius of the pipe",
         mnemonic="PRAD",
@@ -172,6 +176,7 @@ STRING_FIELDS: tuple[Quantity, ...] = (
     Quantity(
         "stress",
         "Pa",
+        kind="stress",
         on="element",
         label="Largest normal stress",
         mnemonic="STRS",

@@ -119,6 +119,7 @@ HOLE: tuple[Quantity, ...] = (
     Quantity(
         "rop",
         "m/s",
+        kind="rop",
         on="scalar",
         label="Rate of penetration",
         mnemonic="ROP",

@@ -31,11 +31,12 @@ MUD: tuple[Quantity, ...] = (
     Quantity(
         "pump_pressure",
         "Pa",
+        kind="pressure",
         on="scalar",
         label="Pump pressure",
         mnemonic="SPP",
         sign="gauge pressure",
-        doc="Pressure in the bore at the string's upper end.",
+        doc="Pressure in the bore at the string's upper end, plus the loss of the surface line where the case has one.",
         value=lambda mud, sample: mud.pump_pressure(sample),
         panel=7,
         interest=4,
@@ -43,6 +44,7 @@ MUD: tuple[Quantity, ...] = (
     Quantity(
         "bit_pressure",
         "Pa",
+        kind="pressure",
         on="scalar",
         label="Pressure under the bit",
         mnemonic="BHP",
@@ -88,6 +90,7 @@ MUD_FIELDS: tuple[Quantity, ...] = (
     Quantity(
         "internal_pressure",
         "Pa",
+        kind="pressure",
         on="node",
         label="Pressure in the bore",
         mnemonic="PPRS",
@@ -98,6 +101,7 @@ MUD_FIELDS: tuple[Quantity, ...] = (
     Quantity(
         "annulus_pressure",
         "Pa",
+        kind="pressure",
         on="node",
         label="Pressure in the annulus",
         mnemonic="APRS",

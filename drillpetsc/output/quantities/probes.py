@@ -21,6 +21,7 @@ PROBES: tuple[Quantity, ...] = (
     Quantity(
         "x_NNN",
         "m",
+        kind="diameter",
         on="probe",
         label="Offset to the high side at NNN m",
         mnemonic="OXNNN",
@@ -35,6 +36,7 @@ PROBES: tuple[Quantity, ...] = (
     Quantity(
         "y_NNN",
         "m",
+        kind="diameter",
         on="probe",
         label="Offset to the right at NNN m",
         mnemonic="OYNNN",

@@ -18,6 +18,7 @@ CURVATURE = Quantity(
 BENDING_STRESS = Quantity(
     "bending_stress",
     "Pa",
+    kind="stress",
     on="node",
     label="Bending stress",
     mnemonic="BSTR",
@@ -45,6 +46,7 @@ BUCKLING_RATIO = Quantity(
 ECD = Quantity(
     "ecd",
     "kg/m3",
+    kind="mud_weight",
     on="node",
     label="Equivalent circulating density",
     mnemonic="ECD",
@@ -62,6 +64,7 @@ ITEM_SIDE_FORCE = Quantity(
 STRETCH = Quantity(
     "stretch",
     "m",
+    kind="length",
     on="scalar",
     label="Stretch",
     mnemonic="STRC",

@@ -1,0 +1,120 @@
+"""A fragment of a case from files of other programs: survey, string and sections of the hole."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from drillpetsc.case.blocks.string import StringItem
+from drillpetsc.case.importers.stations import Rules
+from drillpetsc.case.importers.witsml import Imported, import_witsml, read_witsml
+from drillpetsc.case.messages import case_error
+from drillpetsc.case.survey_file import read_survey
+from drillpetsc.errors import CaseError
+
+SAME_END = 1.0  # [m] between the last section and the last station
+TODO = ("string", "well.survey", "well.sections", "top", "bottom", "fluid", "time")
+
+
+def fragment(files: Sequence[str | Path], folder: Path) -> tuple[str, list[str]]:
+    """(YAML text, remarks) of survey files and WITSML documents.
+
+    files: at most one of each kind: survey, tubular, geometry of the wellbore
+    folder: of the case file, in which the survey is named relative to it
+    """
+    found: dict[str, tuple[Path, Imported | float]] = {}
+    remarks: list[str] = []
+    for name in files:
+        path = Path(name)
+        if not path.is_file():
+            raise CaseError(at="FILE", got=path, want="a file that exists")
+        kind, content, said = _read(path)
+        if kind in found:
+            raise CaseError(at="FILE", got=path, want=f"one file with a {kind}; {found[kind][0]} has one too")
+        found[kind] = path, content
+        remarks += [f"{path.name}: {text}" for text in said]
+    data: dict[str, Any] = {}
+    titles = [
+        content.title for _, content in found.values() if isinstance(content, Imported) and content.title
+    ]
+    if titles:
+        data["title"] = titles[0]
+    well: dict[str, Any] = {}
+    if "survey" in found:
+        well["survey"] = os.path.relpath(found["survey"][0], folder)
+    if "geometry" in found:
+        content = found["geometry"][1]
+        assert isinstance(content, Imported)
+        well["sections"] = content.sections
+        if "survey" in found:
+            remarks += _fitted(content.sections, float(found["survey"][1]))  # type: ignore[arg-type]
+    if well:
+        data["well"] = well
+    if "tubular" in found:
+        content = found["tubular"][1]
+        assert isinstance(content, Imported)
+        data["string"] = content.string
+    here = {"string": "string" in data, "well.survey": "survey" in well, "well.sections": "sections" in well}
+    missing = [key for key in TODO if not here.get(key)]
+    return _text(data, files, remarks, missing), remarks
+
+
+def _read(path: Path) -> tuple[str, Imported | float, list[str]]:
+    """(kind, content, remarks) of a file; the content of a survey is its last measured depth [m]."""
+    if path.suffix.casefold() == ".xml":
+        _, kind = read_witsml(path)
+        if kind != "trajectory":
+            content = import_witsml(path)
+            _check_items(path, content)
+            return ("tubular" if kind == "tubular" else "geometry"), content, content.remarks
+    try:
+        survey = read_survey(str(path), Rules())
+    except CaseError:
+        raise
+    except Exception as error:  # PydanticCustomError, outside a case
+        raise CaseError(at="FILE", got=path, want="a survey that can be read", hint=str(error)) from None
+    return "survey", survey.md[-1], survey.remarks
+
+
+def _check_items(path: Path, content: Imported) -> None:
+    """Raise where a case would refuse an item of the file."""
+    if not content.string:
+        return
+    try:
+        TypeAdapter(tuple[StringItem, ...]).validate_python(tuple(content.string))
+    except ValidationError as error:
+        wrong = case_error(error, {str(i): item for i, item in enumerate(content.string)})
+        for each in (wrong, *wrong.also):
+            each.file, each.line, each.at = str(path), 1, f"string{each.at}"
+        raise wrong from None
+
+
+def _fitted(sections: list[dict[str, Any]], end: float) -> list[str]:
+    """Let the last section end with the survey where the two agree; a remark where they do not."""
+    last = float(str(sections[-1]["to"]).split()[0])
+    if abs(last - end) <= SAME_END:
+        sections[-1]["to"] = "end"
+        return []
+    return [f"WARNING: the hole's sections end at {last:g} m, the survey at {end:g} m: lengthen one of them"]
+
+
+def _text(
+    data: dict[str, Any], files: Sequence[str | Path], remarks: Sequence[str], missing: Sequence[str]
+) -> str:
+    from ruamel.yaml import YAML
+
+    yaml = YAML(typ="safe", pure=True)
+    yaml.default_flow_style = None
+    yaml.sort_base_mapping_type_on_output = False  # type: ignore[assignment]
+    yaml.width = 4096
+    stream = StringIO()
+    yaml.dump(data, stream)
+    head = [f"from {', '.join(Path(name).name for name in files)}"]
+    head += [f"left to do: {', '.join(missing)}", *remarks]
+    lines = [f"# {' '.join(line.split())}" for line in head]
+    return "\n".join(lines) + "\n" + stream.getvalue()

@@ -1,0 +1,97 @@
+"""Tables of survey columns in a spreadsheet (xlsx), through openpyxl."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from pathlib import Path
+from typing import Any
+
+from drillpetsc.case.importers.table import MAX_ROWS, Table, columns_of, unit_in_comments, units_below
+from drillpetsc.errors import CaseError
+
+HEADER_ROWS = 40
+INSTALL = "pip install 'drillpetsc[files]'"
+
+
+def table_of_sheet(file: Path, sheet: str = "") -> Table:
+    """The table of a sheet; without a name, of the only sheet that has a survey's columns."""
+    try:
+        import openpyxl
+    except ImportError:
+        want = "a CSV file, unless the package openpyxl is installed"
+        raise CaseError(got=file.name, want=want, hint=INSTALL, file=file, line=1) from None
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            book = openpyxl.load_workbook(file, read_only=True, data_only=True)
+    except OSError:
+        raise
+    except Exception as error:  # of zipfile, xml and openpyxl
+        raise _unreadable(file, error) from None
+    try:
+        names = [name for name in book.sheetnames if hasattr(book[name], "iter_rows")]
+        if sheet and sheet not in names:
+            raise CaseError(at="sheet", got=sheet, want=f"one of {', '.join(names)}", file=file, line=1)
+        found = [
+            table
+            for name in ([sheet] if sheet else names)
+            for table in [_table(file, _rows(book[name]))]
+            if table
+        ]
+    except CaseError:
+        raise
+    except Exception as error:  # as above: the sheets are read only now
+        raise _unreadable(file, error) from None
+    finally:
+        book.close()
+    if not found:
+        want = f"a header with md, inclination, azimuth within {HEADER_ROWS} rows"
+        raise CaseError(at="md", got="rows without these names", want=want, file=file, line=1)
+    if len(found) > 1:
+        want = f"the name of one sheet: {file.name}#{names[0]}"
+        raise CaseError(at="sheet", got=f"{len(found)} sheets with a survey", want=want, file=file, line=1)
+    return found[0]
+
+
+def _unreadable(file: Path, error: Exception) -> CaseError:
+    hint = " ".join(str(error).split())[:200]
+    return CaseError(got=file.name, want="a workbook in the format xlsx", hint=hint, file=file, line=1)
+
+
+def _rows(sheet: Any) -> list[list[Any]]:
+    rows: list[list[Any]] = []
+    for row in sheet.iter_rows(max_row=MAX_ROWS + HEADER_ROWS + 1, max_col=200, values_only=True):
+        rows.append(list(row))
+    return rows
+
+
+def _text(cell: Any) -> str:
+    if cell is None or (isinstance(cell, float) and math.isnan(cell)):
+        return ""
+    return (
+        repr(float(cell))
+        if isinstance(cell, (int, float)) and not isinstance(cell, bool)
+        else str(cell).strip()
+    )
+
+
+def _table(file: Path, cells: list[list[Any]]) -> Table | None:
+    rows = [[_text(cell) for cell in row] for row in cells]
+    remarks: list[str] = []
+    for number, heads in enumerate(rows[:HEADER_ROWS], 1):
+        columns = columns_of([head[:200] for head in heads], file, number, remarks)
+        if columns:
+            break
+    else:
+        return None
+    unit = unit_in_comments([" ".join(row) for row in rows[: number - 1]])
+    below = [(i, row) for i, row in enumerate(rows[number:], number + 1) if any(row)]
+    if below:
+        units = units_below(below[0][1], columns)
+        if units is not None:
+            columns, below = units, below[1:]
+    if len(below) > MAX_ROWS:
+        raise CaseError(got="more", want=f"at most {MAX_ROWS} stations", file=file, line=number)
+    comma = "thousands" if any("," in cell for _, row in below for cell in row) else ""
+    return Table(file, heads, number, columns, below, "row", comma, unit, remarks)

@@ -1,0 +1,374 @@
+"""Stations of a survey from a table of texts: numbers, missing rows, ties, the start, doglegs, positions."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from drillpetsc.case.importers.table import _THOUSANDS, NEEDED, SI_UNIT, Table
+from drillpetsc.errors import CaseError
+from drillpetsc.unit_systems import System
+from drillpetsc.units import UnitError, to_si
+
+MOST_ERRORS = 10
+MISSING = (-999.25, -999.0, -9999.0, -9999.25)  # what other programs write for no value
+STEEPEST_START = math.radians(
+    5
+)  # of a first station below measured depth 0, above which the hole is taken as vertical
+STRAIGHT = math.radians(0.5)  # inclination below which an azimuth tells nothing
+SHARPEST = math.radians(30) / 30  # [rad/m] dogleg of a typing error
+SAME_DEPTH = 1e-6  # [m]
+NO_ROW = 0  # number of a station that stands in no row
+_NUMBER = re.compile(r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,3})?", re.ASCII)
+
+
+@dataclass
+class Stations:
+    """A survey in SI.
+
+    md: [m]; inclination, azimuth: [rad]
+    remarks: what was assumed, left out or found
+    """
+
+    md: list[float] = field(default_factory=list)
+    inclination: list[float] = field(default_factory=list)
+    azimuth: list[float] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Rules:
+    """What a survey may be.
+
+    units: unit system of the case, for columns without a unit; SI: metres and degrees
+    tie_in: (md [m], inclination [rad], azimuth [rad]) of the station before the first
+    allow_dogleg: sharp bends are no typing errors
+    exact: a file that this program wrote: nothing is mended
+    """
+
+    units: System = "SI"
+    tie_in: tuple[float, float, float] | None = None
+    allow_dogleg: bool = False
+    exact: bool = False
+
+
+def stations_of(table: Table, rules: Rules) -> Stations:
+    """The stations of a table. CaseError for bad cells and impossible stations, at most ten at once."""
+    out = Stations(remarks=list(table.remarks))
+    units = _units(table, rules, out.remarks)
+    numbers, values, told = _numbers(table, units, out)
+    _ordered(table, numbers, values, out.remarks)
+    if rules.tie_in is not None:
+        _tied(table, rules.tie_in, numbers, values)
+    if len(values["md"]) < 2:
+        raise CaseError(
+            file=table.file,
+            line=table.head_at,
+            got=f"{len(values['md'])} stations",
+            want="at least two stations",
+        )
+    if not rules.exact:
+        _from_the_top(table, numbers, values, out.remarks)
+        _no_twist(values, out.remarks)
+        if not rules.allow_dogleg:
+            _smooth(table, numbers, values)
+        _positions(table, numbers, values, told, out.remarks)
+    elif values["md"][0] != 0:
+        want = "a first station at 0 m (the rotary table)"
+        raise CaseError(at="md", got=values["md"][0], want=want, file=table.file, line=numbers[0])
+    out.md, out.inclination, out.azimuth = (values[key] for key in NEEDED)
+    return out
+
+
+# ---------------------------------------------------------------------- cells
+def _units(table: Table, rules: Rules, remarks: list[str]) -> dict[str, str]:
+    """Unit text of each column."""
+    units = {}
+    for column, (_, unit) in table.columns.items():
+        if not unit and SI_UNIT[column] == "m":
+            unit = table.depth_unit or ("ft" if rules.units == "field" else "m")
+            if not table.depth_unit and rules.units == "SI" and column == "md" and not rules.exact:
+                remarks.append("no unit of depth in the file: metres taken")
+        elif not unit and SI_UNIT[column] == "rad":
+            unit = "deg"
+        units[column] = unit
+    return units
+
+
+def number_of(text: str, comma: str) -> float | None:
+    """Number of a cell; None for a text that is none."""
+    text = text.strip().strip("\"'").strip()
+    if comma == "decimal" and "," in text:
+        text = text.replace(".", "").replace(",", ".") if text.count(",") == 1 else "no number"
+    elif "," in text and _THOUSANDS.fullmatch(text):
+        text = text.replace(",", "")
+    return float(text) if _NUMBER.fullmatch(text) else None
+
+
+_ALLOWED = {
+    "md": (0.0, 50e3, "a depth from 0 to 50 km"),
+    "inclination": (0.0, math.pi, "an inclination from 0 to 180 degrees"),
+    "azimuth": (-2 * math.pi, 2 * math.pi, "an azimuth in decimal degrees from -360 to 360, such as 23.0"),
+}
+
+
+def _numbers(
+    table: Table, units: dict[str, str], out: Stations
+) -> tuple[list[int], dict[str, list[float]], dict[int, dict[str, float]]]:
+    """(numbers of the rows, values [SI] of the three columns, those of other columns by row, for comparison)."""
+    scale = {column: to_si(f"1 {unit}", SI_UNIT[column]) for column, unit in units.items() if unit}
+    numbers: list[int] = []
+    values: dict[str, list[float]] = {column: [] for column in NEEDED}
+    told: dict[int, dict[str, float]] = {}
+    errors: list[CaseError] = []
+    missing: list[int] = []
+    for number, cells in table.rows:
+        texts = {
+            column: cells[i].strip() if i < len(cells) else "" for column, (i, _) in table.columns.items()
+        }
+        absent = {
+            column for column, text in texts.items() if not text or number_of(text, table.comma) in MISSING
+        }
+        if absent & set(NEEDED):
+            if not absent >= set(NEEDED):
+                missing.append(number)
+            continue
+        row: dict[str, float] = {}
+        for column in NEEDED:
+            try:
+                row[column] = _value(texts[column], column, units[column], table.comma)
+            except UnitError as error:
+                got = texts[column] or "an empty cell"
+                errors.append(
+                    CaseError(
+                        at=column, got=got, want=error.want, hint=error.hint, file=table.file, line=number
+                    )
+                )
+                break
+        if len(row) < len(NEEDED):
+            if len(errors) >= MOST_ERRORS:
+                break
+            continue
+        numbers.append(number)
+        for column in NEEDED:
+            values[column].append(row[column])
+        others = {
+            column: value * scale[column]
+            for column in scale
+            if column not in NEEDED and column not in absent
+            for value in [number_of(texts[column], table.comma)]
+            if value is not None
+        }
+        if others:
+            told[number] = others
+    if errors:
+        raise together(errors)
+    if missing:
+        out.remarks.append(
+            f"{len(missing)} rows with missing values left out ({table.counted}s {_few(missing)})"
+        )
+    return numbers, values, told
+
+
+def together(errors: Sequence[CaseError]) -> CaseError:
+    """The first error, with the others behind it."""
+    first, *others = errors
+    first.also = tuple(others)
+    return first
+
+
+def _value(text: str, column: str, unit: str, comma: str) -> float:
+    low, high, words = _ALLOWED[column]
+    number = number_of(text, comma)
+    if number is None:
+        bearing = column == "azimuth" and re.match(r"[NSns]", text)
+        want = words if bearing else f"a number in {unit}"
+        raise UnitError(text, want, "a bearing: write it as an azimuth" if bearing else "")
+    value = to_si(f"{number!r} {unit}", SI_UNIT[column])
+    if not low - 1e-9 <= value <= high + 1e-9:
+        raise UnitError(text, words)
+    return min(max(value, low), high)
+
+
+def _few(numbers: Sequence[int]) -> str:
+    return ", ".join(map(str, numbers[:8])) + (", ..." if len(numbers) > 8 else "")
+
+
+# ---------------------------------------------------------------------- stations
+def _ordered(table: Table, numbers: list[int], values: dict[str, list[float]], remarks: list[str]) -> None:
+    """Leave out repeated stations; refuse falling depths."""
+    errors: list[CaseError] = []
+    repeated: list[int] = []
+    keep: list[int] = []
+    md = values["md"]
+    for i in range(len(md)):
+        if not keep or md[i] > md[keep[-1]] + SAME_DEPTH:
+            keep.append(i)
+            continue
+        last = keep[-1]
+        if abs(md[i] - md[last]) <= SAME_DEPTH:
+            if _between(values, last, i) < 1e-6:
+                repeated.append(numbers[i])
+                continue
+            want = (
+                f"one direction at each depth; {table.counted} {numbers[last]} has another at {md[last]:g} m"
+            )
+        else:
+            want = f"rising depths: above {md[last]:g} m, the station before"
+        errors.append(CaseError(at="md", got=md[i], want=want, file=table.file, line=numbers[i]))
+        if len(errors) >= MOST_ERRORS:
+            break
+    if errors:
+        raise together(errors)
+    if repeated:
+        remarks.append(f"{len(repeated)} repeated stations left out ({table.counted}s {_few(repeated)})")
+    for column in values:
+        values[column][:] = [values[column][i] for i in keep]
+    numbers[:] = [numbers[i] for i in keep]
+
+
+def _tied(
+    table: Table, tie_in: tuple[float, float, float], numbers: list[int], values: dict[str, list[float]]
+) -> None:
+    """Put the tie-in station in front of the first one."""
+    if values["md"] and tie_in[0] >= values["md"][0] - SAME_DEPTH:
+        want = f"a tie-in station above the first of the file, {values['md'][0]:g} m"
+        raise CaseError(at="tie_in", got=f"{tie_in[0]:g} m", want=want, file=table.file, line=numbers[0])
+    for column, value in zip(NEEDED, tie_in, strict=True):
+        values[column].insert(0, value)
+    numbers.insert(0, NO_ROW)
+
+
+def _from_the_top(
+    table: Table, numbers: list[int], values: dict[str, list[float]], remarks: list[str]
+) -> None:
+    """Put a vertical station at measured depth 0 in front of a first one below it."""
+    md, inclination = values["md"][0], values["inclination"][0]
+    if md <= SAME_DEPTH:
+        values["md"][0] = 0.0
+        return
+    if inclination >= STEEPEST_START:
+        what = f"survey starts at {md:g} m with {math.degrees(inclination):.3g} deg"
+        want = "a first station at 0 m (the rotary table), or the tie-in station"
+        hint = "survey: {file: ..., tie_in: {md: 0 m, inclination: 0 deg, azimuth: 0 deg}}"
+        raise CaseError(
+            at="md", got=what, want=want, hint=hint, file=table.file, line=numbers[0] or table.head_at
+        )
+    remarks.append(f"survey starts at {md:g} m: a vertical station at 0 m put in front")
+    for column, value in (("md", 0.0), ("inclination", 0.0), ("azimuth", values["azimuth"][0])):
+        values[column].insert(0, value)
+    numbers.insert(0, NO_ROW)
+
+
+def _no_twist(values: dict[str, list[float]], remarks: list[str]) -> None:
+    """Replace azimuths of vertical stations, which tell nothing, by those of the next inclined station."""
+    inclined = [i for i, angle in enumerate(values["inclination"]) if angle >= STRAIGHT]
+    if not inclined:
+        return
+    azimuth, count, position = values["azimuth"], 0, 0
+    for i in range(len(azimuth)):
+        if not 0 < values["inclination"][i] < STRAIGHT:
+            continue
+        while position < len(inclined) - 1 and inclined[position] < i:
+            position += 1
+        new = azimuth[inclined[position]]
+        if abs(math.remainder(new - azimuth[i], 2 * math.pi)) > math.radians(1):
+            count += 1
+        azimuth[i] = new
+    if count:
+        remarks.append(f"azimuths of {count} stations below 0.5 deg of inclination not used")
+
+
+def _smooth(table: Table, numbers: list[int], values: dict[str, list[float]]) -> None:
+    """Refuse doglegs that no hole has."""
+    errors = []
+    for i in range(1, len(values["md"])):
+        angle = _between(values, i - 1, i)
+        length = values["md"][i] - values["md"][i - 1]
+        if angle > SHARPEST * length:
+            got = f"{math.degrees(angle):.3g} deg in {length:.3g} m above {values['md'][i]:g} m"
+            want = "at most 30 deg/30 m between stations"
+            hint = "a wrong cell? If the hole is like that: survey: {file: ..., allow_dogleg: true}"
+            line = numbers[i] or table.head_at
+            errors.append(
+                CaseError(at="inclination", got=got, want=want, hint=hint, file=table.file, line=line)
+            )
+            if len(errors) >= MOST_ERRORS:
+                break
+    if errors:
+        raise together(errors)
+
+
+def _between(values: dict[str, list[float]], i: int, j: int) -> float:
+    """Angle between the directions of two stations [rad]."""
+    return dogleg(
+        values["inclination"][i], values["azimuth"][i], values["inclination"][j], values["azimuth"][j]
+    )
+
+
+def dogleg(inclination: float, azimuth: float, next_inclination: float, next_azimuth: float) -> float:
+    """Angle between two directions [rad], in a form exact for small angles (haversine)."""
+    half = math.sin((next_inclination - inclination) / 2) ** 2
+    turn = math.sin((next_azimuth - azimuth) / 2) ** 2
+    return 2 * math.asin(
+        math.sqrt(min(half + math.sin(inclination) * math.sin(next_inclination) * turn, 1.0))
+    )
+
+
+def minimum_curvature_step(
+    length: float, inclination: float, azimuth: float, next_inclination: float, next_azimuth: float
+) -> tuple[float, float, float]:
+    """(north, east, down) [m] from one station to the next along an arc (minimum curvature, any survey manual).
+
+    length: between the stations [m]; angles [rad]
+    """
+    angle = dogleg(inclination, azimuth, next_inclination, next_azimuth)
+    ratio = 1.0 if angle < 1e-6 else 2 / angle * math.tan(min(angle, 3.14) / 2)
+    a, b = math.sin(inclination), math.sin(next_inclination)
+    north = a * math.cos(azimuth) + b * math.cos(next_azimuth)
+    east = a * math.sin(azimuth) + b * math.sin(next_azimuth)
+    down = math.cos(inclination) + math.cos(next_inclination)
+    return tuple(length / 2 * ratio * part for part in (north, east, down))  # type: ignore[return-value]
+
+
+def _positions(
+    table: Table,
+    numbers: list[int],
+    values: dict[str, list[float]],
+    told: dict[int, dict[str, float]],
+    remarks: list[str],
+) -> None:
+    """Compare the positions that the file tells with those of its angles."""
+    at = [0.0, 0.0, 0.0]
+    start: dict[str, float] = {}
+    worst: dict[str, tuple[float, float]] = {}
+    for i in range(len(values["md"])):
+        if i:
+            keys = ("inclination", "azimuth")
+            angles = [values[key][j] for j in (i - 1, i) for key in keys]
+            length = values["md"][i] - values["md"][i - 1]
+            step = minimum_curvature_step(length, *angles)
+            at = [position + part for position, part in zip(at, step, strict=True)]
+            severity = _between(values, i - 1, i) / length
+        else:
+            severity = 0.0
+        own = {"ns": at[0], "ew": at[1], "tvd": at[2]}
+        for column, value in told.get(numbers[i], {}).items():
+            if column == "dls":
+                if abs(value - severity) > math.radians(0.5) / 30 + 0.1 * severity and i > 1:
+                    worst.setdefault(column, (values["md"][i], value - severity))
+                continue
+            if column != "tvd":  # measured from any point
+                start.setdefault(column, value - own[column])
+            off = value - own[column] - start.get(column, 0.0)
+            if abs(off) > 1 + 1e-3 * values["md"][i]:
+                worst.setdefault(column, (values["md"][i], off))
+    names = {"tvd": "TVD", "ns": "N/S", "ew": "E/W", "dls": "dogleg severity"}
+    for column, (md, off) in worst.items():
+        unit = " m" if column != "dls" else " deg/30 m"
+        size = abs(off) if column != "dls" else math.degrees(abs(off)) * 30
+        remarks.append(
+            f"WARNING: {names[column]} of the file is {size:.3g}{unit} off the minimum curvature of its angles at MD {md:.6g} m and below"
+        )

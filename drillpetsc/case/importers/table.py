@@ -1,0 +1,355 @@
+"""A table of texts out of a file: CSV and its relatives, xlsx, LAS. Names of survey columns and their units.
+
+What is in the columns is read by `stations.py`.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from drillpetsc.errors import CaseError
+from drillpetsc.units import UnitError, to_si
+
+MAX_BYTES = 50_000_000  # of a file
+MAX_ROWS = 100_000  # stations
+TITLE_LINES = 30  # lines before the header
+
+SI_UNIT = {"md": "m", "inclination": "rad", "azimuth": "rad", "tvd": "m", "ns": "m", "ew": "m", "dls": "1/m"}
+NEEDED = ("md", "inclination", "azimuth")
+
+# names in small letters without blanks and _ . - #; the first names of a column beat those behind the bar
+_ALIASES = {
+    "md": "md measureddepth measdepth depth dept dmea | surveydepth mdrt mdkb mdrkb mddf bitdepth",
+    "inclination": "inc incl inclination angle dev deviation drift theta",
+    "azimuth": "azi az azim azimuth azm hazi bearing | aztrue azgrid azitrue azigrid azimuthtrue azimuthgrid azimtrue azimgrid azimag "
+    "azmag azimuthmag azimuthmagnetic",
+    "tvd": "tvd | tvdrt tvdkb tvdrkb trueverticaldepth",
+    "ns": "ns n/s n/ns northing north +n/s +ns",
+    "ew": "ew e/w easting east +e/w +ew",
+    "dls": "dls dogleg doglegseverity dlseverity",
+}
+_RANK = {
+    name: (column, rank)
+    for column, names in _ALIASES.items()
+    for rank, part in enumerate(names.split("|"))
+    for name in part.split()
+}
+_IN_BRACKETS = re.compile(r"[\[({]\s*([^\])}]*?)\s*[\])}]")
+_REFERENCES = ("rkb", "rt", "kb", "df", "grid", "true", "mag", "magnetic")
+_UNIT_WORDS = {
+    "usft": "ftUS",
+    "sft": "ftUS",
+    "feetus": "ftUS",
+    "deg.": "deg",
+    "ft.": "ft",
+    "m.": "m",
+    "metre": "m",
+    "meter": "m",
+}
+_COMMENT_UNIT = re.compile(
+    r"\b(?:depth|md|length)s?\b[^\n]{0,20}\b(?:unit|in)s?\b\W*(ft|feet|foot|usft|m|metres?|meters?)\b"
+    r"|\bunits?\b\W*(ft|feet|foot|usft|m|metres?|meters?)\b",
+    re.IGNORECASE,
+)
+
+
+@dataclass
+class Table:
+    """Columns and rows of a survey.
+
+    file: the file; counted: what numbers a row, `line` or `row`
+    heads: titles of the columns as they stand in the file
+    head_at: number of the header
+    columns: quantity -> (index of its column, unit text or "")
+    rows: (number, cells as texts)
+    comma: what a comma in a number is: `decimal`, `thousands`, or "" for a file without
+    depth_unit: unit of depths that comments tell, or ""
+    remarks: what was assumed
+    """
+
+    file: Path
+    heads: list[str]
+    head_at: int
+    columns: dict[str, tuple[int, str]]
+    rows: list[tuple[int, list[str]]]
+    counted: str = "line"
+    comma: str = ""
+    depth_unit: str = ""
+    remarks: list[str] = field(default_factory=list)
+
+
+# ---------------------------------------------------------------------- names and units of columns
+def unit_text(text: str) -> str:
+    """A unit as a header spells it, as `to_si` reads it."""
+    text = text.strip()
+    return _UNIT_WORDS.get(text.casefold(), text.rstrip(".")) if text else ""
+
+
+def is_unit(text: str, column: str) -> bool:
+    """Whether a text is a unit of the quantity in a column."""
+    if not text or not re.match(r"[A-Za-z°'\"]", text):
+        return False
+    try:
+        to_si(f"1 {unit_text(text)}", SI_UNIT[column])
+    except UnitError:
+        return False
+    return True
+
+
+def named(title: str) -> tuple[str, int, str] | None:
+    """(quantity, rank of the name, unit text or "") of the title of a column; None for one that is not used."""
+    unit, name = "", _IN_BRACKETS.sub("", title)
+    for inside in _IN_BRACKETS.findall(title):
+        if inside.casefold() in _REFERENCES:
+            name += inside
+        elif unit:
+            return None
+        else:
+            unit = inside
+    found = _RANK.get(_short(name))
+    if found is None:  # MD, ft or MD/ft
+        name, mark, tail = name.rpartition("," if "," in name else "/")
+        found = _RANK.get(_short(name)) if mark else None
+        if found is None or unit:
+            return None
+        unit = tail.strip()
+    return *found, unit_text(unit)
+
+
+def _short(name: str) -> str:
+    return re.sub(r"[\s_.#-]", "", name.strip().strip("\"'")).casefold()
+
+
+def columns_of(
+    heads: Sequence[str], file: Path, line: int, remarks: list[str]
+) -> dict[str, tuple[int, str]] | None:
+    """Column and unit of each quantity; None unless measured depth, inclination and azimuth are named."""
+    found: dict[str, list[tuple[int, int, str]]] = {}
+    for i, title in enumerate(heads):
+        match = named(title) if len(title) <= 80 else None
+        if match:
+            column, rank, unit = match
+            found.setdefault(column, []).append((rank, i, unit))
+    if not all(column in found for column in NEEDED):
+        return None
+    columns = {}
+    for column, several in found.items():
+        several.sort()
+        rank, i, unit = several[0]
+        same = [heads[j].strip() for other, j, _ in several if other == rank]
+        if len(same) > 1:
+            if column not in NEEDED:
+                continue  # not checked
+            raise CaseError(
+                at=column,
+                got=", ".join(same),
+                want=f"one column of {column}",
+                hint="several columns fit; rename the others",
+                file=file,
+                line=line,
+            )
+        if len(several) > 1:
+            others = ", ".join(heads[j].strip() for _, j, _ in several[1:])
+            remarks.append(f"{column} is column '{heads[i].strip()}', not '{others}'")
+        if unit and not is_unit(unit, column):
+            if column not in NEEDED:
+                continue
+            want = {"md": "a length, such as m or ft"}.get(column, "an angle: deg or rad")
+            raise CaseError(at=column, got=heads[i].strip(), want=want, file=file, line=line)
+        columns[column] = (i, unit)
+    return columns
+
+
+def units_below(
+    cells: Sequence[str], columns: dict[str, tuple[int, str]]
+) -> dict[str, tuple[int, str]] | None:
+    """Columns with the units of a second header line; None if the line holds none."""
+    out = dict(columns)
+    seen = False
+    for column, (i, unit) in columns.items():
+        text = cells[i].strip().strip("[](){}") if i < len(cells) else ""
+        if not text:
+            continue
+        if not is_unit(text, column):
+            return None
+        out[column] = (i, unit or unit_text(text))
+        seen = True
+    return out if seen else None
+
+
+# ---------------------------------------------------------------------- text
+def table_of_text(file: Path) -> Table:
+    """The table of a text file with commas, semicolons, tabs or blanks between its cells."""
+    remarks: list[str] = []
+    lines = _lines(file, remarks)
+    if not any(line.strip() for line in lines):
+        raise CaseError(
+            file=file,
+            line=1,
+            got="an empty file",
+            want="a header md, inclination, azimuth and at least two stations",
+        )
+    head = _header(lines, file, remarks)
+    if head is None:
+        raise _no_header(lines, file)
+    at, separator, heads, columns = head
+    comments = [line for line in lines[:at] if _is_comment(line, separator)]
+    table = Table(file, heads, at, columns, [], depth_unit=unit_in_comments(comments), remarks=remarks)
+    rows = list(_rows(lines, at, separator, file))
+    if rows:
+        below = units_below(rows[0][1], columns)
+        if below is not None:
+            table.columns, rows = below, rows[1:]
+    if separator == " ":
+        for number, cells in rows:
+            if len(cells) != len(heads):
+                want = f"{len(heads)} cells as in the header, with blanks between them"
+                raise CaseError(got=f"{len(cells)} cells", want=want, file=file, line=number)
+    if len(rows) > MAX_ROWS:
+        raise CaseError(got="more", want=f"at most {MAX_ROWS} stations", file=file, line=at)
+    table.rows = rows
+    table.comma = _comma(table, separator)
+    return table
+
+
+def _lines(file: Path, remarks: list[str]) -> list[str]:
+    with file.open("rb") as opened:
+        raw = opened.read(MAX_BYTES + 1)
+    if len(raw) > MAX_BYTES:
+        raise CaseError(
+            got="a larger one", want=f"a file of at most {MAX_BYTES // 10**6} MB", file=file, line=1
+        )
+    wide = raw[:2] in (b"\xff\xfe", b"\xfe\xff")
+    try:
+        if b"\0" in raw and not wide:
+            raise ValueError
+        text = raw.decode("utf-16" if wide else "utf-8-sig")
+    except ValueError:  # UnicodeDecodeError is one
+        if b"\0" in raw:
+            raise CaseError(file=file, want="a CSV text file in UTF-8") from None
+        text = raw.decode("cp1252", "replace")
+        remarks.append("the file is not UTF-8: read as Windows-1252")
+    return re.split(r"\r\n|\r|\n", text)
+
+
+def _is_comment(line: str, separator: str) -> bool:
+    text = line.lstrip("\ufeff \t")
+    return text.startswith(("#", "//", "!")) or (text.startswith(";") and separator != ";")
+
+
+def _cells(line: str, separator: str, file: Path, number: int) -> list[str]:
+    if separator == " ":
+        return line.split()
+    try:
+        cells = next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
+    except csv.Error as error:  # a cell of more than 131072 letters
+        want = "cells with a number each"
+        raise CaseError(got=line[:60], want=want, hint=str(error), file=file, line=number) from None
+    while cells and not cells[-1].strip():
+        cells.pop()
+    return cells
+
+
+def _header(
+    lines: list[str], file: Path, remarks: list[str]
+) -> tuple[int, str, list[str], dict[str, tuple[int, str]]] | None:
+    """(line number, separator, titles, columns) of the first line that names a survey's columns.
+
+    A header may stand in a comment line where no other line is one.
+    """
+    for in_comments in (False, True):
+        tried = 0
+        for number, line in enumerate(lines, 1):
+            if not line.strip() or _is_comment(line, ",") != in_comments or len(line) > 10_000:
+                continue
+            if tried > TITLE_LINES:
+                break
+            tried += 1
+            text = line.lstrip("\ufeff \t#/!;") if in_comments else line
+            separators = [mark for mark in ("\t", ";", ",") if mark in text] + [" "]
+            for separator in separators:
+                for cells in _split_head(text, separator, file, number):
+                    columns = columns_of(cells, file, number, remarks)
+                    if columns:
+                        return number, separator, [cell.strip() for cell in cells], columns
+    return None
+
+
+def _split_head(text: str, separator: str, file: Path, number: int) -> Iterator[list[str]]:
+    """Titles of a header line. With blanks between them, those of two words have two blanks around them."""
+    if separator != " ":
+        yield _cells(text, separator, file, number)
+    else:
+        yield re.split(r"\s{2,}", text.strip())
+        yield re.sub(r"\s+([\[({])", r"\1", text.strip()).split()
+
+
+def _rows(lines: list[str], at: int, separator: str, file: Path) -> Iterator[tuple[int, list[str]]]:
+    for number, line in enumerate(lines[at:], at + 1):
+        if line.strip() and not _is_comment(line, separator):
+            cells = _cells(line, separator, file, number)
+            if cells:
+                yield number, cells
+
+
+def _no_header(lines: list[str], file: Path) -> CaseError:
+    """The error for a file in which no line names the three columns.
+
+    The line itself is not shown where the file is no survey: it may be anything, a password too.
+    """
+    want = "a header with md, inclination, azimuth, such as: md [m], inclination [deg], azimuth [deg]"
+    for number, line in enumerate(lines[: 2 * TITLE_LINES], 1):
+        for mark in ("\t", ";", ",", " "):
+            cells = line[:10_000].split(mark)
+            known = {match[0] for cell in cells if len(cell) <= 80 and (match := named(cell))}
+            missing = [column for column in NEEDED if column not in known]
+            if len(missing) < len(NEEDED) and len(known) > 1:
+                got = ", ".join(cell.strip() for cell in cells)
+                if not missing:
+                    want = f"the header within {TITLE_LINES} lines"
+                return CaseError(at=(*missing, *NEEDED)[0], got=got, want=want, file=file, line=number)
+    number = next((i for i, line in enumerate(lines, 1) if line.strip()), 1)
+    return CaseError(at="md", got="lines without these names", want=want, file=file, line=number)
+
+
+def unit_in_comments(comments: Sequence[str]) -> str:
+    """Unit of depths that comment lines tell, as in `# Depth unit: ft`; "" if they tell none, or two."""
+    found = {
+        "m" if unit.casefold().startswith("m") else unit_text(unit).casefold().replace("ftus", "ftUS")
+        for line in comments
+        for match in [_COMMENT_UNIT.search(line[:500])]
+        if match
+        for unit in [match.group(1) or match.group(2)]
+    }
+    return found.pop().replace("feet", "ft").replace("foot", "ft") if len(found) == 1 else ""
+
+
+_THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:,\d{3})+(?:\.\d*)?")
+
+
+def _comma(table: Table, separator: str) -> str:
+    """What commas in numbers are. With semicolons between cells they may be either: the file must show which."""
+    texts = [
+        (number, cells[i].strip())
+        for number, cells in table.rows
+        for i, _ in table.columns.values()
+        if i < len(cells)
+    ]
+    with_comma = [(number, text) for number, text in texts if "," in text]
+    if not with_comma:
+        return ""
+    if separator != ";":
+        return "thousands"
+    both = [text for _, text in with_comma if "." in text]
+    if both:
+        return "thousands" if all(_THOUSANDS.fullmatch(text) for text in both) else "decimal"
+    if any(not _THOUSANDS.fullmatch(text) or text.lstrip("+-").startswith("0") for _, text in with_comma):
+        return "decimal"
+    number, text = with_comma[0]
+    want = "a decimal point, or numbers that show what the comma is"
+    hint = f"{text} may be {text.replace(',', '')} or {text.replace(',', '.')}"
+    raise CaseError(got=text, want=want, hint=hint, file=table.file, line=number)

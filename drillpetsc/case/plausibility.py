@@ -1,0 +1,85 @@
+"""Warnings about values that look like another unit: valid, but hardly meant."""
+
+from __future__ import annotations
+
+import math
+
+from drillpetsc.case.blocks.case_blocks import CaseBlocks
+from drillpetsc.case.quantities import largest
+
+WIDEST_HOLE = 1.2  # [m] 36 in holes and 42 in conductors are below it
+LIGHTEST_MUD, HEAVIEST_MUD = 500.0, 2900.0  # [kg/m3] foam of 4 ppg, 24 ppg
+DEEPEST = 15e3  # [m]
+LARGEST_WEIGHT = 500e3  # [N] on a bit
+STEEPEST = math.radians(120)
+FASTEST_ROTATION = 40.0  # [rad/s] 380 rpm
+LARGEST_FLOW, LARGEST_PUMP_PRESSURE = 0.15, 120e6  # [m3/s], [Pa]
+SMALLEST_PUMP_PRESSURE = 2e4  # [Pa] of a number that was meant as bar or psi
+
+
+def plausibility(case: CaseBlocks) -> list[str]:
+    """One line for each value that looks like a number in another unit, with the place and the value as read."""
+    out: list[str] = []
+
+    def doubt(at: str, value: str, why: str) -> None:
+        out.append(f"{at} is {value}: {why}")
+
+    if case.well is not None:
+        for i, section in enumerate(case.well.sections):
+            if section.diameter > WIDEST_HOLE:
+                inches = f"; {section.diameter:g} in?" if section.diameter < 50 else ""
+                doubt(
+                    f"well.sections[{i}].diameter", f"{section.diameter:g} m", f"no hole is that wide{inches}"
+                )
+        survey = case.well.survey
+        if survey.md[-1] > DEEPEST:
+            doubt("well.survey", f"{survey.md[-1]:g} m deep", "deeper than any well; feet?")
+        steepest = max(survey.inclination)
+        if steepest > STEEPEST:
+            doubt(
+                "well.survey.inclination",
+                f"up to {math.degrees(steepest):.4g} deg",
+                f"were {steepest:g} deg meant?",
+            )
+        largest_azimuth = max(map(abs, survey.azimuth))
+        if steepest > math.radians(30) and 0 < largest_azimuth < math.radians(0.1):
+            doubt(
+                "well.survey.azimuth",
+                f"at most {math.degrees(largest_azimuth):.2g} deg",
+                "angles in another unit?",
+            )
+    if case.fluid is not None:
+        density = case.fluid.density
+        if density < LIGHTEST_MUD and density > 0.5:
+            unit = "ppg" if 6 <= density <= 25 else "sg" if density < 3 else ""
+            doubt(
+                "fluid.density",
+                f"{density:g} kg/m3",
+                "lighter than any mud" + (f"; {density:g} {unit}?" if unit else ""),
+            )
+        if density > HEAVIEST_MUD:
+            doubt("fluid.density", f"{density:g} kg/m3", "heavier than any mud")
+        flow = largest(case.fluid.flow_rate)
+        if flow > LARGEST_FLOW:
+            doubt("fluid.flow_rate", f"{flow * 6e4:g} l/min", "more than rig pumps deliver")
+        pressure = largest(case.fluid.pump_pressure)
+        if pressure > LARGEST_PUMP_PRESSURE or 0 < pressure < SMALLEST_PUMP_PRESSURE:
+            doubt("fluid.pump_pressure", f"{pressure:g} Pa", "no usual pump pressure; bar or psi?")
+    if case.initial.wob is not None and case.initial.wob > LARGEST_WEIGHT:
+        doubt("initial.wob", f"{case.initial.wob / 1e3:g} kN", "more than bits carry")
+    rotation = largest(case.top.rotation)
+    if rotation > FASTEST_ROTATION:
+        doubt(
+            "top.rotation",
+            f"{rotation * 30 / math.pi:.4g} rpm",
+            f"faster than drillstrings turn; {rotation:g} rpm?",
+        )
+    return out
+
+
+def notes(case: CaseBlocks) -> list[str]:
+    """Lines for the user about how the case was read: warnings first, then remarks of the readers of files."""
+    remarks = list(case.well.survey.remarks) if case.well is not None else []
+    warned = [remark.removeprefix("WARNING: ") for remark in remarks if remark.startswith("WARNING")]
+    lines = [f"WARNING: {text}" for text in (*plausibility(case), *warned)]
+    return lines + [f"survey: {remark}" for remark in remarks if not remark.startswith("WARNING")]
