@@ -313,6 +313,8 @@ class TransientRun:
     def run(self) -> RunResult:
         """Compute all steps; files that were written stay even if the computation fails."""
         integrator, recorder, saved = self.integrator, self.recorder, self.saved
+        if integrator.is_bdf and integrator.inertia:  # without inertia the outputs follow the inputs at once
+            recorder.estimate_time_error(integrator.order)
         if saved is not None:
             recorder.set_state(saved.recorder)
             integrator.set_state(saved.stepper)
@@ -394,6 +396,7 @@ class TransientRun:
     def _after_step(self, t: float, dt: float) -> None:
         recorder, integrator, writer = self.recorder, self.integrator, self.writer
         recorder.step(t, dt, writer.next_row_time, integrator.input_time(t), integrator.fresh)
+        recorder.count_time_error(t, dt, integrator.input_time(t), integrator.fresh)
         if integrator.jumped and recorder.energy is not None:
             recorder.energy.add_impulse_work(t)
         newton = integrator.newton_iterations()
@@ -453,8 +456,13 @@ class TransientRun:
         clocks = summary.Clocks(self.began, self.moving_since)
         result = summary.run_summary(model, self.integrator, error)
         result |= summary.timing(self.integrator, clocks, self.start, self.t, error)
-        result |= summary.outcome(model, self.recorder, self.notes, self.t, error)
+        work = self.integrator.work
+        left = work.total_left() if work is not None and error is None else None
+        result |= summary.outcome(model, self.recorder, self.notes, self.t, error, left)
         result |= self.estimate.as_dict(error is None) | {"memory": self.memory.as_dict(error is None)}
+        if "error_estimate" in result and self.recorder.time_error is not None:
+            result["error_estimate"]["outputs"] = self.recorder.time_error.summary()
+            result["error_estimate"]["damped_above"] = self.recorder.time_error.damped_above()
         result["warnings"] = [*result["warnings"], *self.boiling.warnings()]
         if error is None and self.recorder.energy is not None:  # a quasi-static string has no slip speeds
             result["warnings"] += creep_warnings(model, self.t)

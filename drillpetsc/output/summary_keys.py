@@ -98,6 +98,19 @@ RUN: tuple[SummaryKey, ...] = (
         "Energy error over the larger of supplied work and peak change of stored energy.",
         INERTIA,
     ),
+    SummaryKey(
+        "energy.newton",
+        "J",
+        "Work of the residuals that Newton's method left (manual: eq-time-work).",
+        INERTIA,
+    ),
+    SummaryKey(
+        "energy.damped",
+        "J",
+        "Energy that the time formula's damping has removed: energy.newton less energy.error; negative where it gained.",
+        INERTIA,
+    ),
+    SummaryKey("energy.damped_share", "-", "Removed energy, as a share like error_share.", INERTIA),
     SummaryKey("energy.gained", "J", "Largest energy error in any row of the history, at least 0.", INERTIA),
     SummaryKey("energy.gained_share", "-", "Gained energy, as a share like error_share.", INERTIA),
     SummaryKey("energy.gain_limit", "-", "Limit of gained_share (option -drillpetsc_gain_limit).", INERTIA),
@@ -138,6 +151,18 @@ RUN: tuple[SummaryKey, ...] = (
     SummaryKey("final", "", "Last values of history.csv, by column."),
     SummaryKey(
         "error_estimate.time", "", "Local errors of the BDF formula by unknown, largest over the string."
+    ),
+    SummaryKey(
+        "error_estimate.outputs",
+        "",
+        "Estimated time error of the main outputs: range, error and their quotient share; null where an output switches.",
+        INERTIA,
+    ),
+    SummaryKey(
+        "error_estimate.damped_above",
+        "Hz",
+        "Frequency above which the BDF formula takes more than 1 % of an amplitude in a period, at the median of the steps by time.",
+        INERTIA,
     ),
     SummaryKey(
         "error_estimate.mesh",
