@@ -29,6 +29,7 @@ class SummaryKey:
 
 STATIC_START = "static start"
 MESH_ERROR = "run --mesh-error"
+TOLERANCE_CHECK = "run --check-tolerance"
 ACCEPTED_CHANGES = "run --accept-changes"
 
 RUN: tuple[SummaryKey, ...] = (
@@ -169,6 +170,18 @@ RUN: tuple[SummaryKey, ...] = (
         "",
         "Differences of the history from that on elements twice as long.",
         MESH_ERROR,
+    ),
+    SummaryKey(
+        "error_estimate.tolerance",
+        "",
+        "Differences from a run at a tenth of the tolerance: history columns, and classes of motion that changed.",
+        TOLERANCE_CHECK,
+    ),
+    SummaryKey(
+        "motion",
+        "",
+        "List: contact, sliding and whirl of each rigid item and probe, rotation of the lower end, in the second half of the run.",
+        TOLERANCE_CHECK,
     ),
     SummaryKey("memory.start", "bytes", "Peak memory at the start of the motion, all ranks together."),
     SummaryKey("memory.after_a_tenth", "bytes", "Peak memory after a tenth of the motion."),

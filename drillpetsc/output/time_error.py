@@ -108,8 +108,7 @@ class TimeError:
             part = slice(self._ends[k], self._ends[k + 1])
             extent = float(np.max(self._high[part] - self._low[part]))
             size = float(np.max(np.abs([self._high[part], self._low[part]])))
-            smallest = SMALLEST_RANGE.get(self.units[k], SMALLEST_RANGE_SI)
-            if not np.isfinite(extent) or extent <= max(CONSTANT * size, smallest):
+            if not np.isfinite(extent) or extent <= max(CONSTANT * size, smallest_range(self.units[k])):
                 continue
             error = 0.5 * pi * accumulation(self.order) * float(self._sum[k])
             column = outputs.setdefault(
@@ -173,6 +172,11 @@ def damped_frequency(order: int, step: float) -> float:
     loss = -log(1.0 - LOSS)
     phase = loss / pi if order == 1 else (2.0 * loss / pi) ** (1 / 3)
     return phase / (2.0 * pi * step)
+
+
+def smallest_range(unit: str) -> float:
+    """Return the range [SI] up to which an output of this unit does not move but for rounding."""
+    return SMALLEST_RANGE.get(unit, SMALLEST_RANGE_SI)
 
 
 def doubtful_outputs(estimate: Mapping[str, Any]) -> list[tuple[str, float]]:
