@@ -28,6 +28,7 @@ EXIT_STATUS = (
 EPILOG = f"""Words that start with a dash and are PETSc options go to PETSc: -ts_rtol 1e-5 -ts_monitor -log_view ...
 The time integrator is TS BDF with the condensed Newton solver (prefix q_): -ts_rtol (default 1e-4, relative to the usual size
 of each unknown), -ts_bdf_order, -ts_dt, -ts_adapt_type none, -q_snes_stol, -q_snes_linesearch_type bt, -q_pc_type lu ...;
+Newton also goes on while what it leaves does more work than -drillpetsc_newton_work (default 1e-3) of the power exchanged;
 -snes_type newtonls solves the whole assembled system instead, -ts_type arkimex, theta integrate it.
 {EXIT_STATUS}"""
 
@@ -204,6 +205,12 @@ def _run_arguments(command: argparse.ArgumentParser) -> None:
         "--mesh-error",
         action="store_true",
         help="run the case on elements twice as long, too, and state the differences as mesh error in summary.json (one case)",
+    )
+    command.add_argument(
+        "--check-tolerance",
+        action="store_true",
+        help="run the case at a tenth of its tolerance, too: warn where the class of motion (whirl, contact, sliding, sticking) changes, or a "
+        "mean or range of the history by more than 1 %% (one case; costs 2 to 3 times the run)",
     )
     command.add_argument(
         "--accept-changes",
@@ -402,19 +409,28 @@ def _run(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         accept_changes=arguments.accept_changes,
         name=name,
         progress=arguments.progress,
+        watch_motion=arguments.check_tolerance,
     )
     _print(closing_lines(result.summary, result.folder, case.output.units))
+    summary = result.summary
     if arguments.mesh_error:
         from drillpetsc.studies.convergence.coarse_mesh import add_mesh_error, mesh_lines
 
-        summary = add_mesh_error(case, result.folder, result.summary, name, progress=arguments.progress)
+        summary = add_mesh_error(case, result.folder, summary, name, progress=arguments.progress)
         _print(mesh_lines(summary))
+    if arguments.check_tolerance:
+        from drillpetsc.studies.convergence.fine_tolerance import add_tolerance_check, tolerance_lines
+
+        summary = add_tolerance_check(case, result.folder, summary, name, progress=arguments.progress)
+        _print(tolerance_lines(summary))
     return 0
 
 
 def _run_several(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     if arguments.mesh_error:
         raise CaseError(at="--mesh-error", want="one case")
+    if arguments.check_tolerance:
+        raise CaseError(at="--check-tolerance", want="one case")
     if arguments.accept_changes:
         raise CaseError(at="--accept-changes", want="one case")
     if arguments.units:

@@ -67,6 +67,7 @@ class QuasiStatic:
             first_step=min(FIRST_STEP, longest),
             controlled=lambda field: field.name.startswith("hole."),
             defaults=options,
+            inertia=False,
         )
         if not d.condensed:
             raise CaseError(

@@ -17,11 +17,13 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.geometry.trajectory import as_dict, new_hole
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.recorder import Recorder
+from drillpetsc.output.time_error import time_error_lines
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 from drillpetsc.unit_systems import System, display_unit, shown
 
 FOR_RATES = 5.0  # length of new hole [m] below which its waviness, tenths of a degree, hides its build rate
 DAMPING_SHOWN = 1e-3  # share of energy lost above which the report names the damping of the time formula
+DAMPING_MATTERS = 0.01  # share of energy lost above which the report tells which vibrations are damped
 PHASES = ("Residual", "Jacobian", "ChainFactor", "ChainSolve", "Output")
 
 
@@ -81,15 +83,19 @@ def outcome(
     notes: dict[str, Any],
     reached: float,
     error: BaseException | None,
+    newton_work: float | None = None,
 ) -> dict[str, Any]:
-    """Warnings, balances, the new hole and the last values of the history."""
+    """Warnings, balances, the new hole and the last values of the history.
+
+    newton_work: work of the residuals that Newton left [J], None where it is not known.
+    """
     result: dict[str, Any] = {"warnings": list(notes.get("warnings", ()))}
     if "accepted_changes" in notes:
         result["accepted_changes"] = list(notes["accepted_changes"])
     if "statics" in notes:
         result["statics"] = notes["statics"]
     if recorder.energy is not None:
-        result["energy"] = recorder.energy.summary()
+        result["energy"] = recorder.energy.summary(newton_work)
     if recorder.mass is not None:
         result["mass"] = recorder.mass_balance()
     if model.contact is not None:
@@ -174,6 +180,7 @@ def closing_lines(result: dict[str, Any], folder, units: System | None = None) -
         lines.append(
             f"  energy error {e['error']:.3g} J ({100 * e['error_share']:.2g} % of the energy exchanged{damped})"
         )
+    lines += _time_lines(result)
     if "mass" in result:
         m = result["mass"]
         lines.append(
@@ -199,4 +206,17 @@ def closing_lines(result: dict[str, Any], folder, units: System | None = None) -
         f"  look at them: scripts/drillpetsc plot {shlex.quote(str(folder))}   scripts/drillpetsc view {shlex.quote(str(folder))}   "
         "(string.pvd opens in ParaView)"
     )
+    return lines
+
+
+def _time_lines(result: dict[str, Any]) -> list[str]:
+    """Lines on the error of the time steps: estimated error of the outputs, and what numerical damping has removed."""
+    estimate, energy = result.get("error_estimate") or {}, result.get("energy", {})
+    lines = time_error_lines(estimate["outputs"]) if "outputs" in estimate else []
+    frequency, share = estimate.get("damped_above"), energy.get("damped_share", 0.0)
+    if frequency is not None and share > DAMPING_MATTERS:
+        lines.append(
+            f"  numerical damping removed {energy['damped']:.3g} J, {100 * share:.2g} % of the energy exchanged: at the steps taken, "
+            f"vibrations above {frequency:.2g} Hz lose more than 1 % of their amplitude in a period"
+        )
     return lines

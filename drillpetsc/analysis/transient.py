@@ -32,6 +32,7 @@ from drillpetsc.output import RunFolder, read_summary, write_summary
 from drillpetsc.output.boiling import BoilingMonitor
 from drillpetsc.output.creep import creep_warnings
 from drillpetsc.output.energy_balance import EnergyGainMonitor
+from drillpetsc.output.motion_classes import MotionClasses
 from drillpetsc.output.progress import Progress
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.run_writer import RunWriter, after, missing_output, passed
@@ -68,6 +69,7 @@ def run(
     name: str | None = None,
     comm: PETSc.Comm | None = None,
     progress: str = "auto",
+    watch_motion: bool = False,
 ) -> RunResult:
     """Simulate a case and write its run folder; collective over ``comm``.
 
@@ -77,6 +79,7 @@ def run(
     accept_changes: continue although the case, the PETSc options or the version of drillpetsc have changed.
     name: of the case, for the folder's name.
     progress: auto, live, log or silent.
+    watch_motion: add the classes of motion to the summary, as `motion`; not with ``restart``.
 
     Raises CaseError for bad input, before anything is written, and SolveError for a failed computation, whose files stay.
     """
@@ -85,6 +88,8 @@ def run(
         from drillpetsc.case import load_case
 
         name, case = name or Path(case).stem, load_case(case)
+    if watch_motion and restart:
+        raise CaseError(at="--check-tolerance", want="a run from its start: no --restart")
     if case.time is None:
         raise CaseError(
             at="time", want="a block {end: ...}", hint="for the static state alone use: drillpetsc statics"
@@ -121,6 +126,7 @@ def run(
                 fixed_step=_fixed_step(integrator, quasi),
                 began=began,
                 progress=progress,
+                watch_motion=watch_motion,
             ).run()
         finally:
             folder.release()
@@ -279,6 +285,7 @@ class TransientRun:
     notes: for the summary and for checkpoints.
     fixed_step: [s] of an integrator with fixed steps.
     began: wall and processor clock at the start of the program [s].
+    watch_motion: find the classes of motion.
     """
 
     model: DrillingModel
@@ -291,6 +298,7 @@ class TransientRun:
     fixed_step: float | None
     began: tuple[float, float]
     progress: str
+    watch_motion: bool = False
 
     def __post_init__(self) -> None:
         self.case, self.mpi = self.model.case, self.model.system.comm.tompi4py()
@@ -305,6 +313,7 @@ class TransientRun:
             self.boiling.set_notes(self.saved.notes.get("boiling", {}))
         else:
             self.boiling.update(0.0)
+        self.classes = MotionClasses(self.model, 0.5 * self.end) if self.watch_motion else None
         self.newton, self.moving_since = 0, self.began
         mode: Any = self.progress if self.first else "silent"
         self.bar = Progress(self.end, self.start, mode=mode)
@@ -313,6 +322,8 @@ class TransientRun:
     def run(self) -> RunResult:
         """Compute all steps; files that were written stay even if the computation fails."""
         integrator, recorder, saved = self.integrator, self.recorder, self.saved
+        if integrator.is_bdf and integrator.inertia:  # without inertia the outputs follow the inputs at once
+            recorder.estimate_time_error(integrator.order)
         if saved is not None:
             recorder.set_state(saved.recorder)
             integrator.set_state(saved.stepper)
@@ -394,8 +405,11 @@ class TransientRun:
     def _after_step(self, t: float, dt: float) -> None:
         recorder, integrator, writer = self.recorder, self.integrator, self.writer
         recorder.step(t, dt, writer.next_row_time, integrator.input_time(t), integrator.fresh)
+        recorder.count_time_error(t, dt, integrator.input_time(t), integrator.fresh)
         if integrator.jumped and recorder.energy is not None:
             recorder.energy.add_impulse_work(t)
+        if self.classes is not None:
+            self.classes.step(t, dt)
         newton = integrator.newton_iterations()
         self.due = writer.write(t, dt, newton - self.newton, self.control)
         self.boiling.update(t)
@@ -453,8 +467,15 @@ class TransientRun:
         clocks = summary.Clocks(self.began, self.moving_since)
         result = summary.run_summary(model, self.integrator, error)
         result |= summary.timing(self.integrator, clocks, self.start, self.t, error)
-        result |= summary.outcome(model, self.recorder, self.notes, self.t, error)
+        work = self.integrator.work
+        left = work.total_left() if work is not None and error is None else None
+        result |= summary.outcome(model, self.recorder, self.notes, self.t, error, left)
         result |= self.estimate.as_dict(error is None) | {"memory": self.memory.as_dict(error is None)}
+        if "error_estimate" in result and self.recorder.time_error is not None:
+            result["error_estimate"]["outputs"] = self.recorder.time_error.summary()
+            result["error_estimate"]["damped_above"] = self.recorder.time_error.damped_above()
+        if self.classes is not None:
+            result["motion"] = self.classes.summary()
         result["warnings"] = [*result["warnings"], *self.boiling.warnings()]
         if error is None and self.recorder.energy is not None:  # a quasi-static string has no slip speeds
             result["warnings"] += creep_warnings(model, self.t)

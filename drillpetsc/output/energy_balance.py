@@ -82,9 +82,16 @@ class EnergyBalance:
         """Stored energy gained plus dissipated less supplied energy since the start [J]."""
         return float(self.energies.sum() - self.start_energy + self.dissipated - self.supplied)
 
-    def summary(self) -> dict[str, float]:
-        """For summary.json, at the last update [J]; error_share is relative to ``exchanged``."""
+    def summary(self, left: float | None = None) -> dict[str, float]:
+        """For summary.json, at the last update [J]; shares are relative to ``exchanged``.
+
+        left: work of the residuals that Newton left [J]; the rest of the energy error is the time formula's.
+        """
         kinetic, strain, potential = map(float, self.energies)
+        parts = {}
+        if left is not None:
+            damped = left - self.last_error
+            parts = {"newton": left, "damped": damped, "damped_share": damped / self.exchanged}
         return {
             "kinetic": kinetic,
             "strain": strain,
@@ -93,6 +100,7 @@ class EnergyBalance:
             "supplied": self.supplied,
             "error": self.last_error,
             "error_share": self.last_error / self.exchanged,
+            **parts,
         }
 
     def get_state(self) -> dict[str, FloatArray]:

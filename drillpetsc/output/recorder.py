@@ -24,6 +24,7 @@ from drillpetsc.output.mass_balance import MassBalance
 from drillpetsc.output.probes import Probes
 from drillpetsc.output.rigid_items import RigidItems
 from drillpetsc.output.string_ends import DrilledHole, LowerEnd, TopEnd
+from drillpetsc.output.time_error import TimeError
 
 STEPS_AHEAD = 3.0  # a step at most doubles: with it, the step before the one that passes a row is sampled
 
@@ -81,6 +82,10 @@ class SampleLayout:
             self.slots[key] = Slot(source, quantity.value, span, quantity.size, motion, is_number)
             self.width = span.stop
         return self.slots[key]
+
+    def slot_at(self, start: int) -> Slot | None:
+        """The slot that begins at ``start``."""
+        return next((s for s in self.slots.values() if s.start == start), None)
 
     def motion(self) -> np.ndarray:
         """Positions of the numbers that are interpolated as motion."""
@@ -163,6 +168,10 @@ class Recorder:
             *rates, self._content = (self.layout.add(self.mud, q).start for q in inputs)
             self._rates = np.array(rates)
         self._motion = self.layout.motion()
+        main = [c for c in self._history if c.quantity.interest and c.quantity.on == "scalar"]
+        self._main = [(c, slot) for c in main if (slot := self.layout.slot_at(c.start)) is not None]
+        #: estimated time error of the main outputs; None without an estimate
+        self.time_error: TimeError | None = None
         self._samples: deque[tuple[float, FloatArray]] = deque(maxlen=3)
 
     def _table(self, pairs: Sequence[tuple[Source, Quantity]]) -> list[TableColumn]:
@@ -221,6 +230,29 @@ class Recorder:
         elif self.energy is not None:
             self.energy.step(dt, self.system.powers(seen))
 
+    def estimate_time_error(self, order: int) -> None:
+        """Estimate the time error of the main outputs of a run with BDF of this ``order``."""
+        titles = [c.title for c, _ in self._main]
+        sizes = [slot.span.stop - slot.start for _, slot in self._main]
+        if titles:
+            self.time_error = TimeError(order, [t[0] for t in titles], [t[1] for t in titles], sizes)
+
+    def count_time_error(self, t: float, dt: float, inputs_at: float, fresh: bool) -> None:
+        """Count an accepted step in the estimate of the time error, after ``step``; collective."""
+        if self.time_error is not None:
+            self.time_error.step(t, dt, self._main_values(t, inputs_at), fresh)
+
+    def _main_values(self, t: float, inputs_at: float) -> FloatArray:
+        """Values of the main outputs at ``t`` [s], the same on all ranks; from the last sample, if it is of this time."""
+        if self._samples and self._samples[-1][0] == t:
+            return np.concatenate([self._samples[-1][1][slot.span] for _, slot in self._main])
+        sample, parts = Sample(self.system, inputs_at), []
+        for _, slot in self._main:
+            values = slot.value(slot.source, sample)
+            parts.append(np.array([values]) if slot.is_number else np.asarray(values, dtype=float).ravel())
+        v = np.concatenate(parts)
+        return v if self.system.comm.size == 1 else self.comm.allreduce(v)
+
     def _powers_of(self, sample: FloatArray) -> tuple[float, float]:
         """Dissipated and supplied power [W] in a sample."""
         dissipated, supplied = sample[self._powers]
@@ -241,7 +273,8 @@ class Recorder:
         """What a continued run needs, the same on all ranks."""
         samples = {"samples": np.array([[t, *v] for t, v in self._samples])}
         energy = self.energy.get_state() if self.energy is not None else {}
-        return energy | samples | (self.mass.get_state() if self.mass is not None else {})
+        error = self.time_error.get_state() if self.time_error is not None else {}
+        return energy | samples | error | (self.mass.get_state() if self.mass is not None else {})
 
     def set_state(self, saved: dict[str, FloatArray]) -> None:
         """Continue from a checkpoint; raises CaseError if the run that wrote it had other probes."""
@@ -252,6 +285,8 @@ class Recorder:
             self.energy.set_state(saved)
         if self.mass is not None:
             self.mass.set_state(saved)
+        if self.time_error is not None:
+            self.time_error.set_state(saved)
 
     # ------------------------------------------------------------------ rows
     def at(self, t: float) -> FloatArray:

@@ -29,6 +29,7 @@ class SummaryKey:
 
 STATIC_START = "static start"
 MESH_ERROR = "run --mesh-error"
+TOLERANCE_CHECK = "run --check-tolerance"
 ACCEPTED_CHANGES = "run --accept-changes"
 
 RUN: tuple[SummaryKey, ...] = (
@@ -98,6 +99,19 @@ RUN: tuple[SummaryKey, ...] = (
         "Energy error over the larger of supplied work and peak change of stored energy.",
         INERTIA,
     ),
+    SummaryKey(
+        "energy.newton",
+        "J",
+        "Work of the residuals that Newton's method left (manual: eq-time-work).",
+        INERTIA,
+    ),
+    SummaryKey(
+        "energy.damped",
+        "J",
+        "Energy that the time formula's damping has removed: energy.newton less energy.error; negative where it gained.",
+        INERTIA,
+    ),
+    SummaryKey("energy.damped_share", "-", "Removed energy, as a share like error_share.", INERTIA),
     SummaryKey("energy.gained", "J", "Largest energy error in any row of the history, at least 0.", INERTIA),
     SummaryKey("energy.gained_share", "-", "Gained energy, as a share like error_share.", INERTIA),
     SummaryKey("energy.gain_limit", "-", "Limit of gained_share (option -drillpetsc_gain_limit).", INERTIA),
@@ -140,10 +154,34 @@ RUN: tuple[SummaryKey, ...] = (
         "error_estimate.time", "", "Local errors of the BDF formula by unknown, largest over the string."
     ),
     SummaryKey(
+        "error_estimate.outputs",
+        "",
+        "Estimated time error of the main outputs: range, error and their quotient share; null where an output switches.",
+        INERTIA,
+    ),
+    SummaryKey(
+        "error_estimate.damped_above",
+        "Hz",
+        "Frequency above which the BDF formula takes more than 1 % of an amplitude in a period, at the median of the steps by time.",
+        INERTIA,
+    ),
+    SummaryKey(
         "error_estimate.mesh",
         "",
         "Differences of the history from that on elements twice as long.",
         MESH_ERROR,
+    ),
+    SummaryKey(
+        "error_estimate.tolerance",
+        "",
+        "Differences from a run at a tenth of the tolerance: history columns, and classes of motion that changed.",
+        TOLERANCE_CHECK,
+    ),
+    SummaryKey(
+        "motion",
+        "",
+        "List: contact, sliding and whirl of each rigid item and probe, rotation of the lower end, in the second half of the run.",
+        TOLERANCE_CHECK,
     ),
     SummaryKey("memory.start", "bytes", "Peak memory at the start of the motion, all ranks together."),
     SummaryKey("memory.after_a_tenth", "bytes", "Peak memory after a tenth of the motion."),

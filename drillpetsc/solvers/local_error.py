@@ -127,3 +127,17 @@ def local_error(times: list[float], states: list[FloatArray], order: int) -> Flo
                 weight /= times[i] - t
         out += scale * weight * x
     return out
+
+
+def local_errors(times: FloatArray, states: FloatArray, order: int) -> FloatArray:
+    """Compute the local errors (m - order - 1, n) of all states that have ``order + 1`` states before them.
+
+    The same as ``local_error`` for each of them.
+
+    times: (m,) ascending [s], with m > order + 1; states: (m, n) [SI of each unknown].
+    """
+    difference = states
+    for j in range(1, order + 2):
+        difference = np.diff(difference, axis=0) / (times[j:] - times[:-j])[:, None]
+    gaps = np.array([times[order + 1 :] - times[order + 1 - i : -i] for i in range(1, order + 1)])
+    return difference * (gaps.prod(axis=0) / (1.0 / gaps).sum(axis=0))[:, None]

@@ -18,11 +18,15 @@ from petsc4py import PETSc
 from drillpetsc import petsc_compat
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.solvers.chain_lu import ChainFactor, ChainPC, ZeroPivot
+from drillpetsc.solvers.newton_work import ResidualWork
 
 #: relative spacing below which an unknown cannot be resolved (manual: eq-time-increment)
 RESOLUTION = 64 * np.finfo(float).eps
 #: an increment that no longer shrinks and is below this fraction of the scales is rounding
 ROUNDING_INCREMENT = 1e-10
+#: the work of the residual asks for increments down to this fraction of the tolerance, and not below the other
+#: value: further iterations change only rounding (manual: sec-time-work)
+WORK_REFINEMENT, WORK_FINEST_INCREMENT = 1e-3, 1e-9
 #: a step is shortened where its work afterwards is opposite and above this fraction (manual:
 #: eq-time-line-search)
 OVERSHOOT_FRACTION = 0.1
@@ -57,12 +61,20 @@ class CondensedNewton:
     prefix: of the PETSc options.
     tolerance: of the estimated error of the scaled unknowns [-]; ``-q_snes_stol`` overrides it.
     lag: reuse factorisations.
+    work: limit of the work that the residual may leave; None: increments alone are tested.
 
     jacobians, iterations, linear_iterations, failures: counters over all solves.
     """
 
-    def __init__(self, system: DiscreteSystem, prefix: str = "q_", tolerance: float = 1e-6, lag: bool = True):
-        self.system, self.tolerance = system, tolerance
+    def __init__(
+        self,
+        system: DiscreteSystem,
+        prefix: str = "q_",
+        tolerance: float = 1e-6,
+        lag: bool = True,
+        work: ResidualWork | None = None,
+    ):
+        self.system, self.tolerance, self.work = system, tolerance, work
         self.t, self.shift = 0.0, 0.0
         self.lag = Lag() if lag else None
         self._turns_with_string = any(component.turns_with_string for component in system.components)
@@ -156,6 +168,10 @@ class CondensedNewton:
         self._function(None, q, self._f)
         return self._f.getArray(readonly=1)
 
+    def last_rows(self) -> np.ndarray:
+        """Return the residual (owned,) that was computed last: that of the last solve at its end."""
+        return self._f.getArray(readonly=1)
+
     def _jacobian(self, snes, q, J, P) -> None:
         if self.lag and self.lag.good and self.can_reuse_factor(snes.getIterationNumber()):
             return
@@ -202,14 +218,16 @@ class CondensedNewton:
 
     def _converged(self, snes, its, norms) -> int:
         step = snes.getSolutionUpdate().getArray(readonly=1) if its else np.zeros(0)
-        return self.convergence_reason(its, step, bool(np.isfinite(norms[2])))
+        rows = snes.getFunction()[0].getArray(readonly=1)
+        return self.convergence_reason(its, step, rows, bool(np.isfinite(norms[2])))
 
-    def convergence_reason(self, its: int, step: np.ndarray, finite: bool) -> int:
+    def convergence_reason(self, its: int, step: np.ndarray, rows: np.ndarray, finite: bool) -> int:
         """Test convergence after ``its`` iterations; collective.
 
-        Manual: eq-time-increment, eq-time-convergence.
+        Manual: eq-time-increment, eq-time-convergence, eq-time-work.
 
-        step: (owned,) last increment of the owned unknowns; finite: the residual after it is finite.
+        step: (owned,) last increment of the owned unknowns.
+        rows: (owned,) residual after it; finite: it is finite.
         Returns a SNES reason, 0 to continue.
         """
         if not finite:
@@ -231,11 +249,24 @@ class CondensedNewton:
             self.eta = self._theta / (1.0 - self._theta) if self._theta < 1.0 else 10.0
         self._first = size if its == 1 else self._first
         self._last = size
-        if self.eta * size <= self.tolerance:
+        if self.eta * size <= self.tolerance and (
+            its >= self.max_iterations or not self._leaves_work(self.eta * size, rows)
+        ):
             return PETSc.SNES.ConvergedReason.CONVERGED_SNORM_RELATIVE
         if its >= self.max_iterations:
             return PETSc.SNES.ConvergedReason.DIVERGED_MAX_IT
         return 0
+
+    def _leaves_work(self, size: float, rows: np.ndarray) -> bool:
+        """Whether another iteration is due because the residual does too much work; collective.
+
+        Manual: eq-time-work.  size: estimated error of the scaled unknowns [-]; rows: (owned,) residual.
+        """
+        if self.work is None or self.work.limit <= 0.0:
+            return False
+        if size <= max(WORK_REFINEMENT * self.tolerance, WORK_FINEST_INCREMENT):
+            return False
+        return abs(self.work.power(rows)) > self.work.limit
 
     # ------------------------------------------------------------------ use
     def discard_factor(self) -> None:
@@ -356,7 +387,7 @@ class _DirectIteration:
         newton, step = self.newton, self.step
         unknowns = x.getArray()  # shares memory with the vector
         rows = newton.rows(x)
-        reason = newton.convergence_reason(0, step, self._finite(rows))
+        reason = newton.convergence_reason(0, step, rows, self._finite(rows))
         its = 0
         while not reason:
             if not self._prepare(its):
@@ -372,7 +403,7 @@ class _DirectIteration:
                 rows = self._shorten(x, unknowns, rows, before)
             its += 1
             newton.linear_iterations += 1
-            reason = newton.convergence_reason(its, step, self._finite(rows))
+            reason = newton.convergence_reason(its, step, rows, self._finite(rows))
         return its, reason
 
     def _finite(self, rows: np.ndarray) -> bool:

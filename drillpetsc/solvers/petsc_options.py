@@ -79,6 +79,7 @@ NUMBERS: dict[str, tuple[float, bool, float, bool]] = {
     "snes_rtol": (0, False, 1, False),
     "snes_max_it": (1, False, 2**31 - 1, True),
     "drillpetsc_gain_limit": (0, True, math.inf, False),
+    "drillpetsc_newton_work": (0, False, 1, False),
 }
 #: words that PETSc knows; the last word of the option's name stands for all prefixes
 WORDS = {
@@ -241,4 +242,5 @@ KNOWN_OPTIONS = (
     "drillpetsc_energy_strict",
     "drillpetsc_stop_on_gain",
     "drillpetsc_gain_limit",
+    "drillpetsc_newton_work",
 )

@@ -21,6 +21,7 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.solvers.bdf_history import BdfHistory, State
 from drillpetsc.solvers.first_order_system import FirstOrderSystem, refuse_integrator
 from drillpetsc.solvers.newton import CondensedNewton
+from drillpetsc.solvers.newton_work import SHARE, ResidualWork
 from drillpetsc.solvers.petsc_options import refused_by_petsc
 
 MASKED = 1.0e20  # tolerance of a row without error control
@@ -61,8 +62,11 @@ class TimeIntegrator:
     first_step: length of the first step [s].
     controlled(field): whether a field takes part in the error control.
     defaults: further PETSc options, below those of the user.
+    inertia: whether the string has inertia; without it, forces have no power to which Newton's remainder could
+    be compared.
 
     ``max_steps`` is the option -ts_max_steps, for the caller.
+    ``is_bdf`` is true for backward differentiation formulas, of the order ``order``.
     ``user_options`` are the PETSc options that the user gave, ``options`` those in effect.
     ``jumped`` is true in after_step for the steps whose time formula reaches over a jump (manual:
     sec-time-jumps). ``fresh`` is true for the first step after a restart of the formula.
@@ -76,6 +80,7 @@ class TimeIntegrator:
     first_step: float = 1.0e-4
     controlled: Callable[[Field], bool] = field(default=lambda field: True)
     defaults: dict[str, Any] = field(default_factory=dict)
+    inertia: bool = True
 
     def __post_init__(self) -> None:
         options = PETSc.Options()
@@ -92,6 +97,7 @@ class TimeIntegrator:
             options.getString("ts_type", "bdf") == "bdf"
             and options.getString("snes_type", "python") == "python"
         )
+        self.is_bdf = options.getString("ts_type", "bdf") == "bdf"
         refuse_integrator(options.getString("ts_type", "bdf"), self.system.constrained)
         # _steps_over_jump: number of coming steps whose formula reaches over a jump
         self.counters, self._consecutive_failures, self.last_step, self._steps_over_jump = (
@@ -101,7 +107,7 @@ class TimeIntegrator:
             0,
         )
         self.max_steps = options.getInt("ts_max_steps", 2**31 - 1)  # the caller of ``run`` ends it
-        self._order, self.fresh = options.getInt("ts_bdf_order", 2), True
+        self.order, self.fresh = options.getInt("ts_bdf_order", 2), True
         self._last, self._t, self._jump, self._stop = 0.0, 0.0, np.inf, np.inf
         # formulas whose history can be rebuilt; the others restart at every checkpoint, also in uninterrupted
         # runs
@@ -111,7 +117,7 @@ class TimeIntegrator:
         )
         # _step_number: steps in all; _requested_step: requested length of the last solved step [s]
         self.history, self.stopped, self._step_number, self._requested_step, self._next_step = (
-            BdfHistory(self._order + 1),
+            BdfHistory(self.order + 1),
             False,
             0,
             0.0,
@@ -120,6 +126,7 @@ class TimeIntegrator:
         # recorded states that ``solve`` returns while a restarted run steps through its history
         self._replayed: list[State] | None = None
         self._restored: dict[str, FloatArray] | None = None
+        self.work: ResidualWork | None = None  # limit of the work that Newton's residual leaves
         self._make(options)
         self.options = dict(options.getAll())  # in effect, defaults included
         for key in set(self.options) - given:  # the next integrator in this process has its own defaults
@@ -136,7 +143,10 @@ class TimeIntegrator:
             if not options.hasName("snes_type"):
                 options.setValue("snes_type", "python")
             factor = CONSTRAINT_TOLERANCE_FACTOR if system.multipliers else 1.0
-            self.newton = CondensedNewton(system, tolerance=0.02 * self.tolerance * factor)
+            if self.inertia:
+                share = options.getReal("drillpetsc_newton_work", SHARE)
+                self.work = ResidualWork(system, share) if share > 0 else None
+            self.newton = CondensedNewton(system, tolerance=0.02 * self.tolerance * factor, work=self.work)
             # these components restore their constraints within the solve: PETSc restarts the formula where a
             # solution changes after the step
             self._restoring = [c for c in system.components if c.restores_constraints]
@@ -304,6 +314,9 @@ class TimeIntegrator:
                 min(self.first_step, 2 * ts.getTimeStep(), remainder if remainder > SHORTEST_STEP else np.inf)
             )
         self.system.accept()
+        if self.work is not None:
+            rows = self.newton.last_rows()
+            self.work.after_step(self._last, dt, rows, self.input_time(self._last), self.jumped)
         for call in self.after_step:
             call(self._last, dt)
         self._steps_over_jump, self.fresh = max(0, self._steps_over_jump - 1), False
@@ -362,6 +375,8 @@ class TimeIntegrator:
         ts.setTimeStep(self.first_step)
         ts.setMaxSteps(2**31 - 1)
         self._last = start
+        if self.work is not None:
+            self.work.start(start)
         continued = self._restored is not None and not any(abs(b - start) <= near for b in breaks)
         for stop in stops:
             self._stop, self._jump = stop, stop if stop in jumps else np.inf
@@ -390,7 +405,7 @@ class TimeIntegrator:
         ts, asm = self.ts, self.system.assembly
         self._discard_factor()
         if self._rates_jump(ts.getTime()):
-            self._steps_over_jump = 1 + self._order
+            self._steps_over_jump = 1 + self.order
             self._set_tolerances(True)
             for call in self.at_jump:
                 call(ts.getTime())
@@ -413,17 +428,27 @@ class TimeIntegrator:
         """
         if not self.keeps_history:  # the formula restarts here, in this run and in a restarted one
             self.first_step = max(self.first_step, 0.1 * self.last_step)
-            return {"first_step": np.array(self.first_step)}
+            return {"first_step": np.array(self.first_step)} | self._work_state()
         clock = np.array(
             [self.ts.getTimeStep(), self._step_number, self._steps_over_jump, self._mud_masked], dtype=float
         )
-        return {"clock": clock} | self.history.get_state(self.system) | self.newton.get_state()
+        return (
+            {"clock": clock}
+            | self.history.get_state(self.system)
+            | self.newton.get_state()
+            | self._work_state()
+        )
+
+    def _work_state(self) -> dict[str, FloatArray]:
+        return self.work.get_state() if self.work is not None else {}
 
     def set_state(self, state: dict[str, FloatArray]) -> None:
         """Continue from a checkpoint with the next ``run``: ``state`` as returned by ``get_state``.
 
         With the checkpoint of another kind of integrator the formula restarts.
         """
+        if self.work is not None:
+            self.work.set_state(state)
         if not self.keeps_history:
             self.first_step = float(state.get("first_step", self.first_step))
         elif "times" in state:

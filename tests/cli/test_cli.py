@@ -126,6 +126,8 @@ def test_a_run_stopped_at_a_checkpoint_goes_on_identically(finished):
         (("run", "small.yaml", "--ouch"), 2, "--ouch"),
         (("run", "small.yaml", "--companion"), 2, "--companion is now called --mesh-error"),
         (("run", "small.yaml", "small.yaml", "--mesh-error"), 2, "one case"),
+        (("run", "small.yaml", "small.yaml", "--check-tolerance"), 2, "one case"),
+        (("run", "small.yaml", "--restart", "--check-tolerance"), 2, "no --restart"),
         (("plot", "run", "-ts_rtol", "1e-3"), 2, "no PETSc options with plot"),
         (("statics", "small.yaml", "--motion", "sideways"), 2, "hoist"),
         (("plot", "nowhere"), 2, "nowhere"),

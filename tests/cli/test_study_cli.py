@@ -168,3 +168,26 @@ def test_run_states_time_and_mesh_error(tmp_path):
     assert 0.1 * 1e-5 * spin["usual_size"] < spin["largest_step"] < 10 * 1e-5 * spin["usual_size"]
     assert spin["largest_step"] <= spin["sum"]
     assert spin["net"] <= spin["sum"]
+
+
+def test_run_checks_its_tolerance(case_file, tmp_path):
+    """`run --check-tolerance` with a tolerance of the command line: the fine run has a tenth of it, and the report
+    says what would change, or that nothing does."""
+    for tolerance, verdict in (("5e-2", "not fine enough"), ("1e-6", "the same classes of motion")):
+        done = program(
+            "run",
+            case_file,
+            "--out",
+            tolerance,
+            "--check-tolerance",
+            "--progress",
+            "silent",
+            "-ts_rtol",
+            tolerance,
+            cwd=tmp_path,
+        )
+        assert done.returncode == 0, done.stderr
+        assert verdict in done.stdout
+        fine = json.loads((tmp_path / tolerance / "fine-tolerance" / "summary.json").read_text("utf-8"))
+        assert float(fine["petsc_options"]["ts_rtol"]) == pytest.approx(float(tolerance) / 10)
+        assert fine["motion"][-1]["rotation"] == "turns"

@@ -1,0 +1,137 @@
+"""The work that Newton's remainder does, and how much of it a step may leave (manual: sec-time-work).
+
+Rows R that are left after Newton's last iteration act like forces: with the rates y they do the power R.y,
+which no energy in the model accounts for.  It is limited to a share of the power that the motion exchanges.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import FLUID
+from drillpetsc.fem.discrete_system import DiscreteSystem
+
+SHARE = 1e-3  # default of -drillpetsc_newton_work
+SAMPLE_INTERVAL = 16  # accepted steps between two samples of the exchanged power
+EARLY_SAMPLES = (4, 8)  # steps of a run with a sample before the first interval has passed
+
+
+class ResidualWork:
+    """Power of the rows that Newton leaves, and its limit, from samples of the exchanged power.
+
+    system: the discrete system.
+    share: of the exchanged power that a step may leave [-].
+
+    ``limit`` is the largest power that may be left [W], 0 as long as nothing is known of the exchanged power.
+    ``left`` is the work of the residuals of all accepted steps on this rank [J], by the trapezoidal rule.
+
+    The exchanged power is the larger of two values.  The first is that of the last steps: dissipated or
+    supplied power, or the rate of kinetic or strain energy, the largest of them, averaged with that of the
+    sample before.  The second is that of the whole run: the energy exchanged since the start, by the time
+    since then.  It keeps a motion at rest, or at a dead point, from asking for more digits than its result
+    needs.
+    """
+
+    def __init__(self, system: DiscreteSystem, share: float):
+        self.system, self.share, self.limit, self.left = system, share, 0.0, 0.0
+        layout = system.layout
+        # of the same kind as a force: rows of mud, rock and constraints are balances
+        forces = np.array([f.second_order and f.does_work and f.physics != FLUID for f in layout.fields])
+        owned = layout.local_of_owned
+        self._rows = np.flatnonzero(forces[layout.field_of[owned]])
+        self._rates = owned[self._rows]
+        self._steps, self._began, self._last, self._supplied, self._peak = 0, 0.0, 0.0, 0.0, 0.0
+        self._supply, self._recent, self._started = 0.0, 0.0, False
+        self._left_power = 0.0  # of the last step, this rank [W]
+        self._first_energies, self._energies = np.zeros(2), np.zeros(2)
+
+    def power(self, rows: FloatArray) -> float:
+        """Compute the power R.y [W] at the assembly's rates, without the rows of prescribed motion; collective.
+
+        rows: (owned,) residual of the owned unknowns, summed over ranks.
+        """
+        power = self._local_power(rows)
+        return power if self.system.comm.size == 1 else float(self.system.comm.tompi4py().allreduce(power))
+
+    def _local_power(self, rows: FloatArray) -> float:
+        asm = self.system.assembly
+        power = float(rows[self._rows] @ asm.y[self._rates])
+        for f in asm.row_replacements:
+            if f.owned and f.owned_rows is not None:
+                power -= float((f.D @ rows[f.owned_rows]) @ (f.D @ asm.y[f.rows]))
+        return power
+
+    def start(self, t: float) -> None:
+        """Begin at the assembly's state at ``t`` [s], unless begun or restored; collective."""
+        if self._started:
+            return
+        self._started = True
+        self._began = self._last = t
+        self._first_energies = self._energies = self._sampled_energies(t)
+
+    def after_step(self, t: float, dt: float, rows: FloatArray, inputs_at: float, jumped: bool) -> None:
+        """Sum the work that an accepted step left, and every few steps sample the exchanged power; collective.
+
+        t: time at the end of the step [s], with the inputs of ``inputs_at``; dt: its length [s].
+        rows: (owned,) residual of the owned unknowns at its end.
+        jumped: the formula reaches over a jump of a prescribed velocity, where powers have no meaning.
+        """
+        self._steps += 1
+        power = 0.0 if jumped else self._local_power(rows)
+        self.left += 0.5 * dt * (self._left_power + power)
+        self._left_power = power
+        if jumped or not (self._steps % SAMPLE_INTERVAL == 0 or self._steps in EARLY_SAMPLES):
+            return
+        interval = t - self._last
+        energies, powers = self._sampled_energies(t), self.system.powers(inputs_at)
+        rates = np.abs(energies - self._energies) / interval
+        now = max(abs(powers.dissipated), abs(powers.supplied), float(rates.max()))
+        self._recent = 0.5 * (self._recent + now) if self._recent else now
+        self._supplied += 0.5 * interval * (self._supply + powers.supplied)
+        self._peak = max(self._peak, float(np.abs(energies - self._first_energies).sum()))
+        self._supply, self._energies, self._last = float(powers.supplied), energies, t
+        exchanged = max(abs(self._supplied), self._peak)
+        self.limit = self.share * max(self._recent, exchanged / (t - self._began))
+
+    def _sampled_energies(self, t: float) -> FloatArray:
+        energies = self.system.energies(t)
+        return np.array([energies.kinetic, energies.strain])
+
+    def total_left(self) -> float:
+        """Return the work of the residuals of all accepted steps [J]; collective."""
+        return self._over_ranks(np.array([self.left]))[0]
+
+    def _over_ranks(self, parts: FloatArray) -> FloatArray:
+        return parts if self.system.comm.size == 1 else self.system.comm.tompi4py().allreduce(parts)
+
+    def get_state(self) -> dict[str, FloatArray]:
+        """For a checkpoint; the same on all ranks, empty before the start; collective."""
+        if not self._started:
+            return {}
+        sums = [
+            self.limit,
+            self._steps,
+            self._began,
+            self._last,
+            self._supplied,
+            self._peak,
+            self._supply,
+            self._recent,
+            *self._first_energies,
+            *self._energies,
+            *self._over_ranks(np.array([self.left, self._left_power])),
+        ]
+        return {"newton_work": np.array(sums, dtype=float)}
+
+    def set_state(self, state: dict[str, FloatArray]) -> None:
+        """Continue from a checkpoint; one without an entry leaves the state as it is."""
+        if "newton_work" not in state:
+            return
+        values, self._started = np.array(state["newton_work"], dtype=float), True
+        self.limit, self._began, self._last = float(values[0]), float(values[2]), float(values[3])
+        self._steps = int(values[1])
+        self._supplied, self._peak, self._supply, self._recent = map(float, values[4:8])
+        self._first_energies, self._energies = values[8:10], values[10:12]
+        if self.system.comm.rank == 0:
+            self.left, self._left_power = map(float, values[12:14])

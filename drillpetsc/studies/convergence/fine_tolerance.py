@@ -1,0 +1,153 @@
+"""Check of a run's tolerance: the same case at a tenth of it, classes of motion and main outputs compared.
+
+Manual: sec-time-classes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc import petsc_compat
+from drillpetsc.case import Case
+from drillpetsc.output import RunFolder, read_summary, read_table, write_summary
+from drillpetsc.output.files.tables import split_name
+from drillpetsc.output.motion_classes import changed_classes
+from drillpetsc.output.time_error import SMALL_RANGE, smallest_range
+from drillpetsc.solvers.time_integrator import TOLERANCE
+from drillpetsc.studies.convergence.coarse_mesh import differences
+from drillpetsc.studies.convergence.error_norms import FloatArray, extent
+
+REFINEMENT = 10.0  # tolerance of the run over that of the fine run
+STEP_REFINEMENT = REFINEMENT ** (1 / 3)  # fixed steps: the local error of order 2 goes with the step's cube
+FOLDER = "fine-tolerance"  # folder of the fine run, in that of the run
+LIMIT = 0.01  # difference of a mean or of a range, as a share of the range, from which on a run is warned of
+MEANING = (
+    "differences of the history columns between this run and one at a tenth of its tolerance, as shares of the column's range in the fine "
+    "run (mean and range: of at least 0.1 % of the column's size), and classes of motion that differ in the second half of the runs"
+)
+
+
+@contextmanager
+def finer(options: Mapping[str, Any]) -> Iterator[str]:
+    """Set finer PETSc options while a run lasts, also where the command line has set them; yields their words.
+
+    options: PETSc options in effect in the run.
+    """
+    database, key = PETSc.Options(), petsc_compat.time_step_option()
+    values = {"ts_rtol": float(options.get("ts_rtol", TOLERANCE)) / REFINEMENT}
+    if options.get("ts_adapt_type") == "none" and key in options:
+        values[key] = float(options[key]) / STEP_REFINEMENT
+    if "q_snes_stol" in options:
+        values["q_snes_stol"] = float(options["q_snes_stol"]) / REFINEMENT
+    before = dict(database.getAll())
+    for name, value in values.items():
+        database.setValue(name, repr(value))
+    try:
+        yield " ".join(f"-{name} {value:.3g}" for name, value in values.items())
+    finally:
+        for name in values:
+            if name in before:
+                database.setValue(name, before[name])
+            else:
+                database.delValue(name)
+
+
+def add_tolerance_check(
+    case: Case, folder: Path, summary: dict[str, Any], name: str, comm: Any = None, progress: str = "silent"
+) -> dict[str, Any]:
+    """Run the case of a finished run at a tenth of its tolerance, and add the comparison to its summary.json
+    (collective).
+
+    case: case of the finished run, which was watched for classes of motion.
+    folder: folder of the finished run; the fine run goes to ``folder``/fine-tolerance.
+    summary: summary of the finished run.
+    name: name of the case.
+
+    Returns the summary with `error_estimate.tolerance` and its warnings.
+    """
+    from drillpetsc.analysis.transient import run
+
+    with finer(summary["petsc_options"]) as words:
+        fine = run(
+            case,
+            folder / FOLDER,
+            overwrite=True,
+            name=f"{name}-{FOLDER}",
+            comm=comm,
+            progress=progress,
+            watch_motion=True,
+        )
+    check: dict[str, Any] = {"meaning": MEANING, "options": words, "steps": fine.summary["steps"]}
+    check |= {"columns": {}, "changed": changed_classes(summary["motion"], fine.summary["motion"])}
+    world = comm or PETSc.COMM_WORLD
+    if world.rank == 0:
+        tables = (read_table(RunFolder(f).history) for f in (folder, fine.folder))
+        check["columns"] = compared(*tables)
+    check = world.tompi4py().bcast(check)
+    check["warnings"] = _warnings(check)
+    added = {
+        "error_estimate": {**(summary.get("error_estimate") or {}), "tolerance": check},
+        "warnings": [*summary["warnings"], *check["warnings"]],
+    }
+    if world.rank == 0:
+        write_summary(RunFolder(folder).summary, read_summary(RunFolder(folder).summary) | added)
+    return {**summary, **added}
+
+
+def compared(
+    history: Mapping[str, FloatArray], fine: Mapping[str, FloatArray]
+) -> dict[str, dict[str, float]]:
+    """Differences of two histories by column: max, rms, end, mean and range.
+
+    As in ``coarse_mesh.differences``, but mean and range are shares of at least 0.1 % of the column's size: a
+    load that hardly moves is not doubtful because of the little that it does.
+    """
+    out = {}
+    for title, column in differences(fine, history).items():
+        values, reference = history[title], fine[title]
+        if max(extent(values), column["range"]) <= smallest_range(split_name(title)[1]):
+            continue
+        scale = max(column["range"], SMALL_RANGE * float(np.abs(reference).max()))
+        column["mean"] *= column["range"] / scale
+        column["range_change"] = abs(extent(values) - extent(reference)) / scale
+        out[title] = column
+    return out
+
+
+def _warnings(check: Mapping[str, Any]) -> list[str]:
+    """Sentences on changed classes, and on outputs that differ by more than the limit."""
+    out = [
+        f"a tolerance ten times finer changes the motion of {c['name']} at MD {c['md [m]']:.6g} m: {c['what']} is "
+        f"'{c['is']}' there, '{c['was']}' in this run"
+        for c in check["changed"]
+    ]
+    doubtful = [
+        (split_name(title)[0], column["mean"], column["range_change"])
+        for title, column in check["columns"].items()
+        if max(column["mean"], column["range_change"]) > LIMIT
+    ]
+    if doubtful:
+        doubtful.sort(key=lambda row: -max(row[1:]))
+        named = ", ".join(f"{name} (mean {mean:.2g}, range {span:.2g})" for name, mean, span in doubtful[:4])
+        out.append(f"a tolerance ten times finer changes, as shares of the range: {named}")
+    return out
+
+
+def tolerance_lines(summary: Mapping[str, Any]) -> list[str]:
+    """Lines for the screen: what a finer tolerance changes."""
+    check = summary["error_estimate"]["tolerance"]
+    if check["warnings"]:
+        return [f"  warning: {text}" for text in check["warnings"]] + [
+            f"  tolerance: not fine enough; repeat with {check['options']} and check again"
+        ]
+    return [
+        f"  tolerance, against {check['options']}: the same classes of motion, means and ranges of the history within {LIMIT:.0%}".replace(
+            "%", " %"
+        )
+    ]
