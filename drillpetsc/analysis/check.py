@@ -10,9 +10,12 @@ from drillpetsc.analysis.time_scales import time_scales
 from drillpetsc.case.blocks.formation import Formation
 from drillpetsc.case.case import Case
 from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.model.mesh import element_lengths
 
 #: microseconds per element and evaluation, measured on one core (scripts/benchmark measures and prints them)
 COST = {"residual": 0.3, "jacobian": 1.2, "factor": 0.6, "solve": 0.15, "step": 2.0}
+
+MOST_RANGES = 40  # lines on automatic element lengths
 
 TERMS = (
     ("bodies", "rigid bodies and eccentricity"),
@@ -56,6 +59,23 @@ def _cutting(formation: Formation | None) -> str:
     return f"bit cutting rock (law {formation.bit_law.kind}, drillability {span} m/(s N){layers})"
 
 
+def _chosen_lengths(case: Case, model: DrillingModel) -> list[str]:
+    """Lengths of automatic elements and what decided each, from the top down; empty where all are given."""
+    lengths = element_lengths(case, model.well)
+    count = sum(r.count for r in lengths.ranges)
+    if not count:
+        return []
+    lines = [f"  automatic element lengths, {count} elements:"]
+    for r in lengths.ranges[:MOST_RANGES]:
+        size = f"{r.longest:.3g}" if r.longest < 1.02 * r.shortest else f"{r.shortest:.3g} to {r.longest:.3g}"
+        name = case.string[r.item].name
+        lines.append(f"    MD {r.upper:.1f} to {r.lower:.1f} m ({name}): {size} m, {r.reason}")
+    rest = lengths.ranges[MOST_RANGES:]
+    if rest:
+        lines.append(f"    ... and {len(rest)} more ranges below MD {rest[0].upper:.1f} m")
+    return lines + [f"  WARNING: {text}" for text in lengths.warnings()]
+
+
 def _lines(model: DrillingModel) -> list[str]:
     case, mesh, system = model.case, model.mesh, model.system
     lines = [f"{case.title or 'case'}: valid"]
@@ -64,6 +84,7 @@ def _lines(model: DrillingModel) -> list[str]:
         f"  string: {len(case.string)} items, {mesh.total_length:g} m, {int(element.sum())} elements of "
         f"{mesh.length[element].min():.3g} to {mesh.length.max():.3g} m, {mesh.nodes} nodes, {len(mesh.bodies)} rigid items"
     )
+    lines += _chosen_lengths(case, model)
     if case.well is not None:
         q = case.well
         lines.append(

@@ -52,12 +52,12 @@ def run_statics(
             at="--motion", got=motion, want="a case with a well: without a hole there is no friction"
         )
     with options.applied(case.petsc):
-        model = build_model(case, comm)
+        model = build_model(case, comm, MOTIONS[motion] if motion else None)
         folder = make_folder(comm, name, out, False, overwrite)
         state = find_equilibrium(model, MOTIONS[motion] if motion else None, lateral_friction=False)
         columns, values = static_table(model)
         buckled = buckling(model, columns, values) if values is not None else Buckling()
-        state.warnings += buckled.lines()
+        state.warnings += [*buckled.lines(), *model.mesh.notes]
         summary = {
             "title": case.title,
             **static_summary(model, state),

@@ -95,6 +95,7 @@ class StringMesh:
     bodies: rigid items; bent: stress-free curvatures by tool face, from which ``curvature`` follows.
     junction: (n+1,) nodes with a stretch ratio (manual: eq-junction-kinematics).
     joints: the joints, whose cells have no length and no element.
+    notes: sentences for the user about the mesh.
     """
 
     upper: FloatArray
@@ -118,6 +119,7 @@ class StringMesh:
     bent: tuple[BentCell, ...] = ()
     junction: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
     joints: tuple[StringJoint, ...] = ()
+    notes: tuple[str, ...] = ()
 
     @property
     def length(self) -> FloatArray:
