@@ -48,9 +48,13 @@ class Buckling:
             out.append(
                 "a buckled string may have other stable states; which one it is depends on its history"
             )
-        return out + [
+        return out + self.coarse_lines()
+
+    def coarse_lines(self) -> list[str]:
+        """Sentences on elements that are too long for the buckled shape."""
+        return [
             f"elements of {length:.3g} m from MD {a:.0f} to {b:.0f} m are too long for the buckled shape: "
-            f"element_length of {enough:.2g} m or less"
+            f"element_length of {enough:.2g} m or less (or auto)"
             for a, b, length, enough in self.coarse
         ]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from drillpetsc.analysis.coarse_mesh import expected_warnings
 from drillpetsc.analysis.energy_descent import coarse_elements
 from drillpetsc.analysis.summary import field_counts
 from drillpetsc.analysis.time_scales import time_scales
@@ -139,6 +140,7 @@ def _lines(model: DrillingModel) -> list[str]:
         + (f"; {case.time.end:g} s to simulate" if case.time is not None else "")
     )
     lines += [f"  {line}" for line in time_scales(model).lines()]
+    lines += [f"  WARNING: {text}" for text in expected_warnings(model)]
     coarse = coarse_elements(model)
     if coarse.any():
         limit = (240 * mesh.bending_stiffness / (mesh.mass * np.linalg.norm(case.gravity))) ** (1 / 3)

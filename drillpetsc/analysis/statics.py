@@ -10,6 +10,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.buckling import Buckling, buckling
+from drillpetsc.analysis.coarse_mesh import state_warnings
 from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.transient import RunResult, make_folder
@@ -57,7 +58,7 @@ def run_statics(
         state = find_equilibrium(model, MOTIONS[motion] if motion else None, lateral_friction=False)
         columns, values = static_table(model)
         buckled = buckling(model, columns, values) if values is not None else Buckling()
-        state.warnings += [*buckled.lines(), *model.mesh.notes]
+        state.warnings += [*buckled.lines(), *state_warnings(model, columns, values), *model.mesh.notes]
         summary = {
             "title": case.title,
             **static_summary(model, state),

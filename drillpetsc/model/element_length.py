@@ -24,7 +24,7 @@ LONGEST = 10.0  # [m]
 GROWTH = 0.3  # growth of the length per length along the string [-]
 LARGEST_RATIO = 2.0  # of neighbouring elements, where one of them is automatic
 LAYER_SHARE = 0.25  # of sqrt(EI/T): moments beside a support to 1 % (manual: eq-mesh-layer)
-SPAN_SHARE = 0.08  # of the free length beside a support: the same with a side load
+SPAN_SHARE = 0.05  # of the free length beside a support: the same with a side load
 WAVE_STEP = 1.0  # phase of a buckle's wave in one element [rad]
 FREE_STEP = 1.0  # the same for a column that no wall supports [rad]
 VIBRATION_STEP = np.pi / 3  # the same for a vibration: six elements a wave length [rad]
@@ -117,6 +117,16 @@ def choose_lengths(
         factor, lengths = high, asked.field(high)
     edges = _graded(asked, lengths, marks, given, case.mesh.refinement)
     return ElementLengths(edges, _ranges(edges, lengths), factor)
+
+
+def free_length(bending: float, clearance: float, side: float) -> float:
+    """Length [m] over which a string hangs between a support and the wall (manual: eq-mesh-layer).
+
+    bending: EI [N m2]; clearance: [m]; side: load across the string [N/m].  Infinite without a side load or a wall.
+    """
+    if not (np.isfinite(clearance) and side > 0):
+        return np.inf
+    return float((72 * bending * clearance / side) ** 0.25)
 
 
 # ---------------------------------------------------------------------- demands
@@ -254,9 +264,7 @@ class _Asked:
             if not 0 <= k < len(self.flexible) or not self.flexible[k]:
                 continue
             layer = np.sqrt(self.bending[k] / max(f.pull[k], f.push[k], 1e-9))
-            free = distance
-            if np.isfinite(f.clearance[k]) and f.side[k] > 0:
-                free = min(free, float((72 * self.bending[k] * f.clearance[k] / f.side[k]) ** 0.25))
+            free = min(distance, free_length(self.bending[k], float(f.clearance[k]), float(f.side[k])))
             length = max(min(LAYER_SHARE * layer, SPAN_SHARE * free), self.outer[k] or 1e-4 * self.x[-1])
             if length < LONGEST:
                 what = (

@@ -25,6 +25,7 @@ from drillpetsc.geometry.frames import Frames, axial_curvature
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.element_length import ElementLengths, choose_lengths
 from drillpetsc.model.hole import build_well
+from drillpetsc.model.string_forces import StringForces, estimate_forces
 
 BEND_LENGTH = 0.5  # the kink of a bent sub is distributed over an element of this length [m] (manual: sec-junctions-bend)
 NODE_TOLERANCE = 1e-6  # depths closer than this are one node [m]; relative beyond 1 m
@@ -85,6 +86,12 @@ def element_lengths(
 ) -> ElementLengths:
     """Automatic element lengths of ``case`` with their reasons; arguments as in ``build_mesh``."""
     return _element_ends(case, well, motion)[1]
+
+
+def string_forces(case: Case, well: Well | None) -> StringForces:
+    """Forces along the string estimated before any solve (manual: sec-mesh-forces)."""
+    sections = {i: _section(item) for i, item in enumerate(case.string) if isinstance(item, Flexible)}
+    return estimate_forces(case, well, sections, None)
 
 
 def _element_ends(
