@@ -127,7 +127,7 @@ def _lines(model: DrillingModel) -> list[str]:
         f"  unknowns: {per_node} per node; {unknowns} solved for in a step, {unknowns + rates} in the state"
     )
     for f, n in counts:
-        if f.region in REGION_TEXT:
+        if f.region in REGION_TEXT and n:
             lines.append(f"    {f.name}: {f.size} at {n} nodes ({REGION_TEXT[f.region]})")
     e = len(mesh.upper)
     step = (

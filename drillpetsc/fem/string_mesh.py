@@ -134,6 +134,13 @@ class StringMesh:
         return mask
 
     @property
+    def below_junction(self) -> np.ndarray:
+        """(n,) mask of the elements with the kinematics of eq-junction-kinematics: below a junction, and below a rigid
+        item at the top, where the stretch ratio is one."""
+        ratio = self.junction[:-1] if len(self.junction) else np.zeros(len(self.upper), dtype=bool)
+        return ratio | ((self.rigid_above > 0) & ~self.is_joint)
+
+    @property
     def length_divisor(self) -> FloatArray:
         """(n,) divisors for values per length: element lengths [m], 1 for joints, whose values are zero."""
         return np.where(self.is_joint, 1.0, self.length) if self.joints else self.length

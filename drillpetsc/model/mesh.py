@@ -313,7 +313,7 @@ def _assemble(case: Case, rows, rigid, tops: dict[int, int], joints: tuple[Strin
     # the parts at a joint have no common strain; a stretch ratio belongs to a rigid item between joint and element
     for node in np.flatnonzero(is_joint[:-1] | is_joint[1:]):
         junction[node] = node < n and not is_joint[node + 1] and above[node] > 0
-    junction[0] = above[0] > 0 and not is_joint[1] if n else False
+    junction[0] = False  # no element above the top shares its strain
     friction = np.array([np.nan if item.friction is None else item.friction for _, item, *_ in rows])
     eccentricity = np.array([_polar(item.eccentricity, item.eccentricity_angle) for _, item, *_ in rows])
     eccentricity[is_joint[1:-1]] = 0.0
