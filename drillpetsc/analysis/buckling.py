@@ -62,9 +62,14 @@ class Buckling:
             out.append(
                 "a buckled string may have other stable states; which one it is depends on its history"
             )
-        return out + [
-            f"elements of {length / size:.3g} {unit} {between(a, b)} are too long for the buckled shape: "
-            f"element_length of {enough / size:.2g} {unit} or less"
+        return out + self.coarse_lines(units)
+
+    def coarse_lines(self, units: System = "metric") -> list[str]:
+        """Sentences on elements that are too long for the buckled shape, in a system of units."""
+        size, _, unit = display_unit("length", units)
+        return [
+            f"elements of {length / size:.3g} {unit} from MD {a / size:.0f} to {b / size:.0f} {unit} are too long for "
+            f"the buckled shape: element_length of {enough / size:.2g} {unit} or less (or auto)"
             for a, b, length, enough in self.coarse
         ]
 

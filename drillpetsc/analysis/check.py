@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from drillpetsc.analysis.coarse_mesh import expected_warnings
 from drillpetsc.analysis.energy_descent import coarse_elements
 from drillpetsc.analysis.summary import field_counts
 from drillpetsc.analysis.time_scales import time_scales
@@ -15,10 +16,13 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.mud_report import misfit
 from drillpetsc.case.plausibility import notes
 from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.model.mesh import element_lengths
 from drillpetsc.unit_systems import display_unit, shown
 
 #: microseconds per element and evaluation, measured on one core (scripts/benchmark measures and prints them)
 COST = {"residual": 0.3, "jacobian": 1.2, "factor": 0.6, "solve": 0.15, "step": 2.0}
+
+MOST_RANGES = 40  # lines on automatic element lengths
 
 TERMS = (
     ("bodies", "rigid bodies and eccentricity"),
@@ -74,6 +78,23 @@ def _cutting(formation: Formation | None) -> str:
     return f"bit cutting rock (law {formation.bit_law.kind}, drillability {span} m/(s N){layers})"
 
 
+def _chosen_lengths(case: Case, model: DrillingModel) -> list[str]:
+    """Lengths of automatic elements and what decided each, from the top down; empty where all are given."""
+    lengths = element_lengths(case, model.well)
+    count = sum(r.count for r in lengths.ranges)
+    if not count:
+        return []
+    lines = [f"  automatic element lengths, {count} elements:"]
+    for r in lengths.ranges[:MOST_RANGES]:
+        size = f"{r.longest:.3g}" if r.longest < 1.02 * r.shortest else f"{r.shortest:.3g} to {r.longest:.3g}"
+        name = case.string[r.item].name
+        lines.append(f"    MD {r.upper:.1f} to {r.lower:.1f} m ({name}): {size} m, {r.reason}")
+    rest = lengths.ranges[MOST_RANGES:]
+    if rest:
+        lines.append(f"    ... and {len(rest)} more ranges below MD {rest[0].upper:.1f} m")
+    return lines + [f"  WARNING: {text}" for text in lengths.warnings()]
+
+
 def _lines(model: DrillingModel) -> list[str]:
     case, mesh, system = model.case, model.mesh, model.system
     units = case.output.units or "SI"
@@ -85,6 +106,7 @@ def _lines(model: DrillingModel) -> list[str]:
         f"{mesh.length[element].min() / size:.3g} to {mesh.length.max() / size:.3g} {unit}, {mesh.nodes} nodes, "
         f"{len(mesh.bodies)} rigid items"
     )
+    lines += _chosen_lengths(case, model)
     if case.well is not None:
         q = case.well
         lines.append(
@@ -127,7 +149,7 @@ def _lines(model: DrillingModel) -> list[str]:
         f"  unknowns: {per_node} per node; {unknowns} solved for in a step, {unknowns + rates} in the state"
     )
     for f, n in counts:
-        if f.region in REGION_TEXT:
+        if f.region in REGION_TEXT and n:
             lines.append(f"    {f.name}: {f.size} at {n} nodes ({REGION_TEXT[f.region]})")
     e = len(mesh.upper)
     step = (
@@ -141,6 +163,7 @@ def _lines(model: DrillingModel) -> list[str]:
     )
     lines += [f"  {line}" for line in time_scales(model).lines()]
     lines += [f"  {line}" for line in notes(case)]
+    lines += [f"  WARNING: {text}" for text in expected_warnings(model)]
     coarse = coarse_elements(model)
     if coarse.any():
         limit = (240 * mesh.bending_stiffness / (mesh.mass * np.linalg.norm(case.gravity))) ** (1 / 3)

@@ -13,7 +13,8 @@ import numpy as np
 from drillpetsc.analysis.placement import top_depth
 from drillpetsc.arrays import FloatArray
 from drillpetsc.geometry.frames import directors
-from drillpetsc.model.drilling_model import DrillingModel, hole_depth
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.model.hole import hole_depth
 from drillpetsc.physics.contact import penetration
 
 #: contact force at the top, as a fraction of the load of its node, above which the string is on the wall there

@@ -6,7 +6,8 @@ import numpy as np
 
 from drillpetsc.analysis.steady_flow import release_flow, set_fluid_at_rest
 from drillpetsc.arrays import FloatArray
-from drillpetsc.model.drilling_model import DrillingModel, hole_depth
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.model.hole import hole_depth
 
 
 def prescribed_motion(model: DrillingModel) -> tuple[float, float]:

@@ -10,6 +10,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.buckling import Buckling, buckling
+from drillpetsc.analysis.coarse_mesh import state_warnings
 from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
 from drillpetsc.analysis.friction_path import PathKind
 from drillpetsc.analysis.initial_state import find_equilibrium
@@ -56,12 +57,13 @@ def run_statics(
             at="--motion", got=motion, want="a case with a well: without a hole there is no friction"
         )
     with options.applied(case.petsc):
-        model = build_model(case, comm)
+        model = build_model(case, comm, MOTIONS[motion] if motion else None)
         folder = make_folder(comm, name, out, False, overwrite)
         state = find_equilibrium(model, MOTIONS[motion] if motion else None, False, path)
         columns, values = static_table(model)
         buckled = buckling(model, columns, values) if values is not None else Buckling()
         state.warnings += buckled.lines(case.output.units or "metric")
+        state.warnings += [*state_warnings(model, columns, values), *model.mesh.notes]
         summary = {
             "title": case.title,
             **static_summary(model, state),

@@ -13,6 +13,7 @@ from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
 from drillpetsc.analysis import checkpoint, provenance, summary
+from drillpetsc.analysis.coarse_mesh import run_warnings
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.initial_state import initial_state
 from drillpetsc.analysis.memory import Memory
@@ -306,6 +307,7 @@ class TransientRun:
         self.start = self.t = self.saved.time if self.saved is not None else 0.0
         self.end = float(self.case.time.end)  # type: ignore[union-attr]
         self.notes["warnings"] = step_warnings(self.model, self.fixed_step)
+        self.notes["warnings"] += [*run_warnings(self.model), *self.model.mesh.notes]
         if self.saved is not None:
             self.notes["warnings"] += provenance.version_warnings(self.saved.provenance)
         self.boiling = BoilingMonitor(self.model.system, self.model.fluid)

@@ -242,10 +242,11 @@ class OverTime:
 
 @dataclass(frozen=True)
 class WordOrNumber:
-    """One of some words, or a number in the SI unit of `quantity`; `none` is 0."""
+    """One of some words, or a number in the SI unit of `quantity`; `none` is 0 where it is allowed."""
 
     words: tuple[str, ...]
     quantity: Quantity
+    none: bool = True
 
     @property
     def unit(self) -> str:
@@ -254,20 +255,24 @@ class WordOrNumber:
     @property
     def json_schema_input_type(self) -> Any:
         """Type of the words, for the manual."""
-        return Literal[(*self.words, "none")]  # type: ignore[valid-type]
+        return Literal[self._all_words]  # type: ignore[valid-type]
 
     def allowed(self) -> str:
         """The range of the number in words, empty when unbounded."""
         return self.quantity.allowed()
 
+    @property
+    def _all_words(self) -> tuple[str, ...]:
+        return (*self.words, "none") if self.none else self.words
+
     def read(self, value: object) -> float | str:
-        if value == "none":
+        if value == "none" and self.none:
             return 0.0
         if isinstance(value, str) and value.strip()[:1].isalpha():
             if value in self.words:
                 return value
-            want = f"{', '.join(self.words)}, none, or a number, {self.quantity.allowed()}"
-            raise refuse(got=value, want=want, hint=suggestion(value, (*self.words, "none")))
+            want = f"{', '.join(self._all_words)}, or a number, {self.quantity.allowed()}"
+            raise refuse(got=value, want=want, hint=suggestion(value, self._all_words))
         return self.quantity.read(value)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -278,7 +283,7 @@ class WordOrNumber:
     ) -> dict[str, Any]:
         if self.unit:  # a text may be a number with a unit
             return {"anyOf": [{"type": "number"}, {"type": "string"}]}
-        words = {"enum": [*self.words, "none"], "type": "string"}
+        words = {"enum": list(self._all_words), "type": "string"}
         return {"anyOf": [words, {"type": "number"}]}
 
 

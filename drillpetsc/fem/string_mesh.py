@@ -95,6 +95,7 @@ class StringMesh:
     bodies: rigid items; bent: stress-free curvatures by tool face, from which ``curvature`` follows.
     junction: (n+1,) nodes with a stretch ratio (manual: eq-junction-kinematics).
     joints: the joints, whose cells have no length and no element.
+    notes: sentences for the user about the mesh.
     """
 
     upper: FloatArray
@@ -118,6 +119,7 @@ class StringMesh:
     bent: tuple[BentCell, ...] = ()
     junction: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
     joints: tuple[StringJoint, ...] = ()
+    notes: tuple[str, ...] = ()
 
     @property
     def length(self) -> FloatArray:
@@ -130,6 +132,13 @@ class StringMesh:
         mask = np.zeros(len(self.upper), dtype=bool)
         mask[[j.cell for j in self.joints]] = True
         return mask
+
+    @property
+    def below_junction(self) -> np.ndarray:
+        """(n,) mask of the elements with the kinematics of eq-junction-kinematics: below a junction, and below a rigid
+        item at the top, where the stretch ratio is one."""
+        ratio = self.junction[:-1] if len(self.junction) else np.zeros(len(self.upper), dtype=bool)
+        return ratio | ((self.rigid_above > 0) & ~self.is_joint)
 
     @property
     def length_divisor(self) -> FloatArray:

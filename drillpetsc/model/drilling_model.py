@@ -11,13 +11,13 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import BitBottom, DrivenTop, ForcedBottom, HeldBottom, HeldTop, LineLoad
 from drillpetsc.case.blocks.ends import TopDrive as TopDriveCase
 from drillpetsc.case.case import Case
-from drillpetsc.errors import CaseError
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames, transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.fluid import FluidComponents, build_fluid
+from drillpetsc.model.hole import build_well, hole_depth
 from drillpetsc.model.mesh import build_mesh, curvature_by_tool_face
 from drillpetsc.model.quaternion import quaternion_components
 from drillpetsc.model.rock_bit import build_rock_bit
@@ -96,32 +96,17 @@ class DrillingModel:
         )
 
 
-def build_well(case: Case) -> Well | None:
-    """Create the hole of the case, None without one; CaseError where the geometry is impossible."""
-    if case.well is None:
-        return None
-    survey, sections = case.well.survey, case.well.sections
-    try:
-        return Well.from_survey(
-            np.array(survey.md),
-            np.array(survey.inclination),
-            np.array(survey.azimuth),
-            [q.to for q in sections],
-            [0.5 * q.diameter for q in sections],
-            [q.friction for q in sections],
-            [q.kind for q in sections],
-        )
-    except ValueError as error:
-        raise CaseError(at="well", want=str(error)) from None
-
-
-def build_model(case: Case, comm: PETSc.Comm | None = None) -> DrillingModel:
+def build_model(
+    case: Case, comm: PETSc.Comm | None = None, motion: tuple[float, float] | None = None
+) -> DrillingModel:
     """Create the model of ``case``; collective.
 
     comm: PETSc communicator, all ranks by default.
+    motion: of a static question, for automatic element lengths (see ``build_mesh``).
     Raises CaseError where mesh or hole are impossible.
     """
-    mesh, well = build_mesh(case), build_well(case)
+    well = build_well(case)
+    mesh = build_mesh(case, well, motion)
     position, tangent = _axis(case, mesh, well)
     frames = transported_frames(tangent)
     mesh = curvature_by_tool_face(mesh, frames)
@@ -156,7 +141,7 @@ def build_model(case: Case, comm: PETSc.Comm | None = None) -> DrillingModel:
         components += _optional_components(mesh, frames, gravity, balanced=is_quasi_static(case))
         top, drive = _top_components(case, position[0], tangent[0], _top_path(well, frames), frames)
         components += [r for r in (top, drive) if r is not None]
-        components += _bottom_components(case, position[-1], tangent[-1])
+        components += _bottom_components(case, mesh.nodes - 1, position[-1], tangent[-1])
         loads = _loads(case, mesh, tangent)
         if loads:
             breaks = tuple(b for q in case.loads for b in q.value_over.breaks())
@@ -268,12 +253,11 @@ def _top_breaks(case: Case) -> tuple[float, ...]:
     return force.breaks() if force is not None else ()
 
 
-def _bottom_components(case: Case, position: FloatArray, tangent: FloatArray) -> list[FixedEnd]:
+def _bottom_components(case: Case, node: int, position: FloatArray, tangent: FloatArray) -> list[FixedEnd]:
     """Create the fixed lower end of a clamped or pinned string."""
     bottom = case.bottom
     if not isinstance(bottom, HeldBottom) or bottom.kind == "free":
         return []
-    node = build_mesh(case).nodes - 1
     return [FixedEnd(node, bottom.kind, position, tangent, spin=bottom.kind == "clamped")]
 
 
@@ -322,11 +306,6 @@ def _bit(case: Case, mesh: StringMesh, well: Well | None) -> BitOnBottom | RockB
         np.asarray(axis)[0],
         slip,
     )
-
-
-def hole_depth(case: Case) -> float:
-    """Measured depth of the end of the hole [m]: the last survey station."""
-    return float(case.well.survey.md[-1])  # type: ignore[union-attr]
 
 
 # ---------------------------------------------------------------------- loads

@@ -6,12 +6,15 @@ from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import takewhile
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import PointLoad
 from drillpetsc.case.blocks.joints import Joint
+from drillpetsc.case.blocks.settings import STARTS
 from drillpetsc.case.blocks.string import Beam as BeamItem
 from drillpetsc.case.blocks.string import Bend, Flexible, Item, Pipe, Rigid
 from drillpetsc.case.case import Case
@@ -19,15 +22,23 @@ from drillpetsc.case.checks.limits import element_count
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.string_mesh import BentCell, RigidItem, StringJoint, StringMesh, tube
 from drillpetsc.geometry.frames import Frames, axial_curvature
+from drillpetsc.geometry.well import Well
+from drillpetsc.model.element_length import ElementLengths, choose_lengths
+from drillpetsc.model.hole import build_well
+from drillpetsc.model.string_forces import StringForces, estimate_forces
 
 BEND_LENGTH = 0.5  # the kink of a bent sub is distributed over an element of this length [m] (manual: sec-junctions-bend)
 NODE_TOLERANCE = 1e-6  # depths closer than this are one node [m]; relative beyond 1 m
 
 
-def build_mesh(case: Case) -> StringMesh:
+def build_mesh(case: Case, well: Well | None = None, motion: tuple[float, float] | None = None) -> StringMesh:
     """Mesh the string of ``case``, with nodes at item ends, at point loads, at joints and by element_length.
 
     ``curvature_by_tool_face`` completes the stress-free curvature when the frames of the nodes are known.
+
+    well: the hole, None: that of the case.
+    motion: axial speed [m/s, down positive] and rotation [rad/s] of a static question; automatic lengths are
+    chosen for it, None: for those of the case.
     Raises CaseError where no item of the string is flexible, or a bend is right below a joint.
     """
     if not any(isinstance(item, Flexible) for item in case.string):
@@ -42,6 +53,7 @@ def build_mesh(case: Case) -> StringMesh:
     pending: list = []
     joints: list[StringJoint] = []
     remaining = sorted(case.joints, key=lambda j: j.at)
+    item_edges, lengths = _element_ends(case, well, motion)
 
     def add_joint(item, depth: float) -> None:
         """Add the joint at ``depth`` [m], if there is one, as a row without length below the pending rigid items."""
@@ -55,7 +67,7 @@ def build_mesh(case: Case) -> StringMesh:
         top, bottom = case.item_depths[number]
         add_joint(item, top)
         if isinstance(item, Flexible):
-            edges = _edges(case, number, item, top, bottom)
+            edges = item_edges[number]
             above = sum(q.length for _, q in pending)
             tops[number] = len(rows)
             for k, (a, b) in enumerate(zip(edges, edges[1:], strict=False)):
@@ -66,7 +78,66 @@ def build_mesh(case: Case) -> StringMesh:
         else:
             rigid.append((number, item, len(rows), sum(q.length for _, q in pending)))
             pending.append((number, item))
-    return _assemble(case, rows, rigid, tops, tuple(joints))
+    return replace(_assemble(case, rows, rigid, tops, tuple(joints)), notes=tuple(lengths.warnings()))
+
+
+def element_lengths(
+    case: Case, well: Well | None = None, motion: tuple[float, float] | None = None
+) -> ElementLengths:
+    """Automatic element lengths of ``case`` with their reasons; arguments as in ``build_mesh``."""
+    return _element_ends(case, well, motion)[1]
+
+
+def string_forces(case: Case, well: Well | None) -> StringForces:
+    """Forces along the string estimated before any solve (manual: sec-mesh-forces)."""
+    sections = {i: _section(item) for i, item in enumerate(case.string) if isinstance(item, Flexible)}
+    return estimate_forces(case, well, sections, None)
+
+
+def _element_ends(
+    case: Case, well: Well | None, motion: tuple[float, float] | None
+) -> tuple[dict[int, list[float]], ElementLengths]:
+    """Depths of the element ends of each flexible item [m] by its number, and the automatic ones with reasons."""
+    given: dict[int, list[float]] = {}
+    marks: dict[int, list[float]] = {}
+    flexible = {i: item for i, item in enumerate(case.string) if isinstance(item, Flexible)}
+    for number, item in flexible.items():
+        ends = _edges(case, number, item, *case.item_depths[number])
+        (marks if isinstance(item.element_length, str) else given)[number] = ends
+    if not marks:
+        return given, ElementLengths({})
+    earlier = _depths_of_run(case)
+    if earlier is not None:
+        edges = {i: _with_depths(m, earlier) for i, m in marks.items()}
+        return {**given, **edges}, ElementLengths(edges)
+    sections = {i: _section(item) for i, item in flexible.items()}
+    lengths = choose_lengths(case, well or build_well(case), sections, marks, given, motion)
+    return {**given, **lengths.edges}, lengths
+
+
+def _depths_of_run(case: Case) -> FloatArray | None:
+    """Measured depths of the nodes [m] of the run that ``case`` starts from; None for another start.
+
+    A run that starts from another one has its mesh, whatever its own loads ask for.
+    """
+    if case.initial.from_ in STARTS:
+        return None
+    import h5py
+
+    try:
+        with h5py.File(Path(case.initial.from_) / "checkpoint.h5", "r") as file:
+            return np.array(file["depths"])
+    except (OSError, KeyError):  # the reader of checkpoints tells what is wrong with the file
+        return None
+
+
+def _with_depths(marks: list[float], depths: FloatArray) -> list[float]:
+    """``marks`` with the ``depths`` [m] between the first and the last."""
+    tolerance = NODE_TOLERANCE * max(1.0, marks[-1])
+    inside = depths[(depths > marks[0] + tolerance) & (depths < marks[-1] - tolerance)]
+    known = np.array(marks)
+    new = [float(d) for d in inside if np.abs(known - d).min() > tolerance]
+    return sorted([*marks, *new])
 
 
 def _joint(joint: Joint, cell: int) -> StringJoint:
@@ -94,8 +165,11 @@ def _bent_after(items: Sequence[Item]) -> bool:
 
 
 def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -> list[float]:
-    """Compute the measured depths [m] of the element ends of a flexible item between ``top`` and ``bottom`` [m]."""
-    edges = list(np.linspace(top, bottom, element_count(item) + 1))
+    """Compute the measured depths [m] of the element ends of a flexible item between ``top`` and ``bottom`` [m].
+
+    Of an item with automatic lengths: the depths where elements must end.
+    """
+    edges = list(np.linspace(top, bottom, max(1, element_count(item)) + 1))
     extra: list[float] = []
     if _bend_of(item) and item.length > 2 * BEND_LENGTH:
         extra.append(top + BEND_LENGTH)
@@ -239,7 +313,7 @@ def _assemble(case: Case, rows, rigid, tops: dict[int, int], joints: tuple[Strin
     # the parts at a joint have no common strain; a stretch ratio belongs to a rigid item between joint and element
     for node in np.flatnonzero(is_joint[:-1] | is_joint[1:]):
         junction[node] = node < n and not is_joint[node + 1] and above[node] > 0
-    junction[0] = above[0] > 0 and not is_joint[1] if n else False
+    junction[0] = False  # no element above the top shares its strain
     friction = np.array([np.nan if item.friction is None else item.friction for _, item, *_ in rows])
     eccentricity = np.array([_polar(item.eccentricity, item.eccentricity_angle) for _, item, *_ in rows])
     eccentricity[is_joint[1:-1]] = 0.0

@@ -56,8 +56,8 @@ class Probes:
         assert model.beam is not None
         r, v, spins = map(list, zip(*(model.beam.section(state, i) for i in (a, b)), strict=True))
         ratio = state.layout.dofs.get("string.ratio")
+        r[0] = r[0] + mesh.rigid_above[probe.cell] * v[0] / np.linalg.norm(v[0])
         if ratio is not None and ratio[a, 0] >= 0:
-            r[0] = r[0] + mesh.rigid_above[probe.cell] * v[0] / np.linalg.norm(v[0])
             v[0] = v[0] * state.x[ratio[a, 0]]
         s, L = probe.share, mesh.length[probe.cell]
         x = (

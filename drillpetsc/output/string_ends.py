@@ -7,7 +7,8 @@ import numpy as np
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.quantity import Quantity, Sample
-from drillpetsc.model.drilling_model import DrillingModel, hole_depth
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.model.hole import hole_depth
 from drillpetsc.output import quantities as declared
 from drillpetsc.output.in_hole import measured_depth
 

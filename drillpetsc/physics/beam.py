@@ -62,7 +62,7 @@ class AncfBeam(interfaces.Beam):
             Field("string.spin", 1, scale=0.02),
         )
         ratio = Field("string.ratio", 1, region="junction", scale=1e-2, default=1.0)
-        return (*always, ratio) if self.mesh.junction.any() else always
+        return (*always, ratio) if self.mesh.junction.any() or self.mesh.below_junction.any() else always
 
     def _params(self, e: np.ndarray) -> FloatArray:
         m, f = self.mesh, self.frames
@@ -88,7 +88,8 @@ class AncfBeam(interfaces.Beam):
         """Blocks of the local cells of ``part`` (a Chain): with and without damping, below a junction or not."""
         e = part.cells
         damped = (self.mesh.stiffness_damping[e] != 0) | (self.mesh.mass_damping[e] != 0)
-        below = self.mesh.junction[e] if len(self.mesh.junction) else np.zeros(len(e), dtype=bool)
+        all_below = self.mesh.below_junction
+        below = all_below[e]
         any_damped = ((self.mesh.stiffness_damping != 0) | (self.mesh.mass_damping != 0)).any()
         all_damped = ((self.mesh.stiffness_damping != 0) | (self.mesh.mass_damping != 0)).all()
         element = ~self.mesh.is_joint[e]
@@ -96,7 +97,7 @@ class AncfBeam(interfaces.Beam):
         for is_below in (False, True):
             for is_damped in (False, True):
                 if (
-                    (is_below and not self.mesh.junction[:-1].any())
+                    (is_below and not all_below.any())
                     or (is_damped and not any_damped)
                     or (not is_damped and all_damped)
                 ):

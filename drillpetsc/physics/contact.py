@@ -184,11 +184,11 @@ class Contact(WallContact):
         )
         self._normal: list[np.ndarray] = []
         self._blocks: list[ElementBlock] = []
-        junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
+        below_junction = m.below_junction
         friction = np.where(np.isnan(m.friction), -1.0, m.friction)
         touches = (m.outer_diameter > 0) & ~m.is_joint
         for below, (name, mask, ends) in product((False, True), self._groups()):
-            on_rank = (junction[:-1] == below) & touches & mask
+            on_rank = (below_junction == below) & touches & mask
             if not on_rank.any():
                 continue
             chosen = np.flatnonzero(on_rank[part.cells]).astype(np.int32)

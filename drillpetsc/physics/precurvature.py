@@ -26,10 +26,10 @@ class Precurvature(Component):
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         m, bent = self.mesh, np.any(self.mesh.curvature != 0, axis=1)
-        junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
+        junction = m.below_junction
         self._blocks, self._cells = [], []
         for below in (False, True):
-            if not (bent & (junction[:-1] == below)).any():
+            if not (bent & (junction == below)).any():
                 continue
             chosen = np.flatnonzero(bent[part.cells] & (junction[part.cells] == below)).astype(np.int32)
             e = part.cells[chosen]

@@ -57,9 +57,9 @@ class RigidBodies(Component):
         if len(self.entries):
             out += (self._on_nodes(part),)
         m = self.mesh
-        junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
+        junction = m.below_junction
         for below in (False, True):
-            if not (self.eccentric & (junction[:-1] == below)).any():
+            if not (self.eccentric & (junction == below)).any():
                 continue  # the same decision on every rank
             chosen = np.flatnonzero(self.eccentric[part.cells] & (junction[part.cells] == below)).astype(
                 np.int32

@@ -167,7 +167,7 @@ def test_added_mass_follows_the_position_in_the_hole():
     }
     model = build_model(
         Case(
-            string=[{"kind": "pipe", "length": 40, "od": 0.127, "id": 0.1086}],
+            string=[{"kind": "pipe", "length": 40, "od": 0.127, "id": 0.1086, "element_length": 10.0}],
             top="clamped",
             well=well,
             fluid={

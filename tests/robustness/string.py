@@ -147,7 +147,7 @@ def _total(s: dict[str, FloatArray], start: float, end: float) -> float:
 
 
 def _projected_in_order(run: Run) -> Row:
-    from drillpetsc.model.drilling_model import build_well
+    from drillpetsc.model.hole import build_well
 
     well = build_well(run.case)
     assert well is not None

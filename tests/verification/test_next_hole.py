@@ -11,7 +11,7 @@ import pytest
 import drillpetsc
 from drillpetsc.case import Case
 from drillpetsc.geometry.trajectory import SURVEY_TOLERANCE
-from drillpetsc.model.drilling_model import build_well
+from drillpetsc.model.hole import build_well
 from drillpetsc.output import read_table
 
 OLD = 120.0  # depth of the first case's hole [m]

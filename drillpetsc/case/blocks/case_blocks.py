@@ -23,7 +23,7 @@ from drillpetsc.case.blocks.ends import AnyLoad, Bottom, HeldBottom, HeldTop, To
 from drillpetsc.case.blocks.fluid import Fluid
 from drillpetsc.case.blocks.formation import Formation
 from drillpetsc.case.blocks.joints import Joint
-from drillpetsc.case.blocks.settings import BeamTheory, Initial, Output, Time
+from drillpetsc.case.blocks.settings import BeamTheory, Initial, MeshSettings, Output, Time
 from drillpetsc.case.blocks.string import Flexible, Material, StringItem
 from drillpetsc.case.blocks.well import Well
 from drillpetsc.case.key_paths import refuse
@@ -65,6 +65,7 @@ class CaseBlocks(Block):
         default=Material(), description="material of all items that name no other; steel when not given"
     )
     beam: BeamTheory = Field(default=BeamTheory(), description="unknowns of the string")
+    mesh: MeshSettings = Field(default=MeshSettings(), description="elements of automatic length")
     hold_string: bool = Field(
         default=False,
         strict=True,

@@ -43,6 +43,19 @@ class BeamTheory(Block):
         return self
 
 
+class MeshSettings(Block):
+    """Elements of automatic length; items that name their `element_length` are not concerned."""
+
+    refinement: Annotated[float, Quantity("", at_least=1e-3, at_most=1e3)] = Field(
+        default=1.0, description="automatic elements are shorter by this factor; 2 halves them"
+    )
+    frequency: Annotated[float, Quantity("1/s", above=0, at_most=1e4)] | None = Field(
+        default=None,
+        description="highest frequency of interest: automatic elements resolve bending, torsional and axial waves up to it; when "
+        "not given, bending waves at the rotation speed of a run with inertia",
+    )
+
+
 class Initial(Block):
     """The state at time 0."""
 

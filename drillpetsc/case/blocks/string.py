@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from drillpetsc.case.block import Block, derived_default, tagged_union
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import Quantity, Vector
+from drillpetsc.case.quantities import Quantity, Vector, WordOrNumber
 
 Length = Annotated[float, Quantity("m", at_least=1e-3, at_most=50e3)]
 RigidLength = Annotated[float, Quantity("m", at_least=0, at_most=200)]
@@ -135,8 +135,12 @@ class Flexible(Item):
     """An item that is meshed with beam elements."""
 
     length: Length = Field(description="length")
-    element_length: Annotated[float, Quantity("m", above=0)] = Field(
-        default=10.0, description="target length of an element; rounded so that elements fit the item"
+    element_length: Annotated[
+        Literal["auto"] | float, WordOrNumber(("auto",), Quantity("m", above=0), none=False)
+    ] = Field(
+        default="auto",
+        description="target length of an element, rounded so that elements fit the item; auto: chosen from the physics along the "
+        "string and graded",
     )
     eccentricity: Offset = Field(default=0.0, description="offset of the mass centre from the axis")
     eccentricity_angle: Angle = Field(default=0.0, description="direction of the eccentricity in the section")

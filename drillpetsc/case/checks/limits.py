@@ -66,7 +66,9 @@ def _not_supported(*at: str | int, got: Any = None, what: str) -> PydanticCustom
 
 
 def element_count(item: Flexible) -> int:
-    """Number of equal elements that an item is divided into."""
+    """Number of equal elements of an item that names their length; 0 where it is chosen with the model."""
+    if isinstance(item.element_length, str):
+        return 0
     return max(1, round(min(item.length / item.element_length, 1e18)))
 
 

@@ -107,11 +107,11 @@ class ChannelFlow(Channel):
         Those of a held string have none of its unknowns.
         """
         m, own = self.mesh, self.own_slots()
-        junction = m.junction if len(m.junction) else np.zeros(m.nodes, dtype=bool)
+        junction = m.below_junction
         self._part, self._blocks, self._results = part, [], []
         below = junction[part.cells] if not self.held else np.zeros(len(part.cells), dtype=bool)
         for kind in (False, True):
-            if kind and (self.held or not junction[:-1].any()):
+            if kind and (self.held or not junction.any()):
                 continue
             chosen = np.flatnonzero(below == kind).astype(np.int32)
             kernel = self.kernel + ("_held" if self.held else "_junction" if kind else "")

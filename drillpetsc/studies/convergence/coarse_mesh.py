@@ -27,11 +27,12 @@ def coarsened(case: Case, factor: float = COARSENING) -> Case:
     """The case with elements ``factor`` times as long; an item keeps at least one element."""
     items = [
         item.model_copy(update={"element_length": min(factor * item.element_length, item.length)})
-        if isinstance(item, Flexible)
+        if isinstance(item, Flexible) and not isinstance(item.element_length, str)
         else item
         for item in case.string
     ]
-    return case.model_copy(update={"string": tuple(items)})
+    mesh = case.mesh.model_copy(update={"refinement": case.mesh.refinement / factor})
+    return case.model_copy(update={"string": tuple(items), "mesh": mesh})
 
 
 def add_mesh_error(

@@ -179,11 +179,15 @@ def _fitting(petsc: dict[str, Any]) -> dict[str, Any]:
 def mesh_changes(base: Base, factor: float) -> tuple[str, ...]:
     """Changes that make every element ``factor`` times as long; an item keeps at least one element."""
     case = case_from_data(base.data, base.path, base.lines)
-    return tuple(
+    flexible = [(i, item) for i, item in enumerate(case.string) if isinstance(item, Flexible)]
+    changes = [
         f"string[{i}].element_length={min(factor * item.element_length, item.length)!r}"
-        for i, item in enumerate(case.string)
-        if isinstance(item, Flexible)
-    )
+        for i, item in flexible
+        if not isinstance(item.element_length, str)
+    ]
+    if len(changes) < len(flexible):
+        changes.append(f"mesh.refinement={case.mesh.refinement / factor!r}")
+    return tuple(changes)
 
 
 # ---------------------------------------------------------------------- values along a curve

@@ -65,7 +65,7 @@ def test_defaults() -> None:
     assert case.gravity == (0.0, 0.0, 9.80665)
     assert (case.material.young, case.material.poisson, case.material.density) == (206e9, 0.3, 7850.0)
     assert (case.material.damping.stiffness, case.material.damping.mass) == (0.0, 0.0)
-    assert case.string[0].element_length == 10.0
+    assert case.string[0].element_length == "auto"
     assert case.string[0].name == "pipe"
     assert case.beam.formulation == "ancf"
     assert case.initial.from_ == "statics"

@@ -1,0 +1,256 @@
+"""Elements that are too long for what a state shows, or for what a case lets expect, with the length that would do.
+
+Manual: sec-mesh-coarse.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from drillpetsc.analysis.buckling import ELEMENTS_PER_PITCH, buckling
+from drillpetsc.analysis.placement import top_depth
+from drillpetsc.arrays import FloatArray
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.model.element_length import (
+    HELIX,
+    LARGEST_STRESS_FREE_TURN,
+    LARGEST_TURN,
+    LAYER_SHARE,
+    SPAN_SHARE,
+    VERTICAL,
+    free_length,
+)
+from drillpetsc.model.mesh import string_forces
+from drillpetsc.output.files.tables import Column
+from drillpetsc.output.static_table import at_nodes, static_table
+
+TOLERANCE = 1.25  # of a turn in one element over that which suffices
+MOMENT_ERROR = 0.03  # of a bending moment beside a support, from which it is told
+LEAST_STRESS = 10e6  # bending stress of which the error is told [Pa]
+SHARP_BEND = 50e6  # bending stress of a jump of the hole's curvature beside which elements are judged [Pa]
+MOST_LINES = 6  # of one kind
+
+
+@dataclass(frozen=True)
+class _Loads:
+    """What elements are judged by, at the nodes (n,).
+
+    tension: effective axial force [N]; side: load across the string [N/m]; clearance: radial [m], infinite without a
+    wall; stress: bending stress [Pa], None where it is not known.
+    """
+
+    tension: FloatArray
+    side: FloatArray
+    clearance: FloatArray
+    stress: FloatArray | None
+
+
+def state_warnings(
+    model: DrillingModel, columns: list[Column] | None = None, values: FloatArray | None = None
+) -> list[str]:
+    """Sentences on elements that are too long for the model's present state, those for buckles left out; collective.
+
+    columns, values: of ``static_table``, computed here where ``columns`` is None.  Empty on other ranks than 0.
+    """
+    if model.beam is None or model.beam.needs_ancf_equilibrium:
+        return []
+    if columns is None:
+        columns, values = static_table(model)
+    if values is None:
+        return []
+    return _lines(model, _of_state(model, columns, values))
+
+
+def run_warnings(model: DrillingModel) -> list[str]:
+    """``state_warnings`` and those on buckles of the state a run starts from; the same on all ranks; collective."""
+    if model.beam is None or model.beam.needs_ancf_equilibrium:
+        return []
+    columns, values = static_table(model)
+    lines: list[str] = []
+    if values is not None:
+        lines = [*buckling(model, columns, values).coarse_lines(), *state_warnings(model, columns, values)]
+    comm = model.system.comm
+    return lines if comm.size == 1 else list(comm.tompi4py().bcast(lines))
+
+
+def expected_warnings(model: DrillingModel) -> list[str]:
+    """Sentences on elements that are too long for the forces estimated before any solve (manual: sec-mesh-forces)."""
+    case, mesh = model.case, model.mesh
+    if case.hold_string:
+        return []
+    forces = string_forces(case, model.well)
+    middle = 0.5 * (forces.md[1:] + forces.md[:-1])
+    at = np.clip(np.searchsorted(forces.md, 0.5 * (mesh.upper + mesh.lower)) - 1, 0, len(middle) - 1)
+    extreme = np.where(forces.push > forces.pull, -forces.push, forces.pull)
+    load = _Loads(
+        at_nodes(extreme[at], extreme[at]),
+        at_nodes(forces.side[at], forces.side[at]),
+        at_nodes(forces.clearance[at], forces.clearance[at]),
+        None,
+    )
+    push, bending = forces.push[at], mesh.bending_stiffness
+    walled = np.isfinite(forces.clearance[at])
+    clearance = np.where(walled, forces.clearance[at], 1.0)
+    level = np.maximum(
+        2 * np.sqrt(bending * forces.side[at] / clearance),
+        VERTICAL * np.cbrt(bending * forces.weight[at] ** 2),
+    )
+    pitch = 2 * np.pi * np.sqrt(2 * bending / np.maximum(push, 1e-9))
+    long = (
+        walled
+        & ~mesh.is_joint
+        & (push > HELIX * level)
+        & (mesh.length > pitch / ELEMENTS_PER_PITCH * TOLERANCE)
+    )
+    lines = _ranged(
+        model, long, pitch / ELEMENTS_PER_PITCH, lambda k: f"the expected helix (pitch {pitch[k]:.3g} m)"
+    )
+    return lines + _lines(model, load)
+
+
+def _of_state(model: DrillingModel, columns: list[Column], values: FloatArray) -> _Loads:
+    table = dict(zip([c[0] for c in columns], values.T, strict=True))
+    mesh = model.mesh
+    clearance = np.full(mesh.nodes, np.inf)
+    if model.well is not None and model.contact is not None:
+        radius = at_nodes(0.5 * mesh.outer_diameter, 0.5 * mesh.outer_diameter)
+        clearance = np.asarray(model.well.radius(mesh.node_depth + top_depth(model))) - radius
+        clearance = np.maximum(clearance, 1e-3)
+    stiffness = at_nodes(mesh.bending_stiffness, mesh.bending_stiffness)
+    load = np.nan_to_num(table["buckling_load"]) if "buckling_load" in table else np.zeros(mesh.nodes)
+    side = (
+        (0.5 * load) ** 2 * np.where(np.isfinite(clearance), clearance, 0.0) / stiffness
+    )  # of Dawson and Paslay
+    tension = table.get("effective_tension", table["axial_force"])
+    return _Loads(tension, side, clearance, table["bending_stress"])
+
+
+def _lines(model: DrillingModel, load: _Loads) -> list[str]:
+    return [*_residual(model), *_turns(model), *_supports(model, load), *_jumps(model, load)]
+
+
+# ---------------------------------------------------------------------- kinds
+def _residual(model: DrillingModel) -> list[str]:
+    """Elements in which the stress-free shape turns by too much."""
+    own = np.array([getattr(item, "curvature", 0.0) for item in model.case.string])[model.mesh.item]
+    with np.errstate(divide="ignore"):
+        enough = LARGEST_STRESS_FREE_TURN / own
+    long = (model.mesh.length > TOLERANCE * enough) & ~model.mesh.is_joint
+    return _ranged(model, long, enough, lambda k: f"a residual curvature of {own[k]:.3g} 1/m")
+
+
+def _turns(model: DrillingModel) -> list[str]:
+    """Elements in which the hole turns by too much."""
+    if model.well is None:
+        return []
+    mesh, shift = model.mesh, top_depth(model)
+    share = np.linspace(0.05, 0.95, 7)
+    depth = mesh.upper[:, None] + share * mesh.length[:, None] + shift
+    bend = np.linalg.norm(np.asarray(model.well.at(depth)[2]), axis=-1).max(axis=1)
+    with np.errstate(divide="ignore"):
+        enough = LARGEST_TURN / bend
+    long = (mesh.length > 1.5 * enough) & ~mesh.is_joint
+    return _ranged(
+        model, long, enough, lambda k: f"the curvature of the hole ({np.degrees(30 * bend[k]):.3g} deg/30 m)"
+    )
+
+
+def _supports(model: DrillingModel, load: _Loads) -> list[str]:
+    """Bending layers beside rigid items on the wall."""
+    mesh = model.mesh
+    if model.contact is None:
+        return []
+    touching = [b for b in mesh.bodies if b.radius > 0]
+    ends = sorted({b.node for b in touching})
+    out: list[str] = []
+    for b in touching:
+        others = [n for n in [0, *ends, mesh.nodes - 1] if n != b.node]
+        distance = min(
+            (abs(float(mesh.node_depth[n] - mesh.node_depth[b.node])) for n in others), default=np.inf
+        )
+        line = _beside(model, load, b.node, distance, f"beside {b.name} at MD")
+        out += [line] if line and line not in out else []
+    return _first(out)
+
+
+def _jumps(model: DrillingModel, load: _Loads) -> list[str]:
+    """Bending layers beside jumps of the hole's curvature."""
+    well, mesh = model.well, model.mesh
+    if well is None or model.contact is None:
+        return []
+    shift = top_depth(model)
+    depth = np.asarray(well.node_md)[1:-1] - shift
+    depth = depth[(depth > mesh.node_depth[0] + 1e-6) & (depth < mesh.node_depth[-1] - 1e-6)]
+    above, below = (np.asarray(well.at(depth + shift + d)[2]) for d in (-1e-6, 1e-6))
+    change = np.linalg.norm(below - above, axis=1)
+    nodes = np.clip(np.searchsorted(mesh.node_depth, depth), 1, mesh.nodes - 1)
+    section = np.pi / 64 * (mesh.outer_diameter**4 - mesh.inner_diameter**4)
+    young = np.divide(mesh.bending_stiffness, section, out=np.zeros(len(section)), where=section > 0)
+    stress = 0.5 * mesh.outer_diameter[nodes - 1] * young[nodes - 1] * change
+    lines = [
+        _beside(model, load, int(node), np.inf, "beside a jump of the hole's curvature at MD")
+        for node in nodes[stress > SHARP_BEND]
+    ]
+    return _first([line for line in dict.fromkeys(lines) if line])
+
+
+# ---------------------------------------------------------------------- sentences
+def _beside(model: DrillingModel, load: _Loads, node: int, distance: float, where: str) -> str | None:
+    """Sentence on the elements at ``node`` where they are too long for the bending layer there, else None.
+
+    distance: to the next support [m]; where: beginning of the place.
+    """
+    mesh = model.mesh
+    worst: tuple[float, float, float] | None = None
+    for cell in (node - 1, node):
+        if not 0 <= cell < len(mesh.length) or mesh.is_joint[cell]:
+            continue
+        length, bending = float(mesh.length[cell]), float(mesh.bending_stiffness[cell])
+        layer = np.sqrt(bending / max(abs(float(load.tension[node])), 1e-9))
+        free = free_length(bending, float(load.clearance[node]), float(load.side[node]))
+        span = min(distance, free)
+        far = cell + 1 if cell == node else cell
+        if load.stress is None:
+            if span == distance and not load.side[node] > 0:
+                continue  # nothing lets expect a moment
+        elif max(load.stress[node], load.stress[far]) < LEAST_STRESS:
+            continue
+        # w h^2/12 of w d^2/12 between two supports, of w l^2/6 between a support and the wall
+        error = max((length / layer) ** 2 / 12, (length / distance) ** 2, 0.5 * (length / free) ** 2)
+        enough = max(min(LAYER_SHARE * layer, SPAN_SHARE * span), float(mesh.outer_diameter[cell]))
+        if error > MOMENT_ERROR and length > 1.5 * enough and (worst is None or error > worst[0]):
+            worst = error, length, enough
+    if worst is None:
+        return None
+    error, length, enough = worst
+    depth = float(mesh.node_depth[node]) + top_depth(model)
+    size = f"about {100 * error:.2g} %" if error < 0.3 else "30 % and more"
+    return (
+        f"elements of {length:.3g} m {where} {depth:.0f} m leave {size} in the bending moment: element_length of "
+        f"{enough:.2g} m or less there (or auto)"
+    )
+
+
+def _ranged(
+    model: DrillingModel, long: np.ndarray, enough: FloatArray, cause: Callable[[int], str]
+) -> list[str]:
+    """A sentence for each range of neighbouring elements in ``long`` (n,); ``enough``: what would do (n,) [m]."""
+    mesh, shift, out = model.mesh, top_depth(model), []
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], long.astype(int), [0]])))
+    for a, b in zip(edges[::2], edges[1::2], strict=True):
+        worst = a + int(np.argmin(enough[a:b]))
+        out.append(
+            f"elements of {mesh.length[a:b].max():.3g} m from MD {mesh.upper[a] + shift:.0f} to {mesh.lower[b - 1] + shift:.0f} m "
+            f"are too long for {cause(worst)}: element_length of {enough[worst]:.2g} m or less (or auto)"
+        )
+    return _first(out)
+
+
+def _first(lines: Iterable[str]) -> list[str]:
+    """The first ``MOST_LINES`` sentences, and how many more there are."""
+    every = list(lines)
+    rest = len(every) - MOST_LINES
+    return every if rest <= 0 else [*every[:MOST_LINES], f"... and {rest} more places with too long elements"]
