@@ -560,6 +560,13 @@ OUTPUT_TABLES = {
     "outputs/summary-run.md": ("summary.json of run", "key"),
     "outputs/summary-statics.md": ("summary.json of statics", "key"),
     "outputs/summary-modes.md": ("summary.json of modes", "key"),
+    "outputs/hydraulics.md": ("hydraulics.csv", "column"),
+    "outputs/pressure-profile.md": ("pressure_profile.csv", "column"),
+    "outputs/flow-curve.md": ("flow_curve.csv", "column"),
+    "outputs/summary-hydraulics.md": ("summary.json of hydraulics", "key"),
+    "outputs/surge.md": ("surge.csv", "column"),
+    "outputs/max-trip-speed.md": ("max_trip_speed.csv", "column"),
+    "outputs/summary-surge.md": ("summary.json of surge", "key"),
 }
 
 

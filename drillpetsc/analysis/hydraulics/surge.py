@@ -1,0 +1,353 @@
+"""The `surge` command: steady pressures of tripping, and the largest trip speed within the window of the open hole.
+
+The string moves rigidly along the hole.  The solver's steady flow gives the pressures: mud that the string displaces
+or leaves, dragged along by the string's wall (manual: sec-mud-string-speed).
+"""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc.analysis.hydraulics.flow_model import (
+    FlowModel,
+    Pipe,
+    PlacedString,
+    need_mud,
+    string_at,
+    whole_string,
+)
+from drillpetsc.analysis.hydraulics.hydraulics import Numbers, default_flow, densities
+from drillpetsc.analysis.hydraulics.open_hole import NOT_CHECKED, WITHIN, OpenHole, open_hole, shoe_depth
+from drillpetsc.analysis.transient import RunResult, make_folder
+from drillpetsc.case.blocks.window import Window
+from drillpetsc.case.case import Case
+from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.model.fluid import build_rheology
+from drillpetsc.output import write_summary, write_table
+from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE
+from drillpetsc.output.quantities.hydraulics import MAX_TRIP_SPEED, SURGE
+from drillpetsc.physics.fluid.rheology import wall_shear
+from drillpetsc.solvers import petsc_options as options
+from drillpetsc.units import to_si
+
+OPERATIONS = {"trip_in": 1.0, "trip_out": -1.0}  # operation -> sign of the string's speed, down positive
+PIPES: tuple[Pipe, ...] = ("closed", "open", "pumping")
+FASTEST = to_si("600 ft/min", "m/s")  # largest trip speed that is tried [m/s]
+TOLERANCE = to_si("1 ft/min", "m/s")  # of the largest trip speed [m/s]
+DEPTHS = 6  # bit depths of the table of largest speeds
+
+
+@dataclass(frozen=True)
+class SurgeRow:
+    """One row of surge.csv, SI; None where absent.
+
+    trip_speed, surge_pressure: signs as in the table; warnings: what makes the row invalid.
+    """
+
+    operation: str
+    pipe: str
+    bit_depth: float
+    trip_speed: float
+    bit_pressure: float
+    ecd: Numbers
+    surge_pressure: float
+    pump_flow: float
+    bit_flow: float
+    outlet_flow: float
+    limited_by: str
+    warnings: tuple[str, ...]
+
+    def value(self, name: str) -> Any:
+        """The value of a column."""
+        return self.ecd[name] if name.startswith("ecd_") else getattr(self, name)
+
+
+class Tripping:
+    """One string at one depth with one state of its pipe.
+
+    window: limits of the open hole, None: not compared; flow: rate of the pump while pumping [m3/s].
+    """
+
+    def __init__(
+        self, case: Case, string: PlacedString, pipe: Pipe, window: OpenHole | None = None, flow: float = 0.0
+    ) -> None:
+        self.case, self.pipe, self.window = case, pipe, window
+        self.pump = flow if pipe == "pumping" else 0.0
+        self.flow = FlowModel(case, string, pipe, moving=True)
+        self.shoe, self.end = shoe_depth(case), float(case.well.survey.md[-1])  # type: ignore[union-attr]
+        self.flow.solve(self.pump, 0.0)
+        self.at_rest = self.flow.bottom_pressure()
+        self.limited_at_rest = self._limited()
+
+    def _limited(self) -> str:
+        return NOT_CHECKED if self.window is None else self.window.limited_by(self.flow)
+
+    def at(self, operation: str, speed: float) -> SurgeRow:
+        """Solve for a trip at a speed [m/s].
+
+        operation: trip_in or trip_out.
+        """
+        flow = self.flow
+        flow.solve(self.pump, OPERATIONS[operation] * speed)
+        annulus, bit = flow.fluid.annulus, flow.fluid.bit
+        assert annulus is not None and bit is not None
+        state = flow.system.assembly
+        through_bit = flow.flow_rate("bore")
+        return SurgeRow(
+            operation,
+            self.pipe,
+            flow.string.depth,
+            speed,
+            flow.bottom_pressure(),
+            densities(flow, self.shoe, self.end),
+            flow.bottom_pressure() - self.at_rest,
+            self.pump,
+            0.0 if through_bit is None else float(through_bit[-1]),
+            float(annulus.outflow(state) or 0.0),
+            self._limited(),
+            tuple(flow.warnings()),
+        )
+
+    def fastest(self, operation: str) -> tuple[float, str]:
+        """Find the largest speed [m/s] within the window, by bisection, and the limit that a larger one passes.
+
+        0 where the mud is outside the window with the string at rest; ``FASTEST`` where no speed passes a limit.
+        """
+        if self.limited_at_rest not in (WITHIN, NOT_CHECKED):
+            return 0.0, f"{self.limited_at_rest}, at rest"
+        last = self.at(operation, FASTEST).limited_by
+        if last in (WITHIN, NOT_CHECKED):
+            return FASTEST, last
+        low, high = 0.0, FASTEST
+        while high - low > TOLERANCE:
+            middle = 0.5 * (low + high)
+            found = self.at(operation, middle).limited_by
+            if found == WITHIN:
+                low = middle
+            else:
+                high, last = middle, found
+        return low, last
+
+    def by_area(self, operation: str, speed: float) -> float:
+        """Compute the pressure of an open pipe whose displaced mud goes up bore and annulus by their areas [Pa].
+
+        The rule of Lapeyrouse, section by section with the friction law of the case; without nozzles and without a
+        balance of friction.
+        """
+        flow, law = self.flow, build_rheology(self.case)
+        annulus, mesh = flow.fluid.annulus, flow.mesh
+        assert annulus is not None
+        v, f = OPERATIONS[operation] * speed, flow.fluid.constants
+        hole, outer = annulus.parameter("hole"), annulus.parameter("outer")
+        bore = 0.25 * np.pi * mesh.inner_diameter**2
+        shared = v * (f.clinging + (outer - bore) / (hole - outer + bore))
+        gap = annulus.parameter("gap")
+        return float(np.sum(4 * wall_shear(law, shared, gap, True, f.density) / gap * mesh.length))
+
+
+# ---------------------------------------------------------------------- command
+@dataclass(frozen=True)
+class SurgePlan:
+    """What the command computes.
+
+    speeds: [m/s]; bit_depths: measured [m], None: the case's own and, with a window, some along the open hole.
+    window: instead of the case's; flow: rate of the pump while pumping [m3/s], None: that of the case.
+    """
+
+    speeds: Sequence[float]
+    operations: Sequence[str] = ("trip_in", "trip_out")
+    pipes: Sequence[str] = ("closed", "open")
+    bit_depths: Sequence[float] | None = None
+    window: Window | None = None
+    flow: float | None = None
+
+
+def run_surge(
+    case: Case,
+    plan: SurgePlan,
+    out: str | Path | None = None,
+    overwrite: bool = False,
+    name: str = "case",
+    comm: PETSc.Comm | None = None,
+) -> RunResult:
+    """Solve for the pressures of tripping, write surge.csv, max_trip_speed.csv and summary.json (collective).
+
+    Every rank computes the same, the first one writes.  Raises CaseError for a case without mud, well or annulus.
+    """
+    comm = comm or PETSc.COMM_WORLD
+    _check(case, plan)
+    notes: list[str] = []
+    window = plan.window or case.window
+    hole = open_hole(case, window)
+    flow = 0.0
+    if "pumping" in plan.pipes:
+        flow = default_flow(case, notes) if plan.flow is None else plan.flow
+        if not flow:
+            raise CaseError(
+                at="--flow", want="a flow rate for --pipe pumping", hint="the case has a pump_pressure"
+            )
+    notes += _notes(case, plan, hole)
+    rows: list[SurgeRow] = []
+    fastest: list[dict[str, Any]] = []
+    by_area: list[dict[str, Any]] = []
+    with options.applied(case.petsc):
+        whole = whole_string(case)
+        strings = [whole] if plan.bit_depths is None else [string_at(case, d) for d in plan.bit_depths]
+        for pipe in plan.pipes:
+            for string in strings:
+                trip = Tripping(case, string, pipe, hole, flow)  # type: ignore[arg-type]
+                for operation in plan.operations:
+                    rows += [_solved(trip, operation, speed) for speed in plan.speeds]
+                    if pipe == "open":
+                        by_area.append(_by_area(trip, operation, max(plan.speeds), rows[-1]))
+        if hole is not None:
+            for string in _trip_depths(case, plan, whole):
+                fastest += _fastest(case, string, plan, hole, flow)
+        folder = make_folder(comm, name, out, False, overwrite)
+        summary = {
+            "title": case.title,
+            "window": None if window is None else ("--window" if plan.window is not None else "case"),
+            "surge": [
+                {q.name: row.value(q.name) for q in SURGE} | {"warnings": list(row.warnings)} for row in rows
+            ],
+            "max_trip_speed": fastest,
+            "open_pipe_by_area": by_area,
+            "notes": notes,
+        }
+        if comm.rank == 0:
+            case.dump(folder.case)
+            columns = [[_cell(row.value(q.name)) for row in rows] for q in SURGE]
+            write_table(folder.path / SURGE_TABLE, [q.column for q in SURGE], columns)
+            if fastest:
+                table = [[row[q.name] for row in fastest] for q in MAX_TRIP_SPEED]
+                write_table(folder.path / TRIP_SPEED_TABLE, [q.column for q in MAX_TRIP_SPEED], table)
+            write_summary(folder.summary, summary)
+    lines = _lines(case, rows, summary)
+    lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
+    return RunResult(folder.path, summary, lines)
+
+
+def _check(case: Case, plan: SurgePlan) -> None:
+    need_mud(case, "surge")
+    if case.well is None or not case.has_annulus:
+        raise CaseError(
+            at="well" if case.well is None else "fluid.annulus",
+            want="a well with mud in the annulus for surge",
+            hint="surge is the pressure of mud that the string displaces between itself and the hole",
+        )
+    solid = [p for p in plan.pipes if p != "closed"]
+    bare = case.model_copy(update={"bottom": case.bottom.model_copy(update={"plugged": False})})
+    if solid and not bare.has_bore:
+        raise CaseError(at="--pipe", got=solid[0], want="closed: the string has no bore")
+
+
+def _notes(case: Case, plan: SurgePlan, hole: OpenHole | None) -> list[str]:
+    notes = ["steady: the pressure that accelerates the mud is left out"]
+    assert case.fluid is not None
+    if "open" in plan.pipes and case.fluid.check_valve:
+        notes.append("open pipe with fluid.check_valve: the valve stays shut while running in")
+    if "open" in plan.pipes and case.fluid.outlet_pressure.value(0.0) > 0:
+        notes.append(
+            "open pipe with an outlet_pressure: the mud flows up the pipe with the string at rest, too"
+        )
+    if case.bottom.plugged and set(plan.pipes) != {"closed"}:
+        notes.append("bottom.plugged holds for a closed pipe only")
+    if hole is None:
+        notes.append(
+            "no window: no largest trip speed; give --window PORE,FRAC, or the key window of the case"
+        )
+    elif not len(hole.md):
+        notes.append("the hole is cased to its end: the window limits nothing")
+    return notes
+
+
+def _solved(trip: Tripping, operation: str, speed: float) -> SurgeRow:
+    """The row at one speed; a speed without a steady flow is a SolveError that names it."""
+    try:
+        return trip.at(operation, speed)
+    except SolveError as error:
+        error.what = f"{operation}, {trip.pipe} pipe, {speed:g} m/s, bit at MD {trip.flow.string.depth:g} m: {error.what}"
+        raise
+
+
+def _by_area(trip: Tripping, operation: str, speed: float, row: SurgeRow) -> dict[str, Any]:
+    return {
+        "operation": operation,
+        "bit_depth": row.bit_depth,
+        "trip_speed": speed,
+        "by_area": trip.by_area(operation, speed),
+        "solver": row.surge_pressure,
+    }
+
+
+def _trip_depths(case: Case, plan: SurgePlan, whole: PlacedString) -> list[PlacedString]:
+    """Strings of the table of largest speeds: at the depths given, or along the open hole down to the bit."""
+    if plan.bit_depths is not None:
+        return [string_at(case, d) for d in plan.bit_depths]
+    first = shoe_depth(case) or 0.1 * whole.depth
+    if not first < whole.depth - 1.0:
+        return [whole]
+    strings = []
+    for depth in np.linspace(first, whole.depth, DEPTHS)[:-1]:
+        try:
+            strings.append(string_at(case, float(f"{depth:.6g}")))
+        except CaseError:  # the top of the string would be inside a rigid item
+            continue
+    return [*strings, whole]
+
+
+def _fastest(
+    case: Case, string: PlacedString, plan: SurgePlan, hole: OpenHole, flow: float
+) -> list[dict[str, Any]]:
+    out = []
+    for pipe in plan.pipes:
+        trip = Tripping(case, string, pipe, hole, flow)  # type: ignore[arg-type]
+        for operation in plan.operations:
+            speed, limit = trip.fastest(operation)
+            values = (operation, pipe, string.depth, speed, limit)
+            out.append(dict(zip([q.name for q in MAX_TRIP_SPEED], values, strict=True)))
+    return out
+
+
+def _cell(value: Any) -> Any:
+    return np.nan if value is None else value
+
+
+def _lines(case: Case, rows: list[SurgeRow], summary: dict[str, Any]) -> list[str]:
+    lines = [f"{case.title or 'case'}: surge and swab, steady"]
+    lines.append("  operation  pipe     bit depth m  speed m/s   pressure Pa  ecd at bit kg/m3  limited by")
+    for row in rows:
+        ecd = row.ecd["ecd_bit"]
+        lines.append(
+            f"  {row.operation:<10} {row.pipe:<8} {row.bit_depth:>11.6g} {row.trip_speed:>10.4g} {row.surge_pressure:>13.6g} "
+            f"{ecd if ecd is not None else float('nan'):>17.6g}  {row.limited_by}"
+        )
+    if summary["max_trip_speed"]:
+        lines.append("  largest trip speed within the window")
+    for row in summary["max_trip_speed"]:
+        more = ">" if row["limited_by"] in (WITHIN, NOT_CHECKED) else ""
+        lines.append(
+            f"  {row['operation']:<10} {row['pipe']:<8} {row['bit_depth']:>11.6g} {more + format(row['max_trip_speed'], '.4g'):>10}"
+            f"                                  {row['limited_by']}"
+        )
+    for found in summary["open_pipe_by_area"]:
+        lines.append(
+            f"  {found['operation']}, open pipe, {found['trip_speed']:g} m/s: {found['solver']:.6g} Pa; flow shared by areas "
+            f"(handbook): {found['by_area']:.6g} Pa"
+        )
+    warnings = sorted({w for row in rows for w in row.warnings})
+    return lines + [f"  WARNING: {w}" for w in warnings] + [f"  note: {note}" for note in summary["notes"]]
+
+
+def with_window(plan: SurgePlan, pore: float, frac: float) -> SurgePlan:
+    """The plan with one pair of limits at all depths, equivalent densities [kg/m3]; CaseError unless frac is above pore."""
+    if frac <= pore:
+        raise CaseError(at="--window", got=f"{pore:g},{frac:g}", want="PORE,FRAC with frac above pore")
+    return replace(plan, window=Window(pore=(pore,), frac=(frac,)))
