@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drillpetsc import units
-from drillpetsc.units import DIMENSIONS, UnitError, to_si, wanted
+from drillpetsc.unit_tables import DIMENSIONS
+from drillpetsc.units import UnitError, to_si, wanted
 
 INCH = 0.0254  # [m] exact
 POUND = 0.45359237  # [kg] exact
@@ -90,8 +91,6 @@ def test_conversion_leaves_no_noise_in_the_last_digit() -> None:
         ("5 1/s", "rad/s", "rpm or rad/s"),
         ("80 rpm", "1/s", "rotation speed"),
         ("10 kN", "N m", "force"),
-        ("10 klb", "N", "mass"),
-        ("20 C", "K", "another dimension"),
         ("12 ppgg", "kg/m^3", "did you mean 'ppg'?"),
         ("9,5 in", "m", "point"),
         ("9 5 in", "m", "one number"),

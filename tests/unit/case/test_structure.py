@@ -13,7 +13,7 @@ from drillpetsc.case.blocks.ends import DrivenTop, HeldTop, TopDrive
 from drillpetsc.case.blocks.string import Beam, Pipe
 
 ROOT = Path(__file__).parents[3]
-ALLOWED = {"arrays", "case", "errors", "time_function", "units", "version"}
+ALLOWED = {"arrays", "case", "errors", "time_function", "unit_systems", "unit_tables", "units", "version"}
 
 
 def imports_of(file: Path) -> set[str]:
