@@ -225,7 +225,12 @@ HYDRAULICS: tuple[SummaryKey, ...] = (
     SummaryKey("bit_depth", "m", "Measured depth of the string's lower end."),
     SummaryKey("hole_depth", "m", "Measured depth of the end of the hole; null without a well."),
     SummaryKey("shoe_depth", "m", "Measured depth of the last casing shoe; null without casing."),
+    SummaryKey("shoe_tvd", "m", "Vertical depth of the last casing shoe; null without casing."),
     SummaryKey("outlet_pressure", "Pa", "Gauge pressure at the outlet."),
+    SummaryKey(
+        "window", "", "Window of the case: tvd [m] (null: one pair), pore and frac [kg/m3]; null without one."
+    ),
+    SummaryKey("units", "", "Units of printed and plotted figures; files are in SI."),
     SummaryKey(
         "flows",
         "",
@@ -236,7 +241,9 @@ HYDRAULICS: tuple[SummaryKey, ...] = (
 
 SURGE: tuple[SummaryKey, ...] = (
     SummaryKey("title", "", "Title of the case."),
-    SummaryKey("window", "", "Where the window came from: the case, the command line, or null."),
+    SummaryKey("window", "", "Window: tvd [m] (null: one pair), pore and frac [kg/m3]; null without one."),
+    SummaryKey("window_from", "", "Where the window came from: `case`, `--window`, or null."),
+    SummaryKey("units", "", "Units of printed and plotted figures; files are in SI."),
     SummaryKey("surge", "", "List: the rows of surge.csv by name, each with its `warnings`."),
     SummaryKey("max_trip_speed", "", "List: the rows of max_trip_speed.csv by name."),
     SummaryKey(

@@ -13,15 +13,13 @@ from drillpetsc.analysis.hydraulics.flow_model import string_at, whole_string
 from drillpetsc.analysis.hydraulics.open_hole import open_hole
 from drillpetsc.analysis.hydraulics.surge import (
     FASTEST,
-    PIPES,
     TOLERANCE,
-    SurgePlan,
     Tripping,
     run_surge,
-    with_window,
 )
 from drillpetsc.analysis.hydraulics.trade_formulas import FOOT, FOOT_PER_MINUTE, INCH, PPG, PSI
 from drillpetsc.case import Case, load_case
+from drillpetsc.case.flow_options import PIPES, Trips, read_trips
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 
@@ -159,8 +157,8 @@ def test_largest_speed_of_a_linear_law():
 def test_mud_outside_the_window_at_rest_and_a_window_that_nothing_passes():
     mud = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.01}}
     case = vertical(1000.0, 0.127, 0.1, 0.2159, mud)
-    wide = with_window(SurgePlan([0.1]), 100.0, 4900.0).window
-    narrow = with_window(SurgePlan([0.1]), 1300.0, 1400.0).window
+    wide = read_trips(0.1, window=[100.0, 4900.0]).window
+    narrow = read_trips(0.1, window=[1300.0, 1400.0]).window
     string = whole_string(case)
     assert Tripping(case, string, "closed", open_hole(case, wide)).fastest("trip_in") == (FASTEST, "none")
     speed, limit = Tripping(case, string, "closed", open_hole(case, narrow)).fastest("trip_in")
@@ -203,7 +201,7 @@ def test_files_of_the_command(tmp_path: Path):
     case = load_case(
         "cases/vertical-2000m.yaml", ["string[0].element_length=50 m", "string[1].element_length=50 m"]
     )
-    plan = with_window(SurgePlan([0.2, 0.4], pipes=("closed", "open")), 1150.0, 1400.0)
+    plan = read_trips([0.2, 0.4], window="1150,1400 kg/m3")
     result = run_surge(case, plan, out=tmp_path / "out")
     rows = read_table(tmp_path / "out" / "surge.csv")
     assert len(rows["trip_speed [m/s]"]) == 8 and set(rows["operation [-]"]) == {"trip_in", "trip_out"}
@@ -216,11 +214,11 @@ def test_files_of_the_command(tmp_path: Path):
 
 
 BAD = {
-    "no mud": ({"fluid": None}, SurgePlan([0.1]), "a fluid for surge"),
-    "no well": ({"well": None}, SurgePlan([0.1]), "a well with mud"),
-    "no annulus": ({"fluid": {"annulus": False}}, SurgePlan([0.1]), "a well with mud"),
-    "no flow": ({}, SurgePlan([0.1], pipes=("pumping",)), "give --flow"),
-    "too deep": ({}, SurgePlan([0.1], bit_depths=[2000.0]), "the end of the hole"),
+    "no mud": ({"fluid": None}, Trips((0.1,)), "a fluid for surge"),
+    "no well": ({"well": None}, Trips((0.1,)), "a well with mud"),
+    "no annulus": ({"fluid": {"annulus": False}}, Trips((0.1,)), "a well with mud"),
+    "no flow": ({}, Trips((0.1,), pipes=("pumping",)), "give --flow"),
+    "too deep": ({}, Trips((0.1,), bit_depths=(2000.0,)), "the end of the hole"),
 }
 
 
@@ -237,11 +235,6 @@ def test_cases_without_surge_are_refused(name, tmp_path: Path):
     with pytest.raises(CaseError, match=words):
         run_surge(base.model_copy(update=update), plan, out=tmp_path / "out")
     assert not (tmp_path / "out").exists()
-
-
-def test_a_window_needs_frac_above_pore():
-    with pytest.raises(CaseError, match="frac above pore"):
-        with_window(SurgePlan([0.1]), 1300.0, 1200.0)
 
 
 def test_string_at_a_depth_trips_with_less_pressure():

@@ -19,6 +19,7 @@ from drillpetsc.analysis.hydraulics.open_hole import (
     NOT_CHECKED,
     WITHIN,
     annulus_pressure_at,
+    in_units,
     open_hole,
     shoe_depth,
     vertical_depth,
@@ -26,6 +27,7 @@ from drillpetsc.analysis.hydraulics.open_hole import (
 from drillpetsc.analysis.transient import RunResult, make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.string import Bit, Flexible
+from drillpetsc.case.blocks.window import Window
 from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import largest
 from drillpetsc.errors import CaseError
@@ -34,15 +36,20 @@ from drillpetsc.output.files.run_folder import FLOW_CURVE_TABLE, LOSS_TABLE, PRO
 from drillpetsc.output.quantities.hydraulics import (
     FLOW_CURVE,
     HYDRAULICS_SUMMARY,
+    LEVELS,
     LOSS_ROWS,
+    LOSSES,
     PRESSURE_PROFILE,
 )
+from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.time_function import Constant
+from drillpetsc.unit_systems import System
 
 _SPEED = RESULT_NAMES.index("speed")
 CURVE = np.linspace(0.1, 1.25, 12)  # flow rates of the curve over the largest one asked for [-]
+PER_BLOCK = 6  # flow rates side by side on the screen
 SMALLEST_FLOW = 1e-5  # [m3/s]
 
 Numbers = dict[str, float | None]
@@ -268,6 +275,14 @@ def densities(flow: FlowModel, shoe: float | None, end: float | None) -> Numbers
     return out
 
 
+def window_table(window: Window | None) -> dict[str, list[float] | None] | None:
+    """The window for the summary: tvd [m] (None: one pair), pore and frac [kg/m3]."""
+    if window is None:
+        return None
+    tvd = None if window.tvd is None else list(window.tvd)
+    return {"tvd": tvd, "pore": list(window.pore), "frac": list(window.frac)}
+
+
 # ---------------------------------------------------------------------- command
 def run_hydraulics(
     case: Case,
@@ -277,11 +292,13 @@ def run_hydraulics(
     overwrite: bool = False,
     name: str = "case",
     comm: PETSc.Comm | None = None,
+    units: System | None = None,
 ) -> RunResult:
     """Solve for the steady flow at some flow rates, write the tables and summary.json (collective).
 
     flows: flow rates [m3/s]; None: that of the case.
     pump_pressure: [Pa], instead of flows: the flow rate that it gives is found.
+    units: of printed and plotted figures; None: metric.
     Every rank computes the same, the first one writes.
     """
     comm = comm or PETSc.COMM_WORLD
@@ -302,7 +319,7 @@ def run_hydraulics(
         rates = np.unique(np.append(np.minimum(max(flows) * CURVE, 2 * LARGEST_FLOW), flows))
         curve = [_curve_row(hydraulics, rate) for rate in rates]
         folder = make_folder(comm, name, out, False, overwrite)
-        summary = _summary(case, hydraulics, results)
+        summary = _summary(case, hydraulics, results) | {"units": units or "metric"}
         if comm.rank == 0:
             case.dump(folder.case)
             _write(folder.path, results, curve)
@@ -352,6 +369,10 @@ def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> d
         "bit_depth": hydraulics.flow.string.depth,
         "hole_depth": hydraulics.end,
         "shoe_depth": hydraulics.shoe,
+        "shoe_tvd": None
+        if hydraulics.shoe is None
+        else float(vertical_depth(case, np.array([hydraulics.shoe]))[0]),
+        "window": window_table(case.window),
         "outlet_pressure": case.fluid.outlet_pressure.value(0.0),  # type: ignore[union-attr]
         "flows": [{**r.summary, "limited_by": r.limited_by, "warnings": r.warnings} for r in results],
         "notes": hydraulics.notes,
@@ -359,13 +380,25 @@ def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> d
 
 
 def _lines(case: Case, results: list[FlowResult], summary: dict[str, Any]) -> list[str]:
-    lines = [f"{case.title or 'case'}: steady flow, string at rest, bit at MD {summary['bit_depth']:.6g} m"]
-    for result in results:
+    size, unit = shown_unit("bit_depth", "m", summary["units"])
+    lines = [
+        f"{case.title or 'case'}: steady flow, string at rest, bit at MD {summary['bit_depth'] / size:.6g} {unit}"
+    ]
+    for first in range(0, len(results), PER_BLOCK):
+        block = results[first : first + PER_BLOCK]
         for q in HYDRAULICS_SUMMARY:
-            value = result.summary[q.name]
-            if value is not None and (value or q.name != "choke_loss"):
-                lines.append(f"  {q.label.lower():<31} {value:>14.6g} {q.unit}")
-        if result.limited_by == WITHIN:
-            lines.append("  the open hole stays within the window")
-        lines += [f"  WARNING: {w}" for w in result.warnings]
+            values = [result.summary[q.name] for result in block]
+            if all(value is None for value in values) or (q in (*LOSSES, *LEVELS) and not any(values)):
+                continue
+            size, unit = shown_unit(q.name, q.unit, summary["units"])
+            cells = "".join(f"{'-' if v is None else format(v / size, '.5g'):>10}" for v in values)
+            lines.append(f"  {q.label:<28}{cells} {unit}".rstrip())
+        if any(result.limited_by != NOT_CHECKED for result in block):
+            lines.append(
+                "  Open hole, limit passed: "
+                + "; ".join(in_units(r.limited_by, summary["units"]) for r in block)
+            )
+    for result in results:
+        size, unit = shown_unit("pump_flow", "m3/s", summary["units"])
+        lines += [f"  WARNING: at {result.flow_rate / size:.5g} {unit}: {w}" for w in result.warnings]
     return lines + [f"  note: {note}" for note in summary["notes"]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,8 @@ from drillpetsc.case.blocks.window import Window
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_well
+from drillpetsc.output.shown_units import shown_unit
+from drillpetsc.unit_systems import System
 
 SPACING = 10.0  # largest distance between points at which the window is compared [m]
 WITHIN = "none"  # no limit is passed
@@ -56,6 +59,12 @@ class OpenHole:
             return WITHIN
         name, excess = ("frac", over) if np.nanmax(over) == worst else ("pore", under)
         return f"{name} at TVD {self.tvd[int(np.nanargmax(excess))]:.0f} m"
+
+
+def in_units(limit: str, system: System) -> str:
+    """A text of ``limited_by`` with its depth in the units of people."""
+    size, unit = shown_unit("tvd", "m", system)
+    return re.sub(r"TVD (\d+) m", lambda found: f"TVD {float(found[1]) / size:.0f} {unit}", limit)
 
 
 def annulus_pressure_at(flow: FlowModel, md: FloatArray, tvd: FloatArray) -> FloatArray:

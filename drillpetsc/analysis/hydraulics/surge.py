@@ -7,8 +7,7 @@ or leaves, dragged along by the string's wall (manual: sec-mud-string-speed).
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,22 +22,30 @@ from drillpetsc.analysis.hydraulics.flow_model import (
     string_at,
     whole_string,
 )
-from drillpetsc.analysis.hydraulics.hydraulics import Numbers, default_flow, densities
-from drillpetsc.analysis.hydraulics.open_hole import NOT_CHECKED, WITHIN, OpenHole, open_hole, shoe_depth
+from drillpetsc.analysis.hydraulics.hydraulics import Numbers, default_flow, densities, window_table
+from drillpetsc.analysis.hydraulics.open_hole import (
+    NOT_CHECKED,
+    WITHIN,
+    OpenHole,
+    in_units,
+    open_hole,
+    shoe_depth,
+)
 from drillpetsc.analysis.transient import RunResult, make_folder
-from drillpetsc.case.blocks.window import Window
 from drillpetsc.case.case import Case
+from drillpetsc.case.flow_options import Trips
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.fluid import build_rheology
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE
 from drillpetsc.output.quantities.hydraulics import MAX_TRIP_SPEED, SURGE
+from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.physics.fluid.rheology import wall_shear
 from drillpetsc.solvers import petsc_options as options
+from drillpetsc.unit_systems import System
 from drillpetsc.units import to_si
 
 OPERATIONS = {"trip_in": 1.0, "trip_out": -1.0}  # operation -> sign of the string's speed, down positive
-PIPES: tuple[Pipe, ...] = ("closed", "open", "pumping")
 FASTEST = to_si("600 ft/min", "m/s")  # largest trip speed that is tried [m/s]
 TOLERANCE = to_si("1 ft/min", "m/s")  # of the largest trip speed [m/s]
 DEPTHS = 6  # bit depths of the table of largest speeds
@@ -153,29 +160,14 @@ class Tripping:
 
 
 # ---------------------------------------------------------------------- command
-@dataclass(frozen=True)
-class SurgePlan:
-    """What the command computes.
-
-    speeds: [m/s]; bit_depths: measured [m], None: the case's own and, with a window, some along the open hole.
-    window: instead of the case's; flow: rate of the pump while pumping [m3/s], None: that of the case.
-    """
-
-    speeds: Sequence[float]
-    operations: Sequence[str] = ("trip_in", "trip_out")
-    pipes: Sequence[str] = ("closed", "open")
-    bit_depths: Sequence[float] | None = None
-    window: Window | None = None
-    flow: float | None = None
-
-
 def run_surge(
     case: Case,
-    plan: SurgePlan,
+    plan: Trips,
     out: str | Path | None = None,
     overwrite: bool = False,
     name: str = "case",
     comm: PETSc.Comm | None = None,
+    units: System | None = None,
 ) -> RunResult:
     """Solve for the pressures of tripping, write surge.csv, max_trip_speed.csv and summary.json (collective).
 
@@ -213,7 +205,9 @@ def run_surge(
         folder = make_folder(comm, name, out, False, overwrite)
         summary = {
             "title": case.title,
-            "window": None if window is None else ("--window" if plan.window is not None else "case"),
+            "units": units or "metric",
+            "window": window_table(window),
+            "window_from": None if window is None else ("--window" if plan.window is not None else "case"),
             "surge": [
                 {q.name: row.value(q.name) for q in SURGE} | {"warnings": list(row.warnings)} for row in rows
             ],
@@ -234,7 +228,7 @@ def run_surge(
     return RunResult(folder.path, summary, lines)
 
 
-def _check(case: Case, plan: SurgePlan) -> None:
+def _check(case: Case, plan: Trips) -> None:
     need_mud(case, "surge")
     if case.well is None or not case.has_annulus:
         raise CaseError(
@@ -248,7 +242,7 @@ def _check(case: Case, plan: SurgePlan) -> None:
         raise CaseError(at="--pipe", got=solid[0], want="closed: the string has no bore")
 
 
-def _notes(case: Case, plan: SurgePlan, hole: OpenHole | None) -> list[str]:
+def _notes(case: Case, plan: Trips, hole: OpenHole | None) -> list[str]:
     notes = ["steady: the pressure that accelerates the mud is left out"]
     assert case.fluid is not None
     if "open" in plan.pipes and case.fluid.check_valve:
@@ -287,7 +281,7 @@ def _by_area(trip: Tripping, operation: str, speed: float, row: SurgeRow) -> dic
     }
 
 
-def _trip_depths(case: Case, plan: SurgePlan, whole: PlacedString) -> list[PlacedString]:
+def _trip_depths(case: Case, plan: Trips, whole: PlacedString) -> list[PlacedString]:
     """Strings of the table of largest speeds: at the depths given, or along the open hole down to the bit."""
     if plan.bit_depths is not None:
         return [string_at(case, d) for d in plan.bit_depths]
@@ -304,7 +298,7 @@ def _trip_depths(case: Case, plan: SurgePlan, whole: PlacedString) -> list[Place
 
 
 def _fastest(
-    case: Case, string: PlacedString, plan: SurgePlan, hole: OpenHole, flow: float
+    case: Case, string: PlacedString, plan: Trips, hole: OpenHole, flow: float
 ) -> list[dict[str, Any]]:
     out = []
     for pipe in plan.pipes:
@@ -321,33 +315,40 @@ def _cell(value: Any) -> Any:
 
 
 def _lines(case: Case, rows: list[SurgeRow], summary: dict[str, Any]) -> list[str]:
-    lines = [f"{case.title or 'case'}: surge and swab, steady"]
-    lines.append("  operation  pipe     bit depth m  speed m/s   pressure Pa  ecd at bit kg/m3  limited by")
+    system = summary["units"]
+    (d, depth), (v, speed), (p, pressure), (e, density) = (
+        shown_unit(name, unit, system)
+        for name, unit in (
+            ("bit_depth", "m"),
+            ("trip_speed", "m/s"),
+            ("surge_pressure", "Pa"),
+            ("ecd_bit", "kg/m3"),
+        )
+    )
+    head = ("bit depth", "trip speed", "surge", "ECD at bit")
+    lines = [
+        f"{case.title or 'case'}: surge and swab, steady",
+        f"  {'operation':<10}{'pipe':<9}" + "".join(f"{text:>12}" for text in head) + "  limited by",
+        f"  {'':<19}" + "".join(f"{text:>12}" for text in (depth, speed, pressure, density)),
+    ]
     for row in rows:
         ecd = row.ecd["ecd_bit"]
         lines.append(
-            f"  {row.operation:<10} {row.pipe:<8} {row.bit_depth:>11.6g} {row.trip_speed:>10.4g} {row.surge_pressure:>13.6g} "
-            f"{ecd if ecd is not None else float('nan'):>17.6g}  {row.limited_by}"
+            f"  {row.operation:<10}{row.pipe:<9}{row.bit_depth / d:>12.6g}{row.trip_speed / v:>12.4g}"
+            f"{row.surge_pressure / p:>12.5g}{'-' if ecd is None else format(ecd / e, '.5g'):>12}  {in_units(row.limited_by, system)}"
         )
     if summary["max_trip_speed"]:
         lines.append("  largest trip speed within the window")
-    for row in summary["max_trip_speed"]:
-        more = ">" if row["limited_by"] in (WITHIN, NOT_CHECKED) else ""
+    for found in summary["max_trip_speed"]:
+        fastest = f"{found['max_trip_speed'] / v:.4g}"
+        fastest = f"> {fastest}" if found["limited_by"] in (WITHIN, NOT_CHECKED) else fastest
         lines.append(
-            f"  {row['operation']:<10} {row['pipe']:<8} {row['bit_depth']:>11.6g} {more + format(row['max_trip_speed'], '.4g'):>10}"
-            f"                                  {row['limited_by']}"
+            f"  {found['operation']:<10}{found['pipe']:<9}{found['bit_depth'] / d:>12.6g}{fastest:>12}{'':>24}  {in_units(found['limited_by'], system)}"
         )
-    for found in summary["open_pipe_by_area"]:
-        lines.append(
-            f"  {found['operation']}, open pipe, {found['trip_speed']:g} m/s: {found['solver']:.6g} Pa; flow shared by areas "
-            f"(handbook): {found['by_area']:.6g} Pa"
-        )
+    lines += [
+        f"  {found['operation']}, open pipe, {found['trip_speed'] / v:.4g} {speed}, bit at {found['bit_depth'] / d:.6g} {depth}: "
+        f"{found['solver'] / p:.5g} {pressure}; flow shared by areas (handbook): {found['by_area'] / p:.5g} {pressure}"
+        for found in summary["open_pipe_by_area"]
+    ]
     warnings = sorted({w for row in rows for w in row.warnings})
     return lines + [f"  WARNING: {w}" for w in warnings] + [f"  note: {note}" for note in summary["notes"]]
-
-
-def with_window(plan: SurgePlan, pore: float, frac: float) -> SurgePlan:
-    """The plan with one pair of limits at all depths, equivalent densities [kg/m3]; CaseError unless frac is above pore."""
-    if frac <= pore:
-        raise CaseError(at="--window", got=f"{pore:g},{frac:g}", want="PORE,FRAC with frac above pore")
-    return replace(plan, window=Window(pore=(pore,), frac=(frac,)))
