@@ -41,7 +41,7 @@ LOSS_ROWS: tuple[Quantity, ...] = (
     ),
     _row("length", "m", "Length", "LEN", "Length along the hole."),
     _row(
-        "velocity",
+        "mean_velocity",
         "m/s",
         "Mean velocity",
         "VEL",
