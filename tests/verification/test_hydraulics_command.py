@@ -352,3 +352,15 @@ def test_strings_at_a_depth():
     for depth, words in ((1.0, "near-bit"), (2000.1, "end of the hole"), (0.2, "bit")):
         with pytest.raises(CaseError, match=words):
             string_at(c, depth)
+
+
+def test_points_near_the_flow_line_have_no_density():
+    """A level hole at the rig: no column above it, so no density and no window; without gravity the case is refused."""
+    level = well(("open_hole", 2000, 8.5), inclination=np.pi / 2)
+    mud = {"density": 1200, "rheology": WATER}
+    h = Hydraulics(case([pipe(1000, 5, 4.276)], level, mud, window={"pore": 1000, "frac": 1500}))
+    found = h.at(0.02)
+    assert found.summary["ecd_bit"] is None and np.isnan(found.profile["ecd"]).all()
+    assert found.limited_by == "none" and any("no open hole" in note for note in h.notes)
+    with pytest.raises(CaseError, match="gravity"):
+        Hydraulics(case([pipe(1000, 5, 4.276)], level, mud, gravity=0.0))

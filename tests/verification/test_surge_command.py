@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 from drillpetsc.analysis.hydraulics import trade_formulas as trade
-from drillpetsc.analysis.hydraulics.flow_model import string_at, whole_string
+from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at, whole_string
 from drillpetsc.analysis.hydraulics.open_hole import open_hole
 from drillpetsc.analysis.hydraulics.surge import (
     FASTEST,
@@ -20,7 +20,7 @@ from drillpetsc.analysis.hydraulics.surge import (
 from drillpetsc.analysis.hydraulics.trade_formulas import FOOT, FOOT_PER_MINUTE, INCH, PPG, PSI
 from drillpetsc.case import Case, load_case
 from drillpetsc.case.flow_options import PIPES, Trips, read_trips
-from drillpetsc.errors import CaseError
+from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.output import read_table
 
 GRAVITY = 9.80665
@@ -243,3 +243,61 @@ def test_string_at_a_depth_trips_with_less_pressure():
     case = vertical(1000.0, 0.127, 0.1, 0.2159, mud)
     half, whole = (Tripping(case, string_at(case, d), "closed").at("trip_in", 0.2) for d in (500.0, 1000.0))
     assert 2 * half.surge_pressure == pytest.approx(whole.surge_pressure, rel=1e-6)
+
+
+def test_a_speed_without_a_steady_flow_is_marked(tmp_path: Path, monkeypatch):
+    """One speed fails: its row has no numbers and says why, and the other rows are there."""
+    mud = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.05}}
+    case = vertical(1000.0, 0.127, 0.1, 0.2159, mud, window={"pore": 1000.0, "frac": 1500.0})
+    solve = FlowModel.solve
+
+    def fails_at_two(self, flow=0.0, speed=0.0):
+        if abs(speed) > 1.5:
+            raise SolveError("no steady flow")
+        solve(self, flow, speed)
+
+    monkeypatch.setattr(FlowModel, "solve", fails_at_two)
+    result = run_surge(case, read_trips([0.5, 2.0], "trip_in", "closed"), out=tmp_path / "out")
+    rows = read_table(tmp_path / "out" / "surge.csv")
+    assert list(rows["limited_by [-]"]) == ["none", "failed"]
+    assert np.isfinite(rows["surge_pressure [Pa]"]).tolist() == [True, False]
+    assert any("no steady flow" in line for line in result.lines)
+    assert {row["limited_by"] for row in result.summary["max_trip_speed"]} == {"failed"}
+    with pytest.raises(SolveError, match="no trip has a steady flow"):
+        run_surge(case, read_trips([2.0], "trip_in", "closed"), out=tmp_path / "none")
+    assert not (tmp_path / "none").exists()
+
+
+def test_the_explicit_law_of_a_yield_stress_says_by_how_much_it_is_too_high():
+    """Slow trips: blend against exact, as told, is the ratio of the two commands; no word with the exact law."""
+    found = {}
+    for law in ("blend", "exact"):
+        mud = {"model": "bingham", "yield_stress": 10.0, "plastic_viscosity": 0.03, "law": law}
+        case = vertical(1000.0, 0.127, 0.1, 0.2159, {"density": 1200, "rheology": mud})
+        found[law] = Tripping(case, whole_string(case), "closed").at("trip_in", 0.1)
+    ratio = found["blend"].surge_pressure / found["exact"].surge_pressure
+    assert ratio > 1.1
+    (note,) = found["blend"].warnings
+    assert f"by {100 * (ratio - 1):.0f} %" in note and not found["exact"].warnings
+
+
+def test_open_pipe_is_full_to_the_flow_line_wherever_its_top_is():
+    """A string lowered 50 m below the rig has the surge of one that begins at the rig, 50 m longer hole or not."""
+    mud = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.05}}
+    high = vertical(500.0, 0.127, 0.1, 0.2159, mud, depth=600.0)
+    low = Case(
+        **{
+            "string": [{"kind": "pipe", "length": 500.0, "od": 0.127, "id": 0.1, "element_length": 12.5}],
+            "top": "clamped",
+            "bottom": "bit",
+            "initial": {"wob": 1e4},
+            "well": {
+                "survey": {"md": [0, 550], "inclination": [0, 0], "azimuth": [0, 0]},
+                "sections": [{"kind": "open_hole", "diameter": 0.2159}],
+            },
+            "fluid": {**STIFF, **mud},
+        }
+    )
+    assert whole_string(low).top == pytest.approx(50.0)
+    found = [Tripping(c, whole_string(c), "open").at("trip_in", 0.3).surge_pressure for c in (high, low)]
+    assert found[0] == pytest.approx(found[1], rel=1e-6)

@@ -22,7 +22,7 @@ from drillpetsc.case.blocks.settings import BeamTheory
 from drillpetsc.case.blocks.string import Flexible, Item
 from drillpetsc.case.blocks.well import Well as WellCase
 from drillpetsc.case.case import Case
-from drillpetsc.errors import CaseError
+from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, build_well
 from drillpetsc.output.boiling import VAPOUR_PRESSURE
 from drillpetsc.time_function import Constant, PiecewiseLinear
@@ -32,6 +32,14 @@ Pipe = Literal["closed", "open", "pumping"]
 LARGEST_FLOW = 1.0  # largest flow rate of a pump that is accepted [m3/s]
 LARGEST_SPEED = 10.0  # largest speed of the string that is accepted [m/s]
 BELOW_BIT = 10.0  # length of the hole below the bit of a moving string, which never stands on bottom [m]
+RAMP = (
+    1 / 64,
+    1 / 16,
+    1 / 4,
+    1 / 2,
+    1.0,
+)  # shares of flow rate and speed where the whole does not converge at once
+LOWEST_COLUMN = 1.0  # height of mud above a point below which it has no equivalent density [m]
 SHORTEST_PIECE = 1e-3  # shorter pieces of an item are not split off [m]
 
 # The inputs of a flow model are functions of the flow rate: at the "time" q the pump delivers q m3/s.
@@ -170,14 +178,25 @@ def flow_case(
         string = _split(string, [section.to for section in well.sections[:-1]])
     if well is not None and moving:
         well = _ending_below(case, string.depth)
-    level = float(np.linalg.norm(case.gravity)) * fluid.density * fluid.flow_line
+    gravity = np.array(case.gravity, dtype=float)
+    if not gravity.any():
+        raise CaseError(
+            at="gravity", got=0, want="gravity above 0: pressures and densities along the depth need it"
+        )
+    path = build_well(case)
+    top = (
+        string.top * gravity[2]
+        if path is None
+        else float(np.asarray(path.at(np.array([string.top]))[0])[0] @ gravity)
+    )
+    filled = fluid.density * (top - fluid.flow_line * float(np.linalg.norm(gravity)))  # up to the flow line
     mud = fluid.model_copy(
         update={
             "formulation": "mixed",
             "dynamics": "full",
             "cuttings": "removed",
             "flow_rate": _FLOW_AS_TIME if pipe == "pumping" else Constant(0.0) if pipe == "closed" else None,
-            "pump_pressure": Constant(-level) if pipe == "open" else None,
+            "pump_pressure": Constant(filled) if pipe == "open" else None,
             "outlet_pressure": Constant(fluid.outlet_pressure.value(0.0)),
         }
     )
@@ -221,6 +240,15 @@ class FlowModel:
         speed: of the string along the hole, positive down [m/s].
         Raises SolveError where there is no steady flow.
         """
+        try:
+            self._solve_from_here(flow, speed)
+        except SolveError:
+            self._placed = False
+            for share in RAMP:  # from rest, in steps
+                self._solve_from_here(share * flow, share * speed)
+
+    def _solve_from_here(self, flow: float, speed: float) -> None:
+        """Solve from the present unknowns, or from mud at rest in a string that has not been placed."""
         model = self.model
         if not self._placed:
             place_along_hole(model, self.string.top)
@@ -231,7 +259,7 @@ class FlowModel:
         model.beam.set_rigid_motion(self.system, *self._axis, speed, 0.0)
         try:
             steady_flow(self.system, flow)
-        except Exception:
+        except SolveError:
             self._placed = False  # the unknowns are those of a failed iteration
             raise
 
@@ -283,13 +311,13 @@ class FlowModel:
         return np.asarray(p - f.bulk_modulus * np.log1p(-np.exp(p / f.bulk_modulus) * rise / f.bulk_modulus))
 
     def equivalent_density(self, pressure: FloatArray | float, depth: FloatArray | float) -> FloatArray:
-        """Compute p/(g z) [kg/m3] with the vertical depth below the flow line; nan at and above the flow line.
+        """Compute p/(g z) [kg/m3] with the vertical depth below the flow line; nan less than 1 m below it and above.
 
         pressure: (k,) gauge [Pa]; depth: (k,) vertical, below the rotary table [m].
         """
         height = np.asarray(depth, dtype=float) - self.flow_line
         out = np.full(np.broadcast(height, pressure).shape, np.nan)
-        np.divide(pressure, self.gravity * height, out=out, where=height > 1e-6)
+        np.divide(pressure, self.gravity * height, out=out, where=height >= LOWEST_COLUMN)
         return out
 
     def warnings(self) -> list[str]:

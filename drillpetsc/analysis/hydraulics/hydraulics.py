@@ -14,9 +14,10 @@ from scipy.optimize import brentq
 
 from drillpetsc.analysis.hydraulics import trade_formulas as trade
 from drillpetsc.analysis.hydraulics.flow_model import LARGEST_FLOW, FlowModel, need_mud, whole_string
-from drillpetsc.analysis.hydraulics.losses import Loss, balance, loss_rows
+from drillpetsc.analysis.hydraulics.losses import Loss, balance, blend_excess, blend_note, loss_rows
 from drillpetsc.analysis.hydraulics.open_hole import (
     NOT_CHECKED,
+    NOTHING_OPEN,
     WITHIN,
     annulus_pressure_at,
     in_units,
@@ -177,7 +178,7 @@ class Hydraulics:
         elif case.window is None:
             notes.append("no window: pore and fracture limits are not compared (key window)")
         elif self.window is not None and not len(self.window.md):
-            notes.append("the hole is cased to its end: the window limits nothing")
+            notes.append(NOTHING_OPEN)
         return notes
 
     def at(self, rate: float) -> FlowResult:
@@ -185,7 +186,7 @@ class Hydraulics:
         flow = self.flow
         flow.solve(rate)
         limited = NOT_CHECKED if self.window is None else self.window.limited_by(flow)
-        warnings = flow.warnings()
+        warnings = flow.warnings() + blend_note(blend_excess(flow))
         if limited not in (WITHIN, NOT_CHECKED):
             warnings.append(f"the pressure passes the window: {limited}")
         rows = loss_rows(flow)

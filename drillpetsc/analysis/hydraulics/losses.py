@@ -5,7 +5,7 @@ Losses of elements are the solver's: power that friction turns into heat, over t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -337,3 +337,39 @@ def volumes(flow: FlowModel) -> dict[str, float]:
     for name in ("bore", "annulus"):
         out[f"{name}_volume"] = float(sum(row.volume for row in channel_rows(flow, name)))
     return out
+
+
+# ---------------------------------------------------------------------- the explicit law
+BLEND_EXCESS = 0.05  # excess of the law blend over the exact one above which it is told [-]
+
+
+def blend_excess(flow: FlowModel, speed: float = 0.0) -> float:
+    """Compute by how much the law ``blend`` exceeds the exact law in the annulus [-], at the present flow.
+
+    The explicit laminar stress of a mud with a yield stress is too high in slow flow (manual: sec-mud-blend); 0 for
+    other laws and muds.
+
+    speed: of the string [m/s], down positive.
+    """
+    law, annulus = build_rheology(flow.case), flow.fluid.annulus
+    if annulus is None or law.law != "blend" or law.yield_stress == 0.0 or law.model == "casson":
+        return 0.0
+    results = annulus.element_results(flow.system.assembly)
+    w, density = (results[:, RESULT_NAMES.index(name)] for name in ("speed", "density"))
+    w = w + speed * (1.0 - flow.fluid.constants.clinging)
+    gap = annulus.parameter("gap")
+    sums = [
+        float(np.abs(wall_shear(q, w, gap, True, density) / gap * flow.mesh.length).sum())
+        for q in (law, replace(law, law="exact"))
+    ]
+    return sums[0] / sums[1] - 1.0 if sums[1] > 0 else 0.0
+
+
+def blend_note(excess: float) -> list[str]:
+    """Say that the friction in the annulus is too high, where the excess [-] matters."""
+    if excess <= BLEND_EXCESS:
+        return []
+    return [
+        f"rheology.law: blend overstates the annulus friction of this mud by {100 * excess:.0f} % here (yield stress, slow "
+        "flow); rheology: {law: exact} does not"
+    ]

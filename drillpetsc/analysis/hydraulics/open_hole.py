@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.analysis.hydraulics.flow_model import FlowModel
+from drillpetsc.analysis.hydraulics.flow_model import LOWEST_COLUMN, FlowModel
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.window import Window
 from drillpetsc.case.case import Case
@@ -18,6 +18,7 @@ from drillpetsc.unit_systems import System
 
 SPACING = 10.0  # largest distance between points at which the window is compared [m]
 WITHIN = "none"  # no limit is passed
+NOTHING_OPEN = "no open hole below the flow line: the window limits nothing"
 NOT_CHECKED = "-"  # there is no window
 
 
@@ -93,7 +94,7 @@ def open_hole(case: Case, window: Window | None) -> OpenHole | None:
         above = section.to
     md = np.concatenate(pieces) if pieces else np.zeros(0)
     tvd = vertical_depth(case, md) if len(md) else md
-    below = tvd > (case.fluid.flow_line if case.fluid is not None else 0.0) + 1e-6
+    below = tvd > (case.fluid.flow_line if case.fluid is not None else 0.0) + LOWEST_COLUMN
     md, tvd = md[below], tvd[below]
     if window.tvd is None:
         pore, frac = np.full(len(md), window.pore[0]), np.full(len(md), window.frac[0])

@@ -6,6 +6,7 @@ or leaves, dragged along by the string's wall (manual: sec-mud-string-speed).
 
 from __future__ import annotations
 
+import re
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,8 +24,10 @@ from drillpetsc.analysis.hydraulics.flow_model import (
     whole_string,
 )
 from drillpetsc.analysis.hydraulics.hydraulics import Numbers, default_flow, densities, window_table
+from drillpetsc.analysis.hydraulics.losses import blend_excess, blend_note
 from drillpetsc.analysis.hydraulics.open_hole import (
     NOT_CHECKED,
+    NOTHING_OPEN,
     WITHIN,
     OpenHole,
     in_units,
@@ -48,6 +51,7 @@ from drillpetsc.units import to_si
 OPERATIONS = {"trip_in": 1.0, "trip_out": -1.0}  # operation -> sign of the string's speed, down positive
 FASTEST = to_si("600 ft/min", "m/s")  # largest trip speed that is tried [m/s]
 TOLERANCE = to_si("1 ft/min", "m/s")  # of the largest trip speed [m/s]
+FAILED = "failed"  # in place of a limit: there is no steady flow at this speed
 DEPTHS = 6  # bit depths of the table of largest speeds
 
 
@@ -89,12 +93,20 @@ class Tripping:
         self.pump = flow if pipe == "pumping" else 0.0
         self.flow = FlowModel(case, string, pipe, moving=True)
         self.shoe, self.end = shoe_depth(case), float(case.well.survey.md[-1])  # type: ignore[union-attr]
-        self.flow.solve(self.pump, 0.0)
+        self._solve("at rest", self.pump, 0.0)
         self.at_rest = self.flow.bottom_pressure()
         self.limited_at_rest = self._limited()
 
     def _limited(self) -> str:
         return NOT_CHECKED if self.window is None else self.window.limited_by(self.flow)
+
+    def _solve(self, what: str, pump: float, speed: float) -> None:
+        """Solve for the flow; a SolveError names what was tried."""
+        try:
+            self.flow.solve(pump, speed)
+        except SolveError as error:
+            error.what = f"{what}, {self.pipe} pipe, bit at MD {self.flow.string.depth:g} m: {error.what}"
+            raise
 
     def at(self, operation: str, speed: float) -> SurgeRow:
         """Solve for a trip at a speed [m/s].
@@ -102,7 +114,7 @@ class Tripping:
         operation: trip_in or trip_out.
         """
         flow = self.flow
-        flow.solve(self.pump, OPERATIONS[operation] * speed)
+        self._solve(f"{operation}, {speed:g} m/s", self.pump, OPERATIONS[operation] * speed)
         annulus, bit = flow.fluid.annulus, flow.fluid.bit
         assert annulus is not None and bit is not None
         state = flow.system.assembly
@@ -119,8 +131,14 @@ class Tripping:
             0.0 if through_bit is None else float(through_bit[-1]),
             float(annulus.outflow(state) or 0.0),
             self._limited(),
-            tuple(flow.warnings()),
+            (*flow.warnings(), *blend_note(blend_excess(flow, OPERATIONS[operation] * speed))),
         )
+
+    def failed(self, operation: str, speed: float, error: SolveError) -> SurgeRow:
+        """The row of a speed [m/s] without a steady flow."""
+        ecd: Numbers = {"ecd_bit": None, "ecd_shoe": None, "ecd_td": None}
+        nothing = (np.nan, ecd, np.nan, self.pump, np.nan, np.nan)
+        return SurgeRow(operation, self.pipe, self.flow.string.depth, speed, *nothing, FAILED, (error.what,))
 
     def fastest(self, operation: str) -> tuple[float, str]:
         """Find the largest speed [m/s] within the window, by bisection, and the limit that a larger one passes.
@@ -196,12 +214,14 @@ def run_surge(
             for string in strings:
                 trip = Tripping(case, string, pipe, hole, flow)  # type: ignore[arg-type]
                 for operation in plan.operations:
-                    rows += [_solved(trip, operation, speed) for speed in plan.speeds]
+                    rows += [_row(trip, operation, speed) for speed in plan.speeds]
                     if pipe == "open":
                         by_area.append(_by_area(trip, operation, max(plan.speeds), rows[-1]))
         if hole is not None:
             for string in _trip_depths(case, plan, whole):
                 fastest += _fastest(case, string, plan, hole, flow)
+        if all(row.limited_by == FAILED for row in rows):
+            raise SolveError(f"no trip has a steady flow: {rows[0].warnings[0]}")
         folder = make_folder(comm, name, out, False, overwrite)
         summary = {
             "title": case.title,
@@ -209,10 +229,11 @@ def run_surge(
             "window": window_table(window),
             "window_from": None if window is None else ("--window" if plan.window is not None else "case"),
             "surge": [
-                {q.name: row.value(q.name) for q in SURGE} | {"warnings": list(row.warnings)} for row in rows
+                {q.name: _plain(row.value(q.name)) for q in SURGE} | {"warnings": list(row.warnings)}
+                for row in rows
             ],
-            "max_trip_speed": fastest,
-            "open_pipe_by_area": by_area,
+            "max_trip_speed": [{k: _plain(v) for k, v in row.items()} for row in fastest],
+            "open_pipe_by_area": [{k: _plain(v) for k, v in row.items()} for row in by_area],
             "notes": notes,
         }
         if comm.rank == 0:
@@ -258,17 +279,16 @@ def _notes(case: Case, plan: Trips, hole: OpenHole | None) -> list[str]:
             "no window: no largest trip speed; give --window PORE,FRAC, or the key window of the case"
         )
     elif not len(hole.md):
-        notes.append("the hole is cased to its end: the window limits nothing")
+        notes.append(NOTHING_OPEN)
     return notes
 
 
-def _solved(trip: Tripping, operation: str, speed: float) -> SurgeRow:
-    """The row at one speed; a speed without a steady flow is a SolveError that names it."""
+def _row(trip: Tripping, operation: str, speed: float) -> SurgeRow:
+    """The row of one speed; one without a steady flow is marked, and the others go on."""
     try:
         return trip.at(operation, speed)
     except SolveError as error:
-        error.what = f"{operation}, {trip.pipe} pipe, {speed:g} m/s, bit at MD {trip.flow.string.depth:g} m: {error.what}"
-        raise
+        return trip.failed(operation, speed, error)
 
 
 def _by_area(trip: Tripping, operation: str, speed: float, row: SurgeRow) -> dict[str, Any]:
@@ -304,10 +324,31 @@ def _fastest(
     for pipe in plan.pipes:
         trip = Tripping(case, string, pipe, hole, flow)  # type: ignore[arg-type]
         for operation in plan.operations:
-            speed, limit = trip.fastest(operation)
+            try:
+                speed, limit = trip.fastest(operation)
+            except SolveError:
+                speed, limit = np.nan, FAILED
             values = (operation, pipe, string.depth, speed, limit)
             out.append(dict(zip([q.name for q in MAX_TRIP_SPEED], values, strict=True)))
     return out
+
+
+def _distinct(warnings: list[str]) -> list[str]:
+    """One of the warnings that differ by numbers alone: that with the largest first number."""
+
+    def size(text: str) -> float:
+        found = re.search(r"\d+(\.\d+)?", text)
+        return float(found[0]) if found else 0.0
+
+    kept: dict[str, str] = {}
+    for text in sorted(warnings, key=size):
+        kept[re.sub(r"-?\d+(\.\d+)?", "#", text)] = text
+    return sorted(kept.values())
+
+
+def _plain(value: Any) -> Any:
+    """None for a number that does not exist, as JSON needs it."""
+    return None if isinstance(value, float) and np.isnan(value) else value
 
 
 def _cell(value: Any) -> Any:
@@ -340,7 +381,7 @@ def _lines(case: Case, rows: list[SurgeRow], summary: dict[str, Any]) -> list[st
     if summary["max_trip_speed"]:
         lines.append("  largest trip speed within the window")
     for found in summary["max_trip_speed"]:
-        fastest = f"{found['max_trip_speed'] / v:.4g}"
+        fastest = "-" if found["max_trip_speed"] is None else f"{found['max_trip_speed'] / v:.4g}"
         fastest = f"> {fastest}" if found["limited_by"] in (WITHIN, NOT_CHECKED) else fastest
         lines.append(
             f"  {found['operation']:<10}{found['pipe']:<9}{found['bit_depth'] / d:>12.6g}{fastest:>12}{'':>24}  {in_units(found['limited_by'], system)}"
@@ -349,6 +390,10 @@ def _lines(case: Case, rows: list[SurgeRow], summary: dict[str, Any]) -> list[st
         f"  {found['operation']}, open pipe, {found['trip_speed'] / v:.4g} {speed}, bit at {found['bit_depth'] / d:.6g} {depth}: "
         f"{found['solver'] / p:.5g} {pressure}; flow shared by areas (handbook): {found['by_area'] / p:.5g} {pressure}"
         for found in summary["open_pipe_by_area"]
+        if found["solver"] is not None
     ]
-    warnings = sorted({w for row in rows for w in row.warnings})
-    return lines + [f"  WARNING: {w}" for w in warnings] + [f"  note: {note}" for note in summary["notes"]]
+    return (
+        lines
+        + [f"  WARNING: {w}" for w in _distinct([w for row in rows for w in row.warnings])]
+        + [f"  note: {note}" for note in summary["notes"]]
+    )
