@@ -159,7 +159,8 @@ def channel_rows(flow: FlowModel, name: str) -> list[Loss]:
     item = np.array([flow.string.number[k] for k in mesh.item])
     if slot:
         area = component.parameter("hole")
-        outer, inner = np.sqrt(4 / np.pi * area), component.parameter("diameter")
+        outer = np.sqrt(4 / np.pi * area)
+        inner = outer - component.parameter("gap")  # the diameter by which the friction law goes
         open_area = area - component.parameter("outer")
     else:
         outer, inner = component.parameter("diameter"), np.zeros(len(item))
