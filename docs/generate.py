@@ -557,9 +557,16 @@ OUTPUT_TABLES = {
     "outputs/modes.md": ("modes.csv", "column"),
     "outputs/string.md": ("string/*.vtu", "field"),
     "outputs/trajectory.md": ("trajectory.csv", "column"),
+    "outputs/hydraulics.md": ("hydraulics.csv", "column"),
+    "outputs/pressure-profile.md": ("pressure_profile.csv", "column"),
+    "outputs/flow-curve.md": ("flow_curve.csv", "column"),
+    "outputs/surge.md": ("surge.csv", "column"),
+    "outputs/max-trip-speed.md": ("max_trip_speed.csv", "column"),
     "outputs/summary-run.md": ("summary.json of run", "key"),
     "outputs/summary-statics.md": ("summary.json of statics", "key"),
     "outputs/summary-modes.md": ("summary.json of modes", "key"),
+    "outputs/summary-hydraulics.md": ("summary.json of hydraulics", "key"),
+    "outputs/summary-surge.md": ("summary.json of surge", "key"),
 }
 
 

@@ -1,19 +1,19 @@
 """drillpetsc: drillstring dynamics on PETSc.
 
 The public face is that of `drillpetsc.api`: `Case` describes what is simulated (the keys of a case file),
-`load_case` reads one, `run`, `sweep`, `statics`, `modes` and `study` are the commands. Importing the package
-starts no MPI and imports nothing else of it.
+`load_case` reads one, `run`, `sweep`, `statics`, `hydraulics`, `surge`, `modes` and `study` are the commands.
+Importing the package starts no MPI and imports nothing else of it.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from drillpetsc.api import Case, load_case, modes, run, statics, study, sweep
+    from drillpetsc.api import Case, hydraulics, load_case, modes, run, statics, study, surge, sweep
 
 from drillpetsc.version import __version__ as __version__
 
-__all__ = ["Case", "load_case", "modes", "run", "statics", "study", "sweep"]
+__all__ = ["Case", "hydraulics", "load_case", "modes", "run", "statics", "study", "surge", "sweep"]
 
 
 def __getattr__(name: str) -> Any:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from drillpetsc.studies.convergence.study import StudyResult
     from drillpetsc.studies.sweep.sweep import SweepResult
 
-__all__ = ["Case", "load_case", "modes", "run", "statics", "study", "sweep"]
+__all__ = ["Case", "hydraulics", "load_case", "modes", "run", "statics", "study", "surge", "sweep"]
 
 
 def run(case: Case | str | Path, out: str | Path | None = None, **keywords: Any) -> RunResult:
@@ -91,6 +91,75 @@ def statics(
     from drillpetsc.analysis.statics import run_statics
 
     return run_statics(case, out, motion, overwrite, name, comm, path)
+
+
+def hydraulics(
+    case: Case | str | Path,
+    out: str | Path | None = None,
+    *,
+    flow: str | float | Sequence[str | float] | None = None,
+    spp: str | float | None = None,
+    units: Any = None,
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+) -> RunResult:
+    """Solve for the steady flow of the mud and write hydraulics.csv, pressure_profile.csv and flow_curve.csv
+    (collective).
+
+    case: a Case, or the path of a case file
+    out: run folder; by default results/<case>-NNN
+    flow: flow rates, as text ("400,500 gpm") or in m3/s; by default that of the case
+    spp: pump pressure instead, as text ("3000 psi") or in Pa: the flow rate that it gives is found
+    units: field, metric or SI, of `lines` of the result and of plots; by default metric
+    overwrite: True to replace the results in an existing folder
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+    """
+    from drillpetsc.case.flow_options import read_flows
+
+    flows, pressure = read_flows(flow, spp)
+    case, name = _loaded(case, name)
+    initialise_petsc()
+    from drillpetsc.analysis.hydraulics.hydraulics import run_hydraulics
+
+    return run_hydraulics(case, flows, pressure, out, overwrite, name, comm, units)
+
+
+def surge(
+    case: Case | str | Path,
+    out: str | Path | None = None,
+    *,
+    speed: str | float | Sequence[str | float],
+    units: Any = None,
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+    **options: Any,
+) -> RunResult:
+    """Solve for the pressures of tripping and write surge.csv and max_trip_speed.csv (collective).
+
+    case: a Case, or the path of a case file
+    out: run folder; by default results/<case>-NNN
+    speed: trip speeds, as text ("20..200 ft/min") or in m/s
+    operation: trip_in, trip_out; by default both
+    pipe: closed, open, pumping; by default closed and open
+    bit_depth: measured depths of the bit, as text or in m; by default that of the case
+    window: limits of the open hole, as text ("11.2,13.8 ppg") or in kg/m3; by default the window of the case
+    flow: flow rate of a pumping pipe, as text or in m3/s; by default that of the case
+    units: field, metric or SI, of `lines` of the result and of plots; by default metric
+    overwrite: True to replace the results in an existing folder
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+    """
+    from drillpetsc.case.flow_options import read_trips
+
+    trips = read_trips(speed, **options)
+    case, name = _loaded(case, name)
+    initialise_petsc()
+    from drillpetsc.analysis.hydraulics.surge import run_surge
+
+    return run_surge(case, trips, out, overwrite, name, comm, units)
 
 
 def modes(

@@ -318,6 +318,57 @@ def _statics_arguments(command: argparse.ArgumentParser) -> None:
     )
 
 
+def _hydraulics_arguments(command: argparse.ArgumentParser) -> None:
+    _case_argument(command)
+    command.add_argument(
+        "--flow",
+        metavar="Q1,Q2",
+        help="flow rates, such as '400,500,600 gpm' or '20..60 l/s' (default: the case's)",
+    )
+    command.add_argument(
+        "--spp", metavar="P", help="instead, the flow rate at this pump pressure, such as '3000 psi'"
+    )
+    _units_argument(command)
+
+
+def _units_argument(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--units",
+        choices=("field", "metric", "SI"),
+        default="metric",
+        help="units of printed and plotted figures (default: metric); files are in SI",
+    )
+
+
+def _surge_arguments(command: argparse.ArgumentParser) -> None:
+    _case_argument(command)
+    command.add_argument(
+        "--speed",
+        metavar="V1,V2",
+        required=True,
+        help="trip speeds, such as '30,60,90 ft/min' or '20..200 ft/min'",
+    )
+    command.add_argument(
+        "--operation", default="trip_in,trip_out", metavar="A,B", help="trip_in, trip_out (default: both)"
+    )
+    command.add_argument(
+        "--pipe",
+        default="closed,open",
+        metavar="A,B",
+        help="closed: no flow through the bit; open: open at the top, too; pumping: with --flow (default: closed,open)",
+    )
+    command.add_argument(
+        "--bit-depth", metavar="D1,D2", help="measured depths of the bit (default: the case's)"
+    )
+    command.add_argument(
+        "--window",
+        metavar="PORE,FRAC",
+        help="limits of the open hole, such as '11.2,13.8 ppg' (default: the case's window)",
+    )
+    command.add_argument("--flow", metavar="Q", help="flow rate of --pipe pumping (default: the case's)")
+    _units_argument(command)
+
+
 def _modes_arguments(command: argparse.ArgumentParser) -> None:
     _case_argument(command)
     command.add_argument(
@@ -520,6 +571,52 @@ def _statics(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     return 0
 
 
+def _hydraulics(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case import load_case
+    from drillpetsc.case.flow_options import read_flows
+
+    case = load_case(arguments.case)
+    flows, pressure = read_flows(arguments.flow, arguments.spp)
+    start_job(petsc_options)
+    from drillpetsc.analysis.hydraulics.hydraulics import run_hydraulics
+
+    name, units = Path(arguments.case).stem, arguments.units
+    result = run_hydraulics(case, flows, pressure, arguments.out, arguments.overwrite, name, units=units)
+    _print(result.lines)
+    return _draw_on_first_rank(result.folder)
+
+
+def _surge(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case import load_case
+    from drillpetsc.case.flow_options import read_trips
+
+    case = load_case(arguments.case)
+    trips = read_trips(
+        arguments.speed,
+        arguments.operation,
+        arguments.pipe,
+        arguments.bit_depth,
+        arguments.window,
+        arguments.flow,
+    )
+    start_job(petsc_options)
+    from drillpetsc.analysis.hydraulics.surge import run_surge
+
+    name, units = Path(arguments.case).stem, arguments.units
+    result = run_surge(case, trips, arguments.out, arguments.overwrite, name, units=units)
+    _print(result.lines)
+    return _draw_on_first_rank(result.folder)
+
+
+def _draw_on_first_rank(folder: Path) -> int:
+    """Draw the pictures of a run folder, on one rank."""
+    if world_rank() != 0:
+        return 0
+    from drillpetsc.plotting.plot import plot
+
+    return _draw(lambda: plot(folder), str(folder))
+
+
 def _modes(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.case import load_case
 
@@ -688,6 +785,20 @@ COMMANDS = (
         "static equilibrium: torque and drag, contact forces, buckling state",
         _statics_arguments,
         _statics,
+        parents=(_output_folder(),),
+    ),
+    Command(
+        "hydraulics",
+        "steady flow of the mud: pressures, losses, equivalent densities, power at the bit, for one or more flow rates",
+        _hydraulics_arguments,
+        _hydraulics,
+        parents=(_output_folder(),),
+    ),
+    Command(
+        "surge",
+        "pressures of running in and pulling out, and the largest trip speed within the window of the open hole",
+        _surge_arguments,
+        _surge,
         parents=(_output_folder(),),
     ),
     Command(

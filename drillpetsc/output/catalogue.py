@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import conditions as where
 from drillpetsc.output import quantities as measured
+from drillpetsc.output.quantities import hydraulics
 from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.physics import quantities as physics
 
@@ -96,6 +97,12 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         ),
         "modes.csv": _listed(measured.MODES),
         "trajectory.csv": _listed(measured.TRAJECTORY),
+        "hydraulics.csv": _listed(hydraulics.LOSS_ROWS),
+        "pressure_profile.csv": _listed(hydraulics.PRESSURE_PROFILE),
+        "flow_curve.csv": _listed(hydraulics.FLOW_CURVE),
+        "summary.json of hydraulics": _listed(hydraulics.HYDRAULICS_SUMMARY),
+        "surge.csv": _listed(hydraulics.SURGE),
+        "max_trip_speed.csv": _listed(hydraulics.MAX_TRIP_SPEED),
     }
 
 

@@ -266,9 +266,45 @@ MODES: tuple[SummaryKey, ...] = (
     SummaryKey("time_scales", "", "Periods and travel times of waves, as text."),
 )
 
+HYDRAULICS: tuple[SummaryKey, ...] = (
+    SummaryKey("title", "", "Title of the case."),
+    SummaryKey("bit_depth", "m", "Measured depth of the string's lower end."),
+    SummaryKey("hole_depth", "m", "Measured depth of the end of the hole; null without a well."),
+    SummaryKey("shoe_depth", "m", "Measured depth of the last casing shoe; null without casing."),
+    SummaryKey("shoe_tvd", "m", "Vertical depth of the last casing shoe; null without casing."),
+    SummaryKey("outlet_pressure", "Pa", "Gauge pressure at the outlet."),
+    SummaryKey(
+        "window", "", "Window of the case: tvd [m] (null: one pair), pore and frac [kg/m3]; null without one."
+    ),
+    SummaryKey("units", "", "Units of printed and plotted figures; files are in SI."),
+    SummaryKey(
+        "flows",
+        "",
+        "List: for each flow rate the quantities of this page (null where absent), `limited_by` and `warnings`.",
+    ),
+    SummaryKey("notes", "", "What the results leave out, and what was chosen."),
+)
+
+SURGE: tuple[SummaryKey, ...] = (
+    SummaryKey("title", "", "Title of the case."),
+    SummaryKey("window", "", "Window: tvd [m] (null: one pair), pore and frac [kg/m3]; null without one."),
+    SummaryKey("window_from", "", "Where the window came from: `case`, `--window`, or null."),
+    SummaryKey("units", "", "Units of printed and plotted figures; files are in SI."),
+    SummaryKey("surge", "", "List: the rows of surge.csv by name, each with its `warnings`."),
+    SummaryKey("max_trip_speed", "", "List: the rows of max_trip_speed.csv by name."),
+    SummaryKey(
+        "open_pipe_by_area",
+        "",
+        "List: for the largest speed with an open pipe, the pressure by the handbook's split of the flow by areas beside that of the solver [Pa].",
+    ),
+    SummaryKey("notes", "", "What the results leave out, and what was chosen."),
+)
+
 #: keys by file, as the catalogue names the files
 SUMMARY_KEYS = {
     "summary.json of run": RUN,
     "summary.json of statics": STATICS,
     "summary.json of modes": MODES,
+    "summary.json of hydraulics": HYDRAULICS,
+    "summary.json of surge": SURGE,
 }

@@ -26,6 +26,7 @@ from drillpetsc.case.blocks.joints import Joint
 from drillpetsc.case.blocks.settings import BeamTheory, Initial, MeshSettings, Output, Time
 from drillpetsc.case.blocks.string import Flexible, Material, StringItem
 from drillpetsc.case.blocks.well import Well
+from drillpetsc.case.blocks.window import Window, window_or_file
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Vector
 
@@ -86,6 +87,13 @@ class CaseBlocks(Block):
     )
     fluid: Fluid | None = Field(
         default=None, description="the drilling fluid; without it the hole and the string are dry"
+    )
+    window: Annotated[Window | None, BeforeValidator(window_or_file, json_schema_input_type=str | Window)] = (
+        Field(
+            default=None,
+            description="limits of the pressure in the open hole (used by hydraulics and surge), "
+            "or the name of a CSV file with the columns tvd, pore, frac",
+        )
     )
     formation: Formation | None = Field(
         default=None, description="the rock that the bit cuts; without it the bit does not drill"

@@ -11,6 +11,7 @@ from drillpetsc.case.checks.drilling import check_drilling, check_time
 from drillpetsc.case.checks.fluid import check_fluid, check_held_string
 from drillpetsc.case.checks.joints import check_joints
 from drillpetsc.case.checks.limits import check_quaternion, check_size
+from drillpetsc.case.checks.window import check_window
 from drillpetsc.case.key_paths import refuse
 
 LENGTH_TOLERANCE = 1e-6  # [m] sums of item lengths
@@ -23,6 +24,7 @@ def check_case(case: CaseBlocks) -> None:
     _bit_last(case)
     _well_or_none(case)
     check_fluid(case)
+    check_window(case)
     _string_in_hole(case)
     _bit_on_bottom(case)
     check_drilling(case)

@@ -13,6 +13,12 @@ from drillpetsc.output.files.atomic import remove_leftovers
 
 SWEEP_TABLE = "sweep.csv"  # table of a sweep, in its folder
 WELLS_TABLE = "wells.csv"  # table of a batch of several wells
+LOSS_TABLE = "hydraulics.csv"  # losses by string item and hole section
+PROFILE_TABLE = "pressure_profile.csv"  # pressures along the depth
+FLOW_CURVE_TABLE = "flow_curve.csv"  # losses and densities over the flow rate
+SURGE_TABLE = "surge.csv"  # pressures of tripping
+TRIP_SPEED_TABLE = "max_trip_speed.csv"  # largest speeds of tripping
+HYDRAULICS_TABLES = (LOSS_TABLE, PROFILE_TABLE, FLOW_CURVE_TABLE, SURGE_TABLE, TRIP_SPEED_TABLE)
 SWEEP_PICTURES = (
     "trajectory.png",
     "inclination.png",
@@ -170,6 +176,7 @@ class RunFolder:
             self.summary,
             self.checkpoint,
             self.case,
+            *(self.path / table for table in HYDRAULICS_TABLES),
         ):
             file.unlink(missing_ok=True)
         for frame in self.string_frames.glob("*.vtu"):

@@ -169,6 +169,13 @@ class ChannelFlow(Channel):
                 out[b.points] = part
         return out
 
+    def parameter(self, name: str) -> FloatArray:
+        """Present values (nc, ...) of a parameter of the local elements, as the kernels' header names it."""
+        out = np.zeros((len(self._part.cells), *self._blocks[0].named[name].shape[1:]))
+        for b in self._blocks:
+            out[b.points] = b.named[name]
+        return out
+
     def _channel_powers(self, results: FloatArray, at_end: float) -> Powers:
         """Powers of the channel [W] with ``element_results`` (nc, k), and the power ``at_end`` supplied at its upper end."""
         dissipated, left_out = (

@@ -1,0 +1,405 @@
+"""The `hydraulics` command: steady flow of a case, its losses and equivalent densities, for one or more flow rates."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+from scipy.optimize import brentq
+
+from drillpetsc.analysis.hydraulics import trade_formulas as trade
+from drillpetsc.analysis.hydraulics.flow_model import LARGEST_FLOW, FlowModel, need_mud, whole_string
+from drillpetsc.analysis.hydraulics.losses import Loss, balance, blend_excess, blend_note, loss_rows
+from drillpetsc.analysis.hydraulics.open_hole import (
+    NOT_CHECKED,
+    NOTHING_OPEN,
+    WITHIN,
+    annulus_pressure_at,
+    in_units,
+    open_hole,
+    shoe_depth,
+    vertical_depth,
+)
+from drillpetsc.analysis.transient import RunResult, make_folder
+from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.string import Bit, Flexible
+from drillpetsc.case.blocks.window import Window
+from drillpetsc.case.case import Case
+from drillpetsc.case.quantities import largest
+from drillpetsc.errors import CaseError
+from drillpetsc.output import write_summary, write_table
+from drillpetsc.output.files.run_folder import FLOW_CURVE_TABLE, LOSS_TABLE, PROFILE_TABLE
+from drillpetsc.output.quantities.hydraulics import (
+    FLOW_CURVE,
+    HYDRAULICS_SUMMARY,
+    LEVELS,
+    LOSS_ROWS,
+    LOSSES,
+    PRESSURE_PROFILE,
+)
+from drillpetsc.output.shown_units import shown_unit
+from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
+from drillpetsc.solvers import petsc_options as options
+from drillpetsc.time_function import Constant
+from drillpetsc.unit_systems import System
+
+_SPEED = RESULT_NAMES.index("speed")
+CURVE = np.linspace(0.1, 1.25, 12)  # flow rates of the curve over the largest one asked for [-]
+PER_BLOCK = 6  # flow rates side by side on the screen
+SMALLEST_FLOW = 1e-5  # [m3/s]
+
+Numbers = dict[str, float | None]
+
+
+@dataclass(frozen=True)
+class FlowResult:
+    """Steady flow at one flow rate.
+
+    flow_rate: [m3/s]; summary: values of HYDRAULICS_SUMMARY, None where absent; rows: of hydraulics.csv.
+    profile: columns of pressure_profile.csv, nan where absent.
+    limited_by: limit of the window that is passed, `none`, or `-` without a window.
+    """
+
+    flow_rate: float
+    summary: Numbers
+    rows: list[Loss]
+    profile: dict[str, FloatArray]
+    limited_by: str
+    warnings: list[str]
+
+
+def default_flow(case: Case, notes: list[str]) -> float:
+    """The flow rate of the case [m3/s]; its largest value where it varies, with a note.
+
+    Raises CaseError where there is none.
+    """
+    fluid = need_mud(case, "hydraulics")
+    flow = fluid.flow_rate
+    if flow is None:  # a pump pressure instead
+        return 0.0
+    rate = flow.constant if isinstance(flow, Constant) else largest(flow)
+    if not isinstance(flow, Constant):
+        notes.append(
+            f"fluid.flow_rate varies: its largest value, {rate:g} m3/s, is taken; --flow takes others"
+        )
+    if rate < 0:
+        raise CaseError(
+            at="fluid.flow_rate",
+            got=rate,
+            want="a flow rate above 0",
+            hint="hydraulics is for normal circulation",
+        )
+    if rate == 0:
+        raise CaseError(
+            at="fluid.flow_rate",
+            got=0,
+            want="a flow rate above 0",
+            hint="give --flow, such as --flow '500 gpm'",
+        )
+    return rate
+
+
+def flow_at_pressure(flow: FlowModel, pressure: float, at: str) -> float:
+    """Find the flow rate [m3/s] at which the pump has a pressure [Pa].
+
+    at: option or key of the pressure, for the message.
+    Raises CaseError where the pressure is below that of the still mud, or beyond the largest flow.
+    """
+
+    def excess(rate: float) -> float:
+        flow.solve(rate)
+        return balance(flow)["pump_pressure"] - pressure
+
+    if excess(SMALLEST_FLOW) >= 0:
+        still = pressure + excess(SMALLEST_FLOW)
+        raise CaseError(at=at, got=f"{pressure:g} Pa", want=f"above {still:.6g} Pa, which starts the flow")
+    high = 0.02
+    while excess(high) < 0:
+        if high >= LARGEST_FLOW:
+            raise CaseError(
+                at=at, got=f"{pressure:g} Pa", want=f"a pressure that gives at most {LARGEST_FLOW:g} m3/s"
+            )
+        high = min(2 * high, LARGEST_FLOW)
+    return float(brentq(excess, SMALLEST_FLOW, high, xtol=1e-10, rtol=1e-10))
+
+
+class Hydraulics:
+    """The flow model of a case and what all of its flow rates share.
+
+    case: with mud and an open lower end.
+    Raises CaseError where there is no such flow.
+    """
+
+    def __init__(self, case: Case) -> None:
+        need_mud(case, "hydraulics")
+        if case.bottom.plugged or not case.has_bore:
+            raise CaseError(
+                at="bottom.plugged" if case.bottom.plugged else "string",
+                got=True if case.bottom.plugged else None,
+                want="a string with a bore that is open at its lower end: the mud must get out",
+            )
+        self.case = case
+        self.flow = FlowModel(case, whole_string(case), "pumping")
+        self.flow.solve(0.0)
+        still = self.flow.pressure("annulus")
+        self.esd = None if still is None else self.flow.equivalent_density(still, self.flow.tvd)
+        self.window = open_hole(case, case.window) if still is not None else None
+        well = case.well
+        self.end = None if well is None else float(well.survey.md[-1])
+        self.shoe = shoe_depth(case)
+        self.notes = self._notes()
+
+    def _notes(self) -> list[str]:
+        case, notes = self.case, []
+        assert case.fluid is not None
+        if case.fluid.formulation == "hermite":
+            notes.append("fluid.formulation: hermite: hydraulics takes mixed, whose steady flow is the same")
+        bit = self.flow.fluid.bit
+        if bit is None or not bit.end.nozzle:
+            notes.append(
+                "no nozzles: the string ends open, without a loss; jet velocity, impact and power are absent"
+            )
+        last = max(i for i, item in enumerate(case.string) if isinstance(item, Flexible))
+        below = [item.name for item in case.string[last + 1 :] if item.length > 0]
+        if below:
+            notes.append(f"no friction along the rigid items below the last pipe: {', '.join(below)}")
+        if self.end is not None and self.end - self.flow.string.depth > 1e-3:
+            notes.append(
+                f"the string ends at MD {self.flow.string.depth:.6g} m, {self.end - self.flow.string.depth:.6g} m above the end "
+                "of the hole; the mud below it stands still"
+            )
+        if self.flow.fluid.annulus is None:
+            notes.append("no annulus: no densities, and the mud leaves at the string's lower end")
+        elif case.window is None:
+            notes.append("no window: pore and fracture limits are not compared (key window)")
+        elif self.window is not None and not len(self.window.md):
+            notes.append(NOTHING_OPEN)
+        return notes
+
+    def at(self, rate: float) -> FlowResult:
+        """Solve at a flow rate [m3/s]."""
+        flow = self.flow
+        flow.solve(rate)
+        limited = NOT_CHECKED if self.window is None else self.window.limited_by(flow)
+        warnings = flow.warnings() + blend_note(blend_excess(flow))
+        if limited not in (WITHIN, NOT_CHECKED):
+            warnings.append(f"the pressure passes the window: {limited}")
+        rows = loss_rows(flow)
+        return FlowResult(rate, self._summary(rate, rows), rows, self._profile(), limited, warnings)
+
+    def _summary(self, rate: float, rows: list[Loss]) -> Numbers:
+        flow, case = self.flow, self.case
+        sums = balance(flow)
+        out: Numbers = {q.name: None for q in HYDRAULICS_SUMMARY}
+        out |= {k: v for k, v in sums.items() if k in out}
+        out["pump_flow"], out["surface_line_loss"] = rate, 0.0
+        out["bit_pressure"] = flow.bottom_pressure()
+        if flow.fluid.annulus is not None:
+            out |= self.densities()
+        for name in ("bore", "annulus"):
+            out[f"{name}_volume"] = sum(row.volume for row in rows if row.channel == name)
+        bit = flow.fluid.bit
+        if bit is not None and bit.end.nozzle:
+            density = flow.fluid.constants.density
+            power = trade.hydraulic_power(sums["bit_loss"], rate)
+            out["jet_velocity"] = trade.jet_velocity(rate, bit.end.nozzle)
+            out["impact_force"] = trade.impact_force(rate, density, bit.end.nozzle)
+            out["bit_power"] = power
+            out["bit_share"] = sums["bit_loss"] / sums["pump_pressure"]
+            last = case.string[-1]
+            if isinstance(last, Bit):
+                out["bit_power_per_area"] = trade.power_per_bit_area(power, last.od)
+        out["hydraulic_power"] = trade.hydraulic_power(sums["pump_pressure"], rate)
+        annulus = [row.velocity for row in rows if row.channel == "annulus"]
+        if annulus:
+            out["bottoms_up_time"] = out["annulus_volume"] / rate  # type: ignore[operator]
+            out["lowest_annular_velocity"] = min(annulus)
+        out["circulation_time"] = (out["bore_volume"] + out["annulus_volume"]) / rate  # type: ignore[operator]
+        return out
+
+    def densities(self) -> Numbers:
+        """Equivalent densities [kg/m3] at the bit, the last shoe and the end of the hole; None where absent."""
+        return densities(self.flow, self.shoe, self.end)
+
+    def _profile(self) -> dict[str, FloatArray]:
+        flow = self.flow
+        n = len(flow.md)
+        out = {q.name: np.full(n, np.nan) for q in PRESSURE_PROFILE if q.name != "pump_flow"}
+        out["md"], out["tvd"] = flow.md, flow.tvd
+        for name, column in (("bore", "internal"), ("annulus", "annulus")):
+            pressure, component = flow.pressure(name), getattr(flow.fluid, name)
+            if pressure is None:
+                continue
+            out[f"{column}_pressure"] = pressure
+            speed = component.element_results(flow.system.assembly)[:, _SPEED]
+            out[f"{column}_speed"] = np.append(speed, speed[-1])
+        if self.esd is not None:
+            out["ecd"], out["esd"] = flow.equivalent_density(out["annulus_pressure"], out["tvd"]), self.esd
+        if flow.fluid.annulus is not None and self.end is not None and self.end - flow.md[-1] > 1e-3:
+            self._add_end(out)
+        return out
+
+    def _add_end(self, out: dict[str, FloatArray]) -> None:
+        """Append the end of the hole, below the string, to the profile."""
+        flow = self.flow
+        tvd = vertical_depth(self.case, np.array([self.end]))
+        pressure = flow.pressure_below(tvd)
+        still = float(flow.equivalent_density(pressure, tvd)[0])
+        last = {
+            "md": self.end,
+            "tvd": tvd[0],
+            "annulus_pressure": pressure[0],
+            "ecd": still,
+            "annulus_speed": 0.0,
+        }
+        for name, values in out.items():
+            out[name] = np.append(values, last.get(name, np.nan))
+
+
+def densities(flow: FlowModel, shoe: float | None, end: float | None) -> Numbers:
+    """Equivalent densities [kg/m3] at the bit, at the shoe and at the end of the hole, at measured depths [m]."""
+    out: Numbers = {}
+    depths = {"ecd_bit": flow.string.depth, "ecd_shoe": shoe, "ecd_td": end}
+    for name, md in depths.items():
+        out[name] = None
+        if md is None:
+            continue
+        at = np.array([md])
+        tvd = vertical_depth(flow.case, at)
+        value = float(flow.equivalent_density(annulus_pressure_at(flow, at, tvd), tvd)[0])
+        out[name] = None if np.isnan(value) else value
+    return out
+
+
+def window_table(window: Window | None) -> dict[str, list[float] | None] | None:
+    """The window for the summary: tvd [m] (None: one pair), pore and frac [kg/m3]."""
+    if window is None:
+        return None
+    tvd = None if window.tvd is None else list(window.tvd)
+    return {"tvd": tvd, "pore": list(window.pore), "frac": list(window.frac)}
+
+
+# ---------------------------------------------------------------------- command
+def run_hydraulics(
+    case: Case,
+    flows: Sequence[float] | None = None,
+    pump_pressure: float | None = None,
+    out: str | Path | None = None,
+    overwrite: bool = False,
+    name: str = "case",
+    comm: PETSc.Comm | None = None,
+    units: System | None = None,
+) -> RunResult:
+    """Solve for the steady flow at some flow rates, write the tables and summary.json (collective).
+
+    flows: flow rates [m3/s]; None: that of the case.
+    pump_pressure: [Pa], instead of flows: the flow rate that it gives is found.
+    units: of printed and plotted figures; None: metric.
+    Every rank computes the same, the first one writes.
+    """
+    comm = comm or PETSc.COMM_WORLD
+    with options.applied(case.petsc):
+        hydraulics = Hydraulics(case)
+        if pump_pressure is None and not flows:
+            own = default_flow(case, hydraulics.notes)
+            given = case.fluid.pump_pressure  # type: ignore[union-attr]
+            if given is None:
+                flows = [own]
+            else:
+                pump_pressure = given.value(0.0)
+        if pump_pressure is not None:
+            key = "--spp" if case.fluid.pump_pressure is None else "fluid.pump_pressure"  # type: ignore[union-attr]
+            flows = [flow_at_pressure(hydraulics.flow, pump_pressure, key)]
+        assert flows
+        results = [hydraulics.at(rate) for rate in flows]
+        rates = np.unique(np.append(np.minimum(max(flows) * CURVE, 2 * LARGEST_FLOW), flows))
+        curve = [_curve_row(hydraulics, rate) for rate in rates]
+        folder = make_folder(comm, name, out, False, overwrite)
+        summary = _summary(case, hydraulics, results) | {"units": units or "metric"}
+        if comm.rank == 0:
+            case.dump(folder.case)
+            _write(folder.path, results, curve)
+            write_summary(folder.summary, summary)
+    lines = _lines(case, results, summary)
+    lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
+    return RunResult(folder.path, summary, lines)
+
+
+def _curve_row(hydraulics: Hydraulics, rate: float) -> Numbers:
+    flow = hydraulics.flow
+    flow.solve(float(rate))
+    out: Numbers = {q.name: None for q in FLOW_CURVE} | balance(flow)
+    out |= {"pump_flow": float(rate), "surface_line_loss": 0.0, "bit_pressure": flow.bottom_pressure()}
+    return out | (hydraulics.densities() if flow.fluid.annulus is not None else {})
+
+
+def _number(value: float | None) -> float:
+    return np.nan if value is None else value
+
+
+def _write(path: Path, results: list[FlowResult], curve: list[Numbers]) -> None:
+    rows = [(result.flow_rate, row) for result in results for row in result.rows]
+    renamed = {"from": "upper", "to": "lower", "mean_velocity": "velocity"}
+    columns = [
+        [rate if q.name == "pump_flow" else getattr(row, renamed.get(q.name, q.name)) for rate, row in rows]
+        for q in LOSS_ROWS
+    ]
+    write_table(path / LOSS_TABLE, [q.column for q in LOSS_ROWS], columns)
+    profile = [
+        np.concatenate(
+            [
+                np.full(len(r.profile["md"]), r.flow_rate) if q.name == "pump_flow" else r.profile[q.name]
+                for r in results
+            ]
+        )
+        for q in PRESSURE_PROFILE
+    ]
+    write_table(path / PROFILE_TABLE, [q.column for q in PRESSURE_PROFILE], profile)
+    table = [[_number(row[q.name]) for row in curve] for q in FLOW_CURVE]
+    write_table(path / FLOW_CURVE_TABLE, [q.column for q in FLOW_CURVE], table)
+
+
+def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> dict[str, Any]:
+    return {
+        "title": case.title,
+        "bit_depth": hydraulics.flow.string.depth,
+        "hole_depth": hydraulics.end,
+        "shoe_depth": hydraulics.shoe,
+        "shoe_tvd": None
+        if hydraulics.shoe is None
+        else float(vertical_depth(case, np.array([hydraulics.shoe]))[0]),
+        "window": window_table(case.window),
+        "outlet_pressure": case.fluid.outlet_pressure.value(0.0),  # type: ignore[union-attr]
+        "flows": [{**r.summary, "limited_by": r.limited_by, "warnings": r.warnings} for r in results],
+        "notes": hydraulics.notes,
+    }
+
+
+def _lines(case: Case, results: list[FlowResult], summary: dict[str, Any]) -> list[str]:
+    size, unit = shown_unit("bit_depth", "m", summary["units"])
+    lines = [
+        f"{case.title or 'case'}: steady flow, string at rest, bit at MD {summary['bit_depth'] / size:.6g} {unit}"
+    ]
+    for first in range(0, len(results), PER_BLOCK):
+        block = results[first : first + PER_BLOCK]
+        for q in HYDRAULICS_SUMMARY:
+            values = [result.summary[q.name] for result in block]
+            if all(value is None for value in values) or (q in (*LOSSES, *LEVELS) and not any(values)):
+                continue
+            size, unit = shown_unit(q.name, q.unit, summary["units"])
+            cells = "".join(f"{'-' if v is None else format(v / size, '.5g'):>10}" for v in values)
+            lines.append(f"  {q.label:<28}{cells} {unit}".rstrip())
+        if any(result.limited_by != NOT_CHECKED for result in block):
+            lines.append(
+                "  Open hole, limit passed: "
+                + "; ".join(in_units(r.limited_by, summary["units"]) for r in block)
+            )
+    for result in results:
+        size, unit = shown_unit("pump_flow", "m3/s", summary["units"])
+        lines += [f"  WARNING: at {result.flow_rate / size:.5g} {unit}: {w}" for w in result.warnings]
+    return lines + [f"  note: {note}" for note in summary["notes"]]

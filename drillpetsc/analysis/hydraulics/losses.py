@@ -1,0 +1,376 @@
+"""Losses of a steady flow: by string item and hole section, along the depth, and in sum.
+
+Losses of elements are the solver's: power that friction turns into heat, over the flow rate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from drillpetsc.analysis.hydraulics import trade_formulas as trade
+from drillpetsc.analysis.hydraulics.flow_model import FlowModel
+from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.well import Section
+from drillpetsc.model.fluid import build_rheology
+from drillpetsc.physics.fluid.bit_flow import RESULTS
+from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow
+from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
+
+TINY_DENSITY = 1e-300  # at which the wall shear is that of laminar flow [kg/m3]
+TURBULENT_SPAN = 800.0  # Reynolds numbers from the end of laminar to the start of turbulent flow (API RP 13D)
+
+
+@dataclass(frozen=True)
+class Loss:
+    """One row of hydraulics.csv, SI; nan where a number does not exist.
+
+    channel: surface line, bore, nozzles, annulus or choke; item: of the string; section: of the hole.
+    upper, lower: measured depths [m]; od, id: outer and inner diameter of the channel [m].
+    velocity: [m/s], positive with the pumped flow; critical_flow: flow rate at which laminar flow ends [m3/s].
+    volume: of the channel [m3].
+    """
+
+    channel: str
+    item: str
+    section: str
+    upper: float = np.nan
+    lower: float = np.nan
+    od: float = np.nan
+    id: float = np.nan
+    velocity: float = np.nan
+    reynolds: float = np.nan
+    regime: str = "-"
+    friction_factor: float = np.nan
+    pressure_loss: float = 0.0
+    critical_flow: float = np.nan
+    volume: float = np.nan
+
+    @property
+    def length(self) -> float:
+        """Length along the hole [m]."""
+        return self.lower - self.upper
+
+
+# ---------------------------------------------------------------------- friction in one channel
+def reynolds_number(law: Rheology, speed: float, gap: float, slot: bool, density: float) -> float:
+    """Compute the Reynolds number [-] by which the friction law finds its regime (manual: eq-mud-blend, sec-mud-api).
+
+    speed: [m/s]; gap: hydraulic diameter [m]; slot: an annulus; density: [kg/m3].
+    """
+    laminar = abs(float(wall_shear(law, speed, gap, slot, TINY_DENSITY)))
+    if laminar == 0.0:
+        return np.inf if speed else 0.0
+    return (1.5 if slot and law.law == "api" else 1.0) * 8 * density * speed**2 / laminar
+
+
+def regime(law: Rheology, reynolds: float) -> str:
+    """Name the regime at a Reynolds number [-]: laminar, transitional or turbulent."""
+    if law.consistency == 0.0:
+        return "inviscid"
+    limit = 3470.0 - 1370.0 * law.index
+    if reynolds < limit:
+        return "laminar"
+    return "transitional" if reynolds < limit + TURBULENT_SPAN else "turbulent"
+
+
+def critical_speed(law: Rheology, gap: float, slot: bool, density: float) -> float:
+    """Compute the mean speed at which laminar flow ends [m/s]; arguments as in `reynolds_number`."""
+    if law.consistency == 0.0:
+        return 0.0
+    limit = 3470.0 - 1370.0 * law.index
+
+    def excess(log_speed: float) -> float:
+        return float(np.log(reynolds_number(law, np.exp(log_speed), gap, slot, density) / limit))
+
+    return float(np.exp(brentq(excess, np.log(1e-6), np.log(1e4), xtol=1e-10)))
+
+
+# ---------------------------------------------------------------------- elements
+@dataclass(frozen=True)
+class ElementLosses:
+    """Losses of one channel, (n,) per element.
+
+    friction: [Pa], of the element and the rigid item above it; above: the rigid item's part [Pa].
+    head: rise of the velocity head [Pa]; weight: of the mud from the upper to the lower node [Pa].
+    speed, speed_above: mean speed in element and rigid item, towards the bit [m/s]; density: [kg/m3].
+    """
+
+    friction: FloatArray
+    above: FloatArray
+    head: FloatArray
+    weight: FloatArray
+    speed: FloatArray
+    speed_above: FloatArray
+    density: FloatArray
+
+
+def element_losses(flow: FlowModel, channel: ChannelFlow, law: Rheology) -> ElementLosses:
+    """Compute the losses of the elements of a channel with a standing string.  Friction has the sign of the flow."""
+    f, mesh = flow.fluid.constants, flow.mesh
+    results, q = channel.element_results(flow.system.assembly), channel.flows(flow.system)
+    density, speed = (results[:, RESULT_NAMES.index(name)] for name in ("density", "speed"))
+    heat = results[:, RESULT_NAMES.index("dissipated")]
+    volume_flow = q * f.density / density
+    friction = np.divide(heat, volume_flow, out=np.zeros(len(q)), where=np.abs(q) > 0)
+    bore = channel.name == "bore"
+    if bore:
+        open_above, gap_above = channel.parameter("area_above"), channel.parameter("diameter_above")
+    else:
+        open_above = channel.parameter("hole") - channel.parameter("outer_above")
+        gap_above = channel.parameter("gap_above")
+    speed_above, above = np.zeros(len(q)), np.zeros(len(q))
+    rigid = mesh.rigid_above > 0
+    if rigid.any():
+        speed_above[rigid] = volume_flow[rigid] / open_above[rigid]
+        stress = wall_shear(law, speed_above[rigid], gap_above[rigid], not bore, density[rigid])
+        above[rigid] = 4 * stress * mesh.rigid_above[rigid] / gap_above[rigid]
+    drop = np.diff(flow.system.field("string.position"), axis=0)
+    if bore:
+        weight = density * (drop @ f.gravity)
+    else:
+        axis = channel.parameter("tangent1") + channel.parameter("tangent2")
+        axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+        weight = density * (axis @ f.gravity) * np.sum(drop * axis, axis=1)
+    head = q**2 * channel.parameter("step") * f.density**2 / density
+    return ElementLosses(friction, above, head, weight, speed, speed_above, density)
+
+
+# ---------------------------------------------------------------------- table
+def _section_name(section: Section) -> str:
+    return f"{'casing' if section.kind == 'casing' else 'open hole'} to {section.to:g} m"
+
+
+def channel_rows(flow: FlowModel, name: str) -> list[Loss]:
+    """Rows of ``bore`` or ``annulus``: one for each string item in each hole section, from the top down."""
+    component = flow.fluid.bore if name == "bore" else flow.fluid.annulus
+    if component is None:
+        return []
+    law, mesh, slot = build_rheology(flow.case), flow.mesh, name == "annulus"
+    e = element_losses(flow, component, law)
+    sections = flow.case.well.sections if flow.case.well is not None else ()
+    upper, lower = mesh.upper + flow.string.top, mesh.lower + flow.string.top
+    which = np.minimum(
+        np.searchsorted([s.to for s in sections], 0.5 * (upper + lower)), max(len(sections) - 1, 0)
+    )
+    item = np.array([flow.string.number[k] for k in mesh.item])
+    if slot:
+        area = component.parameter("hole")
+        outer = np.sqrt(4 / np.pi * area)
+        inner = outer - component.parameter("gap")  # the diameter by which the friction law goes
+        open_area = area - component.parameter("outer")
+    else:
+        outer, inner = component.parameter("diameter"), np.zeros(len(item))
+        open_area = component.parameter("area")
+    sign = -1.0 if slot else 1.0
+    rows: list[Loss] = []
+
+    def add(group: np.ndarray) -> None:
+        length = mesh.length[group]
+        mean = length / length.sum()
+        d, b = float(outer[group] @ mean), float(inner[group] @ mean)
+        w, rho = sign * float(e.speed[group] @ mean), float(e.density[group] @ mean)
+        loss = sign * float((e.friction[group] - e.above[group]).sum())
+        rows.append(
+            Loss(
+                name,
+                flow.case.string[item[group[0]]].name,
+                _section_name(sections[which[group[0]]]) if slot and sections else "-",
+                float(upper[group[0]]),
+                float(lower[group[-1]]),
+                d,
+                b,
+                w,
+                volume=float(open_area[group] @ length),
+                pressure_loss=loss,
+                **_friction_numbers(
+                    law, w, d - b, slot, rho, loss, float(length.sum()), float(open_area[group] @ mean)
+                ),
+            )
+        )
+
+    def add_rigid(k: int) -> None:
+        """The rigid items above the element ``k``, as one piece."""
+        names = [b.name for b in mesh.bodies if b.node == k]
+        if slot:
+            d = float(outer[k])
+            b, open_above = d - float(component.parameter("gap_above")[k]), component.parameter("hole")[k]
+            open_above = float(open_above - component.parameter("outer_above")[k])
+        else:
+            d, b = float(component.parameter("diameter_above")[k]), 0.0
+            open_above = float(component.parameter("area_above")[k])
+        w, length = sign * float(e.speed_above[k]), float(mesh.rigid_above[k])
+        loss = sign * float(e.above[k])
+        rows.append(
+            Loss(
+                name,
+                ", ".join(names),
+                _section_name(sections[which[k]]) if slot and sections else "-",
+                float(upper[k]) - length,
+                float(upper[k]),
+                d,
+                b,
+                w,
+                volume=open_above * length,
+                pressure_loss=loss,
+                **_friction_numbers(law, w, d - b, slot, float(e.density[k]), loss, length, open_above),
+            )
+        )
+
+    start = 0
+    for k in range(len(item) + 1):
+        new = k == len(item) or (
+            k > 0 and (item[k] != item[k - 1] or which[k] != which[k - 1] or mesh.rigid_above[k] > 0)
+        )
+        if new and k > start:
+            add(np.arange(start, k))
+            start = k
+        if k < len(item) and mesh.rigid_above[k] > 0:
+            add_rigid(k)
+    return rows
+
+
+def _friction_numbers(
+    law: Rheology,
+    speed: float,
+    gap: float,
+    slot: bool,
+    density: float,
+    loss: float,
+    length: float,
+    area: float,
+) -> dict[str, Any]:
+    """Reynolds number, regime, friction factor and critical flow of a row.
+
+    speed: [m/s]; gap: hydraulic diameter [m]; density: [kg/m3]; loss: [Pa]; length: [m]; area: [m2].
+    """
+    reynolds = reynolds_number(law, speed, gap, slot, density)
+    return {
+        "reynolds": reynolds,
+        "regime": regime(law, reynolds),
+        "friction_factor": abs(loss) * gap / (2 * density * speed**2 * length) if speed else np.nan,
+        "critical_flow": critical_speed(law, gap, slot, density) * area,
+    }
+
+
+def nozzle_loss(flow: FlowModel) -> float:
+    """Compute the loss of the nozzles and the check valve [Pa]; 0 without them (manual: eq-mud-nozzle)."""
+    bit, rates, bore = flow.fluid.bit, flow.flow_rate("bore"), flow.pressure("bore")
+    if bit is None or rates is None or bore is None or not rates[-1]:
+        return 0.0
+    lost = float(bit.element_results(flow.system.assembly)[RESULTS["lost"]])
+    mean = 0.5 * (
+        float(bore[-1]) + flow.bottom_pressure()
+    )  # the pressure at which the kernel takes the volume
+    return lost / float(rates[-1]) * np.exp(mean / flow.fluid.constants.bulk_modulus)
+
+
+def choke_loss(flow: FlowModel) -> float:
+    """Compute the loss of the choke at the flow line [Pa]; 0 without one."""
+    annulus, rates = flow.fluid.annulus, flow.flow_rate("annulus")
+    if annulus is None or rates is None:
+        return 0.0
+    return float(-annulus.choke * flow.fluid.constants.density * rates[0] * abs(rates[0]))
+
+
+def loss_rows(flow: FlowModel) -> list[Loss]:
+    """All rows of hydraulics.csv for one flow rate, in the order of the flow down the string, then from the top down."""
+    bit, choke = nozzle_loss(flow), choke_loss(flow)
+    rows = channel_rows(flow, "bore")
+    if bit and flow.fluid.bit is not None:
+        rate = float(flow.flow_rate("bore")[-1])  # type: ignore[index]
+        depth = flow.string.depth
+        rows.append(
+            Loss(
+                "nozzles",
+                flow.case.string[-1].name,
+                "-",
+                depth,
+                depth,
+                velocity=trade.jet_velocity(rate, flow.fluid.bit.end.nozzle or flow.fluid.bit.end.bore),
+                pressure_loss=bit,
+            )
+        )
+    rows += channel_rows(flow, "annulus")
+    if choke:
+        rows.append(Loss("choke", "-", "-", pressure_loss=choke))
+    return rows
+
+
+# ---------------------------------------------------------------------- sums
+def balance(flow: FlowModel) -> dict[str, float]:
+    """Pressure losses of the loop [Pa], from the standpipe to the outlet.
+
+    string_loss, bit_loss, annulus_loss, choke_loss; velocity_head: change of the velocity head at steps of the
+    section; column_difference: weight of the mud in the annulus, up to the flow line, less that in the bore.
+    outlet: pressure at the outlet; pump_pressure: at the upper end of the bore.  pump_pressure - outlet is the sum of
+    all others up to the rounding of the solver.
+    """
+    law = build_rheology(flow.case)
+    out = dict.fromkeys(
+        ("string_loss", "bit_loss", "annulus_loss", "choke_loss", "velocity_head", "column_difference"), 0.0
+    )
+    bore, annulus = flow.fluid.bore, flow.fluid.annulus
+    if bore is not None:
+        e = element_losses(flow, bore, law)
+        out["string_loss"] = float(e.friction.sum())
+        out["velocity_head"] += float(e.head.sum())
+        out["column_difference"] -= float(e.weight.sum())
+        out["pump_pressure"] = float(bore.pressures(flow.system)[0])
+    if annulus is not None:
+        e = element_losses(flow, annulus, law)
+        out["annulus_loss"] = -float(e.friction.sum())
+        out["velocity_head"] -= float(e.head.sum())
+        above = flow.fluid.constants.density * flow.gravity * (float(flow.tvd[0]) - flow.flow_line)
+        out["column_difference"] += float(e.weight.sum()) + above
+    out["bit_loss"], out["choke_loss"] = nozzle_loss(flow), choke_loss(flow)
+    assert flow.case.fluid is not None
+    out["outlet"] = flow.case.fluid.outlet_pressure.value(0.0)
+    return out
+
+
+def volumes(flow: FlowModel) -> dict[str, float]:
+    """Volumes [m3] of bore and annulus with the string in the hole, at zero pressure."""
+    out = {"bore_volume": 0.0, "annulus_volume": 0.0}
+    for name in ("bore", "annulus"):
+        out[f"{name}_volume"] = float(sum(row.volume for row in channel_rows(flow, name)))
+    return out
+
+
+# ---------------------------------------------------------------------- the explicit law
+BLEND_EXCESS = 0.05  # excess of the law blend over the exact one above which it is told [-]
+
+
+def blend_excess(flow: FlowModel, speed: float = 0.0) -> float:
+    """Compute by how much the law ``blend`` exceeds the exact law in the annulus [-], at the present flow.
+
+    The explicit laminar stress of a mud with a yield stress is too high in slow flow (manual: sec-mud-blend); 0 for
+    other laws and muds.
+
+    speed: of the string [m/s], down positive.
+    """
+    law, annulus = build_rheology(flow.case), flow.fluid.annulus
+    if annulus is None or law.law != "blend" or law.yield_stress == 0.0 or law.model == "casson":
+        return 0.0
+    results = annulus.element_results(flow.system.assembly)
+    w, density = (results[:, RESULT_NAMES.index(name)] for name in ("speed", "density"))
+    w = w + speed * (1.0 - flow.fluid.constants.clinging)
+    gap = annulus.parameter("gap")
+    sums = [
+        float(np.abs(wall_shear(q, w, gap, True, density) / gap * flow.mesh.length).sum())
+        for q in (law, replace(law, law="exact"))
+    ]
+    return sums[0] / sums[1] - 1.0 if sums[1] > 0 else 0.0
+
+
+def blend_note(excess: float) -> list[str]:
+    """Say that the friction in the annulus is too high, where the excess [-] matters."""
+    if excess <= BLEND_EXCESS:
+        return []
+    return [
+        f"rheology.law: blend overstates the annulus friction of this mud by {100 * excess:.0f} % here (yield stress, slow "
+        "flow); rheology: {law: exact} does not"
+    ]

@@ -1,0 +1,250 @@
+"""Quantities of the commands `hydraulics` and `surge`: their tables and summaries."""
+
+from __future__ import annotations
+
+from drillpetsc.fem.quantity import Quantity
+from drillpetsc.output.quantities.along_string import MD
+from drillpetsc.output.quantities.history import LOWER_END
+from drillpetsc.output.quantities.mud import MUD, MUD_FIELDS, PUMP_FLOW
+from drillpetsc.output.quantities.statics import ECD
+from drillpetsc.output.quantities.trajectory import TRAJECTORY
+
+_MUD = {q.name: q for q in (*MUD, *MUD_FIELDS)}
+_TVD = next(q for q in TRAJECTORY if q.name == "tvd")
+BIT_DEPTH = next(q for q in LOWER_END if q.name == "bit_depth")
+PUMP_PRESSURE, BIT_PRESSURE = _MUD["pump_pressure"], _MUD["bit_pressure"]
+
+
+def _row(name: str, unit: str, label: str, mnemonic: str, doc: str, sign: str = "") -> Quantity:
+    return Quantity(name, unit, on="item", label=label, mnemonic=mnemonic, doc=doc, sign=sign)
+
+
+def _sum(name: str, unit: str, label: str, mnemonic: str, doc: str, sign: str = "") -> Quantity:
+    return Quantity(name, unit, on="scalar", label=label, mnemonic=mnemonic, doc=doc, sign=sign)
+
+
+_LOSS = "down in the direction of the flow"
+LOSS_ROWS: tuple[Quantity, ...] = (
+    PUMP_FLOW,
+    _row("channel", "-", "Channel", "CHAN", "Surface line, bore, nozzles, annulus or choke."),
+    _row("item", "-", "Item", "ITEM", "Item of the string."),
+    _row("section", "-", "Hole section", "SECT", "Section of the hole."),
+    _row("from", "m", "From", "FROM", "Measured depth of the upper end."),
+    _row("to", "m", "To", "TO", "Measured depth of the lower end."),
+    _row("od", "m", "Outer diameter", "CHOD", "Outer diameter of the channel: bore of the pipe, or hole."),
+    _row(
+        "id",
+        "m",
+        "Inner diameter",
+        "CHID",
+        "Inner diameter of the channel: 0, or outer diameter of the string.",
+    ),
+    _row("length", "m", "Length", "LEN", "Length along the hole."),
+    _row(
+        "mean_velocity",
+        "m/s",
+        "Mean velocity",
+        "VEL",
+        "Mean velocity over the section.",
+        "down the bore, up the annulus",
+    ),
+    _row(
+        "reynolds",
+        "-",
+        "Reynolds number",
+        "REYN",
+        "Reynolds number by which the friction law finds the regime.",
+    ),
+    _row("regime", "-", "Flow regime", "REGM", "Laminar, transitional, turbulent, or inviscid."),
+    _row("friction_factor", "-", "Friction factor (Fanning)", "FANN", "Wall shear over rho v^2/2."),
+    _row("pressure_loss", "Pa", "Pressure loss", "PLOS", "Loss by friction.", _LOSS),
+    _row(
+        "critical_flow",
+        "m3/s",
+        "Critical flow rate",
+        "QCRT",
+        "Flow rate at which laminar flow ends.",
+        "not negative",
+    ),
+    _row("volume", "m3", "Volume", "CVOL", "Volume of the channel.", "not negative"),
+)
+ESD = Quantity(
+    "esd",
+    "kg/m3",
+    on="node",
+    label="Equivalent static density",
+    mnemonic="ESD",
+    doc="Pressure of the still mud in the annulus over gravity and the vertical depth below the flow line.",
+)
+PRESSURE_PROFILE: tuple[Quantity, ...] = (
+    PUMP_FLOW,
+    MD,
+    _TVD,
+    _MUD["internal_pressure"],
+    _MUD["annulus_pressure"],
+    ECD,
+    ESD,
+    _MUD["internal_speed"],
+    _MUD["annulus_speed"],
+)
+ECD_BIT = _sum("ecd_bit", "kg/m3", "ECD at the bit", "ECDB", "Equivalent circulating density at the bit.")
+ECD_SHOE = _sum(
+    "ecd_shoe", "kg/m3", "ECD at the shoe", "ECDS", "Equivalent circulating density at the last casing shoe."
+)
+ECD_TD = _sum(
+    "ecd_td", "kg/m3", "ECD at total depth", "ECDT", "Equivalent circulating density at the end of the hole."
+)
+LOSSES: tuple[Quantity, ...] = (
+    _sum("surface_line_loss", "Pa", "Surface line", "LSUR", "Loss of the surface line.", _LOSS),
+    _sum("string_loss", "Pa", "String", "LSTR", "Loss by friction in the bore of the string.", _LOSS),
+    _sum("bit_loss", "Pa", "Bit", "LBIT", "Loss of the nozzles.", _LOSS),
+    _sum("annulus_loss", "Pa", "Annulus", "LANN", "Loss by friction in the annulus.", _LOSS),
+    _sum("choke_loss", "Pa", "Choke", "LCHK", "Loss of the choke at the flow line.", _LOSS),
+)
+LEVELS: tuple[Quantity, ...] = (
+    _sum(
+        "velocity_head",
+        "Pa",
+        "Velocity heads",
+        "VHED",
+        "Rise of the velocity head at changes of the section.",
+        _LOSS,
+    ),
+    _sum(
+        "column_difference",
+        "Pa",
+        "Column difference",
+        "COLD",
+        "Weight of the mud in the annulus less that in the bore.",
+        "annulus heavier",
+    ),
+)
+_FIGURES: tuple[Quantity, ...] = (
+    _sum(
+        "jet_velocity",
+        "m/s",
+        "Jet velocity",
+        "JETV",
+        "Flow rate over the area of the nozzles.",
+        "out of the bit",
+    ),
+    _sum(
+        "impact_force", "N", "Jet impact force", "JETF", "Density times flow rate times jet velocity.", "down"
+    ),
+    _sum(
+        "bit_power",
+        "W",
+        "Hydraulic power at the bit",
+        "HHPB",
+        "Loss of the nozzles times the flow rate.",
+        "lost",
+    ),
+    _sum(
+        "bit_power_per_area",
+        "W/m2",
+        "Power per bit area",
+        "HSI",
+        "Power at the bit over the area of its hole.",
+        "lost",
+    ),
+    _sum(
+        "hydraulic_power", "W", "Hydraulic power", "HHP", "Pump pressure times the flow rate.", "of the pump"
+    ),
+    _sum("bit_share", "-", "Share of the bit", "BSHR", "Loss of the nozzles over the pump pressure."),
+    _sum(
+        "bore_volume", "m3", "Volume of the bore", "VBOR", "Volume of the mud in the string.", "not negative"
+    ),
+    _sum(
+        "annulus_volume",
+        "m3",
+        "Volume of the annulus",
+        "VANN",
+        "Volume of the mud around the string.",
+        "not negative",
+    ),
+    _sum("bottoms_up_time", "s", "Bottoms-up time", "TBUP", "Volume of the annulus over the flow rate."),
+    _sum(
+        "circulation_time", "s", "Circulation time", "TCIR", "Volume of bore and annulus over the flow rate."
+    ),
+    _sum(
+        "lowest_annular_velocity",
+        "m/s",
+        "Lowest annular velocity",
+        "VLOW",
+        "Mean velocity in the widest part of the annulus.",
+        "up",
+    ),
+)
+HYDRAULICS_SUMMARY: tuple[Quantity, ...] = (
+    PUMP_FLOW,
+    PUMP_PRESSURE,
+    *LOSSES,
+    *LEVELS,
+    BIT_PRESSURE,
+    ECD_BIT,
+    ECD_SHOE,
+    ECD_TD,
+    *_FIGURES,
+)
+FLOW_CURVE: tuple[Quantity, ...] = (
+    PUMP_FLOW,
+    PUMP_PRESSURE,
+    *LOSSES,
+    *LEVELS,
+    BIT_PRESSURE,
+    ECD_BIT,
+    ECD_SHOE,
+    ECD_TD,
+)
+
+# ---------------------------------------------------------------------- surge
+TRIP_SPEED = _sum(
+    "trip_speed",
+    "m/s",
+    "Trip speed",
+    "TRSP",
+    "Speed of the string along the hole.",
+    "positive; the operation names the direction",
+)
+SURGE: tuple[Quantity, ...] = (
+    _row("operation", "-", "Operation", "OPER", "Running in (trip_in) or pulling out (trip_out)."),
+    _row("pipe", "-", "State of the pipe", "PIPE", "Closed, open, or pumping."),
+    BIT_DEPTH,
+    TRIP_SPEED,
+    BIT_PRESSURE,
+    ECD_BIT,
+    ECD_SHOE,
+    ECD_TD,
+    _sum(
+        "surge_pressure",
+        "Pa",
+        "Surge pressure",
+        "SURG",
+        "Pressure under the bit less that with the string at rest and the same pump.",
+        "surge positive, swab negative",
+    ),
+    PUMP_FLOW,
+    _MUD["bit_flow"],
+    _MUD["outlet_flow"],
+    _row(
+        "limited_by",
+        "-",
+        "Limited by",
+        "LIMB",
+        "Limit of the window that is passed, with its vertical depth; or none.",
+    ),
+)
+MAX_TRIP_SPEED: tuple[Quantity, ...] = (
+    SURGE[0],
+    SURGE[1],
+    BIT_DEPTH,
+    _sum(
+        "max_trip_speed",
+        "m/s",
+        "Largest trip speed",
+        "TRMX",
+        "Largest speed at which the open hole stays within the window.",
+        "positive; the operation names the direction",
+    ),
+    SURGE[-1],
+)

@@ -1,0 +1,43 @@
+"""Units in which figures of hydraulics are printed and plotted; files stay in SI."""
+
+from __future__ import annotations
+
+from drillpetsc.unit_systems import System, display_unit
+from drillpetsc.units import to_si
+
+_DIAMETERS = ("od", "id")
+_KIND_OF_UNIT = {
+    "Pa": "pressure",
+    "m3/s": "flow",
+    "kg/m3": "mud_weight",
+    "m": "length",
+    "m/s": "trip_speed",
+    "W": "power",
+    "m3": "volume",
+}
+_MINUTE = ("min", 60.0)
+#: name -> unit and its size in SI, in field and in metric units, where the trade has a unit of its own
+_OWN: dict[str, tuple[tuple[str, float], tuple[str, float]]] = {
+    "jet_velocity": (("ft/s", to_si("1 ft/s", "m/s")), ("m/s", 1.0)),
+    "impact_force": (("lbf", to_si("1 lbf", "N")), ("kN", 1e3)),
+    "bit_power_per_area": (("hp/in2", to_si("1 hp", "W") / to_si("1 in2", "m^2")), ("W/mm2", 1e6)),
+    "bottoms_up_time": (_MINUTE, _MINUTE),
+    "circulation_time": (_MINUTE, _MINUTE),
+}
+
+
+def shown_unit(name: str, unit: str, system: System) -> tuple[float, str]:
+    """Size of the unit [SI] in which a quantity is shown, and its text.
+
+    name: of the quantity; unit: SI, as in the heading of its column.
+    """
+    if system == "SI" or unit == "-":
+        return 1.0, "" if unit == "-" else unit
+    if name in _OWN:
+        text, size = _OWN[name][system != "field"]
+        return size, text
+    kind = "diameter" if name in _DIAMETERS else _KIND_OF_UNIT.get(unit)
+    if kind is None:
+        return 1.0, unit
+    size, _, text = display_unit(kind, system)
+    return size, text

@@ -1,0 +1,297 @@
+"""Pictures of the commands `hydraulics` and `surge`, drawn from their tables and summary."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+
+from drillpetsc.output.files.json_file import read_summary
+from drillpetsc.output.files.run_folder import (
+    FLOW_CURVE_TABLE,
+    LOSS_TABLE,
+    PROFILE_TABLE,
+    SURGE_TABLE,
+    TRIP_SPEED_TABLE,
+    RunFolder,
+)
+from drillpetsc.output.files.tables import read_table, split_name
+from drillpetsc.output.quantities.hydraulics import LEVELS, LOSSES
+from drillpetsc.output.shown_units import shown_unit
+from drillpetsc.plotting import style
+from drillpetsc.plotting.style import LINE_COLORS, words
+from drillpetsc.unit_systems import System
+
+Table = dict[str, np.ndarray]
+
+MOST_PROFILES = 4  # flow rates in the picture of the profile
+LIMITS = "#b03060"  # colour of pore and fracture limits
+OPERATIONS = {"trip_in": "running in", "trip_out": "pulling out"}
+DASHES = {"closed": "-", "open": (0, (5, 2)), "pumping": (0, (1, 1.2))}
+
+
+def draw_hydraulics(folder: Path, title: str, system: System) -> dict[str, Any]:
+    """Figures by name of the tables that a run folder holds; none where it holds none of them.
+
+    system: units of the axes.
+    """
+    summary_file = RunFolder(folder).summary
+    summary = read_summary(summary_file) if summary_file.exists() else {}
+    drawings: dict[str, Any] = {}
+    if (folder / FLOW_CURVE_TABLE).exists():
+        drawings["flow_curve"] = _flow_curve(read_table(folder / FLOW_CURVE_TABLE), summary, title, system)
+    if (folder / LOSS_TABLE).exists():
+        drawings["losses"] = _losses(summary, title, system)
+    if (folder / PROFILE_TABLE).exists():
+        drawings["pressure_profile"] = _profile(read_table(folder / PROFILE_TABLE), summary, title, system)
+    if (folder / SURGE_TABLE).exists():
+        drawings["surge"] = _surge(read_table(folder / SURGE_TABLE), summary, title, system)
+    if (folder / TRIP_SPEED_TABLE).exists():
+        drawings["max_trip_speed"] = _trip_speeds(read_table(folder / TRIP_SPEED_TABLE), title, system)
+    return drawings
+
+
+def units_of(summary: dict[str, Any]) -> System:
+    """Units in which the pictures of a folder are drawn: those that its command printed, else metric."""
+    units = summary.get("units")
+    return units if units in get_args(System) else "metric"  # type: ignore[return-value]
+
+
+class _Axis:
+    """A column in the unit of its axis."""
+
+    def __init__(self, title: str, system: System) -> None:
+        self.title = title
+        name, unit = split_name(title)
+        self.size, self.unit = shown_unit(name, unit, system)
+
+    def values(self, table: Table) -> np.ndarray:
+        return np.asarray(table[self.title]) / self.size
+
+    def label(self, text: str = "") -> str:
+        head = text or words(self.title)
+        return f"{head} [{self.unit}]" if self.unit else head
+
+
+def _flow_curve(table: Table, summary: dict[str, Any], title: str, system: System) -> Any:
+    """Standpipe pressure and equivalent densities over the flow rate, with the flow rates asked for."""
+    flow, pressure = _Axis("pump_flow [m3/s]", system), _Axis("pump_pressure [Pa]", system)
+    densities = [
+        (_Axis(f"{name} [kg/m3]", system), words)
+        for name, words in (("ecd_bit", "bit"), ("ecd_shoe", "casing shoe"), ("ecd_td", "end of the hole"))
+        if np.isfinite(table[f"{name} [kg/m3]"]).any()
+    ]
+    drawing = style.figure(11.0 if densities else 6.5, 4.6, dpi=110)
+    top = style.heading(drawing, f"{title}: pressure and density against flow rate")
+    grid = drawing.subplots(1, 2 if densities else 1, squeeze=False)[0]
+    x, asked = flow.values(table), [row["pump_flow"] / flow.size for row in summary.get("flows", ())]
+    grid[0].plot(x, pressure.values(table), color=LINE_COLORS[0], linewidth=1.6)
+    grid[0].plot(asked, np.interp(asked, x, pressure.values(table)), "o", color=LINE_COLORS[0], markersize=5)
+    grid[0].set(
+        xlabel=flow.label(), ylabel=pressure.label("Standpipe pressure"), ylim=(0, None), xlim=(0, None)
+    )
+    drawn: list[np.ndarray] = []
+    for (axis, name), color in zip(densities, LINE_COLORS, strict=False):
+        y = axis.values(table)
+        if any(np.allclose(y, other, rtol=1e-4) for other in drawn):
+            continue  # the bit at the end of the hole
+        drawn.append(y)
+        grid[1].plot(x, y, color=color, linewidth=1.6, label=name)
+        grid[1].plot(asked, np.interp(asked, x, y), "o", color=color, markersize=5)
+    if densities:
+        grid[1].set(
+            xlabel=flow.label(),
+            ylabel=densities[0][0].label("Equivalent circulating density"),
+            xlim=(0, None),
+        )
+        grid[1].legend(frameon=False)
+        grid[1].ticklabel_format(axis="y", useOffset=False)
+    drawing.tight_layout(rect=(0, 0, 1, top))
+    return drawing
+
+
+def _losses(summary: dict[str, Any], title: str, system: System) -> Any:
+    """Stacked losses of each flow rate asked for; a column that drives the flow stands below zero."""
+    flows = summary.get("flows", ())
+    if not flows:
+        return None
+    rate, pressure = _Axis("pump_flow [m3/s]", system), _Axis("pump_pressure [Pa]", system)
+    drawing = style.figure(max(5.5, 3.6 + 0.9 * len(flows)), 5.0, dpi=110)
+    top = style.heading(drawing, f"{title}: pressure losses")
+    axes = drawing.subplots()
+    at = np.arange(len(flows))
+    up, down = np.zeros(len(flows)), np.zeros(len(flows))
+    largest = max(abs(row["pump_pressure"]) for row in flows) / pressure.size
+    for q, color in zip((*LOSSES, *LEVELS), (*LINE_COLORS, "#7f7f7f"), strict=False):
+        values = np.array([row[q.name] or 0.0 for row in flows]) / pressure.size
+        if not (np.abs(values) > 5e-3 * largest).any():
+            continue
+        bottom = np.where(values >= 0, up, down)
+        axes.bar(at, values, 0.6, bottom=bottom, color=color, label=q.label)
+        up, down = up + np.maximum(values, 0), down + np.minimum(values, 0)
+    total = [row["pump_pressure"] / pressure.size for row in flows]
+    axes.hlines(
+        total, at - 0.36, at + 0.36, color="black", linewidth=1.6, label="Standpipe pressure", zorder=3
+    )
+    axes.axhline(0.0, color="0.35", linewidth=0.8)
+    axes.set_xticks(at, [f"{row['pump_flow'] / rate.size:.4g}" for row in flows])
+    axes.set(xlabel=rate.label(), ylabel=pressure.label("Pressure"), xlim=(-0.7, len(flows) - 0.3))
+    axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    drawing.tight_layout(rect=(0, 0, 1, top))
+    return drawing
+
+
+def _profile(table: Table, summary: dict[str, Any], title: str, system: System) -> Any:
+    """Pressures over measured depth; densities over vertical depth, with the limits of the window.
+
+    Of many flow rates the smallest, the largest and two between are drawn.
+    """
+    depth, rate = _Axis("md [m]", system), _Axis("pump_flow [m3/s]", system)
+    wet = np.isfinite(table["ecd [kg/m3]"]).any()
+    drawing = style.figure(11.5 if wet else 6.0, 7.0, dpi=110)
+    top = style.heading(drawing, f"{title}: pressure along the depth")
+    grid = drawing.subplots(1, 2 if wet else 1, squeeze=False)[0]
+    flows = np.unique(rate.values(table))
+    flows = flows[np.unique(np.linspace(0, len(flows) - 1, MOST_PROFILES).round().astype(int))]
+    for flow, color in zip(flows, LINE_COLORS, strict=False):
+        part = rate.values(table) == flow
+        for name, dash in (("internal", "-"), ("annulus", (0, (5, 2)))):
+            pressure = _Axis(f"{name}_pressure [Pa]", system)
+            values = pressure.values(table)[part]
+            text = f"{flow:.4g} {rate.unit}" if name == "internal" else None
+            if np.isfinite(values).any():
+                grid[0].plot(values, depth.values(table)[part], color=color, linestyle=dash, label=text)
+        grid[0].set_xlabel(pressure.label("Pressure (solid: bore, dashed: annulus)" if wet else "Pressure"))
+    grid[0].set(ylabel=depth.label(), ylim=(np.nanmax(depth.values(table)), 0.0))
+    grid[0].legend(frameon=False, fontsize=8, loc="lower left")
+    if wet:
+        _densities(grid[1], table, flows * rate.size, summary, system)
+    drawing.tight_layout(rect=(0, 0, 1, top))
+    return drawing
+
+
+def _densities(axes: Any, table: Table, flows: np.ndarray, summary: dict[str, Any], system: System) -> None:
+    """Draw equivalent densities over vertical depth. flows: flow rates to draw [m3/s]."""
+    tvd, density, static = (
+        _Axis("tvd [m]", system),
+        _Axis("ecd [kg/m3]", system),
+        _Axis("esd [kg/m3]", system),
+    )
+    rate = _Axis("pump_flow [m3/s]", system)
+    deepest = float(np.nanmax(tvd.values(table)))
+    shown: list[float] = _limits(summary, density.size)
+    for flow, color in zip(flows, LINE_COLORS, strict=False):
+        part = np.isclose(table["pump_flow [m3/s]"], flow, rtol=1e-9)
+        x, y = density.values(table)[part], tvd.values(table)[part]
+        axes.plot(x, y, color=color, label=f"{flow / rate.size:.4g} {rate.unit}")
+        still = static.values(table)[part]
+        shown += [*x[y > 0.05 * deepest], *still[y > 0.05 * deepest]]  # at the top a small height divides
+    axes.plot(still, y, color="0.4", linewidth=1.0, label="still mud")
+    shoe = summary.get("shoe_tvd")
+    _window(axes, summary, density.size, tvd.size, deepest, (shoe or 0.0) / tvd.size)
+    low, high = float(np.nanmin(shown)), float(np.nanmax(shown))
+    pad = 0.05 * (high - low) + 1e-3 * high
+    axes.set(xlabel=density.label("Equivalent density"), ylabel=tvd.label(), ylim=(deepest, 0.0))
+    axes.set_xlim(low - pad, high + pad)
+    if shoe is not None:
+        axes.axhline(shoe / tvd.size, color="0.6", linewidth=0.9, linestyle=(0, (6, 3)))
+        place = {"xycoords": ("axes fraction", "data"), "ha": "right", "va": "bottom", "fontsize": 8}
+        axes.annotate("casing shoe", (1.0, shoe / tvd.size), **place)
+    axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    axes.ticklabel_format(axis="x", useOffset=False)
+
+
+def _limits(summary: dict[str, Any], size: float) -> list[float]:
+    window = summary.get("window") or {}
+    return [value / size for key in ("pore", "frac") for value in window.get(key, ())]
+
+
+def _window(
+    axes: Any, summary: dict[str, Any], density: float, depth: float, deepest: float, shoe: float
+) -> None:
+    """Draw pore and fracture limits, faint behind casing.
+
+    density, depth: sizes of the units; deepest: end of the hole, shoe: of the casing, in the unit of the axis.
+    """
+    window = summary.get("window")
+    if not window:
+        return
+    for key, name in (("pore", "pore limit"), ("frac", "fracture limit")):
+        tvd = np.array(window["tvd"] or [0.0, deepest * depth]) / depth
+        values = np.array(window[key] if window["tvd"] else window[key] * 2) / density
+        dash = (0, (3, 1.5)) if key == "pore" else "-"
+        axes.plot(values, tvd, color=LIMITS, linewidth=1.0, linestyle=dash, alpha=0.35)
+        below = np.unique([shoe, *tvd[tvd > shoe]])
+        axes.plot(
+            np.interp(below, tvd, values), below, color=LIMITS, linewidth=1.6, linestyle=dash, label=name
+        )
+
+
+def _surge(table: Table, summary: dict[str, Any], title: str, system: System) -> Any:
+    """Surge pressure and density at the bit over the speed, a line for each operation, pipe and bit depth."""
+    speed, pressure = _Axis("trip_speed [m/s]", system), _Axis("surge_pressure [Pa]", system)
+    density, depth = _Axis("ecd_bit [kg/m3]", system), _Axis("bit_depth [m]", system)
+    drawing = style.figure(11.0, 5.0, dpi=110)
+    top = style.heading(drawing, f"{title}: surge and swab")
+    grid = drawing.subplots(1, 2)
+    depths = list(dict.fromkeys(table["bit_depth [m]"]))
+    for k, md in enumerate(depths):
+        for operation, offset in (("trip_in", 0), ("trip_out", 1)):
+            for pipe, dash in DASHES.items():
+                part = (
+                    (table["bit_depth [m]"] == md)
+                    & (table["operation [-]"] == operation)
+                    & (table["pipe [-]"] == pipe)
+                )
+                if not part.any():
+                    continue
+                name = f"{OPERATIONS[operation]}, {pipe}"
+                name += f", bit at {md / depth.size:.5g} {depth.unit}" if len(depths) > 1 else ""
+                color = LINE_COLORS[(2 * k + offset) % len(LINE_COLORS)]
+                order = np.argsort(speed.values(table)[part])
+                for axes, column in ((grid[0], pressure), (grid[1], density)):
+                    x, y = speed.values(table)[part][order], column.values(table)[part][order]
+                    axes.plot(x, y, marker=".", color=color, linestyle=dash, label=name)
+    for axes, column in ((grid[0], pressure), (grid[1], density)):
+        axes.set(xlabel=speed.label(), ylabel=column.label(), xlim=(0, None))
+        axes.ticklabel_format(axis="y", useOffset=False)
+    grid[0].axhline(0.0, color="0.35", linewidth=0.8)
+    window = summary.get("window") or {}
+    if window and not window.get("tvd"):
+        for key, name in (("pore", "pore limit"), ("frac", "fracture limit")):
+            dash = (0, (3, 1.5)) if key == "pore" else "-"
+            grid[1].axhline(window[key][0] / density.size, color=LIMITS, linestyle=dash, label=name)
+    grid[1].legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    drawing.tight_layout(rect=(0, 0, 1, top))
+    return drawing
+
+
+def _trip_speeds(table: Table, title: str, system: System) -> Any:
+    """Largest trip speed over the depth of the bit."""
+    speed, depth = _Axis("max_trip_speed [m/s]", system), _Axis("bit_depth [m]", system)
+    drawing = style.figure(7.5, 6.5, dpi=110)
+    top = style.heading(drawing, f"{title}: largest trip speed within the window")
+    axes = drawing.subplots()
+    for operation, color in zip(OPERATIONS, LINE_COLORS, strict=False):
+        for pipe, dash in DASHES.items():
+            part = (table["operation [-]"] == operation) & (table["pipe [-]"] == pipe)
+            if part.any():
+                order = np.argsort(depth.values(table)[part])
+                axes.plot(
+                    speed.values(table)[part][order],
+                    depth.values(table)[part][order],
+                    marker=".",
+                    color=color,
+                    linestyle=dash,
+                    label=f"{OPERATIONS[operation]}, {pipe}",
+                )
+    free = np.isin(table["limited_by [-]"], ("none", "-"))
+    if free.any():
+        x, y = speed.values(table)[free], depth.values(table)[free]
+        axes.plot(x, y, ">", color="0.25", markersize=7, fillstyle="none", label="no limit up to this speed")
+    axes.set(xlabel=speed.label(), ylabel=depth.label("Bit depth"), xlim=(0, None))
+    axes.invert_yaxis()
+    axes.legend(frameon=False, fontsize=8)
+    drawing.tight_layout(rect=(0, 0, 1, top))
+    return drawing

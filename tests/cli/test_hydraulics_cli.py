@@ -1,0 +1,137 @@
+"""`hydraulics` and `surge` as a user types them: files, units on the screen, pictures, refusals."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from drillpetsc.output import read_table
+from drillpetsc.output.catalogue import outputs_by_file, records
+from drillpetsc.plotting.plot import plot
+from tests.cli.test_cli import drillpetsc
+
+CASE = """
+title: small well
+well:
+  survey: {md: [0 m, 800 m, 1500 m], inclination: [0 deg, 0 deg, 40 deg], azimuth: [0 deg, 0 deg, 0 deg]}
+  sections:
+    - {to: 700 m, kind: casing, diameter: 224 mm}
+    - {kind: open_hole, diameter: 215.9 mm}
+string:
+  - {kind: pipe, name: drill pipe, length: 1300 m, od: 127 mm, id: 108.6 mm, element_length: 50 m}
+  - {kind: pipe, name: collar, length: 150 m, od: 171.5 mm, id: 71.4 mm, element_length: 50 m}
+  - {kind: bit, length: 0.5 m, od: 215.9 mm, mass: 60 kg, nozzle_area: 300 mm2}
+top: clamped
+fluid: {density: 1200 kg/m3, rheology: {model: bingham, plastic_viscosity: 20 cP, yield_stress: 6 Pa}, flow_rate: 30 l/s}
+window: {tvd: [600 m, 1500 m], pore: [1100 kg/m3, 1120 kg/m3], frac: [1450 kg/m3, 1500 kg/m3]}
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    """A folder with small.yaml and both commands done once."""
+    path = tmp_path_factory.mktemp("hydraulics")
+    (path / "small.yaml").write_text(CASE)
+    done = drillpetsc(
+        "hydraulics", "small.yaml", "--flow", "400,500 gpm", "--units", "field", "--out", "h", cwd=path
+    )
+    assert done.returncode == 0, done.stderr
+    assert "psi" in done.stdout and "ppg" in done.stdout and "HSI" not in done.stderr
+    assert "MD 4758.86 ft" in done.stdout and "Open hole, limit passed: none; none" in done.stdout
+    done = drillpetsc(
+        "surge",
+        "small.yaml",
+        "--speed",
+        "30,60 ft/min",
+        "--pipe",
+        "closed,open,pumping",
+        "--out",
+        "s",
+        cwd=path,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "largest trip speed" in done.stdout and "m/min" in done.stdout
+    return path
+
+
+def test_tables_and_summaries_are_those_of_the_catalogue(folder: Path):
+    tables = {
+        "h": ("hydraulics.csv", "pressure_profile.csv", "flow_curve.csv"),
+        "s": ("surge.csv", "max_trip_speed.csv"),
+    }
+    for run, files in tables.items():
+        for file in files:
+            assert list(read_table(folder / run / file)) == [q.title for q in outputs_by_file()[file]]
+    summary = json.loads((folder / "h" / "summary.json").read_text())
+    listed = [r["name"] for r in records() if r["file"] == "summary.json of hydraulics"]
+    quantities = [q.name for q in outputs_by_file()["summary.json of hydraulics"]]
+    assert set(summary) == set(listed) - set(quantities)
+    assert all(set(flow) == {*quantities, "limited_by", "warnings"} for flow in summary["flows"])
+    summary = json.loads((folder / "s" / "summary.json").read_text())
+    assert set(summary) == {r["name"] for r in records() if r["file"] == "summary.json of surge"}
+
+
+def test_pictures_and_a_second_plot(folder: Path):
+    for run, names in (
+        ("h", {"flow_curve", "losses", "pressure_profile"}),
+        ("s", {"surge", "max_trip_speed"}),
+    ):
+        drawn = {file.stem for file in (folder / run / "plots").glob("*.png")}
+        assert drawn == names
+        again = plot(folder / run, folder / f"again-{run}")
+        assert {file.stem for file in again} == names and all(file.stat().st_size > 10_000 for file in again)
+
+
+def test_the_case_in_the_folder_gives_the_same_again(folder: Path):
+    done = drillpetsc("hydraulics", "h/case.yaml", "--flow", "400,500 gpm", "--out", "h2", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert (folder / "h" / "hydraulics.csv").read_text() == (folder / "h2" / "hydraulics.csv").read_text()
+
+
+def test_a_string_without_hole_and_nozzles(folder: Path):
+    text = "string: [{kind: pipe, length: 100 m, od: 127 mm, id: 108.6 mm}]\ntop: clamped\n"
+    text += "fluid: {density: 1000 kg/m3, rheology: {model: newtonian, viscosity: 1 cP}, flow_rate: 0.02}\n"
+    (folder / "bare.yaml").write_text(text)
+    done = drillpetsc("hydraulics", "bare.yaml", "--out", "bare", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert "no annulus" in done.stdout and "no nozzles" in done.stdout and "ECD" not in done.stdout
+    assert {f.stem for f in (folder / "bare" / "plots").glob("*.png")} == {
+        "flow_curve",
+        "losses",
+        "pressure_profile",
+    }
+
+
+def test_an_existing_folder_needs_overwrite(folder: Path):
+    refused = drillpetsc("hydraulics", "small.yaml", "--out", "h", cwd=folder)
+    assert refused.returncode == 2 and "exists" in refused.stderr
+    done = drillpetsc("hydraulics", "small.yaml", "--spp", "80 bar", "--out", "over", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert "80 bar" in " ".join(done.stdout.split())
+    done = drillpetsc("surge", "small.yaml", "--speed", "1 m/s", "--out", "over", "--overwrite", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert not (folder / "over" / "hydraulics.csv").exists() and (folder / "over" / "surge.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["hydraulics", "small.yaml", "--flow", "0 gpm"], "above 0"),
+        (["hydraulics", "small.yaml", "--flow=-400 gpm"], "above 0"),
+        (["hydraulics", "small.yaml", "--flow", "400"], "a bare number is in"),
+        (["hydraulics", "small.yaml", "--spp", "1 Pa"], "starts the flow"),
+        (["surge", "small.yaml"], "--speed"),
+        (["surge", "small.yaml", "--speed", "0 ft/min"], "above 0"),
+        (["surge", "small.yaml", "--speed", "30 ft/min", "--pipe", "shut"], "closed, open, pumping"),
+        (["surge", "small.yaml", "--speed", "30 ft/min", "--window", "14,9 ppg"], "frac above pore"),
+        (["surge", "small.yaml", "--speed", "30 ft/min", "--bit-depth", "2000 m"], "the end of the hole"),
+        (["surge", "small.yaml", "--speed", "30 ft/min", "--bit-depth", "0.2 m"], "rigid item"),
+    ],
+)
+def test_bad_options_are_refused_before_anything_is_written(words, message, folder: Path):
+    before = {p.name for p in folder.iterdir()}
+    done = drillpetsc(*words, "--out", "never", cwd=folder)
+    assert done.returncode == 2 and message in done.stderr, done.stderr
+    assert "Traceback" not in done.stderr and {p.name for p in folder.iterdir()} == before
