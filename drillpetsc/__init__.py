@@ -9,11 +9,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from drillpetsc.api import Case, load_case, modes, run, statics, study, sweep
+    from drillpetsc.api import Case, catalogue, load_case, modes, run, statics, study, sweep
 
 from drillpetsc.version import __version__ as __version__
 
-__all__ = ["Case", "load_case", "modes", "run", "statics", "study", "sweep"]
+__all__ = ["Case", "catalogue", "load_case", "modes", "run", "statics", "study", "sweep"]
 
 
 def __getattr__(name: str) -> Any:

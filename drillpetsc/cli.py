@@ -370,6 +370,21 @@ def _import_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("--overwrite", action="store_true", help="replace an existing --out")
 
 
+def _catalogue_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "text",
+        nargs="*",
+        metavar="TEXT",
+        help="what a row must have: a size (5in), a size and a weight (5in 19.50), a grade, a connection, a kind "
+        "(hwdp, drill_collar, casing); all rows without it",
+    )
+    command.add_argument(
+        "--files",
+        metavar="PATH",
+        help="a folder with CSV files, or one CSV file, whose rows come before the built-in ones",
+    )
+
+
 def _schema_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("file", nargs="?", metavar="FILE", help="where to write (default: standard output)")
     command.add_argument(
@@ -487,6 +502,13 @@ def _check(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.analysis.check import describe
 
     print(describe(case))
+    return 0
+
+
+def _catalogue(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case.catalogue import catalogue
+
+    print(catalogue(" ".join(arguments.text), arguments.files))
     return 0
 
 
@@ -666,6 +688,13 @@ COMMANDS = (
         "read and validate a case, and say what the model contains and leaves out",
         _check_arguments,
         _check,
+    ),
+    Command(
+        "catalogue",
+        "rows of the catalogue of drill pipe, collars and casing, in field and metric units, with their sources",
+        _catalogue_arguments,
+        _catalogue,
+        takes_petsc_options=False,
     ),
     Command(
         "statics",
