@@ -105,9 +105,9 @@ def _section_lines(case: Case, item: Tubular) -> list[str]:
         )
     if case.fluid is not None and s.joint_share > 0:
         extra = s.joint_share * ((item.id / s.joint_bore) ** TURBULENT - 1)
-        note = f"; the bore of the tool joints would add about {100 * extra:.0f} % to the loss in the bore in turbulent flow"
         lines.append(
-            "friction of the mud: tube body only, in bore and annulus" + (note if extra > 0.005 else "")
+            f"friction of the mud: in the bore tube and tool joints in series ({100 * extra:+.0f} % over the tube in turbulent "
+            "flow); in the annulus the tube only"
         )
     return lines
 

@@ -12,9 +12,10 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.fluid import flow_constants
 from drillpetsc.case.blocks.string import Rigid, Stabilizer, Tube
+from drillpetsc.case.blocks.tubulars import Jointed
 from drillpetsc.case.blocks.well import Section
 from drillpetsc.case.case import Case
-from drillpetsc.case.section import metal_past
+from drillpetsc.case.section import metal_past, tubular_section
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
@@ -362,7 +363,17 @@ def build_bore(case: Case, mesh: StringMesh) -> Bore:
         young, nu = np.array([_constants(case, k) for k in mesh.item]).T
         wall = 2 / young * ((outer**2 + inner**2) / (outer**2 - inner**2) + nu)
     runs, _ = _rigid_runs(case, mesh)
-    return Bore(area, wall, np.where(mesh.rigid_above > 0, runs[:-1, 0], area), np.pi * inner**2)
+    above = np.where(mesh.rigid_above > 0, runs[:-1, 0], area)
+    sections = {k: tubular_section(item) for k, item in enumerate(case.string) if isinstance(item, Jointed)}
+    if not sections:
+        return Bore(area, wall, above)
+    joints = np.array(
+        [
+            (sections[k].joint_share, sections[k].joint_bore) if k in sections else (0.0, 2 * r)
+            for k, r in zip(mesh.item, inner, strict=True)
+        ]
+    )
+    return Bore(area, wall, above, np.pi * inner**2, joints[:, 0], np.pi / 4 * joints[:, 1] ** 2)
 
 
 def build_walls(case: Case, mesh: StringMesh) -> AnnulusWalls:

@@ -14,6 +14,7 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.model.mesh import build_mesh
 from drillpetsc.output import read_table
 from drillpetsc.output.static_table import static_table
+from drillpetsc.physics.fluid.rheology import Rheology, pressure_gradient
 
 FOOT, INCH, LBF, G0 = 0.3048, 0.0254, 4.4482216152605, 9.80665
 PPG = 0.45359237 / 0.003785411784
@@ -231,3 +232,48 @@ def test_block_weight_is_reported(tmp_path):
     assert load == pytest.approx(7850 * ring(0.2, 0.1)[0] * 90 * G0, rel=1e-6)
     assert any("exceeds rig.max_hookload" in text for text in summary["warnings"])
     assert not (still.folder / "case.resolved.yaml").exists()  # nothing was filled in
+
+
+@pytest.mark.parametrize(("viscosity", "flow"), [(0.5, 0.002), (0.02, 0.03)])
+@pytest.mark.parametrize("formulation", ["mixed", "hermite"])
+def test_friction_of_tube_and_tool_joints_in_series(viscosity, flow, formulation):
+    """Loss in the bore of a horizontal string (manual: eq-tubulars-friction).
+
+    Laminar: Hagen and Poiseuille, 128 mu Q/pi [(1 - f)/d^4 + f/d_t^4]; turbulent: the law of the program for each of the two bores.
+    """
+    length = 300.0
+    case = Case(
+        string=[PIPE | {"length": length}],
+        top="clamped",
+        hold_string=True,
+        well=well(length, np.pi / 2, 0.3),
+        fluid=mud(1200.0)
+        | {
+            "rheology": {
+                "model": "bingham",
+                "yield_stress": 0.0,
+                "plastic_viscosity": viscosity,
+                "law": "exact",
+            },
+            "flow_rate": flow,
+            "formulation": formulation,
+        },
+    )
+    model = build_model(case)
+    summary = static_summary(model, find_equilibrium(model))
+    loss = summary["pump_pressure"] - summary["bit_pressure"]
+    f, bores = 17 / 372, (4.276 * INCH, 2.75 * INCH)
+    speeds = [4 * flow / (np.pi * d**2) for d in bores]
+    reynolds = [1200 * v * d / viscosity for v, d in zip(speeds, bores, strict=True)]
+    if viscosity == 0.5:
+        assert max(reynolds) < 1000
+        gradients = [128 * viscosity * flow / (np.pi * d**4) for d in bores]
+    else:
+        assert min(reynolds) > 10_000
+        law = Rheology.herschel_bulkley(viscosity, 1.0, 0.0, law="exact", shear_rate_eps=1e-3)
+        gradients = [
+            float(pressure_gradient(law, v, d, False, 1200.0)) for v, d in zip(speeds, bores, strict=True)
+        ]
+    expected = length * ((1 - f) * gradients[0] + f * gradients[1])
+    assert loss == pytest.approx(expected, rel=2e-4)
+    assert loss > 1.2 * length * gradients[0]

@@ -16,6 +16,7 @@ from drillpetsc.case.catalogue.reference import (
     ReferenceProblem,
     find_pipe,
     parse,
+    same_connection,
 )
 from drillpetsc.case.catalogue.sizes import FT_LBF, KSI, LB_PER_FT, LBF, inch_text, size_at_start
 from drillpetsc.case.catalogue.tables import TABLES, Catalogue, Row
@@ -148,10 +149,18 @@ def _referred(whole: Catalogue, text: str) -> list[Row]:
         words = [w for w in (reference.grade, reference.upset, reference.connection, reference.wear) if w]
         if not words:
             return []
-        choice = find_pipe(whole, reference)
+        choice = find_pipe(whole, reference, joint_needed=reference.grade is not None)
     except ReferenceProblem:
         return []
-    rows = [choice.tube, *([choice.joint] if choice.joint else [])]
+    joints = [choice.joint] if reference.grade is not None and choice.joint else []
+    if reference.grade is None:  # of all grades
+        joints = [
+            row
+            for row in choice.joints_nearby
+            if (reference.upset in (None, row["upset"]))
+            and (not reference.connection or same_connection(whole, reference.connection, row["connection"]))
+        ]
+    rows = [choice.tube, *joints]
     names = (("grade", reference.grade), ("class", reference.wear))
     return (
         rows + [row for table, word in names for row in whole.rows[table] if word and row[table] == word][:2]

@@ -23,12 +23,30 @@ class Bore:
     area: [m2]; wall: compliance d(ln area)/dp [1/Pa] (manual: eq-mud-wall-bore).
     area_above: of the rigid item above the element [m2].
     body: of the tube between tool joints [m2], for friction; None: ``area``.
+    joint_share: share of the length that tool joints have [-], joint_area: of their bore [m2]; None: no tool joints.
     """
 
     area: FloatArray
     wall: FloatArray
     area_above: FloatArray
     body: FloatArray | None = None
+    joint_share: FloatArray | None = None
+    joint_area: FloatArray | None = None
+
+    def friction(self, e: np.ndarray) -> dict[str, FloatArray]:
+        """Parameters of the friction in the elements ``e`` (k,): tube and tool joints in series."""
+        tube = self.area if self.body is None else self.body
+        none = np.zeros(len(tube))
+        share = none if self.joint_share is None else self.joint_share
+        joint = tube if self.joint_area is None else self.joint_area
+        return {
+            "diameter": self.diameter[e],
+            "joint_share": share[e],
+            "joint_diameter": np.sqrt(4 / np.pi * joint)[e],
+            # kernels work on several elements at once: those without tool joints have the speed in their area
+            "tube_speed": np.where(share > 0, self.area / tube, 1.0)[e],
+            "joint_speed": np.where(share > 0, self.area / joint, 1.0)[e],
+        }
 
     @property
     def diameter(self) -> FloatArray:
