@@ -9,11 +9,33 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from drillpetsc.api import Case, hydraulics, load_case, modes, run, statics, study, surge, sweep
+    from drillpetsc.api import (
+        Case,
+        catalogue,
+        hydraulics,
+        load_case,
+        modes,
+        run,
+        statics,
+        study,
+        surge,
+        sweep,
+    )
 
 from drillpetsc.version import __version__ as __version__
 
-__all__ = ["Case", "hydraulics", "load_case", "modes", "run", "statics", "study", "surge", "sweep"]
+__all__ = [
+    "Case",
+    "catalogue",
+    "hydraulics",
+    "load_case",
+    "modes",
+    "run",
+    "statics",
+    "study",
+    "surge",
+    "sweep",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from drillpetsc.case import Case, load_case
+from drillpetsc.case.catalogue import catalogue
 from drillpetsc.parallel import initialise_petsc
 
 if TYPE_CHECKING:
@@ -24,7 +25,18 @@ if TYPE_CHECKING:
     from drillpetsc.studies.convergence.study import StudyResult
     from drillpetsc.studies.sweep.sweep import SweepResult
 
-__all__ = ["Case", "hydraulics", "load_case", "modes", "run", "statics", "study", "surge", "sweep"]
+__all__ = [
+    "Case",
+    "catalogue",
+    "hydraulics",
+    "load_case",
+    "modes",
+    "run",
+    "statics",
+    "study",
+    "surge",
+    "sweep",
+]
 
 
 def run(case: Case | str | Path, out: str | Path | None = None, **keywords: Any) -> RunResult:

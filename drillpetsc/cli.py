@@ -331,15 +331,6 @@ def _hydraulics_arguments(command: argparse.ArgumentParser) -> None:
     _units_argument(command)
 
 
-def _units_argument(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "--units",
-        choices=("field", "metric", "SI"),
-        default="metric",
-        help="units of printed and plotted figures (default: metric); files are in SI",
-    )
-
-
 def _surge_arguments(command: argparse.ArgumentParser) -> None:
     _case_argument(command)
     command.add_argument(
@@ -426,6 +417,21 @@ def _import_arguments(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("--out", metavar="CASE.yaml", help="where to write (default: standard output)")
     command.add_argument("--overwrite", action="store_true", help="replace an existing --out")
+
+
+def _catalogue_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "text",
+        nargs="*",
+        metavar="TEXT",
+        help="what a row must have: a size (5in), a size and a weight (5in 19.50), a grade, a connection, a kind "
+        "(hwdp, drill_collar, casing); all rows without it",
+    )
+    command.add_argument(
+        "--files",
+        metavar="PATH",
+        help="a folder with CSV files, or one CSV file, whose rows come before the built-in ones",
+    )
 
 
 def _schema_arguments(command: argparse.ArgumentParser) -> None:
@@ -557,6 +563,13 @@ def _check(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     return 0
 
 
+def _catalogue(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case.catalogue import catalogue
+
+    print(catalogue(" ".join(arguments.text), arguments.files))
+    return 0
+
+
 def _statics(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.case import load_case
 
@@ -580,7 +593,7 @@ def _hydraulics(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     start_job(petsc_options)
     from drillpetsc.analysis.hydraulics.hydraulics import run_hydraulics
 
-    name, units = Path(arguments.case).stem, arguments.units
+    name, units = Path(arguments.case).stem, arguments.units or case.output.units
     result = run_hydraulics(case, flows, pressure, arguments.out, arguments.overwrite, name, units=units)
     _print(result.lines)
     return _draw_on_first_rank(result.folder)
@@ -602,7 +615,7 @@ def _surge(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     start_job(petsc_options)
     from drillpetsc.analysis.hydraulics.surge import run_surge
 
-    name, units = Path(arguments.case).stem, arguments.units
+    name, units = Path(arguments.case).stem, arguments.units or case.output.units
     result = run_surge(case, trips, arguments.out, arguments.overwrite, name, units=units)
     _print(result.lines)
     return _draw_on_first_rank(result.folder)
@@ -779,6 +792,13 @@ COMMANDS = (
         "read and validate a case, and say what the model contains and leaves out",
         _check_arguments,
         _check,
+    ),
+    Command(
+        "catalogue",
+        "rows of the catalogue of drill pipe, collars and casing, in field and metric units, with their sources",
+        _catalogue_arguments,
+        _catalogue,
+        takes_petsc_options=False,
     ),
     Command(
         "statics",

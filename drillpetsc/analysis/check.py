@@ -8,10 +8,12 @@ import numpy as np
 
 from drillpetsc.analysis.coarse_mesh import expected_warnings
 from drillpetsc.analysis.energy_descent import coarse_elements
+from drillpetsc.analysis.string_figures import figure_lines
 from drillpetsc.analysis.summary import field_counts
 from drillpetsc.analysis.time_scales import time_scales
 from drillpetsc.case.blocks.fluid import Rheology, flow_constants, stress_at
 from drillpetsc.case.blocks.formation import Formation
+from drillpetsc.case.blocks.rig import Rig
 from drillpetsc.case.case import Case
 from drillpetsc.case.mud_report import misfit
 from drillpetsc.case.plausibility import notes
@@ -95,6 +97,20 @@ def _chosen_lengths(case: Case, model: DrillingModel) -> list[str]:
     return lines + [f"  WARNING: {text}" for text in lengths.warnings()]
 
 
+def _rig(rig: Rig) -> str:
+    """Describe the rig."""
+    given = (
+        ("block", rig.block_weight, "N"),
+        ("largest hook load", rig.max_hookload, "N"),
+        ("largest surface torque", rig.max_surface_torque, "N m"),
+        ("largest standpipe pressure", rig.max_spp, "Pa"),
+    )
+    parts = [f"{name} {value:g} {unit}" for name, value, unit in given if value is not None]
+    return "  rig: " + "; ".join(
+        [*([f"depths from {rig.datum}"] if rig.datum else []), *parts] or ["nothing given"]
+    )
+
+
 def _lines(model: DrillingModel) -> list[str]:
     case, mesh, system = model.case, model.mesh, model.system
     units = case.output.units or "SI"
@@ -107,6 +123,9 @@ def _lines(model: DrillingModel) -> list[str]:
         f"{len(mesh.bodies)} rigid items"
     )
     lines += _chosen_lengths(case, model)
+    lines += figure_lines(case)
+    if case.rig is not None:
+        lines.append(_rig(case.rig))
     if case.well is not None:
         q = case.well
         lines.append(

@@ -94,8 +94,8 @@ def clearance(model: DrillingModel) -> float | None:
     if model.well is None or model.contact is None:
         return None
     middle = 0.5 * (model.mesh.upper + model.mesh.lower) + top_depth(model)
-    gap = np.asarray(model.well.radius(middle)) - 0.5 * model.mesh.outer_diameter
-    return float(max(1e-3, np.min(gap[model.mesh.outer_diameter > 0], initial=0.1)))
+    gap = np.asarray(model.well.radius(middle)) - 0.5 * model.mesh.contact_diameter
+    return float(max(1e-3, np.min(gap[model.mesh.contact_diameter > 0], initial=0.1)))
 
 
 def stable_state(

@@ -418,8 +418,8 @@ def _gap(model: DrillingModel) -> FloatArray:
     mesh, well = model.mesh, model.well
     assert well is not None
     outer = np.zeros(mesh.nodes)
-    np.maximum.at(outer, np.arange(mesh.nodes - 1), mesh.outer_diameter)
-    np.maximum.at(outer, np.arange(1, mesh.nodes), mesh.outer_diameter)
+    np.maximum.at(outer, np.arange(mesh.nodes - 1), mesh.contact_diameter)
+    np.maximum.at(outer, np.arange(1, mesh.nodes), mesh.contact_diameter)
     return np.maximum(np.asarray(well.radius(mesh.node_depth + top_depth(model))) - 0.5 * outer, 0.0)
 
 

@@ -222,7 +222,7 @@ def friction_factors(model: DrillingModel, motion: tuple[float, float]) -> tuple
 def _radius(model: DrillingModel) -> FloatArray:
     """Outer radius (n,) [m] of the string at each node, that of a rigid item where one is."""
     mesh = model.mesh
-    radius = 0.5 * np.append(mesh.outer_diameter, mesh.outer_diameter[-1])
+    radius = 0.5 * np.append(mesh.contact_diameter, mesh.contact_diameter[-1])
     for b in mesh.bodies:
         radius[b.node] = max(radius[b.node], b.radius)
     return radius

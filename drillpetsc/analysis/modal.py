@@ -34,6 +34,7 @@ from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError, DrillError
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
+from drillpetsc.output.case_files import write_case
 from drillpetsc.output.field_output import FieldOutput
 from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.files.fields import _write_vtu
@@ -416,7 +417,7 @@ def mode_summary(found: Modes, state: StaticState) -> dict[str, Any]:
 
 def _write(model: DrillingModel, folder: RunFolder, found: Modes, summary: dict[str, Any], fields) -> None:
     """Write the files of the run folder; ``fields``: those of the state, None without a string."""
-    model.case.dump(folder.case)
+    write_case(model.case, folder)
     numbers = np.arange(1, found.count + 1)
     write_table(
         folder.path / "modes.csv",

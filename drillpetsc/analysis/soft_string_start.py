@@ -39,7 +39,7 @@ def soft_string(model: DrillingModel, motion: tuple[float, float]) -> TorqueDrag
         well,
         depth[np.append(True, has_length)],
         weight[has_length],
-        0.5 * mesh.outer_diameter[has_length],
+        0.5 * mesh.contact_diameter[has_length],
         mesh.axial_stiffness[has_length],
         mesh.torsional_stiffness[has_length],
         bottom_force=_force_below(model, g) - wob,

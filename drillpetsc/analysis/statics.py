@@ -22,6 +22,7 @@ from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.quantity import Quantity, Sample
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
+from drillpetsc.output.case_files import write_case
 from drillpetsc.output.field_output import FieldOutput
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.flow_recorder import FlowRecorder
@@ -71,10 +72,46 @@ def run_statics(
             **(state.path.as_dict() if state.path is not None else {}),
             **({"buckling": buckled.as_dict()} if model.beam is not None else {}),
         }
+        beyond = beyond_rig(case, summary)
+        if beyond:
+            state.warnings += beyond
+            summary["warnings"] = list(state.warnings)
         fields = FieldOutput(model).fields(0.0)
         if comm.rank == 0:
             _write(model, folder, columns, values, summary, fields)
     return RunResult(folder.path, summary, _lines(case, folder, state, summary))
+
+
+def beyond_rig(case: Case, summary: dict[str, Any]) -> list[str]:
+    """Warnings where a static state asks more of the rig than it can bear.
+
+    summary: of the state, in SI.
+    """
+    rig = case.rig
+    if rig is None:
+        return []
+    limits = (
+        (
+            "hook load",
+            summary.get("hook_load_total", summary.get("hook_load")),
+            rig.max_hookload,
+            "max_hookload",
+            "N",
+        ),
+        (
+            "surface torque",
+            summary.get("surface_torque"),
+            rig.max_surface_torque,
+            "max_surface_torque",
+            "N m",
+        ),
+        ("standpipe pressure", summary.get("pump_pressure"), rig.max_spp, "max_spp", "Pa"),
+    )
+    return [
+        f"{name} of {abs(value):.4g} {unit} exceeds rig.{key}, {limit:.4g} {unit}"
+        for name, value, limit, key, unit in limits
+        if value is not None and limit is not None and abs(value) > limit
+    ]
 
 
 def _write(
@@ -85,7 +122,7 @@ def _write(
     summary: dict[str, Any],
     fields: tuple[FloatArray, dict[str, FloatArray]] | None,
 ) -> None:
-    model.case.dump(folder.case)
+    write_case(model.case, folder)
     if values is not None:
         write_table(folder.statics, columns, list(values.T))
     if fields is not None:
@@ -165,6 +202,8 @@ def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
         "imperfection": report.imperfection,
         "warnings": list(state.warnings),
     }
+    if model.case.rig is not None and model.case.rig.block_weight is not None:
+        out["hook_load_total"] = out["hook_load"] + model.case.rig.block_weight
     if model.contact is not None:
         items = RigidItems(model)
         out["rigid_items"] = items.listed(_sum_over_ranks(model, items.forces(Sample(system, 0.0))))

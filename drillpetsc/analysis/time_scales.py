@@ -118,7 +118,7 @@ def time_scales(model: DrillingModel) -> TimeScales:
         )
         scales["bending"] = _period(BENDING * mesh.bending_stiffness[e] / (mass * L**4))
     if model.contact is not None:
-        touching = (mesh.outer_diameter > 0) & ~mesh.is_joint
+        touching = (mesh.contact_diameter > 0) & ~mesh.is_joint
         masses, lengths = list(mesh.mass[touching]), list(mesh.length[touching])
         for item in mesh.bodies:
             if item.radius > 0 and item.mass > 0 and item.length > 0:

@@ -31,6 +31,7 @@ from drillpetsc.errors import LONGEST, RESTART_HINT, CaseError, Interrupted, Sol
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.output import RunFolder, read_summary, write_summary
 from drillpetsc.output.boiling import BoilingMonitor
+from drillpetsc.output.case_files import write_case
 from drillpetsc.output.creep import creep_warnings
 from drillpetsc.output.energy_balance import EnergyGainMonitor
 from drillpetsc.output.motion_classes import MotionClasses
@@ -376,7 +377,7 @@ class TransientRun:
             if self.saved is None:
                 _write_model(self.model, self.folder)
             else:  # with a later end, or accepted changes
-                self.model.case.dump(self.folder.case)
+                write_case(self.model.case, self.folder)
 
     def _move(self) -> None:
         """Compute all steps.  The integrator passes the times of checkpoints, or stops there if its formula cannot be
@@ -504,6 +505,6 @@ class TransientRun:
 
 def _write_model(model: DrillingModel, folder: RunFolder) -> None:
     """Write the case and the hole at the start."""
-    model.case.dump(folder.case)
+    write_case(model.case, folder)
     if model.well is not None:
         write_well_files(model, folder)

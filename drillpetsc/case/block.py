@@ -14,6 +14,15 @@ from drillpetsc.case.quantities import unit_of_field
 from drillpetsc.errors import shown
 from drillpetsc.units import spelled
 
+#: words of the trade for keys of other names
+TRADE_WORDS = {
+    "tfa": "nozzle_area",
+    "weight": "mass",
+    "friction_factor": "friction",
+    "toolface": "tool_face",
+    "rpm": "rotation",
+}
+
 AnyBlock = TypeVar("AnyBlock", bound="Block")
 
 
@@ -84,7 +93,8 @@ class Block(BaseModel):
                     if cls.discriminator in data
                     else ""
                 )
-                hint = suggestion(key, cls.keys())
+                word = TRADE_WORDS.get(key)
+                hint = f"did you mean '{word}'?" if word in cls.keys() else suggestion(key, cls.keys())
                 raise refuse(
                     key, got=value, want=f"one of these keys{of}: {', '.join(cls.keys())}", hint=hint
                 )

@@ -6,16 +6,19 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError, model_validator
+from pydantic import PrivateAttr, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.checks.case import check_case
 from drillpetsc.case.defaults import fill_case_defaults, fill_presence_defaults
+from drillpetsc.case.figures import Figures
 from drillpetsc.case.key_paths import check_plain, refuse
 from drillpetsc.case.messages import case_error
 from drillpetsc.case.old_words import check_old_words
 from drillpetsc.case.quantities import BARE_NUMBERS
-from drillpetsc.case.writer import case_yaml
+from drillpetsc.case.tubulars import completed_string
+from drillpetsc.case.writer import case_yaml, sourced_yaml
 from drillpetsc.unit_systems import System
 
 
@@ -36,6 +39,8 @@ class Case(CaseBlocks):
     default is filled in. Wrong input is a `CaseError`.
     """
 
+    _figures: Figures = PrivateAttr(default=Figures())
+
     def __init__(self, /, **keys: Any) -> None:
         check_plain(keys)
         check_old_words(keys)
@@ -52,7 +57,12 @@ class Case(CaseBlocks):
         token = BARE_NUMBERS.set("SI")  # blocks that defaults build
         try:
             fill_presence_defaults(self)
-            check_case(self)
+            string, self._figures, origins = completed_string(self)
+            self.fill_defaults(string=string, catalogue=None)
+            try:
+                check_case(self)
+            except PydanticCustomError as error:
+                raise _in_the_file(error, origins) from None
             fill_case_defaults(self)
             self._units_to_output()
         finally:
@@ -68,11 +78,32 @@ class Case(CaseBlocks):
             self.fill_defaults(output=self.output.model_copy(update={"units": given}))
         self.fill_defaults(units="SI", force_unit=None)
 
+    @property
+    def figures(self) -> Figures:
+        """Figures that the case did not give itself: from the catalogue, defaults and formulas, with sources."""
+        return self._figures
+
     def to_yaml(self) -> str:
         """The case as YAML, in SI numbers and with every default written out; `load_case` reads it back
         unchanged."""
         return case_yaml(self)
 
+    def to_sourced_yaml(self) -> str:
+        """The case as `to_yaml`, with the source of each figure from catalogue, defaults and formulas as a comment."""
+        return sourced_yaml(self, self._figures)
+
     def dump(self, path: str | Path) -> None:
         """Write `to_yaml()` to a file."""
         Path(path).write_text(self.to_yaml(), encoding="utf-8")
+
+
+def _in_the_file(error: PydanticCustomError, origins: tuple[int, ...]) -> PydanticCustomError:
+    """The error with the number that a string item has in the case file.
+
+    origins: number in the case file of each item
+    """
+    context = dict(error.context or {})
+    at = tuple(context.get("at", ()))
+    if len(at) < 2 or at[0] != "string" or not isinstance(at[1], int) or origins[at[1]] == at[1]:
+        return error
+    return PydanticCustomError("case", "wrong value", context | {"at": ("string", origins[at[1]], *at[2:])})

@@ -6,6 +6,7 @@ from io import StringIO
 from typing import Any
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
+from drillpetsc.case.figures import Figures
 
 
 def case_data(case: CaseBlocks) -> dict[str, Any]:
@@ -26,6 +27,44 @@ def case_data(case: CaseBlocks) -> dict[str, Any]:
     if case.top.force is not None:
         data["top"].pop("lowering")
     return {key: value for key, value in _plain(data).items() if value not in ({}, [])}
+
+
+def sourced_yaml(case: CaseBlocks, figures: Figures) -> str:
+    """The case as `case_yaml`, one key a line, with `# from: ...` behind each figure that the case did not give."""
+    from ruamel.yaml import YAML
+
+    data = case_data(case)
+    tree = _commented(data)
+    for number, found in figures.of_item.items():
+        reference = figures.references.get(number)
+        if reference is not None:
+            tree["string"][number].yaml_set_start_comment(f"pipe: {reference}", indent=2)
+        for figure in found:
+            *blocks, key = figure.key.split(".")
+            place = tree["string"][number]
+            for block in blocks:
+                place = place.get(block, {})
+            if key in place:  # a material that is that of the case stands there
+                place.yaml_add_eol_comment(f"from: {figure.source}", key)
+    yaml = YAML(typ="rt", pure=True)
+    yaml.width = 4096
+    stream = StringIO()
+    yaml.dump(tree, stream)
+    return "# all numbers in SI: m, kg, s, N, Pa, rad\n" + stream.getvalue()
+
+
+def _commented(value: Any) -> Any:
+    """Plain data as ruamel's mappings and lists, which take comments; lists of numbers on one line."""
+    from ruamel.yaml.comments import CommentedMap, CommentedSeq
+
+    if isinstance(value, dict):
+        return CommentedMap((key, _commented(part)) for key, part in value.items())
+    if isinstance(value, list):
+        parts = CommentedSeq(_commented(part) for part in value)
+        if not any(isinstance(part, (dict, list)) for part in value):
+            parts.fa.set_flow_style()
+        return parts
+    return value
 
 
 def _plain(value: Any) -> Any:

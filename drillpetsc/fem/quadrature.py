@@ -54,7 +54,7 @@ def exposed_ends(mesh: StringMesh, free_top: bool = False) -> tuple[np.ndarray, 
     free_top: the upper end of the first element is free.
     Returns two (n,) masks: elements with an exposed upper end, and with an exposed lower end.
     """
-    radius = 0.5 * mesh.outer_diameter
+    radius = 0.5 * mesh.contact_diameter
     beside = np.where(mesh.is_joint, np.inf, radius)
     above, below = (
         np.append(0.0 if free_top else np.inf, beside[:-1]),
@@ -63,8 +63,8 @@ def exposed_ends(mesh: StringMesh, free_top: bool = False) -> tuple[np.ndarray, 
     # in a stack of bodies at one node, the first adjoins the element above, the last the element below
     for body in mesh.bodies:
         if body.node < len(above):
-            above[body.node] = body.radius
+            above[body.node] = body.end_radii[1]
     for body in reversed(mesh.bodies):
         if body.node:
-            below[body.node - 1] = body.radius
+            below[body.node - 1] = body.end_radii[0]
     return radius > above, radius > below

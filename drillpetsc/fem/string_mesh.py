@@ -9,6 +9,8 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 
+END_OF_ITEM = 1e-3  # blades that end closer than this to the end of their item reach it [m]
+
 
 @dataclass(frozen=True)
 class RigidItem:
@@ -23,6 +25,7 @@ class RigidItem:
     axial, transverse: moments of inertia about the centre of gravity [kg m2].
     radius: outer radius [m], 0 for none.
     friction: friction coefficient of the item [-], None: that of the hole.
+    touching: (distance from the node down to the part that touches the wall, its length) [m]; None: the item.
     """
 
     name: str
@@ -37,6 +40,24 @@ class RigidItem:
     transverse: float
     radius: float
     friction: float | None = None
+    touching: tuple[float, float] | None = None
+
+    @property
+    def contact_above(self) -> float:
+        """Distance from the node down to the part that touches the wall [m]."""
+        return self.above if self.touching is None else self.touching[0]
+
+    @property
+    def contact_length(self) -> float:
+        """Length of the part that touches the wall [m]."""
+        return self.length if self.touching is None else self.touching[1]
+
+    @property
+    def end_radii(self) -> tuple[float, float]:
+        """Radii that touch the wall at the item's upper and lower end [m], 0 where nothing does."""
+        first, last = self.contact_above, self.contact_above + self.contact_length
+        at_upper, at_lower = first - self.above < END_OF_ITEM, self.above + self.length - last < END_OF_ITEM
+        return self.radius if at_upper else 0.0, self.radius if at_lower else 0.0
 
 
 @dataclass(frozen=True)
@@ -96,6 +117,10 @@ class StringMesh:
     junction: (n+1,) nodes with a stretch ratio (manual: eq-junction-kinematics).
     joints: the joints, whose cells have no length and no element.
     notes: sentences for the user about the mesh.
+    contact_diameter: that touches the wall, of tool joints where there are any [m].
+    outer_area: for buoyancy and end forces [m2]; bore_area: of the mud inside [m2].
+    joint_length [m], worn_diameter: outer diameter of the worn tube [m], yield_strength [Pa]; nan where not known.
+    The last six are those of plain tubes where they are not given.
     """
 
     upper: FloatArray
@@ -120,6 +145,27 @@ class StringMesh:
     junction: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
     joints: tuple[StringJoint, ...] = ()
     notes: tuple[str, ...] = ()
+    contact_diameter: FloatArray = field(default_factory=lambda: np.zeros(0))
+    outer_area: FloatArray = field(default_factory=lambda: np.zeros(0))
+    bore_area: FloatArray = field(default_factory=lambda: np.zeros(0))
+    joint_length: FloatArray = field(default_factory=lambda: np.zeros(0))
+    worn_diameter: FloatArray = field(default_factory=lambda: np.zeros(0))
+    yield_strength: FloatArray = field(default_factory=lambda: np.zeros(0))
+
+    def __post_init__(self) -> None:
+        """Fill in the arrays of plain tubes."""
+        unknown = np.full(len(self.upper), np.nan)
+        plain = {
+            "contact_diameter": self.outer_diameter,
+            "outer_area": np.pi * (0.5 * self.outer_diameter) ** 2,
+            "bore_area": np.pi * (0.5 * self.inner_diameter) ** 2,
+            "joint_length": unknown,
+            "worn_diameter": self.outer_diameter,
+            "yield_strength": unknown,
+        }
+        for name, values in plain.items():
+            if len(getattr(self, name)) != len(self.upper):
+                object.__setattr__(self, name, values)
 
     @property
     def length(self) -> FloatArray:

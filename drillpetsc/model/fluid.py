@@ -11,9 +11,11 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.fluid import flow_constants
-from drillpetsc.case.blocks.string import Pipe, Rigid
+from drillpetsc.case.blocks.string import Rigid, Stabilizer, Tube
+from drillpetsc.case.blocks.tubulars import Jointed
 from drillpetsc.case.blocks.well import Section
 from drillpetsc.case.case import Case
+from drillpetsc.case.section import metal_past, tubular_section
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
@@ -276,7 +278,7 @@ def _bit_end(
     if sizes is not None:
         hole = float(sizes.hole[-1]), float(sizes.hole[-1] - sizes.outer[-1]), float(sizes.outer[-1])
     return BitEnd(
-        bore=float(np.pi / 4 * mesh.inner_diameter[-1] ** 2) if open_end else 0.0,
+        bore=float(mesh.bore_area[-1]) if open_end else 0.0,
         nozzle=nozzle,
         discharge_coefficient=f.discharge_coefficient,
         check_valve=f.check_valve,
@@ -324,21 +326,29 @@ def poisson(case: Case, mesh: StringMesh) -> FloatArray:
 def _constants(case: Case, number: int) -> tuple[float, float]:
     """Young's modulus [Pa] and Poisson's ratio [-] of a string item; rigid if given by its stiffnesses."""
     item = case.string[number]
-    return (item.material.young, item.material.poisson) if isinstance(item, Pipe) else (np.inf, 0.0)
+    return (item.material.young, item.material.poisson) if isinstance(item, Tube) else (np.inf, 0.0)
 
 
 def _rigid_runs(case: Case, mesh: StringMesh) -> tuple[FloatArray, FloatArray]:
     """(n+1, 2) mean bore area and metal area [m2] of the rigid items below each node, and (n+1,) their metal
     volume [m3]."""
     area, volume, length = np.zeros((mesh.nodes, 2)), np.zeros(mesh.nodes), np.zeros(mesh.nodes)
-    items = [item for item in case.string if isinstance(item, Rigid)]
-    for item, body in zip(items, mesh.bodies, strict=True):
+    items = [
+        (item, 0.5 * sum(depths))
+        for item, depths in zip(case.string, case.item_depths, strict=True)
+        if isinstance(item, Rigid)
+    ]
+    for (item, depth), body in zip(items, mesh.bodies, strict=True):
         density = item.material.density
         bore = np.pi / 4 * item.id**2
         if bore == 0.0:  # no bore given: the bore of the pipe beside the item
             bore = np.pi / 4 * mesh.inner_diameter[min(body.node, len(mesh.upper) - 1)] ** 2
-        area[body.node] += np.array([bore * body.length, body.mass / density])
-        volume[body.node] += body.mass / density
+        metal = body.mass / density
+        if isinstance(item, Stabilizer) and item.bypass_area is not None:
+            assert case.well is not None
+            metal = metal_past(item, case.well.diameter_at(depth))
+        area[body.node] += np.array([bore * body.length, metal])
+        volume[body.node] += metal
         length[body.node] += body.length
     area /= np.maximum(length, 1e-300)[:, None]
     return area, volume
@@ -348,12 +358,22 @@ def build_bore(case: Case, mesh: StringMesh) -> Bore:
     """Bore of every element. Elasticity of a thick tube (Lame): (2/E) [(Ro^2 + Ri^2)/(Ro^2 - Ri^2) + nu]."""
     assert case.fluid is not None
     inner, outer = 0.5 * mesh.inner_diameter, 0.5 * mesh.outer_diameter
-    area, wall = np.pi * inner**2, np.zeros(len(inner))
+    area, wall = mesh.bore_area, np.zeros(len(inner))
     if case.fluid.elastic_walls:
         young, nu = np.array([_constants(case, k) for k in mesh.item]).T
         wall = 2 / young * ((outer**2 + inner**2) / (outer**2 - inner**2) + nu)
     runs, _ = _rigid_runs(case, mesh)
-    return Bore(area, wall, np.where(mesh.rigid_above > 0, runs[:-1, 0], area))
+    above = np.where(mesh.rigid_above > 0, runs[:-1, 0], area)
+    sections = {k: tubular_section(item) for k, item in enumerate(case.string) if isinstance(item, Jointed)}
+    if not sections:
+        return Bore(area, wall, above)
+    joints = np.array(
+        [
+            (sections[k].joint_share, sections[k].joint_bore) if k in sections else (0.0, 2 * r)
+            for k, r in zip(mesh.item, inner, strict=True)
+        ]
+    )
+    return Bore(area, wall, above, np.pi * inner**2, joints[:, 0], np.pi / 4 * joints[:, 1] ** 2)
 
 
 def build_walls(case: Case, mesh: StringMesh) -> AnnulusWalls:
@@ -362,7 +382,7 @@ def build_walls(case: Case, mesh: StringMesh) -> AnnulusWalls:
     outer, sections = 0.5 * mesh.outer_diameter, case.well.sections
     young, nu = np.array([_constants(case, k) for k in mesh.item]).T
     runs, _ = _rigid_runs(case, mesh)
-    above = np.where(mesh.rigid_above > 0, runs[:-1].sum(axis=1), np.pi * outer**2)
+    above = np.where(mesh.rigid_above > 0, runs[:-1].sum(axis=1), mesh.outer_area)
     return AnnulusWalls(
         outer,
         0.5 * mesh.inner_diameter,
@@ -373,6 +393,7 @@ def build_walls(case: Case, mesh: StringMesh) -> AnnulusWalls:
         np.array([q.to for q in sections]),
         np.array([_give(q) for q in sections]),
         case.fluid.elastic_walls,
+        mesh.outer_area,
     )
 
 

@@ -16,9 +16,11 @@ from drillpetsc.case.blocks.ends import PointLoad
 from drillpetsc.case.blocks.joints import Joint
 from drillpetsc.case.blocks.settings import STARTS
 from drillpetsc.case.blocks.string import Beam as BeamItem
-from drillpetsc.case.blocks.string import Bend, Flexible, Item, Pipe, Rigid
+from drillpetsc.case.blocks.string import Bend, Flexible, Item, Pipe, Rigid, Stabilizer
+from drillpetsc.case.blocks.tubulars import Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import element_count
+from drillpetsc.case.section import tubular_section
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.string_mesh import BentCell, RigidItem, StringJoint, StringMesh, tube
 from drillpetsc.geometry.frames import Frames, axial_curvature
@@ -28,6 +30,21 @@ from drillpetsc.model.hole import build_well
 from drillpetsc.model.string_forces import StringForces, estimate_forces
 
 BEND_LENGTH = 0.5  # the kink of a bent sub is distributed over an element of this length [m] (manual: sec-junctions-bend)
+STIFFNESS_AND_MASS = (
+    "axial_stiffness",
+    "bending_stiffness",
+    "torsional_stiffness",
+    "mass",
+    "polar_inertia",
+)
+OF_TUBULARS = (
+    "contact_diameter",
+    "outer_area",
+    "bore_area",
+    "joint_length",
+    "worn_diameter",
+    "yield_strength",
+)
 NODE_TOLERANCE = 1e-6  # depths closer than this are one node [m]; relative beyond 1 m
 
 
@@ -159,6 +176,18 @@ def _bend_of(item: Item) -> Bend | None:
     return bend if bend is not None and bend.angle != 0 else None
 
 
+def _kink_zone(item: Flexible, top: float, bottom: float) -> tuple[float, float]:
+    """Depths [m] between which the kink of a flexible item from ``top`` to ``bottom`` [m] is distributed.
+
+    Below the item's upper end, or about the position of the kink.
+    """
+    bend = item.bend
+    if bend is None or bend.position is None or bend.position >= item.length:
+        return top, min(top + BEND_LENGTH, bottom)
+    upper = min(max(bottom - bend.position - 0.5 * BEND_LENGTH, top), max(bottom - BEND_LENGTH, top))
+    return upper, min(upper + BEND_LENGTH, bottom)
+
+
 def _bent_after(items: Sequence[Item]) -> bool:
     """Whether one of the rigid items at the beginning of ``items`` has a bend."""
     return any(_bend_of(q) for q in takewhile(lambda q: isinstance(q, Rigid), items))
@@ -172,7 +201,7 @@ def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -
     edges = list(np.linspace(top, bottom, max(1, element_count(item)) + 1))
     extra: list[float] = []
     if _bend_of(item) and item.length > 2 * BEND_LENGTH:
-        extra.append(top + BEND_LENGTH)
+        extra += [at for at in _kink_zone(item, top, bottom) if top < at < bottom]
     if _bent_after(case.string[number + 1 :]) and item.length > 2 * BEND_LENGTH:
         extra.append(bottom - BEND_LENGTH)
     first = not any(isinstance(q, Flexible) for q in case.string[:number])
@@ -209,16 +238,25 @@ def _section(item: Flexible) -> dict[str, float]:
         m = item.material
         values = tube(item.od, item.id, m.young, m.poisson, m.density)
         damping = m.damping
+    elif isinstance(item, Tubular):
+        section = tubular_section(item)
+        values = {key: getattr(section, key) for key in (*STIFFNESS_AND_MASS, *OF_TUBULARS)}
+        damping = item.material.damping
     else:
         assert isinstance(item, BeamItem)
-        values = {
-            k: getattr(item, k)
-            for k in ("axial_stiffness", "bending_stiffness", "torsional_stiffness", "mass", "polar_inertia")
-        }
+        values = {k: getattr(item, k) for k in STIFFNESS_AND_MASS}
         damping = item.damping
     values |= {"stiffness_damping": damping.stiffness, "mass_damping": damping.mass}
-    values |= {"outer_diameter": item.od or 0.0, "inner_diameter": item.id}
-    return values
+    outer, inner = item.od or 0.0, item.id
+    plain = {
+        "contact_diameter": outer,
+        "outer_area": np.pi * (0.5 * outer * (0.5 * outer)),
+        "bore_area": np.pi * (0.5 * inner * (0.5 * inner)),
+        "joint_length": np.nan,
+        "worn_diameter": outer,
+        "yield_strength": np.nan,
+    }
+    return {"outer_diameter": outer, "inner_diameter": inner, **plain, **values}
 
 
 def _polar(size: float, angle: float) -> tuple[float, float]:
@@ -241,10 +279,26 @@ def _bent_cells(rows, rigid, tops: dict[int, int], is_joint: np.ndarray) -> tupl
     for cell, (number, item, *_) in enumerate(rows):
         if not is_joint[cell] and item.curvature != 0:
             bent.append(BentCell(cell, tops[number], item.curvature, item.curvature_angle))
-    for cell in tops.values():
+    for number, cell in tops.items():
         bend = _bend_of(rows[cell][1])
-        if bend is not None:
+        if bend is None:
+            continue
+        if bend.position is None:
             kink(cell, bend)
+            continue
+        own = [k for k in range(cell, len(rows)) if rows[k][0] == number and not is_joint[k]]
+        upper, lower = _kink_zone(rows[cell][1], rows[own[0]][2], rows[own[-1]][3])
+        if (
+            rows[cell][1].length <= 2 * BEND_LENGTH
+        ):  # no node at the zone's ends: the elements around the kink
+            middle = 0.5 * (upper + lower)
+            around = next(k for k in own if rows[k][2] <= middle <= rows[k][3])
+            upper, lower = rows[around][2:4]
+        for k in own:
+            a, b = max(rows[k][2], upper), min(rows[k][3], lower)
+            if b - a > NODE_TOLERANCE:
+                share = bend.angle * (b - a) / (lower - upper)
+                bent.append(BentCell(k, k, share / (rows[k][3] - rows[k][2]), bend.tool_face))
     for _, item, node, _ in rigid:  # a bent rigid item kinks the end of the flexible one above it
         bend = _bend_of(item)
         if bend is None:
@@ -286,13 +340,10 @@ def _assemble(case: Case, rows, rigid, tops: dict[int, int], joints: tuple[Strin
     is_joint[[1 + j.cell for j in joints]] = True
     sections = {number: _section(item) for number, item, *_ in rows}
     keys = (
-        "axial_stiffness",
-        "bending_stiffness",
-        "torsional_stiffness",
-        "mass",
-        "polar_inertia",
+        *STIFFNESS_AND_MASS,
         "outer_diameter",
         "inner_diameter",
+        *OF_TUBULARS,
         "stiffness_damping",
         "mass_damping",
     )
@@ -353,4 +404,13 @@ def _body(item: Any, node: int, before: float) -> RigidItem:
         item.inertia.transverse,
         0.5 * (item.od or 0.0),
         item.friction,
+        _blades(item, before),
     )
+
+
+def _blades(item: Item, before: float) -> tuple[float, float] | None:
+    """Part of a stabilizer that touches the wall, for ``RigidItem``; None where the whole item does."""
+    if not isinstance(item, Stabilizer) or item.blade_length is None:
+        return None
+    above, length = item.touching
+    return before + above, length

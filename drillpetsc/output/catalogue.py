@@ -42,6 +42,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         "history.csv": (
             *_listed(measured.ROW_START),
             *_listed(measured.TOP_END, where.TOP),
+            *_listed((measured.HOOK_LOAD_TOTAL,), where.BLOCK),
             *_listed(physics.BIT, where.BIT),
             *_listed(measured.LOWER_END, where.STRING),
             *_listed(measured.HOLE, where.BIT, rop=where.DRILLS),
@@ -91,7 +92,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
             *mud_fields,
         ),
         "summary.json of statics": (
-            *_listed(measured.STATIC_SUMMARY, where.STRING),
+            *_listed(measured.STATIC_SUMMARY, where.STRING, hook_load_total=where.BLOCK),
             *mud_at_ends,
             *_listed((measured.ECD,), where.ANNULUS),
         ),

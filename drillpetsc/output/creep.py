@@ -21,7 +21,7 @@ def held_by_creep(model: DrillingModel) -> tuple[float, float]:
         return 0.0, 0.0
     results, _ = contact.element_results(system.assembly)
     column = RESULT_NAMES.index
-    radius = 0.5 * mesh.outer_diameter[system.chain.cells]
+    radius = 0.5 * mesh.contact_diameter[system.chain.cells]
     friction = np.hypot(results[:, column("axial")], results[:, column("torque")] / radius)
     power = np.abs(results[:, column("friction_power")])
     speed = np.divide(power, friction, out=np.zeros_like(power), where=friction > 0)

@@ -25,7 +25,9 @@ class RigidItems:
         self.items = np.array([k for k, b in enumerate(mesh.bodies) if touches and b.radius > 0], dtype=int)
         bodies = [mesh.bodies[k] for k in self.items]
         self.names = tuple(b.name for b in bodies)
-        self.depths = tuple(float(mesh.node_depth[b.node]) + b.above + 0.5 * b.length for b in bodies)
+        self.depths = tuple(
+            float(mesh.node_depth[b.node]) + b.contact_above + 0.5 * b.contact_length for b in bodies
+        )
 
     def quantities(self) -> tuple[Quantity, ...]:
         """Columns of the history, where the case asks for them."""

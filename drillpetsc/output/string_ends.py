@@ -26,19 +26,26 @@ class TopEnd:
 
     def __init__(self, model: DrillingModel) -> None:
         self.model, self.force = model, model.case.top.force
-        chain = model.system.chain
+        rig, chain = model.case.rig, model.system.chain
+        self.block = None if rig is None else rig.block_weight  # [N]
         self._is_here = bool((chain.owned & (chain.vertices == 0)).any())
 
     def quantities(self) -> tuple[Quantity, ...]:
         m = self.model
         exists = m.beam is not None and (m.top is not None or self.force is not None)
-        return declared.TOP_END if exists else ()
+        if not exists:
+            return ()
+        return declared.TOP_END if self.block is None else (*declared.TOP_END, declared.HOOK_LOAD_TOTAL)
 
     def hook_load(self, sample: Sample) -> float:
         """Pull on the string [N]."""
         if self.force is not None:
             return self.force.value(sample.time) if self._is_here else 0.0
         return -top_reaction(sample.system, "top.axial_reaction")
+
+    def hook_load_total(self, sample: Sample) -> float:
+        """Pull on the string and weight of the block [N]."""
+        return self.hook_load(sample) + (self.block or 0.0 if self._is_here else 0.0)
 
     def surface_torque(self, sample: Sample) -> float:
         """Torque on the string [N m]: of a prescribed rotation, or of a rotary drive."""

@@ -186,7 +186,7 @@ class Contact(WallContact):
         self._blocks: list[ElementBlock] = []
         below_junction = m.below_junction
         friction = np.where(np.isnan(m.friction), -1.0, m.friction)
-        touches = (m.outer_diameter > 0) & ~m.is_joint
+        touches = (m.contact_diameter > 0) & ~m.is_joint
         for below, (name, mask, ends) in product((False, True), self._groups()):
             on_rank = (below_junction == below) & touches & mask
             if not on_rank.any():
@@ -198,7 +198,7 @@ class Contact(WallContact):
                 len(e),
                 length=m.length[e],
                 rigid=m.rigid_above[e],
-                radius=0.5 * m.outer_diameter[e],
+                radius=0.5 * m.contact_diameter[e],
                 friction=friction[e],
             )
             self._blocks.append(
@@ -230,10 +230,10 @@ class Contact(WallContact):
         params = Parameters(
             "body_contact",
             len(here),
-            above=[b.above for b in here],
-            length=[b.length for b in here],
+            above=[b.contact_above for b in here],
+            length=[b.contact_length for b in here],
             span=[
-                b.length or 2 * b.radius for b in here
+                b.contact_length or 2 * b.radius for b in here
             ],  # the wall pushes an item without length at one point
             radius=[b.radius for b in here],
             friction=[-1.0 if b.friction is None else b.friction for b in here],

@@ -64,7 +64,14 @@ def build(kind: str, seed: int = 5) -> DiscreteSystem:
         components.append(TopDrive(position[0], tangents[0], Ramp(1.0, 2.0), Constant(0.3)))
     pump, pipe, annulus = Ramp(1.0, 0.03), None, None
     if "pipe" in kind:
-        bore = Bore(np.array([0.07, 0.07, 0.05, 0.05]), 1e-3 * n, 0.06 * n)
+        bore = Bore(
+            np.array([0.07, 0.07, 0.05, 0.05]),
+            1e-3 * n,
+            0.06 * n,
+            0.05 * n,
+            np.array([0.0, 0.06, 0.0, 0.2]),
+            0.03 * n,
+        )
         pipe = HermiteBore(mesh, bore, fluid, 0.3 * n, pump, "closed" in kind, held)
     if "annulus" in kind:
         sizes = Annulus(0.126 * n, np.array([0.28, 0.28, 0.3, 0.3]), 2e-3 * n, 0.15 * n)

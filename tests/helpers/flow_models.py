@@ -84,7 +84,15 @@ def build(
     if "topdrive" in kind:
         components.append(TopDrive(position[0], tangents[0], Ramp(1.0, 2.0), Constant(0.3)))
     poisson, n = np.full(4, 0.3), np.ones(4)
-    bore = Bore(np.array([0.07, 0.07, 0.05, 0.05]), 1e-3 * n, 0.06 * n)
+    # tool joints in two of the elements
+    bore = Bore(
+        np.array([0.07, 0.07, 0.05, 0.05]),
+        1e-3 * n,
+        0.06 * n,
+        0.05 * n,
+        np.array([0.0, 0.06, 0.0, 0.2]),
+        0.03 * n,
+    )
     sizes = Annulus(0.126 * n, np.array([0.28, 0.28, 0.3, 0.3]), 2e-3 * n, 0.15 * n)
     if "pipe" in kind:
         pressure = Ramp(0.5, 1.0) if "pump" in kind else None

@@ -23,16 +23,16 @@ from drillpetsc.case.blocks.ends import AnyLoad, Bottom, HeldBottom, HeldTop, To
 from drillpetsc.case.blocks.fluid import Fluid
 from drillpetsc.case.blocks.formation import Formation
 from drillpetsc.case.blocks.joints import Joint
+from drillpetsc.case.blocks.rig import STANDARD_GRAVITY, Rig
 from drillpetsc.case.blocks.settings import BeamTheory, Initial, MeshSettings, Output, Time
-from drillpetsc.case.blocks.string import Flexible, Material, StringItem
+from drillpetsc.case.blocks.string import Flexible, Material
+from drillpetsc.case.blocks.tubulars import StringItem
 from drillpetsc.case.blocks.well import Well
 from drillpetsc.case.blocks.window import Window, window_or_file
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Vector
 
 Option = bool | int | float | str
-
-STANDARD_GRAVITY = 9.80665  # [m/s2], ISO 80000-3
 
 
 class CaseBlocks(Block):
@@ -56,6 +56,11 @@ class CaseBlocks(Block):
     )
     force_unit: Literal["kN", "t"] | None = Field(
         default=None, description="unit of forces in the metric system: kN, or t for tonnes-force"
+    )
+    rig: Rig | None = Field(default=None, description="weight of the block, and limits of the rig")
+    catalogue: str | None = Field(
+        default=None,
+        description="a folder with CSV files, or one CSV file, beside the case: rows of the catalogue before the built-in ones",
     )
     well: Well | None = Field(default=None, description="the hole; without it the string is in free space")
     string: tuple[StringItem, ...] = Field(

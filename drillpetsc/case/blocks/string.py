@@ -1,4 +1,4 @@
-"""`string`: items of the string, from the surface down; and `material`."""
+"""`string`: items of the string, from the surface down; and `material`. Pipe of the trade: `blocks/tubulars.py`."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import Field, model_validator
 
-from drillpetsc.case.block import Block, derived_default, tagged_union
+from drillpetsc.case.block import Block, derived_default
 from drillpetsc.case.key_paths import refuse
+from drillpetsc.case.nozzles import Nozzles
 from drillpetsc.case.quantities import Quantity, Vector, WordOrNumber
 
 Length = Annotated[float, Quantity("m", at_least=1e-3, at_most=50e3)]
@@ -58,13 +59,18 @@ class Material(Block):
 
 
 class Bend(Block):
-    """A kink at the upper end of an item (bent sub)."""
+    """A kink in an item, at its upper end when no position is given (bent sub)."""
 
     angle: Annotated[float, Quantity("rad", at_least=0, at_most=math.pi / 2)] = Field(
         description="bend angle"
     )
     tool_face: Angle = Field(
         default=0.0, description="direction in which the string below the kink points: " + _TOOL_FACE
+    )
+    position: Annotated[float, Quantity("m", at_least=0, at_most=50e3)] | None = Field(
+        default=None,
+        description="height of the kink above the item's lower end; the item's upper end when not given. "
+        "A rigid item bends at its upper end only",
     )
 
 
@@ -96,6 +102,9 @@ class Item(Block):
         "nozzle_area": None,
     }
 
+    has_own_od: ClassVar[bool] = True
+    """Diameters that are not given do not come from elsewhere, such as the catalogue."""
+
     if TYPE_CHECKING:
         kind: str
         length: float
@@ -114,21 +123,28 @@ class Item(Block):
     @model_validator(mode="after")
     def _bore_inside(self) -> Item:
         outer, inner = self.od, self.id
-        if outer is not None and inner >= outer:
+        if not self.name:
+            self.fill_defaults(name=self.kind.replace("_", " "))
+        if outer is None and inner is None:
+            return self
+        if outer is not None and inner is not None and inner >= outer:
             raise refuse("id", got=inner, want=f"an inner diameter below the outer, {outer:g} m")
-        if outer is not None and inner > outer * (1 - MIN_WALL_RATIO):
+        if outer is not None and inner is not None and inner > outer * (1 - MIN_WALL_RATIO):
             raise refuse(
                 "id",
                 got=inner,
                 want=f"a wall of at least {MIN_WALL_RATIO / 2 * outer:g} m inside the outer diameter, {outer:g} m",
             )
-        if 0 < inner < MIN_BORE:
+        if inner is not None and 0 < inner < MIN_BORE:
             raise refuse("id", got=inner, want=f"0 (solid), or an inner diameter of at least {MIN_BORE:g} m")
-        if outer is None and inner:
+        if outer is None and inner and self.has_own_od:
             raise refuse("id", got=inner, want="an inner diameter together with an outer one (od)")
-        if not self.name:
-            self.fill_defaults(name=self.kind)
         return self
+
+    @property
+    def contact_od(self) -> float | None:
+        """Diameter that touches the hole [m]: that of the tool joints, of the blades, or the outer diameter."""
+        return self.od
 
 
 class Flexible(Item):
@@ -160,16 +176,26 @@ class Flexible(Item):
             raise refuse(
                 "eccentricity", got=self.eccentricity, want=f"at most the outer radius, {outer / 2:g} m"
             )
+        at = None if self.bend is None else self.bend.position
+        if at is not None and at > self.length:
+            raise refuse(
+                "bend", "position", got=at, want=f"at most the length of the item, {self.length:g} m"
+            )
         return self
 
 
-class Pipe(Flexible):
-    """A round tube: drill pipe, collar, casing, coiled tubing."""
+class Tube(Flexible):
+    """A round tube of one material."""
 
-    kind: Literal["pipe"] = Field(description="round tube")
     od: Diameter = Field(description="outer diameter")
     id: Bore = Field(default=0.0, description="inner diameter")
     material: Material = derived_default("material of this item; keys left out are the case's")
+
+
+class Pipe(Tube):
+    """A plain round tube, without tool joints."""
+
+    kind: Literal["pipe"] = Field(description="plain round tube")
 
 
 class Beam(Flexible):
@@ -218,20 +244,101 @@ class Rigid(Item):
 
     @model_validator(mode="after")
     def _mass_known(self) -> Rigid:
-        if self.mass is None and self.od is None:
+        if self.mass is None and self.od is None and self.has_own_od:
             raise refuse("mass", want="a mass, or an outer diameter (od) and a length to compute it from")
         if self.center_of_gravity is None:
             self.fill_defaults(center_of_gravity=(0.5 * self.length, 0.0, 0.0))
+        at = None if self.bend is None else self.bend.position
+        if at is not None and abs(at - self.length) > 1e-6:
+            raise refuse(
+                "bend",
+                "position",
+                got=at,
+                want=f"{self.length:g} m, the upper end: a rigid item bends there only",
+                hint="kind: pipe bends at any position",
+            )
         return self
+
+    @property
+    def touching(self) -> tuple[float, float]:
+        """(distance below the item's upper end, length) of the part that touches the hole [m]."""
+        return 0.0, self.length
 
 
 class Stabilizer(Rigid):
-    """A stabilizer: contact with the hole over its length."""
+    """A stabilizer: contact with the hole over its blades, or over its length when blade_length is not given."""
+
+    has_own_od: ClassVar[bool] = False
 
     kind: Literal["stabilizer"] = Field(description="stabilizer")
     length: RigidLength = Field(description="length")
-    od: Diameter = Field(description="outer diameter over the blades")
+    od: Diameter = derived_default("outer diameter over the blades; or give blade_od, or gauge")
+    blade_od: Diameter | None = Field(default=None, description="outer diameter over the blades, sets od")
+    gauge: str | None = Field(
+        default=None,
+        description="outer diameter over the blades by that of the bit: full, or 1/8 in under; sets od",
+    )
+    blade_length: Annotated[float, Quantity("m", above=0, at_most=200)] | None = Field(
+        default=None, description="length of the blades, which touch the hole; the whole item when not given"
+    )
+    blade_position: Annotated[float, Quantity("m", at_least=0, at_most=200)] = derived_default(
+        "height of the middle of the blades above the item's lower end; the middle of the item when not given"
+    )
+    body_od: Diameter | None = Field(
+        default=None, description="outer diameter between the blades; for mass and the flow past the item"
+    )
+    bypass_area: Annotated[float, Quantity("m^2", above=0, at_most=10)] | None = Field(
+        default=None,
+        description="flow area past the blades; when not given, what body and blades leave of the hole, "
+        "with blades that fill 45 % of the ring between body_od and od",
+    )
+    stiff: bool = Field(
+        default=True, strict=True, description="true: a rigid item; false: its body bends, its blades do not"
+    )
     bend: Bend | None = Field(default=None, description="bent sub: kink at the item's upper end")
+
+    @model_validator(mode="after")
+    def _blades(self) -> Stabilizer:
+        given = [key for key in ("od", "blade_od", "gauge") if getattr(self, key) is not None]
+        if not given:
+            raise refuse("od", want="an outer diameter over the blades: od, blade_od or gauge")
+        if len(given) > 1:
+            raise refuse(
+                given[1],
+                got=getattr(self, given[1]),
+                want=f"one of od, blade_od and gauge, not {given[0]}, too",
+            )
+        if self.blade_od is not None:
+            self.fill_defaults(od=self.blade_od, blade_od=None)
+        span, at = self.blade_length, self.blade_position
+        if span is None:
+            for key in ("blade_position", "bypass_area"):
+                if getattr(self, key) is not None:
+                    raise refuse("blade_length", want=f"a length of the blades together with {key}")
+        else:
+            if span > self.length + 1e-9:
+                raise refuse(
+                    "blade_length", got=span, want=f"at most the length of the item, {self.length:g} m"
+                )
+            at = 0.5 * self.length if at is None else at
+            if not span / 2 - 1e-9 <= at <= self.length - span / 2 + 1e-9:
+                want = f"blades inside the item: {span / 2:g} to {self.length - span / 2:g} m above its lower end"
+                raise refuse("blade_position", got=at, want=want)
+            self.fill_defaults(blade_position=at)
+        if self.body_od is not None:
+            for key, below, above in (("od", self.body_od, self.od), ("body_od", self.id, self.body_od)):
+                if below is not None and above is not None and below > above:
+                    want = f"at least {'body_od' if key == 'od' else 'id'}, {below:g} m"
+                    raise refuse(key, got=above, want=want)
+        if not self.stiff and (self.body_od is None or span is None):
+            raise refuse("stiff", got=False, want="a body_od and a blade_length together with stiff: false")
+        return self
+
+    @property
+    def touching(self) -> tuple[float, float]:
+        if self.blade_length is None:
+            return 0.0, self.length
+        return max(0.0, self.length - self.blade_position - 0.5 * self.blade_length), self.blade_length
 
 
 class Body(Rigid):
@@ -247,20 +354,33 @@ class Bit(Rigid):
     kind: Literal["bit"] = Field(description="bit")
     length: RigidLength = Field(description="length")
     od: Diameter = Field(description="diameter of the bit")
+    bit_type: Literal["PDC", "roller_cone", "diamond", "core"] | None = Field(
+        default=None, description="type of the bit; told in reports, chooses nothing by itself"
+    )
     nozzle_area: Annotated[float, Quantity("m^2", above=0, at_most=0.1)] | None = Field(
         default=None,
         description="total flow area of the nozzles (used by a fluid); the open bore when not given",
     )
+    nozzles: Annotated[tuple[float, ...], Nozzles()] | None = Field(
+        default=None,
+        description="diameters of the nozzles, `3 x 12/32 in` or [12, 12, 12] in 32nds of an inch; sets nozzle_area",
+    )
 
-
-_check, _tag = tagged_union(Pipe, Beam, Stabilizer, Body, Bit)
-
-StringItem = Annotated[
-    Annotated[Pipe, Tag("kind:Pipe")]
-    | Annotated[Beam, Tag("kind:Beam")]
-    | Annotated[Stabilizer, Tag("kind:Stabilizer")]
-    | Annotated[Body, Tag("kind:Body")]
-    | Annotated[Bit, Tag("kind:Bit")],
-    Discriminator(_tag),
-    BeforeValidator(_check),
-]
+    @model_validator(mode="after")
+    def _flow_area(self) -> Bit:
+        area = self.nozzle_area
+        if self.nozzles is not None:
+            sum_ = math.fsum(math.pi / 4 * d**2 for d in self.nozzles)
+            if area is not None and abs(area - sum_) > 1e-9 * sum_:
+                raise refuse(
+                    "nozzle_area",
+                    got=area,
+                    want=f"nozzles or nozzle_area, not both: the nozzles have {sum_:g} m2",
+                )
+            area = sum_
+        face = math.pi / 4 * self.od**2
+        if area is not None and area > face:
+            key = "nozzle_area" if self.nozzles is None else "nozzles"
+            raise refuse(key, got=f"{area:g} m2", want=f"at most the area of the bit, {face:g} m2")
+        self.fill_defaults(nozzle_area=area)
+        return self

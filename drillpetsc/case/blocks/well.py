@@ -226,3 +226,7 @@ class Well(Block):
             want = f"sections down to the last station, {end:g} m"
             raise refuse("sections", last, "to", got=above, want=want, hint=hint)
         return self
+
+    def diameter_at(self, depth: float) -> float:
+        """Diameter of the hole [m] at a measured depth [m]; below the last section, that of it."""
+        return next((q.diameter for q in self.sections if depth <= q.to), self.sections[-1].diameter)

@@ -3,9 +3,11 @@ checks in order."""
 
 from __future__ import annotations
 
+import math
+
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.ends import PointLoad
-from drillpetsc.case.blocks.string import Beam, Bit, Pipe
+from drillpetsc.case.blocks.string import Beam, Bit, Stabilizer, Tube
 from drillpetsc.case.blocks.well import Well
 from drillpetsc.case.checks.drilling import check_drilling, check_time
 from drillpetsc.case.checks.fluid import check_fluid, check_held_string
@@ -26,6 +28,7 @@ def check_case(case: CaseBlocks) -> None:
     check_fluid(case)
     check_window(case)
     _string_in_hole(case)
+    _stabilizers(case)
     _bit_on_bottom(case)
     check_drilling(case)
     _start(case)
@@ -42,7 +45,7 @@ def _bit_last(case: CaseBlocks) -> None:
             raise refuse(
                 "string", i, "kind", got="bit", want="a bit only as the last item; else stabilizer or body"
             )
-    if not any(isinstance(item, (Pipe, Beam)) for item in case.string):
+    if not any(isinstance(item, (Tube, Beam)) for item in case.string):
         raise refuse("string", got=f"{len(case.string)} rigid items", want="at least one pipe or beam")
 
 
@@ -78,15 +81,18 @@ def _string_in_hole(case: CaseBlocks) -> None:
             raise refuse(
                 "string", i, "od", want="an outer diameter: the case has a well", hint="or contact: none"
             )
-        if isinstance(item, (Pipe, Beam)):
-            _fits(case.well, i, item.od, above, below)
+        if isinstance(item, (Tube, Beam)):
+            key = ("od",) if item.contact_od == item.od else ("tool_joint", "od")
+            _fits(case.well, i, item.contact_od, above, below, key)
 
 
-def _fits(well: Well, i: int, outer: float | None, above: float, below: float) -> None:
+def _fits(
+    well: Well, i: int, outer: float | None, above: float, below: float, key: tuple[str, ...] = ("od",)
+) -> None:
     """Raise unless the item is thinner than every section around it at the start.
 
     i: number of the item in the string
-    outer: outer diameter [m]
+    outer: largest diameter [m]; key: where it stands in the item
     above, below: measured depths of the ends of the item [m]
     """
     top = 0.0
@@ -95,8 +101,25 @@ def _fits(well: Well, i: int, outer: float | None, above: float, below: float) -
         if outer is not None and meets and outer >= section.diameter:
             place = f"the {section.kind.replace('_', ' ')} at {max(top, above):g} m"
             want = f"less than the diameter of {place}, {section.diameter:g} m"
-            raise refuse("string", i, "od", got=outer, want=want)
+            raise refuse("string", i, *key, got=outer, want=want)
         top = section.to
+
+
+def _stabilizers(case: CaseBlocks) -> None:
+    """Raise where a bypass area does not fit the hole that the stabilizer stands in."""
+    for i, (item, depths) in enumerate(zip(case.string, case.item_depths, strict=True)):
+        if not isinstance(item, Stabilizer) or item.bypass_area is None:
+            continue
+        if case.well is None:
+            raise refuse(
+                "string", i, "bypass_area", got=item.bypass_area, want="no bypass_area without a well"
+            )
+        hole = case.well.diameter_at(0.5 * sum(depths))
+        body = item.body_od or item.id
+        most = math.pi / 4 * (hole**2 - body**2)
+        if item.bypass_area >= most:
+            want = f"less than the hole around the body, {most:.4g} m2"
+            raise refuse("string", i, "bypass_area", got=item.bypass_area, want=want)
 
 
 def _bit_on_bottom(case: CaseBlocks) -> None:

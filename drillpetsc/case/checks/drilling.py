@@ -8,6 +8,8 @@ from drillpetsc.case.blocks.string import Bit, Flexible
 from drillpetsc.case.key_paths import refuse
 
 LENGTH_TOLERANCE = 1e-6  # [m] diameters and depths closer than this are equal
+ON_BOTTOM = 1.0  # a bit that is closer than this to the end of the hole stands on it [m]
+SMALLEST_BIT = 0.9  # of the hole it stands in
 
 
 def check_drilling(case: CaseBlocks) -> None:
@@ -56,6 +58,16 @@ def _bit_passes(case: CaseBlocks) -> None:
                 hint="the bit is larger than the hole above it",
             )
         top = section.to
+    last = case.well.sections[-1]
+    on_bottom = case.bottom.kind == "bit" and case.string_length >= case.well.survey.md[-1] - ON_BOTTOM
+    if on_bottom and bit.od < SMALLEST_BIT * last.diameter:
+        raise refuse(
+            "string",
+            len(case.string) - 1,
+            "od",
+            got=bit.od,
+            want=f"at least {SMALLEST_BIT:.0%} of the hole it stands in, {last.diameter:g} m",
+        )
 
 
 def _one_stiffness(case: CaseBlocks, bottom: BitBottom) -> None:
@@ -82,11 +94,12 @@ def _new_hole(case: CaseBlocks) -> None:
     if not isinstance(bit, Bit) or (case.contact is None and not case.has_annulus):
         return
     for i, item in enumerate(case.string[:-1]):
-        outer = item.od
+        outer = item.contact_od
         if isinstance(item, Flexible) and outer is not None and outer >= diameter + 2 * wider:
             want = f"less than the diameter of the hole that the bit makes, {diameter + 2 * wider:g} m"
+            key = ("od",) if outer == item.od else ("tool_joint", "od")
             raise refuse(
-                "string", i, "od", got=outer, want=want, hint="the item follows the bit into the new hole"
+                "string", i, *key, got=outer, want=want, hint="the item follows the bit into the new hole"
             )
 
 

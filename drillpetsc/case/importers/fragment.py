@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from drillpetsc.case.blocks.string import StringItem
+from drillpetsc.case.blocks.tubulars import StringItem
 from drillpetsc.case.importers.stations import Rules
 from drillpetsc.case.importers.witsml import Imported, import_witsml, read_witsml
 from drillpetsc.case.messages import case_error

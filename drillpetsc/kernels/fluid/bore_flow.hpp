@@ -23,6 +23,8 @@ struct BoreFlow {
         AREA, AREA_ABOVE,          // of the bore, here and in the rigid item [m2]
         WALL,                      // d(ln A)/dp [1/Pa]
         DIAMETER, DIAMETER_ABOVE,  // of the bore, here and in the rigid item [m]
+        JOINT_SHARE, JOINT_DIAMETER,  // share of the length that tool joints have, and their bore [m]
+        TUBE_SPEED, JOINT_SPEED,   // mean area over that of the tube, of the tool joints
         STEP, LOSS,                // (1/A^2 - 1/A_up^2)/2, K/(2 A^2) [1/m4]
         CONTROL, CONTROLLED,       // CONTROL 1: pressure of the upper node is CONTROLLED [Pa]
         DROP, HEAD,                // when held: g.(r2 - r1), g.(r1 + r2)/2 [m2/s2]
@@ -89,7 +91,7 @@ struct BoreFlow {
             if constexpr (std::is_same_v<T, double>) if (results) energies(on, m, G, c, p, f, y, (squeeze1 + squeeze2) * (A * L), mean, results);
         }
         const T thick = c.density * (1.0 / f.density), area = thick * content * A, w = q * stretch / area;
-        T resistance = shear(f, w, c.density, p[DIAMETER], 0.0) * (stretch * L * 4.0 / p[DIAMETER]);
+        T resistance = bore_shear(f, w, c.density, p[DIAMETER], p[JOINT_SHARE], p[TUBE_SPEED], p[JOINT_DIAMETER], p[JOINT_SPEED]) * (stretch * L * 4.0 / p[DIAMETER]);
         T mass = c.density * stretch * stretch * L / area;
         T volume = content * (A * L);
         if constexpr (JUNCTION) {

@@ -35,7 +35,7 @@ DP_APART void pipe_along(const PackFour& x, const PackFour& a, const Walls& w, c
     const Storage storage = {w.inner * A, w.squeeze1 * A, w.squeeze2 * A, on_nodes(w.by_inner * A), on_nodes(w.by_squeeze1 * A), on_nodes(w.by_squeeze2 * A)};
     put_mass_rows(storage, fluid, by, L, Y[AT_P1], Y[AT_P2], p[Pipe::CONTROL], c[0], c[1], K);
     const Pack open = f.density / (w.inner * A), by_q = open * w.stretch / density, speed = q * by_q;  // rho/area of the mud
-    const WallShears wall = wall_shears(f.rheology, speed, p[Pipe::DIAMETER], 0.0, density);
+    const WallShears wall = bore_shears(f, speed, density, p[Pipe::DIAMETER], p[Pipe::JOINT_SHARE], p[Pipe::TUBE_SPEED], p[Pipe::JOINT_DIAMETER], p[Pipe::JOINT_SPEED]);
     const Pack round = L * 4.0 / p[Pipe::DIAMETER], drag = wall.slope * (w.stretch * round), mass = open * w.stretch * w.stretch * L;
     const Pack carried = density * speed * L, spread = drag * speed + carried * w.rate, started = mass * Y[AT_Q];
     const PackFour along = slopes(x.r2 - x.r1, x.v1, x.v2, L);

@@ -30,6 +30,27 @@ inline double shear(const Fluid& f, double w, double density, double d, double a
 template <int N> inline Dual<N> shear(const Fluid& f, const Dual<N>& w, const Dual<N>& density, double d, double alpha) { return wall_shear(f.rheology, w, d, alpha, density); }
 inline Pack shear(const Fluid& f, const Pack& w, const Pack& density, const Pack& d, double alpha) { return wall_shears(f.rheology, w, d, alpha, density).stress; }
 
+inline bool has_joints(double share) { return share > 0.0; }
+inline bool has_joints(const Pack& share) { return share.v[0] > 0.0 || share.v[1] > 0.0 || share.v[2] > 0.0 || share.v[3] > 0.0; }
+
+// Bore with tool joints over a share of its length: the stress that, times 4/d of the tube, is the loss of tube and tool joints in series.
+// w: speed in the mean area; tube_speed, joint_speed: mean area over that of tube and joint.
+template <class T, class S>
+inline T bore_shear(const Fluid& f, const T& w, const T& density, const S& d, const S& share, const S& tube_speed, const S& joint_d, const S& joint_speed) {
+    if (!has_joints(share)) return shear(f, w, density, d, 0.0);
+    return shear(f, T(w * tube_speed), density, d, 0.0) * (S(1.0) - share) + shear(f, T(w * joint_speed), density, joint_d, 0.0) * (share * d / joint_d);
+}
+
+// The same with its derivatives by w and by the density.
+inline WallShears bore_shears(const Fluid& f, const Pack& w, const Pack& density, const Pack& d, const Pack& share, const Pack& tube_speed, const Pack& joint_d,
+                              const Pack& joint_speed) {
+    if (!has_joints(share)) return wall_shears(f.rheology, w, d, 0.0, density);
+    const WallShears tube = wall_shears(f.rheology, w * tube_speed, d, 0.0, density), joint = wall_shears(f.rheology, w * joint_speed, joint_d, 0.0, density);
+    const Pack by_tube = 1.0 - share, by_joint = share * d / joint_d;
+    return {tube.stress * by_tube + joint.stress * by_joint, tube.slope * (by_tube * tube_speed) + joint.slope * (by_joint * joint_speed),
+            tube.by_density * by_tube + joint.by_density * by_joint};
+}
+
 template <class T> struct Four { Vec<T> r1, v1, r2, v2; };  // nodal vectors, or rows on them
 
 // int N x ds / (L/420): the consistent matrix of the cubic shapes

@@ -82,6 +82,10 @@ class RunFolder:
         return self.path / "case.yaml"
 
     @property
+    def resolved_case(self) -> Path:
+        return self.path / "case.resolved.yaml"
+
+    @property
     def plots(self) -> Path:
         return self.path / "plots"
 

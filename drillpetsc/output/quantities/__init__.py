@@ -19,6 +19,7 @@ from drillpetsc.output.quantities.along_string import (
 from drillpetsc.output.quantities.energy import ENERGY, POWERS
 from drillpetsc.output.quantities.history import (
     HOLE,
+    HOOK_LOAD_TOTAL,
     LOWER_END,
     NEWTON,
     ROW_END,
@@ -66,6 +67,7 @@ __all__ = [
     "ENERGY",
     "HOLE",
     "HOLE_RADIUS",
+    "HOOK_LOAD_TOTAL",
     "INCLINATION",
     "ITEM_SIDE_FORCE",
     "LOWER_END",

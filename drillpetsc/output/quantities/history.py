@@ -70,6 +70,17 @@ TOP_END: tuple[Quantity, ...] = (
         interest=6,
     ),
 )
+HOOK_LOAD_TOTAL = Quantity(
+    "hook_load_total",
+    "N",
+    on="scalar",
+    label="Total hook load",
+    mnemonic="HKLX",
+    sign="the hook pulls up",
+    doc="Hook load and the weight of the block.",
+    value=lambda top, sample: top.hook_load_total(sample),
+    panel=1,
+)
 LOWER_END: tuple[Quantity, ...] = (
     Quantity(
         "bit_speed",

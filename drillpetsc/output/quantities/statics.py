@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from drillpetsc.fem.quantity import Quantity
-from drillpetsc.output.quantities.history import TOP_END
+from drillpetsc.output.quantities.history import HOOK_LOAD_TOTAL, TOP_END
 from drillpetsc.physics.quantities import BIT
 
 CURVATURE = Quantity(
@@ -81,4 +81,4 @@ TWIST = Quantity(
     doc="Angle between the ends of the string, in the summary of statics.",
 )
 #: shown after the `statics` command
-STATIC_SUMMARY: tuple[Quantity, ...] = (*TOP_END, *BIT, STRETCH, TWIST)
+STATIC_SUMMARY: tuple[Quantity, ...] = (*TOP_END, HOOK_LOAD_TOTAL, *BIT, STRETCH, TWIST)

@@ -65,7 +65,7 @@ class BoreFlow(ChannelFlow):
             "area": b.area[e],
             "area_above": b.area_above[e],
             "wall": b.wall[e],
-            "diameter": b.diameter[e],
+            **b.friction(e),
             "diameter_above": b.diameter_above[e],
             "drop": drop,
             "head": head,

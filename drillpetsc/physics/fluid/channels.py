@@ -22,15 +22,36 @@ class Bore:
 
     area: [m2]; wall: compliance d(ln area)/dp [1/Pa] (manual: eq-mud-wall-bore).
     area_above: of the rigid item above the element [m2].
+    body: of the tube between tool joints [m2], for friction; None: ``area``.
+    joint_share: share of the length that tool joints have [-], joint_area: of their bore [m2]; None: no tool joints.
     """
 
     area: FloatArray
     wall: FloatArray
     area_above: FloatArray
+    body: FloatArray | None = None
+    joint_share: FloatArray | None = None
+    joint_area: FloatArray | None = None
+
+    def friction(self, e: np.ndarray) -> dict[str, FloatArray]:
+        """Parameters of the friction in the elements ``e`` (k,): tube and tool joints in series."""
+        tube = self.area if self.body is None else self.body
+        none = np.zeros(len(tube))
+        share = none if self.joint_share is None else self.joint_share
+        joint = tube if self.joint_area is None else self.joint_area
+        return {
+            "diameter": self.diameter[e],
+            "joint_share": share[e],
+            "joint_diameter": np.sqrt(4 / np.pi * joint)[e],
+            # kernels work on several elements at once: those without tool joints have the speed in their area
+            "tube_speed": np.where(share > 0, self.area / tube, 1.0)[e],
+            "joint_speed": np.where(share > 0, self.area / joint, 1.0)[e],
+        }
 
     @property
     def diameter(self) -> FloatArray:
-        return np.sqrt(4 / np.pi * self.area)
+        """Diameter for friction [m], that of the tube."""
+        return np.sqrt(4 / np.pi * (self.area if self.body is None else self.body))
 
     @property
     def diameter_above(self) -> FloatArray:
@@ -44,15 +65,18 @@ class Annulus:
     outer, hole: areas of string and hole [m2].
     wall: compliance d(ln area)/dp [1/Pa] (manual: eq-mud-wall-annulus).
     outer_above: area of the rigid item above the element [m2].
+    body: area of the tube between tool joints [m2], for friction; None: ``outer``.
     """
 
     outer: FloatArray
     hole: FloatArray
     wall: FloatArray
     outer_above: FloatArray
+    body: FloatArray | None = None
 
     @property
     def outer_diameter(self) -> FloatArray:
+        """Diameter of a cylinder with the string's mean section, for added mass and drag across the axis [m]."""
         return np.sqrt(4 / np.pi * self.outer)
 
     @property
@@ -61,8 +85,8 @@ class Annulus:
 
     @property
     def gap(self) -> FloatArray:
-        """Hydraulic diameter D_w - D_o [m]."""
-        return self.hole_diameter - self.outer_diameter
+        """Hydraulic diameter D_w - D_o [m], beside the tube between tool joints."""
+        return self.hole_diameter - np.sqrt(4 / np.pi * (self.outer if self.body is None else self.body))
 
     @property
     def gap_above(self) -> FloatArray:
@@ -70,7 +94,8 @@ class Annulus:
 
     def only(self, which: np.ndarray) -> Annulus:
         """Return the annulus of the elements ``which`` (mask or numbers)."""
-        return Annulus(self.outer[which], self.hole[which], self.wall[which], self.outer_above[which])
+        body = None if self.body is None else self.body[which]
+        return Annulus(self.outer[which], self.hole[which], self.wall[which], self.outer_above[which], body)
 
 
 class HoleVolume:
@@ -111,6 +136,7 @@ class AnnulusWalls:
     [m].
     section_to: (m,) lower end of each hole section [m]; give: (m,) compliance of its rock, (1 + nu)/E [1/Pa].
     elastic: the walls are elastic, else rigid.
+    section: (n,) mean outer area of the elements with tool joints [m2]; None: that of ``outer``.
     """
 
     outer: FloatArray
@@ -122,6 +148,7 @@ class AnnulusWalls:
     section_to: FloatArray
     give: FloatArray
     elastic: bool
+    section: FloatArray | None = None
 
     def annulus(self, hole: HoleVolume, e: np.ndarray, upper: FloatArray, lower: FloatArray) -> Annulus:
         """Create the annulus of the elements ``e`` (k,) between measured depths ``upper`` and ``lower`` (k,) [m].
@@ -144,4 +171,6 @@ class AnnulusWalls:
             )
             steel = outer / self.young[e] * ((outer + inner) / (outer - inner) - self.poisson[e])
             wall = 2 / (square - outer) * (square * self.give[section] + steel)
-        return Annulus(np.pi * outer, area, wall, self.outer_above[e])
+        tube = np.pi * outer
+        section = tube if self.section is None else self.section[e]
+        return Annulus(section, area, wall, self.outer_above[e], tube)

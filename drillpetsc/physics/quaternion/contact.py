@@ -22,7 +22,7 @@ class QuaternionContact(Contact):
         self._part, self._touching, self._normal, self._row_of = part, [], [], None
         self._blocks = []
         for name, mask, ends in self._groups():
-            chosen = np.flatnonzero((mask & (m.outer_diameter > 0))[part.cells]).astype(np.int32)
+            chosen = np.flatnonzero((mask & (m.contact_diameter > 0))[part.cells]).astype(np.int32)
             e = part.cells[chosen]
             friction = np.where(np.isnan(m.friction[e]), -1.0, m.friction[e])
             params = Parameters(
@@ -30,7 +30,7 @@ class QuaternionContact(Contact):
                 len(e),
                 length=m.length[e],
                 rigid=0.0,
-                radius=0.5 * m.outer_diameter[e],
+                radius=0.5 * m.contact_diameter[e],
                 friction=friction,
             )
             self._blocks.append(

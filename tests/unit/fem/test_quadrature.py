@@ -45,7 +45,7 @@ def test_ends_that_stand_out():
     mesh = uniform_string(60.0, 6, outer_diameter=0.127)
     thick = mesh.outer_diameter.copy()
     thick[2:4] = 0.17
-    mesh = replace(mesh, outer_diameter=thick)
+    mesh = replace(mesh, outer_diameter=thick, contact_diameter=thick)
     upper, lower = exposed_ends(mesh)
     assert np.flatnonzero(upper).tolist() == [2] and np.flatnonzero(lower).tolist() == [3, 5]
     body = RigidItem("stabilizer", "stabilizer", 4, 0.0, 1.0, 100.0, 0.5, (0.0, 0.0), 1.0, 1.0, 0.1)

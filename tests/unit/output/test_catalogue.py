@@ -49,6 +49,7 @@ CASES: dict[str, dict[str, Any]] = {
         "string": [PIPE | {"length": 29.5}, BIT_ITEM],
         "top": DRIVE,
         "bottom": "bit",
+        "rig": {"block_weight": 1e5},
         "well": WELL,
         "output": SHORT["output"] | {"probes": [10.0]},
     },
@@ -75,7 +76,7 @@ _STRING = {"", where.STRING, where.INERTIA, STATIC_START}
 _MUD = {where.MUD, where.BORE, where.ANNULUS}
 _IN_WELL = {where.WELL, where.CONTACT, where.TOP}
 CONDITIONS: dict[str, set[str]] = {
-    "dry with bit": {*_STRING, *_IN_WELL, where.TUBES, where.BIT},
+    "dry with bit": {*_STRING, *_IN_WELL, where.TUBES, where.BIT, where.BLOCK},
     "mud": {*_STRING, *_IN_WELL, *_MUD, where.TUBES, where.MUD_AND_STRING},
     "joints": {*_STRING, where.TUBES, where.TOP, where.JOINTS},
     "drilling with mud": {

@@ -12,7 +12,7 @@ struct HermiteBore {
     static constexpr bool PACKED = true;
     static constexpr int SPINS[1][2] = {{0, 0}};
     DP_ENUM(Parameter,
-        LENGTH, RIGID, POISSON, AREA, AREA_ABOVE, WALL, DIAMETER, DIAMETER_ABOVE,  // as in fluid/bore_flow.hpp
+        LENGTH, RIGID, POISSON, AREA, AREA_ABOVE, WALL, DIAMETER, DIAMETER_ABOVE, JOINT_SHARE, JOINT_DIAMETER, TUBE_SPEED, JOINT_SPEED,  // as in fluid/bore_flow.hpp
         HEADS,              // (1/A^2 - 1/A_0^2)/2 [1/m4]
         REFERENCE_FLOW,     // Q [m3/s]
         GIVEN, FLOW,        // GIVEN 1: FLOW enters at the upper end, where V is PUMPED [m3/s]
@@ -37,7 +37,7 @@ struct HermiteBore {
                 const CubicShape at(XI4[k]);
                 const T q = line.flow(at) + p[REFERENCE_FLOW], head = pressure_of(f, T(line.slope(at, il) / A * -1.0), p[WALL]);
                 const T inside = head - heads(f, q, head, p[HEADS]), thick = exp(inside * f.compressibility), w = q / (thick * A);
-                const T drag = shear(f, w, T(thick * f.density), p[DIAMETER], 0.0) * (S(4.0) / p[DIAMETER]);
+                const T drag = bore_shear(f, w, T(thick * f.density), p[DIAMETER], p[JOINT_SHARE], p[TUBE_SPEED], p[JOINT_DIAMETER], p[JOINT_SPEED]) * (S(4.0) / p[DIAMETER]);
                 line.add(at, W4[k], (line.surge(at) + p[SURGE]) * (S(f.density) / A) - thick * f.density * (p[DROP] * il) + drag, head);
                 if constexpr (std::is_same_v<T, double>) if (results) {
                     const double part = W4[k] * L, lost = q / thick;
@@ -87,7 +87,7 @@ struct HermiteBore {
         rows.v1 += N * (L * L * (at.N[1] * weight)) + B * (L * (at.B[1] * weight));
         rows.r2 += N * (L * (at.N[2] * weight)) + B * (at.B[2] * weight);
         rows.v2 += N * (L * L * (at.N[3] * weight)) + B * (L * (at.B[3] * weight));
-        const T drag = shear(f, w, T(thick * f.density), p[DIAMETER], 0.0) * n * (S(4.0) / p[DIAMETER]);
+        const T drag = bore_shear(f, w, T(thick * f.density), p[DIAMETER], p[JOINT_SHARE], p[TUBE_SPEED], p[JOINT_DIAMETER], p[JOINT_SPEED]) * n * (S(4.0) / p[DIAMETER]);
         line.add(at, weight, density * n * n / area * q1 + density * w * n1 + density * dot(rs, Vt - g) + drag, head);
         if constexpr (std::is_same_v<T, double>) if (results) {
             results->dissipated += weight * L * q / thick * drag;

@@ -1,0 +1,116 @@
+"""Lines of `check` on the figures of the string that the case did not give: each with its value, and where it is from."""
+
+from __future__ import annotations
+
+import math
+
+from drillpetsc.case.blocks.string import Stabilizer
+from drillpetsc.case.blocks.tubulars import DrillPipe, Jointed, Tubular
+from drillpetsc.case.case import Case
+from drillpetsc.case.catalogue.formulas import tensile_strength, torsional_strength
+from drillpetsc.case.catalogue.sizes import FT_LBF, INCH, KSI, LB_PER_FT, LBF, inch_text
+from drillpetsc.case.figures import Figure
+from drillpetsc.case.section import ring, tubular_section
+
+#: SI unit -> unit of the trade, value of one of it in SI
+FIELD = {
+    "kg/m": ("lb/ft", LB_PER_FT),
+    "Pa": ("ksi", KSI),
+    "m^2": ("in2", INCH**2),
+    "kg": ("lb", 0.45359237),
+}
+LONG = 1.0  # lengths from here on are shown in feet, below in inches [m]
+#: exponent of the diameter in the friction loss of turbulent flow at a given flow rate (Blasius)
+TURBULENT = 4.75
+
+
+def figure_lines(case: Case) -> list[str]:
+    """Lines for the user; none where the case gives all figures itself."""
+    figures = case.figures
+    lines: list[str] = []
+    for number, item in enumerate(case.string):
+        found = figures.of_item.get(number, ())
+        if not found and not isinstance(item, Tubular):
+            continue
+        reference = figures.references.get(number)
+        lines.append(f"    string[{number}] {item.name}" + (f' "{reference}"' if reference else "") + ":")
+        lines += [f"      {_figure(figure)}" for figure in found]
+        if isinstance(item, Tubular):
+            lines += [f"      {line}" for line in _section_lines(case, item)]
+        if isinstance(item, Stabilizer) and item.blade_length is not None:
+            lines.append(
+                f"      touches the hole over its blades, {item.blade_length:.4g} m, not with its body"
+            )
+    return (
+        ["  figures of the string that the case does not give, and where they are from:", *lines]
+        if lines
+        else []
+    )
+
+
+def _figure(figure: Figure) -> str:
+    value = figure.value
+    if isinstance(value, float):
+        text = f"{value:.6g} {figure.unit}".rstrip() + _in_field_units(value, figure.unit)
+    else:
+        text = str(value)
+    return f"{figure.key} {text}: {figure.source}"
+
+
+def _in_field_units(value: float, unit: str) -> str:
+    if unit == "m":
+        return f" ({value / 0.3048:.5g} ft)" if value >= LONG else f" ({inch_text(value / INCH)})"
+    if unit not in FIELD:
+        return ""
+    name, factor = FIELD[unit]
+    return f" ({value / factor:.5g} {name})"
+
+
+def _section_lines(case: Case, item: Tubular) -> list[str]:
+    """What becomes of an item in the beam."""
+    s = tubular_section(item)
+    area, moment = ring(item.od, item.id)
+    young = item.material.young
+    way = ""
+    if isinstance(item, Jointed):
+        way = " (tube alone)"
+        if item.stiffness == "series":
+            more = [
+                100 * (q - 1)
+                for q in (s.axial_stiffness / (young * area), s.bending_stiffness / (young * moment))
+            ]
+            way = f" (tube and tool joints in series: EA {more[0]:+.1f} %, EI and GJ {more[1]:+.1f} % over the tube)"
+    lines = [
+        f"EA {s.axial_stiffness:.5g} N, EI {s.bending_stiffness:.5g} N m2, GJ {s.torsional_stiffness:.5g} N m2: "
+        f"from the dimensions{way}",
+        f"areas: bore {1e6 * s.bore_area:.6g} mm2, outside {1e6 * s.outer_area:.6g} mm2: mean over a joint; "
+        "bore and mass over density",
+    ]
+    if item.contact_od != item.od:
+        upset = ", the centre upset is inside it" if getattr(item, "center_upset", None) is not None else ""
+        lines.append(
+            f"touches the hole with {_length(s.contact_diameter)}: diameter of the tool joint{upset}"
+        )
+    else:
+        lines.append(f"touches the hole with {_length(s.contact_diameter)}: diameter of the body")
+    if math.isnan(s.yield_strength):
+        lines.append("no limits: no grade and no yield_strength given")
+    else:
+        pull = tensile_strength(s.worn_diameter / INCH, item.id / INCH, s.yield_strength / (KSI / 1e3))
+        torque = torsional_strength(s.worn_diameter / INCH, item.id / INCH, s.yield_strength / (KSI / 1e3))
+        worn = f"tube worn to {_length(s.worn_diameter)}" if isinstance(item, DrillPipe) else "new tube"
+        lines.append(
+            f"yields at {pull * LBF / 1e3:.5g} kN ({pull:,.0f} lbf) or {torque * FT_LBF / 1e3:.5g} kN m ({torque:,.0f} ft-lbf): "
+            f"formulas of API RP 7G, {worn}, connections not counted"
+        )
+    if case.fluid is not None and s.joint_share > 0:
+        extra = s.joint_share * ((item.id / s.joint_bore) ** TURBULENT - 1)
+        lines.append(
+            f"friction of the mud: in the bore tube and tool joints in series ({100 * extra:+.0f} % over the tube in turbulent "
+            "flow); in the annulus the tube only"
+        )
+    return lines
+
+
+def _length(value: float) -> str:
+    return f"{1e3 * value:.5g} mm ({inch_text(value / INCH)})"

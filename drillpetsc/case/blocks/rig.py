@@ -1,0 +1,59 @@
+"""`rig`: limits of the rig, and the weight of its block."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from drillpetsc.case.block import Block
+from drillpetsc.case.key_paths import refuse
+from drillpetsc.case.quantities import Quantity
+from drillpetsc.units import UnitError, to_si
+
+STANDARD_GRAVITY = 9.80665  # [m/s2], ISO 80000-3
+
+
+@dataclass(frozen=True)
+class Weight(Quantity):
+    """A weight [N]; a text with a unit of mass is times standard gravity, as `60 klb` is meant."""
+
+    def read(self, value: object, *at: str | int) -> float:
+        if isinstance(value, str):
+            try:
+                to_si(value, self.unit)
+            except UnitError:
+                try:
+                    value = to_si(value, "kg") * STANDARD_GRAVITY
+                except UnitError:
+                    pass  # the message names a force
+        return super().read(value, *at)
+
+
+class Rig(Block):
+    """The rig: what hangs on the hook beside the string, and what the rig can bear."""
+
+    datum: str = Field(
+        default="", description="point that measured depths count from, such as RKB; told in reports"
+    )
+    block_weight: Annotated[float, Weight("N", at_least=0, at_most=1e8)] | None = Field(
+        default=None,
+        description="weight of block and top drive, a force or a mass; hook_load_total is reported with it",
+    )
+    max_hookload: Annotated[float, Weight("N", above=0, at_most=1e9)] | None = Field(
+        default=None, description="largest total hook load, with the block"
+    )
+    max_surface_torque: Annotated[float, Quantity("N m", above=0, at_most=1e7)] | None = Field(
+        default=None, description="largest torque of the drive"
+    )
+    max_spp: Annotated[float, Quantity("Pa", above=0, at_most=1e10)] | None = Field(
+        default=None, description="largest standpipe pressure"
+    )
+
+    @model_validator(mode="after")
+    def _block_below_limit(self) -> Rig:
+        if self.max_hookload is not None and (self.block_weight or 0.0) >= self.max_hookload:
+            want = f"above the weight of the block, {self.block_weight:g} N"
+            raise refuse("max_hookload", got=self.max_hookload, want=want)
+        return self
