@@ -22,6 +22,7 @@ from drillpetsc.analysis.energy_descent import (
 )
 from drillpetsc.analysis.friction_path import (
     SEED,
+    AnyPath,
     FrictionPath,
     PathAnswer,
     PathKind,
@@ -153,7 +154,7 @@ def director_equilibrium(
             f"the string's end lies {beyond:.3g} m below the end of the hole, which its stretch makes it reach; "
             "bottom: {kind: bit} stands on it, and a shorter string hangs above it"
         )
-    if report.negative_pivots and state.path is None:
+    if report.negative_pivots and (state.path is None or state.path.kind == "without_friction"):
         state.warnings.append(_instability_warning(model, report.negative_pivots))
     elif report.singular:
         state.warnings.append(
@@ -190,7 +191,7 @@ def _answer_by_newton(
                 raise
             origin.restore()
             model.system.assembly.dead_load, state.equilibrium.imperfection = None, 0.0
-            _answer_by_path(model, solver, state, "sliding", lowering)
+            _answer_by_path(model, solver, state, _default_path(state.motion), lowering)
             return 1.0
         error.hint = _helix_hint(model, found, moves)
         # a coiled string has many states with friction; the one from a straight start may be easier
@@ -203,14 +204,18 @@ def _answer_by_newton(
             if not has_path(model, state.motion):
                 raise error from None
             origin.restore()
-            _answer_by_path(model, solver, state, "sliding", lowering)
+            _answer_by_path(model, solver, state, _default_path(state.motion), lowering)
             return 1.0
     state.lateral_fraction = fraction if reached is None else reached
     return state.lateral_fraction
 
 
+def _default_path(motion: tuple[float, float]) -> AnyPath:
+    return "sliding" if motion[0] else "without_friction"
+
+
 def _answer_by_path(
-    model: DrillingModel, solver: StaticNewton, state: StaticState, kind: PathKind, lowering: float
+    model: DrillingModel, solver: StaticNewton, state: StaticState, kind: AnyPath, lowering: float
 ) -> None:
     """Find the state of a string with friction at the end of a path, and what other starts give.
 
@@ -218,7 +223,7 @@ def _answer_by_path(
     """
     clearance, steps = _node_clearance(model), _steps_in_hole(model)
     assert clearance is not None and steps is not None
-    sign, surge = float(np.sign(state.motion[0])), surge_rates(model, lowering)
+    sign, surge = float(np.sign(state.motion[0])) or 1.0, surge_rates(model, lowering)
     path = FrictionPath(model, kind, solver, sign, clearance, steps, surge)
     state.path = follow_paths(path, ("straight", "overload") if kind == "sliding" else ("straight",))
     report, end = state.equilibrium, state.path.ends[0]

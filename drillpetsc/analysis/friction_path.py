@@ -25,6 +25,8 @@ from drillpetsc.solvers.static_newton import Advance, Equilibrium, StaticNewton,
 from drillpetsc.unit_systems import System, display
 
 PathKind = Literal["sliding", "slack_off"]
+#: without_friction: the path of a string that nothing moves, where Newton's method finds no state
+AnyPath = Literal["sliding", "slack_off", "without_friction"]
 SEED = 1e-3  # random side loads, as a share of the weight
 SPEED = 1.0  # of the string past the hole while it slides [m/s]
 SETTLE, HOLD, START = 0.5, 0.5, 1.0  # times of: the string lies down; its load stays; it begins to slide [s]
@@ -36,6 +38,10 @@ LIFT = 0.2  # height of the bit over the bottom from which the string is slacked
 LOWERING = 0.2  # speed at which the top is lowered onto the bit that stands [m/s]
 MOST_LOWERING = 3.0  # largest way of the top in the hole, over the shortening of a straight string
 WEIGHT_TOLERANCE = 1e-3  # of the weight on bit, over the weight, where the lowering ends
+REST, LONGEST_REST = (
+    100.0,
+    10.0,
+)  # time in which a string without friction comes to rest, and its longest step [s]
 STEADY = 2e-3  # largest change of the transmitted force from quarter to quarter of the slide, over the push
 FIRST_STEP, SHORTEST_STEP = 1e-3, 1e-9  # [s]
 MOST_STEPS = 4000
@@ -62,6 +68,7 @@ class Settings:
 SETTINGS = {
     "sliding": Settings(ramp=1.0, slip=0.01 * SPEED, drag=1000.0, along=0.03),
     "slack_off": Settings(ramp=4.0, slip=1e-3, drag=300.0, along=1e-3),
+    "without_friction": Settings(ramp=1.0, slip=1.0, drag=1000.0, along=0.03),
 }
 
 
@@ -101,11 +108,16 @@ class PathAnswer:
     failed: (start, reason) of paths without an end.
     """
 
-    kind: PathKind
+    kind: AnyPath
     ends: tuple[PathEnd, ...]
     persistent_load: FloatArray
     force_given: bool
     failed: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def held_by_friction(self) -> bool:
+        """Whether friction alone holds the state of the first path."""
+        return bool(self.ends[0].negative_pivots) and self.kind != "without_friction"
 
     def as_dict(self) -> dict[str, Any]:
         """Entries of summary.json."""
@@ -120,7 +132,9 @@ class PathAnswer:
 
         name, what = ("wob", "weight on bit") if self.force_given else ("hook_load", "hook load")
         values = [getattr(end, name) for end in self.ends]
-        if self.kind == "slack_off":
+        if self.kind == "without_friction":
+            out = ["the load was raised slowly on a straight string without friction"]
+        elif self.kind == "slack_off":
             out = [
                 "question answered: slack-off on a bit that stands; the string was run in, then lowered "
                 "(--path sliding: steady sliding)"
@@ -141,7 +155,7 @@ class PathAnswer:
                         f"the state from the {end.start} start still changes: {what} by {100 * end.change:.2g} % of the "
                         f"push over the last {told(end.slid / 4, 'length')} of {told(end.slid, 'length')}"
                     )
-        if self.ends[0].negative_pivots:
+        if self.held_by_friction:
             out.append(
                 f"held by friction only: without it the state has {self.ends[0].negative_pivots} unstable directions"
             )
@@ -161,7 +175,7 @@ class FrictionPath:
     def __init__(
         self,
         model: DrillingModel,
-        kind: PathKind,
+        kind: AnyPath,
         solver: StaticNewton,
         sign: float,
         clearance: FloatArray,
@@ -202,14 +216,17 @@ class FrictionPath:
         """Let ``share`` of the top's force, and of the weight on a bit that does not stand, act."""
         asm = self.model.system.assembly
         asm.dead_load = self.seeds + (share - 1.0) * self._push
-        if self._wob is not None and self.kind == "sliding":
+        if self._wob is not None and self.kind != "slack_off":
             assert self.model.bit is not None
             _, gradient = self.model.bit.depth_of_face(asm)
             asm.dead_load -= share * self._wob * gradient
 
     def _friction(self, speed: float) -> None:
         for component in self.components:
-            component.follow_overdamped_motion(speed, self.settings.slip)
+            if self.kind == "without_friction":
+                component.impose_sliding_direction(0.0, 0.0)
+            else:
+                component.follow_overdamped_motion(speed, self.settings.slip)
 
     # ------------------------------------------------------------------ path
     def follow(self, start: str) -> PathEnd:
@@ -234,8 +251,10 @@ class FrictionPath:
         if model.fluid is not None:
             asm.hold_rates(fluid_unknowns(model.system), self._surge)
         try:
-            with self._free_bit() if self.kind == "sliding" else nullcontext():
-                if self.kind == "sliding":
+            with self._free_bit() if self.kind != "slack_off" else nullcontext():
+                if self.kind == "without_friction":
+                    self._come_to_rest()
+                elif self.kind == "sliding":
                     slid, change = self._slide(OVERLOAD if start == "overload" else 1.0)
                 else:
                     self._slack_off(straight.usual_contact_force)
@@ -280,6 +299,13 @@ class FrictionPath:
             slid += SLIDE
             change = self._change(log)
         return slid, change
+
+    def _come_to_rest(self) -> None:
+        """Raise the load, and let the string without friction come to rest."""
+        self._friction(0.0)
+        self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
+        self._ramp(0.0, 1.0)
+        self._advance(REST, lambda t: 1.0, LONGEST_REST, bit_to_bottom=True)
 
     def _slack_off(self, contact_force: float) -> None:
         """Lower the top onto the bit that stands, or raise the top's force.
@@ -475,9 +501,9 @@ def follow_paths(path: FrictionPath, starts: tuple[str, ...]) -> PathAnswer:
 
 
 def has_path(model: DrillingModel, motion: tuple[float, float]) -> bool:
-    """Whether a path of steady sliding has a meaning for ``model`` and ``motion``."""
+    """Whether a path has a meaning for ``model`` and ``motion``: of steady sliding, or of a string that nothing moves."""
     try:
-        refuse_path(model, motion, "sliding")
+        refuse_path(model, motion if any(motion) else (1.0, 0.0), "sliding")
     except CaseError:
         return False
     return True

@@ -143,7 +143,7 @@ def _lines(case: Case, folder: RunFolder, state: StaticState, summary: dict[str,
         force, unit = display(item["side_force [N]"], "force", units)
         depth, length = display(item["md [m]"], "length", units)
         lines.append(f"  side force      {force:>14.6g} {unit:<3} on {item['name']} at {depth:g} {length}")
-    held = state.path is not None and state.equilibrium.negative_pivots
+    held = state.path is not None and state.path.held_by_friction
     stable = (
         "stable"
         if state.stable

@@ -217,7 +217,9 @@ STATICS: tuple[SummaryKey, ...] = (
     SummaryKey(
         "buckling.helical", "", "Measured depths (from, to) between which the string coils [m].", STRING
     ),
-    SummaryKey("path", "", "Question that a path answered: 'sliding' or 'slack_off'.", CONTACT),
+    SummaryKey(
+        "path", "", "Question that a path answered: 'sliding', 'slack_off' or 'without_friction'.", CONTACT
+    ),
     SummaryKey(
         "path_states",
         "",
