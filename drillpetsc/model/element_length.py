@@ -22,6 +22,7 @@ from drillpetsc.model.string_forces import StringForces, estimate_forces
 
 LONGEST = 10.0  # [m]
 GROWTH = 0.3  # growth of the length per length along the string [-]
+LARGEST_GROWTH = 0.6  # the same of a mesh that is coarsened [-]
 LARGEST_RATIO = 2.0  # of neighbouring elements, where one of them is automatic
 LAYER_SHARE = 0.25  # of sqrt(EI/T): moments beside a support to 1 % (manual: eq-mesh-layer)
 SPAN_SHARE = 0.05  # of the free length beside a support: the same with a side load
@@ -108,14 +109,13 @@ def choose_lengths(
     asked = _Asked(case, forces, sections, given)
     factor, lengths = 1.0, asked.field(1.0)
     limit = MOST_ELEMENTS * max(case.mesh.refinement, 1.0)
-    if lengths.count() * case.mesh.refinement > limit:
+    if lengths.count() > limit:
         low, high = 1.0, 1e6
-        for _ in range(60):
+        for _ in range(30):
             factor = float(np.sqrt(low * high))
-            lengths = asked.field(factor)
-            low, high = (factor, high) if lengths.count() * case.mesh.refinement > limit else (low, factor)
+            low, high = (factor, high) if asked.field(factor).count() > limit else (low, factor)
         factor, lengths = high, asked.field(high)
-    edges = _graded(asked, lengths, marks, given, case.mesh.refinement)
+    edges = _graded(asked, lengths, marks, given)
     return ElementLengths(edges, _ranges(edges, lengths), factor)
 
 
@@ -328,14 +328,16 @@ class _Asked:
     # -------------------------------------------------------------- field
     def field(self, factor: float) -> _Lengths:
         """Field of element lengths with all demands ``factor`` times as long."""
-        return _Lengths(self, factor * self.in_pieces, factor * self.at_nodes)
+        refinement = self.case.mesh.refinement
+        scale, growth = factor / refinement, min(GROWTH / refinement, LARGEST_GROWTH)
+        return _Lengths(self, scale * self.in_pieces, scale * self.at_nodes, growth)
 
 
 class _Lengths:
-    """Element length along the string, growing by ``GROWTH`` at most from every demand."""
+    """Element length along the string, growing by ``growth`` at most from every demand."""
 
-    def __init__(self, asked: _Asked, pieces: FloatArray, nodes: FloatArray) -> None:
-        self.asked, self.pieces = asked, pieces
+    def __init__(self, asked: _Asked, pieces: FloatArray, nodes: FloatArray, growth: float) -> None:
+        self.asked, self.pieces, self.growth = asked, pieces, growth
         self.x, self.md = asked.x, asked.forces.md
         beside = np.full((2, len(nodes)), np.inf)
         beside[0, 1:], beside[1, :-1] = pieces, pieces
@@ -344,29 +346,28 @@ class _Lengths:
         value = own.min(axis=0)
         above, below = np.append(0, asked.why), np.append(asked.why, 0)
         reason = np.choose(which, [asked.why_at, above, below])
-        self.value, self.reason = _spread(value, reason, self.x)
+        self.value, self.reason = _spread(value, reason, self.x, growth)
 
-    def lower(self, node_x: FloatArray, length: FloatArray) -> None:
-        """Add demands ``length`` (k,) [m] at the coordinates ``node_x`` (k,) [m] of the nearest nodes below them."""
-        for at, size in zip(node_x, length, strict=True):
-            for k in (int(np.searchsorted(self.x, at)), int(np.searchsorted(self.x, at, side="right")) - 1):
-                k = min(max(k, 0), len(self.x) - 1)
-                size_there = size + GROWTH * abs(float(self.x[k]) - at)
-                if size_there < self.value[k]:
-                    self.value[k] = size_there
-        self.value, self.reason = _spread(self.value, self.reason, self.x)
+    def lower(self, at: FloatArray, length: FloatArray) -> None:
+        """Add demands ``length`` (k,) [m] at the coordinates ``at`` (k,) [m], on the nodes beside them."""
+        above = np.clip(np.searchsorted(self.x, at + 1e-9, side="right") - 1, 0, len(self.x) - 1)
+        below = np.clip(np.searchsorted(self.x, at - 1e-9), 0, len(self.x) - 1)
+        value = self.value.copy()
+        for node in (above, below):
+            np.minimum.at(value, node, length + self.growth * np.abs(self.x[node] - at))
+        self.value, self.reason = _spread(value, self.reason, self.x, self.growth)
 
     def count(self) -> float:
         """Number of automatic elements."""
-        x, h = self.samples()
+        x, h = self.samples(most=100.0)
         return float(np.sum(np.diff(x) * 0.5 * (1 / h[1:] + 1 / h[:-1])))
 
-    def samples(self) -> tuple[FloatArray, FloatArray]:
-        """Coordinates (k,) [m], dense against the lengths (k,) [m] there."""
+    def samples(self, most: float = 1e5) -> tuple[FloatArray, FloatArray]:
+        """Coordinates (k,) [m], dense against the lengths (k,) [m] there; ``most`` of them in a piece."""
         delta = np.diff(self.x)
         least = np.minimum(self.value[1:], self.value[:-1])
         parts = np.where(
-            delta > 0, np.ceil(np.minimum(6 * delta / np.where(np.isfinite(least), least, LONGEST), 1e5)), 0
+            delta > 0, np.ceil(np.minimum(6 * delta / np.where(np.isfinite(least), least, LONGEST), most)), 0
         )
         parts = np.maximum(parts, 1).astype(int)
         piece = np.repeat(np.arange(len(delta)), parts)
@@ -379,8 +380,8 @@ class _Lengths:
         """Lengths (k,) [m] at ``along`` (k,) [m] below the upper ends of the pieces (k,)."""
         delta = np.diff(self.x)[piece]
         left, right = (
-            self.value[:-1][piece] + GROWTH * along,
-            self.value[1:][piece] + GROWTH * (delta - along),
+            self.value[:-1][piece] + self.growth * along,
+            self.value[1:][piece] + self.growth * (delta - along),
         )
         return np.asarray(np.minimum(np.minimum(left, right), self.pieces[piece]))
 
@@ -388,16 +389,20 @@ class _Lengths:
         """Numbers (k,) of the texts on what decides the length at measured depths ``md`` (k,) [m]."""
         k = np.clip(np.searchsorted(self.md, md, side="right") - 1, 0, len(self.pieces) - 1)
         above, below = md - self.md[k], self.md[k + 1] - md
-        own = np.array([self.pieces[k], self.value[k] + GROWTH * above, self.value[k + 1] + GROWTH * below])
+        own = np.array(
+            [self.pieces[k], self.value[k] + self.growth * above, self.value[k + 1] + self.growth * below]
+        )
         return np.choose(np.argmin(own, axis=0), [self.asked.why[k], self.reason[k], self.reason[k + 1]])
 
 
-def _spread(value: FloatArray, reason: np.ndarray, x: FloatArray) -> tuple[FloatArray, np.ndarray]:
-    """Lower ``value`` (n,) so that it grows by ``GROWTH`` at most along ``x`` (n,); the reasons follow."""
+def _spread(
+    value: FloatArray, reason: np.ndarray, x: FloatArray, growth: float
+) -> tuple[FloatArray, np.ndarray]:
+    """Lower ``value`` (n,) so that it grows by ``growth`` at most along ``x`` (n,); the reasons follow."""
     for _ in range(2):  # downward, then upward
-        level = value - GROWTH * x
+        level = value - growth * x
         source = np.maximum.accumulate(np.where(level <= np.minimum.accumulate(level), np.arange(len(x)), 0))
-        value, reason = level[source] + GROWTH * x, reason[source]
+        value, reason = level[source] + growth * x, reason[source]
         value, reason, x = value[::-1], reason[::-1], -x[::-1]
     return value, reason
 
@@ -416,7 +421,6 @@ def _graded(
     lengths: _Lengths,
     marks: dict[int, list[float]],
     given: dict[int, list[float]],
-    refinement: float,
 ) -> dict[int, list[float]]:
     """Element ends of the automatic items: equal steps of the integral of 1/length between the marks.
 
@@ -424,7 +428,7 @@ def _graded(
     """
     edges: dict[int, list[float]] = {}
     for _ in range(50):
-        edges = _edges(asked, lengths, marks, refinement)
+        edges = _edges(asked, lengths, marks)
         x, size, automatic = _chain(asked, edges, given)
         ratio = size[1:] / size[:-1]
         long_below = (ratio > LARGEST_RATIO * (1 + 1e-9)) & automatic[1:]
@@ -433,15 +437,13 @@ def _graded(
             break
         shorter = np.minimum(size[1:], size[:-1])
         bad = long_below | long_above
-        lengths.lower(x[bad], np.asarray(refinement * shorter[bad]))
+        lengths.lower(x[bad], np.asarray(shorter[bad]))
     return edges
 
 
-def _edges(
-    asked: _Asked, lengths: _Lengths, marks: dict[int, list[float]], refinement: float
-) -> dict[int, list[float]]:
+def _edges(asked: _Asked, lengths: _Lengths, marks: dict[int, list[float]]) -> dict[int, list[float]]:
     x, h = lengths.samples()
-    total = np.concatenate([[0.0], np.cumsum(np.diff(x) * 0.5 * (1 / h[1:] + 1 / h[:-1]))]) * refinement
+    total = np.concatenate([[0.0], np.cumsum(np.diff(x) * 0.5 * (1 / h[1:] + 1 / h[:-1]))])
     depth, coordinate = asked.forces.md, asked.x
     out: dict[int, list[float]] = {}
     for number, places in marks.items():
