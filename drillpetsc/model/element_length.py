@@ -19,6 +19,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import largest
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.string_forces import StringForces, estimate_forces
+from drillpetsc.unit_systems import System, display_unit, shown
 
 LONGEST = 10.0  # [m]
 GROWTH = 0.3  # growth of the length per length along the string [-]
@@ -70,14 +71,15 @@ class ElementLengths:
     ranges: tuple[LengthRange, ...] = ()
     coarsened: float = 1.0
 
-    def warnings(self) -> list[str]:
-        """Sentence on a mesh that is coarser than the physics asks for; empty for others."""
+    def warnings(self, units: System = "metric") -> list[str]:
+        """Sentence on a mesh that is coarser than the physics asks for, empty for others; depths in a system of units."""
         if self.coarsened <= 1.001:
             return []
         worst = min(self.ranges, key=lambda r: r.shortest)
+        size, _, unit = display_unit("length", units)
         return [
             f"the automatic mesh is limited to {MOST_ELEMENTS} elements, which are {self.coarsened:.3g} times longer than asked "
-            f"for; the shortest are asked for from MD {worst.upper:.0f} to {worst.lower:.0f} m ({worst.reason})"
+            f"for; the shortest are asked for from MD {worst.upper / size:.0f} to {worst.lower / size:.0f} {unit} ({worst.reason})"
         ]
 
 
@@ -143,7 +145,8 @@ class _Asked:
         sections: dict[int, dict[str, float]],
         given: dict[int, list[float]],
     ) -> None:
-        self.case, self.forces, self.texts = case, forces, [f"longest automatic element, {LONGEST:g} m"]
+        self.case, self.forces, self.units = case, forces, case.output.units or "metric"
+        self.texts = [f"longest automatic element, {shown(LONGEST, 'length', self.units, 3)}"]
         flexible = np.isin(forces.item, list(sections))
         self.x = np.concatenate([[0.0], np.cumsum(np.where(flexible, np.diff(forces.md), 0.0))])
         self.flexible, n = flexible, len(flexible)
@@ -268,9 +271,9 @@ class _Asked:
             length = max(min(LAYER_SHARE * layer, SPAN_SHARE * free), self.outer[k] or 1e-4 * self.x[-1])
             if length < LONGEST:
                 what = (
-                    f"bending layer of {layer:.2g} m"
+                    f"bending layer of {shown(float(layer), 'length', self.units, 2)}"
                     if LAYER_SHARE * layer < SPAN_SHARE * free
-                    else f"free length of {free:.2g} m"
+                    else f"free length of {shown(float(free), 'length', self.units, 2)}"
                 )
                 self.texts.append(f"beside {name}: {what}")
                 self._place(node, float(length), len(self.texts) - 1)
@@ -319,10 +322,12 @@ class _Asked:
         )
         stress = np.zeros(len(self.at_nodes))
         stress[1:] = 0.5 * self.outer * young * self.forces.change[1:]
+        size, _, unit = display_unit("length", self.units)
         for node in np.flatnonzero(stress > SHARP_BEND):
+            depth = float(self.forces.md[node])
             if np.isfinite(self.forces.clearance[min(node, len(rows) - 1)]):
                 self._beside(
-                    int(node), np.inf, f"a jump of the hole's curvature at MD {self.forces.md[node]:.0f} m"
+                    int(node), np.inf, f"a jump of the hole's curvature at MD {depth / size:.0f} {unit}"
                 )
 
     # -------------------------------------------------------------- field

@@ -110,7 +110,7 @@ def test_sharp_curvature(element, told):
         top={"kind": "top_drive"},
     )
     lines = [
-        line for line in describe(case).splitlines() if "the curvature of the hole (30 deg/30 m)" in line
+        line for line in describe(case).splitlines() if "the curvature of the hole (30 deg/30m)" in line
     ]
     assert len(lines) == told
     assert not told or length_in(lines[0]) == pytest.approx(5.7, abs=0.1)
