@@ -20,6 +20,7 @@ from drillpetsc.output import read_table
 from drillpetsc.output.bending import bending_moments
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad
 from drillpetsc.solvers.static_newton import Equilibrium, StaticNewton
+from drillpetsc.studies.convergence.coarse_mesh import coarsened
 
 AREA, BENDING, WEIGHT, CLEARANCE = 3.4047325e-3, 1.2240289e6, 242.0, 0.04445
 PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086, "material": {"density": WEIGHT / 9.81 / AREA}}
@@ -375,3 +376,12 @@ def test_statics_takes_the_mesh_of_its_motion(tmp_path):
 def test_other_words_are_refused(word):
     with pytest.raises(CaseError, match="element_length"):
         Case(string=[{**PIPE, "length": 10.0, "element_length": word}], top="clamped")
+
+
+def test_a_coarse_mesh_run_has_about_half_the_elements():
+    """`run --mesh-error` and `study --vary mesh` make every element twice as long, automatic ones by mesh.refinement."""
+    made = case(well=BUILD, string=[{**BHA[0], "element_length": 5.0}, *BHA[1:]], bottom={"kind": "bit"})
+    fine, coarse = build_mesh(made), build_mesh(coarsened(made))
+    assert np.sum(coarse.item == 0) == pytest.approx(0.5 * np.sum(fine.item == 0), abs=1)
+    automatic = [np.sum(mesh.item == 1) for mesh in (fine, coarse)]
+    assert 0.4 * automatic[0] <= automatic[1] <= 0.75 * automatic[0]

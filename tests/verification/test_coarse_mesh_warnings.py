@@ -109,9 +109,7 @@ def test_sharp_curvature(element, told):
         string=[{"kind": "pipe", "length": 290.0, "od": 0.073, "id": 0.0548, "element_length": element}],
         top={"kind": "top_drive"},
     )
-    lines = [
-        line for line in describe(case).splitlines() if "the curvature of the hole (30 deg/30m)" in line
-    ]
+    lines = [line for line in describe(case).splitlines() if "the curvature of the hole (30 deg/30m)" in line]
     assert len(lines) == told
     assert not told or length_in(lines[0]) == pytest.approx(5.7, abs=0.1)
 
