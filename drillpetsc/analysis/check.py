@@ -86,15 +86,18 @@ def _chosen_lengths(case: Case, model: DrillingModel) -> list[str]:
     count = sum(r.count for r in lengths.ranges)
     if not count:
         return []
+    units = case.output.units or "metric"
+    scale, _, unit = display_unit("length", units)
     lines = [f"  automatic element lengths, {count} elements:"]
     for r in lengths.ranges[:MOST_RANGES]:
-        size = f"{r.longest:.3g}" if r.longest < 1.02 * r.shortest else f"{r.shortest:.3g} to {r.longest:.3g}"
-        name = case.string[r.item].name
-        lines.append(f"    MD {r.upper:.1f} to {r.lower:.1f} m ({name}): {size} m, {r.reason}")
+        longest = f"{r.longest / scale:.3g}"
+        size = longest if r.longest < 1.02 * r.shortest else f"{r.shortest / scale:.3g} to {longest}"
+        place = f"MD {r.upper / scale:.1f} to {r.lower / scale:.1f} {unit} ({case.string[r.item].name})"
+        lines.append(f"    {place}: {size} {unit}, {r.reason}")
     rest = lengths.ranges[MOST_RANGES:]
     if rest:
-        lines.append(f"    ... and {len(rest)} more ranges below MD {rest[0].upper:.1f} m")
-    return lines + [f"  WARNING: {text}" for text in lengths.warnings()]
+        lines.append(f"    ... and {len(rest)} more ranges below MD {rest[0].upper / scale:.1f} {unit}")
+    return lines + [f"  WARNING: {text}" for text in lengths.warnings(units)]
 
 
 def _rig(rig: Rig) -> str:

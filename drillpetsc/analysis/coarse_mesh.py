@@ -26,6 +26,7 @@ from drillpetsc.model.element_length import (
 from drillpetsc.model.mesh import string_forces
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.static_table import at_nodes, static_table
+from drillpetsc.unit_systems import System, display, display_unit
 
 TOLERANCE = 1.25  # of a turn in one element over that which suffices
 MOMENT_ERROR = 0.03  # of a bending moment beside a support, from which it is told
@@ -71,7 +72,10 @@ def run_warnings(model: DrillingModel) -> list[str]:
     columns, values = static_table(model)
     lines: list[str] = []
     if values is not None:
-        lines = [*buckling(model, columns, values).coarse_lines(), *state_warnings(model, columns, values)]
+        lines = [
+            *buckling(model, columns, values).coarse_lines(_units(model)),
+            *state_warnings(model, columns, values),
+        ]
     comm = model.system.comm
     return lines if comm.size == 1 else list(comm.tompi4py().bcast(lines))
 
@@ -105,10 +109,12 @@ def expected_warnings(model: DrillingModel) -> list[str]:
         & (push > HELIX * level)
         & (mesh.length > pitch / ELEMENTS_PER_PITCH * TOLERANCE)
     )
-    lines = _ranged(
-        model, long, pitch / ELEMENTS_PER_PITCH, lambda k: f"the expected helix (pitch {pitch[k]:.3g} m)"
-    )
+    lines = _ranged(model, long, pitch / ELEMENTS_PER_PITCH, lambda k: "the expected helix")
     return lines + _lines(model, load)
+
+
+def _units(model: DrillingModel) -> System:
+    return model.case.output.units or "metric"
 
 
 def _of_state(model: DrillingModel, columns: list[Column], values: FloatArray) -> _Loads:
@@ -153,9 +159,12 @@ def _turns(model: DrillingModel) -> list[str]:
     with np.errstate(divide="ignore"):
         enough = LARGEST_TURN / bend
     long = (mesh.length > 1.5 * enough) & ~mesh.is_joint
-    return _ranged(
-        model, long, enough, lambda k: f"the curvature of the hole ({np.degrees(30 * bend[k]):.3g} deg/30 m)"
-    )
+
+    def cause(k: int) -> str:
+        rate, unit = display(float(bend[k]), "dogleg", _units(model))
+        return f"the curvature of the hole ({rate:.3g} {unit})"
+
+    return _ranged(model, long, enough, cause)
 
 
 def _supports(model: DrillingModel, load: _Loads) -> list[str]:
@@ -226,11 +235,12 @@ def _beside(model: DrillingModel, load: _Loads, node: int, distance: float, wher
     if worst is None:
         return None
     error, length, enough = worst
-    depth = float(mesh.node_depth[node]) + top_depth(model)
+    scale, _, unit = display_unit("length", _units(model))
+    depth = (float(mesh.node_depth[node]) + top_depth(model)) / scale
     size = f"about {100 * error:.2g} %" if error < 0.3 else "30 % and more"
     return (
-        f"elements of {length:.3g} m {where} {depth:.0f} m leave {size} in the bending moment: element_length of "
-        f"{enough:.2g} m or less there (or auto)"
+        f"elements of {length / scale:.3g} {unit} {where} {depth:.0f} {unit} leave {size} in the bending moment: "
+        f"element_length of {enough / scale:.2g} {unit} or less there (or auto)"
     )
 
 
@@ -239,12 +249,14 @@ def _ranged(
 ) -> list[str]:
     """A sentence for each range of neighbouring elements in ``long`` (n,); ``enough``: what would do (n,) [m]."""
     mesh, shift, out = model.mesh, top_depth(model), []
+    scale, _, unit = display_unit("length", _units(model))
     edges = np.flatnonzero(np.diff(np.concatenate([[0], long.astype(int), [0]])))
     for a, b in zip(edges[::2], edges[1::2], strict=True):
         worst = a + int(np.argmin(enough[a:b]))
         out.append(
-            f"elements of {mesh.length[a:b].max():.3g} m from MD {mesh.upper[a] + shift:.0f} to {mesh.lower[b - 1] + shift:.0f} m "
-            f"are too long for {cause(worst)}: element_length of {enough[worst]:.2g} m or less (or auto)"
+            f"elements of {mesh.length[a:b].max() / scale:.3g} {unit} from MD {(mesh.upper[a] + shift) / scale:.0f} to "
+            f"{(mesh.lower[b - 1] + shift) / scale:.0f} {unit} are too long for {cause(worst)}: element_length of "
+            f"{enough[worst] / scale:.2g} {unit} or less (or auto)"
         )
     return _first(out)
 

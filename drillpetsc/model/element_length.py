@@ -19,9 +19,11 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import largest
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.string_forces import StringForces, estimate_forces
+from drillpetsc.unit_systems import System, display_unit, shown
 
 LONGEST = 10.0  # [m]
 GROWTH = 0.3  # growth of the length per length along the string [-]
+LARGEST_GROWTH = 0.6  # the same of a mesh that is coarsened [-]
 LARGEST_RATIO = 2.0  # of neighbouring elements, where one of them is automatic
 LAYER_SHARE = 0.25  # of sqrt(EI/T): moments beside a support to 1 % (manual: eq-mesh-layer)
 SPAN_SHARE = 0.05  # of the free length beside a support: the same with a side load
@@ -69,14 +71,15 @@ class ElementLengths:
     ranges: tuple[LengthRange, ...] = ()
     coarsened: float = 1.0
 
-    def warnings(self) -> list[str]:
-        """Sentence on a mesh that is coarser than the physics asks for; empty for others."""
+    def warnings(self, units: System = "metric") -> list[str]:
+        """Sentence on a mesh that is coarser than the physics asks for, empty for others; depths in a system of units."""
         if self.coarsened <= 1.001:
             return []
         worst = min(self.ranges, key=lambda r: r.shortest)
+        size, _, unit = display_unit("length", units)
         return [
             f"the automatic mesh is limited to {MOST_ELEMENTS} elements, which are {self.coarsened:.3g} times longer than asked "
-            f"for; the shortest are asked for from MD {worst.upper:.0f} to {worst.lower:.0f} m ({worst.reason})"
+            f"for; the shortest are asked for from MD {worst.upper / size:.0f} to {worst.lower / size:.0f} {unit} ({worst.reason})"
         ]
 
 
@@ -108,14 +111,13 @@ def choose_lengths(
     asked = _Asked(case, forces, sections, given)
     factor, lengths = 1.0, asked.field(1.0)
     limit = MOST_ELEMENTS * max(case.mesh.refinement, 1.0)
-    if lengths.count() * case.mesh.refinement > limit:
+    if lengths.count() > limit:
         low, high = 1.0, 1e6
-        for _ in range(60):
+        for _ in range(30):
             factor = float(np.sqrt(low * high))
-            lengths = asked.field(factor)
-            low, high = (factor, high) if lengths.count() * case.mesh.refinement > limit else (low, factor)
+            low, high = (factor, high) if asked.field(factor).count() > limit else (low, factor)
         factor, lengths = high, asked.field(high)
-    edges = _graded(asked, lengths, marks, given, case.mesh.refinement)
+    edges = _graded(asked, lengths, marks, given)
     return ElementLengths(edges, _ranges(edges, lengths), factor)
 
 
@@ -143,7 +145,8 @@ class _Asked:
         sections: dict[int, dict[str, float]],
         given: dict[int, list[float]],
     ) -> None:
-        self.case, self.forces, self.texts = case, forces, [f"longest automatic element, {LONGEST:g} m"]
+        self.case, self.forces, self.units = case, forces, case.output.units or "metric"
+        self.texts = [f"longest automatic element, {shown(LONGEST, 'length', self.units, 3)}"]
         flexible = np.isin(forces.item, list(sections))
         self.x = np.concatenate([[0.0], np.cumsum(np.where(flexible, np.diff(forces.md), 0.0))])
         self.flexible, n = flexible, len(flexible)
@@ -268,9 +271,9 @@ class _Asked:
             length = max(min(LAYER_SHARE * layer, SPAN_SHARE * free), self.outer[k] or 1e-4 * self.x[-1])
             if length < LONGEST:
                 what = (
-                    f"bending layer of {layer:.2g} m"
+                    f"bending layer of {shown(float(layer), 'length', self.units, 2)}"
                     if LAYER_SHARE * layer < SPAN_SHARE * free
-                    else f"free length of {free:.2g} m"
+                    else f"free length of {shown(float(free), 'length', self.units, 2)}"
                 )
                 self.texts.append(f"beside {name}: {what}")
                 self._place(node, float(length), len(self.texts) - 1)
@@ -319,23 +322,27 @@ class _Asked:
         )
         stress = np.zeros(len(self.at_nodes))
         stress[1:] = 0.5 * self.outer * young * self.forces.change[1:]
+        size, _, unit = display_unit("length", self.units)
         for node in np.flatnonzero(stress > SHARP_BEND):
+            depth = float(self.forces.md[node])
             if np.isfinite(self.forces.clearance[min(node, len(rows) - 1)]):
                 self._beside(
-                    int(node), np.inf, f"a jump of the hole's curvature at MD {self.forces.md[node]:.0f} m"
+                    int(node), np.inf, f"a jump of the hole's curvature at MD {depth / size:.0f} {unit}"
                 )
 
     # -------------------------------------------------------------- field
     def field(self, factor: float) -> _Lengths:
         """Field of element lengths with all demands ``factor`` times as long."""
-        return _Lengths(self, factor * self.in_pieces, factor * self.at_nodes)
+        refinement = self.case.mesh.refinement
+        scale, growth = factor / refinement, min(GROWTH / refinement, LARGEST_GROWTH)
+        return _Lengths(self, scale * self.in_pieces, scale * self.at_nodes, growth)
 
 
 class _Lengths:
-    """Element length along the string, growing by ``GROWTH`` at most from every demand."""
+    """Element length along the string, growing by ``growth`` at most from every demand."""
 
-    def __init__(self, asked: _Asked, pieces: FloatArray, nodes: FloatArray) -> None:
-        self.asked, self.pieces = asked, pieces
+    def __init__(self, asked: _Asked, pieces: FloatArray, nodes: FloatArray, growth: float) -> None:
+        self.asked, self.pieces, self.growth = asked, pieces, growth
         self.x, self.md = asked.x, asked.forces.md
         beside = np.full((2, len(nodes)), np.inf)
         beside[0, 1:], beside[1, :-1] = pieces, pieces
@@ -344,29 +351,28 @@ class _Lengths:
         value = own.min(axis=0)
         above, below = np.append(0, asked.why), np.append(asked.why, 0)
         reason = np.choose(which, [asked.why_at, above, below])
-        self.value, self.reason = _spread(value, reason, self.x)
+        self.value, self.reason = _spread(value, reason, self.x, growth)
 
-    def lower(self, node_x: FloatArray, length: FloatArray) -> None:
-        """Add demands ``length`` (k,) [m] at the coordinates ``node_x`` (k,) [m] of the nearest nodes below them."""
-        for at, size in zip(node_x, length, strict=True):
-            for k in (int(np.searchsorted(self.x, at)), int(np.searchsorted(self.x, at, side="right")) - 1):
-                k = min(max(k, 0), len(self.x) - 1)
-                size_there = size + GROWTH * abs(float(self.x[k]) - at)
-                if size_there < self.value[k]:
-                    self.value[k] = size_there
-        self.value, self.reason = _spread(self.value, self.reason, self.x)
+    def lower(self, at: FloatArray, length: FloatArray) -> None:
+        """Add demands ``length`` (k,) [m] at the coordinates ``at`` (k,) [m], on the nodes beside them."""
+        above = np.clip(np.searchsorted(self.x, at + 1e-9, side="right") - 1, 0, len(self.x) - 1)
+        below = np.clip(np.searchsorted(self.x, at - 1e-9), 0, len(self.x) - 1)
+        value = self.value.copy()
+        for node in (above, below):
+            np.minimum.at(value, node, length + self.growth * np.abs(self.x[node] - at))
+        self.value, self.reason = _spread(value, self.reason, self.x, self.growth)
 
     def count(self) -> float:
         """Number of automatic elements."""
-        x, h = self.samples()
+        x, h = self.samples(most=100.0)
         return float(np.sum(np.diff(x) * 0.5 * (1 / h[1:] + 1 / h[:-1])))
 
-    def samples(self) -> tuple[FloatArray, FloatArray]:
-        """Coordinates (k,) [m], dense against the lengths (k,) [m] there."""
+    def samples(self, most: float = 1e5) -> tuple[FloatArray, FloatArray]:
+        """Coordinates (k,) [m], dense against the lengths (k,) [m] there; ``most`` of them in a piece."""
         delta = np.diff(self.x)
         least = np.minimum(self.value[1:], self.value[:-1])
         parts = np.where(
-            delta > 0, np.ceil(np.minimum(6 * delta / np.where(np.isfinite(least), least, LONGEST), 1e5)), 0
+            delta > 0, np.ceil(np.minimum(6 * delta / np.where(np.isfinite(least), least, LONGEST), most)), 0
         )
         parts = np.maximum(parts, 1).astype(int)
         piece = np.repeat(np.arange(len(delta)), parts)
@@ -379,8 +385,8 @@ class _Lengths:
         """Lengths (k,) [m] at ``along`` (k,) [m] below the upper ends of the pieces (k,)."""
         delta = np.diff(self.x)[piece]
         left, right = (
-            self.value[:-1][piece] + GROWTH * along,
-            self.value[1:][piece] + GROWTH * (delta - along),
+            self.value[:-1][piece] + self.growth * along,
+            self.value[1:][piece] + self.growth * (delta - along),
         )
         return np.asarray(np.minimum(np.minimum(left, right), self.pieces[piece]))
 
@@ -388,16 +394,20 @@ class _Lengths:
         """Numbers (k,) of the texts on what decides the length at measured depths ``md`` (k,) [m]."""
         k = np.clip(np.searchsorted(self.md, md, side="right") - 1, 0, len(self.pieces) - 1)
         above, below = md - self.md[k], self.md[k + 1] - md
-        own = np.array([self.pieces[k], self.value[k] + GROWTH * above, self.value[k + 1] + GROWTH * below])
+        own = np.array(
+            [self.pieces[k], self.value[k] + self.growth * above, self.value[k + 1] + self.growth * below]
+        )
         return np.choose(np.argmin(own, axis=0), [self.asked.why[k], self.reason[k], self.reason[k + 1]])
 
 
-def _spread(value: FloatArray, reason: np.ndarray, x: FloatArray) -> tuple[FloatArray, np.ndarray]:
-    """Lower ``value`` (n,) so that it grows by ``GROWTH`` at most along ``x`` (n,); the reasons follow."""
+def _spread(
+    value: FloatArray, reason: np.ndarray, x: FloatArray, growth: float
+) -> tuple[FloatArray, np.ndarray]:
+    """Lower ``value`` (n,) so that it grows by ``growth`` at most along ``x`` (n,); the reasons follow."""
     for _ in range(2):  # downward, then upward
-        level = value - GROWTH * x
+        level = value - growth * x
         source = np.maximum.accumulate(np.where(level <= np.minimum.accumulate(level), np.arange(len(x)), 0))
-        value, reason = level[source] + GROWTH * x, reason[source]
+        value, reason = level[source] + growth * x, reason[source]
         value, reason, x = value[::-1], reason[::-1], -x[::-1]
     return value, reason
 
@@ -416,7 +426,6 @@ def _graded(
     lengths: _Lengths,
     marks: dict[int, list[float]],
     given: dict[int, list[float]],
-    refinement: float,
 ) -> dict[int, list[float]]:
     """Element ends of the automatic items: equal steps of the integral of 1/length between the marks.
 
@@ -424,7 +433,7 @@ def _graded(
     """
     edges: dict[int, list[float]] = {}
     for _ in range(50):
-        edges = _edges(asked, lengths, marks, refinement)
+        edges = _edges(asked, lengths, marks)
         x, size, automatic = _chain(asked, edges, given)
         ratio = size[1:] / size[:-1]
         long_below = (ratio > LARGEST_RATIO * (1 + 1e-9)) & automatic[1:]
@@ -433,15 +442,13 @@ def _graded(
             break
         shorter = np.minimum(size[1:], size[:-1])
         bad = long_below | long_above
-        lengths.lower(x[bad], np.asarray(refinement * shorter[bad]))
+        lengths.lower(x[bad], np.asarray(shorter[bad]))
     return edges
 
 
-def _edges(
-    asked: _Asked, lengths: _Lengths, marks: dict[int, list[float]], refinement: float
-) -> dict[int, list[float]]:
+def _edges(asked: _Asked, lengths: _Lengths, marks: dict[int, list[float]]) -> dict[int, list[float]]:
     x, h = lengths.samples()
-    total = np.concatenate([[0.0], np.cumsum(np.diff(x) * 0.5 * (1 / h[1:] + 1 / h[:-1]))]) * refinement
+    total = np.concatenate([[0.0], np.cumsum(np.diff(x) * 0.5 * (1 / h[1:] + 1 / h[:-1]))])
     depth, coordinate = asked.forces.md, asked.x
     out: dict[int, list[float]] = {}
     for number, places in marks.items():

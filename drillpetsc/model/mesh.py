@@ -95,7 +95,10 @@ def build_mesh(case: Case, well: Well | None = None, motion: tuple[float, float]
         else:
             rigid.append((number, item, len(rows), sum(q.length for _, q in pending)))
             pending.append((number, item))
-    return replace(_assemble(case, rows, rigid, tops, tuple(joints)), notes=tuple(lengths.warnings()))
+    return replace(
+        _assemble(case, rows, rigid, tops, tuple(joints)),
+        notes=tuple(lengths.warnings(case.output.units or "metric")),
+    )
 
 
 def element_lengths(

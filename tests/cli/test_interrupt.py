@@ -23,8 +23,8 @@ well:
   survey: {md: [0 m, 60 m], inclination: [60 deg, 60 deg], azimuth: [0 deg, 0 deg]}
   sections: [{to: 60 m, kind: casing, diameter: 215.9 mm, friction: 0.2}]
 string:
-  - {kind: pipe, length: 30 m, od: 127 mm, id: 108.6 mm}
-  - {kind: pipe, length: 20 m, od: 171.5 mm, id: 71.4 mm}
+  - {kind: pipe, length: 30 m, od: 127 mm, id: 108.6 mm, element_length: 10 m}
+  - {kind: pipe, length: 20 m, od: 171.5 mm, id: 71.4 mm, element_length: 10 m}
 top: {kind: top_drive, rotation: {ramp: 0.1 s, value: 60 rpm}}
 time: {end: 1 s}
 output: {history_every: 0.01 s, field_every: 0.05 s, probes: [25 m], checkpoint_every: 100 s}

@@ -27,8 +27,8 @@ well:
   survey: {md: [0 m, 60 m], inclination: [40 deg, 70 deg], azimuth: [0 deg, 10 deg]}
   sections: [{to: 60 m, kind: casing, diameter: 215.9 mm, friction: 0.2}]
 string:
-  - {kind: pipe, length: 30 m, od: 127 mm, id: 108.6 mm}
-  - {kind: pipe, length: 20 m, od: 171.5 mm, id: 71.4 mm, eccentricity: 3 mm}
+  - {kind: pipe, length: 30 m, od: 127 mm, id: 108.6 mm, element_length: 10 m}
+  - {kind: pipe, length: 20 m, od: 171.5 mm, id: 71.4 mm, element_length: 10 m, eccentricity: 3 mm}
 top:
   kind: top_drive
   rotation: {time: [0 s, 40 ms, 1 s], value: [60 rpm, 80 rpm, 80 rpm]}

@@ -20,6 +20,7 @@ from drillpetsc.output import read_table
 from drillpetsc.output.bending import bending_moments
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad
 from drillpetsc.solvers.static_newton import Equilibrium, StaticNewton
+from drillpetsc.studies.convergence.coarse_mesh import coarsened
 
 AREA, BENDING, WEIGHT, CLEARANCE = 3.4047325e-3, 1.2240289e6, 242.0, 0.04445
 PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086, "material": {"density": WEIGHT / 9.81 / AREA}}
@@ -234,9 +235,10 @@ def lengths_of(mesh) -> np.ndarray:
         {"joints": [{"kind": "universal", "at": 1185.0}]},
         {"loads": [{"at": 500.0, "force": [100.0, 0.0, 0.0]}, {"at": 500.4, "force": [0.0, 1.0, 0.0]}]},
         {"mesh": {"refinement": 3.0}},
+        {"mesh": {"refinement": 0.2}},
         {"mesh": {"frequency": "30 Hz"}},
     ],
-    ids=["plain", "wob", "joint", "loads", "refined", "frequency"],
+    ids=["plain", "wob", "joint", "loads", "refined", "coarsened", "frequency"],
 )
 def test_neighbouring_elements_differ_by_two_at_most(keys):
     made = Case(
@@ -245,7 +247,7 @@ def test_neighbouring_elements_differ_by_two_at_most(keys):
     mesh = build_mesh(made)
     ratio = lengths_of(mesh)[1:] / lengths_of(mesh)[:-1]
     assert ratio.max() <= 2 * (1 + 1e-6) and ratio.min() >= 0.5 * (1 - 1e-6)
-    assert mesh.length.max() <= 10.0 and len(mesh.upper) < 1200
+    assert mesh.length.max() <= 10.0 / made.mesh.refinement and len(mesh.upper) < 1200
     assert mesh.lower[:-1][~mesh.is_joint[1:]] == pytest.approx(
         (mesh.upper - mesh.rigid_above)[1:][~mesh.is_joint[1:]], abs=1e-9
     )
@@ -374,3 +376,12 @@ def test_statics_takes_the_mesh_of_its_motion(tmp_path):
 def test_other_words_are_refused(word):
     with pytest.raises(CaseError, match="element_length"):
         Case(string=[{**PIPE, "length": 10.0, "element_length": word}], top="clamped")
+
+
+def test_a_coarse_mesh_run_has_about_half_the_elements():
+    """`run --mesh-error` and `study --vary mesh` make every element twice as long, automatic ones by mesh.refinement."""
+    made = case(well=BUILD, string=[{**BHA[0], "element_length": 5.0}, *BHA[1:]], bottom={"kind": "bit"})
+    fine, coarse = build_mesh(made), build_mesh(coarsened(made))
+    assert np.sum(coarse.item == 0) == pytest.approx(0.5 * np.sum(fine.item == 0), abs=1)
+    automatic = [np.sum(mesh.item == 1) for mesh in (fine, coarse)]
+    assert 0.4 * automatic[0] <= automatic[1] <= 0.75 * automatic[0]

@@ -82,7 +82,8 @@ def test_nothing_is_said_where_nothing_bends():
 @pytest.mark.parametrize(
     ("element", "told"), [(5.0, True), (4.0, True), (3.0, True), (2.0, False), ("auto", False)]
 )
-def test_residual_curvature(tmp_path, element, told):
+@pytest.mark.parametrize("top", [{"kind": "top_drive", "lowering": 0.1}, "pinned"], ids=["lowered", "pinned"])
+def test_residual_curvature(tmp_path, element, told, top):
     """Coiled tubing of 0.1 1/m: 0.2 rad in an element, 2 m, are enough; from 3 m on (hook load 3 %, torque 17 % off)
     statics and check name 2 m."""
     case = Case(
@@ -91,7 +92,7 @@ def test_residual_curvature(tmp_path, element, told):
             {"kind": "pipe", "length": 200.0, "od": 0.0603, "id": 0.0507, "curvature": 0.1, "curvature_angle": 0.785,
              "element_length": element}
         ],
-        top={"kind": "top_drive", "lowering": 0.1},
+        top=top,
     )  # fmt: skip
     result = statics(case, tmp_path / "run")
     for lines in (result.summary["warnings"], describe(case).splitlines()):
@@ -108,9 +109,7 @@ def test_sharp_curvature(element, told):
         string=[{"kind": "pipe", "length": 290.0, "od": 0.073, "id": 0.0548, "element_length": element}],
         top={"kind": "top_drive"},
     )
-    lines = [
-        line for line in describe(case).splitlines() if "the curvature of the hole (30 deg/30 m)" in line
-    ]
+    lines = [line for line in describe(case).splitlines() if "the curvature of the hole (30 deg/30m)" in line]
     assert len(lines) == told
     assert not told or length_in(lines[0]) == pytest.approx(5.7, abs=0.1)
 

@@ -167,7 +167,7 @@ def test_a_jump_of_the_rotation_in_a_case_file(tmp_path):
     rad/s, before it zero. The first reflection returns after 2L/c = 1.26 s (1000 m of open-ended pipe)."""
     rotation = {"time": [0.0, 0.2, 0.2, 1.0], "value": [0.0, 0.0, 2.0, 2.0]}
     case = Case(
-        string=[{"kind": "pipe", "length": 1000.0, "od": 0.127, "id": 0.1086}],
+        string=[{"kind": "pipe", "length": 1000.0, "od": 0.127, "id": 0.1086, "element_length": 10.0}],
         top={"kind": "top_drive", "rotation": rotation},
         material={"young": 206e9, "poisson": 0.3, "density": 7850.0},
         gravity=0.0,

@@ -209,8 +209,8 @@ def test_drilling_round_a_bend(tmp_path):
     ROP, with A_a between the pipe at the top and the new hole; mud mass balance within 3e-6 of the pumped
     volume."""
     string = [
-        {"kind": "pipe", "length": 269.7, "od": OUTER, "id": 0.1086},
-        {"kind": "pipe", "length": 70, "od": 0.1715, "id": 0.0714},
+        {"kind": "pipe", "length": 269.7, "od": OUTER, "id": 0.1086, "element_length": 10.0},
+        {"kind": "pipe", "length": 70, "od": 0.1715, "id": 0.0714, "element_length": 10.0},
         {**BIT, "length": 0.3},
     ]
     case = Case(
