@@ -122,7 +122,7 @@ def _of_state(model: DrillingModel, columns: list[Column], values: FloatArray) -
     mesh = model.mesh
     clearance = np.full(mesh.nodes, np.inf)
     if model.well is not None and model.contact is not None:
-        radius = at_nodes(0.5 * mesh.outer_diameter, 0.5 * mesh.outer_diameter)
+        radius = at_nodes(0.5 * mesh.contact_diameter, 0.5 * mesh.contact_diameter)
         clearance = np.asarray(model.well.radius(mesh.node_depth + top_depth(model))) - radius
         clearance = np.maximum(clearance, 1e-3)
     stiffness = at_nodes(mesh.bending_stiffness, mesh.bending_stiffness)

@@ -11,7 +11,8 @@ from pydantic_core import CoreSchema, core_schema
 
 from drillpetsc.case.catalogue.sizes import INCH, size_at_start
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import as_list
+from drillpetsc.case.quantities import as_list, with_unit
+from drillpetsc.units import to_si
 
 WANT = "3 x 12/32 in, 3x12, [12, 12, 12], 2 x 12 + 1 x 14 or 3 x 9.5 mm; whole numbers from 6 to 40 are 32nds of an inch"
 LARGEST = 2 * INCH  # [m]
@@ -23,9 +24,10 @@ _SHARE = re.compile(r"\s*(?:(\d{1,4})\s*[xX*\u00d7]\s*)?(.+?)\s*")
 
 @dataclass(frozen=True)
 class Nozzles:
-    """Diameters of nozzles [m]; whole numbers from 6 to 40 are 32nds of an inch, other bare numbers are metres."""
+    """Diameters of nozzles [m]; whole numbers from 6 to 40 are 32nds of an inch, other bare numbers have the unit of diameters."""
 
     unit: str = "m"
+    kind: str = "diameter"
 
     def read(self, value: object) -> tuple[float, ...]:
         """Diameters [m], one a nozzle."""
@@ -53,7 +55,7 @@ class Nozzles:
             return [entry / 32 * INCH]
         if isinstance(entry, int):
             raise refuse(got=whole, want=WANT)
-        return [entry]
+        return [to_si(with_unit(entry, self.unit, self.kind), self.unit)]
 
     def _share(self, whole: object, text: str) -> list[float]:
         match = _SHARE.fullmatch(text[:60])

@@ -52,6 +52,14 @@ class StringForces:
     change: FloatArray
 
 
+def _areas(case: Case, number: int, flexible: dict[int, dict[str, float]]) -> tuple[float, float]:
+    """Areas [m2] of the bore and of the outside of an item, means over a joint of pipe with tool joints."""
+    if number in flexible:
+        return flexible[number]["bore_area"], flexible[number]["outer_area"]
+    item = case.string[number]
+    return np.pi / 4 * item.id**2, np.pi / 4 * (item.od or 0.0) ** 2
+
+
 def estimate_forces(
     case: Case,
     well: Well | None,
@@ -77,15 +85,13 @@ def estimate_forces(
         return np.array([flexible.get(int(i), stand_in)[key] for i in item])
 
     metal = np.array([_mass(case, int(i), flexible) for i in item])
-    outer = np.array([case.string[int(i)].od or 0.0 for i in item])
+    outer = np.array([case.string[int(i)].contact_od or 0.0 for i in item])
     mud_inside, displaced = np.zeros(len(h)), np.zeros(len(h))
     if case.fluid is not None:
         if case.has_bore:
-            mud_inside = (
-                case.fluid.density * np.pi / 4 * np.array([case.string[int(i)].id for i in item]) ** 2
-            )
+            mud_inside = case.fluid.density * np.array([_areas(case, int(i), flexible)[0] for i in item])
         if case.has_annulus:
-            displaced = case.fluid.density * np.pi / 4 * outer**2
+            displaced = case.fluid.density * np.array([_areas(case, int(i), flexible)[1] for i in item])
     per_length = (metal + mud_inside - displaced)[:, None] * g
     load, across = _loads(case, md, middle, h, tangent)
     load += _without_length(case, md, len(h))[:, None] * g

@@ -50,7 +50,7 @@ class MotionClasses:
             int(np.clip(np.searchsorted(mesh.lower, d), 0, len(mesh.lower) - 1)) for d in self._probes.depths
         ]
         self._radii = np.array(
-            [*(b.radius for b in self._bodies), *(0.5 * float(mesh.outer_diameter[c]) for c in cells)]
+            [*(b.radius for b in self._bodies), *(0.5 * float(mesh.contact_diameter[c]) for c in cells)]
         )
         chain = model.system.chain
         self._vertex = {int(v): i for i, v in enumerate(chain.vertices) if chain.owned[i]}

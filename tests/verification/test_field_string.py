@@ -11,7 +11,8 @@ from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.statics import static_summary
 from drillpetsc.case.section import ring, tubular_section
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.model.mesh import build_mesh
+from drillpetsc.model.mesh import _section, build_mesh
+from drillpetsc.model.string_forces import estimate_forces
 from drillpetsc.output import read_table
 from drillpetsc.output.static_table import static_table
 from drillpetsc.physics.fluid.rheology import Rheology, pressure_gradient
@@ -277,3 +278,13 @@ def test_friction_of_tube_and_tool_joints_in_series(viscosity, flow, formulation
     expected = length * ((1 - f) * gradients[0] + f * gradients[1])
     assert loss == pytest.approx(expected, rel=2e-4)
     assert loss > 1.2 * length * gradients[0]
+
+
+def test_automatic_element_lengths_use_weight_and_clearance_of_tool_joints():
+    """Forces that choose element lengths: m g (1 - rho/rho_s) per length, clearance to the tool joint."""
+    case = Case(
+        string=[PIPE | {"length": 300.0}], top="clamped", well=well(310.0, 0.5, "8.5 in"), fluid=mud(1300.0)
+    )
+    forces = estimate_forces(case, build_model(case).well, {0: _section(case.string[0])}, None)
+    assert forces.weight == pytest.approx(case.string[0].adjusted_weight * G0 * (1 - 1300 / 7850), rel=1e-9)
+    assert forces.clearance == pytest.approx(0.5 * 8.5 * INCH - JOINT_RADIUS, rel=1e-9)

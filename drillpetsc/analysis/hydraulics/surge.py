@@ -171,7 +171,7 @@ class Tripping:
         assert annulus is not None
         v, f = OPERATIONS[operation] * speed, flow.fluid.constants
         hole, outer = annulus.parameter("hole"), annulus.parameter("outer")
-        bore = 0.25 * np.pi * mesh.inner_diameter**2
+        bore = mesh.bore_area
         shared = v * (f.clinging + (outer - bore) / (hole - outer + bore))
         gap = annulus.parameter("gap")
         return float(np.sum(4 * wall_shear(law, shared, gap, True, f.density) / gap * mesh.length))

@@ -421,3 +421,68 @@ def test_written_case_reads_back() -> None:
         for figure in figures:
             assert figure.source
             assert f"# from: {figure.source}" in text
+
+
+def test_bare_numbers_in_field_units() -> None:
+    """`units: field` reads feet, inches, lb/ft, psi, klbf and in2 for the keys of pipe; `case.yaml` is in SI."""
+    plain: list[dict[str, Any]] = [
+        {
+            "kind": "drill_pipe",
+            "length": 3000,
+            "pipe": "5in 19.50 S-135",
+            "tool_joint": {"length": 20},
+            "joint_length": 32,
+            "bend": {"angle": 1, "position": 100},
+        },
+        {
+            "kind": "drill_collar",
+            "length": 180,
+            "od": "6 3/4",
+            "id": "2 13/16",
+            "adjusted_weight": 101,
+            "yield_strength": 105e3,
+        },
+        {"kind": "coiled_tubing", "length": 30, "od": 2, "wall": 0.156},
+        {
+            "kind": "stabilizer",
+            "length": 6,
+            "blade_od": 8.25,
+            "blade_length": 18,
+            "blade_position": 2,
+            "body_od": 6.75,
+            "id": 3,
+            "bypass_area": 14,
+        },
+        {"kind": "bit", "length": 1, "od": 8.5, "mass": "100 lb", "nozzles": [0.375, 12]},
+    ]
+    units = {
+        "length": "ft",
+        "joint_length": "ft",
+        "position": "ft",
+        "blade_position": "ft",
+        "adjusted_weight": "lb/ft",
+        "yield_strength": "psi",
+        "bypass_area": "in2",
+        "angle": "deg",
+    }
+
+    def written(key: str, value: Any, inside: str = "") -> Any:
+        if isinstance(value, dict):
+            return {k: written(k, v, key) for k, v in value.items()}
+        if key == "nozzles":
+            return ["0.375 in", 12]
+        if isinstance(value, str) and key not in ("od", "id"):
+            return value
+        unit = "in" if inside == "tool_joint" else units.get(key, "in")
+        return f"{value} {unit}"
+
+    spelled = [{k: written(k, v) for k, v in one.items()} for one in plain]
+    keys: dict[str, Any] = {"rig": {"block_weight": 60, "max_spp": 5000}, "well": well(8.5, depth=4000)}
+    said: dict[str, Any] = {
+        "rig": {"block_weight": "60 klbf", "max_spp": "5000 psi"},
+        "well": well("8.5 in", depth="4000 ft"),  # type: ignore[arg-type]
+    }
+    one, other = case(*plain, units="field", **keys), case(*spelled, **said)
+    assert one.string[:-1] == other.string[:-1]
+    assert one.string[-1].nozzles == pytest.approx(other.string[-1].nozzles, rel=1e-12)
+    assert one.rig == other.rig
