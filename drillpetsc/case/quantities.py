@@ -312,6 +312,13 @@ def unit_of_field(field: FieldInfo) -> str | None:
     return units.pop() if len(units) == 1 else None
 
 
+def kinds_of_field(field: FieldInfo) -> set[tuple[str, str]]:
+    """(SI unit, kind) of the values that a key takes."""
+    parts = _metadata(field.annotation, field.metadata)
+    parts = [part.quantity if isinstance(part, WordOrNumber) else part for part in parts]  # type: ignore[assignment]
+    return {(part.unit, part.kind) for part in parts if isinstance(part, (Quantity, Vector, OverTime))}
+
+
 def _metadata(annotation: Any, own: Iterable[Any] = ()) -> Iterator[Any]:
     """Metadata of a key and of the types inside its annotation, except those inside blocks."""
     yield from own
