@@ -179,3 +179,9 @@ def test_unknown_system() -> None:
     with pytest.raises(CaseError) as caught:
         Case(**(in_si() | {"units": "imperial"}))
     assert caught.value.at == "units" and "field" in caught.value.want
+
+
+def test_the_hint_offers_si() -> None:
+    with pytest.raises(CaseError) as caught:
+        Case(**(FIELD | {"fluid": FIELD["fluid"] | {"density": 1200}}))
+    assert "a bare number is in ppg; was '1200 kg/m3' meant?" in caught.value.hint
