@@ -47,7 +47,7 @@ class Rig(Block):
     max_surface_torque: Annotated[float, Quantity("N m", above=0, at_most=1e7)] | None = Field(
         default=None, description="largest torque of the drive"
     )
-    max_spp: Annotated[float, Quantity("Pa", above=0, at_most=1e10)] | None = Field(
+    max_spp: Annotated[float, Quantity("Pa", above=0, at_most=1e10, kind="pressure")] | None = Field(
         default=None, description="largest standpipe pressure"
     )
 

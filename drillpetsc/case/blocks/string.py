@@ -278,10 +278,10 @@ class Stabilizer(Rigid):
         default=None,
         description="outer diameter over the blades by that of the bit: full, or 1/8 in under; sets od",
     )
-    blade_length: Annotated[float, Quantity("m", above=0, at_most=200)] | None = Field(
+    blade_length: Annotated[float, Quantity("m", above=0, at_most=200, kind="diameter")] | None = Field(
         default=None, description="length of the blades, which touch the hole; the whole item when not given"
     )
-    blade_position: Annotated[float, Quantity("m", at_least=0, at_most=200)] = derived_default(
+    blade_position: Annotated[float, Quantity("m", at_least=0, at_most=200, kind="none")] = derived_default(
         "height of the middle of the blades above the item's lower end; the middle of the item when not given"
     )
     body_od: Diameter | None = Field(
