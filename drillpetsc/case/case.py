@@ -22,7 +22,7 @@ from drillpetsc.case.writer import case_yaml, sourced_yaml
 from drillpetsc.unit_systems import System
 
 
-def _system(keys: Mapping[str, Any]) -> System:
+def system_of(keys: Mapping[str, Any]) -> System:
     """Unit system of bare numbers; SI for a word that is none, which is refused with the key."""
     units = keys.get("units")
     if units == "metric":
@@ -44,7 +44,7 @@ class Case(CaseBlocks):
     def __init__(self, /, **keys: Any) -> None:
         check_plain(keys)
         check_old_words(keys)
-        token = BARE_NUMBERS.set(_system(keys))
+        token = BARE_NUMBERS.set(system_of(keys))
         try:
             super().__init__(**keys)
         except ValidationError as error:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
+from drillpetsc.case.blocks.fluid import Bingham, Casson, Newtonian, Rheology
 from drillpetsc.case.quantities import largest
 
 WIDEST_HOLE = 1.2  # [m] 36 in holes and 42 in conductors are below it
@@ -14,6 +15,8 @@ LARGEST_WEIGHT = 500e3  # [N] on a bit
 STEEPEST = math.radians(120)
 FASTEST_ROTATION = 40.0  # [rad/s] 380 rpm
 LARGEST_FLOW, LARGEST_PUMP_PRESSURE = 0.15, 120e6  # [m3/s], [Pa]
+THICKEST_MUD = 1.0  # [Pa s] of the viscosity at high shear rates
+THINNEST_PIPE = 0.02  # [m]
 SMALLEST_PUMP_PRESSURE = 2e4  # [Pa] of a number that was meant as bar or psi
 
 
@@ -65,6 +68,21 @@ def plausibility(case: CaseBlocks) -> list[str]:
         pressure = largest(case.fluid.pump_pressure)
         if pressure > LARGEST_PUMP_PRESSURE or 0 < pressure < SMALLEST_PUMP_PRESSURE:
             doubt("fluid.pump_pressure", f"{pressure:g} Pa", "no usual pump pressure; bar or psi?")
+        for key, rheology in (
+            ("rheology", case.fluid.rheology),
+            ("annulus_rheology", case.fluid.annulus_rheology),
+        ):
+            viscosity = 0.0 if rheology is None else _viscosity(rheology)
+            if viscosity > THICKEST_MUD:
+                doubt(
+                    f"fluid.{key}",
+                    f"a fluid of {viscosity:g} Pa s",
+                    f"thicker than any mud; {viscosity:g} cP?",
+                )
+    if case.output.units in ("field", "metric", "metric_t"):
+        for i, item in enumerate(case.string):
+            if item.od is not None and item.od < THINNEST_PIPE:
+                doubt(f"string[{i}].od", f"{item.od * 1e3:.4g} mm", "metres without their unit?")
     if case.initial.wob is not None and case.initial.wob > LARGEST_WEIGHT:
         doubt("initial.wob", f"{case.initial.wob / 1e3:g} kN", "more than bits carry")
     rotation = largest(case.top.rotation)
@@ -75,6 +93,13 @@ def plausibility(case: CaseBlocks) -> list[str]:
             f"faster than drillstrings turn; {rotation:g} rpm?",
         )
     return out
+
+
+def _viscosity(rheology: Rheology) -> float:
+    """Viscosity or plastic viscosity [Pa s]; 0 for models of another kind."""
+    if isinstance(rheology, Newtonian):
+        return rheology.viscosity
+    return rheology.plastic_viscosity if isinstance(rheology, (Bingham, Casson)) else 0.0
 
 
 def notes(case: CaseBlocks) -> list[str]:

@@ -107,7 +107,10 @@ class Quantity:
             hint = self.why
             if not isinstance(value, str) and self.unit in _EXAMPLE_UNITS:
                 own = unit_of_bare_number(self.unit, self.kind, BARE_NUMBERS.get())
-                hint = f"a bare number is in {own}; was '{value} {_EXAMPLE_UNITS[self.unit]}' meant?"
+                other = _EXAMPLE_UNITS[self.unit] if own == self.unit else spelled(self.unit)
+                hint = (
+                    f"a bare number is in {own}; was '{value} {other}' meant?" if own != "deg" else self.why
+                )
             want = f"{DIMENSIONS.get(self.unit, ('a value', ''))[0]}, {self.allowed()}"
             raise refuse(*at, got=value, want=want, hint=hint)
         if number != 0 and not SMALLEST <= abs(number) <= LARGEST:
@@ -310,6 +313,13 @@ def unit_of_field(field: FieldInfo) -> str | None:
     """
     units = {part.unit for part in _metadata(field.annotation, field.metadata) if hasattr(part, "unit")}
     return units.pop() if len(units) == 1 else None
+
+
+def kinds_of_field(field: FieldInfo) -> set[tuple[str, str]]:
+    """(SI unit, kind) of the values that a key takes."""
+    parts = _metadata(field.annotation, field.metadata)
+    parts = [part.quantity if isinstance(part, WordOrNumber) else part for part in parts]  # type: ignore[assignment]
+    return {(part.unit, part.kind) for part in parts if isinstance(part, (Quantity, Vector, OverTime))}
 
 
 def _metadata(annotation: Any, own: Iterable[Any] = ()) -> Iterator[Any]:

@@ -6,10 +6,13 @@ import json
 from pathlib import Path
 from typing import Any, get_args
 
+from pydantic.fields import FieldInfo
+
 from drillpetsc.case.block import Block
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.key_paths import parsed
-from drillpetsc.case.quantities import unit_of_field
+from drillpetsc.case.quantities import kinds_of_field, unit_of_field
+from drillpetsc.unit_systems import System, unit_of_bare_number
 from drillpetsc.units import spelled
 
 
@@ -36,8 +39,23 @@ def unit_of(key: str) -> str:
 
     Empty for pure numbers, for unknown keys, and for keys whose unit depends on other keys.
     """
+    units = {unit_of_field(field) for field in _fields_of(key)}
+    unit = units.pop() if len(units) == 1 else None
+    return spelled(unit or "")
+
+
+def bare_unit_of(key: str, system: System) -> str:
+    """Unit of a number without one, of a key in a case with these units; empty as for `unit_of`, and where none is allowed."""
+    kinds = {kind for field in _fields_of(key) for kind in kinds_of_field(field)}
+    if len(kinds) != 1:
+        return ""
+    return spelled(unit_of_bare_number(*kinds.pop(), system) or "")
+
+
+def _fields_of(key: str) -> list[FieldInfo]:
+    """The fields of a key, one for each block that may stand there."""
     blocks: list[type[Block]] = [CaseBlocks]
-    units: set[str | None] = set()
+    fields: list[FieldInfo] = []
     for step in parsed(key):
         if isinstance(step, int):  # the entries of a list have the unit of the list
             continue
@@ -48,9 +66,7 @@ def unit_of(key: str) -> str:
             if step in (name, field.alias)
         ]
         blocks = [block for field in fields for block in _blocks_in(field.annotation)]
-        units = {unit_of_field(field) for field in fields}
-    unit = units.pop() if len(units) == 1 else None
-    return spelled(unit or "")
+    return fields
 
 
 def _blocks_in(annotation: Any) -> list[type[Block]]:

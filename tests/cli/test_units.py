@@ -96,3 +96,14 @@ def test_a_case_without_units_keeps_its_display(folder: Path, capsys: pytest.Cap
 def test_units_of_several_cases_are_their_own(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "case.yaml", "case.yaml", "--units", "field"]) == 2
     assert "one case" in capsys.readouterr().err
+
+
+def test_a_sweep_tells_the_units_of_bare_values(folder: Path) -> None:
+    """10 and 11 are ppg in a case in field units: the table must not call them kg/m3."""
+    fluid = "fluid: {density: 10, flow_rate: 100, rheology: {pv: 20, yp: 10}}\ntime: {end: 0.01}\n"
+    (folder / "wet.yaml").write_text(CASE + fluid)
+    assert main(["sweep", "wet.yaml", "fluid.density=10,11", "--out", "sweep", "--progress", "silent"]) == 0
+    lines = (folder / "sweep" / "sweep.csv").read_text().splitlines()
+    head, row = lines[0].split(","), lines[2].split(",")
+    assert row[head.index("fluid.density")] == "11 ppg"
+    assert float(row[head.index("fluid.density (SI)")]) == pytest.approx(11 * 119.826427)

@@ -281,7 +281,7 @@ class Stabilizer(Rigid):
     blade_length: Annotated[float, Quantity("m", above=0, at_most=200, kind="diameter")] | None = Field(
         default=None, description="length of the blades, which touch the hole; the whole item when not given"
     )
-    blade_position: Annotated[float, Quantity("m", at_least=0, at_most=200)] = derived_default(
+    blade_position: Annotated[float, Quantity("m", at_least=0, at_most=200, kind="none")] = derived_default(
         "height of the middle of the blades above the item's lower end; the middle of the item when not given"
     )
     body_od: Diameter | None = Field(

@@ -24,8 +24,8 @@ from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity
 
 Wall = Annotated[float, Quantity("m", above=0, at_most=1, kind="diameter")]
-Tongs = Annotated[float, Quantity("m", above=0, at_most=100, kind="diameter")]
 JointLength = Annotated[float, Quantity("m", above=0, at_most=100)]
+UpsetLength = Annotated[float, Quantity("m", above=0, at_most=100, kind="none")]  # feet or inches?
 Weight = Annotated[float, Quantity("kg/m", above=0, at_most=1e5)]
 Stress = Annotated[float, Quantity("Pa", at_least=1e6, at_most=1e11, kind="stress")]
 Share = Annotated[float, Quantity("", above=0, at_most=1)]
@@ -37,14 +37,14 @@ class ToolJoint(Block):
     connection: str | None = Field(default=None, description="name of the connection, such as NC50")
     od: Diameter = derived_default("outer diameter")
     id: Bore = derived_default("inner diameter")
-    length: Tongs = derived_default("pin tong and box tong of one joint, together")
+    length: UpsetLength = derived_default("pin tong and box tong of one joint, together")
 
 
 class CenterUpset(Block):
     """Thick middle of heavy-wall drill pipe; the wall is touched there, too."""
 
     od: Diameter = Field(description="outer diameter")
-    length: Tongs = Field(description="length")
+    length: UpsetLength = Field(description="length")
 
 
 class Tubular(Tube):

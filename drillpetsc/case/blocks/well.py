@@ -192,7 +192,8 @@ class Well(Block):
 
     survey: Annotated[Survey, WrapValidator(_survey, json_schema_input_type=str | SurveyFile | Survey)] = (
         Field(
-            description="stations md, inclination, azimuth; or the name of a file with these columns; or a run folder, for the hole that "
+            description="stations md, inclination, azimuth; or the name of a file with these columns; or {file, tie_in, allow_dogleg, north, convergence, "
+            "declination} for such a file; or a run folder, for the hole that "
             "the run drilled"
         )
     )

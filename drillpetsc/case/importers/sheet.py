@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
+import io
 import math
 import warnings
+import zipfile
 from pathlib import Path
 from typing import Any
 
-from drillpetsc.case.importers.table import MAX_ROWS, Table, columns_of, unit_in_comments, units_below
+from drillpetsc.case.importers.table import (
+    MAX_BYTES,
+    MAX_ROWS,
+    Table,
+    columns_of,
+    unit_in_comments,
+    units_below,
+)
 from drillpetsc.errors import CaseError
 
 HEADER_ROWS = 40
+MAX_UNPACKED = 400_000_000  # bytes of the tables of a workbook
 INSTALL = "pip install 'drillpetsc[files]'"
 
 
@@ -21,12 +31,19 @@ def table_of_sheet(file: Path, sheet: str = "") -> Table:
     except ImportError:
         want = "a CSV file, unless the package openpyxl is installed"
         raise CaseError(got=file.name, want=want, hint=INSTALL, file=file, line=1) from None
+    with file.open("rb") as opened:
+        raw = opened.read(MAX_BYTES + 1)
+    if len(raw) > MAX_BYTES:
+        raise CaseError(
+            got="a larger one", want=f"a file of at most {MAX_BYTES // 10**6} MB", file=file, line=1
+        )
     try:
+        size = sum(part.file_size for part in zipfile.ZipFile(io.BytesIO(raw)).infolist())
+        if size > MAX_UNPACKED:
+            raise ValueError(f"{size // 10**6} MB once unpacked")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            book = openpyxl.load_workbook(file, read_only=True, data_only=True)
-    except OSError:
-        raise
+            book = openpyxl.load_workbook(io.BytesIO(raw), read_only=True, data_only=True)
     except Exception as error:  # of zipfile, xml and openpyxl
         raise _unreadable(file, error) from None
     try:

@@ -86,9 +86,10 @@ def stations_of(table: Table, rules: Rules) -> Stations:
 def _units(table: Table, rules: Rules, remarks: list[str]) -> dict[str, str]:
     """Unit text of each column."""
     units = {}
+    depth_unit = table.columns["md"][1] or table.depth_unit or ("ft" if rules.units == "field" else "m")
     for column, (_, unit) in table.columns.items():
         if not unit and SI_UNIT[column] == "m":
-            unit = table.depth_unit or ("ft" if rules.units == "field" else "m")
+            unit = depth_unit
             if not table.depth_unit and rules.units == "SI" and column == "md" and not rules.exact:
                 remarks.append("no unit of depth in the file: metres taken")
         elif not unit and SI_UNIT[column] == "rad":

@@ -194,6 +194,8 @@ def _item(component: Element, file: Path, remarks: list[str]) -> dict[str, Any]:
         if bore:
             item["id"] = _diameter(bore)
         body = od or blade
+        if body < blade:
+            item["body_od"] = _diameter(body)
         plain = STEEL * math.pi / 4 * (body**2 - bore**2)
         mass = weight if weight is not None and _plausible(weight, body, bore) else plain
         if weight is not None and mass != weight:
@@ -214,11 +216,22 @@ def _item(component: Element, file: Path, remarks: list[str]) -> dict[str, Any]:
     item = {"kind": "pipe", "name": name, "length": _length(length), "od": _diameter(od)}
     if bore:
         item["id"] = _diameter(bore)
+    joint = _tool_joint(component, file, od, bore) if "drill pipe" in words else None
+    if "collar" in words:
+        item["kind"] = "drill_collar"
+        if "non-mag" in words or "nonmag" in words:
+            item["nonmagnetic"] = True
+    elif joint is not None:
+        item |= {"kind": "hwdp" if "heavy" in words else "drill_pipe", "tool_joint": joint}
+    elif "drill pipe" in words:
+        remarks.append(f"{name} is a plain pipe: the file has no connections with od, id and len")
     plain = STEEL * math.pi / 4 * (od**2 - bore**2)
     if weight is not None and not _plausible(weight, od, bore):
         remarks.append(
             f"WARNING: {name}: {weight:.4g} kg/m is no weight of {od * 1e3:.4g} x {bore * 1e3:.4g} mm; {plain:.4g} kg/m taken"
         )
+    elif weight is not None and item["kind"] != "pipe":
+        item["adjusted_weight"] = f"{weight:.6g} kg/m"
     elif weight is not None and abs(weight - plain) > 1e-3 * plain:
         item["material"] = {"density": f"{STEEL * weight / plain:.6g} kg/m3"}
         remarks.append(
@@ -231,6 +244,20 @@ def _item(component: Element, file: Path, remarks: list[str]) -> dict[str, Any]:
     if component.first("bend") is not None:
         remarks.append(f"{name}: its bend is left out")
     return item
+
+
+def _tool_joint(component: Element, file: Path, od: float, bore: float) -> dict[str, str] | None:
+    """Tool joint of a pipe, from the connections at both of its ends; None where the file lacks them."""
+    ends = list(component.all("connection"))
+    if len(ends) != 2:
+        return None
+    sizes = [[_value(end.first(name), "m", file) for name in ("od", "id", "len")] for end in ends]
+    outer, inner, length = (
+        [size for size in column if size is not None] for column in zip(*sizes, strict=True)
+    )
+    if min(len(outer), len(inner), len(length)) < 2 or min(outer) < od or min(inner) <= 0:
+        return None
+    return {"od": _diameter(max(outer)), "id": _diameter(min(inner)), "length": _length(sum(length))}
 
 
 def _plausible(weight: float, od: float, bore: float) -> bool:
@@ -248,6 +275,11 @@ def _bit(
     if od is None:
         raise refused("diaBit", "the bit's diameter")
     item: dict[str, Any] = {"kind": "bit", "name": name, "length": _length(length), "od": _diameter(od)}
+    words = component.word("typeTubularComp").casefold()
+    for word, kind in (("pdc", "PDC"), ("roller", "roller_cone"), ("diamond", "diamond"), ("core", "core")):
+        if word in words:
+            item["bit_type"] = kind
+            break
     if LOWEST_ID < bore < od:
         item["id"] = _diameter(bore)
     weight = size("wtPerLen", unit="kg/m")

@@ -15,10 +15,14 @@ from pathlib import Path
 from typing import Any
 
 from drillpetsc.case import Case, case_from_data, override, read_case_file
+from drillpetsc.case.case import system_of
 from drillpetsc.case.key_paths import Path as KeyPath
 from drillpetsc.case.key_paths import parsed, written
+from drillpetsc.case.schema import bare_unit_of
 from drillpetsc.errors import CaseError
 from drillpetsc.output.files.run_folder import ABSENT
+from drillpetsc.unit_systems import System
+from drillpetsc.units import bare_number
 
 MOST_ERRORS = 5  # explained at once
 WITHOUT = {"contact": "none"}  # blocks that a case has by default -> the value that removes them
@@ -155,7 +159,7 @@ def variations(path: str | Path, choices: dict[str, list[str]]) -> list[Variatio
     errors: dict[str, CaseError] = {}
     seen: set[tuple[str, ...]] = set()
     for words in itertools.product(*choices.values()):
-        values = _present(dict(zip(choices, words, strict=True)))
+        values = _with_units(_present(dict(zip(choices, words, strict=True))), system_of(data))
         if tuple(values.values()) in seen:
             continue
         seen.add(tuple(values.values()))
@@ -183,6 +187,17 @@ def _present(values: dict[str, str]) -> dict[str, str]:
         return any(len(path) > len(block) and path[: len(block)] == block for block in off)
 
     return {key: ABSENT if gone(parsed(key)) else word for key, word in values.items()}
+
+
+def _with_units(values: dict[str, str], system: System) -> dict[str, str]:
+    """Values with the unit that the case gives to bare numbers, so that tables and pictures tell it."""
+    if system == "SI":
+        return values
+    units = {key: bare_unit_of(key, system) for key in values}
+    return {
+        key: f"{word} {units[key]}" if units[key] and bare_number(word) is not None else word
+        for key, word in values.items()
+    }
 
 
 def _changed(data: dict[str, Any], values: dict[str, str]) -> dict[str, Any]:

@@ -93,6 +93,11 @@ FLAT = {"md": [0, 1000], "inclination": [0, 0], "azimuth": [0, 0]}
         ({"fluid": MUD | {"density": 10}}, "10 ppg?"),
         ({"fluid": MUD | {"density": 1.2}}, "1.2 sg?"),
         ({"fluid": MUD}, ""),
+        ({"fluid": MUD | {"rheology": {"pv": 20, "yp": 5}}}, "20 cP?"),
+        (
+            {"units": "field", "string": [{"kind": "pipe", "length": 30, "od": 0.127, "id": 0.1}]},
+            "metres without",
+        ),
         ({"well": {"survey": FLAT | {"md": [0, 16000]}, "sections": [HOLE]}}, "deeper than any well"),
         ({"well": {"survey": FLAT | {"inclination": [0, 3]}, "sections": [HOLE]}}, "3 deg meant?"),
         ({"top": {"kind": "top_drive", "rotation": 120}}, "120 rpm?"),

@@ -240,6 +240,11 @@ def test_positions_below_a_start_that_was_put_in_front(tmp_path: Path) -> None:
     assert [remark for remark in found.remarks if "WARNING" in remark and "MD 300 m" in remark]
 
 
+def test_a_position_without_a_unit_has_that_of_the_depth(tmp_path: Path) -> None:
+    found = read(tmp_path, "MD (ft),Inc,Azi,TVD\n0,0,0,0\n3000,0,0,3000\n")
+    assert not any("WARNING" in remark for remark in found.remarks)
+
+
 def test_missing_values_with_a_decimal_comma(tmp_path: Path) -> None:
     found = read(tmp_path, "MD (m);Inc;Azi\n0;0;0\n30,5;-999,25;-999,25\n60,5;1,5;10\n")
     check(found, [0, 60.5], [0, 1.5], [0, 10])

@@ -179,3 +179,66 @@ def test_unknown_system() -> None:
     with pytest.raises(CaseError) as caught:
         Case(**(in_si() | {"units": "imperial"}))
     assert caught.value.at == "units" and "field" in caught.value.want
+
+
+def test_the_hint_offers_si() -> None:
+    with pytest.raises(CaseError) as caught:
+        Case(**(FIELD | {"fluid": FIELD["fluid"] | {"density": 1200}}))
+    assert "a bare number is in ppg; was '1200 kg/m3' meant?" in caught.value.hint
+
+
+def test_string_of_the_tally_in_field_units() -> None:
+    """Bare numbers and texts with units are the same string, figures of the catalogue included."""
+    hole = {
+        "survey": {
+            "md": ["0 m", "2000 ft"],
+            "inclination": ["0 deg", "0 deg"],
+            "azimuth": ["0 deg", "0 deg"],
+        },
+        "sections": [{"kind": "open_hole", "diameter": "8.5 in"}],
+    }
+    bit = {"kind": "bit", "od": "8 1/2 in", "nozzles": "3 x 12/32 in"}
+    joint = {"od": "6.5 in", "id": "3 in", "length": "20 in"}
+    texts: list[dict[str, Any]] = [
+        {"kind": "drill_pipe", "length": "1000 ft", "pipe": "5in 19.50 S-135 NC50 premium"},
+        {
+            "kind": "drill_pipe",
+            "length": "100 ft",
+            "od": "5 in",
+            "id": "4.276 in",
+            "adjusted_weight": "22 lb/ft",
+            "tool_joint": joint,
+        },
+        {
+            "kind": "drill_collar",
+            "length": "180 ft",
+            "od": "6 3/4 in",
+            "id": "2 13/16 in",
+            "joint_length": "30 ft",
+        },
+        {
+            "kind": "stabilizer",
+            "length": "6 ft",
+            "blade_od": "8 3/8 in",
+            "blade_length": "18 in",
+            "body_od": "6 3/4 in",
+            "id": "2 13/16 in",
+        },
+        {**bit, "length": "1 ft"},
+    ]
+    bare: list[dict[str, Any]] = [
+        {"kind": "drill_pipe", "length": 1000, "pipe": "5in 19.50 S-135 NC50 premium"},
+        {"kind": "drill_pipe", "length": 100, "od": 5, "id": 4.276, "adjusted_weight": 22, "tool_joint": {**joint, "od": 6.5, "id": 3}},
+        {"kind": "drill_collar", "length": 180, "od": "6 3/4", "id": "2 13/16", "joint_length": 30},
+        {"kind": "stabilizer", "length": 6, "blade_od": "8 3/8", "blade_length": 18, "body_od": 6.75, "id": "2 13/16"},
+        {**bit, "length": 1, "od": 8.5},
+    ]  # fmt: skip
+    expected = numbers(case_data(Case(string=texts, well=hole, top="clamped")))
+    found = numbers(case_data(Case(string=bare, well=hole, top="clamped", units="field")))
+    assert found.pop(".output.units") == "field" and found.keys() == expected.keys()
+    for at, value in expected.items():
+        assert found[at] == (pytest.approx(value, rel=1e-9) if isinstance(value, float) else value), at
+    bare[1]["tool_joint"]["length"] = 20  # inches or feet?
+    with pytest.raises(CaseError) as caught:
+        Case(string=bare, well=hole, top="clamped", units="field")
+    assert caught.value.at == "string[1].tool_joint.length"

@@ -48,7 +48,9 @@ TUBULAR = f"""{HEAD}<tubulars {SPACE}><tubular><nameWell>W-1</nameWell><name>BHA
 <tubularComponent><sequence>2</sequence><typeTubularComp>stabilizer</typeTubularComp><id uom="in">2.8125</id><od uom="in">6.75</od>
 <len uom="ft">6</len><stabilizer><odBladeMx uom="in">8.375</odBladeMx></stabilizer></tubularComponent>
 <tubularComponent><sequence>4</sequence><typeTubularComp>drill pipe</typeTubularComp><id uom="in">4.276</id><od uom="in">5</od>
-<len uom="ft">1000</len><wtPerLen uom="lbm/ft">22.6</wtPerLen></tubularComponent>
+<len uom="ft">1000</len><wtPerLen uom="lbm/ft">22.6</wtPerLen>
+<connection><od uom="in">6.625</od><id uom="in">2.75</id><len uom="in">10</len></connection>
+<connection><od uom="in">6.625</od><id uom="in">2.75</id><len uom="in">7</len></connection></tubularComponent>
 <tubularComponent><sequence>5</sequence><typeTubularComp>sub-cross over</typeTubularComp><name>XO</name><id uom="in">3</id><od uom="in">6.5</od>
 <len uom="ft">3</len><wtPerLen uom="lbm/ft">4</wtPerLen></tubularComponent>
 </tubular></tubulars>"""
@@ -93,12 +95,18 @@ def test_import_writes_a_case(files: list[str], capsys: pytest.CaptureFixture[st
     Path("whole.yaml").write_text(text + "top: clamped\nbottom: bit\ncontact: none\n")
     case = load_case("whole.yaml")
     assert case.title == "W-1"
-    assert [item.kind for item in case.string] == ["pipe", "pipe", "pipe", "stabilizer", "bit"]
+    assert [item.kind for item in case.string] == ["pipe", "drill_pipe", "drill_collar", "stabilizer", "bit"]
     assert case.string_length == pytest.approx(1190 * FOOT, rel=1e-5)
     crossover, pipe, collar, stabilizer, bit = case.string
     assert pipe.od == pytest.approx(5 * INCH) and pipe.id == pytest.approx(4.276 * INCH, rel=1e-5)
-    weight = pipe.material.density * math.pi / 4 * (pipe.od**2 - pipe.id**2)  # type: ignore[union-attr, operator]
-    assert weight == pytest.approx(22.6 * POUND / FOOT, rel=1e-4)
+    assert pipe.adjusted_weight == pytest.approx(22.6 * POUND / FOOT, rel=1e-5)  # type: ignore[attr-defined]
+    assert pipe.tool_joint.od == pytest.approx(6.625 * INCH) and pipe.tool_joint.id == pytest.approx(
+        2.75 * INCH
+    )  # type: ignore[attr-defined]
+    assert pipe.tool_joint.length == pytest.approx(17 * INCH, rel=1e-5)  # type: ignore[attr-defined]
+    assert collar.adjusted_weight == pytest.approx(100.8 * POUND / FOOT, rel=1e-5)  # type: ignore[attr-defined]
+    assert bit.bit_type == "PDC"  # type: ignore[attr-defined]
+    assert stabilizer.body_od == pytest.approx(6.75 * INCH)  # type: ignore[attr-defined]
     assert crossover.material.density == 7850 and "WARNING: XO: 5.953 kg/m is no weight" in text  # type: ignore[union-attr]
     assert stabilizer.od == pytest.approx(8.375 * INCH) and collar.id == pytest.approx(2.8125 * INCH)
     assert bit.nozzle_area == pytest.approx(0.3313 * INCH**2, rel=1e-5)
@@ -118,6 +126,18 @@ def test_import_to_the_screen_and_over_a_file(files: list[str], capsys: pytest.C
     assert main(["import", "t.xml", "--out", "case.yaml"]) == 2 and Path("case.yaml").read_text() == "mine"
     assert main(["import", "t.xml", "--out", "case.yaml", "--overwrite"]) == 0
     assert "left to do: string" in Path("case.yaml").read_text()
+
+
+def test_a_pipe_without_connections_is_a_plain_tube_of_the_weight(files: list[str]) -> None:
+    text = Path("s.xml").read_text()
+    cut = text[: text.index("<connection>")] + text[text.rindex("</connection>") + len("</connection>") :]
+    Path("s.xml").write_text(cut)
+    text, remarks = fragment(["s.xml"], Path())
+    Path("whole.yaml").write_text(text + "top: clamped\n")
+    pipe = load_case("whole.yaml").string[1]
+    assert pipe.kind == "pipe" and any("no connections" in remark for remark in remarks)
+    weight = pipe.material.density * math.pi / 4 * (pipe.od**2 - pipe.id**2)  # type: ignore[union-attr, operator]
+    assert weight == pytest.approx(22.6 * POUND / FOOT, rel=1e-4)
 
 
 def test_nozzles_of_a_bit(files: list[str]) -> None:
