@@ -21,6 +21,7 @@ from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow
 from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
 
 TINY_DENSITY = 1e-300  # at which the wall shear is that of laminar flow [kg/m3]
+FLOW_ROUNDING = 1e-5  # rounds off q |q| at zero [m3/s], as kernels/fluid/bit_flow.hpp does
 TURBULENT_SPAN = 800.0  # Reynolds numbers from the end of laminar to the start of turbulent flow (API RP 13D)
 
 
@@ -273,7 +274,7 @@ def choke_loss(flow: FlowModel) -> float:
     annulus, rates = flow.fluid.annulus, flow.flow_rate("annulus")
     if annulus is None or rates is None:
         return 0.0
-    return float(-annulus.choke * flow.fluid.constants.density * rates[0] * abs(rates[0]))
+    return float(-annulus.choke * flow.fluid.constants.density * rates[0] * np.hypot(rates[0], FLOW_ROUNDING))
 
 
 def loss_rows(flow: FlowModel) -> list[Loss]:
