@@ -51,6 +51,7 @@ from drillpetsc.unit_systems import System
 _SPEED = RESULT_NAMES.index("speed")
 CURVE = np.linspace(0.1, 1.25, 12)  # flow rates of the curve over the largest one asked for [-]
 PER_BLOCK = 6  # flow rates side by side on the screen
+SPP = "--spp"
 SMALLEST_FLOW = 1e-5  # [m3/s]
 
 Numbers = dict[str, float | None]
@@ -105,15 +106,16 @@ def default_flow(case: Case, notes: list[str]) -> float:
 
 
 def flow_at_pressure(flow: FlowModel, pressure: float, at: str) -> float:
-    """Find the flow rate [m3/s] at which the pump has a pressure [Pa].
+    """Find the flow rate [m3/s] at which the pump, or the string's upper end, has a pressure [Pa].
 
-    at: option or key of the pressure, for the message.
+    at: option or key of the pressure: `--spp` is that of the pump, before the surface line.
     Raises CaseError where the pressure is below that of the still mud, or beyond the largest flow.
     """
 
     def excess(rate: float) -> float:
         flow.solve(rate)
-        return balance(flow)["pump_pressure"] - pressure
+        sums = balance(flow)
+        return sums["pump_pressure"] - (0.0 if at == SPP else sums["surface_line_loss"]) - pressure
 
     if excess(SMALLEST_FLOW) >= 0:
         still = pressure + excess(SMALLEST_FLOW)
@@ -197,7 +199,7 @@ class Hydraulics:
         sums = balance(flow)
         out: Numbers = {q.name: None for q in HYDRAULICS_SUMMARY}
         out |= {k: v for k, v in sums.items() if k in out}
-        out["pump_flow"], out["surface_line_loss"] = rate, 0.0
+        out["pump_flow"] = rate
         out["bit_pressure"] = flow.bottom_pressure()
         if flow.fluid.annulus is not None:
             out |= self.densities()
@@ -299,28 +301,28 @@ def run_hydraulics(
 
     flows: flow rates [m3/s]; None: that of the case.
     pump_pressure: [Pa], instead of flows: the flow rate that it gives is found.
-    units: of printed and plotted figures; None: metric.
+    units: of printed and plotted figures; None: those of the case, or metric.
     Every rank computes the same, the first one writes.
     """
     comm = comm or PETSc.COMM_WORLD
     with options.applied(case.petsc):
         hydraulics = Hydraulics(case)
+        at = SPP
         if pump_pressure is None and not flows:
             own = default_flow(case, hydraulics.notes)
             given = case.fluid.pump_pressure  # type: ignore[union-attr]
             if given is None:
                 flows = [own]
             else:
-                pump_pressure = given.value(0.0)
+                pump_pressure, at = given.value(0.0), "fluid.pump_pressure"
         if pump_pressure is not None:
-            key = "--spp" if case.fluid.pump_pressure is None else "fluid.pump_pressure"  # type: ignore[union-attr]
-            flows = [flow_at_pressure(hydraulics.flow, pump_pressure, key)]
+            flows = [flow_at_pressure(hydraulics.flow, pump_pressure, at)]
         assert flows
         results = [hydraulics.at(rate) for rate in flows]
         rates = np.unique(np.append(np.minimum(max(flows) * CURVE, 2 * LARGEST_FLOW), flows))
         curve = [_curve_row(hydraulics, rate) for rate in rates]
         folder = make_folder(comm, name, out, False, overwrite)
-        summary = _summary(case, hydraulics, results) | {"units": units or "metric"}
+        summary = _summary(case, hydraulics, results) | {"units": units or case.output.units or "metric"}
         if comm.rank == 0:
             case.dump(folder.case)
             _write(folder.path, results, curve)
@@ -334,7 +336,7 @@ def _curve_row(hydraulics: Hydraulics, rate: float) -> Numbers:
     flow = hydraulics.flow
     flow.solve(float(rate))
     out: Numbers = {q.name: None for q in FLOW_CURVE} | balance(flow)
-    out |= {"pump_flow": float(rate), "surface_line_loss": 0.0, "bit_pressure": flow.bottom_pressure()}
+    out |= {"pump_flow": float(rate), "bit_pressure": flow.bottom_pressure()}
     return out | (hydraulics.densities() if flow.fluid.annulus is not None else {})
 
 
