@@ -181,3 +181,44 @@ def test_closing_with_surface_line_choke_and_two_rheologies():
     total = sum(v for k, v in sums.items() if k not in ("pump_pressure", "outlet"))
     assert total == pytest.approx(sums["pump_pressure"] - sums["outlet"], abs=1.0)
     assert min(sums[k] for k in ("surface_line_loss", "choke_loss", "annulus_loss")) > 0
+
+
+def test_flow_curves_of_the_readings(tmp_path: Path):
+    """PV, YP, n and K of 53/34/21/8; the api power law is exact at 600 and 300 rpm but for the rounding of 3.32.
+
+    Least squares of a model never has a larger misfit than the rules for the same model; the fit in use is marked.
+    """
+    result = run_hydraulics(example(), out=tmp_path / "out")
+    mud = result.summary["rheology"]
+    assert mud["plastic_viscosity"] == pytest.approx(0.019) and mud["yield_point"] == pytest.approx(
+        15 * 0.478803, rel=1e-5
+    )
+    assert mud["pipe_index"] == pytest.approx(0.640, rel=2e-3) and mud["annulus_index"] == pytest.approx(
+        0.2754, rel=1e-3
+    )
+    readings, fits = (read_table(tmp_path / "out" / f) for f in ("dial_readings.csv", "rheology_fits.csv"))
+    assert readings["shear_stress [Pa]"] == pytest.approx(0.5107 * np.array([53, 34, 21, 8]))
+    assert list(fits["used [-]"]).count("yes") == 1 and fits["used [-]"][0] == "yes"
+    y, k, n, rms = (
+        fits[q] for q in ("yield_stress [Pa]", "consistency [Pa s^n]", "index [-]", "misfit [Pa]")
+    )
+    for i in range(len(n)):
+        curve = y[i] + k[i] * readings["shear_rate [1/s]"] ** n[i]
+        assert rms[i] == pytest.approx(
+            np.sqrt(np.mean((curve - readings["shear_stress [Pa]"]) ** 2)), rel=1e-9
+        )
+    rules = (fits["model [-]"] == "power_law") & (fits["fit [-]"] == "api")
+    at_600 = k[rules] * (1.7023 * 600) ** n[rules]
+    assert at_600 == pytest.approx(0.5107 * 53, rel=2e-3)
+    for model in ("power_law", "bingham"):
+        by = {
+            f: float(r) for m, f, r in zip(fits["model [-]"], fits["fit [-]"], rms, strict=True) if m == model
+        }
+        assert by["least_squares"] <= by["api"]
+    assert any("* power_law" in line for line in result.lines)
+
+
+def test_a_mud_without_readings_has_no_flow_curves(tmp_path: Path):
+    mud = {"model": "bingham", "plastic_viscosity": 0.02, "yield_stress": 5.0}
+    result = run_hydraulics(example(rheology=mud), out=tmp_path / "out")
+    assert result.summary["rheology"] is None and not (tmp_path / "out" / "rheology_fits.csv").exists()

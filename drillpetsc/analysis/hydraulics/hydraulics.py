@@ -12,6 +12,7 @@ import numpy as np
 from petsc4py import PETSc
 from scipy.optimize import brentq
 
+from drillpetsc.analysis.hydraulics import rheology_fits
 from drillpetsc.analysis.hydraulics import trade_formulas as trade
 from drillpetsc.analysis.hydraulics.flow_model import LARGEST_FLOW, FlowModel, need_mud, whole_string
 from drillpetsc.analysis.hydraulics.losses import Loss, balance, blend_excess, blend_note, loss_rows
@@ -27,20 +28,29 @@ from drillpetsc.analysis.hydraulics.open_hole import (
 )
 from drillpetsc.analysis.transient import RunResult, make_folder
 from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.fluid import Rheology
 from drillpetsc.case.blocks.string import Bit, Flexible
 from drillpetsc.case.blocks.window import Window
 from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import largest
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.run_folder import FLOW_CURVE_TABLE, LOSS_TABLE, PROFILE_TABLE
+from drillpetsc.output.files.run_folder import (
+    FITS_TABLE,
+    FLOW_CURVE_TABLE,
+    LOSS_TABLE,
+    PROFILE_TABLE,
+    READINGS_TABLE,
+)
 from drillpetsc.output.quantities.hydraulics import (
+    DIAL_READINGS,
     FLOW_CURVE,
     HYDRAULICS_SUMMARY,
     LEVELS,
     LOSS_ROWS,
     LOSSES,
     PRESSURE_PROFILE,
+    RHEOLOGY_FITS,
 )
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
@@ -325,7 +335,7 @@ def run_hydraulics(
         summary = _summary(case, hydraulics, results) | {"units": units or case.output.units or "metric"}
         if comm.rank == 0:
             case.dump(folder.case)
-            _write(folder.path, results, curve)
+            _write(folder.path, results, curve, case.fluid.rheology)  # type: ignore[union-attr]
             write_summary(folder.summary, summary)
     lines = _lines(case, results, summary)
     lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
@@ -344,7 +354,12 @@ def _number(value: float | None) -> float:
     return np.nan if value is None else value
 
 
-def _write(path: Path, results: list[FlowResult], curve: list[Numbers]) -> None:
+def _fit_cell(fit: rheology_fits.Fit, name: str) -> str | float:
+    value = getattr(fit, name)
+    return ("yes" if value else "no") if name == "used" else value
+
+
+def _write(path: Path, results: list[FlowResult], curve: list[Numbers], rheology: Rheology) -> None:
     rows = [(result.flow_rate, row) for result in results for row in result.rows]
     renamed = {"from": "upper", "to": "lower", "mean_velocity": "velocity"}
     columns = [
@@ -362,6 +377,13 @@ def _write(path: Path, results: list[FlowResult], curve: list[Numbers]) -> None:
         for q in PRESSURE_PROFILE
     ]
     write_table(path / PROFILE_TABLE, [q.column for q in PRESSURE_PROFILE], profile)
+    mud = rheology_fits.readings(rheology)
+    if mud is not None:
+        columns = [mud.speed, mud.rate, mud.reading, mud.stress]
+        write_table(path / READINGS_TABLE, [q.column for q in DIAL_READINGS], columns)
+        found = rheology_fits.fits(rheology)
+        words = [[_fit_cell(f, q.name) for f in found] for q in RHEOLOGY_FITS]
+        write_table(path / FITS_TABLE, [q.column for q in RHEOLOGY_FITS], words)
     table = [[_number(row[q.name]) for row in curve] for q in FLOW_CURVE]
     write_table(path / FLOW_CURVE_TABLE, [q.column for q in FLOW_CURVE], table)
 
@@ -378,6 +400,7 @@ def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> d
         "window": window_table(case.window),
         "outlet_pressure": case.fluid.outlet_pressure.value(0.0),  # type: ignore[union-attr]
         "flows": [{**r.summary, "limited_by": r.limited_by, "warnings": r.warnings} for r in results],
+        "rheology": rheology_fits.figures(case.fluid.rheology) or None,  # type: ignore[union-attr]
         "notes": hydraulics.notes,
     }
 
@@ -404,4 +427,22 @@ def _lines(case: Case, results: list[FlowResult], summary: dict[str, Any]) -> li
     for result in results:
         size, unit = shown_unit("pump_flow", "m3/s", summary["units"])
         lines += [f"  WARNING: at {result.flow_rate / size:.5g} {unit}: {w}" for w in result.warnings]
-    return lines + [f"  note: {note}" for note in summary["notes"]]
+    return lines + _mud_lines(case, summary["units"]) + [f"  note: {note}" for note in summary["notes"]]
+
+
+def _mud_lines(case: Case, system: System) -> list[str]:
+    """The flow curves that fit the dial readings; nothing without readings."""
+    assert case.fluid is not None
+    found = rheology_fits.fits(case.fluid.rheology)
+    if not found:
+        return []
+    (y, stress), (k, consistency) = (
+        shown_unit(name, unit, system) for name, unit in (("yield_stress", "Pa"), ("consistency", "Pa s^n"))
+    )
+    lines = ["  Flow curves of the dial readings: model, fit, yield stress, index, consistency, misfit"]
+    for f in found:
+        lines.append(
+            f"  {'*' if f.used else ' '} {f.model:<17}{f.fit:<14}{f.yield_stress / y:>10.4g}{f.index:>9.4f}{f.consistency / k:>10.4g}"
+            f"{f.misfit / y:>10.3g}  {stress}, {consistency}"
+        )
+    return lines
