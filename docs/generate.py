@@ -560,6 +560,8 @@ OUTPUT_TABLES = {
     "outputs/hydraulics.md": ("hydraulics.csv", "column"),
     "outputs/pressure-profile.md": ("pressure_profile.csv", "column"),
     "outputs/flow-curve.md": ("flow_curve.csv", "column"),
+    "outputs/dial-readings.md": ("dial_readings.csv", "column"),
+    "outputs/rheology-fits.md": ("rheology_fits.csv", "column"),
     "outputs/surge.md": ("surge.csv", "column"),
     "outputs/max-trip-speed.md": ("max_trip_speed.csv", "column"),
     "outputs/summary-run.md": ("summary.json of run", "key"),

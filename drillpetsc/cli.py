@@ -589,7 +589,7 @@ def _hydraulics(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.case.flow_options import read_flows
 
     case = load_case(arguments.case)
-    flows, pressure = read_flows(arguments.flow, arguments.spp)
+    flows, pressure = read_flows(arguments.flow, arguments.spp, case.output.units or "SI")
     start_job(petsc_options)
     from drillpetsc.analysis.hydraulics.hydraulics import run_hydraulics
 
@@ -611,6 +611,7 @@ def _surge(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         arguments.bit_depth,
         arguments.window,
         arguments.flow,
+        units=case.output.units or "SI",
     )
     start_job(petsc_options)
     from drillpetsc.analysis.hydraulics.surge import run_surge

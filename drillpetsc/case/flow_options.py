@@ -7,19 +7,19 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from pydantic_core import PydanticCustomError
 
 from drillpetsc.case.blocks.window import Window
 from drillpetsc.case.key_paths import suggestion
 from drillpetsc.case.quantities import Quantity
 from drillpetsc.errors import CaseError
+from drillpetsc.unit_systems import System, unit_of_bare_number
 from drillpetsc.units import UnitError, to_si
 
 FLOW = Quantity("m^3/s", above=0, at_most=1)
-PRESSURE = Quantity("Pa", above=0, at_most=1e9)
-SPEED = Quantity("m/s", above=0, at_most=10)
+PRESSURE = Quantity("Pa", above=0, at_most=1e9, kind="pressure")
+SPEED = Quantity("m/s", above=0, at_most=10, kind="trip_speed")
 DEPTH = Quantity("m", above=0, at_most=50e3)
-DENSITY = Quantity("kg/m^3", above=0, at_most=5e3)
+DENSITY = Quantity("kg/m^3", above=0, at_most=5e3, kind="mud_weight")
 
 RANGE_COUNT = 10  # values of a range
 _RANGE = re.compile(r"(.+?)\.\.(.+)")
@@ -27,7 +27,11 @@ _BARE = re.compile(r"\s*[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?\s*")
 
 
 def read_numbers(
-    text: str | float | Sequence[str | float], quantity: Quantity, at: str, example: str
+    text: str | float | Sequence[str | float],
+    quantity: Quantity,
+    at: str,
+    example: str,
+    units: System = "SI",
 ) -> tuple[float, ...]:
     """Read numbers [SI] from text; one without a unit has that of the next number that has one.
 
@@ -35,11 +39,12 @@ def read_numbers(
     number in SI, or a list of numbers and texts.
     quantity: unit and bounds of each number.
     at, example: name of the option and an example, for messages.
+    units: of bare numbers in text; numbers from Python are in SI.
     Raises CaseError.
     """
     if not isinstance(text, str):
         given = text if isinstance(text, Iterable) else [text]
-        return tuple(v for part in given for v in read_numbers(_as_text(part), quantity, at, example))
+        return tuple(v for part in given for v in _of_python(part, quantity, at, example, units))
     parts = [part.strip() for part in text.split(",")]
     if not all(parts):
         raise CaseError(at=at, got=text, want=f"numbers with commas between them, such as {example}")
@@ -50,7 +55,7 @@ def read_numbers(
             words[k] = f"{words[k]} {unit}".strip()
         else:
             unit = re.sub(_BARE, "", words[k], count=1)
-    numbers = iter([_number(word, quantity, at, example) for word in words])
+    numbers = iter([_number(word, quantity, at, example, units) for word in words])
     out: list[float] = []
     for part in parts:
         if not _RANGE.fullmatch(part):
@@ -63,8 +68,12 @@ def read_numbers(
     return tuple(out)
 
 
-def _as_text(value: object) -> str:
-    return value if isinstance(value, str) else repr(float(value))  # type: ignore[arg-type]
+def _of_python(
+    value: str | float, quantity: Quantity, at: str, example: str, units: System
+) -> tuple[float, ...]:
+    if isinstance(value, str):
+        return read_numbers(value, quantity, at, example, units)
+    return read_numbers(repr(float(value)), quantity, at, example)
 
 
 def _ends(part: str) -> tuple[str, ...]:
@@ -72,23 +81,22 @@ def _ends(part: str) -> tuple[str, ...]:
     return match.groups() if match else (part,)
 
 
-def _number(word: str, quantity: Quantity, at: str, example: str) -> float:
+def _number(word: str, quantity: Quantity, at: str, example: str, units: System) -> float:
     bare = _BARE.fullmatch(word) is not None
+    own = unit_of_bare_number(quantity.unit, quantity.kind, units) or quantity.unit
     try:
-        value = to_si(float(word) if bare else word, quantity.unit)
-    except (UnitError, PydanticCustomError) as error:
-        want = error.want if isinstance(error, UnitError) else str(error)
-        hint = error.hint if isinstance(error, UnitError) else ""
-        raise CaseError(at=at, got=word, want=want, hint=hint) from None
+        value = to_si(f"{word.strip()} {own}" if bare else word, quantity.unit)
+    except UnitError as error:
+        raise CaseError(at=at, got=word, want=error.want, hint=error.hint) from None
     if not quantity.inside(value):
-        hint = f"a bare number is in {quantity.unit}; such as {example}" if bare else ""
+        hint = f"a bare number is in {own}; such as {example}" if bare else ""
         raise CaseError(at=at, got=word, want=f"a number {quantity.allowed()}", hint=hint)
     return value
 
 
-def read_number(text: str | float, quantity: Quantity, at: str, example: str) -> float:
+def read_number(text: str | float, quantity: Quantity, at: str, example: str, units: System = "SI") -> float:
     """Read one number [SI]; arguments and errors as in `read_numbers`."""
-    values = read_numbers(text, quantity, at, example)
+    values = read_numbers(text, quantity, at, example, units)
     if len(values) != 1:
         raise CaseError(at=at, got=text, want=f"one number, such as {example}")
     return values[0]
@@ -132,14 +140,14 @@ class Trips:
 
 
 def read_flows(
-    flow: Numbers | None, spp: str | float | None
+    flow: Numbers | None, spp: str | float | None, units: System = "SI"
 ) -> tuple[tuple[float, ...] | None, float | None]:
     """Flow rates [m3/s] and pump pressure [Pa] of the options of `hydraulics`; CaseError for both at once."""
     if flow is not None and spp is not None:
         raise CaseError(at="--spp", want="--flow or --spp, not both")
     return (
-        None if flow is None else read_numbers(flow, FLOW, "--flow", "400,500 gpm"),
-        None if spp is None else read_number(spp, PRESSURE, "--spp", "3000 psi"),
+        None if flow is None else read_numbers(flow, FLOW, "--flow", "400,500 gpm", units),
+        None if spp is None else read_number(spp, PRESSURE, "--spp", "3000 psi", units),
     )
 
 
@@ -150,24 +158,25 @@ def read_trips(
     bit_depth: Numbers | None = None,
     window: Numbers | None = None,
     flow: str | float | None = None,
+    units: System = "SI",
 ) -> Trips:
-    """Read the options of `surge`; CaseError names the option."""
+    """Read the options of `surge`; CaseError names the option.  units: of bare numbers in text."""
     pipes = read_words(pipe, PIPES, "--pipe")
     if flow is not None and "pumping" not in pipes:
         raise CaseError(at="--flow", got=flow, want="--flow together with --pipe pumping")
     return Trips(
-        read_numbers(speed, SPEED, "--speed", "30,60 ft/min"),
+        read_numbers(speed, SPEED, "--speed", "30,60 ft/min", units),
         read_words(operation, OPERATIONS, "--operation"),
         pipes,
-        None if bit_depth is None else read_numbers(bit_depth, DEPTH, "--bit-depth", "1000,2000 m"),
-        None if window is None else _window(window),
-        None if flow is None else read_number(flow, FLOW, "--flow", "400 gpm"),
+        None if bit_depth is None else read_numbers(bit_depth, DEPTH, "--bit-depth", "1000,2000 m", units),
+        None if window is None else _window(window, units),
+        None if flow is None else read_number(flow, FLOW, "--flow", "400 gpm", units),
     )
 
 
-def _window(text: Numbers) -> Window:
+def _window(text: Numbers, units: System) -> Window:
     """One pair of limits at all depths."""
-    values = read_numbers(text, DENSITY, "--window", "11.2,13.8 ppg")
+    values = read_numbers(text, DENSITY, "--window", "11.2,13.8 ppg", units)
     if len(values) != 2 or values[1] <= values[0]:
         want = "two densities, PORE,FRAC, with frac above pore, such as 11.2,13.8 ppg"
         raise CaseError(at="--window", got=str(text), want=want)

@@ -8,6 +8,7 @@ import re
 from pathlib import Path
 
 from drillpetsc.case.key_paths import refuse, suggestion
+from drillpetsc.case.quantities import InSI
 from drillpetsc.case.survey_file import FOLDER
 from drillpetsc.errors import CaseError
 from drillpetsc.units import UnitError, to_si
@@ -21,7 +22,7 @@ def read_window(name: str) -> dict[str, list[float]]:
     """{tvd: [m], pore: [kg/m3], frac: [kg/m3]} from a CSV file beside the case file or in the working directory.
 
     The first line names the columns, with a unit in brackets if wanted: `tvd [ft], pore [ppg], frac [ppg]`.  Without
-    a unit a column is in SI.  `#` starts a comment line.
+    a unit a column has that of the case's bare numbers.  `#` starts a comment line.
     """
     path = _file(name)
     try:
@@ -44,10 +45,15 @@ def read_window(name: str) -> dict[str, list[float]]:
         for key, (column, unit) in columns.items():
             cell = cells[column].strip() if column < len(cells) else ""
             try:
-                window[key].append(to_si(f"{float(cell)!r} {unit}", _COLUMNS[key]))
+                number = float(cell)
+                window[key].append(InSI(to_si(f"{number!r} {unit}", _COLUMNS[key])) if unit else number)
             except (UnitError, ValueError):
                 raise CaseError(
-                    at=key, got=cell or "an empty cell", want=f"a number in {unit}", file=path, line=line
+                    at=key,
+                    got=cell or "an empty cell",
+                    want=f"a number in {unit}" if unit else "a number",
+                    file=path,
+                    line=line,
                 ) from None
     return window
 
@@ -75,7 +81,7 @@ def _columns(path: Path, line: int, head: list[str]) -> dict[str, tuple[int, str
             continue
         if name in columns:
             raise CaseError(at=name, want="each of tvd, pore, frac once", file=path, line=line)
-        unit = match.group(2) or _COLUMNS[name]
+        unit = match.group(2) or ""
         try:
             to_si(f"1 {unit}", _COLUMNS[name])
         except UnitError as error:

@@ -101,6 +101,8 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         "hydraulics.csv": _listed(hydraulics.LOSS_ROWS),
         "pressure_profile.csv": _listed(hydraulics.PRESSURE_PROFILE),
         "flow_curve.csv": _listed(hydraulics.FLOW_CURVE),
+        "dial_readings.csv": _listed(hydraulics.DIAL_READINGS, where.DIAL),
+        "rheology_fits.csv": _listed(hydraulics.RHEOLOGY_FITS, where.DIAL),
         "summary.json of hydraulics": _listed(hydraulics.HYDRAULICS_SUMMARY),
         "surge.csv": _listed(hydraulics.SURGE),
         "max_trip_speed.csv": _listed(hydraulics.MAX_TRIP_SPEED),

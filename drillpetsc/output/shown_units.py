@@ -6,6 +6,7 @@ from drillpetsc.unit_systems import System, display_unit
 from drillpetsc.units import to_si
 
 _DIAMETERS = ("od", "id")
+_STRESSES = ("yield_stress", "shear_stress", "misfit", "yield_point")
 _KIND_OF_UNIT = {
     "Pa": "pressure",
     "m3/s": "flow",
@@ -14,6 +15,8 @@ _KIND_OF_UNIT = {
     "m/s": "trip_speed",
     "W": "power",
     "m3": "volume",
+    "Pa s^n": "consistency",
+    "Pa s": "viscosity",
 }
 _MINUTE = ("min", 60.0)
 #: name -> unit and its size in SI, in field and in metric units, where the trade has a unit of its own
@@ -36,7 +39,10 @@ def shown_unit(name: str, unit: str, system: System) -> tuple[float, str]:
     if name in _OWN:
         text, size = _OWN[name][system != "field"]
         return size, text
-    kind = "diameter" if name in _DIAMETERS else _KIND_OF_UNIT.get(unit)
+    if name in _STRESSES:
+        kind: str | None = "yield_point"
+    else:
+        kind = "diameter" if name in _DIAMETERS else _KIND_OF_UNIT.get(unit)
     if kind is None:
         return 1.0, unit
     size, _, text = display_unit(kind, system)

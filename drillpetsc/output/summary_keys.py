@@ -284,6 +284,11 @@ HYDRAULICS: tuple[SummaryKey, ...] = (
         "",
         "List: for each flow rate the quantities of this page (null where absent), `limited_by` and `warnings`.",
     ),
+    SummaryKey(
+        "rheology",
+        "",
+        "From dial readings: plastic_viscosity [Pa s], yield_point [Pa], index [-] and consistency [Pa s^n] by API in pipe and annulus; null without.",
+    ),
     SummaryKey("notes", "", "What the results leave out, and what was chosen."),
 )
 

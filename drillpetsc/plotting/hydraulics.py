@@ -9,9 +9,11 @@ import numpy as np
 
 from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import (
+    FITS_TABLE,
     FLOW_CURVE_TABLE,
     LOSS_TABLE,
     PROFILE_TABLE,
+    READINGS_TABLE,
     SURGE_TABLE,
     TRIP_SPEED_TABLE,
     RunFolder,
@@ -45,6 +47,9 @@ def draw_hydraulics(folder: Path, title: str, system: System) -> dict[str, Any]:
         drawings["losses"] = _losses(summary, title, system)
     if (folder / PROFILE_TABLE).exists():
         drawings["pressure_profile"] = _profile(read_table(folder / PROFILE_TABLE), summary, title, system)
+    if (folder / FITS_TABLE).exists() and (folder / READINGS_TABLE).exists():
+        tables = read_table(folder / READINGS_TABLE), read_table(folder / FITS_TABLE)
+        drawings["rheology"] = _rheology(*tables, title, system)
     if (folder / SURGE_TABLE).exists():
         drawings["surge"] = _surge(read_table(folder / SURGE_TABLE), summary, title, system)
     if (folder / TRIP_SPEED_TABLE).exists():
@@ -226,6 +231,32 @@ def _window(
         axes.plot(
             np.interp(below, tvd, values), below, color=LIMITS, linewidth=1.6, linestyle=dash, label=name
         )
+
+
+def _rheology(readings: Table, fits: Table, title: str, system: System) -> Any:
+    """Dial readings as stress over shear rate, with the flow curves that fit them; the one in use is thick."""
+    rate, stress = _Axis("shear_rate [1/s]", system), _Axis("shear_stress [Pa]", system)
+    drawing = style.figure(8.5, 5.2, dpi=110)
+    top = style.heading(drawing, f"{title}: flow curves of the mud")
+    axes = drawing.subplots()
+    x = np.linspace(0.0, 1.05 * float(readings["shear_rate [1/s]"].max()), 200)
+    for i in range(len(fits["model [-]"])):
+        y, k, n = (float(fits[q][i]) for q in ("yield_stress [Pa]", "consistency [Pa s^n]", "index [-]"))
+        used = fits["used [-]"][i] == "yes"
+        name = f"{fits['model [-]'][i]}, {fits['fit [-]'][i]}".replace("_", " ")
+        name += f": misfit {float(fits['misfit [Pa]'][i]) / stress.size:.2g} {stress.unit}"
+        color = LINE_COLORS[i % len(LINE_COLORS)]
+        wide = {"linewidth": 2.4} if used else {"linewidth": 1.0, "linestyle": (0, (5, 2))}
+        axes.plot(
+            x / rate.size, (y + k * x**n) / stress.size, color=color, label=name + " (used)" * used, **wide
+        )
+    axes.plot(
+        rate.values(readings), stress.values(readings), "ko", markersize=5, label="dial readings", zorder=4
+    )
+    axes.set(xlabel=rate.label(), ylabel=stress.label(), xlim=(0, None), ylim=(0, None))
+    axes.legend(frameon=False, fontsize=8)
+    drawing.tight_layout(rect=(0, 0, 1, top))
+    return drawing
 
 
 def _surge(table: Table, summary: dict[str, Any], title: str, system: System) -> Any:

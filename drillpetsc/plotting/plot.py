@@ -41,12 +41,12 @@ def plot(
     folder = RunFolder.open(run)
     token = style.UNITS.set(units or style.units_of_run(folder.case))
     try:
-        return _plot(folder, out)
+        return _plot(folder, out, units)
     finally:
         style.UNITS.reset(token)
 
 
-def _plot(folder: RunFolder, out: str | os.PathLike | None) -> list[Path]:
+def _plot(folder: RunFolder, out: str | os.PathLike | None, units: System | None) -> list[Path]:
     """Draw the pictures of a run folder in the units of `style.UNITS`."""
     if (folder.path / SWEEP_TABLE).is_file():
         pictures = draw_sweep(folder.path, out)
@@ -73,7 +73,7 @@ def _plot(folder: RunFolder, out: str | os.PathLike | None) -> list[Path]:
         if folder.statics.exists():
             drawings["along_depth"] = _along_depth(read_table(folder.statics), title)
         drawings["modes"] = draw_modes(folder.path, title)
-        drawings |= draw_hydraulics(folder.path, title, units_of(summary))
+        drawings |= draw_hydraulics(folder.path, title, units or units_of(summary))
         if folder.trajectory.exists():
             path, drilled = (
                 read_table(folder.trajectory),

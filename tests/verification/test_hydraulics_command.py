@@ -17,7 +17,7 @@ from drillpetsc.analysis.hydraulics.hydraulics import Hydraulics, run_hydraulics
 from drillpetsc.analysis.hydraulics.losses import balance
 from drillpetsc.analysis.hydraulics.trade_formulas import FOOT, FOOT_PER_MINUTE, GPM, INCH, PPG, PSI
 from drillpetsc.case import Case, load_case
-from drillpetsc.errors import CaseError
+from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.output import read_table
 from drillpetsc.physics.fluid.rheology import from_dial_readings
 from drillpetsc.units import to_si
@@ -364,3 +364,14 @@ def test_points_near_the_flow_line_have_no_density():
     assert found.limited_by == "none" and any("no open hole" in note for note in h.notes)
     with pytest.raises(CaseError, match="gravity"):
         Hydraulics(case([pipe(1000, 5, 4.276)], level, mud, gravity=0.0))
+
+
+def test_a_flow_that_nothing_takes_names_the_flow_rate():
+    """100 l/s through a choke of 10 mm2 would need 1e11 Pa: a SolveError with the flow rate, and no time."""
+    mud = {"density": 1200, "rheology": WATER, "choke": {"area": 1e-5}, "bulk_modulus": 2e9}
+    h = Hydraulics(case([pipe(150, 6.75, 4.5, 15)], well(("open_hole", 160, 8.5)), mud))
+    with pytest.raises(SolveError) as raised:
+        h.at(0.1)
+    text = str(raised.value)
+    assert "m3/s" in text and "time" not in text
+    assert h.at(1e-3).summary["choke_loss"] == pytest.approx(1200 * 1e-6 / (2 * 0.95**2 * 1e-10), rel=1e-3)

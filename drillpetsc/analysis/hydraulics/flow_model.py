@@ -24,6 +24,7 @@ from drillpetsc.case.blocks.well import Well as WellCase
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, build_well
+from drillpetsc.model.fluid import build_rheology
 from drillpetsc.output.boiling import VAPOUR_PRESSURE
 from drillpetsc.time_function import Constant, PiecewiseLinear
 
@@ -259,8 +260,13 @@ class FlowModel:
         model.beam.set_rigid_motion(self.system, *self._axis, speed, 0.0)
         try:
             steady_flow(self.system, flow)
-        except SolveError:
+        except SolveError as error:
             self._placed = False  # the unknowns are those of a failed iteration
+            error.time = None  # the "time" is the flow rate
+            if flow:
+                error.what = f"at {flow:g} m3/s {error.what}"
+            if not build_rheology(self.case).yield_stress:
+                error.hint = "can the nozzles, the bore and the choke take this flow?"
             raise
 
     # ------------------------------------------------------------------ state

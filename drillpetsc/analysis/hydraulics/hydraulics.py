@@ -12,6 +12,7 @@ import numpy as np
 from petsc4py import PETSc
 from scipy.optimize import brentq
 
+from drillpetsc.analysis.hydraulics import rheology_fits
 from drillpetsc.analysis.hydraulics import trade_formulas as trade
 from drillpetsc.analysis.hydraulics.flow_model import LARGEST_FLOW, FlowModel, need_mud, whole_string
 from drillpetsc.analysis.hydraulics.losses import Loss, balance, blend_excess, blend_note, loss_rows
@@ -27,20 +28,29 @@ from drillpetsc.analysis.hydraulics.open_hole import (
 )
 from drillpetsc.analysis.transient import RunResult, make_folder
 from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.fluid import Rheology
 from drillpetsc.case.blocks.string import Bit, Flexible
 from drillpetsc.case.blocks.window import Window
 from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import largest
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.run_folder import FLOW_CURVE_TABLE, LOSS_TABLE, PROFILE_TABLE
+from drillpetsc.output.files.run_folder import (
+    FITS_TABLE,
+    FLOW_CURVE_TABLE,
+    LOSS_TABLE,
+    PROFILE_TABLE,
+    READINGS_TABLE,
+)
 from drillpetsc.output.quantities.hydraulics import (
+    DIAL_READINGS,
     FLOW_CURVE,
     HYDRAULICS_SUMMARY,
     LEVELS,
     LOSS_ROWS,
     LOSSES,
     PRESSURE_PROFILE,
+    RHEOLOGY_FITS,
 )
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
@@ -51,6 +61,7 @@ from drillpetsc.unit_systems import System
 _SPEED = RESULT_NAMES.index("speed")
 CURVE = np.linspace(0.1, 1.25, 12)  # flow rates of the curve over the largest one asked for [-]
 PER_BLOCK = 6  # flow rates side by side on the screen
+SPP = "--spp"
 SMALLEST_FLOW = 1e-5  # [m3/s]
 
 Numbers = dict[str, float | None]
@@ -105,15 +116,16 @@ def default_flow(case: Case, notes: list[str]) -> float:
 
 
 def flow_at_pressure(flow: FlowModel, pressure: float, at: str) -> float:
-    """Find the flow rate [m3/s] at which the pump has a pressure [Pa].
+    """Find the flow rate [m3/s] at which the pump, or the string's upper end, has a pressure [Pa].
 
-    at: option or key of the pressure, for the message.
+    at: option or key of the pressure: `--spp` is that of the pump, before the surface line.
     Raises CaseError where the pressure is below that of the still mud, or beyond the largest flow.
     """
 
     def excess(rate: float) -> float:
         flow.solve(rate)
-        return balance(flow)["pump_pressure"] - pressure
+        sums = balance(flow)
+        return sums["pump_pressure"] - (0.0 if at == SPP else sums["surface_line_loss"]) - pressure
 
     if excess(SMALLEST_FLOW) >= 0:
         still = pressure + excess(SMALLEST_FLOW)
@@ -197,7 +209,7 @@ class Hydraulics:
         sums = balance(flow)
         out: Numbers = {q.name: None for q in HYDRAULICS_SUMMARY}
         out |= {k: v for k, v in sums.items() if k in out}
-        out["pump_flow"], out["surface_line_loss"] = rate, 0.0
+        out["pump_flow"] = rate
         out["bit_pressure"] = flow.bottom_pressure()
         if flow.fluid.annulus is not None:
             out |= self.densities()
@@ -299,31 +311,31 @@ def run_hydraulics(
 
     flows: flow rates [m3/s]; None: that of the case.
     pump_pressure: [Pa], instead of flows: the flow rate that it gives is found.
-    units: of printed and plotted figures; None: metric.
+    units: of printed and plotted figures; None: those of the case, or metric.
     Every rank computes the same, the first one writes.
     """
     comm = comm or PETSc.COMM_WORLD
     with options.applied(case.petsc):
         hydraulics = Hydraulics(case)
+        at = SPP
         if pump_pressure is None and not flows:
             own = default_flow(case, hydraulics.notes)
             given = case.fluid.pump_pressure  # type: ignore[union-attr]
             if given is None:
                 flows = [own]
             else:
-                pump_pressure = given.value(0.0)
+                pump_pressure, at = given.value(0.0), "fluid.pump_pressure"
         if pump_pressure is not None:
-            key = "--spp" if case.fluid.pump_pressure is None else "fluid.pump_pressure"  # type: ignore[union-attr]
-            flows = [flow_at_pressure(hydraulics.flow, pump_pressure, key)]
+            flows = [flow_at_pressure(hydraulics.flow, pump_pressure, at)]
         assert flows
         results = [hydraulics.at(rate) for rate in flows]
         rates = np.unique(np.append(np.minimum(max(flows) * CURVE, 2 * LARGEST_FLOW), flows))
         curve = [_curve_row(hydraulics, rate) for rate in rates]
         folder = make_folder(comm, name, out, False, overwrite)
-        summary = _summary(case, hydraulics, results) | {"units": units or "metric"}
+        summary = _summary(case, hydraulics, results) | {"units": units or case.output.units or "metric"}
         if comm.rank == 0:
             case.dump(folder.case)
-            _write(folder.path, results, curve)
+            _write(folder.path, results, curve, case.fluid.rheology)  # type: ignore[union-attr]
             write_summary(folder.summary, summary)
     lines = _lines(case, results, summary)
     lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
@@ -334,7 +346,7 @@ def _curve_row(hydraulics: Hydraulics, rate: float) -> Numbers:
     flow = hydraulics.flow
     flow.solve(float(rate))
     out: Numbers = {q.name: None for q in FLOW_CURVE} | balance(flow)
-    out |= {"pump_flow": float(rate), "surface_line_loss": 0.0, "bit_pressure": flow.bottom_pressure()}
+    out |= {"pump_flow": float(rate), "bit_pressure": flow.bottom_pressure()}
     return out | (hydraulics.densities() if flow.fluid.annulus is not None else {})
 
 
@@ -342,7 +354,12 @@ def _number(value: float | None) -> float:
     return np.nan if value is None else value
 
 
-def _write(path: Path, results: list[FlowResult], curve: list[Numbers]) -> None:
+def _fit_cell(fit: rheology_fits.Fit, name: str) -> str | float:
+    value = getattr(fit, name)
+    return ("yes" if value else "no") if name == "used" else value
+
+
+def _write(path: Path, results: list[FlowResult], curve: list[Numbers], rheology: Rheology) -> None:
     rows = [(result.flow_rate, row) for result in results for row in result.rows]
     renamed = {"from": "upper", "to": "lower", "mean_velocity": "velocity"}
     columns = [
@@ -360,6 +377,13 @@ def _write(path: Path, results: list[FlowResult], curve: list[Numbers]) -> None:
         for q in PRESSURE_PROFILE
     ]
     write_table(path / PROFILE_TABLE, [q.column for q in PRESSURE_PROFILE], profile)
+    mud = rheology_fits.readings(rheology)
+    if mud is not None:
+        columns = [mud.speed, mud.rate, mud.reading, mud.stress]
+        write_table(path / READINGS_TABLE, [q.column for q in DIAL_READINGS], columns)
+        found = rheology_fits.fits(rheology)
+        words = [[_fit_cell(f, q.name) for f in found] for q in RHEOLOGY_FITS]
+        write_table(path / FITS_TABLE, [q.column for q in RHEOLOGY_FITS], words)
     table = [[_number(row[q.name]) for row in curve] for q in FLOW_CURVE]
     write_table(path / FLOW_CURVE_TABLE, [q.column for q in FLOW_CURVE], table)
 
@@ -376,6 +400,7 @@ def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> d
         "window": window_table(case.window),
         "outlet_pressure": case.fluid.outlet_pressure.value(0.0),  # type: ignore[union-attr]
         "flows": [{**r.summary, "limited_by": r.limited_by, "warnings": r.warnings} for r in results],
+        "rheology": rheology_fits.figures(case.fluid.rheology) or None,  # type: ignore[union-attr]
         "notes": hydraulics.notes,
     }
 
@@ -402,4 +427,22 @@ def _lines(case: Case, results: list[FlowResult], summary: dict[str, Any]) -> li
     for result in results:
         size, unit = shown_unit("pump_flow", "m3/s", summary["units"])
         lines += [f"  WARNING: at {result.flow_rate / size:.5g} {unit}: {w}" for w in result.warnings]
-    return lines + [f"  note: {note}" for note in summary["notes"]]
+    return lines + _mud_lines(case, summary["units"]) + [f"  note: {note}" for note in summary["notes"]]
+
+
+def _mud_lines(case: Case, system: System) -> list[str]:
+    """The flow curves that fit the dial readings; nothing without readings."""
+    assert case.fluid is not None
+    found = rheology_fits.fits(case.fluid.rheology)
+    if not found:
+        return []
+    (y, stress), (k, consistency) = (
+        shown_unit(name, unit, system) for name, unit in (("yield_stress", "Pa"), ("consistency", "Pa s^n"))
+    )
+    lines = ["  Flow curves of the dial readings: model, fit, yield stress, index, consistency, misfit"]
+    for f in found:
+        lines.append(
+            f"  {'*' if f.used else ' '} {f.model:<17}{f.fit:<14}{f.yield_stress / y:>10.4g}{f.index:>9.4f}{f.consistency / k:>10.4g}"
+            f"{f.misfit / y:>10.3g}  {stress}, {consistency}"
+        )
+    return lines

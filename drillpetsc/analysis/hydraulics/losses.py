@@ -21,6 +21,7 @@ from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow
 from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
 
 TINY_DENSITY = 1e-300  # at which the wall shear is that of laminar flow [kg/m3]
+FLOW_ROUNDING = 1e-5  # rounds off q |q| at zero [m3/s], as kernels/fluid/bit_flow.hpp does
 TURBULENT_SPAN = 800.0  # Reynolds numbers from the end of laminar to the start of turbulent flow (API RP 13D)
 
 
@@ -149,7 +150,8 @@ def channel_rows(flow: FlowModel, name: str) -> list[Loss]:
     component = flow.fluid.bore if name == "bore" else flow.fluid.annulus
     if component is None:
         return []
-    law, mesh, slot = build_rheology(flow.case), flow.mesh, name == "annulus"
+    mesh, slot = flow.mesh, name == "annulus"
+    law = build_rheology(flow.case, annulus=slot)
     e = element_losses(flow, component, law)
     sections = flow.case.well.sections if flow.case.well is not None else ()
     upper, lower = mesh.upper + flow.string.top, mesh.lower + flow.string.top
@@ -268,18 +270,26 @@ def nozzle_loss(flow: FlowModel) -> float:
     return lost / float(rates[-1]) * np.exp(mean / flow.fluid.constants.bulk_modulus)
 
 
+def surface_line_loss(flow: FlowModel) -> float:
+    """Compute the loss of the lines between pump and string [Pa]; 0 without them."""
+    line, rates = flow.fluid.surface_line, flow.flow_rate("bore")
+    return 0.0 if line is None or rates is None else line.loss(float(rates[0]))
+
+
 def choke_loss(flow: FlowModel) -> float:
     """Compute the loss of the choke at the flow line [Pa]; 0 without one."""
     annulus, rates = flow.fluid.annulus, flow.flow_rate("annulus")
     if annulus is None or rates is None:
         return 0.0
-    return float(-annulus.choke * flow.fluid.constants.density * rates[0] * abs(rates[0]))
+    return float(-annulus.choke * flow.fluid.constants.density * rates[0] * np.hypot(rates[0], FLOW_ROUNDING))
 
 
 def loss_rows(flow: FlowModel) -> list[Loss]:
     """All rows of hydraulics.csv for one flow rate, in the order of the flow down the string, then from the top down."""
     bit, choke = nozzle_loss(flow), choke_loss(flow)
-    rows = channel_rows(flow, "bore")
+    rows, line = channel_rows(flow, "bore"), surface_line_loss(flow)
+    if line:
+        rows.insert(0, Loss("surface line", "-", "-", pressure_loss=line))
     if bit and flow.fluid.bit is not None:
         rate = float(flow.flow_rate("bore")[-1])  # type: ignore[index]
         depth = flow.string.depth
@@ -304,24 +314,33 @@ def loss_rows(flow: FlowModel) -> list[Loss]:
 def balance(flow: FlowModel) -> dict[str, float]:
     """Pressure losses of the loop [Pa], from the standpipe to the outlet.
 
-    string_loss, bit_loss, annulus_loss, choke_loss; velocity_head: change of the velocity head at steps of the
+    surface_line_loss, string_loss, bit_loss, annulus_loss, choke_loss; velocity_head: change of the velocity head at steps of the
     section; column_difference: weight of the mud in the annulus, up to the flow line, less that in the bore.
-    outlet: pressure at the outlet; pump_pressure: at the upper end of the bore.  pump_pressure - outlet is the sum of
+    outlet: pressure at the outlet; pump_pressure: at the upper end of the bore plus the loss of the surface line.  pump_pressure - outlet is the sum of
     all others up to the rounding of the solver.
     """
-    law = build_rheology(flow.case)
     out = dict.fromkeys(
-        ("string_loss", "bit_loss", "annulus_loss", "choke_loss", "velocity_head", "column_difference"), 0.0
+        (
+            "surface_line_loss",
+            "string_loss",
+            "bit_loss",
+            "annulus_loss",
+            "choke_loss",
+            "velocity_head",
+            "column_difference",
+        ),
+        0.0,
     )
     bore, annulus = flow.fluid.bore, flow.fluid.annulus
     if bore is not None:
-        e = element_losses(flow, bore, law)
+        e = element_losses(flow, bore, build_rheology(flow.case))
         out["string_loss"] = float(e.friction.sum())
         out["velocity_head"] += float(e.head.sum())
         out["column_difference"] -= float(e.weight.sum())
-        out["pump_pressure"] = float(bore.pressures(flow.system)[0])
+        out["surface_line_loss"] = surface_line_loss(flow)
+        out["pump_pressure"] = float(bore.pressures(flow.system)[0]) + out["surface_line_loss"]
     if annulus is not None:
-        e = element_losses(flow, annulus, law)
+        e = element_losses(flow, annulus, build_rheology(flow.case, annulus=True))
         out["annulus_loss"] = -float(e.friction.sum())
         out["velocity_head"] -= float(e.head.sum())
         above = flow.fluid.constants.density * flow.gravity * (float(flow.tvd[0]) - flow.flow_line)
@@ -352,7 +371,7 @@ def blend_excess(flow: FlowModel, speed: float = 0.0) -> float:
 
     speed: of the string [m/s], down positive.
     """
-    law, annulus = build_rheology(flow.case), flow.fluid.annulus
+    law, annulus = build_rheology(flow.case, annulus=True), flow.fluid.annulus
     if annulus is None or law.law != "blend" or law.yield_stress == 0.0 or law.model == "casson":
         return 0.0
     results = annulus.element_results(flow.system.assembly)

@@ -166,7 +166,7 @@ class Tripping:
         The rule of Lapeyrouse, section by section with the friction law of the case; without nozzles and without a
         balance of friction.
         """
-        flow, law = self.flow, build_rheology(self.case)
+        flow, law = self.flow, build_rheology(self.case, annulus=True)
         annulus, mesh = flow.fluid.annulus, flow.mesh
         assert annulus is not None
         v, f = OPERATIONS[operation] * speed, flow.fluid.constants
@@ -225,7 +225,7 @@ def run_surge(
         folder = make_folder(comm, name, out, False, overwrite)
         summary = {
             "title": case.title,
-            "units": units or "metric",
+            "units": units or case.output.units or "metric",
             "window": window_table(window),
             "window_from": None if window is None else ("--window" if plan.window is not None else "case"),
             "surge": [

@@ -18,7 +18,7 @@ def _list(value: Any) -> Any:
     return value if isinstance(value, (list, tuple)) else [value]
 
 
-_Density = Annotated[float, Quantity("kg/m^3", above=0, at_most=5e3)]
+_Density = Annotated[float, Quantity("kg/m^3", above=0, at_most=5e3, kind="mud_weight")]
 Densities = Annotated[
     tuple[_Density, ...], BeforeValidator(_list, json_schema_input_type=_Density | tuple[_Density, ...])
 ]

@@ -18,7 +18,17 @@ PROFILE_TABLE = "pressure_profile.csv"  # pressures along the depth
 FLOW_CURVE_TABLE = "flow_curve.csv"  # losses and densities over the flow rate
 SURGE_TABLE = "surge.csv"  # pressures of tripping
 TRIP_SPEED_TABLE = "max_trip_speed.csv"  # largest speeds of tripping
-HYDRAULICS_TABLES = (LOSS_TABLE, PROFILE_TABLE, FLOW_CURVE_TABLE, SURGE_TABLE, TRIP_SPEED_TABLE)
+READINGS_TABLE = "dial_readings.csv"  # viscometer readings of the mud
+FITS_TABLE = "rheology_fits.csv"  # flow curves fitted to them
+HYDRAULICS_TABLES = (
+    LOSS_TABLE,
+    PROFILE_TABLE,
+    FLOW_CURVE_TABLE,
+    SURGE_TABLE,
+    TRIP_SPEED_TABLE,
+    READINGS_TABLE,
+    FITS_TABLE,
+)
 SWEEP_PICTURES = (
     "trajectory.png",
     "inclination.png",

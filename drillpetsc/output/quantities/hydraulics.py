@@ -197,6 +197,37 @@ FLOW_CURVE: tuple[Quantity, ...] = (
     ECD_TD,
 )
 
+# ---------------------------------------------------------------------- mud
+DIAL_READINGS: tuple[Quantity, ...] = (
+    _row(
+        "dial_speed",
+        "rpm",
+        "Speed of the viscometer",
+        "RVSP",
+        "Speed of the rotational viscometer.",
+        "not negative",
+    ),
+    _row("shear_rate", "1/s", "Shear rate", "SHRT", "Shear rate, 1.7023 1/s per rpm.", "not negative"),
+    _row("reading", "deg", "Dial reading", "RVRD", "Reading of the viscometer.", "not negative"),
+    _row("shear_stress", "Pa", "Shear stress", "SHST", "Shear stress, 0.5107 Pa per degree.", "not negative"),
+)
+RHEOLOGY_FITS: tuple[Quantity, ...] = (
+    _row("model", "-", "Rheology model", "RHMO", "Model of the flow curve."),
+    _row("fit", "-", "Fit", "RHFI", "Fit by the rules of API RP 13D (api), by least squares, or given."),
+    _row("yield_stress", "Pa", "Yield stress", "TAUY", "Yield stress of the flow curve.", "not negative"),
+    _row(
+        "consistency",
+        "Pa s^n",
+        "Consistency",
+        "KCON",
+        "Consistency, or viscosity with an index of 1.",
+        "not negative",
+    ),
+    _row("index", "-", "Flow index", "NIND", "Exponent of the shear rate."),
+    _row("misfit", "Pa", "Misfit", "RMSF", "Root mean square difference to the readings.", "not negative"),
+    _row("used", "-", "Used", "USED", "Yes for the flow curve of the case."),
+)
+
 # ---------------------------------------------------------------------- surge
 TRIP_SPEED = _sum(
     "trip_speed",

@@ -125,7 +125,7 @@ def test_a_window_from_a_file(tmp_path: Path):
         ("tvd, pore\n0,1\n", "frac"),
         ("tvd,pore,frac,pore\n0,1,2,3\n", "once"),
         ("tvd [psi],pore,frac\n0,1,2\n", "length"),
-        ("tvd,pore,frac\n0,1000,x\n", "a number in kg"),
+        ("tvd,pore,frac [kg/m3]\n0,1000,x\n", "a number in kg"),
         ("tvd,pore,frac\n0,1000\n", "empty cell"),
         ("tvd,pore,frac\n0,1000,1200\n", "two depths"),
         ("tvd,pore,frac\n0,1000,1200\n0,1000,1200\n", "rising depths"),
