@@ -28,6 +28,7 @@ class SummaryKey:
 
 
 STATIC_START = "static start"
+STATIC_PATH = "path of a buckled string"
 MESH_ERROR = "run --mesh-error"
 TOLERANCE_CHECK = "run --check-tolerance"
 ACCEPTED_CHANGES = "run --accept-changes"
@@ -218,14 +219,17 @@ STATICS: tuple[SummaryKey, ...] = (
         "buckling.helical", "", "Measured depths (from, to) between which the string coils [m].", STRING
     ),
     SummaryKey(
-        "path", "", "Question that a path answered: 'sliding', 'slack_off' or 'without_friction'.", CONTACT
+        "path",
+        "",
+        "Question that a path answered: 'sliding', 'slack_off' or 'without_friction'.",
+        STATIC_PATH,
     ),
     SummaryKey(
         "path_states",
         "",
         "List, one entry a path: start, hook_load [N], wob [N], negative_pivots, change of the transmitted force over "
         "the push, slid [m], steps, iterations; the first is the state of the table.",
-        CONTACT,
+        STATIC_PATH,
     ),
     SummaryKey("warnings", "", "What the user should know.", STRING),
     SummaryKey(
