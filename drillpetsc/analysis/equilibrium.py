@@ -145,7 +145,8 @@ def director_equilibrium(
         report.negative_pivots, report.singular = max(0, count), count < 0
         for component in sliding:
             component.impose_sliding_direction(*motion, fraction)
-    couple_flow_and_string(model, solver, report, lowering)
+    if state.path is None:  # a path ends with the flow about its last state
+        couple_flow_and_string(model, solver, report, lowering)
     _reactions(model, solver)
     model.system.assembly.freeze(None)
     beyond = _beyond_bottom(model)

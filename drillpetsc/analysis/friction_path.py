@@ -5,18 +5,18 @@ Manual: sec-statics-path.  With friction a buckled string has many states; which
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import nullcontext
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 import numpy as np
 
-from drillpetsc.analysis.energy_descent import Snapshot, newton_with_stiffening, nodal_weight
+from drillpetsc.analysis.energy_descent import Snapshot, nodal_weight
 from drillpetsc.analysis.march import march
 from drillpetsc.analysis.placement import place_along_hole, top_depth
 from drillpetsc.analysis.soft_string_start import place_marched
-from drillpetsc.analysis.steady_flow import fluid_unknowns, steady_flow
+from drillpetsc.analysis.steady_flow import fluid_unknowns, freeze_flow, steady_flow
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
@@ -34,6 +34,7 @@ OVERLOAD = 1.3  # load from which the second path comes back, over the load
 SLIDE, LONGEST_SLIDE = 30.0, 60.0  # distance that the string slides [m]
 LONGEST_STEP = 0.4  # distance that it slides in one step [m]; longer implicit steps damp a growing buckle
 SLIP_SHARE = 5e-3  # rounding velocity over that of the top, where the push is given
+RUN_IN = 5.0  # distance that the string is run in before it is slacked off [m]
 LIFT = 0.2  # height of the bit over the bottom from which the string is slacked off [m]
 LOWERING = 0.2  # speed at which the top is lowered onto the bit that stands [m/s]
 MOST_LOWERING = 3.0  # largest way of the top in the hole, over the shortening of a straight string
@@ -79,7 +80,7 @@ class PathEnd:
     start: ``straight`` or ``overload``.
     hook_load, wob: forces at both ends [N].
     negative_pivots: of the stiffness with friction as a dead load; above 0 friction alone holds the state.
-    change: of the transmitted force from the first to the second half of the slide, over the push [-].
+    change: of the mean transmitted force from the third to the last quarter of the slide, over the push [-].
     slid: distance [m]; steps, iterations: of the path.
     """
 
@@ -185,21 +186,25 @@ class FrictionPath:
         assert model.well is not None
         self.model, self.kind, self.solver, self.sign = model, kind, solver, sign
         self.settings, self._surge = SETTINGS[kind], surge
+        self._slip = self.settings.slip
         self.components = [r for r in (model.contact, model.bit) if r is not None]
         tangent = np.asarray(model.well.at(model.mesh.node_depth + top_depth(model))[1])
-        drag = Drag(self.settings.drag, self.settings.along, tangent)
-        self.motion = OverdampedMotion(model.system, drag, clearance, advance)
+        self._motions = {
+            q: OverdampedMotion(model.system, Drag(q.drag, q.along, tangent), clearance, advance)
+            for q in {self.settings, SETTINGS["sliding"]}
+        }
+        self.motion = self._motions[self.settings]
         self._tangent = tangent
         if kind == "slack_off" and model.case.top.force is not None:
             mesh, force = model.mesh, abs(model.case.top.force.value(0.0))
             pipe = ~mesh.is_joint
             speed = force * float(np.sum(mesh.length[pipe] / mesh.axial_stiffness[pipe])) / self.settings.ramp
-            self.settings = replace(self.settings, slip=min(self.settings.slip, SLIP_SHARE * speed))
+            self._slip = min(self.settings.slip, SLIP_SHARE * speed)
         self._wob = model.case.initial.wob if solver.depth is not None else None
         self.seeds = lateral_loads(model.system, SEED * nodal_weight(model))
         self._push = self._top_force()
         self._anchor = None if model.top is None else model.top.anchor.copy()
-        self.steps = 0
+        self.steps, self._depth_shift = 0, 0.0
 
     def _top_force(self) -> FloatArray:
         """Force (n,) of the top on the string by the local unknowns [N]; zero where its position is given."""
@@ -226,7 +231,7 @@ class FrictionPath:
             if self.kind == "without_friction":
                 component.impose_sliding_direction(0.0, 0.0)
             else:
-                component.follow_overdamped_motion(speed, self.settings.slip)
+                component.follow_overdamped_motion(speed, self._slip)
 
     # ------------------------------------------------------------------ path
     def follow(self, start: str) -> PathEnd:
@@ -235,10 +240,13 @@ class FrictionPath:
         start: ``straight``, the load rises to its value, or ``overload``, it comes back from ``OVERLOAD`` of it.
         Raises SolveError where a step collapses.
         """
-        model, self.steps, self.motion.iterations = self.model, 0, 0
+        model, self.steps = self.model, 0
+        for motion in self._motions.values():
+            motion.iterations = 0
         if model.top is not None:
             model.top.anchor[:] = self._anchor
         place_along_hole(model, top_depth(model))
+        freeze_flow(model)
         straight = march(model, (self.sign, 0.0), coils=False, wob=LEAST_WEIGHT)
         assert straight is not None
         if self._wob is not None:
@@ -257,7 +265,7 @@ class FrictionPath:
                 elif self.kind == "sliding":
                     slid, change = self._slide(OVERLOAD if start == "overload" else 1.0)
                 else:
-                    self._slack_off(straight.usual_contact_force)
+                    self._slack_off()
                 if model.fluid is not None:
                     self._renew_flow()
                 held = self._held()
@@ -265,14 +273,30 @@ class FrictionPath:
             asm.hold_rates(None)
         negative = self._close(held)
         hook, wob = self._end_forces()
-        return PathEnd(start, hook, wob, negative, change, slid, self.steps, self.motion.iterations)
+        return PathEnd(
+            start,
+            hook,
+            wob,
+            negative,
+            change,
+            slid,
+            self.steps,
+            sum(q.iterations for q in self._motions.values()),
+        )
 
-    def _free_bit(self):
+    @contextmanager
+    def _free_bit(self) -> Iterator[None]:
         """Meanwhile a bit with a given weight stands on nothing: the weight is a dead load."""
-        if self._wob is None:
-            return nullcontext()
-        assert self.model.bit is not None
-        return self.model.bit.preloaded(FREE_BIT, 1.0)
+        bit, asm = self.model.bit, self.model.system.assembly
+        if self._wob is None or bit is None:
+            yield
+            return
+        outside = bit.depth_of_face(asm)[0]
+        with bit.preloaded(FREE_BIT, 1.0):
+            self._depth_shift = (
+                bit.depth_of_face(asm)[0] - outside
+            )  # of a bit whose hole the spring displaces
+            yield
 
     def _ramp(self, low: float, high: float) -> None:
         """Change the load from ``low`` to ``high``, shares of its value, and hold it."""
@@ -307,39 +331,31 @@ class FrictionPath:
         self._ramp(0.0, 1.0)
         self._advance(REST, lambda t: 1.0, LONGEST_REST, bit_to_bottom=True)
 
-    def _slack_off(self, contact_force: float) -> None:
-        """Lower the top onto the bit that stands, or raise the top's force.
-
-        contact_force: usual one of the start [N/m].
-        """
+    def _slack_off(self) -> None:
+        """Lower the top onto the bit that stands, or raise the top's force."""
         if self._wob is None:
             self._friction(0.0)
             self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
             ramp = self.settings.ramp  # the load is not held: friction would creep
             self._advance(ramp, lambda t: t / ramp, ramp / 20)
             return
-        model, system = self.model, self.model.system
+        self._run_in()
+        self._friction(0.0)
+        self._lower(self._wob)
+
+    def _run_in(self) -> None:
+        """Let the string slide with its bit above the bottom."""
+        model, system, own = self.model, self.model.system, (self.settings, self.motion, self._slip)
         assert model.top is not None
         dofs = system.layout.dofs["string.position"]
         system.assembly.x[dofs] -= LIFT * self._tangent[system.chain.vertices]
         model.top.shift(-LIFT)
-        self._hang(contact_force)
-        self._friction(0.0)
-        self._lower(self._wob)
-
-    def _hang(self, contact_force: float) -> None:
-        """Find the equilibrium of the string that is run in, its bit above the bottom.
-
-        contact_force: usual one of the start [N/m].
-        """
-        solver, depth = self.solver, self.solver.depth
-        for component in self.components:
-            component.impose_sliding_direction(1.0, 0.0)
-        solver.depth = None
-        try:
-            newton_with_stiffening(self.model, solver, Equilibrium(), contact_force)
-        finally:
-            solver.depth = depth
+        self.settings = SETTINGS["sliding"]
+        self.motion, self._slip = self._motions[self.settings], self.settings.slip
+        self._friction(SPEED)
+        self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
+        self._advance(RUN_IN / SPEED, lambda t: 0.0, LONGEST_STEP / SPEED)
+        self.settings, self.motion, self._slip = own
 
     def _lower(self, target: float) -> None:
         """Lower the top until the bit carries ``target`` [N]; raises SolveError where it does not."""
@@ -439,8 +455,8 @@ class FrictionPath:
         """Distance [m] from the bit's face to the depth at which it carries its weight."""
         bit = self.model.bit
         assert bit is not None and self._wob is not None
-        with_spring = bit.depth_of_face(self.model.system.assembly)[0]
-        return bit.depth_for(self._wob) - sum_of(self.model.system, with_spring)
+        depth = bit.depth_of_face(self.model.system.assembly)[0] - self._depth_shift
+        return bit.depth_for(self._wob) - sum_of(self.model.system, depth)
 
     def _transmitted(self) -> float:
         """Force that depends on the path: the weight on bit under a given top force, else the hook load [N]."""
@@ -477,10 +493,17 @@ class FrictionPath:
         return held
 
     def _close(self, held: FloatArray) -> int:
-        """Make the state an equilibrium with ``held`` as the assembly's dead load; returns its negative pivots."""
+        """Make the state an equilibrium with ``held`` as the assembly's dead load; returns its negative pivots.
+
+        It is one already, where the bit carries its weight; Newton's method would leave a state that friction alone
+        holds.
+        """
         asm, solver = self.model.system.assembly, self.solver
         asm.dead_load = self.seeds + held
-        solver.newton_damped(Equilibrium())
+        if self._wob is not None:
+            solver.rows()
+            if abs(self._end_forces()[1] - self._wob) > WEIGHT_TOLERANCE * self._wob:
+                solver.newton_damped(Equilibrium())
         return solver.negative_pivots()
 
 

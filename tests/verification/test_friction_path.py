@@ -109,3 +109,39 @@ def test_a_run_starts_from_the_end_of_a_path(tmp_path) -> None:
     )
     result = run(case, tmp_path / "out")
     assert result.summary["status"] == "done"
+
+
+@pytest.mark.parametrize(("path", "bit"), [("sliding", "cuts"), ("slack_off", "stands")])
+def test_a_wet_string_in_a_curved_hole_is_pushed(path, bit, tmp_path) -> None:
+    """A string that must be pushed into its hole is buckled before its bit stands on the bottom: the weight on bit is
+    met, and the hook load is below that of a soft string without buckles.
+    """
+    wob = 40e3
+    case = Case(
+        well={
+            "survey": {
+                "md": [0, 150, 450, 800],
+                "inclination": np.radians([0, 0, 80, 80]),
+                "azimuth": [0, 0, 0.5, 0.5],
+            },
+            "sections": [{"to": 800.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.3}],
+        },
+        string=[
+            {"kind": "pipe", "length": 799.5, "od": 0.1016, "id": 0.0848, "element_length": 5.0},
+            {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0},
+        ],
+        top={"kind": "top_drive", "lowering": 0.1},
+        bottom={"kind": "bit"},
+        fluid={
+            "density": 1300.0,
+            "rheology": {"model": "newtonian", "viscosity": 0.02},
+            "flow_rate": 0.02,
+        },
+        gravity=9.81,
+        initial={"from": "statics", "wob": wob},
+        **({"formation": {"drillability": 3e-8}} if bit == "cuts" else {}),
+    )
+    summary = statics(case, tmp_path / "out", path=path).summary
+    assert summary["wob"] == pytest.approx(wob, rel=1.1e-3)
+    soft = summary["soft_string"]["hook_load"]
+    assert soft - 0.5 * wob < summary["hook_load"] < soft + 0.02 * wob
