@@ -211,6 +211,10 @@ class Channel(Component):
         """Parameters of the elements ``e`` (numbers from the top)."""
 
     @abstractmethod
+    def parameter(self, name: str) -> FloatArray:
+        """Present values (nc, ...) of a parameter of the local elements, as the kernels' header names it."""
+
+    @abstractmethod
     @contextmanager
     def shared_results(self, state: Any) -> Iterator[None]:
         """Within it ``element_results`` are evaluated once; the state must not change."""
