@@ -14,6 +14,8 @@ _KIND_OF_UNIT = {
     "m/s": "trip_speed",
     "W": "power",
     "m3": "volume",
+    "N": "force",
+    "N m": "torque",
 }
 _MINUTE = ("min", 60.0)
 #: name -> unit and its size in SI, in field and in metric units, where the trade has a unit of its own

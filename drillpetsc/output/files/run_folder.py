@@ -19,6 +19,10 @@ FLOW_CURVE_TABLE = "flow_curve.csv"  # losses and densities over the flow rate
 SURGE_TABLE = "surge.csv"  # pressures of tripping
 TRIP_SPEED_TABLE = "max_trip_speed.csv"  # largest speeds of tripping
 HYDRAULICS_TABLES = (LOSS_TABLE, PROFILE_TABLE, FLOW_CURVE_TABLE, SURGE_TABLE, TRIP_SPEED_TABLE)
+ROADMAP_TABLE = "roadmap.csv"  # hook load and torque by bit depth, operation and friction
+ROADMAP_FILE = "roadmap.json"  # what the rows of a roadmap come from
+CALIBRATION_TABLE = "calibration.csv"  # measured points beside the soft string with the fitted factors
+TORQUE_DRAG_FILES = (ROADMAP_TABLE, ROADMAP_FILE, CALIBRATION_TABLE)
 SWEEP_PICTURES = (
     "trajectory.png",
     "inclination.png",
@@ -180,7 +184,7 @@ class RunFolder:
             self.summary,
             self.checkpoint,
             self.case,
-            *(self.path / table for table in HYDRAULICS_TABLES),
+            *(self.path / table for table in (*HYDRAULICS_TABLES, *TORQUE_DRAG_FILES)),
         ):
             file.unlink(missing_ok=True)
         for frame in self.string_frames.glob("*.vtu"):
