@@ -1,7 +1,7 @@
 """drillpetsc: drillstring dynamics on PETSc.
 
 The public face is that of `drillpetsc.api`: `Case` describes what is simulated (the keys of a case file),
-`load_case` reads one, `run`, `sweep`, `statics`, `hydraulics`, `surge`, `modes` and `study` are the commands.
+`load_case` reads one, `run`, `sweep`, `statics`, `hydraulics`, `surge`, `roadmap`, `modes` and `study` are the commands.
 Importing the package starts no MPI and imports nothing else of it.
 """
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
         hydraulics,
         load_case,
         modes,
+        roadmap,
         run,
         statics,
         study,
@@ -33,6 +34,7 @@ __all__ = [
     "run",
     "statics",
     "study",
+    "roadmap",
     "surge",
     "sweep",
 ]

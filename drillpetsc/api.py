@@ -34,6 +34,7 @@ __all__ = [
     "run",
     "statics",
     "study",
+    "roadmap",
     "surge",
     "sweep",
 ]
@@ -172,6 +173,38 @@ def surge(
     from drillpetsc.analysis.hydraulics.surge import run_surge
 
     return run_surge(case, trips, out, overwrite, name, comm, units)
+
+
+def roadmap(
+    case: Case | str | Path,
+    out: str | Path | None = None,
+    *,
+    model: Literal["soft", "stiff"] = "soft",
+    measured: str | None = None,
+    units: Any = None,
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+) -> RunResult:
+    """Compute hook load and torque over the bit depth and write roadmap.csv and roadmap.json (collective).
+
+    case: a Case, or the path of a case file; its `roadmap` has operations, depths and friction factors
+    out: run folder; by default results/<case>-NNN
+    model: soft, a string without bending stiffness, or stiff, the static equilibrium of the beam
+    measured: file of measured points to plot; by default those of the case
+    units: field, metric or SI, of `lines` of the result and of plots; by default metric
+    overwrite: True to replace the results in an existing folder
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+    """
+    from drillpetsc.case.measured_option import measured_option
+
+    case, name = _loaded(case, name)
+    points = None if measured is None else measured_option(measured, case)
+    initialise_petsc()
+    from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
+
+    return run_roadmap(case, out, overwrite, name, comm, units, model, points)
 
 
 def modes(

@@ -360,6 +360,20 @@ def _surge_arguments(command: argparse.ArgumentParser) -> None:
     _units_argument(command)
 
 
+def _roadmap_arguments(command: argparse.ArgumentParser) -> None:
+    _case_argument(command)
+    command.add_argument(
+        "--model",
+        choices=("soft", "stiff"),
+        default="soft",
+        help="soft: string without bending stiffness; stiff: static equilibrium of the beam (default: soft)",
+    )
+    command.add_argument(
+        "--measured", metavar="FILE", help="measured points to plot: CSV, xlsx or LAS (default: the case's)"
+    )
+    _units_argument(command)
+
+
 def _modes_arguments(command: argparse.ArgumentParser) -> None:
     _case_argument(command)
     command.add_argument(
@@ -622,6 +636,30 @@ def _surge(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     return _draw_on_first_rank(result.folder)
 
 
+def _roadmap(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case import load_case
+    from drillpetsc.case.measured_option import measured_option
+
+    case = load_case(arguments.case)
+    measured = None if arguments.measured is None else measured_option(arguments.measured, case)
+    start_job(petsc_options)
+    _warn(case)
+    from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
+
+    name, units = Path(arguments.case).stem, arguments.units or case.output.units
+    result = run_roadmap(
+        case,
+        arguments.out,
+        arguments.overwrite,
+        name,
+        units=units,
+        model=arguments.model,
+        measured=measured,
+    )
+    _print(result.lines)
+    return _draw_on_first_rank(result.folder)
+
+
 def _draw_on_first_rank(folder: Path) -> int:
     """Draw the pictures of a run folder, on one rank."""
     if world_rank() != 0:
@@ -820,6 +858,13 @@ COMMANDS = (
         "pressures of running in and pulling out, and the largest trip speed within the window of the open hole",
         _surge_arguments,
         _surge,
+        parents=(_output_folder(),),
+    ),
+    Command(
+        "roadmap",
+        "torque and drag over the bit depth: hook load and torque for six operations and several friction factors",
+        _roadmap_arguments,
+        _roadmap,
         parents=(_output_folder(),),
     ),
     Command(

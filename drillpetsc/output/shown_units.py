@@ -17,6 +17,8 @@ _KIND_OF_UNIT = {
     "m3": "volume",
     "Pa s^n": "consistency",
     "Pa s": "viscosity",
+    "N": "force",
+    "N m": "torque",
 }
 _MINUTE = ("min", 60.0)
 #: name -> unit and its size in SI, in field and in metric units, where the trade has a unit of its own

@@ -311,6 +311,16 @@ SURGE: tuple[SummaryKey, ...] = (
     SummaryKey("notes", "", "What the results leave out, and what was chosen."),
 )
 
+ROADMAP: tuple[SummaryKey, ...] = (
+    SummaryKey("title", "", "Title of the case."),
+    SummaryKey("units", "", "Units of printed and plotted figures; files are in SI."),
+    SummaryKey("model", "", "soft or stiff."),
+    SummaryKey("rows", "-", "Number of rows of roadmap.csv."),
+    SummaryKey("rows_not_ok", "-", "Number of rows whose status is not ok."),
+    SummaryKey("warnings", "", "Rows that are not to be trusted, and limits of the rig that are passed."),
+    SummaryKey("notes", "", "What the case did not give and was assumed, and what the results leave out."),
+)
+
 #: keys by file, as the catalogue names the files
 SUMMARY_KEYS = {
     "summary.json of run": RUN,
@@ -318,4 +328,5 @@ SUMMARY_KEYS = {
     "summary.json of modes": MODES,
     "summary.json of hydraulics": HYDRAULICS,
     "summary.json of surge": SURGE,
+    "summary.json of roadmap": ROADMAP,
 }

@@ -23,6 +23,7 @@ from drillpetsc.plotting.hydraulics import draw_hydraulics, units_of
 from drillpetsc.plotting.modes import draw_modes
 from drillpetsc.plotting.style import GROUND, LINE_COLORS, WALL, display_unit, label, words
 from drillpetsc.plotting.sweep import draw_sweep
+from drillpetsc.plotting.torque_drag import draw_torque_drag
 from drillpetsc.unit_systems import System
 from drillpetsc.unit_systems import display_unit as display_unit_of
 
@@ -74,6 +75,7 @@ def _plot(folder: RunFolder, out: str | os.PathLike | None, units: System | None
             drawings["along_depth"] = _along_depth(read_table(folder.statics), title)
         drawings["modes"] = draw_modes(folder.path, title)
         drawings |= draw_hydraulics(folder.path, title, units or units_of(summary))
+        drawings |= draw_torque_drag(folder.path, title, units or units_of(summary))
         if folder.trajectory.exists():
             path, drilled = (
                 read_table(folder.trajectory),

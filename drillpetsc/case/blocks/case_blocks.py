@@ -24,6 +24,7 @@ from drillpetsc.case.blocks.fluid import Fluid
 from drillpetsc.case.blocks.formation import Formation
 from drillpetsc.case.blocks.joints import Joint
 from drillpetsc.case.blocks.rig import STANDARD_GRAVITY, Rig
+from drillpetsc.case.blocks.roadmap import Roadmap
 from drillpetsc.case.blocks.settings import BeamTheory, Initial, MeshSettings, Output, Time
 from drillpetsc.case.blocks.string import Flexible, Material
 from drillpetsc.case.blocks.tubulars import StringItem
@@ -99,6 +100,9 @@ class CaseBlocks(Block):
             description="limits of the pressure in the open hole (used by hydraulics and surge), "
             "or the name of a CSV file with the columns tvd, pore, frac",
         )
+    )
+    roadmap: Roadmap | None = Field(
+        default=None, description="operations, depths and friction factors of a torque-and-drag roadmap"
     )
     formation: Formation | None = Field(
         default=None, description="the rock that the bit cuts; without it the bit does not drill"

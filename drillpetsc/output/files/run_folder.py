@@ -29,6 +29,10 @@ HYDRAULICS_TABLES = (
     READINGS_TABLE,
     FITS_TABLE,
 )
+ROADMAP_TABLE = "roadmap.csv"  # hook load and torque by bit depth, operation and friction
+ROADMAP_FILE = "roadmap.json"  # what the rows of a roadmap come from
+CALIBRATION_TABLE = "calibration.csv"  # measured points beside the soft string with the fitted factors
+TORQUE_DRAG_FILES = (ROADMAP_TABLE, ROADMAP_FILE, CALIBRATION_TABLE)
 SWEEP_PICTURES = (
     "trajectory.png",
     "inclination.png",
@@ -190,7 +194,7 @@ class RunFolder:
             self.summary,
             self.checkpoint,
             self.case,
-            *(self.path / table for table in HYDRAULICS_TABLES),
+            *(self.path / table for table in (*HYDRAULICS_TABLES, *TORQUE_DRAG_FILES)),
         ):
             file.unlink(missing_ok=True)
         for frame in self.string_frames.glob("*.vtu"):

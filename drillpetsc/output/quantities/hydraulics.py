@@ -238,7 +238,13 @@ TRIP_SPEED = _sum(
     "positive; the operation names the direction",
 )
 SURGE: tuple[Quantity, ...] = (
-    _row("operation", "-", "Operation", "OPER", "Running in (trip_in) or pulling out (trip_out)."),
+    _row(
+        "operation",
+        "-",
+        "Operation",
+        "OPER",
+        "What the string does: trip_in (running in), trip_out (pulling out); in a roadmap also rotate_off_bottom, drilling, sliding, backreaming.",
+    ),
     _row("pipe", "-", "State of the pipe", "PIPE", "Closed, open, or pumping."),
     BIT_DEPTH,
     TRIP_SPEED,

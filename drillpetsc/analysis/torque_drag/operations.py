@@ -1,0 +1,206 @@
+"""Operations, friction pairs and bit depths of a roadmap: what the case asks for, and what was assumed."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from drillpetsc.analysis.torque_drag.string_rows import StringRows, rows_at
+from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.roadmap import DepthRange, Roadmap
+from drillpetsc.case.case import Case
+from drillpetsc.errors import CaseError
+from drillpetsc.units import to_si
+
+DEPTHS = 30  # bit depths where the case gives none
+FIRST_SHARE = 0.1  # of the hole: the first of them
+FACTORS = (0.75, 1.0, 1.25)  # times the sections' own friction, where the case gives no friction factors
+MOST_ROWS = 100_000  # of a roadmap
+ASSUMED_WOB = {"drilling": "25 klbf", "sliding": "15 klbf"}  # without wob and initial.wob
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Friction of the hole.
+
+    cased, open_hole: coefficients to be told, nan where there is no such section [-].
+    friction: (m,) coefficient of each section; item_factor: by which those of items are multiplied.
+    """
+
+    cased: float
+    open_hole: float
+    friction: FloatArray
+    item_factor: float = 1.0
+
+
+@dataclass(frozen=True)
+class Load:
+    """What an operation does: wob [N], torque on bit [N m], axial velocity [m/s, up], rotation [rad/s]."""
+
+    wob: float
+    torque: float
+    axial_velocity: float
+    rotation: float
+
+
+def plan_of(case: Case) -> Roadmap:
+    """The case's roadmap, or one with all defaults."""
+    return case.roadmap or Roadmap()
+
+
+def assumptions(case: Case, plan: Roadmap) -> list[str]:
+    """What the case does not give and was assumed, as sentences."""
+    notes, given = [], plan.model_fields_set
+    used = plan.operations
+    if any(word.startswith("trip") for word in used) and "trip_speed" not in given:
+        notes.append("trip_speed 60 ft/min assumed (without rotation it changes nothing)")
+    if "rpm" not in given and {"rotate_off_bottom", "drilling"} & set(used):
+        notes.append("rpm 100 assumed for rotate_off_bottom and drilling")
+    for word in ("drilling", "sliding"):
+        if word not in used:
+            continue
+        block = getattr(plan, word)
+        if block.wob is None:
+            source = f"{ASSUMED_WOB[word]} assumed" if case.initial.wob is None else "from initial.wob"
+            notes.append(f"{word}.wob {source}")
+        missing = [
+            key
+            for key in ("tob", "rop")
+            if key in type(block).model_fields and key not in block.model_fields_set
+        ]
+        if missing:
+            values = {"tob": {"drilling": "5", "sliding": "2"}[word] + " kft-lbf", "rop": "60 ft/h"}
+            notes.append(", ".join(f"{word}.{key} {values[key]}" for key in missing) + " assumed")
+    if "backreaming" in used:
+        block = plan.backreaming
+        values = {"speed": "20 ft/min", "rpm": "80", "tob": "1 kft-lbf"}
+        missing = [key for key in values if key not in block.model_fields_set]
+        if missing:
+            notes.append(", ".join(f"backreaming.{key} {values[key]}" for key in missing) + " assumed")
+    if case.fluid is not None:
+        notes.append("the mud stands still: forces of the flow on the string are left out")
+    if any(item.friction is not None for item in case.string):
+        notes.append("items with a friction of their own keep it for given friction factors")
+    return notes
+
+
+def load_of(case: Case, plan: Roadmap, operation: str) -> Load:
+    """Weight, torque and speeds of an operation."""
+    if operation == "trip_in":
+        return Load(0.0, 0.0, -plan.trip_speed, 0.0)
+    if operation == "trip_out":
+        return Load(0.0, 0.0, plan.trip_speed, 0.0)
+    if operation == "rotate_off_bottom":
+        return Load(0.0, 0.0, 0.0, plan.rpm)
+    if operation == "backreaming":
+        back = plan.backreaming
+        return Load(0.0, back.tob, back.speed, back.rpm)
+    block = plan.drilling if operation == "drilling" else plan.sliding
+    wob = block.wob
+    if wob is None:
+        wob = case.initial.wob
+    if wob is None:
+        wob = to_si(ASSUMED_WOB[operation], "N")
+    if operation == "drilling":
+        return Load(wob, block.tob, -plan.drilling.rop, plan.rpm)
+    return Load(wob, block.tob, -1.0, 0.0)  # all friction is axial, whatever the speed
+
+
+def pairs_of(case: Case, plan: Roadmap, notes: list[str]) -> list[Pair]:
+    """Friction pairs in the order of the case."""
+    assert case.well is not None
+    own = np.array([s.friction for s in case.well.sections], dtype=float)
+    kinds = np.array([s.kind == "open_hole" for s in case.well.sections])
+    factors = plan.friction_factor
+
+    def told(friction: FloatArray, open_hole: bool) -> float:
+        return float(friction[kinds == open_hole][-1]) if (kinds == open_hole).any() else np.nan
+
+    for is_open, word in ((False, "cased"), (True, "open-hole")):
+        if len(set(own[kinds == is_open])) > 1 and (
+            factors is None or (factors.open_hole if is_open else factors.cased) is None
+        ):
+            notes.append(f"several {word} sections with friction of their own: that of the deepest is told")
+    if factors is None:
+        return [Pair(told(own * f, False), told(own * f, True), own * f, f) for f in FACTORS]
+    cased, opened = factors.cased or (None,), factors.open_hole or (None,)
+    if factors.combine == "all":
+        chosen = list(itertools.product(cased, opened))
+    else:
+        count = max(len(cased), len(opened))
+        chosen = list(
+            zip(
+                cased * count if len(cased) == 1 else cased,
+                opened * count if len(opened) == 1 else opened,
+                strict=False,
+            )
+        )
+    out = []
+    for a, b in chosen:
+        friction = np.where(kinds, own if b is None else b, own if a is None else a).astype(float)
+        out.append(Pair(told(friction, False), told(friction, True), friction))
+    for values, is_open, key in ((factors.cased, False, "cased"), (factors.open_hole, True, "open_hole")):
+        if values is not None and not (kinds == is_open).any():
+            notes.append(f"friction_factor.{key} has no effect: the well has no such section")
+    return out
+
+
+def shoes_of(case: Case) -> list[float]:
+    """Measured depths of the casing shoes [m], rising."""
+    assert case.well is not None
+    sections = case.well.sections
+    ends = [
+        s.to
+        for s, below in zip(sections, (*sections[1:], None), strict=True)
+        if s.kind == "casing" and (below is None or below.kind != "casing")
+    ]
+    return [float(to) for to in ends]
+
+
+def strings_of(case: Case, plan: Roadmap, notes: list[str]) -> list[StringRows]:
+    """The string at each bit depth, depths rising.  Depths in a list must be possible; of others some may be left out."""
+    assert case.well is not None
+    end, shoes = float(case.well.survey.md[-1]), shoes_of(case)
+    given = plan.bit_depth
+    if isinstance(given, tuple):
+        for i, depth in enumerate(given):
+            if depth > end + 1e-6:
+                raise CaseError(
+                    at=f"roadmap.bit_depth[{i}]",
+                    got=f"{depth:g} m",
+                    want=f"at most {end:g} m, the end of the hole",
+                )
+        return [rows_at(case, depth) for depth in sorted(set(given))]
+    if isinstance(given, DepthRange):
+        if given.from_ == "shoe" and not shoes:
+            raise CaseError(at="roadmap.bit_depth.from", got="shoe", want="a depth: the well has no casing")
+        first = shoes[-1] if given.from_ == "shoe" else float(given.from_)
+        last = end if given.to == "td" else float(given.to)
+        if not first < last <= end + 1e-6:
+            want = f"depths rising from 'from' to 'to', at most {end:g} m, the end of the hole"
+            raise CaseError(at="roadmap.bit_depth", got=f"{first:g} to {last:g} m", want=want)
+        if (last - first) / given.step > 2000:
+            raise CaseError(
+                at="roadmap.bit_depth.step",
+                got=f"{given.step:g} m",
+                want="a step that gives at most 2000 depths",
+            )
+        depths = [*np.arange(first, last - 1e-6, given.step), last]
+    else:
+        depths = sorted({*np.linspace(FIRST_SHARE * end, end, DEPTHS), *shoes})
+    out, left = [], []
+    problem: CaseError | None = None
+    for depth in depths:
+        try:
+            out.append(rows_at(case, float(f"{depth:.10g}")))
+        except CaseError as error:
+            problem = error
+            left.append(depth)
+    if problem is not None and not out:
+        raise problem
+    if left:
+        which = ", ".join(f"{d:.6g}" for d in left[:5]) + (", ..." if len(left) > 5 else "")
+        notes.append(f"bit depths left out: {which} m ({problem.want if problem else ''})")
+    return out

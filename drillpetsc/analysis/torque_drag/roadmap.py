@@ -1,0 +1,285 @@
+"""The `roadmap` command: hook load and torque against bit depth for operations and friction factors."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc.analysis.hydraulics.open_hole import in_units
+from drillpetsc.analysis.torque_drag.batch import Columns, Hole, soft_strings
+from drillpetsc.analysis.torque_drag.operations import (
+    MOST_ROWS,
+    Load,
+    Pair,
+    assumptions,
+    load_of,
+    pairs_of,
+    plan_of,
+    shoes_of,
+    strings_of,
+)
+from drillpetsc.analysis.torque_drag.string_rows import StringRows, gravity_of
+from drillpetsc.analysis.torque_drag.table import OK, rows_of
+from drillpetsc.analysis.transient import RunResult, make_folder
+from drillpetsc.case.blocks.roadmap import MeasuredPoint
+from drillpetsc.case.case import Case
+from drillpetsc.errors import CaseError
+from drillpetsc.geometry.well import Well
+from drillpetsc.model.hole import build_well
+from drillpetsc.output import write_summary, write_table
+from drillpetsc.output.files.run_folder import ROADMAP_FILE, ROADMAP_TABLE
+from drillpetsc.output.quantities.torque_drag import ROADMAP
+from drillpetsc.output.shown_units import shown_unit
+from drillpetsc.unit_systems import System
+
+Model = Literal["soft", "stiff"]
+
+
+def columns_of(loads: list[Load], placed: list[int], pairs: list[Pair]) -> Columns:
+    """Columns of soft strings from lists of the same length."""
+    return Columns(
+        np.array(placed, dtype=int),
+        np.array([pair.friction for pair in pairs]),
+        np.array([pair.item_factor for pair in pairs]),
+        np.array([load.wob for load in loads]),
+        np.array([load.torque for load in loads]),
+        np.array([load.axial_velocity for load in loads]),
+        np.array([load.rotation for load in loads]),
+        np.ones(len(loads)),
+    )
+
+
+def need_well(case: Case, command: str) -> Well:
+    """The hole of a case; CaseError where it has none, or touches nothing."""
+    well = build_well(case)
+    if well is None:
+        raise CaseError(at="well", want=f"a well for {command}: without a hole there is no drag")
+    return well
+
+
+def soft_rows(
+    case: Case, well: Well, strings: list[StringRows], operations: tuple[str, ...], pairs: list[Pair]
+) -> list[dict[str, Any]]:
+    """Rows of a roadmap [SI] with the soft string: by operation, pair and bit depth."""
+    plan = plan_of(case)
+    keys = [(o, p, d) for o in operations for p in range(len(pairs)) for d in range(len(strings))]
+    loads = {o: load_of(case, plan, o) for o in operations}
+    columns = columns_of(
+        [loads[o] for o, _, _ in keys], [d for _, _, d in keys], [pairs[p] for _, p, _ in keys]
+    )
+    hole = Hole(well, strings)
+    density = 0.0 if case.fluid is None else case.fluid.density
+    block = (case.rig.block_weight if case.rig is not None else None) or 0.0
+    found = rows_of(hole, columns, soft_strings(hole, columns), density, gravity_of(case, "roadmap"), block)
+    return [head_of(o, pairs[p], strings[d]) | row for (o, p, d), row in zip(keys, found, strict=True)]
+
+
+def head_of(operation: str, pair: Pair, rows: StringRows) -> dict[str, Any]:
+    """What names a row."""
+    return {
+        "bit_depth": rows.depth,
+        "operation": operation,
+        "ff_cased": pair.cased,
+        "ff_open_hole": pair.open_hole,
+    }
+
+
+def lines_of(case: Case, well: Well, strings: list[StringRows]) -> dict[str, list[float]]:
+    """Weight of the freely rotating string and weight in air [N] over the bit depth [m]."""
+    hole, count = Hole(well, strings), len(strings)
+    still = Load(0.0, 0.0, 0.0, 0.0)
+    smooth = Pair(0.0, 0.0, np.zeros(len(well.section_to)), 0.0)
+    batch = soft_strings(hole, columns_of([still] * count, list(range(count)), [smooth] * count))
+    return {
+        "bit_depth": [rows.depth for rows in strings],
+        "free_rotating_weight": [float(v) for v in batch.tension[0]],
+        "weight_in_air": [rows.air_weight for rows in strings],
+    }
+
+
+# ---------------------------------------------------------------------- command
+def run_roadmap(
+    case: Case,
+    out: str | Path | None = None,
+    overwrite: bool = False,
+    name: str = "case",
+    comm: PETSc.Comm | None = None,
+    units: System | None = None,
+    model: Model = "soft",
+    measured: tuple[MeasuredPoint, ...] | None = None,
+) -> RunResult:
+    """Compute hook load and torque over the bit depth, write roadmap.csv, roadmap.json and summary.json (collective).
+
+    model: soft string, or the static equilibrium of the beam.
+    measured: points to be plotted; None: those of the case.
+    Every rank computes the same with the soft model, the first one writes.
+    """
+    comm = comm or PETSc.COMM_WORLD
+    well = need_well(case, "roadmap")
+    gravity_of(case, "roadmap")
+    plan = plan_of(case)
+    notes: list[str] = assumptions(case, plan)
+    pairs = pairs_of(case, plan, notes)
+    strings = strings_of(case, plan, notes)
+    if len(plan.operations) * len(pairs) * len(strings) > MOST_ROWS:
+        got = f"{len(plan.operations)} operations x {len(pairs)} pairs x {len(strings)} depths"
+        raise CaseError(at="roadmap", got=got, want=f"at most {MOST_ROWS} rows")
+    if model == "stiff":
+        raise CaseError(at="--model", got="stiff", want="soft")
+    rows = soft_rows(case, well, strings, plan.operations, pairs)
+    block = None if case.rig is None else case.rig.block_weight
+    if block is not None:
+        for row in rows:
+            row["hook_load_total"] = row["hook_load"] + block
+    points = plan.measured if measured is None else measured
+    system: System = units or "metric"
+    warnings = _warnings(case, rows, system)
+    folder = make_folder(comm, name, out, False, overwrite)
+    summary = {
+        "title": case.title,
+        "units": system,
+        "model": model,
+        "rows": len(rows),
+        "rows_not_ok": sum(row["status"] != OK for row in rows),
+        "warnings": warnings,
+        "notes": notes,
+    }
+    if comm.rank == 0:
+        case.dump(folder.case)
+        quantities = [q for q in ROADMAP if q.name != "hook_load_total" or block is not None]
+        write_table(
+            folder.path / ROADMAP_TABLE,
+            [q.column for q in quantities],
+            [[row[q.name] for row in rows] for q in quantities],
+        )
+        write_summary(folder.path / ROADMAP_FILE, _inputs(case, well, strings, pairs, points, block, model))
+        write_summary(folder.summary, summary)
+    lines = [f"{case.title or 'case'}: roadmap, {model} string, {len(rows)} rows"]
+    lines += _lines(rows, pairs, plan.operations, strings[-1].depth, system, block is not None)
+    lines += [f"  WARNING: {w}" for w in warnings] + [f"  note: {in_units(n, system)}" for n in notes]
+    lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
+    return RunResult(folder.path, summary, lines)
+
+
+def _inputs(
+    case: Case,
+    well: Well,
+    strings: list[StringRows],
+    pairs: list[Pair],
+    points: tuple[MeasuredPoint, ...] | None,
+    block: float | None,
+    model: str,
+) -> dict[str, Any]:
+    """Contents of roadmap.json: everything that the rows come from, and what pictures draw beside them."""
+    plan, rig = plan_of(case), case.rig
+    loads = {}
+    for operation in plan.operations:
+        load = load_of(case, plan, operation)
+        loads[operation] = {"wob [N]": load.wob, "tob [N m]": load.torque, "rotation [rad/s]": load.rotation}
+        if operation != "sliding":
+            loads[operation]["axial_speed [m/s]"] = load.axial_velocity
+    return {
+        "model": model,
+        "operations": loads,
+        "friction_factor": [{"cased": _plain(p.cased), "open_hole": _plain(p.open_hole)} for p in pairs],
+        "casing_shoes [m]": shoes_of(case),
+        "block_weight [N]": block,
+        "max_hookload [N]": None if rig is None else rig.max_hookload,
+        "max_surface_torque [N m]": None if rig is None else rig.max_surface_torque,
+        "lines [m, N]": lines_of(case, well, strings),
+        "measured": [
+            {key: value for key, value in point.model_dump().items() if value is not None}
+            for point in points or ()
+        ],
+        "hookload_excludes_block": plan.hookload_excludes_block,
+    }
+
+
+def _plain(value: float) -> float | None:
+    return None if np.isnan(value) else value
+
+
+def _warnings(case: Case, rows: list[dict[str, Any]], system: System) -> list[str]:
+    """What passes the rig's limits, and rows that are not to be trusted, one sentence a kind."""
+    out = []
+    rig = case.rig
+    size, unit = shown_unit("bit_depth", "m", system)
+    limits = (
+        (
+            "hook_load_total" if rig is not None and rig.block_weight is not None else "hook_load",
+            "max_hookload",
+            "hook load",
+        ),
+        ("surface_torque", "max_surface_torque", "surface torque"),
+    )
+    for key, limit, words in limits:
+        largest = None if rig is None else getattr(rig, limit)
+        beyond = [] if largest is None else [row for row in rows if row[key] > largest]
+        if beyond:
+            first = min(beyond, key=lambda row: row["bit_depth"])
+            out.append(
+                f"{words} above rig.{limit} in {len(beyond)} rows, first at MD {first['bit_depth'] / size:.0f} {unit} "
+                f"({first['operation']}, {pair_text(first)})"
+            )
+    kinds: dict[tuple[str, str], list[dict[str, Any]]] = {}
+    for row in rows:
+        if row["status"] != OK:
+            kinds.setdefault((row["operation"], row["status"].split(":")[0]), []).append(row)
+    for (operation, words), some in kinds.items():
+        first = min(some, key=lambda row: row["bit_depth"])
+        out.append(
+            f"{operation}: {words} in {len(some)} rows, first at MD {first['bit_depth'] / size:.0f} {unit} ({pair_text(first)})"
+        )
+    return out
+
+
+def pair_text(row: dict[str, Any]) -> str:
+    """Friction factors of a row as text: `0.2 / 0.3`."""
+    return f"friction {_factors(row['ff_cased'], row['ff_open_hole'])}"
+
+
+def _factors(*values: float) -> str:
+    return " / ".join(f"{v:.4g}" for v in values if not np.isnan(v))
+
+
+def _lines(
+    rows: list[dict[str, Any]],
+    pairs: list[Pair],
+    operations: tuple[str, ...],
+    depth: float,
+    system: System,
+    total: bool,
+) -> list[str]:
+    """Hook load and torque at the deepest bit depth."""
+    d, depth_unit = shown_unit("bit_depth", "m", system)
+    key = "hook_load_total" if total else "hook_load"
+    f, force = shown_unit(key, "N", system)
+    m, moment = shown_unit("surface_torque", "N m", system)
+    at_end = [row for row in rows if row["bit_depth"] == depth]
+    heads = [_factors(pair.cased, pair.open_hole) for pair in pairs]
+    shown = heads[:6]
+    lines = [
+        f"  bit at MD {depth / d:.6g} {depth_unit}; friction cased / open hole:"
+        + "".join(f"{h:>14}" for h in shown)
+    ]
+    for operation in operations:
+        some = [row for row in at_end if row["operation"] == operation][: len(shown)]
+        values = "".join(f"{_cell(row[key] / f):>14}" for row in some)
+        lines.append(
+            f"  {operation:<18} {'hook load' + (' with block' if total else ''):<20} {force:<8}{values}"
+        )
+        if any(abs(row["surface_torque"]) > 0 for row in some):
+            values = "".join(f"{_cell(row['surface_torque'] / m):>14}" for row in some)
+            lines.append(f"  {'':<18} {'surface torque':<20} {moment:<8}{values}")
+        if any(row["buckling_state"] != "none" for row in some):
+            values = "".join(f"{row['buckling_state']:>14}" for row in some)
+            lines.append(f"  {'':<18} {'buckling':<28} {values}")
+    return lines
+
+
+def _cell(value: float) -> str:
+    return "-" if np.isnan(value) else f"{value:.5g}"

@@ -1,0 +1,206 @@
+"""`roadmap`: operations, bit depths and friction factors of a torque-and-drag roadmap; measured points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from drillpetsc.case.block import Block
+from drillpetsc.case.key_paths import refuse, suggestion
+from drillpetsc.case.measured_file import OPERATIONS, operation_word, read_measured
+from drillpetsc.case.quantities import Quantity, as_list
+from drillpetsc.units import to_si
+
+Operation = Literal["trip_in", "trip_out", "rotate_off_bottom", "drilling", "sliding", "backreaming"]
+ROTATION = Quantity("rad/s", at_least=0, at_most=50)  # 50 rad/s are 477 rpm: a bare 100 in SI is a mistake
+Depth = Annotated[float, Quantity("m", above=0, at_most=50e3)]
+Weight = Annotated[float, Quantity("N", at_least=0, at_most=1e7)]
+Torque = Annotated[float, Quantity("N m", at_least=0, at_most=1e6)]
+Speed = Annotated[float, Quantity("m/s", at_least=0, at_most=10, kind="trip_speed")]
+Rop = Annotated[float, Quantity("m/s", at_least=0, at_most=1, kind="rop")]
+Rotation = Annotated[float, ROTATION]
+
+
+def _operation(value: Any) -> Any:
+    word = operation_word(value) if isinstance(value, str) else None
+    if word is None:
+        hint = suggestion(value, OPERATIONS)
+        raise refuse(got=value, want=f"one of {', '.join(OPERATIONS)}", hint=hint)
+    return word
+
+
+def _factors(value: Any) -> Any:
+    value = as_list(value)
+    return value if isinstance(value, (list, tuple)) else [value]
+
+
+Factor = Annotated[float, Quantity("", at_least=0, at_most=2)]
+Factors = Annotated[
+    tuple[Factor, ...], BeforeValidator(_factors, json_schema_input_type=Factor | tuple[Factor, ...])
+]
+AnyOperation = Annotated[Operation, BeforeValidator(_operation, json_schema_input_type=str)]
+
+
+class FrictionFactors(Block):
+    """Friction factors of cased and open hole, in pairs."""
+
+    cased: Factors | None = Field(
+        default=None, description="friction factors of cased hole; the sections' own when not given"
+    )
+    open_hole: Factors | None = Field(
+        default=None, description="friction factors of open hole; the sections' own when not given"
+    )
+    combine: Literal["pairs", "all"] = Field(
+        default="pairs", description="pairs: first with first, second with second; all: every pair"
+    )
+
+    @model_validator(mode="after")
+    def _same_count(self) -> FrictionFactors:
+        if self.cased is None and self.open_hole is None:
+            raise refuse("cased", want="cased, open_hole, or both")
+        for key in ("cased", "open_hole"):
+            if getattr(self, key) == ():
+                raise refuse(key, got="an empty list", want="one friction factor or more")
+        a, b = len(self.cased or (0,)), len(self.open_hole or (0,))
+        if self.combine == "pairs" and a != b and 1 not in (a, b):
+            raise refuse(
+                "open_hole",
+                got=f"{b} values",
+                want=f"{a} values, as many as cased, or one",
+                hint="or combine: all",
+            )
+        return self
+
+
+class DepthRange(Block):
+    """Bit depths from `from` to `to` in equal steps."""
+
+    from_: Annotated[
+        Literal["shoe"] | float,
+        BeforeValidator(lambda v: _mark(v, "shoe"), json_schema_input_type=str | float),
+    ] = Field(alias="from", description="first depth [m], or shoe: the last casing shoe")
+    to: Annotated[
+        Literal["td"] | float, BeforeValidator(lambda v: _mark(v, "td"), json_schema_input_type=str | float)
+    ] = Field(default="td", description="last depth [m], or td: the end of the hole")
+    step: Depth = Field(description="distance between depths; the last one may be shorter")
+
+
+def _mark(value: Any, word: str) -> Any:
+    if value == word:
+        return value
+    return Quantity("m", above=0, at_most=50e3).read(value)
+
+
+def _depths(value: Any) -> Any:
+    value = as_list(value)
+    if isinstance(value, (Mapping, DepthRange, list, tuple)):
+        return value
+    return [value]
+
+
+def _measured(value: Any) -> Any:
+    """Points from the name of a file; other values unchanged."""
+    return [p.as_dict() for p in read_measured(value)[0]] if isinstance(value, str) else value
+
+
+class Drilling(Block):
+    """Drilling with rotation."""
+
+    unsupported_keys: ClassVar[tuple[str, ...]] = ("flow_rate",)
+
+    wob: Weight | None = Field(
+        default=None, description="weight on bit; initial.wob when not given, else 25 klbf"
+    )
+    tob: Torque = Field(default=to_si("5 kft-lbf", "N m"), description="torque of the rock on the bit")
+    rop: Rop = Field(default=to_si("60 ft/h", "m/s"), description="rate of penetration")
+
+
+class Sliding(Block):
+    """Drilling without rotation of the string."""
+
+    unsupported_keys: ClassVar[tuple[str, ...]] = ("flow_rate",)
+
+    wob: Weight | None = Field(
+        default=None, description="weight on bit; initial.wob when not given, else 15 klbf"
+    )
+    tob: Torque = Field(default=to_si("2 kft-lbf", "N m"), description="torque of the rock on the bit")
+
+
+class Backreaming(Block):
+    """Pulling out with rotation."""
+
+    unsupported_keys: ClassVar[tuple[str, ...]] = ("flow_rate",)
+
+    speed: Speed = Field(default=to_si("20 ft/min", "m/s"), description="upward speed")
+    rpm: Rotation = Field(default=to_si("80 rpm", "rad/s"), description="rotation")
+    tob: Torque = Field(default=to_si("1 kft-lbf", "N m"), description="torque of the rock on the bit")
+
+
+class MeasuredPoint(Block):
+    """One reading of the rig."""
+
+    bit_depth: Depth = Field(description="measured depth of the bit")
+    operation: AnyOperation = Field(description="what the string did")
+    hook_load: Annotated[float, Quantity("N", at_least=-1e8, at_most=1e8)] | None = Field(
+        default=None, description="hook load as read"
+    )
+    torque: Annotated[float, Quantity("N m", at_least=0, at_most=1e7)] | None = Field(
+        default=None, description="surface torque as read"
+    )
+    wob: Weight | None = Field(default=None, description="weight on bit, instead of the operation's")
+    tob: Torque | None = Field(default=None, description="torque on bit, instead of the operation's")
+    rpm: Rotation | None = Field(default=None, description="rotation, instead of the operation's")
+    speed: Speed | None = Field(default=None, description="speed of the block, instead of the operation's")
+    sigma: Annotated[float, Quantity("N", above=0, at_most=1e8)] | None = Field(
+        default=None, description="standard error of the hook load; 2 % and at least 10 kN when not given"
+    )
+
+    @model_validator(mode="after")
+    def _something_read(self) -> MeasuredPoint:
+        if self.hook_load is None and self.torque is None:
+            raise refuse("hook_load", want="a hook_load or a torque")
+        return self
+
+
+class Roadmap(Block):
+    """A torque-and-drag roadmap: what `drillpetsc roadmap` computes."""
+
+    operations: tuple[AnyOperation, ...] = Field(
+        default=("trip_in", "trip_out", "rotate_off_bottom", "drilling", "sliding", "backreaming"),
+        min_length=1,
+        description="operations, each once; slackoff, pickup and rob are accepted, too",
+    )
+    bit_depth: Annotated[
+        tuple[Depth, ...] | DepthRange | None,
+        BeforeValidator(_depths, json_schema_input_type=Depth | tuple[Depth, ...] | DepthRange),
+    ] = Field(
+        default=None,
+        description="measured depths of the bit, or {from, to, step}; 30 depths from 10 % of the hole to its end, and the casing "
+        "shoes, when not given",
+    )
+    friction_factor: FrictionFactors | None = Field(
+        default=None, description="friction factors; 0.75, 1 and 1.25 times the sections' own when not given"
+    )
+    trip_speed: Speed = Field(default=to_si("60 ft/min", "m/s"), description="speed of tripping in and out")
+    rpm: Rotation = Field(
+        default=to_si("100 rpm", "rad/s"), description="rotation off bottom and while drilling"
+    )
+    drilling: Drilling = Field(default=Drilling(), description="drilling with rotation")
+    sliding: Sliding = Field(default=Sliding(), description="drilling without rotation")
+    backreaming: Backreaming = Field(default=Backreaming(), description="pulling out with rotation")
+    measured: Annotated[
+        tuple[MeasuredPoint, ...] | None,
+        BeforeValidator(_measured, json_schema_input_type=str | tuple[MeasuredPoint, ...]),
+    ] = Field(default=None, description="measured points, or the name of a file with them: CSV, xlsx or LAS")
+    hookload_excludes_block: bool = Field(
+        default=False,
+        strict=True,
+        description="true: measured hook loads are those of the string, without the block",
+    )
+
+    @model_validator(mode="after")
+    def _each_once(self) -> Roadmap:
+        self.fill_defaults(operations=tuple(dict.fromkeys(self.operations)))
+        return self

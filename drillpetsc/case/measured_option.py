@@ -1,0 +1,42 @@
+"""`--measured FILE`: measured points of the commands `roadmap` and `calibrate`."""
+
+from __future__ import annotations
+
+from pydantic import ValidationError
+from pydantic_core import PydanticCustomError
+
+from drillpetsc.case.blocks.roadmap import MeasuredPoint
+from drillpetsc.case.case import Case
+from drillpetsc.case.measured_file import read_measured
+from drillpetsc.case.messages import case_error
+from drillpetsc.case.quantities import BARE_NUMBERS
+from drillpetsc.errors import CaseError
+
+
+def measured_option(name: str, case: Case) -> tuple[MeasuredPoint, ...]:
+    """The points of a file; columns without a unit have that of the case's units.
+
+    Raises CaseError, which names the option, or the file and its line.
+    """
+    token = BARE_NUMBERS.set(case.output.units or "SI")
+    try:
+        readings, _ = read_measured(name)
+        points = []
+        for reading in readings:
+            values = reading.as_dict()
+            try:
+                points.append(MeasuredPoint(**values))
+            except ValidationError as error:
+                found = case_error(error, values)
+                raise CaseError(at=found.at, got=found.got, want=found.want, file=name) from None
+        return tuple(points)
+    except PydanticCustomError as error:
+        context = error.context or {}
+        raise CaseError(
+            at="--measured",
+            got=context.get("got"),
+            want=str(context.get("want", "")),
+            hint=str(context.get("hint", "")),
+        ) from None
+    finally:
+        BARE_NUMBERS.reset(token)

@@ -1,0 +1,107 @@
+"""Quantities of the commands `roadmap` and `calibrate`."""
+
+from __future__ import annotations
+
+from drillpetsc.fem.quantity import Quantity
+from drillpetsc.output.quantities.history import HOOK_LOAD_TOTAL, LOWER_END
+from drillpetsc.output.quantities.hydraulics import SURGE
+from drillpetsc.output.quantities.statics import STATIC_SUMMARY
+from drillpetsc.physics.quantities import BIT
+
+_STATIC = {q.name: q for q in STATIC_SUMMARY}
+_BIT = {q.name: q for q in BIT}
+_DEPTH = next(q for q in LOWER_END if q.name == "bit_depth")
+
+
+def _row(
+    name: str, unit: str, label: str, mnemonic: str, doc: str, sign: str = "", kind: str = ""
+) -> Quantity:
+    return Quantity(name, unit, on="item", label=label, mnemonic=mnemonic, doc=doc, sign=sign, kind=kind)
+
+
+OPERATION = SURGE[0]
+FF_CASED = _row("ff_cased", "-", "Friction factor, cased", "FFCS", "Friction coefficient in cased hole.")
+FF_OPEN_HOLE = _row(
+    "ff_open_hole", "-", "Friction factor, open hole", "FFOH", "Friction coefficient in open hole."
+)
+ROADMAP: tuple[Quantity, ...] = (
+    _DEPTH,
+    OPERATION,
+    FF_CASED,
+    FF_OPEN_HOLE,
+    _STATIC["hook_load"],
+    HOOK_LOAD_TOTAL,
+    _STATIC["surface_torque"],
+    _STATIC["stretch"],
+    _STATIC["twist"],
+    _STATIC["wob"],
+    _row(
+        "min_effective_tension",
+        "N",
+        "Smallest effective tension",
+        "TMIN",
+        "Smallest effective axial force along the string.",
+        "tension",
+    ),
+    _row("md_of_min", "m", "Depth of the smallest tension", "MTMN", "Measured depth of that place."),
+    _row(
+        "neutral_point",
+        "m",
+        "Neutral point",
+        "NEUT",
+        "Measured depth of the first place from the top without effective tension; empty where the top is in compression.",
+    ),
+    _row(
+        "buckling_state",
+        "-",
+        "Buckling",
+        "BUCK",
+        "Worst state along the string: none, sinusoidal, helical or lock_up.",
+    ),
+    _row(
+        "max_side_force_per_joint",
+        "N",
+        "Largest side force per joint",
+        "SFPJ",
+        "Largest wall force over a length of a joint of the item, 31 ft where it names none.",
+        "not negative",
+    ),
+    _row(
+        "min_safety_factor",
+        "-",
+        "Smallest safety factor",
+        "SFAC",
+        "Yield strength over von Mises stress of the worn section, smallest along the items with a yield strength.",
+    ),
+    _row(
+        "overpull_margin",
+        "N",
+        "Overpull margin",
+        "OPMG",
+        "Smallest difference of 0.9 times yield strength and worn area from the tension in the wall.",
+        "pull left",
+    ),
+    _row("status", "-", "Status", "STAT", "Why the row is not to be trusted, else ok."),
+)
+MEASURED: tuple[Quantity, ...] = (
+    _DEPTH,
+    OPERATION,
+    _row("reading", "-", "Reading", "READ", "hook_load or surface_torque, which the row compares."),
+    _row("measured", "N or N m", "Measured", "MEAS", "The reading; a hook load without the block."),
+    _row("computed", "N or N m", "Computed", "COMP", "The soft string's value with the fitted factors."),
+    _row("residual", "N or N m", "Residual", "RESI", "Computed less measured."),
+    _row(
+        "sigma",
+        "N or N m",
+        "Standard error",
+        "SIGM",
+        "Standard error of the reading, with which it was weighted.",
+    ),
+    _row(
+        "ff_open_hole_alone",
+        "-",
+        "Friction factor of the point alone",
+        "FFPT",
+        "Open-hole factor at which this point alone is met, with the cased factor as fitted; empty where there is none from 0 to 1.",
+    ),
+)

@@ -1,0 +1,249 @@
+"""Pictures of the commands `roadmap` and `calibrate`, drawn from their tables."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.output.files.run_folder import ROADMAP_FILE, ROADMAP_TABLE
+from drillpetsc.output.files.tables import read_table
+from drillpetsc.plotting import style
+from drillpetsc.plotting.style import LINE_COLORS
+from drillpetsc.unit_systems import System, display_unit
+
+Table = dict[str, np.ndarray]
+
+#: operation -> words, colour; in the order of a broomstick from its left
+OPERATIONS = {
+    "trip_in": ("trip in", LINE_COLORS[0]),
+    "sliding": ("sliding", LINE_COLORS[3]),
+    "drilling": ("drilling", LINE_COLORS[2]),
+    "rotate_off_bottom": ("rotate off bottom", "0.25"),
+    "backreaming": ("backreaming", LINE_COLORS[4]),
+    "trip_out": ("trip out", LINE_COLORS[1]),
+}
+DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2, 2, 2)))
+LIMIT = "#b03060"
+BUCKLED = {"sinusoidal": "o", "helical": "s", "lock_up": "X"}
+
+
+def draw_torque_drag(folder: Path, title: str, system: System) -> dict[str, Any]:
+    """Figures by name of the tables that a run folder holds; none where it holds none of them.
+
+    system: units of the axes.
+    """
+    drawings: dict[str, Any] = {}
+    if (folder / ROADMAP_TABLE).exists() and (folder / ROADMAP_FILE).exists():
+        inputs = json.loads((folder / ROADMAP_FILE).read_text(encoding="utf-8"))
+        table = read_table(folder / ROADMAP_TABLE)
+        drawings["roadmap_hook_load"] = _hook_load(table, inputs, title, system)
+        drawings["roadmap_torque"] = _torque(table, inputs, title, system)
+    return drawings
+
+
+def _pairs(table: Table) -> list[tuple[float, float]]:
+    """Friction pairs in the order of the table."""
+    return list(
+        dict.fromkeys(
+            (float(np.nan_to_num(a, nan=-1.0)), float(np.nan_to_num(b, nan=-1.0)))
+            for a, b in zip(table["ff_cased [-]"], table["ff_open_hole [-]"], strict=True)
+        )
+    )
+
+
+def _pair_words(pair: tuple[float, float]) -> str:
+    return " / ".join(f"{value:.4g}" for value in pair if value >= 0)
+
+
+def _hook_load(table: Table, inputs: dict[str, Any], title: str, system: System) -> Any:
+    """Hook load over the bit depth: the broomstick."""
+    total = "hook_load_total [N]" in table
+    column = "hook_load_total [N]" if total else "hook_load [N]"
+    block = inputs["block_weight [N]"] or 0.0
+    words = "Hook load with block" if total else "Hook load of the string"
+    drawing, axes, size, depth = _frame(f"{title}: hook load", words, "force", system)
+    _curves(axes, table, column, size, depth)
+    lines = inputs["lines [m, N]"]
+    md = np.array(lines["bit_depth"]) / depth
+    axes.plot((np.array(lines["free_rotating_weight"]) + block) / size, md, color="0.45", linewidth=0.8)
+    axes.plot(
+        (np.array(lines["weight_in_air"]) + block) / size, md, color="0.45", linewidth=0.8, linestyle=":"
+    )
+    extra = [("0.45", "-", "free rotating weight"), ("0.45", ":", "weight in air")]
+    if inputs["max_hookload [N]"] is not None:
+        axes.axvline(inputs["max_hookload [N]"] / size, color=LIMIT, linewidth=1.4)
+        extra.append((LIMIT, "-", "rig: largest hook load"))
+    shift = block if inputs["hookload_excludes_block"] and total else 0.0
+    shift -= block if not total and not inputs["hookload_excludes_block"] else 0.0
+    _measured(axes, inputs, "hook_load", size, depth, shift)
+    if np.nanmin(table[column]) < 0:
+        axes.axvline(0.0, color="0.35", linewidth=0.8)
+    return _finish(drawing, axes, table, inputs, extra, depth)
+
+
+def _torque(table: Table, inputs: dict[str, Any], title: str, system: System) -> Any:
+    """Surface torque over the bit depth, of the operations that have one."""
+    column = "surface_torque [N m]"
+    if not np.nanmax(np.abs(table[column]), initial=0.0) > 0:
+        return None
+    drawing, axes, size, depth = _frame(f"{title}: surface torque", "Surface torque", "torque", system)
+    turning = [
+        o
+        for o in OPERATIONS
+        if np.nanmax(np.abs(table[column][table["operation [-]"] == o]), initial=0.0) > 0
+    ]
+    kept = np.isin(table["operation [-]"], turning)
+    some = {name: values[kept] for name, values in table.items()}
+    _curves(axes, some, column, size, depth)
+    extra = []
+    if inputs["max_surface_torque [N m]"] is not None:
+        axes.axvline(inputs["max_surface_torque [N m]"] / size, color=LIMIT, linewidth=1.4)
+        extra.append((LIMIT, "-", "rig: largest torque"))
+    _measured(axes, inputs, "torque", size, depth, 0.0)
+    axes.set_xlim(left=0)
+    return _finish(drawing, axes, some, inputs, extra, depth)
+
+
+def _frame(heading: str, words: str, kind: str, system: System) -> tuple[Any, Any, float, float]:
+    """(drawing, axes, size of the load's unit [SI], size of the depth's unit [m])."""
+    drawing = style.figure(9.5, 8.0, dpi=110)
+    top = style.heading(drawing, heading)
+    axes = drawing.subplots()
+    size, _, unit = display_unit(kind, system, plot=True)
+    if system == "SI":
+        size, unit = 1e3, f"k{unit}"
+    depth, _, depth_unit = display_unit("length", system)
+    axes.set(xlabel=f"{words} [{unit}]", ylabel=f"Bit depth (MD) [{depth_unit}]")
+    drawing.subplots_adjust(left=0.095, right=0.74, bottom=0.07, top=top - 0.02)
+    return drawing, axes, size, depth
+
+
+def _curves(axes: Any, table: Table, column: str, size: float, depth: float) -> None:
+    """A line for each operation and friction pair, marked where the string is buckled."""
+    for (cased, opened), dash in zip(_pairs(table), DASHES * 20, strict=False):
+        here = (np.nan_to_num(table["ff_cased [-]"], nan=-1.0) == cased) & (
+            np.nan_to_num(table["ff_open_hole [-]"], nan=-1.0) == opened
+        )
+        for operation, (_, color) in OPERATIONS.items():
+            part = here & (table["operation [-]"] == operation)
+            if not part.any():
+                continue
+            order = np.argsort(table["bit_depth [m]"][part])
+            x, y = table[column][part][order] / size, table["bit_depth [m]"][part][order] / depth
+            state = table["buckling_state [-]"][part][order]
+            x = _without_locked(x, state == "lock_up")
+            free = state != "lock_up"  # a string that is locked up has no hook load that means anything
+            axes.plot(
+                x[free],
+                y[free],
+                color=color,
+                linestyle=dash,
+                linewidth=1.4,
+                marker="." if free.sum() == 1 else None,
+            )
+            for word, marker in BUCKLED.items():
+                at = state == word
+                if at.any():
+                    axes.plot(
+                        x[at], y[at], marker, color=color, markersize=4.5, fillstyle="none", linestyle=""
+                    )
+
+
+def _without_locked(x: np.ndarray, locked: np.ndarray) -> np.ndarray:
+    """Loads (n,), where the string is locked up that of the nearest depth above at which it is not."""
+    out = x.copy()
+    for i in np.flatnonzero(locked):
+        above = np.flatnonzero(~locked[:i])
+        out[i] = x[above[-1]] if len(above) else np.nan
+    return out
+
+
+def _measured(axes: Any, inputs: dict[str, Any], key: str, size: float, depth: float, shift: float) -> None:
+    """Measured points in the colour of their operation."""
+    for point in inputs["measured"]:
+        if point.get(key) is not None:
+            color = OPERATIONS[point["operation"]][1]
+            axes.plot(
+                (point[key] + shift) / size,
+                point["bit_depth"] / depth,
+                "D",
+                color=color,
+                markeredgecolor="black",
+                markeredgewidth=0.7,
+                markersize=6,
+                zorder=5,
+            )
+
+
+def _finish(
+    drawing: Any,
+    axes: Any,
+    table: Table,
+    inputs: dict[str, Any],
+    extra: list[tuple[str, Any, str]],
+    depth: float,
+) -> Any:
+    """Casing shoes, depth downwards, and a legend of colours, dashes and marks."""
+    from matplotlib.lines import Line2D
+
+    deepest = float(np.max(table["bit_depth [m]"])) / depth
+    for shoe in inputs["casing_shoes [m]"]:
+        if shoe / depth <= 1.02 * deepest:
+            axes.axhline(shoe / depth, color=style.WALL, linewidth=0.9, linestyle=(0, (2, 2)))
+            axes.annotate(
+                "shoe",
+                (1.0, shoe / depth),
+                xycoords=("axes fraction", "data"),
+                fontsize=7.5,
+                color=style.WALL,
+                ha="right",
+                va="bottom",
+            )
+    axes.set_ylim(1.02 * deepest, 0)
+    handles = [
+        Line2D([], [], color=color, linewidth=1.8, label=words)
+        for operation, (words, color) in OPERATIONS.items()
+        if (table["operation [-]"] == operation).any()
+    ]
+    pairs = _pairs(table)
+    handles.append(Line2D([], [], linestyle="", label="\nfriction, cased / open hole"))
+    handles += [
+        Line2D([], [], color="0.3", linestyle=dash, label=_pair_words(pair))
+        for pair, dash in zip(pairs, DASHES * 20, strict=False)
+    ][:12]
+    handles.append(Line2D([], [], linestyle="", label=""))
+    handles += [
+        Line2D([], [], color=c, linestyle=dash, linewidth=1.0, label=words) for c, dash, words in extra
+    ]
+    if any(shoe / depth <= 1.02 * deepest for shoe in inputs["casing_shoes [m]"]):
+        handles.append(
+            Line2D([], [], color=style.WALL, linestyle=(0, (2, 2)), linewidth=0.9, label="casing shoe")
+        )
+    for word, marker in BUCKLED.items():
+        if (table["buckling_state [-]"] == word).any():
+            text = {
+                "sinusoidal": "buckled, sinusoidal",
+                "helical": "buckled, helical",
+                "lock_up": "locked up",
+            }[word]
+            handles.append(
+                Line2D(
+                    [],
+                    [],
+                    color="0.3",
+                    linestyle="",
+                    marker=marker,
+                    fillstyle="none",
+                    markersize=5,
+                    label=text,
+                )
+            )
+    if inputs["measured"]:
+        handles.append(
+            Line2D([], [], color="white", markeredgecolor="black", linestyle="", marker="D", label="measured")
+        )
+    axes.legend(handles=handles, frameon=False, fontsize=8.5, loc="upper left", bbox_to_anchor=(1.01, 1.0))
+    return drawing
