@@ -360,6 +360,32 @@ def _surge_arguments(command: argparse.ArgumentParser) -> None:
     _units_argument(command)
 
 
+def _limits_arguments(command: argparse.ArgumentParser) -> None:
+    _case_argument(command)
+    command.add_argument(
+        "--operation",
+        metavar="WORD",
+        help="trip_in, trip_out, rotate_off_bottom, drilling, sliding, backreaming; or slackoff, pickup, rob "
+        "(default: the case as it is, moving as its top prescribes)",
+    )
+    command.add_argument(
+        "--helical", choices=("chen", "wu"), default="chen", help="law of the helical limit (default: chen)"
+    )
+    command.add_argument(
+        "--design-factor",
+        type=float,
+        default=1.25,
+        help="least yield strength over von Mises stress, below which a warning is given (default: 1.25)",
+    )
+    command.add_argument(
+        "--tension-fraction",
+        type=float,
+        default=0.9,
+        help="share of the pull at yield that tension_limit allows (default: 0.9)",
+    )
+    _units_argument(command)
+
+
 def _modes_arguments(command: argparse.ArgumentParser) -> None:
     _case_argument(command)
     command.add_argument(
@@ -622,6 +648,27 @@ def _surge(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     return _draw_on_first_rank(result.folder)
 
 
+def _limits(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case import load_case
+
+    case = load_case(arguments.case)
+    start_job(petsc_options)
+    _warn(case)
+    from drillpetsc.analysis.limits.limits import run_limits
+    from drillpetsc.analysis.limits.table import Choices
+
+    choices = Choices(
+        helical=arguments.helical,
+        design_factor=arguments.design_factor,
+        tension_fraction=arguments.tension_fraction,
+    )
+    name, units = Path(arguments.case).stem, arguments.units or case.output.units
+    out, overwrite = arguments.out, arguments.overwrite
+    result = run_limits(case, arguments.operation, choices, out, overwrite, name, units=units)
+    _print(result.lines)
+    return _draw_on_first_rank(result.folder)
+
+
 def _draw_on_first_rank(folder: Path) -> int:
     """Draw the pictures of a run folder, on one rank."""
     if world_rank() != 0:
@@ -820,6 +867,13 @@ COMMANDS = (
         "pressures of running in and pulling out, and the largest trip speed within the window of the open hole",
         _surge_arguments,
         _surge,
+        parents=(_output_folder(),),
+    ),
+    Command(
+        "limits",
+        "stresses, safety factors, buckling and fatigue limits along the string, margin of overpull, largest weight on bit",
+        _limits_arguments,
+        _limits,
         parents=(_output_folder(),),
     ),
     Command(

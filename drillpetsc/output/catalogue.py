@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import conditions as where
 from drillpetsc.output import quantities as measured
-from drillpetsc.output.quantities import hydraulics
+from drillpetsc.output.quantities import hydraulics, limits
 from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.physics import quantities as physics
 
@@ -106,6 +106,8 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         "summary.json of hydraulics": _listed(hydraulics.HYDRAULICS_SUMMARY),
         "surge.csv": _listed(hydraulics.SURGE),
         "max_trip_speed.csv": _listed(hydraulics.MAX_TRIP_SPEED),
+        "limits.csv": _listed(limits.LIMITS),
+        "contacts.csv": _listed(limits.CONTACTS),
     }
 
 

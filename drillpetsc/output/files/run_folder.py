@@ -29,6 +29,9 @@ HYDRAULICS_TABLES = (
     READINGS_TABLE,
     FITS_TABLE,
 )
+LIMITS_TABLE = "limits.csv"  # stresses, strength and buckling along the string
+CONTACTS_TABLE = "contacts.csv"  # what the wall does to each item
+LIMITS_TABLES = (LIMITS_TABLE, CONTACTS_TABLE)
 SWEEP_PICTURES = (
     "trajectory.png",
     "inclination.png",
@@ -190,7 +193,7 @@ class RunFolder:
             self.summary,
             self.checkpoint,
             self.case,
-            *(self.path / table for table in HYDRAULICS_TABLES),
+            *(self.path / table for table in (*HYDRAULICS_TABLES, *LIMITS_TABLES)),
         ):
             file.unlink(missing_ok=True)
         for frame in self.string_frames.glob("*.vtu"):
