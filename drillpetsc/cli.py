@@ -386,6 +386,23 @@ def _limits_arguments(command: argparse.ArgumentParser) -> None:
     _units_argument(command)
 
 
+def _freepoint_arguments(command: argparse.ArgumentParser) -> None:
+    _case_argument(command)
+    command.add_argument(
+        "--stretch",
+        metavar="E1,E2",
+        required=True,
+        help="stretch at the surface under each pull, such as '24 in' or '10,24 in'",
+    )
+    command.add_argument(
+        "--pull",
+        metavar="F1,F2",
+        required=True,
+        help="pulls beyond the weight of the free string, such as '30 klb' or '12,30 klb'",
+    )
+    _units_argument(command)
+
+
 def _modes_arguments(command: argparse.ArgumentParser) -> None:
     _case_argument(command)
     command.add_argument(
@@ -669,6 +686,17 @@ def _limits(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     return _draw_on_first_rank(result.folder)
 
 
+def _freepoint(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case import load_case
+    from drillpetsc.case.free_point_options import read_pairs
+
+    case, pairs = load_case(arguments.case), read_pairs(arguments.stretch, arguments.pull)
+    from drillpetsc.analysis.limits.free_point import free_point_lines
+
+    _print(free_point_lines(case, pairs, arguments.units or case.output.units or "metric"))
+    return 0
+
+
 def _draw_on_first_rank(folder: Path) -> int:
     """Draw the pictures of a run folder, on one rank."""
     if world_rank() != 0:
@@ -875,6 +903,13 @@ COMMANDS = (
         _limits_arguments,
         _limits,
         parents=(_output_folder(),),
+    ),
+    Command(
+        "freepoint",
+        "how much of a stuck string is free, from its stretch under a pull",
+        _freepoint_arguments,
+        _freepoint,
+        takes_petsc_options=False,
     ),
     Command(
         "modes",

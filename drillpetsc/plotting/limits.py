@@ -82,7 +82,7 @@ def _limits(table: Table, title: str, summary: dict[str, Any], system: System) -
         (strong, "yield", LIMIT, DASH),
         (strong / factor, f"yield / {factor:g}", LIMIT, (0, (1, 1.5))),
     )
-    compression = np.where(force < 0, -force, 0.0)
+    compression = np.maximum(-force, 0.0)  # nan where it is not known
     helical = table["helical_limit [N]"]
     panel(
         grid[1, 0],
@@ -95,7 +95,7 @@ def _limits(table: Table, title: str, summary: dict[str, Any], system: System) -
     known = helical[np.isfinite(helical)]
     if len(known):  # limits in a tight curve are far away
         size = display_unit("force", system, plot=True)[0]
-        most = max(1.2 * float(compression.max(initial=0.0)), 2.0 * float(np.median(known)))
+        most = max(1.2 * float(np.nanmax(compression, initial=0.0)), 2.0 * float(np.median(known)))
         grid[1, 0].set_xlim(0.0, most / size)
     panel(
         grid[1, 1],
@@ -113,9 +113,26 @@ def _limits(table: Table, title: str, summary: dict[str, Any], system: System) -
     )
     for axes in grid[:, 0]:
         axes.set_ylabel(f"Measured depth [{unit}]")
-    grid[0, 0].set_ylim(float(depth.max()), float(depth.min()))
+    grid[0, 0].set_ylim(float(depth.max()), min(0.0, float(depth.min())))
+    _cap(grid[0, 0], table["tension_limit [N]"], table["axial_force [N]"], depth, "force", system)
+    _cap(grid[0, 1], table["torque_limit [N m]"], table["torque [N m]"], depth, "torque", system)
     drawing.tight_layout(rect=(0, 0, 1, top))
     return drawing
+
+
+def _cap(
+    axes: Any, limit: np.ndarray, load: np.ndarray, depth: np.ndarray, kind: str, system: System
+) -> None:
+    """End an axis at 1.5 times the limit of most of the string: that of a short collar is far beyond."""
+    known = np.isfinite(limit)
+    if not known.any():
+        return
+    order = np.argsort(limit[known])
+    share = np.cumsum(np.gradient(depth)[known][order])
+    usual = limit[known][order][np.searchsorted(share, 0.5 * share[-1])]
+    most = max(1.5 * float(usual), 1.1 * float(np.nanmax(load)))
+    if most < float(limit[known].max()):
+        axes.set_xlim(right=most / display_unit(kind, system, plot=True)[0])
 
 
 def _limit_of_joints(table: Table, choices: dict[str, Any]) -> np.ndarray:

@@ -47,15 +47,19 @@ def contact_rows(
         row = _row(body.name, body.kind, float(mesh.node_depth[body.node]) + middle + shift)
         axis = tangent[body.node]
         foot = well.project((nodes[body.node] + middle * axis)[None])
-        along, offset = foot.tangent[0], foot.offset[0]
+        along = foot.tangent[0]
         row["tilt"] = float(np.arcsin(np.clip(np.linalg.norm(np.cross(axis, along)), 0.0, 1.0)))
         row["tilt_direction"] = _clock(axis - along * (axis @ along), along, 1e-9)
         if body.radius > 0:
             normal, axial, torque = on_bodies[k]
             row |= {"side_force": normal, "axial_drag": axial, "contact_torque": torque}
-            row["gap"] = float(foot.radius[0]) - body.radius - float(np.linalg.norm(offset))
+            places = body.contact_above + np.linspace(0.0, body.contact_length, 3)
+            ends = well.project(nodes[body.node] + places[:, None] * axis)
+            gaps = ends.radius - body.radius - np.linalg.norm(ends.offset, axis=1)
+            nearest = int(np.argmin(gaps))
+            row["gap"] = float(gaps[nearest])
             if normal > noise:
-                row["direction"] = _clock(-offset, along, 0.0)
+                row["direction"] = _clock(-ends.offset[nearest], ends.tangent[nearest], 0.0)
         rows.append(row)
     return sorted(rows, key=lambda row: row["md"])
 
@@ -81,7 +85,7 @@ def item_forces(model: DrillingModel) -> tuple[FloatArray, FloatArray] | None:
 
 def _row(name: str, kind: str, md: float) -> dict[str, Any]:
     absent = ("side_force", "direction", "gap", "axial_drag", "contact_torque", "tilt", "tilt_direction")
-    return {"item": name, "kind": kind, "md": md} | dict.fromkeys(absent, np.nan)
+    return {"item": name, "item_kind": kind, "md": md} | dict.fromkeys(absent, np.nan)
 
 
 def _clock(vector: FloatArray, along: FloatArray, least: float) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -85,7 +85,11 @@ class Strength:
 def element_values(
     model: DrillingModel, state: State, hole: Surroundings, pipe: Strength, choices: Choices
 ) -> dict[str, FloatArray]:
-    """Columns of numbers of limits.csv, (n, 2) at both ends of each element."""
+    """Columns of numbers of limits.csv, (n, 2) at both ends of each element.
+
+    Forces that two elements of one item have at their node are the mean of both.
+    """
+    state = _smoothed(model, state)
     outer, inner, strong = pipe.outer[:, None], pipe.inner[:, None], pipe.yield_strength[:, None]
     stiffness = np.where(hole.stiffness > 0, hole.stiffness, np.nan)[:, None]
     gathered = 1 / fatigue.tension_factor(
@@ -128,6 +132,18 @@ def element_values(
             "fatigue_dls": dogleg,
             "fatigue_ratio": state.dls / dogleg,
         }
+
+
+def _smoothed(model: DrillingModel, state: State) -> State:
+    """The state with means where elements of one item meet, so that stresses and limits of a row belong together."""
+    out: dict[str, FloatArray] = {}
+    for name in ("axial", "effective", "torque", "moment", "dls", "side_force"):
+        values = getattr(state, name).copy()
+        for run in _runs(model):
+            middle = 0.5 * (values[run[1:], 0] + values[run[:-1], 1])
+            values[run[1:], 0], values[run[:-1], 1] = middle, middle
+        out[name] = values
+    return replace(state, **out)
 
 
 def rows(model: DrillingModel, values: dict[str, FloatArray]) -> dict[str, Any]:

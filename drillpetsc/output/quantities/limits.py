@@ -11,6 +11,7 @@ from drillpetsc.output.quantities.along_string import (
     MD,
     TORQUE,
 )
+from drillpetsc.output.quantities.hydraulics import LOSS_ROWS
 from drillpetsc.output.quantities.mud import MUD_FIELDS
 from drillpetsc.output.quantities.statics import CURVATURE
 from drillpetsc.output.quantities.trajectory import TRAJECTORY
@@ -31,7 +32,7 @@ def _item(name: str, unit: str, label: str, mnemonic: str, doc: str, sign: str =
     return Quantity(name, unit, on="item", label=label, mnemonic=mnemonic, doc=doc, sign=sign)
 
 
-ITEM = _item("item", "-", "Item", "ITEM", "Item of the string.")
+ITEM = next(q for q in LOSS_ROWS if q.name == "item")
 _WHERE_KNOWN = "nan without a yield strength."
 LIMITS: tuple[Quantity, ...] = (
     MD,
@@ -137,7 +138,7 @@ LIMITS: tuple[Quantity, ...] = (
         "-",
         "Buckling state",
         "BKST",
-        "none, sinusoidal or helical by the limits; - where there is no limit and the string is in compression.",
+        "By the limits: none, sinusoidal or helical; - where there is no limit and the string is in compression.",
         "",
     ),
     _CONTACT_FORCE,
@@ -160,15 +161,10 @@ LIMITS: tuple[Quantity, ...] = (
 
 CONTACTS: tuple[Quantity, ...] = (
     ITEM,
-    _item("kind", "-", "Kind", "KIND", "Kind of the item."),
+    _item("item_kind", "-", "Kind of item", "IKND", "Kind of the item."),
     MD,
     _item(
-        "side_force",
-        "N",
-        "Side force",
-        "SFRC",
-        "Push of the wall on the whole item.",
-        "push of the wall on the string",
+        "side_force", "N", "Side force", "SFRC", "Push of the wall on the whole item.", "push of the wall on the string"
     ),
     _item(
         "direction",
@@ -183,20 +179,12 @@ CONTACTS: tuple[Quantity, ...] = (
         "m",
         "Gap",
         "GAPW",
-        "Least distance of a rigid item's middle from the wall.",
+        "Least distance of a rigid item from the wall, at its middle and both ends.",
         "negative where the item presses into the wall",
     ),
     _item("axial_drag", "N", "Axial drag", "DRAG", "Force of the wall along the hole.", "down the hole"),
-    _item(
-        "contact_torque", "N m", "Torque of the wall", "CTRQ", "Torque of friction on the item.", "clockwise"
-    ),
-    _item(
-        "tilt",
-        "rad",
-        "Tilt",
-        "TILT",
-        "Angle of a rigid item's axis (of the bit: bit tilt) to that of the hole.",
-    ),
+    _item("contact_torque", "N m", "Torque of the wall", "CTRQ", "Torque of friction on the item.", "clockwise"),
+    _item("tilt", "rad", "Tilt", "TILT", "Angle of a rigid item's axis (of the bit: bit tilt) to that of the hole.", "not negative"),
     _item(
         "tilt_direction",
         "rad",
