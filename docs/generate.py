@@ -565,12 +565,15 @@ OUTPUT_TABLES = {
     "outputs/surge.md": ("surge.csv", "column"),
     "outputs/max-trip-speed.md": ("max_trip_speed.csv", "column"),
     "outputs/roadmap.md": ("roadmap.csv", "column"),
+    "outputs/limits.md": ("limits.csv", "column"),
+    "outputs/contacts.md": ("contacts.csv", "column"),
     "outputs/summary-run.md": ("summary.json of run", "key"),
     "outputs/summary-statics.md": ("summary.json of statics", "key"),
     "outputs/summary-modes.md": ("summary.json of modes", "key"),
     "outputs/summary-hydraulics.md": ("summary.json of hydraulics", "key"),
     "outputs/summary-surge.md": ("summary.json of surge", "key"),
     "outputs/summary-roadmap.md": ("summary.json of roadmap", "key"),
+    "outputs/summary-limits.md": ("summary.json of limits", "key"),
 }
 
 

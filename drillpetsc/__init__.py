@@ -1,7 +1,8 @@
 """drillpetsc: drillstring dynamics on PETSc.
 
 The public face is that of `drillpetsc.api`: `Case` describes what is simulated (the keys of a case file),
-`load_case` reads one, `run`, `sweep`, `statics`, `hydraulics`, `surge`, `roadmap`, `modes` and `study` are the commands.
+`load_case` reads one, `run`, `sweep`, `statics`, `hydraulics`, `surge`, `roadmap`, `limits`, `freepoint`, `modes` and
+`study` are the commands.
 Importing the package starts no MPI and imports nothing else of it.
 """
 
@@ -12,7 +13,9 @@ if TYPE_CHECKING:
     from drillpetsc.api import (
         Case,
         catalogue,
+        freepoint,
         hydraulics,
+        limits,
         load_case,
         modes,
         roadmap,
@@ -28,7 +31,9 @@ from drillpetsc.version import __version__ as __version__
 __all__ = [
     "Case",
     "catalogue",
+    "freepoint",
     "hydraulics",
+    "limits",
     "load_case",
     "modes",
     "run",

@@ -28,13 +28,15 @@ if TYPE_CHECKING:
 __all__ = [
     "Case",
     "catalogue",
+    "freepoint",
     "hydraulics",
+    "limits",
     "load_case",
     "modes",
+    "roadmap",
     "run",
     "statics",
     "study",
-    "roadmap",
     "surge",
     "sweep",
 ]
@@ -205,6 +207,62 @@ def roadmap(
     from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
 
     return run_roadmap(case, out, overwrite, name, comm, units, model, points)
+
+
+def limits(
+    case: Case | str | Path,
+    out: str | Path | None = None,
+    *,
+    operation: str | None = None,
+    helical: Literal["chen", "wu"] = "chen",
+    design_factor: float = 1.25,
+    tension_fraction: float = 0.9,
+    units: Any = None,
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+) -> RunResult:
+    """Solve for the static equilibrium in an operation and write limits.csv and contacts.csv (collective).
+
+    case: a Case, or the path of a case file
+    out: run folder; by default results/<case>-NNN
+    operation: trip_in, trip_out, rotate_off_bottom, drilling, sliding, backreaming; by default the case as it is
+    helical: law of the helical limit
+    design_factor: least yield strength over von Mises stress, below which a warning is given
+    tension_fraction: share of the pull at yield that tension_limit allows
+    units: field, metric or SI, of `lines` of the result and of plots; by default metric
+    overwrite: True to replace the results in an existing folder
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+    """
+    case, name = _loaded(case, name)
+    initialise_petsc()
+    from drillpetsc.analysis.limits.limits import run_limits
+    from drillpetsc.analysis.limits.table import Choices
+
+    choices = Choices(helical=helical, design_factor=design_factor, tension_fraction=tension_fraction)
+    return run_limits(case, operation, choices, out, overwrite, name, comm, units)
+
+
+def freepoint(
+    case: Case | str | Path,
+    *,
+    stretch: str | float | Sequence[str | float],
+    pull: str | float | Sequence[str | float],
+) -> dict[str, Any]:
+    """Find how much of a stuck string is free, from its stretch under pulls.
+
+    case: a Case, or the path of a case file
+    stretch: of the string at the surface, as text ("10,24 in") or in m
+    pull: beyond the weight of the free string, one for each stretch, as text ("12,30 klb") or in N
+    Returns `pairs`, a FreePoint for each pair, and `slope`, that of the line through them (None for one pull).
+    """
+    from drillpetsc.case.free_point_options import read_pairs
+
+    pairs = read_pairs(stretch, pull)
+    from drillpetsc.analysis.limits.free_point import free_points
+
+    return free_points(_loaded(case, None)[0], pairs)
 
 
 def modes(

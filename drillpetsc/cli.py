@@ -360,6 +360,49 @@ def _surge_arguments(command: argparse.ArgumentParser) -> None:
     _units_argument(command)
 
 
+def _limits_arguments(command: argparse.ArgumentParser) -> None:
+    _case_argument(command)
+    command.add_argument(
+        "--operation",
+        metavar="WORD",
+        help="trip_in, trip_out, rotate_off_bottom, drilling, sliding, backreaming; or slackoff, pickup, rob "
+        "(default: the case as it is, moving as its top prescribes)",
+    )
+    command.add_argument(
+        "--helical", choices=("chen", "wu"), default="chen", help="law of the helical limit (default: chen)"
+    )
+    command.add_argument(
+        "--design-factor",
+        type=float,
+        default=1.25,
+        help="least yield strength over von Mises stress, below which a warning is given (default: 1.25)",
+    )
+    command.add_argument(
+        "--tension-fraction",
+        type=float,
+        default=0.9,
+        help="share of the pull at yield that tension_limit allows (default: 0.9)",
+    )
+    _units_argument(command)
+
+
+def _freepoint_arguments(command: argparse.ArgumentParser) -> None:
+    _case_argument(command)
+    command.add_argument(
+        "--stretch",
+        metavar="E1,E2",
+        required=True,
+        help="stretch at the surface under each pull, such as '24 in' or '10,24 in'",
+    )
+    command.add_argument(
+        "--pull",
+        metavar="F1,F2",
+        required=True,
+        help="pulls beyond the weight of the free string, such as '30 klb' or '12,30 klb'",
+    )
+    _units_argument(command)
+
+
 def _roadmap_arguments(command: argparse.ArgumentParser) -> None:
     _case_argument(command)
     command.add_argument(
@@ -636,6 +679,38 @@ def _surge(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     return _draw_on_first_rank(result.folder)
 
 
+def _limits(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case import load_case
+
+    case = load_case(arguments.case)
+    start_job(petsc_options)
+    _warn(case)
+    from drillpetsc.analysis.limits.limits import run_limits
+    from drillpetsc.analysis.limits.table import Choices
+
+    choices = Choices(
+        helical=arguments.helical,
+        design_factor=arguments.design_factor,
+        tension_fraction=arguments.tension_fraction,
+    )
+    name, units = Path(arguments.case).stem, arguments.units or case.output.units
+    out, overwrite = arguments.out, arguments.overwrite
+    result = run_limits(case, arguments.operation, choices, out, overwrite, name, units=units)
+    _print(result.lines)
+    return _draw_on_first_rank(result.folder)
+
+
+def _freepoint(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case import load_case
+    from drillpetsc.case.free_point_options import read_pairs
+
+    case, pairs = load_case(arguments.case), read_pairs(arguments.stretch, arguments.pull)
+    from drillpetsc.analysis.limits.free_point import free_point_lines
+
+    _print(free_point_lines(case, pairs, arguments.units or case.output.units or "metric"))
+    return 0
+
+
 def _roadmap(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.case import load_case
     from drillpetsc.case.measured_option import measured_option
@@ -866,6 +941,20 @@ COMMANDS = (
         _roadmap_arguments,
         _roadmap,
         parents=(_output_folder(),),
+    ),
+    Command(
+        "limits",
+        "stresses, safety factors, buckling and fatigue limits along the string, margin of overpull, largest weight on bit",
+        _limits_arguments,
+        _limits,
+        parents=(_output_folder(),),
+    ),
+    Command(
+        "freepoint",
+        "how much of a stuck string is free, from its stretch under a pull",
+        _freepoint_arguments,
+        _freepoint,
+        takes_petsc_options=False,
     ),
     Command(
         "modes",

@@ -14,10 +14,13 @@ from drillpetsc.case.blocks.ends import ForcedBottom
 from drillpetsc.model.drilling_model import DrillingModel
 
 
-def soft_string(model: DrillingModel, motion: tuple[float, float]) -> TorqueDrag | None:
+def soft_string(
+    model: DrillingModel, motion: tuple[float, float], wob: float | None = None
+) -> TorqueDrag | None:
     """Compute torque and drag of the soft string with friction against ``motion``, to be reported.
 
     motion: axial velocity [m/s, down positive] and rotation [rad/s].
+    wob: weight on bit instead of that of the case [N]; negative: a pull at the bit.
     Returns None without contact, or where gravity is not vertical.
     """
     mesh, well, case = model.mesh, model.well, model.case
@@ -27,7 +30,8 @@ def soft_string(model: DrillingModel, motion: tuple[float, float]) -> TorqueDrag
     g = float(np.linalg.norm(gravity))
     if gravity[0] or gravity[1] or gravity[2] < 0:
         return None
-    depth, wob = mesh.node_depth + top_depth(model), case.initial.wob or 0.0
+    depth = mesh.node_depth + top_depth(model)
+    wob = (case.initial.wob or 0.0) if wob is None else wob
     weight = model.effective_mass * g
     for b in mesh.bodies:
         if b.node < mesh.nodes - 1:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import conditions as where
 from drillpetsc.output import quantities as measured
-from drillpetsc.output.quantities import hydraulics, torque_drag
+from drillpetsc.output.quantities import hydraulics, limits, torque_drag
 from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.physics import quantities as physics
 
@@ -107,6 +107,8 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         "surge.csv": _listed(hydraulics.SURGE),
         "max_trip_speed.csv": _listed(hydraulics.MAX_TRIP_SPEED),
         "roadmap.csv": _listed(torque_drag.ROADMAP, hook_load_total=where.BLOCK),
+        "limits.csv": _listed(limits.LIMITS),
+        "contacts.csv": _listed(limits.CONTACTS),
     }
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from drillpetsc.output.conditions import CONTACT, CUTTINGS, DRILLS, INERTIA, MUD, STRING
+from drillpetsc.output.conditions import BLOCK, CONTACT, CUTTINGS, DRILLS, INERTIA, MUD, STRING
 
 
 @dataclass(frozen=True)
@@ -321,6 +321,62 @@ ROADMAP: tuple[SummaryKey, ...] = (
     SummaryKey("notes", "", "What the case did not give and was assumed, and what the results leave out."),
 )
 
+LIMITS: tuple[SummaryKey, ...] = (
+    SummaryKey("title", "", "Title of the case."),
+    SummaryKey("operation", "", "Operation of the string, or 'as the case'."),
+    SummaryKey("motion", "", "Motion that friction opposes: lowering [m/s], rotation [rad/s]."),
+    SummaryKey("hook_load", "N", "Hook load of the string."),
+    SummaryKey("hook_load_total", "N", "Hook load with the block.", BLOCK),
+    SummaryKey("surface_torque", "N m", "Torque at the top."),
+    SummaryKey("wob", "N", "Weight on bit."),
+    SummaryKey("bit_torque", "N m", "Torque of the bit."),
+    SummaryKey("stable", "", "True if the state is stable."),
+    SummaryKey(
+        "choices",
+        "",
+        "Law of the helical limit, design factors, share of the pull at yield, largest side force on a tool joint [N].",
+    ),
+    SummaryKey("units", "", "Units of printed and plotted figures; files are in SI."),
+    SummaryKey(
+        "neutral_point",
+        "",
+        "Where effective tension (effective) and axial force (true) change to compression: md [m], above_bit [m]; or null.",
+    ),
+    SummaryKey(
+        "weakest",
+        "",
+        "For safety factor, ratios of tension, torque and dogleg, side force on tool joints: worst value, md [m], item; or null.",
+    ),
+    SummaryKey("contacts", "", "List: the rows of contacts.csv by name."),
+    SummaryKey("rig", "", "Limits of the rig; null without them."),
+    SummaryKey(
+        "margin_of_overpull",
+        "",
+        "Least tension limit less tension at pick-up: margin [N], ratio, md [m], item, hook_load [N]; null where unknown.",
+    ),
+    SummaryKey(
+        "max_overpull_at_bit",
+        "",
+        "Pull at the lower end that reaches a tension limit, with friction: pull [N], md [m], item; null where unknown.",
+    ),
+    SummaryKey(
+        "max_wob",
+        "",
+        "For drilling and sliding: largest weight before the string passes the sinusoidal and the helical limit: wob [N] "
+        "(null: no limit found), md [m], item; null without a soft string.",
+    ),
+    SummaryKey(
+        "max_slackoff", "N", "Fall of the hook load from the free string to the helical limit when sliding."
+    ),
+    SummaryKey(
+        "buckling", "", "Ranges of measured depth [m] that are sinusoidal or helical by the state found."
+    ),
+    SummaryKey(
+        "warnings", "", "Limits that are passed, each with its worst place, and what statics warns of."
+    ),
+    SummaryKey("notes", "", "What the results leave out."),
+)
+
 #: keys by file, as the catalogue names the files
 SUMMARY_KEYS = {
     "summary.json of run": RUN,
@@ -329,4 +385,5 @@ SUMMARY_KEYS = {
     "summary.json of hydraulics": HYDRAULICS,
     "summary.json of surge": SURGE,
     "summary.json of roadmap": ROADMAP,
+    "summary.json of limits": LIMITS,
 }

@@ -373,9 +373,13 @@ class Contact(WallContact):
 
     def item_forces(self, state) -> FloatArray:
         """(bodies,) normal force of the wall on each rigid item of the mesh [N], zero where another rank has it."""
-        out = np.zeros(len(self.mesh.bodies))
+        return self.item_results(state)[:, 0]
+
+    def item_results(self, state) -> FloatArray:
+        """(bodies, 7) results of each rigid item of the mesh, columns of ``RESULT_NAMES``, zero where another rank has it."""
+        out = np.zeros((len(self.mesh.bodies), len(RESULT_NAMES)))
         _, results = self.element_results(state)
-        out[self._items] = results[:, 0]
+        out[self._items] = results
         return out
 
     def energies(self, t: float, state) -> Energies:

@@ -170,6 +170,10 @@ class WallContact(Component):
         """(bodies,) normal force of the wall on each rigid item of the mesh [N], zero where another rank has it."""
 
     @abstractmethod
+    def item_results(self, state: Any) -> FloatArray:
+        """(bodies, columns) results of each rigid item, like ``element_results``, zero where another rank has it."""
+
+    @abstractmethod
     def normal_force(self, cell: int) -> float:
         """Normal force on a local cell in the last residual [N]."""
 

@@ -20,6 +20,7 @@ from drillpetsc.output.files.tables import read_table, split_name
 from drillpetsc.plotting import style
 from drillpetsc.plotting.hole_path import new_hole, well_path
 from drillpetsc.plotting.hydraulics import draw_hydraulics, units_of
+from drillpetsc.plotting.limits import draw_limits
 from drillpetsc.plotting.modes import draw_modes
 from drillpetsc.plotting.style import GROUND, LINE_COLORS, WALL, display_unit, label, words
 from drillpetsc.plotting.sweep import draw_sweep
@@ -76,6 +77,7 @@ def _plot(folder: RunFolder, out: str | os.PathLike | None, units: System | None
         drawings["modes"] = draw_modes(folder.path, title)
         drawings |= draw_hydraulics(folder.path, title, units or units_of(summary))
         drawings |= draw_torque_drag(folder.path, title, units or units_of(summary))
+        drawings |= draw_limits(folder.path, title, units or units_of(summary))
         if folder.trajectory.exists():
             path, drilled = (
                 read_table(folder.trajectory),

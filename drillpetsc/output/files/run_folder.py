@@ -33,6 +33,9 @@ ROADMAP_TABLE = "roadmap.csv"  # hook load and torque by bit depth, operation an
 ROADMAP_FILE = "roadmap.json"  # what the rows of a roadmap come from
 CALIBRATION_TABLE = "calibration.csv"  # measured points beside the soft string with the fitted factors
 TORQUE_DRAG_FILES = (ROADMAP_TABLE, ROADMAP_FILE, CALIBRATION_TABLE)
+LIMITS_TABLE = "limits.csv"  # stresses, strength and buckling along the string
+CONTACTS_TABLE = "contacts.csv"  # what the wall does to each item
+LIMITS_TABLES = (LIMITS_TABLE, CONTACTS_TABLE)
 SWEEP_PICTURES = (
     "trajectory.png",
     "inclination.png",
@@ -194,7 +197,7 @@ class RunFolder:
             self.summary,
             self.checkpoint,
             self.case,
-            *(self.path / table for table in (*HYDRAULICS_TABLES, *TORQUE_DRAG_FILES)),
+            *(self.path / table for table in (*HYDRAULICS_TABLES, *TORQUE_DRAG_FILES, *LIMITS_TABLES)),
         ):
             file.unlink(missing_ok=True)
         for frame in self.string_frames.glob("*.vtu"):

@@ -1,0 +1,400 @@
+"""The `limits` command: stresses, strength, buckling, fatigue and contacts of a static state, with what is left."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc.analysis.buckling import buckling
+from drillpetsc.analysis.coarse_mesh import state_warnings
+from drillpetsc.analysis.equilibrium import StaticState
+from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.limits.along_string import State, Surroundings, static_state
+from drillpetsc.analysis.limits.contacts import contact_rows, item_forces
+from drillpetsc.analysis.limits.fatigue import AS_S, rule_of
+from drillpetsc.analysis.limits.operations import OPERATIONS, case_of, read_operation
+from drillpetsc.analysis.limits.soft_limits import SoftLimits
+from drillpetsc.analysis.limits.table import Choices, Strength, element_values, rows
+from drillpetsc.analysis.statics import beyond_rig, static_summary
+from drillpetsc.analysis.transient import RunResult, make_folder
+from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.tubulars import DrillPipe, Tubular
+from drillpetsc.case.case import Case
+from drillpetsc.case.checks.limits import refuse_quaternion
+from drillpetsc.errors import CaseError
+from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.output import write_summary, write_table
+from drillpetsc.output.case_files import write_case
+from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE
+from drillpetsc.output.quantities.limits import CONTACTS, LIMITS
+from drillpetsc.output.static_table import static_table
+from drillpetsc.solvers import petsc_options as options
+from drillpetsc.unit_systems import System, shown
+
+NO_SOFT_STRING = "no margin of overpull and no largest weight on bit: they need a hole with contact, and gravity that points down"
+#: summary key, column, True for its largest value, words
+WEAKEST = (
+    ("safety_factor", False, "Safety factor"),
+    ("tension_ratio", True, "Tension over limit"),
+    ("torque_ratio", True, "Torque over limit"),
+    ("fatigue_ratio", True, "Dogleg over permissible"),
+    ("side_force_per_joint", True, "Side force per joint"),
+)
+
+
+def run_limits(
+    case: Case,
+    operation: str | None = None,
+    choices: Choices | None = None,
+    out: str | Path | None = None,
+    overwrite: bool = False,
+    name: str = "case",
+    comm: PETSc.Comm | None = None,
+    units: System | None = None,
+) -> RunResult:
+    """Solve for the equilibrium of a case in an operation; write limits.csv, contacts.csv and summary.json (collective).
+
+    operation: a word of OPERATIONS or of the trade; None: the case as it is, moving as its top prescribes.
+    units: of printed and plotted figures; None: metric.
+    Raises CaseError where the case cannot be in the operation, SolveError without equilibrium.
+    """
+    choices, units = choices or Choices(), units or "metric"
+    refuse_quaternion(case, "limits")
+    _check(choices)
+    if case.hold_string:
+        raise CaseError(
+            at="hold_string", got=True, want="a string that is free to move: a held one has no forces"
+        )
+    word = read_operation(operation)
+    case = case if word is None else case_of(case, word)
+    motion = None if word is None else OPERATIONS[word].motion
+    comm = comm or PETSc.COMM_WORLD
+    with options.applied(case.petsc):
+        model = build_model(case, comm, motion)
+        folder = make_folder(comm, name, out, False, overwrite)
+        state = find_equilibrium(model, motion, False)
+        columns, nodal = static_table(model)
+        buckled = buckling(model, columns, nodal) if nodal is not None else None
+        coarse = [*state_warnings(model, columns, nodal), *model.mesh.notes]
+        statics = static_summary(model, state)
+        found, forces = static_state(model), item_forces(model)
+        answer: Any = None
+        if comm.rank == 0:
+            assert found is not None
+            hole, pipe = Surroundings(model), Strength(model, choices)
+            values = element_values(model, found, hole, pipe, choices)
+            table = rows(model, values)
+            contacts = [] if forces is None else contact_rows(model, found.nodes, found.tangent, forces)
+            summary = _summary(model, word, choices, statics, table, contacts, units)
+            summary |= _margins(model, found, pipe, choices, summary["notes"])
+            summary["buckling"] = {} if buckled is None else buckled.as_dict()
+            summary["warnings"] = [
+                *_state_warnings(state, word),
+                *beyond_rig(case, statics),
+                *_flags(table, summary, choices, units),
+                *coarse,
+            ]
+            write_case(case, folder)
+            write_table(
+                folder.path / LIMITS_TABLE, [q.column for q in LIMITS], [table[q.name] for q in LIMITS]
+            )
+            cells = [[row[q.name] for row in contacts] for q in CONTACTS]
+            write_table(folder.path / CONTACTS_TABLE, [q.column for q in CONTACTS], cells)
+            write_summary(folder.summary, summary)
+            answer = summary
+        summary = comm.tompi4py().bcast(answer)
+    lines = _lines(case, summary, units)
+    lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
+    return RunResult(folder.path, summary, lines)
+
+
+def _check(choices: Choices) -> None:
+    """Raise CaseError for choices that make no sense."""
+    at_least_one = {"--design-factor": choices.design_factor}
+    for at, value in at_least_one.items():
+        if not 1 <= value <= 10:
+            raise CaseError(at=at, got=value, want="a number from 1 to 10")
+    if not 0 < choices.tension_fraction <= 1:
+        raise CaseError(
+            at="--tension-fraction", got=choices.tension_fraction, want="a number above 0, up to 1"
+        )
+    if choices.helical not in ("chen", "wu"):
+        raise CaseError(at="--helical", got=choices.helical, want="chen or wu")
+
+
+# ---------------------------------------------------------------------- summary
+def _summary(
+    model: DrillingModel,
+    word: str | None,
+    choices: Choices,
+    statics: dict[str, Any],
+    table: dict[str, Any],
+    contacts: list[dict[str, Any]],
+    units: System,
+) -> dict[str, Any]:
+    case = model.case
+    keep = ("motion", "hook_load", "hook_load_total", "surface_torque", "wob", "bit_torque", "stable")
+    out: dict[str, Any] = {
+        "title": case.title,
+        "operation": word or "as the case",
+        **{key: statics[key] for key in keep if key in statics},
+        "choices": asdict(choices),
+        "units": units,
+        "neutral_point": {
+            "effective": _neutral_point(table, "effective_tension"),
+            "true": _neutral_point(table, "axial_force"),
+        },
+        "weakest": {name: _worst(table, name, largest) for name, largest, _ in WEAKEST},
+        "contacts": [{k: _plain(v) for k, v in row.items()} for row in contacts],
+        "rig": None if case.rig is None else case.rig.model_dump(),
+        "notes": _notes(model),
+    }
+    return out
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, float | np.floating):
+        return None if np.isnan(value) else float(value)
+    return value
+
+
+def _notes(model: DrillingModel) -> list[str]:
+    """What the table leaves out."""
+    case, out = model.case, []
+    unknown = sorted({case.string[i].name for i in model.mesh.item if np.isnan(_yield(case, i))})
+    if unknown:
+        out.append(
+            f"no yield strength, so no strength limits: {', '.join(unknown)} (give a kind of pipe with a grade, or yield_strength)"
+        )
+    drill_pipe = [item for item in case.string if isinstance(item, DrillPipe)]
+    other = sorted({item.grade for item in drill_pipe if item.grade and rule_of(item.grade) is None})
+    if other:
+        out.append(f"no permissible dogleg for grade {', '.join(other)}: API RP 7G has E and S")
+    as_s = sorted({i.grade for i in drill_pipe if i.grade and i.grade.upper().replace(" ", "") in AS_S})
+    if as_s:
+        out.append(f"permissible dogleg of {', '.join(as_s)} by the rule of grade S")
+    if not drill_pipe:
+        out.append("no drill pipe: no permissible doglegs")
+    if model.fluid is None:
+        out.append("no mud: no pressures and no buoyancy")
+    elif model.fluid.bore is not None and case.fluid is not None and case.fluid.flow_rate is not None:
+        out.append("pressures are those of the case's flow rate, in every operation")
+    if model.contact is None:
+        out.append("no wall: no side forces and no buckling limits")
+    out.append("connections are not checked: torque limits are those of the tube")
+    return out
+
+
+def _yield(case: Case, item: int) -> float:
+    strong = (
+        getattr(case.string[item], "yield_strength", None) if isinstance(case.string[item], Tubular) else None
+    )
+    return np.nan if strong is None else float(strong)
+
+
+def _worst(table: dict[str, Any], name: str, largest: bool) -> dict[str, Any] | None:
+    """Value, measured depth [m] and item of the largest or smallest entry of a column; None where it is empty."""
+    values = table[name]
+    known = np.isfinite(values)
+    if name == "side_force_per_joint":  # the trade's limit is for tool joints
+        known &= table["jointed"] > 0
+    if not known.any():
+        return None
+    at = np.flatnonzero(known)[int((np.argmax if largest else np.argmin)(values[known]))]
+    return {"value": float(values[at]), "md": float(table["md"][at]), "item": str(table["item"][at])}
+
+
+def _neutral_point(table: dict[str, Any], name: str) -> dict[str, float] | None:
+    """Lowest measured depth [m] at which a force changes from tension above to compression below, and its height
+    above the string's lower end [m]; None where there is none."""
+    known = np.isfinite(table[name])
+    md, force = table["md"][known], table[name][known]
+    change = np.flatnonzero((force[:-1] > 0) & (force[1:] <= 0))
+    if not len(change):
+        return None
+    k = int(change[-1])
+    depth = md[k] + (md[k + 1] - md[k]) * force[k] / (force[k] - force[k + 1])
+    return {"md": float(depth), "above_bit": float(table["md"].max() - depth)}
+
+
+def _margins(
+    model: DrillingModel, found: State, pipe: Strength, choices: Choices, notes: list[str]
+) -> dict[str, Any]:
+    """Margin of overpull, largest weights on bit and largest slack-off, by the soft string."""
+    none: dict[str, Any] = dict.fromkeys(
+        ("margin_of_overpull", "max_overpull_at_bit", "max_wob", "max_slackoff"), None
+    )
+    soft = SoftLimits(model, choices.helical)
+    if not soft.works:
+        notes.append(NO_SOFT_STRING)
+        return none
+    out = dict(none)
+    limit, pressure = pipe.tension_limit[:, None] * np.ones((1, 2)), found.axial - found.effective
+    if np.isfinite(limit).any():
+        out |= _overpull(soft, limit, pressure)
+    else:
+        notes.append("no margin of overpull: no yield strength is known")
+    out["max_wob"] = {
+        operation: {
+            which: soft.max_wob(operation, which == "helical").as_dict("wob")
+            for which in ("sinusoidal", "helical")
+        }
+        for operation in ("drilling", "sliding")
+    }
+    most = out["max_wob"]["sliding"]["helical"]["wob"]
+    if most is not None:
+        lower = OPERATIONS["sliding"].motion
+        out["max_slackoff"] = soft.run(lower, 0.0).hook_load - soft.run(lower, most).hook_load
+    notes.append("margin of overpull, max_wob and max_slackoff are those of the soft string")
+    return out
+
+
+def _overpull(soft: SoftLimits, limit: FloatArray, pressure: FloatArray) -> dict[str, Any]:
+    """Margin of overpull along the string at pick-up, and the pull at the bit that uses it up with friction."""
+    lift = OPERATIONS["trip_out"].motion
+    tension = soft.tension(lift, 0.0) + pressure
+    left = np.where(np.isfinite(limit), limit - tension, np.inf)
+    md, item = soft.place(-left)
+    at = np.unravel_index(int(np.argmin(left)), left.shape)
+    margin = {
+        "margin": float(left.min()),
+        "ratio": float(limit[at] / tension[at]) if tension[at] > 0 else None,
+        "md": md,
+        "item": item,
+        "hook_load": soft.run(lift, 0.0).hook_load,
+    }
+    return {
+        "margin_of_overpull": margin,
+        "max_overpull_at_bit": soft.max_overpull(limit, pressure).as_dict("pull"),
+    }
+
+
+# ---------------------------------------------------------------------- words
+def _state_warnings(state: StaticState, word: str | None) -> list[str]:
+    """Warnings of the static state; one off bottom may reach below the end of the hole by its stretch."""
+    off_bottom = word is not None and not OPERATIONS[word].on_bottom
+    return [w for w in state.warnings if not (off_bottom and w.startswith("the string's end lies"))]
+
+
+def _flags(table: dict[str, Any], summary: dict[str, Any], choices: Choices, units: System) -> list[str]:
+    """Warnings about limits that are passed, each with its worst place."""
+    weakest, out = summary["weakest"], []
+
+    def flag(name: str, passed: bool, text: str) -> None:
+        if passed:
+            worst = weakest[name]
+            out.append(f"{text} at MD {shown(worst['md'], 'length', units, 5)} ({worst['item']})")
+
+    value = {name: np.nan if worst is None else worst["value"] for name, worst in weakest.items()}
+    flag(
+        "safety_factor",
+        value["safety_factor"] < choices.design_factor,
+        f"safety factor {value['safety_factor']:.3g}, below the design factor {choices.design_factor:g},",
+    )
+    factor = choices.tension_fraction / value["tension_ratio"] if value["tension_ratio"] > 0 else np.inf
+    flag(
+        "tension_ratio",
+        factor < choices.tension_design_factor,
+        f"pull at yield over tension {factor:.3g}, below {choices.tension_design_factor:g},",
+    )
+    flag("torque_ratio", value["torque_ratio"] > 1, f"torque {value['torque_ratio']:.3g} times its limit")
+    flag(
+        "fatigue_ratio",
+        value["fatigue_ratio"] > 1,
+        f"dogleg {value['fatigue_ratio']:.3g} times the permissible one of API RP 7G",
+    )
+    most = choices.side_force_per_joint
+    flag(
+        "side_force_per_joint",
+        value["side_force_per_joint"] > most,
+        f"side force of {shown(value['side_force_per_joint'], 'force', units)} a joint, above {shown(most, 'force', units)},",
+    )
+    for state in ("sinusoidal", "helical"):
+        there = table["buckling_state"] == state
+        if there.any():
+            md = table["md"][there]
+            out.append(
+                f"compression beyond the {state} limit between MD {shown(float(md.min()), 'length', units, 5)} "
+                f"and {shown(float(md.max()), 'length', units, 5)}"
+            )
+    if (table["buckling_state"] == "-").any() and np.isfinite(table["effective_tension"]).all():
+        out.append("the string is in compression where no wall holds it: no buckling limit there")
+    return out
+
+
+def _lines(case: Case, summary: dict[str, Any], units: System) -> list[str]:
+    """What the command prints."""
+    doing = OPERATIONS[summary["operation"]].words if summary["operation"] in OPERATIONS else "as the case"
+    lines = [f"{case.title or 'case'}: limits, {doing}"]
+
+    def add(label: str, text: str) -> None:
+        lines.append(f"  {label:<38}{text}")
+
+    def place(row: dict[str, Any]) -> str:
+        return f"at MD {shown(row['md'], 'length', units, 5)} ({row['item']})"
+
+    for key, label, kind in (
+        ("hook_load_total", "Hook load with the block", "force"),
+        ("hook_load", "Hook load", "force"),
+        ("surface_torque", "Surface torque", "torque"),
+        ("wob", "Weight on bit", "force"),
+    ):
+        if summary.get(key) is not None:
+            add(label, shown(summary[key], kind, units))
+    for key, label in (
+        ("effective", "Neutral point, effective tension"),
+        ("true", "Neutral point, axial force"),
+    ):
+        point = summary["neutral_point"][key]
+        add(
+            label,
+            "none"
+            if point is None
+            else f"MD {shown(point['md'], 'length', units, 5)}, {shown(point['above_bit'], 'length', units)} above the lower end",
+        )
+    for name, _, label in WEAKEST:
+        worst = summary["weakest"][name]
+        if worst is not None and worst["value"] != 0:
+            value = (
+                shown(worst["value"], "force", units)
+                if name == "side_force_per_joint"
+                else f"{worst['value']:.3g}"
+            )
+            add(label, f"{value} {place(worst)}")
+    margin = summary["margin_of_overpull"]
+    if margin is not None:
+        add("Margin of overpull", f"{shown(margin['margin'], 'force', units)} {place(margin)}")
+        pull = summary["max_overpull_at_bit"]
+        if pull["pull"] is not None:
+            add(
+                "Largest overpull at the bit", f"{shown(pull['pull'], 'force', units)}, limited {place(pull)}"
+            )
+    for operation, loads in (summary["max_wob"] or {}).items():
+        for which, row in loads.items():
+            text = (
+                "no limit found"
+                if row["wob"] is None
+                else f"{shown(row['wob'], 'force', units)}, first {place(row)}"
+            )
+            add(f"Weight on bit, {operation}, {which}", text)
+    if summary["max_slackoff"] is not None:
+        add("Largest slack-off", shown(summary["max_slackoff"], "force", units))
+    for row in summary["contacts"]:
+        if row["gap"] is not None or row["tilt"] is not None:
+            force = "-" if row["side_force"] is None else shown(row["side_force"], "force", units)
+            clock = (
+                ""
+                if row["direction"] is None
+                else f", towards {round(np.degrees(row['direction'])) % 360} deg"
+            )
+            add(
+                f"Side force on {row['item']}",
+                f"{force}{clock}, at MD {shown(row['md'], 'length', units, 5)}",
+            )
+    lines += [f"  WARNING: {w}" for w in summary["warnings"]]
+    return lines + [f"  note: {note}" for note in summary["notes"]]

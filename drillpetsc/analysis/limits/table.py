@@ -1,0 +1,223 @@
+"""Rows of limits.csv: stresses, strength, buckling and fatigue at the nodes and at both ends of each item."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.analysis.limits import fatigue, strength
+from drillpetsc.analysis.limits.along_string import State, Surroundings
+from drillpetsc.analysis.limits.buckling_loads import Helical
+from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.tubulars import DrillPipe, Jointed, Tubular
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.output.quantities.limits import LIMITS
+
+WORDS = ("item", "grade", "class", "buckling_state")  # columns of words
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What a user may choose.
+
+    helical: law of the helical load. design_factor: least yield strength over von Mises stress.
+    tension_design_factor: least pull at yield over axial force; tension_fraction: of the pull at yield that is allowed.
+    side_force_per_joint: largest force on a joint [N].
+    """
+
+    helical: Helical = "chen"
+    design_factor: float = 1.25
+    tension_design_factor: float = 1.1
+    tension_fraction: float = 0.9
+    side_force_per_joint: float = 2000 * 4.4482216152605
+
+
+class Strength:
+    """Figures of the pipe, (n,) for each element, nan where they are not known.
+
+    outer: diameter of the worn tube, inner: bore [m]; yield_strength [Pa]; joint_length [m].
+    tension_limit: (n,) pull that is allowed [N].
+    half_joint: (n,) [m], nan where bending does not gather beside tool joints.
+    """
+
+    def __init__(self, model: DrillingModel, choices: Choices) -> None:
+        mesh, items = model.mesh, model.case.string
+        tube = (mesh.worn_diameter > 0) & (mesh.worn_diameter > mesh.inner_diameter) & ~mesh.is_joint
+        self.outer = np.where(tube, mesh.worn_diameter, np.nan)
+        self.new_outer = np.where(tube, mesh.outer_diameter, np.nan)
+        self.inner = np.where(tube, mesh.inner_diameter, np.nan)
+        self.yield_strength, self.joint_length = mesh.yield_strength, mesh.joint_length
+        self.tension_limit = choices.tension_fraction * strength.tension_at_yield(
+            self.outer, self.inner, self.yield_strength
+        )
+        touches = [isinstance(item, Jointed) and item.contact_on == "tool_joint" for item in items]
+        self.half_joint = np.where(np.array(touches)[mesh.item], 0.5 * mesh.joint_length, np.nan)
+        grades = [item.grade if isinstance(item, Tubular) else None for item in items]
+        rules = [
+            fatigue.rule_of(g) if isinstance(i, DrillPipe) else None
+            for i, g in zip(items, grades, strict=True)
+        ]
+        self.rule = np.array([rules[i] or "" for i in mesh.item])
+        material = [getattr(item, "material", None) for item in items]
+        self.young = np.array([np.nan if material[i] is None else material[i].young for i in mesh.item])
+
+    def permissible_dogleg(self, effective: FloatArray) -> FloatArray:
+        """(n, 2) permissible dogleg [1/m] under an effective tension (n, 2) [N]."""
+        out = np.full(effective.shape, np.nan)
+        for rule in ("E", "S"):
+            k = self.rule == rule
+            section = strength.area(self.outer[k], self.inner[k])[:, None]
+            bend = self.young[k] * strength.second_moment(self.new_outer[k], self.inner[k])
+            out[k] = fatigue.permissible_dogleg(
+                effective[k],
+                self.new_outer[k][:, None],
+                section,
+                bend[:, None],
+                0.5 * self.joint_length[k][:, None],
+                rule,
+                self.young[k][:, None],
+            )
+        return out
+
+
+def element_values(
+    model: DrillingModel, state: State, hole: Surroundings, pipe: Strength, choices: Choices
+) -> dict[str, FloatArray]:
+    """Columns of numbers of limits.csv, (n, 2) at both ends of each element.
+
+    Forces that two elements of one item have at their node are the mean of both.
+    """
+    state = _smoothed(model, state)
+    outer, inner, strong = pipe.outer[:, None], pipe.inner[:, None], pipe.yield_strength[:, None]
+    stiffness = np.where(hole.stiffness > 0, hole.stiffness, np.nan)[:, None]
+    gathered = 1 / fatigue.tension_factor(
+        np.maximum(state.effective, 0.0), stiffness, pipe.half_joint[:, None]
+    )
+    moment = state.moment * np.where(np.isfinite(gathered), gathered, 1.0)
+    s = strength.stresses(outer, inner, state.axial, moment, state.torque, state.inside, state.outside)
+    sinusoidal, helical = hole.loads(state.effective, choices.helical)
+    dogleg = pipe.permissible_dogleg(state.effective)
+    torque_limit = strength.torque_at_yield(outer, inner, strong, state.axial)
+    wet = model.fluid
+    nothing = np.full(state.axial.shape, np.nan)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return {
+            "md": hole.md,
+            "tvd": hole.tvd,
+            "inclination": np.degrees(hole.inclination),
+            "effective_tension": state.effective,
+            "axial_force": state.axial,
+            "torque": state.torque,
+            "bending_moment": state.moment,
+            "curvature": state.dls,
+            "internal_pressure": state.inside if wet is not None and wet.bore is not None else nothing,
+            "annulus_pressure": state.outside if wet is not None and wet.annulus is not None else nothing,
+            "axial_stress": s.axial,
+            "worst_bending_stress": s.bending,
+            "shear_stress": s.shear,
+            "hoop_stress": s.hoop,
+            "von_mises": s.von_mises,
+            "yield_strength": np.broadcast_to(strong, nothing.shape),
+            "safety_factor": strong / s.von_mises,
+            "tension_limit": np.broadcast_to(pipe.tension_limit[:, None], nothing.shape),
+            "torque_limit": torque_limit,
+            "tension_ratio": state.axial / pipe.tension_limit[:, None],
+            "torque_ratio": np.abs(state.torque) / torque_limit,
+            "sinusoidal_limit": sinusoidal,
+            "helical_limit": helical,
+            "contact_force": state.side_force,
+            "side_force_per_joint": state.side_force * pipe.joint_length[:, None],
+            "fatigue_dls": dogleg,
+            "fatigue_ratio": state.dls / dogleg,
+        }
+
+
+def _smoothed(model: DrillingModel, state: State) -> State:
+    """The state with means where elements of one item meet, so that stresses and limits of a row belong together."""
+    out: dict[str, FloatArray] = {}
+    for name in ("axial", "effective", "torque", "moment", "dls", "side_force"):
+        values = getattr(state, name).copy()
+        for run in _runs(model):
+            middle = 0.5 * (values[run[1:], 0] + values[run[:-1], 1])
+            values[run[1:], 0], values[run[:-1], 1] = middle, middle
+        out[name] = values
+    return replace(state, **out)
+
+
+def rows(model: DrillingModel, values: dict[str, FloatArray]) -> dict[str, Any]:
+    """Columns of limits.csv: a row at every node of an item, so two where items meet, and both ends of rigid items.
+
+    Beside them ``jointed``: 1 for pipe with tool joints.
+    """
+    mesh, items = model.mesh, model.case.string
+    numbers: dict[str, list[FloatArray]] = {name: [] for name in values}
+    labels: list[int] = []
+    for run in _runs(model):
+        for name, both in values.items():
+            upper, lower = both[run, 0], both[run, 1]
+            middle = 0.5 * (upper[1:] + lower[:-1])
+            numbers[name].append(np.concatenate([upper[:1], middle, lower[-1:]]))
+        labels += [int(mesh.item[run[0]])] * (len(run) + 1)
+    table: dict[str, Any] = {name: np.concatenate(parts) for name, parts in numbers.items()}
+    names = [item.name for item in items]
+    table["item"] = np.array([names[i] for i in labels], dtype=object)
+    table["grade"] = np.array([getattr(items[i], "grade", None) or "-" for i in labels], dtype=object)
+    table["class"] = np.array([getattr(items[i], "class_", None) or "-" for i in labels], dtype=object)
+    table["buckling_state"] = buckling_states(table)
+    table["jointed"] = np.array([float(isinstance(items[i], Jointed)) for i in labels])
+    middle = {i: float(values["md"][mesh.item == i].mean()) for i in set(labels)}
+    table["middle"] = np.array([middle[i] for i in labels])  # orders rows where items meet
+    table = _with_rigid_items(model, table, values)
+    order = np.lexsort((table.pop("middle"), np.round(table["md"], 6)))
+    return {name: table[name][order] for name in (*(q.name for q in LIMITS), "jointed")}
+
+
+def buckling_states(table: dict[str, Any]) -> np.ndarray:
+    """none, sinusoidal, helical, or - where the string is in compression without a limit; one word a row."""
+    push = -table["effective_tension"]
+    sinusoidal, helical = table["sinusoidal_limit"], table["helical_limit"]
+    with np.errstate(invalid="ignore"):
+        out = np.where(push > sinusoidal, "sinusoidal", "none").astype(object)
+        out[push > helical] = "helical"
+        out[np.isnan(sinusoidal) & ~(push <= 0)] = "-"
+    return out
+
+
+def _runs(model: DrillingModel) -> list[np.ndarray]:
+    """Cells of each stretch of one item without a joint in it, from the top down."""
+    mesh = model.mesh
+    cells = np.flatnonzero(~mesh.is_joint)
+    cut = np.flatnonzero((np.diff(cells) > 1) | (np.diff(mesh.item[cells]) != 0)) + 1
+    return np.split(cells, cut)
+
+
+def _with_rigid_items(
+    model: DrillingModel, table: dict[str, Any], values: dict[str, FloatArray]
+) -> dict[str, Any]:
+    """The table with two rows for each rigid item that has a length: forces of the pipe beside it, no limits."""
+    mesh, gravity = model.mesh, np.array(model.case.gravity, dtype=float)
+    shift = float(values["md"][0, 0] - mesh.upper[0])
+    for body in mesh.bodies:
+        if body.length <= 0:
+            continue
+        first = mesh.node_depth[body.node] + body.above
+        for depth, sides, end in ((first, mesh.lower, 1), (first + body.length, mesh.upper, 0)):
+            beside = np.flatnonzero((np.abs(sides - depth) < 1e-6) & ~mesh.is_joint)
+            for name in table:
+                if name in WORDS:
+                    value: Any = body.name if name == "item" else "-"
+                elif name == "md":
+                    value = depth + shift
+                elif name == "middle":
+                    value = first + 0.5 * body.length + shift
+                elif name == "tvd" and model.well is not None and gravity.any():
+                    at = np.asarray(model.well.at(np.array([depth + shift]))[0])[0]
+                    value = float(at @ gravity) / float(np.linalg.norm(gravity))
+                elif len(beside) and name in ("axial_force", "effective_tension", "torque", "tvd"):
+                    value = values[name][beside[0], end]
+                else:
+                    value = np.nan
+                table[name] = np.append(table[name], value)
+    return table

@@ -1,0 +1,103 @@
+"""`limits` and `freepoint` as a user types them: files, units on the screen, pictures, refusals."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drillpetsc.output import read_table
+from drillpetsc.output.catalogue import outputs_by_file, records
+from drillpetsc.plotting.plot import plot
+from tests.cli.test_cli import drillpetsc
+
+CASE = """
+title: small well
+well:
+  survey: {md: [0 m, 300 m, 600 m, 1000 m], inclination: [0 deg, 0 deg, 40 deg, 40 deg], azimuth: [0 deg, 0 deg, 0 deg, 0 deg]}
+  sections: [{kind: open_hole, diameter: 215.9 mm, friction: 0.25}]
+string:
+  - {kind: drill_pipe, pipe: 5in 19.50 S-135 NC50 premium, length: 900 m}
+  - {kind: pipe, name: plain collar, length: 90 m, od: 171.5 mm, id: 71.4 mm}
+  - {kind: bit, length: 0.5 m, od: 215.9 mm, mass: 60 kg, nozzle_area: 300 mm2}
+top: {kind: top_drive, rotation: 100 rpm}
+bottom: bit
+initial: {wob: 30 kN}
+rig: {block_weight: 200 kN, max_hookload: 250 kN}
+fluid: {density: 1200 kg/m3, rheology: {model: bingham, plastic_viscosity: 20 cP, yield_stress: 6 Pa}, flow_rate: 30 l/s}
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    """A folder with small.yaml and the command done once."""
+    path = tmp_path_factory.mktemp("limits")
+    (path / "small.yaml").write_text(CASE)
+    words = ("limits", "small.yaml", "--operation", "Drilling", "--units", "field", "--out", "r")
+    done = drillpetsc(*words, cwd=path)
+    assert done.returncode == 0, done.stderr
+    (path / "screen.txt").write_text(done.stdout)
+    return path
+
+
+def test_the_screen_names_places_units_and_what_is_missing(folder: Path):
+    screen = (folder / "screen.txt").read_text()
+    assert "Hook load with the block" in screen and "klbf" in screen and "MD" in screen
+    assert "no yield strength, so no strength limits: plain collar" in screen
+    assert "exceeds rig.max_hookload" in screen
+    assert "Weight on bit, sliding, helical" in screen and "r/plots/limits.png" in screen
+
+
+def test_tables_and_summary_are_those_of_the_catalogue(folder: Path):
+    for file in ("limits.csv", "contacts.csv"):
+        assert list(read_table(folder / "r" / file)) == [q.title for q in outputs_by_file()[file]]
+    summary = json.loads((folder / "r" / "summary.json").read_text())
+    assert set(summary) == {r["name"] for r in records() if r["file"] == "summary.json of limits"}
+    assert summary["operation"] == "drilling" and summary["wob"] == pytest.approx(30e3, rel=1e-3)
+    table = read_table(folder / "r" / "limits.csv")
+    strong = np.isfinite(table["safety_factor [-]"])
+    assert set(table["item [-]"][strong]) == {"drill pipe"}
+    assert summary["weakest"]["safety_factor"]["value"] == np.min(table["safety_factor [-]"][strong])
+
+
+def test_pictures_are_drawn_again_in_other_units(folder: Path):
+    assert [file.name for file in plot(folder / "r", folder / "again", "metric")] == ["limits.png"]
+    assert (folder / "again" / "limits.png").stat().st_size > 20_000
+
+
+@pytest.mark.parametrize(
+    "words, text",
+    [
+        (("--operation", "trip_inn"), "did you mean 'trip_in'?"),
+        (("--operation", ""), "trip_in, trip_out"),
+        (("--design-factor", "0"), "a number from 1 to 10"),
+        (("--tension-fraction", "nan"), "above 0, up to 1"),
+        (("--tension-fraction", "2"), "above 0, up to 1"),
+    ],
+)
+def test_bad_options_are_answered_in_words(folder: Path, words, text):
+    done = drillpetsc("limits", "small.yaml", *words, "--out", "bad", cwd=folder)
+    assert done.returncode == 2 and text in done.stderr and "Traceback" not in done.stderr
+    assert not (folder / "bad").exists()
+
+
+def test_overwriting_removes_the_tables(folder: Path):
+    done = drillpetsc("limits", "small.yaml", "--operation", "rob", "--out", "twice", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert "rotating off bottom" in done.stdout
+    done = drillpetsc("limits", "small.yaml", "--operation", "rob", "--out", "twice", cwd=folder)
+    assert done.returncode == 2 and "exists" in done.stderr
+    done = drillpetsc("statics", "small.yaml", "--out", "twice", "--overwrite", cwd=folder)
+    assert done.returncode == 0 and not (folder / "twice" / "limits.csv").exists()
+
+
+def test_free_point(folder: Path):
+    done = drillpetsc("freepoint", "small.yaml", "--stretch", "1,2.5 in", "--pull", "30,60 kN", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("below the top (drill pipe)") == 3 and "line through them" in done.stdout
+    done = drillpetsc("freepoint", "small.yaml", "--stretch", "4", "--pull", "60 kN", cwd=folder)
+    assert done.returncode == 2 and "a number with a unit" in done.stderr
+    done = drillpetsc("freepoint", "small.yaml", "--stretch", "8 m", "--pull", "60 kN", cwd=folder)
+    assert done.returncode == 0 and "a figure is wrong" in done.stdout

@@ -1,0 +1,232 @@
+"""Formulas of limits against published examples and closed forms.
+
+LAP: Lapeyrouse, Formulas and Calculations for Drilling, Production and Workover; DF: drillingformulas.com; PS:
+PetroSkills drill string course; ME: Mitchell Engineering, BHA sheet, 1990; RP: API RP 7G; WW: Wicks, Wardle and Pafitis,
+Horizontal wells with coiled tubing, 2008. Young's modulus 30e6 psi where nothing else is said.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from drillpetsc.analysis.limits import buckling_loads, fatigue, strength
+from drillpetsc.analysis.limits import rules_of_thumb as trade
+from drillpetsc.case.catalogue.sizes import FT_LBF, INCH, KSI, LB_PER_FT, LBF
+
+FT, KLB, PSI, PPG = 0.3048, 1e3 * LBF, KSI / 1e3, trade.PPG
+YOUNG = 30e6 * PSI
+DEG_PER_100FT = math.radians(1) / 30.48
+LBF_PER_FT = LBF / FT
+FIVE = (5 * INCH, 4.276 * INCH)  # 5 in 19.50 lb/ft, new
+
+
+# ---------------------------------------------------------------------- stretch and stuck pipe
+def test_stretch_of_drill_pipe():
+    """8,500 ft of 23.52 lb/ft under 230 klb: 113.09 in (DF, after RP 7G)."""
+    found = trade.stretch(8500 * FT, 230 * KLB, 23.52 * LB_PER_FT)
+    assert found / INCH == pytest.approx(113.09, rel=1e-3)
+
+
+def test_free_point_by_the_weight():
+    """5 in 19.50 (17.93 lb/ft plain), 24 in at 30 klb: 10,547 ft (LAP)."""
+    found = trade.free_length_by_weight(24 * INCH, 30 * KLB, 17.93 * LB_PER_FT)
+    assert found / FT == pytest.approx(10547, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "outer, inner, inches, klb, constant, feet",
+    [(2.875, 2.441, 25, 20, 4530, 5663), (3.5, 2.992, 20, 25, 6475.5, 5180)],
+)
+def test_free_point_by_the_constant(outer, inner, inches, klb, constant, feet):
+    """Tubing 2 7/8 x 2.441 (LAP prints the area 1.820 and uses 1.812) and 3 1/2 x 2.992 (DF)."""
+    found = trade.free_point_constant(outer * INCH, inner * INCH)
+    assert found == pytest.approx(constant, rel=1e-3)
+    length = trade.free_length_by_constant(inches * INCH, klb * KLB, found)
+    assert length / FT == pytest.approx(feet, rel=1e-3)
+
+
+# ---------------------------------------------------------------------- weights
+def test_buoyancy_factor():
+    """15 ppg: 0.77099 with 65.5 ppg (LAP), 0.7710 with 7850 kg/m3."""
+    assert trade.buoyancy_factor(15 * PPG) == pytest.approx(0.77099, abs=1e-4)
+    assert trade.buoyancy_factor(15 * PPG, 7850) == pytest.approx(0.7710, abs=1e-4)
+
+
+def test_length_of_collars():
+    """50 klb with 147 lb/ft in 12 ppg and a reserve of 1.15: 479 ft (LAP); 92 lb/ft, 0.83, 1.10: 720 ft (PS)."""
+    first = trade.collar_length(50 * KLB, 147 * LBF_PER_FT, trade.buoyancy_factor(12 * PPG))
+    assert first / FT == pytest.approx(479, rel=2e-3)
+    second = trade.collar_length(50 * KLB, 92 * LBF_PER_FT, 0.83, 1.10)
+    assert second / FT == pytest.approx(720, rel=2e-3)
+
+
+@pytest.mark.parametrize("load, weight, feet", [(128235, 20.85, 7410), (113286, 21.93, 6224)])
+def test_length_of_pipe_that_a_load_carries(load, weight, feet):
+    """Buoyancy factor 0.83 (PS)."""
+    found = trade.length_carried(load * LBF, weight * LBF_PER_FT, 0.83)
+    assert found / FT == pytest.approx(feet, rel=1e-3)
+
+
+def test_margin_of_overpull():
+    """436 klb x 0.9 above a hook load of 270 klb: 122.4 klb, ratio 1.453 (DF: 122 and 1.45)."""
+    margin, ratio = trade.margin_of_overpull(436 * KLB, 270 * KLB)
+    assert margin / KLB == pytest.approx(122.4, rel=1e-3)
+    assert ratio == pytest.approx(1.453, rel=1e-3)
+
+
+def test_margin_of_overpull_of_a_string_in_mud():
+    """8,000 ft x 23.5 + 900 ft x 58 + 20 klb in 9.2 ppg: hook load 223,653, margin 168,747 lbf (inputs of DF)."""
+    load = (8000 * 23.5 + 900 * 58 + 20000) * trade.buoyancy_factor(9.2 * PPG)
+    margin, _ = trade.margin_of_overpull(436 * KLB, load * LBF)
+    assert load == pytest.approx(223653, rel=2e-3)
+    assert margin / LBF == pytest.approx(168747, rel=2e-3)
+
+
+# ---------------------------------------------------------------------- strength
+def test_section_modulus_of_collars():
+    """6 x 4.276 in pipe and 8 x 3 in collar: 15.74 and 49.27 in3, ratio 3.13, I of the second 197.1 in4 (ME)."""
+    pipe = strength.section_modulus(6.0, 4.276)
+    collar = strength.section_modulus(8.0, 3.0)
+    assert pipe == pytest.approx(15.74, rel=1e-3)
+    assert collar == pytest.approx(49.27, rel=1e-3)
+    assert collar / pipe == pytest.approx(3.13, rel=1e-3)
+    assert strength.second_moment(8.0, 3.0) == pytest.approx(197.1, rel=1e-3)
+
+
+def test_torque_limit_under_tension():
+    """5 in 19.50 E-75 new at 200 klb: 35,518 ft-lbf; S-135 premium at 300 klb: 49,098 (RP 7G)."""
+    new = strength.torque_at_yield(*FIVE, 75e3 * PSI, 200 * KLB)
+    assert new / FT_LBF == pytest.approx(35518, rel=1e-3)
+    worn = strength.torque_at_yield(4.8552 * INCH, FIVE[1], 135e3 * PSI, 300 * KLB)
+    assert worn / FT_LBF == pytest.approx(49098, rel=1e-3)
+    assert strength.torque_at_yield(*FIVE, 75e3 * PSI, 400 * KLB) == 0.0  # the pull alone is beyond
+
+
+def test_stresses_of_drill_pipe():
+    """5 in 19.50 new, 200 klb, 20 kft-lbf, 5 deg/100 ft, 3,000 psi inside: each stress, and von Mises at both fibres.
+
+    Closed form (Lame), with a bending stress E D/2 kappa.
+    """
+    moment = YOUNG * strength.second_moment(*FIVE) * 5 * DEG_PER_100FT
+    found = strength.stresses(*FIVE, 200 * KLB, moment, 20e3 * FT_LBF, 3000 * PSI, 0.0)
+    assert found.axial / PSI == pytest.approx(37918, rel=1e-3)
+    assert found.bending / PSI == pytest.approx(5454, rel=1e-3)
+    assert found.shear / PSI == pytest.approx(21024, rel=1e-3)
+    assert found.outer / PSI == pytest.approx(52588, rel=1e-3)
+    assert found.inner / PSI == pytest.approx(50283, rel=1e-3)
+    assert found.von_mises == found.outer
+
+
+def test_equal_pressures_leave_no_shape_change():
+    """The same pressure inside and outside and as axial stress: hydrostatic, von Mises 0."""
+    push = -50e6 * strength.area(*FIVE)
+    found = strength.stresses(*FIVE, push, 0.0, 0.0, 50e6, 50e6)
+    assert found.von_mises == pytest.approx(0.0, abs=1e-6 * 50e6)
+
+
+def test_thin_tube_under_pressure():
+    """Closed ends, thin wall: hoop p r/t, axial half of it, von Mises sqrt(3)/2 of the hoop stress."""
+    outer, inner, pressure = 1.002, 1.0, 1e6
+    pull = pressure * math.pi / 4 * inner**2
+    found = strength.stresses(outer, inner, pull, 0.0, 0.0, pressure, 0.0)
+    assert found.hoop == pytest.approx(500e6, rel=3e-3)
+    assert found.von_mises == pytest.approx(math.sqrt(3) / 2 * 500e6, rel=5e-3)
+
+
+def test_torque_limit_is_where_von_mises_yields():
+    """0.577 of RP 7G for 1/sqrt(3): von Mises stress at the limit equals the yield to 0.1 %, with and without pull."""
+    for pull in (0.0, 100 * KLB, 300 * KLB):
+        torque = strength.torque_at_yield(*FIVE, 135e3 * PSI, pull)
+        assert strength.stresses(*FIVE, pull, 0.0, torque).outer / PSI == pytest.approx(135e3, rel=1e-3)
+
+
+# ---------------------------------------------------------------------- buckling
+def test_buckling_of_a_level_string():
+    """od 140, id 116, hole 222 mm, EI 207e9 x 9.97e-6, 315 N/m: loads, half waves in 2 km, lock-up length (WW)."""
+    stiffness, clearance = 207e9 * 9.97e-6, 0.041
+    assert buckling_loads.dawson_paslay(stiffness, 315, clearance) == pytest.approx(251.84e3, rel=1e-3)
+    assert buckling_loads.helical(stiffness, 315, clearance) == pytest.approx(356.16e3, rel=1e-3)
+    assert buckling_loads.half_waves(stiffness, 315, clearance, 2000) == pytest.approx(157.25, rel=1e-3)
+    assert buckling_loads.lock_up_length(stiffness, 315, clearance, 0.3) == pytest.approx(5653, rel=1e-3)
+
+
+def test_buckling_of_an_inclined_string():
+    """5 in 19.50 S-135 NC50 22.60 lb/ft, 12 ppg, 60 deg, 8 1/2 in hole, clearance at the 6 5/8 in joint.
+
+    Closed form 49,328 and 69,760 lbf; the form 550 sqrt(I w (65.5 - MW) sin/(D_h - D_t)) of RP 7G gives 49,097.
+    """
+    weight = 22.60 * LBF_PER_FT * trade.buoyancy_factor(12 * PPG)
+    stiffness = YOUNG * strength.second_moment(*FIVE)
+    across, clearance = weight * math.sin(math.radians(60)), 0.5 * (8.5 - 6.625) * INCH
+    found = buckling_loads.dawson_paslay(stiffness, across, clearance)
+    assert found / LBF == pytest.approx(49328, rel=1e-3)
+    assert buckling_loads.helical(stiffness, across, clearance) / LBF == pytest.approx(69760, rel=1e-3)
+    inertia = strength.second_moment(5.0, 4.276)
+    printed = 550 * math.sqrt(inertia * 22.60 * (65.5 - 12) * math.sin(math.radians(60)) / (8.5 - 6.625))
+    assert printed == pytest.approx(49097, rel=1e-3)
+    assert found / LBF == pytest.approx(printed, rel=6e-3)
+
+
+def test_helical_laws_by_name():
+    """Chen sqrt(2) and Wu 2 sqrt(2) - 1 times the sinusoidal load."""
+    sinusoidal = buckling_loads.dawson_paslay(2e6, 300.0, 0.04)
+    assert buckling_loads.helical(2e6, 300.0, 0.04, "chen") == pytest.approx(1.414214 * sinusoidal, rel=1e-6)
+    assert buckling_loads.helical(2e6, 300.0, 0.04, "wu") == pytest.approx(1.828427 * sinusoidal, rel=1e-6)
+
+
+def test_buckling_of_a_vertical_string():
+    """Collars 6 3/4 x 2 13/16, 100.5 lb/ft in 12 ppg: unit length 63.07 ft, 10,043 and 19,413 lbf (Lubinski 1950)."""
+    stiffness = YOUNG * strength.second_moment(6.75 * INCH, 2.8125 * INCH)
+    weight = 100.5 * LBF_PER_FT * trade.buoyancy_factor(12 * PPG)
+    assert buckling_loads.lubinski_length(stiffness, weight) / FT == pytest.approx(63.07, rel=1e-3)
+    first, second = buckling_loads.lubinski(stiffness, weight)
+    assert first / LBF == pytest.approx(10043, rel=1e-3)
+    assert second / LBF == pytest.approx(19413, rel=1e-3)
+
+
+# ---------------------------------------------------------------------- fatigue
+@pytest.mark.parametrize(
+    "outer, inner, rule, klb, dogleg",
+    [(4.5, 3.826, "E", 100, 4.837), (5.0, 4.276, "S", 200, 3.477), (5.0, 4.276, "S", 100, 5.746)],
+)
+def test_permissible_dogleg(outer, inner, rule, klb, dogleg):
+    """4 1/2 16.60 E at 100 klb; 5 in 19.50 S at 200 and 100 klb; half a joint 180 in (RP 7G)."""
+    tube = (outer * INCH, inner * INCH)
+    stiffness = YOUNG * strength.second_moment(*tube)
+    section = strength.area(*tube)
+    found = fatigue.permissible_dogleg(klb * KLB, tube[0], section, stiffness, 180 * INCH, rule, YOUNG)
+    assert found / DEG_PER_100FT == pytest.approx(dogleg, rel=2e-3)
+
+
+def test_fatigue_rules_end_where_the_standard_ends():
+    """nan beyond 67 ksi (E) and 133.4 ksi (S) and in compression; the printed values at the ends of the E curve."""
+    stress = fatigue.fatigue_bending_stress(np.array([0, 67e3, 67.1e3, -1.0]) * PSI, "E") / PSI
+    assert stress[0] == pytest.approx(19500 - 1500, rel=1e-6)  # 0.6/670^2 x 33,500^2 = 1,500
+    assert stress[1] == pytest.approx(19500 - 10000 - 1500, rel=1e-6)
+    assert np.isnan(stress[2:]).all()
+    stress = fatigue.fatigue_bending_stress(np.array([0, 72.5e3, 133.5e3]) * PSI, "S") / PSI
+    assert stress[:2] == pytest.approx([20000, 10000], rel=1e-6) and np.isnan(stress[2])
+
+
+def test_grades_and_their_rules():
+    assert [fatigue.rule_of(g) for g in ("E-75", "s135", "X-95", "G-105", "V-150", "L-80", None)] == [
+        *("E", "S", "S", "S"),
+        *(None, None, None),
+    ]
+
+
+def test_tension_concentrates_bending_beside_tool_joints():
+    """tanh(x)/x: 1 without tension, 0.76159 at x = 1, and 1/x for long joints."""
+    assert fatigue.tension_factor(0.0, 1e6, 5.0) == 1.0
+    assert fatigue.tension_factor(-1e5, 1e6, 5.0) == 1.0
+    assert fatigue.tension_factor(1e6, 1e6, 1.0) == pytest.approx(math.tanh(1.0), rel=1e-12)
+    assert fatigue.tension_factor(1e8, 1e6, 10.0) == pytest.approx(0.01, rel=1e-6)
+
+
+def test_dogleg_of_a_force_on_each_tool_joint():
+    """2,000 lbf on each 30-ft joint at 100 klb: 3.820 deg/100 ft (RP 7G)."""
+    found = fatigue.dogleg_of_side_force(2000 * LBF, 100 * KLB, 180 * INCH)
+    assert found / DEG_PER_100FT == pytest.approx(3.820, rel=1e-3)
