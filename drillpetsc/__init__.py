@@ -47,6 +47,8 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Import the public face when one of its names is used."""
+    if name == "units":
+        return import_module("drillpetsc.units")
     if name in __all__:
         return getattr(import_module("drillpetsc.api"), name)
     raise AttributeError(f"module 'drillpetsc' has no attribute {name!r}")

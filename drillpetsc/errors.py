@@ -66,6 +66,11 @@ class DrillError(Exception):
         """Pickle an error with its named parts, as messages between ranks need."""
         return _rebuild, (type(self), self.__dict__)
 
+    def _render_traceback_(self) -> list[str]:
+        """What a notebook shows of the error: the message on one line, without the inside of the library."""
+        parts = [line.strip() for line in str(self).splitlines()]
+        return [f"{type(self).__name__}: " + "; ".join(" ".join(part.split()) for part in parts if part)]
+
 
 class CaseError(DrillError):
     """Bad input: place, value, what is allowed, and a cure.

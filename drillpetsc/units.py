@@ -35,6 +35,7 @@ _POWER_OF_NUMBER = re.compile(
 )  # 9^9^9 would be computed, for years
 _WORDS = re.compile(r"[A-Za-z%µμ°][A-Za-z0-9_%µμ°]*")
 LONGEST = 100  # letters of a number with its unit
+_FORCE = re.compile(r"lbf|(?<![A-Za-z])[kMG]?N(?![A-Za-z])")
 _ANGLE = re.compile(r"(radian|degree|turn|gradian|arcminute|arcsecond)$|^revolutions?_per")
 _COMMON = "m mm cm km in ft s ms min hour kg g lb tonne N kN MN lbf klbf Pa kPa MPa GPa bar psi ksi rad deg rpm l".split()
 _COMMON += "gal bbl ppg gpm cP degC degF K J W".split()
@@ -114,6 +115,56 @@ def _text_to_si(text: str, unit: str) -> float:
     if not _UNIT.fullmatch(rest) or _POWER_OF_NUMBER.search(rest):
         raise UnitError(text, wanted(unit), "one number, then its unit")
     return _neat(_convert(number, rest, unit, text))
+
+
+def to(value: Any, unit: str, given: str = "") -> Any:
+    """A value in another unit: `to(4.448e6, "klbf")` is 1000.
+
+    value: a number or an array in SI, or a variable with `attrs["units"]` such as one of a result (xarray), which comes back as
+    such a variable with the attribute of its new unit
+    unit: any unit that a case file may have
+    given: unit of the value, where it is not that of `attrs["units"]` and not SI
+    Raises UnitError for a unit that cannot be read, is of another kind than the value, or belongs to two kinds of quantity
+    (`lb`: say lbf or lbm).
+    """
+    if not unit.strip():
+        raise UnitError(unit, "a unit, such as klbf or m3/h")
+    attributes = getattr(value, "attrs", None)
+    source = given or (str(attributes.get("units", "")) if attributes is not None else "")
+    (size, zero), (from_size, from_zero) = _common_scales(unit, source)
+    changed = value * (from_size / size) + (from_zero - zero) / size if source else (value - zero) / size
+    if attributes is not None and hasattr(changed, "attrs"):
+        changed.attrs = {**attributes, "units": unit}
+    return changed
+
+
+@lru_cache(maxsize=512)
+def _common_scales(unit: str, source: str) -> tuple[tuple[float, float], tuple[float, float]]:
+    """(size, zero) in SI of two units of one kind of quantity. An empty `source` is the SI unit."""
+    found: dict[str, tuple[tuple[float, float], tuple[float, float]]] = {}
+    reasons = []
+    for si in filter(None, DIMENSIONS):
+        if si.startswith("kg") and _FORCE.search(unit):  # a weight, for keys that take a mass
+            continue
+        try:
+            found[si] = _linear(unit, si), _linear(source, si) if source else (1.0, 0.0)
+        except UnitError as error:
+            reasons.append(error.hint)
+    ways = {f"{of[0] / to[0]:.9g} {(of[1] - to[1]) / to[0]:.9g}" for to, of in found.values()}
+    if len(ways) == 1:
+        return next(iter(found.values()))
+    if found:
+        kinds = " and ".join(DIMENSIONS[si][0] for si in found)
+        raise UnitError(unit, "a unit of one kind of quantity", f"{unit} is {kinds}")
+    if source:
+        raise UnitError(unit, f"a unit of the kind of {source}")
+    raise UnitError(unit, "a unit, such as klbf or m3/h", next(iter(reasons), ""))
+
+
+def _linear(unit: str, si: str) -> tuple[float, float]:
+    """(size, zero) of a unit in SI; UnitError where it is of another kind or is an inverse (min/ft)."""
+    zero, one = to_si(f"0 {unit}", si), to_si(f"1 {unit}", si)
+    return one - zero, zero
 
 
 def bare_number(value: object) -> float | None:

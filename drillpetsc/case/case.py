@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +18,10 @@ from drillpetsc.case.key_paths import check_plain, refuse
 from drillpetsc.case.messages import case_error
 from drillpetsc.case.old_words import check_old_words
 from drillpetsc.case.quantities import BARE_NUMBERS
+from drillpetsc.case.survey_file import FOLDER
 from drillpetsc.case.tubulars import completed_string
-from drillpetsc.case.writer import case_yaml, sourced_yaml
+from drillpetsc.case.writer import case_data, case_yaml, sourced_yaml
+from drillpetsc.errors import CaseError
 from drillpetsc.unit_systems import System
 
 
@@ -28,6 +31,14 @@ def system_of(keys: Mapping[str, Any]) -> System:
     if units == "metric":
         return "metric_t" if keys.get("force_unit") == "t" else "metric"
     return "field" if units == "field" else "SI"
+
+
+@dataclass(frozen=True)
+class Given:
+    """Keys of a case as they were given, and the base of relative file names in them. Two cases are equal whatever these are."""
+
+    keys: Mapping[str, Any] | None = field(default=None, compare=False)
+    folder: Path = field(default=Path(), compare=False)
 
 
 class Case(CaseBlocks):
@@ -40,6 +51,7 @@ class Case(CaseBlocks):
     """
 
     _figures: Figures = PrivateAttr(default=Figures())
+    _given: Given = PrivateAttr(default=Given())
 
     def __init__(self, /, **keys: Any) -> None:
         check_plain(keys)
@@ -51,6 +63,7 @@ class Case(CaseBlocks):
             raise case_error(error, keys) from None
         finally:
             BARE_NUMBERS.reset(token)
+        self._given = Given(_copied(keys), FOLDER.get())
 
     @model_validator(mode="after")
     def _check_and_fill(self) -> Case:
@@ -83,6 +96,31 @@ class Case(CaseBlocks):
         """Figures that the case did not give itself: from the catalogue, defaults and formulas, with sources."""
         return self._figures
 
+    def replace(self, values: Mapping[str, Any]) -> Case:
+        """A new case with other values; this one stays as it is.
+
+        values: key path -> value, as in a sweep: `{"fluid.density": "11.2 ppg", "string[1].length": 90.0, "fluid": "off"}`. A text
+        is read as in the case file, and a bare number has the unit that it has there. `on` and `off` keep or remove a block.
+        Figures that follow from the values, such as the weight of a pipe from its diameter, are computed again.
+        Raises CaseError for a path that the case cannot have, and for a value that it may not have.
+        """
+        from drillpetsc.case.changes import changed, text_of
+
+        if not isinstance(values, Mapping):
+            raise CaseError(at="replace", got=values, want='a mapping such as {"fluid.density": "11.2 ppg"}')
+        keys = self._given.keys if self._given.keys is not None else case_data(self)
+        token = FOLDER.set(self._given.folder)
+        try:
+            return Case(**changed(keys, {key: text_of(value) for key, value in values.items()}))
+        finally:
+            FOLDER.reset(token)
+
+    def _repr_html_(self) -> str:
+        """The string as a table, for a notebook."""
+        from drillpetsc.case.string_table import case_html
+
+        return case_html(self)
+
     def to_yaml(self) -> str:
         """The case as YAML, in SI numbers and with every default written out; `load_case` reads it back
         unchanged."""
@@ -95,6 +133,13 @@ class Case(CaseBlocks):
     def dump(self, path: str | Path) -> None:
         """Write `to_yaml()` to a file."""
         Path(path).write_text(self.to_yaml(), encoding="utf-8")
+
+
+def _copied(value: Any) -> Any:
+    """Mappings and lists copied, so that a later change of them does not reach the case."""
+    if isinstance(value, Mapping):
+        return {key: _copied(part) for key, part in value.items()}
+    return [_copied(part) for part in value] if isinstance(value, (list, tuple)) else value
 
 
 def _in_the_file(error: PydanticCustomError, origins: tuple[int, ...]) -> PydanticCustomError:

@@ -6,16 +6,15 @@ belong to the value. `on` and `off` switch a block: off removes it from the case
 
 from __future__ import annotations
 
-import copy
 import itertools
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from drillpetsc.case import Case, case_from_data, override, read_case_file
+from drillpetsc.case import Case, case_from_data, read_case_file
 from drillpetsc.case.case import system_of
+from drillpetsc.case.changes import changed, text_of
 from drillpetsc.case.key_paths import Path as KeyPath
 from drillpetsc.case.key_paths import parsed, written
 from drillpetsc.case.schema import bare_unit_of
@@ -25,21 +24,6 @@ from drillpetsc.unit_systems import System
 from drillpetsc.units import bare_number
 
 MOST_ERRORS = 5  # explained at once
-WITHOUT = {"contact": "none"}  # blocks that a case has by default -> the value that removes them
-#: keys that are no blocks of physics: on and off are refused
-SETTINGS = (
-    "material",
-    "beam",
-    "initial",
-    "time",
-    "output",
-    "petsc",
-    "bottom",
-    "top",
-    "string",
-    "well.survey",
-    "well.sections",
-)
 
 
 @dataclass(frozen=True)
@@ -94,15 +78,7 @@ def choices_from(values: Mapping[str, Iterable[Any]]) -> dict[str, list[str]]:
     for key, several in values.items():
         if isinstance(several, (str, Mapping)) or not isinstance(several, Iterable):
             raise CaseError(at=key, got=several, want="a list of values")
-    return checked_choices({key: [_word(value) for value in several] for key, several in values.items()})
-
-
-def _word(value: Any) -> str:
-    return (
-        value
-        if isinstance(value, str)
-        else json.dumps(value, default=lambda v: v.tolist() if hasattr(v, "tolist") else str(v))
-    )
+    return checked_choices({key: [text_of(value) for value in several] for key, several in values.items()})
 
 
 def checked_choices(choices: dict[str, list[str]]) -> dict[str, list[str]]:
@@ -163,8 +139,9 @@ def variations(path: str | Path, choices: dict[str, list[str]]) -> list[Variatio
         if tuple(values.values()) in seen:
             continue
         seen.add(tuple(values.values()))
+        present = {key: text for key, text in values.items() if text != ABSENT}
         try:
-            case = case_from_data(_changed(data, values), path, lines)
+            case = case_from_data(changed(data, present), path, lines)
             if case.time is None:
                 raise CaseError(at="time", want="a block {end: ...}", file=path)
             found.append(Variation(values, case))
@@ -198,55 +175,6 @@ def _with_units(values: dict[str, str], system: System) -> dict[str, str]:
         key: f"{word} {units[key]}" if units[key] and bare_number(word) is not None else word
         for key, word in values.items()
     }
-
-
-def _changed(data: dict[str, Any], values: dict[str, str]) -> dict[str, Any]:
-    """Case data with the values set; a block is set before the keys inside it."""
-    for key, word in sorted(values.items(), key=lambda each: len(parsed(each[0]))):
-        if word == ABSENT:
-            continue
-        try:
-            data = (
-                _switched(data, key, word == "on")
-                if word in ("on", "off")
-                else override(data, f"{key}={word}")
-            )
-        except CaseError as error:
-            raise CaseError(at=key, got=word, want=error.want, hint=error.hint) from None
-    return data
-
-
-def _switched(data: dict[str, Any], key: str, on: bool) -> dict[str, Any]:
-    """Case data with a block kept or removed."""
-    *above, last = parsed(key)
-    holder: Any = data
-    for step in above:
-        holder = holder.get(step) if isinstance(holder, dict) else None
-    there = isinstance(holder, dict) and last in holder
-    if there and isinstance(holder[last], bool):
-        return override(data, f"{key}={'true' if on else 'false'}")
-    if not on and key in WITHOUT:
-        return override(data, f"{key}={WITHOUT[key]}")
-    if key in SETTINGS or isinstance(last, int) or (above and not there):
-        raise CaseError(
-            want="on and off only for a block of physics that the file has, such as fluid",
-            hint="give its values instead",
-        )
-    if on and not there and key not in WITHOUT:
-        raise CaseError(
-            want="on and off only for a block of physics that the file has",
-            hint=f"write the block {key} into the case file; off leaves it out",
-        )
-    if on:
-        return data
-    if not there:
-        raise CaseError(want="on and off only for a block of physics that the file has")
-    data = copy.deepcopy(data)
-    holder = data
-    for step in above:
-        holder = holder[step]
-    del holder[last]
-    return data
 
 
 def _explained(error: CaseError, values: dict[str, str]) -> CaseError:

@@ -1,0 +1,93 @@
+"""Changed values of a case: texts as in a case file, `on` and `off` for blocks, laid over the data of the case.
+
+A sweep and `Case.replace` change cases by these functions.
+"""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from drillpetsc.case.key_paths import parsed
+from drillpetsc.case.reader import override
+from drillpetsc.errors import CaseError
+
+WITHOUT = {"contact": "none"}  # blocks that a case has by default -> the value that removes them
+#: keys that are no blocks of physics: on and off are refused
+SETTINGS = (
+    "material",
+    "beam",
+    "initial",
+    "time",
+    "output",
+    "petsc",
+    "bottom",
+    "top",
+    "string",
+    "well.survey",
+    "well.sections",
+)
+
+
+def text_of(value: Any) -> str:
+    """A value as text of a case file: a text is taken as it is, all others as YAML."""
+    return (
+        value
+        if isinstance(value, str)
+        else json.dumps(value, default=lambda v: v.tolist() if hasattr(v, "tolist") else str(v))
+    )
+
+
+def changed(data: Mapping[str, Any], values: Mapping[str, str]) -> dict[str, Any]:
+    """Case data with values set; a block is set before the keys inside it. The data given are left alone.
+
+    data: keys of a case
+    values: key path -> text of the value as in a case file; `on`, `off` keep or remove a block
+    Raises CaseError for paths that lead nowhere and for texts that cannot be read.
+    """
+    data = dict(data)
+    for key, text in sorted(values.items(), key=lambda each: len(parsed(each[0]))):
+        try:
+            data = (
+                _switched(data, key, text == "on")
+                if text in ("on", "off")
+                else override(data, f"{key}={text}")
+            )
+        except CaseError as error:
+            raise CaseError(at=key, got=text, want=error.want, hint=error.hint) from None
+    return data
+
+
+def _switched(data: dict[str, Any], key: str, on: bool) -> dict[str, Any]:
+    """Case data with a block kept or removed."""
+    *above, last = parsed(key)
+    holder: Any = data
+    for step in above:
+        holder = holder.get(step) if isinstance(holder, dict) else None
+    there = isinstance(holder, dict) and last in holder
+    if there and isinstance(holder[last], bool):
+        return override(data, f"{key}={'true' if on else 'false'}")
+    if not on and key in WITHOUT:
+        return override(data, f"{key}={WITHOUT[key]}")
+    if key in SETTINGS or isinstance(last, int) or (above and not there):
+        raise CaseError(
+            want="on and off only for a block of physics that the file has, such as fluid",
+            hint="give its values instead",
+        )
+    if on and not there and key not in WITHOUT:
+        raise CaseError(
+            want="on and off only for a block of physics that the file has",
+            hint=f"write the block {key} into the case file; off leaves it out",
+        )
+    if on:
+        return data
+    if not there:
+        raise CaseError(want="on and off only for a block of physics that the file has")
+    data = copy.deepcopy(data)
+    holder = data
+    for step in above:
+        holder = holder[step]
+    del holder[last]
+    return data
