@@ -17,8 +17,8 @@ from drillpetsc.analysis.limits.rules_of_thumb import PPG
 from drillpetsc.analysis.limits.table import Choices
 from drillpetsc.case import Case
 from drillpetsc.case.catalogue.sizes import INCH, KSI, LB_PER_FT, LBF
-from drillpetsc.case.section import tubular_section
 from drillpetsc.case.free_point_options import Pair, read_pairs
+from drillpetsc.case.section import tubular_section
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 
