@@ -9,6 +9,8 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import hole_depth
 
+ROUNDING = 1e-9  # difference of two lengths that is none [m]
+
 
 def prescribed_motion(model: DrillingModel) -> tuple[float, float]:
     """Return the axial velocity [m/s, down positive] and the rotation [rad/s] that the top prescribes at time 0."""
@@ -28,7 +30,8 @@ def top_depth(model: DrillingModel) -> float:
     """
     if model.well is None or model.case.initial.wob is None or model.case.top.force is not None:
         return 0.0
-    return hole_depth(model.case) - model.mesh.total_length
+    depth = hole_depth(model.case) - model.mesh.total_length
+    return depth if abs(depth) > ROUNDING else 0.0
 
 
 def place_along_hole(model: DrillingModel, top: float = 0.0) -> None:
