@@ -94,7 +94,7 @@ def test_overwriting_removes_the_tables(folder: Path):
 
 
 def test_free_point(folder: Path):
-    done = drillpetsc("freepoint", "small.yaml", "--stretch", "1,2.5 in", "--pull", "30,60 kN", cwd=folder)
+    done = drillpetsc("freepoint", "small.yaml", "--stretch", "1,2.2 in", "--pull", "30,60 kN", cwd=folder)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("below the top (drill pipe)") == 3 and "line through them" in done.stdout
     done = drillpetsc("freepoint", "small.yaml", "--stretch", "4", "--pull", "60 kN", cwd=folder)

@@ -97,6 +97,7 @@ def test_margin_of_overpull_in_a_vertical_well(tmp_path):
     assert margin["margin"] / LBF == pytest.approx(168747, rel=2e-3)
     assert margin["ratio"] == pytest.approx(392400 / 223653, rel=2e-3)
     assert margin["md"] == 0.0 and margin["item"] == "drill pipe"
+    assert found["neutral_point"]["effective"] is None  # it hangs
 
 
 @pytest.mark.parametrize("law, helical", [("chen", 356.16e3), ("wu", 251.84e3 * (2 * math.sqrt(2) - 1))])
@@ -233,7 +234,6 @@ def test_stresses_of_the_table_are_those_of_its_forces(tmp_path):
     mean = tubular_section(given.string[0])  # areas of tube and tool joints
     between = inside * mean.bore_area - outside * mean.outer_area
     assert (t["axial_force"] - t["effective_tension"])[k] == pytest.approx(between, rel=1e-9)
-    assert t["side_force_per_joint"][k] == pytest.approx(31 * FT * t["contact_force"][k])
     contacts = read_table(found.folder / "contacts.csv")
     assert list(contacts["item [-]"]) == ["drill pipe", "drill collar", "bit"]
     assert found.summary["surface_torque"] == pytest.approx(
@@ -291,6 +291,9 @@ def test_rows_where_items_meet_and_around_rigid_items(tmp_path):
     stab = np.array(names) == "stab"
     assert np.isnan(table["von_mises [Pa]"][stab]).all() and np.isfinite(table["axial_force [N]"][stab]).all()
     assert table["tvd [m]"] == pytest.approx(md * math.cos(0.9))
+    weight = (300 * given.string[0].adjusted_weight + 60 * given.string[2].adjusted_weight + 300) * G
+    on_joint = given.string[0].adjusted_weight * G * math.sin(0.9) * 31 * FT
+    assert table["side_force_per_joint [N]"][np.array(names) == "dp"].max() < 1.5 * on_joint
     rows = {row["item"]: row for row in found.summary["contacts"]}
     assert rows["stab"]["side_force"] > 0 and rows["stab"]["md"] == pytest.approx(301.0)
     assert (
@@ -298,7 +301,6 @@ def test_rows_where_items_meet_and_around_rigid_items(tmp_path):
     )  # pushed to the high side
     assert abs(rows["stab"]["gap"]) < 1e-3
     across = sum(row["side_force"] for row in rows.values())
-    weight = (300 * given.string[0].adjusted_weight + 60 * given.string[2].adjusted_weight + 300) * G
     assert across == pytest.approx(weight * math.sin(0.9), rel=2e-2)
     drag = sum(row["axial_drag"] for row in rows.values())
     assert drag == pytest.approx(0.3 * across, rel=1e-3)  # hoisted: down the hole

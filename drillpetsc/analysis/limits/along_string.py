@@ -27,6 +27,7 @@ class State:
     axial: tension of the pipe's wall [N]; effective: effective tension [N]; torque [N m], as the surface torque.
     moment: bending moment beyond the stress-free shape [N m]; dls: curvature of the string [1/m].
     side_force: of the wall per length [N/m], nan without contact.
+    side_force_of_elements: (n,) its mean over each element.
     inside, outside: pressures [Pa], 0 where there is no mud.
     tangent: (nodes, 3) unit tangents of the nodes; nodes: (nodes, 3) their positions [m].
     """
@@ -37,6 +38,7 @@ class State:
     moment: FloatArray
     dls: FloatArray
     side_force: FloatArray
+    side_force_of_elements: FloatArray
     inside: FloatArray
     outside: FloatArray
     nodes: FloatArray
@@ -85,6 +87,7 @@ def static_state(model: DrillingModel) -> State | None:
         moment=cell[:, 2:4],
         dls=cell[:, 4:6],
         side_force=np.column_stack([cell[:, 7], cell[:, 7]]),
+        side_force_of_elements=cell[:, 7],
         inside=both["bore"],
         outside=both["annulus"],
         nodes=at_nodes[:, :3],

@@ -37,6 +37,7 @@ from drillpetsc.solvers import petsc_options as options
 from drillpetsc.unit_systems import System, shown
 
 NO_SOFT_STRING = "no margin of overpull and no largest weight on bit: they need a hole with contact, and gravity that points down"
+NO_FORCE = 1e-5  # share of the largest force below which the end of a string is not in compression
 #: summary key, column, True for its largest value, words
 WEAKEST = (
     ("safety_factor", False, "Safety factor"),
@@ -214,8 +215,9 @@ def _neutral_point(table: dict[str, Any], name: str) -> dict[str, float] | None:
     above the string's lower end [m]; None where there is none."""
     known = np.isfinite(table[name])
     md, force = table["md"][known], table[name][known]
+    least = NO_FORCE * float(np.abs(force).max(initial=0.0))
     change = np.flatnonzero((force[:-1] > 0) & (force[1:] <= 0))
-    if not len(change):
+    if not len(change) or not (force[change[-1] + 1 :] < -least).any():  # a free end carries nothing
         return None
     k = int(change[-1])
     depth = md[k] + (md[k + 1] - md[k]) * force[k] / (force[k] - force[k + 1])
@@ -322,7 +324,8 @@ def _flags(table: dict[str, Any], summary: dict[str, Any], choices: Choices, uni
                 f"compression beyond the {state} limit between MD {shown(float(md.min()), 'length', units, 5)} "
                 f"and {shown(float(md.max()), 'length', units, 5)}"
             )
-    if (table["buckling_state"] == "-").any() and np.isfinite(table["effective_tension"]).all():
+    flexible = np.isfinite(table["curvature"])  # rows of rigid items have none
+    if ((table["buckling_state"] == "-") & flexible).any():
         out.append("the string is in compression where no wall holds it: no buckling limit there")
     return out
 

@@ -116,7 +116,7 @@ def element_values(
             "annulus_pressure": state.outside if wet is not None and wet.annulus is not None else nothing,
             "axial_stress": s.axial,
             "worst_bending_stress": s.bending,
-            "shear_stress": s.shear,
+            "torsional_stress": s.shear,
             "hoop_stress": s.hoop,
             "von_mises": s.von_mises,
             "yield_strength": np.broadcast_to(strong, nothing.shape),
@@ -128,10 +128,26 @@ def element_values(
             "sinusoidal_limit": sinusoidal,
             "helical_limit": helical,
             "contact_force": state.side_force,
-            "side_force_per_joint": state.side_force * pipe.joint_length[:, None],
+            "side_force_per_joint": _force_on_joint(hole.md, state, pipe.joint_length),
             "fatigue_dls": dogleg,
             "fatigue_ratio": state.dls / dogleg,
         }
+
+
+def _force_on_joint(md: FloatArray, state: State, joint: FloatArray) -> FloatArray:
+    """(n, 2) side force [N] on a joint of pipe whose middle is there: that of the wall over the length of a joint.
+
+    At the ends of the string the joint is the last one. So a force at one point counts once, whatever the elements are.
+
+    md: (n, 2) measured depths [m]; joint: (n,) length [m], nan where there are no joints.
+    """
+    own = np.nan_to_num(state.side_force_of_elements) * (md[:, 1] - md[:, 0])
+    depths = np.concatenate([md[:1, 0], md.ravel()])
+    sums = np.concatenate([[0.0], np.column_stack([np.cumsum(own) - own, np.cumsum(own)]).ravel()])
+    length = np.minimum(joint, md[-1, 1] - md[0, 0])[:, None]
+    first = np.clip(md - 0.5 * length, md[0, 0], md[-1, 1] - length)
+    out = np.interp(first + length, depths, sums) - np.interp(first, depths, sums)
+    return np.where(np.isfinite(state.side_force), out, np.nan)
 
 
 def _smoothed(model: DrillingModel, state: State) -> State:

@@ -65,7 +65,14 @@ LIMITS: tuple[Quantity, ...] = (
         "At the outer fibre of the worn tube; beside tool joints, where tension concentrates the bending (Lubinski 1961).",
         kind="stress",
     ),
-    _node("shear_stress", "Pa", "Shear stress", "SSTR", "Of the torque, at the outer fibre.", kind="stress"),
+    _node(
+        "torsional_stress",
+        "Pa",
+        "Torsional stress",
+        "TSTR",
+        "Of the torque, at the outer fibre.",
+        kind="stress",
+    ),
     _node(
         "hoop_stress",
         "Pa",
@@ -147,7 +154,7 @@ LIMITS: tuple[Quantity, ...] = (
         "N",
         "Side force per joint",
         "SFPJ",
-        "Side force per length times the length of a joint; nan for pipe without joints.",
+        "Push of the wall on a joint of pipe whose middle is here; nan for pipe without joints.",
     ),
     _node(
         "fatigue_dls",
