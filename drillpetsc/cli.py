@@ -465,6 +465,26 @@ def _plot_arguments(command: argparse.ArgumentParser) -> None:
     _units_argument(command)
 
 
+def _report_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "paths",
+        nargs="+",
+        metavar="RUN|CASE.yaml",
+        help="run folders of one case, and its file; or the file alone",
+    )
+    command.add_argument(
+        "--out",
+        metavar="FILE.html",
+        help="file to be written (default: report.html in the first run folder, or CASE-report.html)",
+    )
+    command.add_argument(
+        "--sections",
+        metavar="A,B",
+        help="well, string, mud, roadmap, statics, limits, hydraulics, surge, dynamics, modes, inputs, solver (default: all)",
+    )
+    _units_argument(command)
+
+
 def _import_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "files",
@@ -792,6 +812,18 @@ def _plot(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     return _draw(lambda: plot(arguments.run, arguments.out, arguments.units), arguments.run)
 
 
+def _report(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.reporting import report
+
+    sections = [name.strip() for name in (arguments.sections or "").split(",") if name.strip()]
+    try:
+        file = report(*arguments.paths, out=arguments.out, units=arguments.units, sections=sections)
+    except (OSError, ValueError) as error:
+        raise CaseError(at="RUN", got=" ".join(arguments.paths), want=str(error)) from None
+    print(f"{file}  ({file.stat().st_size / 1e6:.2f} MB)")
+    return 0
+
+
 def _draw(draw: Callable[[], Iterable[Path]], run: str) -> int:
     """Draw pictures of a run folder and print their names."""
     try:
@@ -975,6 +1007,13 @@ COMMANDS = (
         "time histories, probe orbits, forces along depth, as pictures",
         _plot_arguments,
         _plot,
+        takes_petsc_options=False,
+    ),
+    Command(
+        "report",
+        "one HTML file on a case and its run folders: well, string, mud, results, inputs with sources",
+        _report_arguments,
+        _report,
         takes_petsc_options=False,
     ),
     Command(

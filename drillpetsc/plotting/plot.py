@@ -59,40 +59,45 @@ def _plot(folder: RunFolder, out: str | os.PathLike | None, units: System | None
         return pictures
     into = Path(out) if out is not None else folder.plots
     into.mkdir(parents=True, exist_ok=True)
-    summary = read_summary(folder.summary) if folder.summary.exists() else {}
-    title = str(summary.get("title") or folder.path.name)
-    drawings: dict[str, Any] = {}
+    files = []
     with style.look():
-        if folder.history.exists():
-            table = read_table(folder.history)
-            operation, numerics = grouped(list(table))
-            drawings["history"] = _histories(table, operation, f"{title}: histories")
-            drawings["numerics"] = _histories(table, numerics, f"{title}: energy and time steps")
-        if folder.probes.exists():
-            probes, clearances = read_table(folder.probes), _clearances(folder)
-            drawings["orbits"] = _orbits(probes, clearances, title)
-            drawings["probes"] = _probes(probes, clearances, title)
-        if folder.statics.exists():
-            drawings["along_depth"] = _along_depth(read_table(folder.statics), title)
-        drawings["modes"] = draw_modes(folder.path, title)
-        drawings |= draw_hydraulics(folder.path, title, units or units_of(summary))
-        drawings |= draw_torque_drag(folder.path, title, units or units_of(summary))
-        drawings |= draw_limits(folder.path, title, units or units_of(summary))
-        if folder.trajectory.exists():
-            path, drilled = (
-                read_table(folder.trajectory),
-                summary.get("new_hole", {}).get("drilled [m]", 0.0),
-            )
-            drawings["trajectory"] = well_path(path, title, drilled)
-            drawings["new_hole"] = new_hole(path, title, drilled)
-        files = []
-        for name, drawing in drawings.items():
-            if drawing is not None:
-                files.append(into / f"{name}.png")
-                drawing.savefig(files[-1])
+        for name, drawing in drawings(folder, units).items():
+            files.append(into / f"{name}.png")
+            drawing.savefig(files[-1])
     if not files:
         raise FileNotFoundError(f"{folder.path} holds no table with rows: nothing to plot")
     return files
+
+
+def drawings(folder: RunFolder, units: System | None = None) -> dict[str, Any]:
+    """Figures of a run folder by name, in the units of `style.UNITS`; call it and save them within `style.look()`.
+
+    units: of the pictures of hydraulics and surge; by default those of their summary.
+    """
+    summary = read_summary(folder.summary) if folder.summary.exists() else {}
+    title = str(summary.get("title") or folder.path.name)
+    drawn: dict[str, Any] = {}
+    if folder.history.exists():
+        table = read_table(folder.history)
+        operation, numerics = grouped(list(table))
+        drawn["history"] = _histories(table, operation, f"{title}: histories")
+        drawn["numerics"] = _histories(table, numerics, f"{title}: energy and time steps")
+    if folder.probes.exists():
+        probes, clearances = read_table(folder.probes), _clearances(folder)
+        drawn["orbits"] = _orbits(probes, clearances, title)
+        drawn["probes"] = _probes(probes, clearances, title)
+    if folder.statics.exists():
+        drawn["along_depth"] = _along_depth(read_table(folder.statics), title)
+    drawn["modes"] = draw_modes(folder.path, title)
+    drawn |= draw_hydraulics(folder.path, title, units or units_of(summary))
+    drawn |= draw_torque_drag(folder.path, title, units or units_of(summary))
+    drawn |= draw_limits(folder.path, title, units or units_of(summary))
+    if folder.trajectory.exists():
+        path = read_table(folder.trajectory)
+        drilled = summary.get("new_hole", {}).get("drilled [m]", 0.0)
+        drawn["trajectory"] = well_path(path, title, drilled)
+        drawn["new_hole"] = new_hole(path, title, drilled)
+    return {name: drawing for name, drawing in drawn.items() if drawing is not None}
 
 
 def grouped(titles: list[str]) -> tuple[list[list[str]], list[list[str]]]:

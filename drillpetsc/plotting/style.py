@@ -176,6 +176,7 @@ def heading(drawing: Any, text: str) -> float:
     width, height = drawing.get_size_inches()
     lines = textwrap.wrap(text, max(int((width - 0.4) / 0.105), 20))
     text_box = drawing.suptitle("\n".join(lines), x=0.02, ha="left", fontweight="bold", fontsize=12)
+    text_box.set_parse_math(False)  # a title may have a $
     text_box.set_in_layout(False)  # the height returned leaves its place free
     return 1.0 - (0.25 + 0.2 * len(lines)) / float(height)
 

@@ -103,6 +103,10 @@ class RunFolder:
         return self.path / "case.resolved.yaml"
 
     @property
+    def report(self) -> Path:
+        return self.path / "report.html"
+
+    @property
     def plots(self) -> Path:
         return self.path / "plots"
 
@@ -197,6 +201,8 @@ class RunFolder:
             self.summary,
             self.checkpoint,
             self.case,
+            self.resolved_case,
+            self.report,
             *(self.path / table for table in (*HYDRAULICS_TABLES, *TORQUE_DRAG_FILES, *LIMITS_TABLES)),
         ):
             file.unlink(missing_ok=True)

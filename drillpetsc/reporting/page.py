@@ -1,0 +1,174 @@
+"""Parts of a report as plain data: sections, tables, pictures. The template turns them into HTML."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import io
+import textwrap
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.output.files.tables import read_table
+from drillpetsc.reporting.units import heading_of, in_units, texts
+from drillpetsc.unit_systems import System
+
+WHOLE = 40  # rows of a table up to which it is shown unfolded
+SHOWN = 120  # rows of a longer table that are shown
+MOST_CSV = 200_000  # bytes of a table that goes along as CSV
+MOST_SVG = 180_000  # bytes of a picture above which it is embedded as PNG
+MOST_POINTS = 8_000  # points of lines above which SVG is not tried
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture in the file: data URI, words for those who do not see it, and the files it is drawn from."""
+
+    uri: str
+    words: str
+    source: str
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A table of texts.
+
+    heads: of the columns; rows: of texts; numeric: columns set flush right; caption; source: where the figures are;
+    folded: shown after a click; csv: data URI of the whole table in SI, may be empty; note: what is left out.
+    """
+
+    heads: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    caption: str = ""
+    source: str = ""
+    folded: bool = False
+    csv: str = ""
+    csv_name: str = ""
+    numeric: Sequence[bool] = ()
+    note: str = ""
+
+
+@dataclass
+class Section:
+    """A section of a report; `missing` says why it is empty."""
+
+    key: str
+    title: str
+    text: list[str] = field(default_factory=list)
+    grids: list[Grid] = field(default_factory=list)
+    pictures: list[Picture] = field(default_factory=list)
+    verbatim: list[tuple[str, str]] = field(default_factory=list)
+    """(heading, text) shown as they are, folded."""
+    missing: str = ""
+
+    @property
+    def anchor(self) -> str:
+        """Target of links within the page."""
+        return "".join(c if c.isalnum() else "-" for c in f"{self.key}-{self.title}".lower())
+
+
+def data_uri(kind: str, content: bytes) -> str:
+    """Bytes of a media type as a text that a page can hold."""
+    return f"data:{kind};base64,{base64.b64encode(content).decode('ascii')}"
+
+
+def picture(drawing: Any, words: str, source: str) -> Picture:
+    """A figure as SVG, or as PNG where that is smaller. Equal figures give equal bytes.
+
+    drawing: figure of matplotlib; call it within `plotting.style.look()`
+    """
+    import matplotlib as mpl
+
+    with mpl.rc_context({"svg.hashsalt": "drillpetsc"}):  # else identifiers are random
+        out = io.BytesIO()
+        if sum(len(line.get_xdata()) for axes in drawing.axes for line in axes.lines) <= MOST_POINTS:
+            drawing.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
+            if out.tell() <= MOST_SVG:
+                return Picture(data_uri("image/svg+xml", out.getvalue()), words, source)
+        out = io.BytesIO()
+        drawing.savefig(out, format="png", metadata={"Software": None})
+    return Picture(data_uri("image/png", out.getvalue()), words, source)
+
+
+def facts(rows: Sequence[tuple[str, str, str]], caption: str = "", source: str = "") -> Grid:
+    """A table of (quantity, value, unit)."""
+    return Grid(("Quantity", "Value", "Unit"), rows, caption, source, numeric=(False, True, False))
+
+
+def grid_of(
+    table: Mapping[str, np.ndarray],
+    system: System,
+    caption: str,
+    source: str,
+    columns: Sequence[str] = (),
+    csv_bytes: bytes = b"",
+    csv_name: str = "",
+    folded: bool | None = None,
+) -> Grid:
+    """A table `name [unit]` -> (n,) in the units of a system. Of more than SHOWN rows, evenly spaced ones are shown.
+
+    columns: names to be shown; by default all that have a value
+    csv_bytes: the whole table as it goes along, in SI; by default made from the table
+    folded: by default, tables of more than WHOLE rows
+    """
+    titles = [t for t in table if not columns or t.partition(" [")[0] in columns]
+    titles = [t for t in titles if table[t].dtype.kind != "f" or np.isfinite(table[t]).any()]
+    count = len(next(iter(table.values()), ()))
+    kept = np.arange(count)
+    if count > SHOWN:
+        kept = np.unique(np.linspace(0, count - 1, SHOWN).round().astype(int))
+    shown: list[list[str]] = []
+    for title in titles:
+        values = table[title]
+        if values.dtype.kind == "f":
+            shown.append(texts(in_units(title, values[kept], system)))
+        else:
+            shown.append([str(value) for value in values[kept]])
+    notes = []
+    if len(kept) < count:
+        notes.append(f"{len(kept)} of {count} rows")
+    if len(titles) < len(table):
+        notes.append(f"{len(titles)} of {len(table)} columns")
+    content = csv_bytes or csv_of(table)
+    small = len(content) <= MOST_CSV
+    if not small:
+        notes.append(f"the whole table is in {source}" if source else "too large to go along as CSV")
+    return Grid(
+        [heading_of(title, system) for title in titles],
+        list(zip(*shown, strict=True)),
+        caption,
+        source,
+        count > WHOLE if folded is None else folded,
+        data_uri("text/csv", content) if small else "",
+        csv_name or Path(source.split(":")[-1]).name or "table.csv",
+        [table[title].dtype.kind == "f" for title in titles],
+        "; ".join(notes),
+    )
+
+
+def csv_of(table: Mapping[str, np.ndarray]) -> bytes:
+    """A table as CSV in SI."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(table)
+    writer.writerows(zip(*(values.tolist() for values in table.values()), strict=True))
+    return text.getvalue().encode("utf-8")
+
+
+def file_grid(
+    file: Path, system: System, caption: str, source: str, columns: Sequence[str] = ()
+) -> Grid | None:
+    """A table of a run folder; None where it has no rows."""
+    table = read_table(file)
+    if not table or not len(next(iter(table.values()))):
+        return None
+    return grid_of(table, system, caption, source, columns, file.read_bytes(), file.name)
+
+
+def drawn_title(title: str) -> str:
+    """A title short enough for a heading."""
+    return textwrap.shorten(title, 160, placeholder=" ...") if title.strip() else "case"

@@ -1,0 +1,344 @@
+"""Sections on results: what the tables and the summary of run folders hold."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.output import catalogue
+from drillpetsc.output.files.json_file import read_summary
+from drillpetsc.output.files.run_folder import RunFolder
+from drillpetsc.output.files.tables import read_table, split_name
+from drillpetsc.output.summary_keys import SUMMARY_KEYS
+from drillpetsc.plotting import style
+from drillpetsc.plotting.plot import drawings
+from drillpetsc.reporting.page import Grid, Section, facts, file_grid, picture
+from drillpetsc.reporting.units import heading_of, in_units, label_of, number, texts, unit_of
+from drillpetsc.unit_systems import System
+
+LEAST_SHARE = 1e-4  # smallest error that is told of, as a share
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of results.
+
+    key: of its section; tables: files in the run folder that hold it, the first one always; pictures: their names;
+    command: that computes it, empty where no single one does; columns: of the first table that are shown, by default all; needs_mud.
+    """
+
+    key: str
+    title: str
+    tables: tuple[str, ...]
+    pictures: tuple[str, ...]
+    command: str
+    columns: tuple[str, ...] = ()
+    needs_mud: bool = False
+
+
+ALONG = (
+    "md",
+    "axial_force",
+    "effective_tension",
+    "torque",
+    "contact_force",
+    "bending_moment",
+    "inclination",
+    "bending_stress",
+    "buckling_ratio",
+    "ecd",
+)
+KINDS = (
+    Kind(
+        "roadmap",
+        "Torque and drag",
+        ("roadmap.csv", "calibration.csv"),
+        ("roadmap", "calibration"),
+        "roadmap CASE.yaml",
+    ),
+    Kind("statics", "Statics", ("statics.csv",), ("along_depth",), "statics CASE.yaml", ALONG),
+    Kind("limits", "Limits", ("limits.csv", "contacts.csv"), ("limits", "contacts"), "limits CASE.yaml"),
+    Kind(
+        "hydraulics",
+        "Hydraulics",
+        (
+            "hydraulics.csv",
+            "pressure_profile.csv",
+            "flow_curve.csv",
+            "dial_readings.csv",
+            "rheology_fits.csv",
+        ),
+        ("losses", "pressure_profile", "flow_curve", "rheology"),
+        "hydraulics CASE.yaml",
+        needs_mud=True,
+    ),
+    Kind(
+        "surge",
+        "Surge and swab",
+        ("surge.csv", "max_trip_speed.csv"),
+        ("surge", "max_trip_speed"),
+        "surge CASE.yaml --speed '60,120 ft/min'",
+        needs_mud=True,
+    ),
+    Kind(
+        "dynamics",
+        "Dynamics",
+        ("history.csv", "probes.csv"),
+        ("history", "orbits", "probes", "new_hole", "numerics"),
+        "run CASE.yaml",
+    ),
+    Kind("modes", "Modes", ("modes.csv",), ("modes",), "modes CASE.yaml"),
+)
+#: pictures of every folder that the section on the well has, too
+OF_THE_WELL = ("trajectory",)
+_NO_ROWS = ("history.csv", "probes.csv")  # tables too long for a page: their ranges are shown
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run folder that goes into a report: its name, files and summary."""
+
+    folder: RunFolder
+    name: str
+    summary: Mapping[str, Any]
+
+    @classmethod
+    def open(cls, path: Path) -> Run:
+        """A run folder with its summary, empty where it has none."""
+        folder = RunFolder.open(path)
+        summary = read_summary(folder.summary) if folder.summary.is_file() else {}
+        return cls(folder, path.resolve().name, summary)
+
+    def has(self, kind: Kind) -> bool:
+        """Whether the folder holds results of a kind."""
+        return any((self.folder.path / table).is_file() for table in kind.tables)
+
+    @property
+    def kinds(self) -> list[Kind]:
+        """Kinds of results in the folder."""
+        return [kind for kind in KINDS if self.has(kind)]
+
+
+def warnings_of(run: Run) -> list[str]:
+    """What the user should know of a run: its state, warnings and notes, and rows that are not to be trusted."""
+    found: list[str] = []
+    status = run.summary.get("status")
+    if isinstance(status, str) and status != "done":
+        found.append(f"the run is not complete: {status}")
+    pivots = run.summary.get("negative_pivots")
+    if isinstance(pivots, int | float) and pivots > 0 and run.summary.get("stable") is not True:
+        found.append(f"the static state is not stable: {pivots:g} negative pivots")
+    if not run.summary:
+        found.append("no summary.json in this folder: the run did not end")
+    found += _texts(run.summary)
+    for kind in run.kinds:
+        for table in kind.tables:
+            file = run.folder.path / table
+            if file.is_file():
+                found += _doubtful(file)
+    return list(dict.fromkeys(found))
+
+
+def _texts(value: Any) -> list[str]:
+    """Texts below the keys `warnings` and `notes` of a summary, wherever they are."""
+    found: list[str] = []
+    if isinstance(value, Mapping):
+        for key, part in value.items():
+            if key in ("warnings", "notes") and isinstance(part, list):
+                found += [str(text) for text in part if isinstance(text, str)]
+            else:
+                found += _texts(part)
+    elif isinstance(value, list):
+        for part in value:
+            found += _texts(part)
+    return found
+
+
+def _doubtful(file: Path) -> list[str]:
+    """Rows whose status is not `ok`."""
+    table = read_table(file)
+    states = [str(state) for state in table.get("status [-]", ())]
+    bad = sorted({state for state in states if state not in ("ok", "done", "converged")})
+    return [
+        f"{file.name}: {states.count(state)} of {len(states)} rows have the status '{state}'" for state in bad
+    ]
+
+
+def result_sections(
+    runs: Sequence[Run], system: System, wanted: Sequence[str], why: Mapping[str, str]
+) -> list[Section]:
+    """A section for each kind of results of each run; one that says why for each kind that no run has.
+
+    wanted: keys of the sections; why: reason by key where results of a kind cannot be.
+    """
+    sections: list[Section] = []
+    pictures = {run.name: _pictures(run, system) for run in runs}
+    for kind in KINDS:
+        if kind.key not in wanted:
+            continue
+        found = [run for run in runs if run.has(kind)]
+        for run in found:
+            title = kind.title + (f": {run.name}" if len(found) > 1 else "")
+            sections.append(_section(kind, run, title, system, pictures[run.name]))
+        if not found:
+            missing = f"no run folder of this report holds {kind.tables[0]}"
+            if kind.command:
+                missing += f"; 'drillpetsc {kind.command}' writes it"
+            missing = why.get(kind.key, missing)
+            sections.append(Section(kind.key, kind.title, missing=missing))
+    return sections
+
+
+def _pictures(run: Run, system: System) -> dict[str, Any]:
+    """Figures of a folder by name, without those of the well."""
+    token = style.UNITS.set(system)
+    try:
+        drawn = drawings(run.folder, system)
+    finally:
+        style.UNITS.reset(token)
+    return {name: figure for name, figure in drawn.items() if name not in OF_THE_WELL}
+
+
+def _section(kind: Kind, run: Run, title: str, system: System, drawn: Mapping[str, Any]) -> Section:
+    section = Section(kind.key, title)
+    tables = [table for table in kind.tables if (run.folder.path / table).is_file()]
+    data = ", ".join(f"{run.name}/{table}" for table in tables)
+    motion = run.summary.get("motion")
+    if kind.key == "statics" and isinstance(motion, str):
+        section.text.append(f"Motion that friction opposes: {motion}.")
+    section.grids += _figures(kind, run, system)
+    others = [name for other in KINDS for name in other.pictures if other is not kind]
+    first = run.kinds[0] is kind
+    for name, figure in drawn.items():
+        own = any(name == start or name.startswith(f"{start}_") for start in kind.pictures)
+        taken = any(name == start or name.startswith(f"{start}_") for start in others)
+        if own or (first and not taken):
+            words = f"{kind.title}: {name.replace('_', ' ')}"
+            section.pictures.append(picture(figure, words, data))
+    for table in tables:
+        file = run.folder.path / table
+        source = f"{run.name}/{table}"
+        if table in _NO_ROWS:
+            section.grids += _ranges(file, system, source)
+            continue
+        grid = file_grid(file, system, table, source, kind.columns if table == kind.tables[0] else ())
+        if grid is not None:
+            section.grids.append(grid)
+    if not section.grids and not section.pictures:
+        section.missing = f"{data} has no rows"
+    return section
+
+
+def _figures(kind: Kind, run: Run, system: System) -> list[Grid]:
+    """Single figures of the summary."""
+    source = f"{run.name}/summary.json"
+    if kind.key == "hydraulics":
+        return _flows(run, system, source)
+    if kind.key == "dynamics":
+        final = run.summary.get("final", {})
+        rows = [(label_of(title), *number(value, title, system)) for title, value in final.items()]
+        return [facts(rows, "At the end of the run", source)] if rows else []
+    rows = []
+    for name, value in run.summary.items():
+        quantity = catalogue.find(name)
+        if quantity is not None and isinstance(value, int | float) and not quantity.numerics:
+            rows.append((quantity.label, *number(value, quantity.title, system)))
+    grids = [facts(rows, "Summary", source)] if rows and kind is run.kinds[0] else []
+    if kind.key == "statics":
+        grids += _forces(run, system, source)
+    return grids
+
+
+def _flows(run: Run, system: System, source: str) -> list[Grid]:
+    """Figures of each flow rate, a column a flow rate."""
+    flows = [row for row in run.summary.get("flows", ()) if isinstance(row, Mapping)]
+    rows = []
+    for name in flows[0] if flows else ():
+        quantity = catalogue.find(name)
+        values = [row.get(name) for row in flows]
+        if quantity is None or not all(value is None or isinstance(value, int | float) for value in values):
+            continue
+        figures = np.array([np.nan if value is None else float(value) for value in values])
+        unit = unit_of(quantity.title, system)[2]
+        rows.append((quantity.label, *texts(in_units(quantity.title, figures, system)), unit))
+    if not rows:
+        return []
+    heads = ("Quantity", *("Value" for _ in flows), "Unit")
+    return [
+        Grid(heads, rows, "Figures of each flow rate", source, numeric=(False, *(True for _ in flows), False))
+    ]
+
+
+def _forces(run: Run, system: System, source: str) -> list[Grid]:
+    """Side forces of rigid items."""
+    items = [row for row in run.summary.get("rigid_items", ()) if isinstance(row, Mapping)]
+    if not items:
+        return []
+    titles = [title for title in items[0] if title != "name"]
+    rows = [
+        (str(row.get("name", "")), *(number(row.get(title), title, system)[0] for title in titles))
+        for row in items
+    ]
+    heads = ("Item", *(heading_of(title, system) for title in titles))
+    return [Grid(heads, rows, "Side forces", source, numeric=(False, *(True for _ in titles)))]
+
+
+def _ranges(file: Path, system: System, source: str) -> list[Grid]:
+    """Least, mean and largest value of each column of a table over time."""
+    table = read_table(file)
+    rows = []
+    for title, values in list(table.items())[1:]:
+        quantity = catalogue.find(split_name(title)[0])
+        finite = values[np.isfinite(values)] if values.dtype.kind == "f" else values[:0]
+        if not finite.size or (quantity is not None and quantity.numerics):
+            continue
+        figures = in_units(title, [finite.min(), finite.mean(), finite.max()], system)
+        rows.append((label_of(title), *texts(figures), unit_of(title, system)[2]))
+    if not rows:
+        return []
+    time = next(iter(table.values()))
+    caption = f"Ranges over {time[0]:g} to {time[-1]:g} s, means over the rows"
+    heads = ("Quantity", "Least", "Mean", "Largest", "Unit")
+    return [Grid(heads, rows, caption, source, numeric=(False, True, True, True, False))]
+
+
+def solver_section(runs: Sequence[Run]) -> Section:
+    """Sizes, iterations, balances and versions of each run."""
+    section = Section("solver", "Solver")
+    described = {key.name: key for keys in SUMMARY_KEYS.values() for key in keys}
+    left_out = ("title", "warnings", "petsc_options", "wall_by_phase", "units")
+    for run in runs:
+        rows = []
+        for name, value in _flat(run.summary):
+            key = described.get(name)
+            if key is None or name.split(".")[0] in left_out or isinstance(value, list | Mapping):
+                continue
+            text = f"{value:.6g}" if isinstance(value, float) else str(value)
+            rows.append((name, text, "" if key.unit in ("", "-") else key.unit, key.doc))
+        versions = run.summary.get("versions", {})
+        if isinstance(versions, Mapping):
+            rows += [(f"versions.{name}", str(text), "", "") for name, text in versions.items()]
+        if rows:
+            heads = ("Key", "Value", "Unit (SI)", "Meaning")
+            source = f"{run.name}/summary.json"
+            section.grids.append(
+                Grid(heads, rows, run.name, source, folded=True, numeric=(False, True, False, False))
+            )
+    if not section.grids:
+        section.missing = "no run has told of its computation" if runs else "nothing was computed"
+    return section
+
+
+def _flat(summary: Mapping[str, Any], head: str = "") -> list[tuple[str, Any]]:
+    """Keys of a summary as paths, blocks taken apart."""
+    found: list[tuple[str, Any]] = []
+    for key, value in summary.items():
+        if isinstance(value, Mapping):
+            found += _flat(value, f"{head}{key}.")
+        else:
+            found.append((f"{head}{key}", value))
+    return found

@@ -1,0 +1,231 @@
+"""The command `report`: what the page holds, that it needs nothing else, and what is refused."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import shutil
+from html.parser import HTMLParser
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from drillpetsc.cli import main
+from drillpetsc.reporting.units import in_units, texts, unit_of
+
+CASE = """
+title: '<script>alert(1)</script> $x_{ & "quoted" '
+units: field
+rig: {datum: RKB, block_weight: 10 klb}
+well:
+  survey: {md: [0, 1000, 1900], inclination: [0, 0, 90], azimuth: [90, 90, 90]}
+  sections: [{to: 500, kind: casing, diameter: 8.681}, {to: end, kind: open_hole, diameter: 8.5}]
+string:
+  - {kind: pipe, name: '<b>drill pipe</b> $\\frac{', length: 1800, od: 5, id: 4.276}
+  - {kind: bit, length: 1, od: 8.5, nozzle_area: 0.5 in2}
+top: {kind: top_drive, rotation: 60}
+bottom: bit
+"""
+MUD = "fluid: {density: 10, flow_rate: 400, rheology: {pv: 20 cP, yp: 10}}\n"
+FACTOR = 1e-3 / 4.4482216152605  # klbf per N
+
+
+class Page(HTMLParser):
+    """Tags, links, and the text of the cells of a page; open tags must be closed in order."""
+
+    VOID = ("meta", "img", "br")
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: list[str] = []
+        self.links: list[str] = []
+        self.texts: list[str] = []
+        self.feed(text)
+        assert self.open == []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.links += [value or "" for name, value in attrs if name in ("href", "src")]
+        assert not [name for name, _ in attrs if name.startswith("on")]
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self.open and self.open[-1] != "style":
+            self.texts.append(data)
+
+    @property
+    def words(self) -> str:
+        return re.sub(r"\s+", " ", " ".join(self.texts))
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a case and its run folders `still`, `flow` and `move`, and one of a dry case."""
+    folder = tmp_path_factory.mktemp("report")
+    (folder / "case.yaml").write_text(CASE + MUD + "time: {end: 0.05 s}\noutput: {probes: [1500]}\n")
+    (folder / "dry.yaml").write_text(CASE)
+    case = str(folder / "case.yaml")
+    assert main(["statics", case, "--out", str(folder / "still")]) == 0
+    assert main(["statics", str(folder / "dry.yaml"), "--out", str(folder / "dry")]) == 0
+    assert main(["hydraulics", case, "--out", str(folder / "flow")]) == 0
+    assert main(["run", case, "--out", str(folder / "move"), "--progress", "silent"]) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def page(runs: Path) -> str:
+    paths = [str(runs / name) for name in ("case.yaml", "still", "flow", "move")]
+    assert main(["report", *paths, "--out", str(runs / "all.html")]) == 0
+    return (runs / "all.html").read_text(encoding="utf-8")
+
+
+def test_the_page_stands_alone_and_text_is_escaped(page: str) -> None:
+    """No script, no outside resource; titles and names with markup come out as text."""
+    read = Page(page)
+    assert "script" not in read.tags
+    assert "<script>alert(1)</script>" not in page and "&lt;script&gt;alert(1)" in page
+    assert "<b>drill pipe</b>" not in page
+    assert read.links and all(link.startswith(("data:", "#")) for link in read.links)
+    assert "http" not in re.sub(r"base64,[^\"]*", "", page)
+    targets = set(re.findall(r'id="([^"]+)"', page))
+    assert {link[1:] for link in read.links if link.startswith("#")} <= targets
+    assert len(page.encode()) < 5e6
+
+
+def test_pictures_are_whole(page: str) -> None:
+    """Each picture is well-formed SVG or a PNG with its end mark."""
+    found = re.findall(r'src="data:image/([^;]+);base64,([^"]+)"', page)
+    assert len(found) >= 6  # views, string, statics, losses, flow curve, history
+    for kind, text in found:
+        content = base64.b64decode(text)
+        if kind == "png":
+            assert content.startswith(b"\x89PNG") and b"IEND" in content[-12:]
+        else:
+            assert ElementTree.fromstring(content).tag.endswith("svg")
+
+
+def test_figures_are_those_of_the_runs(page: str, runs: Path) -> None:
+    """Hook load and pump pressure in field units, with factors of their own; the survey ends at the hand-computed depth:
+    1000 ft and a quarter circle of 900 ft, 1000 + 1800/pi."""
+    words = Page(page).words
+    still = json.loads((runs / "still" / "summary.json").read_text())
+    flow = json.loads((runs / "flow" / "summary.json").read_text())["flows"][0]
+    cells = [cell.strip() for cell in Page(page).texts]
+    for value in (
+        still["hook_load"] * FACTOR,
+        still["hook_load_total"] * FACTOR,
+        flow["pump_pressure"] / 6894.757293,
+    ):
+        assert texts(np.array([value]))[0] in cells
+    assert "1573.0" in cells and round(1000 + 1800 / np.pi, 1) == 1573.0
+    assert "10 klbf" in words and "RKB" in words
+
+
+def test_tables_go_along_as_they_are(page: str, runs: Path) -> None:
+    found = dict(re.findall(r'download="([^"]+)" href="data:text/csv;base64,([^"]+)"', page))
+    assert base64.b64decode(found["statics.csv"]) == (runs / "still" / "statics.csv").read_bytes()
+    assert base64.b64decode(found["hydraulics.csv"]) == (runs / "flow" / "hydraulics.csv").read_bytes()
+    assert (
+        base64.b64decode(found["survey.csv"]).decode().splitlines()[0].startswith("md [m],inclination [deg]")
+    )
+
+
+def test_same_input_same_bytes(page: str, runs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    paths = [str(runs / name) for name in ("case.yaml", "still", "flow", "move")]
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
+    for name in ("first.html", "second.html"):
+        assert main(["report", *paths, "--out", str(runs / name)]) == 0
+    first = (runs / "first.html").read_bytes()
+    assert first == (runs / "second.html").read_bytes()
+    assert b"1970-01-02" in first
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "yesterday")
+    assert main(["report", *paths, "--out", str(runs / "third.html")]) == 2
+
+
+def test_missing_sections_say_why(runs: Path) -> None:
+    assert main(["report", str(runs / "dry"), "--units", "metric"]) == 0
+    words = Page((runs / "dry" / "report.html").read_text()).words
+    assert words.count("no mud in this case") == 3  # mud, hydraulics, surge
+    assert "no run folder of this report holds history.csv; 'drillpetsc run CASE.yaml' writes it" in words
+    assert "another case" not in words
+
+
+def test_sections_are_chosen(runs: Path) -> None:
+    assert (
+        main(["report", str(runs / "dry"), "--sections", "string,solver", "--out", str(runs / "s.html")]) == 0
+    )
+    text = (runs / "s.html").read_text()
+    assert re.findall(r"<h2>([^<]+)</h2>", text)[-2:] == ["String", "Solver"] and "<h2>Well" not in text
+
+
+def test_warnings_come_first(runs: Path) -> None:
+    """A run that failed, rows that failed, and a run of another case are told before any result."""
+    doubtful = runs / "doubtful"
+    shutil.copytree(runs / "dry", doubtful)
+    summary = json.loads((doubtful / "summary.json").read_text())
+    summary |= {"status": "failed: <no convergence>", "warnings": ["look at <this>"]}
+    (doubtful / "summary.json").write_text(json.dumps(summary))
+    (doubtful / "roadmap.csv").write_text("bit_depth [m],status [-]\n100,ok\n200,failed\n")
+    assert main(["report", str(runs / "still"), str(doubtful), "--out", str(runs / "w.html")]) == 0
+    text = (runs / "w.html").read_text()
+    warned = text[text.index('id="warnings"') : text.index("<nav>")]
+    for words in (
+        "failed: &lt;no convergence&gt;",
+        "look at &lt;this&gt;",
+        "roadmap.csv: 1 of 2 rows have the status &#39;failed&#39;",
+        "another case than case.yaml: fluid",
+    ):
+        assert words in warned
+    assert text.index('id="warnings"') < text.index("<h2>Well")
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["still", "--out", "x.txt"], "a file whose name ends with .html"),
+        (["still", "--sections", "hole"], "well, string, mud"),
+        (["nowhere"], "a run folder that exists"),
+        (["empty"], "a run folder that holds results"),
+        (["swept"], "this is a sweep"),
+        (["case.yaml", "dry.yaml"], "one case file"),
+        (["still", "--out", "nowhere.html/x/y.html"], "a file that can be written"),
+    ],
+)
+def test_what_is_refused(
+    words: list[str], told: str, runs: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    monkeypatch.chdir(runs)
+    (runs / "empty").mkdir(exist_ok=True)
+    (runs / "swept").mkdir(exist_ok=True)
+    (runs / "swept" / "sweep.csv").touch()
+    (runs / "nowhere.html").touch()
+    assert main(["report", *words]) == 2
+    assert told in capsys.readouterr().err
+
+
+def test_numbers_as_text() -> None:
+    assert texts(np.array([1234.5678, 0.01, np.nan, -0.00001])) == ["1234.6", "0.0", "-", "0.0"]
+    assert texts(np.array([0.0, 5.0, -3.0])) == ["0", "5", "-3"]
+    assert texts(np.array([])) == []
+    assert texts(np.array([1e-12])) == ["1e-12"]
+    assert texts(np.array([np.inf])) == ["-"]
+
+
+def test_units_of_columns() -> None:
+    """Rows of the table of units (manual: sec-guide-units): a diameter in inches, a depth in feet, a dogleg per 100 ft."""
+    assert unit_of("od [m]", "field")[2] == "in" and unit_of("md [m]", "field")[2] == "ft"
+    assert in_units("od [m]", [0.2159], "field") == pytest.approx([8.5])
+    assert in_units("dogleg_severity [deg/30m]", [3.0], "field") == pytest.approx([3.048])
+    assert in_units("dogleg_severity [deg/30m]", [3.0], "metric") == pytest.approx([3.0])
+    assert (
+        unit_of("yield_strength [Pa]", "metric")[2] == "MPa" and unit_of("ecd [kg/m3]", "field")[2] == "ppg"
+    )
+    assert unit_of("hook_load [N]", "metric_t")[2] == "t" and unit_of("regime [-]", "field")[2] == ""
