@@ -1,7 +1,8 @@
 """drillpetsc: drillstring dynamics on PETSc.
 
 The public face is that of `drillpetsc.api`: `Case` describes what is simulated (the keys of a case file),
-`load_case` reads one, `run`, `sweep`, `statics`, `hydraulics`, `surge`, `modes` and `study` are the commands.
+`load_case` reads one, `run`, `sweep`, `statics`, `hydraulics`, `surge`, `modes` and `study` are the commands, and
+`open_run` reads the results of one again. `units` converts values.
 Importing the package starts no MPI and imports nothing else of it.
 """
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
         hydraulics,
         load_case,
         modes,
+        open_run,
         run,
         statics,
         study,
@@ -30,6 +32,7 @@ __all__ = [
     "hydraulics",
     "load_case",
     "modes",
+    "open_run",
     "run",
     "statics",
     "study",

@@ -3,7 +3,7 @@
     import drillpetsc
     case = drillpetsc.load_case("cases/vertical-2000m.yaml", ["top.rotation=90 rpm"])
     result = drillpetsc.run(case, "out")
-    print(result.summary["real_time_factor"])
+    print(result.summary["real_time_factor"], result.history["hook_load"][-1])
 
 PETSc is initialised by the first function that needs it, unless the caller has done so. Each function writes
 the same files as its command and raises the same errors: CaseError for bad input, SolveError for a computation
@@ -21,7 +21,7 @@ from drillpetsc.case.catalogue import catalogue
 from drillpetsc.parallel import initialise_petsc
 
 if TYPE_CHECKING:
-    from drillpetsc.analysis.transient import RunResult
+    from drillpetsc.results import Result
     from drillpetsc.studies.convergence.study import StudyResult
     from drillpetsc.studies.sweep.sweep import SweepResult
 
@@ -31,6 +31,7 @@ __all__ = [
     "hydraulics",
     "load_case",
     "modes",
+    "open_run",
     "run",
     "statics",
     "study",
@@ -39,7 +40,7 @@ __all__ = [
 ]
 
 
-def run(case: Case | str | Path, out: str | Path | None = None, **keywords: Any) -> RunResult:
+def run(case: Case | str | Path, out: str | Path | None = None, **keywords: Any) -> Result:
     """Simulate a case and write its run folder (collective).
 
     case: a Case, or the path of a case file
@@ -53,8 +54,9 @@ def run(case: Case | str | Path, out: str | Path | None = None, **keywords: Any)
     """
     initialise_petsc()
     from drillpetsc.analysis import transient
+    from drillpetsc.results.result import result_of
 
-    return transient.run(case, out, **keywords)
+    return result_of(transient.run(case, out, **keywords))
 
 
 def sweep(
@@ -85,7 +87,7 @@ def statics(
     overwrite: bool = False,
     name: str | None = None,
     comm: Any = None,
-) -> RunResult:
+) -> Result:
     """Solve for the static equilibrium of a case and write statics.csv, string.pvd and summary.json
     (collective).
 
@@ -101,8 +103,9 @@ def statics(
     case, name = _loaded(case, name)
     initialise_petsc()
     from drillpetsc.analysis.statics import run_statics
+    from drillpetsc.results.result import result_of
 
-    return run_statics(case, out, motion, overwrite, name, comm, path)
+    return result_of(run_statics(case, out, motion, overwrite, name, comm, path))
 
 
 def hydraulics(
@@ -115,7 +118,7 @@ def hydraulics(
     overwrite: bool = False,
     name: str | None = None,
     comm: Any = None,
-) -> RunResult:
+) -> Result:
     """Solve for the steady flow of the mud and write hydraulics.csv, pressure_profile.csv and flow_curve.csv
     (collective).
 
@@ -134,8 +137,9 @@ def hydraulics(
     case, name = _loaded(case, name)
     initialise_petsc()
     from drillpetsc.analysis.hydraulics.hydraulics import run_hydraulics
+    from drillpetsc.results.result import result_of
 
-    return run_hydraulics(case, flows, pressure, out, overwrite, name, comm, units)
+    return result_of(run_hydraulics(case, flows, pressure, out, overwrite, name, comm, units))
 
 
 def surge(
@@ -148,7 +152,7 @@ def surge(
     name: str | None = None,
     comm: Any = None,
     **options: Any,
-) -> RunResult:
+) -> Result:
     """Solve for the pressures of tripping and write surge.csv and max_trip_speed.csv (collective).
 
     case: a Case, or the path of a case file
@@ -170,8 +174,9 @@ def surge(
     case, name = _loaded(case, name)
     initialise_petsc()
     from drillpetsc.analysis.hydraulics.surge import run_surge
+    from drillpetsc.results.result import result_of
 
-    return run_surge(case, trips, out, overwrite, name, comm, units)
+    return result_of(run_surge(case, trips, out, overwrite, name, comm, units))
 
 
 def modes(
@@ -185,7 +190,7 @@ def modes(
     overwrite: bool = False,
     name: str | None = None,
     comm: Any = None,
-) -> RunResult:
+) -> Result:
     """Find eigenvalues of the linearised model of a case and write modes.csv and mode shapes (collective).
 
     case: a Case, or the path of a case file
@@ -201,8 +206,9 @@ def modes(
     case, name = _loaded(case, name)
     initialise_petsc()
     from drillpetsc.analysis.modal import run_modes
+    from drillpetsc.results.result import result_of
 
-    return run_modes(case, out, count, shift, kind, about, overwrite, name, comm)
+    return result_of(run_modes(case, out, count, shift, kind, about, overwrite, name, comm))
 
 
 def study(
@@ -220,6 +226,17 @@ def study(
     from drillpetsc.studies.convergence import study as studies
 
     return studies.study(case, vary, curves, **keywords)
+
+
+def open_run(folder: str | Path) -> Result:
+    """The result in a run folder: tables, pictures, summary. Nothing is computed, and neither PETSc nor MPI is started.
+
+    folder: run folder of `run`, `statics`, `hydraulics`, `surge` or `modes`, finished or not
+    Raises CaseError where the folder does not exist or holds no results.
+    """
+    from drillpetsc.results import open_run as read
+
+    return read(folder)
 
 
 def _loaded(case: Case | str | Path, name: str | None) -> tuple[Case, str]:

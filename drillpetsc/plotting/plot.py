@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from drillpetsc.output.files.run_folder import SWEEP_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table, split_name
 from drillpetsc.plotting import style
 from drillpetsc.plotting.hole_path import new_hole, well_path
-from drillpetsc.plotting.hydraulics import draw_hydraulics, units_of
+from drillpetsc.plotting.hydraulics import hydraulics_drawers, units_of
 from drillpetsc.plotting.modes import draw_modes
 from drillpetsc.plotting.style import GROUND, LINE_COLORS, WALL, display_unit, label, words
 from drillpetsc.plotting.sweep import draw_sweep
@@ -57,38 +58,83 @@ def _plot(folder: RunFolder, out: str | os.PathLike | None, units: System | None
         return pictures
     into = Path(out) if out is not None else folder.plots
     into.mkdir(parents=True, exist_ok=True)
-    summary = read_summary(folder.summary) if folder.summary.exists() else {}
-    title = str(summary.get("title") or folder.path.name)
-    drawings: dict[str, Any] = {}
+    files = []
     with style.look():
-        if folder.history.exists():
-            table = read_table(folder.history)
-            operation, numerics = grouped(list(table))
-            drawings["history"] = _histories(table, operation, f"{title}: histories")
-            drawings["numerics"] = _histories(table, numerics, f"{title}: energy and time steps")
-        if folder.probes.exists():
-            probes, clearances = read_table(folder.probes), _clearances(folder)
-            drawings["orbits"] = _orbits(probes, clearances, title)
-            drawings["probes"] = _probes(probes, clearances, title)
-        if folder.statics.exists():
-            drawings["along_depth"] = _along_depth(read_table(folder.statics), title)
-        drawings["modes"] = draw_modes(folder.path, title)
-        drawings |= draw_hydraulics(folder.path, title, units or units_of(summary))
-        if folder.trajectory.exists():
-            path, drilled = (
-                read_table(folder.trajectory),
-                summary.get("new_hole", {}).get("drilled [m]", 0.0),
-            )
-            drawings["trajectory"] = well_path(path, title, drilled)
-            drawings["new_hole"] = new_hole(path, title, drilled)
-        files = []
-        for name, drawing in drawings.items():
-            if drawing is not None:
-                files.append(into / f"{name}.png")
-                drawing.savefig(files[-1])
+        for name, drawing in _drawings(folder, units).items():
+            files.append(into / f"{name}.png")
+            drawing.savefig(files[-1])
     if not files:
         raise FileNotFoundError(f"{folder.path} holds no table with rows: nothing to plot")
     return files
+
+
+def figures(
+    run: str | os.PathLike,
+    units: System | None = None,
+    names: Sequence[str] | None = None,
+    first: bool = False,
+) -> dict[str, Any]:
+    """The pictures of a run folder by name, as figures of matplotlib; no file is written.
+
+    units: as for `plot`.
+    names: of the pictures; by default all. A name that the folder has no picture of is left out.
+    first: the first picture only.
+    """
+    folder = RunFolder.open(run)
+    token = style.UNITS.set(units or style.units_of_run(folder.case))
+    try:
+        with style.look():
+            return _drawings(folder, units, names, first)
+    finally:
+        style.UNITS.reset(token)
+
+
+def picture_names(run: str | os.PathLike) -> list[str]:
+    """Names of the pictures that the tables of a run folder may give; a table without rows gives none."""
+    return list(_drawers(RunFolder.open(run), None))
+
+
+def _drawers(folder: RunFolder, units: System | None) -> dict[str, Callable[[], Any]]:
+    """Functions that draw the pictures of a folder, by name; they return None where there is nothing to draw."""
+    summary = read_summary(folder.summary) if folder.summary.exists() else {}
+    title = str(summary.get("title") or folder.path.name)
+    drawers: dict[str, Callable[[], Any]] = {}
+    if folder.history.exists():
+        table = read_table(folder.history)
+        operation, numerics = grouped(list(table))
+        drawers["history"] = lambda: _histories(table, operation, f"{title}: histories")
+        drawers["numerics"] = lambda: _histories(table, numerics, f"{title}: energy and time steps")
+    if folder.probes.exists():
+        probes, clearances = read_table(folder.probes), _clearances(folder)
+        drawers["orbits"] = lambda: _orbits(probes, clearances, title)
+        drawers["probes"] = lambda: _probes(probes, clearances, title)
+    if folder.statics.exists():
+        drawers["along_depth"] = lambda: _along_depth(read_table(folder.statics), title)
+    if (folder.path / "modes.csv").exists():
+        drawers["modes"] = lambda: draw_modes(folder.path, title)
+    drawers |= hydraulics_drawers(folder.path, title, units or units_of(summary))
+    if folder.trajectory.exists():
+        path, drilled = (
+            read_table(folder.trajectory),
+            summary.get("new_hole", {}).get("drilled [m]", 0.0),
+        )
+        drawers["trajectory"] = lambda: well_path(path, title, drilled)
+        drawers["new_hole"] = lambda: new_hole(path, title, drilled)
+    return drawers
+
+
+def _drawings(
+    folder: RunFolder, units: System | None, names: Sequence[str] | None = None, first: bool = False
+) -> dict[str, Any]:
+    """Pictures by name, in the units of `style.UNITS`; names, first: as for `figures`."""
+    drawings: dict[str, Any] = {}
+    for name, draw in _drawers(folder, units).items():
+        drawing = draw() if names is None or name in names else None
+        if drawing is not None:
+            drawings[name] = drawing
+            if first:
+                break
+    return drawings
 
 
 def grouped(titles: list[str]) -> tuple[list[list[str]], list[list[str]]]:
