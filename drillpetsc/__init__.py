@@ -2,7 +2,7 @@
 
 The public face is that of `drillpetsc.api`: `Case` describes what is simulated (the keys of a case file),
 `load_case` reads one, `run`, `sweep`, `statics`, `hydraulics`, `surge`, `roadmap`, `limits`, `freepoint`, `modes` and
-`study` are the commands.
+`study` are the commands, and `open_run` reads the results of one again. `units` converts values.
 Importing the package starts no MPI and imports nothing else of it.
 """
 
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
         limits,
         load_case,
         modes,
+        open_run,
         roadmap,
         run,
         statics,
@@ -36,6 +37,7 @@ __all__ = [
     "limits",
     "load_case",
     "modes",
+    "open_run",
     "run",
     "statics",
     "study",

@@ -3,7 +3,7 @@
     import drillpetsc
     case = drillpetsc.load_case("cases/vertical-2000m.yaml", ["top.rotation=90 rpm"])
     result = drillpetsc.run(case, "out")
-    print(result.summary["real_time_factor"])
+    print(result.summary["real_time_factor"], result.history["hook_load"][-1])
 
 PETSc is initialised by the first function that needs it, unless the caller has done so. Each function writes
 the same files as its command and raises the same errors: CaseError for bad input, SolveError for a computation
@@ -21,7 +21,7 @@ from drillpetsc.case.catalogue import catalogue
 from drillpetsc.parallel import initialise_petsc
 
 if TYPE_CHECKING:
-    from drillpetsc.analysis.transient import RunResult
+    from drillpetsc.results import Result
     from drillpetsc.studies.convergence.study import StudyResult
     from drillpetsc.studies.sweep.sweep import SweepResult
 
@@ -33,6 +33,7 @@ __all__ = [
     "limits",
     "load_case",
     "modes",
+    "open_run",
     "roadmap",
     "run",
     "statics",
@@ -42,7 +43,7 @@ __all__ = [
 ]
 
 
-def run(case: Case | str | Path, out: str | Path | None = None, **keywords: Any) -> RunResult:
+def run(case: Case | str | Path, out: str | Path | None = None, **keywords: Any) -> Result:
     """Simulate a case and write its run folder (collective).
 
     case: a Case, or the path of a case file
@@ -56,8 +57,9 @@ def run(case: Case | str | Path, out: str | Path | None = None, **keywords: Any)
     """
     initialise_petsc()
     from drillpetsc.analysis import transient
+    from drillpetsc.results.result import result_of
 
-    return transient.run(case, out, **keywords)
+    return result_of(transient.run(case, out, **keywords))
 
 
 def sweep(
@@ -88,7 +90,7 @@ def statics(
     overwrite: bool = False,
     name: str | None = None,
     comm: Any = None,
-) -> RunResult:
+) -> Result:
     """Solve for the static equilibrium of a case and write statics.csv, string.pvd and summary.json
     (collective).
 
@@ -104,8 +106,9 @@ def statics(
     case, name = _loaded(case, name)
     initialise_petsc()
     from drillpetsc.analysis.statics import run_statics
+    from drillpetsc.results.result import result_of
 
-    return run_statics(case, out, motion, overwrite, name, comm, path)
+    return result_of(run_statics(case, out, motion, overwrite, name, comm, path))
 
 
 def hydraulics(
@@ -118,7 +121,7 @@ def hydraulics(
     overwrite: bool = False,
     name: str | None = None,
     comm: Any = None,
-) -> RunResult:
+) -> Result:
     """Solve for the steady flow of the mud and write hydraulics.csv, pressure_profile.csv and flow_curve.csv
     (collective).
 
@@ -137,8 +140,9 @@ def hydraulics(
     case, name = _loaded(case, name)
     initialise_petsc()
     from drillpetsc.analysis.hydraulics.hydraulics import run_hydraulics
+    from drillpetsc.results.result import result_of
 
-    return run_hydraulics(case, flows, pressure, out, overwrite, name, comm, units)
+    return result_of(run_hydraulics(case, flows, pressure, out, overwrite, name, comm, units))
 
 
 def surge(
@@ -151,7 +155,7 @@ def surge(
     name: str | None = None,
     comm: Any = None,
     **options: Any,
-) -> RunResult:
+) -> Result:
     """Solve for the pressures of tripping and write surge.csv and max_trip_speed.csv (collective).
 
     case: a Case, or the path of a case file
@@ -173,8 +177,9 @@ def surge(
     case, name = _loaded(case, name)
     initialise_petsc()
     from drillpetsc.analysis.hydraulics.surge import run_surge
+    from drillpetsc.results.result import result_of
 
-    return run_surge(case, trips, out, overwrite, name, comm, units)
+    return result_of(run_surge(case, trips, out, overwrite, name, comm, units))
 
 
 def roadmap(
@@ -187,7 +192,7 @@ def roadmap(
     overwrite: bool = False,
     name: str | None = None,
     comm: Any = None,
-) -> RunResult:
+) -> Result:
     """Compute hook load and torque over the bit depth and write roadmap.csv and roadmap.json (collective).
 
     case: a Case, or the path of a case file; its `roadmap` has operations, depths and friction factors
@@ -205,8 +210,9 @@ def roadmap(
     points = None if measured is None else measured_option(measured, case)
     initialise_petsc()
     from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
+    from drillpetsc.results.result import result_of
 
-    return run_roadmap(case, out, overwrite, name, comm, units, model, points)
+    return result_of(run_roadmap(case, out, overwrite, name, comm, units, model, points))
 
 
 def limits(
@@ -221,7 +227,7 @@ def limits(
     overwrite: bool = False,
     name: str | None = None,
     comm: Any = None,
-) -> RunResult:
+) -> Result:
     """Solve for the static equilibrium in an operation and write limits.csv and contacts.csv (collective).
 
     case: a Case, or the path of a case file
@@ -239,9 +245,10 @@ def limits(
     initialise_petsc()
     from drillpetsc.analysis.limits.limits import run_limits
     from drillpetsc.analysis.limits.table import Choices
+    from drillpetsc.results.result import result_of
 
     choices = Choices(helical=helical, design_factor=design_factor, tension_fraction=tension_fraction)
-    return run_limits(case, operation, choices, out, overwrite, name, comm, units)
+    return result_of(run_limits(case, operation, choices, out, overwrite, name, comm, units))
 
 
 def freepoint(
@@ -276,7 +283,7 @@ def modes(
     overwrite: bool = False,
     name: str | None = None,
     comm: Any = None,
-) -> RunResult:
+) -> Result:
     """Find eigenvalues of the linearised model of a case and write modes.csv and mode shapes (collective).
 
     case: a Case, or the path of a case file
@@ -292,8 +299,9 @@ def modes(
     case, name = _loaded(case, name)
     initialise_petsc()
     from drillpetsc.analysis.modal import run_modes
+    from drillpetsc.results.result import result_of
 
-    return run_modes(case, out, count, shift, kind, about, overwrite, name, comm)
+    return result_of(run_modes(case, out, count, shift, kind, about, overwrite, name, comm))
 
 
 def study(
@@ -311,6 +319,17 @@ def study(
     from drillpetsc.studies.convergence import study as studies
 
     return studies.study(case, vary, curves, **keywords)
+
+
+def open_run(folder: str | Path) -> Result:
+    """The result in a run folder: tables, pictures, summary. Nothing is computed, and neither PETSc nor MPI is started.
+
+    folder: run folder of `run`, `statics`, `hydraulics`, `surge` or `modes`, finished or not
+    Raises CaseError where the folder does not exist or holds no results.
+    """
+    from drillpetsc.results import open_run as read
+
+    return read(folder)
 
 
 def _loaded(case: Case | str | Path, name: str | None) -> tuple[Case, str]:

@@ -27,7 +27,7 @@ from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.placement import move_rigidly, prescribed_motion, release
 from drillpetsc.analysis.steady_flow import release_flow
 from drillpetsc.analysis.time_scales import time_scales
-from drillpetsc.analysis.transient import RunResult, make_folder
+from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
@@ -40,6 +40,7 @@ from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.files.fields import _write_vtu
 from drillpetsc.output.quantities import MODE_KINDS as KINDS
 from drillpetsc.output.quantities import MODES
+from drillpetsc.output.result import RunResult
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.linearization import Linearised, linearise

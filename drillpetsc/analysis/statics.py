@@ -14,7 +14,7 @@ from drillpetsc.analysis.coarse_mesh import state_warnings
 from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
 from drillpetsc.analysis.friction_path import PathKind
 from drillpetsc.analysis.initial_state import find_equilibrium
-from drillpetsc.analysis.transient import RunResult, make_folder
+from drillpetsc.analysis.transient import make_folder
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError
@@ -27,6 +27,7 @@ from drillpetsc.output.field_output import FieldOutput
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.quantities import STATIC_SUMMARY
+from drillpetsc.output.result import RunResult
 from drillpetsc.output.rigid_items import RigidItems
 from drillpetsc.output.static_table import static_table
 from drillpetsc.output.well_files import write_well_files

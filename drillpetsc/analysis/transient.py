@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time as clock
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +37,7 @@ from drillpetsc.output.energy_balance import EnergyGainMonitor
 from drillpetsc.output.motion_classes import MotionClasses
 from drillpetsc.output.progress import Progress
 from drillpetsc.output.recorder import Recorder
+from drillpetsc.output.result import RunResult
 from drillpetsc.output.run_writer import RunWriter, after, missing_output, passed
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.parallel import first_rank_does
@@ -45,20 +46,6 @@ from drillpetsc.solvers.local_error import LocalErrorEstimate
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 
 ROUNDING = 1e-9  # output times closer than this fraction of the end time are one
-
-
-@dataclass
-class RunResult:
-    """Results of a command; the same on all ranks.
-
-    folder: run folder
-    summary: contents of its summary.json
-    lines: report for the screen
-    """
-
-    folder: Path
-    summary: dict[str, Any] = field(default_factory=dict)
-    lines: list[str] = field(default_factory=list)
 
 
 def run(

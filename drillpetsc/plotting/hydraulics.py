@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, get_args
 
@@ -33,28 +34,31 @@ OPERATIONS = {"trip_in": "running in", "trip_out": "pulling out"}
 DASHES = {"closed": "-", "open": (0, (5, 2)), "pumping": (0, (1, 1.2))}
 
 
-def draw_hydraulics(folder: Path, title: str, system: System) -> dict[str, Any]:
-    """Figures by name of the tables that a run folder holds; none where it holds none of them.
+def hydraulics_drawers(folder: Path, title: str, system: System) -> dict[str, Callable[[], Any]]:
+    """Functions that draw the tables that a run folder holds, by the name of the picture; none where it holds none of them.
 
     system: units of the axes.
     """
     summary_file = RunFolder(folder).summary
     summary = read_summary(summary_file) if summary_file.exists() else {}
-    drawings: dict[str, Any] = {}
+
+    def table(name: str) -> Table:
+        return read_table(folder / name)
+
+    drawers: dict[str, Callable[[], Any]] = {}
     if (folder / FLOW_CURVE_TABLE).exists():
-        drawings["flow_curve"] = _flow_curve(read_table(folder / FLOW_CURVE_TABLE), summary, title, system)
+        drawers["flow_curve"] = lambda: _flow_curve(table(FLOW_CURVE_TABLE), summary, title, system)
     if (folder / LOSS_TABLE).exists():
-        drawings["losses"] = _losses(summary, title, system)
+        drawers["losses"] = lambda: _losses(summary, title, system)
     if (folder / PROFILE_TABLE).exists():
-        drawings["pressure_profile"] = _profile(read_table(folder / PROFILE_TABLE), summary, title, system)
+        drawers["pressure_profile"] = lambda: _profile(table(PROFILE_TABLE), summary, title, system)
     if (folder / FITS_TABLE).exists() and (folder / READINGS_TABLE).exists():
-        tables = read_table(folder / READINGS_TABLE), read_table(folder / FITS_TABLE)
-        drawings["rheology"] = _rheology(*tables, title, system)
+        drawers["rheology"] = lambda: _rheology(table(READINGS_TABLE), table(FITS_TABLE), title, system)
     if (folder / SURGE_TABLE).exists():
-        drawings["surge"] = _surge(read_table(folder / SURGE_TABLE), summary, title, system)
+        drawers["surge"] = lambda: _surge(table(SURGE_TABLE), summary, title, system)
     if (folder / TRIP_SPEED_TABLE).exists():
-        drawings["max_trip_speed"] = _trip_speeds(read_table(folder / TRIP_SPEED_TABLE), title, system)
-    return drawings
+        drawers["max_trip_speed"] = lambda: _trip_speeds(table(TRIP_SPEED_TABLE), title, system)
+    return drawers
 
 
 def units_of(summary: dict[str, Any]) -> System:

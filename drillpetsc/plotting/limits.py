@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +20,11 @@ LIMIT = "#b03060"  # colour of limits
 DASH = (0, (5, 2))
 
 
-def draw_limits(folder: Path, title: str, system: System) -> dict[str, Any]:
-    """Figures by name; none where the folder has no limits.csv.  system: units of the axes."""
+def limits_drawers(folder: Path, title: str, system: System) -> dict[str, Callable[[], Any]]:
+    """Functions that draw the limits, by the name of the picture; none where the folder has no limits.csv.
+
+    system: units of the axes.
+    """
     if not (folder / LIMITS_TABLE).exists():
         return {}
     table = read_table(folder / LIMITS_TABLE)
@@ -29,7 +33,8 @@ def draw_limits(folder: Path, title: str, system: System) -> dict[str, Any]:
     summary_file = RunFolder(folder).summary
     summary = read_summary(summary_file) if summary_file.exists() else {}
     doing = str(summary.get("operation", "")).replace("_", " ")
-    return {"limits": _limits(table, f"{title}: limits, {doing}".rstrip(", "), summary, system)}
+    heading = f"{title}: limits, {doing}".rstrip(", ")
+    return {"limits": lambda: _limits(table, heading, summary, system)}
 
 
 def _limits(table: Table, title: str, summary: dict[str, Any], system: System) -> Any:

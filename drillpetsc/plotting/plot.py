@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,12 +20,12 @@ from drillpetsc.output.files.run_folder import SWEEP_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table, split_name
 from drillpetsc.plotting import style
 from drillpetsc.plotting.hole_path import new_hole, well_path
-from drillpetsc.plotting.hydraulics import draw_hydraulics, units_of
-from drillpetsc.plotting.limits import draw_limits
+from drillpetsc.plotting.hydraulics import hydraulics_drawers, units_of
+from drillpetsc.plotting.limits import limits_drawers
 from drillpetsc.plotting.modes import draw_modes
 from drillpetsc.plotting.style import GROUND, LINE_COLORS, WALL, display_unit, label, words
 from drillpetsc.plotting.sweep import draw_sweep
-from drillpetsc.plotting.torque_drag import draw_torque_drag
+from drillpetsc.plotting.torque_drag import torque_drag_drawers
 from drillpetsc.unit_systems import System
 from drillpetsc.unit_systems import display_unit as display_unit_of
 
@@ -69,35 +70,80 @@ def _plot(folder: RunFolder, out: str | os.PathLike | None, units: System | None
     return files
 
 
-def drawings(folder: RunFolder, units: System | None = None) -> dict[str, Any]:
-    """Figures of a run folder by name, in the units of `style.UNITS`; call it and save them within `style.look()`.
+def figures(
+    run: str | os.PathLike,
+    units: System | None = None,
+    names: Sequence[str] | None = None,
+    first: bool = False,
+) -> dict[str, Any]:
+    """The pictures of a run folder by name, as figures of matplotlib; no file is written.
 
-    units: of the pictures of hydraulics and surge; by default those of their summary.
+    units: as for `plot`.
+    names: of the pictures; by default all. A name that the folder has no picture of is left out.
+    first: the first picture only.
     """
+    folder = RunFolder.open(run)
+    token = style.UNITS.set(units or style.units_of_run(folder.case))
+    try:
+        with style.look():
+            return drawings(folder, units, names, first)
+    finally:
+        style.UNITS.reset(token)
+
+
+def picture_names(run: str | os.PathLike) -> list[str]:
+    """Names of the pictures that the tables of a run folder may give; a table without rows gives none."""
+    return list(_drawers(RunFolder.open(run), None))
+
+
+def _drawers(folder: RunFolder, units: System | None) -> dict[str, Callable[[], Any]]:
+    """Functions that draw the pictures of a folder, by name; they return None where there is nothing to draw."""
     summary = read_summary(folder.summary) if folder.summary.exists() else {}
     title = str(summary.get("title") or folder.path.name)
-    drawn: dict[str, Any] = {}
+    drawers: dict[str, Callable[[], Any]] = {}
     if folder.history.exists():
         table = read_table(folder.history)
         operation, numerics = grouped(list(table))
-        drawn["history"] = _histories(table, operation, f"{title}: histories")
-        drawn["numerics"] = _histories(table, numerics, f"{title}: energy and time steps")
+        drawers["history"] = lambda: _histories(table, operation, f"{title}: histories")
+        drawers["numerics"] = lambda: _histories(table, numerics, f"{title}: energy and time steps")
     if folder.probes.exists():
         probes, clearances = read_table(folder.probes), _clearances(folder)
-        drawn["orbits"] = _orbits(probes, clearances, title)
-        drawn["probes"] = _probes(probes, clearances, title)
+        drawers["orbits"] = lambda: _orbits(probes, clearances, title)
+        drawers["probes"] = lambda: _probes(probes, clearances, title)
     if folder.statics.exists():
-        drawn["along_depth"] = _along_depth(read_table(folder.statics), title)
-    drawn["modes"] = draw_modes(folder.path, title)
-    drawn |= draw_hydraulics(folder.path, title, units or units_of(summary))
-    drawn |= draw_torque_drag(folder.path, title, units or units_of(summary))
-    drawn |= draw_limits(folder.path, title, units or units_of(summary))
+        drawers["along_depth"] = lambda: _along_depth(read_table(folder.statics), title)
+    if (folder.path / "modes.csv").exists():
+        drawers["modes"] = lambda: draw_modes(folder.path, title)
+    system = units or units_of(summary)
+    drawers |= hydraulics_drawers(folder.path, title, system)
+    drawers |= torque_drag_drawers(folder.path, title, system)
+    drawers |= limits_drawers(folder.path, title, system)
     if folder.trajectory.exists():
-        path = read_table(folder.trajectory)
-        drilled = summary.get("new_hole", {}).get("drilled [m]", 0.0)
-        drawn["trajectory"] = well_path(path, title, drilled)
-        drawn["new_hole"] = new_hole(path, title, drilled)
-    return {name: drawing for name, drawing in drawn.items() if drawing is not None}
+        path, drilled = (
+            read_table(folder.trajectory),
+            summary.get("new_hole", {}).get("drilled [m]", 0.0),
+        )
+        drawers["trajectory"] = lambda: well_path(path, title, drilled)
+        drawers["new_hole"] = lambda: new_hole(path, title, drilled)
+    return drawers
+
+
+def drawings(
+    folder: RunFolder, units: System | None = None, names: Sequence[str] | None = None, first: bool = False
+) -> dict[str, Any]:
+    """Figures of a run folder by name, in the units of `style.UNITS`; call it and save them within `style.look()`.
+
+    units: of the pictures of hydraulics, surge, limits, torque and drag; by default those of their summary.
+    names, first: as for `figures`.
+    """
+    drawn: dict[str, Any] = {}
+    for name, draw in _drawers(folder, units).items():
+        drawing = draw() if names is None or name in names else None
+        if drawing is not None:
+            drawn[name] = drawing
+            if first:
+                break
+    return drawn
 
 
 def grouped(titles: list[str]) -> tuple[list[list[str]], list[list[str]]]:

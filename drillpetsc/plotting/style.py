@@ -154,9 +154,10 @@ def look() -> Any:
 def figure(width: float, height: float, dpi: float) -> Any:
     """A figure on the Agg canvas (no display, no pyplot state). Inches, dots per inch."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
 
-    drawing = Figure(figsize=(width, height), dpi=dpi)
+    from drillpetsc.plotting.notebook import Picture
+
+    drawing = Picture(figsize=(width, height), dpi=dpi)
     FigureCanvasAgg(drawing)
     return drawing
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -30,18 +31,18 @@ LIMIT = "#b03060"
 BUCKLED = {"sinusoidal": "o", "helical": "s", "lock_up": "X"}
 
 
-def draw_torque_drag(folder: Path, title: str, system: System) -> dict[str, Any]:
-    """Figures by name of the tables that a run folder holds; none where it holds none of them.
+def torque_drag_drawers(folder: Path, title: str, system: System) -> dict[str, Callable[[], Any]]:
+    """Functions that draw the tables that a run folder holds, by the name of the picture; none where it holds none of them.
 
     system: units of the axes.
     """
-    drawings: dict[str, Any] = {}
+    drawers: dict[str, Callable[[], Any]] = {}
     if (folder / ROADMAP_TABLE).exists() and (folder / ROADMAP_FILE).exists():
         inputs = json.loads((folder / ROADMAP_FILE).read_text(encoding="utf-8"))
         table = read_table(folder / ROADMAP_TABLE)
-        drawings["roadmap_hook_load"] = _hook_load(table, inputs, title, system)
-        drawings["roadmap_torque"] = _torque(table, inputs, title, system)
-    return drawings
+        drawers["roadmap_hook_load"] = lambda: _hook_load(table, inputs, title, system)
+        drawers["roadmap_torque"] = lambda: _torque(table, inputs, title, system)
+    return drawers
 
 
 def _pairs(table: Table) -> list[tuple[float, float]]:

@@ -72,6 +72,41 @@ def test_commands_of_the_manual_run(name: str, tmp_path: Path) -> None:
         assert done.returncode == 0, f"{command}\n{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
 
 
+EXTRA = "# needs drillpetsc[notebook]"  # first line of blocks that use xarray or pandas
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("extra", [False, True])
+@pytest.mark.parametrize(
+    "name",
+    [name for name in PAGES if name.startswith("tutorials/") and extract.blocks(PAGES[name], "python")],
+)
+def test_python_of_the_tutorials_runs(name: str, extra: bool, tmp_path: Path) -> None:
+    """All blocks, and without xarray and pandas those that do not need them."""
+    blocks = extract.blocks(PAGES[name], "python")
+    needy = [block for block in blocks if block.startswith(EXTRA)]
+    if extra:
+        for package in ("xarray", "pandas"):
+            pytest.importorskip(package)
+        if not needy:
+            pytest.skip("no block needs the extra")
+    else:
+        blocks = [
+            "import sys\nsys.modules['xarray'] = sys.modules['pandas'] = None\n",
+            *(block for block in blocks if block not in needy),
+        ]
+    (tmp_path / "cases").symlink_to(ROOT / "cases")
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", "\n".join(blocks)],
+        cwd=tmp_path,
+        env=environment(),
+        capture_output=True,
+        text=True,
+        timeout=600,
+    )
+    assert done.returncode == 0, f"{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
+
+
 @pytest.mark.parametrize("name", [name for name, page in PAGES.items() if extract.fragments(page)])
 def test_blocks_of_the_manual_are_valid(name: str) -> None:
     from drillpetsc.case import Case

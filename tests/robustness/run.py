@@ -11,11 +11,12 @@ import numpy as np
 from drillpetsc.analysis import checkpoint
 from drillpetsc.analysis.placement import place_along_hole, release
 from drillpetsc.analysis.statics import run_statics
-from drillpetsc.analysis.transient import RunResult, make_integrator, run
+from drillpetsc.analysis.transient import make_integrator, run
 from drillpetsc.case import Case, load_case
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import RunFolder
 from drillpetsc.output.recorder import Recorder
+from drillpetsc.output.result import RunResult
 
 PRESSED_DEPTH = 0.02  # initial penetration of the wall in X16 [m]
 PRESSED_SPEED = 5.0  # initial speed into the wall in X16 [m/s]

@@ -26,7 +26,7 @@ from drillpetsc.analysis.hydraulics.open_hole import (
     shoe_depth,
     vertical_depth,
 )
-from drillpetsc.analysis.transient import RunResult, make_folder
+from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.fluid import Rheology
 from drillpetsc.case.blocks.string import Bit, Flexible
@@ -52,6 +52,7 @@ from drillpetsc.output.quantities.hydraulics import (
     PRESSURE_PROFILE,
     RHEOLOGY_FITS,
 )
+from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
 from drillpetsc.solvers import petsc_options as options

@@ -34,7 +34,7 @@ from drillpetsc.analysis.hydraulics.open_hole import (
     open_hole,
     shoe_depth,
 )
-from drillpetsc.analysis.transient import RunResult, make_folder
+from drillpetsc.analysis.transient import make_folder
 from drillpetsc.case.case import Case
 from drillpetsc.case.flow_options import Trips
 from drillpetsc.errors import CaseError, SolveError
@@ -42,6 +42,7 @@ from drillpetsc.model.fluid import build_rheology
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE
 from drillpetsc.output.quantities.hydraulics import MAX_TRIP_SPEED, SURGE
+from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.physics.fluid.rheology import wall_shear
 from drillpetsc.solvers import petsc_options as options

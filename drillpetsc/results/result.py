@@ -1,0 +1,258 @@
+"""`Result`: what a command returns in Python, and what `open_run` reads from a run folder."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from drillpetsc.errors import CaseError
+from drillpetsc.output.files.json_file import plain, read_summary
+from drillpetsc.output.files.run_folder import HYDRAULICS_TABLES, LIMITS_TABLES, ROADMAP_TABLE, RunFolder
+from drillpetsc.output.files.tables import read_table
+from drillpetsc.output.result import RunResult
+from drillpetsc.results import report
+from drillpetsc.results.datasets import Table, dataset, frame, read_string, string_dataset
+from drillpetsc.unit_systems import SYSTEMS, System
+
+#: table that tells the kind of a result -> that kind; the first one is the main table
+KINDS = {
+    "history.csv": "run",
+    "statics.csv": "statics",
+    "hydraulics.csv": "hydraulics",
+    "surge.csv": "surge",
+    "modes.csv": "modes",
+}
+TABLES = (
+    "history.csv",
+    "probes.csv",
+    "statics.csv",
+    "modes.csv",
+    *HYDRAULICS_TABLES,
+    ROADMAP_TABLE,
+    *LIMITS_TABLES,
+    "trajectory.csv",
+)
+
+
+class Tables(Mapping[str, Any]):
+    """Tables of a result by name: `history`, `statics`, `hydraulics`, `flow_curve`. Each is read when it is asked for."""
+
+    def __init__(self, result: Result) -> None:
+        self._result = result
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in list(self):
+            raise KeyError(f"{name}: this result has {', '.join(self) or 'no tables'}")
+        return self._result._dataset(f"{name}.csv")
+
+    def __iter__(self) -> Iterator[str]:
+        return (file.removesuffix(".csv") for file in self._result._files())
+
+    def __len__(self) -> int:
+        return len(self._result._files())
+
+    def __repr__(self) -> str:
+        return f"<tables: {', '.join(self) or 'none'}>"
+
+
+@dataclass(repr=False)
+class Result(RunResult):
+    """Result of `run`, `statics`, `hydraulics`, `surge`, `roadmap`, `limits` or `modes`, with tables in SI that know their units.
+
+    folder: run folder; summary: contents of its summary.json; lines: report for the screen
+
+    Tables are datasets of xarray whose variables have the attributes units, long_name, label, mnemonic, sign and
+    description; without xarray they are arrays by name. They are read from the folder when they are asked for, and kept. A
+    result whose folder has been written again since is refused. Results can be pickled and copied; a copy has the tables that were
+    read before, and reads others from the folder.
+    """
+
+    _kept: dict[str, Any] = field(default_factory=dict, compare=False)
+
+    @property
+    def kind(self) -> str:
+        """run, statics, hydraulics, surge or modes; folder where the folder has no table of these."""
+        found = self._files()
+        return next((kind for file, kind in KINDS.items() if file in found), "folder")
+
+    @property
+    def status(self) -> str:
+        """`done`, or why a run ended before its end; `unfinished` without a summary."""
+        return str(self.summary.get("status", "done")) if self.summary else "unfinished"
+
+    @property
+    def tables(self) -> Tables:
+        """Datasets by the name of their file."""
+        return Tables(self)
+
+    @property
+    def history(self) -> Any:
+        """Dataset of history.csv with the coordinate time [s]."""
+        return self._dataset("history.csv")
+
+    @property
+    def probes(self) -> Any:
+        """Dataset of probes.csv with the coordinate time [s]."""
+        return self._dataset("probes.csv")
+
+    @property
+    def statics(self) -> Any:
+        """Dataset of statics.csv with the coordinate md [m], from the top down."""
+        return self._dataset("statics.csv")
+
+    @property
+    def string(self) -> Any:
+        """Dataset of the deformed string with the coordinates time [s] and md [m]; vectors have the dimension direction. All
+        frames are read."""
+        frames = self._kept.get("string")
+        if frames is None:
+            self._check_folder()
+            frames = self._keep("string", read_string(self.folder))
+        return string_dataset(frames, self._title)
+
+    def to_frame(self, table: str | None = None, units: str | None = None) -> Any:
+        """A table as a frame of pandas, with headings such as `hook_load [klbf]`; its coordinate is the index.
+
+        table: name of the table; by default the main one of the result
+        units: field, metric, metric_t or SI; by default those of the case, SI where it has none
+        Raises CaseError where pandas is not installed.
+        """
+        files = self._files()
+        name = table or next((f.removesuffix(".csv") for f in (*KINDS, *TABLES) if f in files), "")
+        if f"{name}.csv" not in files:
+            raise CaseError(at="table", got=name, want=f"one of {', '.join(self.tables) or 'no tables'}")
+        return frame(self._table(f"{name}.csv"), f"{name}.csv", _system(units) or self._units or "SI")
+
+    def plot(self, kind: str | None = None, units: str | None = None) -> Any:
+        """A picture of the result, as a figure of matplotlib; the pictures are those of the command `plot`.
+
+        kind: name of the picture, such as history, orbits, along_depth, flow_curve, surge; by default the first one
+        units: field, metric, metric_t or SI; by default those of the case
+        """
+        from drillpetsc.plotting.plot import figures, picture_names
+
+        self._check_folder()
+        system = _system(units)
+        drawn = figures(self.folder, system, None if kind is None else (kind,), first=kind is None)
+        if not drawn:
+            names = ", ".join(picture_names(self.folder))
+            raise CaseError(
+                at="kind", got=kind, want=f"one of {names}" if names else "a result with a table to draw"
+            )
+        return next(iter(drawn.values()))
+
+    # ------------------------------------------------------------------ shown
+    @property
+    def _title(self) -> str:
+        return str(self.summary.get("title") or self.folder.name)
+
+    @property
+    def _units(self) -> System | None:
+        """Units of the command or of the case."""
+        from drillpetsc.plotting.style import units_of_run
+
+        told = self.summary.get("units")
+        return told if told in SYSTEMS else units_of_run(RunFolder(self.folder).case)
+
+    def _report(self) -> tuple[str, report.Rows, list[str], str]:
+        kind, main = self.kind, {}
+        if kind in ("surge", "modes"):
+            main = {f"{kind}.csv": self._table(f"{kind}.csv")}
+        figures = report.main_figures(kind, self.summary, main, self._units or "metric")
+        warnings = report.warnings_of(self.summary)
+        if not self.summary:
+            warnings.append("there is no summary.json: the computation has not ended")
+        return f"{self._title}: {kind}", figures, warnings, str(self.folder)
+
+    def __str__(self) -> str:
+        return report.text_report(*self._report())
+
+    def __repr__(self) -> str:
+        return f"<Result of {self.kind}: {self._title}, {self.folder}>"
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        """The report of the result, for IPython."""
+        printer.text(repr(self) if cycle else str(self))
+
+    def _repr_html_(self) -> str:
+        """The report of the result with a picture, for a notebook."""
+        from drillpetsc.plotting.plot import figures
+
+        parts = self._report()
+        self._check_folder()
+        drawn = figures(self.folder, None, first=True)
+        return report.html_report(*parts, next(iter(drawn.values()), None))
+
+    # ------------------------------------------------------------------ files
+    def _files(self) -> list[str]:
+        return [file for file in TABLES if file in self._kept or (self.folder / file).is_file()]
+
+    def _table(self, file: str) -> Table:
+        if file in self._kept:
+            return self._kept[file]
+        if file not in self._files():
+            has = ", ".join(name.removesuffix(".csv") for name in self._files())
+            raise CaseError(
+                file=self.folder,
+                got=f"no {file}",
+                want=f"a result with it; this one has: {has or 'no tables'}",
+            )
+        self._check_folder()
+        return self._keep(file, read_table(self.folder / file))
+
+    def _dataset(self, file: str) -> Any:
+        return dataset(self._table(file), file, self._title)
+
+    def _keep(self, name: str, value: Any) -> Any:
+        """Keep what was read, unless the computation still writes."""
+        if self.summary:
+            self._kept[name] = value
+        return value
+
+    def _check_folder(self) -> None:
+        """Raise CaseError where the folder is gone, or holds the results of another computation by now."""
+        if not self.folder.is_dir():
+            raise CaseError(file=self.folder, got="no such folder", want="the run folder of the result")
+        file = RunFolder(self.folder).summary
+        if self.summary and file.is_file():
+            mine = {key: value for key, value in self.summary.items() if key != "nothing_left"}
+            if plain(mine) != read_summary(file):
+                raise CaseError(
+                    file=self.folder,
+                    got="results of another computation",
+                    want="the results that this object stands for",
+                    hint="drillpetsc.open_run reads what the folder holds now",
+                )
+
+
+def _system(units: str | None) -> System | None:
+    """The system of units of this name; CaseError for other words."""
+    if units is None:
+        return None
+    for system in SYSTEMS:
+        if units == system:
+            return system
+    raise CaseError(at="units", got=units, want=", ".join(SYSTEMS))
+
+
+def result_of(computed: RunResult) -> Result:
+    """The result of a command, with tables and pictures."""
+    return Result(computed.folder, computed.summary, computed.lines)
+
+
+def open_run(folder: str | Path) -> Result:
+    """The result in a run folder; nothing is computed, and neither PETSc nor MPI is started.
+
+    folder: run folder of `run`, `statics`, `hydraulics`, `surge` or `modes`, finished or not
+    Raises CaseError where the folder does not exist or holds no results.
+    """
+    path = Path(folder)
+    if not path.is_dir():
+        raise CaseError(at="folder", got=folder, want="a run folder that exists")
+    summary = RunFolder(path).summary
+    result = Result(path, read_summary(summary) if summary.is_file() else {})
+    if not result.summary and not result._files():
+        raise CaseError(at="folder", got=folder, want="a run folder with tables or a summary.json")
+    return result
