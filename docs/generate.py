@@ -567,6 +567,7 @@ OUTPUT_TABLES = {
     "outputs/roadmap.md": ("roadmap.csv", "column"),
     "outputs/limits.md": ("limits.csv", "column"),
     "outputs/contacts.md": ("contacts.csv", "column"),
+    "outputs/calibration.md": ("calibration.csv", "column"),
     "outputs/summary-run.md": ("summary.json of run", "key"),
     "outputs/summary-statics.md": ("summary.json of statics", "key"),
     "outputs/summary-modes.md": ("summary.json of modes", "key"),
@@ -574,6 +575,7 @@ OUTPUT_TABLES = {
     "outputs/summary-surge.md": ("summary.json of surge", "key"),
     "outputs/summary-roadmap.md": ("summary.json of roadmap", "key"),
     "outputs/summary-limits.md": ("summary.json of limits", "key"),
+    "outputs/summary-calibrate.md": ("summary.json of calibrate", "key"),
 }
 
 

@@ -1,8 +1,8 @@
 """drillpetsc: drillstring dynamics on PETSc.
 
 The public face is that of `drillpetsc.api`: `Case` describes what is simulated (the keys of a case file),
-`load_case` reads one, `run`, `sweep`, `statics`, `hydraulics`, `surge`, `roadmap`, `limits`, `freepoint`, `modes` and
-`study` are the commands, and `open_run` reads the results of one again. `units` converts values.
+`load_case` reads one, `run`, `sweep`, `statics`, `hydraulics`, `surge`, `roadmap`, `calibrate`, `limits`, `freepoint`,
+`modes` and `study` are the commands, and `open_run` reads the results of one again. `units` converts values.
 Importing the package starts no MPI and imports nothing else of it.
 """
 
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from drillpetsc.api import (
         Case,
+        calibrate,
         catalogue,
         freepoint,
         hydraulics,
@@ -31,6 +32,7 @@ from drillpetsc.version import __version__ as __version__
 
 __all__ = [
     "Case",
+    "calibrate",
     "catalogue",
     "freepoint",
     "hydraulics",

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Case",
+    "calibrate",
     "catalogue",
     "freepoint",
     "hydraulics",
@@ -186,7 +187,6 @@ def roadmap(
     case: Case | str | Path,
     out: str | Path | None = None,
     *,
-    model: Literal["soft", "stiff"] = "soft",
     measured: str | None = None,
     units: Any = None,
     overwrite: bool = False,
@@ -197,7 +197,6 @@ def roadmap(
 
     case: a Case, or the path of a case file; its `roadmap` has operations, depths and friction factors
     out: run folder; by default results/<case>-NNN
-    model: soft, a string without bending stiffness, or stiff, the static equilibrium of the beam
     measured: file of measured points to plot; by default those of the case
     units: field, metric or SI, of `lines` of the result and of plots; by default metric
     overwrite: True to replace the results in an existing folder
@@ -212,7 +211,41 @@ def roadmap(
     from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
     from drillpetsc.results.result import result_of
 
-    return result_of(run_roadmap(case, out, overwrite, name, comm, units, model, points))
+    return result_of(run_roadmap(case, out, overwrite, name, comm, units, points))
+
+
+def calibrate(
+    case: Case | str | Path,
+    out: str | Path | None = None,
+    *,
+    measured: str | None = None,
+    fit: str | None = None,
+    units: Any = None,
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+) -> Result:
+    """Fit friction factors to measured hook loads and torques and write calibration.csv (collective).
+
+    case: a Case, or the path of a case file
+    out: run folder; by default results/<case>-NNN
+    measured: file of measured points; by default those of the case
+    fit: what is fitted, such as "cased,open_hole,block_weight"; by default cased and open_hole
+    units: field, metric or SI, of `lines` of the result and of plots; by default metric
+    overwrite: True to replace the results in an existing folder
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+    """
+    from drillpetsc.case.measured_option import fit_option, measured_option
+
+    parameters = None if fit is None else fit_option(fit)
+    case, name = _loaded(case, name)
+    points = None if measured is None else measured_option(measured, case)
+    initialise_petsc()
+    from drillpetsc.analysis.torque_drag.calibrate import run_calibrate
+    from drillpetsc.results.result import result_of
+
+    return result_of(run_calibrate(case, points, parameters, out, overwrite, name, comm, units))
 
 
 def limits(

@@ -406,13 +406,20 @@ def _freepoint_arguments(command: argparse.ArgumentParser) -> None:
 def _roadmap_arguments(command: argparse.ArgumentParser) -> None:
     _case_argument(command)
     command.add_argument(
-        "--model",
-        choices=("soft", "stiff"),
-        default="soft",
-        help="soft: string without bending stiffness; stiff: static equilibrium of the beam (default: soft)",
+        "--measured", metavar="FILE", help="measured points to plot: CSV, xlsx or LAS (default: the case's)"
+    )
+    _units_argument(command)
+
+
+def _calibrate_arguments(command: argparse.ArgumentParser) -> None:
+    _case_argument(command)
+    command.add_argument(
+        "--measured", metavar="FILE", help="measured points: CSV, xlsx or LAS (default: the case's)"
     )
     command.add_argument(
-        "--measured", metavar="FILE", help="measured points to plot: CSV, xlsx or LAS (default: the case's)"
+        "--fit",
+        metavar="A,B",
+        help="what is fitted: cased, open_hole, block_weight, weight_factor (default: cased,open_hole)",
     )
     _units_argument(command)
 
@@ -748,9 +755,25 @@ def _roadmap(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         arguments.overwrite,
         name,
         units=units,
-        model=arguments.model,
         measured=measured,
     )
+    _print(result.lines)
+    return _draw_on_first_rank(result.folder)
+
+
+def _calibrate(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case import load_case
+    from drillpetsc.case.measured_option import fit_option, measured_option
+
+    case = load_case(arguments.case)
+    fit = None if arguments.fit is None else fit_option(arguments.fit)
+    measured = None if arguments.measured is None else measured_option(arguments.measured, case)
+    start_job(petsc_options)
+    _warn(case)
+    from drillpetsc.analysis.torque_drag.calibrate import run_calibrate
+
+    name, units = Path(arguments.case).stem, arguments.units or case.output.units
+    result = run_calibrate(case, measured, fit, arguments.out, arguments.overwrite, name, units=units)
     _print(result.lines)
     return _draw_on_first_rank(result.folder)
 
@@ -987,6 +1010,13 @@ COMMANDS = (
         _freepoint_arguments,
         _freepoint,
         takes_petsc_options=False,
+    ),
+    Command(
+        "calibrate",
+        "friction factors from measured hook loads and torques, with intervals",
+        _calibrate_arguments,
+        _calibrate,
+        parents=(_output_folder(),),
     ),
     Command(
         "modes",

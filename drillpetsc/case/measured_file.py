@@ -21,7 +21,7 @@ from drillpetsc.unit_systems import unit_of_bare_number
 from drillpetsc.units import UnitError, to_si
 
 OPERATIONS = ("trip_in", "trip_out", "rotate_off_bottom", "drilling", "sliding", "backreaming")
-MAX_BYTES, MAX_POINTS, TITLE_LINES, MOST_ERRORS = 20_000_000, 20_000, 30, 10
+MAX_BYTES, MAX_POINTS, TITLE_LINES, MOST_ERRORS = 20_000_000, 2_000, 30, 10
 
 _WORDS = {
     "trip_in": "tripin so slackoff slackingoff rih runin runningin runinhole lowering lower",

@@ -1,4 +1,4 @@
-"""`--measured FILE`: measured points of the commands `roadmap` and `calibrate`."""
+"""`--measured FILE` and `--fit A,B`: options of the commands `roadmap` and `calibrate`."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pydantic_core import PydanticCustomError
 
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
+from drillpetsc.case.flow_options import read_words
 from drillpetsc.case.measured_file import read_measured
 from drillpetsc.case.messages import case_error
 from drillpetsc.case.quantities import BARE_NUMBERS
@@ -40,3 +41,11 @@ def measured_option(name: str, case: Case) -> tuple[MeasuredPoint, ...]:
         ) from None
     finally:
         BARE_NUMBERS.reset(token)
+
+
+FITTED = ("cased", "open_hole", "block_weight", "weight_factor")
+
+
+def fit_option(text: str) -> tuple[str, ...]:
+    """The parameters that `calibrate` fits; CaseError for a word that is none."""
+    return read_words(text, FITTED, "--fit")

@@ -106,6 +106,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         "summary.json of hydraulics": _listed(hydraulics.HYDRAULICS_SUMMARY),
         "surge.csv": _listed(hydraulics.SURGE),
         "max_trip_speed.csv": _listed(hydraulics.MAX_TRIP_SPEED),
+        "calibration.csv": _listed(torque_drag.MEASURED),
         "roadmap.csv": _listed(torque_drag.ROADMAP, hook_load_total=where.BLOCK),
         "limits.csv": _listed(limits.LIMITS),
         "contacts.csv": _listed(limits.CONTACTS),

@@ -314,7 +314,7 @@ SURGE: tuple[SummaryKey, ...] = (
 ROADMAP: tuple[SummaryKey, ...] = (
     SummaryKey("title", "", "Title of the case."),
     SummaryKey("units", "", "Units of printed and plotted figures; files are in SI."),
-    SummaryKey("model", "", "soft or stiff."),
+    SummaryKey("model", "", "Model of the string: soft, without bending stiffness."),
     SummaryKey("rows", "-", "Number of rows of roadmap.csv."),
     SummaryKey("rows_not_ok", "-", "Number of rows whose status is not ok."),
     SummaryKey("warnings", "", "Rows that are not to be trusted, and limits of the rig that are passed."),
@@ -377,6 +377,26 @@ LIMITS: tuple[SummaryKey, ...] = (
     SummaryKey("notes", "", "What the results leave out."),
 )
 
+CALIBRATE: tuple[SummaryKey, ...] = (
+    SummaryKey("title", "", "Title of the case."),
+    SummaryKey("units", "", "Units of printed and plotted figures; files are in SI."),
+    SummaryKey(
+        "fit",
+        "",
+        "By parameter: value, 95 % interval, and status: `determined`, or `not determined` with the reason; block weight in N.",
+    ),
+    SummaryKey("parameters", "", "Names of the parameters, in the order of `correlation`."),
+    SummaryKey(
+        "correlation", "-", "Matrix of correlations of the parameters; null where one is not determined."
+    ),
+    SummaryKey(
+        "reduced_chi2", "-", "Sum of squares of the weighted residuals over their degrees of freedom."
+    ),
+    SummaryKey("readings", "-", "Number of hook loads and torques that were fitted."),
+    SummaryKey("warnings", "", "Why a result is not to be trusted."),
+    SummaryKey("notes", "", "What was assumed, and what the model leaves out."),
+)
+
 #: keys by file, as the catalogue names the files
 SUMMARY_KEYS = {
     "summary.json of run": RUN,
@@ -386,4 +406,5 @@ SUMMARY_KEYS = {
     "summary.json of surge": SURGE,
     "summary.json of roadmap": ROADMAP,
     "summary.json of limits": LIMITS,
+    "summary.json of calibrate": CALIBRATE,
 }

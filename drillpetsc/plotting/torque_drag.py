@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.output.files.run_folder import ROADMAP_FILE, ROADMAP_TABLE
+from drillpetsc.output.files.json_file import read_summary
+from drillpetsc.output.files.run_folder import CALIBRATION_TABLE, ROADMAP_FILE, ROADMAP_TABLE
 from drillpetsc.output.files.tables import read_table
 from drillpetsc.plotting import style
 from drillpetsc.plotting.style import LINE_COLORS
@@ -42,7 +43,43 @@ def torque_drag_drawers(folder: Path, title: str, system: System) -> dict[str, C
         table = read_table(folder / ROADMAP_TABLE)
         drawers["roadmap_hook_load"] = lambda: _hook_load(table, inputs, title, system)
         drawers["roadmap_torque"] = lambda: _torque(table, inputs, title, system)
+    if (folder / CALIBRATION_TABLE).exists():
+        drawers["calibration"] = lambda: _calibration(
+            read_table(folder / CALIBRATION_TABLE), read_summary(folder / "summary.json"), title, system
+        )
     return drawers
+
+
+def _calibration(table: Table, summary: dict[str, Any], title: str, system: System) -> Any:
+    """Residuals over the bit depth in standard errors, and the open-hole factor of each point alone."""
+    depth, _, unit = display_unit("length", system)
+    md, operation = table["bit_depth [m]"] / depth, table["operation [-]"]
+    marks = {"hook_load": ("o", "hook load"), "surface_torque": ("^", "surface torque")}
+    drawing = style.figure(11.0, 6.5, dpi=110)
+    top = style.heading(drawing, f"{title}: measured points and the soft string")
+    left, right = drawing.subplots(1, 2, sharey=True)
+    residual = table["residual [N or N m]"] / table["sigma [N or N m]"]
+    left.axvspan(-2, 2, color="0.93", zorder=0)
+    left.axvline(0.0, color="0.35", linewidth=0.8)
+    for word, (text, color) in OPERATIONS.items():
+        for reading, (mark, kind) in marks.items():
+            part = (operation == word) & (table["reading [-]"] == reading)
+            if part.any():
+                left.plot(residual[part], md[part], mark, color=color, label=f"{text}, {kind}", markersize=6)
+                right.plot(table["ff_open_hole_alone [-]"][part], md[part], mark, color=color, markersize=6)
+    found = summary["fit"].get("open_hole", {})
+    if found.get("value") is not None:
+        if found["interval"] is not None:
+            right.axvspan(*found["interval"], color="0.9", zorder=0, label="95 % interval")
+        right.axvline(found["value"], color="0.25", linewidth=1.2, label=f"all points: {found['value']:.3f}")
+        right.legend(frameon=False, fontsize=8.5, loc="lower right")
+    left.set(xlabel="computed less measured [standard errors]", ylabel=f"Bit depth (MD) [{unit}]")
+    right.set(xlabel="open-hole friction factor of each point alone", xlim=(0, 1))
+    left.set_ylim(1.05 * float(md.max()), 0)
+    handles, labels = left.get_legend_handles_labels()
+    drawing.legend(handles, labels, frameon=False, fontsize=8.5, loc="center right")
+    drawing.tight_layout(rect=(0, 0, 0.8, top))
+    return drawing
 
 
 def _pairs(table: Table) -> list[tuple[float, float]]:

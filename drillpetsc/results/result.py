@@ -9,7 +9,12 @@ from typing import Any
 
 from drillpetsc.errors import CaseError
 from drillpetsc.output.files.json_file import plain, read_summary
-from drillpetsc.output.files.run_folder import HYDRAULICS_TABLES, LIMITS_TABLES, ROADMAP_TABLE, RunFolder
+from drillpetsc.output.files.run_folder import (
+    HYDRAULICS_TABLES,
+    LIMITS_TABLES,
+    ROADMAP_TABLE,
+    RunFolder,
+)
 from drillpetsc.output.files.tables import read_table
 from drillpetsc.output.result import RunResult
 from drillpetsc.results import report

@@ -81,9 +81,10 @@ class Hole:
     """Steps along the hole for some strings, with the geometry at their Gauss points.
 
     edges: (k+1,) [m]; section: (k,) number of the hole's section; placed: the strings.
+    max_step: longest step [m].
     """
 
-    def __init__(self, well: Well, placed: Sequence[StringRows]) -> None:
+    def __init__(self, well: Well, placed: Sequence[StringRows], max_step: float = MAX_STEP) -> None:
         self.well, self.placed = well, tuple(placed)
         end = max(rows.depth for rows in placed)
         marks = np.concatenate([well.node_md, well.section_to, *(rows.edges for rows in placed), [0.0, end]])
@@ -91,7 +92,7 @@ class Hole:
         keep = np.append(True, np.diff(marks) > 1e-7)
         marks = marks[keep]
         marks[-1] = end
-        pieces = np.ceil(np.diff(marks) / MAX_STEP).astype(int)
+        pieces = np.ceil(np.diff(marks) / max_step).astype(int)
         first = np.repeat(np.cumsum(pieces) - pieces, pieces)
         fraction = (np.arange(pieces.sum()) - first) / np.repeat(pieces, pieces)
         self.edges = np.append(

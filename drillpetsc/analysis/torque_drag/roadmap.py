@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
@@ -35,8 +35,6 @@ from drillpetsc.output.files.run_folder import ROADMAP_FILE, ROADMAP_TABLE
 from drillpetsc.output.quantities.torque_drag import ROADMAP
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.unit_systems import System
-
-Model = Literal["soft", "stiff"]
 
 
 def columns_of(loads: list[Load], placed: list[int], pairs: list[Pair]) -> Columns:
@@ -109,14 +107,12 @@ def run_roadmap(
     name: str = "case",
     comm: PETSc.Comm | None = None,
     units: System | None = None,
-    model: Model = "soft",
     measured: tuple[MeasuredPoint, ...] | None = None,
 ) -> RunResult:
     """Compute hook load and torque over the bit depth, write roadmap.csv, roadmap.json and summary.json (collective).
 
-    model: soft string, or the static equilibrium of the beam.
     measured: points to be plotted; None: those of the case.
-    Every rank computes the same with the soft model, the first one writes.
+    Every rank computes the same, the first one writes.
     """
     comm = comm or PETSc.COMM_WORLD
     well = need_well(case, "roadmap")
@@ -128,8 +124,6 @@ def run_roadmap(
     if len(plan.operations) * len(pairs) * len(strings) > MOST_ROWS:
         got = f"{len(plan.operations)} operations x {len(pairs)} pairs x {len(strings)} depths"
         raise CaseError(at="roadmap", got=got, want=f"at most {MOST_ROWS} rows")
-    if model == "stiff":
-        raise CaseError(at="--model", got="stiff", want="soft")
     rows = soft_rows(case, well, strings, plan.operations, pairs)
     block = None if case.rig is None else case.rig.block_weight
     if block is not None:
@@ -142,7 +136,7 @@ def run_roadmap(
     summary = {
         "title": case.title,
         "units": system,
-        "model": model,
+        "model": "soft",
         "rows": len(rows),
         "rows_not_ok": sum(row["status"] != OK for row in rows),
         "warnings": warnings,
@@ -156,9 +150,9 @@ def run_roadmap(
             [q.column for q in quantities],
             [[row[q.name] for row in rows] for q in quantities],
         )
-        write_summary(folder.path / ROADMAP_FILE, _inputs(case, well, strings, pairs, points, block, model))
+        write_summary(folder.path / ROADMAP_FILE, _inputs(case, well, strings, pairs, points, block))
         write_summary(folder.summary, summary)
-    lines = [f"{case.title or 'case'}: roadmap, {model} string, {len(rows)} rows"]
+    lines = [f"{case.title or 'case'}: roadmap, soft string, {len(rows)} rows"]
     lines += _lines(rows, pairs, plan.operations, strings[-1].depth, system, block is not None)
     lines += [f"  WARNING: {w}" for w in warnings] + [f"  note: {in_units(n, system)}" for n in notes]
     lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
@@ -172,7 +166,6 @@ def _inputs(
     pairs: list[Pair],
     points: tuple[MeasuredPoint, ...] | None,
     block: float | None,
-    model: str,
 ) -> dict[str, Any]:
     """Contents of roadmap.json: everything that the rows come from, and what pictures draw beside them."""
     plan, rig = plan_of(case), case.rig
@@ -183,7 +176,7 @@ def _inputs(
         if operation != "sliding":
             loads[operation]["axial_speed [m/s]"] = load.axial_velocity
     return {
-        "model": model,
+        "model": "soft",
         "operations": loads,
         "friction_factor": [{"cased": _plain(p.cased), "open_hole": _plain(p.open_hole)} for p in pairs],
         "casing_shoes [m]": shoes_of(case),

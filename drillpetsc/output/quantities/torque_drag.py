@@ -86,16 +86,24 @@ ROADMAP: tuple[Quantity, ...] = (
 MEASURED: tuple[Quantity, ...] = (
     _DEPTH,
     OPERATION,
-    _row("reading", "-", "Reading", "READ", "hook_load or surface_torque, which the row compares."),
-    _row("measured", "N or N m", "Measured", "MEAS", "The reading; a hook load without the block."),
-    _row("computed", "N or N m", "Computed", "COMP", "The soft string's value with the fitted factors."),
-    _row("residual", "N or N m", "Residual", "RESI", "Computed less measured."),
+    _row("reading", "-", "Reading", "READ", "What the row compares: hook_load or surface_torque."),
+    _row("measured", "N or N m", "Measured", "MEAS", "The reading, as in the file.", "pull, resistance"),
+    _row(
+        "computed",
+        "N or N m",
+        "Computed",
+        "COMP",
+        "The soft string's value with the fitted factors.",
+        "pull, resistance",
+    ),
+    _row("residual", "N or N m", "Residual", "RESI", "Computed less measured.", "computed above measured"),
     _row(
         "sigma",
         "N or N m",
         "Standard error",
         "SIGM",
         "Standard error of the reading, with which it was weighted.",
+        "not negative",
     ),
     _row(
         "ff_open_hole_alone",

@@ -1,0 +1,174 @@
+"""`calibrate`: friction factors come back from synthetic points of a J-well, with honest intervals."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from drillpetsc.analysis.soft_string import torque_drag
+from drillpetsc.analysis.torque_drag.calibrate import Calibration, run_calibrate
+from drillpetsc.case.blocks.roadmap import MeasuredPoint
+from drillpetsc.case.case import Case
+from drillpetsc.errors import CaseError
+from drillpetsc.geometry.well import Well
+from drillpetsc.output import read_table
+
+TRUTH = {"cased": 0.18, "open_hole": 0.27}
+SHOE, END, BLOCK = 1500.0, 2860.0, 100e3
+MD, INCLINATION = [0.0, 1000.0, 1360.0, END], [0.0, 0.0, 60.0, 60.0]
+
+
+def case(**keys):
+    """A J-well cased to 1500 m, pipe of 242 N/m; its own friction is not that of the points."""
+    return Case(
+        well={
+            "survey": {"md": MD, "inclination": [f"{a} deg" for a in INCLINATION], "azimuth": ["0 deg"] * 4},
+            "sections": [
+                {"to": SHOE, "kind": "casing", "diameter": "224 mm", "friction": 0.3},
+                {"kind": "open_hole", "diameter": "215.9 mm", "friction": 0.4},
+            ],
+        },
+        string=[
+            {
+                "kind": "pipe",
+                "od": "127 mm",
+                "id": "108.6 mm",
+                "length": END,
+                "material": {"density": "7245.416608 kg/m3"},
+            }
+        ],
+        top="clamped",
+        gravity="9.81 m/s2",
+        **keys,
+    )
+
+
+def synthetic(depths=(800, 1400, 1900, 2400, 2860), weight=242.0, block=0.0, noise=0.0, seed=0):
+    """Points from the soft string of `drillpetsc statics`, an integration of its own, in the same hole."""
+    rng = np.random.default_rng(seed)
+    well = Well.from_survey(
+        MD,
+        np.radians(INCLINATION),
+        np.zeros(4),
+        [SHOE, END],
+        [0.112, 0.10795],
+        [TRUTH["cased"], TRUTH["open_hole"]],
+    )
+    motions = {
+        "trip_in": {"axial_velocity": -0.3},
+        "trip_out": {"axial_velocity": 0.3},
+        "rotate_off_bottom": {"rotation": 10.0},
+    }
+    points = []
+    for depth in depths:
+        edges = np.linspace(0, depth, 143)
+        for operation, motion in motions.items():
+            found = torque_drag(well, edges, weight, 0.0635, 7.0137489e8, 9.4156072e5, **motion)
+            torque = found.surface_torque if operation == "rotate_off_bottom" else None
+            points.append(
+                MeasuredPoint(
+                    bit_depth=depth,
+                    operation=operation,
+                    hook_load=found.hook_load + block + noise * rng.standard_normal(),
+                    torque=torque,
+                )
+            )
+    return tuple(points)
+
+
+def test_factors_come_back():
+    """Noise-free points return the factors within 1e-3."""
+    fit = Calibration(case(), synthetic()).fit(("cased", "open_hole"))
+    assert dict(zip(fit.parameters, fit.value, strict=True)) == pytest.approx(TRUTH, abs=1e-3)
+    assert not fit.reasons and fit.chi2 < 1e-3
+    assert fit.correlation[0, 1] < 0 and np.diag(fit.correlation) == pytest.approx(1.0)
+
+
+def test_interval_holds_the_truth():
+    """5 kN of noise, 100 seeds: the 95 % interval holds each factor 90 to 99 times."""
+    hits = dict.fromkeys(TRUTH, 0)
+    clean = Calibration(case(), synthetic())
+    for seed in range(100):
+        points = synthetic_with_noise(clean.points, 5e3, seed)
+        work = Calibration.__new__(Calibration)
+        work.__dict__.update(clean.__dict__)
+        work.points = points
+        work.data = work._data()
+        fit = work.fit(("cased", "open_hole"))
+        for name, value, width in zip(fit.parameters, fit.value, fit.interval, strict=True):
+            hits[name] += abs(value - TRUTH[name]) <= width
+    assert all(90 <= count <= 99 for count in hits.values()), hits
+
+
+def synthetic_with_noise(points, size, seed):
+    """The same hook loads with normal noise; torques are left out."""
+    rng = np.random.default_rng(seed)
+    return tuple(
+        p.model_copy(update={"hook_load": p.hook_load + size * rng.standard_normal(), "torque": None})
+        for p in points
+    )
+
+
+def test_block_weight_and_weight_factor_come_back():
+    points = synthetic(weight=1.03 * 242.0, block=BLOCK)
+    fit = Calibration(case(rig={"block_weight": "60 kN"}), points).fit(
+        ("cased", "open_hole", "block_weight", "weight_factor")
+    )
+    found = dict(zip(fit.parameters, fit.value, strict=True))
+    assert found["block_weight"] == pytest.approx(BLOCK, rel=2e-3)
+    assert found["weight_factor"] == pytest.approx(1.03, abs=1e-3)
+    assert {k: found[k] for k in TRUTH} == pytest.approx(TRUTH, abs=2e-3)
+
+
+def test_weight_error_is_told_and_not_absorbed(tmp_path):
+    """Hook loads with an unknown block: rotating off bottom tells it."""
+    result = run_calibrate(case(), synthetic(block=BLOCK), out=tmp_path / "c")
+    (warning,) = [w for w in result.summary["warnings"] if "error of the weight" in w]
+    assert "below the measured" in warning
+
+
+def test_open_hole_that_no_bit_reached():
+    fit = Calibration(case(), synthetic(depths=(800, 1200, 1450))).fit(("cased", "open_hole"))
+    assert np.isnan(fit.value[1]) and "no point has the bit" in fit.reasons["open_hole"]
+    assert fit.value[0] == pytest.approx(TRUTH["cased"], abs=1e-3)
+
+
+def test_vertical_readings_determine_nothing():
+    fit = Calibration(case(), synthetic(depths=(300, 600, 900))).fit(("cased",))
+    assert np.isnan(fit.value[0]) and "3 standard errors" in fit.reasons["cased"]
+
+
+def test_one_point_does_not_determine_two_factors():
+    point = [p for p in synthetic(depths=(2860,)) if p.operation == "trip_out"]
+    fit = Calibration(case(), tuple(point)).fit(("cased", "open_hole"))
+    assert len(fit.reasons) == 1 and np.isnan(fit.value).sum() == 1
+    assert np.isnan(fit.interval).all()  # one unknown, one reading: no interval
+
+
+def test_files(tmp_path):
+    points = synthetic()
+    result = run_calibrate(case(rig={"block_weight": "100 kN"}), synthetic(block=BLOCK), out=tmp_path / "c")
+    table = read_table(tmp_path / "c" / "calibration.csv")
+    assert len(table["residual [N or N m]"]) == 20
+    assert np.abs(table["residual [N or N m]"]).max() < 100
+    alone = table["ff_open_hole_alone [-]"]
+    deep = (table["bit_depth [m]"] > 2000) & (table["operation [-]"] != "rotate_off_bottom")
+    assert alone[deep] == pytest.approx(TRUTH["open_hole"], abs=2e-3)
+    assert np.isnan(alone[table["bit_depth [m]"] < SHOE]).all()
+    summary = json.loads((tmp_path / "c" / "summary.json").read_text())
+    assert summary["fit"]["cased"]["status"] == "determined"
+    a, b = summary["fit"]["cased"]["interval"]
+    assert a < TRUTH["cased"] < b and summary == result.summary
+    assert points
+
+
+def test_refused(tmp_path):
+    with pytest.raises(CaseError, match="measured points"):
+        run_calibrate(case(), None, out=tmp_path / "c")
+    with pytest.raises(CaseError, match="end of the hole"):
+        run_calibrate(
+            case(), (MeasuredPoint(bit_depth=5000, operation="trip_in", hook_load=1e5),), out=tmp_path / "c"
+        )
+    assert not (tmp_path / "c").exists()
