@@ -134,22 +134,24 @@ def warnings_of(run: Run) -> list[str]:
         found.append(f"the static state is not stable: {pivots:g} negative pivots")
     if not run.summary:
         found.append("no summary.json in this folder: the run did not end")
-    found += _texts(run.summary)
+    told = _texts(run.summary)
+    found += [text for key, text in told if key == "warnings"]
     for kind in run.kinds:
         for table in kind.tables:
             file = run.folder.path / table
             if file.is_file():
                 found += _doubtful(file)
+    found += [f"note: {text}" for key, text in told if key == "notes"]
     return list(dict.fromkeys(found))
 
 
-def _texts(value: Any) -> list[str]:
-    """Texts below the keys `warnings` and `notes` of a summary, wherever they are."""
-    found: list[str] = []
+def _texts(value: Any) -> list[tuple[str, str]]:
+    """(key, text) of the texts below the keys `warnings` and `notes` of a summary, wherever they are."""
+    found: list[tuple[str, str]] = []
     if isinstance(value, Mapping):
         for key, part in value.items():
             if key in ("warnings", "notes") and isinstance(part, list):
-                found += [str(text) for text in part if isinstance(text, str)]
+                found += [(key, text) for text in part if isinstance(text, str)]
             else:
                 found += _texts(part)
     elif isinstance(value, list):
@@ -250,6 +252,8 @@ def _figures(kind: Kind, run: Run, system: System) -> list[Grid]:
     grids = [facts(rows, "Summary", source)] if rows and kind is run.kinds[0] else []
     if kind.key == "statics":
         grids += _forces(run, system, source)
+    if kind.key == "limits":
+        grids += _margins(run, system, source)
     return grids
 
 
@@ -271,6 +275,48 @@ def _flows(run: Run, system: System, source: str) -> list[Grid]:
     return [
         Grid(heads, rows, "Figures of each flow rate", source, numeric=(False, *(True for _ in flows), False))
     ]
+
+
+#: figures of a summary of limits: path of the block, key of the figure in it, its unit
+MARGINS = (
+    ("weakest.safety_factor", "value", "-"),
+    ("weakest.tension_ratio", "value", "-"),
+    ("weakest.torque_ratio", "value", "-"),
+    ("weakest.fatigue_ratio", "value", "-"),
+    ("weakest.side_force_per_joint", "value", "N"),
+    ("neutral_point.effective", "md", "m"),
+    ("neutral_point.true", "md", "m"),
+    ("margin_of_overpull", "margin", "N"),
+    ("max_overpull_at_bit", "pull", "N"),
+    *(
+        (f"max_wob.{operation}.{shape}", "wob", "N")
+        for operation in ("drilling", "sliding")
+        for shape in ("sinusoidal", "helical")
+    ),
+)
+
+
+def _margins(run: Run, system: System, source: str) -> list[Grid]:
+    """Weakest places, margins and largest loads, each with its place."""
+    summary = dict(_flat(run.summary))
+    rows = []
+    for path, key, unit in MARGINS:
+        value = summary.get(f"{path}.{key}")
+        if not isinstance(value, int | float):
+            continue
+        words = " ".join(path.replace("_", " ").split(".")).capitalize().replace("wob", "weight on bit")
+        md = summary.get(f"{path}.md") if key != "md" else None
+        place = number(md, "md [m]", system)[0] if isinstance(md, int | float) else ""
+        rows.append(
+            (words, *number(value, f"{key} [{unit}]", system), place, str(summary.get(f"{path}.item", "")))
+        )
+    slack = summary.get("max_slackoff")
+    if isinstance(slack, int | float):
+        rows.append(("Max slackoff", *number(slack, "slackoff [N]", system), "", ""))
+    if not rows:
+        return []
+    heads = ("Quantity", "Value", "Unit", f"at MD [{unit_of('md [m]', system)[2]}]", "Item")
+    return [Grid(heads, rows, "Margins", source, numeric=(False, True, False, True, False))]
 
 
 def _forces(run: Run, system: System, source: str) -> list[Grid]:

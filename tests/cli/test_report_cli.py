@@ -187,6 +187,19 @@ def test_warnings_come_first(runs: Path) -> None:
     assert text.index('id="warnings"') < text.index("<h2>Well")
 
 
+def test_margins_of_limits_have_units_and_places(runs: Path) -> None:
+    """A summary of limits written by hand: 444822 N is 100 klbf, 304.8 m is 1000 ft."""
+    folder = runs / "limits"
+    folder.mkdir()
+    shutil.copy(runs / "still" / "case.yaml", folder)
+    margin = {"margin": 444822.16152605, "md": 304.8, "item": "HWDP", "ratio": 2.0}
+    (folder / "summary.json").write_text(json.dumps({"margin_of_overpull": margin, "notes": ["mind <that>"]}))
+    (folder / "limits.csv").write_text("md [m],safety_factor [-]\n0,2\n304.8,1.5\n")
+    assert main(["report", str(folder), "--sections", "limits", "--out", str(runs / "l.html")]) == 0
+    words = Page((runs / "l.html").read_text()).words
+    assert "Margin of overpull 100 klbf 1000 HWDP" in words and "note: mind <that>" in words
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
