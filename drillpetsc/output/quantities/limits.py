@@ -14,12 +14,14 @@ from drillpetsc.output.quantities.along_string import (
 from drillpetsc.output.quantities.hydraulics import LOSS_ROWS
 from drillpetsc.output.quantities.mud import MUD_FIELDS
 from drillpetsc.output.quantities.statics import CURVATURE
+from drillpetsc.output.quantities.torque_drag import ROADMAP
 from drillpetsc.output.quantities.trajectory import TRAJECTORY
 from drillpetsc.physics.quantities import CONTACT
 
 _PRESSURE = {q.name: q for q in MUD_FIELDS}
 _TVD = next(q for q in TRAJECTORY if q.name == "tvd")
 _CONTACT_FORCE = next(q for q in CONTACT if q.name == "contact_force")
+_BUCKLING_STATE = next(q for q in ROADMAP if q.name == "buckling_state")
 
 
 def _node(
@@ -140,20 +142,13 @@ LIMITS: tuple[Quantity, ...] = (
         "Chen et al. (1990) or Wu and Juvkam-Wold (1993); below 3 deg 3.75 (EI w^2)^(1/3), Lubinski (1950).",
         "compression",
     ),
-    _node(
-        "buckling_state",
-        "-",
-        "Buckling state",
-        "BKST",
-        "By the limits: none, sinusoidal or helical; - where there is no limit and the string is in compression.",
-        "",
-    ),
+    _BUCKLING_STATE,
     _CONTACT_FORCE,
     _node(
         "side_force_per_joint",
         "N",
         "Side force per joint",
-        "SFPJ",
+        "SFOJ",
         "Push of the wall on a joint of pipe whose middle is here; nan for pipe without joints.",
     ),
     _node(

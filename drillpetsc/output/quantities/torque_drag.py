@@ -56,7 +56,7 @@ ROADMAP: tuple[Quantity, ...] = (
         "-",
         "Buckling",
         "BUCK",
-        "Worst state along the string: none, sinusoidal, helical or lock_up.",
+        "State by the limits: none, sinusoidal, helical, lock_up; of the whole string the worst; - without a limit in compression.",
     ),
     _row(
         "max_side_force_per_joint",
