@@ -18,11 +18,11 @@ class Picture(Figure):
 
 
 def svg(drawing: Any) -> str:
-    """A figure as the element `<svg>` of an HTML page, with text as text."""
+    """A figure as the element `<svg>` of an HTML page, with text as text, no wider than the page."""
     import matplotlib as mpl
 
     file = StringIO()
     with mpl.rc_context({"svg.fonttype": "none"}):
         drawing.savefig(file, format="svg", metadata={"Date": None, "Creator": None})
     text = file.getvalue()
-    return text[text.index("<svg") :]
+    return text[text.index("<svg") :].replace("<svg", '<svg style="max-width: 100%; height: auto"', 1)

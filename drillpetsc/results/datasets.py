@@ -21,6 +21,7 @@ COORDINATES = {
     "probes.csv": "time",
     "statics.csv": "md",
     "trajectory.csv": "md",
+    "limits.csv": "md",
     "flow_curve.csv": "pump_flow",
     "modes.csv": "mode",
 }

@@ -151,4 +151,4 @@ def _picture(drawing: Any) -> str:
     if len(text) <= LARGEST_SVG:
         return text
     data = base64.b64encode(drawing._repr_png_()).decode()
-    return f'<img alt="picture of the result" src="data:image/png;base64,{data}">'
+    return f'<img style="max-width: 100%" alt="picture of the result" src="data:image/png;base64,{data}">'

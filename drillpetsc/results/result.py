@@ -24,6 +24,8 @@ from drillpetsc.unit_systems import SYSTEMS, System
 #: table that tells the kind of a result -> that kind; the first one is the main table
 KINDS = {
     "history.csv": "run",
+    "roadmap.csv": "roadmap",
+    "limits.csv": "limits",
     "statics.csv": "statics",
     "hydraulics.csv": "hydraulics",
     "surge.csv": "surge",
@@ -78,7 +80,7 @@ class Result(RunResult):
 
     @property
     def kind(self) -> str:
-        """run, statics, hydraulics, surge or modes; folder where the folder has no table of these."""
+        """run, roadmap, limits, statics, hydraulics, surge or modes; folder where the folder has no table of these."""
         found = self._files()
         return next((kind for file, kind in KINDS.items() if file in found), "folder")
 
@@ -163,7 +165,7 @@ class Result(RunResult):
 
     def _report(self) -> tuple[str, report.Rows, list[str], str]:
         kind, main = self.kind, {}
-        if kind in ("surge", "modes"):
+        if kind in ("surge", "modes", "roadmap", "limits"):
             main = {f"{kind}.csv": self._table(f"{kind}.csv")}
         figures = report.main_figures(kind, self.summary, main, self._units or "metric")
         warnings = report.warnings_of(self.summary)

@@ -228,3 +228,14 @@ def test_wrong_tables_and_folders_are_refused(folder: Path, tmp_path_factory: py
 
 def test_columns_without_attributes_can_be_made() -> None:
     assert not Columns() and Columns().dims == {}
+
+
+@pytest.mark.parametrize("kind", ["roadmap", "limits"])
+def test_torque_and_drag_results(kind: str, tmp_path: Path, no_extras: None) -> None:
+    first = "bit_depth" if kind == "roadmap" else "md"
+    write_table(tmp_path / f"{kind}.csv", [(first, "m"), ("hook_load", "N")], [[10.0, 20.0], [1e3, 2e3]])
+    write_summary(tmp_path / "summary.json", {"units": "metric"})
+    result = open_run(tmp_path)
+    assert result.kind == kind and list(result.tables) == [kind]
+    assert result.tables[kind].dims[first] == ("row" if kind == "roadmap" else "md",)
+    assert "hook_load [kN]" in str(result)
