@@ -145,7 +145,8 @@ LIMITS: tuple[Quantity, ...] = (
         "-",
         "Buckling state",
         "BKST",
-        "By the limits: none, sinusoidal or helical; - where there is no limit and the string is in compression.",
+        "By the limits: none, sinusoidal or helical; - where there is no limit and the string is in compression. "
+        "In a roadmap the worst along the string, or lock_up.",
         "",
     ),
     _CONTACT_FORCE,

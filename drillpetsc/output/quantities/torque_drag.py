@@ -5,6 +5,7 @@ from __future__ import annotations
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output.quantities.history import HOOK_LOAD_TOTAL, LOWER_END
 from drillpetsc.output.quantities.hydraulics import SURGE
+from drillpetsc.output.quantities.limits import LIMITS
 from drillpetsc.output.quantities.statics import STATIC_SUMMARY
 from drillpetsc.physics.quantities import BIT
 
@@ -20,6 +21,7 @@ def _row(
 
 
 OPERATION = SURGE[0]
+BUCKLING_STATE = next(q for q in LIMITS if q.name == "buckling_state")
 FF_CASED = _row("ff_cased", "-", "Friction factor, cased", "FFCS", "Friction coefficient in cased hole.")
 FF_OPEN_HOLE = _row(
     "ff_open_hole", "-", "Friction factor, open hole", "FFOH", "Friction coefficient in open hole."
@@ -51,13 +53,7 @@ ROADMAP: tuple[Quantity, ...] = (
         "NEUT",
         "Measured depth of the first place from the top without effective tension; empty where the top is in compression.",
     ),
-    _row(
-        "buckling_state",
-        "-",
-        "Buckling",
-        "BUCK",
-        "Worst state along the string: none, sinusoidal, helical or lock_up.",
-    ),
+    BUCKLING_STATE,
     _row(
         "max_side_force_per_joint",
         "N",
