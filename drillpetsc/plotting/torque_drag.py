@@ -63,7 +63,7 @@ def _calibration(table: Table, summary: dict[str, Any], title: str, system: Syst
     left.axvline(0.0, color="0.35", linewidth=0.8)
     for word, (text, color) in OPERATIONS.items():
         for reading, (mark, kind) in marks.items():
-            part = (operation == word) & (table["reading [-]"] == reading)
+            part = (operation == word) & (table["compared [-]"] == reading)
             if part.any():
                 left.plot(residual[part], md[part], mark, color=color, label=f"{text}, {kind}", markersize=6)
                 right.plot(table["ff_open_hole_alone [-]"][part], md[part], mark, color=color, markersize=6)

@@ -382,7 +382,7 @@ def run_calibrate(
         columns: dict[str, Any] = {
             "bit_depth": [points[i].bit_depth for i in d.point],
             "operation": [points[i].operation for i in d.point],
-            "reading": ["hook_load" if hook else "surface_torque" for hook in d.hook],
+            "compared": ["hook_load" if hook else "surface_torque" for hook in d.hook],
             "measured": d.value,
             "computed": fit.computed,
             "residual": fit.computed - d.value,

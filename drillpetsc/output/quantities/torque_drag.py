@@ -62,7 +62,7 @@ ROADMAP: tuple[Quantity, ...] = (
         "max_side_force_per_joint",
         "N",
         "Largest side force per joint",
-        "SFPJ",
+        "SFJX",
         "Largest wall force over a length of a joint of the item, 31 ft where it names none.",
         "not negative",
     ),
@@ -86,7 +86,7 @@ ROADMAP: tuple[Quantity, ...] = (
 MEASURED: tuple[Quantity, ...] = (
     _DEPTH,
     OPERATION,
-    _row("reading", "-", "Reading", "READ", "What the row compares: hook_load or surface_torque."),
+    _row("compared", "-", "Compared reading", "CMPD", "What the row compares: hook_load or surface_torque."),
     _row("measured", "N or N m", "Measured", "MEAS", "The reading, as in the file.", "pull, resistance"),
     _row(
         "computed",
