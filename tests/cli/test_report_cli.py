@@ -194,7 +194,7 @@ def test_margins_of_limits_have_units_and_places(runs: Path) -> None:
     shutil.copy(runs / "still" / "case.yaml", folder)
     margin = {"margin": 444822.16152605, "md": 304.8, "item": "HWDP", "ratio": 2.0}
     (folder / "summary.json").write_text(json.dumps({"margin_of_overpull": margin, "notes": ["mind <that>"]}))
-    (folder / "limits.csv").write_text("md [m],safety_factor [-]\n0,2\n304.8,1.5\n")
+    (folder / "contacts.csv").write_text("item [-],md [m],side_force [N]\nHWDP,304.8,1000\n")
     assert main(["report", str(folder), "--sections", "limits", "--out", str(runs / "l.html")]) == 0
     words = Page((runs / "l.html").read_text()).words
     assert "Margin of overpull 100 klbf 1000 HWDP" in words and "note: mind <that>" in words
