@@ -233,7 +233,7 @@ def test_numbers_as_text() -> None:
 
 
 def test_units_of_columns() -> None:
-    """Rows of the table of units (manual: sec-guide-units): a diameter in inches, a depth in feet, a dogleg per 100 ft."""
+    """Rows of the table of units (manual: guide-units): a diameter in inches, a depth in feet, a dogleg per 100 ft."""
     assert unit_of("od [m]", "field")[2] == "in" and unit_of("md [m]", "field")[2] == "ft"
     assert in_units("od [m]", [0.2159], "field") == pytest.approx([8.5])
     assert in_units("dogleg_severity [deg/30m]", [3.0], "field") == pytest.approx([3.048])

@@ -64,7 +64,7 @@ def run_limits(
     units: of printed and plotted figures; None: metric.
     Raises CaseError where the case cannot be in the operation, SolveError without equilibrium.
     """
-    choices, units = choices or Choices(), units or "metric"
+    choices, units = choices or Choices(), units or case.output.units or "metric"
     refuse_quaternion(case, "limits")
     _check(choices)
     if case.hold_string:

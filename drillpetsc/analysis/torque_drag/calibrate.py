@@ -367,7 +367,7 @@ def run_calibrate(
     if not points:
         raise CaseError(at="--measured", want="a file of measured points, or roadmap.measured in the case")
     work = Calibration(case, points, plan.hookload_excludes_block)
-    system: System = units or "metric"
+    system: System = units or case.output.units or "metric"
     if parameters is None:
         parameters = tuple(name for name in FACTORS if (work.is_open == (name == "open_hole")).any())
     notes = _notes(case, work, parameters)

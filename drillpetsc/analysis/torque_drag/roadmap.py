@@ -130,7 +130,7 @@ def run_roadmap(
         for row in rows:
             row["hook_load_total"] = row["hook_load"] + block
     points = plan.measured if measured is None else measured
-    system: System = units or "metric"
+    system: System = units or case.output.units or "metric"
     warnings = _warnings(case, rows, system)
     folder = make_folder(comm, name, out, False, overwrite)
     summary = {
