@@ -537,6 +537,8 @@ def refuse_path(model: DrillingModel, motion: tuple[float, float], got: str) -> 
     at = "--path"
     if got == "slack_off" and motion[0] < 0:
         raise CaseError(at=at, got=got, want="a string that is lowered (--motion lower)")
+    if model.case.initial.wob is not None and motion[0] < 0:
+        raise CaseError(at=at, got=got, want="no initial.wob where the string is hoisted")
     if model.contact is None or model.well is None or model.beam is None:
         raise CaseError(at=at, got=got, want="a string in a hole with contact")
     if motion[1] or not motion[0]:

@@ -29,6 +29,7 @@ OPERATIONS = {
 }
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.2)), (0, (5, 1.5, 1, 1.5)), (0, (8, 2, 2, 2)))
 LIMIT = "#b03060"
+FAR_LIMIT = 1.5  # a limit of the rig beyond this times the axis is not drawn
 BUCKLED = {"sinusoidal": "o", "helical": "s", "lock_up": "X"}
 
 
@@ -112,8 +113,7 @@ def _hook_load(table: Table, inputs: dict[str, Any], title: str, system: System)
     )
     extra = [("0.45", "-", "free rotating weight"), ("0.45", ":", "weight in air")]
     if inputs["max_hookload [N]"] is not None:
-        axes.axvline(inputs["max_hookload [N]"] / size, color=LIMIT, linewidth=1.4)
-        extra.append((LIMIT, "-", "rig: largest hook load"))
+        extra.append(_rig_limit(axes, inputs["max_hookload [N]"] / size, "largest hook load"))
     shift = block if inputs["hookload_excludes_block"] and total else 0.0
     shift -= block if not total and not inputs["hookload_excludes_block"] else 0.0
     _measured(axes, inputs, "hook_load", size, depth, shift)
@@ -138,11 +138,21 @@ def _torque(table: Table, inputs: dict[str, Any], title: str, system: System) ->
     _curves(axes, some, column, size, depth)
     extra = []
     if inputs["max_surface_torque [N m]"] is not None:
-        axes.axvline(inputs["max_surface_torque [N m]"] / size, color=LIMIT, linewidth=1.4)
-        extra.append((LIMIT, "-", "rig: largest torque"))
+        extra.append(_rig_limit(axes, inputs["max_surface_torque [N m]"] / size, "largest torque"))
     _measured(axes, inputs, "torque", size, depth, 0.0)
     axes.set_xlim(left=0)
     return _finish(drawing, axes, some, inputs, extra, depth)
+
+
+def _rig_limit(axes: Any, limit: float, words: str) -> tuple[str, str, str]:
+    """Draw a limit of the rig; returns its entry of the legend.
+
+    A limit far beyond the curves is only named, so that it does not squeeze them.
+    """
+    if limit <= FAR_LIMIT * axes.get_xlim()[1]:
+        axes.axvline(limit, color=LIMIT, linewidth=1.4)
+        return LIMIT, "-", f"rig: {words}"
+    return "none", "-", f"rig: {words}\n{limit:.4g}, off the picture"
 
 
 def _frame(heading: str, words: str, kind: str, system: System) -> tuple[Any, Any, float, float]:
