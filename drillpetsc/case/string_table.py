@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import html
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from drillpetsc.case.blocks.string import Beam, Rigid, Tube
 from drillpetsc.case.blocks.tubulars import Tubular
 from drillpetsc.case.section import ring, tubular_section
 from drillpetsc.unit_systems import System, display
-
-if TYPE_CHECKING:
-    from drillpetsc.case.case import Case
 
 #: heading of a column, kind of its unit
 COLUMNS = (
@@ -35,7 +32,7 @@ def mass_per_length(item: Any) -> float | None:
     return float(ring(item.od, item.id)[0]) * float(item.material.density)
 
 
-def string_rows(case: Case, units: System | None = None) -> tuple[list[str], list[list[str]]]:
+def string_rows(case: Any, units: System | None = None) -> tuple[list[str], list[list[str]]]:
     """(headings with units, cells) of the string table; an empty cell where an item has no such figure.
 
     units: field, metric, metric_t or SI; by default those of the case, metric where it has none
@@ -53,7 +50,7 @@ def string_rows(case: Case, units: System | None = None) -> tuple[list[str], lis
     return ["item", "kind", *heads], rows
 
 
-def case_html(case: Case) -> str:
+def case_html(case: Any) -> str:
     """The case for a notebook: title, string table, hole, ends."""
     heads, rows = string_rows(case)
     system: System = case.output.units or "metric"
