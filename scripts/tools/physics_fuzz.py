@@ -84,7 +84,7 @@ def random_case(seed: int, number: int) -> tuple[dict[str, Any], str | None, str
     pipe, collar = PIPES[size if rng.random() < 0.7 else max(size - 1, 0)], COLLARS[size]
     friction = rng.choice((0.0, 0.1, 0.2, 0.3, 0.4))
     shoe = round(rng.uniform(0.2, 0.7) * length, 1)
-    open_hole = bit * rng.choice((1.0, 1.02, 1.15))
+    open_hole = bit * rng.choice((1.0, 1.02, 1.1))
     sections = [
         {"to": shoe, "kind": "casing", "diameter": max(1.05 * bit, open_hole), "friction": 0.7 * friction},
         {"to": length, "kind": "open_hole", "diameter": open_hole, "friction": friction},

@@ -14,9 +14,7 @@ from tests.helpers.mpi import run_mpi
 
 SCRIPT = Path(__file__).parent / "run_sweep.py"
 MACHINE = ("wall [s]", "real_time_factor [-]", "ranks")
-FINE = CASE.replace("id: 108.6 mm", "id: 108.6 mm, element_length: 0.5 m").replace(
-    "id: 71.4 mm", "id: 71.4 mm, element_length: 0.5 m"
-)
+FINE = CASE.replace("element_length: 10 m", "element_length: 0.5 m")
 
 pytestmark = pytest.mark.parallel
 
