@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from drillpetsc import cli
+from drillpetsc.cli import analyses, commands
 
 PAGE = Path(__file__).parents[3] / "docs" / "development" / "add-command.md"
 CASE = """
@@ -33,8 +34,9 @@ def test_the_command_of_the_page_answers(
 ) -> None:
     """90 m of pipe and a body: 10 (7850 pi/4 (0.04 - 0.01) 90 + 100) N = 167.465 kN in air; the same without mud."""
     (tmp_path / "case.yaml").write_text(CASE)
-    monkeypatch.setattr(cli, "COMMANDS", cli.COMMANDS)  # so that the command is gone afterwards
-    exec(compile(code("add-command"), str(PAGE), "exec"), vars(cli))
+    monkeypatch.setattr(analyses, "COMMANDS", analyses.COMMANDS)  # so that the command is gone afterwards
+    exec(compile(code("add-command"), str(PAGE), "exec"), vars(analyses))
+    monkeypatch.setattr(commands, "COMMANDS", analyses.COMMANDS)
     assert cli.main(["weight", str(tmp_path / "case.yaml")]) == 0
     assert "two pipes: 167.465 kN in air, 167.465 kN in mud" in capsys.readouterr().out
     assert "weight" in cli.parser().format_help()

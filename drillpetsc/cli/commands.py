@@ -1,0 +1,7 @@
+"""The commands of the command line, in the order in which the help lists them."""
+
+from __future__ import annotations
+
+from drillpetsc.cli import analyses, cases, pictures, runs
+
+COMMANDS = (*runs.COMMANDS, *cases.COMMANDS, *analyses.COMMANDS, *pictures.COMMANDS)

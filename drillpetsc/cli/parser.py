@@ -1,0 +1,142 @@
+"""Parser of the command line, and dispatch to the commands."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import sys
+from typing import Any
+
+from drillpetsc import __version__
+from drillpetsc.cli import commands
+from drillpetsc.errors import CaseError, DrillError, SolveError
+from drillpetsc.parallel import report_error, report_interrupt
+
+EXIT_STATUS = (
+    "Exit status: 0 done, 1 the run failed (what was written is kept), 2 bad input (nothing written)."
+)
+EPILOG = f"""Words that start with a dash and are PETSc options go to PETSc: -ts_rtol 1e-5 -ts_monitor -log_view ...
+The time integrator is TS BDF with the condensed Newton solver (prefix q_): -ts_rtol (default 1e-4, relative to the usual size
+of each unknown), -ts_bdf_order, -ts_dt, -ts_adapt_type none, -q_snes_stol, -q_snes_linesearch_type bt, -q_pc_type lu ...;
+Newton also goes on while what it leaves does more work than -drillpetsc_newton_work (default 1e-3) of the power exchanged;
+-snes_type newtonls solves the whole assembled system instead, -ts_type arkimex, theta integrate it.
+{EXIT_STATUS}"""
+
+RENAMED_OPTIONS = {"--companion": "--mesh-error"}  # old -> new
+
+_CASE_KEY = re.compile(r"[A-Za-z_]\w*(\[\d+\]|\.\w+)*\s*=")  # KEY=..., which is no value of a PETSc option
+
+
+def main(words: list[str] | None = None) -> int:
+    """Run the command line and return the exit status.
+
+    words: command line without the name of the program; by default that of this process
+    """
+    try:
+        try:
+            return _main(words)
+        finally:
+            sys.stdout.flush()
+    except BrokenPipeError:  # the reader, `head` for instance, has read enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+
+
+def _main(words: list[str] | None) -> int:
+    words = sys.argv[1:] if words is None else words
+    own, petsc_options = split_words(words)
+    arguments, unknown = parser().parse_known_args(own)
+    command = next(command for command in commands.COMMANDS if command.name == arguments.command)
+    try:
+        if unknown:
+            raise _unknown_option(unknown[0])
+        if petsc_options and not command.takes_petsc_options:
+            raise CaseError(at=petsc_options[0], want=f"no PETSc options with {command.name}")
+        return command.handler(arguments, petsc_options)
+    except DrillError as error:
+        return report_error(error)
+    except KeyboardInterrupt:
+        return report_interrupt()
+    except RuntimeError as error:  # PETSc.Error is one
+        if "petsc4py.PETSc" not in sys.modules or not isinstance(error, sys.modules["petsc4py.PETSc"].Error):
+            raise
+        from drillpetsc.petsc_compat import reason_of
+
+        return report_error(SolveError(f"PETSc failed: {reason_of(error)}", hint="check the PETSc options"))
+
+
+def parser() -> argparse.ArgumentParser:
+    """The parser of all commands."""
+    whole = argparse.ArgumentParser(
+        prog="drillpetsc", description="Drillstring dynamics on PETSc.", **_PARSER_STYLE
+    )
+    whole.add_argument("--version", action="version", version=f"drillpetsc {__version__}")
+    sub = whole.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for command in commands.COMMANDS:
+        command.add_arguments(
+            sub.add_parser(
+                command.name,
+                help=command.help,
+                description=command.help,
+                parents=list(command.parents),
+                **(_PARSER_STYLE if command.takes_petsc_options else _PARSER_STYLE | {"epilog": EXIT_STATUS}),
+            )
+        )
+    return whole
+
+
+_PARSER_STYLE: dict[str, Any] = {
+    "epilog": EPILOG,
+    "allow_abbrev": False,
+    "formatter_class": argparse.RawDescriptionHelpFormatter,
+}
+
+
+def split_words(words: list[str]) -> tuple[list[str], list[str]]:
+    """(words of this program, PETSc options).
+
+    Words of this program have no dash or two. A PETSc option is -word and the value after it, which may be a
+    negative number.
+    """
+    own: list[str] = []
+    petsc_options: list[str] = []
+    i = 0
+    while i < len(words):
+        word = words[i]
+        if (
+            word.startswith("-")
+            and not word.startswith("--")
+            and word not in ("-h",)
+            and not _is_number(word)
+            and len(word) > 1
+        ):
+            petsc_options.append(word)
+            following = words[i + 1] if i + 1 < len(words) else "-"
+            if (
+                (not following.startswith("-") or _is_number(following))
+                and not following.endswith((".yaml", ".yml"))
+                and not (words[0] == "sweep" and _CASE_KEY.match(following))
+            ):
+                petsc_options.append(following)
+                i += 1
+        else:
+            own.append(word)
+        i += 1
+    return own, petsc_options
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def _unknown_option(word: str) -> CaseError:
+    old = word.partition("=")[0]
+    if old in RENAMED_OPTIONS:
+        new = RENAMED_OPTIONS[old]
+        return CaseError(at=old, want=new, hint=f"{old} is now called {new}")
+    return CaseError(at=word, want="a known --option (see --help), or a PETSc option with one dash")
