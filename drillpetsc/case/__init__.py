@@ -4,7 +4,8 @@ Plain data: nothing here imports PETSc, the kernels or a solver.
 """
 
 from drillpetsc.case.case import Case
-from drillpetsc.case.reader import case_from_data, load_case, override, read_case_file
+from drillpetsc.case.changes import override
+from drillpetsc.case.reader import case_from_data, load_case, read_case_file
 from drillpetsc.case.schema import case_json_schema, write_schema
 
 __all__ = [

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ from pydantic import PrivateAttr, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
+from drillpetsc.case.changes import changed, text_of
 from drillpetsc.case.checks.case import check_case
 from drillpetsc.case.defaults import fill_case_defaults, fill_presence_defaults
 from drillpetsc.case.figures import Figures
@@ -105,17 +105,12 @@ class Case(CaseBlocks):
         Figures that follow from the values, such as the weight of a pipe from its diameter, are computed again.
         Raises CaseError for a path that the case cannot have, and for a value that it may not have.
         """
-        # changes are read as YAML by the reader, which makes cases: found at the call, as the package's own names are
-        changes = import_module("drillpetsc.case.changes")
-
         if not isinstance(values, Mapping):
             raise CaseError(at="replace", got=values, want='a mapping such as {"fluid.density": "11.2 ppg"}')
         keys = self._given.keys if self._given.keys is not None else case_data(self)
         token = FOLDER.set(self._given.folder)
         try:
-            return Case(
-                **changes.changed(keys, {key: changes.text_of(value) for key, value in values.items()})
-            )
+            return Case(**changed(keys, {key: text_of(value) for key, value in values.items()}))
         finally:
             FOLDER.reset(token)
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from drillpetsc.case.key_paths import parsed
-from drillpetsc.case.reader import override
+from drillpetsc.case.yaml_text import read_value
 from drillpetsc.errors import CaseError
 
 WITHOUT = {"contact": "none"}  # blocks that a case has by default -> the value that removes them
@@ -29,6 +29,36 @@ SETTINGS = (
     "well.survey",
     "well.sections",
 )
+
+
+def override(data: Mapping[str, Any], change: str) -> dict[str, Any]:
+    """A copy of case data with one value replaced: `override(data, "string[1].od=8 in")`.
+
+    data: plain data of a case
+    change: `key=value`; the value is read as YAML, as in `contact=none` or `output.probes=[1 m, 2 m]`
+    """
+    key, separator, value = change.partition("=")
+    if not separator or not key.strip():
+        raise CaseError(got=change, want="KEY=VALUE, such as top.rotation=90 rpm")
+    result = copy.deepcopy(dict(data))
+    *parents, last = parsed(key.strip())
+    target: Any = result
+    for step in parents:
+        if isinstance(step, str) and isinstance(target, dict):
+            target = target.setdefault(step, {})
+        elif isinstance(step, int) and isinstance(target, list) and step < len(target):
+            target = target[step]
+        else:
+            raise CaseError(at=key.strip(), want="a key path inside the case")
+    if isinstance(last, int):
+        if not isinstance(target, list) or last >= len(target):
+            raise CaseError(at=key.strip(), want="a key path inside the case")
+        target[last] = read_value(value)
+    elif isinstance(target, dict):
+        target[last] = read_value(value)
+    else:
+        raise CaseError(at=key.strip(), want="a key path inside the case")
+    return result
 
 
 def text_of(value: Any) -> str:
