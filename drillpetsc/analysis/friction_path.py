@@ -146,9 +146,12 @@ class PathAnswer:
                 "(--path slack_off: it is lowered onto a bit that stands)"
             ]
             if len(values) > 1:
+                first, second = (told(value, "force") for value in values)
+                band = f"{what} between {told(min(values), 'force')} and {told(max(values), 'force')}: "
                 out.append(
-                    f"{what} between {told(min(values), 'force')} and {told(max(values), 'force')}: "
-                    f"{told(values[0], 'force')} from a straight string, {told(values[1], 'force')} after an overload of {OVERLOAD:g}; the table is the first"
+                    f"{what} {first} from a straight string, and the same after an overload of {OVERLOAD:g}"
+                    if first == second
+                    else f"{band}{first} from a straight string, {second} after an overload of {OVERLOAD:g}; the table is the first"
                 )
             for end in self.ends:
                 if not end.steady:

@@ -134,8 +134,8 @@ class OverdampedMotion:
         start, last, growing = asm.x[:n].copy(), np.inf, 0
         if guess is not None:
             asm.x[:n] = self.advance(start, guess, 1.0)
+        g = self.rows(start, shift)
         for count in range(1, MAX_ITERATIONS + 1):
-            g = self.rows(start, shift)
             if not np.isfinite(largest_of(system, float(np.abs(g).sum()))):
                 return None
             try:
@@ -150,16 +150,17 @@ class OverdampedMotion:
                 return None
             here = asm.x[:n].copy()
             asm.x[:n] = self.advance(here, p, share)
-            before, after = (share * self._work(q, p) for q in (g, self.rows(start, shift)))
+            before, g = share * self._work(g, p), self.rows(start, shift)
+            after = share * self._work(g, p)
             if before < 0 and after > -0.1 * before:
                 share *= max(SHORTEST_SEARCH, before / (before - after))
                 asm.x[:n] = self.advance(here, p, share)
+                g = self.rows(start, shift)
             size = largest_of(system, float(np.max(np.abs(share * p) * self._weight, initial=0.0)))
             if not np.isfinite(size):
                 return None
             contracts = share == 1.0 and count > 1 and size < last
             if size < INCREMENT or (contracts and size * size / (last - size) < 0.1 * INCREMENT):
-                self.rows(start, shift)
                 return count
             growing += count > 6 and size > 2 * last
             if growing >= 3:

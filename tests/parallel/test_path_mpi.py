@@ -1,0 +1,48 @@
+"""The path of a buckled string with friction, on 1, 2 and 3 ranks (manual: sec-statics-path)."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drillpetsc.output import read_table
+from tests.helpers.mpi import run_mpi
+
+SCRIPT = Path(__file__).with_name("run_command.py")
+CASE = """
+title: pipe in a level hole
+well:
+  survey: {md: [0 m, 80 m], inclination: [90 deg, 90 deg], azimuth: [20 deg, 20 deg]}
+  sections: [{to: 80 m, kind: open_hole, diameter: 215.9 mm, friction: 0.25}]
+string: [{kind: pipe, length: 80 m, od: 127 mm, id: 108.6 mm, element_length: 4 m}]
+top: {kind: top_drive, force: -350 kN}
+bottom: {kind: bit, friction: 0}
+"""
+
+
+@pytest.mark.parallel
+@pytest.mark.parametrize("path", ["sliding", "slack_off"])
+def test_a_path_is_the_same_on_1_2_and_3_ranks(path: str, tmp_path: Path) -> None:
+    """The same steps; forces to 1e-7 of the push, places to 1e-7 m: Newton's tolerance."""
+    case = tmp_path / "case.yaml"
+    case.write_text(CASE)
+    runs = []
+    for n in (1, 2, 3):
+        out = tmp_path / f"ranks{n}"
+        run_mpi(n, SCRIPT, ["statics", str(case), "--path", path, "--motion", "lower", "--out", str(out)])
+        runs.append((json.loads((out / "summary.json").read_text()), read_table(out / "statics.csv")))
+    one, table = runs[0]
+    assert one["buckling"]["helical"] or one["buckling"]["sinusoidal"]
+    for summary, other in runs[1:]:
+        for a, b in zip(one["path_states"], summary["path_states"], strict=True):
+            assert (a["start"], a["steps"], a["negative_pivots"]) == (
+                b["start"],
+                b["steps"],
+                b["negative_pivots"],
+            )
+            assert b["wob"] == pytest.approx(a["wob"], abs=1e-7 * 350e3)
+        for name in ("offset_x [m]", "offset_y [m]"):
+            assert np.abs(other[name] - table[name]).max() < 1e-7
