@@ -22,7 +22,9 @@ STRONGER_LOAD = 10.0  # factor of the lateral load where the requested one does 
 #: largest penetration in the first continuation step, as a fraction of the radial clearance
 FIRST_PENETRATION = 0.1
 SOFT_PENETRATION = 0.05  # penetration of the softest wall in Newton's method, as a fraction of the clearance
-COARSE_INCREMENT = 1e-3  # largest increment of a converged state on a wall that is still soft
+COARSE_INCREMENT = 1e-3  # largest increment of a converged minimum on a wall that is still soft
+SOFT_INCREMENT = 1.0  # largest last increment of Newton's method on a wall that is still soft
+START_INCREMENT = 0.1  # of a state from which a further solve with more friction, or with the flow, starts
 
 
 def newton_with_stiffening(
@@ -46,7 +48,7 @@ def newton_with_stiffening(
         try:
             for factor in _softening(model, load):
                 model.contact.set_stiffness(factor)
-                solver.newton_damped(report, COARSE_INCREMENT)
+                solver.newton_damped(report, SOFT_INCREMENT)
         finally:
             model.contact.set_stiffness(1.0)
     solver.newton_damped(report, tolerance)

@@ -9,8 +9,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from drillpetsc.analysis.coarse_start import coarse_factor, coarse_model, place_like
 from drillpetsc.analysis.energy_descent import (
     MAX_SUBSTITUTIONS,
+    START_INCREMENT,
     Snapshot,
     coarse_elements,
     newton_or_descent,
@@ -34,18 +36,19 @@ from drillpetsc.analysis.march import CRUSHING_STRAIN, March, march
 from drillpetsc.analysis.placement import hole_at_string, place_along_hole, prescribed_motion, top_depth
 from drillpetsc.analysis.soft_string import TorqueDrag
 from drillpetsc.analysis.soft_string_start import place_marched, soft_string
-from drillpetsc.analysis.steady_flow import fluid_unknowns, freeze_flow, steady_flow
+from drillpetsc.analysis.steady_flow import STORAGE_WEIGHT, fluid_unknowns, freeze_flow, steady_flow
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.geometry.hole_steps import HoleSteps
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.solvers.static_newton import Equilibrium, StaticNewton
+from drillpetsc.solvers.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton
 
 MAX_COUPLING_ROUNDS = 30  # solves of flow and string in turn
 COUPLING_TOLERANCE = 1e-10  # largest change of pressures and flows relative to their scales
 BEYOND_BOTTOM = 1e-3  # distance below the end of the hole that is reported [m]
 LEAST_CLEARANCE = 1e-3  # [m]
 COUPLING_SHARE = 1e-3  # increment of the string's solve over the flow's last change
+FIRST_FLOW_INCREMENT = 1e-2  # of the flow from which flow and string are solved together
 ROUNDING_TOLERANCE = 1e-6  # largest change where rounding stops the coupling iteration
 #: axial direction (down positive) and rotation of each motion of the `statics` command
 MOTIONS = {"hoist": (-1.0, 0.0), "lower": (1.0, 0.0), "rotate": (0.0, 1.0)}
@@ -106,7 +109,7 @@ def director_equilibrium(
         )
     if path is not None:
         refuse_path(model, motion, path)
-    freeze_flow(model)
+    freeze_flow(model, tolerance=FIRST_FLOW_INCREMENT)
     soft, found = soft_string(model, motion), march(model, motion)
     straight = found
     start = Snapshot(model)
@@ -139,14 +142,15 @@ def director_equilibrium(
                 "no equilibrium with lateral friction (a turning pipe may whirl here): "
                 "the torque of friction acts, its lateral force is left out"
             )
+        for component in sliding:
+            component.impose_sliding_direction(*motion, fraction)
+        couple_flow_and_string(model, solver, report, lowering)  # a path has done so
         for component in sliding:  # stability is counted without friction
             component.impose_sliding_direction(0.0, 0.0)
         count = solver.negative_pivots()
         report.negative_pivots, report.singular = max(0, count), count < 0
         for component in sliding:
             component.impose_sliding_direction(*motion, fraction)
-    if state.path is None:  # a path ends with the flow about its last state
-        couple_flow_and_string(model, solver, report, lowering)
     _reactions(model, solver)
     model.system.assembly.freeze(None)
     beyond = _beyond_bottom(model)
@@ -182,6 +186,11 @@ def _answer_by_newton(
     """
     found, straight = starts
     moves = bool(sliding) and state.motion != (0.0, 0.0)
+    if found is not None and moves and not found.helical.any():
+        reached = _from_coarse_mesh(model, solver, sliding, state, fraction)
+        if reached is not None:
+            state.lateral_fraction = reached
+            return reached
     try:
         reached = _reach(model, solver, sliding, state, fraction, found)
     except SolveError as error:
@@ -305,6 +314,47 @@ def _reach(
     return reached
 
 
+def _from_coarse_mesh(
+    model: DrillingModel, solver: StaticNewton, components, state: StaticState, fraction: float
+) -> float | None:
+    """Try Newton's method with friction from the equilibrium on a coarse mesh; manual: sec-statics-coarse-start.
+
+    Returns the lateral friction fraction reached; None, with the state restored, where the mesh is not fine, or no
+    stable equilibrium is found.
+    """
+    factor = coarse_factor(model)
+    if factor is None:
+        return None
+    start, report = Snapshot(model), state.equilibrium
+    try:
+        coarse = coarse_model(model, factor, state.motion)
+        if 2 * coarse.mesh.nodes > model.mesh.nodes:  # each item keeps an element
+            return None
+        below = director_equilibrium(coarse, state.motion, fraction > 0)
+        if below.path is not None or not below.stable:
+            return None
+        report.iterations += below.equilibrium.iterations
+        place_like(model, coarse)
+        asked = fraction if state.motion[1] else 1.0
+        for trial in sorted(
+            {below.lateral_fraction, asked}
+        ):  # a fine mesh may reach what the coarse one did not
+            for component in components:
+                component.impose_sliding_direction(*state.motion, trial)
+            rough = trial != asked or model.fluid is not None
+            solver.newton_damped(report, START_INCREMENT if rough else CONVERGED_INCREMENT)
+    except (SolveError, CaseError):
+        start.restore()
+        return None
+    finally:
+        for component in components:
+            component.impose_sliding_direction(0.0, 0.0)
+    if solver.energy and solver.negative_pivots():
+        start.restore()
+        return None
+    return asked
+
+
 def _newton_with_friction(
     model: DrillingModel,
     solver: StaticNewton,
@@ -319,19 +369,27 @@ def _newton_with_friction(
     Returns the lateral friction fraction reached, or None with the state restored where no stable equilibrium
     is found.
     """
-    start, reached = Snapshot(model), None
-    for trial in sorted({fraction if state.motion[1] else 1.0, 0.0 if state.motion[1] else 1.0}):
+    start, reached, report = Snapshot(model), None, state.equilibrium
+    trials = sorted({fraction if state.motion[1] else 1.0, 0.0 if state.motion[1] else 1.0})
+    for trial in trials:
         last = Snapshot(model)
         for component in components:
             component.impose_sliding_direction(*state.motion, trial)
+        # what a further solve starts from, with more friction or with the flow, need not be exact
+        rough = trial != trials[-1] or model.fluid is not None
+        tolerance = START_INCREMENT if rough else CONVERGED_INCREMENT
         try:
             if reached is None:
-                newton_with_stiffening(model, solver, state.equilibrium, found.usual_contact_force)
+                newton_with_stiffening(model, solver, report, found.usual_contact_force, tolerance)
             else:
-                solver.newton_damped(state.equilibrium)
+                solver.newton_damped(report, tolerance)
             reached = trial
         except SolveError:
             last.restore()
+            if reached is not None:
+                for component in components:
+                    component.impose_sliding_direction(*state.motion, reached)
+                solver.newton_damped(report)
             break
     for component in components:
         component.impose_sliding_direction(0.0, 0.0)
@@ -517,6 +575,32 @@ def surge_rates(model: DrillingModel, lowering: float) -> FloatArray | None:
     return rates
 
 
+def _flow_and_string_together(model: DrillingModel, solver: StaticNewton, report: Equilibrium) -> bool:
+    """Solve for steady flow and string by Newton's method on all unknowns; collective.
+
+    Returns False, with the state restored, where it does not converge, and for flows of the Hermite formulation,
+    whose chamber is filled from outside.
+    """
+    assert model.case.fluid is not None
+    if model.case.fluid.formulation != "mixed":
+        return False
+    system, start = model.system, Snapshot(model)
+    fluid = fluid_unknowns(system)
+    for component in system.components:  # the flow's hole is that at the string's present place
+        component.locate_hole(system.assembly)
+    system.assembly.freeze(None)
+    solver.rate_weight = STORAGE_WEIGHT
+    try:
+        solver.newton_damped(report)
+    except SolveError:
+        start.restore()
+        return False
+    finally:
+        solver.rate_weight = 0.0
+        system.assembly.freeze(fluid)
+    return True
+
+
 def couple_flow_and_string(
     model: DrillingModel, solver: StaticNewton, report: Equilibrium, lowering: float = 0.0
 ) -> None:
@@ -538,6 +622,8 @@ def couple_flow_and_string(
     if rates is not None:
         solver.rates = rates
         system.assembly.y[:] = rates
+    if _flow_and_string_together(model, solver, report):
+        return
     for _ in range(MAX_COUPLING_ROUNDS):
         before = system.assembly.x[: system.layout.size][fluid].copy()
         steady_flow(system, 0.0)

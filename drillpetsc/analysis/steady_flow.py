@@ -82,11 +82,11 @@ def set_fluid_at_rest(system: DiscreteSystem, fluid: FluidComponents, t: float =
             system.set_field(name, values[:, None])
 
 
-def steady_flow(system: DiscreteSystem, t: float = 0.0) -> SteadyFlow:
+def steady_flow(system: DiscreteSystem, t: float = 0.0, tolerance: float = CONVERGED_INCREMENT) -> SteadyFlow:
     """Solve for pressures and flow rates with the string's position and rates fixed; collective.
 
     system: its assembly contains position and rates of the string and the start of the iteration.
-    t: time of the inputs [s].
+    t: time of the inputs [s]; tolerance: last increment of a converged flow, in the fields' scales.
     Raises SolveError where no steady flow is found.
     """
     asm, report = system.assembly, SteadyFlow()
@@ -127,7 +127,7 @@ def steady_flow(system: DiscreteSystem, t: float = 0.0) -> SteadyFlow:
             report.iterations += 1
             report.increment = size
             stalled += size < ROUNDING_INCREMENT and size > 0.5 * smallest
-            if damping == 1.0 and (size < CONVERGED_INCREMENT or stalled >= 2):
+            if damping == 1.0 and (size < tolerance or stalled >= 2):
                 return report
             smallest = min(smallest, size)
     finally:
@@ -140,13 +140,13 @@ def steady_flow(system: DiscreteSystem, t: float = 0.0) -> SteadyFlow:
     )
 
 
-def freeze_flow(model: DrillingModel, t: float = 0.0) -> None:
+def freeze_flow(model: DrillingModel, t: float = 0.0, tolerance: float = CONVERGED_INCREMENT) -> None:
     """Solve for the steady flow with the present string at ``t`` [s], and freeze the fluid's unknowns.
 
     Collective.
     """
     if model.fluid is not None:
-        steady_flow(model.system, t)
+        steady_flow(model.system, t, tolerance)
         model.system.assembly.freeze(fluid_unknowns(model.system))
 
 

@@ -101,6 +101,18 @@ def build_mesh(case: Case, well: Well | None = None, motion: tuple[float, float]
     )
 
 
+def coarsened(case: Case, factor: float) -> Case:
+    """The case with elements ``factor`` times as long; an item keeps at least one element."""
+    items = [
+        item.model_copy(update={"element_length": min(factor * item.element_length, item.length)})
+        if isinstance(item, Flexible) and not isinstance(item.element_length, str)
+        else item
+        for item in case.string
+    ]
+    mesh = case.mesh.model_copy(update={"refinement": case.mesh.refinement / factor})
+    return case.model_copy(update={"string": tuple(items), "mesh": mesh})
+
+
 def element_lengths(
     case: Case, well: Well | None = None, motion: tuple[float, float] | None = None
 ) -> ElementLengths:

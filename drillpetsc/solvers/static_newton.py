@@ -90,6 +90,7 @@ class StaticNewton:
     eq-statics-wob).
     move_top(step): moves the prescribed position of the top by ``step`` [m].
     rates: (n+1,) rates of a steady motion [SI of each field per second], None at rest.
+    rate_weight: of the derivatives by the rates in the matrix [1/s]; a flow in a closed channel needs some.
     """
 
     def __init__(
@@ -112,6 +113,7 @@ class StaticNewton:
         self.depth: Callable[[DiscreteSystem], tuple[float, FloatArray, float]] | None = None
         self.move_top: Callable[[float], None] | None = None
         self.rates: FloatArray | None = None
+        self.rate_weight = 0.0
         self._owned = system.owned_index >= 0
         self._entries = diagonal_blocks(system, ("string.position", "string.tangent"))
         self._top_rows = next(
@@ -166,7 +168,7 @@ class StaticNewton:
         It is symmetric where all loads are conservative.
         """
         asm = self.system.assembly
-        asm.jacobian(self.t, (1.0, 0.0, 0.0), condensed=False)
+        asm.jacobian(self.t, (1.0, self.rate_weight, 0.0), condensed=False)
         # (n+1,) derivative of the free rows by the downward motion of the top
         self._by_top = np.zeros(self.system.layout.size + 1)
         for f in asm.row_replacements:  # prescribed components do not move, so their columns are removed
@@ -369,13 +371,18 @@ class StaticNewton:
                 raise SolveError(
                     "the static solution is not finite", **self.system.locate_largest_residual(self.t)
                 )
+            # error left by a linear contraction at the last ratio; Newton's own is smaller
+            last = full_steps[-1] if alpha == 1.0 and full_steps else np.inf
+            left = (
+                size * size / last if size < min(0.1 * last, ROUNDING_INCREMENT) and last < np.inf else np.inf
+            )
             full_steps = [*full_steps, size] if alpha == 1.0 else []
             # rounding: a small increment that a further step no longer shrinks
             rounded = rounded + 1 if size < ROUNDING_INCREMENT and size > ROUNDING_RATIO * smallest else 0
             if (
                 alpha == 1.0
                 and sigma == 0.0
-                and (size < tolerance or rounded)
+                and (size < tolerance or left < 0.1 * tolerance or rounded)
                 or (rounded >= 8 and size < CONVERGED_INCREMENT)
             ):
                 report.converged = True

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.case import Case
-from drillpetsc.case.blocks.string import Flexible
+from drillpetsc.model.mesh import coarsened
 from drillpetsc.output import RunFolder, read_summary, read_table, write_summary
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.studies.convergence.error_norms import FloatArray, errors_of, extent, moves
@@ -21,18 +21,6 @@ MEANING = (
     "difference of the history columns between this run and one on elements twice as long, as shares of the column's range in this "
     "run: with a mesh error of order p this run's own is 1/(2^p - 1) of it.  Time errors of both are in it, too"
 )
-
-
-def coarsened(case: Case, factor: float = COARSENING) -> Case:
-    """The case with elements ``factor`` times as long; an item keeps at least one element."""
-    items = [
-        item.model_copy(update={"element_length": min(factor * item.element_length, item.length)})
-        if isinstance(item, Flexible) and not isinstance(item.element_length, str)
-        else item
-        for item in case.string
-    ]
-    mesh = case.mesh.model_copy(update={"refinement": case.mesh.refinement / factor})
-    return case.model_copy(update={"string": tuple(items), "mesh": mesh})
 
 
 def add_mesh_error(
@@ -51,7 +39,7 @@ def add_mesh_error(
     from drillpetsc.analysis.transient import run
 
     coarse = run(
-        coarsened(case),
+        coarsened(case, COARSENING),
         folder / FOLDER,
         overwrite=True,
         name=f"{name}-{FOLDER}",
