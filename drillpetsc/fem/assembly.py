@@ -6,7 +6,9 @@ Manual: sec-time-condensed (condensed rates), sec-joints-prescribed (prescribed 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
@@ -274,12 +276,14 @@ class Assembly:
         self.x, self.y, self.a, self.r = (np.zeros(layout.array_length) for _ in range(4))
         self.derive: Callable[[Assembly], None] | None = None
         self._derived_index: dict[int, np.ndarray] = {}  # dofs of blocks that use derived fields, by id
+        self._kept: dict[tuple[Any, ...], Any] | None = None  # see ``unchanged``
         self.x[n] = 1.0  # an absent stretch ratio is one
         self.v0, self.v1 = np.zeros(n), np.zeros(n)
         size, self.bound_blocks = 0, []
         for block in blocks:
             self.bound_blocks.append(BoundBlock(block, layout, size))
             size = self.bound_blocks[-1].span.stop
+        self._index_by_block = {id(b.block): b.index for b in self.bound_blocks}
         spin = layout.dofs.get("string.spin")
         self.reference = np.ascontiguousarray(reference)
         self.spin_at = np.zeros((0, 2), dtype=np.int32)
@@ -380,6 +384,26 @@ class Assembly:
         if self._imposed is not None:
             dofs, rates, _ = self._imposed
             self.y[dofs], self.a[dofs] = rates[dofs], 0.0
+
+    # ------------------------------------------------------------------ results of a state
+    @contextmanager
+    def unchanged(self) -> Iterator[None]:
+        """Within this context ``evaluate_once`` keeps its results; x, y, a and parameters must not change."""
+        outer = self._kept
+        self._kept = {} if outer is None else outer
+        try:
+            yield
+        finally:
+            self._kept = outer
+
+    def evaluate_once(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """``function(*arguments)``, evaluated once within ``unchanged``.  The caller must not change the result."""
+        if self._kept is None:
+            return function(*arguments)
+        key = function, *arguments
+        if key not in self._kept:
+            self._kept[key] = function(*arguments)
+        return self._kept[key]
 
     # ------------------------------------------------------------------ state
     def condense(self, sigma: float) -> None:
@@ -550,7 +574,7 @@ class Assembly:
 
         Derived fields are computed first where it uses them.
         """
-        found = next((b.index for b in self.bound_blocks if b.block is block), None)
+        found = self._index_by_block.get(id(block))
         if found is not None:
             return found
         if self.derive is not None:

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -332,7 +333,7 @@ class Well:
 
         Raises ValueError for a wrong shape of ``segment``.
         """
-        from drillpetsc.kernels import function, pointer
+        from drillpetsc.kernels import pointer
 
         x = np.ascontiguousarray(points, dtype=float).reshape(-1, 3)
         n = len(x)
@@ -344,8 +345,15 @@ class Well:
         packed = self.packed()
         arrays = (packed, x, hint, md, centre, tangent, offset, radius, friction)
         p = [pointer(a) for a in arrays]
-        function("well_project", "pi" + "p" * 8)(p[0], n, *p[1:])
+        _project_kernel()(p[0], n, *p[1:])
         return ClosestPoints(md, centre, tangent, offset, radius, friction, hint)
+
+
+@cache
+def _project_kernel() -> Any:
+    from drillpetsc.kernels import function  # here: a well is also read by programs without kernels
+
+    return function("well_project", "pi" + "p" * 8)
 
 
 def direction(inclination: ArrayLike, azimuth: ArrayLike) -> Array:

@@ -346,7 +346,10 @@ class Contact(WallContact):
         return 0.0 if normal is None else float(normal.sum())
 
     def _block_results(self, state) -> list[FloatArray]:
-        """(n, 7) of each block: the columns of ``RESULT_NAMES``."""
+        """(n, 7) of each block: the columns of ``RESULT_NAMES``; not to be changed."""
+        return state.evaluate_once(self._evaluate_blocks, state)
+
+    def _evaluate_blocks(self, state) -> list[FloatArray]:
         out = []
         for b in self._blocks:
             out.append(np.zeros((len(b.points), len(RESULT_NAMES))))

@@ -6,8 +6,6 @@ Manual: sec-mud-unknowns, sec-mud-mass, sec-mud-momentum.
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -73,7 +71,6 @@ class ChannelFlow(Channel):
     def __init__(self, mesh, fluid: FluidConstants, held: bool = False):
         self.mesh, self.fluid, self.held = mesh, fluid, held
         self._blocks: list[ElementBlock] = []
-        self._shared_results: FloatArray | None = None
 
     def fields(self) -> tuple[Field, ...]:
         return (
@@ -140,19 +137,14 @@ class ChannelFlow(Channel):
         """Return the function of time that updates the block's parameters, or None."""
         return None
 
-    @contextmanager
-    def shared_results(self, state) -> Iterator[None]:
-        """Within this, ``element_results`` are those of the state as it is now, worked out once."""
-        self._shared_results = self.element_results(state)
-        try:
-            yield
-        finally:
-            self._shared_results = None
-
     def element_results(self, state) -> FloatArray:
-        """(nc, 10) per local element: the columns of ``RESULT_NAMES`` (content: volume at zero pressure [m3])."""
-        if self._shared_results is not None:
-            return self._shared_results
+        """(nc, 10) per local element: the columns of ``RESULT_NAMES`` (content: volume at zero pressure [m3]).
+
+        The array is not to be changed.
+        """
+        return state.evaluate_once(self._evaluate_results, state)
+
+    def _evaluate_results(self, state) -> FloatArray:
         out = np.zeros((len(self._part.cells), len(RESULT_NAMES)))
         for b, results in zip(self._blocks, self._results, strict=True):
             if len(b.points):
