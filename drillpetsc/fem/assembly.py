@@ -6,6 +6,7 @@ Manual: sec-time-condensed (condensed rates), sec-joints-prescribed (prescribed 
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -17,6 +18,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock, PrescribedMotion, VelocityStabilization
 from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import structure
 
 _rates = function("condensed_rates", "ipdppippp" + "p")
 _transport = function("spin_transport", "ippppp")
@@ -24,6 +26,8 @@ _fix_rates = function("constraint_rates", "ipppdppp")
 _fix_rows = function("constraint_rows", "ippppp" + "dpp")
 _fix_matrix = function("constraint_matrix", "ippppp")
 _gradient = function("spin_gradient", "ippppddp")
+_run_residuals = function("run_residuals", "ipip")
+_BlockCall = structure("block_call")  # BlockCall of kernels/core/rows.cpp
 
 #: weight of a replaced row, position error [m or rad] to force [N or N m]; it has the order of a pipe's
 #: stiffness, so that one norm serves all rows (manual: eq-prescribed-rows)
@@ -276,6 +280,8 @@ class Assembly:
         self.x, self.y, self.a, self.r = (np.zeros(layout.array_length) for _ in range(4))
         self.derive: Callable[[Assembly], None] | None = None
         self._derived_index: dict[int, np.ndarray] = {}  # dofs of blocks that use derived fields, by id
+        self._results_heads: dict[int, tuple[int, ...]] = {}
+        self._seen: list[ElementBlock] = []  # keeps blocks that are not bound, so that their ids stay theirs
         self._kept: dict[tuple[Any, ...], Any] | None = None  # see ``unchanged``
         self.x[n] = 1.0  # an absent stretch ratio is one
         self.v0, self.v1 = np.zeros(n), np.zeros(n)
@@ -323,6 +329,10 @@ class Assembly:
             b.values_at = pointer(self.values) + 8 * b.span.start
         self._nodes = (len(self.spin_at), pointer(self.spin_at), pointer(self.reference))
         self._history = pointer(self.v0), pointer(self.v1)
+        self._calls: ctypes.Array | None = None  # see ``_block_calls``
+        self._timed = [b for b in self.bound_blocks if b.count and b.block.update]
+        #: -log_view shows each block; otherwise all blocks are one call
+        self._each_logged = PETSc.Options().hasName("log_view")
         self.version = 0  # counts new Jacobian values
         self.evaluations = 0  # counts residuals
         self.dead_load: FloatArray | None = None  # (n,) dead load [N, N m] at owned unknowns (imperfection)
@@ -344,6 +354,7 @@ class Assembly:
             values[0, : len(rates)] = rates
         for b in self.bound_blocks:
             b.holds_rates = mask is not None and bool(np.isin(b.index, np.flatnonzero(mask)).any())
+        self._calls = None
         x, _, _, r = self._state
         self._held_state = x, pointer(values[0]), pointer(values[1]), r
         self._held_head = pointer(weights), pointer(spin), *self._held_state[:3]
@@ -454,21 +465,47 @@ class Assembly:
         """Compute the residual of all local elements at time ``t`` [s] into ``r``, not summed over ranks."""
         self._event["Residual"].begin()
         self.evaluations += 1
+        if self._each_logged:
+            self._residual_by_block(t)
+        else:
+            for b in self._timed:
+                b.update_parameters(t)
+            calls = self._calls if self._calls is not None else self._block_calls()
+            if self.dead_load is None:
+                _run_residuals(len(calls), calls, len(self.r), self._state[3])
+            else:
+                self._start_with_dead_load()
+                _run_residuals(len(calls), calls, 0, self._state[3])
+        if self._frozen is not None:
+            self.r[self._frozen[0]] = 0.0
+        self._event["Residual"].end()
+        return self.r
+
+    def _block_calls(self) -> ctypes.Array:
+        """The residual of each block with its arguments, for one call of all."""
+        bound = [b for b in self.bound_blocks if b.count]
+        self._calls = (_BlockCall * len(bound))()
+        for call, b in zip(self._calls, bound, strict=True):
+            call.residual = ctypes.cast(b.residual, ctypes.c_void_p).value
+            call.count, call.index, call.parameters, call.record = b.head
+            call.x, call.y, call.a, _ = self._held_state if b.holds_rates else self._state
+        return self._calls
+
+    def _start_with_dead_load(self) -> None:
         self.r[:] = 0.0
         if self.dead_load is not None:
             self.r[: self.layout.size] -= self.dead_load
-        state = self._state
+
+    def _residual_by_block(self, t: float) -> None:
+        """The same block by block, each with its event."""
+        self._start_with_dead_load()
         for b in self.bound_blocks:
             if b.count:
                 b.event.begin()
                 if b.block.update:
                     b.update_parameters(t)
-                b.residual(*b.head, *(self._held_state if b.holds_rates else state))
+                b.residual(*b.head, *(self._held_state if b.holds_rates else self._state))
                 b.event.end()
-        if self._frozen is not None:
-            self.r[self._frozen[0]] = 0.0
-        self._event["Residual"].end()
-        return self.r
 
     def partial_residual(self, t: float, chosen: Callable[[ElementBlock], bool]) -> FloatArray:
         """Compute the residual of the ``chosen`` blocks at time ``t`` [s] into ``r``, not summed over ranks."""
@@ -581,7 +618,19 @@ class Assembly:
             self.derive(self)
         if id(block) not in self._derived_index:
             self._derived_index[id(block)] = self.layout.index(block)
+            self._seen.append(block)
         return self._derived_index[id(block)]
+
+    def results_head(self, block: ElementBlock) -> tuple[int, ...]:
+        """First arguments of a kernel that evaluates results of a block.
+
+        Number of elements and of unknowns of one; addresses of dofs, parameters and record; of x and y.
+        """
+        index = self.index_of(block)
+        if id(block) not in self._results_heads:
+            at = pointer(index), pointer(block.params)
+            self._results_heads[id(block)] = len(index), index.shape[1], *at, block.context, *self._state[:2]
+        return self._results_heads[id(block)]
 
     def dofs_of(self, name: str) -> np.ndarray:
         """Return the (nv, size) dofs of a field, or of a derived field after computing it."""

@@ -87,7 +87,11 @@ class DiscreteSystem:
         self._serial = self.comm.size == 1
         scale = np.array([f.scale for f in layout.fields])
         self.scale = scale[layout.field_of]  # (n,) usual magnitude of each local unknown
-        self._has_rate = layout.y_local >= 0
+        #: unknowns with a rate in the state, and its position; owned ones and its position
+        self._with_rate = np.flatnonzero(layout.y_local >= 0)
+        self._rate_at = layout.y_local[self._with_rate]
+        owned = np.flatnonzero(layout.y_owned >= 0)
+        self._owned_with_rate, self._owned_rate_at = layout.local_of_owned[owned], layout.y_owned[owned]
 
     @property
     def has_contact(self) -> bool:
@@ -119,12 +123,19 @@ class DiscreteSystem:
         layout.state_dm.globalToLocal(state, self._state)
         s = self._state.getArray(readonly=1)
         asm.x[: layout.size] = s[layout.x_local]
-        asm.y[: layout.size] = np.where(self._has_rate, s[layout.y_local], 0.0)
+        self._put_rates(asm.y, s)
         if rate is not None:
             layout.state_dm.globalToLocal(rate, self._state)
             s = self._state.getArray(readonly=1)
-            asm.y[: layout.size] = np.where(self._has_rate, asm.y[: layout.size], s[layout.x_local])
-            asm.a[: layout.size] = np.where(self._has_rate, s[layout.y_local], 0.0)
+            known = asm.y[self._with_rate]
+            asm.y[: layout.size] = s[layout.x_local]
+            asm.y[self._with_rate] = known
+            self._put_rates(asm.a, s)
+
+    def _put_rates(self, to: FloatArray, state: FloatArray) -> None:
+        """Copy the rates of a local ``state`` into the first n entries of ``to``; 0 where there are none."""
+        to[: self.layout.size] = 0.0
+        to[self._with_rate] = state[self._rate_at]
 
     def load_history(self, constant: PETSc.Vec) -> None:
         """Copy the constant V of the time formula, Xdot = shift X + V, into v0 and v1.
@@ -135,15 +146,14 @@ class DiscreteSystem:
         layout.state_dm.globalToLocal(constant, self._state)
         s = self._state.getArray(readonly=1)
         asm.v0[:] = s[layout.x_local]
-        asm.v1[:] = np.where(self._has_rate, s[layout.y_local], 0.0)
+        self._put_rates(asm.v1, s)
 
     def store_state(self, state: PETSc.Vec) -> None:
         """Copy the assembly's x and y into the owned part of ``state``."""
         layout, asm = self.layout, self.assembly
         out = state.getArray()
         out[layout.x_owned] = asm.x[layout.local_of_owned]
-        has_rate = layout.y_owned >= 0
-        out[layout.y_owned[has_rate]] = asm.y[layout.local_of_owned[has_rate]]
+        out[self._owned_rate_at] = asm.y[self._owned_with_rate]
 
     def store_unknowns(self, q: PETSc.Vec) -> None:
         """Copy the assembly's x into the owned part of the condensed vector ``q``."""
@@ -156,12 +166,14 @@ class DiscreteSystem:
         """
         self.assembly.residual(t)
         if self._serial:
-            out.getArray()[:] = self.assembly.r[self.layout.local_of_owned]
+            rows = out.getArray()
+            self.assembly.r.take(self.layout.local_of_owned, out=rows, mode="clip")
         else:
             out.set(0.0)
             self.layout.condensed_dm.localToGlobal(self._r, out, addv=PETSc.InsertMode.ADD_VALUES)
+            rows = out.getArray()
         if self.assembly.row_replacements:
-            self.assembly.replace_rows(t, out.getArray(), self.owned_index)
+            self.assembly.replace_rows(t, rows, self.owned_index)
 
     def sum_local(self, rows: FloatArray) -> FloatArray:
         """Sum contributions of elements over ranks.

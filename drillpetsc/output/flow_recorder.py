@@ -83,7 +83,7 @@ class FlowRecorder:
         content = 0.0
         for channel in (self.fluid.bore, self.fluid.annulus):
             if channel is not None:
-                content += channel.element_results(sample.assembly)[:, _CONTENT].sum()
+                content += channel.totals(sample.assembly)[_CONTENT]
         if self.fluid.bit is not None:
             content += sample.once(self.fluid.bit.element_results)[_CHAMBER]
         if self.fluid.annulus is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.geometry.frames import high_sides
+from drillpetsc.geometry.frames import cross, high_sides
 from drillpetsc.model.drilling_model import DrillingModel
 
 
@@ -19,16 +19,8 @@ def offsets(model: DrillingModel, points: FloatArray) -> FloatArray:
         tangent = np.tile(model.tangent[0], (len(points), 1))
         d = points - model.position[0]
         offset = d - tangent * np.sum(d * tangent, axis=1, keepdims=True)
-    h, t = high_sides(tangent), tangent
-    right = np.stack(  # t x h; np.cross takes several times as long
-        [
-            t[:, 1] * h[:, 2] - t[:, 2] * h[:, 1],
-            t[:, 2] * h[:, 0] - t[:, 0] * h[:, 2],
-            t[:, 0] * h[:, 1] - t[:, 1] * h[:, 0],
-        ],
-        axis=1,
-    )
-    return np.stack([np.sum(offset * h, axis=1), np.sum(offset * right, axis=1)], axis=1)
+    high = high_sides(tangent)
+    return np.stack([np.sum(offset * high, axis=1), np.sum(offset * cross(tangent, high), axis=1)], axis=1)
 
 
 def measured_depth(model: DrillingModel, point: FloatArray) -> float:

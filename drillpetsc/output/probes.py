@@ -41,6 +41,17 @@ class Probes:
         )
         self._upper, self._lower = ends[:, 0], ends[:, 1]
         self._share = np.array([p.share for p in chosen])
+        s = self._share[:, None]
+        length = model.mesh.length[self._cells][:, None]
+        #: of upper position and slope, lower position and slope: the cubic shape functions at the probes
+        self._weights = (
+            1 - 3 * s**2 + 2 * s**3,
+            length * (s - 2 * s**2 + s**3),
+            3 * s**2 - 2 * s**3,
+            length * (s**3 - s**2),
+        )
+        self._rigid = model.mesh.rigid_above[self._cells][:, None]
+        self._below_item = bool(self._rigid.any())
 
     def _locate(self, depth: float) -> _Probe:
         mesh = self.model.mesh
@@ -61,24 +72,17 @@ class Probes:
         out = np.zeros((len(self._probes), 4))
         if not len(self._here):
             return out
-        beam, mesh, s = self.model.beam, self.model.mesh, self._share[:, None]
+        beam = self.model.beam
         assert beam is not None
         r0, v0, spin0 = beam.section(state, self._upper)
         r1, v1, spin1 = beam.section(state, self._lower)
-        rigid = mesh.rigid_above[self._cells][:, None]
-        if rigid.any():
-            r0 = r0 + rigid * v0 / np.linalg.norm(v0, axis=1, keepdims=True)
+        if self._below_item:
+            r0 = r0 + self._rigid * v0 / np.linalg.norm(v0, axis=1, keepdims=True)
         ratio = state.layout.dofs.get("string.ratio")
-        if ratio is not None:
-            at = ratio[self._upper]
+        if ratio is not None and (at := ratio[self._upper]).max() >= 0:
             v0 = v0 * np.where(at >= 0, state.x[np.maximum(at, 0)], 1.0)
-        L = mesh.length[self._cells][:, None]
-        out[self._here, :3] = (
-            (1 - 3 * s**2 + 2 * s**3) * r0
-            + L * (s - 2 * s**2 + s**3) * v0
-            + (3 * s**2 - 2 * s**3) * r1
-            + L * (s**3 - s**2) * v1
-        )
+        a, b, c, d = self._weights
+        out[self._here, :3] = a * r0 + b * v0 + c * r1 + d * v1
         out[self._here, 3] = (1 - self._share) * spin0 + self._share * spin1
         return out
 

@@ -202,13 +202,6 @@ class AncfBeam(interfaces.Beam):
         lost = 0.0
         for b in self._blocks:
             if "damped" in b.kernel and len(b.points):
-                index = state.index_of(b)
-                lost += _dissipation(
-                    len(b.points),
-                    index.shape[1],
-                    pointer(index),
-                    pointer(b.params),
-                    pointer(state.x),
-                    pointer(state.y),
-                )
+                n, width, index, params, _, x, y = state.results_head(b)
+                lost += _dissipation(n, width, index, params, x, y)
         return Powers(lost)

@@ -352,16 +352,9 @@ class Contact(WallContact):
     def _evaluate_blocks(self, state) -> list[FloatArray]:
         out = []
         for b in self._blocks:
-            out.append(np.zeros((len(b.points), len(RESULT_NAMES))))
-            RESULTS[b.kernel](
-                len(out[-1]),
-                pointer(state.index_of(b)),
-                pointer(b.params),
-                b.context,
-                pointer(state.x),
-                pointer(state.y),
-                pointer(out[-1]),
-            )
+            n, _, *arguments = state.results_head(b)
+            out.append(np.zeros((n, len(RESULT_NAMES))))
+            RESULTS[b.kernel](n, *arguments, pointer(out[-1]))
         return out
 
     def element_results(self, state) -> tuple[FloatArray, FloatArray]:

@@ -71,10 +71,9 @@ class Precurvature(Component):
     def energies(self, t: float, state) -> Energies:
         total = 0.0
         for b in self._blocks:
-            index, out = state.index_of(b), np.zeros(len(b.points))
-            _curved_energy(
-                len(out), index.shape[1], pointer(index), pointer(b.params), pointer(state.x), pointer(out)
-            )
+            n, width, index, params, _, x, _ = state.results_head(b)
+            out = np.zeros(n)
+            _curved_energy(n, width, index, params, x, pointer(out))
             total += out.sum()
         # the constant EI kappa0^2/2 makes the energy of the free shape zero
         for constant in self._constants:

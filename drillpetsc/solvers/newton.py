@@ -83,6 +83,7 @@ class CondensedNewton:
         self.q, self._f = system.new_condensed(), system.new_condensed()
         owned = system.layout.local_of_owned
         self._scale = system.scale[owned]
+        self._test_arrays = np.zeros((2, len(owned)))  # work arrays of the convergence test
         self.snes = self._make_snes(prefix)
 
     def _make_snes(self, prefix: str) -> PETSc.SNES:
@@ -236,8 +237,13 @@ class CondensedNewton:
             self._theta = 0.0
             return 0
         # increments below the spacing of numbers at the unknown's size (a depth of 2000 m) cannot be resolved
-        floor = (RESOLUTION / self.tolerance) * np.abs(self.q.getArray(readonly=1))
-        size = float(np.max(np.abs(step) / np.maximum(self._scale, floor), initial=0.0))
+        floor, size_of = self._test_arrays
+        np.abs(self.q.getArray(readonly=1), out=floor)
+        floor *= RESOLUTION / self.tolerance
+        np.maximum(self._scale, floor, out=floor)
+        np.abs(step, out=size_of)
+        size_of /= floor
+        size = float(np.maximum.reduce(size_of, initial=0.0))
         if self.system.comm.size > 1:
             size = float(self.system.comm.tompi4py().allreduce(size, op=_max()))
         if its > 1 and self._last > 0:
@@ -375,6 +381,7 @@ class _DirectIteration:
         forces = np.array([f.does_work for f in layout.fields])[layout.field_of[layout.local_of_owned]]
         self.forces = None if forces.all() else np.flatnonzero(forces)
         self.step = np.zeros(len(newton.system.layout.local_of_owned))
+        self._force_rows, self._force_step = np.zeros((2, int(forces.sum())))  # work arrays
         self.log = PETSc.Log.Event("ChainFactor"), PETSc.Log.Event("ChainSolve")
 
     def solve(self, snes, b, x) -> None:
@@ -396,6 +403,8 @@ class _DirectIteration:
             newton.factor.solve_owned(rows, step)
             self.log[1].end()
             np.negative(step, out=step)
+            if self.line_search and self.forces is not None:
+                step.take(self.forces, out=self._force_step, mode="clip")
             before = self._work_along_step(rows) if self.line_search else 0.0
             unknowns += step
             rows = newton.rows(x)
@@ -431,10 +440,14 @@ class _DirectIteration:
         return True
 
     def _work_along_step(self, rows: np.ndarray) -> float:
-        """Compute the work [J] of this rank's rows along the step, over the rows that are forces."""
+        """Compute the work [J] of this rank's rows along the step, over the rows that are forces.
+
+        ``_force_step`` holds the step of these rows.
+        """
         if self.forces is None:
             return float(rows @ self.step)
-        return float(rows[self.forces] @ self.step[self.forces])
+        rows.take(self.forces, out=self._force_rows, mode="clip")
+        return float(self._force_rows @ self._force_step)
 
     def _shorten(self, x, unknowns: np.ndarray, rows: np.ndarray, before: float) -> np.ndarray:
         """Shorten a step that overshoots by one secant step (manual: eq-time-line-search); collective.

@@ -41,6 +41,7 @@ class ResidualWork:
         owned = layout.local_of_owned
         self._rows = np.flatnonzero(forces[layout.field_of[owned]])
         self._rates = owned[self._rows]
+        self._row_values, self._rate_values = np.zeros((2, len(self._rows)))  # work arrays
         self._steps, self._began, self._last, self._supplied, self._peak = 0, 0.0, 0.0, 0.0, 0.0
         self._supply, self._recent, self._started = 0.0, 0.0, False
         self._left_power = 0.0  # of the last step, this rank [W]
@@ -56,7 +57,9 @@ class ResidualWork:
 
     def _local_power(self, rows: FloatArray) -> float:
         asm = self.system.assembly
-        power = float(rows[self._rows] @ asm.y[self._rates])
+        rows.take(self._rows, out=self._row_values, mode="clip")
+        asm.y.take(self._rates, out=self._rate_values, mode="clip")
+        power = float(self._row_values @ self._rate_values)
         for f in asm.row_replacements:
             if f.owned and f.owned_rows is not None:
                 power -= float((f.D @ rows[f.owned_rows]) @ (f.D @ asm.y[f.rows]))

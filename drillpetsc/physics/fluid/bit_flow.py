@@ -257,15 +257,8 @@ class BitFlow(Nozzle):
     def _evaluate_results(self, state) -> FloatArray:
         out = np.zeros((1, RESULTS.width))
         if len(self._block.points):
-            self._results(
-                1,
-                pointer(state.index_of(self._block)),
-                pointer(self._block.params),
-                self._block.context,
-                pointer(state.x),
-                pointer(state.y),
-                pointer(out),
-            )
+            n, _, *arguments = state.results_head(self._block)
+            self._results(n, *arguments, pointer(out))
         return out[0]
 
     def energies(self, t: float, state) -> Energies:
