@@ -8,6 +8,7 @@ prefix ``q_``.
 
 from __future__ import annotations
 
+import ctypes
 import math
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
@@ -17,9 +18,11 @@ from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
 from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.kernels import function, pointer
 from drillpetsc.solvers.chain_lu import ChainFactor, ChainPC, ZeroPivot
 from drillpetsc.solvers.newton_work import ResidualWork
 
+_scaled_size = function("scaled_size", "ippdp", ctypes.c_double)
 #: relative spacing below which an unknown cannot be resolved (manual: eq-time-increment)
 RESOLUTION = 64 * np.finfo(float).eps
 #: an increment that no longer shrinks and is below this fraction of the scales is rounding
@@ -83,7 +86,7 @@ class CondensedNewton:
         self.q, self._f = system.new_condensed(), system.new_condensed()
         owned = system.layout.local_of_owned
         self._scale = system.scale[owned]
-        self._test_arrays = np.zeros((2, len(owned)))  # work arrays of the convergence test
+        self._scale_at = pointer(self._scale)
         self.snes = self._make_snes(prefix)
 
     def _make_snes(self, prefix: str) -> PETSc.SNES:
@@ -237,13 +240,9 @@ class CondensedNewton:
             self._theta = 0.0
             return 0
         # increments below the spacing of numbers at the unknown's size (a depth of 2000 m) cannot be resolved
-        floor, size_of = self._test_arrays
-        np.abs(self.q.getArray(readonly=1), out=floor)
-        floor *= RESOLUTION / self.tolerance
-        np.maximum(self._scale, floor, out=floor)
-        np.abs(step, out=size_of)
-        size_of /= floor
-        size = float(np.maximum.reduce(size_of, initial=0.0))
+        unknowns = self.q.getArray(readonly=1)
+        spacing = RESOLUTION / self.tolerance
+        size: float = _scaled_size(len(step), pointer(step), self._scale_at, spacing, pointer(unknowns))
         if self.system.comm.size > 1:
             size = float(self.system.comm.tompi4py().allreduce(size, op=_max()))
         if its > 1 and self._last > 0:
