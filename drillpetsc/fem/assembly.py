@@ -44,7 +44,6 @@ class BoundBlock:
 
     index: (count, width) local dofs of each element.
     span: the block's entries in ``Assembly.values``, ``width**2`` an element.
-    rows, columns: local dofs of these entries, -1 where the entry is left out.
     """
 
     def __init__(self, block: ElementBlock, layout: DofLayout, first_entry: int):
@@ -69,9 +68,14 @@ class BoundBlock:
         rows = np.where(self.index < layout.size, self.index, -1)
         self.holds_rates = False  # see ``Assembly.hold_rates``
         self.values_at = 0  # address of the block's entries, set by the assembly
-        self.rows = np.repeat(rows, self.width, axis=1).ravel()
-        self.columns = np.tile(rows, (1, self.width)).ravel()
+        self._local = rows
         self._numbers = (layout.chain.cells if block.on == "cell" else layout.chain.vertices)[block.points]
+
+    def places(self) -> tuple[np.ndarray, np.ndarray]:
+        """Local dofs of the rows and of the columns of the block's entries, -1 where an entry is left out."""
+        return np.repeat(self._local, self.width, axis=1).ravel(), np.tile(
+            self._local, (1, self.width)
+        ).ravel()
 
     def update_parameters(self, t: float) -> None:
         """Evaluate time-dependent parameters at ``t`` [s].
@@ -310,7 +314,10 @@ class Assembly:
         ]
         self._first_stabilization_entry = size  # these entries are the last ones
         self.values = np.zeros(size + sum(len(c.rows) for c in self.stabilized))
-        rows, columns = [b.rows for b in self.bound_blocks], [b.columns for b in self.bound_blocks]
+        # the places of all entries are kept once, here
+        rows, columns = (
+            map(list, zip(*(b.places() for b in self.bound_blocks), strict=True)) if blocks else ([], [])
+        )
         for f in self.row_replacements:
             if f.owned:
                 rows.append(np.repeat(f.rows, 7))
@@ -330,9 +337,8 @@ class Assembly:
         self._nodes = (len(self.spin_at), pointer(self.spin_at), pointer(self.reference))
         self._history = pointer(self.v0), pointer(self.v1)
         self._calls: ctypes.Array | None = None  # see ``_block_calls``
-        self._timed = [b for b in self.bound_blocks if b.count and b.block.update]
-        #: -log_view shows each block; otherwise all blocks are one call
-        self._each_logged = PETSc.Options().hasName("log_view")
+        #: evaluate rows block by block, each with its event, for -log_view; otherwise all blocks are one call
+        self.block_by_block = PETSc.Options().hasName("log_view")
         self.version = 0  # counts new Jacobian values
         self.evaluations = 0  # counts residuals
         self.dead_load: FloatArray | None = None  # (n,) dead load [N, N m] at owned unknowns (imperfection)
@@ -465,11 +471,12 @@ class Assembly:
         """Compute the residual of all local elements at time ``t`` [s] into ``r``, not summed over ranks."""
         self._event["Residual"].begin()
         self.evaluations += 1
-        if self._each_logged:
+        if self.block_by_block:
             self._residual_by_block(t)
         else:
-            for b in self._timed:
-                b.update_parameters(t)
+            for b in self.bound_blocks:
+                if b.block.update and b.count:
+                    b.update_parameters(t)
             calls = self._calls if self._calls is not None else self._block_calls()
             if self.dead_load is None:
                 _run_residuals(len(calls), calls, len(self.r), self._state[3])

@@ -96,10 +96,6 @@ class CondensedNewton:
         snes.setFunction(self._function, self._f)
         self.matrix = petsc_compat.square_matrix(self.q)
         asm, layout = system.assembly, system.layout
-        lgm = layout.condensed_dm.getLGMap().getIndices()
-        rows = np.where(asm.rows >= 0, lgm[np.maximum(asm.rows, 0)], -1)
-        columns = np.where(asm.columns >= 0, lgm[np.maximum(asm.columns, 0)], -1)
-        self._coo = (rows, columns)
         snes.setJacobian(self._jacobian, self.matrix)
         snes.setConvergenceTest(self._converged)
         snes.setType("newtonls")
@@ -142,6 +138,8 @@ class CondensedNewton:
             pc.getType() != "python" or snes.getKSP().getType() != "preonly" or self.line_search == "bt"
         )
         if self.assembled:
+            lgm = layout.condensed_dm.getLGMap().getIndices()
+            rows, columns = (np.where(p >= 0, lgm[np.maximum(p, 0)], -1) for p in (asm.rows, asm.columns))
             petsc_compat.preallocate_coo(self.matrix, rows, columns)
         else:
             self.matrix.setUp()
