@@ -68,18 +68,6 @@ def high_side(tangent: FloatArray) -> FloatArray:
     return across / np.linalg.norm(across)
 
 
-def high_sides(tangents: FloatArray) -> FloatArray:
-    """Return the unit vectors (k, 3) across ``tangents`` (k, 3) towards the high side, as ``high_side`` of each."""
-    across = tangents * tangents[:, 2:]
-    across[:, 2] -= 1.0
-    size = np.sqrt(np.sum(across * across, axis=1, keepdims=True))
-    vertical = size[:, 0] < 1e-6
-    if vertical.any():
-        across[vertical] = np.array([1.0, 0.0, 0.0]) - tangents[vertical] * tangents[vertical, :1]
-        size[vertical] = np.sqrt(np.sum(across[vertical] ** 2, axis=1, keepdims=True))
-    return across / size
-
-
 def tool_face_zero(tangent: FloatArray) -> FloatArray:
     """Return the unit vector (3,) across ``tangent`` (3,) from which a tool face is measured.
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.geometry.frames import cross, high_sides
+from drillpetsc.kernels import function, pointer
 from drillpetsc.model.drilling_model import DrillingModel
+
+_high_side_offsets = function("high_side_offsets", "ippp")
 
 
 def offsets(model: DrillingModel, points: FloatArray) -> FloatArray:
@@ -19,8 +21,13 @@ def offsets(model: DrillingModel, points: FloatArray) -> FloatArray:
         tangent = np.tile(model.tangent[0], (len(points), 1))
         d = points - model.position[0]
         offset = d - tangent * np.sum(d * tangent, axis=1, keepdims=True)
-    high = high_sides(tangent)
-    return np.stack([np.sum(offset * high, axis=1), np.sum(offset * cross(tangent, high), axis=1)], axis=1)
+    out = np.empty((len(points), 2))
+    tangent, offset = (
+        np.ascontiguousarray(tangent),
+        np.ascontiguousarray(offset),
+    )  # bound, so that they stay alive
+    _high_side_offsets(len(out), pointer(tangent), pointer(offset), pointer(out))
+    return out
 
 
 def measured_depth(model: DrillingModel, point: FloatArray) -> float:

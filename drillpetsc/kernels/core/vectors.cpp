@@ -1,5 +1,5 @@
-// Sums and norms over vectors of unknowns that a step needs several times, each in one pass.
-#include <cmath>
+// Sums and norms over vectors that a step or a row of output needs, each in one pass.
+#include "core/ad.hpp"
 
 // Largest |step| relative to the larger of scale and spacing |x|; not a number where any entry is not.
 extern "C" double scaled_size(int n, const double* step, const double* scale, double spacing, const double* x) {
@@ -29,5 +29,19 @@ extern "C" void add_local_error(int n, int m, const double* const* states, const
         net[i] += e;
         total[i] += size;
         largest[i] = size > largest[i] ? size : largest[i];
+    }
+}
+
+// Components (n, 2) of offsets (n, 3) from the hole's axis with directions `tangent` (n, 3): towards the high side, which is north
+// where the hole is vertical, and to the right of it looking down (manual: eq-conv-high-side).
+extern "C" void high_side_offsets(int n, const double* tangent, const double* offset, double* out) {
+    using namespace dp;
+    for (int i = 0; i < n; ++i) {
+        const Vec<double> t = vec(tangent + 3 * i), d = vec(offset + 3 * i);
+        Vec<double> across = {t.x * t.z, t.y * t.z, t.z * t.z - 1.0};
+        if (norm(across) < 1e-6) across = {1.0 - t.x * t.x, -t.y * t.x, -t.z * t.x};
+        const Vec<double> high = across / norm(across);
+        out[2 * i] = dot(d, high);
+        out[2 * i + 1] = dot(d, cross(t, high));
     }
 }
