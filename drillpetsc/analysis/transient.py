@@ -393,6 +393,13 @@ class TransientRun:
         return float(self.case.output.checkpoint_every)  # type: ignore[arg-type]
 
     def _after_step(self, t: float, dt: float) -> None:
+        with self.model.system.assembly.unchanged():  # results of the step are shared by all that follows
+            self._record(t, dt)
+        self.memory.update(t)
+        self.bar.update(t, self.integrator.counters.steps, dt)
+
+    def _record(self, t: float, dt: float) -> None:
+        """Sample the step, and write what is due."""
         recorder, integrator, writer = self.recorder, self.integrator, self.writer
         recorder.step(t, dt, writer.next_row_time, integrator.input_time(t), integrator.fresh)
         recorder.count_time_error(t, dt, integrator.input_time(t), integrator.fresh)
@@ -406,8 +413,6 @@ class TransientRun:
         if self.due:
             self.boiling.share()
         self.t, self.newton = t, newton
-        self.memory.update(t)
-        self.bar.update(t, integrator.counters.steps, dt)
 
     def _finish_step(self, t: float) -> None:
         """After all calls of a step: act on signals and write errors, write a checkpoint that is due."""

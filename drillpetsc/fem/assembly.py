@@ -6,7 +6,10 @@ Manual: sec-time-condensed (condensed rates), sec-joints-prescribed (prescribed 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import ctypes
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
@@ -15,6 +18,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import ElementBlock, PrescribedMotion, VelocityStabilization
 from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import structure
 
 _rates = function("condensed_rates", "ipdppippp" + "p")
 _transport = function("spin_transport", "ippppp")
@@ -22,6 +26,8 @@ _fix_rates = function("constraint_rates", "ipppdppp")
 _fix_rows = function("constraint_rows", "ippppp" + "dpp")
 _fix_matrix = function("constraint_matrix", "ippppp")
 _gradient = function("spin_gradient", "ippppddp")
+_run_residuals = function("run_residuals", "ipip")
+_BlockCall = structure("block_call")  # BlockCall of kernels/core/rows.cpp
 
 #: weight of a replaced row, position error [m or rad] to force [N or N m]; it has the order of a pipe's
 #: stiffness, so that one norm serves all rows (manual: eq-prescribed-rows)
@@ -38,7 +44,6 @@ class BoundBlock:
 
     index: (count, width) local dofs of each element.
     span: the block's entries in ``Assembly.values``, ``width**2`` an element.
-    rows, columns: local dofs of these entries, -1 where the entry is left out.
     """
 
     def __init__(self, block: ElementBlock, layout: DofLayout, first_entry: int):
@@ -63,9 +68,14 @@ class BoundBlock:
         rows = np.where(self.index < layout.size, self.index, -1)
         self.holds_rates = False  # see ``Assembly.hold_rates``
         self.values_at = 0  # address of the block's entries, set by the assembly
-        self.rows = np.repeat(rows, self.width, axis=1).ravel()
-        self.columns = np.tile(rows, (1, self.width)).ravel()
+        self._local = rows
         self._numbers = (layout.chain.cells if block.on == "cell" else layout.chain.vertices)[block.points]
+
+    def places(self) -> tuple[np.ndarray, np.ndarray]:
+        """Local dofs of the rows and of the columns of the block's entries, -1 where an entry is left out."""
+        return np.repeat(self._local, self.width, axis=1).ravel(), np.tile(
+            self._local, (1, self.width)
+        ).ravel()
 
     def update_parameters(self, t: float) -> None:
         """Evaluate time-dependent parameters at ``t`` [s].
@@ -274,12 +284,16 @@ class Assembly:
         self.x, self.y, self.a, self.r = (np.zeros(layout.array_length) for _ in range(4))
         self.derive: Callable[[Assembly], None] | None = None
         self._derived_index: dict[int, np.ndarray] = {}  # dofs of blocks that use derived fields, by id
+        self._results_heads: dict[int, tuple[int, ...]] = {}
+        self._seen: list[ElementBlock] = []  # keeps blocks that are not bound, so that their ids stay theirs
+        self._kept: dict[tuple[Any, ...], Any] | None = None  # see ``unchanged``
         self.x[n] = 1.0  # an absent stretch ratio is one
         self.v0, self.v1 = np.zeros(n), np.zeros(n)
         size, self.bound_blocks = 0, []
         for block in blocks:
             self.bound_blocks.append(BoundBlock(block, layout, size))
             size = self.bound_blocks[-1].span.stop
+        self._index_by_block = {id(b.block): b.index for b in self.bound_blocks}
         spin = layout.dofs.get("string.spin")
         self.reference = np.ascontiguousarray(reference)
         self.spin_at = np.zeros((0, 2), dtype=np.int32)
@@ -300,7 +314,10 @@ class Assembly:
         ]
         self._first_stabilization_entry = size  # these entries are the last ones
         self.values = np.zeros(size + sum(len(c.rows) for c in self.stabilized))
-        rows, columns = [b.rows for b in self.bound_blocks], [b.columns for b in self.bound_blocks]
+        # the places of all entries are kept once, here
+        rows, columns = (
+            map(list, zip(*(b.places() for b in self.bound_blocks), strict=True)) if blocks else ([], [])
+        )
         for f in self.row_replacements:
             if f.owned:
                 rows.append(np.repeat(f.rows, 7))
@@ -319,6 +336,9 @@ class Assembly:
             b.values_at = pointer(self.values) + 8 * b.span.start
         self._nodes = (len(self.spin_at), pointer(self.spin_at), pointer(self.reference))
         self._history = pointer(self.v0), pointer(self.v1)
+        self._calls: ctypes.Array | None = None  # see ``_block_calls``
+        #: evaluate rows block by block, each with its event, for -log_view; otherwise all blocks are one call
+        self.block_by_block = PETSc.Options().hasName("log_view")
         self.version = 0  # counts new Jacobian values
         self.evaluations = 0  # counts residuals
         self.dead_load: FloatArray | None = None  # (n,) dead load [N, N m] at owned unknowns (imperfection)
@@ -340,6 +360,7 @@ class Assembly:
             values[0, : len(rates)] = rates
         for b in self.bound_blocks:
             b.holds_rates = mask is not None and bool(np.isin(b.index, np.flatnonzero(mask)).any())
+        self._calls = None
         x, _, _, r = self._state
         self._held_state = x, pointer(values[0]), pointer(values[1]), r
         self._held_head = pointer(weights), pointer(spin), *self._held_state[:3]
@@ -380,6 +401,26 @@ class Assembly:
         if self._imposed is not None:
             dofs, rates, _ = self._imposed
             self.y[dofs], self.a[dofs] = rates[dofs], 0.0
+
+    # ------------------------------------------------------------------ results of a state
+    @contextmanager
+    def unchanged(self) -> Iterator[None]:
+        """Within this context ``evaluate_once`` keeps its results; x, y, a and parameters must not change."""
+        outer = self._kept
+        self._kept = {} if outer is None else outer
+        try:
+            yield
+        finally:
+            self._kept = outer
+
+    def evaluate_once(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """``function(*arguments)``, evaluated once within ``unchanged``.  The caller must not change the result."""
+        if self._kept is None:
+            return function(*arguments)
+        key = function, *arguments
+        if key not in self._kept:
+            self._kept[key] = function(*arguments)
+        return self._kept[key]
 
     # ------------------------------------------------------------------ state
     def condense(self, sigma: float) -> None:
@@ -430,21 +471,48 @@ class Assembly:
         """Compute the residual of all local elements at time ``t`` [s] into ``r``, not summed over ranks."""
         self._event["Residual"].begin()
         self.evaluations += 1
+        if self.block_by_block:
+            self._residual_by_block(t)
+        else:
+            for b in self.bound_blocks:
+                if b.block.update and b.count:
+                    b.update_parameters(t)
+            calls = self._calls if self._calls is not None else self._block_calls()
+            if self.dead_load is None:
+                _run_residuals(len(calls), calls, len(self.r), self._state[3])
+            else:
+                self._start_with_dead_load()
+                _run_residuals(len(calls), calls, 0, self._state[3])
+        if self._frozen is not None:
+            self.r[self._frozen[0]] = 0.0
+        self._event["Residual"].end()
+        return self.r
+
+    def _block_calls(self) -> ctypes.Array:
+        """The residual of each block with its arguments, for one call of all."""
+        bound = [b for b in self.bound_blocks if b.count]
+        self._calls = (_BlockCall * len(bound))()
+        for call, b in zip(self._calls, bound, strict=True):
+            call.residual = ctypes.cast(b.residual, ctypes.c_void_p).value
+            call.count, call.index, call.parameters, call.record = b.head
+            call.x, call.y, call.a, _ = self._held_state if b.holds_rates else self._state
+        return self._calls
+
+    def _start_with_dead_load(self) -> None:
         self.r[:] = 0.0
         if self.dead_load is not None:
             self.r[: self.layout.size] -= self.dead_load
-        state = self._state
+
+    def _residual_by_block(self, t: float) -> None:
+        """The same block by block, each with its event."""
+        self._start_with_dead_load()
         for b in self.bound_blocks:
             if b.count:
                 b.event.begin()
                 if b.block.update:
                     b.update_parameters(t)
-                b.residual(*b.head, *(self._held_state if b.holds_rates else state))
+                b.residual(*b.head, *(self._held_state if b.holds_rates else self._state))
                 b.event.end()
-        if self._frozen is not None:
-            self.r[self._frozen[0]] = 0.0
-        self._event["Residual"].end()
-        return self.r
 
     def partial_residual(self, t: float, chosen: Callable[[ElementBlock], bool]) -> FloatArray:
         """Compute the residual of the ``chosen`` blocks at time ``t`` [s] into ``r``, not summed over ranks."""
@@ -550,14 +618,26 @@ class Assembly:
 
         Derived fields are computed first where it uses them.
         """
-        found = next((b.index for b in self.bound_blocks if b.block is block), None)
+        found = self._index_by_block.get(id(block))
         if found is not None:
             return found
         if self.derive is not None:
             self.derive(self)
         if id(block) not in self._derived_index:
             self._derived_index[id(block)] = self.layout.index(block)
+            self._seen.append(block)
         return self._derived_index[id(block)]
+
+    def results_head(self, block: ElementBlock) -> tuple[int, ...]:
+        """First arguments of a kernel that evaluates results of a block.
+
+        Number of elements and of unknowns of one; addresses of dofs, parameters and record; of x and y.
+        """
+        index = self.index_of(block)
+        if id(block) not in self._results_heads:
+            at = pointer(index), pointer(block.params)
+            self._results_heads[id(block)] = len(index), index.shape[1], *at, block.context, *self._state[:2]
+        return self._results_heads[id(block)]
 
     def dofs_of(self, name: str) -> np.ndarray:
         """Return the (nv, size) dofs of a field, or of a derived field after computing it."""

@@ -18,6 +18,10 @@ from drillpetsc.fem.component import Component, Energies, Powers
 from drillpetsc.fem.dof_layout import build_dof_layout
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
+from drillpetsc.kernels import function, pointer
+
+_gather = function("chain_gather", "ippp")
+_scatter = function("chain_scatter", "ippp")
 
 
 class DiscreteSystem:
@@ -87,7 +91,22 @@ class DiscreteSystem:
         self._serial = self.comm.size == 1
         scale = np.array([f.scale for f in layout.fields])
         self.scale = scale[layout.field_of]  # (n,) usual magnitude of each local unknown
-        self._has_rate = layout.y_local >= 0
+        self._with_rate = np.flatnonzero(layout.y_local >= 0)  # unknowns with a rate in the state
+        owned = np.flatnonzero(layout.y_owned >= 0)
+        tables = (  # from the local state to x and y; from x and y to the owned part of a global state
+            layout.x_local,
+            layout.y_local,
+            layout.local_of_owned,
+            layout.x_owned,
+            layout.local_of_owned[owned],
+            layout.y_owned[owned],
+        )
+        self._tables = [np.ascontiguousarray(table, dtype=np.int32) for table in tables]
+        self._x_from, self._y_from, self._owned, self._x_to, self._owned_rates, self._y_to = map(
+            pointer, self._tables
+        )
+        self._owned_counts = len(self._tables[2]), len(self._tables[4])
+        self._taken = np.zeros(layout.size)  # work array
 
     @property
     def has_contact(self) -> bool:
@@ -118,13 +137,15 @@ class DiscreteSystem:
         layout, asm = self.layout, self.assembly
         layout.state_dm.globalToLocal(state, self._state)
         s = self._state.getArray(readonly=1)
-        asm.x[: layout.size] = s[layout.x_local]
-        asm.y[: layout.size] = np.where(self._has_rate, s[layout.y_local], 0.0)
+        _gather(layout.size, self._x_from, pointer(s), pointer(asm.x))
+        _gather(layout.size, self._y_from, pointer(s), pointer(asm.y))
         if rate is not None:
             layout.state_dm.globalToLocal(rate, self._state)
             s = self._state.getArray(readonly=1)
-            asm.y[: layout.size] = np.where(self._has_rate, asm.y[: layout.size], s[layout.x_local])
-            asm.a[: layout.size] = np.where(self._has_rate, s[layout.y_local], 0.0)
+            known = asm.y[self._with_rate]
+            asm.y[: layout.size] = s[layout.x_local]
+            asm.y[self._with_rate] = known
+            _gather(layout.size, self._y_from, pointer(s), pointer(asm.a))
 
     def load_history(self, constant: PETSc.Vec) -> None:
         """Copy the constant V of the time formula, Xdot = shift X + V, into v0 and v1.
@@ -134,16 +155,17 @@ class DiscreteSystem:
         layout, asm = self.layout, self.assembly
         layout.state_dm.globalToLocal(constant, self._state)
         s = self._state.getArray(readonly=1)
-        asm.v0[:] = s[layout.x_local]
-        asm.v1[:] = np.where(self._has_rate, s[layout.y_local], 0.0)
+        _gather(layout.size, self._x_from, pointer(s), pointer(asm.v0))
+        _gather(layout.size, self._y_from, pointer(s), pointer(asm.v1))
 
     def store_state(self, state: PETSc.Vec) -> None:
         """Copy the assembly's x and y into the owned part of ``state``."""
-        layout, asm = self.layout, self.assembly
-        out = state.getArray()
-        out[layout.x_owned] = asm.x[layout.local_of_owned]
-        has_rate = layout.y_owned >= 0
-        out[layout.y_owned[has_rate]] = asm.y[layout.local_of_owned[has_rate]]
+        asm, out, taken = self.assembly, pointer(state.getArray()), pointer(self._taken)
+        unknowns, rates = self._owned_counts
+        _gather(unknowns, self._owned, pointer(asm.x), taken)
+        _scatter(unknowns, self._x_to, taken, out)
+        _gather(rates, self._owned_rates, pointer(asm.y), taken)
+        _scatter(rates, self._y_to, taken, out)
 
     def store_unknowns(self, q: PETSc.Vec) -> None:
         """Copy the assembly's x into the owned part of the condensed vector ``q``."""
@@ -156,12 +178,14 @@ class DiscreteSystem:
         """
         self.assembly.residual(t)
         if self._serial:
-            out.getArray()[:] = self.assembly.r[self.layout.local_of_owned]
+            rows = out.getArray()
+            self.assembly.r.take(self.layout.local_of_owned, out=rows, mode="clip")
         else:
             out.set(0.0)
             self.layout.condensed_dm.localToGlobal(self._r, out, addv=PETSc.InsertMode.ADD_VALUES)
+            rows = out.getArray()
         if self.assembly.row_replacements:
-            self.assembly.replace_rows(t, out.getArray(), self.owned_index)
+            self.assembly.replace_rows(t, rows, self.owned_index)
 
     def sum_local(self, rows: FloatArray) -> FloatArray:
         """Sum contributions of elements over ranks.

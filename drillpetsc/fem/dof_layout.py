@@ -128,20 +128,24 @@ def build_dof_layout(
     x_local, y_local = np.full(size, -1, dtype=np.int32), np.full(size, -1, dtype=np.int32)
     field_of, vertex_of = np.zeros(size, dtype=np.int32), np.zeros(size, dtype=np.int32)
     dofs = {f.name: np.full((len(chain.points), f.size), -1, dtype=np.int32) for f in fields}
-    rate_number: dict[str, int] = {}
-    for f in fields:
+    # fields of a point follow each other, so one offset a point is enough
+    present = [regions[f.region][chain.vertices] for f in fields]
+    points = chain.points.tolist()
+    at_c, at_s = (
+        np.array([section.getOffset(point) for point in points], dtype=np.int64) for section in (c_sec, s_sec)
+    )
+    for i, (f, here) in enumerate(zip(fields, present, strict=True)):
+        places, vertices = np.arange(f.size), np.flatnonzero(here)
+        at_vertex = at_c[vertices, None] + places
+        dofs[f.name][vertices] = at_vertex
+        field_of[at_vertex], vertex_of[at_vertex] = i, vertices[:, None]
+        x_local[at_vertex] = at_s[vertices, None] + places
+        at_c, at_s = at_c + f.size * here, at_s + f.size * here
+    for f, here in zip(fields, present, strict=True):
         if f.second_order:
-            rate_number[f.name] = len(fields) + len(rate_number)
-    for v, point in enumerate(map(int, chain.points)):
-        for i, f in enumerate(fields):
-            if not c_sec.getFieldDof(point, i):
-                continue
-            at_vertex = c_sec.getFieldOffset(point, i) + np.arange(f.size)
-            dofs[f.name][v] = at_vertex
-            field_of[at_vertex], vertex_of[at_vertex] = i, v
-            x_local[at_vertex] = s_sec.getFieldOffset(point, i) + np.arange(f.size)
-            if f.second_order:
-                y_local[at_vertex] = s_sec.getFieldOffset(point, rate_number[f.name]) + np.arange(f.size)
+            vertices = np.flatnonzero(here)
+            y_local[dofs[f.name][vertices]] = at_s[vertices, None] + np.arange(f.size)
+            at_s = at_s + f.size * here
     owned = _owned_tables(chain, state, condensed, x_local, y_local)
     derived, next_index = {}, size + 1
     for name, components in (derived_fields or {}).items():

@@ -40,8 +40,8 @@ class Quantity:
     value(source, sample): this rank's share, summed over ranks: a number, or (k, size) for k joints or probes; for
     ``node`` (nv, size) at the local vertices; for ``element`` (nc,) or (nc, 2, ...) at its upper and lower end.
     size: numbers of one entity that ``value`` returns.
-    finish(source, values, depth): numbers to be written, from the ``size`` numbers of one entity (of all nodes:
-    (n, size)); without it, the values themselves.
+    finish(source, values, depth): numbers to be written, from the ``size`` numbers of one entity; of nodes and probes
+    from those of all, (n, size) at depths (n,), as (n, k); without it, the values themselves.
     index: which of these numbers is the quantity's; None: all.
     panel: quantities of one panel are drawn together, panels in ascending order; 0: with others of the same unit.
     numerics: tells about the computation, not about the string.

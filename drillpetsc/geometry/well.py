@@ -11,7 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -332,20 +333,37 @@ class Well:
 
         Raises ValueError for a wrong shape of ``segment``.
         """
-        from drillpetsc.kernels import function, pointer
+        from drillpetsc.kernels import pointer
 
         x = np.ascontiguousarray(points, dtype=float).reshape(-1, 3)
         n = len(x)
         hint = np.full(n, -1, np.int32) if segment is None else np.array(segment, np.int32)
         if hint.shape != (n,):
             raise ValueError(f"segment has shape {hint.shape}, expected ({n},)")
-        md, radius, friction = np.empty((3, n))
-        centre, tangent, offset = np.empty((3, n, 3))
-        packed = self.packed()
-        arrays = (packed, x, hint, md, centre, tangent, offset, radius, friction)
-        p = [pointer(a) for a in arrays]
-        function("well_project", "pi" + "p" * 8)(p[0], n, *p[1:])
-        return ClosestPoints(md, centre, tangent, offset, radius, friction, hint)
+        scalars, vectors = np.empty((3, n)), np.empty((3, n, 3))
+        first, second = pointer(scalars), pointer(vectors)
+        md, radius, friction = (first + 8 * n * k for k in range(3))
+        centre, tangent, offset = (second + 24 * n * k for k in range(3))
+        _project_kernel()(
+            pointer(self.packed()),
+            n,
+            pointer(x),
+            pointer(hint),
+            md,
+            centre,
+            tangent,
+            offset,
+            radius,
+            friction,
+        )
+        return ClosestPoints(scalars[0], vectors[0], vectors[1], vectors[2], scalars[1], scalars[2], hint)
+
+
+@cache
+def _project_kernel() -> Any:
+    from drillpetsc.kernels import function  # here: a well is also read by programs without kernels
+
+    return function("well_project", "pi" + "p" * 8)
 
 
 def direction(inclination: ArrayLike, azimuth: ArrayLike) -> Array:

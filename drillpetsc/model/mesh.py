@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import takewhile
 from pathlib import Path
@@ -80,8 +80,7 @@ def build_mesh(case: Case, well: Well | None = None, motion: tuple[float, float]
             rows.append((-1, item, depth, depth, sum(q.length for _, q in pending)))
             pending.clear()
 
-    for number, item in enumerate(case.string):
-        top, bottom = case.item_depths[number]
+    for number, (item, (top, _)) in enumerate(zip(case.string, case.item_depths, strict=True)):
         add_joint(item, top)
         if isinstance(item, Flexible):
             edges = item_edges[number]
@@ -133,8 +132,9 @@ def _element_ends(
     given: dict[int, list[float]] = {}
     marks: dict[int, list[float]] = {}
     flexible = {i: item for i, item in enumerate(case.string) if isinstance(item, Flexible)}
+    depths = case.item_depths  # worked out at every call
     for number, item in flexible.items():
-        ends = _edges(case, number, item, *case.item_depths[number])
+        ends = _edges(case, number, item, *depths[number])
         (marks if isinstance(item.element_length, str) else given)[number] = ends
     if not marks:
         return given, ElementLengths({})
@@ -203,7 +203,7 @@ def _kink_zone(item: Flexible, top: float, bottom: float) -> tuple[float, float]
     return upper, min(upper + BEND_LENGTH, bottom)
 
 
-def _bent_after(items: Sequence[Item]) -> bool:
+def _bent_after(items: Iterable[Item]) -> bool:
     """Whether one of the rigid items at the beginning of ``items`` has a bend."""
     return any(_bend_of(q) for q in takewhile(lambda q: isinstance(q, Rigid), items))
 
@@ -213,14 +213,16 @@ def _edges(case: Case, number: int, item: Flexible, top: float, bottom: float) -
 
     Of an item with automatic lengths: the depths where elements must end.
     """
-    edges = list(np.linspace(top, bottom, max(1, element_count(item)) + 1))
+    count, string = max(1, element_count(item)), case.string
+    edges = [top, bottom] if count == 1 else list(np.linspace(top, bottom, count + 1))
     extra: list[float] = []
     if _bend_of(item) and item.length > 2 * BEND_LENGTH:
         extra += [at for at in _kink_zone(item, top, bottom) if top < at < bottom]
-    if _bent_after(case.string[number + 1 :]) and item.length > 2 * BEND_LENGTH:
+    # without slices, which would make the mesh of a long tally quadratic in its items
+    if _bent_after(string[k] for k in range(number + 1, len(string))) and item.length > 2 * BEND_LENGTH:
         extra.append(bottom - BEND_LENGTH)
-    first = not any(isinstance(q, Flexible) for q in case.string[:number])
-    if first and _bent_after(case.string[:number]) and item.length > 2 * BEND_LENGTH:
+    first = not any(isinstance(string[k], Flexible) for k in range(number))
+    if first and _bent_after(string[:number]) and item.length > 2 * BEND_LENGTH:
         extra.append(top + BEND_LENGTH)
     for load in case.loads:
         if isinstance(load, PointLoad) and top < load.at < bottom:

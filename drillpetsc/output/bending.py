@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.geometry.frames import directors
+from drillpetsc.geometry.frames import cross, directors
 from drillpetsc.model.drilling_model import DrillingModel
 
 
@@ -28,7 +28,7 @@ def curvatures(model: DrillingModel) -> FloatArray:
     ):
         node = (a, b)[end]
         d2, d3 = directors(model.frames, chain.vertices[node], v[node], phi[node, 0])
-        kappa = np.cross(slope, second) / np.sum(slope * slope, axis=1, keepdims=True)
+        kappa = cross(slope, second) / np.sum(slope * slope, axis=1, keepdims=True)
         out[:, 0, end] = kappa
         out[:, 1, end] = kappa - mesh.curvature[e][:, :1] * d2 - mesh.curvature[e][:, 1:] * d3
     out[mesh.is_joint[e]] = 0.0

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
 
 import numpy as np
 
@@ -38,15 +37,6 @@ class FlowRecorder:
         ends = tuple(q for q in declared.MUD if q.name not in absent)
         fields = tuple(q for q in declared.MUD_FIELDS if (bore if q.name.startswith("internal") else annulus))
         return ends + fields
-
-    @contextmanager
-    def shared_results(self) -> Iterator[None]:
-        """Within this context, results of the channels are evaluated once; the state must not change."""
-        with ExitStack() as stack:
-            for channel in (self.fluid.bore, self.fluid.annulus):
-                if channel is not None:
-                    stack.enter_context(channel.shared_results(self.system.assembly))
-            yield
 
     # ------------------------------------------------------------------ ends
     def pump_flow(self, sample: Sample) -> float:
@@ -93,7 +83,7 @@ class FlowRecorder:
         content = 0.0
         for channel in (self.fluid.bore, self.fluid.annulus):
             if channel is not None:
-                content += channel.element_results(sample.assembly)[:, _CONTENT].sum()
+                content += channel.totals(sample.assembly)[_CONTENT]
         if self.fluid.bit is not None:
             content += sample.once(self.fluid.bit.element_results)[_CHAMBER]
         if self.fluid.annulus is not None:

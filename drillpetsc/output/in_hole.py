@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.geometry.frames import high_side
+from drillpetsc.kernels import function, pointer
 from drillpetsc.model.drilling_model import DrillingModel
+
+_high_side_offsets = function("high_side_offsets", "ippp")
 
 
 def offsets(model: DrillingModel, points: FloatArray) -> FloatArray:
@@ -20,9 +22,11 @@ def offsets(model: DrillingModel, points: FloatArray) -> FloatArray:
         d = points - model.position[0]
         offset = d - tangent * np.sum(d * tangent, axis=1, keepdims=True)
     out = np.empty((len(points), 2))
-    for i in range(len(points)):
-        x = high_side(tangent[i])
-        out[i] = offset[i] @ x, offset[i] @ np.cross(tangent[i], x)
+    tangent, offset = (
+        np.ascontiguousarray(tangent),
+        np.ascontiguousarray(offset),
+    )  # bound, so that they stay alive
+    _high_side_offsets(len(out), pointer(tangent), pointer(offset), pointer(out))
     return out
 
 

@@ -29,6 +29,29 @@ class Probes:
         self.depths = tuple(model.case.output.probes) if model.beam is not None else ()
         self._probes = [self._locate(depth) for depth in self.depths]
         self._local = {int(c): i for i, c in enumerate(model.system.chain.cells)}
+        here = [k for k, probe in enumerate(self._probes) if probe.cell in self._local]
+        chosen = [self._probes[k] for k in here]
+        #: of the probes in elements of this rank: numbers, elements from the top, upper and lower vertices, shares
+        self._here = np.array(here, dtype=int)
+        self._cells = np.array([p.cell for p in chosen], dtype=int)
+        ends = (
+            model.system.chain.ends[[self._local[p.cell] for p in chosen]]
+            if chosen
+            else np.zeros((0, 2), int)
+        )
+        self._upper, self._lower = ends[:, 0], ends[:, 1]
+        self._share = np.array([p.share for p in chosen])
+        s = self._share[:, None]
+        length = model.mesh.length[self._cells][:, None]
+        #: of upper position and slope, lower position and slope: the cubic shape functions at the probes
+        self._weights = (
+            1 - 3 * s**2 + 2 * s**3,
+            length * (s - 2 * s**2 + s**3),
+            3 * s**2 - 2 * s**3,
+            length * (s**3 - s**2),
+        )
+        self._rigid = model.mesh.rigid_above[self._cells][:, None]
+        self._below_item = bool(self._rigid.any())
 
     def _locate(self, depth: float) -> _Probe:
         mesh = self.model.mesh
@@ -42,31 +65,26 @@ class Probes:
         return tuple(q for q in declared.PROBES if touches or not q.matches("contact_0"))
 
     def motion(self, state) -> FloatArray:
-        """(probes, 4) position [m] and spin rate [rad/s]; zero where another rank has the element."""
-        out = np.zeros((len(self._probes), 4))
-        for k, probe in enumerate(self._probes):
-            if probe.cell in self._local:
-                out[k] = self._at(probe, state)
-        return out
+        """(probes, 4) position [m] and spin rate [rad/s]; zero where another rank has the element.
 
-    def _at(self, probe: _Probe, state) -> FloatArray:
-        """(4,) by the element's cubic shape functions, the spin rate linearly (manual: eq-beam-tube)."""
-        model, mesh = self.model, self.model.mesh
-        a, b = model.system.chain.ends[self._local[probe.cell]]
-        assert model.beam is not None
-        r, v, spins = map(list, zip(*(model.beam.section(state, i) for i in (a, b)), strict=True))
+        By the element's cubic shape functions, the spin rate linearly (manual: eq-beam-tube).
+        """
+        out = np.zeros((len(self._probes), 4))
+        if not len(self._here):
+            return out
+        beam = self.model.beam
+        assert beam is not None
+        r0, v0, spin0 = beam.section(state, self._upper)
+        r1, v1, spin1 = beam.section(state, self._lower)
+        if self._below_item:
+            r0 = r0 + self._rigid * v0 / np.linalg.norm(v0, axis=1, keepdims=True)
         ratio = state.layout.dofs.get("string.ratio")
-        r[0] = r[0] + mesh.rigid_above[probe.cell] * v[0] / np.linalg.norm(v[0])
-        if ratio is not None and ratio[a, 0] >= 0:
-            v[0] = v[0] * state.x[ratio[a, 0]]
-        s, L = probe.share, mesh.length[probe.cell]
-        x = (
-            (1 - 3 * s**2 + 2 * s**3) * r[0]
-            + L * (s - 2 * s**2 + s**3) * v[0]
-            + (3 * s**2 - 2 * s**3) * r[1]
-            + L * (s**3 - s**2) * v[1]
-        )
-        return np.array([*x, (1 - s) * spins[0] + s * spins[1]])
+        if ratio is not None and (at := ratio[self._upper]).max() >= 0:
+            v0 = v0 * np.where(at >= 0, state.x[np.maximum(at, 0)], 1.0)
+        a, b, c, d = self._weights
+        out[self._here, :3] = a * r0 + b * v0 + c * r1 + d * v1
+        out[self._here, 3] = (1 - self._share) * spin0 + self._share * spin1
+        return out
 
     def contact_force(self) -> FloatArray:
         """(probes,) normal force [N] on the probes' elements at the last evaluation of the rows."""
@@ -76,6 +94,6 @@ class Probes:
             [contact.normal_force(cells[p.cell]) if p.cell in cells else 0.0 for p in self._probes]
         )
 
-    def offset(self, position: FloatArray, depth: float) -> FloatArray:
-        """(2,) offset [m] of a probe at ``position`` (3,) from the hole's axis."""
-        return offsets(self.model, position[None, :])[0]
+    def offset(self, positions: FloatArray) -> FloatArray:
+        """(probes, 2) offsets [m] of the probes at ``positions`` (probes, 3) from the hole's axis."""
+        return offsets(self.model, positions)

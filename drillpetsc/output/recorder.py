@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Sequence
-from contextlib import nullcontext
 from dataclasses import dataclass, field
 from itertools import groupby
 from typing import Any
@@ -102,22 +101,74 @@ class TableColumn:
 
     def __init__(self, source: Any, quantity: Quantity, slot: Slot | None, number: int, depth: float) -> None:
         self.title: Column = quantity.at(depth)
-        self.source, self.quantity, self.depth = source, quantity, depth
+        self.source, self.quantity, self.slot, self.entity, self.depth = source, quantity, slot, number, depth
         self.start = slot.start + number * slot.size if slot is not None else 0
-        self.size = quantity.size
 
-    def number(self, sample: FloatArray, finished: dict[Any, Any]) -> float:
-        """The number to be written.  finished: results that columns of this row share."""
-        q = self.quantity
-        if q.interpolate == "none":
-            assert q.value is not None
-            return q.value(self.source, None)
-        if q.finish is None:
-            return sample[self.start + (q.index or 0)]
-        key = id(self.source), q.finish, self.start
-        if key not in finished:
-            finished[key] = q.finish(self.source, sample[self.start : self.start + self.size], self.depth)
-        return finished[key][q.index or 0]
+
+@dataclass(frozen=True)
+class _Finished:
+    """Columns whose numbers one call of ``Quantity.finish`` computes.
+
+    quantity: one of them; span: the values in a sample; depths: (k,) of the entities [m].
+    columns, entities, indices: (m,) of the columns: position in the row, entity, number of its result.
+    """
+
+    source: Any
+    quantity: Quantity
+    span: slice
+    depths: FloatArray
+    columns: list[int]
+    entities: list[int]
+    indices: list[int]
+
+    def write(self, sample: FloatArray, row: FloatArray) -> None:
+        """Compute the numbers from a sample and put them into a row."""
+        q, values = self.quantity, sample[self.span]
+        assert q.finish is not None
+        if q.on == "probe":
+            numbers = q.finish(self.source, values.reshape(-1, q.size), self.depths)
+            row[self.columns] = numbers[self.entities, self.indices]
+            return
+        for k in sorted(set(self.entities)):
+            one = q.finish(self.source, values[k * q.size : (k + 1) * q.size], self.depths[k])
+            for column, entity, index in zip(self.columns, self.entities, self.indices, strict=True):
+                if entity == k:
+                    row[column] = one[index]
+
+
+class TableRow:
+    """Computes the rows of a table from samples.  columns: of the table; depths: of the entities, by kind [m]."""
+
+    def __init__(self, columns: Sequence[TableColumn], depths: dict[str, tuple[float, ...]]) -> None:
+        self.width = len(columns)
+        self._now = [(i, c.quantity.value, c.source) for i, c in enumerate(columns) if c.slot is None]
+        plain = [i for i, c in enumerate(columns) if c.slot is not None and c.quantity.finish is None]
+        self._plain = np.array(plain, dtype=int)
+        self._plain_at = np.array(
+            [columns[i].start + (columns[i].quantity.index or 0) for i in plain], dtype=int
+        )
+        found: dict[tuple[Any, ...], _Finished] = {}
+        for i, c in enumerate(columns):
+            if c.slot is None or c.quantity.finish is None:
+                continue
+            key = id(c.source), c.quantity.finish, c.slot.start
+            if key not in found:
+                at = np.array(depths.get(c.quantity.on, (0.0,)))
+                found[key] = _Finished(c.source, c.quantity, c.slot.span, at, [], [], [])
+            found[key].columns.append(i)
+            found[key].entities.append(c.entity)
+            found[key].indices.append(c.quantity.index or 0)
+        self._finished = list(found.values())
+
+    def numbers(self, sample: FloatArray) -> list[float]:
+        """(width,) the numbers of a row."""
+        row = np.empty(self.width)
+        row[self._plain] = sample[self._plain_at]
+        for group in self._finished:
+            group.write(sample, row)
+        for i, value, source in self._now:
+            row[i] = value(source, None)  # type: ignore[misc]
+        return row.tolist()
 
 
 class Recorder:
@@ -156,6 +207,8 @@ class Recorder:
         self._probe_table = self._table(
             [(self._row, declared.TIME), *((self.probes, q) for q in self.probes.quantities())]
         )
+        self._history_row = TableRow(self._history, self._depths)
+        self._probe_row = TableRow(self._probe_table, self._depths)
         self.columns: list[Column] = [c.title for c in self._history]
         self.probe_columns: list[Column] = [c.title for c in self._probe_table]
         self._powers = (
@@ -170,6 +223,8 @@ class Recorder:
         self._motion = self.layout.motion()
         main = [c for c in self._history if c.quantity.interest and c.quantity.on == "scalar"]
         self._main = [(c, slot) for c in main if (slot := self.layout.slot_at(c.start)) is not None]
+        spans = [np.arange(slot.span.start, slot.span.stop) for _, slot in self._main]
+        self._main_at = np.concatenate([np.zeros(0, dtype=int), *spans])  # in a sample
         #: estimated time error of the main outputs; None without an estimate
         self.time_error: TimeError | None = None
         self._samples: deque[tuple[float, FloatArray]] = deque(maxlen=3)
@@ -190,7 +245,7 @@ class Recorder:
     def sample(self, t: float) -> FloatArray:
         """(width,) all sampled values at the assembly's state and inputs at ``t`` [s], the same on all ranks."""
         sample, v = Sample(self.system, t), np.zeros(self.layout.width)
-        with self.mud.shared_results() if self.mud is not None else nullcontext():
+        with self.system.assembly.unchanged():
             for slot in self.layout.slots.values():
                 values = slot.value(slot.source, sample)
                 v[slot.span] = values if slot.is_number else values.ravel()
@@ -198,8 +253,7 @@ class Recorder:
 
     def value(self, sample: FloatArray, name: str) -> float:
         """The number of the history's column ``name`` in a sample, e.g. ``hook_load``."""
-        column = next(c for c in self._history if c.title[0] == name)
-        return float(column.number(sample, {}))
+        return self._history_row.numbers(sample)[[c.title[0] for c in self._history].index(name)]
 
     def start(self, t: float) -> None:
         """Start the energy and mass balances at the present state."""
@@ -245,7 +299,7 @@ class Recorder:
     def _main_values(self, t: float, inputs_at: float) -> FloatArray:
         """Values of the main outputs at ``t`` [s], the same on all ranks; from the last sample, if it is of this time."""
         if self._samples and self._samples[-1][0] == t:
-            return np.concatenate([self._samples[-1][1][slot.span] for _, slot in self._main])
+            return self._samples[-1][1][self._main_at]
         sample, parts = Sample(self.system, inputs_at), []
         for _, slot in self._main:
             values = slot.value(slot.source, sample)
@@ -308,13 +362,9 @@ class Recorder:
     def history_row(self, t: float, step: float, newton: float) -> list[float]:
         """Row of history.csv at ``t`` [s]; step, newton: last step [s] and its Newton iterations."""
         self._row.time, self._row.step, self._row.newton = t, step, newton
-        return self._numbers(self._history, t)
+        return self._history_row.numbers(self.at(t))
 
     def probe_row(self, t: float) -> list[float]:
         """Row of probes.csv at ``t`` [s]."""
         self._row.time = t
-        return self._numbers(self._probe_table, t)
-
-    def _numbers(self, columns: list[TableColumn], t: float) -> list[float]:
-        sample, finished = self.at(t), dict[Any, Any]()
-        return [column.number(sample, finished) for column in columns]
+        return self._probe_row.numbers(self.at(t))

@@ -6,10 +6,11 @@ Manual: sec-beam.
 from __future__ import annotations
 
 import ctypes
+from typing import Any
 
 import numpy as np
 
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
 from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.fem.string_mesh import StringMesh
@@ -157,8 +158,8 @@ class AncfBeam(interfaces.Beam):
             p, f = b.named, self.frames
             p["reference1"], p["reference2"], p["twist0"] = f.reference[e], f.reference[e + 1], f.twist0[e]
 
-    def section(self, state, vertex: int) -> tuple[FloatArray, FloatArray, float]:
-        """Return position [m], slope [-] and spin rate [rad/s] of a local vertex."""
+    def section(self, state, vertex: int | IntArray) -> tuple[FloatArray, FloatArray, Any]:
+        """Return position [m], slope [-] and spin rate [rad/s] of a local vertex, or of several."""
         place = state.layout.dofs
         return (
             state.x[place["string.position"][vertex]],
@@ -201,13 +202,6 @@ class AncfBeam(interfaces.Beam):
         lost = 0.0
         for b in self._blocks:
             if "damped" in b.kernel and len(b.points):
-                index = state.index_of(b)
-                lost += _dissipation(
-                    len(b.points),
-                    index.shape[1],
-                    pointer(index),
-                    pointer(b.params),
-                    pointer(state.x),
-                    pointer(state.y),
-                )
+                n, width, index, params, _, x, y = state.results_head(b)
+                lost += _dissipation(n, width, index, params, x, y)
         return Powers(lost)

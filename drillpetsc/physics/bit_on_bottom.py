@@ -72,6 +72,9 @@ class BitOnBottom(Bit):
 
     def weight_and_torque(self, state) -> tuple[float, float]:
         """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
+        return state.evaluate_once(self._evaluate_results, state)
+
+    def _evaluate_results(self, state) -> tuple[float, float]:
         if not len(self._block.points):
             return 0.0, 0.0
         out = np.zeros(2)

@@ -346,19 +346,15 @@ class Contact(WallContact):
         return 0.0 if normal is None else float(normal.sum())
 
     def _block_results(self, state) -> list[FloatArray]:
-        """(n, 7) of each block: the columns of ``RESULT_NAMES``."""
+        """(n, 7) of each block: the columns of ``RESULT_NAMES``; not to be changed."""
+        return state.evaluate_once(self._evaluate_blocks, state)
+
+    def _evaluate_blocks(self, state) -> list[FloatArray]:
         out = []
         for b in self._blocks:
-            out.append(np.zeros((len(b.points), len(RESULT_NAMES))))
-            RESULTS[b.kernel](
-                len(out[-1]),
-                pointer(state.index_of(b)),
-                pointer(b.params),
-                b.context,
-                pointer(state.x),
-                pointer(state.y),
-                pointer(out[-1]),
-            )
+            n, _, *arguments = state.results_head(b)
+            out.append(np.zeros((n, len(RESULT_NAMES))))
+            RESULTS[b.kernel](n, *arguments, pointer(out[-1]))
         return out
 
     def element_results(self, state) -> tuple[FloatArray, FloatArray]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.component import Component
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
@@ -41,8 +41,8 @@ class Beam(Component):
         """
 
     @abstractmethod
-    def section(self, state: Any, vertex: int) -> tuple[FloatArray, FloatArray, float]:
-        """Position [m], slope [-] and spin rate [rad/s] of a local vertex."""
+    def section(self, state: Any, vertex: int | IntArray) -> tuple[FloatArray, FloatArray, Any]:
+        """Position (3,) [m], slope (3,) [-] and spin rate [rad/s] of a local vertex; of k vertices (k, 3), (k, 3), (k,)."""
 
     @abstractmethod
     def columns(self, state: Any) -> FloatArray:
@@ -219,14 +219,12 @@ class Channel(Component):
         """Present values (nc, ...) of a parameter of the local elements, as the kernels' header names it."""
 
     @abstractmethod
-    @contextmanager
-    def shared_results(self, state: Any) -> Iterator[None]:
-        """Within it ``element_results`` are evaluated once; the state must not change."""
-        yield
-
-    @abstractmethod
     def element_results(self, state: Any) -> FloatArray:
         """(nc, 9) per local element: the columns of ``physics.fluid.channel_flow.RESULT_NAMES``."""
+
+    @abstractmethod
+    def totals(self, state: Any) -> FloatArray:
+        """(9,) sums of ``element_results`` over the local elements."""
 
     @abstractmethod
     def flows(self, system: Any) -> FloatArray:

@@ -27,7 +27,7 @@ class Precurvature(Component):
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         m, bent = self.mesh, np.any(self.mesh.curvature != 0, axis=1)
         junction = m.below_junction
-        self._blocks, self._cells = [], []
+        self._blocks, self._cells, self._constants = [], [], []
         for below in (False, True):
             if not (bent & (junction == below)).any():
                 continue
@@ -54,6 +54,8 @@ class Precurvature(Component):
                 )
             )
             self._cells.append(e)
+            squares = np.sum(m.curvature[e] ** 2, axis=1)
+            self._constants.append(float(np.sum(0.5 * m.bending_stiffness[e] * m.length[e] * squares)))
         return tuple(self._blocks)
 
     def average_over_turn(self, turning: bool) -> None:
@@ -69,15 +71,11 @@ class Precurvature(Component):
     def energies(self, t: float, state) -> Energies:
         total = 0.0
         for b in self._blocks:
-            index, out = state.layout.index(b), np.zeros(len(b.points))
-            _curved_energy(
-                len(out), index.shape[1], pointer(index), pointer(b.params), pointer(state.x), pointer(out)
-            )
+            n, width, index, params, _, x, _ = state.results_head(b)
+            out = np.zeros(n)
+            _curved_energy(n, width, index, params, x, pointer(out))
             total += out.sum()
         # the constant EI kappa0^2/2 makes the energy of the free shape zero
-        for e in self._cells:
-            m = self.mesh
-            total += float(
-                np.sum(0.5 * m.bending_stiffness[e] * m.length[e] * np.sum(m.curvature[e] ** 2, axis=1))
-            )
+        for constant in self._constants:
+            total += constant
         return Energies(strain=float(total))

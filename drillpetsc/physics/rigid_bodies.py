@@ -122,27 +122,14 @@ class RigidBodies(Component):
     def energies(self, t: float, state) -> Energies:
         total = np.zeros(2)
         if len(self._nodes):
-            out, index = np.zeros((len(self._nodes), 2)), state.index_of(self._block)
-            _body_energy(
-                len(out),
-                pointer(index),
-                pointer(self._block.params),
-                pointer(state.x),
-                pointer(state.y),
-                pointer(out),
-            )
+            n, _, index, params, _, x, y = state.results_head(self._block)
+            out = np.zeros((n, 2))
+            _body_energy(n, index, params, x, y, pointer(out))
             total += out.sum(axis=0)
         for b in self._blocks:
-            out, index = np.zeros((len(b.points), 2)), state.index_of(b)
-            _eccentric_energy(
-                len(out),
-                index.shape[1],
-                pointer(index),
-                pointer(b.params),
-                pointer(state.x),
-                pointer(state.y),
-                pointer(out),
-            )
+            n, width, index, params, _, x, y = state.results_head(b)
+            out = np.zeros((n, 2))
+            _eccentric_energy(n, width, index, params, x, y, pointer(out))
             total += out.sum(axis=0)
         return Energies(kinetic=float(total[0]), potential=float(total[1]))
 

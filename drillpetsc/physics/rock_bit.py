@@ -503,7 +503,10 @@ class RockBit(Bit):
     def element_results(self, state) -> FloatArray:
         """(11,) the columns of ``RESULTS``: weight [N], torque [N m], rate [m/s], side force [N], stored
         energy [J], power into the rock [W], depth [m], offset of the bit's centre from the hole's axis [m],
-        rate of penetration in space (3) [m/s]; zero without the bit."""
+        rate of penetration in space (3) [m/s]; zero without the bit; not to be changed."""
+        return state.evaluate_once(self._evaluate_results, state)
+
+    def _evaluate_results(self, state) -> FloatArray:
         out = np.zeros(RESULTS.width)
         if self._mine:
             _results(

@@ -157,17 +157,14 @@ class Piece:
         """
         _backward(*self._piece, pointer(vec))
 
-    def solve(
-        self, source: np.ndarray, b: np.ndarray, vec: np.ndarray, target: np.ndarray, x: np.ndarray
-    ) -> None:
-        """Solve a piece without interfaces: x[target] is the solution for b[source].
+    def solve(self, source: int, b: int, vec: int, target: int, x: int) -> None:
+        """Solve a piece without interfaces: x[target] is the solution for b[source].  All are addresses of arrays.
 
         source, target: (length,) indices into b and x, -1 for padding and for unknowns without an entry.
         vec: (length,) work array.
         """
         n, _, table, store = self._piece
-        arrays = [pointer(a) for a in (source, b, vec, target, x)]
-        _solve(n, table, store, *self._lu, self.length, *arrays)
+        _solve(n, table, store, *self._lu, self.length, source, b, vec, target, x)
 
     def subtract_matrix(self, x: np.ndarray, r: np.ndarray) -> None:
         """Compute r -= A x for padded vectors, with the matrix in ``saved``."""

@@ -167,6 +167,8 @@ class ChainFactor:
         except ValueError as error:
             problem = str(error)
         _raise_on_all_ranks(self.comm, problem)
+        tables = (self._local_at, self._owned_local_at, self._owned_global_at, self._vec)
+        self._addresses = {id(table): pointer(table) for table in tables}  # they are never reallocated
         self._prepare_messages()
         if refine:
             self.piece.saved = aligned(self.piece.matrix)
@@ -319,7 +321,8 @@ class ChainFactor:
     def _solve(self, source: np.ndarray, b: np.ndarray, target: np.ndarray, x: np.ndarray) -> None:
         n, vec = self.piece.length, self._vec
         if not (self.interface.n or self.refine):
-            return self.piece.solve(source, b, vec, target, x)
+            at = self._addresses
+            return self.piece.solve(at[id(source)], pointer(b), at[id(vec)], at[id(target)], pointer(x))
         _gather(n, pointer(source), pointer(b), pointer(vec))
         if self.refine:
             self._rhs[:] = vec

@@ -13,11 +13,15 @@ Sums of e are not the error at the end: the motion may damp or amplify local err
 from __future__ import annotations
 
 from collections import deque
+from math import prod
 from typing import Any
 
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
+from drillpetsc.kernels import function, pointer
+
+_add_local_error = function("add_local_error", "iippppp")
 
 UNITS = {"position": "m", "tangent": "-", "spin": "rad", "ratio": "-", "pressure": "Pa", "flow": "m3/s"}
 MEANING = (
@@ -63,14 +67,13 @@ class LocalErrorEstimate:
         self.steps += 1
         if fresh:
             self._recent.clear()
-        self._recent.append((t, self.system.assembly.x[self._rows]))
+        self._recent.append((t, self.system.assembly.x.take(self._rows)))
         if len(self._recent) < self.order + 2:
             return
-        e = local_error([q for q, _ in self._recent], [x for _, x in self._recent], self.order)
-        self._net += e
-        size = np.abs(e, out=e)
-        self._sum += size
-        np.maximum(self._largest, size, out=self._largest)
+        weights = local_error_weights([q for q, _ in self._recent], self.order)
+        states = np.array([pointer(x) for _, x in self._recent], dtype=np.int64)
+        sums = map(pointer, (self._net, self._sum, self._largest))
+        _add_local_error(len(self._rows), len(states), pointer(states), pointer(weights), *sums)
         self.estimated += 1
 
     def as_dict(self, ended: bool = True) -> dict[str, Any]:
@@ -117,16 +120,14 @@ def local_error(times: list[float], states: list[FloatArray], order: int) -> Flo
     states: ``order + 2`` states (n,) at these times [SI of each unknown].
     order: that of the formula.
     """
+    return np.asarray(local_error_weights(times, order) @ np.array(states))
+
+
+def local_error_weights(times: list[float], order: int) -> FloatArray:
+    """Compute the weights (order + 2,) of the states in the local error; arguments as for ``local_error``."""
     gaps = [times[-1] - t for t in times[-2 : -order - 2 : -1]]
-    scale = float(np.prod(gaps)) / sum(1 / g for g in gaps)
-    out = np.zeros_like(states[-1])
-    for i, x in enumerate(states):
-        weight = 1.0
-        for j, t in enumerate(times):
-            if j != i:
-                weight /= times[i] - t
-        out += scale * weight * x
-    return out
+    scale = prod(gaps) / sum(1 / g for g in gaps)
+    return np.array([scale / prod(s - t for j, t in enumerate(times) if j != i) for i, s in enumerate(times)])
 
 
 def local_errors(times: FloatArray, states: FloatArray, order: int) -> FloatArray:

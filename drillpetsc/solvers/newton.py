@@ -8,6 +8,7 @@ prefix ``q_``.
 
 from __future__ import annotations
 
+import ctypes
 import math
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
@@ -17,9 +18,11 @@ from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
 from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.kernels import function, pointer
 from drillpetsc.solvers.chain_lu import ChainFactor, ChainPC, ZeroPivot
 from drillpetsc.solvers.newton_work import ResidualWork
 
+_scaled_size = function("scaled_size", "ippdp", ctypes.c_double)
 #: relative spacing below which an unknown cannot be resolved (manual: eq-time-increment)
 RESOLUTION = 64 * np.finfo(float).eps
 #: an increment that no longer shrinks and is below this fraction of the scales is rounding
@@ -83,6 +86,7 @@ class CondensedNewton:
         self.q, self._f = system.new_condensed(), system.new_condensed()
         owned = system.layout.local_of_owned
         self._scale = system.scale[owned]
+        self._scale_at = pointer(self._scale)
         self.snes = self._make_snes(prefix)
 
     def _make_snes(self, prefix: str) -> PETSc.SNES:
@@ -92,10 +96,6 @@ class CondensedNewton:
         snes.setFunction(self._function, self._f)
         self.matrix = petsc_compat.square_matrix(self.q)
         asm, layout = system.assembly, system.layout
-        lgm = layout.condensed_dm.getLGMap().getIndices()
-        rows = np.where(asm.rows >= 0, lgm[np.maximum(asm.rows, 0)], -1)
-        columns = np.where(asm.columns >= 0, lgm[np.maximum(asm.columns, 0)], -1)
-        self._coo = (rows, columns)
         snes.setJacobian(self._jacobian, self.matrix)
         snes.setConvergenceTest(self._converged)
         snes.setType("newtonls")
@@ -138,6 +138,8 @@ class CondensedNewton:
             pc.getType() != "python" or snes.getKSP().getType() != "preonly" or self.line_search == "bt"
         )
         if self.assembled:
+            lgm = layout.condensed_dm.getLGMap().getIndices()
+            rows, columns = (np.where(p >= 0, lgm[np.maximum(p, 0)], -1) for p in (asm.rows, asm.columns))
             petsc_compat.preallocate_coo(self.matrix, rows, columns)
         else:
             self.matrix.setUp()
@@ -236,8 +238,9 @@ class CondensedNewton:
             self._theta = 0.0
             return 0
         # increments below the spacing of numbers at the unknown's size (a depth of 2000 m) cannot be resolved
-        floor = (RESOLUTION / self.tolerance) * np.abs(self.q.getArray(readonly=1))
-        size = float(np.max(np.abs(step) / np.maximum(self._scale, floor), initial=0.0))
+        unknowns = self.q.getArray(readonly=1)
+        spacing = RESOLUTION / self.tolerance
+        size: float = _scaled_size(len(step), pointer(step), self._scale_at, spacing, pointer(unknowns))
         if self.system.comm.size > 1:
             size = float(self.system.comm.tompi4py().allreduce(size, op=_max()))
         if its > 1 and self._last > 0:
@@ -375,6 +378,7 @@ class _DirectIteration:
         forces = np.array([f.does_work for f in layout.fields])[layout.field_of[layout.local_of_owned]]
         self.forces = None if forces.all() else np.flatnonzero(forces)
         self.step = np.zeros(len(newton.system.layout.local_of_owned))
+        self._force_rows, self._force_step = np.zeros((2, int(forces.sum())))  # work arrays
         self.log = PETSc.Log.Event("ChainFactor"), PETSc.Log.Event("ChainSolve")
 
     def solve(self, snes, b, x) -> None:
@@ -396,6 +400,8 @@ class _DirectIteration:
             newton.factor.solve_owned(rows, step)
             self.log[1].end()
             np.negative(step, out=step)
+            if self.line_search and self.forces is not None:
+                step.take(self.forces, out=self._force_step, mode="clip")
             before = self._work_along_step(rows) if self.line_search else 0.0
             unknowns += step
             rows = newton.rows(x)
@@ -431,10 +437,14 @@ class _DirectIteration:
         return True
 
     def _work_along_step(self, rows: np.ndarray) -> float:
-        """Compute the work [J] of this rank's rows along the step, over the rows that are forces."""
+        """Compute the work [J] of this rank's rows along the step, over the rows that are forces.
+
+        ``_force_step`` holds the step of these rows.
+        """
         if self.forces is None:
             return float(rows @ self.step)
-        return float(rows[self.forces] @ self.step[self.forces])
+        rows.take(self.forces, out=self._force_rows, mode="clip")
+        return float(self._force_rows @ self._force_step)
 
     def _shorten(self, x, unknowns: np.ndarray, rows: np.ndarray, before: float) -> np.ndarray:
         """Shorten a step that overshoots by one secant step (manual: eq-time-line-search); collective.

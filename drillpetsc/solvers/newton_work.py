@@ -6,12 +6,16 @@ which no energy in the model accounts for.  It is limited to a share of the powe
 
 from __future__ import annotations
 
+import ctypes
+
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import FLUID
 from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.kernels import function, pointer
 
+_product = function("gathered_product", "ipppp", ctypes.c_double)
 SHARE = 1e-3  # default of -drillpetsc_newton_work
 SAMPLE_INTERVAL = 16  # accepted steps between two samples of the exchanged power
 EARLY_SAMPLES = (4, 8)  # steps of a run with a sample before the first interval has passed
@@ -40,7 +44,9 @@ class ResidualWork:
         forces = np.array([f.second_order and f.does_work and f.physics != FLUID for f in layout.fields])
         owned = layout.local_of_owned
         self._rows = np.flatnonzero(forces[layout.field_of[owned]])
-        self._rates = owned[self._rows]
+        self._rows = self._rows.astype(np.int32)
+        self._rates = np.ascontiguousarray(owned[self._rows], dtype=np.int32)
+        self._rows_at, self._rates_at = pointer(self._rows), pointer(self._rates)
         self._steps, self._began, self._last, self._supplied, self._peak = 0, 0.0, 0.0, 0.0, 0.0
         self._supply, self._recent, self._started = 0.0, 0.0, False
         self._left_power = 0.0  # of the last step, this rank [W]
@@ -56,7 +62,7 @@ class ResidualWork:
 
     def _local_power(self, rows: FloatArray) -> float:
         asm = self.system.assembly
-        power = float(rows[self._rows] @ asm.y[self._rates])
+        power: float = _product(len(self._rows), self._rows_at, pointer(rows), self._rates_at, pointer(asm.y))
         for f in asm.row_replacements:
             if f.owned and f.owned_rows is not None:
                 power -= float((f.D @ rows[f.owned_rows]) @ (f.D @ asm.y[f.rows]))

@@ -12,6 +12,8 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
+import platform
 import statistics
 import tempfile
 import time
@@ -98,27 +100,52 @@ ERRORS: dict[str, Callable[[Path, bool], Errors]] = {
 
 
 # ---------------------------------------------------------------------- measuring
-def call_times(case: Path, calls: int = 40) -> dict[str, float]:
-    """Shortest time [s] of one call of each phase of a Newton iteration, in the static state of a case."""
+def call_times(case: Path, folder: Path | None = None, calls: int = 40) -> dict[str, float]:
+    """Shortest time [s] of one call of each phase, in the static state of a case, or at the end of its run in ``folder``.
+
+    The shortest of many calls depends little on what else the machine does.
+    """
+    from drillpetsc.analysis import checkpoint
     from drillpetsc.analysis.initial_state import find_equilibrium
     from drillpetsc.analysis.placement import move_rigidly, release
     from drillpetsc.case import load_case
     from drillpetsc.model.drilling_model import build_model
+    from drillpetsc.output.field_output import FieldOutput
+    from drillpetsc.output.recorder import Recorder
     from drillpetsc.solvers.newton import chain_factor
 
     model = build_model(load_case(case))
-    find_equilibrium(model)
-    release(model)
-    move_rigidly(model)
+    if folder is None:
+        find_equilibrium(model)
+        release(model)
+        move_rigidly(model)
+    else:
+        checkpoint.restore(model, checkpoint.read(folder / "checkpoint.h5"))
     system, shift = model.system, 1e3
     asm, factor = system.assembly, chain_factor(system)
-    x = np.zeros(system.layout.size)
+    x, rows = np.zeros(system.layout.size), system.new_condensed()
+    recorder, fields = Recorder(model), FieldOutput(model)
+    recorder.start(0.0)
+    recorder.step(0.01, 0.01, 0.0)
+
+    def audit() -> None:
+        assert recorder.energy is not None
+        with asm.unchanged():
+            recorder.sample(0.01)
+            recorder.energy.update(0.01)
+
+    def row() -> None:
+        recorder.history_row(0.005, 0.01, 1)
+        recorder.probe_row(0.005)
+
     phases: dict[str, Callable[[], object]] = {
-        "residual": lambda: asm.residual(0.0),
+        "residual": lambda: system.sum_residual(0.0, rows),
         "Jacobian": lambda: asm.jacobian(0.0, (1.0, shift, shift**2), True),
         "factor": lambda: factor.factor(asm.values),
         "solve": lambda: factor.solve(x, x),
-        "powers": lambda: system.powers(0.0),
+        "sample and audit": audit,
+        "row": row,
+        "fields": lambda: fields.fields(0.0),
     }
     out = {}
     for name, call in phases.items():
@@ -146,12 +173,14 @@ def fluid_cost(case: Path) -> Errors:
 def measure(name: str, repeat: int, fresh: bool = False) -> dict:
     """Results of ``repeat`` runs of a case: those of the middle run, with the median of simulated seconds per CPU
     second."""
-    runs = []
+    runs, calls = [], dict[str, float]()
     for k in range(repeat):
         with tempfile.TemporaryDirectory() as scratch:
             folder = Path(scratch) / "run"
             summary = reference.run_case(CASES / f"{name}.yaml", folder)
             errors = ERRORS[name](folder, fresh and k == 0)
+            now = call_times(CASES / f"{name}.yaml", folder)
+            calls = {phase: min(calls.get(phase, np.inf), seconds) for phase, seconds in now.items()}
         errors["energy lost / exchanged"] = abs(summary["energy"]["error_share"])
         if "coupled" in name:
             errors |= fluid_cost(CASES / f"{name}.yaml")
@@ -166,15 +195,66 @@ def measure(name: str, repeat: int, fresh: bool = False) -> dict:
                 "newton": summary["newton_iterations"],
                 "jacobians": summary["jacobians"],
                 "phases": {p: s / summary["wall_seconds"] for p, s in seconds.items()},
+                "seconds": {"motion (CPU)": cpu, "start": summary["start_seconds"], **seconds},
             }
         )
     middle = sorted(runs, key=lambda r: r["factor"])[len(runs) // 2]
     return {
         **middle,
         "factor": statistics.median(r["factor"] for r in runs),
+        "seconds": {p: statistics.median(r["seconds"][p] for r in runs) for p in runs[0]["seconds"]},
+        "calls": calls,
         "case": name,
         "target": TARGETS[name],
     }
+
+
+# ---------------------------------------------------------------------- comparing
+SLOWER = 1.1  # a ratio above this is marked
+
+
+def machine() -> str:
+    """Processor and number of cores: times of different machines are not compared."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        name = next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        name = platform.processor() or platform.machine()
+    return f"{name}, {os.cpu_count()} cores"
+
+
+def comparison(before: list[dict], now: list[dict]) -> list[tuple[str, str, float, float, float]]:
+    """Rows (scene, phase, seconds before, seconds now, ratio now / before) of the scenes and phases that both have."""
+    stored, rows = {r["case"]: r for r in before}, []
+    for r in now:
+        old = stored.get(r["case"], {})
+        for kind in ("seconds", "calls"):
+            for phase, seconds in r[kind].items():
+                was = old.get(kind, {}).get(phase, 0.0)
+                if was > 0.0:
+                    name = phase if kind == "seconds" else f"one {phase}"
+                    rows.append((r["case"], name, was, seconds, seconds / was))
+    return rows
+
+
+def read_stored(path: Path, of_machine: str) -> list[dict]:
+    """Results of an earlier --json; SystemExit with the reason where they cannot be compared with this machine's."""
+    try:
+        stored = json.loads(path.read_text(encoding="utf-8"))
+        kept, cases = str(stored["machine"]), list(stored["cases"])
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        raise SystemExit(f"{path}: no results of scripts/benchmark --json ({error})") from None
+    if kept != of_machine:
+        raise SystemExit(f"{path}: measured on {kept}, this machine is {of_machine}: times do not compare")
+    return cases
+
+
+def print_comparison(rows: list[tuple[str, str, float, float, float]]) -> None:
+    """Print the table; phases that take longer than ``SLOWER`` times as long are marked."""
+    print(f"\n{'scene':24} {'phase':22} {'before':>11} {'now':>11} {'ratio':>6}")
+    for scene, phase, was, seconds, ratio in rows:
+        mark = "  slower" if ratio > SLOWER else ""
+        print(f"{scene:24} {phase:22} {was:9.4g} s {seconds:9.4g} s {ratio:6.2f}{mark}")
 
 
 def main() -> None:
@@ -185,7 +265,14 @@ def main() -> None:
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--fresh", action="store_true", help="compute the references again")
     parser.add_argument("--json", metavar="FILE", help="also write the results to this file")
+    parser.add_argument(
+        "--compare",
+        metavar="FILE",
+        type=Path,
+        help="print the ratio to the times in FILE, written with --json on this machine, by scene and phase",
+    )
     arguments = parser.parse_args()
+    stored = read_stored(arguments.compare, machine()) if arguments.compare else []
     unknown = set(arguments.cases) - set(TARGETS)
     if unknown:
         parser.error(f"unknown case {', '.join(sorted(unknown))}: allowed are {', '.join(TARGETS)}")
@@ -204,7 +291,9 @@ def main() -> None:
             " " * 26 + ", ".join(f"{error} {value:.2e}" for error, value in r["errors"].items()), flush=True
         )
     if arguments.json:
-        Path(arguments.json).write_text(json.dumps(rows, indent=2))
+        Path(arguments.json).write_text(json.dumps({"machine": machine(), "cases": rows}, indent=2))
+    if arguments.compare:
+        print_comparison(comparison(stored, rows))
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from scipy.special import ellipk
 from drillpetsc import Case
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts" / "tools"))
+import benchmark  # noqa: E402
 import benchmark_reference as reference  # noqa: E402
 
 
@@ -76,3 +78,34 @@ def test_a_reference_is_computed_once_for_a_case(tmp_path, monkeypatch):
 def test_means_are_taken_over_the_settled_part():
     history = {"time [s]": np.array([0.0, 1.0, 2.0, 3.0]), "hook_load [N]": np.array([100.0, 50.0, 7.0, 9.0])}
     assert reference.mean_of(history, "hook_load [N]", 2.0) == 8.0
+
+
+def test_times_are_compared_by_scene_and_phase(tmp_path, capsys):
+    """A phase that takes 1.5 times as long is marked; scenes and phases that only one run has are left out."""
+    before = [{"case": "a", "seconds": {"motion": 2.0, "gone": 1.0}, "calls": {"residual": 1e-4}}]
+    now = [
+        {"case": "a", "seconds": {"motion": 1.0, "new": 1.0}, "calls": {"residual": 1.5e-4}},
+        {"case": "b", "seconds": {"motion": 1.0}, "calls": {}},
+    ]
+    file = tmp_path / "before.json"
+    file.write_text(json.dumps({"machine": "this one", "cases": before}))
+    rows = benchmark.comparison(benchmark.read_stored(file, "this one"), now)
+    assert [(row[:2], round(row[4], 12)) for row in rows] == [
+        (("a", "motion"), 0.5),
+        (("a", "one residual"), 1.5),
+    ]
+    benchmark.print_comparison(rows)
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.endswith("slower") for line in lines[-2:]] == [False, True]
+
+
+def test_times_of_another_machine_are_refused(tmp_path):
+    file = tmp_path / "before.json"
+    file.write_text(json.dumps({"machine": "another", "cases": []}))
+    with pytest.raises(SystemExit, match="measured on another"):
+        benchmark.read_stored(file, "this one")
+    file.write_text("[1, 2]")
+    with pytest.raises(SystemExit, match="no results"):
+        benchmark.read_stored(file, "this one")
+    with pytest.raises(SystemExit, match="no results"):
+        benchmark.read_stored(tmp_path / "missing.json", "this one")

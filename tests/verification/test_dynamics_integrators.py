@@ -158,7 +158,7 @@ def spoil(system, every: int, component: str = "beam") -> list[int]:
         if count[0] % every == 0:
             system.assembly.r[first] = np.nan
 
-    ready.residual = spoilt
+    ready.residual, system.assembly.block_by_block = spoilt, True
     return count
 
 

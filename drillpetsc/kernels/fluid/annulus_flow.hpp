@@ -35,34 +35,35 @@ struct AnnulusFlow {
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
-        evaluate<T, S>(x, y, a, p, *static_cast<const Fluid*>(context), r, nullptr);
+        evaluate<false, T, S>(x, y, a, p, *static_cast<const Fluid*>(context), r, nullptr);
     }
 
-    template <class T, class S>
-    static void evaluate(const T* x, const T* y, const T* a, const S* p, const Fluid& f, T* r, FlowResults* results) {
+    template <bool RESULTS, class T, class S>
+    static void evaluate(const T* x, const T* y, const T* a, const S* p, const Fluid& f, T* r, FlowResultsOf<T>* results) {
         const T p1 = x[F], p2 = x[F + 1], q = x[F + 2], flow = y[F + 2], mean = (p1 + p2) * 0.5;
         const S L = p[LENGTH];
         const Compressed<T> c(f, mean, p[WALL]);
         if constexpr (HELD) {
             const T content = T(1.0) * (p[HOLE] - p[OUTER]), area = c.density * content * (1.0 / f.density), w = q / area;
             const T resistance = shear(f, w, c.density, p[GAP], 1.0) * (L * 4.0 / p[GAP]), mass = c.density * L / area;
-            rows(x, y, c, p, f, content * L, T(0.0), T(0.0), p[CONTROLLED], q, mass * flow - c.density * p[DROP] + resistance, r, results);
-            if constexpr (std::is_same_v<T, double>) if (results) {
-                results->dissipated += val(q) * val(f.density / c.density) * val(resistance);
-                results->kinetic = 0.5 * val(mass) * val(q) * val(q) * val(f.density / c.density);
-                results->speed = val(w);
-                results->potential = -val(c.theta * content) * f.density * p[LENGTH] * p[HEAD];
+            rows<RESULTS>(x, y, c, p, f, content * L, T(0.0), T(0.0), p[CONTROLLED], q, mass * flow - c.density * p[DROP] + resistance, r, results);
+            if constexpr (RESULTS) {
+                results->dissipated += q * (f.density / c.density) * resistance;
+                results->kinetic = 0.5 * mass * q * q * (f.density / c.density);
+                results->speed = w;
+                results->potential = -(c.theta * content) * f.density * p[LENGTH] * p[HEAD];
+                results->left_out = T(0.0);
             }
         } else {
             const Ride<T, JUNCTION> on(x, y, a, p[RIGID]);
-            moving(on, x, y, c, p, f, p1, p2, q, flow, r, results);
+            moving<RESULTS>(on, x, y, c, p, f, p1, p2, q, flow, r, results);
         }
     }
 
     // mass and momentum rows; swept1, swept2: what the motion of the string adds to the content at the ends [m3/s]
-    template <class T, class S, class C>
+    template <bool RESULTS, class T, class S, class C>
     static void rows(const T* x, const T* y, const Compressed<T>& c, const S* p, const Fluid& f, const T& volume, const T& swept1, const T& swept2,
-                     const C& controlled, const T& q, const T& momentum, T* r, FlowResults* results) {
+                     const C& controlled, const T& q, const T& momentum, T* r, FlowResultsOf<T>* results) {
         const T size = sqrt(q * q + 1e-20), heads = q * (q * p[STEP] + size * p[LOSS]) * (f.density * f.density) / c.density;
         const T stored = c.by_p * volume * (1.0 / 12);
         const T s1 = stored * (y[F] * 5.0 + y[F + 1]) + swept1, s2 = stored * (y[F + 1] * 5.0 + y[F]) + swept2;
@@ -70,17 +71,16 @@ struct AnnulusFlow {
         r[F] = ((s1 + q) * free + (x[F] - controlled) * (p[CONTROL] * GIVEN_PRESSURE)) * MASS_ROW;
         r[F + 1] = (s2 - q) * MASS_ROW;
         r[F + 2] = (momentum + x[F + 1] - x[F] + heads) * MOMENTUM_ROW;
-        if constexpr (std::is_same_v<T, double>) if (results) {
-            const double mean = 0.5 * val(x[F] + x[F + 1]), lost = val(q) * val(f.density / c.density);
-            results->stored = stored_energy(f, mean, val(p[WALL]), val(volume));
-            results->dissipated = lost * val(q * size * p[LOSS]) * f.density * f.density / val(c.density);
-            results->content = val(c.theta * volume); results->storage_upper = val(s1); results->storage_lower = val(s2); results->density = val(c.density);
+        if constexpr (RESULTS) {
+            results->stored = stored_energy(f, (x[F] + x[F + 1]) * 0.5, p[WALL], volume);
+            results->dissipated = q * (f.density / c.density) * (q * size * p[LOSS]) * f.density * f.density / c.density;
+            results->content = c.theta * volume; results->storage_upper = s1; results->storage_lower = s2; results->density = c.density;
         }
     }
 
-    template <class R, class T, class S>
+    template <bool RESULTS, class R, class T, class S>
     static void moving(const R& on, const T* x, const T* y, const Compressed<T>& c, const S* p, const Fluid& f, const T& p1, const T& p2, const T& q,
-                       const T& flow, T* r, FlowResults* results) {
+                       const T& flow, T* r, FlowResultsOf<T>* results) {
         const S L = p[LENGTH], il = S(1.0) / L, AO = p[OUTER], AW = p[HOLE];
         const Vec<S> tw1 = vec(p + TANGENT1), tw2 = vec(p + TANGENT2), sum = tw1 + tw2, tw = sum * (S(1.0) / norm(sum));
         const Vec<double> g = vec(f.gravity);
@@ -148,38 +148,42 @@ struct AnnulusFlow {
         r[6] = (y[6] * 2.0 + y[13]) * (p[TURNING] * L * (1.0 / 6));
         r[13] = (y[13] * 2.0 + y[6]) * (p[TURNING] * L * (1.0 / 6));
         const T head = dot(on.above, tw) * (gw * f.density);  // at the hole's axis, wherever in the hole the string is held
-        rows(x, y, c, p, f, volume, swept1 * (c.theta * L), swept2 * (c.theta * L), head + p[CONTROLLED], q, mass * flow + momentum + resistance, r, results);
-        if constexpr (std::is_same_v<T, double>) if (results) energies(on, y, c, p, f, area, M, across, w, wall, V, tau, resistance, q, drag, (swept1 + swept2) * L, (p1 + p2) * 0.5, volume, p1, p2, results);
+        rows<RESULTS>(x, y, c, p, f, volume, swept1 * (c.theta * L), swept2 * (c.theta * L), head + p[CONTROLLED], q, mass * flow + momentum + resistance, r, results);
+        if constexpr (RESULTS) energies(on, y, c, p, f, area, M, across, w, wall, V, tau, resistance, q, drag, (swept1 + swept2) * L, (p1 + p2) * 0.5, volume, p1, p2, results);
     }
 
     // of the mud: half m (w + V)^2 along, M_a |P(V + c r_s)|^2/2 across; weight at the hole's axis, less what the pipe displaces sideways
     template <class R, class T, class S>
     static void energies(const R& on, const T* y, const Compressed<T>& c, const S* p, const Fluid& f, const T& area, const T& M,
                          const T& across, const T& w, const T& wall, const T& V, const T& tau, const T& resistance, const T& q, const T& drag,
-                         const T& widens, const T& pressure, const T& held, const T& p1, const T& p2, FlowResults* results) {
-        const double L = val(p[LENGTH]), density = val(c.density), per_length = f.density * val(area);
-        const Vec<double> t = vec(p + TANGENT1) + vec(p + TANGENT2), tw = t / norm(t), g = vec(f.gravity), side = g - tw * dot(g, tw);
-        const auto cut = [&tw](const Vec<T>& u) -> Vec<double> { const Vec<double> v = {val(u.x), val(u.y), val(u.z)}; return v - tw * dot(v, tw); };
-        const auto pair = [](const Four<double>& u, const Four<double>& v) { return dot(u.r1, v.r1) + dot(u.v1, v.v1) + dot(u.r2, v.r2) + dot(u.v2, v.v2); };
-        const Four<double> X = {cut(on.x.r1), cut(on.x.v1), cut(on.x.r2), cut(on.x.v2)}, Y = {cut(on.y.r1), cut(on.y.v1), cut(on.y.r2), cut(on.y.v2)};
-        const double rate = val(across), a = pair(Y, consistent(Y, L)) * L / 420, b = pair(slopes(X.r2 - X.r1, X.v1, X.v2, L), Y);
-        const double s = pair(X, stiffness(X.r2 - X.r1, X.v1, X.v2, L));
-        results->kinetic = 0.5 * per_length * L * val(wall) * val(wall) + 0.5 * val(M) * (a + 2 * rate * b + rate * rate * s);
-        const Vec<double> middle = {val(on.x.r1.x + on.x.r2.x) * 0.5, val(on.x.r1.y + on.x.r2.y) * 0.5, val(on.x.r1.z + on.x.r2.z) * 0.5};
+                         const T& widens, const T& pressure, const T& held, const T& p1, const T& p2, FlowResultsOf<T>* results) {
+        const S L = p[LENGTH];
+        const T density = c.density, per_length = f.density * area;
+        const Vec<S> t = vec(p + TANGENT1) + vec(p + TANGENT2), tw = t / norm(t);
+        const Vec<double> g = vec(f.gravity);
+        const S gw = dot(g, tw);
+        const Vec<S> side = g - tw * gw;
+        const auto cut = [&tw](const Vec<T>& v) -> Vec<T> { return v - tw * dot(v, tw); };
+        const auto pair = [](const Four<T>& u, const Four<T>& v) { return dot(u.r1, v.r1) + dot(u.v1, v.v1) + dot(u.r2, v.r2) + dot(u.v2, v.v2); };
+        const Four<T> X = {cut(on.x.r1), cut(on.x.v1), cut(on.x.r2), cut(on.x.v2)}, Y = {cut(on.y.r1), cut(on.y.v1), cut(on.y.r2), cut(on.y.v2)};
+        const T a = pair(Y, consistent(Y, L)) * L * (1.0 / 420), b = pair(slopes(X.r2 - X.r1, X.v1, X.v2, L), Y);
+        const T s = pair(X, stiffness(X.r2 - X.r1, X.v1, X.v2, L));
+        results->kinetic = 0.5 * per_length * L * wall * wall + 0.5 * M * (a + 2.0 * across * b + across * across * s);
+        const Vec<T> middle = (on.x.r1 + on.x.r2) * 0.5;
         // the mud at the hole's axis, all of it with that in the give of the walls, less what the pipe displaces across the hole
-        const double give = val(pressure) * p[WALL], gw = dot(g, tw), content = density * val(held);
-        results->potential = -content * (1 + give) * (gw * dot(middle, tw) + p[LEVEL]) + density * val(p[OUTER]) * L * (dot(middle, side) - p[LEVEL]);
-        results->left_out = -give * (content * gw * val(V) + 0.5 * val(pressure * widens));
+        const T give = pressure * p[WALL], content = density * held;
+        results->potential = -content * (1.0 + give) * (gw * dot(middle, tw) + p[LEVEL]) + density * p[OUTER] * L * (dot(middle, side) - p[LEVEL]);
+        results->left_out = -give * (content * gw * V + 0.5 * (pressure * widens));
         // r_s.t_w with the mean tangent counts a motion across a bent hole as a change of the hole's length; pressure does work on it that no
         // force on the string takes up
-        const auto plain = [](const Vec<T>& u) -> Vec<double> { return {val(u.x), val(u.y), val(u.z)}; };
-        results->left_out += val(p[HOLE]) * (val(p2) * dot(plain(on.y.r2), vec(p + TANGENT2) - tw) - val(p1) * dot(plain(on.y.r1), vec(p + TANGENT1) - tw));
-        const double volume = val(q) * f.density / density, round = val(p[DIAMETER]) * 3.14159265358979324;
-        results->dissipated += val(resistance) * (volume + val(V) * val(area) * f.density / density) - val(tau) * round * L * val(V);
-        results->dissipated += val(drag) * (a + rate * b) + val(p[DAMPING]) * a;
-        const double o1 = val(y[6]), o2 = val(y[13]);
-        results->dissipated += val(p[TURNING]) * L / 3 * (o1 * o1 + o1 * o2 + o2 * o2);
-        results->speed = val(w);
+        results->left_out += p[HOLE] * (p2 * dot(on.y.r2, vec(p + TANGENT2) - tw) - p1 * dot(on.y.r1, vec(p + TANGENT1) - tw));
+        const T volume = q * f.density / density;
+        const S round = p[DIAMETER] * 3.14159265358979324;
+        results->dissipated += resistance * (volume + V * area * f.density / density) - tau * round * L * V;
+        results->dissipated += drag * (a + across * b) + p[DAMPING] * a;
+        const T o1 = y[6], o2 = y[13];
+        results->dissipated += p[TURNING] * L * (1.0 / 3) * (o1 * o1 + o1 * o2 + o2 * o2);
+        results->speed = w;
     }
 };
 

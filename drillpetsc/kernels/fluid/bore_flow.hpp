@@ -32,11 +32,11 @@ struct BoreFlow {
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
-        evaluate<T, S>(x, y, a, p, *static_cast<const Fluid*>(context), r, nullptr);
+        evaluate<false, T, S>(x, y, a, p, *static_cast<const Fluid*>(context), r, nullptr);
     }
 
-    template <class T, class S>
-    static void evaluate(const T* x, const T* y, const T* a, const S* p, const Fluid& f, T* r, FlowResults* results) {
+    template <bool RESULTS, class T, class S>
+    static void evaluate(const T* x, const T* y, const T* a, const S* p, const Fluid& f, T* r, FlowResultsOf<T>* results) {
         const T p1 = x[F], p2 = x[F + 1], q = x[F + 2], flow = y[F + 2], mean = (p1 + p2) * 0.5;
         const S L = p[LENGTH], A = p[AREA];
         const Compressed<T> c(f, mean, p[WALL]);
@@ -88,7 +88,7 @@ struct BoreFlow {
             } else {
                 on.store(rows, p[RIGID], r);
             }
-            if constexpr (std::is_same_v<T, double>) if (results) energies(on, m, G, c, p, f, y, (squeeze1 + squeeze2) * (A * L), mean, results);
+            if constexpr (RESULTS) energies(on, m, G, c, p, f, y, (squeeze1 + squeeze2) * (A * L), mean, results);
         }
         const T thick = c.density * (1.0 / f.density), area = thick * content * A, w = q * stretch / area;
         T resistance = bore_shear(f, w, c.density, p[DIAMETER], p[JOINT_SHARE], p[TUBE_SPEED], p[JOINT_DIAMETER], p[JOINT_SPEED]) * (stretch * L * 4.0 / p[DIAMETER]);
@@ -108,15 +108,16 @@ struct BoreFlow {
         r[F] = ((s1 + q) * free + (p1 - p[CONTROLLED]) * (p[CONTROL] * GIVEN_PRESSURE)) * MASS_ROW;
         r[F + 1] = (s2 - q) * MASS_ROW;
         r[F + 2] = (mass * flow + c.density * w * rate * L + inertia - c.density * drop + p2 - p1 + resistance + heads) * MOMENTUM_ROW;
-        if constexpr (std::is_same_v<T, double>) if (results) {
-            const double lost = val(q) * val(f.density / c.density);
-            results->stored = stored_energy(f, val(mean), val(p[WALL]), val(volume));
-            results->dissipated = lost * (val(resistance) + val(q * size * p[LOSS]) * f.density * f.density / val(c.density));
-            results->content = val(c.theta * volume); results->storage_upper = val(s1); results->storage_lower = val(s2);
-            results->speed = val(w); results->density = val(c.density);
+        if constexpr (RESULTS) {
+            const T lost = q * (f.density / c.density);
+            results->stored = stored_energy(f, mean, p[WALL], volume);
+            results->dissipated = lost * (resistance + q * size * p[LOSS] * f.density * f.density / c.density);
+            results->content = c.theta * volume; results->storage_upper = s1; results->storage_lower = s2;
+            results->speed = w; results->density = c.density;
             if constexpr (HELD) {
-                results->kinetic = 0.5 * val(mass) * val(q) * lost;
-                results->potential = -val(c.theta * volume) * f.density * p[HEAD];
+                results->kinetic = 0.5 * mass * q * lost;
+                results->potential = -(c.theta * volume) * f.density * p[HEAD];
+                results->left_out = T(0.0);
             }
         }
     }
@@ -125,23 +126,24 @@ struct BoreFlow {
     // kinetic energy m |V|^2/2 + G V.r_s + G^2 |r_s|^2/2m of the fluid in motion with the string
     template <class R, class T, class S>
     static void energies(const R& on, const T& m, const T& G, const Compressed<T>& c, const S* p, const Fluid& f, const T* y, const T& widens,
-                         const T& pressure, FlowResults* results) {
+                         const T& pressure, FlowResultsOf<T>* results) {
         const S L = p[LENGTH];
         const auto pair = [](const Four<T>& u, const Four<T>& v) { return dot(u.r1, v.r1) + dot(u.v1, v.v1) + dot(u.r2, v.r2) + dot(u.v2, v.v2); };
         const Vec<T> d = on.x.r2 - on.x.r1;
         const T speed = pair(on.y, consistent(on.y, L)) * (L * (0.5 / 420)) * m;
         const T mixed = pair(slopes(d, on.x.v1, on.x.v2, L), on.y) * G;
         const T own = pair(on.x, stiffness(d, on.x.v1, on.x.v2, L)) * (G * G / m) * 0.5;
-        results->kinetic = val(speed + mixed + own);
+        results->kinetic = speed + mixed + own;
         const Vec<T> middle = (on.x.r1 + on.x.r2) * 0.5 + (on.x.v1 - on.x.v2) * (L * (1.0 / 12));
         const Vec<T> middle_rate = (on.y.r1 + on.y.r2) * 0.5 + (on.y.v1 - on.y.v2) * (L * (1.0 / 12));
-        const double give = val(pressure) * p[WALL], g_rate = val(dot(middle_rate, vec(f.gravity)));
-        results->potential = -val(m * L * dot(middle, vec(f.gravity))) * (1 + give);
-        results->left_out = -give * (val(m) * L * g_rate + 0.5 * val(pressure * widens));
+        const T give = pressure * p[WALL], g_rate = dot(middle_rate, vec(f.gravity));
+        results->potential = -(m * L * dot(middle, vec(f.gravity))) * (1.0 + give);
+        results->left_out = -give * (m * L * g_rate + 0.5 * (pressure * widens));
         if constexpr (JUNCTION) {
-            const double line = val(c.density) * p[AREA_ABOVE], a = p[RIGID];
+            const T line = c.density * p[AREA_ABOVE];
+            const S a = p[RIGID];
             const Vec<T> rod = on.x.r1 - on.above, V = vec(y), V1 = on.y.r1;
-            results->potential -= 0.5 * line * a * (1 + give) * dot(on.x.r1 + on.above, vec(f.gravity));
+            results->potential -= 0.5 * line * a * (1.0 + give) * dot(on.x.r1 + on.above, vec(f.gravity));
             results->left_out -= 0.5 * line * a * give * dot(V1 + V, vec(f.gravity));
             results->kinetic += 0.25 * line * a * (dot(V, V) + dot(V1, V1)) + 0.5 * G * (dot(rod, V) + dot(rod, V1)) + 0.5 * G * G * a / line;
         }

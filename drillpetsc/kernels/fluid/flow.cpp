@@ -55,12 +55,12 @@ extern "C" void wall_shears_of_packs(const double* law, int n, const double* w, 
     }
 }
 
-DP_FLOW_RESULTS(bore_flow, PipePlain, FlowResults)
-DP_FLOW_RESULTS(bore_flow_junction, PipeJunction, FlowResults)
-DP_FLOW_RESULTS(bore_flow_held, PipeHeld, FlowResults)
-DP_FLOW_RESULTS(annulus_flow, AnnulusPlain, FlowResults)
-DP_FLOW_RESULTS(annulus_flow_junction, AnnulusJunction, FlowResults)
-DP_FLOW_RESULTS(annulus_flow_held, AnnulusHeld, FlowResults)
+DP_CHANNEL_RESULTS(bore_flow, PipePlain)
+DP_CHANNEL_RESULTS(bore_flow_junction, PipeJunction)
+DP_CHANNEL_RESULTS(bore_flow_held, PipeHeld)
+DP_CHANNEL_RESULTS(annulus_flow, AnnulusPlain)
+DP_CHANNEL_RESULTS(annulus_flow_junction, AnnulusJunction)
+DP_CHANNEL_RESULTS(annulus_flow_held, AnnulusHeld)
 DP_FLOW_RESULTS(bit_flow, BitNozzle, BitFlowResults)
 DP_FLOW_RESULTS(bit_flow_jet, BitJet, BitFlowResults)
 DP_FLOW_RESULTS(bit_flow_closed, BitClosed, BitFlowResults)

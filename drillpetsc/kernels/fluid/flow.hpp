@@ -133,12 +133,24 @@ inline double stored_energy(const Fluid& f, double p, double wall, double volume
     const double share = std::fabs(x) < 1e-3 ? p * x * (0.5 - x * (1.0 / 3 - x / 8)) : (1 - std::exp(-x) * (1 + x)) / f.compressibility;
     return volume * (std::exp(x) * (1 + p * wall) * share + 0.5 * wall * p * p);
 }
+inline Pack stored_energy(const Fluid& f, const Pack& p, const Pack& wall, const Pack& volume) {
+    const Pack x = p * f.compressibility, e = exp(x);
+    const Pack series = p * x * (0.5 - x * (1.0 / 3 - x * (1.0 / 8))), closed = (1.0 - (1.0 + x) / e) / f.compressibility;
+    const V4 size = x.v < 0.0 ? -x.v : x.v;
+    const Pack share = Pack(size < 1e-3 ? series.v : closed.v);
+    return volume * (e * (1.0 + p * wall) * share + 0.5 * wall * p * p);
+}
 
 // Energies [J], power turned into heat [W], content at zero pressure [m3], its change at both ends [m3/s], speed [m/s], density [kg/m3],
 // power of the forces that the give of the walls leaves out [W].
 // The walls' give holds mud, which the flow lifts and compresses; the string does not carry its weight, nor the force by which pressure in
 // the give would stretch the string (fluid/bore_flow.hpp).  The work of both stands in `left_out` as supplied, so that energies add up.
 DP_RECORD(FlowResults, double kinetic, stored, potential, dissipated, content, storage_upper, storage_lower, speed, density, left_out;)
+
+// The same of one element, or of four side by side, in the same order.
+template <class T> struct FlowResultsPack { T kinetic, stored, potential, dissipated, content, storage_upper, storage_lower, speed, density, left_out; };
+template <class T> using FlowResultsOf = std::conditional_t<std::is_same_v<T, double>, FlowResults, FlowResultsPack<T>>;
+static_assert(sizeof(FlowResultsPack<double>) == sizeof(FlowResults));
 
 // Results of the elements of a flow kernel, a record of type Results each.
 template <class Kernel, class Results>
@@ -151,8 +163,32 @@ void run_results(int n, const int* idx, const double* par, const void* fluid, co
     }
 }
 
+// Results of the elements of a channel, four side by side.
+template <class Kernel>
+void run_channel_results(int n, const int* idx, const double* par, const void* fluid, const double* x, const double* y, double* out) {
+    constexpr int D = Kernel::D, NP = Kernel::NP, N = sizeof(FlowResults) / sizeof(double);
+    for (int e = 0; e < n; e += 4) {
+        Pack X[D], Y[D], A[D], P[NP], R[D];
+        FlowResultsPack<Pack> results;
+        const Lanes lanes(e, n);
+        lanes.gather(D, idx, x, X);
+        lanes.gather(D, idx, y, Y);
+        for (int i = 0; i < D; ++i) A[i] = Pack(0.0);
+        lanes.rows(NP, par, P);
+        Kernel::template evaluate<true, Pack, Pack>(X, Y, A, P, *static_cast<const Fluid*>(fluid), R, &results);
+        const Pack* q = &results.kinetic;
+        for (int l = 0; l < lanes.count; ++l)
+            for (int i = 0; i < N; ++i) out[(e + l) * N + i] = q[i].v[l];
+    }
+}
+
 }  // namespace dp
 
+#define DP_CHANNEL_RESULTS(name, Kernel)                                                                                            \
+    extern "C" void name##_results(int n, const int* idx, const double* par, const void* fluid, const double* x, const double* y,   \
+                                   double* out) {                                                                                   \
+        dp::run_channel_results<Kernel>(n, idx, par, fluid, x, y, out);                                                             \
+    }
 #define DP_FLOW_RESULTS(name, Kernel, Results)                                                                                      \
     extern "C" void name##_results(int n, const int* idx, const double* par, const void* fluid, const double* x, const double* y,   \
                                    double* out) {                                                                                   \

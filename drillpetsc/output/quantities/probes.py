@@ -13,8 +13,8 @@ def _probe_position(probes: Any, sample: Sample) -> FloatArray:
     return np.asarray(sample.once(probes.motion)[:, :3])
 
 
-def _probe_offset(probes: Any, position: FloatArray, depth: float) -> FloatArray:
-    return np.asarray(probes.offset(position, depth))
+def _probe_offset(probes: Any, positions: FloatArray, depths: FloatArray) -> FloatArray:
+    return np.asarray(probes.offset(positions))
 
 
 PROBES: tuple[Quantity, ...] = (

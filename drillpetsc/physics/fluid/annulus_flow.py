@@ -8,11 +8,11 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import ElementBlock, Energies, Powers
+from drillpetsc.fem.component import ElementBlock, Powers
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels.parameters import Parameters, Table
-from drillpetsc.physics.fluid.channel_flow import ENERGIES, RESULT_NAMES, ChannelFlow, FluidConstants
+from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Annulus
 from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, LateralCoefficients, MovingHole
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
@@ -309,9 +309,6 @@ class AnnulusFlow(ChannelFlow):
             around.volume[0] + around.area[0] * way - self.annulus.outer[0] * (around.depth[0] + way)
         )
 
-    def energies(self, t: float, state) -> Energies:
-        return Energies(*map(float, self.element_results(state)[:, ENERGIES].sum(axis=0)))
-
     def powers(self, t: float, state) -> Powers:
         results = self.element_results(state)
         supplied, flow = 0.0, self.upper_flow(state)
@@ -322,7 +319,7 @@ class AnnulusFlow(ChannelFlow):
                 + 0.5 * self.fluid.density * speed**2
                 - self._upper_head(state)
             )
-        return self._channel_powers(results, supplied)
+        return self._channel_powers(state, supplied)
 
     def _upper_head(self, state) -> float:
         """Weight of the mud above the upper node, at the hole's axis [Pa]: density times gravity times depth."""

@@ -251,18 +251,14 @@ class BitFlow(Nozzle):
 
     def element_results(self, state) -> FloatArray:
         """(7,) the columns of ``RESULTS``: lost power [W], flow [m3/s], kinetic and stored energy [J], content
-        [m3] and potential [J] of the chamber, cuttings that enter it [m3/s at zero pressure]; this rank's."""
+        [m3] and potential [J] of the chamber, cuttings that enter it [m3/s at zero pressure]; this rank's; not to be changed."""
+        return state.evaluate_once(self._evaluate_results, state)
+
+    def _evaluate_results(self, state) -> FloatArray:
         out = np.zeros((1, RESULTS.width))
         if len(self._block.points):
-            self._results(
-                1,
-                pointer(state.index_of(self._block)),
-                pointer(self._block.params),
-                self._block.context,
-                pointer(state.x),
-                pointer(state.y),
-                pointer(out),
-            )
+            n, _, *arguments = state.results_head(self._block)
+            self._results(n, *arguments, pointer(out))
         return out[0]
 
     def energies(self, t: float, state) -> Energies:

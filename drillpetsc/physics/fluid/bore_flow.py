@@ -7,10 +7,10 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import ElementBlock, Energies, Powers
+from drillpetsc.fem.component import ElementBlock, Powers
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.kernels.parameters import Parameters, Table
-from drillpetsc.physics.fluid.channel_flow import ENERGIES, RESULT_NAMES, ChannelFlow, FluidConstants
+from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Bore
 from drillpetsc.physics.rigid_bodies import local_vertices
 from drillpetsc.time_function import TimeFunction
@@ -119,9 +119,6 @@ class BoreFlow(ChannelFlow):
             return None
         return float(self.flow_rate.value(t)) if self.flow_rate is not None else self.upper_flow(state)
 
-    def energies(self, t: float, state) -> Energies:
-        return Energies(*map(float, self.element_results(state)[:, ENERGIES].sum(axis=0)))
-
     def powers(self, t: float, state) -> Powers:
         results = self.element_results(state)
         supplied, flow = 0.0, self.pumped(t, state)
@@ -132,7 +129,7 @@ class BoreFlow(ChannelFlow):
                 + 0.5 * self.fluid.density * speed**2
                 - self.fluid.density * float(self.fluid.gravity @ self._upper_place(state))
             )
-        return self._channel_powers(results, supplied)
+        return self._channel_powers(state, supplied)
 
     def _upper_place(self, state) -> FloatArray:
         """(3,) position of the upper node [m], on the rank that has it."""

@@ -6,14 +6,12 @@ Manual: sec-mud-unknowns, sec-mud-mass, sec-mud-momentum.
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import ElementBlock, Field, Powers
+from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Table, columns, structure
 from drillpetsc.physics.beam import JUNCTION_SLOTS, SLOTS
@@ -21,6 +19,8 @@ from drillpetsc.physics.interfaces import Channel
 
 RESULT_NAMES = columns("flow_results").names
 ENERGIES = columns("flow_results").span("kinetic", "potential")  # in the order of ``Energies``
+_DISSIPATED, _LEFT_OUT = RESULT_NAMES.index("dissipated"), RESULT_NAMES.index("left_out")
+_STORAGE_UPPER = RESULT_NAMES.index("storage_upper")
 _Fluid = structure("fluid")  # Fluid of kernels/fluid/flow.hpp
 PRESSURE_SCALE, FLOW_SCALE = 1.0e7, 1.0e-2  # usual magnitudes [Pa], [m3/s]
 
@@ -73,7 +73,6 @@ class ChannelFlow(Channel):
     def __init__(self, mesh, fluid: FluidConstants, held: bool = False):
         self.mesh, self.fluid, self.held = mesh, fluid, held
         self._blocks: list[ElementBlock] = []
-        self._shared_results: FloatArray | None = None
 
     def fields(self) -> tuple[Field, ...]:
         return (
@@ -140,34 +139,30 @@ class ChannelFlow(Channel):
         """Return the function of time that updates the block's parameters, or None."""
         return None
 
-    @contextmanager
-    def shared_results(self, state) -> Iterator[None]:
-        """Within this, ``element_results`` are those of the state as it is now, worked out once."""
-        self._shared_results = self.element_results(state)
-        try:
-            yield
-        finally:
-            self._shared_results = None
-
     def element_results(self, state) -> FloatArray:
-        """(nc, 10) per local element: the columns of ``RESULT_NAMES`` (content: volume at zero pressure [m3])."""
-        if self._shared_results is not None:
-            return self._shared_results
+        """(nc, 10) per local element: the columns of ``RESULT_NAMES`` (content: volume at zero pressure [m3]).
+
+        The array is not to be changed.
+        """
+        return state.evaluate_once(self._evaluate_results, state)
+
+    def _evaluate_results(self, state) -> FloatArray:
         out = np.zeros((len(self._part.cells), len(RESULT_NAMES)))
         for b, results in zip(self._blocks, self._results, strict=True):
-            if len(b.points):
-                index, part = state.index_of(b), np.zeros((len(b.points), len(RESULT_NAMES)))
-                results(
-                    len(b.points),
-                    pointer(index),
-                    pointer(b.params),
-                    b.context,
-                    pointer(state.x),
-                    pointer(state.y),
-                    pointer(part),
-                )
-                out[b.points] = part
+            n, _, *arguments = state.results_head(b)
+            if n:
+                part = out if n == len(out) else np.zeros((n, len(RESULT_NAMES)))
+                results(n, *arguments, pointer(part))
+                if part is not out:
+                    out[b.points] = part
         return out
+
+    def totals(self, state) -> FloatArray:
+        """(10,) sums of ``element_results`` over the local elements."""
+        return state.evaluate_once(self._evaluate_totals, state)
+
+    def _evaluate_totals(self, state) -> FloatArray:
+        return self.element_results(state).sum(axis=0)
 
     def parameter(self, name: str) -> FloatArray:
         """Present values (nc, ...) of a parameter of the local elements, as the kernels' header names it."""
@@ -176,12 +171,13 @@ class ChannelFlow(Channel):
             out[b.points] = b.named[name]
         return out
 
-    def _channel_powers(self, results: FloatArray, at_end: float) -> Powers:
-        """Powers of the channel [W] with ``element_results`` (nc, k), and the power ``at_end`` supplied at its upper end."""
-        dissipated, left_out = (
-            float(results[:, RESULT_NAMES.index(n)].sum()) for n in ("dissipated", "left_out")
-        )
-        return Powers(dissipated, at_end + left_out)
+    def energies(self, t: float, state) -> Energies:
+        return Energies(*map(float, self.totals(state)[ENERGIES]))
+
+    def _channel_powers(self, state, at_end: float) -> Powers:
+        """Powers of the channel [W], with the power ``at_end`` supplied at its upper end."""
+        total = self.totals(state)
+        return Powers(float(total[_DISSIPATED]), at_end + float(total[_LEFT_OUT]))
 
     def upper_flow(self, state) -> float | None:
         """Compute the flow rate into the channel's upper end from the mass balance [m3/s].
@@ -192,7 +188,7 @@ class ChannelFlow(Channel):
             return None
         block, row = self._top
         results = self.element_results(state)[int(block.points[row])]
-        return float(results[RESULT_NAMES.index("storage_upper")] + state.x[state.index_of(block)[row, -1]])
+        return float(results[_STORAGE_UPPER] + state.x[state.index_of(block)[row, -1]])
 
     def flows(self, system) -> FloatArray:
         """Return the flow rates (nc,) in the local elements, towards the bit [m3/s]."""
@@ -200,7 +196,8 @@ class ChannelFlow(Channel):
 
     def pressures(self, system) -> FloatArray:
         """Return the pressures (nv,) at the local vertices [Pa]."""
-        return system.field(f"{self.name}.pressure")[:, 0]
+        places = system.layout.dofs[f"{self.name}.pressure"][:, 0]  # there is one at every node
+        return np.asarray(system.assembly.x[places])
 
     def upper_pressure(self, state) -> float:
         """Return the pressure at the channel's upper end [Pa], on the rank with this end."""

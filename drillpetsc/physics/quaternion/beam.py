@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
 from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.fem.string_mesh import StringMesh
@@ -259,6 +259,9 @@ class QuaternionBeam(Beam):
     def _node_motion(self, state) -> FloatArray:
         """(nv, 8) at the local vertices: slope r' (3), tangent (3), spin rate [rad/s], spin angle from the
         frame at the start [rad]."""
+        return state.evaluate_once(self._evaluate_motion, state)
+
+    def _evaluate_motion(self, state) -> FloatArray:
         at, frame = self._places(state.layout)
         out = np.zeros((len(at), 8))
         _motion(len(out), pointer(at), pointer(frame), pointer(state.x), pointer(state.y), pointer(out))
@@ -272,10 +275,10 @@ class QuaternionBeam(Beam):
             self._frame = np.ascontiguousarray(self.start[layout.chain.vertices])
         return self._at, self._frame
 
-    def section(self, state, vertex: int) -> tuple[FloatArray, FloatArray, float]:
-        """Position [m], slope and spin rate [rad/s] of a local vertex."""
+    def section(self, state, vertex: int | IntArray) -> tuple[FloatArray, FloatArray, Any]:
+        """Position [m], slope and spin rate [rad/s] of a local vertex, or of several."""
         motion = self._node_motion(state)[vertex]
-        return state.x[state.layout.dofs["string.position"][vertex]], motion[:3], float(motion[6])
+        return state.x[state.layout.dofs["string.position"][vertex]], motion[..., :3], motion[..., 6]
 
     def columns(self, state) -> FloatArray:
         """(nv, 8) at the local vertices: position [m] and velocity [m/s], spin rate [rad/s], spin angle

@@ -49,16 +49,9 @@ class QuaternionContact(Contact):
         self._blocks += self._on_items(part)
         return tuple(self._blocks)
 
-    def _block_results(self, state) -> list[FloatArray]:
+    def _evaluate_blocks(self, state) -> list[FloatArray]:
         tables = [np.zeros((len(b.points), len(RESULT_NAMES))) for b in self._blocks]
         for b, out in zip(self._blocks, tables, strict=True):
-            _results[b.kernel](
-                len(out),
-                pointer(state.index_of(b)),
-                pointer(b.params),
-                b.context,
-                pointer(state.x),
-                pointer(state.y),
-                pointer(out),
-            )
+            n, _, *arguments = state.results_head(b)
+            _results[b.kernel](n, *arguments, pointer(out))
         return tables

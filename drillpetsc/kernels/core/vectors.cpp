@@ -1,0 +1,47 @@
+// Sums and norms over vectors that a step or a row of output needs, each in one pass.
+#include "core/ad.hpp"
+
+// Largest |step| relative to the larger of scale and spacing |x|; not a number where any entry is not.
+extern "C" double scaled_size(int n, const double* step, const double* scale, double spacing, const double* x) {
+    double largest = 0.0;
+    bool number = true;
+    for (int i = 0; i < n; ++i) {
+        const double floor = spacing * std::fabs(x[i]), size = std::fabs(step[i]) / (scale[i] > floor ? scale[i] : floor);
+        largest = size > largest ? size : largest;
+        number &= size == size;
+    }
+    return number ? largest : NAN;
+}
+
+// Sum of a[i[k]] b[j[k]] over n pairs.
+extern "C" double gathered_product(int n, const int* i, const double* a, const int* j, const double* b) {
+    double sum = 0.0;
+    for (int k = 0; k < n; ++k) sum += a[i[k]] * b[j[k]];
+    return sum;
+}
+
+// e = sum of weights[m] states[m] over m states (n,), added to net; |e| added to total, and kept in largest where it is larger.
+extern "C" void add_local_error(int n, int m, const double* const* states, const double* weights, double* net, double* total, double* largest) {
+    for (int i = 0; i < n; ++i) {
+        double e = 0.0;
+        for (int k = 0; k < m; ++k) e += weights[k] * states[k][i];
+        const double size = std::fabs(e);
+        net[i] += e;
+        total[i] += size;
+        largest[i] = size > largest[i] ? size : largest[i];
+    }
+}
+
+// Components (n, 2) of offsets (n, 3) from the hole's axis with directions `tangent` (n, 3): towards the high side, which is north
+// where the hole is vertical, and to the right of it looking down (manual: eq-conv-high-side).
+extern "C" void high_side_offsets(int n, const double* tangent, const double* offset, double* out) {
+    using namespace dp;
+    for (int i = 0; i < n; ++i) {
+        const Vec<double> t = vec(tangent + 3 * i), d = vec(offset + 3 * i);
+        Vec<double> across = {t.x * t.z, t.y * t.z, t.z * t.z - 1.0};
+        if (norm(across) < 1e-6) across = {1.0 - t.x * t.x, -t.y * t.x, -t.z * t.x};
+        const Vec<double> high = across / norm(across);
+        out[2 * i] = dot(d, high);
+        out[2 * i + 1] = dot(d, cross(t, high));
+    }
+}
