@@ -133,7 +133,7 @@ def director_equilibrium(
     if path is not None:
         _answer_by_path(model, solver, state, path, lowering)
     else:
-        fraction = _answer_by_newton(
+        fraction = _newton_with_flow(
             model, solver, sliding, state, fraction, (found, straight), start, lowering
         )
     if state.path is None:
@@ -142,9 +142,6 @@ def director_equilibrium(
                 "no equilibrium with lateral friction (a turning pipe may whirl here): "
                 "the torque of friction acts, its lateral force is left out"
             )
-        for component in sliding:
-            component.impose_sliding_direction(*motion, fraction)
-        couple_flow_and_string(model, solver, report, lowering)  # a path has done so
         for component in sliding:  # stability is counted without friction
             component.impose_sliding_direction(0.0, 0.0)
         count = solver.negative_pivots()
@@ -166,6 +163,44 @@ def director_equilibrium(
             "the stiffness is singular: part of the string may move freely, or it is about to buckle"
         )
     return state
+
+
+def _newton_with_flow(
+    model: DrillingModel,
+    solver: StaticNewton,
+    sliding,
+    state: StaticState,
+    fraction: float,
+    starts: tuple[March | None, March | None],
+    origin: Snapshot,
+    lowering: float,
+) -> float:
+    """Find the state of string and flow; arguments, result and errors as of ``_answer_by_newton``.
+
+    A rough state of the string suffices to solve for both.  Where it does not, an exact one comes first.
+    """
+    start, asm = Snapshot(model), model.system.assembly
+    for increment in (
+        (START_INCREMENT, CONVERGED_INCREMENT) if model.fluid is not None else (CONVERGED_INCREMENT,)
+    ):
+        solver.start_increment = increment
+        reached = _answer_by_newton(model, solver, sliding, state, fraction, starts, origin, lowering)
+        if state.path is not None:  # it ends with the flow about its last state
+            return reached
+        for component in sliding:
+            component.impose_sliding_direction(*state.motion, reached)
+        try:
+            couple_flow_and_string(model, solver, state.equilibrium, lowering)
+            return reached
+        except SolveError:
+            if increment == CONVERGED_INCREMENT:
+                raise
+        start.restore()
+        solver.rates, asm.y[:], asm.dead_load, state.equilibrium.imperfection = None, 0.0, None, 0.0
+        asm.freeze(fluid_unknowns(model.system))
+        for component in sliding:
+            component.impose_sliding_direction(0.0, 0.0)
+    return reached
 
 
 def _answer_by_newton(
@@ -341,8 +376,7 @@ def _from_coarse_mesh(
         ):  # a fine mesh may reach what the coarse one did not
             for component in components:
                 component.impose_sliding_direction(*state.motion, trial)
-            rough = trial != asked or model.fluid is not None
-            solver.newton_damped(report, START_INCREMENT if rough else CONVERGED_INCREMENT)
+            solver.newton_damped(report, START_INCREMENT if trial != asked else solver.start_increment)
     except (SolveError, CaseError):
         start.restore()
         return None
@@ -376,8 +410,7 @@ def _newton_with_friction(
         for component in components:
             component.impose_sliding_direction(*state.motion, trial)
         # what a further solve starts from, with more friction or with the flow, need not be exact
-        rough = trial != trials[-1] or model.fluid is not None
-        tolerance = START_INCREMENT if rough else CONVERGED_INCREMENT
+        tolerance = START_INCREMENT if trial != trials[-1] else solver.start_increment
         try:
             if reached is None:
                 newton_with_stiffening(model, solver, report, found.usual_contact_force, tolerance)

@@ -90,6 +90,7 @@ class StaticNewton:
     eq-statics-wob).
     move_top(step): moves the prescribed position of the top by ``step`` [m].
     rates: (n+1,) rates of a steady motion [SI of each field per second], None at rest.
+    start_increment: largest increment of a state from which a further solve starts, in the fields' scales.
     rate_weight: of the derivatives by the rates in the matrix [1/s]; a flow in a closed channel needs some.
     """
 
@@ -114,6 +115,7 @@ class StaticNewton:
         self.move_top: Callable[[float], None] | None = None
         self.rates: FloatArray | None = None
         self.rate_weight = 0.0
+        self.start_increment = CONVERGED_INCREMENT
         self._owned = system.owned_index >= 0
         self._entries = diagonal_blocks(system, ("string.position", "string.tangent"))
         self._top_rows = next(
