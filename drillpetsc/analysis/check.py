@@ -34,6 +34,7 @@ TERMS = (
     ("loads", "loads"),
     ("joints", "joints"),
     ("drive", "rotary drive with spring and damper"),
+    ("top_motor", "motor of the top drive"),
     ("bore", "drilling fluid in the string"),
     ("annulus", "drilling fluid in the annulus"),
 )

@@ -32,6 +32,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError, DrillError
+from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
 from drillpetsc.output.case_files import write_case
@@ -147,7 +148,7 @@ def prepare_state(model: DrillingModel, about: str = "steady") -> StaticState:
         move_rigidly(model)
         return state
     state = find_equilibrium(model, (0.0, 0.0))
-    release(model)
+    release(model, at_rest=True)
     for part in (model.contact, model.bit):
         if (
             part is not None
@@ -312,6 +313,8 @@ def _shares(model: DrillingModel, linearised: Linearised, s: np.ndarray, u: np.n
         )
     stored = np.abs(linearised.C.diagonal())
     for i, name in enumerate(names):
+        if model.system.layout.fields[i].physics == DRIVE:
+            continue
         unknowns = np.flatnonzero((linearised.field == i) & ~linearised.second_order)
         energy[:, 3] += (
             0.5 * (stored[unknowns] / ROW_WEIGHT.get(name.split(".")[-1], 1.0)) @ np.abs(u[unknowns]) ** 2

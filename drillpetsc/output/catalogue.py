@@ -43,6 +43,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
             *_listed(measured.ROW_START),
             *_listed(measured.TOP_END, where.TOP),
             *_listed((measured.HOOK_LOAD_TOTAL,), where.BLOCK),
+            *_listed(physics.TOP_MOTOR, where.MOTOR),
             *_listed(physics.BIT, where.BIT),
             *_listed(measured.LOWER_END, where.STRING),
             *_listed(measured.HOLE, where.BIT, rop=where.DRILLS),

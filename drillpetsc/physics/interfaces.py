@@ -189,6 +189,15 @@ class Drive(Component):
     def torque(self, t: float, state: Any) -> float:
         """Torque of the drive on the string [N m], this rank's share."""
 
+    def hold(self) -> None:
+        """Hold the top for statics, where a drive would not."""
+
+    def start(self, state: Any, at_rest: bool = False) -> None:
+        """Begin the motion from statics; the drive goes on with the static torque.
+
+        at_rest: without rotation, for the modes about rest.
+        """
+
 
 class JointSet(Component):
     """All joints of the string."""

@@ -378,7 +378,11 @@ class TimeIntegrator:
         if self.work is not None:
             self.work.start(start)
         continued = self._restored is not None and not any(abs(b - start) <= near for b in breaks)
+        begin, at_break = start, any(abs(b - start) <= near for b in breaks)
         for stop in stops:
+            if at_break and any([c.at_break(begin, system.assembly) for c in system.components]):
+                system.store_state(self.state)
+            begin, at_break = stop, True
             self._stop, self._jump = stop, stop if stop in jumps else np.inf
             if continued:
                 self._replay_history()
