@@ -222,6 +222,8 @@ def modes(
                 eigenvalues = _nearest(
                     eigenvalues_near(problem, 2j * np.pi * shift, 2 * count, engine), shift, count
                 )
+            if model.drive is not None and model.drive.free_angle:
+                eigenvalues = _without_free_angle(model, linearised, eigenvalues)
             answer = _describe(model, linearised, eigenvalues)
         except DrillError as failure:
             answer = failure
@@ -248,6 +250,14 @@ def modes(
         ZERO_FRACTION * reference,
         *motion,
     )
+
+
+def _without_free_angle(model: DrillingModel, linearised: Linearised, found: Eigenvalues) -> Eigenvalues:
+    """Leave out the root zero of the angle of the whole string, which a controlled speed leaves free."""
+    small = np.flatnonzero(np.abs(found.s) <= ZERO_FRACTION * reference_rate(model))
+    share = _shares(model, linearised, found.s[small], linearised.T @ found.u[:, small])
+    turning = small[share.argmax(axis=1) == KINDS.index("torsional")]
+    return found if not len(turning) else found.subset(np.arange(len(found.s)) != turning[0])
 
 
 def _of_kind(model: DrillingModel, linearised: Linearised, kind: str):

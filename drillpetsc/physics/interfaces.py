@@ -183,7 +183,12 @@ class WallContact(Component):
 
 
 class Drive(Component):
-    """A drive that turns the upper end."""
+    """A drive that turns the upper end.
+
+    ``free_angle``: the drive has no angle to return to, so the whole string may stand at any angle.
+    """
+
+    free_angle: bool = False
 
     @abstractmethod
     def torque(self, t: float, state: Any) -> float:

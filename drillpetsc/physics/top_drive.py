@@ -49,6 +49,7 @@ class MotorDrive(Drive):
     """
 
     name = "top_motor"
+    free_angle = True
 
     def __init__(
         self,
