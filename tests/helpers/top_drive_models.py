@@ -61,7 +61,8 @@ def on_bottom(control, speed, elements: int = 40, bit_law=None, **more) -> dict:
             "survey": {"md": [0, depth], "inclination": [0, 0], "azimuth": [0, 0]},
             "sections": [{"to": depth, "kind": "open_hole", "diameter": 0.216, "friction": 0.0}],
         },
-        "contact": "none",
+        # the bit's law is shifted by its rounding, here by 0.014 rad/s (manual: eq-bit-torque-weakening)
+        "contact": {"slip_velocity": 1e-3},
         "bottom": {"kind": "bit", "stiffness": 1e8, "friction": 0.0},
         "formation": {"drillability": 0, "rotary_exponent": 0, "bit_law": bit_law or WEAKENING},
         "loads": [{"at": LENGTH, "force": [0, 0, 100e3]}],
