@@ -2,7 +2,7 @@
 
 The public face is that of `drillpetsc.api`: `Case` describes what is simulated (the keys of a case file),
 `load_case` reads one, `run`, `sweep`, `statics`, `hydraulics`, `surge`, `roadmap`, `calibrate`, `limits`, `freepoint`,
-`modes` and `study` are the commands, and `open_run` reads the results of one again. `units` converts values.
+`modes`, `top_drive` and `study` are the commands, and `open_run` reads the results of one again. `units` converts values.
 Importing the package starts no MPI and imports nothing else of it.
 """
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         study,
         surge,
         sweep,
+        top_drive,
     )
 
 from drillpetsc.version import __version__ as __version__
@@ -46,6 +47,7 @@ __all__ = [
     "roadmap",
     "surge",
     "sweep",
+    "top_drive",
 ]
 
 

@@ -133,6 +133,14 @@ class Modes:
 
 
 # ---------------------------------------------------------------------- state
+def without_motor(case: Case) -> Case:
+    """The case with its top held at the prescribed rotation instead of driven by a motor."""
+    if case.top.motor is None:
+        return case
+    top = case.top.model_copy(update={"motor": None, "control": (), "torque": None})
+    return case.model_copy(update={"top": top})
+
+
 def prepare_state(model: DrillingModel, about: str = "steady") -> StaticState:
     """Set the model to the state for the linearisation (manual: sec-eigen-state); collective.
 
@@ -359,6 +367,7 @@ def run_modes(
     overwrite: bool = False,
     name: str = "case",
     comm: PETSc.Comm | None = None,
+    without_control: bool = False,
 ) -> RunResult:
     """Compute the modes of a case and write modes.csv, modes/mode_NN.vtu, string.pvd and summary.json; collective.
 
@@ -368,6 +377,7 @@ def run_modes(
     about: as in ``prepare_state``.
     overwrite: replace an existing run folder.
     comm: communicator, all ranks by default.
+    without_control: leave out motor and controller, and hold the top at the prescribed rotation.
 
     Returns folder, summary and the lines to show.  Raises CaseError for wrong arguments, SolveError where no state
     or mode is found.
@@ -381,7 +391,7 @@ def run_modes(
             at="--shift", got=shift, want="a frequency in Hz, at least 0, and not together with --kind"
         )
     with options.applied(case.petsc):
-        model = build_model(case, comm)
+        model = build_model(without_motor(case) if without_control else case, comm)
         folder = make_folder(comm, name, out, False, overwrite)
         state = prepare_state(model, about)
         fields = FieldOutput(model).fields(0.0)

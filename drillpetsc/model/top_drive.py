@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import scipy.linalg
 
@@ -97,7 +99,7 @@ def laws_of(case: Case, mesh: StringMesh) -> tuple[Law, ...]:
 
 
 def _law(q: AnyController, case: Case, mesh: StringMesh, zeta: float, inertia: float) -> Law:
-    common = {"start": q.from_, "delay": q.delay, "sample": q.sample}
+    common: dict[str, Any] = {"start": q.from_, "delay": q.delay, "sample": q.sample}
     if isinstance(q, PiController):
         return Law("pi", p=q.p, i=q.i, **common)
     if isinstance(q, StiffController):

@@ -65,6 +65,8 @@ class MotorDrive(Drive):
         self.laws, self.motor, self.impedance = tuple(laws), motor, impedance
         self.lag = motor.lag or (LIMIT_LAG if motor.torque_rate else 0.0)
         self._phase, self._share = 0, 1.0
+        #: static torque at the start on the rank with the top, else 0 [N m]
+        self.start_torque = 0.0
 
     # ------------------------------------------------------------------ discretisation
     def _present(self) -> dict[str, bool]:
@@ -190,14 +192,12 @@ class MotorDrive(Drive):
         at_rest: the set point is zero, for the modes about rest.
         """
         self._share = 0.0 if at_rest else 1.0
-        held = bool(len(self._block.points)) and bool(self.params["held"][0] > 0)
-        index = state.index_of(self._block)[0] if held else None
-        torque = self.params["held"][0] * (self.params["angle"][0] - state.x[index[SPIN]]) if held else 0.0
-        self.params["held"] = 0.0
         self._set_phase(0)
-        if index is None:
+        if not len(self._block.points) or not self.params["held"][0] > 0:
             return
-        size = state.layout.size
+        index, size = state.index_of(self._block)[0], state.layout.size
+        torque = self.params["held"][0] * (self.params["angle"][0] - state.x[index[SPIN]])
+        self.params["held"] = 0.0
         self.start_torque = float(torque)
         if self.motor.max_torque:
             torque = min(max(torque, self.motor.min_torque), self.motor.max_torque)

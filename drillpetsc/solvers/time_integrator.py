@@ -380,8 +380,8 @@ class TimeIntegrator:
         continued = self._restored is not None and not any(abs(b - start) <= near for b in breaks)
         begin, at_break = start, any(abs(b - start) <= near for b in breaks)
         for stop in stops:
-            if at_break and any([c.at_break(begin, system.assembly) for c in system.components]):
-                system.store_state(self.state)
+            if at_break:
+                self._change_states(begin)
             begin, at_break = stop, True
             self._stop, self._jump = stop, stop if stop in jumps else np.inf
             if continued:
@@ -400,6 +400,14 @@ class TimeIntegrator:
             self.counters.rejected += ts.getStepRejections() - rejected
             if self.stopped:
                 return
+
+    def _change_states(self, t: float) -> None:
+        """Let components change their states where an input jumps or bends at ``t`` [s]."""
+        changed = False
+        for component in self.system.components:
+            changed |= component.at_break(t, self.system.assembly)
+        if changed:
+            self.system.store_state(self.state)
 
     def _start_formula(self, stop: float) -> None:
         """Restart the formula without history, e.g. after a discontinuity.

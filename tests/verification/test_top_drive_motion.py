@@ -9,7 +9,6 @@ from scipy.integrate import trapezoid
 from drillpetsc import Case, run
 from drillpetsc.output import read_table
 from tests.helpers import top_drive_models as m
-from tests.helpers.motion import beam
 
 PIPE = {"kind": "pipe", "length": 10.0, "od": 0.127, "id": 0.1086, "element_length": 5.0}
 TOTAL = m.INERTIA + m.DENSITY * m.POLAR * 10.0  # of drive and pipe [kg m2]
@@ -54,7 +53,9 @@ def test_speed_step(tmp_path):
     assert t[error.argmin()] == pytest.approx(1.105, abs=5e-4)
     got, summary = history(alone({"kind": "pi", "p": p, "i": i}, step(10.0), 2.0, 0.001), tmp_path / "run")
     top = got["top_speed"].argmax()
-    parabola = np.polyfit(got["time"][top - 5 : top + 6] - got["time"][top], got["top_speed"][top - 5 : top + 6], 2)
+    parabola = np.polyfit(
+        got["time"][top - 5 : top + 6] - got["time"][top], got["top_speed"][top - 5 : top + 6], 2
+    )
     peak = -parabola[1] / (2 * parabola[0])
     assert got["top_speed"][top] / 10 - 1 == pytest.approx(-error.min() / 10, rel=5e-3)
     assert got["time"][top] + peak - 0.1 == pytest.approx(t[error.argmin()], rel=5e-3)

@@ -48,7 +48,11 @@ class TopMotor(Block):
         for key in ("min_torque", "power", "base_speed"):
             if getattr(self, key) is not None and self.max_torque is None:
                 raise refuse("max_torque", want=f"a largest torque, which {key} needs")
-        if self.max_torque is not None and self.min_torque is not None and -self.min_torque > 1e3 * self.max_torque:
+        if (
+            self.max_torque is not None
+            and self.min_torque is not None
+            and -self.min_torque > 1e3 * self.max_torque
+        ):
             raise refuse("min_torque", got=self.min_torque, want=f"at least {-1e3 * self.max_torque:g} N m")
         if self.power is not None and self.base_speed is not None and self.max_torque is not None:
             if not math.isclose(self.power, self.base_speed * self.max_torque, rel_tol=POWER_TOLERANCE):
