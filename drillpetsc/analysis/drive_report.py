@@ -23,8 +23,7 @@ def control_summary(laws: tuple[Law, ...], motor: Motor, impedance: float) -> di
 
 def _law_summary(law: Law, motor: Motor, impedance: float) -> dict[str, Any]:
     out: dict[str, Any] = {"kind": law.kind, "from": law.start}
-    if law.kind != "python":
-        out |= {"p": law.p, "i": law.i}
+    out |= {"p": law.p, "i": law.i}
     if law.frequency:
         r = abs(reflection(law, motor, impedance, np.array([law.frequency]))[0])
         out |= {"frequency": law.frequency, "reflection": float(r)}
@@ -38,18 +37,14 @@ def control_lines(laws: tuple[Law, ...], motor: Motor, impedance: float) -> list
     ]
     for law in laws:
         start = f" from {law.start:g} s" if len(laws) > 1 else ""
-        if law.kind == "python":
-            lines.append(f"  python{start}: a function every {law.sample:g} s")
-            continue
         tuned = ""
         if law.frequency:
             r = abs(reflection(law, motor, impedance, np.array([law.frequency]))[0])
             tuned = f", tuned to {law.frequency:.5g} Hz, where it reflects {r:.3g} of a wave"
-        sampled = f", sampled every {law.sample:g} s" if law.sample else ""
         late = f", delay {law.delay:g} s" if law.delay else ""
         lines.append(
             f"  {law.kind}{start}: p {law.p:.6g} N m s/rad ({law.p / impedance:.4g} impedances), i {law.i:.6g} N m/rad"
-            f"{tuned}{sampled}{late}"
+            f"{tuned}{late}"
         )
     return lines
 
@@ -65,17 +60,7 @@ def control_warnings(case: Case, laws: tuple[Law, ...], impedance: float) -> lis
                 f"{at}.damping: {damping:g} is below 1: the drive yields more than the pipe and reflects with opposite "
                 "sign; allowed above 0"
             )
-        shortest = _shortest_period(law)
-        if law.sample > 0.1 * shortest:
-            out.append(
-                f"{at}: sample {1e3 * law.sample:g} ms is coarser than a tenth of the shortest tuned period, {shortest:.3g} s"
-            )
     return out
-
-
-def _shortest_period(law: Law) -> float:
-    """Shortest period to which a law is tuned [s]: of the tuned frequency; infinite without one."""
-    return 1.0 / law.frequency if law.frequency else np.inf
 
 
 def start_warnings(torque: float, motor: Motor) -> list[str]:

@@ -47,8 +47,7 @@ def run_top_drive(
     comm = comm or PETSc.COMM_WORLD
     mesh = build_mesh(case, build_well(case), None)
     motor, laws, impedance = motor_of(case), laws_of(case, mesh), pipe_impedance(mesh)
-    computed = [law for law in laws if law.kind != "python"]
-    table = [np.abs(reflection(law, motor, impedance, FREQUENCIES)) for law in computed]
+    table = [np.abs(reflection(law, motor, impedance, FREQUENCIES)) for law in laws]
     summary: dict[str, Any] = {"title": case.title, "top_drive": control_summary(laws, motor, impedance)}
     summary["warnings"] = control_warnings(case, laws, impedance)
     try:
@@ -59,9 +58,9 @@ def run_top_drive(
     folder = make_folder(comm, name, out, False, overwrite)
     if comm.rank == 0:
         write_case(case, folder)
-        columns = [(REFLECTION[0].name, REFLECTION[0].unit)]
-        columns += [(f"{REFLECTION[1].name.replace('NNN', str(k + 1))}", "-") for k in range(len(table))]
-        write_table(folder.path / REFLECTION_TABLE, columns, [FREQUENCIES, *table])
+        numbers = np.repeat(np.arange(1, len(laws) + 1), len(FREQUENCIES))
+        rows = [numbers, np.tile(FREQUENCIES, len(laws)), np.concatenate(table)]
+        write_table(folder.path / REFLECTION_TABLE, [q.column for q in REFLECTION], rows)
         write_summary(folder.summary, summary)
     return RunResult(folder.path, summary, _lines(case, folder.path, laws, motor, impedance, summary))
 
@@ -74,14 +73,12 @@ def _lines(
     lowest = summary["top_drive"]["torsional_frequency"]
     if lowest is not None:
         lines.append(f"  lowest torsional frequency with the top held: {lowest:.6g} Hz")
-    computed = [law for law in laws if law.kind != "python"]
-    if computed:
-        lines.append("  reflection |r| of a torsional wave:")
-        lines.append("    frequency [Hz]  " + "".join(f"{law.kind:>14}" for law in computed))
-        at: FloatArray = np.array(PRINTED)
-        values = [np.abs(reflection(law, motor, impedance, at)) for law in computed]
-        for k, f in enumerate(PRINTED):
-            lines.append(f"    {f:>14g}  " + "".join(f"{v[k]:>14.5f}" for v in values))
+    lines.append("  reflection |r| of a torsional wave:")
+    lines.append("    frequency [Hz]  " + "".join(f"{law.kind:>14}" for law in laws))
+    at: FloatArray = np.array(PRINTED)
+    values = [np.abs(reflection(law, motor, impedance, at)) for law in laws]
+    for k, f in enumerate(PRINTED):
+        lines.append(f"    {f:>14g}  " + "".join(f"{v[k]:>14.5f}" for v in values))
     lines += [f"  note: {text}" for text in summary["warnings"]]
     lines.append(f"  results: {folder}")
     return lines

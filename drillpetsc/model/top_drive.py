@@ -12,7 +12,6 @@ from drillpetsc.case.blocks.ends import TopDrive as TopDriveCase
 from drillpetsc.case.blocks.top_drive import (
     AnyController,
     PiController,
-    PythonController,
     SoftTorqueController,
     StiffController,
     ZTorqueController,
@@ -99,7 +98,7 @@ def laws_of(case: Case, mesh: StringMesh) -> tuple[Law, ...]:
 
 
 def _law(q: AnyController, case: Case, mesh: StringMesh, zeta: float, inertia: float) -> Law:
-    common: dict[str, Any] = {"start": q.from_, "delay": q.delay, "sample": q.sample}
+    common: dict[str, Any] = {"start": q.from_, "delay": q.delay}
     if isinstance(q, PiController):
         return Law("pi", p=q.p, i=q.i, **common)
     if isinstance(q, StiffController):
@@ -112,19 +111,17 @@ def _law(q: AnyController, case: Case, mesh: StringMesh, zeta: float, inertia: f
         return Law(
             "soft_torque", p=q.damping * zeta, i=i, compensation=kappa * inertia, frequency=f, **common
         )
-    if isinstance(q, ZTorqueController):
-        return Law(
-            "z_torque",
-            p=q.p * zeta,
-            i=q.i * inertia,
-            coupling=q.factor / zeta,
-            low_pass=q.low_pass / (2 * np.pi),
-            high_pass=q.high_pass / (2 * np.pi),
-            estimated=q.estimate == "motor",
-            **common,
-        )
-    assert isinstance(q, PythonController)
-    raise NotImplementedError
+    assert isinstance(q, ZTorqueController)
+    return Law(
+        "z_torque",
+        p=q.p * zeta,
+        i=q.i * inertia,
+        coupling=q.factor / zeta,
+        low_pass=q.low_pass / (2 * np.pi),
+        high_pass=q.high_pass / (2 * np.pi),
+        estimated=q.estimate == "motor",
+        **common,
+    )
 
 
 def build_drive(case: Case, mesh: StringMesh) -> MotorDrive:

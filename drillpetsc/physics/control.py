@@ -5,16 +5,14 @@ Manual: sec-top-drive-control.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
 
 #: numbers of the kinds in the output ``control_mode``; 0: the torque is prescribed
-MODES = {"torque": 0, "pi": 1, "stiff": 2, "soft_torque": 3, "z_torque": 4, "python": 5}
+MODES = {"torque": 0, "pi": 1, "stiff": 2, "soft_torque": 3, "z_torque": 4}
 
 
 @dataclass(frozen=True)
@@ -28,8 +26,6 @@ class Law:
     low_pass, high_pass: time constants of the filters of that torque [s], 0: none.
     estimated: the torque of the pipe follows from the motor's torque and the filtered acceleration.
     delay: of the whole output [s].
-    sample: time between two samples [s], 0: continuous.
-    function: torque [N m] from time [s] and measured values, for the kind python.
     frequency: to which the law is tuned [Hz], 0: none.
     """
 
@@ -43,19 +39,12 @@ class Law:
     high_pass: float = 0.0
     estimated: bool = False
     delay: float = 0.0
-    sample: float = 0.0
-    function: Callable[[float, Any], float] | None = None
     frequency: float = 0.0
 
     @property
     def filters(self) -> bool:
         """Whether the law uses the filtered torque of the pipe."""
         return self.coupling != 0.0
-
-    @property
-    def total_delay(self) -> float:
-        """Delay of the law as a continuous one [s]: a sampled torque is late by half a sample on average."""
-        return self.delay + 0.5 * self.sample
 
 
 @dataclass(frozen=True)
@@ -84,7 +73,7 @@ def top_impedance(law: Law, motor: Motor, frequency: FloatArray, exact_delay: bo
     exact_delay: exp(-s t); False: the rational formula of second order that the model has as states.
     """
     s = 2j * np.pi * np.asarray(frequency, dtype=float)
-    late = law.total_delay
+    late = law.delay
     if exact_delay:
         delay = np.exp(-s * late)
     else:

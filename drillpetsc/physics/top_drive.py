@@ -72,7 +72,7 @@ class MotorDrive(Drive):
     def _present(self) -> dict[str, bool]:
         """Whether the drive has each of the states."""
         laws = self.laws
-        delayed = any(q.delay > 0 and not q.sample for q in laws)
+        delayed = any(q.delay > 0 for q in laws)
         return {
             "drive.integral": any(q.i for q in laws),
             "drive.lagged_torque": self.lag > 0,

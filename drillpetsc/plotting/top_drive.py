@@ -17,26 +17,26 @@ def draw_reflection(folder: Path, title: str) -> Any:
     if not (folder / REFLECTION_TABLE).exists():
         return None
     table = read_table(folder / REFLECTION_TABLE)
-    columns = [name for name in table if name.startswith("reflection_")]
-    if not columns:
-        return None
     file = RunFolder(folder).summary
     told = (read_summary(file) if file.exists() else {}).get("top_drive", {})
-    kinds = [law["kind"] for law in told.get("control", ()) if law["kind"] != "python"]
+    kinds = [law["kind"] for law in told.get("control", ())]
     drawing = style.figure(8.0, 4.5, dpi=110)
     top = style.heading(drawing, f"{title}: reflection at the top")
     axes = drawing.subplots()
-    frequency = table["frequency [Hz]"]
-    for k, name in enumerate(columns):
-        label = kinds[k] if k < len(kinds) else name
-        axes.plot(frequency, table[name], color=LINE_COLORS[k % len(LINE_COLORS)], label=label)
+    number, frequency, size = (
+        table[f"{name}"] for name in ("controller [-]", "wave_frequency [Hz]", "reflection [-]")
+    )
+    for k in range(int(number.max(initial=0.0))):
+        rows = number == k + 1
+        label = kinds[k] if k < len(kinds) else f"controller {k + 1}"
+        axes.plot(frequency[rows], size[rows], color=LINE_COLORS[k % len(LINE_COLORS)], label=label)
     lowest = told.get("torsional_frequency")
     if lowest:
         axes.axvline(lowest, color="0.4", linewidth=0.8, linestyle=(0, (5, 2)), label="lowest torsional mode")
     axes.set(
         xscale="log",
         xlim=(frequency[0], frequency[-1]),
-        ylim=(0.0, max(1.02, max(float(table[c].max()) for c in columns))),
+        ylim=(0.0, max(1.02, float(size.max()))),
     )
     axes.set(xlabel="Frequency [Hz]", ylabel="Reflected part of a torsional wave |r| [-]")
     axes.legend(frameon=False)

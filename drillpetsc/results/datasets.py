@@ -24,7 +24,6 @@ COORDINATES = {
     "limits.csv": "md",
     "flow_curve.csv": "pump_flow",
     "modes.csv": "mode",
-    "reflection.csv": "frequency",
 }
 ROWS = "row"
 DIRECTIONS = ("north", "east", "down")

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-import re
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, field_validator, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from drillpetsc.case.block import Block, tagged_union
 from drillpetsc.case.key_paths import refuse
@@ -80,10 +79,6 @@ class Controller(Block):
     )
     delay: Annotated[float, Quantity("s", at_least=0)] = Field(
         default=0.0, description="delay of the controller's output"
-    )
-    sample: Annotated[float, Quantity("s", at_least=0)] = Field(
-        default=0.0,
-        description="time between two samples, between which the torque is held; 0: continuous",
     )
 
 
@@ -159,38 +154,14 @@ class ZTorqueController(Controller):
     )
 
 
-class PythonController(Controller):
-    """A Python function that is called at every sample."""
-
-    kind: Literal["python"] = Field(description="a Python function of time and measured values")
-    function: str = Field(
-        description="module.function(t, measured), which returns the torque [N m]; the module is in the folder of "
-        "the case file, in the current folder or installed"
-    )
-
-    @field_validator("function")
-    @classmethod
-    def _name(cls, value: str) -> str:
-        if not re.fullmatch(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)+", value):
-            raise refuse(got=value, want="module.function, such as my_controller.torque")
-        return value
-
-    @model_validator(mode="after")
-    def _sampled(self) -> PythonController:
-        if self.sample == 0:
-            raise refuse("sample", want="a time between two calls above 0, such as 10 ms")
-        return self
-
-
-_kinds = (PiController, StiffController, SoftTorqueController, ZTorqueController, PythonController)
+_kinds = (PiController, StiffController, SoftTorqueController, ZTorqueController)
 _check, _tag = tagged_union(*_kinds, short=("stiff", "soft_torque", "soft_speed", "z_torque"))
 
 AnyController = Annotated[
     Annotated[PiController, Tag("kind:PiController")]
     | Annotated[StiffController, Tag("kind:StiffController")]
     | Annotated[SoftTorqueController, Tag("kind:SoftTorqueController")]
-    | Annotated[ZTorqueController, Tag("kind:ZTorqueController")]
-    | Annotated[PythonController, Tag("kind:PythonController")],
+    | Annotated[ZTorqueController, Tag("kind:ZTorqueController")],
     Discriminator(_tag),
     BeforeValidator(_check),
 ]

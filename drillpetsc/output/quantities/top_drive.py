@@ -6,21 +6,28 @@ from drillpetsc.fem.quantity import Quantity
 
 REFLECTION: tuple[Quantity, ...] = (
     Quantity(
-        "frequency",
-        "Hz",
-        on="item",
-        label="Frequency",
-        mnemonic="FREQ",
-        sign="positive",
-        doc="Frequency of the wave.",
-    ),
-    Quantity(
-        "reflection_NNN",
+        "controller",
         "-",
         on="item",
-        label="Reflection by controller NNN",
-        mnemonic="RFLNNN",
-        sign="not negative",
-        doc="Size of the torsional wave that the top reflects, over that of the wave that comes up; by number of the controller.",
+        label="Controller",
+        mnemonic="CTRL",
+        doc="Number of the controller in the case, from 1.",
+    ),
+    Quantity(
+        "wave_frequency",
+        "Hz",
+        on="item",
+        label="Frequency of the wave",
+        mnemonic="WFRQ",
+        sign="positive",
+        doc="Frequency of a torsional wave.",
+    ),
+    Quantity(
+        "reflection",
+        "-",
+        on="item",
+        label="Reflected part of the wave",
+        mnemonic="RFL",
+        doc="Size of the wave that the top reflects, over that of the wave that comes up.",
     ),
 )
