@@ -10,6 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from drillpetsc.analysis.session import Session
     from drillpetsc.api import (
         Case,
         calibrate,
@@ -33,6 +34,7 @@ from drillpetsc.version import __version__ as __version__
 
 __all__ = [
     "Case",
+    "Session",
     "calibrate",
     "catalogue",
     "freepoint",
@@ -55,6 +57,8 @@ def __getattr__(name: str) -> Any:
     """Import the public face when one of its names is used."""
     if name == "units":
         return import_module("drillpetsc.units")
+    if name == "Session":
+        return import_module("drillpetsc.analysis.session").Session
     if name in __all__:
         return getattr(import_module("drillpetsc.api"), name)
     raise AttributeError(f"module 'drillpetsc' has no attribute {name!r}")
