@@ -52,7 +52,7 @@ def control_lines(laws: tuple[Law, ...], motor: Motor, impedance: float) -> list
 def control_warnings(case: Case, laws: tuple[Law, ...], impedance: float) -> list[str]:
     """Sentences on controllers that may not do what their user expects."""
     out = []
-    for number, (law, q) in enumerate(zip(laws, case.top.control, strict=True)):
+    for number, q in enumerate(case.top.control):
         at = "top.control" + (f"[{number}]" if len(laws) > 1 else "")
         damping = getattr(q, "damping", None)
         if damping is not None and damping < 1:

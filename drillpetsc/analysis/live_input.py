@@ -17,11 +17,6 @@ class LiveInput:
         self._before: Any = given
         self._now: Any = given
 
-    @property
-    def was_set(self) -> bool:
-        """Whether the input no longer follows the case."""
-        return self._now is not self._before
-
     def set(self, t: float, value: float, until: float | None = None) -> float:
         """From the time ``t`` [s] on: ``value``, or on a straight line to it at ``until`` [s]; returns the jump at ``t``."""
         present = self._now.value(t)
@@ -72,8 +67,8 @@ class Piece:
     @classmethod
     def of(cls, numbers: list[float]) -> Piece:
         """A piece from its ``numbers``."""
-        *first, until = numbers
-        return cls(*first, None if until != until else until)  # type: ignore[arg-type]
+        start, value, area, slope, until = numbers
+        return cls(start, value, area, slope, None if until != until else until)
 
     def numbers(self) -> list[float]:
         """All numbers of the piece; nan for no end."""

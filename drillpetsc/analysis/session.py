@@ -118,7 +118,8 @@ class Session:
         self._largest = {name: abs(live.value(self.time)) for name, live in self._live.items()}
         self._started, self._jumped = False, False
         self._wall: deque[tuple[float, float]] = deque()
-        self._deadline, self._sample, self._closed = np.inf, None, False
+        self._deadline, self._closed = np.inf, False
+        self._sample: tuple[float, np.ndarray, Sample] | None = None
         self._integrator.on_step_end.append(self._watch)
         self._columns = {
             c.title[0]: c for c in self._recorder.history_columns if c.source is not self._recorder.energy

@@ -140,7 +140,7 @@ def test_wrong_calls_are_answered():
 def test_closed_sessions_leave_no_memory():
     """Ten sessions, one after the other: less than 5 MB more than after two."""
     held = []
-    for k in range(12):
+    for _ in range(12):
         with drillpetsc.Session(drive()) as s:
             s.step(0.02)
         gc.collect()
