@@ -194,6 +194,14 @@ class Drive(Component):
     def torque(self, t: float, state: Any) -> float:
         """Torque of the drive on the string [N m], this rank's share."""
 
+    def results(self, state: Any) -> FloatArray:
+        """Results of the drive on the rank with the top, zero elsewhere; empty for a drive without any."""
+        return np.zeros(0)
+
+    def figures(self, t: float, state: Any) -> FloatArray:
+        """Numbers of its quantities at the time ``t`` [s], this rank's share; empty for a drive without any."""
+        return np.zeros(0)
+
     def hold(self) -> None:
         """Hold the top for statics, where a drive would not."""
 

@@ -168,11 +168,11 @@ class MotorDrive(Drive):
         if self.torque_input is not None:
             self._given[:] = self._share * self.torque_input.value(t)
         if len(self.laws) > 1:
-            phase = self.phase_at(t)
+            phase = self._phase_at(t)
             if phase != self._phase:
                 self._set_phase(phase)
 
-    def phase_at(self, t: float) -> int:
+    def _phase_at(self, t: float) -> int:
         """Number of the law that acts at ``t`` [s]."""
         return max(0, int(np.searchsorted(self._starts, t, side="right")) - 1)
 
@@ -209,7 +209,7 @@ class MotorDrive(Drive):
 
     def at_break(self, t: float, state: Any) -> bool:
         """Change to the law that acts from ``t`` [s] on without a jump of the torque; True where states change."""
-        phase = self.phase_at(t) if len(self.laws) > 1 else self._phase
+        phase = self._phase_at(t) if len(self.laws) > 1 else self._phase
         before = self._phase_before(t)
         if phase == before:
             return False
@@ -230,7 +230,7 @@ class MotorDrive(Drive):
 
     def _phase_before(self, t: float) -> int:
         """Number of the law just before ``t`` [s]."""
-        return self.phase_at(float(np.nextafter(t, -np.inf))) if self.laws else 0
+        return self._phase_at(float(np.nextafter(t, -np.inf))) if self.laws else 0
 
     # ------------------------------------------------------------------ outputs
     def results(self, state: Any) -> FloatArray:

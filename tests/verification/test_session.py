@@ -118,7 +118,7 @@ def test_wrong_calls_are_answered():
         assert {q.name for q in s.inputs} == {"top.rotation", "top.lowering"}
         assert {"top_speed", "bit_speed", "hook_load"} <= {q.name for q in s.outputs}
         for call, text in (
-            (lambda: s.set("top.rotaton", 1.0), "set: no input 'top.rotaton'; nearest: top.rotation"),
+            (lambda: s.set("top.rotationx", 1.0), "set: no input 'top.rotationx'; nearest: top.rotation"),
             (lambda: s.get("bit_sped"), "get: no output 'bit_sped'; nearest: bit_speed"),
         ):
             with pytest.raises(LookupError) as error:

@@ -163,7 +163,14 @@ AnyController = Annotated[
     | Annotated[SoftTorqueController, Tag("kind:SoftTorqueController")]
     | Annotated[ZTorqueController, Tag("kind:ZTorqueController")],
     Discriminator(_tag),
-    BeforeValidator(_check),
+    BeforeValidator(
+        _check,
+        json_schema_input_type=Literal["stiff", "soft_torque", "soft_speed", "z_torque"]
+        | PiController
+        | StiffController
+        | SoftTorqueController
+        | ZTorqueController,
+    ),
 ]
 
 
@@ -172,4 +179,7 @@ def _as_list(value: Any) -> Any:
     return value if isinstance(value, (list, tuple)) else [value]
 
 
-Controllers = Annotated[tuple[AnyController, ...], BeforeValidator(_as_list)]
+Controllers = Annotated[
+    tuple[AnyController, ...],
+    BeforeValidator(_as_list, json_schema_input_type=AnyController | tuple[AnyController, ...]),
+]
