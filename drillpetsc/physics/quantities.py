@@ -142,6 +142,11 @@ def _motor_power(drive: Any, sample: Sample) -> float:
     return float(speed * torque)
 
 
+def _whole(drive: Any, values: FloatArray, depth: Any) -> tuple[float]:
+    """The nearest whole number, where a row lies between two steps."""
+    return (float(np.round(values[0])),)
+
+
 TOP_MOTOR: tuple[Quantity, ...] = (
     Quantity(
         "top_speed",
@@ -207,6 +212,7 @@ TOP_MOTOR: tuple[Quantity, ...] = (
         doc="Kind of the controller that acts.",
         mean=False,
         value=partial(_of_motor, 5),
+        finish=_whole,
     ),
     Quantity(
         "torque_limited",
@@ -217,5 +223,6 @@ TOP_MOTOR: tuple[Quantity, ...] = (
         sign="1 at a limit, else 0",
         doc="Whether a limit of the motor holds its torque.",
         value=partial(_of_motor, 6),
+        finish=_whole,
     ),
 )
