@@ -555,6 +555,7 @@ OUTPUT_TABLES = {
     "outputs/probes.md": ("probes.csv", "column"),
     "outputs/statics.md": ("statics.csv", "column"),
     "outputs/modes.md": ("modes.csv", "column"),
+    "outputs/reflection.md": ("reflection.csv", "column"),
     "outputs/string.md": ("string/*.vtu", "field"),
     "outputs/trajectory.md": ("trajectory.csv", "column"),
     "outputs/hydraulics.md": ("hydraulics.csv", "column"),

@@ -2,7 +2,7 @@
 
 The public face is that of `drillpetsc.api`: `Case` describes what is simulated (the keys of a case file),
 `load_case` reads one, `run`, `sweep`, `statics`, `hydraulics`, `surge`, `roadmap`, `calibrate`, `limits`, `freepoint`,
-`modes` and `study` are the commands, and `open_run` reads the results of one again. `units` converts values.
+`modes`, `top_drive` and `study` are the commands, and `open_run` reads the results of one again. `units` converts values.
 Importing the package starts no MPI and imports nothing else of it.
 """
 
@@ -10,6 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from drillpetsc.analysis.session import Session
     from drillpetsc.api import (
         Case,
         calibrate,
@@ -26,12 +27,14 @@ if TYPE_CHECKING:
         study,
         surge,
         sweep,
+        top_drive,
     )
 
 from drillpetsc.version import __version__ as __version__
 
 __all__ = [
     "Case",
+    "Session",
     "calibrate",
     "catalogue",
     "freepoint",
@@ -46,6 +49,7 @@ __all__ = [
     "roadmap",
     "surge",
     "sweep",
+    "top_drive",
 ]
 
 
@@ -53,6 +57,8 @@ def __getattr__(name: str) -> Any:
     """Import the public face when one of its names is used."""
     if name == "units":
         return import_module("drillpetsc.units")
+    if name == "Session":
+        return import_module("drillpetsc.analysis.session").Session
     if name in __all__:
         return getattr(import_module("drillpetsc.api"), name)
     raise AttributeError(f"module 'drillpetsc' has no attribute {name!r}")

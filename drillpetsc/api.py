@@ -41,6 +41,7 @@ __all__ = [
     "study",
     "surge",
     "sweep",
+    "top_drive",
 ]
 
 
@@ -316,6 +317,7 @@ def modes(
     overwrite: bool = False,
     name: str | None = None,
     comm: Any = None,
+    without_control: bool = False,
 ) -> Result:
     """Find eigenvalues of the linearised model of a case and write modes.csv and mode shapes (collective).
 
@@ -328,13 +330,38 @@ def modes(
     overwrite: True to replace the results in an existing folder
     name: name of the case in the default folder
     comm: PETSc communicator; by default all ranks
+    without_control: True to hold the top instead of the motor and controller that the case has
     """
     case, name = _loaded(case, name)
     initialise_petsc()
     from drillpetsc.analysis.modal import run_modes
     from drillpetsc.results.result import result_of
 
-    return result_of(run_modes(case, out, count, shift, kind, about, overwrite, name, comm))
+    return result_of(run_modes(case, out, count, shift, kind, about, overwrite, name, comm, without_control))
+
+
+def top_drive(
+    case: Case | str | Path,
+    out: str | Path | None = None,
+    *,
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+) -> Result:
+    """Compute gains of a top drive's controllers and the reflection of torsional waves, and write reflection.csv (collective).
+
+    case: a Case with `top.motor` and `top.control`, or the path of a case file
+    out: run folder; by default results/<case>-NNN
+    overwrite: True to replace the results in an existing folder
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+    """
+    case, name = _loaded(case, name)
+    initialise_petsc()
+    from drillpetsc.analysis.top_drive import run_top_drive
+    from drillpetsc.results.result import result_of
+
+    return result_of(run_top_drive(case, out, overwrite, name, comm))
 
 
 def study(

@@ -38,6 +38,8 @@ DIMENSIONS: dict[str, tuple[str, str]] = {
     "K": ("a temperature", "60 degF"),
     "m/(s N)": ("a drillability", "2.8e-8 m/(s N)"),
     "W": ("a power", "500 hp or 370 kW"),
+    "N m/s": ("a rate of a torque", "50 kN m/s"),
+    "1/s^2": ("a squared rate", "5 1/s2"),
 }
 
 # fmt: off
@@ -77,6 +79,8 @@ FACTORS: dict[str, dict[str, float]] = {
     "Pa s^n": {"Pa second_to_the_n": 1.0, "mPa second_to_the_n": 0.001},
     "K": {"K": 1.0},
     "W": {"W": 1.0, "kW": 1000.0, "MW": 1000000.0},
+    "N m/s": {"N m/s": 1.0, "kN m/s": 1000.0},
+    "1/s^2": {"1/s^2": 1.0},
     "m/(s N)": {"m/(s N)": 1.0, "m/h/kN": 2.7777777777777776e-07, "m/(h kN)": 2.7777777777777776e-07, "m/s/N": 1.0},
 }
 # fmt: on

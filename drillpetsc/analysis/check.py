@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from drillpetsc.analysis.coarse_mesh import expected_warnings
+from drillpetsc.analysis.drive_report import drive_lines
 from drillpetsc.analysis.energy_descent import coarse_elements
 from drillpetsc.analysis.string_figures import figure_lines
 from drillpetsc.analysis.summary import field_counts
@@ -34,6 +35,7 @@ TERMS = (
     ("loads", "loads"),
     ("joints", "joints"),
     ("drive", "rotary drive with spring and damper"),
+    ("top_motor", "motor of the top drive"),
     ("bore", "drilling fluid in the string"),
     ("annulus", "drilling fluid in the annulus"),
 )
@@ -141,6 +143,7 @@ def _lines(model: DrillingModel) -> list[str]:
             "  time: quasi-static, in equilibrium at all times"
             + (", while the hole grows" if case.formation is not None else "")
         )
+    lines += [f"  {line}" for line in drive_lines(model)]
     # stress-free curvature is part of the quaternion element, not a component
     names = {component.name for component in model.components} | (
         {"curvature"} if mesh.curvature.any() else set()

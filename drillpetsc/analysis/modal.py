@@ -32,6 +32,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError, DrillError
+from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
 from drillpetsc.output.case_files import write_case
@@ -132,6 +133,14 @@ class Modes:
 
 
 # ---------------------------------------------------------------------- state
+def without_motor(case: Case) -> Case:
+    """The case with its top held at the prescribed rotation instead of driven by a motor."""
+    if case.top.motor is None:
+        return case
+    top = case.top.model_copy(update={"motor": None, "control": (), "torque": None})
+    return case.model_copy(update={"top": top})
+
+
 def prepare_state(model: DrillingModel, about: str = "steady") -> StaticState:
     """Set the model to the state for the linearisation (manual: sec-eigen-state); collective.
 
@@ -147,7 +156,7 @@ def prepare_state(model: DrillingModel, about: str = "steady") -> StaticState:
         move_rigidly(model)
         return state
     state = find_equilibrium(model, (0.0, 0.0))
-    release(model)
+    release(model, at_rest=True)
     for part in (model.contact, model.bit):
         if (
             part is not None
@@ -221,6 +230,8 @@ def modes(
                 eigenvalues = _nearest(
                     eigenvalues_near(problem, 2j * np.pi * shift, 2 * count, engine), shift, count
                 )
+            if model.drive is not None and model.drive.free_angle:
+                eigenvalues = _without_free_angle(model, linearised, eigenvalues)
             answer = _describe(model, linearised, eigenvalues)
         except DrillError as failure:
             answer = failure
@@ -247,6 +258,14 @@ def modes(
         ZERO_FRACTION * reference,
         *motion,
     )
+
+
+def _without_free_angle(model: DrillingModel, linearised: Linearised, found: Eigenvalues) -> Eigenvalues:
+    """Leave out the root zero of the angle of the whole string, which a controlled speed leaves free."""
+    small = np.flatnonzero(np.abs(found.s) <= ZERO_FRACTION * reference_rate(model))
+    share = _shares(model, linearised, found.s[small], linearised.T @ found.u[:, small])
+    turning = small[share.argmax(axis=1) == KINDS.index("torsional")]
+    return found if not len(turning) else found.subset(np.arange(len(found.s)) != turning[0])
 
 
 def _of_kind(model: DrillingModel, linearised: Linearised, kind: str):
@@ -312,6 +331,8 @@ def _shares(model: DrillingModel, linearised: Linearised, s: np.ndarray, u: np.n
         )
     stored = np.abs(linearised.C.diagonal())
     for i, name in enumerate(names):
+        if model.system.layout.fields[i].physics == DRIVE:
+            continue
         unknowns = np.flatnonzero((linearised.field == i) & ~linearised.second_order)
         energy[:, 3] += (
             0.5 * (stored[unknowns] / ROW_WEIGHT.get(name.split(".")[-1], 1.0)) @ np.abs(u[unknowns]) ** 2
@@ -346,6 +367,7 @@ def run_modes(
     overwrite: bool = False,
     name: str = "case",
     comm: PETSc.Comm | None = None,
+    without_control: bool = False,
 ) -> RunResult:
     """Compute the modes of a case and write modes.csv, modes/mode_NN.vtu, string.pvd and summary.json; collective.
 
@@ -355,6 +377,7 @@ def run_modes(
     about: as in ``prepare_state``.
     overwrite: replace an existing run folder.
     comm: communicator, all ranks by default.
+    without_control: leave out motor and controller, and hold the top at the prescribed rotation.
 
     Returns folder, summary and the lines to show.  Raises CaseError for wrong arguments, SolveError where no state
     or mode is found.
@@ -368,7 +391,7 @@ def run_modes(
             at="--shift", got=shift, want="a frequency in Hz, at least 0, and not together with --kind"
         )
     with options.applied(case.petsc):
-        model = build_model(case, comm)
+        model = build_model(without_motor(case) if without_control else case, comm)
         folder = make_folder(comm, name, out, False, overwrite)
         state = prepare_state(model, about)
         fields = FieldOutput(model).fields(0.0)

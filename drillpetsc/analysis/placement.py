@@ -40,6 +40,8 @@ def place_along_hole(model: DrillingModel, top: float = 0.0) -> None:
     top: measured depth of its upper end [m].
     """
     system = model.system
+    if model.drive is not None:
+        model.drive.hold()
     if model.beam is not None:
         position, tangent = model.position, model.tangent
         if top and model.well is not None:
@@ -81,7 +83,12 @@ def move_rigidly(model: DrillingModel) -> None:
     release_flow(model)
 
 
-def release(model: DrillingModel) -> None:
-    """Change from statics to motion: friction follows the actual motion from now on."""
+def release(model: DrillingModel, at_rest: bool = False) -> None:
+    """Change from statics to motion: friction follows the actual motion from now on.
+
+    at_rest: a controlled drive keeps the string at rest, whatever its set point.
+    """
     for component in model.components:
         component.release_sliding_direction()
+    if model.drive is not None:
+        model.drive.start(model.system.assembly, at_rest)

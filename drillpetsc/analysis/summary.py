@@ -10,6 +10,7 @@ from typing import Any
 
 from petsc4py import PETSc
 
+from drillpetsc.analysis.drive_report import control_summary
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.provenance import digest, versions
 from drillpetsc.errors import Interrupted
@@ -18,6 +19,7 @@ from drillpetsc.geometry.trajectory import as_dict, new_hole
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.time_error import time_error_lines
+from drillpetsc.physics.top_drive import MotorDrive
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 from drillpetsc.unit_systems import System, display_unit, shown
 
@@ -94,6 +96,8 @@ def outcome(
         result["accepted_changes"] = list(notes["accepted_changes"])
     if "statics" in notes:
         result["statics"] = notes["statics"]
+    if isinstance(model.drive, MotorDrive):
+        result["top_drive"] = control_summary(model.drive.laws, model.drive.motor, model.drive.impedance)
     if recorder.energy is not None:
         result["energy"] = recorder.energy.summary(newton_work)
     if recorder.mass is not None:

@@ -14,6 +14,7 @@ from petsc4py import PETSc
 from drillpetsc import petsc_compat
 from drillpetsc.analysis import checkpoint, provenance, summary
 from drillpetsc.analysis.coarse_mesh import run_warnings
+from drillpetsc.analysis.drive_report import drive_warnings
 from drillpetsc.analysis.equilibrium import StaticState
 from drillpetsc.analysis.initial_state import initial_state
 from drillpetsc.analysis.memory import Memory
@@ -296,6 +297,7 @@ class TransientRun:
         self.end = float(self.case.time.end)  # type: ignore[union-attr]
         self.notes["warnings"] = step_warnings(self.model, self.fixed_step)
         self.notes["warnings"] += [*run_warnings(self.model), *self.model.mesh.notes]
+        self.notes["warnings"] += drive_warnings(self.model, self.saved is None)
         if self.saved is not None:
             self.notes["warnings"] += provenance.version_warnings(self.saved.provenance)
         self.boiling = BoilingMonitor(self.model.system, self.model.fluid)

@@ -26,6 +26,10 @@ def case_data(case: CaseBlocks) -> dict[str, Any]:
             del item_data["material"]
     if case.top.force is not None:
         data["top"].pop("lowering")
+    if case.top.torque is not None:
+        data["top"].pop("rotation")
+    if not case.top.control:
+        data["top"].pop("control", None)
     return {key: value for key, value in _plain(data).items() if value not in ({}, [])}
 
 

@@ -282,6 +282,11 @@ def _modes_arguments(command: argparse.ArgumentParser) -> None:
         default="steady",
         help="the state: moving as the top prescribes at time 0, or at rest without friction (default: steady)",
     )
+    command.add_argument(
+        "--without-control",
+        action="store_true",
+        help="leave out the motor and controller of the top drive, and hold the top",
+    )
 
 
 def _modes(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
@@ -301,8 +306,21 @@ def _modes(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         arguments.about,
         arguments.overwrite,
         Path(arguments.case).stem,
+        without_control=arguments.without_control,
     )
     print_once(result.lines)
+    return 0
+
+
+def _top_drive(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case import load_case
+
+    case = load_case(arguments.case)
+    start_job(petsc_options)
+    from drillpetsc.analysis.top_drive import run_top_drive
+
+    name = Path(arguments.case).stem
+    print_once(run_top_drive(case, arguments.out, arguments.overwrite, name).lines)
     return 0
 
 
@@ -361,6 +379,13 @@ COMMANDS = (
         "eigenvalues about the static or steady state: frequencies, damping, stability, mode shapes",
         _modes_arguments,
         _modes,
+        parents=(output_folder(),),
+    ),
+    Command(
+        "top-drive",
+        "gains of a top drive's controllers, and how much of a torsional wave the top reflects",
+        case_argument,
+        _top_drive,
         parents=(output_folder(),),
     ),
 )

@@ -35,7 +35,7 @@ __all__ = [
 ]
 
 #: kinds of unknowns: what a field belongs to
-STRING, JOINT, FLUID, ROCK = "string", "joint", "fluid", "rock"
+STRING, JOINT, FLUID, ROCK, DRIVE = "string", "joint", "fluid", "rock", "drive"
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Field:
     fields are first-order states, or algebraic where ``differential`` is False.
     multiplier: a Lagrange multiplier: algebraic, and its rows are constraints.
     default: value used where an element refers to the field and a node does not have it.
-    physics: ``string``, ``joint``, ``fluid`` or ``rock``; error control, line search and the steady flow
+    physics: ``string``, ``joint``, ``fluid``, ``rock`` or ``drive``; error control, line search and the steady flow
     select by it.
     """
 
@@ -66,8 +66,8 @@ class Field:
 
     @property
     def does_work(self) -> bool:
-        """Whether the field's rows are forces along its unknowns: neither constraints nor balances of mud."""
-        return not self.multiplier and self.physics != FLUID
+        """Whether the field's rows are forces along its unknowns: no constraints, balances of mud or control laws."""
+        return not self.multiplier and self.physics not in (FLUID, DRIVE)
 
 
 @dataclass
@@ -209,6 +209,10 @@ class Component:
     def breaks(self) -> tuple[float, ...]:
         """Times at which an input jumps or bends [s]."""
         return ()
+
+    def at_break(self, t: float, state: Any) -> bool:
+        """Change states of this rank where an input jumps or bends at ``t`` [s]; True where any changed."""
+        return False
 
     # ------------------------------------------------------------------ reference frames
     def renew_reference_frames(self, system: Any) -> bool:

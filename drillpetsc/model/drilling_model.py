@@ -21,6 +21,7 @@ from drillpetsc.model.hole import build_well, hole_depth
 from drillpetsc.model.mesh import build_mesh, curvature_by_tool_face
 from drillpetsc.model.quaternion import quaternion_components
 from drillpetsc.model.rock_bit import build_rock_bit
+from drillpetsc.model.top_drive import build_drive
 from drillpetsc.physics import interfaces
 from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.bit_on_bottom import BitOnBottom
@@ -60,7 +61,7 @@ class DrillingModel:
     components: tuple
     beam: interfaces.Beam | None
     top: interfaces.Top | None
-    drive: RotaryDrive | None
+    drive: interfaces.Drive | None
     contact: Contact | None
     bit: interfaces.Bit | None
     system: DiscreteSystem
@@ -112,7 +113,8 @@ def build_model(
     mesh = curvature_by_tool_face(mesh, frames)
     beam: interfaces.Beam | None = None
     top: interfaces.Top | None = None
-    drive, contact, bit = None, None, None
+    drive: interfaces.Drive | None = None
+    contact, bit = None, None
     components: list = []
     if case.beam.formulation == "quaternion":
         breaks = tuple(b for q in case.loads for b in q.value_over.breaks()) + _top_breaks(case)
@@ -139,7 +141,7 @@ def build_model(
         beam = AncfBeam(mesh, frames, gravity, contact.impact_depth if contact is not None else np.inf)
         components.append(beam)
         components += _optional_components(mesh, frames, gravity, balanced=is_quasi_static(case))
-        top, drive = _top_components(case, position[0], tangent[0], _top_path(well, frames), frames)
+        top, drive = _top_components(case, mesh, position[0], tangent[0], _top_path(well, frames), frames)
         components += [r for r in (top, drive) if r is not None]
         components += _bottom_components(case, mesh.nodes - 1, position[-1], tangent[-1])
         loads = _loads(case, mesh, tangent)
@@ -226,7 +228,12 @@ def _top_path(well: Well | None, frames: Frames) -> HolePath | None:
 
 
 def _top_components(
-    case: Case, position: FloatArray, tangent: FloatArray, path: HolePath | None, frames: Frames
+    case: Case,
+    mesh: StringMesh,
+    position: FloatArray,
+    tangent: FloatArray,
+    path: HolePath | None,
+    frames: Frames,
 ):
     """Create the top end and, for a driven top, the rotary drive; None where absent.
 
@@ -239,6 +246,9 @@ def _top_components(
         ), None
     if isinstance(top, TopDriveCase):
         lowering = None if top.force is not None else top.lowering
+        if top.motor is not None and not is_quasi_static(case):
+            free = TopDrive(position, tangent, None, lowering, path=path, frames=frames)
+            return free, build_drive(case, mesh)
         # without inertia rotation acts through the direction of friction only
         rotation = Constant(0.0) if is_quasi_static(case) else top.rotation
         return TopDrive(position, tangent, rotation, lowering, path=path, frames=frames), None

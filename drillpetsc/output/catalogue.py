@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import conditions as where
 from drillpetsc.output import quantities as measured
-from drillpetsc.output.quantities import hydraulics, limits, torque_drag
+from drillpetsc.output.quantities import hydraulics, limits, top_drive, torque_drag
 from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.physics import quantities as physics
 
@@ -43,6 +43,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
             *_listed(measured.ROW_START),
             *_listed(measured.TOP_END, where.TOP),
             *_listed((measured.HOOK_LOAD_TOTAL,), where.BLOCK),
+            *_listed(physics.TOP_MOTOR, where.MOTOR),
             *_listed(physics.BIT, where.BIT),
             *_listed(measured.LOWER_END, where.STRING),
             *_listed(measured.HOLE, where.BIT, rop=where.DRILLS),
@@ -97,6 +98,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
             *_listed((measured.ECD,), where.ANNULUS),
         ),
         "modes.csv": _listed(measured.MODES),
+        "reflection.csv": _listed(top_drive.REFLECTION),
         "trajectory.csv": _listed(measured.TRAJECTORY),
         "hydraulics.csv": _listed(hydraulics.LOSS_ROWS),
         "pressure_profile.csv": _listed(hydraulics.PRESSURE_PROFILE),

@@ -3,6 +3,7 @@
 STRING = "string that is not held"
 TUBES = f"{STRING}, every element a pipe"
 TOP = "top end that is held, driven or pulled"
+MOTOR = "top.motor"
 BLOCK = f"{TOP}, rig.block_weight"
 BIT = "bit on bottom"
 DRILLS = "bit that drills (formation)"

@@ -241,6 +241,11 @@ class Recorder:
                 columns += [TableColumn(source, q, slot, number, depth) for source, q, slot in together]
         return columns
 
+    @property
+    def history_columns(self) -> tuple[TableColumn, ...]:
+        """Columns of history.csv."""
+        return tuple(self._history)
+
     # ------------------------------------------------------------------ sampling
     def sample(self, t: float) -> FloatArray:
         """(width,) all sampled values at the assembly's state and inputs at ``t`` [s], the same on all ranks."""

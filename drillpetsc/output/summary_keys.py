@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from drillpetsc.output.conditions import BLOCK, CONTACT, CUTTINGS, DRILLS, INERTIA, MUD, STRING
+from drillpetsc.output.conditions import BLOCK, CONTACT, CUTTINGS, DRILLS, INERTIA, MOTOR, MUD, STRING
 
 
 @dataclass(frozen=True)
@@ -117,6 +117,15 @@ RUN: tuple[SummaryKey, ...] = (
     SummaryKey("energy.gained_share", "-", "Gained energy, as a share like error_share.", INERTIA),
     SummaryKey("energy.gain_limit", "-", "Limit of gained_share (option -drillpetsc_gain_limit).", INERTIA),
     SummaryKey("energy.flag", "", "True if gained_share exceeds its limit.", INERTIA),
+    SummaryKey("top_drive.impedance", "N m s/rad", "Torsional impedance of the uppermost pipe.", MOTOR),
+    SummaryKey("top_drive.inertia", "kg m2", "Inertia of the drive.", MOTOR),
+    SummaryKey(
+        "top_drive.control",
+        "",
+        "List: kind, from [s], p [N m s/rad] and i [N m/rad] of each controller, and where it is tuned frequency [Hz] "
+        "and reflection [-] there.",
+        MOTOR,
+    ),
     SummaryKey("mass.pumped", "m3", "Volume of mud pumped in since the start.", MUD),
     SummaryKey("mass.returned", "m3", "Volume of mud that came out since the start.", MUD),
     SummaryKey("mass.cuttings", "m3", "Volume of rock that the mud took up, counted as mud.", CUTTINGS),

@@ -183,11 +183,33 @@ class WallContact(Component):
 
 
 class Drive(Component):
-    """A drive that turns the upper end."""
+    """A drive that turns the upper end.
+
+    ``free_angle``: the drive has no angle to return to, so the whole string may stand at any angle.
+    """
+
+    free_angle: bool = False
 
     @abstractmethod
     def torque(self, t: float, state: Any) -> float:
         """Torque of the drive on the string [N m], this rank's share."""
+
+    def results(self, state: Any) -> FloatArray:
+        """Results of the drive on the rank with the top, zero elsewhere; empty for a drive without any."""
+        return np.zeros(0)
+
+    def figures(self, t: float, state: Any) -> FloatArray:
+        """Numbers of its quantities at the time ``t`` [s], this rank's share; empty for a drive without any."""
+        return np.zeros(0)
+
+    def hold(self) -> None:
+        """Hold the top for statics, where a drive would not."""
+
+    def start(self, state: Any, at_rest: bool = False) -> None:
+        """Begin the motion from statics; the drive goes on with the static torque.
+
+        at_rest: without rotation, for the modes about rest.
+        """
 
 
 class JointSet(Component):

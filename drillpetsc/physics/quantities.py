@@ -130,3 +130,99 @@ JOINTS: tuple[Quantity, ...] = (
         value=partial(_of_joints, "travel"),
     ),
 )
+
+
+# ---------------------------------------------------------------------- motor of the top drive
+def _of_motor(index: int, drive: Any, sample: Sample) -> float:
+    return float(sample.once(drive.figures, sample.time)[index])
+
+
+def _motor_power(drive: Any, sample: Sample) -> float:
+    speed, _, torque = sample.once(drive.figures, sample.time)[:3]
+    return float(speed * torque)
+
+
+def _whole(drive: Any, values: FloatArray, depth: Any) -> tuple[float]:
+    """The nearest whole number, where a row lies between two steps."""
+    return (float(np.round(values[0])),)
+
+
+TOP_MOTOR: tuple[Quantity, ...] = (
+    Quantity(
+        "top_speed",
+        "rad/s",
+        on="scalar",
+        label="Speed of the top drive",
+        mnemonic="RPMA",
+        sign="clockwise (looking down)",
+        doc="Speed of the quill.",
+        value=partial(_of_motor, 0),
+        panel=4,
+        interest=4,
+    ),
+    Quantity(
+        "motor_torque",
+        "N m",
+        on="scalar",
+        label="Motor torque",
+        mnemonic="TQMO",
+        sign="the motor drives clockwise (looking down)",
+        doc="Torque of the motor at the quill, within its limits.",
+        value=partial(_of_motor, 2),
+        panel=3,
+    ),
+    Quantity(
+        "pipe_torque",
+        "N m",
+        on="scalar",
+        label="Torque on the pipe",
+        mnemonic="TQPI",
+        sign="the drive turns the string clockwise (looking down)",
+        doc="Motor torque less that which accelerates the drive; the surface torque.",
+        value=partial(_of_motor, 3),
+        panel=3,
+    ),
+    Quantity(
+        "motor_power",
+        "W",
+        on="scalar",
+        label="Motor power",
+        mnemonic="PWMO",
+        sign="the motor drives the string",
+        doc="Motor torque times the speed of the quill.",
+        value=_motor_power,
+    ),
+    Quantity(
+        "speed_error",
+        "rad/s",
+        on="scalar",
+        label="Speed error of the top drive",
+        mnemonic="RPME",
+        sign="the drive is slower than its set point",
+        doc="Set point less the speed of the quill; 0 where the torque is prescribed.",
+        value=partial(_of_motor, 4),
+    ),
+    Quantity(
+        "control_mode",
+        "-",
+        on="scalar",
+        label="Control mode",
+        mnemonic="CMOD",
+        sign="0 torque prescribed, 1 pi, 2 stiff, 3 soft_torque, 4 z_torque",
+        doc="Kind of the controller that acts.",
+        mean=False,
+        value=partial(_of_motor, 5),
+        finish=_whole,
+    ),
+    Quantity(
+        "torque_limited",
+        "-",
+        on="scalar",
+        label="Torque at a limit",
+        mnemonic="TQLI",
+        sign="1 at a limit, else 0",
+        doc="Whether a limit of the motor holds its torque.",
+        value=partial(_of_motor, 6),
+        finish=_whole,
+    ),
+)

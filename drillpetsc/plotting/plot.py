@@ -16,7 +16,7 @@ import numpy as np
 from drillpetsc.output.catalogue import find
 from drillpetsc.output.files.fields import read_frame, read_series
 from drillpetsc.output.files.json_file import read_summary
-from drillpetsc.output.files.run_folder import SWEEP_TABLE, RunFolder
+from drillpetsc.output.files.run_folder import REFLECTION_TABLE, SWEEP_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table, split_name
 from drillpetsc.plotting import style
 from drillpetsc.plotting.hole_path import new_hole, well_path
@@ -25,6 +25,7 @@ from drillpetsc.plotting.limits import limits_drawers
 from drillpetsc.plotting.modes import draw_modes
 from drillpetsc.plotting.style import GROUND, LINE_COLORS, WALL, display_unit, label, words
 from drillpetsc.plotting.sweep import draw_sweep
+from drillpetsc.plotting.top_drive import draw_reflection
 from drillpetsc.plotting.torque_drag import torque_drag_drawers
 from drillpetsc.unit_systems import System
 from drillpetsc.unit_systems import display_unit as display_unit_of
@@ -114,6 +115,8 @@ def _drawers(folder: RunFolder, units: System | None) -> dict[str, Callable[[], 
         drawers["along_depth"] = lambda: _along_depth(read_table(folder.statics), title)
     if (folder.path / "modes.csv").exists():
         drawers["modes"] = lambda: draw_modes(folder.path, title)
+    if (folder.path / REFLECTION_TABLE).exists():
+        drawers["reflection"] = lambda: draw_reflection(folder.path, title)
     system = units or units_of(summary)
     drawers |= hydraulics_drawers(folder.path, title, system)
     drawers |= torque_drag_drawers(folder.path, title, system)

@@ -30,12 +30,14 @@ KINDS = {
     "hydraulics.csv": "hydraulics",
     "surge.csv": "surge",
     "modes.csv": "modes",
+    "reflection.csv": "top_drive",
 }
 TABLES = (
     "history.csv",
     "probes.csv",
     "statics.csv",
     "modes.csv",
+    "reflection.csv",
     *HYDRAULICS_TABLES,
     ROADMAP_TABLE,
     *LIMITS_TABLES,

@@ -355,8 +355,10 @@ class TimeIntegrator:
             local if self.system.comm.size == 1 else bool(self.system.comm.tompi4py().allreduce(int(local)))
         )
 
-    def run(self, start: float, end: float, breaks: tuple[float, ...] = ()) -> None:
+    def run(self, start: float, end: float, breaks: tuple[float, ...] = (), resume: bool = False) -> None:
         """Integrate from ``start`` to ``end`` [s]; collective.
+
+        resume: go on from the end of the last ``run``, at ``start``, with the formula's history unless an input jumps there.
 
         breaks: times at which inputs jump or bend [s].  A step ends at each of them, and the formula restarts
         there (manual: sec-time-jumps).
@@ -365,26 +367,32 @@ class TimeIntegrator:
         """
         system, ts = self.system, self.ts
         system.assembly.invalidate_prescribed_values()
-        self.system.accept()
-        system.store_state(self.state)
+        if not resume:
+            self.system.accept()
+            system.store_state(self.state)
         # a break this near the start or the end coincides with it (0.1 + 0.2 and 0.3)
         near = END_TOLERANCE * max(1.0, abs(end))
         stops = sorted({b for b in breaks if start + near < b < end - near} | {end})
         jumps = {s for s in stops if any(abs(b - s) <= near for b in breaks)}
-        ts.setTime(start)
-        ts.setTimeStep(self.first_step)
+        if not resume:
+            ts.setTime(start)
+            ts.setTimeStep(self.first_step)
         ts.setMaxSteps(2**31 - 1)
         self._last = start
         if self.work is not None:
             self.work.start(start)
         continued = self._restored is not None and not any(abs(b - start) <= near for b in breaks)
+        begin, at_break = start, any(abs(b - start) <= near for b in breaks)
         for stop in stops:
+            if at_break:
+                self._change_states(begin)
             self._stop, self._jump = stop, stop if stop in jumps else np.inf
             if continued:
                 self._replay_history()
-            else:
+            elif not resume or at_break:
+                self._restored = None
                 self._start_formula(stop)
-            continued = False
+            begin, at_break, continued, resume = stop, True, False, False
             ts.setMaxTime(stop)
             rejected = ts.getStepRejections()
             with petsc_compat.own_errors():
@@ -396,6 +404,14 @@ class TimeIntegrator:
             self.counters.rejected += ts.getStepRejections() - rejected
             if self.stopped:
                 return
+
+    def _change_states(self, t: float) -> None:
+        """Let components change their states where an input jumps or bends at ``t`` [s]."""
+        changed = False
+        for component in self.system.components:
+            changed |= component.at_break(t, self.system.assembly)
+        if changed:
+            self.system.store_state(self.state)
 
     def _start_formula(self, stop: float) -> None:
         """Restart the formula without history, e.g. after a discontinuity.
@@ -413,6 +429,12 @@ class TimeIntegrator:
         self.fresh = True
         self.history.start(ts.getTime(), asm.x, asm.y)
         ts.setTimeStep(min(self.first_step, stop - ts.getTime()))
+
+    def close(self) -> None:
+        """Free the solvers and vectors of PETSc; the integrator cannot be used afterwards."""
+        self.ts.destroy()
+        for vector in (self.state, self._f, self._zero):
+            vector.destroy()
 
     def stop(self) -> None:
         """End the run after this step; to be called from on_step_end, on all ranks."""

@@ -47,7 +47,8 @@ def test_rows_times_velocity_is_the_change_of_energy(kind):
     system, t = build(kind), 0.4
     asm = system.assembly
     asm.condense(SHIFT)
-    power = float(asm.residual(t)[:-1] @ asm.y[:-1])
+    force = np.array([f.does_work for f in system.layout.fields])[system.layout.field_of]
+    power = float(asm.residual(t)[:-1][force] @ asm.y[:-1][force])
     powers = system.powers(t)
     x0, y0 = asm.x.copy(), asm.y.copy()
     flow = y0.copy()
@@ -141,3 +142,27 @@ def test_contact_returns_nan_for_nan(kind, what):
     for b, touched in zip(blocks, touching, strict=True):
         wrong = np.isnan(asm.block_rows(b, 0.4)).any(axis=1)
         assert wrong[touched if what in ("stiffness", "friction of the pipe") else slice(None)].all()
+
+
+@pytest.mark.parametrize(
+    ("kind", "limited"),
+    [
+        ("motor_pi", 0),
+        ("motor_upper", 1),
+        ("motor_lower", 1),
+        ("motor_power", 1),
+        ("motor_rounded", 0),
+    ],
+)
+def test_the_motors_of_the_contract_are_at_their_limits(kind, limited):
+    """The states above lie where their name says: inside the limits, at one, or within its rounding."""
+    from tests.helpers.component_models import RESULTS
+
+    system = build(kind)
+    asm, drive = system.assembly, next(c for c in system.components if c.name == "top_motor")
+    asm.condense(SHIFT)
+    drive.powers(0.4, asm)
+    r = drive.results(asm)
+    assert r[RESULTS["limited"]] == limited
+    if kind == "motor_rounded":
+        assert 0 < abs(r[RESULTS["command"]] - r[RESULTS["torque"]]) < 2.5e-3 * abs(r[RESULTS["command"]])

@@ -13,9 +13,11 @@ from drillpetsc.geometry.well import Well
 from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.bit_on_bottom import BitOnBottom
 from drillpetsc.physics.contact import Contact, ContactLaw
+from drillpetsc.physics.control import Law, Motor
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
 from drillpetsc.physics.precurvature import Precurvature
 from drillpetsc.physics.rigid_bodies import RigidBodies
+from drillpetsc.physics.top_drive import RESULTS, STATES, MotorDrive
 from drillpetsc.time_function import Constant, Ramp
 
 SHIFT = 2.3
@@ -49,6 +51,27 @@ def mesh_for(kind: str):
     return mesh
 
 
+def motor_drive(kind: str) -> MotorDrive:
+    """The drive of ``kind``: law, filters, lag, delay and limits by words; sizes of order one."""
+    law = {"p": 1.7, "i": 2.1, "delay": 0.6 if "delay" in kind else 0.0}
+    if "soft" in kind:
+        law |= {"compensation": 0.25}
+    if "ztorque" in kind:
+        law |= {"coupling": 0.4, "high_pass": 0.9, "low_pass": 0.0 if "direct" in kind else 0.3}
+        law |= {"estimated": "estimated" in kind}
+    limits = {
+        "upper": {"max_torque": 0.4, "min_torque": -0.4},
+        "lower": {"max_torque": 50.0, "min_torque": 0.0},
+        "power": {"max_torque": 40.0, "min_torque": -30.0, "power": 0.6},
+    }.get(kind.split("_")[1], {})
+    limits |= {"torque_rate": 0.5, "lag": 0.2} if "rate" in kind else {}
+    limits |= {"lag": 0.2} if "lag" in kind else {}
+    torque = Ramp(1.0, 2.0) if "given" in kind else None
+    laws = () if torque is not None else (Law("pi", **law),)
+    rotation = Constant(-9.0) if "lower" in kind else Ramp(1.0, 8.0)
+    return MotorDrive(rotation, torque, laws, Motor(0.4, **limits), 1.0, 5)
+
+
 def build(kind: str, seed: int = 3) -> DiscreteSystem:
     """DiscreteSystem of ``kind`` (words joined by _) in a random state with random rates and history."""
     rng = np.random.default_rng(seed)
@@ -75,6 +98,8 @@ def build(kind: str, seed: int = 3) -> DiscreteSystem:
         )
     if "drive" in kind:
         components.append(RotaryDrive(Ramp(1.0, 2.0), 3.0, 0.7, 0.4))
+    if "motor" in kind:
+        components.append(motor_drive(kind))
     if "topdrive" in kind:
         components.append(TopDrive(position[0], tangents[0], Ramp(1.0, 2.0), Constant(0.3)))
     if "clamped" in kind:
@@ -106,12 +131,24 @@ def build(kind: str, seed: int = 3) -> DiscreteSystem:
         system.set_field("string.ratio", np.full((5, 1), 1.2))
     asm = system.assembly
     asm.v0[:], asm.v1[:] = rng.standard_normal(len(asm.v0)), rng.standard_normal(len(asm.v1))
+    if "motor" in kind:
+        for name, size, _ in STATES:
+            system.set_field(name, rng.standard_normal((5, size)))
     if (
-        "drive" in kind
+        "drive" in kind or "motor" in kind
     ):  # a drive rotates about the fixed direction of its node, where spin rate and rate of the angle are equal
         here = system.layout.dofs["string.tangent"][0]
         asm.x[here] = 1.1 * curved_tangents(1)[0]
         asm.v0[here] = -SHIFT * asm.x[here]
+    if "held" in kind:
+        components[-1].hold()
+        components[-1].params["held"] = 3.0  # of the size of the other stiffnesses
+    if "rounded" in kind:  # the torque is within the rounding of the limit
+        asm.condense(SHIFT)
+        components[-1].powers(0.4, asm)
+        command = components[-1].results(asm)[RESULTS["command"]]
+        components[-1].params["max_torque"] = 1.001 * abs(command)
+        components[-1].params["min_torque"] = -1.001 * abs(command)
     return system
 
 
@@ -126,6 +163,21 @@ KINDS = [
     "curvature_junction",
     "loads",
     "drive",
+    "motor_pi",
+    "motor_given",
+    "motor_held",
+    "motor_soft_lag",
+    "motor_soft_delay",
+    "motor_ztorque",
+    "motor_ztorque_direct",
+    "motor_ztorque_direct_delay",
+    "motor_ztorque_lag_delay",
+    "motor_ztorque_estimated",
+    "motor_upper",
+    "motor_rounded",
+    "motor_lower",
+    "motor_power",
+    "motor_rate",
     "topdrive",
     "clamped",
     "contact",

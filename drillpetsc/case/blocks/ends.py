@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Discriminator, Field, Strict, Tag, model_v
 
 from drillpetsc.case.block import Block, tagged_union
 from drillpetsc.case.blocks.string import Friction
+from drillpetsc.case.blocks.top_drive import Controllers, TopMotor
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import OverTime, Quantity, Vector
 from drillpetsc.time_function import Constant, TimeFunction
@@ -32,13 +33,23 @@ _PLUGGED = (
 class TopEnd(Block):
     """Base of every kind of top. A kind without one of these keys has the value None for it."""
 
-    optional_attributes: ClassVar[Mapping[str, Any]] = {"rotation": None, "lowering": None, "force": None}
+    optional_attributes: ClassVar[Mapping[str, Any]] = {
+        "rotation": None,
+        "lowering": None,
+        "force": None,
+        "torque": None,
+        "motor": None,
+        "control": (),
+    }
 
     if TYPE_CHECKING:
         kind: str
         rotation: TimeFunction | None = None
         lowering: TimeFunction | None = None
         force: TimeFunction | None = None
+        torque: TimeFunction | None = None
+        motor: TopMotor | None = None
+        control: Controllers = ()
 
 
 class HeldTop(TopEnd):
@@ -78,7 +89,7 @@ class DrivenTop(TopEnd):
 
 
 class TopDrive(TopEnd):
-    """A top drive: prescribed rotation; prescribed lowering, or an axial force."""
+    """A top drive: rotation that is prescribed, or that a motor and its control follow; lowering, or an axial force."""
 
     kind: Literal["top_drive"] = Field(description="prescribed rotation, and lowering or axial force")
     rotation: RotationSpeed = Field(default=_ZERO, description=_ROTATION)
@@ -87,12 +98,46 @@ class TopDrive(TopEnd):
         default=None,
         description="axial force at the top over time, positive in pull, instead of a lowering",
     )
+    motor: TopMotor | None = Field(
+        default=None, description="motor with inertia and limits; without it the rotation is prescribed"
+    )
+    control: Controllers = Field(
+        default=(),
+        description="speed controller of the motor, whose set point is the rotation; or a list of controllers, "
+        "each from a time on",
+    )
+    torque: Annotated[TimeFunction, OverTime("N m")] | None = Field(
+        default=None, description="torque of the motor over time, instead of a control"
+    )
 
     @model_validator(mode="after")
     def _one_of_two(self) -> TopDrive:
         if self.force is not None and "lowering" in self.model_fields_set:
             raise refuse("force", want="a lowering or a force, not both")
+        if self.motor is None:
+            if self.control:
+                raise refuse(
+                    "control", got=self.control[0].kind, want="an own controller needs motor.inertia",
+                    hint="without a motor the rotation is prescribed",
+                )  # fmt: skip
+            if self.torque is not None:
+                raise refuse("torque", want="a motor, whose torque it is: motor: {inertia: ...}")
+        elif bool(self.control) == (self.torque is not None):
+            want = "a control, or a torque over time" + (", not both" if self.control else "")
+            raise refuse("torque" if self.control else "control", want=want)
+        if self.torque is not None and "rotation" in self.model_fields_set:
+            raise refuse("rotation", want="no rotation with a torque: the speed follows from it")
+        self._times()
         return self
+
+    def _times(self) -> None:
+        """Raise where controllers do not follow each other from time 0 on."""
+        for i, q in enumerate(self.control):
+            if i == 0 and q.from_ != 0:
+                raise refuse("control", 0, "from", got=q.from_, want="0 for the first controller")
+            if i and q.from_ <= self.control[i - 1].from_:
+                want = f"later than the controller before, {self.control[i - 1].from_:g} s"
+                raise refuse("control", i, "from", got=q.from_, want=want)
 
 
 class HeldBottom(Block):

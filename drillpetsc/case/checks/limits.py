@@ -30,6 +30,8 @@ def check_quaternion(case: CaseBlocks) -> None:
         raise _not_supported("fluid", "formulation", got="hermite", what="hermite mud")
     if isinstance(case.top, DrivenTop):
         raise _not_supported("top", "kind", got="driven", what="a driven top")
+    if case.top.motor is not None:
+        raise _not_supported("top", "motor", what="a motor of the top drive")
     last = max((i for i, item in enumerate(case.string) if not isinstance(item, Rigid)), default=0)
     for i, item in enumerate(case.string[:last]):
         if isinstance(item, Rigid):

@@ -33,6 +33,7 @@ ROADMAP_TABLE = "roadmap.csv"  # hook load and torque by bit depth, operation an
 ROADMAP_FILE = "roadmap.json"  # what the rows of a roadmap come from
 CALIBRATION_TABLE = "calibration.csv"  # measured points beside the soft string with the fitted factors
 TORQUE_DRAG_FILES = (ROADMAP_TABLE, ROADMAP_FILE, CALIBRATION_TABLE)
+REFLECTION_TABLE = "reflection.csv"  # of torsional waves at a controlled top
 LIMITS_TABLE = "limits.csv"  # stresses, strength and buckling along the string
 CONTACTS_TABLE = "contacts.csv"  # what the wall does to each item
 LIMITS_TABLES = (LIMITS_TABLE, CONTACTS_TABLE)
@@ -203,7 +204,10 @@ class RunFolder:
             self.case,
             self.resolved_case,
             self.report,
-            *(self.path / table for table in (*HYDRAULICS_TABLES, *TORQUE_DRAG_FILES, *LIMITS_TABLES)),
+            *(
+                self.path / table
+                for table in (*HYDRAULICS_TABLES, *TORQUE_DRAG_FILES, *LIMITS_TABLES, REFLECTION_TABLE)
+            ),
         ):
             file.unlink(missing_ok=True)
         for frame in self.string_frames.glob("*.vtu"):

@@ -1,0 +1,104 @@
+"""Words on a controlled top drive: gains and tuned frequency for the screen and summary.json, and warnings."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from drillpetsc.case.case import Case
+from drillpetsc.model.drilling_model import DrillingModel, is_quasi_static
+from drillpetsc.physics.control import Law, Motor, reflection
+from drillpetsc.physics.top_drive import MotorDrive
+
+
+def control_summary(laws: tuple[Law, ...], motor: Motor, impedance: float) -> dict[str, Any]:
+    """Entries of summary.json: impedance, inertia, and gains of each controller (SI)."""
+    return {
+        "impedance": impedance,
+        "inertia": motor.inertia,
+        "control": [_law_summary(law, motor, impedance) for law in laws],
+    }
+
+
+def _law_summary(law: Law, motor: Motor, impedance: float) -> dict[str, Any]:
+    out: dict[str, Any] = {"kind": law.kind, "from": law.start}
+    out |= {"p": law.p, "i": law.i}
+    if law.frequency:
+        r = abs(reflection(law, motor, impedance, np.array([law.frequency]))[0])
+        out |= {"frequency": law.frequency, "reflection": float(r)}
+    return out
+
+
+def control_lines(laws: tuple[Law, ...], motor: Motor, impedance: float) -> list[str]:
+    """Lines for the screen: impedance, gains and tuned frequency of each controller."""
+    lines = [
+        f"top drive: inertia {motor.inertia:g} kg m2, impedance of the uppermost pipe {impedance:.6g} N m s/rad"
+    ]
+    for law in laws:
+        start = f" from {law.start:g} s" if len(laws) > 1 else ""
+        tuned = ""
+        if law.frequency:
+            r = abs(reflection(law, motor, impedance, np.array([law.frequency]))[0])
+            tuned = f", tuned to {law.frequency:.5g} Hz, where it reflects {r:.3g} of a wave"
+        late = f", delay {law.delay:g} s" if law.delay else ""
+        lines.append(
+            f"  {law.kind}{start}: p {law.p:.6g} N m s/rad ({law.p / impedance:.4g} impedances), i {law.i:.6g} N m/rad"
+            f"{tuned}{late}"
+        )
+    return lines
+
+
+def control_warnings(case: Case, laws: tuple[Law, ...], impedance: float) -> list[str]:
+    """Sentences on controllers that may not do what their user expects."""
+    out = []
+    for number, q in enumerate(case.top.control):
+        at = "top.control" + (f"[{number}]" if len(laws) > 1 else "")
+        damping = getattr(q, "damping", None)
+        if damping is not None and damping < 1:
+            out.append(
+                f"{at}.damping: {damping:g} is below 1: the drive yields more than the pipe and reflects with opposite "
+                "sign; allowed above 0"
+            )
+    return out
+
+
+def start_warnings(torque: float, motor: Motor) -> list[str]:
+    """Sentence on a start for which the motor is too weak; torque: static, at the start [N m]."""
+    if not motor.max_torque or motor.min_torque <= torque <= motor.max_torque:
+        return []
+    limit = motor.max_torque if torque > 0 else -motor.min_torque
+    key = "max_torque" if torque > 0 else "min_torque"
+    return [
+        f"top.motor: {key} {limit / 1e3:.4g} kN m is below the torque of the start, {abs(torque) / 1e3:.4g} kN m: "
+        "the string stands still"
+    ]
+
+
+def drive_warnings(model: DrillingModel, starts: bool) -> list[str]:
+    """Sentences on the drive of a run, the same on all ranks; collective.
+
+    starts: the run begins; a continued one has no static torque.
+    """
+    case, drive = model.case, model.drive
+    if case.top.motor is not None and is_quasi_static(case):
+        return ["top.motor: left out, since time.mode is quasi_static: the rotation is prescribed"]
+    if not isinstance(drive, MotorDrive):
+        return []
+    out = control_warnings(case, drive.laws, drive.impedance)
+    if starts:
+        torque = float(model.system.comm.tompi4py().allreduce(drive.start_torque))
+        out += start_warnings(torque, drive.motor)
+    return out
+
+
+def drive_lines(model: DrillingModel) -> list[str]:
+    """Lines of the command `check`; empty without a motor."""
+    drive = model.drive
+    if not isinstance(drive, MotorDrive):
+        return []
+    lines = control_lines(drive.laws, drive.motor, drive.impedance)
+    return [
+        *lines,
+        *(f"  WARNING: {text}" for text in control_warnings(model.case, drive.laws, drive.impedance)),
+    ]

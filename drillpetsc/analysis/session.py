@@ -1,0 +1,348 @@
+"""A model that is advanced step by step from Python, with inputs set and outputs read in between.
+
+Manual: sec-session.
+"""
+
+from __future__ import annotations
+
+import difflib
+import time as clock
+from collections import deque
+from collections.abc import Iterable
+from contextlib import nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc.analysis import checkpoint
+from drillpetsc.analysis.drive_report import drive_warnings
+from drillpetsc.analysis.initial_state import initial_state
+from drillpetsc.analysis.live_input import LiveInput
+from drillpetsc.analysis.transient import make_integrator
+from drillpetsc.case.blocks.fluid import Fluid
+from drillpetsc.case.case import Case
+from drillpetsc.errors import CaseError
+from drillpetsc.fem.quantity import Quantity, Sample
+from drillpetsc.model.drilling_model import build_model, is_quasi_static
+from drillpetsc.output.recorder import Recorder
+from drillpetsc.solvers import petsc_options as options
+from drillpetsc.unit_tables import DIMENSIONS
+
+#: jump of an input, as a fraction of its largest value so far, from which the time formula restarts
+JUMP = 0.05
+#: columns of history.csv on the row itself; the energies, of which a session keeps no account, are left out, too
+LEFT_OUT = ("time", "step", "newton")
+FACTOR_WINDOW = 1.0  # simulated time over which ``Session.factor`` is measured [s]
+INPUTS = {
+    "top": ("rotation", "lowering", "force", "torque"),
+    "fluid": ("flow_rate", "pump_pressure", "outlet_pressure"),
+}
+
+
+@dataclass(frozen=True)
+class SessionInput:
+    """An input of a session.
+
+    name: key path of the case; unit: SI; minimum, maximum: allowed values, None: any; description.
+    """
+
+    name: str
+    unit: str
+    minimum: float | None
+    maximum: float | None
+    description: str
+
+
+@dataclass(frozen=True)
+class SessionOutput:
+    """An output of a session: a column of history.csv, in SI."""
+
+    name: str
+    unit: str
+    description: str
+
+
+@dataclass(frozen=True)
+class SessionState:
+    """State of a session: a checkpoint with the inputs that were set."""
+
+    checkpoint: checkpoint.Checkpoint
+    inputs: dict[str, list[float] | None]
+    largest: dict[str, float]
+
+
+@dataclass(frozen=True)
+class StepReport:
+    """What ``Session.step_until`` reached: the time [s], and whether the wall time ended the step before its end."""
+
+    time: float
+    late: bool
+
+
+class Session:
+    """A model that is advanced step by step.
+
+    case: a Case, the path of a case file, or a run folder whose checkpoint is continued.
+    interpolate: ``held``, an input is constant from its ``set`` on; ``linear``, it goes to the new value over the next step.
+    comm: PETSc communicator, all ranks by default; then every call is collective.
+
+    Raises CaseError for bad input and SolveError where no static state is found or no step can be taken.  A session is a
+    context manager; ``close`` frees its memory.
+    """
+
+    def __init__(
+        self, case: Case | str | Path, *, interpolate: str = "held", comm: PETSc.Comm | None = None
+    ) -> None:
+        if interpolate not in ("held", "linear"):
+            raise CaseError(at="interpolate", got=interpolate, want="held or linear")
+        comm = comm or PETSc.COMM_WORLD
+        case, saved = _loaded(case, comm)
+        if case.time is not None and is_quasi_static(case):
+            raise CaseError(at="time.mode", got="quasi_static", want="dynamic in a session")
+        self._linear, self._waiting = interpolate == "linear", dict[str, float]()
+        self._live: dict[str, LiveInput] = {}
+        self._given: dict[str, Any] = {}
+        with options.applied(case.petsc):
+            self._model = build_model(self._with_live_inputs(case), comm)
+            self._recorder = Recorder(self._model)
+            self._model.case = case  # checkpoints hold the case as it was given
+            self._integrator = make_integrator(self._model)
+        self.time = saved.time if saved is not None else 0.0
+        initial_state(self._model, case, saved, None)
+        if saved is not None:
+            self._integrator.set_state(saved.stepper)
+        self.warnings = drive_warnings(self._model, saved is None)
+        self._largest = {name: abs(live.value(self.time)) for name, live in self._live.items()}
+        self._started, self._jumped = False, False
+        self._wall: deque[tuple[float, float]] = deque()
+        self._deadline, self._closed = np.inf, False
+        self._sample: tuple[float, np.ndarray, Sample] | None = None
+        self._integrator.on_step_end.append(self._watch)
+        self._columns = {
+            c.title[0]: c for c in self._recorder.history_columns if c.source is not self._recorder.energy
+        }
+        for name in LEFT_OUT:
+            self._columns.pop(name, None)
+
+    def _with_live_inputs(self, case: Case) -> Case:
+        """The case with inputs that can be set in place of those that vary over time."""
+        changed: dict[str, Any] = {}
+        for block_name, keys in INPUTS.items():
+            block = getattr(case, block_name)
+            if block is None:
+                continue
+            update = {}
+            for key in keys:
+                given = getattr(block, key, None) if key in type(block).model_fields else None
+                if given is None or (key == "lowering" and case.top.force is not None):
+                    continue
+                if key == "rotation" and case.top.torque is not None:
+                    continue
+                name = f"{block_name}.{key}"
+                self._given[name], self._live[name] = given, LiveInput(given)
+                update[key] = self._live[name]
+            changed[block_name] = block.model_copy(update=update)
+        return case.model_copy(update=changed)
+
+    # ------------------------------------------------------------------ what there is
+    @property
+    def inputs(self) -> tuple[SessionInput, ...]:
+        """Inputs that ``set`` takes."""
+        return tuple(self._describe(name) for name in self._live)
+
+    def _describe(self, name: str) -> SessionInput:
+        block_name, key = name.split(".")
+        block = type(getattr(self._model.case, block_name))
+        field = block.model_fields[key]
+        metadata = [m for m in field.metadata if hasattr(m, "unit")]
+        unit = metadata[0].unit if metadata else _UNITS[key]
+        least = 0.0 if block is Fluid else None
+        return SessionInput(name, unit, least, None, field.description or "")
+
+    @property
+    def outputs(self) -> tuple[SessionOutput, ...]:
+        """Outputs that ``get`` gives."""
+        out = []
+        for name, column in self._columns.items():
+            q: Quantity = column.quantity
+            out.append(SessionOutput(name, column.title[1], q.doc))
+        return tuple(out)
+
+    @property
+    def factor(self) -> float:
+        """Simulated time over wall time of the steps of the last simulated second; nan before the first step."""
+        if not self._wall:
+            return float("nan")
+        simulated, wall = (sum(q[k] for q in self._wall) for k in (0, 1))
+        return simulated / wall if wall > 0 else float("inf")
+
+    # ------------------------------------------------------------------ inputs and outputs
+    def set(self, name: str, value: float) -> None:
+        """Set an input from now on, in SI.
+
+        Raises LookupError for an unknown name and ValueError for a value that the input may not have.
+        """
+        self._check_open()
+        live = self._live.get(name)
+        if live is None:
+            raise LookupError(_unknown("set", "input", name, self._live))
+        value, least = float(value), self._describe(name).minimum
+        if not np.isfinite(value) or (least is not None and value < least):
+            limit = "" if least is None else f", at least {least:g}"
+            raise ValueError(f"set: {name} cannot be {value:g}; allowed: a finite number{limit}")
+        if self._linear:
+            self._waiting[name] = value
+            return
+        jump = live.set(self.time, value)
+        self._jumped |= abs(jump) > JUMP * max(self._largest[name], abs(value))
+        self._largest[name] = max(self._largest[name], abs(value))
+        self._sample = None
+
+    def get(self, name: str) -> float:
+        """An output at the present time, in SI.  Raises LookupError for an unknown name."""
+        return self.get_many([name])[0]
+
+    def get_many(self, names: Iterable[str]) -> list[float]:
+        """Several outputs at the present time, in SI.  Raises LookupError for an unknown name."""
+        self._check_open()
+        columns = []
+        for name in names:
+            if name not in self._columns:
+                raise LookupError(_unknown("get", "output", name, self._columns))
+            columns.append(self._columns[name])
+        if self._sample is None or self._sample[0] != self.time:
+            recorder, v = self._recorder, np.full(self._recorder.layout.width, np.nan)
+            self._sample = (self.time, v, Sample(recorder.system, self.time))
+        _, v, sample = self._sample
+        wanted = [
+            slot for c in columns if (slot := self._slot(c)) is not None and np.isnan(v[slot.span]).all()
+        ]
+        mud, mpi = self._recorder.mud, self._recorder.comm
+        with mud.shared_results() if mud is not None and wanted else nullcontext():
+            for slot in {q.start: q for q in wanted}.values():
+                values = slot.value(slot.source, sample)
+                part = np.atleast_1d(np.asarray(values, dtype=float)).ravel()
+                v[slot.span] = part if mpi.size == 1 else mpi.allreduce(part)
+        finished: dict[Any, Any] = {}
+        return [float(c.number(v, finished)) for c in columns]
+
+    def _slot(self, column: Any) -> Any:
+        slot = self._recorder.layout.slots.get((id(column.source), column.quantity.value))
+        return slot
+
+    # ------------------------------------------------------------------ time
+    def step(self, dt: float) -> None:
+        """Advance by ``dt`` [s], which is met exactly, in steps that the integrator chooses."""
+        if not (np.isfinite(dt) and dt > 0):
+            raise ValueError(f"step: dt must be above 0 s, not {dt:g}")
+        self._advance(self.time + float(dt))
+
+    def step_until(self, t: float, wall_budget: float = np.inf) -> StepReport:
+        """Advance to the time ``t`` [s], or until ``wall_budget`` [s] of wall time are over, after whole inner steps."""
+        if not (np.isfinite(t) and t > self.time):
+            raise ValueError(f"step_until: t must be above the present time, {self.time:g} s, not {t:g}")
+        self._deadline = clock.perf_counter() + wall_budget
+        try:
+            self._advance(float(t))
+        finally:
+            self._deadline = np.inf
+        return StepReport(self.time, self.time < t)
+
+    def _watch(self, t: float) -> None:
+        """After every inner step: end the advance where its wall time is over; the first rank decides."""
+        self.time = t
+        if self._deadline == np.inf:
+            return
+        late = clock.perf_counter() > self._deadline
+        if self._recorder.comm.size > 1:
+            late = self._recorder.comm.bcast(late)
+        if late:
+            self._integrator.stop()
+
+    def _advance(self, end: float) -> None:
+        self._check_open()
+        start, began = self.time, clock.perf_counter()
+        for name, value in self._waiting.items():
+            self._live[name].set(start, value, end)
+        self._waiting.clear()
+        integrator = self._integrator
+        integrator.stopped = False
+        breaks = self._model.breaks
+        if self._jumped:
+            breaks = (*breaks, start)
+        integrator.run(start, end, breaks, resume=self._started)
+        self._started, self._jumped, self._sample = True, False, None
+        if not integrator.stopped:
+            self.time = end
+        self._wall.append((self.time - start, clock.perf_counter() - began))
+        while len(self._wall) > 1 and sum(q[0] for q in list(self._wall)[1:]) >= FACTOR_WINDOW:
+            self._wall.popleft()
+
+    # ------------------------------------------------------------------ state
+    def state(self) -> SessionState:
+        """The whole state, for ``set_state`` of this session; collective."""
+        self._check_open()
+        c = checkpoint.take(self._model, self._recorder, self._integrator, self.time)
+        if self._recorder.comm.size > 1:
+            c = self._recorder.comm.bcast(c)
+        assert c is not None
+        return SessionState(c, {n: q.get_state() for n, q in self._live.items()}, dict(self._largest))
+
+    def set_state(self, state: SessionState) -> None:
+        """Go back to a ``state`` of this session; the steps that follow repeat those of before to the last bit."""
+        self._check_open()
+        c = state.checkpoint
+        checkpoint.restore(self._model, c, at="set_state")
+        self._integrator.set_state(c.stepper)
+        for name, live in self._live.items():
+            live.set_state(state.inputs[name], self._given[name])
+        self.time, self._largest = c.time, dict(state.largest)
+        self._started, self._jumped, self._sample = False, False, None
+        self._waiting.clear()
+
+    def close(self) -> None:
+        """Free the memory; a closed session refuses every call."""
+        if self._closed:
+            return
+        self._closed = True
+        self._integrator.close()
+        del self._integrator, self._recorder, self._model, self._columns
+        self._sample = None
+
+    def _check_open(self) -> None:
+        if self._closed:
+            raise RuntimeError("the session is closed")
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+_UNITS = {"force": "N", "torque": "N m", "pump_pressure": "Pa"}
+assert set(_UNITS.values()) <= set(DIMENSIONS)
+
+
+def _unknown(call: str, what: str, name: str, known: Iterable[str]) -> str:
+    """Message on an unknown name."""
+    names = list(known)
+    near = difflib.get_close_matches(name, names, 1, 0.4)
+    return f"{call}: no {what} {name!r}; " + (
+        f"nearest: {near[0]}" if near else f"there are {', '.join(names)}"
+    )
+
+
+def _loaded(case: Case | str | Path, comm: PETSc.Comm) -> tuple[Case, checkpoint.Checkpoint | None]:
+    """Case and, for a run folder, checkpoint."""
+    from drillpetsc.case import load_case
+
+    if isinstance(case, Case):
+        return case, None
+    path = Path(case)
+    if not path.is_dir():
+        return load_case(path), None
+    return load_case(path / "case.yaml"), checkpoint.read(path / "checkpoint.h5")

@@ -1,0 +1,185 @@
+"""`top.motor` and `top.control`: the motor of a top drive, its limits and its speed controller."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+
+from drillpetsc.case.block import Block, tagged_union
+from drillpetsc.case.key_paths import refuse
+from drillpetsc.case.quantities import Quantity, WordOrNumber
+
+POWER_TOLERANCE = 0.01  # by which power and max_torque times base_speed may differ [-]
+
+
+class TopMotor(Block):
+    """The motor of a top drive at the quill: inertia and limits. Without it the speed is prescribed."""
+
+    inertia: Annotated[float, Quantity("kg m^2", above=0)] = Field(
+        description="inertia at the quill: of the motors times the squared gear ratio, and of the quill"
+    )
+    max_torque: Annotated[float, Quantity("N m", above=0)] | None = Field(
+        default=None, description="largest torque; without it the torque has no limits"
+    )
+    min_torque: Annotated[float, Quantity("N m", at_most=0)] | None = Field(
+        default=None,
+        description="torque of the strongest braking, at most 0; a drive that cannot brake has 0; default -max_torque",
+    )
+    power: Annotated[float, Quantity("W", above=0)] | None = Field(
+        default=None, description="largest power: above base_speed the torque is at most power/speed"
+    )
+    base_speed: Annotated[float, Quantity("rad/s", above=0)] | None = Field(
+        default=None, description="speed above which the power limits the torque; default power/max_torque"
+    )
+    torque_rate: Annotated[float, Quantity("N m/s", above=0)] | None = Field(
+        default=None, description="largest rate of the torque; without it there is no such limit"
+    )
+    time_constant: Annotated[float, Quantity("s", at_least=0)] = Field(
+        default=0.0,
+        description="time constant with which the torque follows the controller; 0: at once "
+        "(5 ms where there is a torque_rate)",
+    )
+
+    @model_validator(mode="after")
+    def _limits(self) -> TopMotor:
+        for key in ("min_torque", "power", "base_speed"):
+            if getattr(self, key) is not None and self.max_torque is None:
+                raise refuse("max_torque", want=f"a largest torque, which {key} needs")
+        if (
+            self.max_torque is not None
+            and self.min_torque is not None
+            and -self.min_torque > 1e3 * self.max_torque
+        ):
+            raise refuse("min_torque", got=self.min_torque, want=f"at least {-1e3 * self.max_torque:g} N m")
+        if self.power is not None and self.base_speed is not None and self.max_torque is not None:
+            if not math.isclose(self.power, self.base_speed * self.max_torque, rel_tol=POWER_TOLERANCE):
+                raise refuse(
+                    "base_speed",
+                    got=self.base_speed,
+                    want=f"power/max_torque, {self.power / self.max_torque:.4g} rad/s, or only two of the three",
+                    hint="at another speed the limit of the torque would jump",
+                )
+        return self
+
+    @property
+    def limit_power(self) -> float | None:
+        """Largest power [W]; None without a limit."""
+        if self.power is None and self.base_speed is not None and self.max_torque is not None:
+            return self.base_speed * self.max_torque
+        return self.power
+
+
+class Controller(Block):
+    """What all speed controllers have in common."""
+
+    from_: Annotated[float, Quantity("s", at_least=0)] = Field(
+        default=0.0, alias="from", description="time from which it acts"
+    )
+    delay: Annotated[float, Quantity("s", at_least=0)] = Field(
+        default=0.0, description="delay of the controller's output"
+    )
+
+
+class PiController(Controller):
+    """Torque p e + i times the integral of e, with e the set point less the speed."""
+
+    kind: Literal["pi"] = Field(description="proportional and integral gain")
+    p: Annotated[float, Quantity("N m s/rad", at_least=0)] = Field(description="proportional gain")
+    i: Annotated[float, Quantity("N m/rad", at_least=0)] = Field(description="integral gain")
+
+    @model_validator(mode="after")
+    def _gain(self) -> PiController:
+        if self.p == 0:
+            raise refuse("p", got=0.0, want="a gain above 0", hint="without it the speed swings without end")
+        return self
+
+
+class StiffController(Controller):
+    """PI control with gains that follow from the pipe and the inertia of the drive."""
+
+    kind: Literal["stiff"] = Field(description="stiff PI control of the speed")
+    p: Annotated[float, Quantity("", above=0)] = Field(
+        default=50.0, description="proportional gain, times the impedance of the uppermost pipe"
+    )
+    i: Annotated[float, Quantity("1/s^2", at_least=0)] = Field(
+        default=5.0, description="integral gain, times the inertia of the drive"
+    )
+
+
+_AUTO_FREQUENCY = WordOrNumber(("auto",), Quantity("1/s", above=0), none=False)
+
+
+class SoftTorqueController(Controller):
+    """Impedance control: the drive absorbs torsional waves about one frequency."""
+
+    kind: Literal["soft_torque", "soft_speed"] = Field(description="impedance control (soft torque)")
+    damping: Annotated[float, Quantity("", above=0)] = Field(
+        default=4.0,
+        description="proportional gain, times the impedance of the uppermost pipe; a wave of the tuned frequency "
+        "is reflected by (damping - 1)/(damping + 1)",
+    )
+    frequency: Annotated[float | Literal["auto"], _AUTO_FREQUENCY] = Field(
+        default="auto",
+        description="tuned frequency; auto: the lowest torsional frequency of the string with its top held",
+    )
+    inertia_compensation: Annotated[float, Quantity("", at_least=0, at_most=0.95)] = Field(
+        default=0.0, description="share of the drive's inertia that a torque with the acceleration takes away"
+    )
+
+
+class ZTorqueController(Controller):
+    """Stiff control whose set point follows the high-passed torque of the pipe."""
+
+    kind: Literal["z_torque"] = Field(description="impedance matching by the torque of the pipe (Z-torque)")
+    factor: Annotated[float, Quantity("", at_least=0)] = Field(
+        default=0.25, description="share of the matched impedance; 1: waves are absorbed"
+    )
+    high_pass: Annotated[float, Quantity("s", above=0)] = Field(
+        default=20.0, description="period of the high-pass filter of the pipe's torque"
+    )
+    low_pass: Annotated[float, Quantity("s", at_least=0)] = Field(
+        default=0.005, description="period of the low-pass filter of the pipe's torque; 0: none"
+    )
+    p: Annotated[float, Quantity("", above=0)] = Field(
+        default=50.0, description="proportional gain, times the impedance of the uppermost pipe"
+    )
+    i: Annotated[float, Quantity("1/s^2", at_least=0)] = Field(
+        default=5.0, description="integral gain, times the inertia of the drive"
+    )
+    estimate: Literal["sensor", "motor"] = Field(
+        default="sensor",
+        description="torque of the pipe: sensor, as measured; motor, from the motor's torque and the filtered acceleration",
+    )
+
+
+_kinds = (PiController, StiffController, SoftTorqueController, ZTorqueController)
+_check, _tag = tagged_union(*_kinds, short=("stiff", "soft_torque", "soft_speed", "z_torque"))
+
+AnyController = Annotated[
+    Annotated[PiController, Tag("kind:PiController")]
+    | Annotated[StiffController, Tag("kind:StiffController")]
+    | Annotated[SoftTorqueController, Tag("kind:SoftTorqueController")]
+    | Annotated[ZTorqueController, Tag("kind:ZTorqueController")],
+    Discriminator(_tag),
+    BeforeValidator(
+        _check,
+        json_schema_input_type=Literal["stiff", "soft_torque", "soft_speed", "z_torque"]
+        | PiController
+        | StiffController
+        | SoftTorqueController
+        | ZTorqueController,
+    ),
+]
+
+
+def _as_list(value: Any) -> Any:
+    """One controller as a list of one."""
+    return value if isinstance(value, (list, tuple)) else [value]
+
+
+Controllers = Annotated[
+    tuple[AnyController, ...],
+    BeforeValidator(_as_list, json_schema_input_type=AnyController | tuple[AnyController, ...]),
+]

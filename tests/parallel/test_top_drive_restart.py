@@ -1,0 +1,67 @@
+"""A motor with a controller, its limits, filters and a change of the law: restarts bit for bit, and several ranks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drillpetsc import load_case
+from drillpetsc.analysis.transient import run
+from drillpetsc.output import read_table
+from tests.helpers.mpi import run_mpi
+from tests.parallel.test_restart import files, run_with_copies
+
+SCRIPT = Path(__file__).parent / "run_case.py"
+#: the controller changes at 40 ms, the torque meets its limit before; the set point bends at 60 ms
+CASE = """
+well:
+  survey: {md: [0 m, 60 m], inclination: [40 deg, 70 deg], azimuth: [0 deg, 10 deg]}
+  sections: [{to: 60 m, kind: casing, diameter: 215.9 mm, friction: 0.2}]
+string:
+  - {kind: pipe, length: 30 m, od: 127 mm, id: 108.6 mm, element_length: 10 m}
+  - {kind: pipe, length: 20 m, od: 171.5 mm, id: 71.4 mm, element_length: 10 m, eccentricity: 3 mm}
+top:
+  kind: top_drive
+  rotation: {time: [0 s, 60 ms, 1 s], value: [60 rpm, 80 rpm, 80 rpm]}
+  motor: {inertia: 300 kg m2, max_torque: 2 kN m, power: 30 kW, time_constant: 2 ms, torque_rate: 200 kN m/s}
+  control:
+    - {kind: z_torque, high_pass: 1 s}
+    - {kind: soft_torque, damping: 4, frequency: 2 Hz, inertia_compensation: 0.5, delay: 4 ms, from: 40 ms}
+bottom: free
+time: {end: 0.1 s}
+petsc: {q_snes_stol: 1.0e-10}
+output: {history_every: 5 ms, field_every: 50 ms, checkpoint_every: 7 ms}
+"""
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory) -> Path:
+    path: Path = tmp_path_factory.mktemp("case") / "case.yaml"
+    path.write_text(CASE)
+    return path
+
+
+def test_restarts_reproduce_the_run(case, tmp_path, monkeypatch):
+    copies = run_with_copies(case, tmp_path / "run", monkeypatch)
+    whole = files(tmp_path / "run")
+    for copy in copies[:: max(1, len(copies) // 6)]:
+        run(load_case(case), copy, restart=True, progress="silent")
+        assert files(copy) == whole
+
+
+@pytest.mark.parallel
+def test_ranks_agree(case, tmp_path):
+    """Two and three ranks, against one: within 1e-7 of the largest value of each column of the state."""
+    run(load_case(case), tmp_path / "1", progress="silent")
+    one = read_table(tmp_path / "1" / "history.csv")
+    assert 0 < one["torque_limited [-]"].sum() < len(one["time [s]"])
+    assert set(one["control_mode [-]"]) == {4.0, 3.0}
+    for ranks in (2, 3):
+        run_mpi(ranks, SCRIPT, [str(case), str(tmp_path / str(ranks))])
+        other = read_table(tmp_path / str(ranks) / "history.csv")
+        for name, values in one.items():
+            if name.split()[0] in ("step", "newton", "energy_error"):
+                continue
+            assert other[name] == pytest.approx(values, rel=1e-6, abs=1e-6 * np.abs(values).max()), name

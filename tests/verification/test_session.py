@@ -1,0 +1,161 @@
+"""A session advances a model as a run does, and its state replays to the last bit (manual: sec-session)."""
+
+from __future__ import annotations
+
+import gc
+import resource
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import drillpetsc
+from drillpetsc import Case, load_case, run
+from drillpetsc.output import read_table
+from tests.helpers import top_drive_models as m
+
+LYING = Path(__file__).parents[2] / "cases" / "lying-string.yaml"
+FIXED = {"ts_adapt_type": "none", "ts_dt": 2.5e-3}
+
+
+@pytest.mark.parametrize("count", [20, pytest.param(200, marks=pytest.mark.slow)])
+def test_a_session_equals_a_run(count, tmp_path):
+    """C31: ``count`` steps of 0.05 s of the lying string, both with inner steps of 2.5 ms, which meet the grid.
+
+    Positions within 1e-9 m, forces within 1e-6 of the largest.  With steps of their own the two differ by the tolerance
+    of the time integration, since a session's steps end on its grid and a run's do not.
+    """
+    case = load_case(LYING).replace(
+        {"time.end": 0.05 * count, "petsc.ts_adapt_type": "none", "petsc.ts_dt": 2.5e-3}
+    )
+    run(case, tmp_path / "run", progress="silent")
+    table = read_table(tmp_path / "run" / "history.csv")
+    names = ["bit_depth", "hook_load", "surface_torque", "bit_speed"]
+    rows = []
+    with drillpetsc.Session(case) as s:
+        for _ in range(count):
+            s.step(0.05)
+            rows.append([s.time, *s.get_many(names)])
+    got = np.array(rows).T
+    assert got[0] == pytest.approx(table["time [s]"][1:], abs=1e-12)
+    columns = {title.split(" ")[0]: values for title, values in table.items()}
+    assert np.abs(got[1] - columns["bit_depth"][1:]).max() < 1e-9
+    for k, name in enumerate(names[1:], 2):
+        size = np.abs(columns[name]).max()
+        assert np.abs(got[k] - columns[name][1:]).max() < 1e-6 * size, name
+
+
+def drive(**more) -> Case:
+    """Ten metres of pipe under a drive whose torque is limited, from rest."""
+    pipe = {"kind": "pipe", "length": 10.0, "od": 0.127, "id": 0.1086, "element_length": 5.0}
+    keys = {
+        "string": [pipe],
+        "top": m.top("stiff", 5.0, max_torque=20e3),
+        "gravity": 0.0,
+        "initial": {"from": "rest"},
+    }
+    return Case(**{**keys, **more})
+
+
+@pytest.mark.parametrize("speed", [None, 5.05, 12.0])
+def test_a_state_replays_to_the_last_bit(speed):
+    """From a state on, with an input left alone, changed a little, and changed by so much that the formula restarts."""
+    with drillpetsc.Session(drive()) as s:
+        s.step(0.3)
+        state, replays = s.state(), []
+        for _ in range(2):
+            s.set_state(state)
+            assert s.time == 0.3
+            if speed is not None:
+                s.set("top.rotation", speed)
+            values = []
+            for _ in range(10):
+                s.step(0.02)
+                values.append(s.get_many(["top_speed", "motor_torque", "bit_speed"]))
+            replays.append(values)
+        assert replays[0] == replays[1]
+
+
+def test_a_controller_in_python_is_the_controller_of_the_case():
+    """A PI law in Python that sets the torque every 2 ms, against the same law as states: speed within 1 % of the step.
+
+    The torque is held for 2 ms, 1 ms late on average: p/I * 1 ms = 0.3 % of the speed's change.
+    """
+    p, i = 8e3, 12e3
+    with (
+        drillpetsc.Session(drive(top=m.top({"kind": "pi", "p": p, "i": i}, 0.0))) as inner,
+        drillpetsc.Session(
+            drive(top={"kind": "top_drive", "motor": {"inertia": m.INERTIA}, "torque": 0.0})
+        ) as outer,
+    ):
+        inner.set("top.rotation", 10.0)
+        integral, differences = 0.0, []
+        for k in range(500):
+            error = 10.0 - outer.get("top_speed")
+            integral += 2e-3 * error
+            outer.set("top.torque", p * error + i * integral)
+            outer.step(2e-3)
+            inner.step(2e-3)
+            differences.append(outer.get("top_speed") - inner.get("top_speed"))
+            assert k < 400 or inner.get("top_speed") > 9
+        assert np.abs(differences).max() < 0.1
+
+
+def test_inputs_on_straight_lines_have_no_jump():
+    """A prescribed speed on a line from 5 to 6 rad/s over 0.1 s: the top turns by its area, and the formula does not restart."""
+    held = {"kind": "top_drive", "rotation": 5.0}
+    with drillpetsc.Session(drive(top=held), interpolate="linear") as s:
+        s.step(0.1)
+        s.set("top.rotation", 6.0)
+        s.step(0.1)
+        s.step(0.1)
+        spin = s._model.system.field("string.spin")[0, 0]
+        assert spin == pytest.approx(5 * 0.1 + 5.5 * 0.1 + 6 * 0.1, abs=1e-9)
+
+
+def test_wrong_calls_are_answered():
+    with drillpetsc.Session(drive()) as s:
+        assert {q.name for q in s.inputs} == {"top.rotation", "top.lowering"}
+        assert {"top_speed", "bit_speed", "hook_load"} <= {q.name for q in s.outputs}
+        for call, text in (
+            (lambda: s.set("top.rotationx", 1.0), "set: no input 'top.rotationx'; nearest: top.rotation"),
+            (lambda: s.get("bit_sped"), "get: no output 'bit_sped'; nearest: bit_speed"),
+        ):
+            with pytest.raises(LookupError) as error:
+                call()
+            assert str(error.value) == text
+        with pytest.raises(ValueError, match="finite"):
+            s.set("top.rotation", float("nan"))
+        for dt in (0.0, -1.0, float("inf")):
+            with pytest.raises(ValueError, match="above 0"):
+                s.step(dt)
+        report = s.step_until(1.0, wall_budget=1e-4)
+        assert report.late and 0 < report.time == s.time < 1.0
+        assert not s.step_until(1.0).late and s.time == 1.0
+        assert s.factor > 0
+    with pytest.raises(RuntimeError, match="closed"):
+        s.step(0.1)
+
+
+def test_closed_sessions_leave_no_memory():
+    """Ten sessions, one after the other: less than 5 MB more than after two."""
+    held = []
+    for _ in range(12):
+        with drillpetsc.Session(drive()) as s:
+            s.step(0.02)
+        gc.collect()
+        held.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+    assert held[-1] - held[1] < 5 * 1024
+
+
+def test_a_run_folder_goes_on(tmp_path):
+    """From the checkpoint of a run at 0.2 s to 0.3 s, against the run to 0.3 s at the same fixed steps."""
+    case = drive(time={"end": 0.3}, petsc=FIXED, output={"history_every": 0.1, "checkpoint_every": 0.1})
+    run(case.replace({"time.end": 0.2}), tmp_path / "first", progress="silent")
+    run(case, tmp_path / "whole", progress="silent")
+    with drillpetsc.Session(tmp_path / "first") as s:
+        assert s.time == pytest.approx(0.2, abs=1e-12)
+        s.step(0.1)
+        speed = s.get("top_speed")
+    table = read_table(tmp_path / "whole" / "history.csv")
+    assert speed == pytest.approx(table["top_speed [rad/s]"][-1], rel=1e-9)
