@@ -37,12 +37,13 @@ class Pair:
 
 @dataclass(frozen=True)
 class Load:
-    """What an operation does: wob [N], torque on bit [N m], axial velocity [m/s, up], rotation [rad/s]."""
+    """What an operation does: wob [N], torque on bit [N m], axial velocity [m/s, up], rotation [rad/s], flow [m3/s]."""
 
     wob: float
     torque: float
     axial_velocity: float
     rotation: float
+    flow: float = 0.0
 
 
 def plan_of(case: Case) -> Roadmap:
@@ -80,7 +81,11 @@ def assumptions(case: Case, plan: Roadmap) -> list[str]:
         if missing:
             notes.append(", ".join(f"backreaming.{key} {values[key]}" for key in missing) + " assumed")
     if case.fluid is not None:
-        notes.append("the mud stands still: forces of the flow on the string are left out")
+        still = [word for word in used if not load_of(case, plan, word).flow]
+        if still:
+            notes.append(
+                f"the mud stands still in {', '.join(still)}: forces of the flow on the string are left out"
+            )
     if any(item.friction is not None for item in case.string):
         notes.append("items with a friction of their own keep it for given friction factors")
     return notes
@@ -96,7 +101,7 @@ def load_of(case: Case, plan: Roadmap, operation: str) -> Load:
         return Load(0.0, 0.0, 0.0, plan.rpm)
     if operation == "backreaming":
         back = plan.backreaming
-        return Load(0.0, back.tob, back.speed, back.rpm)
+        return Load(0.0, back.tob, back.speed, back.rpm, back.flow_rate)
     block = plan.drilling if operation == "drilling" else plan.sliding
     wob = block.wob
     if wob is None:
@@ -104,8 +109,8 @@ def load_of(case: Case, plan: Roadmap, operation: str) -> Load:
     if wob is None:
         wob = to_si(ASSUMED_WOB[operation], "N")
     if operation == "drilling":
-        return Load(wob, block.tob, -plan.drilling.rop, plan.rpm)
-    return Load(wob, block.tob, -1.0, 0.0)  # all friction is axial, whatever the speed
+        return Load(wob, block.tob, -plan.drilling.rop, plan.rpm, block.flow_rate)
+    return Load(wob, block.tob, -1.0, 0.0, block.flow_rate)  # all friction is axial, whatever the speed
 
 
 def pairs_of(case: Case, plan: Roadmap, notes: list[str]) -> list[Pair]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -20,6 +20,7 @@ Weight = Annotated[float, Quantity("N", at_least=0, at_most=1e7)]
 Torque = Annotated[float, Quantity("N m", at_least=0, at_most=1e6)]
 Speed = Annotated[float, Quantity("m/s", at_least=0, at_most=10, kind="trip_speed")]
 Rop = Annotated[float, Quantity("m/s", at_least=0, at_most=1, kind="rop")]
+Flow = Annotated[float, Quantity("m^3/s", at_least=0, at_most=1)]
 Rotation = Annotated[float, ROTATION]
 
 
@@ -108,34 +109,40 @@ def _measured(value: Any) -> Any:
 class Drilling(Block):
     """Drilling with rotation."""
 
-    unsupported_keys: ClassVar[tuple[str, ...]] = ("flow_rate",)
-
     wob: Weight | None = Field(
         default=None, description="weight on bit; initial.wob when not given, else 25 klbf"
     )
     tob: Torque = Field(default=to_si("5 kft-lbf", "N m"), description="torque of the rock on the bit")
     rop: Rop = Field(default=to_si("60 ft/h", "m/s"), description="rate of penetration")
+    flow_rate: Flow = Field(
+        default=0.0,
+        description="flow rate of the pump, which drags and lifts the string; 0: the mud stands still",
+    )
 
 
 class Sliding(Block):
     """Drilling without rotation of the string."""
 
-    unsupported_keys: ClassVar[tuple[str, ...]] = ("flow_rate",)
-
     wob: Weight | None = Field(
         default=None, description="weight on bit; initial.wob when not given, else 15 klbf"
     )
     tob: Torque = Field(default=to_si("2 kft-lbf", "N m"), description="torque of the rock on the bit")
+    flow_rate: Flow = Field(
+        default=0.0,
+        description="flow rate of the pump, which drags and lifts the string; 0: the mud stands still",
+    )
 
 
 class Backreaming(Block):
     """Pulling out with rotation."""
 
-    unsupported_keys: ClassVar[tuple[str, ...]] = ("flow_rate",)
-
     speed: Speed = Field(default=to_si("20 ft/min", "m/s"), description="upward speed")
     rpm: Rotation = Field(default=to_si("80 rpm", "rad/s"), description="rotation")
     tob: Torque = Field(default=to_si("1 kft-lbf", "N m"), description="torque of the rock on the bit")
+    flow_rate: Flow = Field(
+        default=0.0,
+        description="flow rate of the pump, which drags and lifts the string; 0: the mud stands still",
+    )
 
 
 class MeasuredPoint(Block):
