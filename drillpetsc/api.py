@@ -188,6 +188,7 @@ def roadmap(
     out: str | Path | None = None,
     *,
     measured: str | None = None,
+    model: Literal["soft", "stiff"] = "soft",
     units: Any = None,
     overwrite: bool = False,
     name: str | None = None,
@@ -197,6 +198,7 @@ def roadmap(
 
     case: a Case, or the path of a case file; its `roadmap` has operations, depths and friction factors
     out: run folder; by default results/<case>-NNN
+    model: soft, the soft string, or stiff, the static equilibrium of the beam
     measured: file of measured points to plot; by default those of the case
     units: field, metric or SI, of `lines` of the result and of plots; by default metric
     overwrite: True to replace the results in an existing folder
@@ -211,7 +213,7 @@ def roadmap(
     from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
     from drillpetsc.results.result import result_of
 
-    return result_of(run_roadmap(case, out, overwrite, name, comm, units, points))
+    return result_of(run_roadmap(case, out, overwrite, name, comm, units, points, model))
 
 
 def calibrate(

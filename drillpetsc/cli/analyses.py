@@ -132,6 +132,12 @@ def _roadmap_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--measured", metavar="FILE", help="measured points to plot: CSV, xlsx or LAS (default: the case's)"
     )
+    command.add_argument(
+        "--model",
+        choices=("soft", "stiff"),
+        default="soft",
+        help="soft: soft string; stiff: the beam in static equilibrium, a second or so a row (default: soft)",
+    )
     units_argument(command)
 
 
@@ -153,6 +159,7 @@ def _roadmap(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         name,
         units=units,
         measured=measured,
+        model=arguments.model,
     )
     return show(result.lines, result.folder)
 

@@ -316,12 +316,14 @@ def _warnings(case: Case, rows: list[dict[str, Any]], system: System) -> list[st
     kinds: dict[tuple[str, str], list[dict[str, Any]]] = {}
     for row in rows:
         if row["status"] != OK:
-            words = row["status"] if row["status"].startswith("failed") else row["status"].split(":")[0]
-            kinds.setdefault((row["operation"], words), []).append(row)
+            kinds.setdefault((row["operation"], row["status"].split(":")[0]), []).append(row)
     for (operation, words), some in kinds.items():
         first = min(some, key=lambda row: row["bit_depth"])
+        depth = f"MD {first['bit_depth'] / size:.0f} {unit}"
+        reason = first["status"].partition(": ")[2] if words == "failed" else ""
         out.append(
-            f"{operation}: {words} in {len(some)} rows, first at MD {first['bit_depth'] / size:.0f} {unit} ({pair_text(first)})"
+            f"{operation}: {words} in {len(some)} rows, first at {depth} ({pair_text(first)})"
+            + (f": {reason}" if reason else "")
         )
     return out
 

@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
+from drillpetsc.analysis.buckling import ELEMENTS_PER_PITCH
+from drillpetsc.analysis.coarse_mesh import TOLERANCE
 from drillpetsc.analysis.hydraulics.flow_model import string_at
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.limits.along_string import State, Surroundings, static_state
@@ -32,6 +34,7 @@ from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.solvers import petsc_options as options
 
+BY_PATH = "one of several states: buckled with friction, at the end of a path of steady sliding"
 LIFTED = 10.0  # length of the pieces on which the forces of flowing mud are uniform [m]
 
 
@@ -152,7 +155,12 @@ def stiff_row(case: Case, well: Well, job: Job) -> dict[str, Any]:
     if not state.stable and state.path is None:
         pivots = state.equilibrium.negative_pivots
         return row | failed(f"the state is not stable ({pivots} negative pivots)")
-    return row | _values(model, job)
+    if state.path is not None and state.path.kind == "without_friction":
+        return row | failed("the string is buckled, and no state with friction was found")
+    row |= _values(model, job)
+    if state.path is not None:
+        row["status"] = "; ".join([*([row["status"]] if row["status"] != OK else []), BY_PATH])
+    return row
 
 
 def _values(model: DrillingModel, job: Job) -> dict[str, Any]:
@@ -186,7 +194,14 @@ def _values(model: DrillingModel, job: Job) -> dict[str, Any]:
         "min_safety_factor": _least_or_most(values["safety_factor"], np.min),
         "overpull_margin": _least_or_most(values["tension_limit"] - values["axial_force"], np.min),
     }
-    return row | {"status": said_of(row, job.block) or OK}
+    pitch = 2 * np.pi * np.sqrt(2 * hole.stiffness / np.maximum(push.max(axis=1), 1.0))
+    coils = (push > np.where(np.isfinite(values["helical_limit"]), values["helical_limit"], np.inf)).any(
+        axis=1
+    )
+    said = [said_of(row, job.block)]
+    if (coils & (length > TOLERANCE * pitch / ELEMENTS_PER_PITCH)).any():
+        said.append("elements are too long for the helix")
+    return row | {"status": "; ".join(filter(None, said)) or OK}
 
 
 def _side_force(model: DrillingModel, found: State, hole: Surroundings) -> float:

@@ -16,6 +16,7 @@ from drillpetsc.arrays import FloatArray
 STATES = ("none", "sinusoidal", "helical")
 TENSION_FRACTION = 0.9  # of the yield strength, in the overpull margin
 OK = "ok"
+LEAST_PUSH = 1.0  # [N]; a smaller push is rounding
 
 
 def rows_of(
@@ -84,7 +85,7 @@ FOUND = (
 
 def failed(reason: str) -> dict[str, Any]:
     """Entries of a row without a solution: no number, and the reason."""
-    words = " ".join(reason.split())
+    words = " ".join(reason.partition("hint:")[0].split())
     state = "lock_up" if "locked up" in words else "none"
     return {**dict.fromkeys(FOUND, float("nan")), "buckling_state": state, "status": f"failed: {words}"}
 
@@ -97,7 +98,7 @@ def said_of(row: dict[str, Any], block: float, locked: float = np.nan) -> str:
     said = []
     if not np.isnan(locked):
         said.append(f"locked up: no weight passes MD {locked:.0f} m")
-    elif row["hook_load"] + block < 0:
+    elif row["hook_load"] + block < -LEAST_PUSH:
         said.append("must be pushed: the hook load is negative")
     if row["min_safety_factor"] < 1:
         said.append("the string yields")
