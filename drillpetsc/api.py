@@ -232,7 +232,7 @@ def calibrate(
     case: a Case, or the path of a case file
     out: run folder; by default results/<case>-NNN
     measured: file of measured points; by default those of the case
-    fit: what is fitted, such as "cased,open_hole,block_weight"; by default cased and open_hole
+    fit: what is fitted, such as "cased,open_hole,block_weight", or a group of sections; by default all friction factors
     units: field, metric or SI, of `lines` of the result and of plots; by default metric
     overwrite: True to replace the results in an existing folder
     name: name of the case in the default folder
@@ -240,8 +240,8 @@ def calibrate(
     """
     from drillpetsc.case.measured_option import fit_option, measured_option
 
-    parameters = None if fit is None else fit_option(fit)
     case, name = _loaded(case, name)
+    parameters = None if fit is None else fit_option(fit, case)
     points = None if measured is None else measured_option(measured, case)
     initialise_petsc()
     from drillpetsc.analysis.torque_drag.calibrate import run_calibrate

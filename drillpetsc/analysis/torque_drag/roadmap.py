@@ -162,6 +162,7 @@ def head_of(operation: str, pair: Pair, rows: StringRows) -> dict[str, Any]:
         "operation": operation,
         "ff_cased": pair.cased,
         "ff_open_hole": pair.open_hole,
+        "ff_groups": pair.groups,
     }
 
 
@@ -234,7 +235,8 @@ def run_roadmap(
     }
     if comm.rank == 0:
         case.dump(folder.case)
-        quantities = [q for q in ROADMAP if q.name != "hook_load_total" or block is not None]
+        absent = {"hook_load_total": block is None, "ff_groups": not pairs[0].groups}
+        quantities = [q for q in ROADMAP if not absent.get(q.name, False)]
         write_table(
             folder.path / ROADMAP_TABLE,
             [q.column for q in quantities],
@@ -273,7 +275,7 @@ def _inputs(
             loads[operation]["axial_speed [m/s]"] = load.axial_velocity
     return {
         "operations": loads,
-        "friction_factor": [{"cased": _plain(p.cased), "open_hole": _plain(p.open_hole)} for p in pairs],
+        "friction_factor": [_factors_told(p) for p in pairs],
         "casing_shoes [m]": shoes_of(case),
         "block_weight [N]": block,
         "max_hookload [N]": None if rig is None else rig.max_hookload,
@@ -285,6 +287,11 @@ def _inputs(
         ],
         "hookload_excludes_block": plan.hookload_excludes_block,
     }
+
+
+def _factors_told(pair: Pair) -> dict[str, Any]:
+    told = {"cased": _plain(pair.cased), "open_hole": _plain(pair.open_hole)}
+    return told | ({"groups": pair.groups} if pair.groups else {})
 
 
 def _plain(value: float) -> float | None:
@@ -371,7 +378,8 @@ def _compared(stiff: dict[str, Any], count: int) -> list[str]:
 
 def pair_text(row: dict[str, Any]) -> str:
     """Friction factors of a row as text: `0.2 / 0.3`."""
-    return f"friction {_factors(row['ff_cased'], row['ff_open_hole'])}"
+    words = [_factors(row["ff_cased"], row["ff_open_hole"]), row["ff_groups"]]
+    return f"friction {', '.join(filter(None, words))}"
 
 
 def _factors(*values: float) -> str:
@@ -394,9 +402,11 @@ def _lines(
     at_end = [row for row in rows if row["bit_depth"] == depth]
     heads = [_factors(pair.cased, pair.open_hole) for pair in pairs]
     shown = heads[:6]
+    groups = [f"    {head}: {pair.groups}" for head, pair in zip(shown, pairs, strict=False) if pair.groups]
     lines = [
         f"  bit at MD {depth / d:.6g} {depth_unit}; friction cased / open hole:"
-        + "".join(f"{h:>14}" for h in shown)
+        + "".join(f"{h:>14}" for h in shown),
+        *groups,
     ]
     for operation in operations:
         some = [row for row in at_end if row["operation"] == operation][: len(shown)]

@@ -53,23 +53,39 @@ class FrictionFactors(Block):
     open_hole: Factors | None = Field(
         default=None, description="friction factors of open hole; the sections' own when not given"
     )
+    groups: dict[str, Factors] = Field(
+        default={},
+        description="friction factors of sections with a ff_group, by its name; the sections' own when not given",
+    )
     combine: Literal["pairs", "all"] = Field(
         default="pairs", description="pairs: first with first, second with second; all: every pair"
     )
 
+    @property
+    def by_group(self) -> dict[str, tuple[float, ...]]:
+        """Factors that are given, by the name of the group."""
+        own = {"cased": self.cased, "open_hole": self.open_hole}
+        return {name: values for name, values in {**own, **self.groups}.items() if values is not None}
+
     @model_validator(mode="after")
     def _same_count(self) -> FrictionFactors:
-        if self.cased is None and self.open_hole is None:
-            raise refuse("cased", want="cased, open_hole, or both")
-        for key in ("cased", "open_hole"):
-            if getattr(self, key) == ():
-                raise refuse(key, got="an empty list", want="one friction factor or more")
-        a, b = len(self.cased or (0,)), len(self.open_hole or (0,))
-        if self.combine == "pairs" and a != b and 1 not in (a, b):
+        given = self.by_group
+        if not given:
+            raise refuse("cased", want="cased, open_hole, groups, or several of them")
+        for key, values in given.items():
+            if key in self.groups and key in ("cased", "open_hole"):
+                raise refuse("groups", key, want=f"the name of a ff_group; {key} stands beside groups")
+            if values == ():
+                path = ("groups", key) if key in self.groups else (key,)
+                raise refuse(*path, got="an empty list", want="one friction factor or more")
+        counts = {key: len(values) for key, values in given.items() if len(values) > 1}
+        if self.combine == "pairs" and len(set(counts.values())) > 1:
+            first, second = list(counts)[0], next(k for k in counts if counts[k] != counts[list(counts)[0]])
+            path = ("groups", second) if second in self.groups else (second,)
             raise refuse(
-                "open_hole",
-                got=f"{b} values",
-                want=f"{a} values, as many as cased, or one",
+                *path,
+                got=f"{counts[second]} values",
+                want=f"{counts[first]} values, as many as {first}, or one",
                 hint="or combine: all",
             )
         return self
