@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drillpetsc import load_case, roadmap, statics
+from drillpetsc import calibrate, load_case, roadmap, statics
 from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
@@ -186,3 +186,28 @@ def test_flow_that_cannot_be(tmp_path):
     made = case([0, 1000], [0, 0], roadmap={"bit_depth": [500], "sliding": {"flow_rate": "600 gpm"}})
     with pytest.raises(CaseError, match="roadmap.sliding.flow_rate"):
         run_roadmap(made, tmp_path / "r")
+
+
+def test_calibration_with_flowing_mud(tmp_path):
+    """A reading at 20 l/s that a roadmap with that flow rate gives: the factor comes back; without the flow it does not."""
+    made = load_case(EAGLE)
+    plan = {
+        "operations": ["sliding", "trip_out"],
+        "bit_depth": ["8000 ft", "10317 ft"],
+        "friction_factor": {"cased": [0.2], "open_hole": [0.27]},
+        "sliding": {"wob": "10 klbf", "flow_rate": "550 gpm"},
+    }
+    folder = roadmap(made.replace({"roadmap": plan}), tmp_path / "r").folder
+    table = read_table(folder / "roadmap.csv")
+    lines = ["bit depth [m], operation, hook load [N], flow [l/s], wob [klbf]"]
+    for i, operation in enumerate(table["operation [-]"]):
+        flow = 34.69878 if operation == "sliding" else 0.0
+        load = table["hook_load_total [N]"][i]
+        lines.append(f"{table['bit_depth [m]'][i]}, {operation}, {load}, {flow}, 10")
+    fitted = {}
+    for name, text in (("with", lines), ("without", [line.replace("34.69878", "0") for line in lines])):
+        (tmp_path / f"{name}.csv").write_text("\n".join(text))
+        result = calibrate(made, tmp_path / name, measured=str(tmp_path / f"{name}.csv"), fit="open_hole")
+        fitted[name] = result.summary["fit"]["open_hole"]["value"]
+    assert fitted["with"] == pytest.approx(0.27, abs=2e-3)
+    assert abs(fitted["without"] - 0.27) > 0.02

@@ -106,7 +106,8 @@ class Calibration:
         )
         self.own = np.array([s.friction for s in case.well.sections])  # type: ignore[union-attr]
         plan = plan_of(case)
-        loads, flows = [], []
+        loads: list[tuple[float, ...]] = []
+        flows: list[tuple[float | None, str]] = []
         for point in points:
             load = load_of(case, plan, point.operation)
             speed = abs(load.axial_velocity) if point.speed is None else point.speed
@@ -123,7 +124,14 @@ class Calibration:
                     load.rotation if point.rpm is None else point.rpm,
                 )
             )
-            flows.append((load.flow, point.operation))
+            key = f"measured[{len(flows)}].flow_rate"
+            own = point.flow_rate is not None
+            flows.append(
+                (
+                    point.flow_rate if own else load.flow,
+                    key if own else f"roadmap.{point.operation}.flow_rate",
+                )
+            )
         self.loads = np.array(loads, dtype=float).reshape(-1, 4)
         self.pumped = any(flow for flow, _ in flows)
         self._set_flow(flows)
@@ -132,15 +140,17 @@ class Calibration:
         self.block = 0.0 if excludes_block else (block or 0.0)
         self.data = self._data()
 
-    def _set_flow(self, flows: Sequence[tuple[float, str]]) -> None:
-        """Forces of flowing mud on the string of each point, with the flow rates [m3/s] of the roadmap's operations."""
+    def _set_flow(self, flows: Sequence[tuple[float | None, str]]) -> None:
+        """Forces of flowing mud on the string of each point.
+
+        flows: rate [m3/s] of each point, and the key that gives it.
+        """
         self.lift, self.thrust = np.zeros((len(self.hole.h), len(flows))), np.zeros(len(flows))
         found: dict[tuple[int, float], Circulation] = {}
-        for i, (flow, operation) in enumerate(flows):
+        for i, (flow, at) in enumerate(flows):
             if flow:
                 key = int(self.placed[i]), flow
                 if key not in found:
-                    at = f"roadmap.{operation}.flow_rate"
                     found[key] = circulation(self.case, self.points[i].bit_depth, flow, at)
                 self.lift[:, i], self.thrust[i] = found[key].lift(self.hole.edges), found[key].thrust
 
@@ -437,7 +447,7 @@ def _notes(case: Case, work: Calibration, parameters: tuple[str, ...]) -> list[s
     ):
         notes.append("no rig.block_weight: measured hook loads are taken as those of the string alone")
     if case.fluid is not None:
-        where = " for points of operations without a flow_rate in the roadmap" if work.pumped else ""
+        where = " for points without a flow_rate" if work.pumped else ""
         notes.append(f"the mud stands still{where}: forces of the flow on the string are left out")
     some = [p for p in work.points if p.operation in ("drilling", "sliding")]
     if any(p.wob is None for p in some):

@@ -176,6 +176,9 @@ class MeasuredPoint(Block):
     tob: Torque | None = Field(default=None, description="torque on bit, instead of the operation's")
     rpm: Rotation | None = Field(default=None, description="rotation, instead of the operation's")
     speed: Speed | None = Field(default=None, description="speed of the block, instead of the operation's")
+    flow_rate: Flow | None = Field(
+        default=None, description="flow rate of the pump, instead of the operation's (used by calibrate)"
+    )
     sigma: Annotated[float, Quantity("N", above=0, at_most=1e8)] | None = Field(
         default=None, description="standard error of the hook load; 2 % and at least 10 kN when not given"
     )
