@@ -211,3 +211,17 @@ def test_calibration_with_flowing_mud(tmp_path):
         fitted[name] = result.summary["fit"]["open_hole"]["value"]
     assert fitted["with"] == pytest.approx(0.27, abs=2e-3)
     assert abs(fitted["without"] - 0.27) > 0.02
+
+
+def test_a_stabilizer_in_the_build_is_no_load(tmp_path):
+    """Eagle with its stabilizer in the build and a friction of 0.25: the string goes in by its weight, as the soft string's does.
+    The chord of the rigid item had bent the short element below it with meganewtons, and the start of statics had locked up."""
+    plan = {
+        "operations": ["trip_in"],
+        "bit_depth": ["802.42 m", "900.01 m"],
+        "friction_factor": {"cased": [0.25], "open_hole": [0.375]},
+    }
+    result = roadmap(load_case(EAGLE).replace({"roadmap": plan}), tmp_path / "r", model="stiff")
+    table = read_table(result.folder / "roadmap.csv")
+    assert set(table["status [-]"]) == {"ok"}
+    assert result.summary["soft_against_stiff"]["hook_load"] < 0.02
