@@ -119,6 +119,16 @@ def test_refused(tmp_path):
         )
 
 
+def test_no_wall_and_a_string_that_floats(tmp_path):
+    """Without contact the wall drags nothing: refused.  A pipe that floats has no row, and the reason."""
+    plan = {"bit_depth": [200], "operations": ["trip_in"]}
+    with pytest.raises(CaseError, match="contact"):
+        run_roadmap(case([0, 300], [0, 30], roadmap=plan, contact="none"), tmp_path / "r", model="stiff")
+    mud = {"density": 9000, "rheology": {"model": "newtonian", "viscosity": "20 cP"}}
+    result = run_roadmap(case([0, 300], [0, 30], roadmap=plan, fluid=mud), tmp_path / "f", model="stiff")
+    assert all("float" in s for s in read_table(result.folder / "roadmap.csv")["status [-]"])
+
+
 FLOW, VISCOSITY, DENSITY = 0.02, 0.2, 1200.0
 BIT = {"kind": "bit", "length": 0.3, "od": "215 mm", "id": "50 mm", "mass": 1.0, "nozzle_area": "6 cm^2"}
 

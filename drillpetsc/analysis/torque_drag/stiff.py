@@ -60,6 +60,10 @@ def need_beam(case: Case) -> None:
         raise CaseError(
             at="--model", got="stiff", want="beam: {formulation: ancf}, whose static equilibrium is sought"
         )
+    if case.contact is None:
+        raise CaseError(
+            at="--model", got="stiff", want="a case with contact: without it the wall drags nothing"
+        )
     if case.joints:
         raise CaseError(at="--model", got="stiff", want="a string without joints, or --model soft")
 
@@ -98,6 +102,7 @@ def stiff_case(case: Case, well: Well, job: Job) -> Case:
             "bottom": pushed if job.load.wob + thrust else free,
             "initial": case.initial.model_copy(update={"wob": None, "from_": "statics"}),
             "formation": None,
+            "hold_string": False,
             "fluid": None,
             "loads": _lifting(well, job.flow) if isinstance(job.flow, Circulation) else (),
         }
