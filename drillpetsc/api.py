@@ -189,6 +189,7 @@ def roadmap(
     out: str | Path | None = None,
     *,
     measured: str | None = None,
+    model: Literal["soft", "stiff"] = "soft",
     units: Any = None,
     overwrite: bool = False,
     name: str | None = None,
@@ -198,6 +199,7 @@ def roadmap(
 
     case: a Case, or the path of a case file; its `roadmap` has operations, depths and friction factors
     out: run folder; by default results/<case>-NNN
+    model: soft, the soft string, or stiff, the static equilibrium of the beam
     measured: file of measured points to plot; by default those of the case
     units: field, metric or SI, of `lines` of the result and of plots; by default metric
     overwrite: True to replace the results in an existing folder
@@ -212,7 +214,7 @@ def roadmap(
     from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
     from drillpetsc.results.result import result_of
 
-    return result_of(run_roadmap(case, out, overwrite, name, comm, units, points))
+    return result_of(run_roadmap(case, out, overwrite, name, comm, units, points, model))
 
 
 def calibrate(
@@ -231,7 +233,7 @@ def calibrate(
     case: a Case, or the path of a case file
     out: run folder; by default results/<case>-NNN
     measured: file of measured points; by default those of the case
-    fit: what is fitted, such as "cased,open_hole,block_weight"; by default cased and open_hole
+    fit: what is fitted, such as "cased,open_hole,block_weight", or a group of sections; by default all friction factors
     units: field, metric or SI, of `lines` of the result and of plots; by default metric
     overwrite: True to replace the results in an existing folder
     name: name of the case in the default folder
@@ -239,8 +241,8 @@ def calibrate(
     """
     from drillpetsc.case.measured_option import fit_option, measured_option
 
-    parameters = None if fit is None else fit_option(fit)
     case, name = _loaded(case, name)
+    parameters = None if fit is None else fit_option(fit, case)
     points = None if measured is None else measured_option(measured, case)
     initialise_petsc()
     from drillpetsc.analysis.torque_drag.calibrate import run_calibrate

@@ -18,8 +18,6 @@ from drillpetsc.model.element_length import (
     HELIX,
     LARGEST_STRESS_FREE_TURN,
     LARGEST_TURN,
-    LAYER_SHARE,
-    SPAN_SHARE,
     VERTICAL,
     free_length,
 )
@@ -30,6 +28,9 @@ from drillpetsc.unit_systems import System, display, display_unit
 
 TOLERANCE = 1.25  # of a turn in one element over that which suffices
 MOMENT_ERROR = 0.03  # of a bending moment beside a support, from which it is told
+#: moments at the nodes follow from equilibrium (manual: sec-beam-nodal): lengths that leave about 1 % of them, over the
+#: bending layer and over the free length
+LAYER_SHARE, SPAN_SHARE = 1.5, 0.6
 LEAST_STRESS = 10e6  # bending stress of which the error is told [Pa]
 SHARP_BEND = 50e6  # bending stress of a jump of the hole's curvature beside which elements are judged [Pa]
 MOST_LINES = 6  # of one kind
@@ -227,8 +228,8 @@ def _beside(model: DrillingModel, load: _Loads, node: int, distance: float, wher
                 continue  # nothing lets expect a moment
         elif max(load.stress[node], load.stress[far]) < LEAST_STRESS:
             continue
-        # w h^2/12 of w d^2/12 between two supports, of w l^2/6 between a support and the wall
-        error = max((length / layer) ** 2 / 12, (length / distance) ** 2, 0.5 * (length / free) ** 2)
+        # of a beam under tension; and of a length in which the pipe leaves a support for the wall, by refinement
+        error = max((length / layer) ** 4 / 720, 0.05 * (length / min(free, distance)) ** 4)
         enough = max(min(LAYER_SHARE * layer, SPAN_SHARE * span), float(mesh.outer_diameter[cell]))
         if error > MOMENT_ERROR and length > 1.5 * enough and (worst is None or error > worst[0]):
             worst = error, length, enough

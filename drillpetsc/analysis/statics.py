@@ -30,6 +30,7 @@ from drillpetsc.output.quantities import STATIC_SUMMARY
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.rigid_items import RigidItems
 from drillpetsc.output.static_table import static_table
+from drillpetsc.output.string_ends import TopEnd
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.physics.beam import RESULT_NAMES
 from drillpetsc.solvers import petsc_options as options
@@ -203,6 +204,9 @@ def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
         "imperfection": report.imperfection,
         "warnings": list(state.warnings),
     }
+    if model.top is not None or force is not None:
+        top, sample = TopEnd(model), Sample(system, 0.0)
+        out["top_travel"] = top.travel(_sum_over_ranks(model, top.position(sample)))
     if model.case.rig is not None and model.case.rig.block_weight is not None:
         out["hook_load_total"] = out["hook_load"] + model.case.rig.block_weight
     if model.contact is not None:

@@ -47,6 +47,7 @@ _COLUMNS: dict[str, tuple[str, str, str]] = {
     "tob": ("N m", "", "tob torqueonbit bittorque"),
     "rpm": ("rad/s", "", "rpm rotation surfacerpm rpma srpm"),
     "speed": ("m/s", "trip_speed", "blockspeed speed tripspeed bvel"),
+    "flow_rate": ("m^3/s", "", "flow flowrate flowin pumprate mudflow mudflowin tflo mfia flwi"),
     "sigma": ("N", "", "sigma standarderror stderror uncertainty"),
 }
 _NAMES = {alias: column for column, (_, _, aliases) in _COLUMNS.items() for alias in aliases.split()}

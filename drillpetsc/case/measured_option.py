@@ -46,6 +46,7 @@ def measured_option(name: str, case: Case) -> tuple[MeasuredPoint, ...]:
 FITTED = ("cased", "open_hole", "block_weight", "weight_factor")
 
 
-def fit_option(text: str) -> tuple[str, ...]:
-    """The parameters that `calibrate` fits; CaseError for a word that is none."""
-    return read_words(text, FITTED, "--fit")
+def fit_option(text: str, case: Case) -> tuple[str, ...]:
+    """The parameters that `calibrate` fits; CaseError for a word that is none, nor a group of the case."""
+    groups = () if case.well is None else tuple(section.group for section in case.well.sections)
+    return read_words(text, tuple(dict.fromkeys([*FITTED, *groups])), "--fit")

@@ -132,6 +132,12 @@ def _roadmap_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--measured", metavar="FILE", help="measured points to plot: CSV, xlsx or LAS (default: the case's)"
     )
+    command.add_argument(
+        "--model",
+        choices=("soft", "stiff"),
+        default="soft",
+        help="soft: soft string; stiff: the beam in static equilibrium, a second or so a row (default: soft)",
+    )
     units_argument(command)
 
 
@@ -153,6 +159,7 @@ def _roadmap(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         name,
         units=units,
         measured=measured,
+        model=arguments.model,
     )
     return show(result.lines, result.folder)
 
@@ -239,7 +246,8 @@ def _calibrate_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--fit",
         metavar="A,B",
-        help="what is fitted: cased, open_hole, block_weight, weight_factor (default: cased,open_hole)",
+        help="what is fitted: cased, open_hole, groups of sections by their ff_group, block_weight, weight_factor (default: all "
+        "friction factors)",
     )
     units_argument(command)
 
@@ -249,7 +257,7 @@ def _calibrate(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.case.measured_option import fit_option, measured_option
 
     case = load_case(arguments.case)
-    fit = None if arguments.fit is None else fit_option(arguments.fit)
+    fit = None if arguments.fit is None else fit_option(arguments.fit, case)
     measured = None if arguments.measured is None else measured_option(arguments.measured, case)
     start_job(petsc_options)
     print_warnings(case)

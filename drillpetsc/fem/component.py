@@ -83,6 +83,7 @@ class ElementBlock:
     context: address of a record that all elements share, 0 for none; keep: objects that it points to.
     update(t): refreshes time-dependent parameters before an evaluation at time ``t`` [s].
     component: name in messages; the block's name unless given.
+    elements: (n,) of a block on vertices: local cells whose distributed loads the rows are, -1: none; None: none at all.
     """
 
     name: str
@@ -96,6 +97,7 @@ class ElementBlock:
     update: Callable[[float], None] | None = None
     keep: tuple[object, ...] = field(default=(), repr=False)
     component: str = ""
+    elements: IntArray | None = None
 
     def __post_init__(self) -> None:
         self.component = self.component or self.name

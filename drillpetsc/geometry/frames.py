@@ -68,6 +68,17 @@ def high_side(tangent: FloatArray) -> FloatArray:
     return across / np.linalg.norm(across)
 
 
+def high_sides(tangents: FloatArray) -> FloatArray:
+    """Return the unit vectors (n, 3) of ``high_side`` for ``tangents`` (n, 3)."""
+    out = tangents * tangents[:, 2:]
+    out[:, 2] -= 1.0
+    level = np.linalg.norm(out, axis=1) < 1e-6
+    if level.any():
+        out[level] = -tangents[level] * tangents[level, :1]
+        out[level, 0] += 1.0
+    return np.asarray(out / np.linalg.norm(out, axis=1, keepdims=True))
+
+
 def tool_face_zero(tangent: FloatArray) -> FloatArray:
     """Return the unit vector (3,) across ``tangent`` (3,) from which a tool face is measured.
 

@@ -374,6 +374,7 @@ def _line_load(load: LineLoad, mesh: StringMesh, section: bool, factor) -> list[
                     tuple(slopes[end] * f),
                     section,
                     factor,
+                    e,
                 )
             )
     return out

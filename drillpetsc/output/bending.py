@@ -1,42 +1,157 @@
-"""Curvature and bending moment of the string, in total and beyond its stress-free shape."""
+"""Forces and couples at the ends of the elements, and the curvature of the string there (manual: sec-beam-nodal)."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
+from drillpetsc.fem.assembly import Assembly, BoundBlock
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.geometry.frames import cross, directors
+from drillpetsc.geometry.frames import directors, high_sides
 from drillpetsc.model.drilling_model import DrillingModel
 
+#: stands for the areas of a rigid item whose mud is left out of the element below it [m2]
+NO_AREA = 1e-30
 
-def curvatures(model: DrillingModel) -> FloatArray:
-    """(nc, 2, 2, 3) curvature vectors [1/m] of the local elements (manual: eq-beam-curvature-vector).
 
-    First the curvature r' x r''/|r'|^2, then its part beyond the stress-free shape; each at the upper and the lower end.
+@dataclass(frozen=True)
+class EndForces:
+    """What the string below a place exerts on the string above it, at both ends of each local element.
+
+    tangent: (nc, 2, 3) of the string [-].
+    force: (nc, 2, 3) [N], effective: with the pressures of the mud on the section.
+    moment: (nc, 2, 3) bending moment, across the tangent [N m]; zero in joints.
     """
-    system, mesh, chain = model.system, model.mesh, model.system.chain
-    r, v, phi = (system.field(f"string.{k}") for k in ("position", "tangent", "spin"))
-    a, b, e = chain.ends[:, 0], chain.ends[:, 1], chain.cells
-    L, t = mesh.length_divisor[e][:, None], v[a] / np.linalg.norm(v[a], axis=1, keepdims=True)
-    d = r[b] - r[a] - mesh.rigid_above[e][:, None] * t
-    va, vb = v[a], v[b]
-    if "string.ratio" in system.layout.dofs:
-        va = va * system.field("string.ratio")[a]
-    out = np.zeros((len(e), 2, 2, 3))
-    for end, (slope, second) in enumerate(
-        ((va, 6 * d / L**2 - 4 * va / L - 2 * vb / L), (vb, -6 * d / L**2 + 2 * va / L + 4 * vb / L))
-    ):
-        node = (a, b)[end]
-        d2, d3 = directors(model.frames, chain.vertices[node], v[node], phi[node, 0])
-        kappa = cross(slope, second) / np.sum(slope * slope, axis=1, keepdims=True)
-        out[:, 0, end] = kappa
-        out[:, 1, end] = kappa - mesh.curvature[e][:, :1] * d2 - mesh.curvature[e][:, 1:] * d3
-    out[mesh.is_joint[e]] = 0.0
-    return out
+
+    tangent: FloatArray
+    force: FloatArray
+    moment: FloatArray
+
+    @property
+    def shear(self) -> FloatArray:
+        """(nc, 2, 3) force across the tangent [N]."""
+        return self.force - self.tangent * np.sum(self.tangent * self.force, axis=2, keepdims=True)
+
+    @property
+    def moment_size(self) -> FloatArray:
+        """(nc, 2) bending moment [N m]."""
+        return np.asarray(np.linalg.norm(self.moment, axis=2))
+
+    @property
+    def shear_size(self) -> FloatArray:
+        """(nc, 2) shear force [N]."""
+        return np.asarray(np.linalg.norm(self.shear, axis=2))
+
+    @property
+    def towards_bend(self) -> FloatArray:
+        """(nc, 2, 3) bending moment turned to the direction in which it bends the string [N m]."""
+        return np.cross(self.moment, self.tangent)
+
+
+def end_forces(model: DrillingModel, time: float = 0.0) -> EndForces:
+    """Forces and bending moments at the ends of the local elements, from the elements' equilibrium.
+
+    They are the rows of all components on an element: elastic and damping forces less distributed loads and inertia.
+    At an end of an element they are what its neighbour must exert, so they are exact for a straight beam under loads
+    that the element distributes (manual: eq-beam-nodal-moment).  time: of inputs [s].
+    """
+    system, beam = model.system, model.beam
+    assert beam is not None
+    asm, mesh, cells = system.assembly, system.mesh, system.chain.cells
+    count = len(cells)
+    forces, couples = np.zeros((count, 2, 3)), np.zeros((count, 2, 3))
+    for bound in asm.bound_blocks:
+        if bound.block.on == "cell" and bound.count:
+            rows, values = _rows(asm, bound, time), asm.x[bound.index]
+            for end, (position, orientation) in _places(asm, bound, beam.orientation).items():
+                forces[bound.block.points, end] += rows[:, position]
+                couples[bound.block.points, end] += beam.couple(values[:, orientation], rows[:, orientation])
+    slope = asm.x[asm.dofs_of("string.tangent")][system.chain.ends]
+    tangent = slope / np.linalg.norm(slope, axis=2, keepdims=True)
+    # the upper node of an element below a rigid item lies at the item's upper end
+    lever = mesh.rigid_above[cells][:, None] * tangent[:, 0]
+    couples[:, 0] -= np.cross(lever, forces[:, 0])
+    for bound in asm.bound_blocks:  # loads that are shared out to the nodes of an element
+        if bound.block.elements is not None and (bound.block.elements >= 0).any():
+            chosen = np.flatnonzero(bound.block.elements >= 0)
+            cell, vertex = bound.block.elements[chosen], bound.block.points[chosen]
+            end = (system.chain.ends[cell, 1] == vertex).astype(int)
+            rows, values = asm.block_rows(bound, time)[chosen], asm.x[bound.index[chosen]]
+            position, orientation = _places(asm, bound, beam.orientation)[0]
+            np.add.at(forces, (cell, end), rows[:, position])
+            np.add.at(couples, (cell, end), beam.couple(values[:, orientation], rows[:, orientation]))
+    for values in (forces, couples):
+        values[:, 0] *= -1.0
+        values[mesh.is_joint[cells]] = 0.0
+    couples -= tangent * np.sum(tangent * couples, axis=2, keepdims=True)
+    return EndForces(tangent, forces, couples)
+
+
+def _places(asm: Assembly, bound: BoundBlock, orientation: str) -> dict[int, tuple[slice, slice]]:
+    """Columns of position and orientation of the string in a block's unknowns, by end; empty without the string."""
+    start, found = 0, dict[tuple[str, int], slice]()
+    for name, end in bound.block.slots:
+        size = asm.layout.dofs_of(name).shape[1]
+        found[name, end] = slice(start, start + size)
+        start += size
+    return {
+        end: (found["string.position", end], found[orientation, end])
+        for end in (0, 1)
+        if ("string.position", end) in found and (orientation, end) in found
+    }
+
+
+def _rows(asm: Assembly, bound: BoundBlock, time: float) -> FloatArray:
+    """Rows (n, d) of a block; the mud in and around a rigid item, which acts on the item, is left out."""
+    table = bound.block.named
+    areas = [name for name in ("area_above", "outer_above") if name in table.columns.names]
+    kept = {name: np.array(table[name]) for name in areas}
+    for name in areas:
+        table[name] = NO_AREA
+    try:
+        return asm.block_rows(bound, time)
+    finally:
+        for name, values in kept.items():
+            table[name] = values
 
 
 def bending_moments(model: DrillingModel) -> FloatArray:
-    """(nc, 2) bending moment [N m] at the upper and lower end of each local element: EI times the curvature
-    beyond the stress-free one."""
-    bend = np.linalg.norm(curvatures(model)[:, 1], axis=2)
-    return model.mesh.bending_stiffness[model.system.chain.cells][:, None] * bend
+    """(nc, 2) bending moment [N m] at the upper and lower end of each local element."""
+    return end_forces(model).moment_size
+
+
+def across_hole(model: DrillingModel, vectors: FloatArray) -> FloatArray:
+    """(nc, 2, 2) components of ``vectors`` (nc, 2, 3) at the ends of the local elements.
+
+    Towards the high side of the hole at the node (north in a vertical hole), and to the right of it looking down.
+    """
+    chain = model.system.chain
+    if model.well is not None:
+        tangents = np.asarray(model.well.project(model.system.field("string.position")).tangent)
+    else:
+        tangents = np.tile(model.tangent[0], (len(chain.vertices), 1))
+    first = high_sides(tangents)
+    second = np.cross(tangents, first)
+    return np.stack([np.sum(vectors * axis[chain.ends], axis=2) for axis in (first, second)], axis=2)
+
+
+def curvatures(model: DrillingModel, moment: FloatArray) -> FloatArray:
+    """(nc, 2, 3) curvature vectors [1/m] of the local elements at both ends: M/EI and that of the stress-free shape.
+
+    moment: (nc, 2, 3) bending moment [N m], without damping.
+    """
+    mesh, chain = model.mesh, model.system.chain
+    e = chain.cells
+    stiffness = mesh.bending_stiffness[e]
+    flexible = (stiffness > 0) & ~mesh.is_joint[e]
+    out = np.zeros_like(moment)
+    out[flexible] = moment[flexible] / stiffness[flexible, None, None]
+    if mesh.curvature.any():
+        v, phi = (model.system.field(f"string.{k}") for k in ("tangent", "spin"))
+        for end in (0, 1):
+            node = chain.ends[:, end]
+            d2, d3 = directors(model.frames, chain.vertices[node], v[node], phi[node, 0])
+            out[:, end] += mesh.curvature[e][:, :1] * d2 + mesh.curvature[e][:, 1:] * d3
+        out[mesh.is_joint[e]] = 0.0
+    return out

@@ -44,6 +44,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
             *_listed(measured.TOP_END, where.TOP),
             *_listed((measured.HOOK_LOAD_TOTAL,), where.BLOCK),
             *_listed(physics.TOP_MOTOR, where.MOTOR),
+            *_listed((measured.TOP_TRAVEL,), where.MOVING_TOP),
             *_listed(physics.BIT, where.BIT),
             *_listed(measured.LOWER_END, where.STRING),
             *_listed(measured.HOLE, where.BIT, rop=where.DRILLS),
@@ -60,11 +61,11 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         ),
         "statics.csv": (
             *_listed((measured.MD,)),
-            *_listed((measured.AXIAL_FORCE, measured.TORQUE), where.STRING),
+            *_listed((measured.AXIAL_FORCE, measured.TORQUE, measured.TWIST_ANGLE), where.STRING),
             *_listed((*_along_string(physics.CONTACT), measured.ITEM_SIDE_FORCE), where.STRING),
             *_listed(
                 (
-                    measured.BENDING_MOMENT,
+                    *measured.BENDING,
                     measured.INCLINATION,
                     measured.OFFSET_X,
                     measured.OFFSET_Y,
@@ -93,7 +94,9 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
             *mud_fields,
         ),
         "summary.json of statics": (
-            *_listed(measured.STATIC_SUMMARY, where.STRING, hook_load_total=where.BLOCK),
+            *_listed(
+                measured.STATIC_SUMMARY, where.STRING, hook_load_total=where.BLOCK, top_travel=where.TOP
+            ),
             *mud_at_ends,
             *_listed((measured.ECD,), where.ANNULUS),
         ),
@@ -109,7 +112,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         "surge.csv": _listed(hydraulics.SURGE),
         "max_trip_speed.csv": _listed(hydraulics.MAX_TRIP_SPEED),
         "calibration.csv": _listed(torque_drag.MEASURED),
-        "roadmap.csv": _listed(torque_drag.ROADMAP, hook_load_total=where.BLOCK),
+        "roadmap.csv": _listed(torque_drag.ROADMAP, hook_load_total=where.BLOCK, ff_groups=where.GROUPS),
         "limits.csv": _listed(limits.LIMITS),
         "contacts.csv": _listed(limits.CONTACTS),
     }

@@ -35,3 +35,11 @@ def measured_depth(model: DrillingModel, point: FloatArray) -> float:
     if model.well is not None:
         return float(model.well.project(point[None, :]).md[0])
     return float((point - model.position[0]) @ model.tangent[0])
+
+
+def along_hole(model: DrillingModel, point: FloatArray) -> float:
+    """Measured depth [m] as ``measured_depth``, continued straight above the start of the hole."""
+    if model.well is None:
+        return measured_depth(model, point)
+    foot = model.well.project(point[None, :])
+    return float(foot.md[0] + foot.tangent[0] @ foot.offset[0])

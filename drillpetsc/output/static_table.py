@@ -14,6 +14,7 @@ from drillpetsc.output.catalogue import outputs_by_file
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.in_hole import offsets
+from drillpetsc.output.quantities import BENDING
 from drillpetsc.output.rigid_items import RigidItems
 from drillpetsc.output.string_fields import StringFields
 
@@ -72,12 +73,23 @@ def _of_string(
     on_items = items.at_nodes(items.forces(sample)) if len(items.items) else np.zeros(mesh.nodes)
     if system.comm.size > 1:
         on_items = system.comm.tompi4py().allreduce(on_items)
-    bend = np.linalg.norm(curvatures(model), axis=3).reshape(len(torque), 4)
+    forces = string.end_forces(sample)
+    bend = np.linalg.norm(curvatures(model, forces.moment), axis=2)
+    parts = [
+        forces.moment_size,
+        forces.shear_size,
+        string.bending_components(sample),
+        string.shear_components(sample),
+    ]
+    across = np.concatenate([p.reshape(len(torque), 2, -1) for p in parts], axis=2)
     nodal = system.gather(np.hstack([system.field("string.position"), system.field("string.tangent")]))
-    cell = system.gather(np.column_stack([axial, torque, push, bend]), "cell")
+    cell = system.gather(
+        np.column_stack([axial, torque, push, bend, across.reshape(len(torque), -1)]), "cell"
+    )
     if nodal is None or cell is None:
         return None
-    upper, lower, torque, push, *bending = cell.T
+    upper, lower, torque, push, bend_upper, bend_lower, *ends = cell.T
+    names = [q.name for q in (BENDING[0], BENDING[3], *BENDING[1:3], *BENDING[4:])]
     mean = partial(at_nodes, element=~mesh.is_joint)
     t = nodal[:, 3:] / np.linalg.norm(nodal[:, 3:], axis=1, keepdims=True)
     tension = effective = mean(upper, lower)
@@ -88,15 +100,17 @@ def _of_string(
     radius = 0.5 * mesh.outer_diameter
     inertia = np.pi / 64 * (mesh.outer_diameter**4 - mesh.inner_diameter**4)
     by_moment = np.divide(radius, inertia, out=np.zeros_like(radius), where=inertia > 0)  # stress per moment
-    moment = [mesh.bending_stiffness * bending[2], mesh.bending_stiffness * bending[3]]
+    moment = ends[0], ends[len(names)]
     load = _buckling_load(model, nodal[:, :3], effective)
     out["torque"] = -_linear(torque, ~mesh.is_joint)
+    lag = -torque * mesh.length / np.where(mesh.is_joint, 1.0, mesh.torsional_stiffness)
+    out["twist_angle"] = np.append(0.0, np.cumsum(np.where(mesh.is_joint, 0.0, lag)))
     out["contact_force"] = mean(push, push)
     out["item_side_force"] = on_items
-    out["bending_moment"] = mean(*moment)
+    out |= {name: mean(ends[i], ends[i + len(names)]) for i, name in enumerate(names)}
     out["inclination"] = np.degrees(np.arccos(np.clip(t[:, 2], -1, 1)))
     out["offset_x"], out["offset_y"] = offsets(model, nodal[:, :3]).T
-    out["curvature"] = mean(bending[0], bending[1])
+    out["curvature"] = mean(bend_upper, bend_lower)
     out["bending_stress"] = mean(np.multiply(by_moment, moment[0]), np.multiply(by_moment, moment[1]))
     out["buckling_load"] = load
     out["buckling_ratio"] = np.maximum(-effective, 0.0) / load

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from drillpetsc.case.blocks.ends import TopEnd as TopKeys
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.quantity import Quantity, Sample
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import hole_depth
 from drillpetsc.output import quantities as declared
-from drillpetsc.output.in_hole import measured_depth
+from drillpetsc.output.in_hole import along_hole, measured_depth
+from drillpetsc.time_function import Constant
 
 
 def top_reaction(system: DiscreteSystem, name: str) -> float:
@@ -19,6 +21,12 @@ def top_reaction(system: DiscreteSystem, name: str) -> float:
         if row.owned and name in row.condition.names:
             return float(row.reaction[row.condition.names.index(name)])
     return float(sum(component.reaction(name, system.assembly) for component in system.components))
+
+
+def moves(top: TopKeys) -> bool:
+    """Whether the top can move along the hole: it is lowered, or a force is given instead of its motion."""
+    lowering = top.lowering
+    return top.force is not None or not (lowering is None or lowering == Constant(0.0))
 
 
 class TopEnd:
@@ -35,7 +43,20 @@ class TopEnd:
         exists = m.beam is not None and (m.top is not None or self.force is not None)
         if not exists:
             return ()
-        return declared.TOP_END if self.block is None else (*declared.TOP_END, declared.HOOK_LOAD_TOTAL)
+        total = () if self.block is None else (declared.HOOK_LOAD_TOTAL,)
+        travel = (declared.TOP_TRAVEL,) if moves(m.case.top) else ()
+        return (*declared.TOP_END, *total, *travel)
+
+    def position(self, sample: Sample) -> FloatArray:
+        """(3,) position of the top [m]; zero where another rank has it."""
+        if not self._is_here:
+            return np.zeros(3)
+        vertex = int(np.flatnonzero(self.model.system.chain.vertices == 0)[0])
+        return np.array(sample.assembly.x[sample.system.layout.dofs["string.position"][vertex]])
+
+    def travel(self, point: FloatArray) -> float:
+        """Distance [m] of the top at ``point`` (3,) along the hole, from its place in the string free of stress."""
+        return along_hole(self.model, point) - along_hole(self.model, self.model.position[0])
 
     def hook_load(self, sample: Sample) -> float:
         """Pull on the string [N]."""

@@ -8,14 +8,13 @@ from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.quantity import Quantity, Sample
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output import quantities as declared
-from drillpetsc.output.bending import bending_moments
+from drillpetsc.output.bending import EndForces, across_hole, end_forces
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.in_hole import offsets
 from drillpetsc.physics.beam import RESULT_NAMES
 
 _COLUMN = {name: i for i, name in enumerate(RESULT_NAMES)}
 _AXIAL = [_COLUMN["axial_upper"], _COLUMN["axial_lower"]]
-_BENDING = [_COLUMN["bending_upper"], _COLUMN["bending_lower"]]
 
 
 class StringFields:
@@ -94,15 +93,32 @@ class StringFields:
         assert self.mud is not None
         return np.stack([self.axial_force(sample), self.mud.pressure_force()], axis=2)
 
-    def bending_moment(self, sample: Sample) -> FloatArray:
-        """(nc, 2) bending moment [N m] beyond the stress-free shape, at both ends."""
-        beam = self.model.beam
-        if self.model.mesh.curvature.any() and beam is not None and beam.bending_includes_free_shape:
-            return np.asarray(sample.once(self._free_bending_removed))
-        return np.asarray(sample.once(self._element_results)[:, _BENDING])
+    def _end_forces(self, time: float, state) -> EndForces:
+        return end_forces(self.model, time)
 
-    def _free_bending_removed(self, state) -> FloatArray:
-        return bending_moments(self.model)
+    def end_forces(self, sample: Sample) -> EndForces:
+        """Forces and bending moments at both ends of the elements."""
+        return sample.once(self._end_forces, sample.time)
+
+    def bending_moment(self, sample: Sample) -> FloatArray:
+        """(nc, 2) bending moment [N m] at both ends."""
+        return self.end_forces(sample).moment_size
+
+    def shear_force(self, sample: Sample) -> FloatArray:
+        """(nc, 2) force across the string [N] at both ends."""
+        return self.end_forces(sample).shear_size
+
+    def _across(self, sample: Sample, state) -> tuple[FloatArray, FloatArray]:
+        forces = self.end_forces(sample)
+        return across_hole(self.model, forces.towards_bend), across_hole(self.model, forces.shear)
+
+    def bending_components(self, sample: Sample) -> FloatArray:
+        """(nc, 2, 2) bending moment [N m] that bends the string to the high side, and to the right, at both ends."""
+        return sample.once(self._across, sample)[0]
+
+    def shear_components(self, sample: Sample) -> FloatArray:
+        """(nc, 2, 2) shear force [N] to the high side, and to the right, at both ends."""
+        return sample.once(self._across, sample)[1]
 
     def stress(self, sample: Sample) -> FloatArray:
         """(nc, 2) largest normal stress [Pa] of the section from axial force and bending, at both ends."""

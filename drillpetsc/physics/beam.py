@@ -47,8 +47,8 @@ class AncfBeam(interfaces.Beam):
     """
 
     name = "beam"
-    bending_includes_free_shape = True
     formulation = "ancf"
+    orientation = "string.tangent"
 
     def __init__(self, mesh: StringMesh, frames: Frames, gravity: FloatArray, finest_motion: float = np.inf):
         self.mesh, self.frames, self.gravity = mesh, frames, np.asarray(gravity, dtype=float)
@@ -171,6 +171,10 @@ class AncfBeam(interfaces.Beam):
         """Return (nv, 8) at the local vertices: position [m], velocity [m/s], spin rate [rad/s], spin angle [rad]."""
         r, spin = state.layout.dofs["string.position"], state.layout.dofs["string.spin"]
         return np.hstack([state.x[r], state.y[r], state.y[spin], state.x[spin]])
+
+    def couple(self, values: FloatArray, rows: FloatArray) -> FloatArray:
+        """Return (n, 3) the couples v x G of forces G conjugate to slopes v (manual: eq-beam-nodal-couple)."""
+        return np.cross(values, rows)
 
     def element_results(self, layout: DofLayout, x: FloatArray, y: FloatArray) -> FloatArray:
         """(nc, 9) per local cell in depth order: the columns of ``RESULT_NAMES`` [J, J, J, N, N, N, N m, N m, N

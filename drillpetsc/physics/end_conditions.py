@@ -311,6 +311,7 @@ class NodeLoad:
     slope: (3,) dead load on the slope [N m], part of a load along the elements.
     section: components are along (tangent, director 2, director 3) instead of global axes.
     factor(t): factor over time [s], None: 1.
+    cell: number of the element along which a distributed load acts; -1: the load acts at the node.
     """
 
     node: int
@@ -319,6 +320,23 @@ class NodeLoad:
     slope: tuple[float, float, float] = (0.0, 0.0, 0.0)
     section: bool = False
     factor: Callable[[float], float] | None = None
+    cell: int = -1
+
+
+def local_loads(part, loads: tuple[NodeLoad, ...]) -> tuple[list[NodeLoad], np.ndarray, np.ndarray]:
+    """Find the ``loads`` of a rank: at nodes that it owns, and along elements that it has.
+
+    Returns them, their local vertices and their local elements (-1: none), as int32.
+    """
+    vertex = {int(v): i for i, v in enumerate(part.vertices)}
+    cell = {int(c): i for i, c in enumerate(part.cells)}
+    found = [
+        (q, vertex[q.node], cell.get(q.cell, -1))
+        for q in loads
+        if (q.cell in cell if q.cell >= 0 else q.node in vertex and part.owned[vertex[q.node]])
+    ]
+    vertices, cells = (np.array([row[k] for row in found], dtype=np.int32) for k in (1, 2))
+    return [row[0] for row in found], vertices, cells
 
 
 def load_rows(loads: list[NodeLoad]) -> dict[str, FloatArray]:
@@ -340,8 +358,7 @@ class Loads(Component):
         self.conservative = not any(load.section or any(load.moment) for load in loads)
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
-        chosen, vertices = local_vertices(part, np.array([q.node for q in self.loads]))
-        on_rank = [self.loads[k] for k in chosen]
+        on_rank, vertices, cells = local_loads(part, self.loads)
         nodes = np.array([q.node for q in on_rank], dtype=int)
         params = Parameters(
             "load",
@@ -367,6 +384,7 @@ class Loads(Component):
             (0,),
             params.array,
             update=update if timed else None,
+            elements=cells,
         )
         self._nodes = nodes
         return (self._block,)

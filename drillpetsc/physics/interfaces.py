@@ -22,8 +22,8 @@ class Beam(Component):
     formulation: str = ""
     #: statics starts from the equilibrium of the ANCF element, which Newton's method corrects
     needs_ancf_equilibrium: bool = False
-    #: the bending moments in ``element_results`` include those of the stress-free shape
-    bending_includes_free_shape: bool = False
+    #: field of the section's direction at a node, whose rows hold the couples about the node
+    orientation: str = ""
 
     @abstractmethod
     def place(self, system: Any, position: FloatArray, tangent: FloatArray) -> None:
@@ -48,6 +48,13 @@ class Beam(Component):
     def columns(self, state: Any) -> FloatArray:
         """Return (nv, 8) at the local vertices: position (3) [m], velocity (3) [m/s], spin rate [rad/s], spin
         angle [rad].
+        """
+
+    @abstractmethod
+    def couple(self, values: FloatArray, rows: FloatArray) -> FloatArray:
+        """(n, 3) couples about nodes [N m] that the rows of the field ``orientation`` stand for, across the tangent.
+
+        values, rows: (n, k) the field and its rows; what a result has along the tangent has no meaning.
         """
 
     @abstractmethod

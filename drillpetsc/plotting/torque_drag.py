@@ -83,18 +83,21 @@ def _calibration(table: Table, summary: dict[str, Any], title: str, system: Syst
     return drawing
 
 
-def _pairs(table: Table) -> list[tuple[float, float]]:
-    """Friction pairs in the order of the table."""
-    return list(
-        dict.fromkeys(
-            (float(np.nan_to_num(a, nan=-1.0)), float(np.nan_to_num(b, nan=-1.0)))
-            for a, b in zip(table["ff_cased [-]"], table["ff_open_hole [-]"], strict=True)
-        )
-    )
+def _pairs(table: Table) -> list[tuple[float, float, str]]:
+    """Friction pairs in the order of the table, with the text of further groups."""
+    return list(dict.fromkeys(_pair_of_rows(table)))
 
 
-def _pair_words(pair: tuple[float, float]) -> str:
-    return " / ".join(f"{value:.4g}" for value in pair if value >= 0)
+def _pair_of_rows(table: Table) -> list[tuple[float, float, str]]:
+    cased, opened = (np.nan_to_num(table[f"ff_{name} [-]"], nan=-1.0) for name in ("cased", "open_hole"))
+    groups = table.get("ff_groups [-]", [""] * len(cased))
+    return [(float(a), float(b), str(text)) for a, b, text in zip(cased, opened, groups, strict=True)]
+
+
+def _pair_words(pair: tuple[float, float, str]) -> str:
+    *numbers, groups = pair
+    words = [" / ".join(f"{value:.4g}" for value in numbers if value >= 0), groups]  # type: ignore[operator]
+    return ", ".join(filter(None, words))
 
 
 def _hook_load(table: Table, inputs: dict[str, Any], title: str, system: System) -> Any:
@@ -171,10 +174,9 @@ def _frame(heading: str, words: str, kind: str, system: System) -> tuple[Any, An
 
 def _curves(axes: Any, table: Table, column: str, size: float, depth: float) -> None:
     """A line for each operation and friction pair, marked where the string is buckled."""
-    for (cased, opened), dash in zip(_pairs(table), DASHES * 20, strict=False):
-        here = (np.nan_to_num(table["ff_cased [-]"], nan=-1.0) == cased) & (
-            np.nan_to_num(table["ff_open_hole [-]"], nan=-1.0) == opened
-        )
+    of_rows = _pair_of_rows(table)
+    for pair, dash in zip(_pairs(table), DASHES * 20, strict=False):
+        here = np.array([row == pair for row in of_rows])
         for operation, (_, color) in OPERATIONS.items():
             part = here & (table["operation [-]"] == operation)
             if not part.any():

@@ -221,6 +221,11 @@ USUAL = {
     "axial_force [N]",
     "torque [N m]",
     "bending_moment [N m]",
+    "bending_moment_x [N m]",
+    "bending_moment_y [N m]",
+    "shear_force [N]",
+    "shear_force_x [N]",
+    "shear_force_y [N]",
     "outer_radius [m]",
     "stress [Pa]",
 }

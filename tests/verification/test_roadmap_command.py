@@ -281,7 +281,7 @@ def test_time(tmp_path):
         ({"friction_factor": {"cased": [0.1, 0.2], "open_hole": [0.1, 0.2, 0.3]}}, "open_hole", "as many"),
         ({"friction_factor": {"open_hole": [-0.1]}}, "open_hole[0]", "at least 0"),
         ({"rpm": 100}, "roadmap.rpm", "at most 50"),
-        ({"drilling": {"flow_rate": "600 gpm"}}, "roadmap.drilling.flow_rate", "not available"),
+        ({"drilling": {"flow_rate": "600 gpm"}}, "roadmap.drilling.flow_rate", "a fluid in the bore"),
         ({"operations": []}, "roadmap.operations", ""),
     ],
 )

@@ -53,7 +53,7 @@ def static_state(model: DrillingModel) -> State | None:
     pushed = np.full(len(local), np.nan)
     if model.contact is not None:
         pushed = sample.once(model.contact.element_results)[0][:, 0] / mesh.length_divisor[local]
-    total = np.linalg.norm(curvatures(model)[:, 0], axis=2)
+    total = np.linalg.norm(curvatures(model, string.end_forces(sample).moment), axis=2)
     columns = [
         string.axial_force(sample),
         string.bending_moment(sample),

@@ -10,6 +10,7 @@ import numpy as np
 from drillpetsc.analysis.limits import fatigue, strength
 from drillpetsc.analysis.limits.along_string import State, Surroundings
 from drillpetsc.analysis.limits.buckling_loads import Helical
+from drillpetsc.analysis.limits.side_force import force_on_joint
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.tubulars import DrillPipe, Jointed, Tubular
 from drillpetsc.model.drilling_model import DrillingModel
@@ -135,19 +136,12 @@ def element_values(
 
 
 def _force_on_joint(md: FloatArray, state: State, joint: FloatArray) -> FloatArray:
-    """(n, 2) side force [N] on a joint of pipe whose middle is there: that of the wall over the length of a joint.
-
-    At the ends of the string the joint is the last one. So a force at one point counts once, whatever the elements are.
+    """(n, 2) side force [N] on a joint (`force_on_joint`), nan where there is no wall or no joint.
 
     md: (n, 2) measured depths [m]; joint: (n,) length [m], nan where there are no joints.
     """
     own = np.nan_to_num(state.side_force_of_elements) * (md[:, 1] - md[:, 0])
-    depths = np.concatenate([md[:1, 0], md.ravel()])
-    sums = np.concatenate([[0.0], np.column_stack([np.cumsum(own) - own, np.cumsum(own)]).ravel()])
-    length = np.minimum(joint, md[-1, 1] - md[0, 0])[:, None]
-    first = np.clip(md - 0.5 * length, md[0, 0], md[-1, 1] - length)
-    out = np.interp(first + length, depths, sums) - np.interp(first, depths, sums)
-    return np.where(np.isfinite(state.side_force), out, np.nan)
+    return np.where(np.isfinite(state.side_force), force_on_joint(md, own, joint), np.nan)
 
 
 def _smoothed(model: DrillingModel, state: State) -> State:

@@ -38,6 +38,8 @@ class Columns:
     wob: force of the rock [N]; torque: of the rock on the string [N m].
     axial_velocity: [m/s], positive when hoisting; rotation: [rad/s].
     weight_factor: by which the buoyed weight is multiplied.
+    lift: (k, c) force per length that lifts the string in each step of the hole [N/m], None without flow.
+    thrust: of jets on the bit, up [N], None without flow.
     """
 
     placed: np.ndarray
@@ -48,6 +50,8 @@ class Columns:
     axial_velocity: FloatArray
     rotation: FloatArray
     weight_factor: FloatArray
+    lift: FloatArray | None = None
+    thrust: FloatArray | None = None
 
 
 @dataclass(frozen=True)
@@ -169,13 +173,14 @@ def _soft_strings(hole: Hole, loads: Columns) -> Batch:
     at_end = np.asarray(hole.well.at(lower_end)[1])[:, 2][placed]
     count = len(placed)
     tension = np.empty((k + 1, count))
-    tension[-1] = t = end_weight * at_end - loads.wob
+    tension[-1] = t = end_weight * at_end - loads.wob - (0.0 if loads.thrust is None else loads.thrust)
     contact, state = np.zeros((k, count)), np.zeros((k, count), dtype=np.int8)
     mean, slope = np.zeros((k, count)), np.zeros((k, count))
     broken, stop = np.zeros(count, dtype=bool), np.full(count, np.nan)
     for i in range(k - 1, -1, -1):
         step, w, drag = h_inside[i], weight[i], along[i] * mu[i]
-        (k1, k2), (g1, g2) = hole.kk[i], (w * hole.down[i, 0], w * hole.down[i, 1])
+        lift = 0.0 if loads.lift is None else loads.lift[i]
+        (k1, k2), (g1, g2) = hole.kk[i], (w * hole.down[i, 0] - lift, w * hole.down[i, 1] - lift)
         c1, c2 = 2 * w * hole.kz[i, 0], 2 * w * hole.kz[i, 1]
         w1, w2 = w * w * hole.zz[i, 0], w * w * hole.zz[i, 1]
         push = np.maximum(-t, 0.0)

@@ -6,6 +6,7 @@ Bounded nonlinear least squares of all points at once with the soft string (manu
 from __future__ import annotations
 
 import shlex
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,8 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.torque_drag.batch import Columns, Hole, soft_strings
-from drillpetsc.analysis.torque_drag.operations import load_of, plan_of
+from drillpetsc.analysis.torque_drag.circulation import Circulation, circulation
+from drillpetsc.analysis.torque_drag.operations import KINDS, groups_of, load_of, plan_of
 from drillpetsc.analysis.torque_drag.roadmap import need_well
 from drillpetsc.analysis.torque_drag.string_rows import gravity_of, rows_at
 from drillpetsc.analysis.transient import RunResult, make_folder
@@ -28,16 +30,10 @@ from drillpetsc.output.quantities.torque_drag import MEASURED
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.unit_systems import System
 
-FACTORS = ("cased", "open_hole")
-PARAMETERS = (*FACTORS, "block_weight", "weight_factor")
-BOUNDS = {
-    "cased": (0.0, 1.0),
-    "open_hole": (0.0, 1.0),
-    "block_weight": (0.0, 5e6),
-    "weight_factor": (0.5, 1.5),
-}
+FACTOR_BOUNDS, FACTOR_STEP = (0.0, 1.0), 1e-4  # of every friction factor
+BOUNDS = {"block_weight": (0.0, 5e6), "weight_factor": (0.5, 1.5)}
 START = {"cased": 0.25, "open_hole": 0.3, "weight_factor": 1.0}
-STEP = {"cased": 1e-4, "open_hole": 1e-4, "block_weight": 10.0, "weight_factor": 1e-5}
+STEP = {"block_weight": 10.0, "weight_factor": 1e-5}
 RELATIVE_SIGMA, SMALLEST_SIGMA = 0.02, {"hook_load": 10e3, "surface_torque": 500.0}  # [N], [N m]
 SOFT_SCALE = 3.0  # of soft_l1, in standard errors
 LARGEST_CONDITION = 1e3  # of the scaled Jacobian
@@ -103,10 +99,15 @@ class Calibration:
         strings = [rows_at(case, depth, at) for depth in depths]
         self.hole = Hole(well, strings, LONGEST_STEP)
         self.placed = np.array([depths.index(point.bit_depth) for point in points])
-        self.is_open = np.array([s.kind == "open_hole" for s in case.well.sections])  # type: ignore[union-attr]
+        self.group = groups_of(case)
+        #: names of the groups of sections, each with one friction factor
+        self.factors = tuple(
+            dict.fromkeys([*(k for k in KINDS if (self.group == k).any()), *map(str, self.group)])
+        )
         self.own = np.array([s.friction for s in case.well.sections])  # type: ignore[union-attr]
         plan = plan_of(case)
-        loads = []
+        loads: list[tuple[float, ...]] = []
+        flows: list[tuple[float | None, str]] = []
         for point in points:
             load = load_of(case, plan, point.operation)
             speed = abs(load.axial_velocity) if point.speed is None else point.speed
@@ -123,11 +124,35 @@ class Calibration:
                     load.rotation if point.rpm is None else point.rpm,
                 )
             )
+            key = f"measured[{len(flows)}].flow_rate"
+            own = point.flow_rate is not None
+            flows.append(
+                (
+                    point.flow_rate if own else load.flow,
+                    key if own else f"roadmap.{point.operation}.flow_rate",
+                )
+            )
         self.loads = np.array(loads, dtype=float).reshape(-1, 4)
+        self.pumped = any(flow for flow, _ in flows)
+        self._set_flow(flows)
         self.excludes_block = excludes_block
         block = None if case.rig is None else case.rig.block_weight
         self.block = 0.0 if excludes_block else (block or 0.0)
         self.data = self._data()
+
+    def _set_flow(self, flows: Sequence[tuple[float | None, str]]) -> None:
+        """Forces of flowing mud on the string of each point.
+
+        flows: rate [m3/s] of each point, and the key that gives it.
+        """
+        self.lift, self.thrust = np.zeros((len(self.hole.h), len(flows))), np.zeros(len(flows))
+        found: dict[tuple[int, float], Circulation] = {}
+        for i, (flow, at) in enumerate(flows):
+            if flow:
+                key = int(self.placed[i]), flow
+                if key not in found:
+                    found[key] = circulation(self.case, self.points[i].bit_depth, flow, at)
+                self.lift[:, i], self.thrust[i] = found[key].lift(self.hole.edges), found[key].thrust
 
     def _data(self) -> Data:
         rows = []
@@ -148,7 +173,7 @@ class Calibration:
             return self.block
         if name == "weight_factor":
             return 1.0
-        some = self.own[self.is_open == (name == "open_hole")]
+        some = self.own[self.group == name]
         return float(some[-1]) if len(some) else np.nan
 
     def computed(self, sets: list[dict[str, float]]) -> FloatArray:
@@ -157,9 +182,10 @@ class Calibration:
         friction = np.empty((count, len(self.own)))
         factor, block = np.ones(count), np.empty(count)
         for j, values in enumerate(sets):
-            friction[j] = np.where(
-                self.is_open, values.get("open_hole", self.own), values.get("cased", self.own)
-            )
+            friction[j] = self.own
+            for name in self.factors:
+                if name in values:
+                    friction[j, self.group == name] = values[name]
             factor[j] = values.get("weight_factor", 1.0)
             block[j] = values.get("block_weight", self.block)
         string, which = np.tile(np.arange(n), count), np.repeat(np.arange(count), n)
@@ -168,7 +194,16 @@ class Calibration:
             i, k = string[first : first + MOST_COLUMNS], which[first : first + MOST_COLUMNS]
             wob, torque, velocity, rotation = self.loads[i].T
             columns = Columns(
-                self.placed[i], friction[k], np.ones(len(i)), wob, torque, velocity, rotation, factor[k]
+                self.placed[i],
+                friction[k],
+                np.ones(len(i)),
+                wob,
+                torque,
+                velocity,
+                rotation,
+                factor[k],
+                self.lift[:, i] if self.pumped else None,
+                self.thrust[i] if self.pumped else None,
             )
             batch = soft_strings(self.hole, columns)
             ends.append((batch.tension[0], batch.torque[0]))
@@ -233,7 +268,7 @@ class Calibration:
         from scipy.optimize import least_squares
 
         d = self.data
-        units = np.array([STEP[name] / STEP["cased"] for name in names])  # scaled unknowns
+        units = np.array([STEP.get(name, FACTOR_STEP) / FACTOR_STEP for name in names])  # scaled unknowns
 
         def parameters(x: FloatArray) -> dict[str, float]:
             return dict(zip(names, map(float, x * units), strict=True))
@@ -242,7 +277,7 @@ class Calibration:
             return (self.computed([parameters(x)])[0] - d.value) / d.sigma
 
         def jacobian(x: FloatArray) -> FloatArray:
-            h = STEP["cased"]
+            h = FACTOR_STEP
             upper, lower = (
                 np.tile(x, (len(x), 1)) + h * np.eye(len(x)),
                 np.tile(x, (len(x), 1)) - h * np.eye(len(x)),
@@ -252,7 +287,7 @@ class Calibration:
             change = values[: len(x)] - values[len(x) :]
             return (change / np.diag(upper - lower)[:, None] / d.sigma).T
 
-        low, high = np.array([BOUNDS[name] for name in names]).T / units
+        low, high = np.array([BOUNDS.get(name, FACTOR_BOUNDS) for name in names]).T / units
         start = np.array([START.get(name, self.default(name)) for name in names]) / units
         start = np.clip(start, low + 1e-9 * (high - low), high - 1e-9 * (high - low))
         found = least_squares(
@@ -266,7 +301,7 @@ class Calibration:
     @staticmethod
     def _unclear(names: tuple[str, ...], jacobian: FloatArray) -> str | None:
         """The parameter that takes most part in a combination which the points do not determine; None if all are clear."""
-        scaled = jacobian * np.array([STEP[name] / STEP["cased"] for name in names])
+        scaled = jacobian * np.array([STEP.get(name, FACTOR_STEP) / FACTOR_STEP for name in names])
         _, s, v = np.linalg.svd(scaled, full_matrices=False)
         if s[0] > LARGEST_CONDITION * s[-1]:
             return names[int(np.argmax(np.abs(v[-1])))]
@@ -276,20 +311,20 @@ class Calibration:
         """Parameters that no point can determine, with the reason."""
         out: dict[str, str] = {}
         d = self.data
-        names = [name for name in parameters if name in FACTORS]
+        names = [name for name in parameters if name not in BOUNDS]
         base = dict.fromkeys(names, 0.0)
         sets = [base, *({**base, name: 0.5} for name in names)]
         values = self.computed(sets)
         sections = self.case.well.sections  # type: ignore[union-attr]
         deepest = max(point.bit_depth for point in self.points)
         for k, name in enumerate(names, 1):
-            if not (self.is_open == (name == "open_hole")).any():
+            if name not in self.factors:
                 out[name] = "the well has no such section"
                 continue
             above = 0.0
             reached = False
-            for section, opened in zip(sections, self.is_open, strict=True):
-                reached |= bool(opened) == (name == "open_hole") and deepest > above + 1.0
+            for section, group in zip(sections, self.group, strict=True):
+                reached |= bool(group == name) and deepest > above + 1.0
                 above = section.to
             if not reached:
                 out[name] = "no point has the bit in such a section"
@@ -322,7 +357,7 @@ class Calibration:
 
         d = self.data
         out = np.full(len(d.value), np.nan)
-        if not self.is_open.any():
+        if "open_hole" not in self.factors:
             return out
         values = {
             name: float(value)
@@ -358,7 +393,7 @@ def run_calibrate(
     """Fit friction factors to measured points, write calibration.csv and summary.json (collective).
 
     points: measured; None: those of the case.
-    parameters: of PARAMETERS, what is fitted; None: the friction factors of the kinds of section that the well has.
+    parameters: names of groups of sections, block_weight, weight_factor: what is fitted; None: all friction factors.
     Every rank computes the same, the first one writes.
     """
     comm = comm or PETSc.COMM_WORLD
@@ -369,7 +404,10 @@ def run_calibrate(
     work = Calibration(case, points, plan.hookload_excludes_block)
     system: System = units or case.output.units or "metric"
     if parameters is None:
-        parameters = tuple(name for name in FACTORS if (work.is_open == (name == "open_hole")).any())
+        parameters = work.factors
+    unknown = [name for name in parameters if name not in (*KINDS, *work.factors, *BOUNDS)]
+    if unknown:
+        raise CaseError(at="--fit", got=unknown[0], want=", ".join([*work.factors, *BOUNDS]))
     notes = _notes(case, work, parameters)
     fit = work.fit(parameters)
     alone = work.alone(fit)
@@ -409,7 +447,8 @@ def _notes(case: Case, work: Calibration, parameters: tuple[str, ...]) -> list[s
     ):
         notes.append("no rig.block_weight: measured hook loads are taken as those of the string alone")
     if case.fluid is not None:
-        notes.append("the mud stands still: forces of the flow on the string are left out")
+        where = " for points without a flow_rate" if work.pumped else ""
+        notes.append(f"the mud stands still{where}: forces of the flow on the string are left out")
     some = [p for p in work.points if p.operation in ("drilling", "sliding")]
     if any(p.wob is None for p in some):
         notes.append("drilling or sliding points without wob have that of the roadmap")
@@ -434,7 +473,7 @@ def _warnings(work: Calibration, fit: Fit, parameters: tuple[str, ...]) -> list[
                 "block_weight fits it"
             )
     for name, value in zip(fit.parameters, fit.value, strict=True):
-        low, high = BOUNDS[name]
+        low, high = BOUNDS.get(name, FACTOR_BOUNDS)
         if value - low < AT_BOUND * (high - low) or high - value < AT_BOUND * (high - low):
             out.append(
                 f"{name} is at its bound {value:g}: the points ask for a value beyond it, and its interval does not hold"
@@ -480,7 +519,7 @@ def _lines(case: Case, work: Calibration, fit: Fit, summary: dict[str, Any], sys
     for name, value, width in zip(fit.parameters, fit.value, fit.interval, strict=True):
         scale, unit = (size, f" {force}") if name == "block_weight" else (1.0, "")
         words = {"cased": "friction, cased", "open_hole": "friction, open hole"}.get(
-            name, name.replace("_", " ")
+            name, name.replace("_", " ") if name in BOUNDS else f"friction, {name}"
         )
         if np.isnan(value):
             lines.append(f"  {words:<22} not determined: {fit.reasons[name]}")

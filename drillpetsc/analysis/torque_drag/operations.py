@@ -17,6 +17,7 @@ from drillpetsc.units import to_si
 DEPTHS = 30  # bit depths where the case gives none
 FIRST_SHARE = 0.1  # of the hole: the first of them
 FACTORS = (0.75, 1.0, 1.25)  # times the sections' own friction, where the case gives no friction factors
+KINDS = ("cased", "open_hole")  # groups of sections without a ff_group
 MOST_ROWS = 100_000  # of a roadmap
 ASSUMED_WOB = {"drilling": "25 klbf", "sliding": "15 klbf"}  # without wob and initial.wob
 
@@ -27,22 +28,25 @@ class Pair:
 
     cased, open_hole: coefficients to be told, nan where there is no such section [-].
     friction: (m,) coefficient of each section; item_factor: by which those of items are multiplied.
+    groups: coefficients of further groups of sections, as text; empty without any.
     """
 
     cased: float
     open_hole: float
     friction: FloatArray
     item_factor: float = 1.0
+    groups: str = ""
 
 
 @dataclass(frozen=True)
 class Load:
-    """What an operation does: wob [N], torque on bit [N m], axial velocity [m/s, up], rotation [rad/s]."""
+    """What an operation does: wob [N], torque on bit [N m], axial velocity [m/s, up], rotation [rad/s], flow [m3/s]."""
 
     wob: float
     torque: float
     axial_velocity: float
     rotation: float
+    flow: float = 0.0
 
 
 def plan_of(case: Case) -> Roadmap:
@@ -80,7 +84,11 @@ def assumptions(case: Case, plan: Roadmap) -> list[str]:
         if missing:
             notes.append(", ".join(f"backreaming.{key} {values[key]}" for key in missing) + " assumed")
     if case.fluid is not None:
-        notes.append("the mud stands still: forces of the flow on the string are left out")
+        still = [word for word in used if not load_of(case, plan, word).flow]
+        if still:
+            notes.append(
+                f"the mud stands still in {', '.join(still)}: forces of the flow on the string are left out"
+            )
     if any(item.friction is not None for item in case.string):
         notes.append("items with a friction of their own keep it for given friction factors")
     return notes
@@ -96,7 +104,7 @@ def load_of(case: Case, plan: Roadmap, operation: str) -> Load:
         return Load(0.0, 0.0, 0.0, plan.rpm)
     if operation == "backreaming":
         back = plan.backreaming
-        return Load(0.0, back.tob, back.speed, back.rpm)
+        return Load(0.0, back.tob, back.speed, back.rpm, back.flow_rate)
     block = plan.drilling if operation == "drilling" else plan.sliding
     wob = block.wob
     if wob is None:
@@ -104,46 +112,54 @@ def load_of(case: Case, plan: Roadmap, operation: str) -> Load:
     if wob is None:
         wob = to_si(ASSUMED_WOB[operation], "N")
     if operation == "drilling":
-        return Load(wob, block.tob, -plan.drilling.rop, plan.rpm)
-    return Load(wob, block.tob, -1.0, 0.0)  # all friction is axial, whatever the speed
+        return Load(wob, block.tob, -plan.drilling.rop, plan.rpm, block.flow_rate)
+    return Load(wob, block.tob, -1.0, 0.0, block.flow_rate)  # all friction is axial, whatever the speed
+
+
+def groups_of(case: Case) -> np.ndarray:
+    """(m,) name of the group of each section of the hole: cased, open_hole, or its ff_group."""
+    assert case.well is not None
+    return np.array([section.group for section in case.well.sections])
 
 
 def pairs_of(case: Case, plan: Roadmap, notes: list[str]) -> list[Pair]:
-    """Friction pairs in the order of the case."""
+    """Friction pairs in the order of the case.  Raises CaseError for a group that the well does not have."""
     assert case.well is not None
     own = np.array([s.friction for s in case.well.sections], dtype=float)
-    kinds = np.array([s.kind == "open_hole" for s in case.well.sections])
-    factors = plan.friction_factor
+    group, factors = groups_of(case), plan.friction_factor
+    given = {} if factors is None else factors.by_group
+    further = [str(name) for name in dict.fromkeys(group) if name not in KINDS]
+    for name in given:
+        if name not in KINDS and name not in further:
+            want = f"one of {', '.join(further)}" if further else "no groups: no section has a ff_group"
+            raise CaseError(at=f"roadmap.friction_factor.groups.{name}", got=name, want=want)
 
-    def told(friction: FloatArray, open_hole: bool) -> float:
-        return float(friction[kinds == open_hole][-1]) if (kinds == open_hole).any() else np.nan
+    def pair(friction: FloatArray, item_factor: float = 1.0) -> Pair:
+        last = {str(name): float(mu) for name, mu in zip(group, friction, strict=True)}
+        text = ", ".join(f"{name} {last[name]:.4g}" for name in further)
+        cased, opened = (last.get(name, np.nan) for name in KINDS)
+        return Pair(cased, opened, friction, item_factor, text)
 
-    for is_open, word in ((False, "cased"), (True, "open-hole")):
-        if len(set(own[kinds == is_open])) > 1 and (
-            factors is None or (factors.open_hole if is_open else factors.cased) is None
-        ):
-            notes.append(f"several {word} sections with friction of their own: that of the deepest is told")
+    for name in dict.fromkeys(group):
+        if len(set(own[group == name])) > 1 and name not in given:
+            words = {"cased": "cased", "open_hole": "open-hole"}.get(str(name), f"{name}")
+            notes.append(f"several {words} sections with friction of their own: that of the deepest is told")
     if factors is None:
-        return [Pair(told(own * f, False), told(own * f, True), own * f, f) for f in FACTORS]
-    cased, opened = factors.cased or (None,), factors.open_hole or (None,)
+        return [pair(own * f, f) for f in FACTORS]
     if factors.combine == "all":
-        chosen = list(itertools.product(cased, opened))
+        chosen = list(itertools.product(*given.values()))
     else:
-        count = max(len(cased), len(opened))
-        chosen = list(
-            zip(
-                cased * count if len(cased) == 1 else cased,
-                opened * count if len(opened) == 1 else opened,
-                strict=False,
-            )
-        )
+        count = max(len(values) for values in given.values())
+        chosen = list(zip(*(v * count if len(v) == 1 else v for v in given.values()), strict=False))
     out = []
-    for a, b in chosen:
-        friction = np.where(kinds, own if b is None else b, own if a is None else a).astype(float)
-        out.append(Pair(told(friction, False), told(friction, True), friction))
-    for values, is_open, key in ((factors.cased, False, "cased"), (factors.open_hole, True, "open_hole")):
-        if values is not None and not (kinds == is_open).any():
-            notes.append(f"friction_factor.{key} has no effect: the well has no such section")
+    for values in chosen:
+        friction = own.copy()
+        for name, value in zip(given, values, strict=True):
+            friction[group == name] = value
+        out.append(pair(friction))
+    for name in KINDS:
+        if name in given and not (group == name).any():
+            notes.append(f"friction_factor.{name} has no effect: the well has no such section")
     return out
 
 

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import shlex
+import time
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.hydraulics.open_hole import in_units
 from drillpetsc.analysis.torque_drag.batch import Columns, Hole, soft_strings
+from drillpetsc.analysis.torque_drag.circulation import Circulation, circulation
 from drillpetsc.analysis.torque_drag.operations import (
     MOST_ROWS,
     Load,
@@ -23,11 +26,11 @@ from drillpetsc.analysis.torque_drag.operations import (
     strings_of,
 )
 from drillpetsc.analysis.torque_drag.string_rows import StringRows, gravity_of
-from drillpetsc.analysis.torque_drag.table import OK, rows_of
+from drillpetsc.analysis.torque_drag.table import OK, Pressures, failed, rows_of, still_mud
 from drillpetsc.analysis.transient import RunResult, make_folder
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
-from drillpetsc.errors import CaseError
+from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.hole import build_well
 from drillpetsc.output import write_summary, write_table
@@ -35,6 +38,9 @@ from drillpetsc.output.files.run_folder import ROADMAP_FILE, ROADMAP_TABLE
 from drillpetsc.output.quantities.torque_drag import ROADMAP
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.unit_systems import System
+
+#: models of the string by the word of `--model`
+MODELS = {"soft": "soft string", "stiff": "beam in static equilibrium"}
 
 
 def columns_of(loads: list[Load], placed: list[int], pairs: list[Pair]) -> Columns:
@@ -59,20 +65,93 @@ def need_well(case: Case, command: str) -> Well:
     return well
 
 
+def densities_of(case: Case) -> tuple[float, float]:
+    """Density of the mud in and around the string [kg/m3], 0 where there is none."""
+    density = 0.0 if case.fluid is None else case.fluid.density
+    return (density if case.has_bore else 0.0, density if case.has_annulus else 0.0)
+
+
 def soft_rows(
     case: Case, well: Well, strings: list[StringRows], operations: tuple[str, ...], pairs: list[Pair]
 ) -> list[dict[str, Any]]:
     """Rows of a roadmap [SI] with the soft string: by operation, pair and bit depth."""
-    plan = plan_of(case)
-    keys = [(o, p, d) for o in operations for p in range(len(pairs)) for d in range(len(strings))]
-    loads = {o: load_of(case, plan, o) for o in operations}
+    keys, loads = _rows_asked(case, strings, operations, pairs)
+    flows = circulations(case, strings, loads)
     columns = columns_of(
         [loads[o] for o, _, _ in keys], [d for _, _, d in keys], [pairs[p] for _, p, _ in keys]
     )
     hole = Hole(well, strings)
-    density = 0.0 if case.fluid is None else case.fluid.density
+    mud = still_mud(hole, len(keys), densities_of(case), gravity_of(case, "roadmap"))
+    found = [flows.get((d, loads[o].flow)) for o, _, d in keys]
+    if flows:
+        columns, mud = _with_flow(hole, columns, mud, found)
     block = (case.rig.block_weight if case.rig is not None else None) or 0.0
-    found = rows_of(hole, columns, soft_strings(hole, columns), density, gravity_of(case, "roadmap"), block)
+    rows = rows_of(hole, columns, soft_strings(hole, columns), mud, block)
+    for row, flow in zip(rows, found, strict=True):
+        if isinstance(flow, SolveError):
+            row |= failed(f"the flow: {flow}")
+    return [head_of(o, pairs[p], strings[d]) | row for (o, p, d), row in zip(keys, rows, strict=True)]
+
+
+def _rows_asked(
+    case: Case, strings: list[StringRows], operations: tuple[str, ...], pairs: list[Pair]
+) -> tuple[list[tuple[str, int, int]], dict[str, Load]]:
+    """(operation, pair, depth) of each row, and the loads of the operations."""
+    plan = plan_of(case)
+    keys = [(o, p, d) for o in operations for p in range(len(pairs)) for d in range(len(strings))]
+    return keys, {o: load_of(case, plan, o) for o in operations}
+
+
+def circulations(
+    case: Case, strings: list[StringRows], loads: dict[str, Load]
+) -> dict[tuple[int, float], Circulation | SolveError]:
+    """Forces of the mud by string and flow rate [m3/s]; the error where there is no steady flow."""
+    out: dict[tuple[int, float], Circulation | SolveError] = {}
+    for operation, load in loads.items():
+        for d, rows in enumerate(strings):
+            if load.flow and (d, load.flow) not in out:
+                try:
+                    at = f"roadmap.{operation}.flow_rate"
+                    out[d, load.flow] = circulation(case, rows.depth, load.flow, at)
+                except SolveError as error:
+                    out[d, load.flow] = error
+    return out
+
+
+def _with_flow(
+    hole: Hole, columns: Columns, mud: Pressures, found: list[Circulation | SolveError | None]
+) -> tuple[Columns, Pressures]:
+    """Columns and pressures with the forces of the mud where it flows."""
+    lift, thrust = np.zeros((len(hole.h), len(found))), np.zeros(len(found))
+    for c, flow in enumerate(found):
+        if isinstance(flow, Circulation):
+            lift[:, c], thrust[c] = flow.lift(hole.edges), flow.thrust
+            mud.inside[:, c] = np.interp(hole.edges, flow.md, flow.inside)
+            mud.outside[:, c] = np.interp(hole.edges, flow.md, flow.outside)
+            mud.momentum[c] = flow.momentum
+    return replace(columns, lift=lift, thrust=thrust), mud
+
+
+def stiff_rows(
+    case: Case,
+    well: Well,
+    strings: list[StringRows],
+    operations: tuple[str, ...],
+    pairs: list[Pair],
+    comm: PETSc.Comm,
+) -> list[dict[str, Any]]:
+    """Rows of a roadmap [SI] with the beam, in the order of `soft_rows`; collective."""
+    from drillpetsc.analysis.torque_drag import stiff
+
+    stiff.need_beam(case)
+    keys, loads = _rows_asked(case, strings, operations, pairs)
+    flows = circulations(case, strings, loads)
+    block = (case.rig.block_weight if case.rig is not None else None) or 0.0
+    jobs = [
+        stiff.Job(strings[d], pairs[p], loads[o], block, densities_of(case), flows.get((d, loads[o].flow)))
+        for o, p, d in keys
+    ]
+    found = stiff.solve_jobs(case, well, jobs, comm)
     return [head_of(o, pairs[p], strings[d]) | row for (o, p, d), row in zip(keys, found, strict=True)]
 
 
@@ -83,6 +162,7 @@ def head_of(operation: str, pair: Pair, rows: StringRows) -> dict[str, Any]:
         "operation": operation,
         "ff_cased": pair.cased,
         "ff_open_hole": pair.open_hole,
+        "ff_groups": pair.groups,
     }
 
 
@@ -108,12 +188,16 @@ def run_roadmap(
     comm: PETSc.Comm | None = None,
     units: System | None = None,
     measured: tuple[MeasuredPoint, ...] | None = None,
+    model: Literal["soft", "stiff"] = "soft",
 ) -> RunResult:
     """Compute hook load and torque over the bit depth, write roadmap.csv, roadmap.json and summary.json (collective).
 
     measured: points to be plotted; None: those of the case.
-    Every rank computes the same, the first one writes.
+    model: soft, the soft string, every rank computes the same; stiff, the static equilibrium of the beam, whose rows the
+    ranks share out.  The first rank writes.
     """
+    if model not in MODELS:
+        raise CaseError(at="--model", got=model, want=" or ".join(MODELS))
     comm = comm or PETSc.COMM_WORLD
     well = need_well(case, "roadmap")
     gravity_of(case, "roadmap")
@@ -125,6 +209,12 @@ def run_roadmap(
         got = f"{len(plan.operations)} operations x {len(pairs)} pairs x {len(strings)} depths"
         raise CaseError(at="roadmap", got=got, want=f"at most {MOST_ROWS} rows")
     rows = soft_rows(case, well, strings, plan.operations, pairs)
+    stiff: dict[str, Any] = {}
+    if model == "stiff":
+        start, soft = time.perf_counter(), rows
+        rows = stiff_rows(case, well, strings, plan.operations, pairs, comm)
+        stiff = {"stiff_seconds": time.perf_counter() - start, "soft_against_stiff": deviations(soft, rows)}
+        notes.append("torque on bit is added to the torque of the string; its effect on bending is left out")
     block = None if case.rig is None else case.rig.block_weight
     if block is not None:
         for row in rows:
@@ -136,7 +226,8 @@ def run_roadmap(
     summary = {
         "title": case.title,
         "units": system,
-        "model": "soft",
+        "model": model,
+        **stiff,
         "rows": len(rows),
         "rows_not_ok": sum(row["status"] != OK for row in rows),
         "warnings": warnings,
@@ -144,16 +235,21 @@ def run_roadmap(
     }
     if comm.rank == 0:
         case.dump(folder.case)
-        quantities = [q for q in ROADMAP if q.name != "hook_load_total" or block is not None]
+        absent = {"hook_load_total": block is None, "ff_groups": not pairs[0].groups}
+        quantities = [q for q in ROADMAP if not absent.get(q.name, False)]
         write_table(
             folder.path / ROADMAP_TABLE,
             [q.column for q in quantities],
             [[row[q.name] for row in rows] for q in quantities],
         )
-        write_summary(folder.path / ROADMAP_FILE, _inputs(case, well, strings, pairs, points, block))
+        write_summary(
+            folder.path / ROADMAP_FILE, _inputs(case, well, strings, pairs, points, block) | {"model": model}
+        )
         write_summary(folder.summary, summary)
-    lines = [f"{case.title or 'case'}: roadmap, soft string, {len(rows)} rows"]
+    lines = [f"{case.title or 'case'}: roadmap, {MODELS[model]}, {len(rows)} rows"]
     lines += _lines(rows, pairs, plan.operations, strings[-1].depth, system, block is not None)
+    if stiff:
+        lines += _compared(stiff, len(rows))
     lines += [f"  WARNING: {w}" for w in warnings] + [f"  note: {in_units(n, system)}" for n in notes]
     lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
     return RunResult(folder.path, summary, lines)
@@ -173,12 +269,13 @@ def _inputs(
     for operation in plan.operations:
         load = load_of(case, plan, operation)
         loads[operation] = {"wob [N]": load.wob, "tob [N m]": load.torque, "rotation [rad/s]": load.rotation}
+        if load.flow:
+            loads[operation]["flow_rate [m3/s]"] = load.flow
         if operation != "sliding":
             loads[operation]["axial_speed [m/s]"] = load.axial_velocity
     return {
-        "model": "soft",
         "operations": loads,
-        "friction_factor": [{"cased": _plain(p.cased), "open_hole": _plain(p.open_hole)} for p in pairs],
+        "friction_factor": [_factors_told(p) for p in pairs],
         "casing_shoes [m]": shoes_of(case),
         "block_weight [N]": block,
         "max_hookload [N]": None if rig is None else rig.max_hookload,
@@ -190,6 +287,11 @@ def _inputs(
         ],
         "hookload_excludes_block": plan.hookload_excludes_block,
     }
+
+
+def _factors_told(pair: Pair) -> dict[str, Any]:
+    told = {"cased": _plain(pair.cased), "open_hole": _plain(pair.open_hole)}
+    return told | ({"groups": pair.groups} if pair.groups else {})
 
 
 def _plain(value: float) -> float | None:
@@ -224,15 +326,60 @@ def _warnings(case: Case, rows: list[dict[str, Any]], system: System) -> list[st
             kinds.setdefault((row["operation"], row["status"].split(":")[0]), []).append(row)
     for (operation, words), some in kinds.items():
         first = min(some, key=lambda row: row["bit_depth"])
+        depth = f"MD {first['bit_depth'] / size:.0f} {unit}"
+        reason = first["status"].partition(": ")[2] if words == "failed" else ""
         out.append(
-            f"{operation}: {words} in {len(some)} rows, first at MD {first['bit_depth'] / size:.0f} {unit} ({pair_text(first)})"
+            f"{operation}: {words} in {len(some)} rows, first at {depth} ({pair_text(first)})"
+            + (f": {reason}" if reason else "")
         )
     return out
 
 
+def deviations(soft: list[dict[str, Any]], stiff: list[dict[str, Any]]) -> dict[str, Any]:
+    """Largest deviations of the soft string from the beam, over rows where both are ok and nothing buckles.
+
+    hook_load: over the hook load of the beam; surface_torque: over its largest in the operation.
+    """
+    pairs = [
+        (a, b)
+        for a, b in zip(soft, stiff, strict=True)
+        if a["status"] == b["status"] == OK and a["buckling_state"] == b["buckling_state"] == "none"
+    ]
+    out: dict[str, Any] = {"rows": len(pairs), "hook_load": None, "surface_torque": None}
+    if not pairs:
+        return out
+    out["hook_load"] = max(
+        abs(a["hook_load"] - b["hook_load"]) / max(abs(b["hook_load"]), 1.0) for a, b in pairs
+    )
+    turning = [(a, b) for a, b in pairs if a["surface_torque"]]
+    largest: dict[str, float] = {}
+    for _, b in turning:
+        largest[b["operation"]] = max(largest.get(b["operation"], 0.0), abs(b["surface_torque"]))
+    if any(largest.values()):
+        out["surface_torque"] = max(
+            abs(a["surface_torque"] - b["surface_torque"]) / largest[b["operation"]]
+            for a, b in turning
+            if largest[b["operation"]]
+        )
+    return out
+
+
+def _compared(stiff: dict[str, Any], count: int) -> list[str]:
+    """How long the beam took, and how far the soft string is from it."""
+    seconds, found = stiff["stiff_seconds"], stiff["soft_against_stiff"]
+    lines = [f"  {seconds:.3g} s for {count} static solutions of the beam, {seconds / count:.2g} s each"]
+    if found["hook_load"] is not None:
+        text = f"hook load within {100 * found['hook_load']:.2g} %"
+        if found["surface_torque"] is not None:
+            text += f", torque within {100 * found['surface_torque']:.2g} %"
+        lines.append(f"  soft string in the {found['rows']} rows where nothing buckles: {text} of the beam")
+    return lines
+
+
 def pair_text(row: dict[str, Any]) -> str:
     """Friction factors of a row as text: `0.2 / 0.3`."""
-    return f"friction {_factors(row['ff_cased'], row['ff_open_hole'])}"
+    words = [_factors(row["ff_cased"], row["ff_open_hole"]), row["ff_groups"]]
+    return f"friction {', '.join(filter(None, words))}"
 
 
 def _factors(*values: float) -> str:
@@ -255,9 +402,11 @@ def _lines(
     at_end = [row for row in rows if row["bit_depth"] == depth]
     heads = [_factors(pair.cased, pair.open_hole) for pair in pairs]
     shown = heads[:6]
+    groups = [f"    {head}: {pair.groups}" for head, pair in zip(shown, pairs, strict=False) if pair.groups]
     lines = [
         f"  bit at MD {depth / d:.6g} {depth_unit}; friction cased / open hole:"
-        + "".join(f"{h:>14}" for h in shown)
+        + "".join(f"{h:>14}" for h in shown),
+        *groups,
     ]
     for operation in operations:
         some = [row for row in at_end if row["operation"] == operation][: len(shown)]

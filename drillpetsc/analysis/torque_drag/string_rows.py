@@ -9,7 +9,7 @@ import numpy as np
 from drillpetsc.analysis.hydraulics.flow_model import string_at
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.string import Beam, Flexible, Item, Pipe, Rigid, Stabilizer
-from drillpetsc.case.blocks.tubulars import Tubular
+from drillpetsc.case.blocks.tubulars import Jointed, Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.section import metal_past, ring, tubular_section
 from drillpetsc.errors import CaseError
@@ -30,6 +30,7 @@ class StringRows:
     friction: of the item, nan: that of the hole.
     joint_length [m].
     worn_area [m2], worn_radius, bore_radius [m], yield_strength [Pa], young [Pa]: for limits; nan where not known.
+    half_joint: half the length of a joint whose bending gathers beside the tool joints [m], nan for others.
     pressed_area: area of the wall on which the pressure of the mud acts [m2].
     air_weight: weight of the whole string in air [N].
     """
@@ -48,6 +49,7 @@ class StringRows:
     yield_strength: FloatArray
     young: FloatArray
     pressed_area: FloatArray
+    half_joint: FloatArray
     end_weight: float
     air_weight: float
 
@@ -71,6 +73,7 @@ _COLUMNS = (
     "yield_strength",
     "young",
     "pressed_area",
+    "half_joint",
 )
 
 
@@ -134,6 +137,7 @@ def _of(case: Case, item: Item, middle: float) -> tuple[float, float, float, dic
         "yield_strength": nan,
         "young": nan,
         "pressed_area": 0.0,
+        "half_joint": nan,
     }
     if isinstance(item, Rigid):
         return _rigid(case, item, middle, row)
@@ -152,6 +156,8 @@ def _of(case: Case, item: Item, middle: float) -> tuple[float, float, float, dic
         }
         if s.joint_length == s.joint_length:
             row["joint_length"] = s.joint_length
+        if isinstance(item, Jointed) and item.contact_on == "tool_joint":
+            row["half_joint"] = 0.5 * item.joint_length
     elif isinstance(item, Pipe):
         m = item.material
         area, moment = ring(outer, inner)

@@ -2,32 +2,37 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.limits.fatigue import tension_factor
+from drillpetsc.analysis.limits.side_force import force_on_joint
+from drillpetsc.analysis.limits.strength import stresses
 from drillpetsc.analysis.torque_drag.batch import Batch, Columns, Hole
 from drillpetsc.arrays import FloatArray
 
 STATES = ("none", "sinusoidal", "helical")
 TENSION_FRACTION = 0.9  # of the yield strength, in the overpull margin
 OK = "ok"
+LEAST_PUSH = 1.0  # [N]; a smaller push is rounding
 
 
 def rows_of(
-    hole: Hole, loads: Columns, batch: Batch, density: float, gravity: float, block: float = 0.0
+    hole: Hole, loads: Columns, batch: Batch, mud: Pressures, block: float = 0.0
 ) -> list[dict[str, Any]]:
     """One dictionary of values [SI] for each column; nan where a value does not exist.
 
-    density: of the mud around and in the string [kg/m3], 0 without mud.
+    mud: pressures in and around the strings.
     block: weight that rests on the string where its own hook load is negative [N].
     """
     placed = loads.placed
     md = batch.md
     hook, torque = batch.tension[0], batch.torque[0]
     joint = hole.item_values("joint_length")[:, placed]
-    side = np.nanmax(np.where(batch.inside, batch.contact * joint, np.nan), axis=0)
-    factor, margin = _stress(hole, loads, batch, density, gravity)
+    side = [_side_force(hole, batch, joint[:, c], c) for c in range(len(placed))]
+    factor, margin = _stress(hole, loads, batch, mud)
     lowest = np.nanargmin(np.where(np.isnan(batch.tension), np.inf, batch.tension), axis=0)
     worst = batch.state.max(axis=0)
     out = []
@@ -58,16 +63,55 @@ def rows_of(
                 "max_side_force_per_joint",
             )
             row |= dict.fromkeys((*nothing, "min_safety_factor", "overpull_margin"), np.nan)
-        said = []
-        if not np.isnan(locked):
-            said.append(f"locked up: no weight passes MD {locked:.0f} m")
-        elif row["hook_load"] + block < 0:
-            said.append("must be pushed: the hook load is negative")
-        if factor[c] < 1 and not batch.broken[c]:
-            said.append("the string yields")
-        row["status"] = "; ".join(said) or OK
+        row["status"] = said_of(row, block, float(locked)) or OK
         out.append(row)
     return out
+
+
+#: numbers of a row that a solution gives
+FOUND = (
+    "hook_load",
+    "surface_torque",
+    "stretch",
+    "twist",
+    "min_effective_tension",
+    "md_of_min",
+    "neutral_point",
+    "max_side_force_per_joint",
+    "min_safety_factor",
+    "overpull_margin",
+)
+
+
+def failed(reason: str) -> dict[str, Any]:
+    """Entries of a row without a solution: no number, and the reason."""
+    words = " ".join(reason.partition("hint:")[0].split())
+    state = "lock_up" if "locked up" in words else "none"
+    return {**dict.fromkeys(FOUND, float("nan")), "buckling_state": state, "status": f"failed: {words}"}
+
+
+def said_of(row: dict[str, Any], block: float, locked: float = np.nan) -> str:
+    """What the status of a row must say; empty where there is nothing.
+
+    block: weight that rests on the string [N]; locked: measured depth that no weight passes [m], nan: none.
+    """
+    said = []
+    if not np.isnan(locked):
+        said.append(f"locked up: no weight passes MD {locked:.0f} m")
+    elif row["hook_load"] + block < -LEAST_PUSH:
+        said.append("must be pushed: the hook load is negative")
+    if row["min_safety_factor"] < 1:
+        said.append("the string yields")
+    return "; ".join(said)
+
+
+def _side_force(hole: Hole, batch: Batch, joint: FloatArray, c: int) -> float:
+    """Largest side force [N] on a joint of the string ``c``."""
+    inside = batch.inside[:, c] & np.isfinite(batch.contact[:, c])
+    if not inside.any():
+        return float("nan")
+    md = np.column_stack([hole.edges[:-1], hole.edges[1:]])[inside]
+    return float(force_on_joint(md, batch.contact[inside, c] * hole.h[inside], joint[inside]).max())
 
 
 def neutral_point(md: FloatArray, tension: FloatArray) -> float:
@@ -86,33 +130,55 @@ def neutral_point(md: FloatArray, tension: FloatArray) -> float:
     return float(md[i - 1] + (md[i] - md[i - 1]) * tension[i - 1] / (tension[i - 1] - tension[i]))
 
 
-def _stress(
-    hole: Hole, loads: Columns, batch: Batch, density: float, gravity: float
-) -> tuple[FloatArray, FloatArray]:
+@dataclass(frozen=True)
+class Pressures:
+    """Pressures of the mud at the edges of the steps, (k+1, c) [Pa], and density times flow squared (c,) [N m2]."""
+
+    inside: FloatArray
+    outside: FloatArray
+    momentum: FloatArray
+
+
+def still_mud(hole: Hole, count: int, densities: tuple[float, float], gravity: float) -> Pressures:
+    """Pressures of still mud inside and outside ``count`` strings; densities: of both [kg/m3]."""
+    depth = np.maximum(np.asarray(hole.well.at(hole.edges)[0])[:, 2], 0.0)
+    inside, outside = (np.tile((density * gravity * depth)[:, None], (1, count)) for density in densities)
+    return Pressures(inside, outside, np.zeros(count))
+
+
+def _stress(hole: Hole, loads: Columns, batch: Batch, mud: Pressures) -> tuple[FloatArray, FloatArray]:
     """(smallest safety factor, overpull margin [N]) of each column; nan without an item of known yield strength.
 
-    With still mud of one density inside and outside, the pressures are equal and the von Mises stress of the outer fibre
-    is that of the effective tension, of the bending of the hole, and of the torque (manual: sec-soft-string-stress).
+    The stresses are those of `limits`, with the bending moment of the hole's curvature (manual: sec-soft-string-stress).
     """
     placed = loads.placed
-    yield_, area, radius, bore, young, pressed = (
-        hole.item_values(name)[:, placed]
-        for name in ("yield_strength", "worn_area", "worn_radius", "bore_radius", "young", "pressed_area")
+    names = (
+        "yield_strength",
+        "worn_area",
+        "worn_radius",
+        "bore_radius",
+        "young",
+        "pressed_area",
+        "half_joint",
     )
+    yield_, area, radius, bore, young, pressed, half = (hole.item_values(name)[:, placed] for name in names)
     known = batch.inside & np.isfinite(yield_)
-    polar = 0.5 * np.pi * (radius**4 - bore**4)
-    bending = young * radius * hole.curvature.max(axis=1)[:, None]
-    position = np.asarray(hole.well.at(hole.edges)[0])[:, 2]
-    pressure = density * gravity * np.maximum(position, 0.0)
+    stiffness = np.where(known, hole.of["bending_stiffness"][:, placed], np.nan)
+    bend = young * 0.25 * np.pi * (radius**4 - bore**4) * hole.curvature.max(axis=1)[:, None]
+    opening = np.pi * bore**2
     factor = np.full(len(placed), np.inf)
     margin = np.full(len(placed), np.inf)
     for ends in (slice(0, -1), slice(1, None)):
         tension, torque = batch.tension[ends], batch.torque[ends]
-        stress = np.sqrt((np.abs(tension) / area + bending) ** 2 + 3 * (torque * radius / polar) ** 2)
-        with np.errstate(divide="ignore"):
+        inside, outside = mud.inside[ends], mud.outside[ends]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            wall = tension + inside * opening - outside * (opening + pressed)
+            wall += np.where(opening > 0, mud.momentum / opening, 0.0)
+            gathered = 1 / tension_factor(np.maximum(tension, 0.0), stiffness, half)
+            moment = bend * np.where(np.isfinite(gathered), gathered, 1.0)
+            stress = stresses(2 * radius, 2 * bore, wall, moment, torque, inside, outside).von_mises
             here = np.where(known & np.isfinite(stress), yield_ / stress, np.inf)
         factor = np.minimum(factor, here.min(axis=0))
-        wall = tension - pressure[ends][:, None] * pressed
         left = np.where(known & np.isfinite(wall), TENSION_FRACTION * yield_ * area - wall, np.inf)
         margin = np.minimum(margin, left.min(axis=0))
     none = ~known.any(axis=0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -20,6 +20,7 @@ Weight = Annotated[float, Quantity("N", at_least=0, at_most=1e7)]
 Torque = Annotated[float, Quantity("N m", at_least=0, at_most=1e6)]
 Speed = Annotated[float, Quantity("m/s", at_least=0, at_most=10, kind="trip_speed")]
 Rop = Annotated[float, Quantity("m/s", at_least=0, at_most=1, kind="rop")]
+Flow = Annotated[float, Quantity("m^3/s", at_least=0, at_most=1)]
 Rotation = Annotated[float, ROTATION]
 
 
@@ -52,23 +53,39 @@ class FrictionFactors(Block):
     open_hole: Factors | None = Field(
         default=None, description="friction factors of open hole; the sections' own when not given"
     )
+    groups: dict[str, Factors] = Field(
+        default={},
+        description="friction factors of sections with a ff_group, by its name; the sections' own when not given",
+    )
     combine: Literal["pairs", "all"] = Field(
         default="pairs", description="pairs: first with first, second with second; all: every pair"
     )
 
+    @property
+    def by_group(self) -> dict[str, tuple[float, ...]]:
+        """Factors that are given, by the name of the group."""
+        own = {"cased": self.cased, "open_hole": self.open_hole}
+        return {name: values for name, values in {**own, **self.groups}.items() if values is not None}
+
     @model_validator(mode="after")
     def _same_count(self) -> FrictionFactors:
-        if self.cased is None and self.open_hole is None:
-            raise refuse("cased", want="cased, open_hole, or both")
-        for key in ("cased", "open_hole"):
-            if getattr(self, key) == ():
-                raise refuse(key, got="an empty list", want="one friction factor or more")
-        a, b = len(self.cased or (0,)), len(self.open_hole or (0,))
-        if self.combine == "pairs" and a != b and 1 not in (a, b):
+        given = self.by_group
+        if not given:
+            raise refuse("cased", want="cased, open_hole, groups, or several of them")
+        for key, values in given.items():
+            if key in self.groups and key in ("cased", "open_hole"):
+                raise refuse("groups", key, want=f"the name of a ff_group; {key} stands beside groups")
+            if values == ():
+                path = ("groups", key) if key in self.groups else (key,)
+                raise refuse(*path, got="an empty list", want="one friction factor or more")
+        counts = {key: len(values) for key, values in given.items() if len(values) > 1}
+        if self.combine == "pairs" and len(set(counts.values())) > 1:
+            first, second = list(counts)[0], next(k for k in counts if counts[k] != counts[list(counts)[0]])
+            path = ("groups", second) if second in self.groups else (second,)
             raise refuse(
-                "open_hole",
-                got=f"{b} values",
-                want=f"{a} values, as many as cased, or one",
+                *path,
+                got=f"{counts[second]} values",
+                want=f"{counts[first]} values, as many as {first}, or one",
                 hint="or combine: all",
             )
         return self
@@ -108,34 +125,40 @@ def _measured(value: Any) -> Any:
 class Drilling(Block):
     """Drilling with rotation."""
 
-    unsupported_keys: ClassVar[tuple[str, ...]] = ("flow_rate",)
-
     wob: Weight | None = Field(
         default=None, description="weight on bit; initial.wob when not given, else 25 klbf"
     )
     tob: Torque = Field(default=to_si("5 kft-lbf", "N m"), description="torque of the rock on the bit")
     rop: Rop = Field(default=to_si("60 ft/h", "m/s"), description="rate of penetration")
+    flow_rate: Flow = Field(
+        default=0.0,
+        description="flow rate of the pump, which drags and lifts the string; 0: the mud stands still",
+    )
 
 
 class Sliding(Block):
     """Drilling without rotation of the string."""
 
-    unsupported_keys: ClassVar[tuple[str, ...]] = ("flow_rate",)
-
     wob: Weight | None = Field(
         default=None, description="weight on bit; initial.wob when not given, else 15 klbf"
     )
     tob: Torque = Field(default=to_si("2 kft-lbf", "N m"), description="torque of the rock on the bit")
+    flow_rate: Flow = Field(
+        default=0.0,
+        description="flow rate of the pump, which drags and lifts the string; 0: the mud stands still",
+    )
 
 
 class Backreaming(Block):
     """Pulling out with rotation."""
 
-    unsupported_keys: ClassVar[tuple[str, ...]] = ("flow_rate",)
-
     speed: Speed = Field(default=to_si("20 ft/min", "m/s"), description="upward speed")
     rpm: Rotation = Field(default=to_si("80 rpm", "rad/s"), description="rotation")
     tob: Torque = Field(default=to_si("1 kft-lbf", "N m"), description="torque of the rock on the bit")
+    flow_rate: Flow = Field(
+        default=0.0,
+        description="flow rate of the pump, which drags and lifts the string; 0: the mud stands still",
+    )
 
 
 class MeasuredPoint(Block):
@@ -153,6 +176,9 @@ class MeasuredPoint(Block):
     tob: Torque | None = Field(default=None, description="torque on bit, instead of the operation's")
     rpm: Rotation | None = Field(default=None, description="rotation, instead of the operation's")
     speed: Speed | None = Field(default=None, description="speed of the block, instead of the operation's")
+    flow_rate: Flow | None = Field(
+        default=None, description="flow rate of the pump, instead of the operation's (used by calibrate)"
+    )
     sigma: Annotated[float, Quantity("N", above=0, at_most=1e8)] | None = Field(
         default=None, description="standard error of the hook load; 2 % and at least 10 kN when not given"
     )

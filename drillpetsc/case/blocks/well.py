@@ -158,6 +158,10 @@ def _depth_or_end(value: Any, depth: Callable[[Any], float]) -> float | None:
     return None if value is None or (isinstance(value, str) and value == "end") else depth(value)
 
 
+#: what `calibrate` fits beside friction factors: no names of groups
+OTHER_FITS = ("block_weight", "weight_factor")
+
+
 class Section(Block):
     """An interval of the hole with one diameter."""
 
@@ -175,6 +179,13 @@ class Section(Block):
     friction: Friction = derived_default(
         "friction coefficient; 0.2 in casing, 0.3 in open hole when not given"
     )
+    ff_group: str | None = Field(
+        default=None,
+        pattern=r"^[A-Za-z][A-Za-z0-9_]*$",
+        max_length=30,
+        description="group whose friction factor `roadmap` and `calibrate` change together; cased or open hole by its kind when "
+        "not given",
+    )
     compliance: Compliance | None = Field(
         default=None,
         description="elasticity of the wall (used by a fluid in the annulus); rigid when not given",
@@ -184,7 +195,14 @@ class Section(Block):
     def _default_friction(self) -> Section:
         if self.friction is None:
             self.fill_defaults(friction=DEFAULT_FRICTION[self.kind])
+        if self.ff_group in OTHER_FITS:
+            raise refuse("ff_group", got=self.ff_group, want=f"another name than {', '.join(OTHER_FITS)}")
         return self
+
+    @property
+    def group(self) -> str:
+        """Name of the group of sections with one friction factor: cased, open_hole, or that of the case."""
+        return self.ff_group or ("open_hole" if self.kind == "open_hole" else "cased")
 
 
 class Well(Block):

@@ -6,6 +6,7 @@ the source that declares it (a class of ``drillpetsc.output``) and of the sample
 
 from drillpetsc.output.quantities.along_string import (
     AXIAL_FORCE,
+    BENDING,
     BENDING_MOMENT,
     EFFECTIVE_TENSION,
     HOLE_RADIUS,
@@ -27,6 +28,7 @@ from drillpetsc.output.quantities.history import (
     STEP,
     TIME,
     TOP_END,
+    TOP_TRAVEL,
 )
 from drillpetsc.output.quantities.modes import MODE_KINDS, MODE_SHARES, MODES
 from drillpetsc.output.quantities.mud import (
@@ -50,11 +52,13 @@ from drillpetsc.output.quantities.statics import (
     STATIC_SUMMARY,
     STRETCH,
     TWIST,
+    TWIST_ANGLE,
 )
 from drillpetsc.output.quantities.trajectory import TRAJECTORY
 
 __all__ = [
     "AXIAL_FORCE",
+    "BENDING",
     "BENDING_MOMENT",
     "BENDING_STRESS",
     "BORE_ONLY",
@@ -94,7 +98,9 @@ __all__ = [
     "STRING_FIELDS",
     "TIME",
     "TOP_END",
+    "TOP_TRAVEL",
     "TORQUE",
     "TRAJECTORY",
     "TWIST",
+    "TWIST_ANGLE",
 ]

@@ -84,8 +84,85 @@ BENDING_MOMENT = Quantity(
     label="Bending moment",
     mnemonic="BEND",
     sign="not negative",
-    doc="Magnitude of the bending moment, beyond the stress-free shape.",
+    doc="Magnitude of the bending moment, from the equilibrium of the elements (manual: sec-beam-nodal).",
     value=lambda string, sample: string.bending_moment(sample),
+)
+
+
+def _bending_components(string: Any, sample: Sample) -> FloatArray:
+    return np.asarray(string.bending_components(sample))
+
+
+def _shear_components(string: Any, sample: Sample) -> FloatArray:
+    return np.asarray(string.shear_components(sample))
+
+
+BENDING_MOMENT_X = Quantity(
+    "bending_moment_x",
+    "N m",
+    on="element",
+    label="Bending moment to the high side",
+    mnemonic="BNDX",
+    sign="bends the string towards the high side (north in a vertical hole)",
+    doc="Part of the bending moment that bends the string in the plane of the high side.",
+    value=_bending_components,
+    size=2,
+    index=0,
+)
+BENDING_MOMENT_Y = Quantity(
+    "bending_moment_y",
+    "N m",
+    on="element",
+    label="Bending moment to the right",
+    mnemonic="BNDY",
+    sign="bends the string to the right of the high side, looking down (east in a vertical hole)",
+    doc="Part of the bending moment that bends the string across the plane of the high side.",
+    value=_bending_components,
+    size=2,
+    index=1,
+)
+SHEAR_FORCE = Quantity(
+    "shear_force",
+    "N",
+    on="element",
+    label="Shear force",
+    mnemonic="SHRF",
+    sign="not negative",
+    doc="Magnitude of the force across the string.",
+    value=lambda string, sample: string.shear_force(sample),
+)
+SHEAR_FORCE_X = Quantity(
+    "shear_force_x",
+    "N",
+    on="element",
+    label="Shear force to the high side",
+    mnemonic="SHRX",
+    sign="the part below pushes the part above to the high side (north in a vertical hole)",
+    doc="Component of the force across the string.",
+    value=_shear_components,
+    size=2,
+    index=0,
+)
+SHEAR_FORCE_Y = Quantity(
+    "shear_force_y",
+    "N",
+    on="element",
+    label="Shear force to the right",
+    mnemonic="SHRY",
+    sign="the part below pushes the part above to the right of the high side, looking down (east in a vertical hole)",
+    doc="Component of the force across the string.",
+    value=_shear_components,
+    size=2,
+    index=1,
+)
+#: bending moment and shear force of a string
+BENDING: tuple[Quantity, ...] = (
+    BENDING_MOMENT,
+    BENDING_MOMENT_X,
+    BENDING_MOMENT_Y,
+    SHEAR_FORCE,
+    SHEAR_FORCE_X,
+    SHEAR_FORCE_Y,
 )
 EFFECTIVE_TENSION = Quantity(
     "effective_tension",
@@ -172,7 +249,7 @@ STRING_FIELDS: tuple[Quantity, ...] = (
     OFFSET_Y,
     AXIAL_FORCE,
     TORQUE,
-    BENDING_MOMENT,
+    *BENDING,
     Quantity(
         "stress",
         "Pa",

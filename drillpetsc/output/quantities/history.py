@@ -81,6 +81,20 @@ HOOK_LOAD_TOTAL = Quantity(
     value=lambda top, sample: top.hook_load_total(sample),
     panel=1,
 )
+TOP_TRAVEL = Quantity(
+    "top_travel",
+    "m",
+    on="scalar",
+    label="Travel of the top",
+    mnemonic="TTRV",
+    sign="down",
+    doc="Distance along the hole of the string's top below its place in the string free of stress at the start.",
+    interpolate="motion",
+    mean=False,
+    value=lambda top, sample: top.position(sample),
+    size=3,
+    finish=lambda top, point, depth: (top.travel(point),),
+)
 LOWER_END: tuple[Quantity, ...] = (
     Quantity(
         "bit_speed",

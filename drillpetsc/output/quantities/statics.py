@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from drillpetsc.fem.quantity import Quantity
-from drillpetsc.output.quantities.history import HOOK_LOAD_TOTAL, TOP_END
+from drillpetsc.output.quantities.history import HOOK_LOAD_TOTAL, TOP_END, TOP_TRAVEL
 from drillpetsc.physics.quantities import BIT
 
 CURVATURE = Quantity(
@@ -80,5 +80,14 @@ TWIST = Quantity(
     sign="not negative",
     doc="Angle between the ends of the string, in the summary of statics.",
 )
+TWIST_ANGLE = Quantity(
+    "twist_angle",
+    "rad",
+    on="node",
+    label="Twist from the top",
+    mnemonic="TWSA",
+    sign="the section lags behind the top that turns clockwise (looking down)",
+    doc="Angle by which the torque has turned the section against the top of the string.",
+)
 #: shown after the `statics` command
-STATIC_SUMMARY: tuple[Quantity, ...] = (*TOP_END, HOOK_LOAD_TOTAL, *BIT, STRETCH, TWIST)
+STATIC_SUMMARY: tuple[Quantity, ...] = (*TOP_END, HOOK_LOAD_TOTAL, TOP_TRAVEL, *BIT, STRETCH, TWIST)

@@ -24,11 +24,19 @@ FF_CASED = _row("ff_cased", "-", "Friction factor, cased", "FFCS", "Friction coe
 FF_OPEN_HOLE = _row(
     "ff_open_hole", "-", "Friction factor, open hole", "FFOH", "Friction coefficient in open hole."
 )
+FF_GROUPS = _row(
+    "ff_groups",
+    "-",
+    "Friction factors of groups",
+    "FFGR",
+    "Friction coefficients of the further groups of sections, by name.",
+)
 ROADMAP: tuple[Quantity, ...] = (
     _DEPTH,
     OPERATION,
     FF_CASED,
     FF_OPEN_HOLE,
+    FF_GROUPS,
     _STATIC["hook_load"],
     HOOK_LOAD_TOTAL,
     _STATIC["surface_torque"],

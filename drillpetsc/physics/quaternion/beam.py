@@ -107,6 +107,7 @@ class QuaternionBeam(Beam):
 
     name = "beam"
     formulation = "quaternion"
+    orientation = "string.quaternion"
     needs_ancf_equilibrium = True
     has_constraints = True
     turns_with_string = True  # unknowns and Jacobian entries turn with the string
@@ -285,6 +286,14 @@ class QuaternionBeam(Beam):
         [rad]."""
         place, motion = state.layout.dofs["string.position"], self._node_motion(state)
         return np.hstack([state.x[place], state.y[place], motion[:, 6:]])
+
+    def couple(self, values: FloatArray, rows: FloatArray) -> FloatArray:
+        """Return (n, 3) the couples of forces conjugate to Euler parameters q: half their product with e_i q.
+
+        A rotation by a small vector w changes q by w q/2 (manual: eq-quat-nodal-couple).
+        """
+        turns = product(as_quaternion(np.eye(3))[None], values[:, None])
+        return np.asarray(0.5 * np.sum(turns * rows[:, None], axis=2))
 
     def element_results(self, layout: DofLayout, x: FloatArray, y: FloatArray) -> FloatArray:
         """(nc, 9) per local cell in depth order: the columns of ``physics.beam.RESULT_NAMES``; bending is that beyond

@@ -11,7 +11,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import Component, ElementBlock, Field, Powers
 from drillpetsc.geometry.frames import high_side, smallest_rotation
 from drillpetsc.kernels.parameters import Parameters
-from drillpetsc.physics.end_conditions import Input, NodeLoad, load_rows
+from drillpetsc.physics.end_conditions import Input, NodeLoad, load_rows, local_loads
 from drillpetsc.physics.hole_path import HolePath
 from drillpetsc.physics.interfaces import Top
 from drillpetsc.physics.quaternion.beam import (
@@ -259,8 +259,7 @@ class QuaternionLoads(Component):
         self.conservative = not any(load.section or any(load.moment) for load in loads)
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
-        chosen, vertices = local_vertices(part, np.array([q.node for q in self.loads]))
-        on_rank = [self.loads[k] for k in chosen]
+        on_rank, vertices, cells = local_loads(part, self.loads)
         params = Parameters("quaternion_load", len(on_rank), **load_rows(on_rank), factor=1.0)
         timed = [(i, q.factor) for i, q in enumerate(on_rank) if q.factor is not None]
 
@@ -279,6 +278,7 @@ class QuaternionLoads(Component):
             (),
             params.array,
             update=update if timed else None,
+            elements=cells,
         )
         return (self._block,)
 
