@@ -18,6 +18,18 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from drillpetsc.case import Case, load_case
 from drillpetsc.case.catalogue import catalogue
+from drillpetsc.case.items import (
+    HWDP,
+    Beam,
+    Bit,
+    Body,
+    Casing,
+    CoiledTubing,
+    DrillCollar,
+    DrillPipe,
+    Pipe,
+    Stabilizer,
+)
 from drillpetsc.parallel import initialise_petsc
 
 if TYPE_CHECKING:
@@ -26,7 +38,17 @@ if TYPE_CHECKING:
     from drillpetsc.studies.sweep.sweep import SweepResult
 
 __all__ = [
+    "Beam",
+    "Bit",
+    "Body",
     "Case",
+    "Casing",
+    "CoiledTubing",
+    "DrillCollar",
+    "DrillPipe",
+    "HWDP",
+    "Pipe",
+    "Stabilizer",
     "calibrate",
     "catalogue",
     "freepoint",
