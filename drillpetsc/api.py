@@ -76,13 +76,26 @@ def run(case: Case | str | Path, out: str | Path | None = None, **keywords: Any)
     accept_changes: True to continue although the case or the PETSc options have changed
     name: name of the case in the default folder
     comm: PETSc communicator; by default all ranks
-    progress: auto, live, log or silent
+    progress: auto, live, log or silent; or a function that is called with the share of the run that is done (0 to 1) and a
+    line of text, several times a second, on the first rank
+
+    An interrupt (Ctrl-C, or the button of a notebook) ends the run after a step: the result has what was written, and its
+    `status` says so. A second one raises KeyboardInterrupt.
     """
     initialise_petsc()
     from drillpetsc.analysis import transient
-    from drillpetsc.results.result import result_of
+    from drillpetsc.errors import Interrupted
+    from drillpetsc.results.result import open_run, result_of
 
-    return result_of(transient.run(case, out, **keywords))
+    try:
+        return result_of(transient.run(case, out, **keywords))
+    except Interrupted as error:
+        if error.signal != "SIGINT":
+            raise
+        from petsc4py import PETSc
+
+        (keywords.get("comm") or PETSc.COMM_WORLD).barrier()  # the first rank has written the summary
+        return open_run(error.folder)
 
 
 def sweep(
@@ -96,7 +109,7 @@ def sweep(
     restart: True to keep members that are done and to continue those with a checkpoint
     overwrite: True to replace the results in an existing folder
     comm: PETSc communicator; by default all ranks
-    progress: auto or silent
+    progress: auto or silent; or a function that is called with the share of members that have ended and a line of text
     """
     initialise_petsc()
     from drillpetsc.studies.sweep import sweep as sweeps
