@@ -227,6 +227,7 @@ def roadmap(
     overwrite: bool = False,
     name: str | None = None,
     comm: Any = None,
+    **block: Any,
 ) -> Result:
     """Compute hook load and torque over the bit depth and write roadmap.csv and roadmap.json (collective).
 
@@ -237,10 +238,14 @@ def roadmap(
     overwrite: True to replace the results in an existing folder
     name: name of the case in the default folder
     comm: PETSc communicator; by default all ranks
+    block: keys of the case's block `roadmap` in the place of those of the case, such as
+    friction_factor={"cased": [0.2, 0.25], "open_hole": [0.3, 0.35]}
     """
     from drillpetsc.case.measured_option import measured_option
 
     case, name = _loaded(case, name)
+    if block:
+        case = case.replace({f"roadmap.{key}": value for key, value in block.items()})
     points = None if measured is None else measured_option(measured, case)
     initialise_petsc()
     from drillpetsc.analysis.torque_drag.roadmap import run_roadmap

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from drillpetsc.errors import CaseError
 from drillpetsc.output.files.json_file import plain, read_summary
 from drillpetsc.output.files.run_folder import (
+    CALIBRATION_TABLE,
     HYDRAULICS_TABLES,
     LIMITS_TABLES,
     ROADMAP_TABLE,
@@ -26,6 +27,7 @@ from drillpetsc.unit_systems import SYSTEMS, System
 KINDS = {
     "history.csv": "run",
     "roadmap.csv": "roadmap",
+    CALIBRATION_TABLE: "calibrate",
     "limits.csv": "limits",
     "statics.csv": "statics",
     "hydraulics.csv": "hydraulics",
@@ -39,6 +41,7 @@ TABLES = (
     "modes.csv",
     *HYDRAULICS_TABLES,
     ROADMAP_TABLE,
+    CALIBRATION_TABLE,
     *LIMITS_TABLES,
     "trajectory.csv",
 )
@@ -179,6 +182,27 @@ class Result(RunResult):
 
         self._check_folder()
         return written(self.folder, out=path, units=_system(units) or self._units, sections=tuple(sections))
+
+    def export(
+        self,
+        path: str | Path | None = None,
+        *,
+        units: str | None = None,
+        format: Literal["csv", "xlsx", "las"] = "csv",
+        columns: Sequence[str] = (),
+    ) -> list[Path]:
+        """Write the tables for other programs, as the command `export` does; returns the files.
+
+        path: folder of the files; by default `export` in the run folder
+        units: field, metric, metric_t or SI; by default those of the result, else metric
+        format: csv, xlsx or las
+        columns: names of columns; by default all
+        """
+        from drillpetsc.reporting.export import export
+
+        self._check_folder()
+        system = _system(units) or self._units
+        return export(self.folder, path, units=system, format=format, columns=tuple(columns))[0]
 
     # ------------------------------------------------------------------ shown
     @property
