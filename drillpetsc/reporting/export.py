@@ -97,14 +97,12 @@ def _written(file: Path, data: bytes) -> Path:
 
 def _tables(folder: Path) -> dict[str, Table]:
     """Tables of a folder by name, those without rows left out."""
+    if (folder / SWEEP_TABLE).is_file() or (folder / WELLS_TABLE).is_file():
+        raise CaseError(at="RUN", got=folder, want="a single run; this is a sweep: give a member's folder")
     found = {}
     for file in sorted(folder.glob("*.csv")):
         if file.name not in catalogue.outputs_by_file():
             continue  # another's
-        if file.name in (SWEEP_TABLE, WELLS_TABLE):
-            raise CaseError(
-                at="RUN", got=folder, want="a single run; this is a sweep: give a member's folder"
-            )
         try:
             table = read_table(file)
         except ValueError as error:

@@ -121,6 +121,9 @@ def test_folders_without_tables_are_refused(folder: Path, tmp_path: Path) -> Non
     (tmp_path / "empty" / "history.csv").write_text("time [s]\n1,2\n3\n")
     with pytest.raises(CaseError, match="a table of this program"):
         export(tmp_path / "empty")
+    (tmp_path / "empty" / "sweep.csv").write_text("member [-]\n1\n")
+    with pytest.raises(CaseError, match="a sweep"):
+        export(tmp_path / "empty")
     for file in ("history.csv", "probes.csv", "limits.csv"):
         (folder / file).unlink()
     with pytest.raises(CaseError, match="time or depth"):
