@@ -26,6 +26,7 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, build_well
 from drillpetsc.model.fluid import build_rheology
 from drillpetsc.output.boiling import VAPOUR_PRESSURE
+from drillpetsc.output.mud_column import equivalent_density
 from drillpetsc.time_function import Constant, PiecewiseLinear
 
 Pipe = Literal["closed", "open", "pumping"]
@@ -40,7 +41,6 @@ RAMP = (
     1 / 2,
     1.0,
 )  # shares of flow rate and speed where the whole does not converge at once
-LOWEST_COLUMN = 1.0  # height of mud above a point below which it has no equivalent density [m]
 SHORTEST_PIECE = 1e-3  # shorter pieces of an item are not split off [m]
 
 # The inputs of a flow model are functions of the flow rate: at the "time" q the pump delivers q m3/s.
@@ -321,10 +321,7 @@ class FlowModel:
 
         pressure: (k,) gauge [Pa]; depth: (k,) vertical, below the rotary table [m].
         """
-        height = np.asarray(depth, dtype=float) - self.flow_line
-        out = np.full(np.broadcast(height, pressure).shape, np.nan)
-        np.divide(pressure, self.gravity * height, out=out, where=height >= LOWEST_COLUMN)
-        return out
+        return equivalent_density(pressure, np.asarray(depth, dtype=float) - self.flow_line, self.gravity)
 
     def warnings(self) -> list[str]:
         """Say where the pressure is below that of a vacuum."""
