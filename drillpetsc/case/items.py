@@ -24,6 +24,7 @@ Keys = Mapping[str, Any]
 class _Any(TypedDict, total=False):
     name: str
     friction: Value
+    pressure_loss: Keys
 
 
 class _Flexible(_Any, total=False):
