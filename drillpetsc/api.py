@@ -296,6 +296,8 @@ def limits(
     helical: Literal["chen", "wu"] = "chen",
     design_factor: float = 1.25,
     tension_fraction: float = 0.9,
+    corrosive: bool = False,
+    sn: str | None = None,
     units: Any = None,
     overwrite: bool = False,
     name: str | None = None,
@@ -309,6 +311,8 @@ def limits(
     helical: law of the helical limit
     design_factor: least yield strength over von Mises stress, below which a warning is given
     tension_fraction: share of the pull at yield that tension_limit allows
+    corrosive: the mud is corrosive: 0.6 of the permissible doglegs
+    sn: S-N curve for Miner's damage: "15.0,4.0" for a and b of log10 N = a - b log10(S/MPa), or a CSV file
     units: field, metric or SI, of `lines` of the result and of plots; by default metric
     overwrite: True to replace the results in an existing folder
     name: name of the case in the default folder
@@ -317,10 +321,18 @@ def limits(
     case, name = _loaded(case, name)
     initialise_petsc()
     from drillpetsc.analysis.limits.limits import run_limits
+    from drillpetsc.analysis.limits.sn_curve import read_sn
     from drillpetsc.analysis.limits.table import Choices
     from drillpetsc.results.result import result_of
 
-    choices = Choices(helical=helical, design_factor=design_factor, tension_fraction=tension_fraction)
+    curve = None if sn is None else read_sn(sn)
+    choices = Choices(
+        helical=helical,
+        design_factor=design_factor,
+        tension_fraction=tension_fraction,
+        corrosive=corrosive,
+        sn=curve,
+    )
     return result_of(run_limits(case, operation, choices, out, overwrite, name, comm, units))
 
 

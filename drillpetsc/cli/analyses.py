@@ -181,6 +181,15 @@ def _limits_arguments(command: argparse.ArgumentParser) -> None:
         default=0.9,
         help="share of the pull at yield that tension_limit allows (default: 0.9)",
     )
+    command.add_argument(
+        "--corrosive", action="store_true", help="corrosive mud: 0.6 of the permissible doglegs (API RP 7G)"
+    )
+    command.add_argument(
+        "--sn",
+        metavar="A,B|FILE",
+        help="S-N curve for Miner's damage per hour: a,b of log10 N = a - b log10(S/MPa), or a CSV file with the columns "
+        "stress [MPa], cycles",
+    )
     units_argument(command)
 
 
@@ -191,12 +200,15 @@ def _limits(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     start_job(petsc_options)
     print_warnings(case)
     from drillpetsc.analysis.limits.limits import run_limits
+    from drillpetsc.analysis.limits.sn_curve import read_sn
     from drillpetsc.analysis.limits.table import Choices
 
     choices = Choices(
         helical=arguments.helical,
         design_factor=arguments.design_factor,
         tension_fraction=arguments.tension_fraction,
+        corrosive=arguments.corrosive,
+        sn=None if arguments.sn is None else read_sn(arguments.sn),
     )
     name, units = name_and_units(arguments, case)
     out, overwrite = arguments.out, arguments.overwrite
