@@ -11,8 +11,7 @@ import inspect
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, TypedDict, Unpack
 
-from drillpetsc.case.block import TRADE_WORDS
-from drillpetsc.case.key_paths import suggestion
+from drillpetsc.case.trade_words import key_hint
 from drillpetsc.errors import CaseError
 
 Value = str | float
@@ -161,8 +160,7 @@ class StringItem(dict[str, Any]):
             if key == "kind":
                 raise CaseError(at="kind", got=value, want=f"no kind in {type(self).__name__}: {self.kind}")
             if key not in allowed:
-                word = TRADE_WORDS.get(key)
-                hint = f"did you mean '{word}'?" if word in allowed else suggestion(key, allowed)
+                hint = key_hint(key, allowed)
                 want = f"one of these keys ({type(self).__name__}): {', '.join(sorted(allowed))}"
                 raise CaseError(at=key, got=value, want=want, hint=hint)
         for key in self.required:
