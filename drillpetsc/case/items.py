@@ -66,6 +66,7 @@ class _Jointed(_Tubular, total=False):
     joint_length: Value
     range: int
     stiffness: str
+    clearance: str
 
 
 class _DrillPipe(_Jointed, total=False):

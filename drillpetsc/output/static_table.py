@@ -150,7 +150,7 @@ def _buckling_load(model: DrillingModel, position: FloatArray, tension: FloatArr
     side = np.linalg.norm(
         weight - t * np.sum(weight * t, axis=1, keepdims=True) + tension[:, None] * kappa, axis=1
     )
-    radius = at_nodes(0.5 * mesh.contact_diameter, 0.5 * mesh.contact_diameter)
+    radius = at_nodes(0.5 * mesh.clearance_diameter, 0.5 * mesh.clearance_diameter)
     clearance = np.asarray(well.radius(depth)) - radius
     inside = (clearance > 0) & (side > 1e-6 * np.linalg.norm(weight, axis=1))
     stiffness = at_nodes(mesh.bending_stiffness, mesh.bending_stiffness)

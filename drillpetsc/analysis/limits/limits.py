@@ -23,7 +23,7 @@ from drillpetsc.analysis.limits.table import Choices, Strength, element_values, 
 from drillpetsc.analysis.statics import beyond_rig, static_summary
 from drillpetsc.analysis.transient import RunResult, make_folder
 from drillpetsc.arrays import FloatArray
-from drillpetsc.case.blocks.tubulars import DrillPipe, Tubular
+from drillpetsc.case.blocks.tubulars import DrillPipe, Jointed, Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError
@@ -208,6 +208,12 @@ def _notes(model: DrillingModel) -> list[str]:
         out.append("no mud: no pressures and no buoyancy")
     elif model.fluid.bore is not None and case.fluid is not None and case.fluid.flow_rate is not None:
         out.append("pressures are those of the case's flow rate, in every operation")
+    if model.contact is not None and any(isinstance(item, Jointed) for item in case.string):
+        of = {item.clearance for item in case.string if isinstance(item, Jointed)}
+        words = {"tool_joint": "the tool joints", "body": "the body of the pipe"}
+        out.append(
+            f"clearance of the buckling limits: from {' or '.join(words[word] for word in sorted(of))}"
+        )
     if model.contact is None:
         out.append("no wall: no side forces and no buckling limits")
     out.append("connections are not checked: torque limits are those of the tube")

@@ -167,6 +167,11 @@ class Item(Block):
         """Diameter that touches the hole [m]: that of the tool joints, of the blades, or the outer diameter."""
         return self.od
 
+    @property
+    def clearance_od(self) -> float | None:
+        """Diameter that the clearance of buckling loads goes by [m]: the one that touches the hole, unless the item says otherwise."""
+        return self.contact_od
+
 
 class Flexible(Item):
     """An item that is meshed with beam elements."""
