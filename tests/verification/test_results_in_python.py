@@ -158,3 +158,15 @@ def test_a_progress_function_that_fails_ends_the_run_with_its_error(tmp_path: Pa
     with pytest.raises(CaseError, match="a function"):
         dp.run(case, tmp_path / "other", progress="loud")
     assert not (tmp_path / "other").exists()
+
+
+def test_a_progress_function_that_interrupts_leaves_a_folder_that_says_so(tmp_path: Path) -> None:
+    """A KeyboardInterrupt from within ends the run at once; the folder holds what was written."""
+
+    def stop(share: float, text: str) -> None:
+        raise KeyboardInterrupt
+
+    case = hanging(time={"end": 1000.0}, initial={"from": "statics"}, output={"history_every": 0.05})
+    with pytest.raises(KeyboardInterrupt):
+        dp.run(case, tmp_path / "run", progress=stop)
+    assert dp.open_run(tmp_path / "run").status == "interrupted"
