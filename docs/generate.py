@@ -5,6 +5,7 @@
 - `commands.md`: commands and options, from the argparse parser of `drillpetsc.cli`
 - `messages.md`: what the program answers to each file of `cases/broken`
 - `supported.md`: which formulation takes which feature, found out by building small cases
+- `notebooks/*.md`: the notebooks in docs/notebooks with the outputs that they hold, and their pictures; nothing is run
 - `outputs/*.md`: the tables of columns, fields and keys that `docs/guide/outputs.md` includes, from the catalogue of outputs
 
 Only names of the public face are used (`Case`, `load_case`, `cli.parser`, `catalogue.records`), so files of the package may move.
@@ -14,6 +15,7 @@ A file whose text does not change is left alone, which keeps Sphinx from buildin
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import re
 import types
 from collections.abc import Iterator
@@ -36,21 +38,36 @@ def version() -> str:
 
 def write(folder: Path) -> None:
     """Write all generated pages into a folder; files that are no longer generated are removed."""
-    pages = {
+    pages: dict[str, str | bytes] = {
         **case_pages(),
         "commands.md": commands_page(),
         "messages.md": messages_page(),
         "supported.md": supported_page(),
         **output_tables(),
+        **notebook_pages(),
     }
-    for name, text in pages.items():
-        file = folder / name
+    for name, content in pages.items():
+        file, data = folder / name, content if isinstance(content, bytes) else content.encode("utf-8")
         file.parent.mkdir(parents=True, exist_ok=True)
-        if not file.is_file() or file.read_text(encoding="utf-8") != text:
-            file.write_text(text, encoding="utf-8")
-    for old in folder.rglob("*.md"):
+        if not file.is_file() or file.read_bytes() != data:
+            file.write_bytes(data)
+    for old in (*folder.rglob("*.md"), *folder.rglob("*.png")):
         if old.relative_to(folder).as_posix() not in pages:
             old.unlink()
+
+
+def notebook_pages() -> dict[str, str | bytes]:
+    """Pages of the notebooks, and the pictures beside them."""
+    spec = importlib.util.spec_from_file_location("notebook_runner", DOCS / "notebook_runner.py")
+    assert spec is not None and spec.loader is not None
+    notebook = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(notebook)
+    found: dict[str, str | bytes] = {}
+    for file in sorted((DOCS / "notebooks").glob("*.ipynb")):
+        text, pictures = notebook.page(file.stem, notebook.read(file))
+        found[f"notebooks/{file.stem}.md"] = HEAD + text
+        found |= {f"notebooks/{name}": data for name, data in pictures.items()}
+    return found
 
 
 # ---------------------------------------------------------------------------------------------------- case

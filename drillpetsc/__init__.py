@@ -1,8 +1,9 @@
 """drillpetsc: drillstring dynamics on PETSc.
 
 The public face is that of `drillpetsc.api`: `Case` describes what is simulated (the keys of a case file),
-`load_case` reads one, `run`, `sweep`, `statics`, `hydraulics`, `surge`, `roadmap`, `calibrate`, `limits`, `freepoint`,
-`modes`, `top_drive` and `study` are the commands, and `open_run` reads the results of one again. `units` converts values.
+`DrillPipe`, `HWDP`, `DrillCollar`, `Stabilizer`, `Bit` and others are the items of its string, `load_case` reads one, `run`, `sweep`,
+`statics`, `hydraulics`, `surge`, `roadmap`, `calibrate`, `limits`, `freepoint`, `modes`, `top_drive` and `study` are the commands,
+`Session` advances a model step by step, and `open_run` reads the results of a command again. `units` converts values.
 Importing the package starts no MPI and imports nothing else of it.
 """
 
@@ -12,7 +13,17 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from drillpetsc.analysis.session import Session
     from drillpetsc.api import (
+        HWDP,
+        Beam,
+        Bit,
+        Body,
         Case,
+        Casing,
+        CoiledTubing,
+        DrillCollar,
+        DrillPipe,
+        Pipe,
+        Stabilizer,
         calibrate,
         catalogue,
         freepoint,
@@ -33,8 +44,18 @@ if TYPE_CHECKING:
 from drillpetsc.version import __version__ as __version__
 
 __all__ = [
+    "Beam",
+    "Bit",
+    "Body",
     "Case",
     "Session",
+    "Casing",
+    "CoiledTubing",
+    "DrillCollar",
+    "DrillPipe",
+    "HWDP",
+    "Pipe",
+    "Stabilizer",
     "calibrate",
     "catalogue",
     "freepoint",

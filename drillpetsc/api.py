@@ -18,6 +18,18 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from drillpetsc.case import Case, load_case
 from drillpetsc.case.catalogue import catalogue
+from drillpetsc.case.items import (
+    HWDP,
+    Beam,
+    Bit,
+    Body,
+    Casing,
+    CoiledTubing,
+    DrillCollar,
+    DrillPipe,
+    Pipe,
+    Stabilizer,
+)
 from drillpetsc.parallel import initialise_petsc
 
 if TYPE_CHECKING:
@@ -26,7 +38,17 @@ if TYPE_CHECKING:
     from drillpetsc.studies.sweep.sweep import SweepResult
 
 __all__ = [
+    "Beam",
+    "Bit",
+    "Body",
     "Case",
+    "Casing",
+    "CoiledTubing",
+    "DrillCollar",
+    "DrillPipe",
+    "HWDP",
+    "Pipe",
+    "Stabilizer",
     "calibrate",
     "catalogue",
     "freepoint",
@@ -55,13 +77,26 @@ def run(case: Case | str | Path, out: str | Path | None = None, **keywords: Any)
     accept_changes: True to continue although the case or the PETSc options have changed
     name: name of the case in the default folder
     comm: PETSc communicator; by default all ranks
-    progress: auto, live, log or silent
+    progress: auto, live, log or silent; or a function that is called with the share of the run that is done (0 to 1) and a
+    line of text, several times a second, on the first rank
+
+    An interrupt (Ctrl-C, or the button of a notebook) ends the run after a step: the result has what was written, and its
+    `status` says so. A second one raises KeyboardInterrupt.
     """
     initialise_petsc()
     from drillpetsc.analysis import transient
-    from drillpetsc.results.result import result_of
+    from drillpetsc.errors import Interrupted
+    from drillpetsc.results.result import open_run, result_of
 
-    return result_of(transient.run(case, out, **keywords))
+    try:
+        return result_of(transient.run(case, out, **keywords))
+    except Interrupted as error:
+        if error.signal != "SIGINT":
+            raise
+        from petsc4py import PETSc
+
+        (keywords.get("comm") or PETSc.COMM_WORLD).barrier()  # the first rank has written the summary
+        return open_run(error.folder)
 
 
 def sweep(
@@ -75,7 +110,7 @@ def sweep(
     restart: True to keep members that are done and to continue those with a checkpoint
     overwrite: True to replace the results in an existing folder
     comm: PETSc communicator; by default all ranks
-    progress: auto or silent
+    progress: auto or silent; or a function that is called with the share of members that have ended and a line of text
     """
     initialise_petsc()
     from drillpetsc.studies.sweep import sweep as sweeps
@@ -194,6 +229,7 @@ def roadmap(
     overwrite: bool = False,
     name: str | None = None,
     comm: Any = None,
+    **block: Any,
 ) -> Result:
     """Compute hook load and torque over the bit depth and write roadmap.csv and roadmap.json (collective).
 
@@ -205,10 +241,14 @@ def roadmap(
     overwrite: True to replace the results in an existing folder
     name: name of the case in the default folder
     comm: PETSc communicator; by default all ranks
+    block: keys of the case's block `roadmap` in the place of those of the case, such as
+    friction_factor={"cased": [0.2, 0.25], "open_hole": [0.3, 0.35]}
     """
     from drillpetsc.case.measured_option import measured_option
 
     case, name = _loaded(case, name)
+    if block:
+        case = case.replace({f"roadmap.{key}": value for key, value in block.items()})
     points = None if measured is None else measured_option(measured, case)
     initialise_petsc()
     from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
@@ -259,6 +299,8 @@ def limits(
     helical: Literal["chen", "wu"] = "chen",
     design_factor: float = 1.25,
     tension_fraction: float = 0.9,
+    corrosive: bool = False,
+    sn: str | None = None,
     units: Any = None,
     overwrite: bool = False,
     name: str | None = None,
@@ -272,6 +314,8 @@ def limits(
     helical: law of the helical limit
     design_factor: least yield strength over von Mises stress, below which a warning is given
     tension_fraction: share of the pull at yield that tension_limit allows
+    corrosive: the mud is corrosive: 0.6 of the permissible doglegs
+    sn: S-N curve for Miner's damage: "15.0,4.0" for a and b of log10 N = a - b log10(S/MPa), or a CSV file
     units: field, metric or SI, of `lines` of the result and of plots; by default metric
     overwrite: True to replace the results in an existing folder
     name: name of the case in the default folder
@@ -280,10 +324,18 @@ def limits(
     case, name = _loaded(case, name)
     initialise_petsc()
     from drillpetsc.analysis.limits.limits import run_limits
+    from drillpetsc.analysis.limits.sn_curve import read_sn
     from drillpetsc.analysis.limits.table import Choices
     from drillpetsc.results.result import result_of
 
-    choices = Choices(helical=helical, design_factor=design_factor, tension_fraction=tension_fraction)
+    curve = None if sn is None else read_sn(sn)
+    choices = Choices(
+        helical=helical,
+        design_factor=design_factor,
+        tension_fraction=tension_fraction,
+        corrosive=corrosive,
+        sn=curve,
+    )
     return result_of(run_limits(case, operation, choices, out, overwrite, name, comm, units))
 
 

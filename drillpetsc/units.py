@@ -33,6 +33,9 @@ _DECIMAL_DEGREES = "decimal degrees, such as 23.5 deg"
 _POWER_OF_NUMBER = re.compile(
     r"(?:(?<![A-Za-zµμ])\d[\d.]*|\))\s*(?:\^|\*\*)"
 )  # 9^9^9 would be computed, for years
+# a number that is a factor (m 2, m*2), a divisor alone (m/2), and // and %, which pint would compute with
+_FACTOR = re.compile(r"(?<![/*^(\s-])\s*(?:\s|\*(?!\*))\s*\d|/\s*\d+(?:\.\d*)?\s*(?![\sA-Za-z\d.])|//")
+_SHARE = re.compile(r"%|percent", re.IGNORECASE)
 _WORDS = re.compile(r"[A-Za-z%µμ°][A-Za-z0-9_%µμ°]*")
 LONGEST = 100  # letters of a number with its unit
 _FORCE = re.compile(r"lbf|(?<![A-Za-z])[kMG]?N(?![A-Za-z])")
@@ -112,7 +115,12 @@ def _text_to_si(text: str, unit: str) -> float:
     number, rest = _split(text.translate(_QUOTES), unit)
     if not rest:
         return number
-    if not _UNIT.fullmatch(rest) or _POWER_OF_NUMBER.search(rest):
+    if (
+        not _UNIT.fullmatch(rest)
+        or _POWER_OF_NUMBER.search(rest)
+        or _FACTOR.search(rest)
+        or (unit and _SHARE.search(rest))
+    ):
         raise UnitError(text, wanted(unit), "one number, then its unit")
     return _neat(_convert(number, rest, unit, text))
 

@@ -20,7 +20,7 @@ from drillpetsc.case.mud_report import misfit
 from drillpetsc.case.plausibility import notes
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.mesh import element_lengths
-from drillpetsc.unit_systems import display_unit, shown
+from drillpetsc.unit_systems import System, display_unit, shown
 
 #: microseconds per element and evaluation, measured on one core (scripts/benchmark measures and prints them)
 COST = {"residual": 0.3, "jacobian": 1.2, "factor": 0.6, "solve": 0.15, "step": 2.0}
@@ -102,15 +102,15 @@ def _chosen_lengths(case: Case, model: DrillingModel) -> list[str]:
     return lines + [f"  WARNING: {text}" for text in lengths.warnings(units)]
 
 
-def _rig(rig: Rig) -> str:
-    """Describe the rig."""
+def _rig(rig: Rig, units: System) -> str:
+    """Describe the rig, in a system of units."""
     given = (
-        ("block", rig.block_weight, "N"),
-        ("largest hook load", rig.max_hookload, "N"),
-        ("largest surface torque", rig.max_surface_torque, "N m"),
-        ("largest standpipe pressure", rig.max_spp, "Pa"),
+        ("block", rig.block_weight, "force"),
+        ("largest hook load", rig.max_hookload, "force"),
+        ("largest surface torque", rig.max_surface_torque, "torque"),
+        ("largest standpipe pressure", rig.max_spp, "pressure"),
     )
-    parts = [f"{name} {value:g} {unit}" for name, value, unit in given if value is not None]
+    parts = [f"{name} {shown(value, kind, units, 6)}" for name, value, kind in given if value is not None]
     return "  rig: " + "; ".join(
         [*([f"depths from {rig.datum}"] if rig.datum else []), *parts] or ["nothing given"]
     )
@@ -130,7 +130,7 @@ def _lines(model: DrillingModel) -> list[str]:
     lines += _chosen_lengths(case, model)
     lines += figure_lines(case)
     if case.rig is not None:
-        lines.append(_rig(case.rig))
+        lines.append(_rig(case.rig, units))
     if case.well is not None:
         q = case.well
         lines.append(

@@ -9,7 +9,6 @@ import difflib
 import time as clock
 from collections import deque
 from collections.abc import Iterable
-from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,7 +26,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.quantity import Quantity, Sample
 from drillpetsc.model.drilling_model import build_model, is_quasi_static
-from drillpetsc.output.recorder import Recorder
+from drillpetsc.output.recorder import Recorder, TableRow
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.unit_tables import DIMENSIONS
 
@@ -121,6 +120,7 @@ class Session:
         self._deadline, self._closed = np.inf, False
         self._sample: tuple[float, np.ndarray, Sample] | None = None
         self._integrator.on_step_end.append(self._watch)
+        self._rows: dict[tuple[int, ...], TableRow] = {}
         self._columns = {
             c.title[0]: c for c in self._recorder.history_columns if c.source is not self._recorder.energy
         }
@@ -217,21 +217,19 @@ class Session:
             recorder, v = self._recorder, np.full(self._recorder.layout.width, np.nan)
             self._sample = (self.time, v, Sample(recorder.system, self.time))
         _, v, sample = self._sample
-        wanted = [
-            slot for c in columns if (slot := self._slot(c)) is not None and np.isnan(v[slot.span]).all()
-        ]
-        mud, mpi = self._recorder.mud, self._recorder.comm
-        with mud.shared_results() if mud is not None and wanted else nullcontext():
-            for slot in {q.start: q for q in wanted}.values():
+        wanted = {
+            c.slot.start: c.slot for c in columns if c.slot is not None and np.isnan(v[c.slot.span]).all()
+        }
+        mpi = self._recorder.comm
+        with self._model.system.assembly.unchanged():
+            for slot in wanted.values():
                 values = slot.value(slot.source, sample)
                 part = np.atleast_1d(np.asarray(values, dtype=float)).ravel()
                 v[slot.span] = part if mpi.size == 1 else mpi.allreduce(part)
-        finished: dict[Any, Any] = {}
-        return [float(c.number(v, finished)) for c in columns]
-
-    def _slot(self, column: Any) -> Any:
-        slot = self._recorder.layout.slots.get((id(column.source), column.quantity.value))
-        return slot
+        key = tuple(id(c) for c in columns)
+        if key not in self._rows:
+            self._rows[key] = self._recorder.row_of(columns)
+        return self._rows[key].numbers(v)
 
     # ------------------------------------------------------------------ time
     def step(self, dt: float) -> None:
@@ -309,7 +307,7 @@ class Session:
             return
         self._closed = True
         self._integrator.close()
-        del self._integrator, self._recorder, self._model, self._columns
+        del self._integrator, self._recorder, self._model, self._columns, self._rows
         self._sample = None
 
     def _check_open(self) -> None:

@@ -26,6 +26,7 @@ from drillpetsc.output.case_files import write_case
 from drillpetsc.output.field_output import FieldOutput
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.flow_recorder import FlowRecorder
+from drillpetsc.output.mud_column import below_flow_line, equivalent_density
 from drillpetsc.output.quantities import STATIC_SUMMARY
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.rigid_items import RigidItems
@@ -231,7 +232,8 @@ def without_noise(value: float, scale: float) -> float:
 def flow_summary(model: DrillingModel) -> dict[str, Any]:
     """Numbers of the steady flow [SI], the same on all ranks; empty without mud.
 
-    ecd: equivalent circulating density at the bottom [kg/m3]; that of still mud is the density, if it is stiff.
+    ecd: equivalent circulating density at the bottom [kg/m3], of the column from the flow line to where the lower end is now; that
+    of still mud is the density, if it is stiff.
     """
     if model.fluid is None:
         return {}
@@ -239,10 +241,25 @@ def flow_summary(model: DrillingModel) -> dict[str, Any]:
     ends = [q for q in mud.quantities() if q.on == "scalar" and q.value is not None]
     values = _sum_over_ranks(model, np.array([q.value(mud, sample) for q in ends]))  # type: ignore[misc]
     out: dict[str, Any] = dict(zip([q.name for q in ends], map(float, values), strict=True))
-    head = float((model.position[-1] - model.position[0]) @ model.fluid.constants.gravity)
-    if model.fluid.annulus is not None and head > 0:
-        out["ecd"] = out["bit_pressure"] / head
+    if model.fluid.annulus is not None:
+        gravity = float(np.linalg.norm(model.fluid.constants.gravity))
+        density = equivalent_density(out["bit_pressure"], below_flow_line(model, _lower_end(model)), gravity)[
+            0
+        ]
+        if np.isfinite(density):
+            out["ecd"] = float(density)
     return out
+
+
+def _lower_end(model: DrillingModel) -> FloatArray:
+    """(1, 3) position of the last node [m], the same on all ranks."""
+    if model.beam is None:
+        return np.asarray(model.position[-1:])
+    chain, place = model.system.chain, np.zeros(3)
+    mine = np.flatnonzero(chain.owned & (chain.vertices == model.mesh.nodes - 1))
+    if len(mine):
+        place = np.asarray(model.beam.section(model.system.assembly, int(mine[0]))[0])
+    return _sum_over_ranks(model, place)[None, :]
 
 
 def _sum_over_ranks(model: DrillingModel, values: FloatArray) -> FloatArray:

@@ -45,7 +45,11 @@ def run_summary(
     interrupted = isinstance(error, Interrupted | KeyboardInterrupt)
     return {
         "title": model.case.title,
-        "status": "done" if error is None else str(error) if interrupted else f"failed: {error}",
+        "status": "done"
+        if error is None
+        else str(error) or "interrupted"
+        if interrupted
+        else f"failed: {error}",
         "interrupted": interrupted,
         "case_digest": digest(model.case),
         "versions": versions(),

@@ -36,7 +36,7 @@ from drillpetsc.output.case_files import write_case
 from drillpetsc.output.creep import creep_warnings
 from drillpetsc.output.energy_balance import EnergyGainMonitor
 from drillpetsc.output.motion_classes import MotionClasses
-from drillpetsc.output.progress import Progress
+from drillpetsc.output.progress import Progress, Receiver, check_progress
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.run_writer import RunWriter, after, missing_output, passed
@@ -58,7 +58,7 @@ def run(
     accept_changes: bool = False,
     name: str | None = None,
     comm: PETSc.Comm | None = None,
-    progress: str = "auto",
+    progress: str | Receiver = "auto",
     watch_motion: bool = False,
 ) -> RunResult:
     """Simulate a case and write its run folder; collective over ``comm``.
@@ -68,12 +68,13 @@ def run(
     restart: continue from the checkpoint in ``out``; overwrite: replace the results in ``out``.
     accept_changes: continue although the case, the PETSc options or the version of drillpetsc have changed.
     name: of the case, for the folder's name.
-    progress: auto, live, log or silent.
+    progress: auto, live, log or silent, or a function of (share done, text) that the first rank calls.
     watch_motion: add the classes of motion to the summary, as `motion`; not with ``restart``.
 
     Raises CaseError for bad input, before anything is written, and SolveError for a failed computation, whose files stay.
     """
     comm = comm or PETSc.COMM_WORLD
+    check_progress(progress, ("auto", "live", "log", "silent"))
     if not isinstance(case, Case):
         from drillpetsc.case import load_case
 
@@ -287,7 +288,7 @@ class TransientRun:
     notes: dict[str, Any]
     fixed_step: float | None
     began: tuple[float, float]
-    progress: str
+    progress: str | Receiver
     watch_motion: bool = False
 
     def __post_init__(self) -> None:

@@ -11,17 +11,9 @@ from pydantic_core import CoreSchema
 
 from drillpetsc.case.key_paths import refuse, suggestion, unsupported
 from drillpetsc.case.quantities import unit_of_field
+from drillpetsc.case.trade_words import key_hint, kind_hint
 from drillpetsc.errors import shown
 from drillpetsc.units import spelled
-
-#: words of the trade for keys of other names
-TRADE_WORDS = {
-    "tfa": "nozzle_area",
-    "weight": "mass",
-    "friction_factor": "friction",
-    "toolface": "tool_face",
-    "rpm": "rotation",
-}
 
 AnyBlock = TypeVar("AnyBlock", bound="Block")
 
@@ -93,11 +85,8 @@ class Block(BaseModel):
                     if cls.discriminator in data
                     else ""
                 )
-                word = TRADE_WORDS.get(key)
-                hint = f"did you mean '{word}'?" if word in cls.keys() else suggestion(key, cls.keys())
-                raise refuse(
-                    key, got=value, want=f"one of these keys{of}: {', '.join(cls.keys())}", hint=hint
-                )
+                want = f"one of these keys{of}: {', '.join(cls.keys())}"
+                raise refuse(key, got=value, want=want, hint=key_hint(str(key), cls.keys()))
         return data
 
     def fill_defaults(self, **values: Any) -> None:
@@ -155,7 +144,7 @@ def tagged_union(
             suggested = next((suggestion(other, [key]) for other in value if suggestion(other, [key])), "")
             raise refuse(key, want=f"a key '{key}', one of {every}", hint=suggested)
         if not isinstance(value[key], str) or value[key] not in block_of:
-            raise refuse(key, got=value[key], want=f"one of {every}", hint=suggestion(value[key], block_of))
+            raise refuse(key, got=value[key], want=f"one of {every}", hint=kind_hint(value[key], block_of))
         return value
 
     def tag(value: Any) -> str:

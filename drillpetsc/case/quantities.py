@@ -132,7 +132,14 @@ class Quantity:
             "exclusiveMaximum": self.below,
             "maximum": self.at_most,
         }
-        number.update({key: bound for key, bound in bounds.items() if bound is not None})
+        # with `units: metric` a bare number is in another unit than the bounds, which are SI: only a bound of 0 holds in all
+        number.update(
+            {
+                key: bound
+                for key, bound in bounds.items()
+                if bound is not None and (not self.unit or bound == 0)
+            }
+        )
         return {"anyOf": [number, {"type": "string"}]} if self.unit else number
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:

@@ -20,7 +20,7 @@ class TubularSection:
     axial_stiffness EA [N], bending_stiffness EI, torsional_stiffness GJ [N m2].
     mass per length [kg/m]; polar_inertia: polar mass moment per length [kg m].
     bore_area, outer_area [m2]: for the weight of the mud and for buoyancy.
-    contact_diameter [m]; worn_diameter: outer diameter of the worn tube, for limits [m].
+    contact_diameter; clearance_diameter: for buckling loads [m]; worn_diameter: outer diameter of the worn tube, for limits [m].
     joint_length [m], yield_strength [Pa]: nan where not known.
     joint_share: f [-]; joint_bore: inner diameter of the tool joint [m].
     """
@@ -33,6 +33,7 @@ class TubularSection:
     bore_area: float
     outer_area: float
     contact_diameter: float
+    clearance_diameter: float
     worn_diameter: float
     joint_length: float
     yield_strength: float
@@ -79,6 +80,7 @@ def tubular_section(item: Tubular) -> TubularSection:
         bore_area=bore,
         outer_area=bore + mass / m.density,
         contact_diameter=item.contact_od or item.od,
+        clearance_diameter=item.clearance_od or item.od,
         worn_diameter=worn_diameter(item.od, item.id, wall),
         joint_length=joint_length,
         yield_strength=math.nan if item.yield_strength is None else item.yield_strength,

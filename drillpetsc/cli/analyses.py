@@ -13,6 +13,7 @@ from drillpetsc.cli.command import (
     output_folder,
     print_once,
     print_warnings,
+    report_option,
     show,
     units_argument,
 )
@@ -73,7 +74,7 @@ def _hydraulics(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
 
     name, units = name_and_units(arguments, case)
     result = run_hydraulics(case, flows, pressure, arguments.out, arguments.overwrite, name, units=units)
-    return show(result.lines, result.folder)
+    return show(result.lines, result.folder, arguments)
 
 
 def _surge_arguments(command: argparse.ArgumentParser) -> None:
@@ -124,7 +125,7 @@ def _surge(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
 
     name, units = name_and_units(arguments, case)
     result = run_surge(case, trips, arguments.out, arguments.overwrite, name, units=units)
-    return show(result.lines, result.folder)
+    return show(result.lines, result.folder, arguments)
 
 
 def _roadmap_arguments(command: argparse.ArgumentParser) -> None:
@@ -161,7 +162,7 @@ def _roadmap(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         measured=measured,
         model=arguments.model,
     )
-    return show(result.lines, result.folder)
+    return show(result.lines, result.folder, arguments)
 
 
 def _limits_arguments(command: argparse.ArgumentParser) -> None:
@@ -187,6 +188,15 @@ def _limits_arguments(command: argparse.ArgumentParser) -> None:
         default=0.9,
         help="share of the pull at yield that tension_limit allows (default: 0.9)",
     )
+    command.add_argument(
+        "--corrosive", action="store_true", help="corrosive mud: 0.6 of the permissible doglegs (API RP 7G)"
+    )
+    command.add_argument(
+        "--sn",
+        metavar="A,B|FILE",
+        help="S-N curve for Miner's damage per hour: a,b of log10 N = a - b log10(S/MPa), or a CSV file with the columns "
+        "stress [MPa], cycles",
+    )
     units_argument(command)
 
 
@@ -197,17 +207,20 @@ def _limits(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     start_job(petsc_options)
     print_warnings(case)
     from drillpetsc.analysis.limits.limits import run_limits
+    from drillpetsc.analysis.limits.sn_curve import read_sn
     from drillpetsc.analysis.limits.table import Choices
 
     choices = Choices(
         helical=arguments.helical,
         design_factor=arguments.design_factor,
         tension_fraction=arguments.tension_fraction,
+        corrosive=arguments.corrosive,
+        sn=None if arguments.sn is None else read_sn(arguments.sn),
     )
     name, units = name_and_units(arguments, case)
     out, overwrite = arguments.out, arguments.overwrite
     result = run_limits(case, arguments.operation, choices, out, overwrite, name, units=units)
-    return show(result.lines, result.folder)
+    return show(result.lines, result.folder, arguments)
 
 
 def _freepoint_arguments(command: argparse.ArgumentParser) -> None:
@@ -265,7 +278,7 @@ def _calibrate(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
 
     name, units = name_and_units(arguments, case)
     result = run_calibrate(case, measured, fit, arguments.out, arguments.overwrite, name, units=units)
-    return show(result.lines, result.folder)
+    return show(result.lines, result.folder, arguments)
 
 
 def _modes_arguments(command: argparse.ArgumentParser) -> None:
@@ -295,12 +308,13 @@ def _modes_arguments(command: argparse.ArgumentParser) -> None:
         action="store_true",
         help="leave out the motor and controller of the top drive, and hold the top",
     )
+    units_argument(command)
 
 
 def _modes(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.case import load_case
 
-    case = load_case(arguments.case)
+    case = in_units(load_case(arguments.case), arguments.units)
     start_job(petsc_options)
     print_warnings(case)
     from drillpetsc.analysis.modal import run_modes
@@ -345,28 +359,28 @@ COMMANDS = (
         "steady flow of the mud: pressures, losses, equivalent densities, power at the bit, for one or more flow rates",
         _hydraulics_arguments,
         _hydraulics,
-        parents=(output_folder(),),
+        parents=(output_folder(), report_option()),
     ),
     Command(
         "surge",
         "pressures of running in and pulling out, and the largest trip speed within the window of the open hole",
         _surge_arguments,
         _surge,
-        parents=(output_folder(),),
+        parents=(output_folder(), report_option()),
     ),
     Command(
         "roadmap",
         "torque and drag over the bit depth: hook load and torque for six operations and several friction factors",
         _roadmap_arguments,
         _roadmap,
-        parents=(output_folder(),),
+        parents=(output_folder(), report_option()),
     ),
     Command(
         "limits",
         "stresses, safety factors, buckling and fatigue limits along the string, margin of overpull, largest weight on bit",
         _limits_arguments,
         _limits,
-        parents=(output_folder(),),
+        parents=(output_folder(), report_option()),
     ),
     Command(
         "freepoint",
@@ -380,7 +394,7 @@ COMMANDS = (
         "friction factors from measured hook loads and torques, with intervals",
         _calibrate_arguments,
         _calibrate,
-        parents=(output_folder(),),
+        parents=(output_folder(), report_option()),
     ),
     Command(
         "modes",

@@ -47,6 +47,17 @@ def output_folder(
     return parent
 
 
+def report_option() -> argparse.ArgumentParser:
+    """Parent parser with --report."""
+    parent = argparse.ArgumentParser(add_help=False)
+    parent.add_argument(
+        "--report",
+        action="store_true",
+        help="write report.html into the run folder, too (see the command report)",
+    )
+    return parent
+
+
 def case_argument(command: argparse.ArgumentParser) -> None:
     """Add the argument CASE.yaml."""
     command.add_argument("case", metavar="CASE.yaml")
@@ -91,14 +102,25 @@ def print_once(lines: Iterable[str]) -> None:
         print("\n".join(lines))
 
 
-def show(lines: Iterable[str], folder: Path) -> int:
-    """Print the lines of a result, draw the pictures of its folder on one rank, and print their names."""
+def show(lines: Iterable[str], folder: Path, arguments: argparse.Namespace) -> int:
+    """Print the lines of a result, draw the pictures of its folder on one rank, and print their names.
+
+    arguments: of a command with --units and --report
+    """
     print_once(lines)
     if world_rank() != 0:
         return 0
     from drillpetsc.plotting.plot import plot
 
-    return draw_and_print(lambda: plot(folder), str(folder))
+    def files() -> list[Path]:
+        drawn = plot(folder)
+        if arguments.report:
+            from drillpetsc.reporting import report
+
+            drawn.append(report(folder, units=arguments.units))
+        return drawn
+
+    return draw_and_print(files, str(folder))
 
 
 def draw_and_print(draw: Callable[[], Iterable[Path]], run: str) -> int:

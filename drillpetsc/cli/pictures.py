@@ -1,4 +1,4 @@
-"""Commands that show results: view, plot, report."""
+"""Commands that show results: view, plot, report, export."""
 
 from __future__ import annotations
 
@@ -22,13 +22,32 @@ def _view_arguments(command: argparse.ArgumentParser) -> None:
         help="exaggeration of lateral offsets (default: automatic, and stated in the picture)",
     )
     command.add_argument(
-        "--interval", type=float, nargs=2, metavar=("FROM", "TO"), help="measured depths to look at [m]"
+        "--interval",
+        nargs=2,
+        metavar=("FROM", "TO"),
+        help="measured depths to look at, in m, or with a unit: '4000 ft'",
     )
     command.add_argument("--out", metavar="FILE")
+    units_argument(command)
+
+
+def _depth(text: str) -> float:
+    """A depth [m] of --interval."""
+    from drillpetsc.units import to_si
+
+    try:
+        return to_si(text if text.strip()[-1:].isalpha() else f"{text} m", "m")
+    except ValueError:
+        raise CaseError(at="--interval", got=text, want="a depth such as 1200, or '4000 ft'") from None
 
 
 def _view(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.plotting.view import view
+
+    interval = None
+    if arguments.interval:
+        start, end = (_depth(text) for text in arguments.interval)
+        interval = start, end
 
     def draw() -> list[Path]:
         return [
@@ -39,8 +58,9 @@ def _view(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
                 time=arguments.time,
                 animate=arguments.animate,
                 lateral_scale=arguments.lateral_scale,
-                interval=tuple(arguments.interval) if arguments.interval else None,
+                interval=interval,
                 say=print,
+                units=arguments.units,
             )
         ]
 
@@ -91,6 +111,35 @@ def _report(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     return 0
 
 
+def _export_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument("run", metavar="RUN")
+    command.add_argument(
+        "--out", metavar="DIR", help="folder of the files (default: export in the run folder)"
+    )
+    command.add_argument(
+        "--format", choices=("csv", "xlsx", "las"), default="csv", help="format of the files (default: csv)"
+    )
+    command.add_argument(
+        "--columns",
+        metavar="A,B",
+        help="names of columns, such as hook_load,wob; time or depth goes along (default: all)",
+    )
+    units_argument(command)
+
+
+def _export(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.reporting import export
+
+    columns = [name.strip() for name in (arguments.columns or "").split(",") if name.strip()]
+    if arguments.columns is not None and not columns:
+        raise CaseError(at="--columns", got=arguments.columns, want="names of columns, such as hook_load,wob")
+    files, remarks = export(
+        arguments.run, arguments.out, units=arguments.units, format=arguments.format, columns=columns
+    )
+    print("\n".join([*map(str, files), *(f"  note: {text}" for text in remarks)]))
+    return 0
+
+
 COMMANDS = (
     Command(
         "view",
@@ -111,6 +160,13 @@ COMMANDS = (
         "one HTML file on a case and its run folders: well, string, mud, results, inputs with sources",
         _report_arguments,
         _report,
+        takes_petsc_options=False,
+    ),
+    Command(
+        "export",
+        "tables of a run folder for other programs: CSV, xlsx or LAS, with words and units of people",
+        _export_arguments,
+        _export,
         takes_petsc_options=False,
     ),
 )

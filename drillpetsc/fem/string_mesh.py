@@ -118,9 +118,10 @@ class StringMesh:
     joints: the joints, whose cells have no length and no element.
     notes: sentences for the user about the mesh.
     contact_diameter: that touches the wall, of tool joints where there are any [m].
+    clearance_diameter: from which the clearance of buckling loads is measured [m].
     outer_area: for buoyancy and end forces [m2]; bore_area: of the mud inside [m2].
     joint_length [m], worn_diameter: outer diameter of the worn tube [m], yield_strength [Pa]; nan where not known.
-    The last six are those of plain tubes where they are not given.
+    The last seven are those of plain tubes where they are not given.
     """
 
     upper: FloatArray
@@ -146,6 +147,7 @@ class StringMesh:
     joints: tuple[StringJoint, ...] = ()
     notes: tuple[str, ...] = ()
     contact_diameter: FloatArray = field(default_factory=lambda: np.zeros(0))
+    clearance_diameter: FloatArray = field(default_factory=lambda: np.zeros(0))
     outer_area: FloatArray = field(default_factory=lambda: np.zeros(0))
     bore_area: FloatArray = field(default_factory=lambda: np.zeros(0))
     joint_length: FloatArray = field(default_factory=lambda: np.zeros(0))
@@ -157,6 +159,7 @@ class StringMesh:
         unknown = np.full(len(self.upper), np.nan)
         plain = {
             "contact_diameter": self.outer_diameter,
+            "clearance_diameter": self.outer_diameter,
             "outer_area": np.pi * (0.5 * self.outer_diameter) ** 2,
             "bore_area": np.pi * (0.5 * self.inner_diameter) ** 2,
             "joint_length": unknown,

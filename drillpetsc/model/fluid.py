@@ -365,15 +365,37 @@ def build_bore(case: Case, mesh: StringMesh) -> Bore:
     runs, _ = _rigid_runs(case, mesh)
     above = np.where(mesh.rigid_above > 0, runs[:-1, 0], area)
     sections = {k: tubular_section(item) for k, item in enumerate(case.string) if isinstance(item, Jointed)}
+    tool = tool_losses(case, mesh)
     if not sections:
-        return Bore(area, wall, above)
+        return Bore(area, wall, above, tool=tool)
     joints = np.array(
         [
             (sections[k].joint_share, sections[k].joint_bore) if k in sections else (0.0, 2 * r)
             for k, r in zip(mesh.item, inner, strict=True)
         ]
     )
-    return Bore(area, wall, above, np.pi * inner**2, joints[:, 0], np.pi / 4 * joints[:, 1] ** 2)
+    return Bore(area, wall, above, np.pi * inner**2, joints[:, 0], np.pi / 4 * joints[:, 1] ** 2, tool)
+
+
+def tool_losses(case: Case, mesh: StringMesh) -> FloatArray | None:
+    """(n,) loss of tools in the string over density and flow rate squared [1/m4], None without tools.
+
+    A flexible tool has its loss over its length. That of a rigid one is in the element below it, or in the last element where the
+    tool is the string's end.
+    """
+    if all(item.pressure_loss is None for item in case.string):
+        return None
+    out, bodies = np.zeros(len(mesh.upper)), iter(mesh.bodies)
+    for number, item in enumerate(case.string):
+        body = next(bodies) if isinstance(item, Rigid) else None
+        if item.pressure_loss is None:
+            continue
+        if body is not None:
+            out[min(body.node, len(out) - 1)] += item.pressure_loss.coefficient
+        else:
+            own = mesh.item == number
+            out[own] += item.pressure_loss.coefficient * mesh.length[own] / mesh.length[own].sum()
+    return out
 
 
 def build_walls(case: Case, mesh: StringMesh) -> AnnulusWalls:

@@ -39,6 +39,7 @@ STIFFNESS_AND_MASS = (
 )
 OF_TUBULARS = (
     "contact_diameter",
+    "clearance_diameter",
     "outer_area",
     "bore_area",
     "joint_length",
@@ -267,6 +268,7 @@ def _section(item: Flexible) -> dict[str, float]:
     outer, inner = item.od or 0.0, item.id
     plain = {
         "contact_diameter": outer,
+        "clearance_diameter": outer,
         "outer_area": np.pi * (0.5 * outer * (0.5 * outer)),
         "bore_area": np.pi * (0.5 * inner * (0.5 * inner)),
         "joint_length": np.nan,

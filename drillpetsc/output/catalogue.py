@@ -113,7 +113,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         "max_trip_speed.csv": _listed(hydraulics.MAX_TRIP_SPEED),
         "calibration.csv": _listed(torque_drag.MEASURED),
         "roadmap.csv": _listed(torque_drag.ROADMAP, hook_load_total=where.BLOCK, ff_groups=where.GROUPS),
-        "limits.csv": _listed(limits.LIMITS),
+        "limits.csv": _listed(limits.LIMITS, damage_per_hour="with `--sn`"),
         "contacts.csv": _listed(limits.CONTACTS),
     }
 

@@ -6,9 +6,22 @@ import os
 import shutil
 import sys
 import time
-from typing import Literal, TextIO
+from collections.abc import Callable
+from typing import Any, Literal, TextIO
+
+from drillpetsc.errors import CaseError
 
 Mode = Literal["auto", "live", "log", "silent"]
+Receiver = Callable[[float, str], Any]
+"""What is called with the share of the work that is done, from 0 to 1, and a line of text."""
+
+
+def check_progress(progress: Any, words: tuple[str, ...]) -> None:
+    """Raise CaseError for a progress that is neither one of the words nor a function."""
+    if not callable(progress) and progress not in words:
+        raise CaseError(
+            at="progress", got=progress, want=f"{', '.join(words)}, or a function of (share, text)"
+        )
 
 
 class Progress:
@@ -23,21 +36,27 @@ class Progress:
         self,
         end: float,
         start: float = 0.0,
-        mode: Mode = "auto",
+        mode: Mode | Receiver = "auto",
         interval: float | None = None,
         stream: TextIO | None = None,
         label: str = "",
     ) -> None:
         """end, start: simulated time [s]. interval: wall seconds between prints (0.2 live, 5 in a log).
-        label: a name in front, for several wells at once."""
+        label: a name in front, for several wells at once.
+        mode: or a function, which gets the lines instead of the stream, as often as a terminal does."""
         self.stream = sys.stderr if stream is None else stream
-        self.mode = _mode_of(self.stream) if mode == "auto" else mode
-        self.interval = interval if interval is not None else (0.2 if self.mode == "live" else 5.0)
+        self._receiver: Receiver | None = mode if callable(mode) else None
+        if callable(mode):
+            self.mode: str = "log"
+        else:
+            self.mode = _mode_of(self.stream) if mode == "auto" else mode
+        often = self.mode == "live" or self._receiver is not None
+        self.interval = interval if interval is not None else (0.2 if often else 5.0)
         self.start, self.end, self.label = start, end, f"{label}: " if label else ""
         self._began = self._clock = time.monotonic()
         self._next = float("inf") if self.mode == "silent" else self._began + self.interval
         self._marks = [(self._began, start)]
-        self._shown = False
+        self._shown, self._share = False, 0.0
 
     def update(self, simulated: float, step: int, step_size: float) -> None:
         """simulated: time reached [s]; step: number of accepted steps; step_size: the last one [s]."""
@@ -50,8 +69,7 @@ class Progress:
         if self.mode == "silent":
             return
         self._clear()
-        self.stream.write(text + "\n")
-        self.stream.flush()
+        self._write_line(text)
 
     def finish(self, simulated: float, step: int) -> None:
         """Leave one last line: what was reached in what time."""
@@ -59,11 +77,11 @@ class Progress:
             return
         wall = max(time.monotonic() - self._began, 1e-9)
         self._clear()
-        self.stream.write(
+        self._share = self._share_at(simulated)
+        self._write_line(
             f"{self.label}{simulated:.4g} s of {self.end:g} s in {step} steps, {duration(wall)} wall, "
-            f"real-time factor {(simulated - self.start) / wall:.3g}\n"
+            f"real-time factor {(simulated - self.start) / wall:.3g}"
         )
-        self.stream.flush()
         self._next = float("inf")
 
     def line(self, now: float, simulated: float, step: int, step_size: float) -> str:
@@ -71,8 +89,7 @@ class Progress:
         then, since = self._marks[0]
         factor = (simulated - since) / max(now - then, 1e-9)
         remaining = duration((self.end - simulated) / factor) if factor > 0 else "?"
-        span = self.end - self.start
-        percent = 100 * (simulated - self.start) / span if span > 0 else 100.0
+        percent = 100 * self._share_at(simulated)
         return (
             f"{self.label}{simulated:.4g} / {self.end:g} s ({percent:.0f} %)  step {step}  dt {step_size:.2e} s  "
             f"real-time factor {factor:.3g}  ETA {remaining}"
@@ -80,17 +97,33 @@ class Progress:
 
     def _print(self, now: float, simulated: float, step: int, step_size: float) -> None:
         text = self.line(now, simulated, step, step_size)
+        self._share = self._share_at(simulated)
         if self.mode == "live":
             width = shutil.get_terminal_size().columns
             self.stream.write("\r" + text[: max(width - 1, 20)] + "\x1b[K")
             self._shown = True
+            self.stream.flush()
         else:
-            self.stream.write(text + "\n")
-        self.stream.flush()
+            self._write_line(text)
         self._next = now + self.interval
         self._marks.append((now, simulated))
         while len(self._marks) > 2 and now - self._marks[0][0] > 30.0:
             self._marks.pop(0)
+
+    def _share_at(self, simulated: float) -> float:
+        """Share of the run that is done."""
+        span = self.end - self.start
+        return (simulated - self.start) / span if span > 0 else 1.0
+
+    def _write_line(self, text: str) -> None:
+        """A line for the stream, or for the receiver; one that has failed is not called again."""
+        if self._receiver is None:
+            self.stream.write(text + "\n")
+            self.stream.flush()
+            return
+        receiver, self._receiver, self.mode = self._receiver, None, "silent"
+        receiver(self._share, text)
+        self._receiver, self.mode = receiver, "log"
 
     def _clear(self) -> None:
         if self._shown:

@@ -246,6 +246,10 @@ class Recorder:
         """Columns of history.csv."""
         return tuple(self._history)
 
+    def row_of(self, columns: Sequence[TableColumn]) -> TableRow:
+        """A row of some columns of history.csv."""
+        return TableRow(columns, self._depths)
+
     # ------------------------------------------------------------------ sampling
     def sample(self, t: float) -> FloatArray:
         """(width,) all sampled values at the assembly's state and inputs at ``t`` [s], the same on all ranks."""

@@ -14,6 +14,7 @@ from drillpetsc.output.catalogue import outputs_by_file
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.in_hole import offsets
+from drillpetsc.output.mud_column import below_flow_line, equivalent_density
 from drillpetsc.output.quantities import BENDING
 from drillpetsc.output.rigid_items import RigidItems
 from drillpetsc.output.string_fields import StringFields
@@ -36,22 +37,22 @@ def static_table(model: DrillingModel) -> tuple[list[Column], FloatArray | None]
 
 
 def _of_mud(model: DrillingModel, mud: FlowRecorder) -> dict[str, FloatArray] | None:
-    """Columns of the mud on rank 0; ``ecd`` is p/(g depth)."""
-    system, mesh, sample = model.system, model.mesh, Sample(model.system, 0.0)
+    """Columns of the mud on rank 0; ``ecd`` is p/(g h), h the height of the flow line above the node where it is now."""
+    system, sample = model.system, Sample(model.system, 0.0)
     parts = [q for q in mud.quantities() if q.on in ("node", "element") and q.unit != "m/s"]
     local = {q.name: (q.on, np.asarray(q.value(mud, sample))) for q in parts if q.value is not None}
     nodal = {name: values for name, (on, values) in local.items() if on == "node"}
     cellwise = {name: values for name, (on, values) in local.items() if on == "element"}
     at_vertices = system.gather(np.column_stack(list(nodal.values())))
     in_cells = system.gather(np.column_stack(list(cellwise.values())), "cell")
-    if at_vertices is None or in_cells is None:
+    places = system.gather(StringFields(model, mud).position(sample))
+    if at_vertices is None or in_cells is None or places is None:
         return None
     out = dict(zip(nodal, at_vertices.T, strict=True))
     out |= {name: at_nodes(c, c) for name, c in zip(cellwise, in_cells.T, strict=True)}
     if mud.fluid.annulus is not None:
-        head = (model.position - model.position[0]) @ mud.fluid.constants.gravity
-        pressure = out["annulus_pressure"]
-        out["ecd"] = np.divide(pressure, head, out=np.full(mesh.nodes, np.nan), where=head > 0)
+        gravity = float(np.linalg.norm(mud.fluid.constants.gravity))
+        out["ecd"] = equivalent_density(out["annulus_pressure"], below_flow_line(model, places), gravity)
     return out
 
 
@@ -163,7 +164,7 @@ def _buckling_load(model: DrillingModel, position: FloatArray, tension: FloatArr
     side = np.linalg.norm(
         weight - t * np.sum(weight * t, axis=1, keepdims=True) + tension[:, None] * kappa, axis=1
     )
-    radius = at_nodes(0.5 * mesh.contact_diameter, 0.5 * mesh.contact_diameter)
+    radius = at_nodes(0.5 * mesh.clearance_diameter, 0.5 * mesh.clearance_diameter)
     clearance = np.asarray(well.radius(depth)) - radius
     inside = (clearance > 0) & (side > 1e-6 * np.linalg.norm(weight, axis=1))
     stiffness = at_nodes(mesh.bending_stiffness, mesh.bending_stiffness)

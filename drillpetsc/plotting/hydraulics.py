@@ -132,8 +132,9 @@ def _losses(summary: dict[str, Any], title: str, system: System) -> Any:
     at = np.arange(len(flows))
     up, down = np.zeros(len(flows)), np.zeros(len(flows))
     largest = max(abs(row["pump_pressure"]) for row in flows) / pressure.size
-    for q, color in zip((*LOSSES, *LEVELS), (*LINE_COLORS, "#7f7f7f"), strict=False):
-        values = np.array([row[q.name] or 0.0 for row in flows]) / pressure.size
+    colors = (*LINE_COLORS[:2], "#2b8f8f", *LINE_COLORS[2:], "#7f7f7f")
+    for q, color in zip((*LOSSES, *LEVELS), colors, strict=True):
+        values = np.array([row.get(q.name) or 0.0 for row in flows]) / pressure.size
         if not (np.abs(values) > 5e-3 * largest).any():
             continue
         bottom = np.where(values >= 0, up, down)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.plotting.shape import Shape
-from drillpetsc.plotting.style import GROUND, WALL, label
+from drillpetsc.plotting.style import GROUND, WALL, depth_unit, label, lateral_unit, show_in
 
 Update = Callable[[Shape], None]
 
@@ -68,12 +68,10 @@ def offset_track(axes: Any, shape: Shape, paint: Paint, component: int, half: fl
     """
     from matplotlib.collections import LineCollection, PolyCollection
 
-    size = 1e-3 if half < 5 else 1.0
+    size, unit = lateral_unit(half)
     hole_walls(axes, shape, size)
     axes.set_xlim(-half / size, half / size)
-    axes.set_xlabel(
-        f"offset {'xy'[component]} [{'mm' if size < 1 else 'm'}]\n({('+ high side', '+ right')[component]})"
-    )
+    axes.set_xlabel(f"offset {'xy'[component]} [{unit}]\n({('+ high side', '+ right')[component]})")
     axes.locator_params(axis="x", nbins=4)
     body: Any
     if shape.outer_radius is None:
@@ -139,13 +137,16 @@ def path_panel(axes: Any, whole: Shape, paint: Paint, interval: tuple[float, flo
     wide = max(0.0, 0.5 * (0.36 * span - float(np.ptp(reach))))  # a vertical well still gets some width
     axes.set_xlim(reach.min() - 0.06 * span - wide, reach.max() + 0.06 * span + wide)
     axes.set_aspect("equal", adjustable="box")
+    size, unit = depth_unit()
     axes.set_xlabel(
-        "distance [m]"
+        f"distance [{unit}]"
         if away <= 1e-3 * length
-        else f"distance towards {np.rad2deg(np.arctan2(east, north)) % 360:.0f}° [m]"
+        else f"distance towards {np.rad2deg(np.arctan2(east, north)) % 360:.0f}° [{unit}]"
     )
-    axes.set_ylabel("vertical depth [m]")
+    axes.set_ylabel(f"vertical depth [{unit}]")
     axes.set_title("True path, true scale")
+    show_in(axes.xaxis, size)
+    show_in(axes.yaxis, size)
     axes.locator_params(axis="x", nbins=4)
     if interval is not None:
         inside = (whole.md >= interval[0]) & (whole.md <= interval[1])
@@ -209,9 +210,12 @@ def true_shape_panel(axes: Any, shapes: list[Shape], paint: Paint, across: int) 
     axes.set_xlim(center[across] - half, center[across] + half)
     axes.set_ylim(center[2] + half, center[2] - half)
     axes.set_aspect("equal")
+    size, unit = depth_unit()
+    show_in(axes.xaxis, size)
+    show_in(axes.yaxis, size)
     axes.set(
-        xlabel=f"{('north', 'east')[across]} [m]",
-        ylabel="depth [m]",
+        xlabel=f"{('north', 'east')[across]} [{unit}]",
+        ylabel=f"depth [{unit}]",
         title=f"True shape, seen from the {('east', 'south')[across]}",
     )
     line = LineCollection([], cmap=paint.cmap, norm=paint.norm, linewidths=4, capstyle="round")

@@ -93,6 +93,31 @@ def depth_unit() -> tuple[float, str]:
     return size, text
 
 
+def lateral_unit(half: float) -> tuple[float, str]:
+    """How to show lateral distances: (divide by, unit text). half: the largest [m]."""
+    system = UNITS.get()
+    if half >= 5:
+        return depth_unit()
+    if system is None:
+        return 1e-3, "mm"
+    size, _, text = unit_in("diameter", system)
+    return size, text
+
+
+def show_in(axis: Any, size: float) -> None:
+    """Let an axis whose data are in m show them in a unit of another size [m]: round numbers of that unit."""
+    if size == 1.0:
+        return
+    from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+    class Scaled(MaxNLocator):
+        def tick_values(self, vmin: float, vmax: float) -> Any:
+            return np.asarray(super().tick_values(vmin / size, vmax / size)) * size
+
+    axis.set_major_locator(Scaled(7, steps=[1, 2, 2.5, 5, 10]))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{round(value / size, 6):g}"))
+
+
 def units_of_run(case: Path) -> System | None:
     """Unit system that the case of a run has for what is plotted; None where it has none.
 

@@ -23,6 +23,7 @@ from drillpetsc.plotting import panels, render, style
 from drillpetsc.plotting.animation import check_suffix, write_animation
 from drillpetsc.plotting.panels import Paint, Update
 from drillpetsc.plotting.shape import Shape, cut, find_field, half_width, shape_of, smooth
+from drillpetsc.unit_systems import System
 
 Renderer = Literal["auto", "pyvista", "matplotlib"]
 Interval = tuple[float, float]
@@ -46,6 +47,7 @@ def view(
     max_frames: int = 60,
     frames_per_second: float = 10.0,
     say: Callable[[str], None] | None = None,
+    units: System | None = None,
 ) -> Path:
     """Draw the string of a run; returns the file written.
 
@@ -61,6 +63,7 @@ def view(
     interval: (from, to) measured depth [m] to look at.
     renderer: the shaded view by pyvista, or flat by matplotlib where there is no OpenGL ("auto" finds out).
     say: receives a message when another renderer had to be used.
+    units: field, metric, metric_t or SI; by default those of the case.
     """
     folder = RunFolder.open(run)
     chosen = _chosen(read_series(folder.path), time, animate, max_frames, folder.path)
@@ -77,17 +80,21 @@ def view(
         check_suffix(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     title = read_summary(folder.summary).get("title", "") if folder.summary.exists() else ""
-    with style.look():
-        paint = _paint(shapes, field, interval)
-        drawing = style.figure(*SIZE, dpi=72 if animate else 120)
-        draw = _compose(
-            drawing, shapes, paint, str(title or folder.path.name), lateral_scale, interval, renderer, say
-        )
-        if not animate:
-            draw(shapes[-1])
-            drawing.savefig(path)
-        else:
-            write_animation(drawing, draw, shapes, path, frames_per_second, paint.cmap)
+    token = style.UNITS.set(units or style.units_of_run(folder.case))
+    try:
+        with style.look():
+            paint = _paint(shapes, field, interval)
+            drawing = style.figure(*SIZE, dpi=72 if animate else 120)
+            draw = _compose(
+                drawing, shapes, paint, str(title or folder.path.name), lateral_scale, interval, renderer, say
+            )
+            if not animate:
+                draw(shapes[-1])
+                drawing.savefig(path)
+            else:
+                write_animation(drawing, draw, shapes, path, frames_per_second, paint.cmap)
+    finally:
+        style.UNITS.reset(token)
     return path
 
 
@@ -219,7 +226,10 @@ def _straightened(
         axes.set_title(name)
         if axes is not shaded:
             axes.tick_params(labelleft=False)
-    shaded.set_ylabel("measured depth [m]")
+    size, unit = style.depth_unit()
+    for axes in (shaded, track_x, track_y, track_f):
+        style.show_in(axes.yaxis, size)
+    shaded.set_ylabel(f"measured depth [{unit}]")
 
     def parted(update: Update) -> Update:
         return lambda shape: update(smooth(cut(shape, interval), 3))
@@ -290,7 +300,7 @@ def _flat_panel(axes: Any, shape: Shape, paint: Paint, half: float) -> Update:
         return replace(now, offset=np.column_stack((render.project(now.offset), np.zeros(len(now.md)))))
 
     update = panels.offset_track(axes, turned(shape), paint, 0, half)
-    axes.set_xlabel("offset across the view [mm]" if half < 5 else "offset across the view [m]")
+    axes.set_xlabel(f"offset across the view [{style.lateral_unit(half)[1]}]")
     return lambda now: update(turned(now))
 
 

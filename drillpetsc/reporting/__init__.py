@@ -3,6 +3,7 @@
 Reads files and the plain data of a case, draws with ``drillpetsc.plotting``; solves nothing.
 """
 
+from drillpetsc.reporting.export import export
 from drillpetsc.reporting.report import report
 
-__all__ = ["report"]
+__all__ = ["export", "report"]

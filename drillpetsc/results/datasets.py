@@ -79,16 +79,17 @@ def dataset(table: Table, file: str, title: str = "") -> Any:
         for name, heading in names.items()
     }
     dims = dict.fromkeys(names, (dimension,))
-    return _assembled(arrays, described, dims, {dimension} & set(names), title)
+    return assembled(arrays, described, dims, {dimension} & set(names), title)
 
 
-def _assembled(
+def assembled(
     arrays: Mapping[str, np.ndarray],
     described: Mapping[str, dict[str, str]],
     dims: Mapping[str, tuple[str, ...]],
     coordinates: set[str],
     title: str,
 ) -> Any:
+    """A dataset of xarray, or `Columns` where xarray is not installed, from arrays by name."""
     try:
         import xarray
     except ImportError:
@@ -146,7 +147,7 @@ def string_dataset(frames: StringFrames, title: str = "") -> Any:
         dims[name] = ("time", "md", "direction")[: values.ndim]
         if values.ndim == 3 and "direction" not in arrays:
             arrays["direction"], dims["direction"] = np.array(DIRECTIONS), ("direction",)
-    return _assembled(arrays, described, dims, {"time", "md", "direction"}, title)
+    return assembled(arrays, described, dims, {"time", "md", "direction"}, title)
 
 
 # ---------------------------------------------------------------------- pandas

@@ -35,6 +35,8 @@ def main_figures(kind: str, summary: Mapping[str, Any], tables: Mapping[str, Tab
         return ["at the end", "value", "unit"], _final(summary.get("final", {}), system)
     if kind == "hydraulics":
         return _flows(summary, system)
+    if kind == "calibrate":
+        return ["fitted", "value", "95 % from", "to", ""], _fitted(summary)
     for file, table in tables.items():
         return _first_rows(table, file, system)
     return [], []
@@ -68,6 +70,17 @@ def _final(final: Mapping[str, Any], system: System) -> list[list[str]]:
         q = quantity_of(split_name(heading)[0], "history.csv")
         if value is not None and (q is None or not q.numerics):
             rows.append(_cells(heading, value, "history.csv", system))
+    return rows
+
+
+def _fitted(summary: Mapping[str, Any]) -> list[list[str]]:
+    """Fitted parameters with their intervals; a value that is not determined is not shown."""
+    rows = []
+    for name, found in summary.get("fit", {}).items():
+        known = found.get("status") == "determined" and found.get("interval") is not None
+        figures = [found["value"], *found["interval"]] if known else []
+        cells = [f"{figure:.4g}" for figure in figures] or ["-", "-", "-"]
+        rows.append([name.replace("_", " "), *cells, "" if known else str(found.get("status", ""))])
     return rows
 
 

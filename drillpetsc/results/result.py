@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from drillpetsc.errors import CaseError
 from drillpetsc.output.files.json_file import plain, read_summary
 from drillpetsc.output.files.run_folder import (
+    CALIBRATION_TABLE,
     HYDRAULICS_TABLES,
     LIMITS_TABLES,
     ROADMAP_TABLE,
@@ -17,7 +18,8 @@ from drillpetsc.output.files.run_folder import (
 )
 from drillpetsc.output.files.tables import read_table
 from drillpetsc.output.result import RunResult
-from drillpetsc.results import report
+from drillpetsc.results import report as shown
+from drillpetsc.results.cube import roadmap_cube
 from drillpetsc.results.datasets import Table, dataset, frame, read_string, string_dataset
 from drillpetsc.unit_systems import SYSTEMS, System
 
@@ -25,6 +27,7 @@ from drillpetsc.unit_systems import SYSTEMS, System
 KINDS = {
     "history.csv": "run",
     "roadmap.csv": "roadmap",
+    CALIBRATION_TABLE: "calibrate",
     "limits.csv": "limits",
     "statics.csv": "statics",
     "hydraulics.csv": "hydraulics",
@@ -40,6 +43,7 @@ TABLES = (
     "reflection.csv",
     *HYDRAULICS_TABLES,
     ROADMAP_TABLE,
+    CALIBRATION_TABLE,
     *LIMITS_TABLES,
     "trajectory.csv",
 )
@@ -112,6 +116,17 @@ class Result(RunResult):
         return self._dataset("statics.csv")
 
     @property
+    def limits(self) -> Any:
+        """Dataset of limits.csv with the coordinate md [m], from the top down."""
+        return self._dataset("limits.csv")
+
+    @property
+    def roadmap(self) -> Any:
+        """Dataset of roadmap.csv with the dimensions operation, friction and bit_depth; the friction factors are coordinates of
+        friction. Rows that the roadmap does not have are nan, or an empty text."""
+        return roadmap_cube(self._table("roadmap.csv"), self._title)
+
+    @property
     def string(self) -> Any:
         """Dataset of the deformed string with the coordinates time [s] and md [m]; vectors have the dimension direction. All
         frames are read."""
@@ -152,6 +167,45 @@ class Result(RunResult):
             )
         return next(iter(drawn.values()))
 
+    def report(
+        self,
+        path: str | Path | None = None,
+        *,
+        units: str | None = None,
+        sections: Sequence[str] = (),
+    ) -> Path:
+        """Write the HTML report of the command `report` on this result; returns its path.
+
+        path: file whose name ends with .html; by default report.html in the run folder. An older report is replaced
+        units: field, metric, metric_t or SI; by default those of the result
+        sections: some of its sections, such as well, string, mud, inputs; by default all
+        """
+        from drillpetsc.reporting import report as written
+
+        self._check_folder()
+        return written(self.folder, out=path, units=_system(units) or self._units, sections=tuple(sections))
+
+    def export(
+        self,
+        path: str | Path | None = None,
+        *,
+        units: str | None = None,
+        format: Literal["csv", "xlsx", "las"] = "csv",
+        columns: Sequence[str] = (),
+    ) -> list[Path]:
+        """Write the tables for other programs, as the command `export` does; returns the files.
+
+        path: folder of the files; by default `export` in the run folder
+        units: field, metric, metric_t or SI; by default those of the result, else metric
+        format: csv, xlsx or las
+        columns: names of columns; by default all
+        """
+        from drillpetsc.reporting.export import export
+
+        self._check_folder()
+        system = _system(units) or self._units
+        return export(self.folder, path, units=system, format=format, columns=tuple(columns))[0]
+
     # ------------------------------------------------------------------ shown
     @property
     def _title(self) -> str:
@@ -165,18 +219,18 @@ class Result(RunResult):
         told = self.summary.get("units")
         return told if told in SYSTEMS else units_of_run(RunFolder(self.folder).case)
 
-    def _report(self) -> tuple[str, report.Rows, list[str], str]:
+    def _report(self) -> tuple[str, shown.Rows, list[str], str]:
         kind, main = self.kind, {}
         if kind in ("surge", "modes", "roadmap", "limits"):
             main = {f"{kind}.csv": self._table(f"{kind}.csv")}
-        figures = report.main_figures(kind, self.summary, main, self._units or "metric")
-        warnings = report.warnings_of(self.summary)
+        figures = shown.main_figures(kind, self.summary, main, self._units or "metric")
+        warnings = shown.warnings_of(self.summary)
         if not self.summary:
             warnings.append("there is no summary.json: the computation has not ended")
         return f"{self._title}: {kind}", figures, warnings, str(self.folder)
 
     def __str__(self) -> str:
-        return report.text_report(*self._report())
+        return shown.text_report(*self._report())
 
     def __repr__(self) -> str:
         return f"<Result of {self.kind}: {self._title}, {self.folder}>"
@@ -192,7 +246,7 @@ class Result(RunResult):
         parts = self._report()
         self._check_folder()
         drawn = figures(self.folder, None, first=True)
-        return report.html_report(*parts, next(iter(drawn.values()), None))
+        return shown.html_report(*parts, next(iter(drawn.values()), None))
 
     # ------------------------------------------------------------------ files
     def _files(self) -> list[str]:

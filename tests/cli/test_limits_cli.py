@@ -52,7 +52,8 @@ def test_the_screen_names_places_units_and_what_is_missing(folder: Path):
 
 def test_tables_and_summary_are_those_of_the_catalogue(folder: Path):
     for file in ("limits.csv", "contacts.csv"):
-        assert list(read_table(folder / "r" / file)) == [q.title for q in outputs_by_file()[file]]
+        listed = [q.title for q in outputs_by_file()[file] if q.name != "damage_per_hour"]  # with --sn only
+        assert list(read_table(folder / "r" / file)) == listed
     summary = json.loads((folder / "r" / "summary.json").read_text())
     assert set(summary) == {r["name"] for r in records() if r["file"] == "summary.json of limits"}
     assert summary["operation"] == "drilling" and summary["wob"] == pytest.approx(30e3, rel=1e-3)

@@ -242,3 +242,33 @@ def test_units_of_columns() -> None:
         unit_of("yield_strength [Pa]", "metric")[2] == "MPa" and unit_of("ecd [kg/m3]", "field")[2] == "ppg"
     )
     assert unit_of("hook_load [N]", "metric_t")[2] == "t" and unit_of("regime [-]", "field")[2] == ""
+
+
+def test_a_command_writes_its_report_at_once(runs: Path, tmp_path: Path) -> None:
+    out = tmp_path / "flow"
+    words = ["hydraulics", str(runs / "case.yaml"), "--out", str(out), "--units", "field", "--report"]
+    assert main(words) == 0
+    read = Page((out / "report.html").read_text(encoding="utf-8"))
+    assert "psi" in read.words and "hydraulics" in read.words.lower()
+    assert not (runs / "flow" / "report.html").exists()
+
+
+def test_the_command_export(runs: Path, capsys: pytest.CaptureFixture, tmp_path: Path) -> None:
+    out = tmp_path / "tables"
+    assert (
+        main(["export", str(runs / "move"), "--units", "field", "--columns", "hook_load", "--out", str(out)])
+        == 0
+    )
+    assert capsys.readouterr().out.split() == [str(out / "history.csv")]
+    assert "Hook load [klbf]" in (out / "history.csv").read_text().splitlines()[0]
+    assert main(["export", str(runs / "move"), "--format", "las", "--out", str(out)]) == 0
+    assert "history.las" in capsys.readouterr().out
+    assert main(["export", str(runs / "move"), "--columns", ",", "--out", str(out)]) == 2
+    assert main(["export", str(runs / "nowhere")]) == 2
+    assert "--columns" in (errors := capsys.readouterr().err) and "Traceback" not in errors
+
+
+@pytest.mark.parametrize("words", [["4 kg", "5 m"], ["a", "b"], ["nan", "1"], ["", "1"]])
+def test_a_wrong_interval_of_view(runs: Path, words: list[str], capsys: pytest.CaptureFixture) -> None:
+    assert main(["view", str(runs / "still"), "--interval", *words]) == 2
+    assert "--interval" in capsys.readouterr().err

@@ -178,3 +178,39 @@ def test_units_of_the_example_of_each_dimension_need_no_pint() -> None:
 def test_spelled() -> None:
     spellings = {"kg/m^3": "kg/m3", "Pa s^n": "Pa s^n", "N/m^2.5": "N/m^2.5", "N s/m^2": "N s/m2", "": ""}
     assert {unit: units.spelled(unit) for unit in spellings} == spellings
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "9 m%2",
+        "9 m%",
+        "9 %m",
+        "9 percent m",
+        "9 m*2",
+        "9 m * 2",
+        "9 m 2",
+        "9 m/2",
+        "9 m / 2.5",
+        "9 m//s",
+        "9 m/s/2",
+    ],
+)
+def test_a_unit_is_no_sum_to_work_out(text: str) -> None:
+    """A factor, a share or a divisor behind the unit is a slip of the pen, or two cells in one; it must not change the number."""
+    with pytest.raises(UnitError):
+        to_si(text, "m/s" if "s" in text.partition("m")[2] else "m")
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("1 deg / 100 ft", "1/m", 3.14159265358979 / 180 / 30.48),
+        ("9 m ** 2", "m^2", 9.0),
+        ("2 kg m^-3", "kg/m^3", 2.0),
+        ("3 lbf/100 ft2", "Pa", 3 * 4.4482216152605 / 9.290304),
+        ("20 %", "", 0.2),
+    ],
+)
+def test_numbers_that_belong_to_a_unit_stay(text: str, unit: str, value: float) -> None:
+    assert to_si(text, unit) == pytest.approx(value, rel=1e-12)

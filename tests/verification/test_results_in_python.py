@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import copy
+import os
 import pickle
 import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -105,3 +107,66 @@ assert not heavy & set(sys.modules), heavy & set(sys.modules)
         text=True,
     )
     assert done.returncode == 0, done.stderr
+
+
+def test_a_report_of_a_result(tmp_path: Path) -> None:
+    """The figures of the page are those of the result, in the units asked for."""
+    result = dp.statics(hanging(), tmp_path / "out")
+    page = result.report(tmp_path / "page.html").read_text(encoding="utf-8")
+    weight = dp.units.to(WEIGHT * LENGTH, "klbf")
+    assert "Hanging pipe" in page and f"{weight:.3f}" in page and "klbf" in page
+    assert result.report() == tmp_path / "out" / "report.html"
+    metric = result.report(tmp_path / "metric.html", units="metric", sections=("string",)).read_text()
+    assert "klbf" not in metric and ">kN<" in metric.replace("[kN]", ">kN<")
+    for keywords, at in (
+        ({"path": "a.pdf"}, "--out"),
+        ({"units": "feet"}, "units"),
+        ({"sections": ["a"]}, "--sections"),
+    ):
+        with pytest.raises(CaseError) as caught:
+            result.report(**keywords)
+        assert caught.value.at == at
+    with pytest.raises(CaseError, match="that can be written"):
+        result.report(tmp_path / "page.html" / "page.html")
+
+
+def test_an_interrupt_leaves_a_result_that_says_so(tmp_path: Path) -> None:
+    """The first call of the progress function interrupts a run that would take minutes."""
+    shares: list[float] = []
+
+    def interrupt(share: float, text: str) -> None:
+        shares.append(share)
+        if len(shares) == 1:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    case = hanging(time={"end": 1000.0}, initial={"from": "statics"}, output={"history_every": 0.05})
+    before = signal.getsignal(signal.SIGINT)
+    result = dp.run(case, tmp_path / "run", progress=interrupt)
+    assert signal.getsignal(signal.SIGINT) is before
+    assert result.summary["interrupted"] and result.status != "done" and "interrupt" in str(result)
+    rows = np.asarray(result.history["time"])
+    assert rows[-1] <= result.summary["time"] < 1000 and 0 < shares[0] < 1
+
+
+def test_a_progress_function_that_fails_ends_the_run_with_its_error(tmp_path: Path) -> None:
+    def fail(share: float, text: str) -> None:
+        raise ValueError("a slip in the notebook")
+
+    case = hanging(time={"end": 1000.0}, initial={"from": "statics"}, output={"history_every": 0.05})
+    with pytest.raises(ValueError, match="a slip"):
+        dp.run(case, tmp_path / "run", progress=fail)
+    with pytest.raises(CaseError, match="a function"):
+        dp.run(case, tmp_path / "other", progress="loud")
+    assert not (tmp_path / "other").exists()
+
+
+def test_a_progress_function_that_interrupts_leaves_a_folder_that_says_so(tmp_path: Path) -> None:
+    """A KeyboardInterrupt from within ends the run at once; the folder holds what was written."""
+
+    def stop(share: float, text: str) -> None:
+        raise KeyboardInterrupt
+
+    case = hanging(time={"end": 1000.0}, initial={"from": "statics"}, output={"history_every": 0.05})
+    with pytest.raises(KeyboardInterrupt):
+        dp.run(case, tmp_path / "run", progress=stop)
+    assert dp.open_run(tmp_path / "run").status == "interrupted"

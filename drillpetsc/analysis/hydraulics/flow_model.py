@@ -8,7 +8,7 @@ simulation (manual: sec-mud-steady).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 from petsc4py import PETSc
@@ -26,6 +26,7 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, build_well
 from drillpetsc.model.fluid import build_rheology
 from drillpetsc.output.boiling import VAPOUR_PRESSURE
+from drillpetsc.output.mud_column import equivalent_density
 from drillpetsc.time_function import Constant, PiecewiseLinear
 
 Pipe = Literal["closed", "open", "pumping"]
@@ -40,11 +41,13 @@ RAMP = (
     1 / 2,
     1.0,
 )  # shares of flow rate and speed where the whole does not converge at once
-LOWEST_COLUMN = 1.0  # height of mud above a point below which it has no equivalent density [m]
 SHORTEST_PIECE = 1e-3  # shorter pieces of an item are not split off [m]
 
 # The inputs of a flow model are functions of the flow rate: at the "time" q the pump delivers q m3/s.
 _FLOW_AS_TIME = PiecewiseLinear((0.0, 2 * LARGEST_FLOW), (0.0, 2 * LARGEST_FLOW))
+
+
+AnyItem = TypeVar("AnyItem", bound=Item)
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,17 @@ class PlacedString:
     def depth(self) -> float:
         """Measured depth of the lower end [m]."""
         return self.top + self.length
+
+
+def with_length(item: AnyItem, length: float) -> AnyItem:
+    """A piece of an item, or the item lengthened; a tool's loss goes with the length.
+
+    length: [m]
+    """
+    loss = item.pressure_loss
+    if loss is not None:
+        loss = loss.model_copy(update={"value": loss.value * length / item.length})
+    return item.model_copy(update={"length": length, "pressure_loss": loss})
 
 
 def whole_string(case: Case) -> PlacedString:
@@ -96,7 +110,7 @@ def string_at(case: Case, depth: float) -> PlacedString:
         if left < SHORTEST_PIECE:
             break
         if isinstance(item, Flexible) and (i == 0 or item.length > left):
-            item = item.model_copy(update={"length": left})
+            item = with_length(item, left)
         elif item.length > left + SHORTEST_PIECE:
             want = f"a depth at which the top of the string is not inside a rigid item ({item.name})"
             raise CaseError(at="--bit-depth", got=f"{depth:g} m", want=want)
@@ -120,7 +134,7 @@ def _split(string: PlacedString, depths: list[float]) -> PlacedString:
         inside = [d for d in depths if above + SHORTEST_PIECE < d < above + item.length - SHORTEST_PIECE]
         edges = [above, *(inside if isinstance(item, Flexible) else ()), above + item.length]
         for a, b in zip(edges, edges[1:], strict=False):
-            items.append(item if len(edges) == 2 else item.model_copy(update={"length": b - a}))
+            items.append(item if len(edges) == 2 else with_length(item, b - a))
             number.append(i)
         above += item.length
     return PlacedString(tuple(items), tuple(number), string.top)
@@ -321,10 +335,7 @@ class FlowModel:
 
         pressure: (k,) gauge [Pa]; depth: (k,) vertical, below the rotary table [m].
         """
-        height = np.asarray(depth, dtype=float) - self.flow_line
-        out = np.full(np.broadcast(height, pressure).shape, np.nan)
-        np.divide(pressure, self.gravity * height, out=out, where=height >= LOWEST_COLUMN)
-        return out
+        return equivalent_density(pressure, np.asarray(depth, dtype=float) - self.flow_line, self.gravity)
 
     def warnings(self) -> list[str]:
         """Say where the pressure is below that of a vacuum."""

@@ -97,6 +97,7 @@ class ElementLosses:
 
     friction: [Pa], of the element and the rigid item above it; above: the rigid item's part [Pa].
     head: rise of the velocity head [Pa]; weight: of the mud from the upper to the lower node [Pa].
+    tool: loss of tools in the string [Pa].
     speed, speed_above: mean speed in element and rigid item, towards the bit [m/s]; density: [kg/m3].
     """
 
@@ -104,6 +105,7 @@ class ElementLosses:
     above: FloatArray
     head: FloatArray
     weight: FloatArray
+    tool: FloatArray
     speed: FloatArray
     speed_above: FloatArray
     density: FloatArray
@@ -136,8 +138,9 @@ def element_losses(flow: FlowModel, channel: ChannelFlow, law: Rheology) -> Elem
         axis = channel.parameter("tangent1") + channel.parameter("tangent2")
         axis /= np.linalg.norm(axis, axis=1, keepdims=True)
         weight = density * (axis @ f.gravity) * np.sum(drop * axis, axis=1)
-    head = q**2 * channel.parameter("step") * f.density**2 / density
-    return ElementLosses(friction, above, head, weight, speed, speed_above, density)
+    squared = q**2 * f.density**2 / density
+    head, tool = squared * channel.parameter("step"), np.sign(q) * squared * channel.parameter("loss")
+    return ElementLosses(friction - tool, above, head, weight, tool, speed, speed_above, density)
 
 
 # ---------------------------------------------------------------------- table
@@ -258,6 +261,28 @@ def _friction_numbers(
     }
 
 
+def tool_rows(flow: FlowModel) -> list[Loss]:
+    """A row for each item with a `pressure_loss`, from the top down."""
+    rows: list[Loss] = []
+    bore = flow.fluid.bore
+    if bore is None or all(item.pressure_loss is None for item in flow.case.string):
+        return rows
+    lost = float(element_losses(flow, bore, build_rheology(flow.case)).tool.sum())
+    whole = float(bore.parameter("loss").sum())
+    upper, last = flow.string.top, -1
+    for item, number in zip(flow.string.items, flow.string.number, strict=True):
+        lower = upper + item.length
+        if item.pressure_loss is not None:
+            part = lost * item.pressure_loss.coefficient / whole if whole else 0.0
+            if number == last:  # a piece of the tool above, which an end of a hole section cuts
+                rows[-1] = replace(rows[-1], lower=lower, pressure_loss=rows[-1].pressure_loss + part)
+            else:
+                rows.append(Loss("tool", item.name, "-", upper, lower, pressure_loss=part))
+            last = number
+        upper = lower
+    return rows
+
+
 def nozzle_loss(flow: FlowModel) -> float:
     """Compute the loss of the nozzles and the check valve [Pa]; 0 without them (manual: eq-mud-nozzle)."""
     bit, rates, bore = flow.fluid.bit, flow.flow_rate("bore"), flow.pressure("bore")
@@ -287,7 +312,7 @@ def choke_loss(flow: FlowModel) -> float:
 def loss_rows(flow: FlowModel) -> list[Loss]:
     """All rows of hydraulics.csv for one flow rate, in the order of the flow down the string, then from the top down."""
     bit, choke = nozzle_loss(flow), choke_loss(flow)
-    rows, line = channel_rows(flow, "bore"), surface_line_loss(flow)
+    rows, line = channel_rows(flow, "bore") + tool_rows(flow), surface_line_loss(flow)
     if line:
         rows.insert(0, Loss("surface line", "-", "-", pressure_loss=line))
     if bit and flow.fluid.bit is not None:
@@ -314,7 +339,7 @@ def loss_rows(flow: FlowModel) -> list[Loss]:
 def balance(flow: FlowModel) -> dict[str, float]:
     """Pressure losses of the loop [Pa], from the standpipe to the outlet.
 
-    surface_line_loss, string_loss, bit_loss, annulus_loss, choke_loss; velocity_head: change of the velocity head at steps of the
+    surface_line_loss, string_loss, tool_loss (with tools only), bit_loss, annulus_loss, choke_loss; velocity_head: change of the velocity head at steps of the
     section; column_difference: weight of the mud in the annulus, up to the flow line, less that in the bore.
     outlet: pressure at the outlet; pump_pressure: at the upper end of the bore plus the loss of the surface line.  pump_pressure - outlet is the sum of
     all others up to the rounding of the solver.
@@ -335,6 +360,8 @@ def balance(flow: FlowModel) -> dict[str, float]:
     if bore is not None:
         e = element_losses(flow, bore, build_rheology(flow.case))
         out["string_loss"] = float(e.friction.sum())
+        if e.tool.any():
+            out["tool_loss"] = float(e.tool.sum())
         out["velocity_head"] += float(e.head.sum())
         out["column_difference"] -= float(e.weight.sum())
         out["surface_line_loss"] = surface_line_loss(flow)

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.analysis.hydraulics.flow_model import LOWEST_COLUMN, FlowModel
+from drillpetsc.analysis.hydraulics.flow_model import FlowModel
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.window import Window
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_well
+from drillpetsc.output.mud_column import LOWEST_COLUMN
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.unit_systems import System
 

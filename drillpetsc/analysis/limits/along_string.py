@@ -99,7 +99,7 @@ class Surroundings:
     """Hole and weight at the ends of the elements, for buckling loads under any effective tension.
 
     md: (n, 2) measured depths in the hole of the unstrained string [m]; tvd: (n, 2) vertical depths there [m].
-    inclination: (n, 2) of the hole [rad]; clearance: (n, 2) radial, of what touches the wall [m].
+    inclination: (n, 2) of the hole [rad]; clearance: (n, 2) radial, for buckling loads [m].
     weight: (n,) buoyed weight per length [N/m]; stiffness: (n,) EI [N m2].
     """
 
@@ -125,7 +125,7 @@ class Surroundings:
             along = tangent @ gravity / float(np.linalg.norm(gravity))
             self.inclination = np.arccos(np.clip(along, -1.0, 1.0))
         if model.contact is not None:
-            self.clearance = np.asarray(well.radius(inside + nudge)) - 0.5 * mesh.contact_diameter[:, None]
+            self.clearance = np.asarray(well.radius(inside + nudge)) - 0.5 * mesh.clearance_diameter[:, None]
 
     def _vertical_depth(self, model: DrillingModel) -> FloatArray:
         """(n, 2) [m]: along gravity from the top of the hole, or of the string without a hole; nan without gravity."""

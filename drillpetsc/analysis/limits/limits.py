@@ -23,7 +23,7 @@ from drillpetsc.analysis.limits.table import Choices, Strength, element_values, 
 from drillpetsc.analysis.statics import beyond_rig, static_summary
 from drillpetsc.analysis.transient import RunResult, make_folder
 from drillpetsc.arrays import FloatArray
-from drillpetsc.case.blocks.tubulars import DrillPipe, Tubular
+from drillpetsc.case.blocks.tubulars import DrillPipe, Jointed, Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError
@@ -45,6 +45,9 @@ WEAKEST = (
     ("torque_ratio", True, "Torque over limit"),
     ("fatigue_ratio", True, "Dogleg over permissible"),
     ("side_force_per_joint", True, "Side force per joint"),
+    ("burst_ratio", True, "Inside pressure over burst"),
+    ("collapse_ratio", True, "Outside pressure over collapse"),
+    ("damage_per_hour", True, "Miner's damage per hour"),
 )
 
 
@@ -88,10 +91,15 @@ def run_limits(
         if comm.rank == 0:
             assert found is not None
             hole, pipe = Surroundings(model), Strength(model, choices)
-            values = element_values(model, found, hole, pipe, choices)
+            turning = _rotation(case, word)
+            values = element_values(model, found, hole, pipe, choices, turning)
             table = rows(model, values)
             contacts = [] if forces is None else contact_rows(model, found.nodes, found.tangent, forces)
             summary = _summary(model, word, choices, statics, table, contacts, units)
+            if choices.sn is not None and not turning:
+                summary["notes"].append(
+                    "no rotation at time 0 in this operation: no cycles and no damage (key top.rotation)"
+                )
             summary |= _margins(model, found, pipe, choices, summary["notes"])
             summary["buckling"] = {} if buckled is None else buckled.as_dict()
             summary["warnings"] = [
@@ -101,8 +109,9 @@ def run_limits(
                 *coarse,
             ]
             write_case(case, folder)
+            present = [q for q in LIMITS if q.name in table]
             write_table(
-                folder.path / LIMITS_TABLE, [q.column for q in LIMITS], [table[q.name] for q in LIMITS]
+                folder.path / LIMITS_TABLE, [q.column for q in present], [table[q.name] for q in present]
             )
             cells = [[row[q.name] for row in contacts] for q in CONTACTS]
             write_table(folder.path / CONTACTS_TABLE, [q.column for q in CONTACTS], cells)
@@ -112,6 +121,20 @@ def run_limits(
     lines = _lines(case, summary, units)
     lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
     return RunResult(folder.path, summary, lines)
+
+
+def _rotation(case: Case, word: str | None) -> float:
+    """Rotation of the string in an operation [rad/s]: the case's at time 0, else that of drilling and backreaming; 0 where it slides.
+
+    word: the operation; None: the case as it is.
+    """
+    own = 0.0 if case.top.rotation is None else float(case.top.rotation.value(0.0))
+    if word is None:
+        return own
+    turns = OPERATIONS[word].motion[1] != 0.0
+    if turns and not own and word in ("drilling", "backreaming"):
+        return OPERATIONS[word].motion[1]
+    return own if turns else 0.0
 
 
 def _check(choices: Choices) -> None:
@@ -150,7 +173,7 @@ def _summary(
             "effective": _neutral_point(table, "effective_tension"),
             "true": _neutral_point(table, "axial_force"),
         },
-        "weakest": {name: _worst(table, name, largest) for name, largest, _ in WEAKEST},
+        "weakest": {name: _worst(table, name, largest) for name, largest, _ in WEAKEST if name in table},
         "contacts": [{k: _plain(v) for k, v in row.items()} for row in contacts],
         "rig": None if case.rig is None else case.rig.model_dump(),
         "notes": _notes(model),
@@ -185,6 +208,12 @@ def _notes(model: DrillingModel) -> list[str]:
         out.append("no mud: no pressures and no buoyancy")
     elif model.fluid.bore is not None and case.fluid is not None and case.fluid.flow_rate is not None:
         out.append("pressures are those of the case's flow rate, in every operation")
+    if model.contact is not None and any(isinstance(item, Jointed) for item in case.string):
+        of = {item.clearance for item in case.string if isinstance(item, Jointed)}
+        words = {"tool_joint": "the tool joints", "body": "the body of the pipe"}
+        out.append(
+            f"clearance of the buckling limits: from {' or '.join(words[word] for word in sorted(of))}"
+        )
     if model.contact is None:
         out.append("no wall: no side forces and no buckling limits")
     out.append("connections are not checked: torque limits are those of the tube")
@@ -310,6 +339,25 @@ def _flags(table: dict[str, Any], summary: dict[str, Any], choices: Choices, uni
         value["fatigue_ratio"] > 1,
         f"dogleg {value['fatigue_ratio']:.3g} times the permissible one of API RP 7G",
     )
+    flag(
+        "burst_ratio",
+        value["burst_ratio"] > 1,
+        f"inside pressure {value['burst_ratio']:.3g} times that of burst",
+    )
+    flag(
+        "collapse_ratio",
+        value["collapse_ratio"] > 1,
+        f"outside pressure {value['collapse_ratio']:.3g} times that of collapse",
+    )
+    if choices.sn is not None:
+        damage = value["damage_per_hour"]
+        if damage > 0:
+            flag(
+                "damage_per_hour", damage > 0.01, f"fatigue life of {1 / damage:.3g} h by {choices.sn.source}"
+            )
+        stress, damaged = table["worst_bending_stress"], table["damage_per_hour"]
+        if (np.isfinite(stress) & np.isnan(damaged)).any():
+            out.append(f"bending stress above the largest of {choices.sn.source}: no life is told there")
     most = choices.side_force_per_joint
     flag(
         "side_force_per_joint",
@@ -361,7 +409,7 @@ def _lines(case: Case, summary: dict[str, Any], units: System) -> list[str]:
             else f"MD {shown(point['md'], 'length', units, 5)}, {shown(point['above_bit'], 'length', units)} above the lower end",
         )
     for name, _, label in WEAKEST:
-        worst = summary["weakest"][name]
+        worst = summary["weakest"].get(name)
         if worst is not None and worst["value"] != 0:
             value = (
                 shown(worst["value"], "force", units)

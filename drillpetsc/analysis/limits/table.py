@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.analysis.limits import fatigue, strength
+from drillpetsc.analysis.limits import fatigue, pressure_strength, sn_curve, strength
 from drillpetsc.analysis.limits.along_string import State, Surroundings
 from drillpetsc.analysis.limits.buckling_loads import Helical
 from drillpetsc.analysis.limits.side_force import force_on_joint
@@ -26,6 +26,7 @@ class Choices:
     helical: law of the helical load. design_factor: least yield strength over von Mises stress.
     tension_design_factor: least pull at yield over axial force; tension_fraction: of the pull at yield that is allowed.
     side_force_per_joint: largest force on a joint [N].
+    corrosive: the mud is corrosive: 0.6 of the permissible doglegs (API RP 7G). sn: curve for Miner's damage, None without one.
     """
 
     helical: Helical = "chen"
@@ -33,6 +34,8 @@ class Choices:
     tension_design_factor: float = 1.1
     tension_fraction: float = 0.9
     side_force_per_joint: float = 2000 * 4.4482216152605
+    corrosive: bool = False
+    sn: sn_curve.SnCurve | None = None
 
 
 class Strength:
@@ -84,11 +87,17 @@ class Strength:
 
 
 def element_values(
-    model: DrillingModel, state: State, hole: Surroundings, pipe: Strength, choices: Choices
+    model: DrillingModel,
+    state: State,
+    hole: Surroundings,
+    pipe: Strength,
+    choices: Choices,
+    rotation: float = 0.0,
 ) -> dict[str, FloatArray]:
     """Columns of numbers of limits.csv, (n, 2) at both ends of each element.
 
     Forces that two elements of one item have at their node are the mean of both.
+    rotation: of the string [rad/s], for the damage by an S-N curve.
     """
     state = _smoothed(model, state)
     outer, inner, strong = pipe.outer[:, None], pipe.inner[:, None], pipe.yield_strength[:, None]
@@ -99,10 +108,16 @@ def element_values(
     moment = state.moment * np.where(np.isfinite(gathered), gathered, 1.0)
     s = strength.stresses(outer, inner, state.axial, moment, state.torque, state.inside, state.outside)
     sinusoidal, helical = hole.loads(state.effective, choices.helical)
-    dogleg = pipe.permissible_dogleg(state.effective)
+    dogleg = pipe.permissible_dogleg(state.effective) * (fatigue.CORROSIVE if choices.corrosive else 1.0)
     torque_limit = strength.torque_at_yield(outer, inner, strong, state.axial)
     wet = model.fluid
     nothing = np.full(state.axial.shape, np.nan)
+    pressures = (nothing, nothing) if wet is None else (state.inside, state.outside)
+    more = pressure_strength.pressure_ratios(
+        pipe.new_outer[:, None], outer, inner, strong, s.axial, *pressures
+    )
+    if choices.sn is not None:
+        more["damage_per_hour"] = choices.sn.damage_per_hour(s.bending, rotation)
     with np.errstate(divide="ignore", invalid="ignore"):
         return {
             "md": hole.md,
@@ -132,6 +147,7 @@ def element_values(
             "side_force_per_joint": _force_on_joint(hole.md, state, pipe.joint_length),
             "fatigue_dls": dogleg,
             "fatigue_ratio": state.dls / dogleg,
+            **more,
         }
 
 
@@ -181,7 +197,7 @@ def rows(model: DrillingModel, values: dict[str, FloatArray]) -> dict[str, Any]:
     table["middle"] = np.array([middle[i] for i in labels])  # orders rows where items meet
     table = _with_rigid_items(model, table, values)
     order = np.lexsort((table.pop("middle"), np.round(table["md"], 6)))
-    return {name: table[name][order] for name in (*(q.name for q in LIMITS), "jointed")}
+    return {name: table[name][order] for name in (*(q.name for q in LIMITS if q.name in table), "jointed")}
 
 
 def buckling_states(table: dict[str, Any]) -> np.ndarray:

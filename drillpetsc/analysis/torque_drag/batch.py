@@ -135,7 +135,7 @@ class Hole:
             self.item[:, p], self.inside[:, p] = i, middle < rows.depth
             for name in names:
                 self.of[name][:, p] = np.minimum(getattr(rows, name)[i], RIGID)
-            self.of["clearance"][:, p] = np.maximum(radius - rows.contact_radius[i], SMALLEST_CLEARANCE)
+            self.of["clearance"][:, p] = np.maximum(radius - rows.clearance_radius[i], SMALLEST_CLEARANCE)
 
     def item_values(self, name: str) -> FloatArray:
         """(k, strings) values of a column of `StringRows`."""

@@ -25,7 +25,7 @@ class StringRows:
 
     edges: (k+1,) measured depths [m].
     weight: buoyed weight per length [N/m]; end_weight: buoyed weight of items without length at the lower end [N].
-    contact_radius [m].
+    contact_radius [m]; clearance_radius: from which the clearance of buckling is measured [m].
     axial_stiffness EA [N], bending_stiffness EI, torsional_stiffness GJ [N m2]; infinite for rigid items.
     friction: of the item, nan: that of the hole.
     joint_length [m].
@@ -38,6 +38,7 @@ class StringRows:
     edges: FloatArray
     weight: FloatArray
     contact_radius: FloatArray
+    clearance_radius: FloatArray
     axial_stiffness: FloatArray
     bending_stiffness: FloatArray
     torsional_stiffness: FloatArray
@@ -62,6 +63,7 @@ class StringRows:
 _COLUMNS = (
     "weight",
     "contact_radius",
+    "clearance_radius",
     "axial_stiffness",
     "bending_stiffness",
     "torsional_stiffness",
@@ -126,6 +128,7 @@ def _of(case: Case, item: Item, middle: float) -> tuple[float, float, float, dic
     outer, inner = item.od or 0.0, item.id or 0.0
     row = {
         "contact_radius": 0.5 * (item.contact_od or 0.0),
+        "clearance_radius": 0.5 * (item.clearance_od or 0.0),
         "axial_stiffness": np.inf,
         "bending_stiffness": np.inf,
         "torsional_stiffness": np.inf,

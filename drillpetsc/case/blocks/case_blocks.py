@@ -124,7 +124,8 @@ class CaseBlocks(Block):
             return read(value)
         if info.data.get("hold_string"):
             return HeldTop(kind="clamped")
-        raise refuse(want="this key; it has no default")
+        hint = "a rig's drive is top: {kind: top_drive, rotation: 120 rpm}"
+        raise refuse(want="this key; it has no default", hint=hint)
 
     @field_validator("petsc", mode="before")
     @classmethod

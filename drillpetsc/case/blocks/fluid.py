@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Strict, Tag, model_validator
+from pydantic import (
+    BeforeValidator,
+    Discriminator,
+    Field,
+    GetJsonSchemaHandler,
+    Strict,
+    Tag,
+    model_validator,
+)
+from pydantic_core import CoreSchema
 
-from drillpetsc.case.block import Block, derived_default, tagged_union
+from drillpetsc.case.block import Block, derived_default, kinds_of, tagged_union
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.mud_report import standard
 from drillpetsc.case.quantities import OverTime, Quantity, WordOrNumber
@@ -103,7 +112,45 @@ class HerschelBulkley(WithYieldStress):
     index: FlowIndex = Field(description="flow index n, 1 for a Bingham fluid")
 
 
-_rheology, _rheology_tag = tagged_union(Newtonian, Bingham, PowerLaw, Casson, HerschelBulkley, key="model")
+_MODELS = (Newtonian, Bingham, PowerLaw, Casson, HerschelBulkley)
+_rheology, _rheology_tag = tagged_union(*_MODELS, key="model")
+
+
+class _MudReportForms:
+    """What may stand in the place of a model's keys, for the JSON schema: {dial}, {pv, yp}, {n, k}, {ty, n, k}."""
+
+    KEYS: ClassVar[dict[str, str]] = {
+        "pv": "plastic viscosity of bingham [Pa s]",
+        "yp": "yield point of bingham [Pa]",
+        "ty": "yield stress of herschel_bulkley [Pa]",
+        "k": "consistency [Pa s^n]",
+        "n": "flow index [-]",
+    }
+    FORMS: ClassVar[tuple[tuple[str, ...], ...]] = (("dial",), ("pv", "yp"), ("n", "k"), ("ty", "n", "k"))
+
+    def __get_pydantic_json_schema__(
+        self, core_schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        by_model = handler(core_schema)
+        shared = Rheology.model_json_schema()["properties"]
+        models = {"enum": [kinds_of(block, "model")[0] for block in _MODELS]}
+        forms = []
+        for form in self.FORMS:
+            own = {
+                key: {"description": self.KEYS[key], "anyOf": [{"type": "number"}, {"type": "string"}]}
+                for key in form
+                if key in self.KEYS
+            }
+            forms.append(
+                {
+                    "type": "object",
+                    "properties": {**shared, "model": models, **own},
+                    "required": list(form),
+                    "additionalProperties": False,
+                }
+            )
+        return {"anyOf": [by_model, *forms]}
+
 
 AnyRheology = Annotated[
     Annotated[Newtonian, Tag("kind:Newtonian")]
@@ -114,6 +161,7 @@ AnyRheology = Annotated[
     Discriminator(_rheology_tag),
     BeforeValidator(_rheology),
     BeforeValidator(standard),
+    _MudReportForms(),
 ]
 
 

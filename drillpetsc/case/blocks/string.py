@@ -91,6 +91,23 @@ class Inertia(Block):
     )
 
 
+class PressureLoss(Block):
+    """Measured pressure loss of a tool in the string: of a motor, an MWD, a filter. It goes with density and flow rate squared."""
+
+    value: Annotated[float, Quantity("Pa", at_least=0, at_most=1e9, kind="pressure")] = Field(
+        description="pressure loss"
+    )
+    at: Annotated[float, Quantity("m^3/s", above=0, at_most=10)] = Field(description="flow rate of the value")
+    density: Annotated[float, Quantity("kg/m^3", above=0, at_most=30e3, kind="mud_weight")] = Field(
+        description="density of the fluid of the value"
+    )
+
+    @property
+    def coefficient(self) -> float:
+        """Loss over density and flow rate squared [1/m4]."""
+        return self.value / (self.density * self.at**2)
+
+
 class Item(Block):
     """Base of every string item. A kind without one of the optional keys has the value None for it."""
 
@@ -119,6 +136,10 @@ class Item(Block):
     friction: Friction | None = Field(
         default=None, description="friction coefficient of this item, instead of the hole section's"
     )
+    pressure_loss: PressureLoss | None = Field(
+        default=None,
+        description="loss of the mud in this item besides friction, {value: 350 psi, at: 600 gpm, density: 10 ppg}",
+    )
 
     @model_validator(mode="after")
     def _bore_inside(self) -> Item:
@@ -145,6 +166,11 @@ class Item(Block):
     def contact_od(self) -> float | None:
         """Diameter that touches the hole [m]: that of the tool joints, of the blades, or the outer diameter."""
         return self.od
+
+    @property
+    def clearance_od(self) -> float | None:
+        """Diameter that the clearance of buckling loads goes by [m]: the one that touches the hole, unless the item says otherwise."""
+        return self.contact_od
 
 
 class Flexible(Item):

@@ -93,10 +93,18 @@ class Jointed(Tubular):
     stiffness: Literal["series", "body"] = Field(
         default="series", description="tube and tool joints in series, or the tube alone"
     )
+    clearance: Literal["tool_joint", "body"] = Field(
+        default="tool_joint",
+        description="diameter from which the clearance of buckling loads is measured: that of the tool joints (API RP 7G), or the body's",
+    )
 
     @property
     def contact_od(self) -> float | None:
         return self.od if self.contact_on == "body" or self.tool_joint is None else self.tool_joint.od
+
+    @property
+    def clearance_od(self) -> float | None:
+        return self.od if self.clearance == "body" else self.contact_od
 
 
 class DrillPipe(Jointed):

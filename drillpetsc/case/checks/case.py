@@ -135,7 +135,7 @@ def _start(case: CaseBlocks) -> None:
         return
     got = case.initial.wob
     if case.bottom.kind != "bit":
-        raise refuse("initial", "wob", got=got, want="no wob unless bottom is a bit")
+        raise refuse("initial", "wob", got=got, want="no wob unless bottom is a bit", hint="bottom: bit")
     if case.top.kind == "free" or case.top.force is not None:
         hint = "wob is met by the top's axial position, which this top does not prescribe"
         raise refuse("initial", "wob", got=got, want="no wob with a free top or a given top force", hint=hint)

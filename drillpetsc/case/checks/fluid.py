@@ -57,6 +57,15 @@ def check_fluid(case: CaseBlocks) -> None:
     for i, item in enumerate(case.string):
         if isinstance(item, Beam) and item.od is None:
             raise refuse("string", i, "od", want="an outer diameter (and id): the case has a fluid")
+        if item.pressure_loss is None:
+            continue
+        if case.fluid.formulation == "hermite":
+            want = "formulation mixed with a pressure_loss of a string item"
+            raise refuse("fluid", "formulation", got="hermite", want=want)
+        if not case.has_bore:
+            raise refuse(
+                "string", i, "pressure_loss", want="no pressure_loss where nothing flows in the string"
+            )
     _metal_of_rigid_items(case)
     _lower_end(case)
     _bore(case)

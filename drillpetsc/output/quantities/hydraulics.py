@@ -97,6 +97,7 @@ ECD_TD = _sum(
 LOSSES: tuple[Quantity, ...] = (
     _sum("surface_line_loss", "Pa", "Surface line", "LSUR", "Loss of the surface line.", _LOSS),
     _sum("string_loss", "Pa", "String", "LSTR", "Loss by friction in the bore of the string.", _LOSS),
+    _sum("tool_loss", "Pa", "Tools", "LTOL", "Loss of items with a pressure_loss.", _LOSS),
     _sum("bit_loss", "Pa", "Bit", "LBIT", "Loss of the nozzles.", _LOSS),
     _sum("annulus_loss", "Pa", "Annulus", "LANN", "Loss by friction in the annulus.", _LOSS),
     _sum("choke_loss", "Pa", "Choke", "LCHK", "Loss of the choke at the flow line.", _LOSS),

@@ -159,6 +159,27 @@ LIMITS: tuple[Quantity, ...] = (
         "Curvature in which drill pipe may rotate without fatigue (API RP 7G); nan in compression, and for other grades.",
     ),
     _node("fatigue_ratio", "-", "Dogleg over permissible", "FRAT", "Curvature over permissible dogleg."),
+    _node(
+        "burst_ratio",
+        "-",
+        "Inside pressure over burst",
+        "BURR",
+        "Pressure inside above that outside, over the pressure at which the tube yields (Barlow, API RP 7G); 0 the other way.",
+    ),
+    _node(
+        "collapse_ratio",
+        "-",
+        "Outside pressure over collapse",
+        "COLR",
+        "Pressure outside above that inside, over the collapse pressure under the tension there (API 5C3); 0 the other way.",
+    ),
+    _node(
+        "damage_per_hour",
+        "1/h",
+        "Miner's damage per hour",
+        "DMGH",
+        "Damage of an hour of rotation by the S-N curve of --sn, 1 at failure; nan above the curve. Only with --sn.",
+    ),
 )
 
 CONTACTS: tuple[Quantity, ...] = (

@@ -77,7 +77,7 @@ class BoreFlow(ChannelFlow):
         zero = np.zeros(len(e))
         return {
             "step": np.where(e > 0, 0.5 * (1 / area**2 - 1 / above**2), 0.0),
-            "loss": zero,
+            "loss": zero if self.bore.tool is None else self.bore.tool[e],
             "control": np.where((e == 0) & (self.pump_pressure is not None), 1.0, 0.0),
             "controlled": zero,
         }

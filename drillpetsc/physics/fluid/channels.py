@@ -24,6 +24,7 @@ class Bore:
     area_above: of the rigid item above the element [m2].
     body: of the tube between tool joints [m2], for friction; None: ``area``.
     joint_share: share of the length that tool joints have [-], joint_area: of their bore [m2]; None: no tool joints.
+    tool: loss over density and flow rate squared, of tools in the string [1/m4]; None: no tools.
     """
 
     area: FloatArray
@@ -32,6 +33,7 @@ class Bore:
     body: FloatArray | None = None
     joint_share: FloatArray | None = None
     joint_area: FloatArray | None = None
+    tool: FloatArray | None = None
 
     def friction(self, e: np.ndarray) -> dict[str, FloatArray]:
         """Parameters of the friction in the elements ``e`` (k,): tube and tool joints in series."""

@@ -26,7 +26,7 @@ from drillpetsc.model.mesh import build_mesh
 from drillpetsc.output import RunFolder, read_summary
 from drillpetsc.output.energy_balance import EnergyGainMonitor
 from drillpetsc.output.files.run_folder import SWEEP_TABLE
-from drillpetsc.output.progress import duration
+from drillpetsc.output.progress import Receiver, check_progress, duration
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.parallel import wait_for, wait_for_files
 from drillpetsc.solvers import petsc_options as options
@@ -67,7 +67,7 @@ def sweep(
     restart: bool = False,
     overwrite: bool = False,
     comm: PETSc.Comm | None = None,
-    progress: str = "auto",
+    progress: str | Receiver = "auto",
 ) -> SweepResult:
     """Simulate every combination of ``values`` of a case file (collective over ``comm``).
 
@@ -76,11 +76,13 @@ def sweep(
     out: folder of the sweep; by default results/<case>-NNN.
     restart: keep members that are done, continue those with a checkpoint, run the others.
     overwrite: replace the results in an existing ``out``.
+    progress: auto or silent, or a function of (share of members ended, text) that is called where a member ends.
 
     Raises CaseError, before anything runs, for an error in any member. A member that fails later is marked
     failed in its row.
     """
     comm = comm or PETSc.COMM_WORLD
+    check_progress(progress, ("auto", "silent"))
     members = []
     for number, v in enumerate(variations(case, choices_from(values)), 1):
         numbers = {key: x for key in v.values if (x := v.number_of(key)) is not None}
@@ -201,7 +203,7 @@ def _read_options(case: Case) -> list[str]:
 
 
 # ---------------------------------------------------------------------- the job
-def _run_all(comm: PETSc.Comm, progress: str, make_plan: Callable[[], Plan]) -> SweepResult:
+def _run_all(comm: PETSc.Comm, progress: str | Receiver, make_plan: Callable[[], Plan]) -> SweepResult:
     """Plan on rank 0, run the members in worker groups, and collect their outcomes (collective)."""
     mpi = comm.tompi4py()
     answer: Any = None
@@ -276,7 +278,7 @@ class _Job:
     order: list[Member]
     sizes: list[int]
     mpi: Any
-    progress: str
+    progress: str | Receiver
     began: float
     stopped: list[str] = field(default_factory=list)
 
@@ -402,7 +404,11 @@ class _Job:
             else f"ranks {outcome.ranks[0]} to {outcome.ranks[-1]}"
         )
         line = f"[{ended}/{len(rows)}] {member.label}: {outcome.status}, {duration(outcome.wall)} wall on {ranks}"
-        print(line + (f": {outcome.message}" if outcome.message else ""), file=sys.stderr, flush=True)
+        line += f": {outcome.message}" if outcome.message else ""
+        if callable(self.progress):
+            self.progress(ended / len(rows), line)
+        else:
+            print(line, file=sys.stderr, flush=True)
 
     def _ended_file(self, number: int) -> Path:
         """File that marks that a worker group has ended."""

@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from drillpetsc.case import case_json_schema, read_case_file
+from drillpetsc.case import Case, case_json_schema, read_case_file
+from drillpetsc.errors import CaseError
 
 CASES = Path(__file__).parents[3] / "cases"
 SCHEMA = case_json_schema()
@@ -69,7 +70,9 @@ def errors(value: Any, schema: dict[str, Any], at: str = "") -> Iterator[str]:
             yield f"{at}: out of range"
 
 
-@pytest.mark.parametrize("path", sorted(CASES.glob("*.yaml")), ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", sorted([*CASES.glob("*.yaml"), *CASES.glob("field/*.yaml")]), ids=lambda path: path.stem
+)
 def test_ready_cases_fit_the_schema(path: Path) -> None:
     data, _ = read_case_file(path)
     assert list(errors(data, SCHEMA)) == []
@@ -78,7 +81,7 @@ def test_ready_cases_fit_the_schema(path: Path) -> None:
 @pytest.mark.parametrize(
     "name",
     "unknown-key misspelt-key key-of-another-kind missing-key missing-block missing-kind unknown-kind unknown-top "
-    "bare-millimetres yes-for-a-number no-items contact-off short-vector quaternion half-points fluid-without-rheology "
+    "yes-for-a-number no-items contact-off short-vector quaternion half-points fluid-without-rheology "
     "rheology-key-of-another-model unknown-rheology unknown-friction-law flow-index-out-of-range "
     "unknown-bit-law bit-law-key-of-another half-a-blade layer-with-a-walk bit-anisotropy-above-one".split(),
 )
@@ -101,3 +104,46 @@ def test_schema_file_is_the_current_one() -> None:
     """When this fails: python -c "from drillpetsc.case import write_schema;
     write_schema('cases/schema.json')"."""
     assert json.loads((CASES / "schema.json").read_text()) == SCHEMA
+
+
+MUD = {"density": 1260, "flow_rate": "550 gpm"}
+RHEOLOGIES: tuple[tuple[dict[str, Any], bool], ...] = (
+    ({"dial": {"600": 64, "300": 41}}, True),
+    ({"dial": {"600": 64, "300": 41, "100": 22}, "model": "herschel_bulkley", "fit": "least_squares"}, True),
+    ({"pv": "23 cP", "yp": "18 lbf/100ft2"}, True),
+    ({"pv": 0.023, "yp": 9.0, "law": "exact"}, True),
+    ({"n": 0.65, "k": "1.2 lbf s^n/100ft2"}, True),
+    ({"ty": 3.0, "n": 0.65, "k": 0.5}, True),
+    ({"model": "newtonian", "viscosity": 0.001}, True),
+    ({"pv": "23 cP"}, False),
+    ({"n": 0.65}, False),
+    ({"pv": "23 cP", "yp": 9, "k": 1.0}, False),
+    ({"dial": {"600": 64, "300": 41}, "model": "honey"}, False),
+    ({"model": "newtonian"}, False),
+    ({}, False),
+)
+
+
+@pytest.mark.parametrize(("rheology", "fits"), RHEOLOGIES, ids=lambda value: str(value)[:40])
+@pytest.mark.parametrize("key", ["rheology", "annulus_rheology"])
+def test_the_forms_of_a_mud_report_fit_where_the_reader_takes_them(
+    key: str, rheology: dict[str, Any], fits: bool
+) -> None:
+    """The schema and the reader answer the same."""
+    fluid = {"rheology": {"model": "newtonian", "viscosity": 0.001}, **MUD, key: rheology}
+    schema = SCHEMA["properties"]["fluid"]
+    assert (not list(errors(fluid, schema))) == fits
+    case = {
+        "string": [{"kind": "pipe", "length": 9.0, "od": 0.127, "id": 0.1}],
+        "top": "clamped",
+        "well": {
+            "survey": {"md": [0, 20], "inclination": [0, 0], "azimuth": [0, 0]},
+            "sections": [{"to": "end", "kind": "open_hole", "diameter": 0.2}],
+        },
+        "fluid": fluid,
+    }
+    if fits:
+        assert Case(**case).fluid is not None
+    else:
+        with pytest.raises(CaseError):
+            Case(**case)

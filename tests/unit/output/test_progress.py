@@ -129,3 +129,31 @@ def test_an_update_that_prints_nothing_costs_little() -> None:
             shown.update(0.1, k, 0.1)
         best = min(best, (time.perf_counter() - start) / 1000)
     assert best < 5e-6
+
+
+def test_a_function_gets_the_share_and_the_lines(clock: Clock) -> None:
+    """A run of 10 s at twice real time: after 2.5 wall seconds half of it is done."""
+    got: list[tuple[float, str]] = []
+    log = io.StringIO()
+    shown = Progress(end=10.0, mode=lambda share, text: got.append((share, text)), stream=log)
+    run(shown, clock, 2.5, 2.0, 10.0)
+    shown.message("warning: a")
+    shown.finish(5.0, 25)
+    shares = [share for share, _ in got]
+    assert shares == sorted(shares) and len(shares) > 8 and shares[-1] == pytest.approx(0.5)
+    assert got[-2][1] == "warning: a" and "5 s of 10 s" in got[-1][1] and not log.getvalue()
+
+
+def test_a_function_that_fails_is_not_called_again(clock: Clock) -> None:
+    calls = []
+
+    def fail(share: float, text: str) -> None:
+        calls.append(share)
+        raise ValueError("no")
+
+    shown = Progress(end=10.0, mode=fail)
+    with pytest.raises(ValueError, match="no"):
+        run(shown, clock, 2.0, 2.0, 10.0)
+    shown.message("later")
+    shown.finish(1.0, 5)
+    assert len(calls) == 1

@@ -279,3 +279,43 @@ def test_zero_has_the_same_colour_for_any_range() -> None:
     assert tension[2] > tension[0] and compression[0] > compression[2]  # blue pulls, red pushes
     constant, _ = color_scale("axial_force [N]", 3.0, 3.0)
     assert 0.0 < float(constant(3.0)) < 1.0
+
+
+def texts(drawn: list) -> str:
+    return " ".join(
+        text for drawing in drawn for axes in drawing.axes for text in (axes.get_xlabel(), axes.get_ylabel())
+    )
+
+
+def test_a_view_in_field_units(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Depths in feet at round numbers of feet, offsets in inches; SI and metric leave metres."""
+    from drillpetsc.plotting import style
+
+    drawn: list = []
+    make = style.figure
+
+    def figure(*arguments, **keywords):
+        drawn.append(make(*arguments, **keywords))
+        return drawn[-1]
+
+    monkeypatch.setattr(style, "figure", figure)
+    run = make_run(tmp_path / "run")
+    view(run.path, tmp_path / "field.png", renderer="matplotlib", units="field")
+    words = texts(drawn)
+    assert (
+        "measured depth [ft]" in words
+        and "offset x [in]" in words
+        and "[m]" not in words
+        and "mm" not in words
+    )
+    depth = drawn[-1].axes[0].yaxis
+    shown = [float(label.get_text().replace("\N{MINUS SIGN}", "-")) for label in depth.get_ticklabels()]
+    assert depth.get_ticklocs() == pytest.approx(0.3048 * np.array(shown), abs=1e-6)
+    assert all(value == round(value) for value in shown) and len(shown) > 3
+    assert style.UNITS.get() is None
+    drawn.clear()
+    view(run.path, tmp_path / "plain.png", renderer="matplotlib")
+    assert "measured depth [m]" in texts(drawn) and "offset x [mm]" in texts(drawn)
+    drawn.clear()
+    view(run.path, tmp_path / "si.png", renderer="matplotlib", units="SI")
+    assert "offset x [m]" in texts(drawn)

@@ -1,0 +1,95 @@
+"""Words of the trade that a driller may write for a key or a kind of the case file, and the hints that answer them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from drillpetsc.case.key_paths import suggestion
+
+#: word -> keys that may be meant, the first of those that the block has
+KEYS: dict[str, tuple[str, ...]] = {
+    "tfa": ("nozzle_area",),
+    "weight": ("mass", "density", "adjusted_weight"),
+    "mud_weight": ("density",),
+    "mw": ("density",),
+    "ppf": ("nominal_weight", "adjusted_weight"),
+    "flow": ("flow_rate",),
+    "pump_rate": ("flow_rate",),
+    "gpm": ("flow_rate",),
+    "friction_factor": ("friction",),
+    "ff": ("friction",),
+    "toolface": ("tool_face",),
+    "rpm": ("rotation",),
+    "mud": ("fluid",),
+    "bha": ("string",),
+    "drillstring": ("string",),
+    "hole": ("well",),
+    "jets": ("nozzles",),
+    "type": ("bit_type",),
+}
+#: word -> what to write, where the key stands in another block or has another meaning
+PLACES: dict[str, str] = {
+    "wob": "weight on bit stands in initial: {wob: 25 klbf}, with bottom: bit",
+    "rpm": "rotation stands in top: {kind: top_drive, rotation: 120 rpm}",
+    "survey": "the survey stands in well: {survey: survey.csv, sections: [...]}",
+    "sections": "the sections stand in well: {survey: survey.csv, sections: [...]}",
+    "casing": "casing that is set is a section of the hole: well: {sections: [{to: .., kind: casing, diameter: ..}]}",
+    "block_weight": "it stands in rig: {block_weight: ...}",
+    "pv": "rheology: {pv: 23 cP, yp: 18 lbf/100ft2}",
+    "yp": "rheology: {pv: 23 cP, yp: 18 lbf/100ft2}",
+    "dial": "rheology: {dial: {600: 64, 300: 41}}",
+    "od": "diameter is that of the hole: of casing the inner one",
+    "id": "diameter is that of the hole: of casing the inner one",
+    "from": "a section begins where the one above ends",
+}
+#: word -> what to write as the kind of a string item
+KINDS: dict[str, str] = {
+    "dp": "drill_pipe",
+    "drillpipe": "drill_pipe",
+    "hw": "hwdp",
+    "hevi_wate": "hwdp",
+    "heavy_weight": "hwdp",
+    "dc": "drill_collar",
+    "collar": "drill_collar",
+    "nmdc": "drill_collar, with nonmagnetic: true",
+    "monel": "drill_collar, with nonmagnetic: true",
+    "stab": "stabilizer",
+    "reamer": "stabilizer",
+    "liner": "casing",
+    "tubing": "pipe",
+    "ct": "coiled_tubing",
+    **dict.fromkeys(
+        ("motor", "pdm", "mwd", "lwd", "sub", "xo", "crossover", "jar", "jars", "rss"),
+        "pipe, or body, with its od, id, length and a name",
+    ),
+}
+
+
+def key_hint(word: str, keys: Collection[str]) -> str:
+    """The hint for an unknown key, from the trade's words first, else the most similar key; may be empty.
+
+    keys: those that the block has.
+    """
+    found = next((key for key in KEYS.get(word, ()) if key in keys), "")
+    if found:
+        return f"did you mean '{found}'?"
+    if word in PLACES and _fits(word, keys):
+        return PLACES[word]
+    return suggestion(word, keys)
+
+
+def _fits(word: str, keys: Collection[str]) -> bool:
+    """Whether the block is one in which the word of PLACES is meant so."""
+    if word in ("od", "id", "from"):
+        return "diameter" in keys and "to" in keys
+    if word in ("pv", "yp", "dial"):
+        return "rheology" in keys
+    return "string" in keys and "well" in keys
+
+
+def kind_hint(word: object, kinds: Collection[str]) -> str:
+    """The hint for an unknown kind; may be empty. kinds: that may stand there."""
+    meant = KINDS.get(str(word).lower().replace(" ", "_").replace("-", "_"))
+    if meant is not None and meant.partition(",")[0] in kinds:
+        return f"did you mean '{meant}'?" if "," not in meant else f"write {meant}"
+    return suggestion(word, kinds)

@@ -1,0 +1,50 @@
+"""A roadmap as a cube: operation x friction x bit depth."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drillpetsc.output.files.run_folder import ROADMAP_TABLE
+from drillpetsc.output.files.tables import split_name
+from drillpetsc.results.datasets import Columns, Table, assembled
+from drillpetsc.results.described import attributes
+
+DIMENSIONS = ("operation", "friction", "bit_depth")
+FACTORS = ("ff_cased", "ff_open_hole")
+
+
+def roadmap_cube(table: Table, title: str = "") -> Columns:
+    """A dataset of xarray, or `Columns` where xarray is not installed, from the rows of a roadmap.
+
+    table: roadmap.csv by heading. Operations and friction pairs stand in the order of the rows, bit depths ascend [m].
+    A row that is not there gives nan, or an empty text.
+    """
+    columns = {split_name(heading)[0]: (heading, np.asarray(values)) for heading, values in table.items()}
+    operation, depth = columns["operation"][1].astype(str), columns["bit_depth"][1].astype(float)
+    pairs = list(zip(*(columns[name][1].astype(float).tolist() for name in FACTORS), strict=True))
+    words = [str(pair) for pair in pairs]  # nan, for no cased or no open hole, differs from itself
+    first = dict(zip(words, pairs, strict=True))
+    operations, frictions = list(dict.fromkeys(operation.tolist())), list(dict.fromkeys(words))
+    depths = np.unique(depth)
+    at = (
+        np.array([operations.index(word) for word in operation], dtype=int),
+        np.array([frictions.index(word) for word in words], dtype=int),
+        np.searchsorted(depths, depth),
+    )
+    shape = len(operations), len(frictions), len(depths)
+    arrays = {"operation": np.array(operations), "bit_depth": depths}
+    dims: dict[str, tuple[str, ...]] = {"operation": ("operation",), "bit_depth": ("bit_depth",)}
+    for i, name in enumerate(FACTORS):
+        arrays[name], dims[name] = np.array([first[word][i] for word in frictions]), ("friction",)
+    for name, (_, values) in columns.items():
+        if name in arrays:
+            continue
+        numeric = values.dtype.kind in "fiu"
+        arrays[name] = np.full(shape, np.nan) if numeric else np.full(shape, "", dtype=object)
+        arrays[name][at] = values
+        dims[name] = DIMENSIONS
+    described = {
+        name: attributes(columns[name][0], ROADMAP_TABLE, words=arrays[name].dtype.kind not in "fiu")
+        for name in arrays
+    }
+    return assembled(arrays, described, dims, {"operation", "bit_depth", *FACTORS}, title)
