@@ -22,6 +22,7 @@ from drillpetsc.analysis.energy_descent import (
     stiffness_steps,
     too_coarse,
 )
+from drillpetsc.analysis.flow_coupling import couple_flow_and_string, surge_rates
 from drillpetsc.analysis.friction_path import (
     SEED,
     AnyPath,
@@ -33,23 +34,19 @@ from drillpetsc.analysis.friction_path import (
     refuse_path,
 )
 from drillpetsc.analysis.march import CRUSHING_STRAIN, March, march
-from drillpetsc.analysis.placement import hole_at_string, place_along_hole, prescribed_motion, top_depth
+from drillpetsc.analysis.placement import place_along_hole, prescribed_motion, top_depth
 from drillpetsc.analysis.soft_string import TorqueDrag
 from drillpetsc.analysis.soft_string_start import place_marched, soft_string
-from drillpetsc.analysis.steady_flow import STORAGE_WEIGHT, fluid_unknowns, freeze_flow, steady_flow
+from drillpetsc.analysis.steady_flow import fluid_unknowns, freeze_flow, steady_flow
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.geometry.hole_steps import HoleSteps
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.solvers.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton
 
-MAX_COUPLING_ROUNDS = 30  # solves of flow and string in turn
-COUPLING_TOLERANCE = 1e-10  # largest change of pressures and flows relative to their scales
 BEYOND_BOTTOM = 1e-3  # distance below the end of the hole that is reported [m]
 LEAST_CLEARANCE = 1e-3  # [m]
-COUPLING_SHARE = 1e-3  # increment of the string's solve over the flow's last change
 FIRST_FLOW_INCREMENT = 1e-2  # of the flow from which flow and string are solved together
-ROUNDING_TOLERANCE = 1e-6  # largest change where rounding stops the coupling iteration
 #: axial direction (down positive) and rotation of each motion of the `statics` command
 MOTIONS = {"hoist": (-1.0, 0.0), "lower": (1.0, 0.0), "rotate": (0.0, 1.0)}
 
@@ -593,82 +590,3 @@ def _instability_warning(model: DrillingModel, count: int) -> str:
 def _reactions(model: DrillingModel, solver: StaticNewton) -> None:
     """Compute one residual at the final state, which updates the reactions in the assembly."""
     solver.rows()
-
-
-def surge_rates(model: DrillingModel, lowering: float) -> FloatArray | None:
-    """Compute the rates (n+1,) of a string that its top lowers with ``lowering`` [m/s]; None where the flow does
-    not see them.
-    """
-    if model.case.fluid is None or not lowering or model.case.fluid.formulation != "mixed":
-        return None  # with the Hermite formulation the flow starts from the pump's rate
-    system = model.system
-    dofs, rates = system.layout.dofs["string.position"], np.zeros_like(system.assembly.y)
-    tangent, _ = hole_at_string(model)
-    rates[dofs] = lowering * tangent[system.chain.vertices]
-    return rates
-
-
-def _flow_and_string_together(model: DrillingModel, solver: StaticNewton, report: Equilibrium) -> bool:
-    """Solve for steady flow and string by Newton's method on all unknowns; collective.
-
-    Returns False, with the state restored, where it does not converge, and for flows of the Hermite formulation,
-    whose chamber is filled from outside.
-    """
-    assert model.case.fluid is not None
-    if model.case.fluid.formulation != "mixed":
-        return False
-    system, start = model.system, Snapshot(model)
-    fluid = fluid_unknowns(system)
-    for component in system.components:  # the flow's hole is that at the string's present place
-        component.locate_hole(system.assembly)
-    system.assembly.freeze(None)
-    solver.rate_weight = STORAGE_WEIGHT
-    try:
-        solver.newton_damped(report)
-    except SolveError:
-        start.restore()
-        return False
-    finally:
-        solver.rate_weight = 0.0
-        system.assembly.freeze(fluid)
-    return True
-
-
-def couple_flow_and_string(
-    model: DrillingModel, solver: StaticNewton, report: Equilibrium, lowering: float = 0.0
-) -> None:
-    """Solve steady flow and string in turn, from a string in equilibrium under frozen flow; collective.
-
-    Manual: sec-statics-flow.  The change contracts in each round by the ratio of the fluid's compliance to
-    the steel's, a few percent.
-
-    report: gets the iterations of the string.
-    lowering: speed at which the top lowers the string [m/s]; the flow is then that about the moving string
-    (surge).
-    Raises SolveError where the iteration does not converge.
-    """
-    if model.fluid is None:
-        return
-    system = model.system
-    fluid, smallest = fluid_unknowns(system), np.inf
-    rates = surge_rates(model, lowering)
-    if rates is not None:
-        solver.rates = rates
-        system.assembly.y[:] = rates
-    if _flow_and_string_together(model, solver, report):
-        return
-    for _ in range(MAX_COUPLING_ROUNDS):
-        before = system.assembly.x[: system.layout.size][fluid].copy()
-        steady_flow(system, 0.0)
-        change = np.abs(system.assembly.x[: system.layout.size][fluid] - before) / system.scale[fluid]
-        size = solver.largest(float(change.max(initial=0.0)))
-        system.assembly.freeze(fluid)
-        if size < COUPLING_TOLERANCE or (size < ROUNDING_TOLERANCE and size > 0.5 * smallest):
-            solver.newton_damped(report)
-            return
-        smallest = min(smallest, size)
-        solver.newton_damped(report, COUPLING_SHARE * size)
-    raise SolveError(
-        f"string and fluid did not converge to a steady state in {MAX_COUPLING_ROUNDS} rounds "
-        f"(last change {size:.1e} of the scales)"
-    )

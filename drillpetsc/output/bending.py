@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.fem.assembly import Assembly, BoundBlock
+from drillpetsc.fem.assembly import Assembly
+from drillpetsc.fem.bound_parts import BoundBlock
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.geometry.frames import directors, high_sides
 from drillpetsc.model.drilling_model import DrillingModel

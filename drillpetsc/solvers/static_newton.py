@@ -19,7 +19,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
-from drillpetsc.fem.assembly import ROW_SCALE, RowReplacement
+from drillpetsc.fem.bound_parts import ROW_SCALE, RowReplacement
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.kernels import function, pointer
 from drillpetsc.solvers.chain_lu import ZeroPivot

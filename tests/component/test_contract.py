@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drillpetsc.fem.assembly import ROW_SCALE
+from drillpetsc.fem.bound_parts import ROW_SCALE
 from drillpetsc.physics.contact import Contact
 from tests.helpers.component_models import KINDS, SHIFT, build, dense, residual
 

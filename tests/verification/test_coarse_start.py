@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
-from drillpetsc.analysis import coarse_start, equilibrium
+from drillpetsc.analysis import coarse_start, flow_coupling
 from drillpetsc.analysis.equilibrium import director_equilibrium
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.mesh import coarsened
@@ -100,7 +100,7 @@ def test_flow_and_string_together_are_flow_and_string_in_turn(flow, monkeypatch)
     out = []
     for together in (True, False):
         if not together:
-            monkeypatch.setattr(equilibrium, "_flow_and_string_together", lambda *_: False)
+            monkeypatch.setattr(flow_coupling, "_flow_and_string_together", lambda *_: False)
         model = build_model(case)
         state = director_equilibrium(model)
         out.append((loads(model), model.system.field("bore.pressure").copy(), state.equilibrium.iterations))

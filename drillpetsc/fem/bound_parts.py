@@ -1,0 +1,246 @@
+"""Parts of a discrete system bound to their unknowns on one rank: element blocks, prescribed motion, corrected rates.
+
+Manual: sec-joints-prescribed (prescribed motion), eq-joint-ggl (corrected rates).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import ElementBlock, PrescribedMotion, VelocityStabilization
+from drillpetsc.fem.dof_layout import DofLayout
+from drillpetsc.kernels import function, pointer
+
+if TYPE_CHECKING:
+    from drillpetsc.fem.assembly import Assembly
+
+
+#: weight of a replaced row, position error [m or rad] to force [N or N m]; it has the order of a pipe's
+#: stiffness, so that one norm serves all rows (manual: eq-prescribed-rows)
+ROW_SCALE = 1.0e6
+#: fields of the seven unknowns of a node: position, slope, spin angle
+NODE_FIELDS = ("string.position", "string.tangent", "string.spin")
+
+
+class BoundBlock:
+    """An element block with its dof table and the prepared arguments of its kernel.
+
+    index: (count, width) local dofs of each element.
+    span: the block's entries in ``Assembly.values``, ``width**2`` an element.
+    """
+
+    def __init__(self, block: ElementBlock, layout: DofLayout, first_entry: int):
+        self.block = block
+        self.count = len(block.points)
+        self.index = layout.index(block)
+        self.width = layout.width(block)
+        self.spins = layout.spin_vertices(block)
+        self.residual = function(f"{block.kernel}_residual", "ippppppp")
+        self.jacobian = function(f"{block.kernel}_jacobian", "ipppppppppp")
+        self.span = slice(first_entry, first_entry + self.count * self.width**2)
+        self.event = PETSc.Log.Event(block.name)
+        # addresses are taken once: the arrays are never reallocated, only their values change
+        self.head = (self.count, pointer(self.index), pointer(block.params), block.context)
+        self.matrix_head = (
+            self.count,
+            pointer(self.index),
+            pointer(self.spins),
+            pointer(block.params),
+            block.context,
+        )
+        rows = np.where(self.index < layout.size, self.index, -1)
+        self.holds_rates = False  # see ``Assembly.hold_rates``
+        self.values_at = 0  # address of the block's entries, set by the assembly
+        self._local = rows
+        self._numbers = (layout.chain.cells if block.on == "cell" else layout.chain.vertices)[block.points]
+
+    def places(self) -> tuple[np.ndarray, np.ndarray]:
+        """Local dofs of the rows and of the columns of the block's entries, -1 where an entry is left out."""
+        return np.repeat(self._local, self.width, axis=1).ravel(), np.tile(
+            self._local, (1, self.width)
+        ).ravel()
+
+    def update_parameters(self, t: float) -> None:
+        """Evaluate time-dependent parameters at ``t`` [s].
+
+        A note with component, elements and time is added to an exception.
+        """
+        try:
+            self.block.update(t)  # type: ignore[misc]
+        except Exception as error:
+            error.add_note(
+                f"in component {self.block.component}, element {self._numbers.min()} to {self._numbers.max()} of the string, time {t:g} s"
+            )
+            raise
+
+
+class RowReplacement:
+    """Row replacement at one vertex of this rank, owned or ghost (manual: eq-prescribed-rows).
+
+    D: (m, 7) prescribed directions over the node's unknowns; complement: I - D^T D.  On a curved path both
+    are those of the last evaluation.
+    rows: (7,) local dofs of the node.
+    elements: (block, element, slots of the seven dofs in the element) of every element at the node.
+    value [m, -, rad], rate [per second], reaction [N, N m]: (m,) each.
+    """
+
+    def __init__(
+        self, condition: PrescribedMotion, layout: DofLayout, local: int, bound_blocks: list[BoundBlock]
+    ):
+        self.condition = condition
+        self.D = np.array(condition.directions, order="C")
+        parts = [layout.dofs[name][local] for name in NODE_FIELDS]
+        self.rows = np.concatenate(parts).astype(np.int32)
+        self.owned = bool(layout.chain.owned[local])
+        self.complement = np.eye(7) - self.D.T @ self.D
+        self.elements = []
+        for item in bound_blocks:
+            for e in np.flatnonzero((item.index == self.rows[0]).any(axis=1)):
+                slots = [
+                    int(np.flatnonzero(item.index[e] == row)[0]) for row in self.rows if row in item.index[e]
+                ]
+                if len(slots) not in (0, 7):
+                    raise ValueError(
+                        f"{item.block.name}: a prescribed vertex needs all of r, v, phi in the block"
+                    )
+                self.elements.append((item, int(e), np.array(slots)))
+        self.projector = (self.D.T @ self.D).ravel()
+        self.reaction, self.value, self.rate = (np.zeros(len(self.D)) for _ in range(3))
+        self.time: float | None = None
+        self.first_entries = np.array(
+            [item.span.start + e * item.width**2 for item, e, _ in self.elements], dtype=np.int64
+        )
+        self.width = np.array([item.width for item, _, _ in self.elements], dtype=np.int32)
+        self.slots = np.ascontiguousarray([s for *_, s in self.elements], dtype=np.int32).reshape(-1, 7)
+        self.complement = np.ascontiguousarray(self.complement)
+        self.head = (len(self.D), pointer(self.D), pointer(self.rows))
+        self.rate_at, self.value_at, self.reaction_at = (
+            pointer(self.rate),
+            pointer(self.value),
+            pointer(self.reaction),
+        )
+        self.owned_rows_at = 0  # address of owned_rows
+        self.owned_rows: np.ndarray | None = None  # (7,) the rows' indices in the owned part of a vector
+        self.matrix_head = (
+            len(self.first_entries),
+            pointer(self.complement),
+            pointer(self.first_entries),
+            pointer(self.width),
+            pointer(self.slots),
+        )
+
+    def evaluate(self, t: float, x: FloatArray) -> None:
+        """Set ``value`` and ``rate``, on a curved path also the directions, to those at ``t`` [s].
+
+        They are evaluated once per time.  x: unknowns of the system.
+        """
+        if t == self.time:
+            return
+        if self.condition.along_path is None:
+            self.value[:], self.rate[:] = self.condition.value(t), self.condition.rate(t)
+        else:
+            self.D[:], self.value[:], self.rate[:] = self.condition.along_path(t, x[self.rows])
+            projector = self.D.T @ self.D
+            self.projector[:] = projector.ravel()
+            self.complement[:] = np.eye(7) - projector
+        self.time = t
+
+
+class BoundStabilization:
+    """Correction of rates by multipliers in an assembly (Gear, Gupta and Leimkuhler 1985; manual: eq-joint-ggl).
+
+    With x' = y - B mu the velocity constraint G y = 0 stands beside g(x) = 0.  The rates of the corrected
+    unknowns are y = shift x + v0 + B mu (manual: eq-joint-corrected-rates).  The Jacobian columns by mu are
+    the columns by the rates, times B.  The derivative of B by x is left out, since mu has the size of the
+    time formula's error.
+
+    rates: (k, 7) local dofs of the corrected nodes; multipliers: (k, 6) local dofs of mu.
+    elements: (block, element, slots of the seven dofs in the element, number k of the node).
+    rows, columns: local dofs of the entries that ``fill`` computes.
+    """
+
+    def __init__(
+        self,
+        stabilization: VelocityStabilization,
+        layout: DofLayout,
+        bound_blocks: list[BoundBlock],
+        replacements: list[RowReplacement],
+    ):
+        self.stabilization, self._layout = stabilization, layout
+        node_dofs = np.hstack([layout.dofs[name][stabilization.points] for name in NODE_FIELDS])
+        self.rates = np.ascontiguousarray(node_dofs, dtype=np.int32).reshape(-1, 7)
+        self.multipliers = layout.dofs[stabilization.field][stabilization.points]
+        self.elements: list[tuple[BoundBlock, int, np.ndarray, int]] = []
+        #: for each element: (slots of a prescribed node in the element, I - D^T D of its condition)
+        self._prescribed: list[list[tuple[np.ndarray, np.ndarray]]] = []
+        rows, columns = [np.zeros(0, dtype=np.int32)], [np.zeros(0, dtype=np.int32)]
+        for k, dofs in enumerate(self.rates):
+            for item in bound_blocks:
+                # contact stores records by element; its damping at this one node is left out of the Jacobian
+                if item.block.context:
+                    continue
+                for e in np.flatnonzero((item.index == dofs[0]).any(axis=1)):
+                    slots = _slots(item.index[e], dofs)
+                    self.elements.append((item, int(e), slots, k))
+                    prescribed = [
+                        (_slots(item.index[e], f.rows), f.complement)
+                        for f in replacements
+                        if f.rows[0] in item.index[e]
+                    ]
+                    self._prescribed.append(prescribed)
+                    element_rows = np.where(item.index[e] < layout.size, item.index[e], -1)
+                    rows.append(np.repeat(element_rows, 6))
+                    columns.append(np.tile(self.multipliers[k], item.width))
+        self.rows, self.columns = (
+            np.concatenate(rows).astype(np.int32),
+            np.concatenate(columns).astype(np.int32),
+        )
+        # a corrected rate does not change the spin rate
+        self._no_spin_gradient = np.zeros((max(1, len(layout.chain.vertices)), 3))
+
+    def apply(self, asm: Assembly, sigma: float) -> None:
+        """Correct the rates and accelerations of ``Assembly.condense`` (manual: eq-joint-corrected-rates).
+
+        sigma: shift of the time formula [1/s].
+        """
+        B = self.stabilization.directions(self.rates, asm.x)
+        asm.y[self.rates] += np.einsum("kij,kj->ki", B, asm.x[self.multipliers])
+        asm.a[self.rates] = sigma * asm.y[self.rates] + asm.v1[self.rates]
+
+    def fill(self, asm: Assembly, c: tuple[float, float, float], out: np.ndarray) -> None:
+        """Write the entries by the multipliers mu into ``out`` (len(rows),).
+
+        c: weights of dR/dx, dR/dy, dR/da; c2/c1 is the shift [1/s].
+        """
+        B = self.stabilization.directions(self.rates, asm.x)
+        weights = np.array([0.0, 1.0, c[2] / c[1]]) if c[1] else np.zeros(3)
+        position = 0
+        for (item, e, slots, k), prescribed in zip(self.elements, self._prescribed, strict=True):
+            K = np.zeros((item.width, item.width))
+            item.jacobian(
+                1,
+                pointer(item.index[e]),
+                pointer(item.spins[e]),
+                pointer(item.block.params[e]),
+                item.block.context,
+                pointer(weights),
+                pointer(self._no_spin_gradient),
+                pointer(asm.x),
+                pointer(asm.y),
+                pointer(asm.a),
+                pointer(K),
+            )
+            entries = K[:, slots] @ B[k]
+            for rows, complement in prescribed:
+                entries[rows] = complement @ entries[rows]
+            out[position : position + entries.size] = entries.ravel()
+            position += entries.size
+
+
+def _slots(index: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Return the positions of the dofs ``rows`` in an element's dofs ``index`` (width,)."""
+    return np.array([int(np.flatnonzero(index == row)[0]) for row in rows])
