@@ -168,8 +168,10 @@ def phases() -> dict[str, float]:
     return out
 
 
-def closing_lines(result: dict[str, Any], folder, units: System | None = None) -> list[str]:
-    """Report of a run for the screen, in a system of units."""
+def closing_lines(
+    result: dict[str, Any], folder, units: System | None = None, checked: bool = False
+) -> list[str]:
+    """Report of a run for the screen, in a system of units.  checked: its time error is measured, too."""
     system = units or "metric"
     if result.get("nothing_left"):
         return [
@@ -188,7 +190,7 @@ def closing_lines(result: dict[str, Any], folder, units: System | None = None) -
         lines.append(
             f"  energy error {e['error']:.3g} J ({100 * e['error_share']:.2g} % of the energy exchanged{damped})"
         )
-    lines += _time_lines(result)
+    lines += _time_lines(result, checked)
     if "mass" in result:
         m = result["mass"]
         lines.append(
@@ -217,10 +219,10 @@ def closing_lines(result: dict[str, Any], folder, units: System | None = None) -
     return lines
 
 
-def _time_lines(result: dict[str, Any]) -> list[str]:
+def _time_lines(result: dict[str, Any], checked: bool) -> list[str]:
     """Lines on the error of the time steps: estimated error of the outputs, and what numerical damping has removed."""
     estimate, energy = result.get("error_estimate") or {}, result.get("energy", {})
-    lines = time_error_lines(estimate["outputs"]) if "outputs" in estimate else []
+    lines = time_error_lines(estimate["outputs"], checked) if "outputs" in estimate else []
     frequency, share = estimate.get("damped_above"), energy.get("damped_share", 0.0)
     if frequency is not None and share > DAMPING_MATTERS:
         lines.append(

@@ -65,7 +65,7 @@ def _run(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         progress=arguments.progress,
         watch_motion=arguments.check_tolerance,
     )
-    print_once(closing_lines(result.summary, result.folder, case.output.units))
+    print_once(closing_lines(result.summary, result.folder, case.output.units, arguments.check_tolerance))
     summary = result.summary
     if arguments.mesh_error:
         from drillpetsc.studies.convergence.coarse_mesh import add_mesh_error, mesh_lines

@@ -194,10 +194,10 @@ def doubtful_outputs(estimate: Mapping[str, Any]) -> list[tuple[str, float]]:
     return sorted(found, key=lambda pair: -pair[1])
 
 
-def time_error_lines(estimate: Mapping[str, Any]) -> list[str]:
+def time_error_lines(estimate: Mapping[str, Any], checked: bool = False) -> list[str]:
     """Lines for the screen: the largest estimated errors.
 
-    estimate: as returned by ``TimeError.summary``.
+    estimate: as returned by ``TimeError.summary``; checked: it is measured, too.
     """
     shares = [c["share"] for c in estimate["columns"].values() if c["share"] is not None]
     if not shares:
@@ -209,4 +209,5 @@ def time_error_lines(estimate: Mapping[str, Any]) -> list[str]:
         f"{name} {100 * share:.2g} %" if share < 1 else f"{name} over 100 %"
         for name, share in doubtful[:SHOWN]
     )
-    return [f"  time error, estimated: {named} of the range (run --check-tolerance measures it)"]
+    hint = "" if checked else " (run --check-tolerance measures it)"
+    return [f"  time error, estimated: {named} of the range{hint}"]

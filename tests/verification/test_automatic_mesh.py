@@ -15,12 +15,11 @@ from drillpetsc.fem.component import PrescribedMotion
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.model import element_length
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.model.mesh import build_mesh, element_lengths
+from drillpetsc.model.mesh import build_mesh, coarsened, element_lengths
 from drillpetsc.output import read_table
 from drillpetsc.output.bending import bending_moments
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad
 from drillpetsc.solvers.static_newton import Equilibrium, StaticNewton
-from drillpetsc.studies.convergence.coarse_mesh import coarsened
 
 AREA, BENDING, WEIGHT, CLEARANCE = 3.4047325e-3, 1.2240289e6, 242.0, 0.04445
 PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086, "material": {"density": WEIGHT / 9.81 / AREA}}
@@ -381,7 +380,7 @@ def test_other_words_are_refused(word):
 def test_a_coarse_mesh_run_has_about_half_the_elements():
     """`run --mesh-error` and `study --vary mesh` make every element twice as long, automatic ones by mesh.refinement."""
     made = case(well=BUILD, string=[{**BHA[0], "element_length": 5.0}, *BHA[1:]], bottom={"kind": "bit"})
-    fine, coarse = build_mesh(made), build_mesh(coarsened(made))
+    fine, coarse = build_mesh(made), build_mesh(coarsened(made, 2.0))
     assert np.sum(coarse.item == 0) == pytest.approx(0.5 * np.sum(fine.item == 0), abs=1)
     automatic = [np.sum(mesh.item == 1) for mesh in (fine, coarse)]
     assert 0.4 * automatic[0] <= automatic[1] <= 0.75 * automatic[0]
