@@ -69,11 +69,18 @@ def test_a_signal_to_one_of_two_ranks_stops_both_and_the_restart_is_identical(re
 
 
 @pytest.mark.parallel
-def test_a_restart_on_another_number_of_ranks_gives_the_same(tmp_path):
+@pytest.mark.parametrize(
+    ("steps", "tolerance"),
+    [((), 3e-8), (("-ts_adapt_type", "none", "-ts_dt", "2e-3"), 1e-8)],
+    ids=["adaptive", "fixed"],
+)
+def test_a_restart_on_another_number_of_ranks_gives_the_same(steps, tolerance, tmp_path):
     """From a checkpoint of 1 rank on 1 and on 2 ranks, Newton to 1e-12: all columns equal to 1e-8 of their
     size over the following 0.2 s.
 
-    The energy error is a small difference of large numbers; step and Newton count are not results.
+    Adaptive steps differ by 7e-8 with the order of summation: their local error is a difference of nearly equal
+    numbers. The kinetic energy follows them to 1.1e-8. The energy error is a small difference of large numbers; step
+    and Newton count are not results.
     """
     text = (
         (ROOT / "cases" / "lying-string.yaml")
@@ -82,7 +89,7 @@ def test_a_restart_on_another_number_of_ranks_gives_the_same(tmp_path):
     )
     for name, end in (("half", "0.3 s"), ("case", "0.5 s")):
         (tmp_path / f"{name}.yaml").write_text(text.replace("time: {end: 1 s}", f"time: {{end: {end}}}"))
-    exact = ["-q_snes_stol", "1e-12"]
+    exact = ["-q_snes_stol", "1e-12", *steps]
     run_mpi(1, RUN, [str(tmp_path / "half.yaml"), str(tmp_path / "ranks1"), *exact])
     shutil.copytree(tmp_path / "ranks1", tmp_path / "ranks2")
     for n in (1, 2):
@@ -97,7 +104,7 @@ def test_a_restart_on_another_number_of_ranks_gives_the_same(tmp_path):
     for column, values in one.items():
         if column.startswith(("energy_error", "newton", "step")):
             continue
-        assert np.abs(two[column] - values).max() <= 1e-8 * np.abs(values).max(), column
+        assert np.abs(two[column] - values).max() <= tolerance * np.abs(values).max(), column
 
 
 @pytest.mark.parallel
