@@ -38,6 +38,7 @@ from drillpetsc.analysis.placement import place_along_hole, prescribed_motion, t
 from drillpetsc.analysis.soft_string import TorqueDrag
 from drillpetsc.analysis.soft_string_start import place_marched, soft_string
 from drillpetsc.analysis.steady_flow import fluid_unknowns, freeze_flow, steady_flow
+from drillpetsc.analysis.top_on_wall import balance_across
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.geometry.hole_steps import HoleSteps
@@ -134,6 +135,8 @@ def director_equilibrium(
             model, solver, sliding, state, fraction, (found, straight), start, lowering
         )
     if state.path is None:
+        if found is not None and found.top_on_wall and model.top is not None:
+            balance_across(model, solver, report)
         if lateral_friction and moves and not fraction:
             state.warnings.append(
                 "no equilibrium with lateral friction (a turning pipe may whirl here): "

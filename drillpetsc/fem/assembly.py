@@ -7,7 +7,7 @@ Manual: sec-time-condensed (condensed rates), sec-joints-prescribed (prescribed 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -225,6 +225,11 @@ class Assembly:
         """Evaluate prescribed values anew at the next call, for example after an end was moved at constant time."""
         for f in self.row_replacements:
             f.time = None
+
+    def release(self, names: Sequence[str]) -> None:
+        """Leave the rows of the prescribed reactions ``names`` to the equilibrium, and prescribe all others again."""
+        for f in self.row_replacements:
+            f.release(names)
 
     def transport(self) -> FloatArray:
         """Compute c(v).w (nv,) [rad/s]: spin rate minus rate of the spin angle.

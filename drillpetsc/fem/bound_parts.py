@@ -5,6 +5,7 @@ Manual: sec-joints-prescribed (prescribed motion), eq-joint-ggl (corrected rates
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -111,6 +112,7 @@ class RowReplacement:
         self.projector = (self.D.T @ self.D).ravel()
         self.reaction, self.value, self.rate = (np.zeros(len(self.D)) for _ in range(3))
         self.time: float | None = None
+        self._released: list[int] = []
         self.first_entries = np.array(
             [item.span.start + e * item.width**2 for item, e, _ in self.elements], dtype=np.int64
         )
@@ -144,10 +146,23 @@ class RowReplacement:
             self.value[:], self.rate[:] = self.condition.value(t), self.condition.rate(t)
         else:
             self.D[:], self.value[:], self.rate[:] = self.condition.along_path(t, x[self.rows])
-            projector = self.D.T @ self.D
-            self.projector[:] = projector.ravel()
-            self.complement[:] = np.eye(7) - projector
+        if self._released:
+            self.D[self._released], self.value[self._released], self.rate[self._released] = 0.0, 0.0, 0.0
+        if self._released or self.condition.along_path is not None:
+            self._set_projector()
         self.time = t
+
+    def release(self, names: Sequence[str]) -> None:
+        """Leave the rows of the reactions ``names`` to the equilibrium, and prescribe all others again."""
+        self._released = [k for k, name in enumerate(self.condition.names) if name in names]
+        self.D[:] = self.condition.directions
+        self._set_projector()
+        self.time = None
+
+    def _set_projector(self) -> None:
+        projector = self.D.T @ self.D
+        self.projector[:] = projector.ravel()
+        self.complement[:] = np.eye(7) - projector
 
 
 class BoundStabilization:

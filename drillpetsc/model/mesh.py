@@ -85,13 +85,12 @@ def build_mesh(case: Case, well: Well | None = None, motion: tuple[float, float]
         add_joint(item, top)
         if isinstance(item, Flexible):
             edges = item_edges[number]
-            above = sum(q.length for _, q in pending)
             tops[number] = len(rows)
             for k, (a, b) in enumerate(zip(edges, edges[1:], strict=False)):
                 if k:
                     add_joint(item, a)
-                rows.append((number, item, a, b, above if k == 0 else 0.0))
-            pending.clear()
+                rows.append((number, item, a, b, sum(q.length for _, q in pending)))
+                pending.clear()  # a joint further down has no rigid item above it
         else:
             rigid.append((number, item, len(rows), sum(q.length for _, q in pending)))
             pending.append((number, item))

@@ -173,6 +173,13 @@ class PathEnd(Top):
         else:
             self.anchor[1:3] += self._path.at(self.anchor[0]).axes[1:] @ offset
 
+    def place_across(self, position: FloatArray) -> None:
+        if self._path is not None:
+            self.anchor[1:3] = self._path.coordinates(position)[1:]
+        else:
+            rows = slice(int(self._axial_row), int(self._axial_row) + 2)
+            self.anchor[rows] = self._condition.directions[rows, :3] @ position
+
     def align(self, position: FloatArray, slope: FloatArray, spin: FloatArray) -> None:
         if self._path is None:
             super().align(position, slope, spin)

@@ -88,6 +88,9 @@ class Top(Component):
         for condition in self.prescribed():
             self.anchor += condition.directions[:, :3] @ offset
 
+    def place_across(self, position: FloatArray) -> None:
+        """Prescribe at time 0 the place of ``position`` (3,) [m] across the path of the top."""
+
     def copy_position(self, other: Top) -> None:
         """Copy the prescribed position at time 0 from the top of another model with other elements."""
 

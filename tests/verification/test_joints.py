@@ -403,6 +403,27 @@ def test_reactions_of_a_level_beam_with_a_hinge():
     )
 
 
+@pytest.mark.parametrize("first", [True, False])
+def test_joint_in_a_pipe_below_a_rigid_item(first):
+    """The rigid item lies above the pipe, not above the joint: the string keeps its length and its weight."""
+    item = {"kind": "stabilizer", "length": 1.5, "od": 0.2, "mass": 200.0}
+    pipe = {"kind": "pipe", "length": 20.0, "od": 0.127, "id": 0.1086, "element_length": 5.0}
+    string = [item, pipe] if first else [pipe, item, pipe]
+    length = sum(q["length"] for q in string)
+    model = build_model(
+        Case(string=string, top="clamped", bottom="free", joints=[{"at": length - 10.0, "kind": "universal"}])
+    )
+    free = build_model(Case(string=string, top="clamped", bottom="free"))
+    for m in (model, free):
+        assert find_equilibrium(m).stable
+    assert model.mesh.rigid_above[model.mesh.is_joint].sum() == 0
+    low, other = (m.system.field("string.position")[-1, 2] for m in (model, free))
+    assert low == pytest.approx(other, abs=1e-6) and low == pytest.approx(length, abs=1e-3)
+    assert model.system.reaction("top.axial_reaction") == pytest.approx(
+        free.system.reaction("top.axial_reaction"), rel=1e-9
+    )
+
+
 # ---------------------------------------------------------------------- a joint that joins
 def whirling(joints=()) -> np.ndarray:
     """Loads at the top, spin and position of the tip after 0.15 s of an eccentric pipe, a stabiliser and a

@@ -78,7 +78,8 @@ def test_hook_load_of_a_string_shorter_than_its_hole(hole, length, formulation):
 def test_a_string_lowered_through_the_curve(tmp_path, formulation):
     """Hook load against time while a top inside the curve goes down at 2 m/s without friction, off bottom.
 
-    The speed is constant, so no inertia acts along the hole; what is left is the axial wave of the start.
+    The speed is constant, so no inertia acts along the hole; what is left is the axial wave of the start, a swing of
+    0.1 % about the closed form, whose mean agrees more closely.
     """
     speed, length = 2.0, 200.0
     made = case(
@@ -97,4 +98,5 @@ def test_a_string_lowered_through_the_curve(tmp_path, formulation):
     late = t > 8
     top = speed * (t - 2.0)
     expected = [rope(s, s + length - 0.5, 0.0) for s in top]
-    assert hook[late] == pytest.approx(np.array(expected)[late], rel=1e-3)
+    error = hook[late] / np.array(expected)[late] - 1
+    assert np.max(np.abs(error)) < 1.5e-3 and abs(np.mean(error)) < 2e-4
