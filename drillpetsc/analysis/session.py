@@ -29,6 +29,7 @@ from drillpetsc.model.drilling_model import build_model, is_quasi_static
 from drillpetsc.output.recorder import Recorder, TableRow
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.unit_tables import DIMENSIONS
+from drillpetsc.units import UnitError, to_si
 
 #: jump of an input, as a fraction of its largest value so far, from which the time formula restarts
 JUMP = 0.05
@@ -180,8 +181,8 @@ class Session:
         return simulated / wall if wall > 0 else float("inf")
 
     # ------------------------------------------------------------------ inputs and outputs
-    def set(self, name: str, value: float) -> None:
-        """Set an input from now on, in SI.
+    def set(self, name: str, value: float | str) -> None:
+        """Set an input from now on: a number in SI, or text with a unit such as ``60 rpm``.
 
         Raises LookupError for an unknown name and ValueError for a value that the input may not have.
         """
@@ -189,10 +190,14 @@ class Session:
         live = self._live.get(name)
         if live is None:
             raise LookupError(_unknown("set", "input", name, self._live))
-        value, least = float(value), self._describe(name).minimum
-        if not np.isfinite(value) or (least is not None and value < least):
-            limit = "" if least is None else f", at least {least:g}"
-            raise ValueError(f"set: {name} cannot be {value:g}; allowed: a finite number{limit}")
+        about = self._describe(name)
+        try:
+            value = to_si(value, about.unit)
+        except UnitError as error:
+            raise ValueError(f"set: {name} cannot be {error.got!r}; allowed: {error.want}") from None
+        least = about.minimum
+        if least is not None and value < least:
+            raise ValueError(f"set: {name} cannot be {value:g} {about.unit}; allowed: at least {least:g}")
         if self._linear:
             self._waiting[name] = value
             return
@@ -290,8 +295,19 @@ class Session:
         return SessionState(c, {n: q.get_state() for n, q in self._live.items()}, dict(self._largest))
 
     def set_state(self, state: SessionState) -> None:
-        """Go back to a ``state`` of this session; the steps that follow repeat those of before to the last bit."""
+        """Go back to a ``state`` of this session; the steps that follow repeat those of before to the last bit.
+
+        Raises TypeError for anything but the result of ``state``, CaseError for a state of another string and
+        ValueError for one with other inputs.
+        """
         self._check_open()
+        if not isinstance(state, SessionState):
+            raise TypeError(f"set_state: {type(state).__name__} is not a state; allowed: what state() returned")
+        if state.inputs.keys() != self._live.keys():
+            raise ValueError(
+                f"set_state: the state has the inputs {', '.join(state.inputs) or 'none'}; "
+                f"those of this session are {', '.join(self._live) or 'none'}"
+            )
         c = state.checkpoint
         checkpoint.restore(self._model, c, at="set_state")
         self._integrator.set_state(c.stepper)

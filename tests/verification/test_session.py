@@ -11,6 +11,7 @@ import pytest
 
 import drillpetsc
 from drillpetsc import Case, load_case, run
+from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from tests.helpers import top_drive_models as m
 
@@ -126,6 +127,12 @@ def test_wrong_calls_are_answered():
             assert str(error.value) == text
         with pytest.raises(ValueError, match="finite"):
             s.set("top.rotation", float("nan"))
+        with pytest.raises(ValueError, match=r"set: top.rotation cannot be '60 furlong'; allowed: .*rad/s"):
+            s.set("top.rotation", "60 furlong")
+        with pytest.raises(TypeError, match="bytes is not a state"):
+            s.set_state(b"state")
+        with drillpetsc.Session(LYING) as other, pytest.raises(CaseError, match="checkpoint of the same string"):
+            s.set_state(other.state())
         for dt in (0.0, -1.0, float("inf")):
             with pytest.raises(ValueError, match="above 0"):
                 s.step(dt)
@@ -135,6 +142,17 @@ def test_wrong_calls_are_answered():
         assert s.factor > 0
     with pytest.raises(RuntimeError, match="closed"):
         s.step(0.1)
+
+
+def test_an_input_with_a_unit():
+    with drillpetsc.Session(drive()) as s:
+        state, speeds = s.state(), []
+        for value in (2.0 * np.pi, "60 rpm"):
+            s.set_state(state)
+            s.set("top.rotation", value)
+            s.step(0.1)
+            speeds.append(s.get("top_speed"))
+        assert speeds[0] == speeds[1] > 0
 
 
 def test_closed_sessions_leave_no_memory():

@@ -71,13 +71,18 @@ class TopMotor(Block):
         return self.power
 
 
+#: the delay is approximated to second order (manual: eq-top-drive-delay), which holds up to a phase of about 2 rad: 0.3 Hz,
+#: the second mode of a long string, at this delay [s]
+LONGEST_DELAY = 1.0
+
+
 class Controller(Block):
     """What all speed controllers have in common."""
 
     from_: Annotated[float, Quantity("s", at_least=0)] = Field(
         default=0.0, alias="from", description="time from which it acts"
     )
-    delay: Annotated[float, Quantity("s", at_least=0)] = Field(
+    delay: Annotated[float, Quantity("s", at_least=0, at_most=LONGEST_DELAY)] = Field(
         default=0.0, description="delay of the controller's output"
     )
 
