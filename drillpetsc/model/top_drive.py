@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.linalg
 
 from drillpetsc.case.blocks.ends import HeldBottom
 from drillpetsc.case.blocks.ends import TopDrive as TopDriveCase
@@ -63,6 +62,8 @@ def lowest_torsional_frequency(mesh: StringMesh, bottom_held: bool = False) -> f
 def _lowest(K: np.ndarray, M: np.ndarray) -> float:
     """Lowest frequency [Hz] of K u = w^2 M u by inverse iteration; upper bands (2, n)."""
     u = np.arange(1.0, K.shape[1] + 1)
+    import scipy.linalg  # a slow import
+
     factor = scipy.linalg.cholesky_banded(K)
     squared = 0.0
     for _ in range(200):
