@@ -28,8 +28,8 @@ template <class T> inline T softplus(const T& g) { return val(g) > 40 ? g : log(
     TANGENT = AXIS + 3, CUT = TANGENT + 3
 
 // Power lost [W], flow through the nozzles [m3/s]; kinetic and stored energy [J], content [m3] and potential [J] of the chamber; cuttings that
-// enter it [m3/s at zero pressure].
-DP_RECORD(BitFlowResults, double lost, flow, kinetic, stored, content, potential, cuttings;)
+// enter it [m3/s at zero pressure]; power that the bottom supplies with cuttings, less the work of pressure on rock that gives way [W].
+DP_RECORD(BitFlowResults, double lost, flow, kinetic, stored, content, potential, cuttings, bottom;)
 
 // 1/(1 + exp(-z)); neither exponential overflows, whose derivative would be no number
 template <class T>
@@ -85,8 +85,16 @@ struct BitFlow {
                 gap = dot(apart, axis);
                 const T open = logistic(gap * (1.0 / GAP_ROUNDING));
                 swept = dot(parting, axis) * open * (-p[HOLE]);
+                if (results) {  // pressure on the face of the bit does work that no mud gives up where a closed gap displaces none
+                    double driven = val(dot(vec(y) + t.t1 * p[FACE], axis)) - val(open) * val(dot(parting, axis));
+                    results->bottom = -val(x[PA]) * p[HOLE] * driven;
+                }
                 if constexpr (GROW) {
-                    if (results) results->cuttings = val(c.theta) * p[CUT] * val(y[DRILLED]);
+                    if (results) {
+                        results->cuttings = val(c.theta) * p[CUT] * val(y[DRILLED]);
+                        const double work = -std::expm1(-f.compressibility * val(x[PA])) / f.compressibility;  // as FluidConstants.enthalpy
+                        results->bottom += results->cuttings * (work - f.density * val(dot(vec(x), g)));
+                    }
                     swept -= y[DRILLED] * p[CUT];
                 }
                 const Vec<double> tw = vec(p + TANGENT);

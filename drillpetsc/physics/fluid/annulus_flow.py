@@ -316,10 +316,18 @@ class AnnulusFlow(ChannelFlow):
             speed = results[int(self._top[0].points[self._top[1]]), RESULT_NAMES.index("speed")]
             supplied = flow * (
                 float(self.fluid.enthalpy(self.upper_pressure(state)))
-                + 0.5 * self.fluid.density * speed**2
+                + 0.5 * self.fluid.density * (speed + self._upper_speed_along(state)) ** 2
                 - self._upper_head(state)
             )
         return self._channel_powers(state, supplied)
+
+    def _upper_speed_along(self, state) -> float:
+        """Speed of the upper node along the hole [m/s], on the rank that has it."""
+        assert self._top is not None
+        if self.held_at is not None:
+            return 0.0
+        block, row = self._top
+        return float(state.y[state.index_of(block)[row, :3]] @ block.named["tangent1"][row])
 
     def _upper_head(self, state) -> float:
         """Weight of the mud above the upper node, at the hole's axis [Pa]: density times gravity times depth."""

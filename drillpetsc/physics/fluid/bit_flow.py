@@ -24,6 +24,7 @@ from drillpetsc.time_function import TimeFunction
 
 END_CORRECTION = 0.61  # of an open unflanged pipe, in radii: Levine and Schwinger, Phys. Rev. 73:383, 1948
 GAP_ROUNDING = constant("gap_rounding")  # distance over which a bit on bottom stops displacing mud [m]
+STRING_UNKNOWNS = 7  # of the last node, before those of the mud
 RESULTS = columns("bit_flow_results")
 NOZZLE_LENGTH = 0.1  # length over which mud speeds up in a nozzle [m]
 
@@ -266,24 +267,46 @@ class BitFlow(Nozzle):
         return Energies(*(float(results[RESULTS[name]]) for name in ("kinetic", "stored", "potential")))
 
     def powers(self, t: float, state) -> Powers:
-        """Loss in the nozzles; without an annulus, what the jet takes away counts as work done outside."""
-        results = self.element_results(state)
-        lost, flow = results[RESULTS["lost"]], results[RESULTS["flow"]]
-        if not self.has_link:
+        """Losses in the nozzles and of the jet, which comes to rest under the bit.
+
+        Without an annulus, what the jet takes away counts as work done outside (manual: eq-mud-end-power).
+        """
+        if not len(self._block.points):
             return Powers()
-        e, mass = self.end, self.fluid.density * flow
-        arriving = (
-            0.5 * mass * (flow / e.bore) ** 2
-        )  # kinetic power from the bore; the pressure loss of a nozzle accelerates the jet again
-        if (
-            self.has_annulus
-        ):  # the jet comes to rest in the chamber, from which the annulus accelerates the flow
-            return Powers(float(lost + arriving - 0.5 * mass * (flow / e.open) ** 2))
-        jet = 0.5 * mass * (flow / (e.nozzle or e.bore)) ** 2
-        return Powers(
-            float(lost + arriving - jet),
-            float(-flow * (self.fluid.enthalpy(e.ambient.value(t)) - self._head(state)) - jet),
-        )
+        e, f, results = self.end, self.fluid, self.element_results(state)
+        index, moving = state.index_of(self._block)[0], self.held_at is None
+        own = state.x[index[STRING_UNKNOWNS:] if moving else index]
+        outside = float(own[int(self.has_link)]) if self.has_annulus else e.ambient.value(t)
+        velocity = state.y[index[:3]] if moving else np.zeros(3)
+        lost = supplied = 0.0
+        if self.has_annulus:  # what enters the annulus starts from rest
+            flow = float(own[int(self.has_link) + 1]) if moving else -float(results[RESULTS["flow"]])
+            params = self._block.named
+            speed = flow * self._thinning(outside) / params["open"][0] + float(
+                velocity @ params["tangent"][0]
+            )
+            lost += 0.5 * f.density * flow * speed**2
+            supplied += float(results[RESULTS["bottom"]])
+        if self.has_link:
+            flow = float(results[RESULTS["flow"]])
+            jet, speed = (
+                flow * self._thinning(outside) / (e.nozzle or e.bore),
+                flow * self._thinning(float(own[0])) / e.bore,
+            )
+            tangent = state.x[index[3:6]] if moving else np.ones(3)
+            forward = float(velocity @ tangent) / float(np.linalg.norm(tangent))
+            # power of the reaction on the moving string, which goes into the mud
+            reaction = float(velocity @ velocity) + 2 * jet * forward
+            lost += float(results[RESULTS["lost"]]) + 0.5 * f.density * flow * (speed**2 + reaction)
+            if not self.has_annulus:
+                leaving = 0.5 * f.density * flow * (jet**2 + reaction)
+                lost -= leaving
+                supplied -= flow * (float(f.enthalpy(outside)) - self._head(state)) + leaving
+        return Powers(lost, supplied)
+
+    def _thinning(self, pressure: float) -> float:
+        """Density at zero pressure over that at ``pressure`` [Pa]."""
+        return float(np.exp(-pressure / self.fluid.bulk_modulus))
 
     def _head(self, state) -> float:
         """Density times gravity times depth of the last node [Pa], on the rank that has it; else 0."""
