@@ -167,8 +167,9 @@ def test_spurious_energy_gain_is_reported_and_can_stop_the_run(tmp_path, options
 
 
 def test_negative_damping_is_reported_as_gained_energy(tmp_path, monkeypatch):
-    """Axial waves of a string whose mass damping is -0.5 1/s, a defect that the balance does not contain: the power
-    0.5 m v^2, a mean of a quarter of the waves' energy E in a second; four times E are exchanged (manual: verif-energy-gain)."""
+    """Axial waves of a string whose mass damping is -0.5 1/s, a defect that the balance does not contain.  The waves of a
+    force that is applied at once have half of their energy E in motion: 0.5 E are gained in a second, of 4 E that are
+    exchanged, less 1 % that the steps remove (manual: verif-energy-gain)."""
     case = {
         "string": [{"kind": "pipe", "length": "100 m", "od": "127 mm", "id": "108.6 mm"}],
         "top": "clamped",
@@ -176,7 +177,7 @@ def test_negative_damping_is_reported_as_gained_energy(tmp_path, monkeypatch):
         "initial": {"from": "rest"},
         "time": {"end": "1 s"},
         "output": {"history_every": "5 ms", "field_every": "1 s"},
-        "petsc": {"ts_rtol": 1e-4},
+        "petsc": {"ts_rtol": 1e-6},
     }
     _, summary = computed(tmp_path, case)
     assert not summary["energy"]["flag"]
@@ -189,4 +190,4 @@ def test_negative_damping_is_reported_as_gained_energy(tmp_path, monkeypatch):
     monkeypatch.setattr(AncfBeam, "__init__", negative)
     monkeypatch.setattr(AncfBeam, "powers", lambda self, t, state: Powers())
     _, summary = computed(tmp_path, case, "negative")
-    assert summary["energy"]["flag"] and 0.01 < summary["energy"]["gained_share"] < 0.0625 * 1.3
+    assert summary["energy"]["flag"] and summary["energy"]["gained_share"] == pytest.approx(0.115, abs=0.015)
