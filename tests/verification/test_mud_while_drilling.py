@@ -204,7 +204,7 @@ def test_restart_restores_the_mud_in_the_hole():
     for by in np.arange(0.3, 6.0, 0.3):
         shifted(model, by)
         model.system.accept()
-    shifted(again, by)
+    again.system.assembly.x[:] = model.system.assembly.x
     for old, new in zip(model.fluid.components[1:], again.fluid.components[1:], strict=True):
         new.set_local_state(old.get_local_state())
     again.system.accept()
