@@ -317,6 +317,7 @@ class TransientRun:
         integrator, recorder, saved = self.integrator, self.recorder, self.saved
         if integrator.is_bdf and integrator.inertia:  # without inertia the outputs follow the inputs at once
             recorder.estimate_time_error(integrator.order)
+        self.estimate = LocalErrorEstimate(integrator)
         if saved is not None:
             recorder.set_state(saved.recorder)
             integrator.set_state(saved.stepper)
@@ -329,10 +330,7 @@ class TransientRun:
         if recorder.energy is not None:
             integrator.at_jump.append(recorder.energy.at_jump)
         integrator.on_step_end.append(self._finish_step)
-        self.estimate, self.memory = (
-            LocalErrorEstimate(integrator),
-            Memory(self.mpi, self.start, self.end),
-        )
+        self.memory = Memory(self.mpi, self.start, self.end)
         self._warn(self.notes["warnings"])
         self.moving_since = clock.perf_counter(), clock.process_time()
         error: BaseException | None = None

@@ -13,7 +13,7 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import quantities as declared
 
-LIMIT = 0.01  # of the larger of work supplied and peak change of stored energy
+LIMIT = 0.01  # of the energy exchanged
 ROWS_ABOVE_LIMIT = 3  # consecutive rows above the limit that stop a run
 
 
@@ -22,6 +22,7 @@ class EnergyBalance:
 
     energies: (3,) kinetic, strain and potential energy [J] at the last update.
     dissipated, supplied: sums since the start [J].
+    peak_exchange: largest supplied work and largest change of kinetic and strain energy so far [J].
     last_error: energy error [J] at the last update; gained: its largest value since the start, at least 0.
     """
 
@@ -47,6 +48,7 @@ class EnergyBalance:
         """Integrate the powers over an accepted step ``dt`` [s] by the trapezoidal rule."""
         self.dissipated += 0.5 * dt * (self._powers[0] + powers[0])
         self.supplied += 0.5 * dt * (self._powers[1] + powers[1])
+        self.peak_exchange = max(self.peak_exchange, abs(self.supplied))
         self._powers = powers
 
     def update(self, t: float) -> FloatArray:
@@ -73,8 +75,9 @@ class EnergyBalance:
 
     @property
     def exchanged(self) -> float:
-        """Scale of an energy error [J]: the larger of supplied work and peak change of kinetic and strain energy, at
-        least the rounding of the energies."""
+        """Scale of an energy error [J]: the larger of the peaks, since the start, of the supplied work and of the change
+        of kinetic and strain energy, at least the rounding of the energies.  Work that was supplied and given back
+        counts."""
         return max(abs(self.supplied), self.peak_exchange, 1e-9 * float(np.abs(self.energies).sum()), 1e-300)
 
     @property

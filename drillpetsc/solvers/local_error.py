@@ -20,6 +20,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.kernels import function, pointer
+from drillpetsc.solvers.bdf_history import local, nodal
 
 _add_local_error = function("add_local_error", "iippppp")
 
@@ -35,7 +36,8 @@ class LocalErrorEstimate:
 
     Other integrators have no estimate.
 
-    integrator: the ``TimeIntegrator`` of the run; the estimate is updated after each of its steps.
+    integrator: the ``TimeIntegrator`` of the run; the estimate is updated after each of its steps, and is part of its
+    checkpoints.
     """
 
     def __init__(self, integrator: Any):
@@ -55,6 +57,8 @@ class LocalErrorEstimate:
         self._field = layout.field_of[self._rows]
         self._recent: deque[tuple[float, FloatArray]] = deque(maxlen=self.order + 2)
         self._largest, self._sum, self._net = (np.zeros(len(self._rows)) for _ in range(3))
+        self._history = integrator.history
+        integrator.estimate = self
         integrator.after_step.append(lambda t, dt: self.step(t, integrator.fresh))
 
     def step(self, t: float, fresh: bool) -> None:
@@ -75,6 +79,44 @@ class LocalErrorEstimate:
         sums = map(pointer, (self._net, self._sum, self._largest))
         _add_local_error(len(self._rows), len(states), pointer(states), pointer(weights), *sums)
         self.estimated += 1
+
+    # ------------------------------------------------------------------ checkpoints
+    def get_state(self) -> dict[str, FloatArray]:
+        """Return the sums for a checkpoint on rank 0, empty on other ranks; collective.
+
+        local_error: (3,) steps, steps with an estimate, earlier states that the next estimate uses.
+        local_error_sums: (nodes, 3, m) largest, sum and net by field.
+        """
+        if not self.is_bdf:
+            return {}
+        columns = []
+        for sums in (self._largest, self._sum, self._net):
+            values = np.zeros_like(self.system.assembly.x)
+            values[self._rows] = sums
+            columns.append(nodal(self.system, values))
+        gathered = self.system.gather(np.stack(columns, axis=1))
+        if gathered is None:
+            return {}
+        counts = np.array([self.steps, self.estimated, len(self._recent)], dtype=float)
+        return {
+            "local_error": counts,
+            "local_error_sums": np.reshape(gathered, (len(gathered), len(columns), -1)),
+        }
+
+    def set_state(self, state: dict[str, FloatArray]) -> None:
+        """Continue from a checkpoint, whose history the integrator has read; one without the sums starts afresh."""
+        if not self.is_bdf or "local_error_sums" not in state:
+            return
+        self.steps, self.estimated, earlier = (int(n) for n in state["local_error"])
+        zero = np.zeros_like(self.system.assembly.x)
+        for sums, at_nodes in zip(
+            (self._largest, self._sum, self._net), np.moveaxis(state["local_error_sums"], 1, 0), strict=True
+        ):
+            sums[:] = local(self.system, at_nodes, zero).take(self._rows)
+        kept = list(zip(self._history.times, self._history.states, strict=True))
+        self._recent.clear()
+        for t, (x, _) in kept[max(0, len(kept) - earlier) :] if earlier else []:
+            self._recent.append((t, x.take(self._rows)))
 
     def as_dict(self, ended: bool = True) -> dict[str, Any]:
         """Return the entries of summary.json; collective where the run has ``ended`` without an error."""

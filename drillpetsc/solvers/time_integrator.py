@@ -127,6 +127,7 @@ class TimeIntegrator:
         self._replayed: list[State] | None = None
         self._restored: dict[str, FloatArray] | None = None
         self.work: ResidualWork | None = None  # limit of the work that Newton's residual leaves
+        self.estimate: Any = None  # of the local errors: has get_state and set_state
         self._make(options)
         self.options = dict(options.getAll())  # in effect, defaults included
         for key in set(self.options) - given:  # the next integrator in this process has its own defaults
@@ -462,7 +463,8 @@ class TimeIntegrator:
         )
 
     def _work_state(self) -> dict[str, FloatArray]:
-        return self.work.get_state() if self.work is not None else {}
+        work = self.work.get_state() if self.work is not None else {}
+        return work | (self.estimate.get_state() if self.estimate is not None else {})
 
     def set_state(self, state: dict[str, FloatArray]) -> None:
         """Continue from a checkpoint with the next ``run``: ``state`` as returned by ``get_state``.
@@ -482,6 +484,8 @@ class TimeIntegrator:
             )
             self._set_tolerances(bool(state["clock"][3]))
             self._restored = state
+        if self.estimate is not None:
+            self.estimate.set_state(state)
 
     def _replay_history(self) -> None:
         """Rebuild the history of TSBDF: repeat each recorded step, with the recorded state as its solution.

@@ -105,6 +105,15 @@ def test_mass_balance_of_a_drilling_run(cuttings, mode, end, modulus, most, tmp_
     assert abs(mass["error"]) < most * mass["pumped"]
 
 
+@pytest.mark.parametrize("cuttings", BACK)
+def test_energy_balance_of_a_drilling_run(cuttings, tmp_path):
+    """Below 1e-4 of the energy exchanged.  The pressure's work on the bottom that is drilled away, p A_w V = 4.6 kW at
+    12.7 MPa, is 2 % of it; with cuttings returned it comes back with them, less their weight (manual: eq-mud-end-power)."""
+    case = drilling(cuttings, 1000.0, 2e9, time={"end": 1.0}, output={"history_every": 0.1}).case
+    energy = drillpetsc.run(case, tmp_path / "run", progress="silent").summary["energy"]
+    assert abs(energy["error_share"]) < 1e-4
+
+
 CURVED = {
     "survey": {"md": [0.0, 100.0, 300.0, 340.0], "inclination": [0.0, 0.0, 0.35, 0.35], "azimuth": [0.0] * 4},
     "sections": [
@@ -195,7 +204,7 @@ def test_restart_restores_the_mud_in_the_hole():
     for by in np.arange(0.3, 6.0, 0.3):
         shifted(model, by)
         model.system.accept()
-    shifted(again, by)
+    again.system.assembly.x[:] = model.system.assembly.x
     for old, new in zip(model.fluid.components[1:], again.fluid.components[1:], strict=True):
         new.set_local_state(old.get_local_state())
     again.system.accept()

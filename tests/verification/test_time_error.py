@@ -11,6 +11,7 @@ import pytest
 
 from drillpetsc import Case, load_case, run
 from drillpetsc.analysis.summary import closing_lines
+from drillpetsc.errors import SolveError
 from drillpetsc.output import read_table
 from drillpetsc.output.time_error import LOSS, TimeError, damped_frequency, doubtful_outputs, time_error_lines
 from drillpetsc.solvers.local_error import local_error, local_errors
@@ -195,3 +196,27 @@ def test_no_estimate_without_inertia_or_bdf(tmp_path):
     summary = pendulum(tmp_path / "theta", ts_type="theta", ts_adapt_type="none", ts_dt=0.02)
     assert "outputs" not in (summary["error_estimate"] or {})
     assert "newton" not in summary["energy"]
+
+
+@pytest.mark.parametrize("last", [1, 2, 20])
+def test_the_estimate_of_a_restarted_run_is_that_of_one_run(tmp_path, last):
+    """Axial waves, continued after 1, 2 and 20 steps: local errors by unknown and their steps are bit for bit those of an
+    uninterrupted run, with one gap of three steps at the start of the formula."""
+    case = Case(
+        string=[{"kind": "pipe", "length": 100, "od": 0.127, "id": 0.1086}],
+        top="clamped",
+        bottom={"kind": "force", "force": [0, 0, 1e5]},
+        initial={"from": "rest"},
+        time={"end": 0.1},
+        output={"history_every": 0.05},
+    )
+    whole = run(case, tmp_path / "whole", progress="silent").summary["error_estimate"]
+    part = case.model_copy(update={"petsc": {"ts_max_steps": last}})
+    with pytest.raises(SolveError, match="ts_max_steps"):
+        run(part, tmp_path / "part", progress="silent")
+    continued = run(case, tmp_path / "part", progress="silent", restart=True).summary["error_estimate"]
+    assert continued["time"] == whole["time"]
+    assert whole["time"]["steps_without"] == 3
+    assert continued["outputs"]["steps_without"] == whole["outputs"]["steps_without"] == 3
+    for title, column in whole["outputs"]["columns"].items():
+        assert continued["outputs"]["columns"][title]["error"] == pytest.approx(column["error"], rel=1e-12)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from drillpetsc import Case, run
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.recorder import Recorder
 from tests.helpers.motion import fixed, integrate
@@ -20,6 +21,7 @@ from tests.helpers.mud import (
     HOLE,
     INNER,
     LENGTH,
+    MUD,
     OPEN,
     OUTER,
     RIGID,
@@ -172,6 +174,55 @@ def test_return_past_a_casing_shoe():
     # below
     assert chamber.element_results(model.system.assembly)[4] == pytest.approx(7e-3 + narrow * 490.0, rel=1e-6)  # type: ignore[union-attr]
     assert first == pytest.approx(7e-3 + narrow * 500.0 + 0.25 * np.pi * 0.2445**2 * 10.0, rel=1e-5)
+
+
+BENT = {
+    "survey": {"md": [0.0, 300.0, 700.0, 900.0], "inclination": [0.0, 0.0, 0.7, 0.7], "azimuth": [0.0] * 4},
+    "sections": hole(900.0, friction=0.1)["sections"],
+}
+
+
+@pytest.mark.parametrize("length", [250.0, 500.0, 850.0])
+@pytest.mark.parametrize("speed", [0.5, -0.5])
+def test_return_far_above_the_bottom_of_a_bent_hole(length, speed):
+    """A plugged string in the vertical, the build and the tangent of a hole whose bottom lies at 40 degrees: the return is
+    A_o V wherever the lower end is, at the start and while the string moves by 2 m.  The mud under the bit is counted along
+    the hole; with the direction of the hole's bottom, 68, 18 and 0 % of the return were missing.  Stretch takes part: 5e-4."""
+    steel = {"kind": "pipe", "length": length, "od": OUTER, "id": INNER, "element_length": 10.0}
+    model, seen = (
+        started(
+            loop(
+                RIGID,
+                hold_string=False,
+                top={"kind": "top_drive", "lowering": speed},
+                bottom={"kind": "free", "plugged": True},
+                contact={"stiffness": 1e8},
+                well=BENT,
+                string=[steel],
+            )
+        ),
+        [],
+    )
+    assert returned(model) == pytest.approx(SOLID * speed, rel=5e-4)
+    integrate(model.system, 4.0, fixed(0.05), lambda t, dt: seen.append(returned(model)))
+    assert np.mean(seen) == pytest.approx(SOLID * speed, rel=1e-3)
+
+
+@pytest.mark.parametrize("speed", [0.5, -0.5])
+def test_energy_of_tripping(speed, tmp_path):
+    """Pipe of 250 m that is lowered or hoisted by 3 m in a bent hole 900 m long: the energy balance closes to 1e-5 of the
+    energy exchanged.  Mud enters the space under the bit at the bit, and the upper end of the annulus moves against its
+    pressure: without these, 1.3 % each of a hoist was missing, 34 % with the wrong direction of the hole."""
+    case = {
+        "well": BENT,
+        "string": [{"kind": "pipe", "length": 250.0, "od": OUTER, "id": INNER, "element_length": 10.0}],
+        "top": {"kind": "top_drive", "lowering": {"time": [0, 1, 6, 7], "value": [0, speed, speed, 0]}},
+        "bottom": {"kind": "free", "plugged": True},
+        "fluid": {**MUD, "flow_rate": 0.0},
+        "time": {"end": 8.0},
+    }
+    energy = run(Case(**case), tmp_path / "run", progress="silent").summary["energy"]
+    assert abs(energy["error_share"]) < 1e-5 and energy["gained_share"] < 1e-5
 
 
 def test_motion_at_one_speed_is_steady_from_the_start():

@@ -52,7 +52,9 @@ struct AnnulusFlow {
                 results->kinetic = 0.5 * mass * q * q * (f.density / c.density);
                 results->speed = w;
                 results->potential = -(c.theta * content) * f.density * p[LENGTH] * p[HEAD];
-                results->left_out = T(0.0);
+                // as in fluid/bore_flow.hpp
+                results->left_out = -(w * w * f.density) * ((results->storage_upper + results->storage_lower) * 1.5 + q * (x[F + 1] - x[F]) * f.compressibility)
+                    - results->kinetic * ((y[F] + y[F + 1]) * (0.5 * f.compressibility));
             }
         } else {
             const Ride<T, JUNCTION> on(x, y, a, p[RIGID]);
@@ -176,6 +178,9 @@ struct AnnulusFlow {
         results->left_out = -give * (content * gw * V + 0.5 * (pressure * widens));
         // r_s.t_w with the mean tangent counts a motion across a bent hole as a change of the hole's length; pressure does work on it that no
         // force on the string takes up
+        // the row of momentum leaves out the flow's own convection (manual: eq-mud-left-out-flow)
+        const T along = dot(on.y.r2 - on.y.r1, tw);
+        results->left_out -= 2.0 * f.density * w * wall * (results->storage_upper + results->storage_lower) + f.density * q * wall * (w * (p2 - p1) * f.compressibility - along);
         results->left_out += p[HOLE] * (p2 * dot(on.y.r2, vec(p + TANGENT2) - tw) - p1 * dot(on.y.r1, vec(p + TANGENT1) - tw));
         const T volume = q * f.density / density;
         const S round = p[DIAMETER] * 3.14159265358979324;

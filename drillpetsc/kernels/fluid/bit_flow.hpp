@@ -22,14 +22,15 @@ template <class T> inline T softplus(const T& g) { return val(g) > 40 ? g : log(
 // INERTANCE L_b [kg/m4]; NOZZLE A_n [m2]; LOSS 1/(2 C_d^2 A_n^2) [1/m4]; CHECK 1: a valve against back flow; AMBIENT [Pa]; HOLE A_w [m2];
 // VOLUME V_0 [m3]; ELASTIC 1/E [1/Pa]; FACE distance from the node to the face [m]; ADDED chi A_o, OPEN area of the annulus [m2]; BUOYANT
 // volume of rigid items below the node [m3]; HELD_GAP distance between face and bottom where the string is held [m]; END, AXIS the hole's
-// end (at the start, where it grows) and direction; TANGENT of the hole at the node; CUT [m2]
+// end (at the start, where it grows) and direction; TANGENT of the hole at the node; CUT [m2]; potential LIFT [J] of the chamber's mud when
+// its content was REFERENCE [m3] and the node had the HEAD g.r [m2/s2], at the start of the step
 #define DP_BIT_FLOW_PARAMETERS                                                                                                      \
     INERTANCE, NOZZLE, LOSS, CHECK, AMBIENT, HOLE, VOLUME, ELASTIC, FACE, ADDED, OPEN, BUOYANT, HELD_GAP, END, AXIS = END + 3, \
-    TANGENT = AXIS + 3, CUT = TANGENT + 3
+    TANGENT = AXIS + 3, CUT = TANGENT + 3, LIFT, REFERENCE, HEAD
 
 // Power lost [W], flow through the nozzles [m3/s]; kinetic and stored energy [J], content [m3] and potential [J] of the chamber; cuttings that
-// enter it [m3/s at zero pressure].
-DP_RECORD(BitFlowResults, double lost, flow, kinetic, stored, content, potential, cuttings;)
+// enter it [m3/s at zero pressure]; power that the bottom supplies with cuttings, less the work of pressure on rock that gives way [W].
+DP_RECORD(BitFlowResults, double lost, flow, kinetic, stored, content, potential, cuttings, bottom;)
 
 // 1/(1 + exp(-z)); neither exponential overflows, whose derivative would be no number
 template <class T>
@@ -85,8 +86,16 @@ struct BitFlow {
                 gap = dot(apart, axis);
                 const T open = logistic(gap * (1.0 / GAP_ROUNDING));
                 swept = dot(parting, axis) * open * (-p[HOLE]);
+                if (results) {  // pressure on the face of the bit does work that no mud gives up where a closed gap displaces none
+                    double driven = val(dot(vec(y) + t.t1 * p[FACE], axis)) - val(open) * val(dot(parting, axis));
+                    results->bottom = -val(x[PA]) * p[HOLE] * driven;
+                }
                 if constexpr (GROW) {
-                    if (results) results->cuttings = val(c.theta) * p[CUT] * val(y[DRILLED]);
+                    if (results) {
+                        results->cuttings = val(c.theta) * p[CUT] * val(y[DRILLED]);
+                        const double work = -std::expm1(-f.compressibility * val(x[PA])) / f.compressibility;  // as FluidConstants.enthalpy
+                        results->bottom += results->cuttings * (work - f.density * val(dot(vec(x), g)));
+                    }
                     swept -= y[DRILLED] * p[CUT];
                 }
                 const Vec<double> tw = vec(p + TANGENT);
@@ -102,12 +111,8 @@ struct BitFlow {
                 results->content = val(c.theta * volume);
                 if constexpr (HELD)  // all at the bit, which does not move
                     results->potential = -results->content * f.density * dot(vec(p + END) - vec(p + AXIS) * (p[HELD_GAP] + p[FACE]), g);
-                else {  // weight of the mud between bit and bottom, at its middle
-                    Vec<double> end = vec(p + END);
-                    if constexpr (GROW) end += Vec<double>{val(x[MOVED]), val(x[MOVED + 1]), val(x[MOVED + 2])};
-                    const Vec<double> middle = end - vec(p + AXIS) * (0.5 * val(gap));
-                    // what pressure has pressed in has entered at the bit, from which the chamber has no drop of pressure
-                    results->potential = -f.density * (val(volume) * dot(middle, g) + (results->content - val(volume)) * val(dot(vec(x), g)));
+                else {  // mud enters and leaves at the bit, from which the chamber has no drop of pressure
+                    results->potential = p[LIFT] - f.density * (results->content - p[REFERENCE]) * 0.5 * (val(dot(vec(x), g)) + p[HEAD]);
                 }
             }
         }

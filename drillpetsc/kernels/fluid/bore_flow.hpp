@@ -3,7 +3,7 @@
 // Per reference length m = rho A lam = rho0 mu, f(lam) = lam (1 - 2 nu (lam - 1)) with the bore's narrowing by stretch.
 //   mass, node j       int psi_j d(mu)/dt ds - int psi_j' q ds = 0                          [m3/s]
 //   momentum, element  int rho lam [w_t + w lam_t/lam + t.V_t - g.t] ds + [p] + 4 tau L/d = 0  [Pa],   w = q lam/mu
-//   string             int dr.[d(m V + G r_s)/dt + G V_s - m g] ds - int dr_s.[G V + G^2/m r_s + p A f' t] ds
+//   string             int dr.[d(m V + G r_s)/dt - m g] ds - int dr_s.[G V + G^2/m r_s + p A f' t] ds
 // The walls' give counts for what the channel holds, not for its momentum and weight: m = rho A f there.  With it, an open string in still
 // mud would carry p^2 d(ln A)/dp A/2 for a flare of its bore that the equal pressure outside does not let it have.
 // The conservative form of the momentum of the fluid needs no second derivatives and no end terms but the jet's.
@@ -114,11 +114,17 @@ struct BoreFlow {
             results->dissipated = lost * (resistance + q * size * p[LOSS] * f.density * f.density / c.density);
             results->content = c.theta * volume; results->storage_upper = s1; results->storage_lower = s2;
             results->speed = w; results->density = c.density;
+            // the row of momentum leaves out the flow's own convection (manual: eq-mud-left-out-flow)
+            T convection = -(w * w * f.density) * ((s1 + s2) * 1.5 + q * (p2 - p1) * f.compressibility);
             if constexpr (HELD) {
                 results->kinetic = 0.5 * mass * q * lost;
                 results->potential = -(c.theta * volume) * f.density * p[HEAD];
                 results->left_out = T(0.0);
+            } else {  // G q^2/2m of a bore whose nodes move apart
+                convection += q * w * rate * L * f.density - w * w * (squeeze1 + squeeze2) * c.density * (A * L) * 0.5;
             }
+            convection -= 0.5 * mass * q * lost * ((y[F] + y[F + 1]) * (0.5 * f.compressibility));
+            results->left_out += convection;
         }
     }
 

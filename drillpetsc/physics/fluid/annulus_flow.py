@@ -288,10 +288,7 @@ class AnnulusFlow(ChannelFlow):
             return None
         if self.held:
             return -flow
-        block, row = self._top  # type: ignore[misc]
-        speed = float(state.y[state.index_of(block)[row, :3]] @ block.named["tangent1"][row])
-        area = self.annulus.hole[0] if self._top_place is None else self.moving_hole.area[0]  # type: ignore[union-attr]
-        return float(-flow - (area - self.annulus.outer[0]) * speed)
+        return float(-flow - self._upper_area() * self._upper_speed(state))
 
     def content_above(self, state) -> float:
         """Compute the volume between the upper node and the flow line [m3], up to a constant.
@@ -314,12 +311,30 @@ class AnnulusFlow(ChannelFlow):
         supplied, flow = 0.0, self.upper_flow(state)
         if flow is not None and self._top is not None:
             speed = results[int(self._top[0].points[self._top[1]]), RESULT_NAMES.index("speed")]
+            along, pressure = self._upper_speed(state), self.upper_pressure(state)
             supplied = flow * (
-                float(self.fluid.enthalpy(self.upper_pressure(state)))
-                + 0.5 * self.fluid.density * speed**2
+                float(self.fluid.enthalpy(pressure))
+                + 0.5 * self.fluid.density * (speed + along) ** 2
                 - self._upper_head(state)
             )
+            if (
+                not self.held
+            ):  # the upper end of the channel moves with the string, against the pressure there
+                supplied += pressure * self._upper_area() * along
         return self._channel_powers(state, supplied)
+
+    def _upper_area(self) -> float:
+        """Area of the annulus at the upper node [m2], on the rank that has it."""
+        area = self.annulus.hole[0] if self._top_place is None else self.moving_hole.area[0]  # type: ignore[union-attr]
+        return float(area - self.annulus.outer[0])
+
+    def _upper_speed(self, state) -> float:
+        """Speed of the upper node along the hole [m/s], on the rank that has it."""
+        assert self._top is not None
+        if self.held_at is not None:
+            return 0.0
+        block, row = self._top
+        return float(state.y[state.index_of(block)[row, :3]] @ block.named["tangent1"][row])
 
     def _upper_head(self, state) -> float:
         """Weight of the mud above the upper node, at the hole's axis [Pa]: density times gravity times depth."""

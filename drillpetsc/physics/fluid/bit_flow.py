@@ -24,6 +24,8 @@ from drillpetsc.time_function import TimeFunction
 
 END_CORRECTION = 0.61  # of an open unflanged pipe, in radii: Levine and Schwinger, Phys. Rev. 73:383, 1948
 GAP_ROUNDING = constant("gap_rounding")  # distance over which a bit on bottom stops displacing mud [m]
+STRING_UNKNOWNS = 7  # of the last node, before those of the mud
+NEAR = 2.0  # distance from the bottom up to which the mud under the bit is measured from the hole's end [m]
 RESULTS = columns("bit_flow_results")
 NOZZLE_LENGTH = 0.1  # length over which mud speeds up in a nozzle [m]
 
@@ -132,6 +134,9 @@ class BitFlow(Nozzle):
             "axis": e.axis,
             "tangent": e.axis if e.tangent is None else e.tangent,
             "cut": e.cut,
+            "lift": -f.density * e.volume * float(f.gravity @ e.end),
+            "reference": e.volume,
+            "head": float(f.gravity @ (e.end - e.face * np.asarray(e.axis))),
         }
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
@@ -181,10 +186,36 @@ class BitFlow(Nozzle):
     def locate_hole(self, state) -> None:
         """Evaluate the hole at the string's present position, before a run or in statics."""
         self._update_hole(state, False)
+        self._lift(state)
+        if self._moves_in_mud and len(
+            self._block.points
+        ):  # the chamber's mud is between the face and the hole's end
+            p, x = self._block.named, state.x[state.index_of(self._block)[0]]
+            middle = p["end"][0] - 0.5 * max(0.0, self._gap(p, x)) * p["axis"][0]
+            p["lift"] = -self.fluid.density * p["reference"] * float(self.fluid.gravity @ middle)
 
     def accept(self, state) -> None:
         """Update the hole to the bit's position after an accepted step."""
+        self._lift(state)
         self._update_hole(state, True)
+
+    def _lift(self, state) -> None:
+        """Count what has flown through the lower end since the last call with the height at which it did.
+
+        The potential of the chamber's mud changes by nothing else (manual: eq-mud-potential-chamber).
+        """
+        if not self._moves_in_mud or not len(self._block.points):
+            return
+        p, x, f = self._block.named, state.x[state.index_of(self._block)[0]], self.fluid
+        pressure, head = x[STRING_UNKNOWNS + int(self.has_link)], float(f.gravity @ x[:3])
+        give = 1.0 + pressure * (p["elastic"][0] - 1.0 / f.bulk_modulus)
+        content = self._chamber(p, x) * give * float(np.exp(pressure / f.bulk_modulus))
+        p["lift"] -= f.density * (content - p["reference"]) * 0.5 * (head + p["head"])
+        p["reference"], p["head"] = content, head
+
+    @property
+    def _moves_in_mud(self) -> bool:
+        return self.has_annulus and self.held_at is None
 
     def _update_hole(self, state, keep: bool) -> None:
         """Evaluate size and direction of the hole at the last node and at the hole's end.
@@ -195,10 +226,10 @@ class BitFlow(Nozzle):
         around, block = self.moving_hole, self._block
         if around is None or not self.has_annulus or self.held_at is not None or not len(block.points):
             return
-        p, x, grown = block.named, state.x[state.index_of(block)[0]], self.growing
+        p, x = block.named, state.x[state.index_of(block)[0]]
         node = int(block.points[0])
         depth = float(around.depth[node])
-        end, axis = (p["end"][0], p["axis"][0]) if grown is None else (grown.start_point, grown.direction)
+        end, axis, distance = self._lower_end(x, depth, p["face"][0])
         if depth == self._depth and np.array_equal(axis, p["axis"][0]):
             return
         keep, before = keep and self._depth is not None, self._chamber(p, x)
@@ -206,8 +237,8 @@ class BitFlow(Nozzle):
         p["tangent"] = around.current_well().at(depth)[1]
         area = float(around.area[node])
         p["open"], self._depth = area - self.end.outer, depth
-        gap = max(0.0, self._gap(p, x))
-        below = float(around.hole.volume(np.array(depth + gap))) - around.volume[node]
+        gap, bottom = max(0.0, self._gap(p, x)), depth + max(0.0, distance)
+        below = float(around.hole.volume(np.array(bottom))) - around.volume[node]
         p["volume"] = (
             p["volume"] + before - self._chamber(p, x) if keep else self.end.volume + below - area * gap
         )
@@ -218,22 +249,44 @@ class BitFlow(Nozzle):
             )
             p["added"], self._size = float(around.lateral(sizes).added[0]) * self.end.outer, area
 
+    def _lower_end(self, x: FloatArray, depth: float, face: float) -> tuple[FloatArray, FloatArray, float]:
+        """End and direction (3,) of the hole as the chamber's gap sees them, and distance [m] of the face from the end.
+
+        x: unknowns of the block; depth: measured depth of the last node [m]; face: distance of the face below it [m].
+        Near the bottom they are those of the hole's end.  Far above it the mud under the bit is counted along the hole: the
+        direction is that where the bit is, and the end lies as far ahead along it as along the hole.
+        """
+        around, grown = self.moving_hole, self.growing
+        assert around is not None
+        well, half = around.current_well(), 0.0
+        if grown is None:
+            end, axis = self.end.end, self.end.axis
+        else:
+            end, axis, half = grown.start_point, grown.direction, grown.half
+        distance = well.depth - half - depth - face
+        if distance > NEAR:
+            place, axis, _ = well.at(depth)
+            end = np.asarray(place) + np.asarray(axis) * (well.depth - half - depth)
+            if grown is not None:  # the kernel adds the motion of the end since the start
+                end = end - x[-4:-1]
+        return end, np.asarray(axis), distance
+
     def get_local_state(self) -> dict[str, FloatArray]:
         """State of the hole at the bit for a checkpoint: (nv, p), zero except at the bit's node."""
-        if self.moving_hole is None or self.held_at is not None:
+        if not self._moves_in_mud:
             return {}
         block, nodes = self._block, np.zeros((len(self._part.vertices), self._block.params.shape[1] + 2))
-        if self._depth is not None:
-            nodes[block.points] = [*block.params[0], self._depth, self._size]
+        if len(block.points):
+            depth = np.inf if self._depth is None else self._depth
+            nodes[block.points] = [*block.params[0], depth, self._size]
         return {"vertex": nodes}
 
     def set_local_state(self, saved: dict[str, FloatArray]) -> None:
         """Continue from the local part of ``get_local_state``."""
-        if self.moving_hole is not None and saved and len(self._block.points):
+        if self._moves_in_mud and saved and len(self._block.points):
             row = saved["vertex"][self._block.points[0]]
-            if not row.any():  # the hole had not been evaluated yet
-                return
-            self._block.params[:], self._depth, self._size = row[:-2], float(row[-2]), float(row[-1])
+            self._block.params[:], self._size = row[:-2], float(row[-1])
+            self._depth = float(row[-2]) if np.isfinite(row[-2]) else None  # None: not evaluated yet
 
     def _gap(self, p: Table, x: FloatArray) -> float:
         """Distance from the bit's face to the hole's end [m] at unknowns ``x`` of the block, with parameters
@@ -266,24 +319,53 @@ class BitFlow(Nozzle):
         return Energies(*(float(results[RESULTS[name]]) for name in ("kinetic", "stored", "potential")))
 
     def powers(self, t: float, state) -> Powers:
-        """Loss in the nozzles; without an annulus, what the jet takes away counts as work done outside."""
-        results = self.element_results(state)
-        lost, flow = results[RESULTS["lost"]], results[RESULTS["flow"]]
-        if not self.has_link:
+        """Losses in the nozzles and of the jet, which comes to rest under the bit.
+
+        Without an annulus, what the jet takes away counts as work done outside (manual: eq-mud-end-power).
+        """
+        if not len(self._block.points):
             return Powers()
-        e, mass = self.end, self.fluid.density * flow
-        arriving = (
-            0.5 * mass * (flow / e.bore) ** 2
-        )  # kinetic power from the bore; the pressure loss of a nozzle accelerates the jet again
-        if (
-            self.has_annulus
-        ):  # the jet comes to rest in the chamber, from which the annulus accelerates the flow
-            return Powers(float(lost + arriving - 0.5 * mass * (flow / e.open) ** 2))
-        jet = 0.5 * mass * (flow / (e.nozzle or e.bore)) ** 2
-        return Powers(
-            float(lost + arriving - jet),
-            float(-flow * (self.fluid.enthalpy(e.ambient.value(t)) - self._head(state)) - jet),
-        )
+        e, f, results = self.end, self.fluid, self.element_results(state)
+        index, moving = state.index_of(self._block)[0], self.held_at is None
+        inside, outside, rising = self._end_flow(t, state)
+        velocity = state.y[index[:3]] if moving else np.zeros(3)
+        lost = supplied = 0.0
+        if self.has_annulus:  # what enters the annulus starts from rest
+            params = self._block.named
+            speed = (
+                float(velocity @ params["tangent"][0]) - rising * self._thinning(outside) / params["open"][0]
+            )
+            lost -= 0.5 * f.density * rising * speed**2
+            supplied += float(results[RESULTS["bottom"]])
+        if self.has_link:
+            flow = float(results[RESULTS["flow"]])
+            jet = flow * self._thinning(outside) / (e.nozzle or e.bore)
+            speed = flow * self._thinning(inside) / e.bore
+            tangent = state.x[index[3:6]] if moving else np.ones(3)
+            forward = float(velocity @ tangent) / float(np.linalg.norm(tangent))
+            # power of the reaction on the moving string, which goes into the mud
+            reaction = float(velocity @ velocity) + 2 * jet * forward
+            lost += float(results[RESULTS["lost"]]) + 0.5 * f.density * flow * (speed**2 + reaction)
+            if not self.has_annulus:
+                leaving = 0.5 * f.density * flow * (jet**2 + reaction)
+                lost -= leaving
+                supplied -= flow * (float(f.enthalpy(outside)) - self._head(state)) + leaving
+        return Powers(lost, supplied)
+
+    def _end_flow(self, t: float, state) -> tuple[float, float, float]:
+        """Pressures in the lowest node of the bore and outside it [Pa], and the flow that rises from there in the annulus
+        [m3/s]; on the rank with the end."""
+        own = state.x[state.index_of(self._block)[0][0 if self.held_at is not None else STRING_UNKNOWNS :]]
+        inside = float(own[0]) if self.has_link else 0.0
+        if not self.has_annulus:
+            return inside, self.end.ambient.value(t), 0.0
+        held = self.held_at is not None
+        rising = self.element_results(state)[RESULTS["flow"]] if held else -own[int(self.has_link) + 1]
+        return inside, float(own[int(self.has_link)]), float(rising)
+
+    def _thinning(self, pressure: float) -> float:
+        """Density at zero pressure over that at ``pressure`` [Pa]."""
+        return float(np.exp(-pressure / self.fluid.bulk_modulus))
 
     def _head(self, state) -> float:
         """Density times gravity times depth of the last node [Pa], on the rank that has it; else 0."""

@@ -126,10 +126,16 @@ class BoreFlow(ChannelFlow):
             speed = results[int(self._top[0].points[self._top[1]]), RESULT_NAMES.index("speed")]
             supplied = flow * (
                 float(self.fluid.enthalpy(self.upper_pressure(state)))
-                + 0.5 * self.fluid.density * speed**2
+                + 0.5 * self.fluid.density * (speed**2 - self._upper_speed(state) ** 2)
                 - self.fluid.density * float(self.fluid.gravity @ self._upper_place(state))
             )
         return self._channel_powers(state, supplied)
+
+    def _upper_speed(self, state) -> float:
+        """Speed of the upper node [m/s], on the rank that has it: the mud arrives there without momentum from outside."""
+        if self.held_at is not None:
+            return 0.0
+        return float(np.linalg.norm(state.y[state.layout.dofs["string.position"][0]]))
 
     def _upper_place(self, state) -> FloatArray:
         """(3,) position of the upper node [m], on the rank that has it."""

@@ -129,6 +129,18 @@ def test_energy_balance_of_given_powers() -> None:
     assert balance.summary()["error"] == balance.last_error != balance.error  # of the last update
 
 
+def test_work_that_was_given_back_counts_as_exchanged() -> None:
+    """2 J in, 2 J out: the scale of the error is 2 J, not the rounding of what was supplied in all."""
+    balance = EnergyBalance(Oscillator())  # type: ignore[arg-type]
+    balance.start(0.0, (0.0, 2.0))
+    balance.step(1.0, (0.0, 2.0))
+    for power in (-2.0, -2.0):
+        balance.step(0.5, (0.0, power))
+    balance.step(0.5, (0.0, -2.0))
+    assert balance.supplied == pytest.approx(0.0)
+    assert balance.exchanged == pytest.approx(2.0)
+
+
 def test_work_of_an_impulse_closes_the_balance() -> None:
     balance = EnergyBalance(Oscillator())  # type: ignore[arg-type]
     balance.start(0.0, (0.0, 0.0))

@@ -21,7 +21,7 @@ from drillpetsc.fem.component import ElementBlock, Field
 from drillpetsc.kernels import function
 from drillpetsc.kernels.parameters import Parameters, Table
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
-from drillpetsc.physics.fluid.bit_flow import GAP_ROUNDING, BitFlow
+from drillpetsc.physics.fluid.bit_flow import GAP_ROUNDING, RESULTS, BitFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import PRESSURE_SCALE, ChannelFlow
 from drillpetsc.physics.fluid.channels import Bore
@@ -381,6 +381,15 @@ class HermiteBit(BitFlow):
         self._block.keep = (self.fluid,)
         self._results = function(f"{kernel}_results", "ipppppp")
         return (self._block,)
+
+    _moves_in_mud = False  # the kernel places the chamber's mud itself
+
+    def _end_flow(self, t: float, state) -> tuple[float, float, float]:
+        """As for ``BitFlow``: the bore's pressure is no unknown of the bit, and its mud counts as dense as that outside."""
+        outside = self.end.ambient.value(t)
+        if self.has_annulus:
+            outside = float(state.x[state.index_of(self._block)[0, -1]])
+        return outside, outside, float(self.element_results(state)[RESULTS["flow"]])
 
     def _chamber_volume(self, gap: float) -> float:
         """Volume [m3] about the bit at a distance between its face and the hole's end [m]."""
