@@ -87,7 +87,7 @@ def test_the_weight_on_bit_is_met(path, tmp_path) -> None:
 @pytest.mark.parametrize(
     ("motion", "path", "keys", "want"),
     [
-        ("rotate", "sliding", {}, "does not turn"),
+        ("rotate", "slack_off", {}, "does not turn"),
         ("hoist", "slack_off", {}, "lowered"),
         ("lower", "sliding", {"top": {"kind": "top_drive"}}, "push"),
         ("lower", "slack_off", {"contact": "none"}, "contact"),
