@@ -25,10 +25,14 @@ from drillpetsc.solvers.overdamped import SPIN_ARM, Drag, OverdampedMotion
 from drillpetsc.solvers.static_newton import Advance, Equilibrium, StaticNewton, lateral_loads, sum_of
 
 SEED = 1e-3  # random side loads, as a share of the weight
+SEED_SPACING = (
+    3.0  # of independent side loads along the string, the same on all meshes: part of the history [m]
+)
 SPEED = 1.0  # of the string past the hole while it slides [m/s]
 SETTLE, HOLD, START = 0.5, 0.5, 1.0  # times of: the string lies down; its load stays; it begins to slide [s]
 SLIDE, LONGEST_SLIDE = 30.0, 60.0  # distance that the string slides [m]
 LONGEST_STEP = 0.4  # distance that it slides in one step [m]; longer implicit steps damp a growing buckle
+RAMP_STEPS = 50  # least steps in which a top force rises on a bit that stands
 SLIP_SHARE = 5e-3  # rounding velocity over that of the top, where the push is given
 RUN_IN = 5.0  # distance that the string is run in before it is slacked off [m]
 LIFT = 0.2  # height of the bit over the bottom from which the string is slacked off [m]
@@ -66,7 +70,7 @@ SETTINGS = {
     "sliding": Settings(ramp=1.0, slip=0.01 * SPEED, drag=1000.0, along=0.03),
     # the torque of kilometres of turning string settles within the slide
     "turning": Settings(ramp=1.0, slip=0.01 * SPEED, drag=1000.0, along=0.03, arm=0.1 * SPIN_ARM),
-    "slack_off": Settings(ramp=4.0, slip=1e-3, drag=300.0, along=1e-3),
+    "slack_off": Settings(ramp=4.0, slip=1e-3, drag=75.0, along=1e-3),
     "without_friction": Settings(ramp=1.0, slip=1.0, drag=1000.0, along=0.03),
 }
 
@@ -110,7 +114,7 @@ class FrictionPath:
             speed = force * float(np.sum(mesh.length[pipe] / mesh.axial_stiffness[pipe])) / self.settings.ramp
             self._slip = min(self.settings.slip, SLIP_SHARE * speed)
         self._wob = model.case.initial.wob if solver.depth is not None else None
-        self.seeds = lateral_loads(model.system, SEED * nodal_weight(model))
+        self.seeds = lateral_loads(model.system, SEED * nodal_weight(model), spacing=SEED_SPACING)
         self._push, self._rock = self._end_load(), self._bit_torque()
         #: push that changes of the force are compared with [N]; 0: the largest of the straight string
         self._scale = (
@@ -273,7 +277,7 @@ class FrictionPath:
             self._friction(0.0)
             self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
             ramp = self.settings.ramp  # the load is not held: friction would creep
-            self._advance(ramp, lambda t: t / ramp, ramp / 20)
+            self._advance(ramp, lambda t: t / ramp, ramp / RAMP_STEPS)
             return
         self._run_in()
         self._friction(0.0)
