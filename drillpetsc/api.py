@@ -134,8 +134,8 @@ def statics(
     case: a Case, or the path of a case file
     out: run folder; by default results/<case>-NNN
     motion: hoist, lower or rotate, which friction opposes; by default the motion of the top at time 0
-    path: follow the history of a buckled string with friction: sliding, the whole string moves along the hole, or
-    slack_off, it is lowered onto a bit that stands
+    path: follow the history of a buckled string with friction: sliding, the whole string slides along the hole or turns in
+    it, or slack_off, it is lowered onto a bit that stands
     overwrite: True to replace the results in an existing folder
     name: name of the case in the default folder
     comm: PETSc communicator; by default all ranks

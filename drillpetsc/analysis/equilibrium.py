@@ -25,15 +25,13 @@ from drillpetsc.analysis.energy_descent import (
 from drillpetsc.analysis.flow_coupling import couple_flow_and_string, surge_rates
 from drillpetsc.analysis.friction_path import (
     SEED,
-    AnyPath,
     FrictionPath,
-    PathAnswer,
-    PathKind,
     follow_paths,
     has_path,
     refuse_path,
 )
 from drillpetsc.analysis.march import CRUSHING_STRAIN, March, march
+from drillpetsc.analysis.path_answer import AnyPath, PathAnswer, PathKind
 from drillpetsc.analysis.placement import place_along_hole, prescribed_motion, top_depth
 from drillpetsc.analysis.soft_string import TorqueDrag
 from drillpetsc.analysis.soft_string_start import place_marched, soft_string
@@ -256,7 +254,7 @@ def _answer_by_newton(
 
 
 def _default_path(motion: tuple[float, float]) -> AnyPath:
-    return "sliding" if motion[0] else "without_friction"
+    return "sliding" if any(motion) else "without_friction"
 
 
 def _answer_by_path(
@@ -268,12 +266,13 @@ def _answer_by_path(
     """
     clearance, steps = _node_clearance(model), _steps_in_hole(model)
     assert clearance is not None and steps is not None
-    sign, surge = float(np.sign(state.motion[0])) or 1.0, surge_rates(model, lowering)
-    path = FrictionPath(model, kind, solver, sign, clearance, steps, surge)
+    path = FrictionPath(model, kind, solver, state.motion, clearance, steps, surge_rates(model, lowering))
     state.path = follow_paths(path, ("straight", "overload") if kind == "sliding" else ("straight",))
     report, end = state.equilibrium, state.path.ends[0]
     report.imperfection, report.negative_pivots, report.converged = SEED, end.negative_pivots, True
     report.iterations += end.iterations
+    if state.path.turns:
+        state.lateral_fraction = 0.0
     state.warnings += state.path.lines(model.case.output.units or "metric")
 
 

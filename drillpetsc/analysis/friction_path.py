@@ -7,32 +7,32 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
-from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from dataclasses import dataclass
 
 import numpy as np
 
 from drillpetsc.analysis.energy_descent import Snapshot, nodal_weight
 from drillpetsc.analysis.march import march
+from drillpetsc.analysis.path_answer import OVERLOAD, STEADY, AnyPath, PathAnswer, PathEnd
 from drillpetsc.analysis.placement import place_along_hole, top_depth
 from drillpetsc.analysis.soft_string_start import place_marched
 from drillpetsc.analysis.steady_flow import fluid_unknowns, freeze_flow, steady_flow
 from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.ends import ForcedBottom
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.solvers.overdamped import Drag, OverdampedMotion
+from drillpetsc.solvers.overdamped import SPIN_ARM, Drag, OverdampedMotion
 from drillpetsc.solvers.static_newton import Advance, Equilibrium, StaticNewton, lateral_loads, sum_of
-from drillpetsc.unit_systems import System, display
 
-PathKind = Literal["sliding", "slack_off"]
-#: without_friction: the path of a string that nothing moves, where Newton's method finds no state
-AnyPath = Literal["sliding", "slack_off", "without_friction"]
 SEED = 1e-3  # random side loads, as a share of the weight
+SEED_SPACING = (
+    3.0  # of independent side loads along the string, the same on all meshes: part of the history [m]
+)
 SPEED = 1.0  # of the string past the hole while it slides [m/s]
 SETTLE, HOLD, START = 0.5, 0.5, 1.0  # times of: the string lies down; its load stays; it begins to slide [s]
-OVERLOAD = 1.3  # load from which the second path comes back, over the load
 SLIDE, LONGEST_SLIDE = 30.0, 60.0  # distance that the string slides [m]
 LONGEST_STEP = 0.4  # distance that it slides in one step [m]; longer implicit steps damp a growing buckle
+RAMP_STEPS = 50  # least steps in which a top force rises on a bit that stands
 SLIP_SHARE = 5e-3  # rounding velocity over that of the top, where the push is given
 RUN_IN = 5.0  # distance that the string is run in before it is slacked off [m]
 LIFT = 0.2  # height of the bit over the bottom from which the string is slacked off [m]
@@ -43,7 +43,6 @@ REST, LONGEST_REST = (
     100.0,
     10.0,
 )  # time in which a string without friction comes to rest, and its longest step [s]
-STEADY = 2e-3  # largest change of the transmitted force from quarter to quarter of the slide, over the push
 FIRST_STEP, SHORTEST_STEP = 1e-3, 1e-9  # [s]
 MOST_STEPS = 4000
 FLOW_STEPS = 10  # steps after which the steady flow is solved again
@@ -56,114 +55,24 @@ class Settings:
     """Artificial constants of a path.
 
     ramp: time in which the load rises [s]; slip: velocity that rounds off Coulomb's law [m/s].
-    drag: across the hole [N s/m2]; along: its share along the hole [-].
+    drag: across the hole [N s/m2]; along: its share along the hole [-]; arm: its lever on the spin [m].
     """
 
     ramp: float
     slip: float
     drag: float
     along: float
+    arm: float = SPIN_ARM
 
 
 #: slack-off is slow against drag and friction's creep (docs: sec-statics-path has the figures)
 SETTINGS = {
     "sliding": Settings(ramp=1.0, slip=0.01 * SPEED, drag=1000.0, along=0.03),
-    "slack_off": Settings(ramp=4.0, slip=1e-3, drag=300.0, along=1e-3),
+    # the torque of kilometres of turning string settles within the slide
+    "turning": Settings(ramp=1.0, slip=0.01 * SPEED, drag=1000.0, along=0.03, arm=0.1 * SPIN_ARM),
+    "slack_off": Settings(ramp=4.0, slip=1e-3, drag=75.0, along=1e-3),
     "without_friction": Settings(ramp=1.0, slip=1.0, drag=1000.0, along=0.03),
 }
-
-
-@dataclass(frozen=True)
-class PathEnd:
-    """End of one path; its state is in the model's system.
-
-    start: ``straight`` or ``overload``.
-    hook_load, wob: forces at both ends [N].
-    negative_pivots: of the stiffness with friction as a dead load; above 0 friction alone holds the state.
-    change: of the mean transmitted force from the third to the last quarter of the slide, over the push [-].
-    slid: distance [m]; steps, iterations: of the path.
-    """
-
-    start: str
-    hook_load: float
-    wob: float
-    negative_pivots: int
-    change: float
-    slid: float
-    steps: int
-    iterations: int
-
-    @property
-    def steady(self) -> bool:
-        """Whether the transmitted force has settled."""
-        return self.change <= STEADY
-
-
-@dataclass(frozen=True)
-class PathAnswer:
-    """Answer to one question about a buckled string with friction.
-
-    kind: the question.  ends: of the paths, that of the state in the system first.
-    persistent_load: (n,) random side loads that led the string off its axis [N].
-    force_given: the top's force is given, and the weight on bit follows; else the hook load follows.
-    failed: (start, reason) of paths without an end.
-    """
-
-    kind: AnyPath
-    ends: tuple[PathEnd, ...]
-    persistent_load: FloatArray
-    force_given: bool
-    failed: tuple[tuple[str, str], ...] = ()
-
-    @property
-    def held_by_friction(self) -> bool:
-        """Whether friction alone holds the state of the first path."""
-        return bool(self.ends[0].negative_pivots) and self.kind != "without_friction"
-
-    def as_dict(self) -> dict[str, Any]:
-        """Entries of summary.json."""
-        return {"path": self.kind, "path_states": [asdict(end) for end in self.ends]}
-
-    def lines(self, units: System = "metric") -> list[str]:
-        """Sentences for the user, with forces and lengths in a system of units."""
-
-        def told(value: float, kind: str) -> str:
-            number, unit = display(value, kind, units)
-            return f"{number:.5g} {unit}"
-
-        name, what = ("wob", "weight on bit") if self.force_given else ("hook_load", "hook load")
-        values = [getattr(end, name) for end in self.ends]
-        if self.kind == "without_friction":
-            out = ["the load was raised slowly on a straight string without friction"]
-        elif self.kind == "slack_off":
-            out = [
-                "question answered: slack-off on a bit that stands; the string was run in, then lowered "
-                "(--path sliding: steady sliding)"
-            ]
-        else:
-            out = [
-                "question answered: steady sliding, the whole string moves along the hole "
-                "(--path slack_off: it is lowered onto a bit that stands)"
-            ]
-            if len(values) > 1:
-                first, second = (told(value, "force") for value in values)
-                band = f"{what} between {told(min(values), 'force')} and {told(max(values), 'force')}: "
-                out.append(
-                    f"{what} {first} from a straight string, and the same after an overload of {OVERLOAD:g}"
-                    if first == second
-                    else f"{band}{first} from a straight string, {second} after an overload of {OVERLOAD:g}; the table is the first"
-                )
-            for end in self.ends:
-                if not end.steady:
-                    out.append(
-                        f"the state from the {end.start} start still changes: {what} by {100 * end.change:.2g} % of the "
-                        f"push over the last {told(end.slid / 4, 'length')} of {told(end.slid, 'length')}"
-                    )
-        if self.held_by_friction:
-            out.append(
-                f"held by friction only: without it the state has {self.ends[0].negative_pivots} unstable directions"
-            )
-        return out + [f"no state from the {start} start: {why}" for start, why in self.failed]
 
 
 class FrictionPath:
@@ -171,7 +80,7 @@ class FrictionPath:
 
     kind: the question.
     solver: its static solver, with the weight on bit as its constraint where one is given.
-    sign: direction of the motion along the hole, 1 down and -1 up.
+    velocity: of the steady motion that friction opposes: along the hole [m/s, down positive] and spin [rad/s].
     clearance: (n_nodes,) [m]; advance: as for ``OverdampedMotion``.
     surge: (n+1,) rates of the steady motion that the mud sees [SI of each field per second]; None: at rest.
     """
@@ -181,19 +90,20 @@ class FrictionPath:
         model: DrillingModel,
         kind: AnyPath,
         solver: StaticNewton,
-        sign: float,
+        velocity: tuple[float, float],
         clearance: FloatArray,
         advance: Advance,
         surge: FloatArray | None = None,
     ):
         assert model.well is not None
-        self.model, self.kind, self.solver, self.sign = model, kind, solver, sign
-        self.settings, self._surge = SETTINGS[kind], surge
+        self.model, self.kind, self.solver, self.velocity = model, kind, solver, velocity
+        self.sign, self.turns = float(np.sign(velocity[0])) or 1.0, kind == "sliding" and bool(velocity[1])
+        self.settings, self._surge = SETTINGS["turning" if self.turns else kind], surge
         self._slip = self.settings.slip
         self.components = [r for r in (model.contact, model.bit) if r is not None]
         tangent = np.asarray(model.well.at(model.mesh.node_depth + top_depth(model))[1])
         self._motions = {
-            q: OverdampedMotion(model.system, Drag(q.drag, q.along, tangent), clearance, advance)
+            q: OverdampedMotion(model.system, Drag(q.drag, q.along, tangent, q.arm), clearance, advance)
             for q in {self.settings, SETTINGS["sliding"]}
         }
         self.motion = self._motions[self.settings]
@@ -204,35 +114,58 @@ class FrictionPath:
             speed = force * float(np.sum(mesh.length[pipe] / mesh.axial_stiffness[pipe])) / self.settings.ramp
             self._slip = min(self.settings.slip, SLIP_SHARE * speed)
         self._wob = model.case.initial.wob if solver.depth is not None else None
-        self.seeds = lateral_loads(model.system, SEED * nodal_weight(model))
-        self._push = self._top_force()
+        self.seeds = lateral_loads(model.system, SEED * nodal_weight(model), spacing=SEED_SPACING)
+        self._push, self._rock = self._end_load(), self._bit_torque()
+        #: push that changes of the force are compared with [N]; 0: the largest of the straight string
+        self._scale = (
+            abs(model.case.top.force.value(0.0)) if model.case.top.force is not None else self._wob or 0.0
+        )
         self._anchor = None if model.top is None else model.top.anchor.copy()
         self.steps, self._depth_shift = 0, 0.0
 
-    def _top_force(self) -> FloatArray:
-        """Force (n,) of the top on the string by the local unknowns [N]; zero where its position is given."""
+    def _end_load(self) -> FloatArray:
+        """Given forces (n,) on the ends of the string by the local unknowns [N]: those that rise along a path."""
         model = self.model
-        out, force = np.zeros(model.system.layout.size), model.case.top.force
+        out, force, bottom = np.zeros(model.system.layout.size), model.case.top.force, model.case.bottom
         if force is not None:
-            chain = model.system.chain
-            here = np.flatnonzero(chain.owned & (chain.vertices == 0))
-            dofs = model.system.layout.dofs["string.position"][here]
-            out[dofs] = -force.value(0.0) * model.tangent[0]
+            out[self._of_node("string.position", 0)] = -force.value(0.0) * model.tangent[0]
+        if isinstance(bottom, ForcedBottom):
+            out[self._of_node("string.position", model.mesh.nodes - 1)] += np.array(bottom.force)
         return out
 
+    def _bit_torque(self) -> FloatArray:
+        """Torque (n,) of the rock on a bit that turns under a given weight, by the local unknowns [N m]."""
+        bit, spin, out = self.model.bit, self.velocity[1], np.zeros(self.model.system.layout.size)
+        if self.turns and bit is not None and self._wob is not None:
+            torque = bit.torque_for(self._wob, spin) - bit.torque_for(FREE_BIT, spin)
+            out[self._of_node("string.spin", self.model.mesh.nodes - 1)] = -np.sign(spin) * torque
+        return out
+
+    def _of_node(self, field: str, node: int) -> np.ndarray:
+        """Local unknowns (k,) or (1, k) of a node that this rank owns, else none."""
+        chain = self.model.system.chain
+        here = np.flatnonzero(chain.owned & (chain.vertices == node))
+        return np.asarray(self.model.system.layout.dofs[field][here])
+
     def _set_load(self, share: float) -> None:
-        """Let ``share`` of the top's force, and of the weight on a bit that does not stand, act."""
+        """Let ``share`` of the ends' forces, and of the weight on a bit that does not stand, act."""
         asm = self.model.system.assembly
         asm.dead_load = self.seeds + (share - 1.0) * self._push
         if self._wob is not None and self.kind != "slack_off":
             assert self.model.bit is not None
             _, gradient = self.model.bit.depth_of_face(asm)
-            asm.dead_load -= share * self._wob * gradient
+            asm.dead_load += share * (self._rock - self._wob * gradient)
 
     def _friction(self, speed: float) -> None:
         for component in self.components:
             if self.kind == "without_friction":
                 component.impose_sliding_direction(0.0, 0.0)
+            elif (
+                self.turns
+            ):  # across the hole only the drag acts: the side force would roll the string for ever
+                component.impose_sliding_direction(
+                    abs(self.velocity[0]) * speed / SPEED, self.velocity[1], 0.0
+                )
             else:
                 component.follow_overdamped_motion(speed, self._slip)
 
@@ -250,9 +183,12 @@ class FrictionPath:
             model.top.anchor[:] = self._anchor
         place_along_hole(model, top_depth(model))
         freeze_flow(model)
-        straight = march(model, (self.sign, 0.0), coils=False, wob=LEAST_WEIGHT)
+        along = self.velocity if self.turns else (self.sign, 0.0)
+        straight = march(model, along, coils=False, wob=LEAST_WEIGHT)
         assert straight is not None
-        if self._wob is not None:
+        if not self._scale:
+            self._scale = max(-float(straight.axial_force.min()), 1.0)
+        if model.case.top.force is None:
             place_marched(model, straight)
         elif model.top is not None and straight.top_on_wall:  # unstrained on the wall
             model.top.displace(straight.offset[0])
@@ -280,6 +216,7 @@ class FrictionPath:
             start,
             hook,
             wob,
+            self._torque() if self.turns else 0.0,
             negative,
             change,
             slid,
@@ -310,11 +247,11 @@ class FrictionPath:
     def _slide(self, peak: float) -> tuple[float, float]:
         """Let the string slide under its load; returns the distance [m] and the change of what it transmits."""
         # under a given top force the string slides once the load exceeds what friction carries off
-        speed = self.sign * SPEED
-        self._friction(speed if self._wob is not None else 0.0)
+        speed, pushed = self.sign * SPEED, self.model.case.top.force is not None
+        self._friction(0.0 if pushed else speed)
         self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
         self._ramp(0.0, 1.0)
-        if self._wob is None:
+        if pushed:
             self._advance(START, lambda t: 1.0, START / 20, past=lambda t: speed * t / START)
         if peak > 1.0:
             self._ramp(1.0, peak)
@@ -322,7 +259,7 @@ class FrictionPath:
         slid, change, log = 0.0, np.inf, []
         while slid < LONGEST_SLIDE - 1e-9 and change > STEADY:
             part = self._advance(SLIDE / SPEED, lambda t: 1.0, LONGEST_STEP / SPEED, bit_to_bottom=True)
-            log += [(slid + SPEED * t, force) for t, force in part]
+            log += [(slid + SPEED * t, force, torque) for t, force, torque in part]
             slid += SLIDE
             change = self._change(log)
         return slid, change
@@ -340,7 +277,7 @@ class FrictionPath:
             self._friction(0.0)
             self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
             ramp = self.settings.ramp  # the load is not held: friction would creep
-            self._advance(ramp, lambda t: t / ramp, ramp / 20)
+            self._advance(ramp, lambda t: t / ramp, ramp / RAMP_STEPS)
             return
         self._run_in()
         self._friction(0.0)
@@ -384,17 +321,17 @@ class FrictionPath:
         target: float | None = None,
         bit_to_bottom: bool = False,
         past: Callable[[float], float] | None = None,
-    ) -> list[tuple[float, float]]:
+    ) -> list[tuple[float, float, float]]:
         """Advance by ``duration`` [s] under ``load(t)`` with steps of ``longest`` [s] at most.
 
         speed: of the top [m/s, down]; target: weight on bit [N] at which the advance ends.
         bit_to_bottom: the top moves so that the free bit comes to where it carries its weight.
         past(t): speed of the string past the hole [m/s]; None: it does not change.
-        Returns (time, transmitted force) after each step.  Raises SolveError where the steps collapse.
+        Returns (time, transmitted force, surface torque) after each step.  Raises SolveError where the steps collapse.
         """
         model, system = self.model, self.model.system
         asm, n, top = system.assembly, system.layout.size, model.top
-        t, dt, last, last_dt, log = 0.0, FIRST_STEP, None, 1.0, [(0.0, self._transmitted())]
+        t, dt, last, last_dt, log = 0.0, FIRST_STEP, None, 1.0, [(0.0, *self._transmitted())]
         if speed:  # friction is that of a string that moves with its top
             last = np.zeros(n)
             last[system.layout.dofs["string.position"]] = speed * self._tangent[system.chain.vertices]
@@ -432,7 +369,7 @@ class FrictionPath:
             self.steps += 1
             if model.fluid is not None and self.steps % FLOW_STEPS == 0:
                 self._renew_flow()
-            log.append((t, self._transmitted()))
+            log.append((t, *self._transmitted()))
             if target is not None and wob >= (1 - WEIGHT_TOLERANCE) * target:
                 break
             if self.steps > MOST_STEPS:
@@ -461,10 +398,17 @@ class FrictionPath:
         depth = bit.depth_of_face(self.model.system.assembly)[0] - self._depth_shift
         return bit.depth_for(self._wob) - sum_of(self.model.system, depth)
 
-    def _transmitted(self) -> float:
-        """Force that depends on the path: the weight on bit under a given top force, else the hook load [N]."""
+    def _transmitted(self) -> tuple[float, float]:
+        """What depends on the path: the weight on bit under a given top force, else the hook load [N]; and the torque
+        at the top of a string that turns [N m], else 0."""
         hook, wob = self._end_forces()
-        return wob if self.model.case.top.force is not None else hook
+        return wob if self.model.case.top.force is not None else hook, self._torque() if self.turns else 0.0
+
+    def _torque(self) -> float:
+        """Torque at the top [N m]."""
+        system, drive = self.model.system, self.model.drive
+        own = drive.torque(0.0, system.assembly) if drive is not None else 0.0
+        return float(system.reaction("top.torque_reaction")) + sum_of(system, float(own))
 
     def _end_forces(self) -> tuple[float, float]:
         """Hook load and weight on bit [N]."""
@@ -473,23 +417,27 @@ class FrictionPath:
         wob = model.bit.weight_and_torque(model.system.assembly)[0] if model.bit is not None else 0.0
         return float(hook), sum_of(model.system, wob)
 
-    def _change(self, log: list[tuple[float, float]]) -> float:
-        """Change of the mean transmitted force from the third to the last quarter of ``log``, over the push."""
-        t, force = np.array(log).T
+    def _change(self, log: list[tuple[float, float, float]]) -> float:
+        """Change of the means of what the string transmits from the third to the last quarter of ``log``: of the force
+        over the push, or of the torque over itself, whichever is larger."""
+        t, *values = np.array(log).T
         step = np.diff(np.concatenate([[0.0], t]))
         end, means = t[-1], []
         for low, high in ((0.5, 0.75), (0.75, 1.0)):
             there = (t > low * end) & (t <= high * end + 1e-9)
-            means.append(float(np.average(force[there], weights=step[there])))
-        case = self.model.case
-        push = abs(case.top.force.value(0.0)) if case.top.force is not None else case.initial.wob or 1.0
-        return abs(means[1] - means[0]) / push
+            means.append([float(np.average(v[there], weights=step[there])) for v in values])
+        (force, torque), (last_force, last_torque) = means
+        return max(
+            abs(last_force - force) / self._scale, abs(last_torque - torque) / max(abs(last_torque), 1.0)
+        )
 
     # ------------------------------------------------------------------ closing
     def _held(self) -> FloatArray:
-        """Forces (n,) of friction and drag at the end of a path, by the local unknowns; sets friction aside."""
-        for component in self.components:
-            component.impose_sliding_direction(0.0, 0.0)
+        """Forces (n,) that the equilibrium lacks at the end of a path, by the local unknowns.
+
+        Those of drag and friction, which is set aside; of a string that turns the drag's alone.
+        """
+        self._friction_at_end()
         held = self.solver.rows()
         for f in self.model.system.assembly.row_replacements:
             held[f.rows] = f.complement @ held[f.rows]
@@ -503,11 +451,22 @@ class FrictionPath:
         """
         asm, solver = self.model.system.assembly, self.solver
         asm.dead_load = self.seeds + held
+        self._friction_at_end()  # the bit has lost it with its spring
         if self._wob is not None:
             solver.rows()
             if abs(self._end_forces()[1] - self._wob) > WEIGHT_TOLERANCE * self._wob:
                 solver.newton_damped(Equilibrium())
-        return solver.negative_pivots()
+        for component in self.components:  # stability is counted with friction as a dead load
+            component.impose_sliding_direction(0.0, 0.0)
+        negative = solver.negative_pivots()
+        self._friction_at_end()
+        solver.rows()
+        return negative
+
+    def _friction_at_end(self) -> None:
+        """Friction of the state that a path ends in: of a string that turns against the imposed motion, else a dead load."""
+        for component in self.components:
+            component.impose_sliding_direction(*(self.velocity if self.turns else (0.0, 0.0)), 0.0)
 
 
 def follow_paths(path: FrictionPath, starts: tuple[str, ...]) -> PathAnswer:
@@ -523,7 +482,7 @@ def follow_paths(path: FrictionPath, starts: tuple[str, ...]) -> PathAnswer:
             failed.append((start, str(error).splitlines()[0]))
     ends.append(path.follow(starts[0]))
     force_given = path.model.case.top.force is not None
-    return PathAnswer(path.kind, tuple(ends[::-1]), path.seeds, force_given, tuple(failed))
+    return PathAnswer(path.kind, tuple(ends[::-1]), path.seeds, force_given, path.turns, tuple(failed))
 
 
 def has_path(model: DrillingModel, motion: tuple[float, float]) -> bool:
@@ -544,9 +503,21 @@ def refuse_path(model: DrillingModel, motion: tuple[float, float], got: str) -> 
         raise CaseError(at=at, got=got, want="no initial.wob where the string is hoisted")
     if model.contact is None or model.well is None or model.beam is None:
         raise CaseError(at=at, got=got, want="a string in a hole with contact")
-    if motion[1] or not motion[0]:
+    if got == "slack_off" and (motion[1] or not motion[0]):
+        raise CaseError(at=at, got=got, want="a string that is lowered and does not turn (--motion lower)")
+    if not any(motion):
         raise CaseError(
-            at=at, got=got, want="a string that slides and does not turn (--motion hoist or lower)"
+            at=at, got=got, want="a string that slides or turns (--motion hoist, lower or rotate)"
         )
-    if model.case.top.force is None and model.case.initial.wob is None:
-        raise CaseError(at=at, got=got, want="a push: initial.wob, or a force of the top")
+    if not pushing(model):
+        raise CaseError(at=at, got=got, want="a push: initial.wob, or a force of the top or at the bottom")
+
+
+def pushing(model: DrillingModel) -> bool:
+    """Whether the case pushes the string at one of its ends."""
+    case = model.case
+    return (
+        case.top.force is not None
+        or case.initial.wob is not None
+        or (isinstance(case.bottom, ForcedBottom) and float(np.dot(case.bottom.force, model.tangent[-1])) < 0)
+    )

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from drillpetsc.analysis import checkpoint
 from drillpetsc.analysis.equilibrium import StaticState, director_equilibrium
-from drillpetsc.analysis.friction_path import PathKind
 from drillpetsc.analysis.imperfection import add_imperfection_of_rest
+from drillpetsc.analysis.path_answer import PathKind
 from drillpetsc.analysis.placement import move_rigidly, place_along_hole, release
 from drillpetsc.analysis.quasi_static import QuasiStatic
 from drillpetsc.analysis.quaternion_statics import quaternion_equilibrium

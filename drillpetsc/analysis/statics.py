@@ -12,8 +12,8 @@ from petsc4py import PETSc
 from drillpetsc.analysis.buckling import Buckling, buckling
 from drillpetsc.analysis.coarse_mesh import state_warnings
 from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
-from drillpetsc.analysis.friction_path import PathKind
 from drillpetsc.analysis.initial_state import find_equilibrium
+from drillpetsc.analysis.path_answer import PathKind
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion

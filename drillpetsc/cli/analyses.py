@@ -31,7 +31,7 @@ def _statics_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--path",
         choices=("sliding", "slack_off"),
-        help="follow the history of a buckled string with friction: the whole string slides (gives the band of states), "
+        help="follow the history of a buckled string with friction: the whole string slides or turns (gives the band of states), "
         "or it is lowered onto a bit that stands",
     )
 

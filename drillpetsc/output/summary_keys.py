@@ -236,8 +236,9 @@ STATICS: tuple[SummaryKey, ...] = (
     SummaryKey(
         "path_states",
         "",
-        "List, one entry a path: start, hook_load [N], wob [N], negative_pivots, change of the transmitted force over "
-        "the push, slid [m], steps, iterations; the first is the state of the table.",
+        "List, one entry a path: start, hook_load [N], wob [N], surface_torque [N m] (of a string that turns, else 0), "
+        "negative_pivots, change (of the transmitted force over the push, or of the torque over itself), slid [m], steps, "
+        "iterations; the first is the state of the table.",
         STATIC_PATH,
     ),
     SummaryKey("warnings", "", "What the user should know.", STRING),

@@ -21,7 +21,7 @@ INCREMENT = 1e-6  # of a converged step, in the fields' scales
 SIDE_SHARE = 0.5  # largest lateral motion of a node in one iteration, as a share of its clearance
 MAX_SLOPE_CHANGE = 0.4  # of a node in one iteration
 SHORTEST_SEARCH = 0.05  # smallest factor of an iteration's step
-SPIN_ARM = 0.1  # lever of the drag on the spin [m]
+SPIN_ARM = 0.1  # usual lever of the drag on the spin [m]
 
 
 @dataclass
@@ -30,11 +30,13 @@ class Drag:
 
     across: [N s/m2] on the velocity across the hole; along: its share along the hole [-].
     tangent: (n_nodes, 3) unit direction of the hole at each node.
+    arm: lever of the drag on the spin [m].
     """
 
     across: float
     along: float
     tangent: FloatArray
+    arm: float = SPIN_ARM
 
 
 class OverdampedMotion:
@@ -59,7 +61,7 @@ class OverdampedMotion:
         matrices = {
             "string.position": c * h[:, None, None] * (across + drag.along * axial),
             "string.tangent": c * (h**3 / 100)[:, None, None] * across,
-            "string.spin": (c * h * SPIN_ARM**2)[:, None, None],
+            "string.spin": (c * h * drag.arm**2)[:, None, None],
         }
         prescribed = {f.condition.vertex for f in system.assembly.row_replacements}
         free = np.array([v not in prescribed for v in here], dtype=bool)

@@ -584,12 +584,23 @@ def diagonal_blocks(system: DiscreteSystem, fields: tuple[str, ...]) -> list[tup
     return out
 
 
-def lateral_loads(system: DiscreteSystem, size: FloatArray, seed: int = 1) -> FloatArray:
+def lateral_loads(
+    system: DiscreteSystem, size: FloatArray, seed: int = 1, spacing: float | None = None
+) -> FloatArray:
     """Compute random lateral loads at the nodes, (n,) by the local unknowns [N]; the same for any number of ranks.
 
     size: (n_nodes,) standard deviation at each node [N]; seed: of the random numbers.
+    spacing: distance [m] between independent random numbers along the string, with linear interpolation, so that all
+    meshes have the same load per length; None: the nodes are independent.
     """
-    loads = size[:, None] * np.random.default_rng(seed).standard_normal((system.mesh.nodes, 2))
+    random, depth = np.random.default_rng(seed), system.mesh.node_depth
+    if spacing is None:
+        share = random.standard_normal((system.mesh.nodes, 2))
+    else:
+        knots = np.arange(np.ceil(depth[-1] / spacing) + 1) * spacing
+        values = random.standard_normal((len(knots), 2))
+        share = np.column_stack([np.interp(depth, knots, v) for v in values.T])
+    loads = size[:, None] * share
     t, second = system.frames.reference, system.frames.second_director
     force = loads[:, :1] * second + loads[:, 1:] * np.cross(t, second)
     out = np.zeros(system.layout.size)

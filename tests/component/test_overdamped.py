@@ -11,20 +11,25 @@ from tests.helpers.component_models import build, curved_tangents, dense
 DT = 0.4
 
 
-def motion(kind: str, speed: float, slip: float = 0.5) -> OverdampedMotion:
-    """Motion of a string of ``kind`` whose friction is that of a hole that moves by ``speed`` [m/s]."""
+def motion(kind: str, speed: float, slip: float = 0.5, turning: float = 0.0) -> OverdampedMotion:
+    """Motion of a string of ``kind`` whose friction is that of a hole that moves by ``speed`` [m/s], or against a string
+    that also turns with ``turning`` [rad/s]."""
     system = build(kind)
     for component in system.components:
-        component.follow_overdamped_motion(speed, slip)
+        if turning:
+            component.impose_sliding_direction(speed, turning, 0.0)
+        else:
+            component.follow_overdamped_motion(speed, slip)
     drag = Drag(30.0, 0.1, curved_tangents(5))
     return OverdampedMotion(system, drag, np.full(5, 0.05), lambda x, p, factor: x + factor * p)
 
 
-@pytest.mark.parametrize("speed", [0.0, 0.7, -2.0])
+@pytest.mark.parametrize(("speed", "turning"), [(0.0, 0.0), (0.7, 0.0), (-2.0, 0.0), (0.0, 2.0), (0.4, -3.0)])
 @pytest.mark.parametrize("kind", ["contact", "contact_hertz_stribeck", "contact_junction_bodies_bit"])
-def test_the_jacobian_matches_central_differences(kind: str, speed: float) -> None:
-    """Of drag, contact, friction past a moving hole and stiffness, against fourth-order differences."""
-    moving = motion(kind, speed)
+def test_the_jacobian_matches_central_differences(kind: str, speed: float, turning: float) -> None:
+    """Of drag, contact, friction past a moving hole or of a turning string, and stiffness, against fourth-order
+    differences."""
+    moving = motion(kind, speed, turning=turning)
     asm, n = moving.system.assembly, moving.system.layout.size
     x0 = asm.x[:n].copy()
     start = x0 - 0.05 * np.random.default_rng(7).standard_normal(n)
@@ -44,7 +49,7 @@ def test_the_jacobian_matches_central_differences(kind: str, speed: float) -> No
     J = dense(moving.system)
     scale = np.abs(J).max()
     assert np.abs(J - F).max() < 3e-7 * scale
-    if speed:  # and the friction of the moving hole is seen by the check
+    if speed or turning:  # and the friction is seen by the check
         for component in moving.system.components:
             component.follow_overdamped_motion(0.0, 0.5)
         rows(x0)

@@ -24,15 +24,17 @@ bottom: {kind: bit, friction: 0}
 
 
 @pytest.mark.parallel
-@pytest.mark.parametrize("path", ["sliding", "slack_off"])
-def test_a_path_is_the_same_on_1_2_and_3_ranks(path: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("path", "motion"), [("sliding", "lower"), ("slack_off", "lower"), ("sliding", "rotate")]
+)
+def test_a_path_is_the_same_on_1_2_and_3_ranks(path: str, motion: str, tmp_path: Path) -> None:
     """The same steps; forces to 1e-7 of the push, places to 1e-7 m: Newton's tolerance."""
     case = tmp_path / "case.yaml"
-    case.write_text(CASE)
+    case.write_text(CASE.replace("80 m", "40 m") if motion == "rotate" else CASE)
     runs = []
     for n in (1, 2, 3):
         out = tmp_path / f"ranks{n}"
-        run_mpi(n, SCRIPT, ["statics", str(case), "--path", path, "--motion", "lower", "--out", str(out)])
+        run_mpi(n, SCRIPT, ["statics", str(case), "--path", path, "--motion", motion, "--out", str(out)])
         runs.append((json.loads((out / "summary.json").read_text()), read_table(out / "statics.csv")))
     one, table = runs[0]
     assert one["buckling"]["helical"] or one["buckling"]["sinusoidal"]
@@ -44,5 +46,6 @@ def test_a_path_is_the_same_on_1_2_and_3_ranks(path: str, tmp_path: Path) -> Non
                 b["negative_pivots"],
             )
             assert b["wob"] == pytest.approx(a["wob"], abs=1e-7 * 350e3)
+            assert b["surface_torque"] == pytest.approx(a["surface_torque"], rel=1e-6)
         for name in ("offset_x [m]", "offset_y [m]"):
             assert np.abs(other[name] - table[name]).max() < 1e-7

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
+from petsc4py import PETSc
 
 from drillpetsc import Case, run, statics
+from drillpetsc.analysis import friction_path
 from drillpetsc.errors import CaseError
+from drillpetsc.model.drilling_model import build_model
+from drillpetsc.solvers.static_newton import lateral_loads
 from tests.verification.test_statics_report import BENDING, CLEARANCE, PIPE, WEIGHT, pushed, straight
 
 FRICTION = 0.25
@@ -87,7 +93,7 @@ def test_the_weight_on_bit_is_met(path, tmp_path) -> None:
 @pytest.mark.parametrize(
     ("motion", "path", "keys", "want"),
     [
-        ("rotate", "sliding", {}, "does not turn"),
+        ("rotate", "slack_off", {}, "does not turn"),
         ("hoist", "slack_off", {}, "lowered"),
         ("lower", "sliding", {"top": {"kind": "top_drive"}}, "push"),
         ("lower", "slack_off", {"contact": "none"}, "contact"),
@@ -145,3 +151,32 @@ def test_a_wet_string_in_a_curved_hole_is_pushed(path, bit, tmp_path) -> None:
     assert summary["wob"] == pytest.approx(wob, rel=1.1e-3)
     soft = summary["soft_string"]["hook_load"]
     assert soft - 0.5 * wob < summary["hook_load"] < soft + 0.02 * wob
+
+
+def test_a_slack_off_does_not_depend_on_mesh_and_drag(monkeypatch, tmp_path) -> None:
+    """A helix that is lowered onto its bit: halved elements, and half the drag, give the force within 2 % of the push.
+
+    The side loads are part of the history: they are the same per length on all meshes.
+    """
+    force, found = 450e3, []
+    settings = friction_path.SETTINGS["slack_off"]
+    for element, drag in ((3.0, 1.0), (1.5, 1.0), (3.0, 0.5)):
+        slower = dataclasses.replace(settings, drag=drag * settings.drag)
+        monkeypatch.setitem(friction_path.SETTINGS, "slack_off", slower)
+        case = pushed(force, element=element, well=straight(90.0, 300.0, FRICTION))
+        found.append(
+            statics(case, tmp_path / f"{len(found)}", motion="lower", path="slack_off").summary["wob"]
+        )
+    assert max(found) - min(found) < 0.02 * force
+
+
+def test_side_loads_are_the_same_on_all_meshes() -> None:
+    """Those of a node over its length: within the loads' change along one element."""
+    loads = []
+    for element in (2.0, 1.0):
+        model = build_model(pushed(1e5, length=60.0, element=element), PETSc.COMM_SELF)
+        size = np.full(model.mesh.nodes, element)
+        every = lateral_loads(model.system, size, spacing=4.0)[model.system.layout.dofs["string.position"]]
+        loads.append(np.asarray(every)[:: round(2 / element)] / element)
+    assert loads[1] == pytest.approx(loads[0], rel=1e-12)
+    assert loads[0].std() > 0.3
