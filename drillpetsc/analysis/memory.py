@@ -17,7 +17,9 @@ def peak() -> int:
 
 
 class Memory:
-    """Peak memory of all ranks: at the start of the motion, after a tenth of it, at the end.
+    """Peak memory of all ranks: at the start of the motion, after a tenth of its time, at its last step, in all.
+
+    What writes the last checkpoint and the summary comes after the last step.
 
     mpi: communicator; start, end: of the motion [s].
     """
@@ -25,16 +27,23 @@ class Memory:
     def __init__(self, mpi: MPI.Intracomm, start: float, end: float):
         self.mpi, self.warm_up_end = mpi, start + WARM_UP * (end - start)
         self.at_start, self.after_warm_up = peak(), 0
+        self.at_end = self.at_start
 
     def update(self, t: float) -> None:
-        """Measure after the step to ``t`` [s], once after the warm-up."""
+        """Measure after the step to ``t`` [s]."""
+        self.at_end = peak()
         if not self.after_warm_up and t >= self.warm_up_end:
-            self.after_warm_up = peak()
+            self.after_warm_up = self.at_end
 
     def as_dict(self, all_ranks: bool) -> dict[str, int]:
         """Return the entries of summary.json [bytes].
 
         With ``all_ranks`` the sum over ranks, which is collective.
         """
-        local = {"start": self.at_start, "after_a_tenth": self.after_warm_up or peak(), "peak": peak()}
+        local = {
+            "start": self.at_start,
+            "after_a_tenth": self.after_warm_up or self.at_end,
+            "end": self.at_end,
+            "peak": peak(),
+        }
         return {name: self.mpi.allreduce(value) if all_ranks else value for name, value in local.items()}

@@ -195,6 +195,7 @@ RUN: tuple[SummaryKey, ...] = (
     ),
     SummaryKey("memory.start", "bytes", "Peak memory at the start of the motion, all ranks together."),
     SummaryKey("memory.after_a_tenth", "bytes", "Peak memory after a tenth of the motion."),
+    SummaryKey("memory.end", "bytes", "Peak memory after the last step."),
     SummaryKey("memory.peak", "bytes", "Peak memory at the end."),
 )
 
