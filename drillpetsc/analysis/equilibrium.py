@@ -44,6 +44,7 @@ from drillpetsc.solvers.static_newton import CONVERGED_INCREMENT, Equilibrium, S
 
 BEYOND_BOTTOM = 1e-3  # distance below the end of the hole that is reported [m]
 LEAST_CLEARANCE = 1e-3  # [m]
+STALL_ROUNDS = 6  # rounds of friction without half the change before its substitution ends
 FIRST_FLOW_INCREMENT = 1e-2  # of the flow from which flow and string are solved together
 #: axial direction (down positive) and rotation of each motion of the `statics` command
 MOTIONS = {"hoist": (-1.0, 0.0), "lower": (1.0, 0.0), "rotate": (0.0, 1.0)}
@@ -473,7 +474,7 @@ def _friction_by_substitution(
     imperfection = asm.dead_load
     imperfection_load = 0.0 if imperfection is None else imperfection
     last, weight = np.zeros(system.layout.size), float(nodal_weight(model).sum())
-    change, factors = np.inf, stiffness_steps(model, soft)
+    changes, factors = [np.inf], stiffness_steps(model, soft)
     try:
         for _ in range(MAX_SUBSTITUTIONS):
             asm.dead_load = None
@@ -483,14 +484,18 @@ def _friction_by_substitution(
             for component in components:
                 component.impose_sliding_direction(0.0, 0.0)
             friction = solver.rows() - with_friction
-            change = solver.largest(float(np.max(np.abs(friction - last), initial=0.0)))
-            if change < 1e-7 * weight:
+            changes.append(solver.largest(float(np.max(np.abs(friction - last), initial=0.0))))
+            if changes[-1] < 1e-7 * weight:
                 return
+            if len(changes) > 2 * STALL_ROUNDS and min(changes[-STALL_ROUNDS:]) > 0.5 * min(
+                changes[:-STALL_ROUNDS]
+            ):
+                break  # a buckled string may go from state to state for ever
             asm.dead_load = imperfection_load + friction
             newton_or_descent(model, solver, report, factors)
             last, factors = friction, (1.0,)
         raise SolveError(
-            f"friction did not converge in {MAX_SUBSTITUTIONS} rounds (last change {change:.3g} N)",
+            f"friction did not converge in {len(changes) - 1} rounds (last change {changes[-1]:.3g} N)",
             **system.locate_largest_residual(0.0),
         )
     finally:
