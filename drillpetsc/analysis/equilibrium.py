@@ -16,6 +16,7 @@ from drillpetsc.analysis.friction_path import (
     FrictionPath,
     follow_paths,
     has_path,
+    pushed_at_end,
     refuse_path,
 )
 from drillpetsc.analysis.march import CRUSHING_STRAIN, March, march
@@ -181,9 +182,9 @@ def _answer_by_newton(problem: StaticProblem) -> float:
                 return state.lateral_fraction
             except SolveError:
                 pass
+        _begin_again(problem)
         if not problem.paths or not has_path(model, state.motion):
             raise
-        _begin_again(problem)
         _answer_by_path(problem, "sliding" if any(state.motion) else "without_friction")
     return state.lateral_fraction
 
@@ -204,7 +205,8 @@ def _answer_by_path(problem: StaticProblem, kind: AnyPath) -> None:
     assert clearance is not None and steps is not None
     surge = surge_rates(model, problem.lowering)
     path = FrictionPath(model, kind, problem.solver, state.motion, clearance, steps, surge)
-    state.path = follow_paths(path, ("straight", "overload") if kind == "sliding" else ("straight",))
+    overload = kind == "sliding" and pushed_at_end(model)  # a weight is not exceeded
+    state.path = follow_paths(path, ("straight", "overload") if overload else ("straight",))
     report, end = state.equilibrium, state.path.ends[0]
     report.imperfection, report.negative_pivots, report.converged = SEED, end.negative_pivots, True
     report.iterations += end.iterations

@@ -546,7 +546,7 @@ def has_path(model: DrillingModel, motion: tuple[float, float]) -> bool:
 
 
 def refuse_path(model: DrillingModel, motion: tuple[float, float], got: str) -> None:
-    """Raise CaseError where a path has no meaning for ``model`` and ``motion``."""
+    """Raise CaseError where a path has no meaning for ``model``, unstrained along the hole, and ``motion``."""
     at = "--path"
     if got == "slack_off" and motion[0] < 0:
         raise CaseError(at=at, got=got, want="a string that is lowered (--motion lower)")
@@ -560,11 +560,22 @@ def refuse_path(model: DrillingModel, motion: tuple[float, float], got: str) -> 
         raise CaseError(
             at=at, got=got, want="a string that slides or turns (--motion hoist, lower or rotate)"
         )
-    if not pushing(model):
-        raise CaseError(at=at, got=got, want="a push: initial.wob, or a force of the top or at the bottom")
+    if got == "slack_off" and model.case.top.force is None and model.case.initial.wob is None:
+        raise CaseError(
+            at=at, got=got, want="a push on the bit that stands: initial.wob, or a force of the top"
+        )
+    if pushed_at_end(model):
+        return
+    found = march(model, motion, coils=False)
+    if found is None or not found.axial_force.min() < 0:
+        raise CaseError(
+            at=at,
+            got=got,
+            want="a string that is pushed: by initial.wob, a force of the top or at the bottom, or its weight",
+        )
 
 
-def pushing(model: DrillingModel) -> bool:
+def pushed_at_end(model: DrillingModel) -> bool:
     """Whether the case pushes the string at one of its ends."""
     case = model.case
     return (

@@ -95,8 +95,9 @@ def test_the_weight_on_bit_is_met(path, tmp_path) -> None:
     [
         ("rotate", "slack_off", {}, "does not turn"),
         ("hoist", "slack_off", {}, "lowered"),
-        ("lower", "sliding", {"top": {"kind": "top_drive"}}, "push"),
+        ("hoist", "sliding", {"top": {"kind": "top_drive"}}, "pushed"),
         ("lower", "slack_off", {"contact": "none"}, "contact"),
+        ("lower", "slack_off", {"top": {"kind": "top_drive"}}, "bit that stands"),
     ],
 )
 def test_a_path_that_has_no_meaning_is_refused(motion, path, keys, want, tmp_path) -> None:
