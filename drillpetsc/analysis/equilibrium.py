@@ -5,36 +5,25 @@ Manual: sec-statics-sequence, eq-statics-rest, eq-statics-imposed-friction.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
 from drillpetsc.analysis.coarse_start import coarse_factor, coarse_model, place_like
-from drillpetsc.analysis.energy_descent import (
-    MAX_SUBSTITUTIONS,
-    START_INCREMENT,
-    Snapshot,
-    coarse_elements,
-    newton_or_descent,
-    newton_with_stiffening,
-    nodal_weight,
-    stable_state,
-    stiffness_steps,
-    too_coarse,
-)
+from drillpetsc.analysis.energy_descent import START_INCREMENT, Snapshot, coarse_elements, too_coarse
 from drillpetsc.analysis.flow_coupling import couple_flow_and_string, surge_rates
+from drillpetsc.analysis.friction_newton import reach
 from drillpetsc.analysis.friction_path import (
     SEED,
     FrictionPath,
     follow_paths,
     has_path,
+    pushed_at_end,
     refuse_path,
 )
 from drillpetsc.analysis.march import CRUSHING_STRAIN, March, march
-from drillpetsc.analysis.path_answer import AnyPath, PathAnswer, PathKind
+from drillpetsc.analysis.path_answer import AnyPath, PathKind
 from drillpetsc.analysis.placement import place_along_hole, prescribed_motion, top_depth
-from drillpetsc.analysis.soft_string import TorqueDrag
 from drillpetsc.analysis.soft_string_start import place_marched, soft_string
+from drillpetsc.analysis.static_problem import StaticProblem, StaticState
 from drillpetsc.analysis.steady_flow import fluid_unknowns, freeze_flow, steady_flow
 from drillpetsc.analysis.top_on_wall import balance_across
 from drillpetsc.arrays import FloatArray
@@ -50,37 +39,12 @@ FIRST_FLOW_INCREMENT = 1e-2  # of the flow from which flow and string are solved
 MOTIONS = {"hoist": (-1.0, 0.0), "lower": (1.0, 0.0), "rotate": (0.0, 1.0)}
 
 
-@dataclass
-class StaticState:
-    """Result of ``find_equilibrium``; the state itself is in the model's system.
-
-    motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes.
-    equilibrium: results of the solver.
-    soft_string: results of the soft string, None without one.
-    warnings: texts for the user.
-    lateral_fraction: fraction of the lateral friction force in the equilibrium [-] (chi in the manual:
-    eq-statics-imposed-friction).
-    path: answer of the paths of a buckled string with friction, None where Newton's method found the state.
-    """
-
-    motion: tuple[float, float]
-    equilibrium: Equilibrium
-    soft_string: TorqueDrag | None = None
-    warnings: list[str] = field(default_factory=list)
-    lateral_fraction: float = 1.0
-    path: PathAnswer | None = None
-
-    @property
-    def stable(self) -> bool:
-        """Whether the state has neither a negative nor a zero pivot (manual: eq-statics-stable)."""
-        return self.equilibrium.negative_pivots == 0 and not self.equilibrium.singular
-
-
 def director_equilibrium(
     model: DrillingModel,
     motion: tuple[float, float] | None = None,
     lateral_friction: bool = True,
     path: PathKind | None = None,
+    may_follow_path: bool = True,
 ) -> StaticState:
     """Find the static equilibrium with friction against ``motion``; collective.
 
@@ -91,7 +55,7 @@ def director_equilibrium(
     lateral_friction: friction across the pipe pushes a turning pipe up the wall; without it only its torque
     acts, as in torque-and-drag models.
     path: the question that is answered by following the string's history; None: Newton's method answers, and a
-    path of steady sliding where it finds no state of a string that coils.
+    path of steady sliding where it finds no state of a string that coils, if ``may_follow_path``.
 
     Raises SolveError where no equilibrium is found, CaseError where the weight on bit cannot be met.
     """
@@ -120,32 +84,36 @@ def director_equilibrium(
     wob = model.case.initial.wob
     if wob is not None:
         _set_weight_on_bit(model, solver, wob)
-    sliding = [r for r in (model.contact, model.bit) if r is not None]
-    for component in sliding:
-        component.impose_sliding_direction(0.0, 0.0)
-    report = Equilibrium()
-    state, fraction = StaticState(motion, report, soft), 1.0 if lateral_friction else 0.0
-    moves = bool(sliding) and motion != (0.0, 0.0)
+    problem = StaticProblem(
+        model,
+        solver,
+        StaticState(motion, Equilibrium(), soft),
+        tuple(r for r in (model.contact, model.bit) if r is not None),
+        1.0 if lateral_friction else 0.0,
+        lowering,
+        found,
+        straight,
+        start,
+        may_follow_path,
+    )
+    state, report = problem.state, problem.state.equilibrium
+    problem.set_friction_aside()
     if path is not None:
-        _answer_by_path(model, solver, state, path, lowering)
+        _answer_by_path(problem, path)
     else:
-        fraction = _newton_with_flow(
-            model, solver, sliding, state, fraction, (found, straight), start, lowering
-        )
+        reached = _newton_with_flow(problem)
     if state.path is None:
         if found is not None and found.top_on_wall and model.top is not None:
             balance_across(model, solver, report)
-        if lateral_friction and moves and not fraction:
+        if lateral_friction and problem.moves and not reached:
             state.warnings.append(
                 "no equilibrium with lateral friction (a turning pipe may whirl here): "
                 "the torque of friction acts, its lateral force is left out"
             )
-        for component in sliding:  # stability is counted without friction
-            component.impose_sliding_direction(0.0, 0.0)
+        problem.set_friction_aside()  # stability is counted without it
         count = solver.negative_pivots()
         report.negative_pivots, report.singular = max(0, count), count < 0
-        for component in sliding:
-            component.impose_sliding_direction(*motion, fraction)
+        problem.impose(reached)
     _reactions(model, solver)
     model.system.assembly.freeze(None)
     beyond = _beyond_bottom(model)
@@ -163,32 +131,23 @@ def director_equilibrium(
     return state
 
 
-def _newton_with_flow(
-    model: DrillingModel,
-    solver: StaticNewton,
-    sliding,
-    state: StaticState,
-    fraction: float,
-    starts: tuple[March | None, March | None],
-    origin: Snapshot,
-    lowering: float,
-) -> float:
-    """Find the state of string and flow; arguments, result and errors as of ``_answer_by_newton``.
+def _newton_with_flow(problem: StaticProblem) -> float:
+    """Find the state of string and flow; result and errors as of ``_answer_by_newton``.
 
     A rough state of the string suffices to solve for both.  Where it does not, an exact one comes first.
     """
+    model, solver, state = problem.model, problem.solver, problem.state
     start, asm = Snapshot(model), model.system.assembly
     for increment in (
         (START_INCREMENT, CONVERGED_INCREMENT) if model.fluid is not None else (CONVERGED_INCREMENT,)
     ):
         solver.start_increment = increment
-        reached = _answer_by_newton(model, solver, sliding, state, fraction, starts, origin, lowering)
+        reached = _answer_by_newton(problem)
         if state.path is not None:  # it ends with the flow about its last state
             return reached
-        for component in sliding:
-            component.impose_sliding_direction(*state.motion, reached)
+        problem.impose(reached)
         try:
-            couple_flow_and_string(model, solver, state.equilibrium, lowering)
+            couple_flow_and_string(model, solver, state.equilibrium, problem.lowering)
             return reached
         except SolveError:
             if increment == CONVERGED_INCREMENT:
@@ -196,83 +155,65 @@ def _newton_with_flow(
         start.restore()
         solver.rates, asm.y[:], asm.dead_load, state.equilibrium.imperfection = None, 0.0, None, 0.0
         asm.freeze(fluid_unknowns(model.system))
-        for component in sliding:
-            component.impose_sliding_direction(0.0, 0.0)
+        problem.set_friction_aside()
     return reached
 
 
-def _answer_by_newton(
-    model: DrillingModel,
-    solver: StaticNewton,
-    sliding,
-    state: StaticState,
-    fraction: float,
-    starts: tuple[March | None, March | None],
-    origin: Snapshot,
-    lowering: float,
-) -> float:
+def _answer_by_newton(problem: StaticProblem) -> float:
     """Find the state by Newton's method or the descent, else by a path; returns the lateral friction fraction.
 
-    starts: the march where the string coils, and where it does not; origin: the string along the hole.
-    lowering: speed at which the top lowers the string [m/s].
     Raises SolveError where no equilibrium is found.
     """
-    found, straight = starts
-    moves = bool(sliding) and state.motion != (0.0, 0.0)
-    if found is not None and moves and not found.helical.any():
-        reached = _from_coarse_mesh(model, solver, sliding, state, fraction)
+    model, state, found, straight = problem.model, problem.state, problem.found, problem.straight
+    if found is not None and problem.moves and not found.helical.any():
+        reached = _from_coarse_mesh(problem)
         if reached is not None:
             state.lateral_fraction = reached
             return reached
     try:
-        reached = _reach(model, solver, sliding, state, fraction, found)
+        state.lateral_fraction = reach(problem, found)
     except SolveError as error:
         if found is None or straight is None:
             raise
-        if not found.helical.any():
-            if not has_path(model, state.motion):
-                raise
-            origin.restore()
-            model.system.assembly.dead_load, state.equilibrium.imperfection = None, 0.0
-            _answer_by_path(model, solver, state, _default_path(state.motion), lowering)
-            return 1.0
-        error.hint = _helix_hint(model, found, moves)
-        # a coiled string has many states with friction; the one from a straight start may be easier
-        origin.restore()
-        model.system.assembly.dead_load, state.equilibrium.imperfection = None, 0.0
-        place_marched(model, straight)
-        try:
-            reached = _reach(model, solver, sliding, state, fraction, straight)
-        except SolveError:
-            if not has_path(model, state.motion):
-                raise error from None
-            origin.restore()
-            _answer_by_path(model, solver, state, _default_path(state.motion), lowering)
-            return 1.0
-    state.lateral_fraction = fraction if reached is None else reached
+        if found.helical.any():
+            error.hint = _helix_hint(model, found, problem.moves)
+            # a coiled string has many states with friction; the one from a straight start may be easier
+            _begin_again(problem)
+            place_marched(model, straight)
+            try:
+                state.lateral_fraction = reach(problem, straight)
+                return state.lateral_fraction
+            except SolveError:
+                pass
+        _begin_again(problem)
+        if not problem.paths or not has_path(model, state.motion):
+            raise
+        _answer_by_path(problem, "sliding" if any(state.motion) else "without_friction")
     return state.lateral_fraction
 
 
-def _default_path(motion: tuple[float, float]) -> AnyPath:
-    return "sliding" if any(motion) else "without_friction"
+def _begin_again(problem: StaticProblem) -> None:
+    """Put the string back along the hole, without side loads."""
+    problem.origin.restore()
+    problem.model.system.assembly.dead_load, problem.state.equilibrium.imperfection = None, 0.0
 
 
-def _answer_by_path(
-    model: DrillingModel, solver: StaticNewton, state: StaticState, kind: AnyPath, lowering: float
-) -> None:
+def _answer_by_path(problem: StaticProblem, kind: AnyPath) -> None:
     """Find the state of a string with friction at the end of a path, and what other starts give.
 
     Raises SolveError where the path has no end.
     """
+    model, state = problem.model, problem.state
     clearance, steps = _node_clearance(model), _steps_in_hole(model)
     assert clearance is not None and steps is not None
-    path = FrictionPath(model, kind, solver, state.motion, clearance, steps, surge_rates(model, lowering))
-    state.path = follow_paths(path, ("straight", "overload") if kind == "sliding" else ("straight",))
+    surge = surge_rates(model, problem.lowering)
+    path = FrictionPath(model, kind, problem.solver, state.motion, clearance, steps, surge)
+    overload = kind == "sliding" and pushed_at_end(model)  # a weight is not exceeded
+    state.path = follow_paths(path, ("straight", "overload") if overload else ("straight",))
     report, end = state.equilibrium, state.path.ends[0]
     report.imperfection, report.negative_pivots, report.converged = SEED, end.negative_pivots, True
     report.iterations += end.iterations
-    if state.path.turns:
-        state.lateral_fraction = 0.0
+    state.lateral_fraction = 0.0 if state.path.turns else 1.0
     state.warnings += state.path.lines(model.case.output.units or "metric")
 
 
@@ -323,39 +264,13 @@ def _lock_up(model: DrillingModel, found: March) -> SolveError | CaseError:
     )
 
 
-def _reach(
-    model: DrillingModel,
-    solver: StaticNewton,
-    components,
-    state: StaticState,
-    fraction: float,
-    found: March | None,
-) -> float | None:
-    """Find an equilibrium with friction from the present state; returns the lateral friction fraction reached.
-
-    fraction: that asked for; found: the start, None without contact.  None: nothing moves.
-    Raises SolveError where no equilibrium is found.
-    """
-    moves = bool(components) and state.motion != (0.0, 0.0)
-    reached = None
-    if moves and found is not None:
-        reached = _newton_with_friction(model, solver, components, state, fraction, found)
-    if reached is None:
-        load = found.usual_contact_force if found is not None else 0.0
-        stable_state(model, solver, state.soft_string, state.equilibrium, load)
-        if moves:
-            reached = _add_friction(model, solver, components, state, fraction > 0)
-    return reached
-
-
-def _from_coarse_mesh(
-    model: DrillingModel, solver: StaticNewton, components, state: StaticState, fraction: float
-) -> float | None:
+def _from_coarse_mesh(problem: StaticProblem) -> float | None:
     """Try Newton's method with friction from the equilibrium on a coarse mesh; manual: sec-statics-coarse-start.
 
     Returns the lateral friction fraction reached; None, with the state restored, where the mesh is not fine, or no
     stable equilibrium is found.
     """
+    model, solver, state = problem.model, problem.solver, problem.state
     factor = coarse_factor(model)
     if factor is None:
         return None
@@ -364,140 +279,26 @@ def _from_coarse_mesh(
         coarse = coarse_model(model, factor, state.motion)
         if 2 * coarse.mesh.nodes > model.mesh.nodes:  # each item keeps an element
             return None
-        below = director_equilibrium(coarse, state.motion, fraction > 0)
-        if below.path is not None or not below.stable:
+        below = director_equilibrium(coarse, state.motion, problem.fraction > 0, may_follow_path=False)
+        if not below.stable:
             return None
         report.iterations += below.equilibrium.iterations
         place_like(model, coarse)
-        asked = fraction if state.motion[1] else 1.0
+        asked = problem.fraction if state.motion[1] else 1.0
         for trial in sorted(
             {below.lateral_fraction, asked}
         ):  # a fine mesh may reach what the coarse one did not
-            for component in components:
-                component.impose_sliding_direction(*state.motion, trial)
+            problem.impose(trial)
             solver.newton_damped(report, START_INCREMENT if trial != asked else solver.start_increment)
     except (SolveError, CaseError):
         start.restore()
         return None
     finally:
-        for component in components:
-            component.impose_sliding_direction(0.0, 0.0)
+        problem.set_friction_aside()
     if solver.energy and solver.negative_pivots():
         start.restore()
         return None
     return asked
-
-
-def _newton_with_friction(
-    model: DrillingModel,
-    solver: StaticNewton,
-    components,
-    state: StaticState,
-    fraction: float,
-    found: March,
-) -> float | None:
-    """Try Newton's method with friction from the start ``found``, which already contains it.
-
-    A turning string is first solved without lateral friction, then with its ``fraction``.
-    Returns the lateral friction fraction reached, or None with the state restored where no stable equilibrium
-    is found.
-    """
-    start, reached, report = Snapshot(model), None, state.equilibrium
-    trials = sorted({fraction if state.motion[1] else 1.0, 0.0 if state.motion[1] else 1.0})
-    for trial in trials:
-        last = Snapshot(model)
-        for component in components:
-            component.impose_sliding_direction(*state.motion, trial)
-        # what a further solve starts from, with more friction or with the flow, need not be exact
-        tolerance = START_INCREMENT if trial != trials[-1] else solver.start_increment
-        try:
-            if reached is None:
-                newton_with_stiffening(model, solver, report, found.usual_contact_force, tolerance)
-            else:
-                solver.newton_damped(report, tolerance)
-            reached = trial
-        except SolveError:
-            last.restore()
-            if reached is not None:
-                for component in components:
-                    component.impose_sliding_direction(*state.motion, reached)
-                solver.newton_damped(report)
-            break
-    for component in components:
-        component.impose_sliding_direction(0.0, 0.0)
-    if reached is not None and not (solver.energy and solver.negative_pivots()):
-        return reached
-    start.restore()
-    return None
-
-
-def _add_friction(
-    model: DrillingModel, solver: StaticNewton, components, state: StaticState, lateral_friction: bool
-) -> float:
-    """Find the equilibrium with friction from the frictionless one.
-
-    Returns the lateral friction fraction reached.
-    """
-    start, fraction = Snapshot(model), 1.0 if lateral_friction else 0.0
-    for component in components:
-        component.impose_sliding_direction(*state.motion, fraction)
-    try:
-        solver.newton_damped(state.equilibrium)
-        return fraction
-    except SolveError:
-        start.restore()
-    _friction_by_substitution(model, solver, components, state)
-    start = Snapshot(model)
-    if fraction and state.motion[1]:
-        for component in components:
-            component.impose_sliding_direction(*state.motion, fraction)
-        try:
-            solver.newton_damped(state.equilibrium)
-            return fraction
-        except SolveError:
-            start.restore()
-    return 0.0 if state.motion[1] else fraction
-
-
-def _friction_by_substitution(
-    model: DrillingModel, solver: StaticNewton, components, state: StaticState
-) -> None:
-    """Apply axial friction and friction torque as a dead load, updated until it no longer changes.
-
-    Every solve then has an energy to minimise.  Raises SolveError where the load does not converge.
-    """
-    asm, system, motion, report, soft = (
-        model.system.assembly,
-        model.system,
-        state.motion,
-        state.equilibrium,
-        state.soft_string,
-    )
-    imperfection = asm.dead_load
-    imperfection_load = 0.0 if imperfection is None else imperfection
-    last, weight = np.zeros(system.layout.size), float(nodal_weight(model).sum())
-    change, factors = np.inf, stiffness_steps(model, soft)
-    try:
-        for _ in range(MAX_SUBSTITUTIONS):
-            asm.dead_load = None
-            for component in components:
-                component.impose_sliding_direction(*motion, 0.0)
-            with_friction = solver.rows()
-            for component in components:
-                component.impose_sliding_direction(0.0, 0.0)
-            friction = solver.rows() - with_friction
-            change = solver.largest(float(np.max(np.abs(friction - last), initial=0.0)))
-            if change < 1e-7 * weight:
-                return
-            asm.dead_load = imperfection_load + friction
-            newton_or_descent(model, solver, report, factors)
-            last, factors = friction, (1.0,)
-        raise SolveError(
-            f"friction did not converge in {MAX_SUBSTITUTIONS} rounds (last change {change:.3g} N)",
-            **system.locate_largest_residual(0.0),
-        )
-    finally:
-        asm.dead_load = imperfection
 
 
 def _solver(model: DrillingModel) -> StaticNewton:

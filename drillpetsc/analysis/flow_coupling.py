@@ -63,10 +63,11 @@ def _flow_and_string_together(model: DrillingModel, solver: StaticNewton, report
 def couple_flow_and_string(
     model: DrillingModel, solver: StaticNewton, report: Equilibrium, lowering: float = 0.0
 ) -> None:
-    """Solve steady flow and string in turn, from a string in equilibrium under frozen flow; collective.
+    """Solve for steady flow and string, from a string in equilibrium under frozen flow; collective.
 
-    Manual: sec-statics-flow.  The change contracts in each round by the ratio of the fluid's compliance to
-    the steel's, a few percent.
+    Manual: sec-statics-flow.  Newton's method solves for both together.  Where it does not converge, and for flows of
+    the Hermite formulation, they are solved in turn; the change then contracts in each round by the ratio of the fluid's
+    compliance to the steel's, a few percent.
 
     report: gets the iterations of the string.
     lowering: speed at which the top lowers the string [m/s]; the flow is then that about the moving string

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.analysis.energy_descent import Snapshot, nodal_weight
-from drillpetsc.analysis.march import march
+from drillpetsc.analysis.march import CROSSING, March, march
 from drillpetsc.analysis.path_answer import OVERLOAD, STEADY, AnyPath, PathAnswer, PathEnd
 from drillpetsc.analysis.placement import place_along_hole, top_depth
 from drillpetsc.analysis.soft_string_start import place_marched
@@ -46,6 +46,7 @@ REST, LONGEST_REST = (
 FIRST_STEP, SHORTEST_STEP = 1e-3, 1e-9  # [s]
 MOST_STEPS = 4000
 FLOW_STEPS = 10  # steps after which the steady flow is solved again
+FARTHEST_SLIDE = 5e-3  # of the string at the end of a path to where its bit carries its weight [m]
 FREE_BIT = 1e-3  # weight on the spring in place of a bit that carries a given force [N]
 LEAST_WEIGHT = 1.0  # on the bit before it is loaded [N]
 
@@ -188,11 +189,7 @@ class FrictionPath:
         assert straight is not None
         if not self._scale:
             self._scale = max(-float(straight.axial_force.min()), 1.0)
-        if model.case.top.force is None:
-            place_marched(model, straight)
-        elif model.top is not None and straight.top_on_wall:  # unstrained on the wall
-            model.top.displace(straight.offset[0])
-            model.system.set_field("string.position", model.position + straight.offset)
+        self._lay_down(straight)
         slid, change = 0.0, 0.0
         asm = model.system.assembly
         if model.fluid is not None:
@@ -223,6 +220,34 @@ class FrictionPath:
             self.steps,
             sum(q.iterations for q in self._motions.values()),
         )
+
+    def _lay_down(self, found: March) -> None:
+        """Put the string on the wall as ``found`` has it; under a given top force it is unstrained.
+
+        From an item of little clearance the pipe reaches the wall over ``CROSSING``: on short elements a step would be a
+        kink of many times the strength of the pipe.
+        """
+        model, system = self.model, self.model.system
+        depth, forced = model.mesh.node_depth, self.model.case.top.force is not None
+        if forced and not found.top_on_wall:
+            return
+        size = np.linalg.norm(found.offset, axis=1)
+        reach = size.copy()
+        for order in (range(1, len(size)), range(len(size) - 2, -1, -1)):
+            for i in order:
+                j = i - 1 if order.step > 0 else i + 1
+                reach[i] = min(reach[i], reach[j] + size[i] * abs(depth[i] - depth[j]) / CROSSING)
+        share = np.divide(reach, size, out=np.zeros_like(size), where=size > 0)
+        offset = (share**2 * (3 - 2 * share))[:, None] * found.offset
+        centre, tangent = found.position - found.offset, found.tangent
+        if not forced:
+            place_marched(model, found)
+        elif model.top is not None:
+            model.top.displace(offset[0])
+            centre, tangent = model.position, model.tangent
+        system.set_field("string.position", centre + offset)
+        if not model.mesh.is_joint.any():
+            system.set_field("string.tangent", tangent + np.gradient(offset, depth, axis=0))
 
     @contextmanager
     def _free_bit(self) -> Iterator[None]:
@@ -367,9 +392,9 @@ class FrictionPath:
                 continue
             t, last, last_dt = t + d, asm.x[:n] - before.x[:n], d
             self.steps += 1
+            log.append((t, *self._transmitted()))  # the flow's solve leaves no reactions
             if model.fluid is not None and self.steps % FLOW_STEPS == 0:
                 self._renew_flow()
-            log.append((t, *self._transmitted()))
             if target is not None and wob >= (1 - WEIGHT_TOLERANCE) * target:
                 break
             if self.steps > MOST_STEPS:
@@ -438,10 +463,14 @@ class FrictionPath:
         Those of drag and friction, which is set aside; of a string that turns the drag's alone.
         """
         self._friction_at_end()
-        held = self.solver.rows()
+        return self._missing_forces()
+
+    def _missing_forces(self) -> FloatArray:
+        """Forces (n,) on free unknowns that the state lacks to be an equilibrium."""
+        out = self.solver.rows()
         for f in self.model.system.assembly.row_replacements:
-            held[f.rows] = f.complement @ held[f.rows]
-        return held
+            out[f.rows] = f.complement @ out[f.rows]
+        return out
 
     def _close(self, held: FloatArray) -> int:
         """Make the state an equilibrium with ``held`` as the assembly's dead load; returns its negative pivots.
@@ -454,7 +483,9 @@ class FrictionPath:
         self._friction_at_end()  # the bit has lost it with its spring
         if self._wob is not None:
             solver.rows()
-            if abs(self._end_forces()[1] - self._wob) > WEIGHT_TOLERANCE * self._wob:
+            if self._misses_weight(self._wob):
+                self._slide_to_depth(self._wob)
+            if self._misses_weight(self._wob):
                 solver.newton_damped(Equilibrium())
         for component in self.components:  # stability is counted with friction as a dead load
             component.impose_sliding_direction(0.0, 0.0)
@@ -462,6 +493,26 @@ class FrictionPath:
         self._friction_at_end()
         solver.rows()
         return negative
+
+    def _misses_weight(self, wob: float) -> bool:
+        return abs(self._end_forces()[1] - wob) > WEIGHT_TOLERANCE * wob
+
+    def _slide_to_depth(self, wob: float) -> None:
+        """Move the whole string, whose buckles still travel, along the hole to where its bit carries its weight.
+
+        Its shape and its place on the wall stay, but in a hole that changes within millimetres; what is missing joins
+        the dead load.  A state that is further away is left as it is.
+        """
+        model, asm, bit, top = self.model, self.model.system.assembly, self.model.bit, self.model.top
+        assert bit is not None and top is not None
+        miss = bit.depth_for(wob) - sum_of(model.system, bit.depth_of_face(asm)[0])
+        if abs(miss) > FARTHEST_SLIDE or asm.dead_load is None:
+            return
+        dofs = model.system.layout.dofs["string.position"]
+        asm.x[dofs] += miss * self._tangent[model.system.chain.vertices]
+        top.shift(miss)
+        asm.dead_load = asm.dead_load + self._missing_forces()
+        self.solver.rows()
 
     def _friction_at_end(self) -> None:
         """Friction of the state that a path ends in: of a string that turns against the imposed motion, else a dead load."""
@@ -495,7 +546,7 @@ def has_path(model: DrillingModel, motion: tuple[float, float]) -> bool:
 
 
 def refuse_path(model: DrillingModel, motion: tuple[float, float], got: str) -> None:
-    """Raise CaseError where a path has no meaning for ``model`` and ``motion``."""
+    """Raise CaseError where a path has no meaning for ``model``, unstrained along the hole, and ``motion``."""
     at = "--path"
     if got == "slack_off" and motion[0] < 0:
         raise CaseError(at=at, got=got, want="a string that is lowered (--motion lower)")
@@ -509,11 +560,22 @@ def refuse_path(model: DrillingModel, motion: tuple[float, float], got: str) -> 
         raise CaseError(
             at=at, got=got, want="a string that slides or turns (--motion hoist, lower or rotate)"
         )
-    if not pushing(model):
-        raise CaseError(at=at, got=got, want="a push: initial.wob, or a force of the top or at the bottom")
+    if got == "slack_off" and model.case.top.force is None and model.case.initial.wob is None:
+        raise CaseError(
+            at=at, got=got, want="a push on the bit that stands: initial.wob, or a force of the top"
+        )
+    if pushed_at_end(model):
+        return
+    found = march(model, motion, coils=False)
+    if found is None or not found.axial_force.min() < 0:
+        raise CaseError(
+            at=at,
+            got=got,
+            want="a string that is pushed: by initial.wob, a force of the top or at the bottom, or its weight",
+        )
 
 
-def pushing(model: DrillingModel) -> bool:
+def pushed_at_end(model: DrillingModel) -> bool:
     """Whether the case pushes the string at one of its ends."""
     case = model.case
     return (

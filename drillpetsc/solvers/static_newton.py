@@ -252,9 +252,8 @@ class StaticNewton:
         sigma: shift of the last step [N/m2].  Raises SolveError where no shift suffices.
         """
         mesh = self.system.mesh
-        first = 1e-3 * self.largest(
-            float(np.max((mesh.bending_stiffness / mesh.length_divisor**4)[~mesh.is_joint]))
-        )
+        # of the longest elements: buckles are long, and the shortest ones of a graded mesh would make every step small
+        first = 1e-3 * float(np.min((mesh.bending_stiffness / mesh.length_divisor**4)[~mesh.is_joint]))
         trial = sigma / 8 if sigma > 8 * first else 0.0
         for _ in range(60):
             if self._factor(trial) == 0:

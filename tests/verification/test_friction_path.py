@@ -95,8 +95,9 @@ def test_the_weight_on_bit_is_met(path, tmp_path) -> None:
     [
         ("rotate", "slack_off", {}, "does not turn"),
         ("hoist", "slack_off", {}, "lowered"),
-        ("lower", "sliding", {"top": {"kind": "top_drive"}}, "push"),
+        ("hoist", "sliding", {"top": {"kind": "top_drive"}}, "pushed"),
         ("lower", "slack_off", {"contact": "none"}, "contact"),
+        ("lower", "slack_off", {"top": {"kind": "top_drive"}}, "bit that stands"),
     ],
 )
 def test_a_path_that_has_no_meaning_is_refused(motion, path, keys, want, tmp_path) -> None:
@@ -117,8 +118,11 @@ def test_a_run_starts_from_the_end_of_a_path(tmp_path) -> None:
     assert result.summary["status"] == "done"
 
 
-@pytest.mark.parametrize(("path", "bit"), [("sliding", "cuts"), ("slack_off", "stands")])
-def test_a_wet_string_in_a_curved_hole_is_pushed(path, bit, tmp_path) -> None:
+@pytest.mark.parametrize(
+    ("path", "bit", "mesh"),
+    [("sliding", "cuts", 5.0), ("sliding", "stands", "auto"), ("slack_off", "stands", 5.0)],
+)
+def test_a_wet_string_in_a_curved_hole_is_pushed(path, bit, mesh, tmp_path) -> None:
     """A string that must be pushed into its hole is buckled before its bit stands on the bottom: the weight on bit is
     met, and the hook load is below that of a soft string without buckles.
     """
@@ -133,7 +137,7 @@ def test_a_wet_string_in_a_curved_hole_is_pushed(path, bit, tmp_path) -> None:
             "sections": [{"to": 800.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.3}],
         },
         string=[
-            {"kind": "pipe", "length": 799.5, "od": 0.1016, "id": 0.0848, "element_length": 5.0},
+            {"kind": "pipe", "length": 799.5, "od": 0.1016, "id": 0.0848, "element_length": mesh},
             {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0},
         ],
         top={"kind": "top_drive", "lowering": 0.1},
@@ -150,6 +154,8 @@ def test_a_wet_string_in_a_curved_hole_is_pushed(path, bit, tmp_path) -> None:
     summary = statics(case, tmp_path / "out", path=path).summary
     assert summary["wob"] == pytest.approx(wob, rel=1.1e-3)
     soft = summary["soft_string"]["hook_load"]
+    if path == "sliding":  # the steps after which the flow is solved again have forces, too
+        assert all(state["change"] < 2e-3 for state in summary["path_states"])
     assert soft - 0.5 * wob < summary["hook_load"] < soft + 0.02 * wob
 
 
@@ -180,3 +186,21 @@ def test_side_loads_are_the_same_on_all_meshes() -> None:
         loads.append(np.asarray(every)[:: round(2 / element)] / element)
     assert loads[1] == pytest.approx(loads[0], rel=1e-12)
     assert loads[0].std() > 0.3
+
+
+def test_short_elements_of_a_graded_mesh_do_not_slow_the_descent(tmp_path) -> None:
+    """A vertical string of 2000 m with 50 kN on its bit takes 360 iterations on elements of 5 m; automatic ones, of 1 m at
+    the bit, took 2500 and ten times the side load that was asked for.
+    """
+    well = straight(0.0, 2000.0, FRICTION)
+    case = Case(
+        well=well,
+        string=[{**PIPE, "length": 1999.5}, {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0}],
+        top={"kind": "top_drive", "lowering": 0.1},
+        bottom={"kind": "bit"},
+        gravity=9.81,
+        initial={"from": "statics", "wob": 50e3},
+    )
+    summary = statics(case, tmp_path / "out").summary
+    assert summary["wob"] == pytest.approx(50e3, rel=1e-3) and summary["negative_pivots"] == 0
+    assert summary["iterations"] < 800 and summary["imperfection"] == 1e-3

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, statics
+from drillpetsc.analysis import coarse_start, equilibrium
 from drillpetsc.analysis.torque_drag.roadmap import run_roadmap
+from drillpetsc.errors import SolveError
 from drillpetsc.output import read_table
 from tests.verification.test_roadmap_command import case
 from tests.verification.test_statics_report import BENDING, CLEARANCE, PIPE, WEIGHT, pushed, straight
@@ -143,3 +145,64 @@ def test_a_roadmap_has_rows_of_buckled_strings(tmp_path) -> None:
     assert "one of several states" in table["status [-]"][rows["sliding"]]
     torque = table["surface_torque [N m]"][rows["drilling"]] - 1000.0
     assert FRICTION * RADIUS * WEIGHT * 300 < torque < 1.03 * FRICTION * RADIUS * helix(300e3) * 300
+
+
+def test_a_string_that_its_weight_pushes_into_a_level_hole_has_a_path(tmp_path) -> None:
+    """Coiled tubing run 1300 m into a level hole: the hook load is below the weight of the vertical part by the friction of the
+    level one, w mu L, and of the curve, at least.  There is no overload of a weight.
+    """
+    tubing = {"kind": "pipe", "od": 0.0603, "id": 0.0507, "element_length": 4.0}
+    made = Case(
+        well={
+            "survey": {
+                "md": [0.0, 600.0, 900.0, 2200.0],
+                "inclination": [0.0, 0.0, np.pi / 2, np.pi / 2],
+                "azimuth": [0.0] * 4,
+            },
+            "sections": [{"to": 2200.0, "kind": "casing", "diameter": 0.1143, "friction": FRICTION}],
+        },
+        string=[{**tubing, "length": 2200.0}],
+        top={"kind": "top_drive", "lowering": 0.2},
+        bottom="free",
+        gravity=9.81,
+    )
+    summary = statics(made, tmp_path / "out", path="sliding").summary
+    weight = 7850 * 9.81 * np.pi / 4 * (0.0603**2 - 0.0507**2)
+    hanging = weight * (600.0 + 300.0 * 2 / np.pi)
+    assert 0 < summary["hook_load"] < hanging - FRICTION * weight * 1300.0
+    assert [state["start"] for state in summary["path_states"]] == ["straight"]
+    assert summary["path_states"][0]["change"] < 2e-3 and summary["buckling"]["sinusoidal"]
+
+
+def test_the_coarse_mesh_of_a_fine_one_follows_no_path(monkeypatch, tmp_path) -> None:
+    """Its result would be discarded: where Newton's method finds no state of the coarse mesh, the fine one is solved."""
+    well = straight(60.0, 300.0, FRICTION)
+    made = Case(
+        well=well,
+        string=[
+            {**PIPE, "length": 299.5, "element_length": 1.5},
+            {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0},
+        ],
+        top={"kind": "top_drive", "lowering": 0.1},
+        bottom={"kind": "bit"},
+        gravity=9.81,
+        initial={"from": "statics", "wob": 20e3},
+    )
+    expected = statics(made, tmp_path / "a").summary["hook_load"]
+    reach, meshes = equilibrium.reach, []
+
+    def on_fine_meshes(problem, found):
+        meshes.append(problem.model.mesh.nodes)
+        if problem.model.mesh.nodes < 100:
+            raise SolveError("no state")
+        return reach(problem, found)
+
+    def followed(problem, kind):
+        raise AssertionError("a path was followed")
+
+    monkeypatch.setattr(coarse_start, "FINE", 100)
+    monkeypatch.setattr(coarse_start, "COARSE", 50)
+    monkeypatch.setattr(equilibrium, "reach", on_fine_meshes)
+    monkeypatch.setattr(equilibrium, "_answer_by_path", followed)
+    assert statics(made, tmp_path / "b").summary["hook_load"] == pytest.approx(expected, rel=1e-6)
+    assert min(meshes) < 100 < max(meshes)

@@ -1,0 +1,133 @@
+"""Static equilibrium with friction by Newton's method, from a start that contains friction or from a state without it.
+
+Manual: sec-statics-sequence.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drillpetsc.analysis.energy_descent import (
+    MAX_SUBSTITUTIONS,
+    START_INCREMENT,
+    Snapshot,
+    newton_or_descent,
+    newton_with_stiffening,
+    nodal_weight,
+    stable_state,
+    stiffness_steps,
+)
+from drillpetsc.analysis.march import March
+from drillpetsc.analysis.static_problem import StaticProblem
+from drillpetsc.errors import SolveError
+
+STALL_ROUNDS = 6  # rounds of friction without half the change before its substitution ends
+
+
+def reach(problem: StaticProblem, found: March | None) -> float:
+    """Find an equilibrium with friction from the present state; returns the lateral friction fraction reached.
+
+    found: the start, None without contact.
+    Raises SolveError where no equilibrium is found.
+    """
+    reached = None
+    if problem.moves and found is not None:
+        reached = _newton_with_friction(problem, found)
+    if reached is None:
+        load, state = found.usual_contact_force if found is not None else 0.0, problem.state
+        stable_state(problem.model, problem.solver, state.soft_string, state.equilibrium, load)
+        reached = _add_friction(problem) if problem.moves else problem.fraction
+    return reached
+
+
+def _newton_with_friction(problem: StaticProblem, found: March) -> float | None:
+    """Try Newton's method with friction from the start ``found``, which already contains it.
+
+    A turning string is first solved without lateral friction, then with its fraction.
+    Returns the lateral friction fraction reached, or None with the state restored where no stable equilibrium
+    is found.
+    """
+    model, solver, report = problem.model, problem.solver, problem.state.equilibrium
+    turns, start, reached = bool(problem.state.motion[1]), Snapshot(model), None
+    trials = sorted({problem.fraction if turns else 1.0, 0.0 if turns else 1.0})
+    for trial in trials:
+        last = Snapshot(model)
+        problem.impose(trial)
+        # what a further solve starts from, with more friction or with the flow, need not be exact
+        tolerance = START_INCREMENT if trial != trials[-1] else solver.start_increment
+        try:
+            if reached is None:
+                newton_with_stiffening(model, solver, report, found.usual_contact_force, tolerance)
+            else:
+                solver.newton_damped(report, tolerance)
+            reached = trial
+        except SolveError:
+            last.restore()
+            if reached is not None:
+                problem.impose(reached)
+                solver.newton_damped(report)
+            break
+    problem.set_friction_aside()
+    if reached is not None and not (solver.energy and solver.negative_pivots()):
+        return reached
+    start.restore()
+    return None
+
+
+def _add_friction(problem: StaticProblem) -> float:
+    """Find the equilibrium with friction from the frictionless one; returns the lateral friction fraction reached."""
+    model, solver, report = problem.model, problem.solver, problem.state.equilibrium
+    start, fraction, turns = Snapshot(model), 1.0 if problem.fraction > 0 else 0.0, problem.state.motion[1]
+    problem.impose(fraction)
+    try:
+        solver.newton_damped(report)
+        return fraction
+    except SolveError:
+        start.restore()
+    _friction_by_substitution(problem)
+    start = Snapshot(model)
+    if fraction and turns:
+        problem.impose(fraction)
+        try:
+            solver.newton_damped(report)
+            return fraction
+        except SolveError:
+            start.restore()
+    return 0.0 if turns else fraction
+
+
+def _friction_by_substitution(problem: StaticProblem) -> None:
+    """Apply axial friction and friction torque as a dead load, updated until it no longer changes.
+
+    Every solve then has an energy to minimise.  Raises SolveError where the load does not converge.
+    """
+    model, solver, state = problem.model, problem.solver, problem.state
+    system = model.system
+    asm = system.assembly
+    imperfection = asm.dead_load
+    imperfection_load = 0.0 if imperfection is None else imperfection
+    last, weight = np.zeros(system.layout.size), float(nodal_weight(model).sum())
+    changes, factors = [np.inf], stiffness_steps(model, state.soft_string)
+    try:
+        for _ in range(MAX_SUBSTITUTIONS):
+            asm.dead_load = None
+            problem.impose(0.0)
+            with_friction = solver.rows()
+            problem.set_friction_aside()
+            friction = solver.rows() - with_friction
+            changes.append(solver.largest(float(np.max(np.abs(friction - last), initial=0.0))))
+            if changes[-1] < 1e-7 * weight:
+                return
+            if len(changes) > 2 * STALL_ROUNDS and min(changes[-STALL_ROUNDS:]) > 0.5 * min(
+                changes[:-STALL_ROUNDS]
+            ):
+                break  # a buckled string may go from state to state for ever
+            asm.dead_load = imperfection_load + friction
+            newton_or_descent(model, solver, state.equilibrium, factors)
+            last, factors = friction, (1.0,)
+        raise SolveError(
+            f"friction did not converge in {len(changes) - 1} rounds (last change {changes[-1]:.3g} N)",
+            **system.locate_largest_residual(0.0),
+        )
+    finally:
+        asm.dead_load = imperfection
