@@ -109,7 +109,7 @@ def parallel_lu() -> str | None:
     """A direct solver for distributed matrices that this PETSc was built with; None where it has none
     (binaries from PyPI)."""
     if not hasattr(PETSc.Sys, "hasExternalPackage"):
-        return "mumps"  # 3.18 cannot tell; distributions build it in
+        return "mumps"  # 3.18 has no query for it; distributions build it in
     return next((name for name in ("mumps", "superlu_dist") if PETSc.Sys.hasExternalPackage(name)), None)
 
 

@@ -1,7 +1,7 @@
 """Systems of units: which unit a bare number of a case has, and in which unit a figure is printed or plotted.
 
-One table holds both, a row a kind of quantity. A kind is finer than a dimension: the depth of a hole is told in feet
-where its diameter is told in inches. Files stay in SI.
+One table holds both, a row a kind of quantity. A kind is finer than a dimension: the depth of a hole is given in feet
+where its diameter is given in inches. Files stay in SI.
 
 `display(0.2159, "diameter", "field")` is (8.5, "in").
 """

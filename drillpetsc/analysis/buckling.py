@@ -21,7 +21,7 @@ HELICAL_RATIO = np.sqrt(2.0)
 #: first buckling of a vertical string with the weight w per length, F/(EI w^2)^(1/3) (Lubinski, 1950)
 VERTICAL_LOAD = 1.94
 ELEMENTS_PER_PITCH = 4.0  # with fewer, the shape of a helix is wrong
-FEW_RANGES = 3  # that are told one by one
+FEW_RANGES = 3  # that are reported one by one
 WINDING = 1.5 * np.pi  # rotation of the offset within a pitch from which a string counts as a helix [rad]
 
 

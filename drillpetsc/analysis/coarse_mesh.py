@@ -27,11 +27,11 @@ from drillpetsc.output.static_table import at_nodes, static_table
 from drillpetsc.unit_systems import System, display, display_unit
 
 TOLERANCE = 1.25  # of a turn in one element over that which suffices
-MOMENT_ERROR = 0.03  # of a bending moment beside a support, from which it is told
+MOMENT_ERROR = 0.03  # of a bending moment beside a support, from which it is reported
 #: moments at the nodes follow from equilibrium (manual: sec-beam-nodal): lengths that leave about 1 % of them, over the
 #: bending layer and over the free length
 LAYER_SHARE, SPAN_SHARE = 1.5, 0.6
-LEAST_STRESS = 10e6  # bending stress of which the error is told [Pa]
+LEAST_STRESS = 10e6  # bending stress of which the error is reported [Pa]
 SHARP_BEND = 50e6  # bending stress of a jump of the hole's curvature beside which elements are judged [Pa]
 MOST_LINES = 6  # of one kind
 

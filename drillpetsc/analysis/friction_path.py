@@ -551,7 +551,12 @@ def refuse_path(model: DrillingModel, motion: tuple[float, float], got: str) -> 
     if got == "slack_off" and motion[0] < 0:
         raise CaseError(at=at, got=got, want="a string that is lowered (--motion lower)")
     if model.case.initial.wob is not None and motion[0] < 0:
-        raise CaseError(at=at, got=got, want="no initial.wob where the string is hoisted")
+        raise CaseError(
+            at=at,
+            got=f"{got}, hoisted with initial.wob",
+            want="a case without initial.wob where the string is hoisted: it slides upward only once the bit is off bottom",
+            hint="leave initial.wob and --path out for the pick-up load off bottom; with initial.wob, --motion lower or rotate",
+        )
     if model.contact is None or model.well is None or model.beam is None:
         raise CaseError(at=at, got=got, want="a string in a hole with contact")
     if got == "slack_off" and (motion[1] or not motion[0]):
@@ -568,10 +573,12 @@ def refuse_path(model: DrillingModel, motion: tuple[float, float], got: str) -> 
         return
     found = march(model, motion, coils=False)
     if found is None or not found.axial_force.min() < 0:
+        ends = "a force of the top or at the bottom, or its weight"
         raise CaseError(
             at=at,
-            got=got,
-            want="a string that is pushed: by initial.wob, a force of the top or at the bottom, or its weight",
+            got=f"{got}, and nothing pushes the string",
+            want=f"a string that is pushed: by {ends if motion[0] < 0 else 'initial.wob, ' + ends}",
+            hint="a string that nothing pushes has one state: leave --path out",
         )
 
 

@@ -73,7 +73,7 @@ class PathAnswer:
     def lines(self, units: System = "metric") -> list[str]:
         """Sentences for the user, with forces and lengths in a system of units."""
 
-        def told(value: float, kind: str) -> str:
+        def text(value: float, kind: str) -> str:
             number, unit = display(value, kind, units)
             return f"{number:.5g} {unit}"
 
@@ -95,7 +95,7 @@ class PathAnswer:
             bands = [(name, what, "force")] + [("surface_torque", "surface torque", "torque")] * self.turns
             if len(self.ends) > 1:
                 out += [
-                    self._band(what, *(told(getattr(e, name), kind) for e in self.ends))
+                    self._band(what, *(text(getattr(e, name), kind) for e in self.ends))
                     for name, what, kind in bands
                 ]
                 out.append("the table is that of the string from a straight start")
@@ -105,7 +105,7 @@ class PathAnswer:
                     out.append(
                         f"the state from the {end.start} start still changes: {measure} by {100 * end.change:.2g} % "
                         f"({'of itself or ' if self.turns else ''}of the push) over the last "
-                        f"{told(end.slid / 4, 'length')} of {told(end.slid, 'length')}"
+                        f"{text(end.slid / 4, 'length')} of {text(end.slid, 'length')}"
                     )
         pivots = self.ends[0].negative_pivots
         if self.held_by_friction:

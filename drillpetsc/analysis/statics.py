@@ -14,6 +14,7 @@ from drillpetsc.analysis.coarse_mesh import state_warnings
 from drillpetsc.analysis.equilibrium import MOTIONS, StaticState
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.path_answer import PathKind
+from drillpetsc.analysis.placement import prescribed_motion
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
@@ -35,7 +36,7 @@ from drillpetsc.output.string_ends import TopEnd
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.physics.beam import RESULT_NAMES
 from drillpetsc.solvers import petsc_options as options
-from drillpetsc.unit_systems import System, display, kind_of
+from drillpetsc.unit_systems import System, display, kind_of, shown
 
 NOISE = 1e-12  # share of the largest load below which a load is rounding noise
 
@@ -68,6 +69,7 @@ def run_statics(
         buckled = buckling(model, columns, values) if values is not None else Buckling()
         state.warnings += buckled.lines(case.output.units or "metric")
         state.warnings += [*state_warnings(model, columns, values), *model.mesh.notes]
+        state.warnings += _hoisted_with_weight(model, MOTIONS[motion] if motion else None)
         summary = {
             "title": case.title,
             **static_summary(model, state),
@@ -83,6 +85,21 @@ def run_statics(
         if comm.rank == 0:
             _write(model, folder, columns, values, summary, fields)
     return RunResult(folder.path, summary, _lines(case, folder, state, summary))
+
+
+def _hoisted_with_weight(model: DrillingModel, motion: tuple[float, float] | None) -> list[str]:
+    """Remark on a string whose friction is that of hoisting while the bit bears weight.
+
+    motion: axial velocity, positive downward, and spin; None: those of the top at time 0.
+    """
+    case, weight = model.case, model.case.initial.wob
+    down = (prescribed_motion(model) if motion is None else motion)[0]
+    if not weight or down >= 0:
+        return []
+    return [
+        f"the bit bears initial.wob, {shown(weight, 'force', case.output.units or 'metric')}, while friction is that of a string that is hoisted; "
+        "the pick-up load off bottom is that of the case without initial.wob"
+    ]
 
 
 def beyond_rig(case: Case, summary: dict[str, Any]) -> list[str]:

@@ -25,7 +25,7 @@ from drillpetsc.unit_systems import System, display_unit, shown
 
 FOR_RATES = 5.0  # length of new hole [m] below which its waviness, tenths of a degree, hides its build rate
 DAMPING_SHOWN = 1e-3  # share of energy lost above which the report names the damping of the time formula
-DAMPING_MATTERS = 0.01  # share of energy lost above which the report tells which vibrations are damped
+DAMPING_MATTERS = 0.01  # share of energy lost above which the report names which vibrations are damped
 PHASES = ("Residual", "Jacobian", "ChainFactor", "ChainSolve", "Output")
 
 

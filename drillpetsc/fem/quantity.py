@@ -36,7 +36,7 @@ class Quantity:
     doc: one sentence.
     interpolate: between two steps: a straight line, a parabola through three steps (``motion``), or none: then the
     value is that at the time of writing.
-    mean: the mean over a time tells something.
+    mean: the mean over a time has a meaning.
     value(source, sample): this rank's share, summed over ranks: a number, or (k, size) for k joints or probes; for
     ``node`` (nv, size) at the local vertices; for ``element`` (nc,) or (nc, 2, ...) at its upper and lower end.
     size: numbers of one entity that ``value`` returns.
@@ -44,7 +44,7 @@ class Quantity:
     from those of all, (n, size) at depths (n,), as (n, k); without it, the values themselves.
     index: which of these numbers is the quantity's; None: all.
     panel: quantities of one panel are drawn together, panels in ascending order; 0: with others of the same unit.
-    numerics: tells about the computation, not about the string.
+    numerics: describes the computation, not the string.
     interest: 1 for what a study compares first; 0: after all others.
     kind: key of ``unit_systems.KINDS``, for the unit in which people see it; empty: the usual kind of the unit.
     """

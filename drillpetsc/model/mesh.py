@@ -159,7 +159,7 @@ def _depths_of_run(case: Case) -> FloatArray | None:
     try:
         with h5py.File(Path(case.initial.from_) / "checkpoint.h5", "r") as file:
             return np.array(file["depths"])
-    except (OSError, KeyError):  # the reader of checkpoints tells what is wrong with the file
+    except (OSError, KeyError):  # the reader of checkpoints reports what is wrong with the file
         return None
 
 

@@ -30,7 +30,7 @@ STEPS_AHEAD = 3.0  # a step at most doubles: with it, the step before the one th
 
 @dataclass
 class Row:
-    """What a row of the history tells about itself: time [s], last step [s], its Newton iterations."""
+    """What a row of the history contains about itself: time [s], last step [s], its Newton iterations."""
 
     time: float = 0.0
     step: float = 0.0

@@ -65,7 +65,7 @@ RUN: tuple[SummaryKey, ...] = (
     SummaryKey(
         "accepted_changes",
         "",
-        "Changes of the case that a continued run was told to accept, each with its time.",
+        "Changes of the case that were accepted for a continued run, each with its time.",
         ACCEPTED_CHANGES,
     ),
     SummaryKey("statics.iterations", "-", "Newton iterations of the static start.", STATIC_START),

@@ -18,8 +18,8 @@ def draw_reflection(folder: Path, title: str) -> Any:
         return None
     table = read_table(folder / REFLECTION_TABLE)
     file = RunFolder(folder).summary
-    told = (read_summary(file) if file.exists() else {}).get("top_drive", {})
-    kinds = [law["kind"] for law in told.get("control", ())]
+    found = (read_summary(file) if file.exists() else {}).get("top_drive", {})
+    kinds = [law["kind"] for law in found.get("control", ())]
     drawing = style.figure(8.0, 4.5, dpi=110)
     top = style.heading(drawing, f"{title}: reflection at the top")
     axes = drawing.subplots()
@@ -30,7 +30,7 @@ def draw_reflection(folder: Path, title: str) -> Any:
         rows = number == k + 1
         label = kinds[k] if k < len(kinds) else f"controller {k + 1}"
         axes.plot(frequency[rows], size[rows], color=LINE_COLORS[k % len(LINE_COLORS)], label=label)
-    lowest = told.get("torsional_frequency")
+    lowest = found.get("torsional_frequency")
     if lowest:
         axes.axvline(lowest, color="0.4", linewidth=0.8, linestyle=(0, (5, 2)), label="lowest torsional mode")
     axes.set(

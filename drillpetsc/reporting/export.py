@@ -115,7 +115,7 @@ def _tables(folder: Path) -> dict[str, Table]:
 
 
 def _chosen(tables: dict[str, Table], columns: Sequence[str]) -> dict[str, Table]:
-    """The tables that have one of the columns, with these columns and what tells time and depth."""
+    """The tables that have one of the columns, with these columns and those of time and depth."""
     if not columns:
         return tables
     names = {split_name(title)[0] for table in tables.values() for title in table}

@@ -20,7 +20,7 @@ from drillpetsc.reporting.page import Grid, Section, facts, file_grid, picture
 from drillpetsc.reporting.units import heading_of, in_units, label_of, number, texts, unit_of
 from drillpetsc.unit_systems import System
 
-LEAST_SHARE = 1e-4  # smallest error that is told of, as a share
+LEAST_SHARE = 1e-4  # smallest error that is reported, as a share
 
 
 @dataclass(frozen=True)
@@ -134,14 +134,14 @@ def warnings_of(run: Run) -> list[str]:
         found.append(f"the static state is not stable: {pivots:g} negative pivots")
     if not run.summary:
         found.append("no summary.json in this folder: the run did not end")
-    told = _texts(run.summary)
-    found += [text for key, text in told if key == "warnings"]
+    texts = _texts(run.summary)
+    found += [text for key, text in texts if key == "warnings"]
     for kind in run.kinds:
         for table in kind.tables:
             file = run.folder.path / table
             if file.is_file():
                 found += _doubtful(file)
-    found += [f"note: {text}" for key, text in told if key == "notes"]
+    found += [f"note: {text}" for key, text in texts if key == "notes"]
     return list(dict.fromkeys(found))
 
 
@@ -375,7 +375,7 @@ def solver_section(runs: Sequence[Run]) -> Section:
                 Grid(heads, rows, run.name, source, folded=True, numeric=(False, True, False, False))
             )
     if not section.grids:
-        section.missing = "no run has told of its computation" if runs else "nothing was computed"
+        section.missing = "no run has reported its computation" if runs else "nothing was computed"
     return section
 
 

@@ -68,7 +68,7 @@ class Columns(dict[str, np.ndarray]):
 def dataset(table: Table, file: str, title: str = "") -> Any:
     """A table as a dataset of xarray, or as `Columns` where xarray is not installed. The arrays are copies.
 
-    file: name of the table, which tells its coordinate and what its columns are; title: of the run
+    file: name of the table, which determines its coordinate and what its columns are; title: of the run
     """
     coordinate = COORDINATES.get(file, "")
     names = {split_name(heading)[0]: heading for heading in table}

@@ -23,7 +23,7 @@ from drillpetsc.results.cube import roadmap_cube
 from drillpetsc.results.datasets import Table, dataset, frame, read_string, string_dataset
 from drillpetsc.unit_systems import SYSTEMS, System
 
-#: table that tells the kind of a result -> that kind; the first one is the main table
+#: table that determines the kind of a result -> that kind; the first one is the main table
 KINDS = {
     "history.csv": "run",
     "roadmap.csv": "roadmap",
@@ -216,8 +216,8 @@ class Result(RunResult):
         """Units of the command or of the case."""
         from drillpetsc.plotting.style import units_of_run
 
-        told = self.summary.get("units")
-        return told if told in SYSTEMS else units_of_run(RunFolder(self.folder).case)
+        units = self.summary.get("units")
+        return units if units in SYSTEMS else units_of_run(RunFolder(self.folder).case)
 
     def _report(self) -> tuple[str, shown.Rows, list[str], str]:
         kind, main = self.kind, {}

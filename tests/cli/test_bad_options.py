@@ -81,8 +81,8 @@ def test_the_last_step_of_max_steps_can_be_continued(folder):
     assert whole.returncode == 0, whole.stderr
     done = drillpetsc("run", "case.yaml", "--out", "steps", "-ts_max_steps", "5", cwd=folder)
     assert done.returncode == 1 and "5 steps of -ts_max_steps" in done.stderr
-    told = json.loads((folder / "steps" / "summary.json").read_text())
-    assert told["steps"] == 5 and 0 < told["time"] < 0.02
+    summary = json.loads((folder / "steps" / "summary.json").read_text())
+    assert summary["steps"] == 5 and 0 < summary["time"] < 0.02
     again = drillpetsc("run", "case.yaml", "--out", "steps", "--restart", cwd=folder)
     assert again.returncode == 0, again.stderr
     one, other = (folder / name / "history.csv" for name in ("whole", "steps"))

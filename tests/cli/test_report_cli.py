@@ -167,7 +167,7 @@ def test_sections_are_chosen(runs: Path) -> None:
 
 
 def test_warnings_come_first(runs: Path) -> None:
-    """A run that failed, rows that failed, and a run of another case are told before any result."""
+    """A run that failed, rows that failed, and a run of another case are reported before any result."""
     doubtful = runs / "doubtful"
     shutil.copytree(runs / "dry", doubtful)
     summary = json.loads((doubtful / "summary.json").read_text())
@@ -201,7 +201,7 @@ def test_margins_of_limits_have_units_and_places(runs: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [
         (["still", "--out", "x.txt"], "a file whose name ends with .html"),
         (["still", "--sections", "hole"], "well, string, mud"),
@@ -213,7 +213,7 @@ def test_margins_of_limits_have_units_and_places(runs: Path) -> None:
     ],
 )
 def test_what_is_refused(
-    words: list[str], told: str, runs: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+    words: list[str], message: str, runs: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
 ) -> None:
     monkeypatch.chdir(runs)
     (runs / "empty").mkdir(exist_ok=True)
@@ -221,7 +221,7 @@ def test_what_is_refused(
     (runs / "swept" / "sweep.csv").touch()
     (runs / "nowhere.html").touch()
     assert main(["report", *words]) == 2
-    assert told in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 def test_numbers_as_text() -> None:

@@ -142,8 +142,14 @@ def test_a_loss_is_named_as_numerical_damping():
     """2 % lost: removed by numerical damping; 2 % gained or 0.01 % lost: no such word."""
     from drillpetsc.analysis.summary import closing_lines
 
-    told = {"title": "", "elements": 1, "unknowns": 1, "ranks": 1, "simulated": 1.0, "wall_seconds": 1.0}
-    told |= {"real_time_factor": 1.0, "steps": 1, "rejected_steps": 0, "newton_iterations": 1, "jacobians": 1}
+    summary = {"title": "", "elements": 1, "unknowns": 1, "ranks": 1, "simulated": 1.0, "wall_seconds": 1.0}
+    summary |= {
+        "real_time_factor": 1.0,
+        "steps": 1,
+        "rejected_steps": 0,
+        "newton_iterations": 1,
+        "jacobians": 1,
+    }
     for share, named in ((-0.02, True), (0.02, False), (-1e-4, False)):
-        lines = closing_lines(told | {"energy": {"error": 1e3 * share, "error_share": share}}, "run")
+        lines = closing_lines(summary | {"energy": {"error": 1e3 * share, "error_share": share}}, "run")
         assert ("removed by numerical damping" in lines[2]) is named

@@ -144,11 +144,11 @@ def test_provenance_stands_in_checkpoint_and_summary(done):
 
     case = load_case(done.parent / "case.yaml")
     kept = checkpoint.read(done / "checkpoint.h5").provenance
-    told = json.loads((done / "summary.json").read_text())
+    summary = json.loads((done / "summary.json").read_text())
     expected = hashlib.sha256(json.dumps(kept["case"], sort_keys=True).encode()).hexdigest()
-    assert told["case_digest"] == kept["case_digest"] == expected
+    assert summary["case_digest"] == kept["case_digest"] == expected
     assert kept["case"]["string"][0]["od"] == 0.127 and kept["case"]["time"]["end"] == 0.02
-    assert kept["versions"] == told["versions"]
-    assert told["versions"]["petsc"] == ".".join(map(str, PETSc.Sys.getVersion()))
+    assert kept["versions"] == summary["versions"]
+    assert summary["versions"]["petsc"] == ".".join(map(str, PETSc.Sys.getVersion()))
     other = case.model_copy(update={"title": "another"})
     assert provenance.digest(other) != kept["case_digest"]

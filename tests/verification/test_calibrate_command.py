@@ -123,7 +123,7 @@ def test_block_weight_and_weight_factor_come_back():
 
 
 def test_weight_error_is_told_and_not_absorbed(tmp_path):
-    """Hook loads with an unknown block: rotating off bottom tells it."""
+    """Hook loads with an unknown block: it follows from rotating off bottom."""
     result = run_calibrate(case(), synthetic(block=BLOCK), out=tmp_path / "c")
     (warning,) = [w for w in result.summary["warnings"] if "error of the weight" in w]
     assert "below the measured" in warning

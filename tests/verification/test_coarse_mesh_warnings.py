@@ -1,4 +1,4 @@
-"""Elements given by hand that are too long are told, with a length that does (manual: sec-mesh-coarse)."""
+"""Elements given by hand that are too long are reported, with a length that does (manual: sec-mesh-coarse)."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ def length_in(line: str) -> float:
 
 
 def test_moment_beside_a_stabilizer():
-    """14 m elements are told, and leave more than 10 % against a fine mesh; the length that is named leaves less
-    than 2 % and is not told; nor is the automatic mesh."""
+    """14 m elements are reported, and leave more than 10 % against a fine mesh; the length that is named leaves less
+    than 2 % and is not reported; nor is the automatic mesh."""
     fine, silent = beside_stabilizer(drillstring(0.25))
     assert silent == []
     coarse, (line,) = beside_stabilizer(drillstring(14.0))
@@ -80,10 +80,10 @@ def test_nothing_is_said_where_nothing_bends():
 
 
 @pytest.mark.parametrize(
-    ("element", "told"), [(5.0, True), (4.0, True), (3.0, True), (2.0, False), ("auto", False)]
+    ("element", "reported"), [(5.0, True), (4.0, True), (3.0, True), (2.0, False), ("auto", False)]
 )
 @pytest.mark.parametrize("top", [{"kind": "top_drive", "lowering": 0.1}, "pinned"], ids=["lowered", "pinned"])
-def test_residual_curvature(tmp_path, element, told, top):
+def test_residual_curvature(tmp_path, element, reported, top):
     """Coiled tubing of 0.1 1/m: 0.2 rad in an element, 2 m, are enough; from 3 m on (hook load 3 %, torque 17 % off)
     statics and check name 2 m."""
     case = Case(
@@ -97,12 +97,12 @@ def test_residual_curvature(tmp_path, element, told, top):
     result = statics(case, tmp_path / "run")
     for lines in (result.summary["warnings"], describe(case).splitlines()):
         found = [line for line in lines if "too long for a residual curvature of 0.1 1/m" in line]
-        assert len(found) == told
-        assert not told or length_in(found[0]) == pytest.approx(2.0)
+        assert len(found) == reported
+        assert not reported or length_in(found[0]) == pytest.approx(2.0)
 
 
-@pytest.mark.parametrize(("element", "told"), [(10.0, True), (4.0, False)])
-def test_sharp_curvature(element, told):
+@pytest.mark.parametrize(("element", "reported"), [(10.0, True), (4.0, False)])
+def test_sharp_curvature(element, reported):
     """30 deg/30 m: 10 m elements turn by 10 deg each; 0.1 rad are 5.7 m."""
     case = Case(
         well=hole([0.0, 100.0, 190.0, 300.0], [0.0, 0.0, 90.0, 90.0]),
@@ -110,21 +110,21 @@ def test_sharp_curvature(element, told):
         top={"kind": "top_drive"},
     )
     lines = [line for line in describe(case).splitlines() if "the curvature of the hole (30 deg/30m)" in line]
-    assert len(lines) == told
-    assert not told or length_in(lines[0]) == pytest.approx(5.7, abs=0.1)
+    assert len(lines) == reported
+    assert not reported or length_in(lines[0]) == pytest.approx(5.7, abs=0.1)
 
 
 def test_a_jump_of_the_curvature_that_bends_the_pipe_beyond_50_mpa():
     """Straight to 8 deg/30 m: E r/R = 206e9 * 0.0635 / 215 m = 61 MPa; 6 deg/30 m: 46 MPa."""
-    told = {}
+    reported = {}
     for rate in (6.0, 8.0):
         case = Case(
             well=hole([0.0, 500.0, 600.0], [0.0, 0.0, rate * 100 / 30]),
             string=[{**PIPE, "length": 575.0, "element_length": 25.0}],
             top={"kind": "top_drive"},
         )
-        told[rate] = "beside a jump of the hole's curvature at MD 500 m" in describe(case)
-    assert told == {6.0: False, 8.0: True}
+        reported[rate] = "beside a jump of the hole's curvature at MD 500 m" in describe(case)
+    assert reported == {6.0: False, 8.0: True}
 
 
 def pushed(element: float | str, **keys) -> Case:

@@ -36,9 +36,9 @@ def on_a_slope(folder, slip: float, lowering=None) -> list[str]:
 def test_the_creep_of_a_held_string_is_told(slip, tmp_path):
     """F/N = cot(inclination) = 0.364 of mu = 0.6: v = slip F/sqrt((mu N)^2 - F^2) = 0.763 slip, within 5 % after 1.5 s."""
     (warning,) = on_a_slope(tmp_path / "run", slip)
-    told = 1e-3 * float(warning.split("creep of ")[1].split(" mm/s")[0])
+    creep = 1e-3 * float(warning.split("creep of ")[1].split(" mm/s")[0])
     ratio = 1 / np.tan(TILT)
-    assert told == pytest.approx(slip * ratio / np.sqrt(FRICTION**2 - ratio**2), rel=0.05)
+    assert creep == pytest.approx(slip * ratio / np.sqrt(FRICTION**2 - ratio**2), rel=0.05)
     assert "contact.slip_velocity" in warning
 
 

@@ -1,6 +1,6 @@
 """Equivalent densities of `statics`: still mud of one density has that density everywhere, wherever the string has moved to.
 
-p = rho g h below the flow line, so p/(g h) = rho (hydrostatics); nothing is told where h is below 1 m.
+p = rho g h below the flow line, so p/(g h) = rho (hydrostatics); nothing is reported where h is below 1 m.
 """
 
 from __future__ import annotations

@@ -216,7 +216,7 @@ def test_arrays_of_the_mesh():
 
 
 def test_block_weight_is_reported(tmp_path):
-    """hook_load_total is the hook load and the weight of the block; a hook load beyond the rig is told; absent without a block."""
+    """hook_load_total is the hook load and the weight of the block; a hook load beyond the rig is reported; absent without a block."""
     string = [{"kind": "pipe", "length": 90.0, "od": 0.2, "id": 0.1}]
     keys = {"time": {"end": 0.01}, "output": {"history_every": 0.005}}
     top = {"kind": "top_drive", "rotation": 0.0}

@@ -95,7 +95,13 @@ def test_the_weight_on_bit_is_met(path, tmp_path) -> None:
     [
         ("rotate", "slack_off", {}, "does not turn"),
         ("hoist", "slack_off", {}, "lowered"),
-        ("hoist", "sliding", {"top": {"kind": "top_drive"}}, "pushed"),
+        ("hoist", "sliding", {"top": {"kind": "top_drive"}}, "leave --path out"),
+        (
+            "hoist",
+            "sliding",
+            {"top": {"kind": "top_drive"}, "initial": {"wob": 1e4}},
+            "leave initial.wob and --path out",
+        ),
         ("lower", "slack_off", {"contact": "none"}, "contact"),
         ("lower", "slack_off", {"top": {"kind": "top_drive"}}, "bit that stands"),
     ],
@@ -104,6 +110,26 @@ def test_a_path_that_has_no_meaning_is_refused(motion, path, keys, want, tmp_pat
     with pytest.raises(CaseError, match=want):
         statics(level(100e3, **keys), tmp_path / "out", motion=motion, path=path)
     assert not (tmp_path / "out" / "statics.csv").exists()
+
+
+def test_hoisting_with_weight_on_the_bit_is_remarked(tmp_path) -> None:
+    """Hoisted with 1 kN on the bit, the hook load is that off bottom less this weight: the summary says what it is."""
+    angle, length, loads = np.radians(30.0), 100.0, {}
+    for wob in (1e3, None):
+        case = Case(
+            well=straight(30.0, length, FRICTION),
+            string=[{**PIPE, "length": length, "element_length": 5.0}],
+            top={"kind": "top_drive"},
+            bottom={"kind": "bit", "friction": 0} if wob else "free",
+            gravity=9.81,
+            initial={"wob": wob},
+        )
+        summary = statics(case, tmp_path / str(wob), motion="hoist").summary
+        loads[wob] = summary["hook_load"]
+        assert any("off bottom" in text for text in summary["warnings"]) == (wob is not None)
+    expected = WEIGHT * length * (np.cos(angle) + FRICTION * np.sin(angle))
+    assert loads[None] == pytest.approx(expected, rel=3e-3)
+    assert loads[None] - loads[1e3] == pytest.approx(1e3, rel=3e-3)
 
 
 def test_a_run_starts_from_the_end_of_a_path(tmp_path) -> None:

@@ -243,7 +243,7 @@ def test_safety_factor_and_overpull(tmp_path):
 
 
 def test_defaults(tmp_path):
-    """30 depths and the shoe, six operations, three times the sections' own friction; what was assumed is told."""
+    """30 depths and the shoe, six operations, three times the sections' own friction; what was assumed is reported."""
     sections = [
         {"to": 1400, "kind": "casing", "diameter": "224 mm", "friction": 0.2},
         {"kind": "open_hole", "diameter": "215.9 mm", "friction": 0.3},

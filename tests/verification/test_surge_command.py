@@ -269,7 +269,7 @@ def test_a_speed_without_a_steady_flow_is_marked(tmp_path: Path, monkeypatch):
 
 
 def test_the_explicit_law_of_a_yield_stress_says_by_how_much_it_is_too_high():
-    """Slow trips: blend against exact, as told, is the ratio of the two commands; no word with the exact law."""
+    """Slow trips: blend against exact, as reported, is the ratio of the two commands; no word with the exact law."""
     found = {}
     for law in ("blend", "exact"):
         mud = {"model": "bingham", "yield_stress": 10.0, "plastic_viscosity": 0.03, "law": law}

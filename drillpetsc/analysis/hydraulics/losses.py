@@ -387,7 +387,7 @@ def volumes(flow: FlowModel) -> dict[str, float]:
 
 
 # ---------------------------------------------------------------------- the explicit law
-BLEND_EXCESS = 0.05  # excess of the law blend over the exact one above which it is told [-]
+BLEND_EXCESS = 0.05  # excess of the law blend over the exact one above which it is reported [-]
 
 
 def blend_excess(flow: FlowModel, speed: float = 0.0) -> float:

@@ -357,7 +357,7 @@ def _flags(table: dict[str, Any], summary: dict[str, Any], choices: Choices, uni
             )
         stress, damaged = table["worst_bending_stress"], table["damage_per_hour"]
         if (np.isfinite(stress) & np.isnan(damaged)).any():
-            out.append(f"bending stress above the largest of {choices.sn.source}: no life is told there")
+            out.append(f"bending stress above the largest of {choices.sn.source}: no life is given there")
     most = choices.side_force_per_joint
     flag(
         "side_force_per_joint",

@@ -38,7 +38,7 @@ RELATIVE_SIGMA, SMALLEST_SIGMA = 0.02, {"hook_load": 10e3, "surface_torque": 500
 SOFT_SCALE = 3.0  # of soft_l1, in standard errors
 LARGEST_CONDITION = 1e3  # of the scaled Jacobian
 SMALLEST_SPREAD = 3.0  # of hook loads with friction against those without, in standard errors
-WEIGHT_ERROR = 0.02  # misfit of rotating off bottom that is told as an error of the weight
+WEIGHT_ERROR = 0.02  # misfit of rotating off bottom that is reported as an error of the weight
 AT_BOUND = 1e-6
 LONGEST_STEP = 25.0  # of the integration where the hole is straight: there it is exact without a helix [m]
 MOST_COLUMNS = 600  # soft strings that are integrated together, for the memory they need
@@ -233,7 +233,7 @@ class Calibration:
             bad = self._unclear(kept, jacobian)
             if bad is None:
                 break
-            reasons[bad] = "the points do not tell it from the others (condition above 1000)"
+            reasons[bad] = "the points do not distinguish it from the others (condition above 1000)"
             kept = tuple(name for name in kept if name != bad)
         if not kept:
             fit.computed = self.computed([{}])[0]

@@ -26,7 +26,7 @@ ASSUMED_WOB = {"drilling": "25 klbf", "sliding": "15 klbf"}  # without wob and i
 class Pair:
     """Friction of the hole.
 
-    cased, open_hole: coefficients to be told, nan where there is no such section [-].
+    cased, open_hole: coefficients to be reported, nan where there is no such section [-].
     friction: (m,) coefficient of each section; item_factor: by which those of items are multiplied.
     groups: coefficients of further groups of sections, as text; empty without any.
     """
@@ -143,7 +143,7 @@ def pairs_of(case: Case, plan: Roadmap, notes: list[str]) -> list[Pair]:
     for name in dict.fromkeys(group):
         if len(set(own[group == name])) > 1 and name not in given:
             words = {"cased": "cased", "open_hole": "open-hole"}.get(str(name), f"{name}")
-            notes.append(f"several {words} sections with friction of their own: that of the deepest is told")
+            notes.append(f"several {words} sections with friction of their own: that of the deepest is given")
     if factors is None:
         return [pair(own * f, f) for f in FACTORS]
     if factors.combine == "all":

@@ -290,8 +290,8 @@ def _inputs(
 
 
 def _factors_told(pair: Pair) -> dict[str, Any]:
-    told = {"cased": _plain(pair.cased), "open_hole": _plain(pair.open_hole)}
-    return told | ({"groups": pair.groups} if pair.groups else {})
+    factors = {"cased": _plain(pair.cased), "open_hole": _plain(pair.open_hole)}
+    return factors | ({"groups": pair.groups} if pair.groups else {})
 
 
 def _plain(value: float) -> float | None:

@@ -35,7 +35,7 @@ class Rig(Block):
     """The rig: what hangs on the hook beside the string, and what the rig can bear."""
 
     datum: str = Field(
-        default="", description="point that measured depths count from, such as RKB; told in reports"
+        default="", description="point that measured depths count from, such as RKB; shown in reports"
     )
     block_weight: Annotated[float, Weight("N", at_least=0, at_most=1e8)] | None = Field(
         default=None,

@@ -381,7 +381,7 @@ class Bit(Rigid):
     length: RigidLength = Field(description="length")
     od: Diameter = Field(description="diameter of the bit")
     bit_type: Literal["PDC", "roller_cone", "diamond", "core"] | None = Field(
-        default=None, description="type of the bit; told in reports, chooses nothing by itself"
+        default=None, description="type of the bit; shown in reports, chooses nothing by itself"
     )
     nozzle_area: Annotated[float, Quantity("m^2", above=0, at_most=0.1)] | None = Field(
         default=None,

@@ -17,7 +17,7 @@ MISSING = (-999.25, -999.0, -9999.0, -9999.25)  # what other programs write for 
 STEEPEST_START = math.radians(
     5
 )  # of a first station below measured depth 0, above which the hole is taken as vertical
-STRAIGHT = math.radians(0.5)  # inclination below which an azimuth tells nothing
+STRAIGHT = math.radians(0.5)  # inclination below which an azimuth has no meaning
 SHARPEST = math.radians(30) / 30  # [rad/m] dogleg of a typing error
 SAME_DEPTH = 1e-6  # [m]
 NO_ROW = 0  # number of a station that stands in no row
@@ -58,7 +58,7 @@ def stations_of(table: Table, rules: Rules) -> Stations:
     """The stations of a table. CaseError for bad cells and impossible stations, at most ten at once."""
     out = Stations(remarks=list(table.remarks))
     units = _units(table, rules, out.remarks)
-    numbers, values, told = _numbers(table, units, out)
+    numbers, values, given = _numbers(table, units, out)
     _ordered(table, numbers, values, out.remarks)
     if rules.tie_in is not None:
         _tied(table, rules.tie_in, numbers, values)
@@ -74,7 +74,7 @@ def stations_of(table: Table, rules: Rules) -> Stations:
         _no_twist(values, out.remarks)
         if not rules.allow_dogleg:
             _smooth(table, numbers, values)
-        _positions(table, numbers, values, told, out.remarks)
+        _positions(table, numbers, values, given, out.remarks)
     elif values["md"][0] != 0:
         want = "a first station at 0 m (the rotary table)"
         raise CaseError(at="md", got=values["md"][0], want=want, file=table.file, line=numbers[0])
@@ -122,7 +122,7 @@ def _numbers(
     scale = {column: to_si(f"1 {unit}", SI_UNIT[column]) for column, unit in units.items() if unit}
     numbers: list[int] = []
     values: dict[str, list[float]] = {column: [] for column in NEEDED}
-    told: dict[int, dict[str, float]] = {}
+    given: dict[int, dict[str, float]] = {}
     errors: list[CaseError] = []
     missing: list[int] = []
     for number, cells in table.rows:
@@ -163,14 +163,14 @@ def _numbers(
             if value is not None
         }
         if others:
-            told[number] = others
+            given[number] = others
     if errors:
         raise together(errors)
     if missing:
         out.remarks.append(
             f"{len(missing)} rows with missing values left out ({table.counted}s {_few(missing)})"
         )
-    return numbers, values, told
+    return numbers, values, given
 
 
 def together(errors: Sequence[CaseError]) -> CaseError:
@@ -264,7 +264,7 @@ def _from_the_top(
 
 
 def _no_twist(values: dict[str, list[float]], remarks: list[str]) -> None:
-    """Replace azimuths of vertical stations, which tell nothing, by those of the next inclined station."""
+    """Replace azimuths of vertical stations, which have no meaning, by those of the next inclined station."""
     inclined = [i for i, angle in enumerate(values["inclination"]) if angle >= STRAIGHT]
     if not inclined:
         return
@@ -338,10 +338,10 @@ def _positions(
     table: Table,
     numbers: list[int],
     values: dict[str, list[float]],
-    told: dict[int, dict[str, float]],
+    given: dict[int, dict[str, float]],
     remarks: list[str],
 ) -> None:
-    """Compare the positions that the file tells with those of its angles."""
+    """Compare the positions in the file with those of its angles."""
     at = [0.0, 0.0, 0.0]
     start: dict[str, float] = {}
     worst: dict[str, tuple[float, float]] = {}
@@ -356,7 +356,7 @@ def _positions(
         else:
             severity = 0.0
         own = {"ns": at[0], "ew": at[1], "tvd": at[2]}
-        for column, value in told.get(numbers[i], {}).items():
+        for column, value in given.get(numbers[i], {}).items():
             if column == "dls":
                 if abs(value - severity) > math.radians(0.5) / 30 + 0.1 * severity and i > 1:
                     worst.setdefault(column, (values["md"][i], value - severity))

@@ -67,7 +67,7 @@ class Table:
     columns: quantity -> (index of its column, unit text or "")
     rows: (number, cells as texts)
     comma: what a comma in a number is: `decimal`, `thousands`, or "" for a file without
-    depth_unit: unit of depths that comments tell, or ""
+    depth_unit: unit of depths that comments give, or ""
     remarks: what was assumed
     """
 
@@ -317,7 +317,7 @@ def _no_header(lines: list[str], file: Path) -> CaseError:
 
 
 def unit_in_comments(comments: Sequence[str]) -> str:
-    """Unit of depths that comment lines tell, as in `# Depth unit: ft`; "" if they tell none, or two."""
+    """Unit of depths that comment lines give, as in `# Depth unit: ft`; "" if they give none, or two."""
     found = {
         "m" if unit.casefold().startswith("m") else unit_text(unit).casefold().replace("ftus", "ftUS")
         for line in comments

@@ -16,7 +16,7 @@ from drillpetsc.units import UnitError, to_si
 NAMESPACE = "http://www.witsml.org/schemas/1series"
 OBJECTS = {"trajectorys": "trajectory", "tubulars": "tubular", "wbGeometrys": "wbGeometry"}
 STEEL = 7850.0  # [kg/m3]
-LIGHTEST, LOWEST_ID = 0.95, 1e-4  # of the plain tube's weight that a tally may tell; [m]
+LIGHTEST, LOWEST_ID = 0.95, 1e-4  # of the plain tube's weight that a tally may give; [m]
 TONNES = 1e5  # [kg/m] no tubular is that heavy
 
 

@@ -68,7 +68,7 @@ def chosen_outputs(reference: Reference, outputs: Sequence[str]) -> list[str]:
 
 
 def _about_numerics(name: str) -> bool:
-    """Whether an output tells about the computation, not about the string."""
+    """Whether an output describes the computation, not the string."""
     quantity = find(name)
     return quantity is not None and quantity.numerics
 

@@ -200,7 +200,7 @@ def _means(history: Path) -> dict[str, float]:
 
 
 def _has_mean(title: str) -> bool:
-    """Whether the mean of a column of history.csv tells something."""
+    """Whether the mean of a column of history.csv has a meaning."""
     quantity = find(split_name(title)[0])
     return quantity is None or quantity.mean
 

@@ -167,7 +167,7 @@ def _present(values: dict[str, str]) -> dict[str, str]:
 
 
 def _with_units(values: dict[str, str], system: System) -> dict[str, str]:
-    """Values with the unit that the case gives to bare numbers, so that tables and pictures tell it."""
+    """Values with the unit that the case gives to bare numbers, so that tables and pictures show it."""
     if system == "SI":
         return values
     units = {key: bare_unit_of(key, system) for key in values}

@@ -37,9 +37,15 @@ def test_a_place_is_a_measured_depth_with_the_item():
 
 def test_commands_can_be_pasted():
     assert "--out 'my runs/a' --restart" in str(Interrupted("SIGTERM", 1.0, "my runs/a"))
-    told = {"title": "", "elements": 1, "unknowns": 1, "ranks": 1, "simulated": 1.0, "wall_seconds": 1.0}
-    told |= {"real_time_factor": 1.0, "steps": 1, "rejected_steps": 0, "newton_iterations": 1, "jacobians": 1}
-    assert "plot 'my runs/a'" in closing_lines(told, "my runs/a")[-1]
+    summary = {"title": "", "elements": 1, "unknowns": 1, "ranks": 1, "simulated": 1.0, "wall_seconds": 1.0}
+    summary |= {
+        "real_time_factor": 1.0,
+        "steps": 1,
+        "rejected_steps": 0,
+        "newton_iterations": 1,
+        "jacobians": 1,
+    }
+    assert "plot 'my runs/a'" in closing_lines(summary, "my runs/a")[-1]
 
 
 def test_rounding_noise_is_no_result():

@@ -46,7 +46,7 @@ def test_options_of_a_survey_file(file: str) -> None:
 
 
 def test_depths_of_a_file_are_not_converted_twice(file: str) -> None:
-    """A file tells its own units, the case's units stand in for missing ones."""
+    """A file has its own units, the case's units stand in for missing ones."""
     Path(file).write_text("md [m],inc,azi\n0,0,0\n330,3,10\n")
     assert case(file, units="field").well.survey.md[-1] == 330.0  # type: ignore[union-attr]
     Path(file).write_text("md,inc,azi\n0,0,0\n330,3,10\n")

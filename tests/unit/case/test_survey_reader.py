@@ -1,4 +1,4 @@
-"""Surveys as they come out of other programs: what is read, what is told, what is refused."""
+"""Surveys as they come out of other programs: what is read, what is reported, what is refused."""
 
 from __future__ import annotations
 
@@ -95,8 +95,8 @@ def test_units_of_the_case_stand_in_for_missing_ones(tmp_path: Path) -> None:
     assert (
         "metres taken" in read(tmp_path, text).remarks[0] and not read(tmp_path, text, units="field").remarks
     )
-    told = "# all depths in feet\n" + text
-    assert read(tmp_path, told).md[1] == pytest.approx(100 * FOOT)
+    commented = "# all depths in feet\n" + text
+    assert read(tmp_path, commented).md[1] == pytest.approx(100 * FOOT)
 
 
 def test_thousands(tmp_path: Path) -> None:

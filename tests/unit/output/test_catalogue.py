@@ -171,7 +171,7 @@ def test_names_and_mnemonics_are_unique() -> None:
 
 @pytest.mark.parametrize("quantity", all_quantities(), ids=lambda q: q.name)
 def test_an_output_has_words_for_people(quantity) -> None:
-    """A label without underscores, a short mnemonic, one sentence; a signed quantity tells its sign."""
+    """A label without underscores, a short mnemonic, one sentence; a signed quantity has a sign."""
     assert quantity.label and "_" not in quantity.label and quantity.label[0].isupper()
     assert 1 < len(quantity.mnemonic.replace("NNN", "")) <= 4 and quantity.mnemonic.isupper()
     assert quantity.doc.endswith(".") and (quantity.doc[0].isupper() or quantity.doc[0].isdigit())

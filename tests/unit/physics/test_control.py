@@ -50,8 +50,8 @@ def test_the_command_writes_the_same(tmp_path):
         rows = table["controller [-]"] == k + 1
         r = np.interp(FREQUENCIES, table["wave_frequency [Hz]"][rows], table["reflection [-]"][rows])
         assert r == pytest.approx(expected, abs=2e-3)
-    told = result.summary["top_drive"]
-    assert told["impedance"] == pytest.approx(m.ZETA)
-    assert told["control"][1]["reflection"] == pytest.approx(0.6)
+    summary = result.summary["top_drive"]
+    assert summary["impedance"] == pytest.approx(m.ZETA)
+    assert summary["control"][1]["reflection"] == pytest.approx(0.6)
     # pipe held at its top, free below: c/4L
-    assert told["torsional_frequency"] == pytest.approx(m.SPEED / 8000, rel=1e-3)
+    assert summary["torsional_frequency"] == pytest.approx(m.SPEED / 8000, rel=1e-3)
