@@ -36,6 +36,7 @@ TERMS = (
     ("joints", "joints"),
     ("drive", "rotary drive with spring and damper"),
     ("top_motor", "motor of the top drive"),
+    ("hoist", "hoist"),
     ("bore", "drilling fluid in the string"),
     ("annulus", "drilling fluid in the annulus"),
 )
