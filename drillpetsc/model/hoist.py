@@ -93,9 +93,7 @@ def connect_sensors(
     bit: interfaces.Bit | None,
     fluid: FluidComponents | None,
 ) -> None:
-    """Connect the measurements that the hoist's autodriller takes elsewhere.
-
-    """
+    """Connect the measurements that the hoist's autodriller takes elsewhere."""
 
     def torque(t: float, state: Any) -> float:
         held = sum(

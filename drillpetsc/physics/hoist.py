@@ -122,7 +122,10 @@ class HoistLine(Hoist):
         self._now, self._share, self._balanced = 0.0, 1.0, False
         #: travel's zero on the path [m], stretch at the start [m], hook load without weight [N], pressure off bottom [Pa]
         self._reference = self._stretch = self._tare = self._tare_pressure = 0.0
-        self._ramp_start = (0.0, 0.0)  # time [s] and set point [N] from which the set point of the weight follows
+        self._ramp_start = (
+            0.0,
+            0.0,
+        )  # time [s] and set point [N] from which the set point of the weight follows
         self._last = np.full(len(SHARED), np.nan)  # after the last step
         self._samples = np.full((2, len(SHARED)), np.nan)  # the last measurements and those before
         self.slack: float | None = None  # time from which the lines are pushed [s]
@@ -143,7 +146,9 @@ class HoistLine(Hoist):
         present += [kind in self._loops and self._loops[kind].i > 0 for kind in LOOPS]
         present += [kind in self._loops and filtered for kind in LOOPS]
         return tuple(
-            Field(name, 1, region="top" if here else "nowhere", scale=scale, second_order=False, physics=DRIVE)
+            Field(
+                name, 1, region="top" if here else "nowhere", scale=scale, second_order=False, physics=DRIVE
+            )
             for (name, scale), here in zip(STATES, present, strict=True)
         )
 
@@ -249,6 +254,11 @@ class HoistLine(Hoist):
             goals += [self.autodriller.rate] if self.autodriller.rate is not None else []
             found |= {b for goal in goals for b in goal.breaks()}
         return tuple(sorted(found))
+
+    @property
+    def stretch(self) -> float:
+        """Stretch of the lines at the start [m]."""
+        return self._stretch
 
     # ------------------------------------------------------------------ statics and start
     def hold(self) -> None:

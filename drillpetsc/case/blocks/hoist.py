@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, Strict, model_validator
 
@@ -22,10 +23,12 @@ class DrillingLine(Block):
         default=None, description="axial stiffness EA of the rope; or its diameter"
     )
     diameter: Annotated[float, Quantity("m", above=0, at_most=0.1)] | None = Field(
-        default=None, description="diameter d of the rope, instead of axial_stiffness: modulus times fill times d^2"
+        default=None,
+        description="diameter d of the rope, instead of axial_stiffness: modulus times fill times d^2",
     )
     modulus: Annotated[float, Quantity("Pa", above=0)] = Field(
-        default=1.0e11, description="modulus of the rope's metal, as it lies in the strands (used with diameter)"
+        default=1.0e11,
+        description="modulus of the rope's metal, as it lies in the strands (used with diameter)",
     )
     fill: Annotated[float, Quantity("", above=0, at_most=0.79)] = Field(
         default=0.4, description="area of metal over the squared diameter (used with diameter)"
@@ -105,9 +108,8 @@ class HoistBlock(Block):
         if self.crown_height is not None and self.crown_height <= self.height:
             want = f"above the height of the block, {self.height:g} m"
             raise refuse("crown_height", got=self.crown_height, want=want)
-        for key in ("damping",):
-            if self.line is None and getattr(self, key):
-                raise refuse(key, got=getattr(self, key), want=f"no {key} without a line")
+        if self.line is None and self.damping:
+            raise refuse("damping", got=self.damping, want="no damping without a line")
         return self
 
     @property
@@ -127,6 +129,11 @@ Mode = Literal["wob", "rop", "torque", "differential_pressure"]
 class AutodrillerBlock(Block):
     """Control of the drum's speed; of several modes that which asks for the least speed is in charge."""
 
+    mode_of_key: ClassVar[Mapping[str, str]] = {
+        "p": "wob", "i": "wob", "measure": "wob", "ramp": "wob", "torque_p": "torque", "torque_i": "torque",
+        "pressure_p": "differential_pressure", "pressure_i": "differential_pressure",
+    }  # fmt: skip
+    """Keys that one of the modes uses."""
     mode: Annotated[
         tuple[Mode, ...], BeforeValidator(_as_list, json_schema_input_type=Mode | tuple[Mode, ...])
     ] = Field(default=("wob",), description="what is held at its set point, or the first limit of several")
@@ -165,7 +172,9 @@ class AutodrillerBlock(Block):
         description="weight on bit: surface, from the hook load, tared at the start; bit, the true one",
     )
     from_: Annotated[float, Quantity("s", at_least=0)] = Field(
-        default=0.0, alias="from", description="time from which it acts; before, the drum has the speed lowering"
+        default=0.0,
+        alias="from",
+        description="time from which it acts; before, the drum has the speed lowering",
     )
     max_speed: Annotated[float, Quantity("m/s", above=0)] | None = Field(
         default=None, description="largest speed of the drum; default that of the hoist"
@@ -190,13 +199,13 @@ class AutodrillerBlock(Block):
         for key in MODES:
             given = getattr(self, key) is not None
             if given != (key in self.mode):
-                want = f"a set point {key}, which mode {key} needs" if not given else f"no {key} without mode {key}"
+                want = (
+                    f"a set point {key}, which mode {key} needs"
+                    if not given
+                    else f"no {key} without mode {key}"
+                )
                 raise refuse(key, want=want)
-        of_mode = {
-            "p": "wob", "i": "wob", "measure": "wob", "ramp": "wob", "torque_p": "torque", "torque_i": "torque",
-            "pressure_p": "differential_pressure", "pressure_i": "differential_pressure",
-        }  # fmt: skip
-        for key, mode in of_mode.items():
+        for key, mode in self.mode_of_key.items():
             if key in self.model_fields_set and mode not in self.mode:
                 raise refuse(key, got=getattr(self, key), want=f"no {key} without mode {mode}")
         return self
