@@ -74,6 +74,7 @@ class SessionState:
     checkpoint: checkpoint.Checkpoint
     inputs: dict[str, list[float] | None]
     largest: dict[str, float]
+    jumped: bool = False
 
 
 @dataclass(frozen=True)
@@ -137,7 +138,7 @@ class Session:
             block = getattr(case, block_name)
             if block is None:
                 continue
-            update = {}
+            update: dict[str, Any] = {}
             for key in keys:
                 given = getattr(block, key, None) if key in type(block).model_fields else None
                 if given is None or (key == "lowering" and case.top.force is not None):
@@ -311,7 +312,9 @@ class Session:
         if self._recorder.comm.size > 1:
             c = self._recorder.comm.bcast(c)
         assert c is not None
-        return SessionState(c, {n: q.get_state() for n, q in self._live.items()}, dict(self._largest))
+        return SessionState(
+            c, {n: q.get_state() for n, q in self._live.items()}, dict(self._largest), self._jumped
+        )
 
     def set_state(self, state: SessionState) -> None:
         """Go back to a ``state`` of this session; the steps that follow repeat those of before to the last bit."""
@@ -322,7 +325,7 @@ class Session:
         for name, live in self._live.items():
             live.set_state(state.inputs[name], self._given[name])
         self.time, self._largest = c.time, dict(state.largest)
-        self._started, self._jumped, self._sample = False, False, None
+        self._started, self._jumped, self._sample = False, state.jumped, None
         self._waiting.clear()
 
     def close(self) -> None:

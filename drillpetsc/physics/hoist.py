@@ -361,13 +361,30 @@ class HoistLine(Hoist):
         t, height, depth, line = total[:4]
         if not self.top.free or t <= self._last[0]:
             return
-        check_height(float(t), float(height), float(depth), self.gear.crown)
+        self._check_height(float(t), float(height), float(depth))
         if line < 0 and self.slack is None:
             self.slack = float(t)
         every, before = self.autodriller.sample if self.autodriller is not None else 0.0, self._samples[0, 0]
         self._last = total
         if not every or np.floor(t / every + 1e-6) > np.floor(before / every + 1e-6):
             self._samples[1], self._samples[0] = self._samples[0], total
+
+    def _check_height(self, t: float, height: float, travel: float) -> None:
+        """Raise SolveError where the block has passed floor or crown in the step to ``t`` [s]; lengths in [m]."""
+        crown = self.gear.crown
+        for passed, limit, what, key in (
+            (height < 0, 0.0, "floor", "height"),
+            (height > crown, crown, "crown", "crown_height"),
+        ):
+            if passed:
+                before, last = self._last[:2]
+                when = before + (t - before) * (limit - last) / (height - last)
+                raise SolveError(
+                    f"the block would pass the {what} at t = {when:.4g} s, after a travel of {travel:.4g} m: "
+                    "connections are not modelled",
+                    time=float(when),
+                    hint=f"end the run before, or give another top.hoist.{key}",
+                )
 
     def get_state(self) -> dict[str, FloatArray]:
         if not self.top.free:
@@ -493,14 +510,3 @@ def dead_line_tension(gear: Hoisting, line: float, speed: float) -> float:
     rest = 1.0 / gear.lines
     moving = dead_line_share(gear.efficiency, gear.lines, down > 0)
     return line * (rest + abs(down) * (moving - rest))
-
-
-def check_height(t: float, height: float, travel: float, crown: float) -> None:
-    """Raise SolveError where the block is below the floor or above the crown at ``t`` [s]; all in [m]."""
-    for passed, what, key in ((height < 0, "floor", "height"), (height > crown, "crown", "crown_height")):
-        if passed:
-            raise SolveError(
-                f"the block would pass the {what} after a travel of {travel:.4g} m: connections are not modelled",
-                time=t,
-                hint=f"end the run before, or give another top.hoist.{key}",
-            )
