@@ -22,7 +22,7 @@ from drillpetsc.physics.hoisting import LOOPS, Autodriller, Hoisting, dead_line_
 from drillpetsc.physics.interfaces import Hoist
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
-_results = function("hoist_line_results", "ippppp" + "p")
+_evaluate = function("hoist_line_results", "ippppp" + "p")
 RESULTS = columns("hoist_line_results")
 #: states in the order of the kernel: name, scale
 STATES = (
@@ -89,7 +89,6 @@ class HoistedTop(PathEnd):
         return D, value, rate
 
     def place(self) -> tuple[float, FloatArray, FloatArray]:
-        """A point of the path near the top: its depth [m], centre (3,) [m] and tangent (3,)."""
         if self._path is None:
             return 0.0, np.zeros(3), self._fixed.directions[0, :3]
         return self.depth, self._path.at(self.depth).centre, self._path.at(self.depth).axes[0]
@@ -120,8 +119,10 @@ class HoistLine(Hoist):
         self.lowering, self._gravity, self._statics = lowering, gravity, statics
         self._at_top = np.arange(nodes) == 0
         self._now, self._share, self._balanced = 0.0, 1.0, False
-        #: travel's zero on the path [m], stretch at the start [m], hook load without weight [N], pressure off bottom [Pa]
-        self._reference = self._stretch = self._tare = self._tare_pressure = 0.0
+        #: stretch of the lines at the start [m]
+        self.stretch = 0.0
+        #: travel's zero on the path [m], hook load without weight [N], pressure off bottom [Pa]
+        self._reference = self._tare = self._tare_pressure = 0.0
         self._ramp_start = (
             0.0,
             0.0,
@@ -207,7 +208,7 @@ class HoistLine(Hoist):
         depth, centre, tangent = self.top.place()
         p["axis"], p["origin"], p["travel"] = tangent, centre, depth - self._reference
         p["weight"] = self.gear.mass * float(self._gravity @ tangent)
-        p["stretch"], p["tare"] = self._stretch, self._tare
+        p["stretch"], p["tare"] = self.stretch, self._tare
         p["given"] = self._share * self.lowering.value(t)
         if self.gear.heave is not None:
             p["heave"], p["heave_rate"] = (self._share * q for q in self.gear.heave.crown(t))
@@ -255,11 +256,6 @@ class HoistLine(Hoist):
             found |= {b for goal in goals for b in goal.breaks()}
         return tuple(sorted(found))
 
-    @property
-    def stretch(self) -> float:
-        """Stretch of the lines at the start [m]."""
-        return self._stretch
-
     # ------------------------------------------------------------------ statics and start
     def hold(self) -> None:
         self.top.free = False
@@ -277,7 +273,7 @@ class HoistLine(Hoist):
         state.invalidate_prescribed_values()
         weight = self.gear.mass * float(self._gravity @ self.top.place()[2])
         self._reference = float(self.top.anchor[0])
-        self._stretch = (hook_load + weight) / self.line.stiffness
+        self.stretch = (hook_load + weight) / self.line.stiffness
         self._tare, self._ramp_start = hook_load + wob, (0.0, wob)
         for name, value in (
             ("height", self.gear.height),
@@ -302,7 +298,7 @@ class HoistLine(Hoist):
     def balance(self, state: Any) -> None:
         if self.autodriller is None or not self._here:
             return
-        load = self.results(state)[RESULTS["load"]]
+        load = self._results(state)[RESULTS["load"]]
         self._balanced = True
         weight = float("wob" in self._loops and not self._sensed[0])
         p = self.params
@@ -343,7 +339,7 @@ class HoistLine(Hoist):
             out[SHARED.index(name)] = sensor(self._now, state)
         if self._here and self.top.free:
             depth, line, hook, load = (
-                self.results(state)[RESULTS[k]] for k in ("depth", "line", "hook", "load")
+                self._results(state)[RESULTS[k]] for k in ("depth", "line", "hook", "load")
             )
             if self._sensed[0]:  # what the loop sees is a sample: measure anew
                 load = self._tare - hook
@@ -390,12 +386,12 @@ class HoistLine(Hoist):
         if not self.top.free:
             return {}
         slack = np.nan if self.slack is None else self.slack
-        numbers = [self._reference, self._stretch, self._tare, self._tare_pressure, slack, *self._ramp_start]
+        numbers = [self._reference, self.stretch, self._tare, self._tare_pressure, slack, *self._ramp_start]
         return {"numbers": np.array(numbers), "last": self._last.copy(), "samples": self._samples.copy()}
 
     def set_state(self, state: dict[str, FloatArray]) -> None:
         self.top.free = True
-        self._reference, self._stretch, self._tare, self._tare_pressure, slack, *start = map(
+        self._reference, self.stretch, self._tare, self._tare_pressure, slack, *start = map(
             float, state["numbers"]
         )
         self.slack = None if np.isnan(slack) else slack
@@ -404,20 +400,20 @@ class HoistLine(Hoist):
         self._now = float(self._last[0])
 
     # ------------------------------------------------------------------ outputs
-    def results(self, state: Any) -> FloatArray:
+    def _results(self, state: Any) -> FloatArray:
         """(10,) results by the names of ``RESULTS``; zero on ranks without the top."""
         out = np.zeros((len(self._block.points), RESULTS.width))
         if not len(out):
             return np.zeros(RESULTS.width)
         index, p = state.index_of(self._block), self.params.array
-        _results(len(out), *map(pointer, (index, p, state.x, state.y, state.a, out)))
+        _evaluate(len(out), *map(pointer, (index, p, state.x, state.y, state.a, out)))
         return out[0]
 
     def figures(self, t: float, state: Any) -> FloatArray:
         if not self._here:
             return np.zeros(len(FIGURES))
         self._update(t)
-        r = self.results(state)
+        r = self._results(state)
         depth, speed, drum, line, hook, mode = (
             r[RESULTS[k]] for k in ("depth", "speed", "drum", "line", "hook", "mode")
         )
@@ -444,13 +440,13 @@ class HoistLine(Hoist):
         if not self._here:
             return 0.0
         self._update(t)
-        return float(self.results(state)[RESULTS["hook"]])
+        return float(self._results(state)[RESULTS["hook"]])
 
     def energies(self, t: float, state: Any) -> Energies:
         if not self._here or not self.top.free:
             return Energies()
         self._update(t)
-        r, (_, centre, tangent) = self.results(state), self.top.place()
+        r, (_, centre, tangent) = self._results(state), self.top.place()
         position = state.x[state.index_of(self._block)[0, :3]]
         foot = centre + tangent * (tangent @ (position - centre))
         return Energies(
@@ -463,7 +459,7 @@ class HoistLine(Hoist):
         if not self._here or not self.top.free:
             return Powers()
         self._update(t)
-        r = self.results(state)
+        r = self._results(state)
         return Powers(float(r[RESULTS["lost"]]), float(r[RESULTS["supplied"]]))
 
 

@@ -83,6 +83,10 @@ class Top(Component):
         """Return the prescribed position (3,) at time 0 [m]; only where ``on_path``."""
         raise NotImplementedError
 
+    def place(self) -> tuple[float, FloatArray, FloatArray]:
+        """Return a point of the path near the end: depth [m], centre (3,) [m], tangent (3,); only of a top that may be free."""
+        raise NotImplementedError
+
     def displace(self, offset: FloatArray) -> None:
         """Move the prescribed position by ``offset`` (3,) [m]."""
         for condition in self.prescribed():

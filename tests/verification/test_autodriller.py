@@ -174,7 +174,7 @@ def test_measured_at_the_bit_and_in_samples(keys, tmp_path):
 def test_torque(tmp_path):
     """A rotating string with a bit that grips: the autodriller finds the weight whose torque is the set point."""
     keys = {"mode": ["torque", "rop"], "torque": 400.0, "rop": "5 m/h", "torque_p": 1e-5, "torque_i": 5e-7}
-    case = drill(keys, 60.0, 500.0)
+    case = drill(keys, 150.0, 500.0)
     case["bottom"]["friction"] = 0.3
     case["top"]["rotation"] = 10.0
     case["material"] = case["material"] | {"damping": {"stiffness": 5e-3}}
