@@ -31,7 +31,7 @@ top:
     block_mass: 25 t
     line: {diameter: 35 mm}
     heave: {amplitude: 0.1 m, period: 3 s, compensation: 0.9}
-  autodriller: {mode: [wob, rop, torque], wob: {time: [0 s, 60 ms, 1 s], value: [12 kN, 15 kN, 15 kN]}, rop: 18 m/h, torque: 3 kN m,
+  autodriller: {mode: [wob, rop, torque], wob: {time: [0 s, 60 ms, 1 s], value: [12 kN, 15 kN, 15 kN]}, rop: 30 m/h, torque: 3 kN m,
                 measure: MEASURE, filter: 20 ms, sample: SAMPLE, ramp: 100 kN/s, from: 40 ms}
 bottom: {kind: bit, friction: 0.2}
 formation: {drillability: 2.8e-8 m/(s N), bit_law: {kind: rop}}
