@@ -40,7 +40,7 @@ def drilling(top: dict, length: float = 2000.0, wob: float = 0.0, lying: bool = 
         },
         "string": [pipe(length, 50 if lying else 40)],
         "material": MATERIAL,
-        "bottom": {"kind": "bit", "stiffness": 1e9, "friction": 0.0},
+        "bottom": {"kind": "bit", "stiffness": 1e8, "friction": 0.0},
         "formation": {"drillability": DRILLABILITY, "rotary_exponent": 0.0, "bit_law": {"kind": "rop"}},
         "top": {"kind": "top_drive", **top},
         "initial": {"wob": wob},

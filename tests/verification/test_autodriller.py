@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from drillpetsc import Case, Session
+from drillpetsc import Case, Session, modes
+from drillpetsc.output import read_table
 from tests.helpers.hoist_models import DRILLABILITY, EA, HOIST, LINE_STIFFNESS, drilling, history
 
 P, I = 5.0e-8, 2.0e-9  # default gains [m/s/N], [m/s2/N]
@@ -205,3 +206,51 @@ def test_set_points_of_a_session():
         s.step(3.0)
         assert s.get("drum_speed") == pytest.approx(0.0, abs=3e-6)
         assert s.get("autodriller_mode") == 2
+
+
+def test_differential_pressure(tmp_path):
+    """The flow rises after the autodriller has begun: the pump pressure passes the set point above its value of then, and the
+    drum stops; with the flow back the rate is in charge again."""
+    keys = {
+        "mode": ["rop", "differential_pressure"],
+        "rop": "20 m/h",
+        "differential_pressure": "5 bar",
+        "pressure_p": 2e-8,
+        "pressure_i": 1e-9,
+        "from": 4.0,
+        "filter": 0.2,
+    }
+    case = drill(keys, 24.0, 300.0)
+    case["string"][0]["element_length"] = 30.0
+    del case["gravity"], case["contact"]  # the pressure would buckle a pipe without weight
+    case["string"].append({"kind": "bit", "length": 0.3, "od": 0.2, "mass": 30.0, "nozzle_area": 4e-4})
+    case["well"]["survey"]["md"][1] = case["well"]["sections"][0]["to"] = 300.3
+    case["fluid"] = {
+        "density": 1200.0,
+        "rheology": {"model": "newtonian", "viscosity": 0.01},
+        "flow_rate": {"time": [0, 8, 9, 14, 15], "value": [0.02, 0.02, 0.026, 0.026, 0.02]},
+        "dynamics": "quasi_steady",
+    }
+    got, _ = history(case, tmp_path / "run")
+    t, v = got["time"], got["drum_speed"]
+    tare = np.interp(4.0, t, got["pump_pressure"])
+    high = (t > 10) & (t < 14)
+    assert (got["pump_pressure"][high] - tare > 5e5).all()
+    assert v[(t > 4.5) & (t < 8)] == pytest.approx(20 / 3600, rel=2e-2)
+    assert v[(t > 12) & (t < 14)] == pytest.approx(0.0, abs=3e-6)
+    assert v[t > 22] == pytest.approx(20 / 3600, rel=2e-2)
+    assert {0.0, 2.0, 4.0} <= set(got["autodriller_mode"])
+
+
+@pytest.mark.parametrize(("length", "p", "i"), [(2000.0, P, I), (800.0, 4e-8, 6e-9)])
+def test_modes_of_the_weight_loop(length, p, i, tmp_path):
+    """Linearised about its set point, weight loop, string, line and bit have the roots of s^2 + k (D + p) s + k i = 0, 1 %."""
+    case = drill({"wob": 100e3, "p": p, "i": i}, 1.0, length, wob=20e3, lying=True)
+    case["top"]["rotation"] = 10.0
+    result = modes(Case(**case), out=tmp_path / "modes", kind="axial", count=2)
+    table = read_table(result.folder / "modes.csv")
+    k = 1 / (1 / series(length) + 1e-8)  # with the contact of the bit
+    expected = np.roots([1, k * (DRILLABILITY + p), k * i])[0]
+    slow = (table["frequency [Hz]"] > 0) & (table["frequency [Hz]"] < 0.1)
+    assert table["growth [1/s]"][slow] == pytest.approx(expected.real, rel=1e-2)
+    assert 2 * np.pi * table["frequency [Hz]"][slow] == pytest.approx(abs(expected.imag), rel=1e-2)

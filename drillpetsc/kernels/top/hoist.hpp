@@ -90,8 +90,11 @@ struct HoistLine {
     static void force(int, const T* x, const T* y, const T* a, const S* p, void*, T* r) {
         for (int i = 0; i < D; ++i) r[i] = T(0.0);
         if (p[LOCKED] != 0) {
-            for (int i = PAYOUT; i < FILTERED; ++i) r[i] = x[i] * ROW;
-            for (int i = FILTERED; i < D; ++i) r[i] = x[i] * 1.0;
+            r[PAYOUT] = x[PAYOUT] * ROW;
+            for (int j = 0; j < LOOPS; ++j) {
+                if (p[INTEGRATION + j] > 0) r[INTEGRAL + j] = x[INTEGRAL + j] * ROW;
+                if (p[FILTER + j] > 0) r[FILTERED + j] = x[FILTERED + j] * 1.0;
+            }
             return;
         }
         const Values<T> q = evaluate(x, y, a, p);
@@ -101,9 +104,9 @@ struct HoistLine {
         for (int j = 0; j < LOOPS; ++j) {
             // the integrator follows the drum's speed with the time p/i: where the loop is in charge, the integral of i e
             const double i = p[INTEGRATION + j];
-            r[INTEGRAL + j] = (i > 0 ? y[INTEGRAL + j] * (p[PROPORTIONAL + j] / i) + x[INTEGRAL + j] - q.drum : x[INTEGRAL + j] * 1.0) * ROW;
+            if (i > 0) r[INTEGRAL + j] = (y[INTEGRAL + j] * (p[PROPORTIONAL + j] / i) + x[INTEGRAL + j] - q.drum) * ROW;
             const double tau = p[FILTER + j];
-            r[FILTERED + j] = tau > 0 ? y[FILTERED + j] * tau + x[FILTERED + j] - q.measured[j] : x[FILTERED + j] * 1.0;
+            if (tau > 0) r[FILTERED + j] = y[FILTERED + j] * tau + x[FILTERED + j] - q.measured[j];
         }
     }
 };
