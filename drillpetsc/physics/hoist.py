@@ -123,10 +123,8 @@ class HoistLine(Hoist):
         self.stretch = 0.0
         #: travel's zero on the path [m], hook load without weight [N], pressure off bottom [Pa]
         self._reference = self._tare = self._tare_pressure = 0.0
-        self._ramp_start = (
-            0.0,
-            0.0,
-        )  # time [s] and set point [N] from which the set point of the weight follows
+        # time [s] and set point [N], of the last step, from which the set point of the weight follows
+        self._ramp_start = (0.0, 0.0)
         self._last = np.full(len(SHARED), np.nan)  # after the last step
         self._samples = np.full((2, len(SHARED)), np.nan)  # the last measurements and those before
         self.slack: float | None = None  # time from which the lines are pushed [s]
@@ -222,10 +220,9 @@ class HoistLine(Hoist):
         if drill.rate is not None:
             p["rate"] = drill.rate.value(t)
 
-    def _goal(self, kind: str, t: float, before: bool = False) -> float:
+    def _goal(self, kind: str, t: float) -> float:
         """Set point of a loop at ``t`` [s]; that of the weight changes by the given rate at most."""
-        goal: Any = self._loops[kind].goal
-        now = float(goal.value(t, before) if before else goal.value(t))
+        now = float(self._loops[kind].goal.value(t))
         ramp = self.autodriller.ramp if self.autodriller is not None else 0.0
         if kind != "wob" or not ramp:
             return now
@@ -266,8 +263,9 @@ class HoistLine(Hoist):
         wob = float(shared[SHARED.index("wob")])
         shared[SHARED.index("time")] = 0.0
         if self.top.free:  # goes on from another run
+            self._now = 0.0
             self._last, self._samples[:] = shared, (shared, shared)
-            self._ramp_start, self.slack = (0.0, wob), None
+            self._ramp_start, self.slack = (0.0, self._ramp_start[1]), None
             return
         self.top.free = True
         state.invalidate_prescribed_values()
@@ -308,11 +306,7 @@ class HoistLine(Hoist):
     def at_break(self, t: float, state: Any) -> bool:
         """Let the autodriller begin with the drum's speed of before; True where states change."""
         drill = self.autodriller
-        if drill is None or t < drill.start:
-            return False
-        if t > drill.start:
-            if drill.ramp and "wob" in self._loops:
-                self._ramp_start = t, self._goal("wob", t, before=True)
+        if drill is None or t != drill.start:
             return False
         last = dict(zip(SHARED, map(float, self._last), strict=True))
         if not self._statics:
@@ -357,30 +351,18 @@ class HoistLine(Hoist):
         t, height, depth, line = total[:4]
         if not self.top.free or t <= self._last[0]:
             return
-        self._check_height(float(t), float(height), float(depth))
+        before, last = self._last[:2]
+        limit = 0.0 if height < 0 else self.gear.crown
+        when = before + (t - before) * (limit - last) / (height - last) if height != last else t
+        check_height(self.gear, float(when), float(height), float(depth))
         if line < 0 and self.slack is None:
             self.slack = float(t)
         every, before = self.autodriller.sample if self.autodriller is not None else 0.0, self._samples[0, 0]
         self._last = total
         if not every or np.floor(t / every + 1e-6) > np.floor(before / every + 1e-6):
             self._samples[1], self._samples[0] = self._samples[0], total
-
-    def _check_height(self, t: float, height: float, travel: float) -> None:
-        """Raise SolveError where the block has passed floor or crown in the step to ``t`` [s]; lengths in [m]."""
-        crown = self.gear.crown
-        for passed, limit, what, key in (
-            (height < 0, 0.0, "floor", "height"),
-            (height > crown, crown, "crown", "crown_height"),
-        ):
-            if passed:
-                before, last = self._last[:2]
-                when = before + (t - before) * (limit - last) / (height - last)
-                raise SolveError(
-                    f"the block would pass the {what} at t = {when:.4g} s, after a travel of {travel:.4g} m: "
-                    "connections are not modelled",
-                    time=float(when),
-                    hint=f"end the run before, or give another top.hoist.{key}",
-                )
+        if self.autodriller is not None and self.autodriller.ramp and t >= self.autodriller.start:
+            self._ramp_start = float(t), self._goal("wob", float(t))
 
     def get_state(self) -> dict[str, FloatArray]:
         if not self.top.free:
@@ -480,12 +462,13 @@ class RigidHoist(Hoist):
 
     def figures(self, t: float, state: Any) -> FloatArray:
         hook = self.sensors["hook"](t, state)
-        if not self._here:
-            return np.zeros(len(FIGURES))
         gear, depth, speed = self.gear, self.speed.integral(t), self.speed.value(t)
         risen, crown = 0.0, 0.0
         if gear.heave is not None:
             risen, crown = gear.heave.floor(t)[0] - gear.heave.floor(0.0)[0], gear.heave.crown(t)[1]
+        check_height(gear, t, gear.height - depth - risen, depth)
+        if not self._here:
+            return np.zeros(len(FIGURES))
         line = hook + self._weight - gear.mass * self.speed.rate(t)
         anchor = dead_line_tension(gear, line, speed + crown)
         sensor = gear.lines * anchor - (self._weight if gear.tare else 0.0)
@@ -506,3 +489,21 @@ def dead_line_tension(gear: Hoisting, line: float, speed: float) -> float:
     rest = 1.0 / gear.lines
     moving = dead_line_share(gear.efficiency, gear.lines, down > 0)
     return line * (rest + abs(down) * (moving - rest))
+
+
+def check_height(gear: Hoisting, t: float, height: float, travel: float) -> None:
+    """Raise SolveError for a block below the floor or above the crown.
+
+    t: time of passing [s]; height: of the block over the floor; travel: of the block [m].
+    """
+    for passed, what, key in (
+        (height < 0, "floor", "height"),
+        (height > gear.crown, "crown", "crown_height"),
+    ):
+        if passed:
+            raise SolveError(
+                f"the block would pass the {what} at t = {t:.4g} s, after a travel of {travel:.4g} m: "
+                "connections are not modelled",
+                time=t,
+                hint=f"end the run before, or give another top.hoist.{key}",
+            )

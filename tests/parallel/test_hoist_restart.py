@@ -1,4 +1,4 @@
-"""A hoist with heave and an autodriller that drills: restarts bit for bit, and several ranks."""
+"""A top drive with motor, hoist, heave and an autodriller that drills: restarts bit for bit, and several ranks."""
 
 from __future__ import annotations
 
@@ -26,6 +26,8 @@ string:
 top:
   kind: top_drive
   rotation: 60 rpm
+  motor: {inertia: 300 kg m2, max_torque: 20 kN m}
+  control: {kind: stiff}
   lowering: 5 mm/s
   hoist:
     block_mass: 25 t

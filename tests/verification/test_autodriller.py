@@ -254,3 +254,19 @@ def test_modes_of_the_weight_loop(length, p, i, tmp_path):
     slow = (table["frequency [Hz]"] > 0) & (table["frequency [Hz]"] < 0.1)
     assert table["growth [1/s]"][slow] == pytest.approx(expected.real, rel=1e-2)
     assert 2 * np.pi * table["frequency [Hz]"][slow] == pytest.approx(abs(expected.imag), rel=1e-2)
+
+
+def test_a_ramp_limits_every_change_of_the_weight():
+    """With a ramp of 2 kN/s a set point that jumps in a session is followed at that rate: drum speed without a kick."""
+    keys = {"wob": 20e3, "ramp": 2e3}
+    with Session(Case(**drill(keys, 10.0, 500.0))) as s:
+        s.step(40.0)
+        before = s.get("drum_speed")
+        s.set("top.autodriller.wob", 60e3)
+        s.step(0.5)
+        assert abs(s.get("drum_speed") - before) < P * 1.2e3
+        s.step(4.5)
+        goal = s._model.hoist._goal("wob", s.time)
+        assert goal == pytest.approx(20e3 + 2e3 * 5.0, rel=1e-6)
+        s.step(20.0)
+        assert s._model.hoist._goal("wob", s.time) == 60e3

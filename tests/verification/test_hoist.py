@@ -143,6 +143,48 @@ def test_the_block_does_not_pass_floor_or_crown(tmp_path):
         assert len(read_table(tmp_path / word / "history.csv")["time [s]"]) > 10
 
 
+def test_the_drum_without_a_line_stops_at_the_floor(tmp_path):
+    hoist = {"block_mass": 25e3, "height": 0.5}
+    case = hanging(hoist, 1e5, 5.0, top={"kind": "top_drive", "lowering": 1.0, "hoist": hoist})
+    with pytest.raises(SolveError, match="the block would pass the floor"):
+        history(case, tmp_path / "run")
+
+
+def test_a_quasi_static_run_leaves_the_hoist_out(tmp_path):
+    case = hanging(HOIST, 1e5, 1.0)
+    case["time"]["mode"] = "quasi_static"
+    case["top"]["lowering"] = 0.1
+    got, summary = history(case, tmp_path / "run")
+    assert any(text.startswith("top.hoist: left out") for text in summary["warnings"])
+    assert "block_position" not in got and "hoist" not in summary
+
+
+@pytest.mark.parametrize("options", [{"ts_type": "beuler"}, {"ts_type": "cn"}, {"ts_type": "arkimex"}])
+def test_other_time_formulas(options, tmp_path):
+    """A load on the lines with other integrators of PETSc, whose system has the rates as unknowns."""
+    hoist = HOIST | {"damping": 3e5}
+    case = hanging(hoist, 2e5, 4.0, petsc={**options, "ts_rtol": 1e-4})
+    case["top"]["lowering"] = {"ramp": 2.0, "value": 0.2}
+    got, _ = history(case, tmp_path / "run")
+    expected, _ = history(case | {"petsc": {"ts_rtol": 1e-5}}, tmp_path / "bdf")
+    assert got["block_position"] == pytest.approx(expected["block_position"], abs=2e-3)
+    assert got["block_position"][-1] == pytest.approx(20 - 0.2 * 3, abs=2e-3)
+
+
+def test_a_run_goes_on_from_another(tmp_path):
+    """`initial.from` a run: block, lines and autodriller go on where the other ended, at the time 0."""
+    top = {"hoist": HOIST, "autodriller": {"wob": 50e3, "measure": "bit", "filter": 0.5, "ramp": 5e3}}
+    first, _ = history(drilling(top, 500.0, time={"end": 12}, output={"history_every": 0.5}), tmp_path / "a")
+    case = drilling(top, 500.0, time={"end": 8}, output={"history_every": 0.5})
+    case["initial"] = {"from": str(tmp_path / "a")}
+    second, _ = history(case, tmp_path / "b")
+    whole, _ = history(drilling(top, 500.0, time={"end": 20}, output={"history_every": 0.5}), tmp_path / "c")
+    assert second["block_position"][0] == pytest.approx(first["block_position"][-1], abs=1e-9)
+    after = whole["time"] >= 12
+    assert second["wob"] == pytest.approx(whole["wob"][after], abs=500)
+    assert second["block_position"] == pytest.approx(whole["block_position"][after], abs=1e-3)
+
+
 def test_slack_lines_are_told(tmp_path):
     """A push from below that lifts block and string."""
     case = hanging(HOIST, 0.0, 1.0, initial={"from": "statics"})
