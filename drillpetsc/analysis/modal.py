@@ -401,7 +401,7 @@ def run_modes(
     about: as in ``prepare_state``.
     overwrite: replace an existing run folder.
     comm: communicator, all ranks by default.
-    without_control: leave out motor and controller, and hold the top at the prescribed rotation.
+    without_control: leave out motor, hoist and controllers, and hold the top at the prescribed rotation.
 
     Returns folder, summary and the lines to show.  Raises CaseError for wrong arguments, SolveError where no state
     or mode is found.
