@@ -332,9 +332,8 @@ class HoistLine(Hoist):
         for name, sensor in self.sensors.items():
             out[SHARED.index(name)] = sensor(self._now, state)
         if self._here and self.top.free:
-            depth, line, hook, load = (
-                self._results(state)[RESULTS[k]] for k in ("depth", "line", "hook", "load")
-            )
+            r = self._results(state)
+            depth, line, hook, load = (r[RESULTS[k]] for k in ("depth", "line", "hook", "load"))
             if self._sensed[0]:  # what the loop sees is a sample: measure anew
                 load = self._tare - hook
             out[:6] = self._now, self._height(depth, self._now), depth, line, hook, load
