@@ -74,6 +74,18 @@ def hoist_warnings(case: Case) -> list[str]:
             f"{weight / 1e3:.4g} kN: hook_load_total has the first, hook_load_sensor the second"
         )
     drill = autodriller_of(case)
+    given = case.top.autodriller
+    if (
+        drill is not None
+        and given is not None
+        and given.max_speed is None
+        and drill.rate is None
+        and not case.initial.wob
+    ):
+        out.append(
+            f"top.autodriller: a bit that begins without weight may land at up to {drill.most:g} m/s, the largest speed of the "
+            "drum; give max_speed, or the mode rop as well"
+        )
     if drill is not None and drill.start == 0 and case.initial.from_ in ("rest", "straight"):
         if any(q.kind == "wob" for q in drill.loops) and not drill.at_bit and any(case.gravity):
             out.append(

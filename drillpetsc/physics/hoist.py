@@ -34,6 +34,15 @@ STATES = (
     ("hoist.torque", 1e4),
     ("hoist.pressure", 1e6),
 )
+TIMED = (
+    "given",
+    "heave",
+    "heave_rate",
+    "closed",
+    "set",
+    "measured",
+    "rate",
+)  # parameters that follow the time
 PAY_OUT, INTEGRAL, FILTERED = 7, 8, 11  # places among the kernel's unknowns
 REVERSAL = 1e-4  # speed of the block over which the friction of the sheaves turns [m/s]
 OPEN = 1e3  # limits of the drum's speed that are none [m/s]
@@ -118,7 +127,7 @@ class HoistLine(Hoist):
         self.gear, self.line, self.top, self.autodriller = gear, gear.line, top, autodriller
         self.lowering, self._gravity, self._statics = lowering, gravity, statics
         self._at_top = np.arange(nodes) == 0
-        self._now, self._share, self._balanced = 0.0, 1.0, False
+        self._now, self._share, self._balanced, self._changed = 0.0, 1.0, False, True
         #: stretch of the lines at the start [m]
         self.stretch = 0.0
         #: travel's zero on the path [m], hook load without weight [N], pressure off bottom [Pa]
@@ -186,6 +195,7 @@ class HoistLine(Hoist):
             rated=float(drill is not None and drill.rate is not None),
             rate=0.0,
         )
+        self._views = {name: self.params[name] for name in TIMED}
         slots = (*VERTEX_SLOTS, *((name, 0) for name, _ in STATES))
         self._block = ElementBlock(
             "hoist", "hoist_line", "vertex", vertices, slots, (0,), self.params.array, update=self._update
@@ -198,27 +208,34 @@ class HoistLine(Hoist):
         return len(self._block.points) > 0
 
     def _update(self, t: float) -> None:
-        p, drill = self.params, self.autodriller
+        p, drill = self._views, self.autodriller
         self._now = t
-        p["locked"] = float(not self.top.free)
+        if self._changed or self.top.on_path:
+            self._place_block()
         if not self.top.free:
             return
+        p["given"][:] = self._share * self.lowering.value(t)
+        if self.gear.heave is not None:
+            p["heave"][:], p["heave_rate"][:] = (self._share * q for q in self.gear.heave.crown(t))
+        if drill is None or self._balanced:
+            return
+        p["closed"][:] = t >= drill.start
+        for j, kind in enumerate(LOOPS):
+            if kind in self._loops:
+                p["set"][:, j] = self._goal(kind, t)
+                if self._sensed[j]:
+                    p["measured"][:, j] = self._measured(kind, t)
+        if drill.rate is not None:
+            p["rate"][:] = drill.rate.value(t)
+
+    def _place_block(self) -> None:
+        """Set what does not change between two starts on a straight path: axis, weight, stretch and tare."""
+        p, self._changed = self.params, False
+        p["locked"] = float(not self.top.free)
         depth, centre, tangent = self.top.place()
         p["axis"], p["origin"], p["travel"] = tangent, centre, depth - self._reference
         p["weight"] = self.gear.mass * float(self._gravity @ tangent)
         p["stretch"], p["tare"] = self.stretch, self._tare
-        p["given"] = self._share * self.lowering.value(t)
-        if self.gear.heave is not None:
-            p["heave"], p["heave_rate"] = (self._share * q for q in self.gear.heave.crown(t))
-        if drill is None or self._balanced:
-            return
-        p["closed"] = float(t >= drill.start)
-        for j, kind in enumerate(LOOPS):
-            if kind in self._loops:
-                p["set"][:, j] = self._goal(kind, t)
-                p["measured"][:, j] = self._measured(kind, t)
-        if drill.rate is not None:
-            p["rate"] = drill.rate.value(t)
 
     def _goal(self, kind: str, t: float) -> float:
         """Set point of a loop at ``t`` [s]; that of the weight changes by the given rate at most."""
@@ -255,7 +272,7 @@ class HoistLine(Hoist):
 
     # ------------------------------------------------------------------ statics and start
     def hold(self) -> None:
-        self.top.free = False
+        self.top.free, self._changed = False, True
 
     def start(self, state: Any, hook_load: float, shared: FloatArray, at_rest: bool = False) -> None:
         self._share = 0.0 if at_rest else 1.0
@@ -267,7 +284,7 @@ class HoistLine(Hoist):
             self._last, self._samples[:] = shared, (shared, shared)
             self._ramp_start, self.slack = (0.0, self._ramp_start[1]), None
             return
-        self.top.free = True
+        self.top.free, self._changed = True, True
         state.invalidate_prescribed_values()
         weight = self.gear.mass * float(self._gravity @ self.top.place()[2])
         self._reference = float(self.top.anchor[0])
@@ -311,6 +328,7 @@ class HoistLine(Hoist):
         last = dict(zip(SHARED, map(float, self._last), strict=True))
         if not self._statics:
             self._tare, last["load"] = last["hook"] + last["wob"], last["wob"]
+            self._changed = True
         self._ramp_start = t, last["wob" if drill.at_bit else "load"]
         self._tare_pressure = last["differential_pressure"]
         if not self._here:
@@ -371,7 +389,7 @@ class HoistLine(Hoist):
         return {"numbers": np.array(numbers), "last": self._last.copy(), "samples": self._samples.copy()}
 
     def set_state(self, state: dict[str, FloatArray]) -> None:
-        self.top.free = True
+        self.top.free, self._changed = True, True
         self._reference, self.stretch, self._tare, self._tare_pressure, slack, *start = map(
             float, state["numbers"]
         )

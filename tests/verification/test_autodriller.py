@@ -64,6 +64,7 @@ def test_weight_on_bit_step(tmp_path):
     assert got["wob_surface"] == pytest.approx(got["wob"], abs=1.5e3)
     assert set(got["autodriller_mode"]) == {1.0}
     assert abs(summary["energy"]["error_share"]) < 1e-3
+    assert any("give max_speed, or the mode rop" in text for text in summary["warnings"])
     assert summary["hoist"]["autodriller"]["loops"] == [{"kind": "wob", "p": P, "i": I}]
 
 
@@ -270,3 +271,25 @@ def test_a_ramp_limits_every_change_of_the_weight():
         assert goal == pytest.approx(20e3 + 2e3 * 5.0, rel=1e-6)
         s.step(20.0)
         assert s._model.hoist._goal("wob", s.time) == 60e3
+
+
+def test_landing(tmp_path):
+    """A string whose bit hangs above the bottom: the rate is in charge until the bit has landed and carries the weight; the hook load
+    falls by the weight."""
+    keys = {"mode": ["wob", "rop"], "wob": 60e3, "rop": "15 m/h", "filter": 0.5, "p": 2e-7, "i": 5e-9}
+    case = drill(keys, 60.0, 1000.0)
+    del case["gravity"], case["initial"]["wob"]
+    case["string"] = [
+        {"kind": "pipe", "length": 985.0, "od": 0.127, "id": 0.1086, "element_length": 49.25},
+        {"kind": "bit", "length": 10.0, "od": 0.2159, "mass": 20e3},
+    ]
+    case["well"]["survey"]["md"][1] = case["well"]["sections"][0]["to"] = 995.5
+    got, summary = history(case, tmp_path / "run")
+    hanging = got["wob"] == 0
+    assert 5 < got["time"][hanging].max() < 30 and got["drum_speed"][hanging] == pytest.approx(
+        15 / 3600, rel=1e-2
+    )
+    assert got["wob"].max() == pytest.approx(60e3, rel=0.1)
+    assert got["hook_load"][0] - got["hook_load"][-1] == pytest.approx(got["wob"][-1], rel=1e-3)
+    assert not any("max_speed" in text for text in summary["warnings"])
+    assert abs(summary["energy"]["error_share"]) < 1e-3
