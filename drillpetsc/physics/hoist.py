@@ -352,7 +352,7 @@ class HoistLine(Hoist):
         if self._here and self.top.free:
             r = self._results(state)
             depth, line, hook, load = (r[RESULTS[k]] for k in ("depth", "line", "hook", "load"))
-            if self._sensed[0]:  # what the loop sees is a sample: measure anew
+            if self._sensed[0]:  # the loop has the last sample: measure anew
                 load = self._tare - hook
             out[:6] = self._now, self._height(depth, self._now), depth, line, hook, load
         return out

@@ -153,7 +153,7 @@ class Loop:
 
 @dataclass(frozen=True)
 class Autodriller:
-    """Controller of the drum: of several loops that which asks for the least speed is in charge.
+    """Controller of the drum: of several loops the one with the least speed acts.
 
     loops: PI loops; rate: set point of the rate of penetration over time [m/s], None: none.
     start: time from which it acts [s]; least, most: speed of the drum [m/s].

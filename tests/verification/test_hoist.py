@@ -185,7 +185,7 @@ def test_a_run_goes_on_from_another(tmp_path):
     assert second["block_position"] == pytest.approx(whole["block_position"][after], abs=1e-3)
 
 
-def test_slack_lines_are_told(tmp_path):
+def test_slack_lines_are_reported(tmp_path):
     """A push from below that lifts block and string."""
     case = hanging(HOIST, 0.0, 1.0, initial={"from": "statics"})
     weight = 25e3 * G + DENSITY * AREA * 500 * G

@@ -127,7 +127,7 @@ Mode = Literal["wob", "rop", "torque", "differential_pressure"]
 
 
 class AutodrillerBlock(Block):
-    """Control of the drum's speed; of several modes that which asks for the least speed is in charge."""
+    """Control of the drum's speed; of several modes the one with the least speed acts."""
 
     mode_of_key: ClassVar[Mapping[str, str]] = {
         "p": "wob", "i": "wob", "measure": "wob", "ramp": "wob", "torque_p": "torque", "torque_i": "torque",

@@ -69,7 +69,7 @@ struct HoistLine {
         q.mode = 0;
         q.drum = T(p[GIVEN]);
         if (p[CLOSED] == 0) return q;
-        // the loop that asks for the least speed is in charge
+        // the loop with the least speed acts
         bool first = true;
         T unused;
         double least = 0;
