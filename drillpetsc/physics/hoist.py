@@ -45,6 +45,7 @@ TIMED = (
 )  # parameters that follow the time
 PAY_OUT, INTEGRAL, FILTERED = 7, 8, 11  # places among the kernel's unknowns
 REVERSAL = 1e-4  # speed of the block over which the friction of the sheaves turns [m/s]
+NEAR = 1e-9  # times that differ by less of their size are one
 OPEN = 1e3  # limits of the drum's speed that are none [m/s]
 #: what is shared between ranks after a step
 SHARED = ("time", "height", "depth", "line", "hook", "load", "wob", "torque", "differential_pressure")
@@ -130,8 +131,10 @@ class HoistLine(Hoist):
         self._now, self._share, self._balanced, self._changed = 0.0, 1.0, False, True
         #: stretch of the lines at the start [m]
         self.stretch = 0.0
-        #: travel's zero on the path [m], hook load without weight [N], pressure off bottom [Pa]
-        self._reference = self._tare = self._tare_pressure = 0.0
+        # travel's zero on the path [m], hook load without weight [N], pressure off bottom [Pa], rise of the floor before
+        # this run [m]
+        self._reference = self._tare = self._tare_pressure = self._lifted = 0.0
+        self._acting = False  # whether the autodriller has begun
         # time [s] and set point [N], of the last step, from which the set point of the weight follows
         self._ramp_start = (0.0, 0.0)
         self._last = np.full(len(SHARED), np.nan)  # after the last step
@@ -219,7 +222,7 @@ class HoistLine(Hoist):
             p["heave"][:], p["heave_rate"][:] = (self._share * q for q in self.gear.heave.crown(t))
         if drill is None or self._balanced:
             return
-        p["closed"][:] = t >= drill.start
+        p["closed"][:] = self._acting
         for j, kind in enumerate(LOOPS):
             if kind in self._loops:
                 p["set"][:, j] = self._goal(kind, t)
@@ -279,8 +282,12 @@ class HoistLine(Hoist):
         shared = shared.copy()
         wob = float(shared[SHARED.index("wob")])
         shared[SHARED.index("time")] = 0.0
-        if self.top.free:  # goes on from another run
-            self._now = 0.0
+        self._acting = self.autodriller is not None and self.autodriller.start == 0
+        if self.top.free:  # goes on from another run, whose heave ended at another height
+            if self.gear.heave is not None:
+                self.stretch += self.gear.heave.crown(self._now)[0]
+                self._lifted += self._risen(self._now)
+            self._now, self._changed = 0.0, True
             self._last, self._samples[:] = shared, (shared, shared)
             self._ramp_start, self.slack = (0.0, self._ramp_start[1]), None
             return
@@ -323,8 +330,9 @@ class HoistLine(Hoist):
     def at_break(self, t: float, state: Any) -> bool:
         """Let the autodriller begin with the drum's speed of before; True where states change."""
         drill = self.autodriller
-        if drill is None or t != drill.start:
+        if drill is None or self._acting or t < drill.start - NEAR * max(1.0, t):
             return False
+        self._acting = True
         last = dict(zip(SHARED, map(float, self._last), strict=True))
         if not self._statics:
             self._tare, last["load"] = last["hook"] + last["wob"], last["wob"]
@@ -359,9 +367,12 @@ class HoistLine(Hoist):
 
     def _height(self, depth: float, t: float) -> float:
         """Height of the block over the floor [m] after the travel ``depth`` [m]."""
+        return self.gear.height - depth - self._lifted - self._risen(t)
+
+    def _risen(self, t: float) -> float:
+        """Rise of the floor since the time 0 [m]."""
         heave = self.gear.heave
-        risen = 0.0 if heave is None else heave.floor(t)[0] - heave.floor(0.0)[0]
-        return self.gear.height - depth - risen
+        return 0.0 if heave is None else heave.floor(t)[0] - heave.floor(0.0)[0]
 
     def apply_update(self, total: FloatArray) -> None:
         """Keep the measurements of a step; raises SolveError where the block meets the floor or the crown."""
@@ -385,14 +396,16 @@ class HoistLine(Hoist):
         if not self.top.free:
             return {}
         slack = np.nan if self.slack is None else self.slack
-        numbers = [self._reference, self.stretch, self._tare, self._tare_pressure, slack, *self._ramp_start]
+        numbers = [self._reference, self.stretch, self._tare, self._tare_pressure, self._lifted]
+        numbers += [float(self._acting), slack, *self._ramp_start]
         return {"numbers": np.array(numbers), "last": self._last.copy(), "samples": self._samples.copy()}
 
     def set_state(self, state: dict[str, FloatArray]) -> None:
         self.top.free, self._changed = True, True
-        self._reference, self.stretch, self._tare, self._tare_pressure, slack, *start = map(
-            float, state["numbers"]
-        )
+        numbers = [float(q) for q in state["numbers"]]
+        self._reference, self.stretch, self._tare, self._tare_pressure, self._lifted = numbers[:5]
+        acting, slack, *start = numbers[5:]
+        self._acting = bool(acting)
         self.slack = None if np.isnan(slack) else slack
         self._ramp_start = start[0], start[1]
         self._last[:], self._samples[:] = state["last"], state["samples"]

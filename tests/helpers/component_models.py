@@ -102,6 +102,8 @@ def hoist_line(kind: str, position: np.ndarray, tangent: np.ndarray) -> HoistLin
             0.8,
             {"upper": -60.0, "lower": 60.0}.get(kind.split("_")[-1], 3.0),
             0.2,
+            0.1,
+            1.0,
             np.nan,
             0.0,
             0.0,

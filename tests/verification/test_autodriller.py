@@ -293,3 +293,15 @@ def test_landing(tmp_path):
     assert got["hook_load"][0] - got["hook_load"][-1] == pytest.approx(got["wob"][-1], rel=1e-3)
     assert not any("max_speed" in text for text in summary["warnings"])
     assert abs(summary["energy"]["error_share"]) < 1e-3
+
+
+def test_a_step_of_a_session_that_ends_at_the_start_but_for_rounding():
+    """`from` at 0.3 s and steps of 0.1 s, whose third ends at 0.30000000000000004 s: the drum goes on from its speed of before."""
+    case = drill({"wob": 20e3, "from": 0.3, "ramp": 1e3}, 1.0, 500.0)
+    case["top"]["lowering"] = 4e-3
+    with Session(Case(**case)) as s:
+        for _ in range(3):
+            s.step(0.1)
+        assert s.time > 0.3 and s.get("autodriller_mode") == 0
+        s.step(0.1)
+        assert s.get("autodriller_mode") == 1 and s.get("drum_speed") == pytest.approx(4e-3, rel=0.05)

@@ -185,6 +185,22 @@ def test_a_run_goes_on_from_another(tmp_path):
     assert second["block_position"] == pytest.approx(whole["block_position"][after], abs=1e-3)
 
 
+def test_a_heaving_run_goes_on_from_another(tmp_path):
+    """The rig floor of the second run begins its own heave at its mean; lines and block go on where they were, without a jump."""
+    case = heaving(0.3, 7.0, 500.0)
+    case["top"]["hoist"] |= {key: HOIST[key] for key in ("line", "lines", "height")}
+    case["time"]["end"] = 15.0
+    first, _ = history(case, tmp_path / "a")
+    case |= {"initial": {"from": str(tmp_path / "a")}, "time": {"end": 1.0}}
+    case["top"]["hoist"]["heave"] = {"amplitude": {"ramp": 21.0, "value": 0.3}, "period": 7.0}
+    second, _ = history(case, tmp_path / "b")
+    assert abs(first["line_tension"][-1]) > 5e4
+    assert second["line_tension"][0] == pytest.approx(first["line_tension"][-1], rel=1e-6)
+    assert second["block_position"][0] == pytest.approx(first["block_position"][-1], abs=1e-9)
+    change = np.abs(second["line_tension"] - second["line_tension"][0]).max()
+    assert change < 0.5 * abs(second["line_tension"][0])
+
+
 def test_slack_lines_are_reported(tmp_path):
     """A push from below that lifts block and string."""
     case = hanging(HOIST, 0.0, 1.0, initial={"from": "statics"})
