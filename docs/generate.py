@@ -465,6 +465,9 @@ FEATURES: dict[str, dict[str, Any]] = {
     "loads": {"loads": [{"at": "50 m", "force": [1, 0, 0]}]},
     "rotary drive (driven top)": {"top": {"kind": "driven", "stiffness": 100.0}},
     "axial force at the top": {"top": {"kind": "top_drive", "force": "10 kN"}},
+    "block on a drilling line": {
+        "top": {"kind": "top_drive", "hoist": {"block_mass": "25 t", "line": {"diameter": "35 mm"}}}
+    },
     "held string (hydraulics)": {"well": WELL, "fluid": MUD, "hold_string": True},
     "quasi-static time": {"time": {"mode": "quasi_static", "end": "1 h"}},
 }

@@ -384,7 +384,7 @@ def modes(
     overwrite: True to replace the results in an existing folder
     name: name of the case in the default folder
     comm: PETSc communicator; by default all ranks
-    without_control: True to hold the top instead of the motor and controller that the case has
+    without_control: True to hold the top instead of the motor, hoist and controllers that the case has
     """
     case, name = _loaded(case, name)
     initialise_petsc()

@@ -9,6 +9,7 @@ import numpy as np
 from drillpetsc.analysis.coarse_mesh import expected_warnings
 from drillpetsc.analysis.drive_report import drive_lines
 from drillpetsc.analysis.energy_descent import coarse_elements
+from drillpetsc.analysis.hoist_report import hoist_lines
 from drillpetsc.analysis.string_figures import figure_lines
 from drillpetsc.analysis.summary import field_counts
 from drillpetsc.analysis.time_scales import time_scales
@@ -36,6 +37,7 @@ TERMS = (
     ("joints", "joints"),
     ("drive", "rotary drive with spring and damper"),
     ("top_motor", "motor of the top drive"),
+    ("hoist", "hoist"),
     ("bore", "drilling fluid in the string"),
     ("annulus", "drilling fluid in the annulus"),
 )
@@ -143,7 +145,7 @@ def _lines(model: DrillingModel) -> list[str]:
             "  time: quasi-static, in equilibrium at all times"
             + (", while the hole grows" if case.formation is not None else "")
         )
-    lines += [f"  {line}" for line in drive_lines(model)]
+    lines += [f"  {line}" for line in (*drive_lines(model), *hoist_lines(model))]
     # stress-free curvature is part of the quaternion element, not a component
     names = {component.name for component in model.components} | (
         {"curvature"} if mesh.curvature.any() else set()

@@ -54,6 +54,7 @@ from drillpetsc.solvers.quadratic_eigenproblem import (
 
 STATES = ("steady", "rest")
 ZERO_FRACTION = 1e-3  # eigenvalues below this fraction of the reference rate are zero: unconstrained motions
+PAYING = 1e-3  # share of the pay-out in the shape of a free drum, over that in any other mode about zero
 #: weights of the fluid's rows [per m3/s] and [per Pa] (kernels/fluid/flow.hpp)
 ROW_WEIGHT = {"pressure": 1e6, "flow": 1e-2}
 REPORTED_IMBALANCE = 1.0  # unbalanced force above which a note is shown [N]
@@ -134,10 +135,11 @@ class Modes:
 
 # ---------------------------------------------------------------------- state
 def without_motor(case: Case) -> Case:
-    """The case with its top held at the prescribed rotation instead of driven by a motor."""
-    if case.top.motor is None:
+    """The case with its top held at the prescribed rotation and lowering: no motor, no hoist, no controllers."""
+    if case.top.motor is None and case.top.hoist is None:
         return case
-    top = case.top.model_copy(update={"motor": None, "control": (), "torque": None})
+    without = {"motor": None, "control": (), "torque": None, "hoist": None, "autodriller": None}
+    top = case.top.model_copy(update=without)
     return case.model_copy(update={"top": top})
 
 
@@ -154,9 +156,11 @@ def prepare_state(model: DrillingModel, about: str = "steady") -> StaticState:
         state = find_equilibrium(model)
         release(model)
         move_rigidly(model)
+        _balance(model)
         return state
     state = find_equilibrium(model, (0.0, 0.0))
     release(model, at_rest=True)
+    _balance(model)
     for part in (model.contact, model.bit):
         if (
             part is not None
@@ -165,6 +169,11 @@ def prepare_state(model: DrillingModel, about: str = "steady") -> StaticState:
     model.system.assembly.y[:] = 0.0
     release_flow(model)
     return state
+
+
+def _balance(model: DrillingModel) -> None:
+    if model.hoist is not None:
+        model.hoist.balance(model.system.assembly)
 
 
 def reference_rate(model: DrillingModel) -> float:
@@ -232,6 +241,8 @@ def modes(
                 )
             if model.drive is not None and model.drive.free_angle:
                 eigenvalues = _without_free_angle(model, linearised, eigenvalues)
+            if model.hoist is not None:
+                eigenvalues = _without_free_drum(model, linearised, eigenvalues)
             answer = _describe(model, linearised, eigenvalues)
         except DrillError as failure:
             answer = failure
@@ -266,6 +277,19 @@ def _without_free_angle(model: DrillingModel, linearised: Linearised, found: Eig
     share = _shares(model, linearised, found.s[small], linearised.T @ found.u[:, small])
     turning = small[share.argmax(axis=1) == KINDS.index("torsional")]
     return found if not len(turning) else found.subset(np.arange(len(found.s)) != turning[0])
+
+
+def _without_free_drum(model: DrillingModel, linearised: Linearised, found: Eigenvalues) -> Eigenvalues:
+    """Leave out the root zero of the drum's pay-out, to which nothing returns a drum of given speed."""
+    names = [f.name for f in model.system.layout.fields]
+    if "hoist.pay_out" not in names:
+        return found
+    small = np.flatnonzero(np.abs(found.s) <= ZERO_FRACTION * reference_rate(model))
+    row = np.flatnonzero(linearised.field == names.index("hoist.pay_out"))
+    u = np.abs(linearised.T @ found.u[:, small])
+    share = (u[row] / np.maximum(u.max(axis=0), 1e-300)).ravel()
+    paying = small[share > PAYING]
+    return found if not len(paying) else found.subset(np.arange(len(found.s)) != paying[0])
 
 
 def _of_kind(model: DrillingModel, linearised: Linearised, kind: str):
@@ -377,7 +401,7 @@ def run_modes(
     about: as in ``prepare_state``.
     overwrite: replace an existing run folder.
     comm: communicator, all ranks by default.
-    without_control: leave out motor and controller, and hold the top at the prescribed rotation.
+    without_control: leave out motor, hoist and controllers, and hold the top at the prescribed rotation.
 
     Returns folder, summary and the lines to show.  Raises CaseError for wrong arguments, SolveError where no state
     or mode is found.

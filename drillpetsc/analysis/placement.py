@@ -42,6 +42,8 @@ def place_along_hole(model: DrillingModel, top: float = 0.0) -> None:
     system = model.system
     if model.drive is not None:
         model.drive.hold()
+    if model.hoist is not None:
+        model.hoist.hold()
     if model.beam is not None:
         position, tangent = model.position, model.tangent
         if top and model.well is not None:
@@ -92,3 +94,7 @@ def release(model: DrillingModel, at_rest: bool = False) -> None:
         component.release_sliding_direction()
     if model.drive is not None:
         model.drive.start(model.system.assembly, at_rest)
+    if model.hoist is not None:
+        system, hoist = model.system, model.hoist
+        shared = np.asarray(system.comm.tompi4py().allreduce(hoist.local_update(system.assembly)))
+        hoist.start(system.assembly, -system.reaction("top.axial_reaction"), shared, at_rest)

@@ -18,10 +18,12 @@ from petsc4py import PETSc
 
 from drillpetsc.analysis import checkpoint
 from drillpetsc.analysis.drive_report import drive_warnings
+from drillpetsc.analysis.hoist_report import hoist_warnings
 from drillpetsc.analysis.initial_state import initial_state
 from drillpetsc.analysis.live_input import LiveInput
 from drillpetsc.analysis.transient import make_integrator
 from drillpetsc.case.blocks.fluid import Fluid
+from drillpetsc.case.blocks.hoist import AutodrillerBlock
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.quantity import Quantity, Sample
@@ -40,6 +42,7 @@ INPUTS = {
     "top": ("rotation", "lowering", "force", "torque"),
     "fluid": ("flow_rate", "pump_pressure", "outlet_pressure"),
 }
+AUTODRILLER_INPUTS = ("wob", "rop", "torque", "differential_pressure")
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,7 @@ class SessionState:
     checkpoint: checkpoint.Checkpoint
     inputs: dict[str, list[float] | None]
     largest: dict[str, float]
+    jumped: bool = False
 
 
 @dataclass(frozen=True)
@@ -114,7 +118,7 @@ class Session:
         initial_state(self._model, case, saved, None)
         if saved is not None:
             self._integrator.set_state(saved.stepper)
-        self.warnings = drive_warnings(self._model, saved is None)
+        self.warnings = drive_warnings(self._model, saved is None) + hoist_warnings(case)
         self._largest = {name: abs(live.value(self.time)) for name, live in self._live.items()}
         self._started, self._jumped = False, False
         self._wall: deque[tuple[float, float]] = deque()
@@ -135,7 +139,7 @@ class Session:
             block = getattr(case, block_name)
             if block is None:
                 continue
-            update = {}
+            update: dict[str, Any] = {}
             for key in keys:
                 given = getattr(block, key, None) if key in type(block).model_fields else None
                 if given is None or (key == "lowering" and case.top.force is not None):
@@ -145,8 +149,26 @@ class Session:
                 name = f"{block_name}.{key}"
                 self._given[name], self._live[name] = given, LiveInput(given)
                 update[key] = self._live[name]
+            drill = case.top.autodriller if block_name == "top" else None
+            if drill is not None:
+                live = self._live_set_points(drill)
+                update["autodriller"] = drill.model_copy(update=live)
+                if drill.from_ == 0 and "top.lowering" in self._live:  # it never acts
+                    update.pop("lowering")
+                    del self._live["top.lowering"], self._given["top.lowering"]
             changed[block_name] = block.model_copy(update=update)
         return case.model_copy(update=changed)
+
+    def _live_set_points(self, drill: AutodrillerBlock) -> dict[str, Any]:
+        """Inputs in place of the set points of an autodriller."""
+        live: dict[str, Any] = {}
+        for key in AUTODRILLER_INPUTS:
+            given = getattr(drill, key)
+            if given is not None:
+                name = f"top.autodriller.{key}"
+                self._given[name] = given
+                live[key] = self._live[name] = LiveInput(given)
+        return live
 
     # ------------------------------------------------------------------ what there is
     @property
@@ -155,8 +177,11 @@ class Session:
         return tuple(self._describe(name) for name in self._live)
 
     def _describe(self, name: str) -> SessionInput:
-        block_name, key = name.split(".")
-        block = type(getattr(self._model.case, block_name))
+        *path, key = name.split(".")
+        here: Any = self._model.case
+        for part in path:
+            here = getattr(here, part)
+        block = type(here)
         field = block.model_fields[key]
         metadata = [m for m in field.metadata if hasattr(m, "unit")]
         unit = metadata[0].unit if metadata else _UNITS[key]
@@ -292,7 +317,9 @@ class Session:
         if self._recorder.comm.size > 1:
             c = self._recorder.comm.bcast(c)
         assert c is not None
-        return SessionState(c, {n: q.get_state() for n, q in self._live.items()}, dict(self._largest))
+        return SessionState(
+            c, {n: q.get_state() for n, q in self._live.items()}, dict(self._largest), self._jumped
+        )
 
     def set_state(self, state: SessionState) -> None:
         """Go back to a ``state`` of this session; the steps that follow repeat those of before to the last bit.
@@ -316,7 +343,7 @@ class Session:
         for name, live in self._live.items():
             live.set_state(state.inputs[name], self._given[name])
         self.time, self._largest = c.time, dict(state.largest)
-        self._started, self._jumped, self._sample = False, False, None
+        self._started, self._jumped, self._sample = False, state.jumped, None
         self._waiting.clear()
 
     def close(self) -> None:
@@ -339,7 +366,14 @@ class Session:
         self.close()
 
 
-_UNITS = {"force": "N", "torque": "N m", "pump_pressure": "Pa"}
+_UNITS = {
+    "force": "N",
+    "torque": "N m",
+    "pump_pressure": "Pa",
+    "wob": "N",
+    "rop": "m/s",
+    "differential_pressure": "Pa",
+}
 assert set(_UNITS.values()) <= set(DIMENSIONS)
 
 

@@ -12,6 +12,7 @@ from petsc4py import PETSc
 
 from drillpetsc.analysis.drive_report import control_summary
 from drillpetsc.analysis.equilibrium import StaticState
+from drillpetsc.analysis.hoist_report import hoist_summary, slack_warnings
 from drillpetsc.analysis.provenance import digest, versions
 from drillpetsc.errors import Interrupted
 from drillpetsc.fem.discrete_system import DiscreteSystem
@@ -102,6 +103,9 @@ def outcome(
         result["statics"] = notes["statics"]
     if isinstance(model.drive, MotorDrive):
         result["top_drive"] = control_summary(model.drive.laws, model.drive.motor, model.drive.impedance)
+    if model.hoist is not None:
+        result["hoist"] = hoist_summary(model)
+        result["warnings"] += slack_warnings(model)
     if recorder.energy is not None:
         result["energy"] = recorder.energy.summary(newton_work)
     if recorder.mass is not None:

@@ -16,6 +16,7 @@ from drillpetsc.analysis import checkpoint, provenance, summary
 from drillpetsc.analysis.coarse_mesh import run_warnings
 from drillpetsc.analysis.drive_report import drive_warnings
 from drillpetsc.analysis.equilibrium import StaticState
+from drillpetsc.analysis.hoist_report import hoist_warnings
 from drillpetsc.analysis.initial_state import initial_state
 from drillpetsc.analysis.memory import Memory
 from drillpetsc.analysis.quasi_static import QuasiStatic
@@ -140,6 +141,9 @@ def _step_limits(model: DrillingModel) -> dict[str, Any]:
     options, contact = PETSc.Options(), model.case.contact
     strict = options.getBool("drillpetsc_energy_strict", contact is not None and contact.energy_strict)
     longest = longest_strict_step(model) if strict else np.inf
+    drill = model.case.top.autodriller
+    if drill is not None and drill.sample and drill.sample < longest:
+        return {"ts_adapt_dt_max": drill.sample}
     if not np.isfinite(longest):
         return {}
     fixed = (
@@ -299,6 +303,7 @@ class TransientRun:
         self.notes["warnings"] = step_warnings(self.model, self.fixed_step)
         self.notes["warnings"] += [*run_warnings(self.model), *self.model.mesh.notes]
         self.notes["warnings"] += drive_warnings(self.model, self.saved is None)
+        self.notes["warnings"] += hoist_warnings(self.case)
         if self.saved is not None:
             self.notes["warnings"] += provenance.version_warnings(self.saved.provenance)
         self.boiling = BoilingMonitor(self.model.system, self.model.fluid)

@@ -30,7 +30,23 @@ def case_data(case: CaseBlocks) -> dict[str, Any]:
         data["top"].pop("rotation")
     if not case.top.control:
         data["top"].pop("control", None)
+    if case.top.hoist is not None:
+        _without_unused(case, data["top"])
     return {key: value for key, value in _plain(data).items() if value not in ({}, [])}
+
+
+def _without_unused(case: CaseBlocks, top: dict[str, Any]) -> None:
+    """Leave out defaults of the hoist and its autodriller that go with keys that are not there."""
+    hoist, drill = case.top.hoist, case.top.autodriller
+    if hoist is not None and hoist.line is not None and hoist.line.diameter is None:
+        del top["hoist"]["line"]["modulus"], top["hoist"]["line"]["fill"]
+    if drill is None:
+        return
+    if drill.from_ == 0:
+        top.pop("lowering")
+    for key, mode in drill.mode_of_key.items():
+        if mode not in drill.mode:
+            top["autodriller"].pop(key, None)
 
 
 def sourced_yaml(case: CaseBlocks, figures: Figures) -> str:

@@ -306,7 +306,7 @@ def _modes_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--without-control",
         action="store_true",
-        help="leave out the motor and controller of the top drive, and hold the top",
+        help="leave out motor, hoist and their controllers, and hold the top",
     )
     units_argument(command)
 

@@ -218,7 +218,7 @@ class Assembly:
         """
         _, y, a, _ = self._state
         for f in self.row_replacements:
-            f.evaluate(t, self.x)
+            f.evaluate(t, self.x, self.y)
             _fix_rates(*f.head, f.rate_at, sigma, self._history[1], y, a)
 
     def invalidate_prescribed_values(self) -> None:

@@ -135,17 +135,19 @@ class RowReplacement:
             pointer(self.slots),
         )
 
-    def evaluate(self, t: float, x: FloatArray) -> None:
+    def evaluate(self, t: float, x: FloatArray, y: FloatArray | None = None) -> None:
         """Set ``value`` and ``rate``, on a curved path also the directions, to those at ``t`` [s].
 
-        They are evaluated once per time.  x: unknowns of the system.
+        They are evaluated once per time.  x: unknowns of the system; y: their rates, None where not known.
         """
         if t == self.time:
             return
         if self.condition.along_path is None:
             self.value[:], self.rate[:] = self.condition.value(t), self.condition.rate(t)
         else:
-            self.D[:], self.value[:], self.rate[:] = self.condition.along_path(t, x[self.rows])
+            self.D[:], self.value[:], self.rate[:] = self.condition.along_path(
+                t, x[self.rows], None if y is None else y[self.rows]
+            )
         if self._released:
             self.D[self._released], self.value[self._released], self.rate[self._released] = 0.0, 0.0, 0.0
         if self._released or self.condition.along_path is not None:

@@ -116,8 +116,9 @@ class PrescribedMotion:
     value, rate: (m,) as functions of time [m, -, rad and per second].
     names: (m,) of the reactions: the residual components that the condition replaces (manual:
     eq-prescribed-rows).
-    along_path(t, x): on a curved path, directions, value and rate at the time t and the vertex' unknowns x
-    (7,); None: the directions are constant.
+    along_path(t, x, y): on a curved path, directions, value and rate at the time t and the vertex' unknowns x
+    (7,) and their rates y (7,), None where they are not known; None: the directions are constant.  A direction that is
+    zero is free.
     advance(x): change (7,) of the vertex' unknowns x (7,) by the length of path that an end is moved down;
     None: the end does not move.
     """
@@ -127,7 +128,9 @@ class PrescribedMotion:
     value: Callable[[float], FloatArray]
     rate: Callable[[float], FloatArray]
     names: tuple[str, ...]
-    along_path: Callable[[float, FloatArray], tuple[FloatArray, FloatArray, FloatArray]] | None = None
+    along_path: (
+        Callable[[float, FloatArray, FloatArray | None], tuple[FloatArray, FloatArray, FloatArray]] | None
+    ) = None
     advance: Callable[[FloatArray], FloatArray] | None = None
 
 

@@ -17,6 +17,7 @@ from drillpetsc.geometry.frames import Frames, transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.fluid import FluidComponents, build_fluid
+from drillpetsc.model.hoist import build_hoist, connect_sensors
 from drillpetsc.model.hole import build_well, hole_depth
 from drillpetsc.model.mesh import build_mesh, curvature_by_tool_face
 from drillpetsc.model.quaternion import quaternion_components
@@ -50,6 +51,7 @@ class DrillingModel:
     beam.
     system: the discrete system.
     fluid: components of the drilling fluid, None in a dry model.
+    hoist: block and drum above the top, None where absent.
     """
 
     case: Case
@@ -66,6 +68,7 @@ class DrillingModel:
     bit: interfaces.Bit | None
     system: DiscreteSystem
     fluid: FluidComponents | None = None
+    hoist: interfaces.Hoist | None = None
 
     @property
     def effective_mass(self) -> FloatArray:
@@ -114,6 +117,7 @@ def build_model(
     beam: interfaces.Beam | None = None
     top: interfaces.Top | None = None
     drive: interfaces.Drive | None = None
+    hoist: interfaces.Hoist | None = None
     contact, bit = None, None
     components: list = []
     if case.beam.formulation == "quaternion":
@@ -141,8 +145,10 @@ def build_model(
         beam = AncfBeam(mesh, frames, gravity, contact.impact_depth if contact is not None else np.inf)
         components.append(beam)
         components += _optional_components(mesh, frames, gravity, balanced=is_quasi_static(case))
-        top, drive = _top_components(case, mesh, position[0], tangent[0], _top_path(well, frames), frames)
-        components += [r for r in (top, drive) if r is not None]
+        top, drive, hoist = _top_components(
+            case, mesh, position[0], tangent[0], _top_path(well, frames), frames
+        )
+        components += [r for r in (top, drive, hoist) if r is not None]
         components += _bottom_components(case, mesh.nodes - 1, position[-1], tangent[-1])
         loads = _loads(case, mesh, tangent)
         if loads:
@@ -168,7 +174,10 @@ def build_model(
         bit,
         system,
         fluid,
+        hoist,
     )
+    if hoist is not None:
+        connect_sensors(hoist, drive, bit, fluid)
     if bit is not None and bit.hole is not None:
         _subscribe_to_hole(model, bit.hole)
     return model
@@ -235,27 +244,34 @@ def _top_components(
     path: HolePath | None,
     frames: Frames,
 ):
-    """Create the top end and, for a driven top, the rotary drive; None where absent.
+    """Create the top end, the drive of its rotation, and the hoist; None where absent.
 
     path: of the top, None: a straight line.
     """
     top = case.top
     if isinstance(top, HeldTop):
         return (
-            None if top.kind == "free" else FixedEnd(0, top.kind, position, tangent, path=path, frames=frames)
-        ), None
+            (
+                None
+                if top.kind == "free"
+                else FixedEnd(0, top.kind, position, tangent, path=path, frames=frames)
+            ),
+            None,
+            None,
+        )
     if isinstance(top, TopDriveCase):
         lowering = None if top.force is not None else top.lowering
-        if top.motor is not None and not is_quasi_static(case):
-            free = TopDrive(position, tangent, None, lowering, path=path, frames=frames)
-            return free, build_drive(case, mesh)
+        motor = top.motor is not None and not is_quasi_static(case)
         # without inertia rotation acts through the direction of friction only
-        rotation = Constant(0.0) if is_quasi_static(case) else top.rotation
-        return TopDrive(position, tangent, rotation, lowering, path=path, frames=frames), None
+        rotation = None if motor else Constant(0.0) if is_quasi_static(case) else top.rotation
+        drive = build_drive(case, mesh) if motor else None
+        if top.hoist is not None and not is_quasi_static(case):
+            guided, hoist = build_hoist(case, mesh.nodes, position, tangent, rotation, path, frames)
+            return guided, drive, hoist
+        return TopDrive(position, tangent, rotation, lowering, path=path, frames=frames), drive, None
     assert isinstance(top, DrivenTop)
-    return TopDrive(position, tangent, None, top.lowering, path=path, frames=frames), RotaryDrive(
-        top.rotation, top.stiffness, top.damping, top.inertia
-    )
+    driven = TopDrive(position, tangent, None, top.lowering, path=path, frames=frames)
+    return driven, RotaryDrive(top.rotation, top.stiffness, top.damping, top.inertia), None
 
 
 def _top_breaks(case: Case) -> tuple[float, ...]:

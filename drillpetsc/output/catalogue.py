@@ -45,6 +45,8 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
             *_listed((measured.HOOK_LOAD_TOTAL,), where.BLOCK),
             *_listed(physics.TOP_MOTOR, where.MOTOR),
             *_listed((measured.TOP_TRAVEL,), where.MOVING_TOP),
+            *_listed(physics.HOIST, where.HOIST),
+            *_listed(physics.AUTODRILLER, where.AUTODRILLER),
             *_listed(physics.BIT, where.BIT),
             *_listed(measured.LOWER_END, where.STRING),
             *_listed(measured.HOLE, where.BIT, rop=where.DRILLS),

@@ -26,6 +26,8 @@ def top_reaction(system: DiscreteSystem, name: str) -> float:
 def moves(top: TopKeys) -> bool:
     """Whether the top can move along the hole: it is lowered, or a force is given instead of its motion."""
     lowering = top.lowering
+    if top.hoist is not None and (top.hoist.line is not None or top.hoist.heave is not None):
+        return True
     return top.force is not None or not (lowering is None or lowering == Constant(0.0))
 
 
@@ -62,6 +64,10 @@ class TopEnd:
         """Pull on the string [N]."""
         if self.force is not None:
             return self.force.value(sample.time) if self._is_here else 0.0
+        hoist = self.model.hoist
+        pull = None if hoist is None else hoist.hook_load(sample.time, sample.assembly)
+        if pull is not None:
+            return pull
         return -top_reaction(sample.system, "top.axial_reaction")
 
     def hook_load_total(self, sample: Sample) -> float:

@@ -8,7 +8,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from drillpetsc.output.conditions import BLOCK, CONTACT, CUTTINGS, DRILLS, INERTIA, MOTOR, MUD, STRING
+from drillpetsc.output.conditions import (
+    AUTODRILLER,
+    BLOCK,
+    CONTACT,
+    CUTTINGS,
+    DRILLS,
+    HOIST,
+    INERTIA,
+    MOTOR,
+    MUD,
+    STRING,
+)
 
 
 @dataclass(frozen=True)
@@ -125,6 +136,23 @@ RUN: tuple[SummaryKey, ...] = (
         "List: kind, from [s], p [N m s/rad] and i [N m/rad] of each controller, and where it is tuned frequency [Hz] "
         "and reflection [-] there.",
         MOTOR,
+    ),
+    SummaryKey(
+        "hoist.line_stiffness", "N/m", "Stiffness of the lines against the block at the start.", HOIST
+    ),
+    SummaryKey("hoist.stretch", "m", "Stretch of the lines at the start.", HOIST),
+    SummaryKey(
+        "hoist.fast_line_efficiency",
+        "-",
+        "Load over the tension of the fast line and the number of lines.",
+        HOIST,
+    ),
+    SummaryKey("hoist.slack", "s", "Time from which the lines are pushed; null if never.", HOIST),
+    SummaryKey(
+        "hoist.autodriller",
+        "",
+        "from [s], least and most speed [m/s] and loops: kind, p [m/s] and i [m/s2] per unit of each.",
+        AUTODRILLER,
     ),
     SummaryKey("mass.pumped", "m3", "Volume of mud pumped in since the start.", MUD),
     SummaryKey("mass.returned", "m3", "Volume of mud that came out since the start.", MUD),

@@ -95,6 +95,7 @@ class PathEnd(Top):
         if path is not None:
             start = np.append(path.coordinates(position), angle)
         self.anchor = start
+        self.depth = float(start[0])  # measured depth of the last evaluation on a path [m]
         down, turn, self._first_row = self._down, self._turn, along
         self._condition = PrescribedMotion(
             vertex,
@@ -114,8 +115,10 @@ class PathEnd(Top):
         one = smallest_rotation(a, t, b)
         return float(np.arctan2(here.axes[1] @ np.cross(t, one), here.axes[1] @ one))
 
-    def _at(self, t: float, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Compute directions (m, 7), values and rates (m,) at the time ``t`` [s]; x: (7,) unknowns."""
+    def _at(
+        self, t: float, x: FloatArray, y: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Compute directions (m, 7), values and rates (m,) at the time ``t`` [s]; x, y: (7,) unknowns and rates."""
         assert self._path is not None
         s0, *offset, angle = self.anchor
         speed = 0.0
@@ -123,8 +126,11 @@ class PathEnd(Top):
             depth, speed = s0 + self._down.integral(t), self._down.value(t)
         else:
             depth = self._path.depth_of(x[:3])
+        self.depth = depth
         here = self._path.at(depth)
         axes, place = here.axes, here.centre + offset @ here.axes[1:]
+        if not self._axial_row and y is not None:
+            speed = float(axes[0] @ y[:3] / (1 - here.curvature @ (place - here.centre)))
         D = _rows(axes if self._axial_row else axes[1:], axes[1:] if self._tilt else axes[:0], self._spin)
         spin = angle + self._turn.integral(t) + self._spin_about_reference(here) if self._spin else 0.0
         value = D @ np.concatenate([place, axes[0], [spin]])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
@@ -81,6 +81,10 @@ class Top(Component):
 
     def prescribed_position(self) -> FloatArray:
         """Return the prescribed position (3,) at time 0 [m]; only where ``on_path``."""
+        raise NotImplementedError
+
+    def place(self) -> tuple[float, FloatArray, FloatArray]:
+        """Return a point of the path near the end: depth [m], centre (3,) [m], tangent (3,); only of a top that may be free."""
         raise NotImplementedError
 
     def displace(self, offset: FloatArray) -> None:
@@ -220,6 +224,36 @@ class Drive(Component):
 
         at_rest: without rotation, for the modes about rest.
         """
+
+
+class Hoist(Component):
+    """Block, drum and what turns it, above the top.
+
+    ``sensors``: measurements that are not known to the component, by name: this rank's share as a function of
+    the time [s] and the state.
+    """
+
+    sensors: Mapping[str, Callable[[float, Any], float]] = {}
+
+    @abstractmethod
+    def figures(self, t: float, state: Any) -> FloatArray:
+        """Numbers of its quantities at the time ``t`` [s] (``physics.hoist.FIGURES``), this rank's share."""
+
+    def hook_load(self, t: float, state: Any) -> float | None:
+        """Pull on the string [N], this rank's share; None where it is the reaction of a prescribed top."""
+        return None
+
+    def hold(self) -> None:
+        """Prescribe the axial position of the top, for statics; the line takes no part."""
+
+    def start(self, state: Any, hook_load: float, shared: FloatArray, at_rest: bool = False) -> None:
+        """Begin the motion after ``hold``: the line is stretched by the static load.
+
+        hook_load: static [N]; shared: sum of ``local_update`` over all ranks; at_rest: the drum stands still.
+        """
+
+    def balance(self, state: Any) -> None:
+        """Put the set point of the weight at what is measured, inside the limits, for the modes."""
 
 
 class JointSet(Component):

@@ -226,3 +226,99 @@ TOP_MOTOR: tuple[Quantity, ...] = (
         finish=_whole,
     ),
 )
+
+
+# ---------------------------------------------------------------------- hoist
+def _of_hoist(index: int, hoist: Any, sample: Sample) -> float:
+    return float(sample.once(hoist.figures, sample.time)[index])
+
+
+HOIST: tuple[Quantity, ...] = (
+    Quantity(
+        "block_position",
+        "m",
+        on="scalar",
+        label="Height of the block",
+        mnemonic="BPOS",
+        sign="above the floor",
+        doc="Height of the block over the rig floor.",
+        mean=False,
+        value=partial(_of_hoist, 0),
+    ),
+    Quantity(
+        "block_speed",
+        "m/s",
+        on="scalar",
+        label="Speed of the block",
+        mnemonic="BVEL",
+        sign="down",
+        doc="Speed of the block.",
+        value=partial(_of_hoist, 1),
+    ),
+    Quantity(
+        "drum_speed",
+        "m/s",
+        on="scalar",
+        label="Speed of the drum",
+        mnemonic="DRSP",
+        sign="the drum pays out",
+        doc="Speed of the drum as the speed that the block has under a constant load.",
+        value=partial(_of_hoist, 2),
+    ),
+    Quantity(
+        "line_tension",
+        "N",
+        on="scalar",
+        label="Force of the lines",
+        mnemonic="LINF",
+        sign="the lines pull the block up",
+        doc="Force of all lines on the block.",
+        value=partial(_of_hoist, 3),
+    ),
+    Quantity(
+        "dead_line_tension",
+        "N",
+        on="scalar",
+        label="Dead-line tension",
+        mnemonic="DLTN",
+        sign="tension positive",
+        doc="Tension of the dead line, with the friction of the sheaves against the motion of the block.",
+        value=partial(_of_hoist, 4),
+    ),
+    Quantity(
+        "hook_load_sensor",
+        "N",
+        on="scalar",
+        label="Hook load by the dead line",
+        mnemonic="HKLS",
+        sign="the hook pulls up",
+        doc="Dead-line tension times the number of lines; less the weight of the block with top.hoist.tare.",
+        value=partial(_of_hoist, 5),
+        panel=1,
+    ),
+)
+AUTODRILLER: tuple[Quantity, ...] = (
+    Quantity(
+        "wob_surface",
+        "N",
+        on="scalar",
+        label="Weight on bit by the hook load",
+        mnemonic="SWOB",
+        sign="positive on the rock",
+        doc="Hook load without weight on bit, as tared, less the present hook load.",
+        value=partial(_of_hoist, 6),
+        panel=2,
+    ),
+    Quantity(
+        "autodriller_mode",
+        "-",
+        on="scalar",
+        label="Mode of the autodriller",
+        mnemonic="ADMO",
+        sign="0 off, 1 wob, 2 rop, 3 torque, 4 differential_pressure",
+        doc="Loop that is in charge of the drum.",
+        mean=False,
+        value=partial(_of_hoist, 7),
+        finish=_whole,
+    ),
+)

@@ -197,7 +197,7 @@ class FirstOrderSystem:
         for c in self._prescribed:
             node_index = system.owned_index[c.rows]
             xs, ys = layout.x_owned[node_index], layout.y_owned[node_index]
-            c.evaluate(t, asm.x)
+            c.evaluate(t, asm.x, asm.y)
             out[xs] = c.complement @ out[xs] + c.D.T @ (c.D @ asm.x[c.rows] - c.value)
             out[ys] = c.complement @ out[ys] + c.D.T @ (c.D @ asm.y[c.rows] - c.rate)
 

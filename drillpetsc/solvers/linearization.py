@@ -125,7 +125,7 @@ def _prescribed(system: DiscreteSystem, numbers: IntArray) -> list[tuple[IntArra
     for f in system.assembly.row_replacements:
         if f.owned:
             free = [scipy.linalg.null_space(f.D[:, part]) for part in _PARTS]
-            if sum(q.shape[1] for q in free) != 7 - len(f.D):
+            if sum(q.shape[1] for q in free) != 7 - int(f.D.any(axis=1).sum()):
                 raise ValueError("a prescribed component mixes position, slope and spin")
             out.append((numbers[f.rows], free))
     return out

@@ -10,6 +10,7 @@ import pytest
 
 from drillpetsc.fem.bound_parts import ROW_SCALE
 from drillpetsc.physics.contact import Contact
+from drillpetsc.physics.hoist import FIGURES
 from tests.helpers.component_models import KINDS, SHIFT, build, dense, residual
 
 
@@ -166,3 +167,18 @@ def test_the_motors_of_the_contract_are_at_their_limits(kind, limited):
     assert r[RESULTS["limited"]] == limited
     if kind == "motor_rounded":
         assert 0 < abs(r[RESULTS["command"]] - r[RESULTS["torque"]]) < 2.5e-3 * abs(r[RESULTS["command"]])
+
+
+@pytest.mark.parametrize(
+    ("kind", "speed"), [("hoist_wob_upper", 0.02), ("hoist_wob_lower", 0.0), ("hoist_wob", None)]
+)
+def test_the_drums_of_the_contract_are_at_their_limits(kind, speed):
+    """The autodrillers above run at the limit that their name says, or between the limits."""
+    system = build(kind)
+    asm, hoist = system.assembly, next(c for c in system.components if c.name == "hoist")
+    asm.condense(SHIFT)
+    drum = hoist.figures(0.4, asm)[FIGURES.index("drum_speed")]
+    if speed is None:
+        assert 0.1 < abs(drum) < 49
+    else:
+        assert drum == pytest.approx(speed, abs=1e-12)

@@ -15,6 +15,9 @@ from drillpetsc.physics.bit_on_bottom import BitOnBottom
 from drillpetsc.physics.contact import Contact, ContactLaw
 from drillpetsc.physics.control import Law, Motor
 from drillpetsc.physics.end_conditions import FixedEnd, Loads, NodeLoad, RotaryDrive, TopDrive
+from drillpetsc.physics.hoist import STATES as HOIST_STATES
+from drillpetsc.physics.hoist import HoistedTop, HoistLine
+from drillpetsc.physics.hoisting import Autodriller, Heave, Hoisting, Line, Loop
 from drillpetsc.physics.precurvature import Precurvature
 from drillpetsc.physics.rigid_bodies import RigidBodies
 from drillpetsc.physics.top_drive import RESULTS, STATES, MotorDrive
@@ -72,6 +75,44 @@ def motor_drive(kind: str) -> MotorDrive:
     return MotorDrive(rotation, torque, laws, Motor(0.4, **limits), 1.0, 5)
 
 
+def hoist_line(kind: str, position: np.ndarray, tangent: np.ndarray) -> HoistLine:
+    """The hoist of ``kind``: heave, damping, loops and limits by words; sizes of order one, free of the top's guide."""
+    loops = [
+        Loop(name, Constant(goal), 1.3, 0.9) for name, goal in (("wob", 5.0), ("torque", 4.0)) if name in kind
+    ]
+    most = 0.02 if "upper" in kind else 50.0
+    drill = Autodriller(
+        tuple(loops), Constant(0.7) if "rop" in kind else None, 0.0, 0.0 if "lower" in kind else -50.0, most,
+        filter=0.3 if "filter" in kind else 0.0, sample=1.0 if "sample" in kind else 0.0,
+    )  # fmt: skip
+    line = Line(4, 3.0, 5.0, 2.0, 1.0, 0.6 if "damped" in kind else 0.0)
+    heave = Heave(Ramp(2.0, 0.3), 3.0, 0.4, 0.2) if "heave" in kind else None
+    top = HoistedTop(position, tangent, None)
+    hoist = HoistLine(
+        Hoisting(1.7, line, 4, 9.0, 20.0, heave=heave),
+        top,
+        Ramp(1.0, 0.4),
+        GRAVITY,
+        5,
+        drill if loops or drill.rate else None,
+    )
+    numbers = np.array(
+        [
+            float(top.anchor[0]) - 0.3,
+            0.8,
+            {"upper": -60.0, "lower": 60.0}.get(kind.split("_")[-1], 3.0),
+            0.2,
+            0.1,
+            1.0,
+            np.nan,
+            0.0,
+            0.0,
+        ]
+    )
+    hoist.set_state({"numbers": numbers, "last": np.arange(9.0), "samples": np.ones((2, 9))})
+    return hoist
+
+
 def build(kind: str, seed: int = 3) -> DiscreteSystem:
     """DiscreteSystem of ``kind`` (words joined by _) in a random state with random rates and history."""
     rng = np.random.default_rng(seed)
@@ -96,6 +137,8 @@ def build(kind: str, seed: int = 3) -> DiscreteSystem:
                 frames,
             )
         )
+    if "hoist" in kind:
+        components.append(hoist_line(kind, position[0], tangents[0]))
     if "drive" in kind:
         components.append(RotaryDrive(Ramp(1.0, 2.0), 3.0, 0.7, 0.4))
     if "motor" in kind:
@@ -134,6 +177,9 @@ def build(kind: str, seed: int = 3) -> DiscreteSystem:
     if "motor" in kind:
         for name, size, _ in STATES:
             system.set_field(name, rng.standard_normal((5, size)))
+    if "hoist" in kind:
+        for name, _ in HOIST_STATES:
+            system.set_field(name, 0.2 * rng.standard_normal((5, 1)))
     if (
         "drive" in kind or "motor" in kind
     ):  # a drive rotates about the fixed direction of its node, where spin rate and rate of the angle are equal
@@ -178,6 +224,13 @@ KINDS = [
     "motor_lower",
     "motor_power",
     "motor_rate",
+    "hoist_line",
+    "hoist_heave_damped",
+    "hoist_wob",
+    "hoist_wob_rop_torque_filter_damped",
+    "hoist_wob_sample",
+    "hoist_wob_upper",
+    "hoist_wob_lower",
     "topdrive",
     "clamped",
     "contact",

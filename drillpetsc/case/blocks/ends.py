@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from pydantic import BeforeValidator, Discriminator, Field, Strict, Tag, model_validator
 
 from drillpetsc.case.block import Block, tagged_union
+from drillpetsc.case.blocks.hoist import AutodrillerBlock, HoistBlock
 from drillpetsc.case.blocks.string import Friction
 from drillpetsc.case.blocks.top_drive import Controllers, TopMotor
 from drillpetsc.case.key_paths import refuse
@@ -40,6 +41,8 @@ class TopEnd(Block):
         "torque": None,
         "motor": None,
         "control": (),
+        "hoist": None,
+        "autodriller": None,
     }
 
     if TYPE_CHECKING:
@@ -50,6 +53,8 @@ class TopEnd(Block):
         torque: TimeFunction | None = None
         motor: TopMotor | None = None
         control: Controllers = ()
+        hoist: HoistBlock | None = None
+        autodriller: AutodrillerBlock | None = None
 
 
 class HeldTop(TopEnd):
@@ -109,6 +114,12 @@ class TopDrive(TopEnd):
     torque: Annotated[TimeFunction, OverTime("N m")] | None = Field(
         default=None, description="torque of the motor over time, instead of a control"
     )
+    hoist: HoistBlock | None = Field(
+        default=None, description="block and drilling line; without it the lowering moves the top itself"
+    )
+    autodriller: AutodrillerBlock | None = Field(
+        default=None, description="control of the drum of a hoist with a line"
+    )
 
     @model_validator(mode="after")
     def _one_of_two(self) -> TopDrive:
@@ -125,10 +136,39 @@ class TopDrive(TopEnd):
         elif bool(self.control) == (self.torque is not None):
             want = "a control, or a torque over time" + (", not both" if self.control else "")
             raise refuse("torque" if self.control else "control", want=want)
+        self._hoisting()
         if self.torque is not None and "rotation" in self.model_fields_set:
             raise refuse("rotation", want="no rotation with a torque: the speed follows from it")
         self._times()
         return self
+
+    def _hoisting(self) -> None:
+        """Raise where hoist, autodriller, force and lowering do not fit each other."""
+        drill = self.autodriller
+        if self.hoist is None:
+            if drill is not None:
+                raise refuse("autodriller", want="a hoist with a line: hoist: {block_mass: ..., line: {...}}")
+            return
+        if self.force is not None:
+            raise refuse("force", want="a hoist or a force, not both: the block hangs on the line")
+        most = self.hoist.max_speed
+        for t in (0.0, *self.lowering.breaks()):
+            for value in (self.lowering.value(t, True), self.lowering.value(t)):
+                if abs(value) > most:
+                    raise refuse("lowering", got=value, want=f"at most hoist.max_speed, {most:g} m/s")
+        if drill is None:
+            return
+        if self.hoist.line is None:
+            raise refuse("autodriller", want="a line of the hoist, such as hoist: {line: {diameter: 35 mm}}")
+        if drill.from_ == 0 and "lowering" in self.model_fields_set:
+            raise refuse(
+                "lowering", want="no lowering with an autodriller from time 0",
+                hint="lowering acts before autodriller.from",
+            )  # fmt: skip
+        if drill.max_speed is not None and drill.max_speed > most:
+            raise refuse(
+                "autodriller", "max_speed", got=drill.max_speed, want=f"at most hoist.max_speed, {most:g} m/s"
+            )
 
     def _times(self) -> None:
         """Raise where controllers do not follow each other from time 0 on."""

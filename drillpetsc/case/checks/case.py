@@ -11,6 +11,7 @@ from drillpetsc.case.blocks.string import Beam, Bit, Stabilizer, Tube
 from drillpetsc.case.blocks.well import Well
 from drillpetsc.case.checks.drilling import check_drilling, check_time
 from drillpetsc.case.checks.fluid import check_fluid, check_held_string
+from drillpetsc.case.checks.hoist import check_hoist
 from drillpetsc.case.checks.joints import check_joints
 from drillpetsc.case.checks.limits import check_quaternion, check_size
 from drillpetsc.case.checks.window import check_window
@@ -33,6 +34,7 @@ def check_case(case: CaseBlocks) -> None:
     check_drilling(case)
     _start(case)
     check_time(case)
+    check_hoist(case)
     check_joints(case)
     _on_string(case)
     _stribeck(case)

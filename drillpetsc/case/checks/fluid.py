@@ -29,6 +29,8 @@ def check_held_string(case: CaseBlocks) -> None:
             raise refuse("top", key, want=f"no {key} of a held string", hint=hint)
     if case.top.force is not None:
         raise refuse("top", "force", want="no force of a held string", hint=hint)
+    if case.top.hoist is not None:
+        raise refuse("top", "hoist", want="no hoist of a held string", hint=hint)
     if isinstance(case.bottom, ForcedBottom):
         raise refuse("bottom", "kind", got="force", want="no force on a held string: free", hint=hint)
     if case.loads:

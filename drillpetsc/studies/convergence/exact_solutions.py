@@ -112,6 +112,8 @@ def _free_string(case: Case) -> bool:
         and case.bottom.kind == "free"
         and isinstance(case.top, TopDrive)
         and case.top.force is None
+        and case.top.motor is None
+        and case.top.hoist is None
         and case.beam.formulation in ("ancf", "quaternion")
     )
 
