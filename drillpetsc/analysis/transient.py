@@ -35,6 +35,7 @@ from drillpetsc.output.boiling import BoilingMonitor
 from drillpetsc.output.case_files import write_case
 from drillpetsc.output.creep import creep_warnings
 from drillpetsc.output.energy_balance import EnergyGainMonitor
+from drillpetsc.output.indices import indices
 from drillpetsc.output.motion_classes import MotionClasses
 from drillpetsc.output.progress import Progress, Receiver, check_progress
 from drillpetsc.output.recorder import Recorder
@@ -412,6 +413,8 @@ class TransientRun:
             self.classes.step(t, dt)
         newton = integrator.newton_iterations()
         self.due = writer.write(t, dt, newton - self.newton, self.control)
+        if recorder.sensors is not None and recorder.sensors.step(t, dt, integrator.fresh):
+            writer.write_samples(self.control)
         self.boiling.update(t)
         if self.due:
             self.boiling.share()
@@ -419,6 +422,8 @@ class TransientRun:
 
     def _finish_step(self, t: float) -> None:
         """After all calls of a step: act on signals and write errors, write a checkpoint that is due."""
+        if self.recorder.sensors is not None and self.integrator.fresh:  # in other reference frames
+            self.recorder.sensors.renew()
         every, asked = self._checkpoint_interval, self.control.poll(self.due)
         if asked == FAILED:
             reported = self.mpi.allreduce(self.control.error)  # a text on one rank only
@@ -447,6 +452,7 @@ class TransientRun:
     def _save(self, t: float) -> None:
         """Write a checkpoint; collective."""
         self.boiling.share()
+        self.writer.write_samples(self.control)
         self.notes["last_row"], self.notes["boiling"] = self.writer.last_row, self.boiling.get_notes()
         c = checkpoint.take(self.model, self.recorder, self.integrator, t, self.notes)
 
@@ -460,6 +466,8 @@ class TransientRun:
     def _close(self, error: BaseException | None) -> dict[str, Any]:
         """Close the files and write the summary."""
         model, folder = self.model, self.folder
+        if error is not None and self.mpi.size == 1:  # another rank may not come here
+            self.writer.write_samples(self.control)
         self.writer.close()
         self.bar.finish(self.t, self.integrator.counters.steps)
         clocks = summary.Clocks(self.began, self.moving_since)
@@ -475,6 +483,10 @@ class TransientRun:
         if self.classes is not None:
             result["motion"] = self.classes.summary()
         result["warnings"] = [*result["warnings"], *self.boiling.warnings()]
+        if self.recorder.sensors is not None:
+            result["sensors"] = self.recorder.sensors.summary()
+            result["warnings"] += self.recorder.sensors.warnings()
+            self._warn(self.recorder.sensors.warnings())
         if error is None and self.recorder.energy is not None:  # a quasi-static string has no slip speeds
             result["warnings"] += creep_warnings(model, self.t)
         if "energy" in result:
@@ -486,6 +498,12 @@ class TransientRun:
         def put() -> None:
             if model.drilling is not None:
                 write_well_files(model, folder)
+            if error is None and self.case.output.indices is not None and model.beam is not None:
+                found = indices(folder.path, self.case, *self.case.output.indices.span)
+                found.write(folder.path)
+                result["vibration"] = found.summary
+                result["warnings"] = [*result["warnings"], *found.warnings]
+                self._warn(found.warnings)
             write_summary(folder.summary, result)
 
         if error is None:

@@ -52,6 +52,8 @@ class RunWriter:
                 else None
             )
             self.frames = FieldWriter(folder.path, restart_time=restart_time)
+            if recorder.sensors is not None:
+                recorder.sensors.open(folder.path, restart_time)
 
     @property
     def next_row_time(self) -> float:
@@ -102,6 +104,20 @@ class RunWriter:
         if fields is not None:
             self.frames.write(t, *fields)
 
+    def write_samples(self, errors: WriteErrors) -> None:
+        """Take the samples of the recorded steps and write them; collective."""
+        sensors = self.recorder.sensors
+        if sensors is None:
+            return
+        self.event.begin()
+        samples = sensors.take()
+        if self.folder is not None:
+            try:
+                sensors.write(samples)
+            except OSError as error:
+                errors.report_write_error(error, error.filename or str(self.folder.path))
+        self.event.end()
+
     def flush(self) -> None:
         """Wait until the disk has everything, for a checkpoint that counts on it."""
         if self.folder is not None:
@@ -109,12 +125,16 @@ class RunWriter:
             if self.probes is not None:
                 self.probes.flush()
             self.frames.flush()
+            if self.recorder.sensors is not None:
+                self.recorder.sensors.flush()
 
     def close(self) -> None:
         if self.folder is not None:
             self.history.close()
             if self.probes is not None:
                 self.probes.close()
+            if self.recorder.sensors is not None:
+                self.recorder.sensors.close()
 
 
 def missing_output(

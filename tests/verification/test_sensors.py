@@ -1,0 +1,232 @@
+"""Downhole sensors against rigid rotation, gravity, statics and a swinging mass (manual: sec-vibration-sensors)."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drillpetsc import Case, run
+from drillpetsc.output import read_table
+from drillpetsc.output.sensors.files import read_sensor
+
+G = 9.80665
+PIPE = {"kind": "pipe", "name": "dp", "od": 0.127, "id": 0.1086, "length": 20.0, "element_length": 5.0}
+AREA = np.pi / 4 * (0.127**2 - 0.1086**2)
+
+
+def hanging(sensor: dict, *, rpm: float = 150.0, end: float = 1.0, **more) -> Case:
+    """A straight pipe that turns, without gravity."""
+    keys = {
+        "string": [PIPE],
+        "top": {"kind": "top_drive", "rotation": f"{rpm} rpm"},
+        "gravity": 0.0,
+        "initial": {"from": "straight"},
+        "time": {"end": end},
+        "output": {"sensors": [{"name": "mwd", "at": "12 m", "rate": "100 Hz", **sensor}]},
+    }
+    return Case(**{**keys, **more})
+
+
+def level(*sensors: dict, end: float = 2.0, **output) -> Case:
+    """Two metres of level pipe at 120 rpm, held at one end; its sag tilts it by less than 0.0003."""
+    return Case(
+        string=[{**PIPE, "length": 2.0, "element_length": 0.5}],
+        top={"kind": "top_drive", "rotation": "120 rpm"},
+        initial={"from": "statics", "inclination": "90 deg"},
+        time={"end": end},
+        output={"sensors": list(sensors), **output},
+    )
+
+
+def columns(folder: Path, name: str = "mwd") -> dict[str, np.ndarray]:
+    return {title.split(" [")[0]: values for title, values in read_sensor(folder, name).items()}
+
+
+@pytest.mark.parametrize("cutoff", [None, 20.0])
+def test_accelerometer_off_the_axis(tmp_path, cutoff):
+    """C28: 60 mm off the axis at 150 rpm, without gravity: w^2 r = 1.50963 g towards the axis, whatever the filter."""
+    case = hanging({"radius": "60 mm", "gravity": False, "filter": {"cutoff": cutoff} if cutoff else None})
+    run(case, tmp_path / "r", progress="silent")
+    got = columns(tmp_path / "r")
+    assert got["time"] == pytest.approx(np.arange(101) / 100, abs=1e-15)
+    assert got["ay"] == pytest.approx(np.full(101, -1.50963 * G), rel=1e-4)
+    for name in ("ax", "az"):
+        assert np.abs(got[name]).max() < 5e-3 * 1.5 * G
+    for name in ("spin", "magnetic_rate"):
+        assert got[name] == pytest.approx(np.full(101, 5 * np.pi), rel=1e-6)
+
+
+def test_gravity_in_a_level_pipe(tmp_path):
+    """C28: on the axis of a level pipe at 120 rpm: a sine of 1.0000 g (rms 0.70711 g) at 2 Hz; nothing along the pipe."""
+    case = level({"name": "mwd", "at": "1.3 m", "rate": "100 Hz", "channels": ["ax", "ay", "az"]})
+    run(case, tmp_path / "r", progress="silent")
+    got = columns(tmp_path / "r")
+    ay = got["ay"][:-1] / G
+    assert np.sqrt(np.mean(ay**2)) == pytest.approx(0.70711, rel=5e-3)
+    assert np.abs(ay).max() == pytest.approx(1.0, rel=5e-3)
+    assert np.argmax(np.abs(np.fft.rfft(ay))) == 4  # cycles in 2 s
+    assert np.abs(got["ax"]).max() < 5e-3 * G
+    # ay begins on the high side, where gravity pulls away from it: the accelerometer shows + 1 g
+    assert got["ay"][0] == pytest.approx(G, rel=1e-3)
+    assert got["ay"][:-1] ** 2 + got["az"][:-1] ** 2 == pytest.approx(np.full(200, G**2), rel=2e-3)
+
+
+def test_accelerometer_at_rest_shows_minus_gravity(tmp_path):
+    """A vertical pipe that stands still: -1 g along the string, 0 across; without `gravity` 0."""
+    sensors = [
+        {"name": name, "at": "12 m", "rate": "50 Hz", "gravity": name == "real", "channels": ["ax", "ay"]}
+        for name in ("real", "ideal")
+    ]
+    case = hanging({}, rpm=0.0, end=0.2, gravity=G, initial={"from": "statics"}, output={"sensors": sensors})
+    run(case, tmp_path / "r", progress="silent")
+    assert columns(tmp_path / "r", "real")["ax"] == pytest.approx(np.full(11, -G), rel=1e-6)
+    for name, channel in (("real", "ay"), ("ideal", "ax"), ("ideal", "ay")):
+        assert np.abs(columns(tmp_path / "r", name)[channel]).max() < 1e-4
+
+
+def test_loads_of_the_section(tmp_path):
+    """Weight below a place, and the moment q (L - s)^2/2 of a level cantilever of weight q per length.
+
+    The element's curvature is straight, so its moment is off by q h^2/12 (1 - 6 u + 6 u^2) at the part u of an element of length h.
+    """
+    sensor = {"name": "mwd", "at": "1.25 m", "rate": "50 Hz", "channels": ["wob", "torque", "bending"]}
+    run(level(sensor, end=0.5), tmp_path / "level", progress="silent")
+    got = columns(tmp_path / "level")
+    weight = 7850 * AREA * G
+    exact, error = weight * 0.75**2 / 2, weight * 0.5**2 / 12 * 0.5
+    assert np.hypot(got["bending_y"], got["bending_z"]) == pytest.approx(np.full(26, exact + error), rel=2e-3)
+    # ay begins on the high side; a cantilever bends down
+    assert got["bending_y"][0] == pytest.approx(-(exact + error), rel=2e-3)
+    case = hanging({"channels": ["wob", "torque"]}, end=0.2, gravity=G, initial={"from": "statics"})
+    run(case, tmp_path / "hang", progress="silent")
+    assert columns(tmp_path / "hang")["downhole_wob"] == pytest.approx(np.full(21, -weight * 8.0), rel=1e-4)
+
+
+def test_pressure_of_the_mud(tmp_path):
+    """Standing mud of 1200 kg/m3 in a pipe at 12 m: rho g h."""
+    case = hanging(
+        {"channels": "pressure"},
+        rpm=0.0,
+        end=0.1,
+        gravity=G,
+        initial={"from": "statics"},
+        fluid={
+            "density": 1200.0,
+            "rheology": {"model": "newtonian", "viscosity": 1e-3},
+            "flow_rate": 0.0,
+            "annulus": False,
+            "outlet_pressure": 1200 * G * 20,
+            "bulk_modulus": 2e15,
+        },
+        bottom="free",
+    )
+    run(case, tmp_path / "r", progress="silent")
+    got = columns(tmp_path / "r")
+    assert list(got) == ["time", "internal_pressure"]
+    assert got["internal_pressure"] == pytest.approx(np.full(11, 1200 * G * 12), rel=1e-3)
+
+
+def test_sensor_in_a_rigid_item_feels_its_place(tmp_path):
+    """A body of 4 m on a short stiff pipe swings as a pendulum.
+
+    Two sensors in it, 1 and 3 m below its upper end: their lateral accelerations differ by those of the turning body, w' times 2 m,
+    which is what the sensors at both places of a straight line have.  The mean of the two is that in the middle, to rounding.
+    """
+    body = {
+        "kind": "body",
+        "name": "sub",
+        "length": 4.0,
+        "mass": 400.0,
+        "inertia": {"axial": 5.0, "transverse": 500.0},
+    }
+    names = {"upper": "3 m", "middle": "sub", "lower": "5 m"}
+    case = Case(
+        string=[{**PIPE, "length": 2.0, "element_length": 1.0}, body],
+        top="pinned",
+        gravity=G,
+        initial={"from": "straight", "inclination": "5 deg"},
+        time={"end": 0.5},
+        output={
+            "sensors": [
+                {"name": n, "at": at, "rate": "100 Hz", "gravity": False, "channels": ["ax", "ay", "az"]}
+                for n, at in names.items()
+            ]
+        },
+        petsc={"ts_adapt_dt_max": 0.005},
+    )
+    run(case, tmp_path / "r", progress="silent")
+    upper, middle, lower = (columns(tmp_path / "r", n) for n in names)
+    for name in ("ax", "ay", "az"):
+        size = max(np.abs(lower["ay"]).max(), 1e-9)
+        assert 0.5 * (upper[name] + lower[name]) == pytest.approx(middle[name], abs=1e-9 * size)
+    # a pendulum: the acceleration across grows in proportion to the distance from the hinge, 3 and 5 m, but for bending
+    assert np.mean(lower["ay"]) / np.mean(upper["ay"]) == pytest.approx(5 / 3, rel=0.05)
+
+
+def test_a_range_cuts_off_and_says_so(tmp_path):
+    """1.5 g in a range of 1 g: -1 g, and a warning."""
+    result = run(
+        hanging({"radius": "60 mm", "gravity": False, "range": "1 g"}), tmp_path / "r", progress="silent"
+    )
+    assert columns(tmp_path / "r")["ay"] == pytest.approx(np.full(101, -G))
+    assert result.summary["sensors"][0]["clipped"] >= 101
+    assert any("range" in text for text in result.summary["warnings"])
+
+
+def test_steps_that_do_not_resolve_the_rate_are_told(tmp_path):
+    """Long steps: the frequency up to which the numbers hold stands in the summary and in a warning; short steps: the cutoff."""
+    coarse = run(hanging({"rate": "1 kHz"}), tmp_path / "coarse", progress="silent").summary
+    longest = float(np.max(read_table(tmp_path / "coarse" / "history.csv")["step [s]"]))
+    (row,) = coarse["sensors"]
+    assert row["resolved_to"] == pytest.approx(1 / (4 * longest), rel=1e-6)
+    assert row["coarse_share"] > 0.9
+    (warning,) = [w for w in coarse["warnings"] if "not resolved" in w]
+    assert f"{row['resolved_to']:.3g} Hz" in warning and "filter.cutoff" in warning
+    case = hanging({"rate": "1 kHz", "filter": {"cutoff": 25}}, end=0.1, petsc={"ts_adapt_dt_max": 0.01})
+    fine = run(case, tmp_path / "fine", progress="silent").summary
+    assert fine["sensors"][0]["resolved_to"] == 25.0
+    assert fine["sensors"][0]["coarse_share"] == 0.0
+    assert not any("not resolved" in w for w in fine["warnings"])
+
+
+def test_a_run_without_sensors_has_none(tmp_path):
+    """No files, no keys, no columns."""
+    case = hanging({}, end=0.1, output={})
+    result = run(case, tmp_path / "r", progress="silent")
+    assert not (tmp_path / "r" / "sensors").exists()
+    assert "sensors" not in result.summary and "vibration" not in result.summary
+    with_one = run(hanging({}, end=0.1), tmp_path / "s", progress="silent")
+    assert (tmp_path / "r" / "history.csv").read_bytes() == (tmp_path / "s" / "history.csv").read_bytes()
+    assert with_one.summary["steps"] == result.summary["steps"]
+
+
+@pytest.mark.parametrize("rows", ["csv", "h5"])
+def test_a_continued_run_has_the_same_samples(tmp_path, monkeypatch, rows):
+    """To the last bit: filter, last step and number of the next sample stand in the checkpoint."""
+    if rows == "h5":
+        monkeypatch.setattr("drillpetsc.output.sensors.files.MOST_ROWS", 100)
+    sensor = {
+        "name": "mwd",
+        "at": "1.3 m",
+        "rate": "400 Hz",
+        "filter": {"cutoff": 50, "order": 4},
+        "radius": 0.05,
+        "channels": ["ax", "ay", "az", "rpm", "torque", "wob", "bending"],
+    }
+    case = level(sensor, end=1.0, checkpoint_every=0.1)
+
+    def killed(share: float, text: str) -> None:
+        """The folder as a run leaves it that is killed between two checkpoints."""
+        if share > 0.45 and not (tmp_path / "parts").exists():
+            shutil.copytree(tmp_path / "whole", tmp_path / "parts")
+
+    run(case, tmp_path / "whole", progress=killed)
+    run(case, tmp_path / "parts", restart=True, progress="silent")
+    whole, parts = columns(tmp_path / "whole"), columns(tmp_path / "parts")
+    assert len(whole["time"]) == 401
+    assert (tmp_path / "whole" / "sensors" / f"mwd.{rows}").is_file()
+    for name in whole:
+        assert np.array_equal(parts[name], whole[name]), name
