@@ -14,10 +14,12 @@ from drillpetsc.case.blocks.formation import DragBit
 from drillpetsc.case.blocks.rig import STANDARD_GRAVITY
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
+from drillpetsc.output import catalogue
 from drillpetsc.output.files.fields import read_frame, read_series
 from drillpetsc.output.files.run_folder import INDICES_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table, split_name, write_table
 from drillpetsc.output.sensors.files import read_sensor, sensor_names
+from drillpetsc.unit_systems import System, display_unit, kind_of
 
 IMPACT = 10 * STANDARD_GRAVITY  # lateral acceleration of an impact [m/s2]
 FEWEST = 20  # rows in a window below which its largest and smallest values mean little
@@ -38,6 +40,28 @@ class IndexTable:
     def write(self, folder: Path) -> Path:
         """Write indices.csv into a run folder."""
         return write_table(folder / INDICES_TABLE, list(self.columns), list(self.columns.values()))
+
+    def lines(self, units: System) -> list[str]:
+        """The indices for people: mean and largest over the windows, in a system of units; accelerations in g."""
+        s = self.summary
+        out = [f"{s['windows']} windows of {s['window']:g} s", f"  {'':48} {'mean':>10} {'largest':>10}"]
+        for title, largest in s["largest"].items():
+            name, unit = split_name(title)
+            quantity = catalogue.find(name)
+            text, size = "" if unit == "-" else unit, 1.0
+            kind = kind_of(unit, quantity.kind if quantity is not None else "")
+            if unit == "m/s2":
+                size, text = STANDARD_GRAVITY, "g"
+            elif kind:
+                size, _, text = display_unit(kind, units)
+            mean, most = (
+                "-" if value is None else f"{value / size:.4g}" for value in (s["mean"][title], largest)
+            )
+            out.append(f"  {catalogue.label(name) or name:48} {mean:>10} {most:>10} {text}".rstrip())
+        for depth, classes in s["whirl"].items():
+            shares = ", ".join(f"{name} {100 * share:.3g} %" for name, share in classes.items())
+            out.append(f"  Whirl at {depth} m: {shares}")
+        return out
 
 
 def indices(
@@ -77,9 +101,27 @@ def indices(
     whirl, told = _whirl(run, case, ends)
     columns |= whirl
     warnings += told
+    warnings += _undefined(columns)
     for name in sensor_names(folder):
         columns |= _sensor(name, _columns(read_sensor(folder, name)), case, ends, window)
     return IndexTable(columns, _summary(columns, window), warnings)
+
+
+def _undefined(columns: dict[tuple[str, str], Any]) -> list[str]:
+    """Why an index has no number in any window."""
+    reasons = {
+        (
+            "stick_slip",
+            "-",
+        ): "stick-slip index is not defined: the lower end turns at less than 1 rpm on average",
+        ("mse", "Pa"): "mechanical specific energy is not defined: the bit makes no progress",
+        ("depth_of_cut", "m"): "depth of cut is not defined: the bit turns at less than 1 rpm on average",
+    }
+    return [
+        f"indices: the {text}"
+        for key, text in reasons.items()
+        if key in columns and np.isnan(columns[key]).all()
+    ]
 
 
 def _columns(table: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -97,17 +139,10 @@ def _rows(time: FloatArray, end: float, window: float) -> slice:
 def _rotation(history: dict[str, np.ndarray], spans: list[slice]) -> dict[tuple[str, str], Any]:
     time, speed = history["time"], history["bit_speed"]
     return {
-        ("rotation", "rad/s"): np.array([_mean(time[s], speed[s]) for s in spans]),
-        ("stick_slip", "-"): np.array([vibration.stick_slip_index(speed[s]) for s in spans]),
+        ("rotation", "rad/s"): np.array([vibration.time_mean(time[s], speed[s]) for s in spans]),
+        ("stick_slip", "-"): np.array([vibration.stick_slip_index(speed[s], time[s]) for s in spans]),
         ("stuck_share", "-"): np.array([vibration.stuck_share(time[s], speed[s]) for s in spans]),
     }
-
-
-def _mean(time: FloatArray, values: FloatArray) -> float:
-    """Mean over the time, by the trapezoidal rule."""
-    if len(time) < 2:
-        return float(values[0]) if len(values) else np.nan
-    return float(np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(time)) / (time[-1] - time[0]))
 
 
 def _drilling(history: dict[str, np.ndarray], spans: list[slice], case: Case) -> dict[tuple[str, str], Any]:
@@ -122,11 +157,14 @@ def _drilling(history: dict[str, np.ndarray], spans: list[slice], case: Case) ->
         time, speed, rop = (
             history["time"][s],
             history["bit_speed"][s],
-            _mean(history["time"][s], history["rop"][s]),
+            vibration.time_mean(history["time"][s], history["rop"][s]),
         )
-        weight, power = _mean(time, history["wob"][s]), _mean(time, history["bit_torque"][s] * speed)
+        weight, power = (
+            vibration.time_mean(time, history["wob"][s]),
+            vibration.time_mean(time, history["bit_torque"][s] * speed),
+        )
         energy.append(vibration.mechanical_specific_energy(weight, power, 1.0, rop, diameter))
-        cut.append(vibration.depth_of_cut(rop, _mean(time, speed)))
+        cut.append(vibration.depth_of_cut(rop, vibration.time_mean(time, speed)))
     out: dict[tuple[str, str], Any] = {("mse", "Pa"): np.array(energy)}
     if strength is not None:
         out["efficiency", "-"] = np.array([vibration.drilling_efficiency(strength, e) for e in energy])
@@ -189,7 +227,7 @@ def _sensor(
     out: dict[tuple[str, str], Any] = {}
     if "spin" in table:
         out[f"stick_slip_{name}", "-"] = np.array(
-            [vibration.stick_slip_index(table["spin"][s]) for s in spans]
+            [vibration.stick_slip_index(table["spin"][s], table["time"][s]) for s in spans]
         )
     moved = {
         axis: table[column]

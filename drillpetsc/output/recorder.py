@@ -22,7 +22,7 @@ from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.mass_balance import MassBalance
 from drillpetsc.output.probes import Probes
 from drillpetsc.output.rigid_items import RigidItems
-from drillpetsc.output.sensors import Sensors
+from drillpetsc.output.sensors.sensors import Sensors
 from drillpetsc.output.string_ends import DrilledHole, LowerEnd, TopEnd
 from drillpetsc.output.time_error import TimeError
 

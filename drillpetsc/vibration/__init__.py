@@ -12,6 +12,7 @@ from drillpetsc.vibration.indices import (
     root_mean_square,
     stick_slip_index,
     stuck_share,
+    time_mean,
 )
 from drillpetsc.vibration.spectra import (
     Spectrogram,
@@ -41,6 +42,7 @@ __all__ = [
     "spectrogram",
     "stick_slip_index",
     "stuck_share",
+    "time_mean",
     "turned_angle",
     "whirl",
 ]

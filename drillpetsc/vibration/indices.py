@@ -13,13 +13,25 @@ STUCK = 2 * np.pi / 60  # speed below which the bit counts as stuck [rad/s], 1 r
 NO_PROGRESS = 1e-9  # rate of penetration below which a bit does not drill [m/s], 4 micrometres an hour
 
 
-def stick_slip_index(speed: FloatArray) -> float:
-    """(max - min)/(2 mean) of a rotation speed (k,) [rad/s]; nan where its mean is below 1 rpm.
+def time_mean(time: FloatArray | None, values: FloatArray) -> float:
+    """Mean over the time (k,) [s] of values (k,) that are straight between their points; evenly spaced without a time.
 
-    1 is full stick-slip: the bit just stops.
+    nan without values.
+    """
+    values = np.asarray(values, dtype=float)
+    if len(values) < 2:
+        return float(values[0]) if len(values) else np.nan
+    step = np.ones(len(values) - 1) if time is None else np.diff(time)
+    return float(np.sum(0.5 * (values[1:] + values[:-1]) * step) / np.sum(step))
+
+
+def stick_slip_index(speed: FloatArray, time: FloatArray | None = None) -> float:
+    """(max - min)/(2 mean) of a rotation speed (k,) [rad/s] at times (k,) [s]; nan where its mean is below 1 rpm.
+
+    1 is full stick-slip: the bit just stops.  Without times the speeds are evenly spaced.
     """
     speed = np.asarray(speed, dtype=float)
-    mean = abs(float(np.mean(speed))) if len(speed) else 0.0
+    mean = abs(time_mean(time, speed))
     if not mean >= STUCK:
         return np.nan
     return float(np.ptp(speed)) / (2 * mean)

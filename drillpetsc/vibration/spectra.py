@@ -58,11 +58,11 @@ def _pieces(values: FloatArray, length: int, hop: int) -> tuple[np.ndarray, Floa
 def spectrogram(time: FloatArray, values: FloatArray, segment: float | None = None) -> Spectrogram:
     """Amplitudes of a series over time and frequency.
 
-    time: (n,) [s]; values: (n,); segment: length of a segment [s], by default a twentieth of the series, at least 64 values.
+    time: (n,) [s]; values: (n,); segment: length of a segment [s], by default a fiftieth of the series, at least 64 values.
     A series shorter than a segment is one segment.
     """
     t, v, spacing = _even(time, values)
-    length = max(64, len(t) // 20) if segment is None else round(segment / spacing)
+    length = max(64, len(t) // 50) if segment is None else round(segment / spacing)
     length = int(np.clip(length, 4, len(t)))
     hop = max(1, int((1 - OVERLAP) * length), (len(t) - length) // SEGMENTS)
     begins, parts = _pieces(v, length, hop)

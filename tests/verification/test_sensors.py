@@ -103,6 +103,13 @@ def test_loads_of_the_section(tmp_path):
     case = hanging({"channels": ["wob", "torque"]}, end=0.2, gravity=G, initial={"from": "statics"})
     run(case, tmp_path / "hang", progress="silent")
     assert columns(tmp_path / "hang")["downhole_wob"] == pytest.approx(np.full(21, -weight * 8.0), rel=1e-4)
+    # a moment that turns the lower end anticlockwise: the part above turns the part below clockwise
+    case = hanging({"channels": ["torque"]}, rpm=0.0, end=0.1, initial={"from": "statics"})
+    case = case.replace({"loads": [{"at": 20.0, "moment": [0, 0, -1000.0]}]})
+    run(case, tmp_path / "twist", progress="silent")
+    assert columns(tmp_path / "twist")["downhole_torque"] == pytest.approx(np.full(11, 1000.0), rel=1e-6)
+    surface = read_table(tmp_path / "twist" / "history.csv")["surface_torque [N m]"]
+    assert surface == pytest.approx(np.full(len(surface), 1000.0), rel=1e-6)
 
 
 def test_pressure_of_the_mud(tmp_path):

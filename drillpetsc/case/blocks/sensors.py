@@ -117,6 +117,8 @@ class Sensor(Block):
     def _file_name(cls, value: str) -> str:
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", value):
             raise refuse(got=value, want="a name of letters, digits, - and _")
+        if value.lower() in ("history", "probes"):
+            raise refuse(got=value, want="another name: plots take this for the table of the run")
         return value
 
     @model_validator(mode="after")

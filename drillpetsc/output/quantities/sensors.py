@@ -63,7 +63,7 @@ TORQUE = _column(
     "N m",
     "Torque in the string",
     "TQA",
-    "as that of a string that is turned clockwise from above",
+    "as the surface torque: the part above turns the part below clockwise",
     "Torque in the section.",
 )
 WOB = _column(

@@ -14,6 +14,7 @@ from drillpetsc.output.files.tables import Column, Table, header, read_table
 
 MOST_ROWS = 10**6  # of a CSV file; a sensor with more samples has an HDF5 file
 FOLDER = "sensors"
+SENSOR_TABLE = "sensors/*.csv"  # stands for the file of any sensor in the catalogue
 
 
 def sensor_file(folder: Path, name: str, rows: float, continued: bool = False) -> Path:

@@ -118,7 +118,7 @@ class Sampler:
         out["spin"] = spin[:, 0]
         out["spin_acceleration"] = spinning[:, 0]
         out["magnetic_rate"] = self._magnetic_rate(omega, y, z)
-        out["downhole_torque"], out["downhole_wob"] = record[:, 24], -record[:, 25]
+        out["downhole_torque"], out["downhole_wob"] = -record[:, 24], -record[:, 25]
         out["internal_pressure"], out["annulus_pressure"] = record[:, 26], record[:, 27]
         if "bending" in self.sensor.channels:
             d2, d3 = _directors(reference, tangent, angle)

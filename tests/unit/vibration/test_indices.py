@@ -61,7 +61,7 @@ def test_no_stick_slip_index_of_a_string_that_does_not_turn(speed):
 
 def test_turning_backward_has_the_same_index():
     """The sign of the rotation does not matter."""
-    speed = 5 + np.array([0.0, 2.0, 0.0, -2.0])
+    speed = 5 + np.array([0.0, 2.0, 0.0, -2.0, 0.0])
     assert vibration.stick_slip_index(-speed) == vibration.stick_slip_index(speed) == pytest.approx(0.4)
 
 
