@@ -48,7 +48,7 @@ class LowPass:
         for k in range(len(h)):  # one after the other, so that no result depends on how a series is divided
             w = factor[k] * w - push[k]
             states[k + 1] = w
-        return values + (states @ self.weights).real, w
+        return values + np.sum(states * self.weights, axis=-1).real, w
 
 
 def butterworth(order: int, cutoff: float) -> LowPass:

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drillpetsc import Case, run
+from drillpetsc import Case, Session, run
+from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from drillpetsc.output.sensors.files import read_sensor
 
@@ -237,3 +238,50 @@ def test_a_continued_run_has_the_same_samples(tmp_path, monkeypatch, rows):
     assert (tmp_path / "whole" / "sensors" / f"mwd.{rows}").is_file()
     for name in whole:
         assert np.array_equal(parts[name], whole[name]), name
+
+
+def test_a_restart_without_the_samples_before_it_is_refused(tmp_path):
+    """A file of a sensor that is gone, or that lacks samples, is named."""
+    sensor = {"name": "mwd", "at": "1 m", "rate": "100 Hz"}
+    case = level(sensor, end=0.2, checkpoint_every=0.1)
+    run(case, tmp_path / "r", progress="silent")
+    longer, file = case.replace({"time.end": 0.4}), tmp_path / "r" / "sensors" / "mwd.csv"
+    lines = file.read_text().splitlines(keepends=True)
+    file.write_text("".join(lines[:5]))
+    with pytest.raises(CaseError, match="samples up to 0.03 s"):
+        run(longer, tmp_path / "r", restart=True, progress="silent")
+    file.unlink()
+    with pytest.raises(CaseError, match="no such file"):
+        run(longer, tmp_path / "r", restart=True, progress="silent")
+    file.write_text("".join(lines))
+    run(longer, tmp_path / "r", restart=True, progress="silent")
+    assert columns(tmp_path / "r")["time"] == pytest.approx(np.arange(41) / 100)
+    run(longer.replace({"output.sensors": []}), tmp_path / "r", overwrite=True, progress="silent")
+    assert not file.parent.exists()
+
+
+def test_sensors_of_a_session(tmp_path):
+    """Outputs mwd.ax and others are the latest samples; a state replays them."""
+    sensor = {"name": "mwd", "at": "1.3 m", "rate": "200 Hz", "filter": {"cutoff": 40}, "radius": 0.05}
+    fixed = {"ts_adapt_type": "none", "ts_dt": 2.5e-3}
+    case = Case(**{**level(sensor, end=0.3).model_dump(by_alias=True, exclude_none=True), "petsc": fixed})
+    run(case, tmp_path / "r", progress="silent")
+    table = columns(tmp_path / "r")
+    with Session(case) as s:
+        assert "mwd.ay" in {q.name for q in s.outputs}
+        assert np.isnan(s.get("mwd.ay"))  # no step, no sample
+        got = []
+        for _ in range(20):
+            s.step(0.01)
+            got.append(s.get_many(["mwd.ay", "bit_speed", "mwd.spin"]))
+        state = s.state()
+        s.step(0.01)
+        first = s.get("mwd.ay")
+        s.set_state(state)
+        assert s.get("mwd.ay") == got[-1][0]
+        s.step(0.01)
+        assert s.get("mwd.ay") == first
+        with pytest.raises(LookupError, match="nearest: mwd.ax"):
+            s.get("mwd.axx")
+    assert np.array(got)[:, 0] == pytest.approx(table["ay"][2:42:2], abs=1e-6)
+    assert np.array(got)[:, 2] == pytest.approx(table["spin"][2:42:2], abs=1e-6)

@@ -107,3 +107,21 @@ def read_sensor(folder: Path, name: str) -> dict[str, np.ndarray]:
         units = {name: file[name].attrs["unit"] for name in file}
         columns = {f"{name} [{unit}]": np.array(file[name]) for name, unit in units.items()}
     return {"time [s]": columns.pop("time [s]"), **columns}
+
+
+def covered(path: Path, columns: Sequence[Column]) -> float | None:
+    """Time of the last sample in the file of a sensor [s], minus infinity without any; None where its columns are others."""
+    if path.suffix == ".h5":
+        import h5py
+
+        with h5py.File(path, "r") as file:
+            if set(file) != {name for name, _ in columns}:
+                return None
+            return float(file["time"][-1]) if len(file["time"]) else -np.inf
+    with open(path, "rb") as table:
+        if table.readline().decode().strip() != ",".join(header(columns)):
+            return None
+        table.seek(max(table.tell(), path.stat().st_size - 4096))
+        lines = table.read().decode().splitlines(keepends=True)
+    whole = [line for line in lines if line.endswith("\n") and line.count(",") == len(columns) - 1]
+    return float(whole[-1].partition(",")[0]) if whole else -np.inf

@@ -139,8 +139,9 @@ class Sampler:
         """(k,) rate [rad/s] of the angle of the magnetic field in the section."""
         dip = self.sensor.magnetic_dip
         field = np.array([np.cos(dip), 0.0, np.sin(dip)])
-        along_y, along_z = y @ field, z @ field
-        rate_y, rate_z = np.cross(omega, y) @ field, np.cross(omega, z) @ field
+        along_y, along_z, rate_y, rate_z = (
+            np.sum(axis * field, axis=1) for axis in (y, z, np.cross(omega, y), np.cross(omega, z))
+        )
         size = np.maximum(along_y**2 + along_z**2, 1e-12)
         return np.asarray((along_z * rate_y - along_y * rate_z) / size)
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.output.files.tables import Column
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.sensors.files import open_samples, sensor_file
 from drillpetsc.output.sensors.samples import Sampler
@@ -53,6 +54,11 @@ class Sensors:
     def start(self, t: float) -> None:
         """Record the present state at the time ``t`` [s]."""
         self._times, self._now = [t], self._raw()
+
+    def begin_at(self, t: float) -> None:
+        """Let the first samples be those after a start at another time than 0 [s]."""
+        for sampler in self.samplers:
+            sampler.next = int(np.ceil(t * sampler.sensor.rate * (1 - 1e-12)))
 
     def renew(self) -> None:
         """Record the state once more after the unknowns of the last step were written in other reference frames."""
@@ -107,15 +113,19 @@ class Sensors:
         return [s.samples(times, every[i][0], every[i][1]) for i, s in enumerate(self.samplers)]
 
     # ------------------------------------------------------------------ files, on the first rank
+    def files(self, folder: Path, continued: bool = True) -> list[tuple[Path, list[Column], float]]:
+        """File, columns and rate [Hz] of every sensor in a run folder."""
+        end = float(self.model.case.time.end)  # type: ignore[union-attr]
+        return [
+            (sensor_file(folder, s.sensor.name, s.sensor.rate * end, continued), s.columns, s.sensor.rate)
+            for s in self.samplers
+        ]
+
     def open(self, folder: Path, restart_time: float | None) -> None:
         """Open the files in a run folder, new, or continued at a time [s]."""
-        end = float(self.model.case.time.end)  # type: ignore[union-attr]
-        continued = restart_time is not None
         self._files = [
-            open_samples(
-                sensor_file(folder, s.sensor.name, s.sensor.rate * end, continued), s.columns, restart_time
-            )
-            for s in self.samplers
+            open_samples(path, columns, restart_time)
+            for path, columns, _ in self.files(folder, restart_time is not None)
         ]
 
     def write(self, samples: list[FloatArray]) -> None:
@@ -178,7 +188,8 @@ class Sensors:
         return out
 
     def set_state(self, saved: dict[str, FloatArray]) -> None:
-        """Continue from a checkpoint."""
+        """Continue from a checkpoint; steps that are recorded and not sampled are forgotten."""
+        self._starts, self._ends = [], []
         steps, n = saved["sensors_steps"], len(self.samplers)
         self._times, self._over = [float(steps[0])], float(steps[1])
         self._longest, self._coarse = np.array(steps[2 : 2 + n]), np.array(steps[2 + n : 2 + 2 * n])
