@@ -71,7 +71,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         "indices.csv": (
             *_listed((measured.TIME, vibration.WINDOW)),
             *_listed(vibration.ROTATION, where.STRING),
-            *_listed(vibration.DRILLING, where.DRILLS, efficiency=f"{where.DRILLS}, bit_law drag_bit"),
+            *_listed(vibration.DRILLING, where.CAN_DRILL, efficiency=f"{where.CAN_DRILL}, bit_law drag_bit"),
             *_listed(vibration.WHIRL, "probes and a hole"),
             *_listed(vibration.OF_SENSOR, where.SENSOR),
         ),

@@ -150,6 +150,8 @@ def _drilling(history: dict[str, np.ndarray], spans: list[slice], case: Case) ->
     diameter = getattr(case.string[-1], "od", None)
     if "rop" not in history or diameter is None or case.formation is None:
         return {}
+    if not (case.formation.drillability or any(layer.drillability for layer in case.formation.layers)):
+        return {}  # rock that cannot be drilled
     law = case.formation.bit_law
     strength = law.specific_energy if isinstance(law, DragBit) else None
     energy, cut = [], []

@@ -96,14 +96,23 @@ def test_specific_energy_of_a_sharp_drag_bit(tmp_path):
 
 
 def test_no_progress_is_said(tmp_path):
-    """Rock that cannot be drilled: the energy is not a number, and a warning says why; so is a string that does not turn."""
+    """A bit off the bottom: the energy is not a number, and a warning says why; so is a string that does not turn.  Rock that cannot
+    be drilled has no columns of drilling."""
     case = drilling().replace(
-        {"top.lowering": 0.0, "formation.bit_law": "rop", "formation.drillability": 0.0}
+        {
+            "top.lowering": 0.0,
+            "well.survey.md": [0, 31],
+            "well.sections[0].to": 31,
+            "initial": {"from": "statics"},
+            "time": {"end": 0.5},
+        }
     )
     result = dp.run(case, tmp_path / "r", progress="silent")
     assert np.isnan(columns(result)["mse"]).all()
     assert result.summary["vibration"]["largest"]["mse [Pa]"] is None
     assert any("no progress" in text for text in result.summary["warnings"])
+    hard = case.replace({"formation.drillability": 0.0})
+    assert "mse" not in columns(dp.run(hard, tmp_path / "h", progress="silent"))
     still = dp.run(turning(0.0, 1.0, indices={"window": 0.5}), tmp_path / "s", progress="silent")
     assert np.isnan(columns(still)["stick_slip"]).all()
     assert any("less than 1 rpm" in text for text in still.summary["warnings"])

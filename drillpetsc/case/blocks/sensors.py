@@ -18,6 +18,7 @@ from drillpetsc.units import UnitError, to_si
 
 CHANNELS = ("ax", "ay", "az", "rpm", "torque", "wob", "bending", "pressure")
 ACCELERATIONS = ("ax", "ay", "az")
+STEPS_PER_PERIOD = 4.0  # a step resolves frequencies up to one over so many steps
 
 
 @dataclass(frozen=True)

@@ -102,7 +102,7 @@ class SensorSection:
         return out
 
     def section(self, raw: FloatArray) -> FloatArray:
-        """(k, WIDTH) records of the section from (k, n) raw ones, by the shape functions of the element (eq-beam-tube)."""
+        """(k, WIDTH) records of the section from (k, n) raw ones, by the cubic of the element (manual: eq-beam-slope)."""
         x, y, a = (raw[:, 14 * i : 14 * (i + 1)] for i in range(3))
         ratio, rest = raw[:, 42:45], raw[:, 45:]
         second = y[:, 3:6], a[:, 3:6]

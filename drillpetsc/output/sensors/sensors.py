@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.sensors import STEPS_PER_PERIOD
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.flow_recorder import FlowRecorder
@@ -17,7 +18,6 @@ from drillpetsc.output.sensors.section import SensorSection
 
 BLOCK = 256  # steps that are recorded before they are sampled
 _RAW_ACCELERATIONS = slice(28, 42)  # in a raw record
-STEPS_PER_PERIOD = 4.0  # a step resolves frequencies up to one over so many steps
 
 
 class Sensors:
