@@ -23,6 +23,7 @@ from drillpetsc.unit_systems import System, display_unit, kind_of
 
 IMPACT = 10 * STANDARD_GRAVITY  # lateral acceleration of an impact [m/s2]
 FEWEST = 20  # rows in a window below which its largest and smallest values mean little
+MANY = 0.1  # share of windows without an answer from which on it is said
 DEFAULT_WINDOW, DEFAULT_EVERY = 20.0, 1.0  # [s]
 
 
@@ -178,7 +179,7 @@ def _whirl(run: RunFolder, case: Case, ends: FloatArray) -> tuple[dict[tuple[str
     if not run.probes.is_file() or case.well is None:
         return {}, []
     probes, found = _columns(read_table(run.probes)), {}
-    sizes, unresolved = _sizes(run), []
+    sizes, unresolved, still = _sizes(run), list[str](), list[str]()
     for name in [key.removeprefix("x_") for key in probes if key.startswith("x_")]:
         radius, clearance = (np.nan, np.nan)
         if sizes is not None:
@@ -195,15 +196,23 @@ def _whirl(run: RunFolder, case: Case, ends: FloatArray) -> tuple[dict[tuple[str
         found["whirl_ratio_" + name, "-"] = got.ratio
         words = np.array([vibration.CLASSES[k] for k in got.number])
         found["whirl_" + name, "-"] = words
-        if np.mean(words == "unresolved") > 0.1:
+        late = np.isfinite(got.radius)  # three revolutions are over
+        if not late.any():
+            still.append(f"{name} m")
+        elif np.mean(words[late] == "unresolved") > MANY:
             unresolved.append(f"{name} m")
-    if not unresolved:
-        return found, []
-    every = float(np.median(np.diff(probes["time"])))
-    return found, [
-        f"indices: whirl at {', '.join(unresolved)} is not resolved in more than a tenth of the windows: the string turns less than "
-        f"three times before them, or output.history_every of {every:g} s has too few rows for a string that rolls on the wall"
-    ]
+    told = []
+    if still:
+        told.append(
+            f"indices: whirl at {', '.join(still)} is not known: the string turns less than three times"
+        )
+    if unresolved:
+        every = float(np.median(np.diff(probes["time"])))
+        told.append(
+            f"indices: whirl at {', '.join(unresolved)} is not resolved in more than {100 * MANY:g} % of the windows: output.history_every "
+            f"of {every:g} s has too few rows for a string that rolls on the wall, or the string turns forth and back"
+        )
+    return found, told
 
 
 def _sizes(run: RunFolder) -> tuple[FloatArray, FloatArray, FloatArray] | None:

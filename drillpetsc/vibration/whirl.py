@@ -102,8 +102,10 @@ def _class(
     """Class of a window: rows in a turn of the string, ``swept`` and ``about`` [rad] all and net turns about the hole."""
     if np.isfinite(clearance) and radius < SMALL * clearance:
         return "none"
-    rolling = -outer_radius / radius if radius > 0 and np.isfinite(outer_radius) else -1.0
-    if rows < ROWS_PER_TURN * max(1.0, abs(rolling)) or not np.isfinite(ratio):
+    known = radius > 0 and np.isfinite(outer_radius)
+    rolling = -outer_radius / radius if known else -1.0
+    fastest = outer_radius / np.nanmax([radius, clearance]) if known else 1.0  # where it touches the wall
+    if rows < ROWS_PER_TURN * max(1.0, fastest) or not np.isfinite(ratio):
         return "unresolved"
     if swept < SLOW * REVOLUTIONS * 2 * np.pi:
         return "none"

@@ -101,6 +101,7 @@ def orbit(ratio: float, size: float, rate: float = 200.0, spin: float = 12.0):
     ("ratio", "size", "name"),
     [
         (1.0, CLEARANCE, "forward synchronous"),
+        (1.0, 0.1 * CLEARANCE, "forward synchronous"),  # off the wall, where a rolling string would be fast
         (0.5, CLEARANCE, "forward"),
         (-RADIUS / CLEARANCE, CLEARANCE, "backward rolling"),
         (-RADIUS / (1.2 * CLEARANCE), 1.2 * CLEARANCE, "backward rolling"),  # in a wall that yields
