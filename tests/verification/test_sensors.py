@@ -324,3 +324,14 @@ def test_filtered_acceleration_of_a_heavy_mass(tmp_path):
         found[name] = c - 1j * s
     assert found["raw"] / G == pytest.approx(1.0, abs=1e-2)
     assert found["filtered"] / found["raw"] == pytest.approx(-1j / np.sqrt(2), abs=5e-3)
+
+
+def test_long_steps_are_sampled_in_parts(tmp_path, monkeypatch):
+    """A step that holds thousands of samples: the parts in which they are computed change no bit."""
+    sensor = {"name": "mwd", "at": "1 m", "rate": "2 kHz", "radius": 0.05, "filter": {"cutoff": 100}}
+    run(level(sensor, end=1.0), tmp_path / "whole", progress="silent")
+    monkeypatch.setattr("drillpetsc.output.sensors.samples.AT_ONCE", 37)
+    run(level(sensor, end=1.0), tmp_path / "parts", progress="silent")
+    files = [tmp_path / name / "sensors" / "mwd.csv" for name in ("whole", "parts")]
+    assert files[0].read_bytes() == files[1].read_bytes()
+    assert len(columns(tmp_path / "whole")["time"]) == 2001

@@ -13,7 +13,7 @@ from drillpetsc.case.block import Block
 from drillpetsc.case.blocks.rig import STANDARD_GRAVITY
 from drillpetsc.case.blocks.string import Angle
 from drillpetsc.case.key_paths import refuse, suggestion
-from drillpetsc.case.quantities import Quantity, as_list
+from drillpetsc.case.quantities import InSI, Quantity, as_list
 from drillpetsc.units import UnitError, to_si
 
 CHANNELS = ("ax", "ay", "az", "rpm", "torque", "wob", "bending", "pressure")
@@ -29,7 +29,7 @@ class InGravities(Quantity):
         found = re.fullmatch(r"\s*([-+.\deE]+)\s*(?:g|gn|g0)\s*", value) if isinstance(value, str) else None
         if found:
             try:
-                value = float(found.group(1)) * STANDARD_GRAVITY
+                value = InSI(float(found.group(1)) * STANDARD_GRAVITY)
             except ValueError:
                 pass  # the message shows the text
         return super().read(value, *at)
@@ -54,7 +54,7 @@ class SensorFilter(Block):
 
     kind: Literal["butterworth"] = Field(default="butterworth", description="family of the filter")
     order: Annotated[int, Field(strict=True, ge=1, le=10)] = Field(default=2, description="number of poles")
-    cutoff: Annotated[float, Quantity("1/s", above=0, at_most=1e6)] = Field(
+    cutoff: Annotated[float, Quantity("1/s", above=0, at_most=1e6, kind="frequency")] = Field(
         description="frequency at which the gain is 1/sqrt(2), in Hz; below half the rate"
     )
 
@@ -82,7 +82,7 @@ class Sensor(Block):
     at: Annotated[float | str, DepthOrItem("m", at_least=0, at_most=50e3)] = Field(
         description="measured depth, or the name of a string item, in whose middle it is"
     )
-    rate: Annotated[float, Quantity("1/s", above=0, at_most=1e6)] = Field(
+    rate: Annotated[float, Quantity("1/s", above=0, at_most=1e6, kind="frequency")] = Field(
         description="samples in a second, in Hz"
     )
     channels: Annotated[tuple[Channel, ...], BeforeValidator(_channels)] = Field(

@@ -10,6 +10,7 @@ from drillpetsc.output.quantities import sensors as declared
 from drillpetsc.output.sensors.section import PARTS, unit_motion
 from drillpetsc.vibration.filters import LowPass, butterworth
 
+AT_ONCE = 20_000  # samples that are computed together
 MOST_TURNED = 0.1  # turn of the string between two points of a filter [rad]
 _ACCELERATION = PARTS["acceleration"]
 
@@ -49,21 +50,28 @@ class Sampler:
 
         times: (n + 1,) ends of the steps [s]; starts, ends: (n, WIDTH) records at the beginning and at the end of each.
         """
-        points = self._points(times, ends)
-        step = np.clip(np.searchsorted(times[1:], points, side="left"), 0, len(ends) - 1)
-        readings = self._readings(points, step, times, starts, ends)
         if self._last is None:
-            self._last = float(times[0]), self._readings(times[:1], np.zeros(1, int), times, starts, ends)[0]
+            first = self._readings(times[:1], np.zeros(1, int), times, starts, ends)
+            self._last = float(times[0]), first[0]
+        count = max(1, int(np.ceil((times[-1] - times[0]) * self.sensor.rate / AT_ONCE)))
+        cuts = [*np.linspace(times[0], times[-1], count + 1)[1:-1], times[-1]]
+        return np.vstack([self._samples_until(float(cut), times, starts, ends) for cut in cuts])
+
+    def _samples_until(
+        self, end: float, times: FloatArray, starts: FloatArray, ends: FloatArray
+    ) -> FloatArray:
+        """Rows of the samples that are due up to the time ``end`` [s]."""
+        assert self._last is not None
+        points, due = self._points(end, times, ends), self._due(end)
+        step = np.clip(np.searchsorted(times[1:], points, side="left"), 0, len(ends) - 1)
         t = np.concatenate([[self._last[0]], points])
-        values = np.vstack([self._last[1], readings])
+        values = np.vstack([self._last[1], self._readings(points, step, times, starts, ends)])
         self._last = float(t[-1]), values[-1]
         if self.filter is not None:
             if self._state is None:
                 self._state = self.filter.at_rest(values.shape[1])
             values, self._state = self.filter.run(t, values, self._state)
-        due = self._due(times[-1])
-        at = np.searchsorted(t, due, side="left")
-        at = np.minimum(at, len(t) - 1)
+        at = np.minimum(np.searchsorted(t, due, side="left"), len(t) - 1)
         self.next += len(due)
         return np.column_stack([due, values[at]])
 
@@ -72,16 +80,21 @@ class Sampler:
         last = int(np.floor(end * self.sensor.rate * (1 + 1e-12) + 1e-9))
         return np.arange(self.next, last + 1) / self.sensor.rate
 
-    def _points(self, times: FloatArray, ends: FloatArray) -> FloatArray:
-        """Times after the first one at which readings are taken: samples, ends of steps, and with a filter points between."""
-        parts = [times[1:], self._due(times[-1])]
+    def _points(self, end: float, times: FloatArray, ends: FloatArray) -> FloatArray:
+        """Times up to ``end`` [s] at which readings are taken: samples, ends of steps, and with a filter points between."""
+        assert self._last is not None
+        begin = self._last[0]
+        parts = [times[1:][(times[1:] > begin) & (times[1:] <= end)], self._due(end)]
         if self.filter is not None:
             h = np.diff(times)
             spin = np.maximum(np.abs(ends[:, 13]), 1e-9)
             pieces = np.ceil(h / np.minimum(1.0 / self.sensor.rate, MOST_TURNED / spin)).astype(int)
-            parts += [times[i] + h[i] * np.arange(1, n) / n for i, n in enumerate(pieces) if n > 1]
-        points = np.unique(np.concatenate(parts))
-        return points[points > times[0]] if self.next else points
+            for i in np.flatnonzero((pieces > 1) & (times[1:] > begin) & (times[:-1] < end)):
+                low, high = ((t - times[i]) / h[i] * pieces[i] for t in (begin, end))
+                k = np.arange(max(1, int(low)), min(pieces[i], int(high) + 1) + 1)
+                between = times[i] + h[i] * k / pieces[i]
+                parts.append(between[(between > begin) & (between < min(end, times[i + 1]))])
+        return np.unique(np.concatenate(parts))
 
     def _readings(
         self, t: FloatArray, step: np.ndarray, times: FloatArray, starts: FloatArray, ends: FloatArray

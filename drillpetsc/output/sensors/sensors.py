@@ -13,7 +13,7 @@ from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.sensors.files import open_samples, sensor_file
-from drillpetsc.output.sensors.samples import Sampler
+from drillpetsc.output.sensors.samples import AT_ONCE, Sampler
 from drillpetsc.output.sensors.section import SensorSection
 
 BLOCK = 256  # steps that are recorded before they are sampled
@@ -86,7 +86,8 @@ class Sensors:
             if dt * STEPS_PER_PERIOD * sampler.sensor.finest > 1 + 1e-9:
                 self._longest[i] = max(self._longest[i], dt)
                 self._coarse[i] += dt
-        return len(self._ends) >= BLOCK
+        waiting = (t - self._times[0]) * max(sampler.sensor.rate for sampler in self.samplers)
+        return len(self._ends) >= BLOCK or waiting > AT_ONCE
 
     def take(self) -> list[FloatArray]:
         """Samples of the recorded steps, an array (k, columns) for each sensor; empty on other ranks; collective."""
