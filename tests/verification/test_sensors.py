@@ -335,3 +335,42 @@ def test_long_steps_are_sampled_in_parts(tmp_path, monkeypatch):
     files = [tmp_path / name / "sensors" / "mwd.csv" for name in ("whole", "parts")]
     assert files[0].read_bytes() == files[1].read_bytes()
     assert len(columns(tmp_path / "whole")["time"]) == 2001
+
+
+def test_motion_is_continuous_through_a_rigid_item(tmp_path):
+    """A body between two pipes, shaken: at its ends the sensors see what those in the pipes see, in its middle the mean of both."""
+    depths = {"above": 1.9999, "upper": 2.0001, "middle": 2.15, "lower": 2.2999, "below": 2.3001}
+    pipe = {**PIPE, "element_length": 0.5}
+    case = Case(
+        string=[
+            {**pipe, "length": 2.0},
+            {"kind": "body", "length": 0.3, "mass": 40.0},
+            {**pipe, "length": 1.0},
+        ],
+        top={"kind": "top_drive", "rotation": "120 rpm"},
+        initial={"from": "statics", "inclination": "90 deg"},
+        loads=[
+            {
+                "at": 3.2,
+                "force": [0, 0, 300.0],
+                "value_over": {"time": [0, 0.05, 0.05, 1], "value": [0, 0, 1, 1]},
+            }
+        ],
+        time={"end": 0.15},
+        output={
+            "sensors": [
+                {"name": n, "at": at, "rate": "500 Hz", "radius": 0.05, "gravity": False}
+                for n, at in depths.items()
+            ]
+        },
+        petsc={"ts_adapt_type": "none", "ts_dt": 2e-3},
+    )
+    run(case, tmp_path / "r", progress="silent")
+    found = {n: columns(tmp_path / "r", n) for n in depths}
+    for name in ("ax", "ay", "az"):
+        size = np.abs(found["middle"]["ay"]).max()
+        assert size > 5.0
+        assert found["above"][name] == pytest.approx(found["upper"][name], abs=1e-3 * size)
+        assert found["below"][name] == pytest.approx(found["lower"][name], abs=1e-3 * size)
+        mean = 0.5 * (found["upper"][name] + found["lower"][name])
+        assert found["middle"][name] == pytest.approx(mean, abs=1e-10 * size)

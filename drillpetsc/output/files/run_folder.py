@@ -193,6 +193,7 @@ class RunFolder:
         """Remove half-written files that a killed run left."""
         remove_leftovers(self.path)
         remove_leftovers(self.string_frames)
+        remove_leftovers(self.sensors)
 
     def clear(self) -> None:
         """Remove the files of the contract, and nothing else that may lie in the folder."""

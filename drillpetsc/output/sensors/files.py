@@ -25,15 +25,6 @@ def sensor_file(folder: Path, name: str, rows: float, continued: bool = False) -
     return many if rows > MOST_ROWS else table
 
 
-class CsvSamples(Table):
-    """Samples as a table."""
-
-    def add_rows(self, rows: FloatArray) -> None:
-        """rows: (k, columns), SI."""
-        for row in rows:
-            self.add(row)
-
-
 class Hdf5Samples:
     """Samples as one dataset a column, named without its unit, which is the attribute `unit`."""
 
@@ -78,11 +69,9 @@ class Hdf5Samples:
         """Nothing is open between two calls."""
 
 
-def open_samples(
-    path: Path, columns: Sequence[Column], restart_time: float | None
-) -> CsvSamples | Hdf5Samples:
+def open_samples(path: Path, columns: Sequence[Column], restart_time: float | None) -> Table | Hdf5Samples:
     """The file of a sensor, new, or continued at a time [s]; samples later than it are dropped."""
-    kind: Any = Hdf5Samples if path.suffix == ".h5" else CsvSamples
+    kind: Any = Hdf5Samples if path.suffix == ".h5" else Table
     return kind(path, columns, restart_time=restart_time)
 
 
