@@ -499,11 +499,7 @@ class TransientRun:
             if model.drilling is not None:
                 write_well_files(model, folder)
             if error is None and self.case.output.indices is not None and model.beam is not None:
-                found = indices(folder.path, self.case, *self.case.output.indices.span)
-                found.write(folder.path)
-                result["vibration"] = found.summary
-                result["warnings"] = [*result["warnings"], *found.warnings]
-                self._warn(found.warnings)
+                self._find_indices(result, *self.case.output.indices.span)
             write_summary(folder.summary, result)
 
         if error is None:
@@ -514,6 +510,18 @@ class TransientRun:
             except OSError as failure:  # the run ends with its own message
                 self.bar.message(cannot_write(failure, str(folder.summary)))
         return result
+
+    def _find_indices(self, result: dict[str, Any], window: float, every: float) -> None:
+        """Write indices.csv and put the indices into the summary; a run without enough rows for them is done all the same."""
+        try:
+            found = indices(self.folder.path, self.case, window, every)
+        except CaseError as error:
+            warnings = [f"indices: there are none: {' '.join(str(error).split())}"]
+        else:
+            found.write(self.folder.path)
+            result["vibration"], warnings = found.summary, found.warnings
+        result["warnings"] = [*result["warnings"], *warnings]
+        self._warn(warnings)
 
 
 def _write_model(model: DrillingModel, folder: RunFolder) -> None:

@@ -24,6 +24,7 @@ from drillpetsc.unit_systems import System, display_unit, kind_of
 IMPACT = 10 * STANDARD_GRAVITY  # lateral acceleration of an impact [m/s2]
 FEWEST = 20  # rows in a window below which its largest and smallest values mean little
 MANY = 0.1  # share of windows without an answer from which on it is said
+MOST_WINDOWS = 100_000  # of a run
 DEFAULT_WINDOW, DEFAULT_EVERY = 20.0, 1.0  # [s]
 
 
@@ -88,6 +89,13 @@ def indices(
         )
         window, ends = float(time[-1] - time[0]), time[-1:]
     else:
+        most = (time[-1] - time[0] - window) / MOST_WINDOWS
+        if every < most:
+            raise CaseError(
+                at="every",
+                got=f"{every:g} s",
+                want=f"at least {most:.3g} s: {MOST_WINDOWS:g} windows in the run",
+            )
         count = int((time[-1] - time[0] - window) / every * (1 + 1e-12) + 1e-9)
         ends = time[0] + window + every * np.arange(count + 1)
     spans = [_rows(time, end, window) for end in ends]

@@ -8,10 +8,15 @@ from drillpetsc.case.key_paths import refuse, suggestion
 
 LENGTH_TOLERANCE = 1e-6  # [m]
 MAX_SAMPLES = 10**9
+MAX_WINDOWS = 10**5
 
 
 def check_sensors(case: CaseBlocks) -> None:
     """Raise on the first sensor that this string and this run cannot have."""
+    indices, end = case.output.indices, 0.0 if case.time is None else case.time.end
+    if indices is not None and end > MAX_WINDOWS * indices.every:
+        want = f"at least {end / MAX_WINDOWS:g} s: {MAX_WINDOWS:g} windows in the run"
+        raise refuse("output", "indices", "every", got=indices.every, want=want)
     for i, sensor in enumerate(case.output.sensors):
         at = "output", "sensors", i
         if case.hold_string:
