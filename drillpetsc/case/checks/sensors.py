@@ -21,10 +21,6 @@ def check_sensors(case: CaseBlocks) -> None:
         at = "output", "sensors", i
         if case.hold_string:
             raise refuse(*at, got=sensor.name, want="no sensors with hold_string: the string does not move")
-        if case.beam.formulation == "quaternion":
-            raise refuse(
-                *at, got=sensor.name, want="beam.formulation ancf with sensors: not with quaternion yet"
-            )
         if case.time is not None and case.time.mode != "dynamic":
             raise refuse(*at, got=sensor.name, want="no sensors in a quasi_static run, which has no motion")
         depth = _depth(case, i, sensor)

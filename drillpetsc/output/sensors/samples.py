@@ -20,6 +20,7 @@ class Sampler:
 
     sensor: of the case; gravity: (3,) [m/s2]; stiffness: EI of the section [N m2]; curvature: (2,) stress-free, along its directors [1/m].
     channels: pressures that exist, bore and annulus.  motion: whether to add the accelerations without gravity.
+    period: multiple [rad] up to which spin angles are known; 0: they count all turns.
     """
 
     def __init__(
@@ -30,7 +31,9 @@ class Sampler:
         curvature: FloatArray,
         channels: tuple[str, ...],
         motion: bool,
+        period: float = 0.0,
     ) -> None:
+        self.period = period
         self.sensor, self.gravity = sensor, np.asarray(gravity, dtype=float)
         self.stiffness, self.curvature = stiffness, curvature
         self.quantities = declared.columns_of(sensor, channels, motion)
@@ -110,7 +113,11 @@ class Sampler:
         v = _hermite(s, h, first[:, slope], first[:, rate], last[:, slope], last[:, rate])
         w = record[:, rate]
         tangent, td, tdd = unit_motion(v, w, record[:, PARTS["slope_acceleration"]])
-        angle = _hermite(s, h, first[:, 12:13], first[:, 13:14], last[:, 12:13], last[:, 13:14])
+        end = last[:, 12:13]
+        if self.period:  # the angle of the element does not count the turns
+            ahead = first[:, 12:13] + 0.5 * h * (first[:, 13:14] + last[:, 13:14])
+            end = end + self.period * np.round((ahead - end) / self.period)
+        angle = _hermite(s, h, first[:, 12:13], first[:, 13:14], end, last[:, 13:14])
         spin = _hermite(s, h, first[:, 13:14], first[:, 14:15], last[:, 13:14], last[:, 14:15])
         spinning = record[:, 14:15]
         reference = last[:, PARTS["reference"]]

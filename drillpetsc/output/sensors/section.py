@@ -49,6 +49,7 @@ class SensorSection:
         self.lever = depth - inside  # in a rigid item: below the end of the element
         local = np.flatnonzero(chain.cells == cell)
         self.is_here = bool(len(local))
+        self.period = 0.0 if model.beam is None else model.beam.angle_period
         self.stiffness = float(mesh.bending_stiffness[cell])
         self.curvature = np.array(mesh.curvature[cell]) if mesh.curvature.any() else np.zeros(2)
         self._wants = set(sensor.channels)
@@ -57,8 +58,6 @@ class SensorSection:
         self._local = int(local[0])
         self._vertices = chain.ends[self._local]
         layout = model.system.layout
-        names = ("string.position", "string.tangent", "string.spin")
-        self._at = np.concatenate([layout.dofs[name][v] for v in self._vertices for name in names])
         ratio = layout.dofs.get("string.ratio")
         at = -1 if ratio is None else int(ratio[self._vertices[0], 0])
         self._ratio = at if at >= 0 else None
@@ -71,12 +70,11 @@ class SensorSection:
         ratio = (1.0, 0.0, 0.0)
         if self._ratio is not None:
             ratio = (asm.x[self._ratio], asm.y[self._ratio], asm.a[self._ratio])
-        cell = self.cell
+        cell, beam = self.cell, self.model.beam
+        assert beam is not None
         return np.concatenate(
             [
-                asm.x[self._at],
-                asm.y[self._at],
-                asm.a[self._at],
+                beam.nodal_motion(asm, self._vertices).ravel(),
                 ratio,
                 frames.reference[cell],
                 frames.second_director[cell],
@@ -129,7 +127,10 @@ class SensorSection:
         for name, values in zip(("slope", "slope_rate", "slope_acceleration"), slopes, strict=True):
             out[:, PARTS[name]] = values
         s, twist0 = self.share, rest[:, 6]
-        out[:, 12] = x[:, 6] + s * (x[:, 13] - x[:, 6] + twist0)
+        twist, period = x[:, 13] - x[:, 6] + twist0, self.period
+        if period:
+            twist = twist - period * np.round(twist / period)
+        out[:, 12] = x[:, 6] + s * twist
         for k, values in enumerate((y, a)):
             out[:, 13 + k] = (1 - s) * values[:, 6] + s * values[:, 13]
         out[:, PARTS["reference"]] = rest[:, :6]
