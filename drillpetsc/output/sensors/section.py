@@ -28,6 +28,7 @@ PARTS = {
     "pressure": slice(26, 28),  # in the bore and in the annulus [Pa]
 }
 WIDTH = 28
+RAW_WIDTH = 56
 
 
 class SensorSection:
@@ -67,25 +68,21 @@ class SensorSection:
     def raw(self) -> FloatArray:
         """Unknowns, rates and accelerations of the element's nodes, their reference frame and the loads; cheap."""
         asm, frames = self.model.system.assembly, self.model.frames
-        ratio = (1.0, 0.0, 0.0)
-        if self._ratio is not None:
-            ratio = (asm.x[self._ratio], asm.y[self._ratio], asm.a[self._ratio])
-        cell, beam = self.cell, self.model.beam
+        cell, beam, out = self.cell, self.model.beam, np.empty(RAW_WIDTH)
         assert beam is not None
-        return np.concatenate(
-            [
-                beam.nodal_motion(asm, self._vertices).ravel(),
-                ratio,
-                frames.reference[cell],
-                frames.second_director[cell],
-                [frames.twist0[cell]],
-                self._loads(asm),
-            ]
-        )
+        out[:42] = beam.nodal_motion(asm, self._vertices).ravel()
+        out[42:45] = 1.0, 0.0, 0.0
+        if self._ratio is not None:
+            out[42:45] = asm.x[self._ratio], asm.y[self._ratio], asm.a[self._ratio]
+        out[45:48], out[48:51] = frames.reference[cell], frames.second_director[cell]
+        out[51] = frames.twist0[cell]
+        out[52:] = 0.0
+        self._loads(asm, out[52:])
+        return out
 
-    def _loads(self, asm: Any) -> FloatArray:
-        """(4,) torque [N m], effective tension [N], pressures in bore and annulus [Pa]; zero where not asked for."""
-        out, s = np.zeros(4), self.share
+    def _loads(self, asm: Any, out: FloatArray) -> None:
+        """Write torque [N m], effective tension [N], pressures in bore and annulus [Pa] into ``out`` (4,) where they are asked for."""
+        s = self.share
         if self._wants & {"torque", "wob"}:
             row = asm.evaluate_once(_element_results, self.model.beam, asm)[self._local]
             out[0] = row[_COLUMN["torque"]]
@@ -97,7 +94,6 @@ class SensorSection:
             for name, channel in self.mud.channels().items():
                 upper, lower = channel.pressures(self.model.system)[self._vertices]
                 out[2 + (name == "annulus")] = (1 - s) * upper + s * lower
-        return out
 
     def section(self, raw: FloatArray) -> FloatArray:
         """(k, WIDTH) records of the section from (k, n) raw ones, by the cubic of the element (manual: eq-beam-slope)."""
