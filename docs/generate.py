@@ -573,6 +573,8 @@ def supported_page() -> str:
 OUTPUT_TABLES = {
     "outputs/history.md": ("history.csv", "column"),
     "outputs/probes.md": ("probes.csv", "column"),
+    "outputs/sensors.md": ("sensors/*.csv", "column"),
+    "outputs/indices.md": ("indices.csv", "column"),
     "outputs/statics.md": ("statics.csv", "column"),
     "outputs/modes.md": ("modes.csv", "column"),
     "outputs/reflection.md": ("reflection.csv", "column"),

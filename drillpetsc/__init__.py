@@ -3,7 +3,8 @@
 The public face is that of `drillpetsc.api`: `Case` describes what is simulated (the keys of a case file),
 `DrillPipe`, `HWDP`, `DrillCollar`, `Stabilizer`, `Bit` and others are the items of its string, `load_case` reads one, `run`, `sweep`,
 `statics`, `hydraulics`, `surge`, `roadmap`, `calibrate`, `limits`, `freepoint`, `modes`, `top_drive` and `study` are the commands,
-`Session` advances a model step by step, and `open_run` reads the results of a command again. `units` converts values.
+`Session` advances a model step by step, and `open_run` reads the results of a command again. `units` converts values;
+`vibration` has the functions of drilling dynamics on series of numbers.
 Importing the package starts no MPI and imports nothing else of it.
 """
 
@@ -76,8 +77,8 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Import the public face when one of its names is used."""
-    if name == "units":
-        return import_module("drillpetsc.units")
+    if name in ("units", "vibration"):
+        return import_module(f"drillpetsc.{name}")
     if name == "Session":
         return import_module("drillpetsc.analysis.session").Session
     if name in __all__:

@@ -74,6 +74,7 @@ KINDS: dict[str, Kind] = {
     "power": Kind("W", "hp", "kW"),
     "time": Kind("s", "s", "s"),
     "shear_rate": Kind("1/s", "1/s", "1/s"),
+    "frequency": Kind("1/s", "Hz", "Hz"),
 }
 _NOT_FOR_BARE_NUMBERS = frozenset({"volume", "pressure_gradient"})
 

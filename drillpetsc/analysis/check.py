@@ -16,6 +16,7 @@ from drillpetsc.analysis.time_scales import time_scales
 from drillpetsc.case.blocks.fluid import Rheology, flow_constants, stress_at
 from drillpetsc.case.blocks.formation import Formation
 from drillpetsc.case.blocks.rig import Rig
+from drillpetsc.case.blocks.sensors import STEPS_PER_PERIOD, sensor_depth
 from drillpetsc.case.case import Case
 from drillpetsc.case.mud_report import misfit
 from drillpetsc.case.plausibility import notes
@@ -140,6 +141,12 @@ def _lines(model: DrillingModel) -> list[str]:
             f"{np.degrees(max(q.survey.inclination)):.3g} deg, {len(q.sections)} sections"
         )
     lines.append(f"  top: {case.top.kind}; bottom: {case.bottom.kind}; start: {case.initial.from_}")
+    for sensor in case.output.sensors:
+        depth = sensor_depth(case.string, case.item_depths, sensor)
+        lines.append(
+            f"  sensor {sensor.name}: MD {depth:g} m, {sensor.rate:g} Hz, {', '.join(sensor.channels)}; steps resolve "
+            f"{sensor.finest:g} Hz up to {1e3 / (STEPS_PER_PERIOD * sensor.finest):.3g} ms"
+        )
     if _quasi_static(case):
         lines.append(
             "  time: quasi-static, in equilibrium at all times"

@@ -9,7 +9,7 @@ import difflib
 import time as clock
 from collections import deque
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from drillpetsc.analysis.drive_report import drive_warnings
 from drillpetsc.analysis.hoist_report import hoist_warnings
 from drillpetsc.analysis.initial_state import initial_state
 from drillpetsc.analysis.live_input import LiveInput
+from drillpetsc.analysis.live_sensors import LiveSensors
 from drillpetsc.analysis.transient import make_integrator
 from drillpetsc.case.blocks.fluid import Fluid
 from drillpetsc.case.blocks.hoist import AutodrillerBlock
@@ -70,11 +71,12 @@ class SessionOutput:
 
 @dataclass(frozen=True)
 class SessionState:
-    """State of a session: a checkpoint with the inputs that were set."""
+    """State of a session: a checkpoint with the inputs that were set and the latest samples of the sensors."""
 
     checkpoint: checkpoint.Checkpoint
     inputs: dict[str, list[float] | None]
     largest: dict[str, float]
+    sensed: dict[str, float] = field(default_factory=dict)
     jumped: bool = False
 
 
@@ -119,11 +121,15 @@ class Session:
         if saved is not None:
             self._integrator.set_state(saved.stepper)
         self.warnings = drive_warnings(self._model, saved is None) + hoist_warnings(case)
+        sensors = self._recorder.sensors
+        self._senses = None if sensors is None else LiveSensors(sensors, self.time, saved)
         self._largest = {name: abs(live.value(self.time)) for name, live in self._live.items()}
         self._started, self._jumped = False, False
         self._wall: deque[tuple[float, float]] = deque()
         self._deadline, self._closed = np.inf, False
         self._sample: tuple[float, np.ndarray, Sample] | None = None
+        if self._senses is not None:
+            self._integrator.after_step.append(self._sense)
         self._integrator.on_step_end.append(self._watch)
         self._rows: dict[tuple[int, ...], TableRow] = {}
         self._columns = {
@@ -195,6 +201,8 @@ class Session:
         for name, column in self._columns.items():
             q: Quantity = column.quantity
             out.append(SessionOutput(name, column.title[1], q.doc))
+        if self._senses is not None:
+            out += [SessionOutput(name, unit, doc) for name, (unit, doc) in self._senses.outputs.items()]
         return tuple(out)
 
     @property
@@ -238,11 +246,17 @@ class Session:
     def get_many(self, names: Iterable[str]) -> list[float]:
         """Several outputs at the present time, in SI.  Raises LookupError for an unknown name."""
         self._check_open()
-        columns = []
+        names = list(names)
+        sensed = set() if self._senses is None else self._senses.outputs.keys() & set(names)
         for name in names:
-            if name not in self._columns:
-                raise LookupError(_unknown("get", "output", name, self._columns))
-            columns.append(self._columns[name])
+            if name not in self._columns and name not in sensed:
+                known = [*self._columns, *(self._senses.outputs if self._senses is not None else ())]
+                raise LookupError(_unknown("get", "output", name, known))
+        if sensed:
+            assert self._senses is not None
+            others = iter(self.get_many([name for name in names if name not in sensed]))
+            return [self._senses.latest[name] if name in sensed else next(others) for name in names]
+        columns = [self._columns[name] for name in names]
         if self._sample is None or self._sample[0] != self.time:
             recorder, v = self._recorder, np.full(self._recorder.layout.width, np.nan)
             self._sample = (self.time, v, Sample(recorder.system, self.time))
@@ -279,9 +293,16 @@ class Session:
             self._deadline = np.inf
         return StepReport(self.time, self.time < t)
 
+    def _sense(self, t: float, dt: float) -> None:
+        """After every inner step: record it for the sensors."""
+        assert self._senses is not None
+        self._senses.step(t, dt, self._integrator.fresh)
+
     def _watch(self, t: float) -> None:
         """After every inner step: end the advance where its wall time is over; the first rank decides."""
         self.time = t
+        if self._senses is not None and self._integrator.fresh:  # in other reference frames
+            self._senses.renew()
         if self._deadline == np.inf:
             return
         late = clock.perf_counter() > self._deadline
@@ -303,6 +324,8 @@ class Session:
             breaks = (*breaks, start)
         integrator.run(start, end, breaks, resume=self._started)
         self._started, self._jumped, self._sample = True, False, None
+        if self._senses is not None:
+            self._senses.take()
         if not integrator.stopped:
             self.time = end
         self._wall.append((self.time - start, clock.perf_counter() - began))
@@ -317,8 +340,9 @@ class Session:
         if self._recorder.comm.size > 1:
             c = self._recorder.comm.bcast(c)
         assert c is not None
+        sensed = {} if self._senses is None else dict(self._senses.latest)
         return SessionState(
-            c, {n: q.get_state() for n, q in self._live.items()}, dict(self._largest), self._jumped
+            c, {n: q.get_state() for n, q in self._live.items()}, dict(self._largest), sensed, self._jumped
         )
 
     def set_state(self, state: SessionState) -> None:
@@ -340,6 +364,8 @@ class Session:
         c = state.checkpoint
         checkpoint.restore(self._model, c, at="set_state")
         self._integrator.set_state(c.stepper)
+        if self._senses is not None:
+            self._senses.set_state(c, state.sensed)
         for name, live in self._live.items():
             live.set_state(state.inputs[name], self._given[name])
         self.time, self._largest = c.time, dict(state.largest)
@@ -352,7 +378,7 @@ class Session:
             return
         self._closed = True
         self._integrator.close()
-        del self._integrator, self._recorder, self._model, self._columns, self._rows
+        del self._integrator, self._recorder, self._model, self._columns, self._rows, self._senses
         self._sample = None
 
     def _check_open(self) -> None:

@@ -36,6 +36,7 @@ from drillpetsc.output.boiling import BoilingMonitor
 from drillpetsc.output.case_files import write_case
 from drillpetsc.output.creep import creep_warnings
 from drillpetsc.output.energy_balance import EnergyGainMonitor
+from drillpetsc.output.indices import indices
 from drillpetsc.output.motion_classes import MotionClasses
 from drillpetsc.output.progress import Progress, Receiver, check_progress
 from drillpetsc.output.recorder import Recorder
@@ -415,6 +416,8 @@ class TransientRun:
             self.classes.step(t, dt)
         newton = integrator.newton_iterations()
         self.due = writer.write(t, dt, newton - self.newton, self.control)
+        if recorder.sensors is not None and recorder.sensors.step(t, dt, integrator.fresh):
+            writer.write_samples(self.control)
         self.boiling.update(t)
         if self.due:
             self.boiling.share()
@@ -422,6 +425,8 @@ class TransientRun:
 
     def _finish_step(self, t: float) -> None:
         """After all calls of a step: act on signals and write errors, write a checkpoint that is due."""
+        if self.recorder.sensors is not None and self.integrator.fresh:  # in other reference frames
+            self.recorder.sensors.renew()
         every, asked = self._checkpoint_interval, self.control.poll(self.due)
         if asked == FAILED:
             reported = self.mpi.allreduce(self.control.error)  # a text on one rank only
@@ -450,6 +455,7 @@ class TransientRun:
     def _save(self, t: float) -> None:
         """Write a checkpoint; collective."""
         self.boiling.share()
+        self.writer.write_samples(self.control)
         self.notes["last_row"], self.notes["boiling"] = self.writer.last_row, self.boiling.get_notes()
         c = checkpoint.take(self.model, self.recorder, self.integrator, t, self.notes)
 
@@ -463,6 +469,8 @@ class TransientRun:
     def _close(self, error: BaseException | None) -> dict[str, Any]:
         """Close the files and write the summary."""
         model, folder = self.model, self.folder
+        if error is not None and self.mpi.size == 1:  # another rank may not come here
+            self.writer.write_samples(self.control)
         self.writer.close()
         self.bar.finish(self.t, self.integrator.counters.steps)
         clocks = summary.Clocks(self.began, self.moving_since)
@@ -478,6 +486,10 @@ class TransientRun:
         if self.classes is not None:
             result["motion"] = self.classes.summary()
         result["warnings"] = [*result["warnings"], *self.boiling.warnings()]
+        if self.recorder.sensors is not None:
+            result["sensors"] = self.recorder.sensors.summary()
+            result["warnings"] += self.recorder.sensors.warnings()
+            self._warn(self.recorder.sensors.warnings())
         if error is None and self.recorder.energy is not None:  # a quasi-static string has no slip speeds
             result["warnings"] += creep_warnings(model, self.t)
         if "energy" in result:
@@ -489,6 +501,8 @@ class TransientRun:
         def put() -> None:
             if model.drilling is not None:
                 write_well_files(model, folder)
+            if error is None and self.case.output.indices is not None and model.beam is not None:
+                self._find_indices(result, *self.case.output.indices.span)
             write_summary(folder.summary, result)
 
         if error is None:
@@ -499,6 +513,18 @@ class TransientRun:
             except OSError as failure:  # the run ends with its own message
                 self.bar.message(cannot_write(failure, str(folder.summary)))
         return result
+
+    def _find_indices(self, result: dict[str, Any], window: float, every: float) -> None:
+        """Write indices.csv and put the indices into the summary; a run without enough rows for them is done all the same."""
+        try:
+            found = indices(self.folder.path, self.case, window, every)
+        except CaseError as error:
+            warnings = [f"indices: there are none: {' '.join(str(error).split())}"]
+        else:
+            found.write(self.folder.path)
+            result["vibration"], warnings = found.summary, found.warnings
+        result["warnings"] = [*result["warnings"], *warnings]
+        self._warn(warnings)
 
 
 def _write_model(model: DrillingModel, folder: RunFolder) -> None:

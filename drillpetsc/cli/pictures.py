@@ -70,13 +70,106 @@ def _view(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
 def _plot_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("run", metavar="RUN")
     command.add_argument("--out", metavar="DIR")
+    command.add_argument(
+        "--waterfall",
+        metavar="SIGNAL",
+        action="append",
+        default=[],
+        help="amplitudes of a signal over time and frequency: SENSOR:COLUMN such as mwd:ax, history:bit_speed, probes:x_600; "
+        "only what is asked for is drawn",
+    )
+    command.add_argument(
+        "--order",
+        action="store_true",
+        help="with --waterfall: over the order of rotation instead of the frequency",
+    )
+    command.add_argument(
+        "--psd",
+        metavar="SIGNAL",
+        action="append",
+        default=[],
+        help="power density of a signal over the frequency",
+    )
+    command.add_argument(
+        "--segment",
+        metavar="LENGTH",
+        help="length of a segment, such as '2 s'; with --order its revolutions (default: from the length of the run)",
+    )
     units_argument(command)
 
 
-def _plot(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
-    from drillpetsc.plotting.plot import plot
+def _segment(text: str | None, order: bool) -> float | None:
+    """Length of a segment [s], or its revolutions."""
+    from drillpetsc.units import to_si
 
+    if text is None:
+        return None
+    try:
+        length = float(text) if order else to_si(text, "s")
+    except ValueError:
+        length = 0.0
+    if not 0 < length < 1e9:
+        want = "a number of revolutions above 0" if order else "a time above 0, such as '2 s'"
+        raise CaseError(at="--segment", got=text, want=want)
+    return length
+
+
+def _plot(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.plotting.plot import plot, save_figures, spectra
+
+    if arguments.order and not arguments.waterfall:
+        raise CaseError(at="--order", want="--waterfall SIGNAL beside it")
+    if arguments.segment is not None and not (arguments.waterfall or arguments.psd):
+        raise CaseError(at="--segment", want="--waterfall SIGNAL or --psd SIGNAL beside it")
+    if arguments.waterfall or arguments.psd:
+
+        def draw() -> list[Path]:
+            drawn = spectra(
+                arguments.run,
+                arguments.waterfall,
+                arguments.psd,
+                order=arguments.order,
+                segment=_segment(arguments.segment, arguments.order),
+                units=arguments.units,
+            )
+            return save_figures(drawn, Path(arguments.out or Path(arguments.run) / "plots"))
+
+        return draw_and_print(draw, arguments.run)
     return draw_and_print(lambda: plot(arguments.run, arguments.out, arguments.units), arguments.run)
+
+
+def _vibration_arguments(command: argparse.ArgumentParser) -> None:
+    command.add_argument("run", metavar="RUN")
+    command.add_argument(
+        "--window", metavar="TIME", help="length of a window (default: that of the case, else 20 s)"
+    )
+    command.add_argument(
+        "--every",
+        metavar="TIME",
+        help="time from the end of a window to that of the next (default: the case's, else 1 s)",
+    )
+
+
+def _time(text: str | None, at: str) -> float | None:
+    """A time above 0 [s]."""
+    from drillpetsc.units import to_si
+
+    try:
+        time = None if text is None else to_si(text if text.strip()[-1:].isalpha() else f"{text} s", "s")
+    except ValueError:
+        time = 0.0
+    if time is not None and not 0 < time < 1e9:
+        raise CaseError(at=at, got=text, want="a time above 0, such as '20 s'")
+    return time
+
+
+def _vibration(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.results import open_run
+
+    window, every = (_time(getattr(arguments, key), f"--{key}") for key in ("window", "every"))
+    result = open_run(arguments.run)
+    print("\n".join(result.find_indices(window, every)))
+    return 0
 
 
 def _report_arguments(command: argparse.ArgumentParser) -> None:
@@ -153,6 +246,13 @@ COMMANDS = (
         "time histories, probe orbits, forces along depth, as pictures",
         _plot_arguments,
         _plot,
+        takes_petsc_options=False,
+    ),
+    Command(
+        "vibration",
+        "indices of drilling dynamics of a run: stick-slip, vibration, specific energy, whirl; writes indices.csv",
+        _vibration_arguments,
+        _vibration,
         takes_petsc_options=False,
     ),
     Command(

@@ -16,20 +16,23 @@ from drillpetsc.arrays import FloatArray
 
 Result = TypeVar("Result")
 
-Entity = Literal["scalar", "node", "element", "item", "rigid_item", "joint", "probe"]
+Entity = Literal["scalar", "node", "element", "item", "rigid_item", "joint", "probe", "sensor"]
 Interpolation = Literal["linear", "motion", "none"]
 #: stands for a measured depth [m] in the name of a quantity of a joint or a probe
 DEPTH = "NNN"
-_NUMBER = r"[-+.\deE]+"
+#: stands for the name of a sensor in the name of a quantity
+NAME = "NAME"
+_PLACES = {DEPTH: r"([-+.\deE]+)", NAME: r"([A-Za-z0-9_-]+)"}
 
 
 @dataclass(frozen=True)
 class Quantity:
     """One output: its name and unit in files, its words for people, and how it is evaluated.
 
-    name: column or array in files; ``NNN`` in it stands for the measured depth [m] of a joint, probe or rigid item.
+    name: column or array in files; ``NNN`` in it stands for the measured depth [m] of a joint, probe or rigid item, ``NAME`` for
+    the name of a sensor.
     unit: SI, as in ``N m``; ``-`` for a pure number.
-    on: what has a value: the whole model (``scalar``), each node, element, item, rigid item, joint or probe.
+    on: what has a value: the whole model (``scalar``), each node, element, item, rigid item, joint, probe or sensor.
     label: words in pictures and reports.
     mnemonic: abbreviation in exports, WITS or WITSML where one exists.
     sign: what a positive value means.
@@ -83,9 +86,19 @@ class Quantity:
 
     def matches(self, name: str) -> bool:
         """Whether ``name`` is this quantity's name, at whatever depth."""
-        if DEPTH not in self.name:
-            return name == self.name
-        return re.fullmatch(re.escape(self.name).replace(DEPTH, _NUMBER), name) is not None
+        return self.place(name) is not None
+
+    def place(self, name: str) -> str | None:
+        """Depth or name of a sensor in ``name``, empty for a quantity without; None where it is another quantity's name."""
+        for word, pattern in _PLACES.items():
+            if word in self.name:
+                found = re.fullmatch(re.escape(self.name).replace(word, pattern), name)
+                return found.group(1) if found else None
+        return "" if name == self.name else None
+
+    def label_at(self, place: str) -> str:
+        """The label with the depth or the name of a sensor in it."""
+        return self.label.replace(DEPTH, place).replace(NAME, place) if place else self.label
 
 
 class Source(Protocol):

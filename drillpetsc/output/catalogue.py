@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import conditions as where
 from drillpetsc.output import quantities as measured
-from drillpetsc.output.quantities import hydraulics, limits, top_drive, torque_drag
+from drillpetsc.output.quantities import hydraulics, limits, sensors, top_drive, torque_drag, vibration
 from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.physics import quantities as physics
 
@@ -60,6 +60,22 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         "probes.csv": (
             *_listed(measured.ROW_START),
             *_listed(measured.PROBES, contact_NNN=where.CONTACT),
+        ),
+        "sensors/*.csv": (
+            *_listed((measured.TIME,)),
+            *_listed(sensors.ACCELERATIONS, where.CHANNEL),
+            *_listed((sensors.SPIN, sensors.MAGNETIC_RATE), where.CHANNEL),
+            *_listed((sensors.TORQUE, sensors.WOB, *sensors.BENDING), where.CHANNEL),
+            *_listed((sensors.PRESSURES["bore"],), f"{where.CHANNEL}, {where.BORE}"),
+            *_listed((sensors.PRESSURES["annulus"],), f"{where.CHANNEL}, {where.ANNULUS}"),
+            *_listed((*sensors.MOTIONS, sensors.SPIN_ACCELERATION), f"{where.CHANNEL}, {where.INDICES}"),
+        ),
+        "indices.csv": (
+            *_listed((measured.TIME, vibration.WINDOW)),
+            *_listed(vibration.ROTATION, where.STRING),
+            *_listed(vibration.DRILLING, where.CAN_DRILL, efficiency=f"{where.CAN_DRILL}, bit_law drag_bit"),
+            *_listed(vibration.WHIRL, "probes and a hole"),
+            *_listed(vibration.OF_SENSOR, where.SENSOR),
         ),
         "statics.csv": (
             *_listed((measured.MD,)),
@@ -170,10 +186,7 @@ def find(name: str) -> Quantity | None:
 def label(name: str) -> str | None:
     """Words for the output of this name, with its depth; None where there is no such output."""
     q = find(name)
-    if q is None:
-        return None
-    head, _, tail = q.name.partition("NNN")
-    return q.label.replace("NNN", name[len(head) : len(name) - len(tail)])
+    return None if q is None else q.label_at(q.place(name) or "")
 
 
 def in_order(declared: list[tuple], file: str) -> list[tuple]:

@@ -22,6 +22,7 @@ from drillpetsc.output.flow_recorder import FlowRecorder
 from drillpetsc.output.mass_balance import MassBalance
 from drillpetsc.output.probes import Probes
 from drillpetsc.output.rigid_items import RigidItems
+from drillpetsc.output.sensors.sensors import Sensors
 from drillpetsc.output.string_ends import DrilledHole, LowerEnd, TopEnd
 from drillpetsc.output.time_error import TimeError
 
@@ -177,6 +178,7 @@ class Recorder:
     columns, probe_columns: names and units of history.csv and probes.csv.
     energy: energy balance; None without inertia, where work goes into motion that is not computed.
     mass: mass balance of the mud; None without mud.
+    sensors: downhole sensors; None without any.
     """
 
     def __init__(self, model: DrillingModel) -> None:
@@ -186,6 +188,7 @@ class Recorder:
         self.mud = FlowRecorder(model.system, model.fluid) if model.fluid is not None else None
         self.energy = None if is_quasi_static(model.case) else EnergyBalance(model.system)
         self.mass = MassBalance() if self.mud is not None else None
+        self.sensors = Sensors(model, self.mud) if model.case.output.sensors else None
         self._row = Row()
         joints = [j.depth for j in model.mesh.joints] if model.beam is not None else []
         self._items = RigidItems(model)
@@ -268,6 +271,8 @@ class Recorder:
         """Start the energy and mass balances at the present state."""
         v = self.sample(t)
         self._samples.append((t, v))
+        if self.sensors is not None:
+            self.sensors.start(t)
         if self.mass is not None:
             self.mass.start(float(v[self._content]))
         if self.energy is not None:
@@ -337,7 +342,8 @@ class Recorder:
         samples = {"samples": np.array([[t, *v] for t, v in self._samples])}
         energy = self.energy.get_state() if self.energy is not None else {}
         error = self.time_error.get_state() if self.time_error is not None else {}
-        return energy | samples | error | (self.mass.get_state() if self.mass is not None else {})
+        sensors = self.sensors.get_state() if self.sensors is not None else {}
+        return energy | samples | error | sensors | (self.mass.get_state() if self.mass is not None else {})
 
     def set_state(self, saved: dict[str, FloatArray]) -> None:
         """Continue from a checkpoint; raises CaseError if the run that wrote it had other probes."""
@@ -350,6 +356,8 @@ class Recorder:
             self.mass.set_state(saved)
         if self.time_error is not None:
             self.time_error.set_state(saved)
+        if self.sensors is not None:
+            self.sensors.set_state(saved)
 
     # ------------------------------------------------------------------ rows
     def at(self, t: float) -> FloatArray:

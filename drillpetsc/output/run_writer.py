@@ -15,6 +15,7 @@ from drillpetsc.output import FieldWriter, RunFolder, Table, read_series
 from drillpetsc.output.field_output import FieldOutput
 from drillpetsc.output.files.tables import header
 from drillpetsc.output.recorder import Recorder
+from drillpetsc.output.sensors.files import covered
 
 
 class WriteErrors(Protocol):
@@ -52,6 +53,8 @@ class RunWriter:
                 else None
             )
             self.frames = FieldWriter(folder.path, restart_time=restart_time)
+            if recorder.sensors is not None:
+                recorder.sensors.open(folder.path, restart_time)
 
     @property
     def next_row_time(self) -> float:
@@ -102,6 +105,20 @@ class RunWriter:
         if fields is not None:
             self.frames.write(t, *fields)
 
+    def write_samples(self, errors: WriteErrors) -> None:
+        """Take the samples of the recorded steps and write them; collective."""
+        sensors = self.recorder.sensors
+        if sensors is None:
+            return
+        self.event.begin()
+        samples = sensors.take()
+        if self.folder is not None:
+            try:
+                sensors.write(samples)
+            except OSError as error:
+                errors.report_write_error(error, error.filename or str(self.folder.path))
+        self.event.end()
+
     def flush(self) -> None:
         """Wait until the disk has everything, for a checkpoint that counts on it."""
         if self.folder is not None:
@@ -109,12 +126,16 @@ class RunWriter:
             if self.probes is not None:
                 self.probes.flush()
             self.frames.flush()
+            if self.recorder.sensors is not None:
+                self.recorder.sensors.flush()
 
     def close(self) -> None:
         if self.folder is not None:
             self.history.close()
             if self.probes is not None:
                 self.probes.close()
+            if self.recorder.sensors is not None:
+                self.recorder.sensors.close()
 
 
 def missing_output(
@@ -139,6 +160,13 @@ def missing_output(
         if not passed(last_row, last):
             got = f"rows up to {last:.9g} s, not up to {last_row:.9g} s" if np.isfinite(last) else "no rows"
             return _gone(path, got)
+    for path, columns, rate in recorder.sensors.files(folder.path) if recorder.sensors is not None else ():
+        last_sample = covered(path, columns) if path.is_file() else -np.inf
+        if last_sample is None:
+            return _gone(path, "other columns than the run has", "the case has changed, or the file")
+        if last_sample < np.floor(restart_time * rate * (1 - 1e-9)) / rate * (1 - 1e-9):
+            found = f"samples up to {last_sample:.9g} s, not up to {restart_time:.9g} s"
+            return _gone(path, found if path.is_file() else "no such file")
     if not folder.string_series.is_file():
         return _gone(folder.string_series, "no such file")
     for time, frame in read_series(folder.path):

@@ -15,9 +15,11 @@ from drillpetsc.output.conditions import (
     CUTTINGS,
     DRILLS,
     HOIST,
+    INDICES,
     INERTIA,
     MOTOR,
     MUD,
+    SENSOR,
     STRING,
 )
 
@@ -221,6 +223,18 @@ RUN: tuple[SummaryKey, ...] = (
         "List: contact, sliding and whirl of each rigid item and probe, rotation of the lower end, in the second half of the run.",
         TOLERANCE_CHECK,
     ),
+    SummaryKey(
+        "sensors",
+        "",
+        "For every sensor: name, md [m], rate [Hz], number of samples, finest frequency [Hz] of its filter or rate, frequency up "
+        "to which the time steps resolve its content [Hz], share of the time with coarser steps, points out of range.",
+        SENSOR,
+    ),
+    SummaryKey("vibration.windows", "-", "Number of windows of the indices.", INDICES),
+    SummaryKey("vibration.window", "s", "Length of a window.", INDICES),
+    SummaryKey("vibration.largest", "", "Largest value of every index over the windows.", INDICES),
+    SummaryKey("vibration.mean", "", "Mean value of every index over the windows.", INDICES),
+    SummaryKey("vibration.whirl", "", "For every probe: shares of the windows by class of whirl.", INDICES),
     SummaryKey("memory.start", "bytes", "Peak memory at the start of the motion, all ranks together."),
     SummaryKey("memory.after_a_tenth", "bytes", "Peak memory after a tenth of the motion."),
     SummaryKey("memory.end", "bytes", "Peak memory after the last step."),

@@ -167,6 +167,14 @@ class AncfBeam(interfaces.Beam):
             state.y[place["string.spin"][vertex, 0]],
         )
 
+    def nodal_motion(self, state, vertices: IntArray) -> FloatArray:
+        """Return (3, k, 7) position, slope and spin angle of local vertices, their rates and accelerations."""
+        places = state.layout.dofs
+        at = np.hstack(
+            [places[name][vertices] for name in ("string.position", "string.tangent", "string.spin")]
+        )
+        return np.stack([state.x[at], state.y[at], state.a[at]])
+
     def columns(self, state) -> FloatArray:
         """Return (nv, 8) at the local vertices: position [m], velocity [m/s], spin rate [rad/s], spin angle [rad]."""
         r, spin = state.layout.dofs["string.position"], state.layout.dofs["string.spin"]

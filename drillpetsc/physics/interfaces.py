@@ -24,6 +24,8 @@ class Beam(Component):
     needs_ancf_equilibrium: bool = False
     #: field of the section's direction at a node, whose rows hold the couples about the node
     orientation: str = ""
+    #: the spin angle is known up to a multiple of this [rad]; 0: it counts all turns
+    angle_period: float = 0.0
 
     @abstractmethod
     def place(self, system: Any, position: FloatArray, tangent: FloatArray) -> None:
@@ -43,6 +45,13 @@ class Beam(Component):
     @abstractmethod
     def section(self, state: Any, vertex: int | IntArray) -> tuple[FloatArray, FloatArray, Any]:
         """Position (3,) [m], slope (3,) [-] and spin rate [rad/s] of a local vertex; of k vertices (k, 3), (k, 3), (k,)."""
+
+    @abstractmethod
+    def nodal_motion(self, state: Any, vertices: IntArray) -> FloatArray:
+        """(3, k, 7) position [m], slope [-] and spin angle [rad] of k local vertices, their rates and accelerations.
+
+        The rate of the spin angle is the spin rate, that of rotation about the tangent.
+        """
 
     @abstractmethod
     def columns(self, state: Any) -> FloatArray:

@@ -23,10 +23,12 @@ from drillpetsc.plotting.hole_path import new_hole, well_path
 from drillpetsc.plotting.hydraulics import hydraulics_drawers, units_of
 from drillpetsc.plotting.limits import limits_drawers
 from drillpetsc.plotting.modes import draw_modes
+from drillpetsc.plotting.signals import signal
 from drillpetsc.plotting.style import GROUND, LINE_COLORS, WALL, display_unit, label, words
 from drillpetsc.plotting.sweep import draw_sweep
 from drillpetsc.plotting.top_drive import draw_reflection
 from drillpetsc.plotting.torque_drag import torque_drag_drawers
+from drillpetsc.plotting.vibration import draw_power, draw_waterfall, vibration_drawers
 from drillpetsc.unit_systems import System
 from drillpetsc.unit_systems import display_unit as display_unit_of
 
@@ -71,6 +73,52 @@ def _plot(folder: RunFolder, out: str | os.PathLike | None, units: System | None
     return files
 
 
+def spectra(
+    run: str | os.PathLike,
+    waterfalls: Sequence[str] = (),
+    powers: Sequence[str] = (),
+    *,
+    order: bool = False,
+    segment: float | None = None,
+    units: System | None = None,
+) -> dict[str, Any]:
+    """Waterfalls and power densities of signals of a run folder, as figures of matplotlib by name.
+
+    waterfalls, powers: signals SOURCE:COLUMN, such as mwd:ax or history:bit_speed.
+    order: waterfalls over the order of rotation; segment: length of a segment [s], with ``order`` its revolutions.
+    units: as for `plot`.
+    Raises CaseError for a signal that the folder does not have.
+    """
+    folder = RunFolder.open(run)
+    summary = read_summary(folder.summary) if folder.summary.exists() else {}
+    title = str(summary.get("title") or folder.path.name)
+    token = style.UNITS.set(units or style.units_of_run(folder.case))
+    drawn: dict[str, Any] = {}
+    try:
+        with style.look():
+            for name in waterfalls:
+                found = signal(folder.path, name)
+                kind = "orders" if order else "waterfall"
+                drawn[f"{kind}_{found.file}"] = draw_waterfall(found, title, segment, order)
+            for name in powers:
+                found = signal(folder.path, name, "--psd")
+                drawn[f"psd_{found.file}"] = draw_power(found, title, segment)
+    finally:
+        style.UNITS.reset(token)
+    return drawn
+
+
+def save_figures(drawn: dict[str, Any], into: Path) -> list[Path]:
+    """Save figures by name as PNG files in a folder; returns the files."""
+    into.mkdir(parents=True, exist_ok=True)
+    files = []
+    with style.look():
+        for name, drawing in drawn.items():
+            files.append(into / f"{name}.png")
+            drawing.savefig(files[-1])
+    return files
+
+
 def figures(
     run: str | os.PathLike,
     units: System | None = None,
@@ -111,6 +159,7 @@ def _drawers(folder: RunFolder, units: System | None) -> dict[str, Callable[[], 
         probes, clearances = read_table(folder.probes), _clearances(folder)
         drawers["orbits"] = lambda: _orbits(probes, clearances, title)
         drawers["probes"] = lambda: _probes(probes, clearances, title)
+    drawers |= vibration_drawers(folder.path, title)
     if folder.statics.exists():
         drawers["along_depth"] = lambda: _along_depth(read_table(folder.statics), title)
     if (folder.path / "modes.csv").exists():

@@ -25,6 +25,7 @@ from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import SWEEP_TABLE, WELLS_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table, split_name
+from drillpetsc.output.sensors.files import read_sensor, sensor_names
 from drillpetsc.plotting.style import units_of_run
 from drillpetsc.reporting.units import in_units, label_of, unit_of
 from drillpetsc.unit_systems import SYSTEMS, System
@@ -109,6 +110,7 @@ def _tables(folder: Path) -> dict[str, Table]:
             raise CaseError(at="RUN", got=file, want=f"a table of this program ({error})") from None
         if len(next(iter(table.values()), ())):
             found[file.stem] = table
+    found |= {f"sensor_{name}": read_sensor(folder, name) for name in sensor_names(folder)}
     if not found:
         raise CaseError(at="RUN", got=folder, want="a run folder that holds tables with rows")
     return found

@@ -11,7 +11,7 @@ import numpy as np
 
 from drillpetsc.output import catalogue
 from drillpetsc.output.files.json_file import read_summary
-from drillpetsc.output.files.run_folder import RunFolder
+from drillpetsc.output.files.run_folder import INDICES_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table, split_name
 from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.plotting import style
@@ -87,15 +87,15 @@ KINDS = (
     Kind(
         "dynamics",
         "Dynamics",
-        ("history.csv", "probes.csv"),
-        ("history", "orbits", "probes", "new_hole", "numerics"),
+        ("history.csv", "probes.csv", INDICES_TABLE),
+        ("history", "orbits", "probes", "indices", "whirl", "sensor", "new_hole", "numerics"),
         "run CASE.yaml",
     ),
     Kind("modes", "Modes", ("modes.csv",), ("modes",), "modes CASE.yaml"),
 )
 #: pictures of every folder that the section on the well has, too
 OF_THE_WELL = ("trajectory",)
-_NO_ROWS = ("history.csv", "probes.csv")  # tables too long for a page: their ranges are shown
+_NO_ROWS = ("history.csv", "probes.csv", INDICES_TABLE)  # tables too long for a page: their ranges are shown
 
 
 @dataclass(frozen=True)
@@ -243,7 +243,8 @@ def _figures(kind: Kind, run: Run, system: System) -> list[Grid]:
     if kind.key == "dynamics":
         final = run.summary.get("final", {})
         rows = [(label_of(title), *number(value, title, system)) for title, value in final.items()]
-        return [facts(rows, "At the end of the run", source)] if rows else []
+        grids = [facts(rows, "At the end of the run", source)] if rows else []
+        return grids + _sensors(run, system, source) + _whirl(run, system, source)
     rows = []
     for name, value in run.summary.items():
         quantity = catalogue.find(name)
@@ -255,6 +256,44 @@ def _figures(kind: Kind, run: Run, system: System) -> list[Grid]:
     if kind.key == "limits":
         grids += _margins(run, system, source)
     return grids
+
+
+def _sensors(run: Run, system: System, source: str) -> list[Grid]:
+    """Sensors with what the time steps resolve of them."""
+    sensors = [row for row in run.summary.get("sensors", ()) if isinstance(row, Mapping)]
+    rows = []
+    for row in sensors:
+        depth = number(row.get("md", np.nan), "md [m]", system)[0]
+        rates = [f"{row.get(key, np.nan):.4g}" for key in ("rate", "finest", "resolved_to")]
+        share = f"{100 * row.get('coarse_share', np.nan):.3g}"
+        clipped = str(row["clipped"]) if "clipped" in row else ""
+        rows.append((str(row.get("name", "")), depth, *rates, share, str(row.get("samples", "")), clipped))
+    if not rows:
+        return []
+    heads = (
+        "Sensor",
+        f"MD [{unit_of('md [m]', system)[2]}]",
+        "Rate [Hz]",
+        "Filter or half the rate [Hz]",
+        "Resolved by the time steps up to [Hz]",
+        "Time with coarser steps [%]",
+        "Samples",
+        "Out of range",
+    )
+    return [Grid(heads, rows, "Downhole sensors", source, numeric=(False, *(True for _ in heads[1:])))]
+
+
+def _whirl(run: Run, system: System, source: str) -> list[Grid]:
+    """Shares of the windows by class of whirl at the probes."""
+    vibration = run.summary.get("vibration", {})
+    rows = []
+    for depth, classes in vibration.get("whirl", {}).items():
+        place = " ".join(number(float(depth), "md [m]", system))
+        rows += [(place, name, f"{100 * share:.3g}") for name, share in classes.items()]
+    if not rows:
+        return []
+    caption = f"Whirl in windows of three revolutions at {vibration.get('windows')} times"
+    return [Grid(("Probe", "Class", "Share [%]"), rows, caption, source, numeric=(False, False, True))]
 
 
 def _flows(run: Run, system: System, source: str) -> list[Grid]:

@@ -19,6 +19,8 @@ EXTRA = "pip install 'drillpetsc[notebook]'"
 COORDINATES = {
     "history.csv": "time",
     "probes.csv": "time",
+    "indices.csv": "time",
+    "sensors/*.csv": "time",
     "statics.csv": "md",
     "trajectory.csv": "md",
     "limits.csv": "md",

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.fem.quantity import DEPTH, Quantity
+from drillpetsc.fem.quantity import DEPTH, NAME, Quantity
 from drillpetsc.output.catalogue import all_quantities, outputs_by_file
 from drillpetsc.output.files.run_folder import HYDRAULICS_TABLES
 from drillpetsc.output.files.tables import split_name
@@ -36,10 +36,7 @@ def attributes(title: str, file: str, words: bool = False) -> dict[str, str]:
     q = quantity_of(name, file)
     if q is None:
         return found | {"long_name": name.replace("_", " ")}
-    depth = ""
-    if DEPTH in q.name:
-        head, _, tail = q.name.partition(DEPTH)
-        depth = name[len(head) : len(name) - len(tail)]
+    place = q.place(name) or ""
     texts = {
         "long_name": q.label,
         "label": q.label,
@@ -47,7 +44,11 @@ def attributes(title: str, file: str, words: bool = False) -> dict[str, str]:
         "sign": q.sign,
         "description": q.doc,
     }
-    return found | {key: text.replace(DEPTH, depth) for key, text in texts.items() if text}
+    return found | {
+        key: text.replace(DEPTH, place).replace(NAME, place) if place else text
+        for key, text in texts.items()
+        if text
+    }
 
 
 def readable_unit(unit: str) -> str:

@@ -12,12 +12,14 @@ from drillpetsc.output.files.json_file import plain, read_summary
 from drillpetsc.output.files.run_folder import (
     CALIBRATION_TABLE,
     HYDRAULICS_TABLES,
+    INDICES_TABLE,
     LIMITS_TABLES,
     ROADMAP_TABLE,
     RunFolder,
 )
 from drillpetsc.output.files.tables import read_table
 from drillpetsc.output.result import RunResult
+from drillpetsc.output.sensors.files import SENSOR_TABLE, read_sensor, sensor_names
 from drillpetsc.results import report as shown
 from drillpetsc.results.cube import roadmap_cube
 from drillpetsc.results.datasets import Table, dataset, frame, read_string, string_dataset
@@ -38,6 +40,7 @@ KINDS = {
 TABLES = (
     "history.csv",
     "probes.csv",
+    INDICES_TABLE,
     "statics.csv",
     "modes.csv",
     "reflection.csv",
@@ -47,6 +50,28 @@ TABLES = (
     *LIMITS_TABLES,
     "trajectory.csv",
 )
+
+
+class Sensors(Mapping[str, Any]):
+    """Datasets of the downhole sensors of a run by name, with the coordinate time [s]. Each is read when it is asked for."""
+
+    def __init__(self, result: Result) -> None:
+        self._result = result
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in list(self):
+            raise KeyError(f"{name}: this result has {', '.join(self) or 'no sensors'}")
+        self._result._check_folder()
+        return dataset(read_sensor(self._result.folder, name), SENSOR_TABLE, self._result._title)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(sensor_names(self._result.folder))
+
+    def __len__(self) -> int:
+        return len(sensor_names(self._result.folder))
+
+    def __repr__(self) -> str:
+        return f"<sensors: {', '.join(self) or 'none'}>"
 
 
 class Tables(Mapping[str, Any]):
@@ -109,6 +134,57 @@ class Result(RunResult):
     def probes(self) -> Any:
         """Dataset of probes.csv with the coordinate time [s]."""
         return self._dataset("probes.csv")
+
+    @property
+    def sensors(self) -> Sensors:
+        """Datasets of the downhole sensors by name; what the time steps resolve stands in `summary["sensors"]`."""
+        return Sensors(self)
+
+    @property
+    def indices(self) -> Any:
+        """Dataset of indices.csv with the coordinate time [s], the ends of the windows."""
+        return self._dataset(INDICES_TABLE)
+
+    def find_indices(self, window: float | None = None, every: float | None = None) -> list[str]:
+        """Compute the indices of drilling dynamics, as the command `vibration` does: write indices.csv and return lines for people.
+
+        window: length of the windows [s], every: from the end of one to that of the next [s]; by default those of the case, else 20
+        and 1 s.  Raises CaseError for a result that is not a run in time.
+        """
+        from drillpetsc.case import load_case
+        from drillpetsc.output.indices import DEFAULT_EVERY, DEFAULT_WINDOW, indices
+
+        self._check_folder()
+        file = RunFolder(self.folder).case
+        if not file.is_file():
+            raise CaseError(file=self.folder, got="no case.yaml", want="the folder of a run")
+        case = load_case(file)
+        given = (
+            case.output.indices.span if case.output.indices is not None else (DEFAULT_WINDOW, DEFAULT_EVERY)
+        )
+        found = indices(self.folder, case, window or given[0], every or given[1])
+        written = found.write(self.folder)
+        self._kept.pop(INDICES_TABLE, None)
+        return [
+            *found.lines(self._units or "metric"),
+            *(f"  note: {text}" for text in found.warnings),
+            str(written),
+        ]
+
+    def waterfall(
+        self, signal: str, *, order: bool = False, segment: float | None = None, units: str | None = None
+    ) -> Any:
+        """Amplitudes of a signal over time and frequency, as a figure of matplotlib.
+
+        signal: SENSOR:COLUMN such as mwd:ax, history:bit_speed or probes:x_600; order: over the order of rotation
+        segment: length of a segment [s], with `order` its revolutions; units: as for `plot`
+        Raises CaseError for a signal that the result does not have. The numbers: `drillpetsc.vibration.spectrogram`.
+        """
+        from drillpetsc.plotting.plot import spectra
+
+        self._check_folder()
+        drawn = spectra(self.folder, (signal,), order=order, segment=segment, units=_system(units))
+        return next(iter(drawn.values()))
 
     @property
     def statics(self) -> Any:

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from drillpetsc.case.block import Block, derived_default
+from drillpetsc.case.blocks.sensors import Indices, Sensor, as_sensors, indices_or_true
 from drillpetsc.case.blocks.string import Angle
 from drillpetsc.case.key_paths import refuse, suggestion
 from drillpetsc.case.quantities import Quantity, as_list
@@ -142,6 +143,16 @@ class Output(Block):
         strict=True,
         description="true: the side force of every rigid item gets its own column in history.csv",
     )
+    sensors: Annotated[
+        tuple[Sensor, ...], BeforeValidator(as_sensors, json_schema_input_type=Sensor | tuple[Sensor, ...])
+    ] = Field(default=(), description="downhole sensors, each with a file in the folder sensors")
+    indices: Annotated[
+        Indices | None, BeforeValidator(indices_or_true, json_schema_input_type=bool | Indices)
+    ] = Field(
+        default=None,
+        description="indices of drilling dynamics in indices.csv and in the summary: stick-slip, vibration, energy, whirl; "
+        "true for the defaults",
+    )
     checkpoint_every: Interval = derived_default("interval of checkpoint.h5; end/10 when not given")
     units: System | None = Field(
         default=None,
@@ -155,6 +166,12 @@ class Output(Block):
             if name in names[:i]:
                 raise refuse(
                     "probes", i, got=self.probes[i], want=f"probes at different depths; {name} m stands twice"
+                )
+        names = [sensor.name.lower() for sensor in self.sensors]
+        for i, name in enumerate(names):
+            if name in names[:i]:
+                raise refuse(
+                    "sensors", i, "name", got=self.sensors[i].name, want="another name for each sensor"
                 )
         return self
 

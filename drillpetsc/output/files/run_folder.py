@@ -33,6 +33,7 @@ ROADMAP_TABLE = "roadmap.csv"  # hook load and torque by bit depth, operation an
 ROADMAP_FILE = "roadmap.json"  # what the rows of a roadmap come from
 CALIBRATION_TABLE = "calibration.csv"  # measured points beside the soft string with the fitted factors
 TORQUE_DRAG_FILES = (ROADMAP_TABLE, ROADMAP_FILE, CALIBRATION_TABLE)
+INDICES_TABLE = "indices.csv"  # indices of drilling dynamics over windows of time
 REFLECTION_TABLE = "reflection.csv"  # of torsional waves at a controlled top
 LIMITS_TABLE = "limits.csv"  # stresses, strength and buckling along the string
 CONTACTS_TABLE = "contacts.csv"  # what the wall does to each item
@@ -82,6 +83,10 @@ class RunFolder:
     @property
     def string_frames(self) -> Path:
         return self.path / "string"
+
+    @property
+    def sensors(self) -> Path:
+        return self.path / "sensors"
 
     @property
     def well(self) -> Path:
@@ -188,6 +193,7 @@ class RunFolder:
         """Remove half-written files that a killed run left."""
         remove_leftovers(self.path)
         remove_leftovers(self.string_frames)
+        remove_leftovers(self.sensors)
 
     def clear(self) -> None:
         """Remove the files of the contract, and nothing else that may lie in the folder."""
@@ -206,12 +212,22 @@ class RunFolder:
             self.report,
             *(
                 self.path / table
-                for table in (*HYDRAULICS_TABLES, *TORQUE_DRAG_FILES, *LIMITS_TABLES, REFLECTION_TABLE)
+                for table in (
+                    *HYDRAULICS_TABLES,
+                    *TORQUE_DRAG_FILES,
+                    *LIMITS_TABLES,
+                    REFLECTION_TABLE,
+                    INDICES_TABLE,
+                )
             ),
         ):
             file.unlink(missing_ok=True)
         for frame in self.string_frames.glob("*.vtu"):
             frame.unlink()
+        for file in (*self.sensors.glob("*.csv"), *self.sensors.glob("*.h5")):
+            file.unlink()
+        if self.sensors.is_dir() and not any(self.sensors.iterdir()):
+            self.sensors.rmdir()
         if self.string_frames.is_dir() and not any(self.string_frames.iterdir()):
             shutil.rmtree(self.string_frames)
 

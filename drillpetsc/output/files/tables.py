@@ -86,8 +86,15 @@ class Table:
         values = row.tolist() if isinstance(row, np.ndarray) else row
         if len(values) != self._width:
             raise ValueError(f"{self.path.name}: a row of {len(values)} values for {self._width} columns")
-        data = (",".join([_number(value) for value in values]) + "\n").encode()
-        whole = os.fstat(self._file).st_size
+        self._write(",".join([_number(value) for value in values]) + "\n")
+
+    def add_rows(self, rows: np.ndarray) -> None:
+        """rows: (k, columns), SI; all of them in one write."""
+        if len(rows):
+            self._write("".join([",".join(map(_number, row)) + "\n" for row in rows.tolist()]))
+
+    def _write(self, text: str) -> None:
+        data, whole = text.encode(), os.fstat(self._file).st_size
         try:
             written = os.write(self._file, data)
         except OSError as error:

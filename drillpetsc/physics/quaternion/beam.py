@@ -41,6 +41,9 @@ ROW_SCALE = 1.0e6  # of constraint rows, so that one norm fits them and the forc
 # scale of a multiplier, which is linear in the rows and correct where the motion is; its rounding error grows
 # as 1/step^2, so it takes no part in error control
 UNCONTROLLED_SCALE = 1.0e30
+DIFFERENCE = (
+    1.0e-4  # time of differences along the motion [s]: rounding 1e-8, far below a period of the string
+)
 
 
 def quaternions(frames: Frames) -> FloatArray:
@@ -108,6 +111,7 @@ class QuaternionBeam(Beam):
     name = "beam"
     formulation = "quaternion"
     orientation = "string.quaternion"
+    angle_period = 4 * np.pi
     needs_ancf_equilibrium = True
     has_constraints = True
     turns_with_string = True  # unknowns and Jacobian entries turn with the string
@@ -280,6 +284,29 @@ class QuaternionBeam(Beam):
         """Position [m], slope and spin rate [rad/s] of a local vertex, or of several."""
         motion = self._node_motion(state)[vertex]
         return state.x[state.layout.dofs["string.position"][vertex]], motion[..., :3], motion[..., 6]
+
+    def nodal_motion(self, state, vertices: IntArray) -> FloatArray:
+        """(3, k, 7) position, slope and spin angle of local vertices, their rates and accelerations.
+
+        Derivatives of slope and spin rate are differences along the motion x + y t + a t^2/2, at DIFFERENCE [s] on both sides.
+        """
+        at, frame = self._places(state.layout)
+        at, frame = np.ascontiguousarray(at[vertices]), np.ascontiguousarray(frame[vertices])
+        out, sides = np.empty((3, len(at), 7)), []
+        place = state.layout.dofs["string.position"][vertices]
+        for level, values in enumerate((state.x, state.y, state.a)):
+            out[level, :, :3] = values[place]
+        for t in (-DIFFERENCE, 0.0, DIFFERENCE):
+            x, y = state.x + t * state.y + 0.5 * t**2 * state.a, state.y + t * state.a
+            moved = np.zeros((len(at), 8))
+            _motion(len(at), pointer(at), pointer(frame), pointer(x), pointer(y), pointer(moved))
+            sides.append(moved)
+        before, now, after = sides
+        out[0, :, 3:6], out[0, :, 6] = now[:, :3], now[:, 7]
+        out[1, :, 3:6], out[1, :, 6] = (after - before)[:, :3] / (2 * DIFFERENCE), now[:, 6]
+        out[2, :, 3:6] = (after - 2 * now + before)[:, :3] / DIFFERENCE**2
+        out[2, :, 6] = (after - before)[:, 6] / (2 * DIFFERENCE)
+        return out
 
     def columns(self, state) -> FloatArray:
         """(nv, 8) at the local vertices: position [m] and velocity [m/s], spin rate [rad/s], spin angle

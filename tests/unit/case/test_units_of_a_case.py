@@ -242,3 +242,14 @@ def test_string_of_the_tally_in_field_units() -> None:
     with pytest.raises(CaseError) as caught:
         Case(string=bare, well=hole, top="clamped", units="field")
     assert caught.value.at == "string[1].tool_joint.length"
+
+
+def test_rate_and_range_of_a_sensor_in_field_units() -> None:
+    """A bare rate is in Hz in every system; `16 g` is an acceleration; depth in feet, radius in inches."""
+    pipe = {"kind": "pipe", "length": 60, "od": 5, "id": 4.276}
+    sensor = {"name": "mwd", "at": 20, "rate": 50, "range": "16 g", "radius": 2, "filter": {"cutoff": 20}}
+    case = Case(units="field", string=[pipe], top="clamped", output={"sensors": [sensor]})
+    (read,) = case.output.sensors
+    assert read.rate == 50 and read.filter is not None and read.filter.cutoff == 20
+    assert read.range == pytest.approx(16 * 9.80665)
+    assert (read.at, read.radius) == (pytest.approx(20 * 0.3048), pytest.approx(2 * 0.0254))

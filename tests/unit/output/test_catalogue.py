@@ -173,10 +173,13 @@ def test_names_and_mnemonics_are_unique() -> None:
 def test_an_output_has_words_for_people(quantity) -> None:
     """A label without underscores, a short mnemonic, one sentence; a signed quantity has a sign."""
     assert quantity.label and "_" not in quantity.label and quantity.label[0].isupper()
-    assert 1 < len(quantity.mnemonic.replace("NNN", "")) <= 4 and quantity.mnemonic.isupper()
+    assert (
+        1 < len(quantity.mnemonic.replace("NNN", "").replace("NAME", "")) <= 4 and quantity.mnemonic.isupper()
+    )
     assert quantity.doc.endswith(".") and (quantity.doc[0].isupper() or quantity.doc[0].isdigit())
     assert quantity.sign or quantity.unit in ("-", "s", "J", "m", "kg/m3"), quantity.name
     assert ("NNN" in quantity.name) == (quantity.on in ("joint", "probe", "rigid_item"))
+    assert ("NAME" in quantity.name) == (quantity.on == "sensor")
 
 
 def test_an_output_is_found_at_any_depth() -> None:
@@ -184,10 +187,14 @@ def test_an_output_is_found_at_any_depth() -> None:
         ("x_600", "x_NNN"),
         ("joint_1.5_side_force", "joint_NNN_side_force"),
         ("wob", "wob"),
+        ("rms_lateral_mwd-2", "rms_lateral_NAME"),
+        ("whirl_ratio_600", "whirl_ratio_NNN"),
+        ("whirl_600", "whirl_NNN"),
     ):
         found = find(name)
         assert found is not None and found.name == pattern
     assert find("x_") is None and find("mean_wob") is None and find("joint_1_nothing") is None
+    assert label("impacts_mwd") == "Impacts of mwd"
     assert label("spin_600.5") == "Spin rate at 600.5 m" and label("nothing") is None
 
 
