@@ -2,7 +2,7 @@
 
 The public face is that of `drillpetsc.api`: `Case` describes what is simulated (the keys of a case file),
 `DrillPipe`, `HWDP`, `DrillCollar`, `Stabilizer`, `Bit` and others are the items of its string, `load_case` reads one, `run`, `sweep`,
-`statics`, `hydraulics`, `surge`, `roadmap`, `calibrate`, `limits`, `freepoint`, `modes`, `top_drive` and `study` are the commands,
+`statics`, `hydraulics`, `surge`, `roadmap`, `calibrate`, `limits`, `freepoint`, `modes`, `response`, `top_drive` and `study` are the commands,
 `Session` advances a model step by step, and `open_run` reads the results of a command again. `units` converts values.
 Importing the package starts no MPI and imports nothing else of it.
 """
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
         load_case,
         modes,
         open_run,
+        response,
         roadmap,
         run,
         statics,
@@ -64,6 +65,7 @@ __all__ = [
     "load_case",
     "modes",
     "open_run",
+    "response",
     "run",
     "statics",
     "study",

@@ -57,6 +57,7 @@ __all__ = [
     "load_case",
     "modes",
     "open_run",
+    "response",
     "roadmap",
     "run",
     "statics",
@@ -392,6 +393,44 @@ def modes(
     from drillpetsc.results.result import result_of
 
     return result_of(run_modes(case, out, count, shift, kind, about, overwrite, name, comm, without_control))
+
+
+def response(
+    case: Case | str | Path,
+    out: str | Path | None = None,
+    *,
+    excite: Literal["unbalance", "bit"],
+    speeds: str | Sequence[float],
+    amplitude: str | None = None,
+    order: float | None = None,
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+    without_control: bool = False,
+) -> Result:
+    """Compute the forced harmonic response over rotary speeds and write response.csv (collective).
+
+    case: a Case, or the path of a case file
+    out: run folder; by default results/<case>-NNN
+    excite: unbalance, what is off the axis in the case, once per turn; or bit, a motion, force or torque of the lower end
+    speeds: rotary speeds above 0, as text ("20:200:2 rpm", "60,90 rpm") or in rad/s, ascending
+    amplitude: of the bit, with its unit: "3 mm", "5 kN", "1 kN m"
+    order: cycles per turn of the bit; by default 3
+    overwrite: True to replace the results in an existing folder
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+    without_control: True to hold the top instead of the motor and controller that the case has
+    """
+    from drillpetsc.case.speed_options import read_excitation, read_speeds
+
+    excitation = read_excitation(excite, amplitude, order)
+    values = read_speeds(speeds, "--speeds", lowest_above_zero=True)
+    case, name = _loaded(case, name)
+    initialise_petsc()
+    from drillpetsc.analysis.frequency.response import run_response
+    from drillpetsc.results.result import result_of
+
+    return result_of(run_response(case, excitation, values, out, overwrite, name, comm, without_control))
 
 
 def top_drive(

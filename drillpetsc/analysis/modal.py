@@ -156,6 +156,12 @@ def prepare_state(model: DrillingModel, about: str = "steady") -> StaticState:
         move_rigidly(model)
         return state
     state = find_equilibrium(model, (0.0, 0.0))
+    rest_of(model)
+    return state
+
+
+def rest_of(model: DrillingModel) -> None:
+    """From an equilibrium, set the model to rest without friction; collective."""
     release(model, at_rest=True)
     for part in (model.contact, model.bit):
         if (
@@ -164,7 +170,6 @@ def prepare_state(model: DrillingModel, about: str = "steady") -> StaticState:
             part.impose_sliding_direction(0.0, 0.0)
     model.system.assembly.y[:] = 0.0
     release_flow(model)
-    return state
 
 
 def reference_rate(model: DrillingModel) -> float:

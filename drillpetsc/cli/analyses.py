@@ -334,6 +334,58 @@ def _modes(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     return 0
 
 
+def _response_arguments(command: argparse.ArgumentParser) -> None:
+    case_argument(command)
+    command.add_argument(
+        "--excite",
+        required=True,
+        metavar="KIND",
+        help="unbalance: unbalances, eccentricities, bends and curvatures of the case; bit: a motion, force or torque of the "
+        "lower end",
+    )
+    command.add_argument(
+        "--speeds",
+        required=True,
+        metavar="RANGE",
+        help="rotary speeds: FIRST:LAST:STEP as '20:200:2 rpm', or '60,90,120 rpm'",
+    )
+    command.add_argument(
+        "--amplitude",
+        metavar="A",
+        help="of the bit: a motion along the string ('3 mm'), a force ('5 kN') or a torque ('1 kN m')",
+    )
+    command.add_argument("--order", type=float, metavar="N", help="cycles per turn of the bit (default: 3)")
+    command.add_argument(
+        "--without-control",
+        action="store_true",
+        help="leave out the motor and controller of the top drive, and hold the top",
+    )
+    units_argument(command)
+
+
+def _response(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case import load_case
+    from drillpetsc.case.speed_options import read_excitation, read_speeds
+
+    case = in_units(load_case(arguments.case), arguments.units)
+    excitation = read_excitation(arguments.excite, arguments.amplitude, arguments.order)
+    speeds = read_speeds(arguments.speeds, "--speeds", lowest_above_zero=True)
+    start_job(petsc_options)
+    print_warnings(case)
+    from drillpetsc.analysis.frequency.response import run_response
+
+    result = run_response(
+        case,
+        excitation,
+        speeds,
+        arguments.out,
+        arguments.overwrite,
+        Path(arguments.case).stem,
+        without_control=arguments.without_control,
+    )
+    return show(result.lines, result.folder, arguments)
+
+
 def _top_drive(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.case import load_case
 
@@ -402,6 +454,13 @@ COMMANDS = (
         _modes_arguments,
         _modes,
         parents=(output_folder(),),
+    ),
+    Command(
+        "response",
+        "forced harmonic response to unbalance or to the bit, over rotary speeds",
+        _response_arguments,
+        _response,
+        parents=(output_folder(), report_option()),
     ),
     Command(
         "top-drive",

@@ -98,19 +98,23 @@ class DrillingModel:
 
 
 def build_model(
-    case: Case, comm: PETSc.Comm | None = None, motion: tuple[float, float] | None = None
+    case: Case,
+    comm: PETSc.Comm | None = None,
+    motion: tuple[float, float] | None = None,
+    balanced: bool = False,
 ) -> DrillingModel:
     """Create the model of ``case``; collective.
 
     comm: PETSc communicator, all ranks by default.
     motion: of a static question, for automatic element lengths (see ``build_mesh``).
+    balanced: leave out what turns with the section: eccentric mass, unbalance, bends and stress-free curvature.
     Raises CaseError where mesh or hole are impossible.
     """
     well = build_well(case)
     mesh = build_mesh(case, well, motion)
     position, tangent = _axis(case, mesh, well)
     frames = transported_frames(tangent)
-    mesh = curvature_by_tool_face(mesh, frames)
+    mesh = _balanced(mesh) if balanced else curvature_by_tool_face(mesh, frames)
     beam: interfaces.Beam | None = None
     top: interfaces.Top | None = None
     drive: interfaces.Drive | None = None
@@ -172,6 +176,13 @@ def build_model(
     if bit is not None and bit.hole is not None:
         _subscribe_to_hole(model, bit.hole)
     return model
+
+
+def _balanced(mesh: StringMesh) -> StringMesh:
+    """The mesh of a string that is straight and balanced, with the same elements."""
+    nothing = np.zeros_like(mesh.eccentricity)
+    bodies = tuple(replace(b, offset=(0.0, 0.0)) for b in mesh.bodies)
+    return replace(mesh, eccentricity=nothing, curvature=nothing.copy(), bent=(), bodies=bodies)
 
 
 def _subscribe_to_hole(model: DrillingModel, hole: GrowingHole) -> None:
@@ -247,11 +258,12 @@ def _top_components(
     if isinstance(top, TopDriveCase):
         lowering = None if top.force is not None else top.lowering
         if top.motor is not None and not is_quasi_static(case):
-            free = TopDrive(position, tangent, None, lowering, path=path, frames=frames)
+            free = TopDrive(position, tangent, None, lowering, path=path, frames=frames, hinged=top.hinged)
             return free, build_drive(case, mesh)
         # without inertia rotation acts through the direction of friction only
         rotation = Constant(0.0) if is_quasi_static(case) else top.rotation
-        return TopDrive(position, tangent, rotation, lowering, path=path, frames=frames), None
+        drive = TopDrive(position, tangent, rotation, lowering, path=path, frames=frames, hinged=top.hinged)
+        return drive, None
     assert isinstance(top, DrivenTop)
     return TopDrive(position, tangent, None, top.lowering, path=path, frames=frames), RotaryDrive(
         top.rotation, top.stiffness, top.damping, top.inertia

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import conditions as where
 from drillpetsc.output import quantities as measured
-from drillpetsc.output.quantities import hydraulics, limits, top_drive, torque_drag
+from drillpetsc.output.quantities import frequency, hydraulics, limits, top_drive, torque_drag
 from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.physics import quantities as physics
 
@@ -101,6 +101,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
             *_listed((measured.ECD,), where.ANNULUS),
         ),
         "modes.csv": _listed(measured.MODES),
+        "response.csv": _listed(frequency.RESPONSE),
         "reflection.csv": _listed(top_drive.REFLECTION),
         "trajectory.csv": _listed(measured.TRAJECTORY),
         "hydraulics.csv": _listed(hydraulics.LOSS_ROWS),

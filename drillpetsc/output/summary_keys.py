@@ -281,6 +281,21 @@ MODES: tuple[SummaryKey, ...] = (
     SummaryKey("time_scales", "", "Periods and travel times of waves, as text."),
 )
 
+RESPONSE: tuple[SummaryKey, ...] = (
+    SummaryKey("title", "", "Title of the case."),
+    SummaryKey("excitation", "", "The excitation, in words."),
+    SummaryKey("order", "-", "Cycles of the excitation per turn."),
+    SummaryKey("speeds", "rpm", "List: rotary speeds."),
+    SummaryKey("validity", "", "List: linear, touches, lifts or infinite at each speed, as in the table."),
+    SummaryKey(
+        "peaks",
+        "",
+        "List: by place its md [m] and the largest amplitude of each column with its speed [rpm].",
+    ),
+    SummaryKey("static_solutions", "-", "Number of static equilibria that were solved for."),
+    SummaryKey("warnings", "", "What the user should know."),
+)
+
 HYDRAULICS: tuple[SummaryKey, ...] = (
     SummaryKey("title", "", "Title of the case."),
     SummaryKey("bit_depth", "m", "Measured depth of the string's lower end."),
@@ -411,6 +426,7 @@ SUMMARY_KEYS = {
     "summary.json of run": RUN,
     "summary.json of statics": STATICS,
     "summary.json of modes": MODES,
+    "summary.json of response": RESPONSE,
     "summary.json of hydraulics": HYDRAULICS,
     "summary.json of surge": SURGE,
     "summary.json of roadmap": ROADMAP,

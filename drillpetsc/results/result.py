@@ -33,6 +33,7 @@ KINDS = {
     "hydraulics.csv": "hydraulics",
     "surge.csv": "surge",
     "modes.csv": "modes",
+    "response.csv": "response",
     "reflection.csv": "top_drive",
 }
 TABLES = (
@@ -40,6 +41,7 @@ TABLES = (
     "probes.csv",
     "statics.csv",
     "modes.csv",
+    "response.csv",
     "reflection.csv",
     *HYDRAULICS_TABLES,
     ROADMAP_TABLE,

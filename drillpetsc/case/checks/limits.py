@@ -32,6 +32,8 @@ def check_quaternion(case: CaseBlocks) -> None:
         raise _not_supported("top", "kind", got="driven", what="a driven top")
     if case.top.motor is not None:
         raise _not_supported("top", "motor", what="a motor of the top drive")
+    if getattr(case.top, "hinged", False):
+        raise _not_supported("top", "hinged", got=True, what="a hinged top drive")
     last = max((i for i, item in enumerate(case.string) if not isinstance(item, Rigid)), default=0)
     for i, item in enumerate(case.string[:last]):
         if isinstance(item, Rigid):

@@ -34,6 +34,10 @@ ROADMAP_FILE = "roadmap.json"  # what the rows of a roadmap come from
 CALIBRATION_TABLE = "calibration.csv"  # measured points beside the soft string with the fitted factors
 TORQUE_DRAG_FILES = (ROADMAP_TABLE, ROADMAP_FILE, CALIBRATION_TABLE)
 REFLECTION_TABLE = "reflection.csv"  # of torsional waves at a controlled top
+RESPONSE_TABLE = "response.csv"  # forced harmonic response by speed and place
+CAMPBELL_TABLE = "campbell.csv"  # modes by rotary speed
+CRITICAL_TABLE = "critical.csv"  # critical speeds: where an excitation line meets a mode
+SPEED_TABLES = (RESPONSE_TABLE, CAMPBELL_TABLE, CRITICAL_TABLE)
 LIMITS_TABLE = "limits.csv"  # stresses, strength and buckling along the string
 CONTACTS_TABLE = "contacts.csv"  # what the wall does to each item
 LIMITS_TABLES = (LIMITS_TABLE, CONTACTS_TABLE)
@@ -206,7 +210,13 @@ class RunFolder:
             self.report,
             *(
                 self.path / table
-                for table in (*HYDRAULICS_TABLES, *TORQUE_DRAG_FILES, *LIMITS_TABLES, REFLECTION_TABLE)
+                for table in (
+                    *HYDRAULICS_TABLES,
+                    *TORQUE_DRAG_FILES,
+                    *LIMITS_TABLES,
+                    REFLECTION_TABLE,
+                    *SPEED_TABLES,
+                )
             ),
         ):
             file.unlink(missing_ok=True)

@@ -1,0 +1,62 @@
+"""Commands over rotary speeds on several ranks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from drillpetsc.output import read_table
+from tests.helpers import frequency_models as m
+from tests.helpers.mpi import run_mpi
+
+SCRIPT = Path(__file__).with_name("run_command.py")
+WELL = {
+    "survey": {"md": [0, 40], "inclination": [0.5, 0.7], "azimuth": [0, 0]},
+    "sections": [{"to": 40, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
+}
+MUD = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}, "flow_rate": 0.02}
+
+
+def columns(folder: Path, file: str, names: tuple[str, ...]) -> list[np.ndarray]:
+    table = read_table(folder / file)
+    return [np.asarray(table[name], dtype=float) for name in names]
+
+
+@pytest.mark.parallel
+def test_response_on_1_2_and_3_ranks(tmp_path):
+    """An eccentric string on the wall of a curved hole, in mud, under its unbalance and under a moving bit."""
+    file = tmp_path / "case.yaml"
+    string = [m.drill_pipe(30.0, 6, 1e-4, eccentricity=2e-3), m.collars(9.5, 3, 1e-4)]
+    string.append(
+        {"kind": "bit", "length": 0.5, "od": 0.2, "mass": 60, "unbalance": 0.05, "nozzle_area": 4e-4}
+    )
+    case = {
+        "string": string,
+        "well": WELL,
+        "fluid": MUD,
+        "top": {"kind": "top_drive", "rotation": 6.0},
+        "bottom": "bit",
+    }
+    file.write_text(yaml.safe_dump(case | {"initial": {"wob": 2e4}}))
+    names = (
+        "lateral_amplitude [m]",
+        "axial_amplitude [m]",
+        "axial_force_amplitude [N]",
+        "bending_moment_amplitude [N m]",
+    )
+    for excite in (["unbalance"], ["bit", "--amplitude", "1 mm"]):
+        results = []
+        for n in (1, 2, 3):
+            folder = tmp_path / f"{excite[0]}-{n}"
+            run_mpi(
+                n,
+                SCRIPT,
+                ["response", str(file), "--excite", *excite, "--speeds", "60,120 rpm", "--out", str(folder)],
+            )
+            results.append(columns(folder, "response.csv", names))
+        for other in results[1:]:
+            for one, values in zip(results[0], other, strict=True):
+                assert values == pytest.approx(one, rel=1e-5, abs=1e-6 * np.abs(one).max())
