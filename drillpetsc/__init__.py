@@ -2,7 +2,7 @@
 
 The public face is that of `drillpetsc.api`: `Case` describes what is simulated (the keys of a case file),
 `DrillPipe`, `HWDP`, `DrillCollar`, `Stabilizer`, `Bit` and others are the items of its string, `load_case` reads one, `run`, `sweep`,
-`statics`, `hydraulics`, `surge`, `roadmap`, `calibrate`, `limits`, `freepoint`, `modes`, `response`, `top_drive` and `study` are the commands,
+`statics`, `hydraulics`, `surge`, `roadmap`, `calibrate`, `limits`, `freepoint`, `modes`, `campbell`, `response`, `top_drive` and `study` are the commands,
 `Session` advances a model step by step, and `open_run` reads the results of a command again. `units` converts values.
 Importing the package starts no MPI and imports nothing else of it.
 """
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         Pipe,
         Stabilizer,
         calibrate,
+        campbell,
         catalogue,
         freepoint,
         hydraulics,
@@ -58,6 +59,7 @@ __all__ = [
     "Pipe",
     "Stabilizer",
     "calibrate",
+    "campbell",
     "catalogue",
     "freepoint",
     "hydraulics",

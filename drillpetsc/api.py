@@ -50,6 +50,7 @@ __all__ = [
     "Pipe",
     "Stabilizer",
     "calibrate",
+    "campbell",
     "catalogue",
     "freepoint",
     "hydraulics",
@@ -393,6 +394,45 @@ def modes(
     from drillpetsc.results.result import result_of
 
     return result_of(run_modes(case, out, count, shift, kind, about, overwrite, name, comm, without_control))
+
+
+def campbell(
+    case: Case | str | Path,
+    out: str | Path | None = None,
+    *,
+    speeds: str | Sequence[float],
+    count: int = 20,
+    kind: str | None = None,
+    lines: str | Sequence[float] | None = None,
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+    without_control: bool = False,
+) -> Result:
+    """Compute modes over rotary speeds, follow them by shape, and write campbell.csv and critical.csv (collective).
+
+    case: a Case, or the path of a case file
+    out: run folder; by default results/<case>-NNN
+    speeds: rotary speeds, as text ("0:240:10 rpm", "60,90 rpm") or in rad/s, ascending
+    count: number of oscillating modes at each speed, the lowest
+    kind: lateral, axial, torsional or fluid; by default all
+    lines: excitation lines in cycles per turn; by default 1, 2, 3 and the blades of a drag bit
+    overwrite: True to replace the results in an existing folder
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+    without_control: True to hold the top instead of the motor and controller that the case has
+    """
+    from drillpetsc.case.speed_options import read_lines, read_speeds
+
+    values, orders = read_speeds(speeds, "--speeds"), None if lines is None else read_lines(lines)
+    case, name = _loaded(case, name)
+    initialise_petsc()
+    from drillpetsc.analysis.frequency.campbell import run_campbell
+    from drillpetsc.results.result import result_of
+
+    return result_of(
+        run_campbell(case, values, out, count, kind, orders, overwrite, name, comm, without_control)
+    )
 
 
 def response(

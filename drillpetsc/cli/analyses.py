@@ -334,6 +334,62 @@ def _modes(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     return 0
 
 
+def _campbell_arguments(command: argparse.ArgumentParser) -> None:
+    case_argument(command)
+    command.add_argument(
+        "--speeds",
+        required=True,
+        metavar="RANGE",
+        help="rotary speeds: FIRST:LAST:STEP as '0:240:10 rpm', or '60,90,120 rpm'",
+    )
+    command.add_argument(
+        "--count",
+        type=int,
+        default=20,
+        metavar="N",
+        help="oscillating modes at each speed, the lowest (default: 20)",
+    )
+    command.add_argument(
+        "--kind", choices=("lateral", "axial", "torsional", "fluid"), help="only modes of this kind"
+    )
+    command.add_argument(
+        "--lines",
+        metavar="N1,N2",
+        help="excitation lines in cycles per turn (default: 1,2,3 and the blades of a drag bit)",
+    )
+    command.add_argument(
+        "--without-control",
+        action="store_true",
+        help="leave out the motor and controller of the top drive, and hold the top",
+    )
+    units_argument(command)
+
+
+def _campbell(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case import load_case
+    from drillpetsc.case.speed_options import read_lines, read_speeds
+
+    case = in_units(load_case(arguments.case), arguments.units)
+    speeds = read_speeds(arguments.speeds, "--speeds")
+    lines = None if arguments.lines is None else read_lines(arguments.lines)
+    start_job(petsc_options)
+    print_warnings(case)
+    from drillpetsc.analysis.frequency.campbell import run_campbell
+
+    result = run_campbell(
+        case,
+        speeds,
+        arguments.out,
+        arguments.count,
+        arguments.kind,
+        lines,
+        arguments.overwrite,
+        Path(arguments.case).stem,
+        without_control=arguments.without_control,
+    )
+    return show(result.lines, result.folder, arguments)
+
+
 def _response_arguments(command: argparse.ArgumentParser) -> None:
     case_argument(command)
     command.add_argument(
@@ -454,6 +510,13 @@ COMMANDS = (
         _modes_arguments,
         _modes,
         parents=(output_folder(),),
+    ),
+    Command(
+        "campbell",
+        "modes over rotary speeds, followed by shape, and critical speeds",
+        _campbell_arguments,
+        _campbell,
+        parents=(output_folder(), report_option()),
     ),
     Command(
         "response",

@@ -101,6 +101,8 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
             *_listed((measured.ECD,), where.ANNULUS),
         ),
         "modes.csv": _listed(measured.MODES),
+        "campbell.csv": _listed(frequency.CAMPBELL),
+        "critical.csv": _listed(frequency.CRITICAL),
         "response.csv": _listed(frequency.RESPONSE),
         "reflection.csv": _listed(top_drive.REFLECTION),
         "trajectory.csv": _listed(measured.TRAJECTORY),

@@ -281,6 +281,23 @@ MODES: tuple[SummaryKey, ...] = (
     SummaryKey("time_scales", "", "Periods and travel times of waves, as text."),
 )
 
+CAMPBELL: tuple[SummaryKey, ...] = (
+    SummaryKey("title", "", "Title of the case."),
+    SummaryKey("speeds", "rpm", "List: rotary speeds asked for."),
+    SummaryKey(
+        "added_speeds", "rpm", "List: speeds between them, where shapes changed too much to be followed."
+    ),
+    SummaryKey("case_speed", "rpm", "Rotation of the case at time 0."),
+    SummaryKey("lines", "-", "List: excitation lines in cycles per turn."),
+    SummaryKey("searched", "", "Kind of the modes, or all kinds."),
+    SummaryKey("branches", "-", "Number of modes that were followed."),
+    SummaryKey("lost", "-", "Number of those that were lost."),
+    SummaryKey("critical_speeds", "-", "Number of crossings of branches and lines."),
+    SummaryKey("growing_speeds", "rpm", "List: speeds at which a mode grows."),
+    SummaryKey("static_solutions", "-", "Number of static equilibria that were solved for."),
+    SummaryKey("warnings", "", "What the user should know."),
+)
+
 RESPONSE: tuple[SummaryKey, ...] = (
     SummaryKey("title", "", "Title of the case."),
     SummaryKey("excitation", "", "The excitation, in words."),
@@ -426,6 +443,7 @@ SUMMARY_KEYS = {
     "summary.json of run": RUN,
     "summary.json of statics": STATICS,
     "summary.json of modes": MODES,
+    "summary.json of campbell": CAMPBELL,
     "summary.json of response": RESPONSE,
     "summary.json of hydraulics": HYDRAULICS,
     "summary.json of surge": SURGE,

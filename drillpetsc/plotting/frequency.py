@@ -1,4 +1,4 @@
-"""Pictures of the commands over rotary speeds: forced response."""
+"""Pictures of the commands over rotary speeds: Campbell diagram, forced response."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.output.files.run_folder import RESPONSE_TABLE
+from drillpetsc.output.files.json_file import read_summary
+from drillpetsc.output.files.run_folder import CAMPBELL_TABLE, CRITICAL_TABLE, RESPONSE_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table
 from drillpetsc.plotting import style
 from drillpetsc.plotting.style import LINE_COLORS
@@ -23,6 +24,90 @@ PANELS = (
     ("torque_amplitude [N m]", "Torque", "twist_amplitude [rad]"),
 )
 LEAST = {"lateral_amplitude [m]": 1e-9, "axial_amplitude [m]": 1e-9, "twist_amplitude [rad]": 1e-9}
+
+
+#: color of each kind of mode, and dashes by the sense of the whirl
+KIND_COLORS = {
+    "lateral": LINE_COLORS[0],
+    "axial": LINE_COLORS[1],
+    "torsional": LINE_COLORS[2],
+    "fluid": LINE_COLORS[3],
+}
+DASHES = {"backward": (0, (3, 1.6))}
+DAMPED = 0.3  # damping ratio from which a branch is pale
+SHARP = 0.1  # damping ratio below which a critical speed is marked
+
+
+def draw_campbell(folder: Path, title: str) -> Any:
+    """Frequencies over the rotary speed with excitation lines and critical speeds."""
+    table = read_table(folder / CAMPBELL_TABLE)
+    if not len(table["branch [-]"]):
+        return None
+    file = RunFolder(folder).summary
+    summary = read_summary(file) if file.exists() else {}
+    branch, speed, frequency = (table[k] for k in ("branch [-]", "rotary_speed [rpm]", "frequency [Hz]"))
+    ratio, kind, sense = (table[k] for k in ("damping_ratio [-]", "kind [-]", "whirl_sense [-]"))
+    drawing = style.figure(9.5, 6.5, dpi=110)
+    top = style.heading(drawing, f"{title}: Campbell diagram")
+    axes = drawing.subplots()
+    low, high = float(speed.min()), float(speed.max())
+    drawn = set()
+    for number in np.unique(branch):
+        rows = branch == number
+        word, whirl = str(kind[rows][0]), _prevailing(sense[rows])
+        pale = float(np.median(np.abs(ratio[rows]))) > DAMPED
+        label = f"{word} {whirl}" if whirl in ("forward", "backward") else word
+        axes.plot(
+            speed[rows],
+            frequency[rows],
+            color=KIND_COLORS[word],
+            linestyle=DASHES.get(whirl, "-"),
+            linewidth=1.0 if pale else 1.5,
+            alpha=0.35 if pale else 1.0,
+            label=None if label in drawn else label,
+        )
+        drawn.add(label)
+        grows = rows & (table["growth [1/s]"] > 1e-6 * np.maximum(2 * np.pi * frequency, 1e-12))
+        axes.plot(speed[grows], frequency[grows], "o", color="#c0392b", markersize=3.5, zorder=4,
+                  label=None if "grows" in drawn or not grows.any() else "grows")  # fmt: skip
+        drawn |= {"grows"} if grows.any() else set()
+    ceiling = 1.05 * float(frequency.max())
+    for k, line in enumerate(summary.get("lines", ())):
+        end = min(high, ceiling * 60 / line)
+        axes.plot(
+            [low, end], [low * line / 60, end * line / 60], color="0.35", linewidth=0.9, linestyle=(0, (6, 3))
+        )
+        axes.annotate(f"{line:g}x", (end, end * line / 60), xytext=(3, 2 + 9 * (k % 2)), textcoords="offset points", fontsize=8, color="0.35",
+                      annotation_clip=False)  # fmt: skip
+    if (folder / CRITICAL_TABLE).exists():
+        found = read_table(folder / CRITICAL_TABLE)
+        sharp = found["damping_ratio [-]"] < SHARP
+        if sharp.any():
+            axes.plot(
+                found["critical_rotary_speed [rpm]"][sharp], found["frequency [Hz]"][sharp], "D", markersize=5.5,
+                markerfacecolor="white", markeredgecolor="black", zorder=5, label=f"critical, damping < {SHARP:g}",
+            )  # fmt: skip
+    case_speed = float(summary.get("case_speed", 0.0))
+    if low < case_speed < high:
+        axes.axvline(case_speed, color="0.6", linewidth=1.0, zorder=0)
+        axes.annotate(
+            "case",
+            (case_speed, ceiling),
+            xytext=(3, -10),
+            textcoords="offset points",
+            fontsize=8,
+            color="0.45",
+        )
+    axes.set(xlim=(low, high), ylim=(0.0, ceiling), xlabel="Rotary speed [rpm]", ylabel="Frequency [Hz]")
+    axes.legend(frameon=False, fontsize=8.5, loc="center left", bbox_to_anchor=(1.03, 0.5))
+    drawing.tight_layout(rect=(0, 0, 1, top))
+    return drawing
+
+
+def _prevailing(words: np.ndarray) -> str:
+    """The word that occurs most often."""
+    found, count = np.unique(words.astype(str), return_counts=True)
+    return str(found[count.argmax()])
 
 
 def draw_response(folder: Path, title: str) -> Any:

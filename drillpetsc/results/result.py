@@ -33,6 +33,7 @@ KINDS = {
     "hydraulics.csv": "hydraulics",
     "surge.csv": "surge",
     "modes.csv": "modes",
+    "campbell.csv": "campbell",
     "response.csv": "response",
     "reflection.csv": "top_drive",
 }
@@ -41,6 +42,8 @@ TABLES = (
     "probes.csv",
     "statics.csv",
     "modes.csv",
+    "campbell.csv",
+    "critical.csv",
     "response.csv",
     "reflection.csv",
     *HYDRAULICS_TABLES,

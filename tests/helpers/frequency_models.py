@@ -57,3 +57,25 @@ def two_part_string(elements: int = 1) -> dict:
         "gravity": 0.0,
         "initial": {"from": "straight"},
     }
+
+
+def disc(elements: int = 4, rpm: float = 600.0) -> dict:
+    """A disc of 300 kg, 12 and 20 kg m2, at the end of 2 m of drill pipe almost without mass, which turns."""
+    pipe = {
+        "kind": "beam",
+        "length": 2.0,
+        "element_length": 2.0 / elements,
+        "axial_stiffness": YOUNG * AREA,
+        "bending_stiffness": EI,
+        "torsional_stiffness": GJ,
+        "mass": 0.01,
+        "polar_inertia": 1e-6,
+    }
+    body = {"kind": "body", "mass": 300.0, "inertia": {"axial": 20.0, "transverse": 12.0}}
+    return {
+        "string": [pipe, body],
+        "top": {"kind": "top_drive", "rotation": f"{rpm} rpm"},
+        "bottom": "free",
+        "gravity": 0.0,
+        "initial": {"from": "straight"},
+    }

@@ -60,3 +60,21 @@ def test_response_on_1_2_and_3_ranks(tmp_path):
         for other in results[1:]:
             for one, values in zip(results[0], other, strict=True):
                 assert values == pytest.approx(one, rel=1e-5, abs=1e-6 * np.abs(one).max())
+
+
+@pytest.mark.parallel
+def test_campbell_on_1_2_and_3_ranks(tmp_path):
+    """Branches of the turning disc."""
+    file = tmp_path / "case.yaml"
+    file.write_text(yaml.safe_dump(m.disc()))
+    results = []
+    for n in (1, 2, 3):
+        folder = tmp_path / str(n)
+        words = ["campbell", str(file), "--speeds", "0:600:200 rpm", "--count", "4", "--lines", "1"]
+        run_mpi(n, SCRIPT, [*words, "--out", str(folder)])
+        found = columns(folder, "campbell.csv", ("rotary_speed [rpm]", "frequency [Hz]"))
+        results.append(np.sort(np.array(found)[1].reshape(-1, 4), axis=0))
+        critical = columns(folder, "critical.csv", ("critical_rotary_speed [rpm]",))[0]
+        assert critical == pytest.approx([362.605, 376.346], rel=2e-3)
+    for other in results[1:]:
+        assert other == pytest.approx(results[0], rel=1e-7)

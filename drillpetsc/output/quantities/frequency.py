@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output.quantities.along_string import MD
+from drillpetsc.output.quantities.modes import MODES
 
 
 def _column(
@@ -64,5 +65,61 @@ RESPONSE: tuple[Quantity, ...] = (
         "validity", "-", "Validity of the linear result", "VALD",
         "Linear where the result holds; touches: the amplitude closes an open gap somewhere; lifts: it opens a closed contact; infinite: an "
         "undamped resonance.",
+    ),
+)  # fmt: skip
+
+_MODE = {q.name: q for q in MODES}
+BRANCH = _column(
+    "branch", "-", "Branch", "BRCH", "Number of a mode that is followed over the speeds, from 1."
+)
+WHIRL_SENSE = _column(
+    "whirl_sense",
+    "-",
+    "Sense of the whirl",
+    "WHSE",
+    "Sense of the orbits, forward with the rotation; mixed where neither prevails, none for other kinds of modes.",
+)
+CAMPBELL: tuple[Quantity, ...] = (
+    ROTARY_SPEED,
+    BRANCH,
+    _MODE["frequency"],
+    _column(
+        "natural_frequency", "Hz", "Natural frequency", "NFRQ", "Size of the eigenvalue over 2 pi, damping included."
+    ),
+    _MODE["damping_ratio"],
+    _column(
+        "log_decrement", "-", "Logarithmic decrement", "LDEC", "Logarithm of the ratio of successive peaks; inf without oscillation.",
+        "the mode decays",
+    ),
+    _MODE["growth"],
+    _MODE["kind"],
+    WHIRL_SENSE,
+    _column(
+        "mac", "-", "Modal assurance", "MAC", "Agreement of the shape with that at the speed before; 1 at the first speed."
+    ),
+    _column(
+        "tracking", "-", "State of the tracking", "TRCK",
+        "Tracked; at the end of a branch lost (no shape agrees at the next speed), outside (above the modes computed) or rest (no friction at 0 rpm).",
+    ),
+)  # fmt: skip
+
+CRITICAL: tuple[Quantity, ...] = (
+    BRANCH,
+    _MODE["kind"],
+    WHIRL_SENSE,
+    _column("excitation_line", "-", "Excitation line", "XLIN", "Cycles of the excitation per turn."),
+    _column(
+        "critical_rotary_speed", "rpm", "Critical rotary speed", "CSPD",
+        "Rotary speed at which the line meets the branch, interpolated.",
+    ),
+    _MODE["frequency"],
+    _MODE["damping_ratio"],
+    _column(
+        "amplification", "-", "Amplification", "AMPL",
+        "Half the inverse of the damping ratio; inf without damping, nan for a mode that grows.",
+    ),
+    _column(
+        "speed_margin", "%", "Margin to the speed of the case", "SMRG",
+        "Critical speed less that of the case, over the latter; nan for a case that does not turn.", "the critical speed is higher",
     ),
 )  # fmt: skip
