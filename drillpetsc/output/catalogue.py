@@ -11,6 +11,7 @@ from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import conditions as where
 from drillpetsc.output import quantities as measured
 from drillpetsc.output.quantities import frequency, hydraulics, limits, top_drive, torque_drag
+from drillpetsc.output.quantities.modes import STOKES_NUMBER
 from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.physics import quantities as physics
 
@@ -100,7 +101,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
             *mud_at_ends,
             *_listed((measured.ECD,), where.ANNULUS),
         ),
-        "modes.csv": _listed(measured.MODES),
+        "modes.csv": (*_listed(measured.MODES), *_listed((STOKES_NUMBER,), where.STOKES)),
         "campbell.csv": _listed(frequency.CAMPBELL),
         "critical.csv": _listed(frequency.CRITICAL),
         "response.csv": _listed(frequency.RESPONSE),

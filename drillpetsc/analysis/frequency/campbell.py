@@ -12,6 +12,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from drillpetsc.analysis.frequency.response import RPM, rpm_of, write_case_folder
+from drillpetsc.analysis.frequency.stokes import FrequencyDependent, at_own_frequencies, frequency_dependent
 from drillpetsc.analysis.frequency.tracking import (
     LEAST_MAC,
     Branch,
@@ -93,11 +94,12 @@ def modes_at(states: TurningModel, speed: float, count: int, kind: str | None = 
     """
     states.at(speed)
     model = states.model
+    own = frequency_dependent(model)
     system, linearised = model.system, linearise(model.system)
     answer: Any = None
     if linearised is not None:
         try:
-            answer = _found(model, linearised, speed, count, kind)
+            answer = _found(model, linearised, own, speed, count, kind)
         except DrillError as failure:
             answer = failure
     if system.comm.size > 1:
@@ -108,7 +110,12 @@ def modes_at(states: TurningModel, speed: float, count: int, kind: str | None = 
 
 
 def _found(
-    model: DrillingModel, linearised: Linearised, speed: float, count: int, kind: str | None
+    model: DrillingModel,
+    linearised: Linearised,
+    own: FrequencyDependent | None,
+    speed: float,
+    count: int,
+    kind: str | None,
 ) -> SpeedModes:
     """The modes of the linearised system, on the rank that has it."""
     reference = reference_rate(model)
@@ -120,6 +127,10 @@ def _found(
     )
     u = linearised.T @ found.u
     share = _shares(model, linearised, found.s, u)
+    if own is not None:
+        found = at_own_frequencies(own, found, share[:, 0]).found
+        u = linearised.T @ found.u
+        share = _shares(model, linearised, found.s, u)
     kinds = tuple(KINDS[i] for i in share.argmax(axis=1))
     x, wx = energy_vectors(model, linearised, found, u)
     oscillating = np.flatnonzero(found.s.imag > 0)

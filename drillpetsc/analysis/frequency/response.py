@@ -21,6 +21,7 @@ from drillpetsc.analysis.frequency.harmonic import (
     section_forces,
     turning_load,
 )
+from drillpetsc.analysis.frequency.stokes import StokesForces, present
 from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
 from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.transient import make_folder
@@ -299,6 +300,8 @@ def run_response(
             elif excitation.what == "displacement" and model.bit is not None:
                 load = rock_load(model, excitation.amplitude, omega)
             wob = _weight_on_bit(model)
+            if present(model):
+                StokesForces(model).set_frequency(omega)
             shape = _shape(model)
             linearised = linearise(model.system)
             answer: Any = None
