@@ -2,7 +2,7 @@
 
 The public face is that of `drillpetsc.api`: `Case` describes what is simulated (the keys of a case file),
 `DrillPipe`, `HWDP`, `DrillCollar`, `Stabilizer`, `Bit` and others are the items of its string, `load_case` reads one, `run`, `sweep`,
-`statics`, `hydraulics`, `surge`, `roadmap`, `calibrate`, `limits`, `freepoint`, `modes`, `campbell`, `response`, `top_drive` and `study` are the commands,
+`statics`, `hydraulics`, `surge`, `roadmap`, `calibrate`, `limits`, `freepoint`, `modes`, `campbell`, `stability`, `response`, `top_drive` and `study` are the commands,
 `Session` advances a model step by step, and `open_run` reads the results of a command again. `units` converts values.
 Importing the package starts no MPI and imports nothing else of it.
 """
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         response,
         roadmap,
         run,
+        stability,
         statics,
         study,
         surge,
@@ -69,6 +70,7 @@ __all__ = [
     "open_run",
     "response",
     "run",
+    "stability",
     "statics",
     "study",
     "roadmap",

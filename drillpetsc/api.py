@@ -61,6 +61,7 @@ __all__ = [
     "response",
     "roadmap",
     "run",
+    "stability",
     "statics",
     "study",
     "surge",
@@ -432,6 +433,47 @@ def campbell(
 
     return result_of(
         run_campbell(case, values, out, count, kind, orders, overwrite, name, comm, without_control)
+    )
+
+
+def stability(
+    case: Case | str | Path,
+    out: str | Path | None = None,
+    *,
+    rpm: str | Sequence[float],
+    wob: str | float | Sequence[str | float],
+    count: int = 20,
+    kind: str | None = None,
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+    without_control: bool = False,
+) -> Result:
+    """Find the fastest growing mode about steady drilling over rotary speed and weight on bit (collective).
+
+    Writes stability_map.csv and stability_boundary.csv.
+
+    case: a Case with a bit on bottom, or the path of a case file
+    out: run folder; by default results/<case>-NNN
+    rpm: rotary speeds above 0, as text ("60:180:10 rpm") or in rad/s, ascending
+    wob: weights on bit, as text ("50,100 kN") or in N, ascending
+    count: number of oscillating modes at each point, the lowest
+    kind: lateral, axial, torsional or fluid; by default all
+    overwrite: True to replace the results in an existing folder
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+    without_control: True to hold the top instead of the motor and controller that the case has
+    """
+    from drillpetsc.case.speed_options import read_speeds, read_weights
+
+    speeds, weights = read_speeds(rpm, "--rpm", lowest_above_zero=True), read_weights(wob)
+    case, name = _loaded(case, name)
+    initialise_petsc()
+    from drillpetsc.analysis.frequency.stability_map import run_stability
+    from drillpetsc.results.result import result_of
+
+    return result_of(
+        run_stability(case, speeds, weights, out, count, kind, overwrite, name, comm, without_control)
     )
 
 

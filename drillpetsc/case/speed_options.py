@@ -11,6 +11,7 @@ import numpy as np
 from drillpetsc.case.flow_options import Numbers, read_numbers
 from drillpetsc.case.quantities import Quantity
 from drillpetsc.errors import CaseError
+from drillpetsc.unit_systems import System
 from drillpetsc.units import UnitError, to_si
 
 MAX_SPEEDS = 2000
@@ -139,6 +140,15 @@ def read_excitation(kind: str, amplitude: str | None = None, order: float | None
             raise CaseError(at="--order", got=order, want="cycles per turn, above 0, at most 1000")
         return Excitation("bit", what, value, order)
     raise CaseError(at="--amplitude", got=amplitude, want=want)
+
+
+# ---------------------------------------------------------------------- weights
+def read_weights(text: Numbers, units: System = "SI") -> tuple[float, ...]:
+    """Read weights on bit [N], ascending, such as ``50,100,150 kN``; CaseError."""
+    values = read_numbers(text, WEIGHT, "--wob", "50,100,150 kN", units)
+    if any(b <= a for a, b in zip(values, values[1:], strict=False)):
+        raise CaseError(at="--wob", got=_shown(text), want="weights in ascending order, each once")
+    return values
 
 
 # ---------------------------------------------------------------------- lines

@@ -390,6 +390,60 @@ def _campbell(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     return show(result.lines, result.folder, arguments)
 
 
+def _stability_arguments(command: argparse.ArgumentParser) -> None:
+    case_argument(command)
+    command.add_argument(
+        "--rpm",
+        required=True,
+        metavar="RANGE",
+        help="rotary speeds: FIRST:LAST:STEP as '60:180:10 rpm', or '60,90,120 rpm'",
+    )
+    command.add_argument(
+        "--wob", required=True, metavar="W1,W2", help="weights on bit, such as '50,100,150 kN'"
+    )
+    command.add_argument(
+        "--count",
+        type=int,
+        default=20,
+        metavar="N",
+        help="oscillating modes at each point, the lowest (default: 20)",
+    )
+    command.add_argument(
+        "--kind", choices=("lateral", "axial", "torsional", "fluid"), help="only modes of this kind"
+    )
+    command.add_argument(
+        "--without-control",
+        action="store_true",
+        help="leave out the motor and controller of the top drive, and hold the top",
+    )
+    units_argument(command)
+
+
+def _stability(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case import load_case
+    from drillpetsc.case.speed_options import read_speeds, read_weights
+
+    case = in_units(load_case(arguments.case), arguments.units)
+    speeds = read_speeds(arguments.rpm, "--rpm", lowest_above_zero=True)
+    weights = read_weights(arguments.wob, case.output.units or "SI")
+    start_job(petsc_options)
+    print_warnings(case)
+    from drillpetsc.analysis.frequency.stability_map import run_stability
+
+    result = run_stability(
+        case,
+        speeds,
+        weights,
+        arguments.out,
+        arguments.count,
+        arguments.kind,
+        arguments.overwrite,
+        Path(arguments.case).stem,
+        without_control=arguments.without_control,
+    )
+    return show(result.lines, result.folder, arguments)
+
+
 def _response_arguments(command: argparse.ArgumentParser) -> None:
     case_argument(command)
     command.add_argument(
@@ -516,6 +570,13 @@ COMMANDS = (
         "modes over rotary speeds, followed by shape, and critical speeds",
         _campbell_arguments,
         _campbell,
+        parents=(output_folder(), report_option()),
+    ),
+    Command(
+        "stability",
+        "does steady drilling grow or decay: the fastest growing mode over rotary speed and weight on bit",
+        _stability_arguments,
+        _stability,
         parents=(output_folder(), report_option()),
     ),
     Command(

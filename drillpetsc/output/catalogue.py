@@ -104,6 +104,8 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         "modes.csv": (*_listed(measured.MODES), *_listed((STOKES_NUMBER,), where.STOKES)),
         "campbell.csv": _listed(frequency.CAMPBELL),
         "critical.csv": _listed(frequency.CRITICAL),
+        "stability_map.csv": _listed(frequency.STABILITY_MAP),
+        "stability_boundary.csv": _listed(frequency.STABILITY_BOUNDARY),
         "response.csv": _listed(frequency.RESPONSE),
         "reflection.csv": _listed(top_drive.REFLECTION),
         "trajectory.csv": _listed(measured.TRAJECTORY),

@@ -298,6 +298,16 @@ CAMPBELL: tuple[SummaryKey, ...] = (
     SummaryKey("warnings", "", "What the user should know."),
 )
 
+STABILITY: tuple[SummaryKey, ...] = (
+    SummaryKey("title", "", "Title of the case."),
+    SummaryKey("speeds", "rpm", "List: rotary speeds."),
+    SummaryKey("weights", "N", "List: weights on bit."),
+    SummaryKey("searched", "", "Kind of the modes, or all kinds."),
+    SummaryKey("unstable", "-", "Number of points at which a mode grows."),
+    SummaryKey("boundaries", "-", "Number of speeds found at which stability changes."),
+    SummaryKey("warnings", "", "What the user should know."),
+)
+
 RESPONSE: tuple[SummaryKey, ...] = (
     SummaryKey("title", "", "Title of the case."),
     SummaryKey("excitation", "", "The excitation, in words."),
@@ -444,6 +454,7 @@ SUMMARY_KEYS = {
     "summary.json of statics": STATICS,
     "summary.json of modes": MODES,
     "summary.json of campbell": CAMPBELL,
+    "summary.json of stability": STABILITY,
     "summary.json of response": RESPONSE,
     "summary.json of hydraulics": HYDRAULICS,
     "summary.json of surge": SURGE,

@@ -1,4 +1,4 @@
-"""Pictures of the commands over rotary speeds: Campbell diagram, forced response."""
+"""Pictures of the commands over rotary speeds: Campbell diagram, stability map, forced response."""
 
 from __future__ import annotations
 
@@ -8,7 +8,14 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.output.files.json_file import read_summary
-from drillpetsc.output.files.run_folder import CAMPBELL_TABLE, CRITICAL_TABLE, RESPONSE_TABLE, RunFolder
+from drillpetsc.output.files.run_folder import (
+    BOUNDARY_TABLE,
+    CAMPBELL_TABLE,
+    CRITICAL_TABLE,
+    RESPONSE_TABLE,
+    STABILITY_TABLE,
+    RunFolder,
+)
 from drillpetsc.output.files.tables import read_table
 from drillpetsc.plotting import style
 from drillpetsc.plotting.style import LINE_COLORS
@@ -108,6 +115,43 @@ def _prevailing(words: np.ndarray) -> str:
     """The word that occurs most often."""
     found, count = np.unique(words.astype(str), return_counts=True)
     return str(found[count.argmax()])
+
+
+def draw_stability(folder: Path, title: str) -> Any:
+    """Largest growth over rotary speed and weight on bit, red where it grows, with the boundary."""
+    table = read_table(folder / STABILITY_TABLE)
+    if not len(table["weight_on_bit [N]"]):
+        return None
+    speeds, weights = (np.unique(table[k]) for k in ("rotary_speed [rpm]", "weight_on_bit [N]"))
+    growth = table["largest_growth [1/s]"].reshape(len(weights), len(speeds)).astype(float)
+    unit, text = style.display_unit("weight_on_bit [N]", weights)
+    drawing = style.figure(9.0, 5.0, dpi=110)
+    top = style.heading(drawing, f"{title}: stability of steady drilling")
+    axes = drawing.subplots()
+    edge = _largest(np.abs(growth)) or 1.0
+    drawn = axes.pcolormesh(
+        _edges(speeds), _edges(weights / unit), growth, cmap="RdBu_r", vmin=-edge, vmax=edge, shading="flat"
+    )
+    drawing.colorbar(drawn, ax=axes, label="Largest growth rate [1/s]  (red: unstable)")
+    if (folder / BOUNDARY_TABLE).exists():
+        found = read_table(folder / BOUNDARY_TABLE)
+        if len(found["weight_on_bit [N]"]):
+            axes.plot(
+                found["boundary_speed [rpm]"].astype(float), found["weight_on_bit [N]"].astype(float) / unit, "o",
+                color="black", markersize=5, label="boundary",
+            )  # fmt: skip
+            axes.legend(frameon=True, loc="upper right", fontsize=8.5)
+    axes.set(xlabel="Rotary speed [rpm]", ylabel=f"Weight on bit [{text}]", yticks=weights / unit)
+    drawing.tight_layout(rect=(0, 0, 1, top))
+    return drawing
+
+
+def _edges(values: np.ndarray) -> np.ndarray:
+    """Ends of the cells about ``values``."""
+    if len(values) == 1:
+        return values[0] * np.array([0.9, 1.1])
+    middle = 0.5 * (values[1:] + values[:-1])
+    return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
 
 
 def draw_response(folder: Path, title: str) -> Any:

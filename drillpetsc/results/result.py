@@ -34,6 +34,7 @@ KINDS = {
     "surge.csv": "surge",
     "modes.csv": "modes",
     "campbell.csv": "campbell",
+    "stability_map.csv": "stability",
     "response.csv": "response",
     "reflection.csv": "top_drive",
 }
@@ -44,6 +45,8 @@ TABLES = (
     "modes.csv",
     "campbell.csv",
     "critical.csv",
+    "stability_map.csv",
+    "stability_boundary.csv",
     "response.csv",
     "reflection.csv",
     *HYDRAULICS_TABLES,

@@ -65,19 +65,27 @@ class TurningModel:
 
     def __init__(self, case: Case, comm: PETSc.Comm | None = None, balanced: bool = False):
         self._live = LiveInput(case.top.rotation if case.top.rotation is not None else Constant(0.0))
-        top = case.top.model_copy(update={"rotation": self._live})
+        changed = {"rotation": self._live}
+        self._down: LiveInput | None = None
+        if case.top.lowering is not None and case.top.force is None:
+            self._down = changed["lowering"] = LiveInput(case.top.lowering)
+        top = case.top.model_copy(update=changed)
         self.model: DrillingModel = build_model(case.model_copy(update={"top": top}), comm, balanced=balanced)
         self._static: tuple[Any, StaticState, Snapshot] | None = None
         self.solved = 0  # static equilibria found
 
-    def at(self, speed: float) -> StaticState:
+    def at(self, speed: float, lowering: float | None = None) -> StaticState:
         """Set the model to the steady motion at ``speed`` [rad/s]; returns its static equilibrium.  Collective.
+
+        lowering: of the top [m/s], None: that of the case.
 
         At speed 0, and without lowering, it is the equilibrium without friction, at rest, as ``modes --about rest``.
         Equilibria that do not depend on the size of the speed are found once.
         Raises SolveError where none is found.
         """
         self._live.set(0.0, float(speed))
+        if lowering is not None and self._down is not None:
+            self._down.set(0.0, float(lowering))
         model = self.model
         model.system.assembly.invalidate_prescribed_values()
         motion = prescribed_motion(model)

@@ -123,3 +123,28 @@ CRITICAL: tuple[Quantity, ...] = (
         "Critical speed less that of the case, over the latter; nan for a case that does not turn.", "the critical speed is higher",
     ),
 )  # fmt: skip
+
+WEIGHT = _column(
+    "weight_on_bit", "N", "Weight on bit of the state", "SWOB", "Weight on bit of the steady state."
+)
+STABILITY_MAP: tuple[Quantity, ...] = (
+    ROTARY_SPEED,
+    WEIGHT,
+    _column(
+        "largest_growth", "1/s", "Largest growth rate", "LGRW", "Largest real part of the eigenvalues that were found.",
+        "steady motion is unstable",
+    ),
+    _MODE["frequency"],
+    _MODE["kind"],
+    _column(
+        "state_imbalance", "N", "Unbalanced force of the state", "SIMB",
+        "Largest force on a node that is not in equilibrium in the steady state.",
+    ),
+)  # fmt: skip
+STABILITY_BOUNDARY: tuple[Quantity, ...] = (
+    WEIGHT,
+    _column(
+        "boundary_speed", "rpm", "Speed of the stability boundary", "BSPD", "Rotary speed at which the largest growth changes its sign."
+    ),
+    _column("stable_side", "-", "Stable side", "SSID", "Stable above or below this speed."),
+)  # fmt: skip
