@@ -58,11 +58,12 @@ def draw_campbell(folder: Path, title: str) -> Any:
     top = style.heading(drawing, f"{title}: Campbell diagram")
     axes = drawing.subplots()
     low, high = float(speed.min()), float(speed.max())
-    drawn = set()
+    drawn, faint = set(), False
     for number in np.unique(branch):
         rows = branch == number
         word, whirl = str(kind[rows][0]), _prevailing(sense[rows])
         pale = float(np.median(np.abs(ratio[rows]))) > DAMPED
+        faint = faint or pale
         label = f"{word} {whirl}" if whirl in ("forward", "backward") else word
         axes.plot(
             speed[rows],
@@ -71,13 +72,18 @@ def draw_campbell(folder: Path, title: str) -> Any:
             linestyle=DASHES.get(whirl, "-"),
             linewidth=1.0 if pale else 1.5,
             alpha=0.35 if pale else 1.0,
-            label=None if label in drawn else label,
         )
+        if label not in drawn:
+            axes.plot(
+                [], [], color=KIND_COLORS[word], linestyle=DASHES.get(whirl, "-"), linewidth=1.5, label=label
+            )
         drawn.add(label)
         grows = rows & (table["growth [1/s]"] > 1e-6 * np.maximum(2 * np.pi * frequency, 1e-12))
         axes.plot(speed[grows], frequency[grows], "o", color="#c0392b", markersize=3.5, zorder=4,
                   label=None if "grows" in drawn or not grows.any() else "grows")  # fmt: skip
         drawn |= {"grows"} if grows.any() else set()
+    if faint:
+        axes.plot([], [], color="0.75", linewidth=1.0, label=f"pale: damping above {DAMPED:g}")
     ceiling = 1.05 * float(frequency.max())
     for k, line in enumerate(summary.get("lines", ())):
         end = min(high, ceiling * 60 / line)
@@ -128,9 +134,13 @@ def draw_stability(folder: Path, title: str) -> Any:
     drawing = style.figure(9.0, 5.0, dpi=110)
     top = style.heading(drawing, f"{title}: stability of steady drilling")
     axes = drawing.subplots()
-    edge = _largest(np.abs(growth)) or 1.0
+    from matplotlib.colors import TwoSlopeNorm
+
+    finite = growth[np.isfinite(growth)]
+    low, high = float(finite.min(initial=0.0)), float(finite.max(initial=0.0))
+    norm = TwoSlopeNorm(0.0, vmin=min(low, -1e-6), vmax=max(high, 1e-6))  # each side to its own extreme
     drawn = axes.pcolormesh(
-        _edges(speeds), _edges(weights / unit), growth, cmap="RdBu_r", vmin=-edge, vmax=edge, shading="flat"
+        _edges(speeds), _edges(weights / unit), growth, cmap="RdBu_r", norm=norm, shading="flat"
     )
     drawing.colorbar(drawn, ax=axes, label="Largest growth rate [1/s]  (red: unstable)")
     if (folder / BOUNDARY_TABLE).exists():

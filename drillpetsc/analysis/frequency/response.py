@@ -23,7 +23,6 @@ from drillpetsc.analysis.frequency.harmonic import (
 )
 from drillpetsc.analysis.frequency.stokes import StokesForces, present
 from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
-from drillpetsc.analysis.placement import top_depth
 from drillpetsc.analysis.transient import make_folder
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
@@ -443,9 +442,6 @@ def _notes(excitation, speeds, valid, losses, closed: int, model: DrillingModel)
         notes.append("the bottom of the hole moves; the bit follows it through its contact")
     if excitation.kind == "bit" and model.bit is None:
         notes.append("the lower end does not stand on bottom: the excitation acts on a hanging string")
-    mass = max(top_depth(model), 0.0)
-    if mass:
-        notes.append(f"the top of the string is at MD {mass:.1f} m")
     return notes
 
 
