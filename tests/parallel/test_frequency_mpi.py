@@ -10,7 +10,9 @@ import yaml
 
 from drillpetsc.output import read_table
 from tests.helpers import frequency_models as m
+from tests.helpers import top_drive_models as t
 from tests.helpers.mpi import run_mpi
+from tests.verification.test_stokes_modes import span
 
 SCRIPT = Path(__file__).with_name("run_command.py")
 WELL = {
@@ -78,3 +80,33 @@ def test_campbell_on_1_2_and_3_ranks(tmp_path):
         assert critical == pytest.approx([362.605, 376.346], rel=2e-3)
     for other in results[1:]:
         assert other == pytest.approx(results[0], rel=1e-7)
+
+
+@pytest.mark.parallel
+def test_stokes_modes_and_stability_on_1_2_and_3_ranks(tmp_path):
+    """A span in viscous mud, whose modes are refined on one rank, and a stick-slip boundary found by all."""
+    stick = t.on_bottom(t.STIFF, 10.0, elements=10) | {"loads": []}
+    (tmp_path / "span.yaml").write_text(yaml.safe_dump(span(2e-2, 8)))
+    (tmp_path / "stick.yaml").write_text(yaml.safe_dump(stick))
+    results = []
+    for n in (1, 2, 3):
+        out = [tmp_path / f"{name}-{n}" for name in ("modes", "map")]
+        run_mpi(n, SCRIPT, ["modes", str(tmp_path / "span.yaml"), "--count", "2", "--out", str(out[0])])
+        words = [
+            "--rpm",
+            "110:140:30 rpm",
+            "--wob",
+            "100 kN",
+            "--count",
+            "1",
+            "--kind",
+            "torsional",
+            "--out",
+            str(out[1]),
+        ]
+        run_mpi(n, SCRIPT, ["stability", str(tmp_path / "stick.yaml"), *words])
+        found = columns(out[0], "modes.csv", ("frequency [Hz]", "damping_ratio [-]", "stokes_number [-]"))
+        found += columns(out[1], "stability_boundary.csv", ("boundary_speed [rpm]",))
+        results.append(np.concatenate(found))
+    for other in results[1:]:
+        assert other == pytest.approx(results[0], rel=1e-6)

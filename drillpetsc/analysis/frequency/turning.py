@@ -44,13 +44,14 @@ def turning_case(case: Case, command: str, without_control: bool = False) -> Cas
             at="bottom", got="clamped", want=f"a lower end that can turn with {command}",
             hint="pinned holds its position only",
         )  # fmt: skip
-    if top.torque is not None:
-        raise CaseError(
-            at="top.torque", want=f"a rotation with {command}, not a torque",
-            hint="--without-control holds the top" if not without_control else "",
-        )  # fmt: skip
     case = case.model_copy(update={"top": top})
     case = without_motor(case) if without_control else case
+    if case.top.torque is not None:
+        raise CaseError(
+            at="top.torque",
+            want=f"a rotation with {command}, not a torque",
+            hint="--without-control holds the top",
+        )
     return case.model_copy(update={"time": None}) if is_quasi_static(case) else case
 
 
