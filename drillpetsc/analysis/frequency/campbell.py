@@ -143,7 +143,7 @@ def _found(
         and not model.system.assembly.y.any()
         and (model.contact is not None or model.bit is not None)
     )
-    return SpeedModes(speed, found.s, x, wx, kinds, sense, counted, stuck)
+    return SpeedModes(speed, found.s, x, wx, kinds, sense, counted, stuck, ZERO_FRACTION * reference)
 
 
 def energy_vectors(
@@ -338,13 +338,7 @@ def _summary(
 ) -> dict[str, Any]:
     case_speed = _case_speed(case)
     lost = [b for b in found.branches if b.end == "lost"]
-    grows = sorted(
-        {
-            rpm_of(m.speed)
-            for m in found.speeds
-            if (m.s.real > NEUTRAL_GROWTH * np.maximum(np.abs(m.s), 1e-12)).any()
-        }
-    )
+    grows = [rpm_of(m.speed) for m in found.speeds if m.grows.any()]
     warnings = []
     if lost:
         shown = ", ".join(

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from drillpetsc.arrays import FloatArray
+from drillpetsc.solvers.quadratic_eigenproblem import NEUTRAL_GROWTH
 
 LEAST_MAC = 0.9  # below which two modes are not the same
 CLUSTER = 2e-3  # relative distance of eigenvalues below which their shapes may be any of their span
@@ -24,6 +25,7 @@ class SpeedModes:
     kind: (m,) kinds; whirl: (m,) ``forward``, ``mixed``, ``backward``; ``none`` for modes that are not lateral.
     counted: (m,) whether a mode belongs to the lowest that were asked for.
     stuck: the string is at rest without friction, which it has at any speed above: another state.
+    zero: eigenvalues of this size or smaller count as zero [1/s].
     """
 
     speed: float
@@ -34,11 +36,13 @@ class SpeedModes:
     whirl: tuple[str, ...]
     counted: np.ndarray
     stuck: bool = False
+    zero: float = 0.0
 
     @property
-    def frequency(self) -> FloatArray:
-        """(m,) damped frequencies [Hz]."""
-        return np.asarray(self.s.imag / (2 * np.pi))
+    def grows(self) -> np.ndarray:
+        """(m,) mask of the modes that grow, eigenvalues at zero left out."""
+        size = np.abs(self.s)
+        return (self.s.real > NEUTRAL_GROWTH * size) & (size > self.zero)
 
     @property
     def damping_ratio(self) -> FloatArray:
