@@ -2,9 +2,9 @@
 
 The public face is that of `drillpetsc.api`: `Case` describes what is simulated (the keys of a case file),
 `DrillPipe`, `HWDP`, `DrillCollar`, `Stabilizer`, `Bit` and others are the items of its string, `load_case` reads one, `run`, `sweep`,
-`statics`, `hydraulics`, `surge`, `roadmap`, `calibrate`, `limits`, `freepoint`, `modes`, `top_drive` and `study` are the commands,
-`Session` advances a model step by step, and `open_run` reads the results of a command again. `units` converts values;
-`vibration` has the functions of drilling dynamics on series of numbers.
+`statics`, `hydraulics`, `surge`, `roadmap`, `calibrate`, `limits`, `freepoint`, `modes`, `campbell`, `stability`, `response`,
+`top_drive` and `study` are the commands, `Session` advances a model step by step, and `open_run` reads the results of a command
+again. `units` converts values; `vibration` has the functions of drilling dynamics on series of numbers.
 Importing the package starts no MPI and imports nothing else of it.
 """
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         Pipe,
         Stabilizer,
         calibrate,
+        campbell,
         catalogue,
         freepoint,
         hydraulics,
@@ -33,8 +34,10 @@ if TYPE_CHECKING:
         load_case,
         modes,
         open_run,
+        response,
         roadmap,
         run,
+        stability,
         statics,
         study,
         surge,
@@ -58,6 +61,7 @@ __all__ = [
     "Pipe",
     "Stabilizer",
     "calibrate",
+    "campbell",
     "catalogue",
     "freepoint",
     "hydraulics",
@@ -65,7 +69,9 @@ __all__ = [
     "load_case",
     "modes",
     "open_run",
+    "response",
     "run",
+    "stability",
     "statics",
     "study",
     "roadmap",

@@ -50,6 +50,7 @@ __all__ = [
     "Pipe",
     "Stabilizer",
     "calibrate",
+    "campbell",
     "catalogue",
     "freepoint",
     "hydraulics",
@@ -57,8 +58,10 @@ __all__ = [
     "load_case",
     "modes",
     "open_run",
+    "response",
     "roadmap",
     "run",
+    "stability",
     "statics",
     "study",
     "surge",
@@ -392,6 +395,124 @@ def modes(
     from drillpetsc.results.result import result_of
 
     return result_of(run_modes(case, out, count, shift, kind, about, overwrite, name, comm, without_control))
+
+
+def campbell(
+    case: Case | str | Path,
+    out: str | Path | None = None,
+    *,
+    speeds: str | Sequence[float],
+    count: int = 20,
+    kind: str | None = None,
+    lines: str | Sequence[float] | None = None,
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+    without_control: bool = False,
+) -> Result:
+    """Compute modes over rotary speeds, follow them by shape, and write campbell.csv and critical.csv (collective).
+
+    case: a Case, or the path of a case file
+    out: run folder; by default results/<case>-NNN
+    speeds: rotary speeds, as text ("0:240:10 rpm", "60,90 rpm") or in rad/s, ascending
+    count: number of oscillating modes at each speed, the lowest
+    kind: lateral, axial, torsional or fluid; by default all
+    lines: excitation lines in cycles per turn; by default 1, 2, 3 and the blades of a drag bit
+    overwrite: True to replace the results in an existing folder
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+    without_control: True to hold the top instead of the motor and controller that the case has
+    """
+    from drillpetsc.case.speed_options import read_lines, read_speeds
+
+    values, orders = read_speeds(speeds, "--speeds"), None if lines is None else read_lines(lines)
+    case, name = _loaded(case, name)
+    initialise_petsc()
+    from drillpetsc.analysis.frequency.campbell import run_campbell
+    from drillpetsc.results.result import result_of
+
+    return result_of(
+        run_campbell(case, values, out, count, kind, orders, overwrite, name, comm, without_control)
+    )
+
+
+def stability(
+    case: Case | str | Path,
+    out: str | Path | None = None,
+    *,
+    rpm: str | Sequence[float],
+    wob: str | float | Sequence[str | float],
+    count: int = 20,
+    kind: str | None = None,
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+    without_control: bool = False,
+) -> Result:
+    """Find the fastest growing mode about steady drilling over rotary speed and weight on bit (collective).
+
+    Writes stability_map.csv and stability_boundary.csv.
+
+    case: a Case with a bit on bottom, or the path of a case file
+    out: run folder; by default results/<case>-NNN
+    rpm: rotary speeds above 0, as text ("60:180:10 rpm") or in rad/s, ascending
+    wob: weights on bit, as text ("50,100 kN") or in N, ascending
+    count: number of oscillating modes at each point, the lowest
+    kind: lateral, axial, torsional or fluid; by default all
+    overwrite: True to replace the results in an existing folder
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+    without_control: True to hold the top instead of the motor and controller that the case has
+    """
+    from drillpetsc.case.speed_options import read_speeds, read_weights
+
+    speeds, weights = read_speeds(rpm, "--rpm", lowest_above_zero=True), read_weights(wob)
+    case, name = _loaded(case, name)
+    initialise_petsc()
+    from drillpetsc.analysis.frequency.stability_map import run_stability
+    from drillpetsc.results.result import result_of
+
+    return result_of(
+        run_stability(case, speeds, weights, out, count, kind, overwrite, name, comm, without_control)
+    )
+
+
+def response(
+    case: Case | str | Path,
+    out: str | Path | None = None,
+    *,
+    excite: Literal["unbalance", "bit"],
+    speeds: str | Sequence[float],
+    amplitude: str | None = None,
+    order: float | None = None,
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+    without_control: bool = False,
+) -> Result:
+    """Compute the forced harmonic response over rotary speeds and write response.csv (collective).
+
+    case: a Case, or the path of a case file
+    out: run folder; by default results/<case>-NNN
+    excite: unbalance, what is off the axis in the case, once per turn; or bit, a motion, force or torque of the lower end
+    speeds: rotary speeds above 0, as text ("20:200:2 rpm", "60,90 rpm") or in rad/s, ascending
+    amplitude: of the bit, with its unit: "3 mm", "5 kN", "1 kN m"
+    order: cycles per turn of the bit; by default 3
+    overwrite: True to replace the results in an existing folder
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+    without_control: True to hold the top instead of the motor and controller that the case has
+    """
+    from drillpetsc.case.speed_options import read_excitation, read_speeds
+
+    excitation = read_excitation(excite, amplitude, order)
+    values = read_speeds(speeds, "--speeds", lowest_above_zero=True)
+    case, name = _loaded(case, name)
+    initialise_petsc()
+    from drillpetsc.analysis.frequency.response import run_response
+    from drillpetsc.results.result import result_of
+
+    return result_of(run_response(case, excitation, values, out, overwrite, name, comm, without_control))
 
 
 def top_drive(

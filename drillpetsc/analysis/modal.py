@@ -23,6 +23,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.equilibrium import StaticState
+from drillpetsc.analysis.frequency.stokes import at_own_frequencies, frequency_dependent, stokes_numbers
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.placement import move_rigidly, prescribed_motion, release
 from drillpetsc.analysis.steady_flow import release_flow
@@ -41,6 +42,7 @@ from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.files.fields import _write_vtu
 from drillpetsc.output.quantities import MODE_KINDS as KINDS
 from drillpetsc.output.quantities import MODES
+from drillpetsc.output.quantities.modes import STOKES_NUMBER
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.solvers import petsc_options as options
@@ -58,6 +60,7 @@ PAYING = 1e-3  # share of the pay-out in the shape of a free drum, over that in 
 #: weights of the fluid's rows [per m3/s] and [per Pa] (kernels/fluid/flow.hpp)
 ROW_WEIGHT = {"pressure": 1e6, "flow": 1e-2}
 REPORTED_IMBALANCE = 1.0  # unbalanced force above which a note is shown [N]
+LATERAL = 1e-6  # share of lateral motion from which the mud's force across the hole matters
 SHAPE_PRESSURE = 1e5  # largest pressure in the shape of a mode of the fluid [Pa]
 
 
@@ -77,6 +80,8 @@ class Modes:
     imbalance: largest unbalanced force on a node in the state [N].
     zero: eigenvalues of this size or smaller count as zero [1/s].
     lowering [m/s], rotation [rad/s]: of the state.
+    stokes_number: (m,) [-], with ``added_mass: stokes``; kept: modes then that have the mud's force at the reference
+    frequency, because their own was not found.
     """
 
     eigenvalue: np.ndarray
@@ -91,6 +96,8 @@ class Modes:
     zero: float
     lowering: float
     rotation: float
+    stokes_number: FloatArray | None = None
+    kept: int = 0
 
     @property
     def count(self) -> int:
@@ -159,6 +166,12 @@ def prepare_state(model: DrillingModel, about: str = "steady") -> StaticState:
         _balance(model)
         return state
     state = find_equilibrium(model, (0.0, 0.0))
+    rest_of(model)
+    return state
+
+
+def rest_of(model: DrillingModel) -> None:
+    """From an equilibrium, set the model to rest without friction; collective."""
     release(model, at_rest=True)
     _balance(model)
     for part in (model.contact, model.bit):
@@ -168,7 +181,6 @@ def prepare_state(model: DrillingModel, about: str = "steady") -> StaticState:
             part.impose_sliding_direction(0.0, 0.0)
     model.system.assembly.y[:] = 0.0
     release_flow(model)
-    return state
 
 
 def _balance(model: DrillingModel) -> None:
@@ -226,7 +238,8 @@ def modes(
     Raises SolveError where no eigenvalue converges.
     """
     system, reference = model.system, reference_rate(model)
-    imbalance, linearised = _imbalance(model), linearise(system)
+    imbalance, own = _imbalance(model), frequency_dependent(model)
+    linearised = linearise(system)
     answer: Any = None
     if linearised is not None:
         try:
@@ -243,14 +256,22 @@ def modes(
                 eigenvalues = _without_free_angle(model, linearised, eigenvalues)
             if model.hoist is not None:
                 eigenvalues = _without_free_drum(model, linearised, eigenvalues)
-            answer = _describe(model, linearised, eigenvalues)
+            kept = 0
+            if own is not None:
+                share = _shares(model, linearised, eigenvalues.s, linearised.T @ eigenvalues.u)
+                refined = at_own_frequencies(own, eigenvalues, share[:, 0])
+                eigenvalues, kept = refined.found, refined.kept
+            answer = *_describe(model, linearised, eigenvalues), None, kept
+            if own is not None:
+                numbers = stokes_numbers(own, answer[0], answer[3]["string.position"])
+                answer = *answer[:4], np.where(answer[1][:, 0] > LATERAL, numbers, np.nan), kept
         except DrillError as failure:
             answer = failure
     if system.comm.size > 1:
         answer = system.comm.tompi4py().bcast(answer)
     if isinstance(answer, DrillError):
         raise answer
-    s, share, error, shapes = answer
+    s, share, error, shapes, numbers, kept = answer
     size = np.abs(s)
     ratio = np.divide(-s.real, size, out=np.full(len(s), np.nan), where=size > 0)
     kinds = tuple(KINDS[i] for i in share.argmax(axis=1))
@@ -268,6 +289,8 @@ def modes(
         imbalance,
         ZERO_FRACTION * reference,
         *motion,
+        numbers,
+        kept,
     )
 
 
@@ -459,17 +482,24 @@ def mode_summary(found: Modes, state: StaticState) -> dict[str, Any]:
         "growth": found.growth,
         "kind": list(found.kind),
         "negative_pivots": state.equilibrium.negative_pivots,
-        "warnings": list(state.warnings),
+        "warnings": list(state.warnings) + _reference_warning(found),
     }
+
+
+def _reference_warning(found: Modes) -> list[str]:
+    if not found.kept:
+        return []
+    return [f"{found.kept} modes have the mud's force at the reference frequency: their own was not found"]
 
 
 def _write(model: DrillingModel, folder: RunFolder, found: Modes, summary: dict[str, Any], fields) -> None:
     """Write the files of the run folder; ``fields``: those of the state, None without a string."""
     write_case(model.case, folder)
     numbers = np.arange(1, found.count + 1)
+    stokes = [] if found.stokes_number is None else [found.stokes_number]
     write_table(
         folder.path / "modes.csv",
-        [q.column for q in MODES],
+        [q.column for q in (*MODES, *([STOKES_NUMBER] if stokes else []))],
         [
             numbers,
             found.frequency,
@@ -479,6 +509,7 @@ def _write(model: DrillingModel, folder: RunFolder, found: Modes, summary: dict[
             np.array(found.kind),
             *found.share.T,
             found.error,
+            *stokes,
         ],
     )
     shapes = folder.path / "modes"
@@ -551,6 +582,10 @@ def _lines(case: Case, folder: RunFolder, found: Modes, summary: dict[str, Any])
             f"  note: unbalanced forces up to {found.imbalance:.3g} N are left: the state is not exactly steady"
         )
     lines += [f"  {line}" for line in summary["time_scales"]]
+    if found.stokes_number is not None:
+        known = found.stokes_number[np.isfinite(found.stokes_number)]
+        span = f", Stokes numbers {known.min():.3g} to {known.max():.3g}" if len(known) else ""
+        lines.append(f"  mud's added mass and damping at each mode's own frequency{span}")
     lines += [f"  note: {w}" for w in summary["warnings"]]
     lines.append(f"  results: {folder.path}")
     return lines

@@ -334,6 +334,168 @@ def _modes(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     return 0
 
 
+def _campbell_arguments(command: argparse.ArgumentParser) -> None:
+    case_argument(command)
+    command.add_argument(
+        "--speeds",
+        required=True,
+        metavar="RANGE",
+        help="rotary speeds: FIRST:LAST:STEP as '0:240:10 rpm', or '60,90,120 rpm'",
+    )
+    command.add_argument(
+        "--count",
+        type=int,
+        default=20,
+        metavar="N",
+        help="oscillating modes at each speed, the lowest (default: 20)",
+    )
+    command.add_argument(
+        "--kind", choices=("lateral", "axial", "torsional", "fluid"), help="only modes of this kind"
+    )
+    command.add_argument(
+        "--lines",
+        metavar="N1,N2",
+        help="excitation lines in cycles per turn (default: 1,2,3 and the blades of a drag bit)",
+    )
+    command.add_argument(
+        "--without-control",
+        action="store_true",
+        help="leave out the motor and controller of the top drive, and hold the top",
+    )
+    units_argument(command)
+
+
+def _campbell(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case import load_case
+    from drillpetsc.case.speed_options import read_lines, read_speeds
+
+    case = in_units(load_case(arguments.case), arguments.units)
+    speeds = read_speeds(arguments.speeds, "--speeds")
+    lines = None if arguments.lines is None else read_lines(arguments.lines)
+    start_job(petsc_options)
+    print_warnings(case)
+    from drillpetsc.analysis.frequency.campbell import run_campbell
+
+    result = run_campbell(
+        case,
+        speeds,
+        arguments.out,
+        arguments.count,
+        arguments.kind,
+        lines,
+        arguments.overwrite,
+        Path(arguments.case).stem,
+        without_control=arguments.without_control,
+    )
+    return show(result.lines, result.folder, arguments)
+
+
+def _stability_arguments(command: argparse.ArgumentParser) -> None:
+    case_argument(command)
+    command.add_argument(
+        "--rpm",
+        required=True,
+        metavar="RANGE",
+        help="rotary speeds: FIRST:LAST:STEP as '60:180:10 rpm', or '60,90,120 rpm'",
+    )
+    command.add_argument(
+        "--wob", required=True, metavar="W1,W2", help="weights on bit, such as '50,100,150 kN'"
+    )
+    command.add_argument(
+        "--count",
+        type=int,
+        default=20,
+        metavar="N",
+        help="oscillating modes at each point, the lowest (default: 20)",
+    )
+    command.add_argument(
+        "--kind", choices=("lateral", "axial", "torsional", "fluid"), help="only modes of this kind"
+    )
+    command.add_argument(
+        "--without-control",
+        action="store_true",
+        help="leave out the motor and controller of the top drive, and hold the top",
+    )
+    units_argument(command)
+
+
+def _stability(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case import load_case
+    from drillpetsc.case.speed_options import read_speeds, read_weights
+
+    case = in_units(load_case(arguments.case), arguments.units)
+    speeds = read_speeds(arguments.rpm, "--rpm", lowest_above_zero=True)
+    weights = read_weights(arguments.wob, case.output.units or "SI")
+    start_job(petsc_options)
+    print_warnings(case)
+    from drillpetsc.analysis.frequency.stability_map import run_stability
+
+    result = run_stability(
+        case,
+        speeds,
+        weights,
+        arguments.out,
+        arguments.count,
+        arguments.kind,
+        arguments.overwrite,
+        Path(arguments.case).stem,
+        without_control=arguments.without_control,
+    )
+    return show(result.lines, result.folder, arguments)
+
+
+def _response_arguments(command: argparse.ArgumentParser) -> None:
+    case_argument(command)
+    command.add_argument(
+        "--excite",
+        required=True,
+        metavar="KIND",
+        help="unbalance: unbalances, eccentricities, bends and curvatures of the case; bit: a motion, force or torque of the "
+        "lower end",
+    )
+    command.add_argument(
+        "--speeds",
+        required=True,
+        metavar="RANGE",
+        help="rotary speeds: FIRST:LAST:STEP as '20:200:2 rpm', or '60,90,120 rpm'",
+    )
+    command.add_argument(
+        "--amplitude",
+        metavar="A",
+        help="of the bit: a motion along the string ('3 mm'), a force ('5 kN') or a torque ('1 kN m')",
+    )
+    command.add_argument("--order", type=float, metavar="N", help="cycles per turn of the bit (default: 3)")
+    command.add_argument(
+        "--without-control",
+        action="store_true",
+        help="leave out the motor and controller of the top drive, and hold the top",
+    )
+    units_argument(command)
+
+
+def _response(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case import load_case
+    from drillpetsc.case.speed_options import read_excitation, read_speeds
+
+    case = in_units(load_case(arguments.case), arguments.units)
+    excitation = read_excitation(arguments.excite, arguments.amplitude, arguments.order)
+    speeds = read_speeds(arguments.speeds, "--speeds", lowest_above_zero=True)
+    start_job(petsc_options)
+    print_warnings(case)
+    from drillpetsc.analysis.frequency.response import run_response
+
+    result = run_response(
+        case,
+        excitation,
+        speeds,
+        arguments.out,
+        arguments.overwrite,
+        Path(arguments.case).stem,
+        without_control=arguments.without_control,
+    )
+    return show(result.lines, result.folder, arguments)
+
+
 def _top_drive(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     from drillpetsc.case import load_case
 
@@ -402,6 +564,27 @@ COMMANDS = (
         _modes_arguments,
         _modes,
         parents=(output_folder(),),
+    ),
+    Command(
+        "campbell",
+        "modes over rotary speeds, followed by shape, and critical speeds",
+        _campbell_arguments,
+        _campbell,
+        parents=(output_folder(), report_option()),
+    ),
+    Command(
+        "stability",
+        "does steady drilling grow or decay: the fastest growing mode over rotary speed and weight on bit",
+        _stability_arguments,
+        _stability,
+        parents=(output_folder(), report_option()),
+    ),
+    Command(
+        "response",
+        "forced harmonic response to unbalance or to the bit, over rotary speeds",
+        _response_arguments,
+        _response,
+        parents=(output_folder(), report_option()),
     ),
     Command(
         "top-drive",

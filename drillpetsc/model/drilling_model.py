@@ -101,19 +101,23 @@ class DrillingModel:
 
 
 def build_model(
-    case: Case, comm: PETSc.Comm | None = None, motion: tuple[float, float] | None = None
+    case: Case,
+    comm: PETSc.Comm | None = None,
+    motion: tuple[float, float] | None = None,
+    balanced: bool = False,
 ) -> DrillingModel:
     """Create the model of ``case``; collective.
 
     comm: PETSc communicator, all ranks by default.
     motion: of a static question, for automatic element lengths (see ``build_mesh``).
+    balanced: leave out what turns with the section: eccentric mass, unbalance, bends and stress-free curvature.
     Raises CaseError where mesh or hole are impossible.
     """
     well = build_well(case)
     mesh = build_mesh(case, well, motion)
     position, tangent = _axis(case, mesh, well)
     frames = transported_frames(tangent)
-    mesh = curvature_by_tool_face(mesh, frames)
+    mesh = _balanced(mesh) if balanced else curvature_by_tool_face(mesh, frames)
     beam: interfaces.Beam | None = None
     top: interfaces.Top | None = None
     drive: interfaces.Drive | None = None
@@ -181,6 +185,13 @@ def build_model(
     if bit is not None and bit.hole is not None:
         _subscribe_to_hole(model, bit.hole)
     return model
+
+
+def _balanced(mesh: StringMesh) -> StringMesh:
+    """The mesh of a string that is straight and balanced, with the same elements."""
+    nothing = np.zeros_like(mesh.eccentricity)
+    bodies = tuple(replace(b, offset=(0.0, 0.0)) for b in mesh.bodies)
+    return replace(mesh, eccentricity=nothing, curvature=nothing.copy(), bent=(), bodies=bodies)
 
 
 def _subscribe_to_hole(model: DrillingModel, hole: GrowingHole) -> None:
@@ -268,7 +279,8 @@ def _top_components(
         if top.hoist is not None and not is_quasi_static(case):
             guided, hoist = build_hoist(case, mesh.nodes, position, tangent, rotation, path, frames)
             return guided, drive, hoist
-        return TopDrive(position, tangent, rotation, lowering, path=path, frames=frames), drive, None
+        held = TopDrive(position, tangent, rotation, lowering, path=path, frames=frames, hinged=top.hinged)
+        return held, drive, None
     assert isinstance(top, DrivenTop)
     driven = TopDrive(position, tangent, None, top.lowering, path=path, frames=frames)
     return driven, RotaryDrive(top.rotation, top.stiffness, top.damping, top.inertia), None

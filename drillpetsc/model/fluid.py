@@ -19,7 +19,12 @@ from drillpetsc.case.section import metal_past, tubular_section
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
-from drillpetsc.physics.fluid.added_mass import chi_confined, chi_eccentric, lateral_damping
+from drillpetsc.physics.fluid.added_mass import (
+    chi_confined,
+    chi_eccentric,
+    lateral_damping,
+    stokes_coefficients,
+)
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
 from drillpetsc.physics.fluid.bit_flow import BitEnd, BitFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
@@ -178,7 +183,35 @@ def _added_mass(case: Case, sizes: Annulus) -> FloatArray:
         return np.asarray(chi_confined(sizes.outer_diameter, sizes.hole_diameter))
     if kind == "paper_plug":
         return sizes.outer / (sizes.hole - sizes.outer)
+    if kind == "stokes":
+        return _stokes_mass(case, sizes)
     return np.full(len(sizes.outer), float(kind))
+
+
+def _stokes_mass(case: Case, sizes: Annulus) -> FloatArray:
+    """Compute C_m (n,) [-] at the reference frequency (manual: eq-mud-stokes-coefficients); chi without viscosity."""
+    f = case.fluid
+    assert f is not None
+    ratio = sizes.hole_diameter / sizes.outer_diameter
+    viscosity = lateral_viscosity(case, sizes.outer_diameter, sizes.hole_diameter)
+    chi = np.asarray(chi_confined(sizes.outer_diameter, sizes.hole_diameter))
+    viscous = viscosity > 0
+    if viscous.any():
+        number = (
+            f.density
+            * f.lateral_damping_speed
+            * sizes.outer_diameter[viscous] ** 2
+            / (4 * viscosity[viscous])
+        )
+        chi[viscous] = stokes_coefficients(number, ratio[viscous])[0]
+    return chi
+
+
+def lateral_viscosity(case: Case, inner: FloatArray, outer: FloatArray) -> FloatArray:
+    """Apparent viscosity (n,) [Pa s] at the wall of a pipe that turns at the reference speed omega, where the shear rate
+    is 2 omega/(1 - (Do/Dw)^2) (Couette).  inner, outer: diameters of string and hole [m]."""
+    assert case.fluid is not None
+    return shear_viscosity(case, 2 * case.fluid.lateral_damping_speed / (1 - (inner / outer) ** 2))
 
 
 @lru_cache(maxsize=256)
@@ -219,13 +252,12 @@ def shear_viscosity(case: Case, shear_rate: FloatArray) -> FloatArray:
 def _lateral_coefficients(case: Case, sizes: Annulus) -> LateralCoefficients:
     """Compute added mass, lateral damping (manual: eq-mud-stokes-coefficients) and rotational drag of the elements.
 
-    The viscosity is that at the wall of a pipe that rotates at the reference speed omega, where the shear
-    rate is 2 omega/(1 - (Do/Dw)^2) (Couette).
+    The viscosity is that of ``lateral_viscosity``.
     """
     f = case.fluid
     assert f is not None
     inner, outer, speed = sizes.outer_diameter, sizes.hole_diameter, f.lateral_damping_speed
-    viscosity = shear_viscosity(case, 2 * speed / (1 - (inner / outer) ** 2))
+    viscosity = lateral_viscosity(case, inner, outer)
     if f.lateral_damping == "stokes":
         sizes_used, where = np.unique(np.column_stack([inner, outer, viscosity]), axis=0, return_inverse=True)
         each = np.array(

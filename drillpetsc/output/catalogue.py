@@ -10,7 +10,16 @@ from dataclasses import dataclass
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import conditions as where
 from drillpetsc.output import quantities as measured
-from drillpetsc.output.quantities import hydraulics, limits, sensors, top_drive, torque_drag, vibration
+from drillpetsc.output.quantities import (
+    frequency,
+    hydraulics,
+    limits,
+    sensors,
+    top_drive,
+    torque_drag,
+    vibration,
+)
+from drillpetsc.output.quantities.modes import STOKES_NUMBER
 from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.physics import quantities as physics
 
@@ -118,7 +127,12 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
             *mud_at_ends,
             *_listed((measured.ECD,), where.ANNULUS),
         ),
-        "modes.csv": _listed(measured.MODES),
+        "modes.csv": (*_listed(measured.MODES), *_listed((STOKES_NUMBER,), where.STOKES)),
+        "campbell.csv": _listed(frequency.CAMPBELL),
+        "critical.csv": _listed(frequency.CRITICAL),
+        "stability_map.csv": _listed(frequency.STABILITY_MAP),
+        "stability_boundary.csv": _listed(frequency.STABILITY_BOUNDARY),
+        "response.csv": _listed(frequency.RESPONSE),
         "reflection.csv": _listed(top_drive.REFLECTION),
         "trajectory.csv": _listed(measured.TRAJECTORY),
         "hydraulics.csv": _listed(hydraulics.LOSS_ROWS),

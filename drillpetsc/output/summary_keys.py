@@ -325,6 +325,48 @@ MODES: tuple[SummaryKey, ...] = (
     SummaryKey("time_scales", "", "Periods and travel times of waves, as text."),
 )
 
+CAMPBELL: tuple[SummaryKey, ...] = (
+    SummaryKey("title", "", "Title of the case."),
+    SummaryKey("speeds", "rpm", "List: rotary speeds asked for."),
+    SummaryKey(
+        "added_speeds", "rpm", "List: speeds between them, where shapes changed too much to be followed."
+    ),
+    SummaryKey("case_speed", "rpm", "Rotation of the case at time 0."),
+    SummaryKey("lines", "-", "List: excitation lines in cycles per turn."),
+    SummaryKey("searched", "", "Kind of the modes, or all kinds."),
+    SummaryKey("branches", "-", "Number of modes that were followed."),
+    SummaryKey("lost", "-", "Number of those that were lost."),
+    SummaryKey("critical_speeds", "-", "Number of crossings of branches and lines."),
+    SummaryKey("growing_speeds", "rpm", "List: speeds at which a mode grows."),
+    SummaryKey("static_solutions", "-", "Number of static equilibria that were solved for."),
+    SummaryKey("warnings", "", "What the user should know."),
+)
+
+STABILITY: tuple[SummaryKey, ...] = (
+    SummaryKey("title", "", "Title of the case."),
+    SummaryKey("speeds", "rpm", "List: rotary speeds."),
+    SummaryKey("weights", "N", "List: weights on bit."),
+    SummaryKey("searched", "", "Kind of the modes, or all kinds."),
+    SummaryKey("unstable", "-", "Number of points at which a mode grows."),
+    SummaryKey("boundaries", "-", "Number of speeds found at which stability changes."),
+    SummaryKey("warnings", "", "What the user should know."),
+)
+
+RESPONSE: tuple[SummaryKey, ...] = (
+    SummaryKey("title", "", "Title of the case."),
+    SummaryKey("excitation", "", "The excitation, in words."),
+    SummaryKey("order", "-", "Cycles of the excitation per turn."),
+    SummaryKey("speeds", "rpm", "List: rotary speeds."),
+    SummaryKey("validity", "", "List: linear, touches, lifts or infinite at each speed, as in the table."),
+    SummaryKey(
+        "peaks",
+        "",
+        "List: by place its md [m] and the largest amplitude of each column with its speed [rpm].",
+    ),
+    SummaryKey("static_solutions", "-", "Number of static equilibria that were solved for."),
+    SummaryKey("warnings", "", "What the user should know."),
+)
+
 HYDRAULICS: tuple[SummaryKey, ...] = (
     SummaryKey("title", "", "Title of the case."),
     SummaryKey("bit_depth", "m", "Measured depth of the string's lower end."),
@@ -455,6 +497,9 @@ SUMMARY_KEYS = {
     "summary.json of run": RUN,
     "summary.json of statics": STATICS,
     "summary.json of modes": MODES,
+    "summary.json of campbell": CAMPBELL,
+    "summary.json of stability": STABILITY,
+    "summary.json of response": RESPONSE,
     "summary.json of hydraulics": HYDRAULICS,
     "summary.json of surge": SURGE,
     "summary.json of roadmap": ROADMAP,

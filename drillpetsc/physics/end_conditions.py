@@ -233,6 +233,7 @@ class TopDrive(PathEnd):
     rotation: over time [rad/s]; None: the spin is free (``driven``).
     lowering: over time [m/s]; None: the axial position is free, and a load prescribes the force.
     path, frames: centreline along which the top moves, and the string's frames; None: its tangent.
+    hinged: the direction of the string is free.
     """
 
     name = "top_drive"
@@ -246,9 +247,10 @@ class TopDrive(PathEnd):
         angle: float = 0.0,
         path: HolePath | None = None,
         frames: Frames | None = None,
+        hinged: bool = False,
     ):
         super().__init__(
-            0, position, tangent, angle, axial=lowering is not None, tilt=True, spin=rotation is not None,
+            0, position, tangent, angle, axial=lowering is not None, tilt=not hinged, spin=rotation is not None,
             rotation=rotation, lowering=lowering, path=path, frames=frames,
         )  # fmt: skip
 

@@ -325,6 +325,16 @@ class Channel(Component):
         """Flow rate out of the flow line [m3/s]; None on ranks without the upper end, and in a bore."""
         return None
 
+    def lateral_sizes(self) -> FloatArray:
+        """(nc, 2) outer diameter of the string and diameter of the hole [m] of the local elements; (0, 2) in a bore."""
+        return np.zeros((0, 2))
+
+    def set_lateral(self, added: FloatArray, damping: FloatArray) -> None:
+        """Replace the coefficients of motion across the hole, of the local elements.
+
+        added: (nc,) added over displaced mass [-]; damping: (nc,) [N s/m2].
+        """
+
     def content_above(self, state: Any) -> float:
         """Volume between the upper node and the flow line [m3], up to a constant; 0 on ranks without the upper end."""
         return 0.0

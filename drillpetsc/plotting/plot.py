@@ -16,9 +16,17 @@ import numpy as np
 from drillpetsc.output.catalogue import find
 from drillpetsc.output.files.fields import read_frame, read_series
 from drillpetsc.output.files.json_file import read_summary
-from drillpetsc.output.files.run_folder import REFLECTION_TABLE, SWEEP_TABLE, RunFolder
+from drillpetsc.output.files.run_folder import (
+    CAMPBELL_TABLE,
+    REFLECTION_TABLE,
+    RESPONSE_TABLE,
+    STABILITY_TABLE,
+    SWEEP_TABLE,
+    RunFolder,
+)
 from drillpetsc.output.files.tables import read_table, split_name
 from drillpetsc.plotting import style
+from drillpetsc.plotting.frequency import draw_campbell, draw_response, draw_stability
 from drillpetsc.plotting.hole_path import new_hole, well_path
 from drillpetsc.plotting.hydraulics import hydraulics_drawers, units_of
 from drillpetsc.plotting.limits import limits_drawers
@@ -164,6 +172,12 @@ def _drawers(folder: RunFolder, units: System | None) -> dict[str, Callable[[], 
         drawers["along_depth"] = lambda: _along_depth(read_table(folder.statics), title)
     if (folder.path / "modes.csv").exists():
         drawers["modes"] = lambda: draw_modes(folder.path, title)
+    if (folder.path / CAMPBELL_TABLE).exists():
+        drawers["campbell"] = lambda: draw_campbell(folder.path, title)
+    if (folder.path / STABILITY_TABLE).exists():
+        drawers["stability_map"] = lambda: draw_stability(folder.path, title)
+    if (folder.path / RESPONSE_TABLE).exists():
+        drawers["response"] = lambda: draw_response(folder.path, title)
     if (folder.path / REFLECTION_TABLE).exists():
         drawers["reflection"] = lambda: draw_reflection(folder.path, title)
     system = units or units_of(summary)

@@ -35,6 +35,9 @@ KINDS = {
     "hydraulics.csv": "hydraulics",
     "surge.csv": "surge",
     "modes.csv": "modes",
+    "campbell.csv": "campbell",
+    "stability_map.csv": "stability",
+    "response.csv": "response",
     "reflection.csv": "top_drive",
 }
 TABLES = (
@@ -43,6 +46,11 @@ TABLES = (
     INDICES_TABLE,
     "statics.csv",
     "modes.csv",
+    "campbell.csv",
+    "critical.csv",
+    "stability_map.csv",
+    "stability_boundary.csv",
+    "response.csv",
     "reflection.csv",
     *HYDRAULICS_TABLES,
     ROADMAP_TABLE,

@@ -328,6 +328,7 @@ def lowest_eigenvalues(
     count: int,
     engine: str = "auto",
     selected: Callable[[Eigenvalues], np.ndarray] | None = None,
+    sparing: bool = False,
 ) -> Eigenvalues:
     """Compute the oscillating eigenvalues of lowest |Im s|, sorted by |Im s|, real ones by growth.
 
@@ -340,6 +341,8 @@ def lowest_eigenvalues(
     count: number of oscillating eigenvalues.
     engine: as in ``eigenvalues_near``.
     selected(eigenvalues): (m,) mask of the eigenvalues that count; the others are left out.
+    sparing: discs after the first are no larger than what is still missing; fewer eigenvalues above those asked for
+    are seen, so that one of them that grows may be left out.
 
     Raises SolveError where nothing converges.
     """
@@ -361,6 +364,8 @@ def lowest_eigenvalues(
         parts.append(near.subset(counts))
         discs.append(disc)
         height = max(height, _height(disc))
+        if sparing and selected is None:  # half of a disc about the last height is new
+            per_disc = 2 * max(count - oscillating, DEFLATION_CHECKS) + 2 * DEFLATION_CHECKS
         if oscillating >= count or not np.isfinite(disc[1]):
             break
     return _sorted(parts, count)

@@ -103,6 +103,11 @@ class TopDrive(TopEnd):
         default=None,
         description="axial force at the top over time, positive in pull, instead of a lowering",
     )
+    hinged: bool = Field(
+        default=False,
+        strict=True,
+        description="true: the direction of the string at the top is free; false: it is held",
+    )
     motor: TopMotor | None = Field(
         default=None, description="motor with inertia and limits; without it the rotation is prescribed"
     )

@@ -299,12 +299,15 @@ class Fluid(Block):
         default=True, strict=True, description="pipe and hole widen under pressure; false: rigid walls"
     )
     added_mass: Annotated[
-        Literal["confined", "eccentric", "paper_plug"] | float,
-        WordOrNumber(("confined", "eccentric", "paper_plug"), Quantity("", at_least=0, at_most=1e3)),
+        Literal["confined", "eccentric", "stokes", "paper_plug"] | float,
+        WordOrNumber(
+            ("confined", "eccentric", "stokes", "paper_plug"), Quantity("", at_least=0, at_most=1e3)
+        ),
     ] = Field(
         default="confined",
         description="mass of annulus fluid that moves sideways with the string, over the mass it displaces: "
         "confined: (Dw^2 + Do^2)/(Dw^2 - Do^2); eccentric: increases towards the wall, from the position at the last step; "
+        "stokes: from the oscillating viscous flow, at lateral_damping_speed in runs and at each mode's own frequency in modes; "
         "paper_plug: Do^2/(Dw^2 - Do^2), as in the reference formulation (DOI 10.1177/1687814016656703); a number; none: 0",
     )
     lateral_damping: Annotated[

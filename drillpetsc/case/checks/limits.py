@@ -34,6 +34,8 @@ def check_quaternion(case: CaseBlocks) -> None:
         raise _not_supported("top", "motor", what="a motor of the top drive")
     if case.top.hoist is not None:
         raise _not_supported("top", "hoist", what="a hoist")
+    if getattr(case.top, "hinged", False):
+        raise _not_supported("top", "hinged", got=True, what="a hinged top drive")
     last = max((i for i, item in enumerate(case.string) if not isinstance(item, Rigid)), default=0)
     for i, item in enumerate(case.string[:last]):
         if isinstance(item, Rigid):

@@ -17,7 +17,7 @@ constexpr double THRESHOLD_ROUNDING = 0.05;  // share of the threshold weight ov
 constexpr double SPEED_ROUNDING = 1e-3;   // share of the reference speed below which |Omega| is rounded off
 constexpr double TURN_ROUNDING = 1e-3;    // speed below which the cutting of a drag bit is rounded off [rad/s]
 
-constexpr int CHIPS = 12;                 // states of the rock's profile ahead of a blade
+constexpr int CHIPS = 16;                 // states of the rock's profile ahead of a blade
 
 struct BitKind { DP_ENUM(Kind, ROP, DRAG_BIT, VELOCITY_WEAKENING, KINDS) };
 struct BitMode { DP_ENUM(Mode, MOTION, STATICS, QUASI_STATIC, MODES) };

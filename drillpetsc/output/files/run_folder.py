@@ -35,6 +35,12 @@ CALIBRATION_TABLE = "calibration.csv"  # measured points beside the soft string 
 TORQUE_DRAG_FILES = (ROADMAP_TABLE, ROADMAP_FILE, CALIBRATION_TABLE)
 INDICES_TABLE = "indices.csv"  # indices of drilling dynamics over windows of time
 REFLECTION_TABLE = "reflection.csv"  # of torsional waves at a controlled top
+RESPONSE_TABLE = "response.csv"  # forced harmonic response by speed and place
+CAMPBELL_TABLE = "campbell.csv"  # modes by rotary speed
+CRITICAL_TABLE = "critical.csv"  # critical speeds: where an excitation line meets a mode
+STABILITY_TABLE = "stability_map.csv"  # largest growth by rotary speed and weight on bit
+BOUNDARY_TABLE = "stability_boundary.csv"  # speeds at which it changes its sign
+SPEED_TABLES = (RESPONSE_TABLE, CAMPBELL_TABLE, CRITICAL_TABLE, STABILITY_TABLE, BOUNDARY_TABLE)
 LIMITS_TABLE = "limits.csv"  # stresses, strength and buckling along the string
 CONTACTS_TABLE = "contacts.csv"  # what the wall does to each item
 LIMITS_TABLES = (LIMITS_TABLE, CONTACTS_TABLE)
@@ -218,6 +224,7 @@ class RunFolder:
                     *LIMITS_TABLES,
                     REFLECTION_TABLE,
                     INDICES_TABLE,
+                    *SPEED_TABLES,
                 )
             ),
         ):

@@ -74,3 +74,12 @@ MODES: tuple[Quantity, ...] = (
         doc="Backward error of the eigenvalue (manual: eq-eigen-error).",
     ),
 )
+STOKES_NUMBER = Quantity(
+    "stokes_number",
+    "-",
+    on="item",
+    label="Stokes number",
+    mnemonic="STKN",
+    sign="not negative",
+    doc="Frequency times squared radius over kinematic viscosity, mean over the lateral motion; nan for other modes.",
+)

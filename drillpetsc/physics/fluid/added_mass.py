@@ -89,7 +89,8 @@ def stokes_coefficients(stokes_number: ArrayLike, ratio: ArrayLike) -> tuple[Arr
     if not (np.all(S > 0) and np.all(R > 1)):
         raise ValueError("stokes_coefficients: want stokes_number above 0 and ratio above 1")
     slowest = QUASI_STEADY / (R - 1.0) ** 2
-    C_m, C_d = _unsteady(np.maximum(S, slowest), R)
+    H = _unsteady(np.sqrt(1j * np.maximum(S, slowest)), R)
+    C_m, C_d = H.real, -H.imag
     return C_m, np.where(S < slowest, steady_resistance(R) / S, C_d)
 
 
@@ -105,12 +106,34 @@ def steady_resistance(ratio: ArrayLike) -> Array:
     return 4.0 / (np.log(R) - (R**2 - 1.0) / (R**2 + 1.0))
 
 
-def _unsteady(S: Array, R: Array) -> tuple[Array, Array]:
-    """Solution of the four wall conditions; the Bessel functions are scaled, so that no exponential
+def stokes_force(rate: complex, radius: ArrayLike, viscosity: ArrayLike, ratio: ArrayLike) -> Complex:
+    """Compute H (n,) [-] of a cylinder that moves as exp(s t): the fluid's force per length is -rho A_o H s^2 u.
+
+    Manual: eq-mud-stokes-complex.  On the imaginary axis, s = i Omega, H is C_m - i C_d of ``stokes_coefficients``.
+
+    rate: s [1/s], with Re(sqrt(s)) > 0: not on the negative real axis.
+    radius: (n,) R_o [m]; viscosity: (n,) kinematic [m2/s], above 0; ratio: (n,) hole over string diameter [-].
+    Raises ValueError for other values.
+    """
+    R_o, nu, R = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in (radius, viscosity, ratio)))
+    if not (np.all(nu > 0) and np.all(R > 1)) or (np.imag(rate) == 0 and np.real(rate) <= 0):
+        raise ValueError(
+            "stokes_force: want a viscosity above 0, a ratio above 1, and a rate off the negative axis"
+        )
+    z = rate * R_o**2 / nu
+    slowest = QUASI_STEADY / (R - 1.0) ** 2
+    size = np.maximum(np.abs(z), 1e-300)
+    slow = size < slowest
+    H = _unsteady(np.sqrt(np.where(slow, z / size * slowest, z)), R)
+    inertia = _unsteady(np.sqrt(1j * slowest), R).real
+    return np.asarray(np.where(slow, inertia + steady_resistance(R) / z, H))
+
+
+def _unsteady(l: Complex, R: Array) -> Complex:
+    """Solution 2 A - 1 of the four wall conditions; the Bessel functions are scaled, so that no exponential
     overflows."""
     from scipy.special import ive, kve  # a slow import
 
-    l = np.sqrt(1j * S)
     decay = np.exp(l.real * (1.0 - R)) + 0j
 
     def rows(r: Array, growing: Complex, falling: Complex) -> tuple[list[Complex], list[Complex]]:
@@ -136,7 +159,7 @@ def _unsteady(S: Array, R: Array) -> tuple[Array, Array]:
     matrix = np.stack([np.stack(row, axis=-1) for row in (near[0], near[1], far[0], far[1])], axis=-2)
     right = np.stack([one + 0j, one / np.abs(l), 0j * one, 0j * one], axis=-1)
     A = np.linalg.solve(matrix, right[..., None])[..., 0, 0]
-    return np.asarray((2.0 * A - 1.0).real, dtype=float), np.asarray(-(2.0 * A - 1.0).imag, dtype=float)
+    return np.asarray(2.0 * A - 1.0)
 
 
 def lateral_damping(

@@ -242,6 +242,15 @@ class AnnulusFlow(ChannelFlow):
         for b in self._blocks:
             b.named["chi"] = value[b.points]
 
+    # ------------------------------------------------------------------ motion across the hole
+    def lateral_sizes(self) -> FloatArray:
+        cells = self._part.cells
+        return np.column_stack([self._outer[cells], self._hole[cells]])
+
+    def set_lateral(self, added: FloatArray, damping: FloatArray) -> None:
+        for b in self._blocks:
+            b.named["chi"], b.named["damping"] = added[b.points], damping[b.points]
+
     def get_local_state(self) -> dict[str, FloatArray]:
         """State of the hole at the local nodes (nv, 7) and elements (nc, p), for a checkpoint.
 

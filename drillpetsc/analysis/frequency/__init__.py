@@ -1,0 +1,1 @@
+"""Analyses over the frequency or the rotary speed: forced response, Campbell map, stability map."""

@@ -1,0 +1,439 @@
+"""The `campbell` command: modes over rotary speeds, tracked by shape, and critical speeds (manual: sec-campbell)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
+
+from drillpetsc.analysis.frequency.response import RPM, rpm_of, write_case_folder
+from drillpetsc.analysis.frequency.stokes import FrequencyDependent, at_own_frequencies, frequency_dependent
+from drillpetsc.analysis.frequency.tracking import (
+    LEAST_MAC,
+    Branch,
+    Pairing,
+    SpeedModes,
+    pair,
+    track,
+)
+from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
+from drillpetsc.analysis.modal import ROW_WEIGHT, ZERO_FRACTION, _of_kind, _shares, reference_rate
+from drillpetsc.analysis.transient import make_folder
+from drillpetsc.case.blocks.formation import DragBit
+from drillpetsc.case.case import Case
+from drillpetsc.errors import CaseError, DrillError
+from drillpetsc.fem.component import DRIVE
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.output import write_summary, write_table
+from drillpetsc.output.files.run_folder import CAMPBELL_TABLE, CRITICAL_TABLE
+from drillpetsc.output.quantities import MODE_KINDS as KINDS
+from drillpetsc.output.quantities.frequency import CAMPBELL, CRITICAL
+from drillpetsc.output.result import RunResult
+from drillpetsc.solvers import petsc_options as options
+from drillpetsc.solvers.linearization import Linearised, linearise
+from drillpetsc.solvers.quadratic_eigenproblem import NEUTRAL_GROWTH, Eigenvalues, lowest_eigenvalues
+
+SPARE_OF_KIND = 2  # the same for modes of one kind, which lie far apart
+SPARE_MODES = 8  # computed beyond those asked for, so that branches that rise are still found
+SMALLEST_STEP = 8  # a speed step is divided into so many parts before a branch is lost
+STRAIGHT = 1e-3  # short over long axis of an orbit below which it is a straight line
+PURE = 0.9  # share of the energy in forward orbits above which a mode whirls forward
+SHARP = 0.1  # damping ratio below which a critical speed near the case's speed is warned of
+MARGIN = 15.0  # margin to the case's speed [%] below which a critical speed is warned of
+DEFAULT_LINES = (1.0, 2.0, 3.0)
+
+
+@dataclass(frozen=True)
+class Critical:
+    """Crossing of a branch with an excitation line.
+
+    branch: number; kind, whirl: of the mode; line: cycles per turn; speed: [rad/s]; frequency: [Hz].
+    damping_ratio: [-].
+    """
+
+    branch: int
+    kind: str
+    whirl: str
+    line: float
+    speed: float
+    frequency: float
+    damping_ratio: float
+
+    @property
+    def amplification(self) -> float:
+        """1/(2 damping ratio), inf without damping; nan for a mode that grows."""
+        if self.damping_ratio < -NEUTRAL_GROWTH:
+            return float("nan")
+        return 0.5 / self.damping_ratio if self.damping_ratio > NEUTRAL_GROWTH else float("inf")
+
+
+@dataclass(frozen=True)
+class Campbell:
+    """Modes over rotary speeds.
+
+    speeds: modes at each speed, ascending, those between the given ones included; branches: tracked modes.
+    critical: crossings with the excitation lines, by speed.
+    """
+
+    speeds: list[SpeedModes]
+    branches: list[Branch]
+    critical: list[Critical]
+
+
+# ---------------------------------------------------------------------- one speed
+def modes_at(states: TurningModel, speed: float, count: int, kind: str | None = None) -> SpeedModes:
+    """Compute the lowest modes at ``speed`` [rad/s] and some more, the same on all ranks; collective.
+
+    count: oscillating modes; kind: only those of one kind.
+    Raises SolveError where no state or no eigenvalue is found.
+    """
+    states.at(speed)
+    model = states.model
+    own = frequency_dependent(model)
+    system, linearised = model.system, linearise(model.system)
+    answer: Any = None
+    if linearised is not None:
+        try:
+            answer = _found(model, linearised, own, speed, count, kind)
+        except DrillError as failure:
+            answer = failure
+    if system.comm.size > 1:
+        answer = system.comm.tompi4py().bcast(answer)
+    if isinstance(answer, DrillError):
+        raise answer
+    return answer
+
+
+def _found(
+    model: DrillingModel,
+    linearised: Linearised,
+    own: FrequencyDependent | None,
+    speed: float,
+    count: int,
+    kind: str | None,
+) -> SpeedModes:
+    """The modes of the linearised system, on the rank that has it."""
+    reference = reference_rate(model)
+    found = lowest_eigenvalues(
+        linearised.eigenproblem(reference),
+        count + (SPARE_OF_KIND if kind else SPARE_MODES),
+        selected=_of_kind(model, linearised, kind) if kind else None,
+        sparing=True,
+    )
+    u = linearised.T @ found.u
+    share = _shares(model, linearised, found.s, u)
+    if own is not None:
+        found = at_own_frequencies(own, found, share[:, 0]).found
+        u = linearised.T @ found.u
+        share = _shares(model, linearised, found.s, u)
+    kinds = tuple(KINDS[i] for i in share.argmax(axis=1))
+    x, wx = energy_vectors(model, linearised, found, u)
+    oscillating = np.flatnonzero(found.s.imag > 0)
+    counted = np.zeros(len(found.s), dtype=bool)
+    counted[oscillating[:count]] = True
+    sense = whirl(model, linearised, u) if speed else ("mixed",) * len(kinds)
+    sense = tuple(q if k == "lateral" else "none" for q, k in zip(sense, kinds, strict=True))
+    stuck = (
+        speed == 0
+        and not model.system.assembly.y.any()
+        and (model.contact is not None or model.bit is not None)
+    )
+    return SpeedModes(speed, found.s, x, wx, kinds, sense, counted, stuck, ZERO_FRACTION * reference)
+
+
+def energy_vectors(
+    model: DrillingModel, linearised: Linearised, found: Eigenvalues, u: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Scale modes so that their products in a metric W are energies: returns x and W x (n, m).
+
+    W is the symmetric part of the mass of the string, and the storage coefficients of pressures and flows (manual:
+    eq-campbell-metric).
+    """
+    size = np.maximum(np.abs(found.s), ZERO_FRACTION * reference_rate(model))
+    names = [f.name for f in model.system.layout.fields]
+    weight = np.zeros(len(linearised.scale))
+    stored = np.abs(linearised.C.diagonal())
+    for i, name in enumerate(names):
+        if model.system.layout.fields[i].physics == DRIVE:
+            continue
+        rows = (linearised.field == i) & ~linearised.second_order
+        weight[rows] = stored[rows] / ROW_WEIGHT.get(name.split(".")[-1], 1.0)
+    x = np.where(linearised.second_order[:, None], size * u, u)
+    wx = 0.5 * (linearised.M @ x + linearised.M.T @ x) + weight[:, None] * x
+    energy = np.abs(np.sum(x.conj() * wx, axis=0))
+    factor = 1.0 / np.sqrt(np.maximum(energy, 1e-300))
+    return x * factor, wx * factor
+
+
+def whirl(model: DrillingModel, linearised: Linearised, u: np.ndarray) -> tuple[str, ...]:
+    """Sense of the orbits of modes u (n, m) seen from above: forward is clockwise, with the rotation."""
+    names = [f.name for f in model.system.layout.fields]
+    if "string.position" not in names:
+        return ("mixed",) * u.shape[1]
+    values = linearised.field_values(names.index("string.position"), u, model.mesh.nodes, 3)
+    t = model.tangent / np.linalg.norm(model.tangent, axis=1, keepdims=True)
+    near = np.where(np.abs(t[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+    first = near - t * np.sum(near * t, axis=1, keepdims=True)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    one = np.sum(values * first, axis=2)
+    other = np.sum(values * np.cross(t, first), axis=2)
+    forward, backward = np.abs(one + 1j * other) ** 2, np.abs(one - 1j * other) ** 2
+    total = forward + backward
+    straight = np.abs(np.sqrt(forward) - np.sqrt(backward)) < STRAIGHT * (
+        np.sqrt(forward) + np.sqrt(backward) + 1e-300
+    )
+    share = np.sum(np.where(straight, 0.5, forward > backward) * total, axis=1)
+    share = share / np.maximum(total.sum(axis=1), 1e-300)
+    return tuple("forward" if q > PURE else "backward" if q < 1 - PURE else "mixed" for q in share)
+
+
+# ---------------------------------------------------------------------- the map
+def campbell(
+    states: TurningModel,
+    speeds: tuple[float, ...],
+    count: int,
+    lines: tuple[float, ...],
+    kind: str | None = None,
+) -> Campbell:
+    """Compute modes at ``speeds`` [rad/s], track them, and find critical speeds; collective.
+
+    Where a branch finds no partner of ``LEAST_MAC``, speeds are added between the two, down to an eighth of the step;
+    as many as there are given ones at most.
+    """
+    found = [modes_at(states, speeds[0], count, kind)]
+    pairings: list[Pairing] = []
+    budget = len(speeds)
+    for speed in speeds[1:]:
+        waiting = [modes_at(states, speed, count, kind)]
+        step = (speed - found[-1].speed) / SMALLEST_STEP
+        while waiting:
+            here, there = found[-1], waiting[-1]
+            pairing = pair(here, there)
+            if _unpaired(here, there, pairing) and budget > 0 and there.speed - here.speed > 1.5 * step:
+                budget -= 1
+                waiting.append(modes_at(states, 0.5 * (here.speed + there.speed), count, kind))
+                continue
+            pairings.append(pairing)
+            found.append(waiting.pop())
+    branches = track(found, pairings)
+    return Campbell(found, branches, critical_speeds(found, branches, lines))
+
+
+def _unpaired(here: SpeedModes, there: SpeedModes, pairing: Pairing) -> bool:
+    """Whether a mode that is asked for has no partner, and is not above those that were computed."""
+    if here.stuck:
+        return False
+    top = 0.95 * there.s.imag.max(initial=0.0)
+    alone = (pairing.after < 0) & here.counted & (here.s.imag > 0) & (here.s.imag <= top)
+    return bool(alone.any())
+
+
+def critical_speeds(
+    speeds: list[SpeedModes], branches: list[Branch], lines: tuple[float, ...]
+) -> list[Critical]:
+    """Find where branches meet the lines f = n Omega/2 pi, by cubic interpolation over the speed."""
+    out = []
+    for branch in branches:
+        if len(branch.points) < 2:
+            continue
+        omega = np.array([speeds[k].speed for k, _ in branch.points])
+        s = np.array([speeds[k].s[j] for k, j in branch.points])
+        rate, growth = CubicSpline(omega, s.imag), CubicSpline(omega, s.real)
+        for line in lines:
+
+            def gap(w: float, rate: CubicSpline = rate, line: float = line) -> float:
+                return float(rate(w)) - line * w
+
+            values = s.imag - line * omega
+            for k in np.flatnonzero(values[:-1] * values[1:] <= 0):
+                if values[k] == 0 and (k > 0 or omega[k] == 0):
+                    continue  # counted with the interval before; nothing excites a string at rest
+                w = float(omega[k]) if values[k] == 0 else brentq(gap, omega[k], omega[k + 1], xtol=1e-10)
+                number, mode = branch.points[k]
+                modes = speeds[branch.points[k + 1][0]]
+                sense = modes.whirl[branch.points[k + 1][1]]
+                frequency, sigma = float(rate(w)), float(growth(w))
+                ratio = -sigma / max(float(np.hypot(frequency, sigma)), 1e-300)
+                kind = speeds[number].kind[mode]
+                out.append(Critical(branch.number, kind, sense, line, w, frequency / (2 * np.pi), ratio))
+    return sorted(out, key=lambda c: (c.speed, c.line, c.branch))
+
+
+# ---------------------------------------------------------------------- command
+def run_campbell(
+    case: Case,
+    speeds: tuple[float, ...],
+    out: str | Path | None = None,
+    count: int = 20,
+    kind: str | None = None,
+    lines: tuple[float, ...] | None = None,
+    overwrite: bool = False,
+    name: str = "case",
+    comm: PETSc.Comm | None = None,
+    without_control: bool = False,
+) -> RunResult:
+    """Compute modes over rotary speeds [rad/s]; write campbell.csv, critical.csv and summary.json; collective.
+
+    case: the user's case; count, kind: of modes, as in ``modes``.
+    lines: excitation lines in cycles per turn, None: 1, 2, 3 and the blades of a drag bit.
+    out: run folder, None: a new one named after ``name``; overwrite: replace an existing one.
+    comm: communicator, all ranks by default.
+    without_control: leave out motor and controller, and hold the top at the rotation.
+
+    Returns folder, summary and the lines to show.  Raises CaseError for wrong arguments, SolveError where no state or
+    mode is found.
+    """
+    turning = turning_case(case, "campbell", without_control)
+    comm = comm or PETSc.COMM_WORLD
+    if count < 1:
+        raise CaseError(at="--count", got=count, want="a number of modes, at least 1")
+    if len(speeds) < 2:
+        raise CaseError(
+            at="--speeds", got=f"{rpm_of(speeds[0]):g} rpm", want="two speeds or more; `modes` is for one"
+        )
+    lines = lines or default_lines(case)
+    with options.applied(case.petsc):
+        states = TurningModel(turning, comm)
+        folder = make_folder(comm, name, out, False, overwrite)
+        found = campbell(states, speeds, count, lines, kind)
+    summary = _summary(case, found, speeds, lines, states, kind)
+    if comm.rank == 0:
+        write_case_folder(case, folder.path)
+        write_table(folder.path / CAMPBELL_TABLE, [q.column for q in CAMPBELL], _campbell_columns(found))
+        rows = _critical_columns(found, summary["case_speed"])
+        write_table(folder.path / CRITICAL_TABLE, [q.column for q in CRITICAL], rows)
+        write_summary(folder.summary, summary)
+    return RunResult(folder.path, summary, _lines(case, folder.path, found, summary))
+
+
+def default_lines(case: Case) -> tuple[float, ...]:
+    """Once, twice and three times per turn, and the blades of a drag bit."""
+    law = case.formation.bit_law if case.formation is not None else None
+    blades = (float(law.blades),) if isinstance(law, DragBit) else ()
+    return tuple(sorted({*DEFAULT_LINES, *blades}))
+
+
+def _case_speed(case: Case) -> float:
+    """Rotation of the case at time 0 [rpm], 0 without one."""
+    return rpm_of(case.top.rotation.value(0.0)) if case.top.rotation is not None else 0.0
+
+
+def margin(critical: Critical, case_speed: float) -> float:
+    """Distance of a critical speed from that of the case [% of the latter]; nan for a case that does not turn."""
+    return 100.0 * (critical.speed / RPM - case_speed) / case_speed if case_speed else float("nan")
+
+
+def _summary(
+    case: Case,
+    found: Campbell,
+    speeds: tuple[float, ...],
+    lines: tuple[float, ...],
+    states: TurningModel,
+    kind: str | None,
+) -> dict[str, Any]:
+    case_speed = _case_speed(case)
+    lost = [b for b in found.branches if b.end == "lost"]
+    grows = [rpm_of(m.speed) for m in found.speeds if m.grows.any()]
+    warnings = []
+    if lost:
+        shown = ", ".join(
+            f"{b.number} at {rpm_of(found.speeds[b.points[-1][0]].speed):g} rpm" for b in lost[:6]
+        ) + (f" and {len(lost) - 6} more" if len(lost) > 6 else "")
+        warnings.append(
+            f"branches lost, because no mode at the next speed has a MAC of {LEAST_MAC:g}: {shown}; a finer step may help"
+        )
+    near = [
+        c for c in found.critical
+        if case_speed and abs(margin(c, case_speed)) < MARGIN and c.damping_ratio < SHARP
+    ]  # fmt: skip
+    for c in near[:5]:
+        ratio = "undamped" if np.isinf(c.amplification) else f"damping ratio {c.damping_ratio:.2g}"
+        warnings.append(
+            f"critical speed {rpm_of(c.speed):.4g} rpm ({c.line:g} per turn, {c.kind} {c.frequency:.4g} Hz, {ratio}) is within "
+            f"{MARGIN:g} % of the case's {case_speed:g} rpm"
+        )
+    if len(near) > 5:
+        warnings.append(f"{len(near) - 5} more critical speeds are within {MARGIN:g} % of the case's speed")
+    if found.speeds[0].stuck:
+        warnings.append(
+            "at 0 rpm the string is at rest without friction; modes there need not continue those above"
+        )
+    if grows:
+        warnings.append(
+            f"a mode grows at {len(grows)} of {len(found.speeds)} speeds, first at {grows[0]:g} rpm"
+        )
+    return {
+        "title": case.title,
+        "speeds": [rpm_of(s) for s in speeds],
+        "added_speeds": [rpm_of(m.speed) for m in found.speeds if m.speed not in speeds],
+        "case_speed": case_speed,
+        "lines": list(lines),
+        "searched": kind or "all kinds",
+        "branches": len(found.branches),
+        "lost": len(lost),
+        "critical_speeds": len(found.critical),
+        "growing_speeds": grows,
+        "static_solutions": states.solved,
+        "warnings": warnings,
+    }
+
+
+def _campbell_columns(found: Campbell) -> list[Any]:
+    rows = []
+    for branch in found.branches:
+        for (k, j), mac in zip(branch.points, branch.mac, strict=True):
+            modes = found.speeds[k]
+            s = modes.s[j]
+            ratio = float(modes.damping_ratio[j])
+            decrement = 2 * np.pi * ratio / np.sqrt(1 - ratio**2) if abs(ratio) < 1 else np.inf
+            last = branch.end if (k, j) == branch.points[-1] and branch.end else "tracked"
+            rows.append([
+                rpm_of(modes.speed), branch.number, s.imag / (2 * np.pi), abs(s) / (2 * np.pi), ratio, decrement, s.real,
+                modes.kind[j], modes.whirl[j], mac, last,
+            ])  # fmt: skip
+    return [np.array(column) for column in zip(*rows, strict=True)] if rows else [np.zeros(0)] * len(CAMPBELL)
+
+
+def _critical_columns(found: Campbell, case_speed: float) -> list[Any]:
+    rows = [
+        [c.branch, c.kind, c.whirl, c.line, rpm_of(c.speed), c.frequency, c.damping_ratio, c.amplification,
+         margin(c, case_speed)]
+        for c in found.critical
+    ]  # fmt: skip
+    return [np.array(column) for column in zip(*rows, strict=True)] if rows else [np.zeros(0)] * len(CRITICAL)
+
+
+def _lines(case: Case, folder: Path, found: Campbell, summary: dict[str, Any]) -> list[str]:
+    first, last = summary["speeds"][0], summary["speeds"][-1]
+    added = f" and {len(summary['added_speeds'])} between" if summary["added_speeds"] else ""
+    lines = [
+        f"{case.title or 'case'}: {summary['branches']} branches at {len(summary['speeds'])} speeds from {first:g} to {last:g} rpm{added}",
+        "  critical speeds, the least damped first:",
+        "    [rpm]        [Hz]   per turn   kind        whirl      damping ratio   amplification   branch",
+    ]
+    shown = sorted(found.critical, key=lambda c: c.damping_ratio)[:SHOWN]
+    for c in shown:
+        lines.append(
+            f"  {c.speed / RPM:>9.3f} {c.frequency:>9.4g} {c.line:>8g}     {c.kind:<11} {c.whirl:<9} {c.damping_ratio:>12.3g}   "
+            f"{_amplification(c):>13}   {c.branch:>6}"
+        )
+    if not shown:
+        lines.append("    none: no branch meets an excitation line in this range")
+    if len(found.critical) > SHOWN:
+        lines.append(f"    and {len(found.critical) - SHOWN} more in {CRITICAL_TABLE}")
+    lines += [f"  note: {w}" for w in summary["warnings"]]
+    lines.append(f"  results: {folder}")
+    return lines
+
+
+SHOWN = 12  # critical speeds that are printed
+
+
+def _amplification(critical: Critical) -> str:
+    value = critical.amplification
+    return "grows" if np.isnan(value) else "infinite" if np.isinf(value) else f"{value:.3g}"

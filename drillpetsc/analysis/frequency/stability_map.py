@@ -1,0 +1,243 @@
+"""The `stability` command: does steady drilling decay or grow, over rotary speed and weight on bit (manual: sec-stability-map)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+from scipy.optimize import brentq
+
+from drillpetsc.analysis.frequency.response import RPM, rpm_of, write_case_folder
+from drillpetsc.analysis.frequency.turning import TurningModel, turning_case
+from drillpetsc.analysis.modal import Modes, modes
+from drillpetsc.analysis.transient import make_folder
+from drillpetsc.case.blocks.ends import BitBottom
+from drillpetsc.case.case import Case
+from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.output import write_summary, write_table
+from drillpetsc.output.files.run_folder import BOUNDARY_TABLE, STABILITY_TABLE
+from drillpetsc.output.quantities.frequency import STABILITY_BOUNDARY, STABILITY_MAP
+from drillpetsc.output.result import RunResult
+from drillpetsc.solvers import petsc_options as options
+from drillpetsc.unit_systems import display_unit
+
+SPEED_TOLERANCE = 0.05 * RPM  # of a boundary [rad/s]
+IMBALANCE_SHARE = 1e-2  # unbalanced force over weight on bit beyond which a state counts as not steady
+
+
+@dataclass(frozen=True)
+class Point:
+    """Result at one speed [rad/s] and weight on bit [N]: largest growth [1/s], its frequency [Hz] and kind, imbalance [N]."""
+
+    speed: float
+    weight: float
+    growth: float
+    frequency: float
+    kind: str
+    imbalance: float
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """A speed [rad/s] at which the largest growth changes its sign, at a weight on bit [N]."""
+
+    weight: float
+    speed: float
+    stable_above: bool
+
+
+class StateGrowth:
+    """Largest growth of the modes about steady drilling with one weight on bit.
+
+    case: from ``turning_case``; weight: [N]; count, kind: of modes, as in ``modes``.
+    """
+
+    def __init__(self, case: Case, weight: float, count: int, kind: str | None, comm: PETSc.Comm | None):
+        initial = case.initial.model_copy(update={"wob": weight})
+        self.states = TurningModel(case.model_copy(update={"initial": initial}), comm)
+        self.weight, self.count, self.kind = weight, count, kind
+        self.points: dict[float, Point] = {}
+
+    def at(self, speed: float) -> Point:
+        """Find the largest growth at ``speed`` [rad/s]; nan where no state is found.  Collective."""
+        speed = float(speed)
+        if speed not in self.points:
+            self.points[speed] = self._solve(speed)
+        return self.points[speed]
+
+    def _solve(self, speed: float) -> Point:
+        model = self.states.model
+        try:
+            self.states.at(speed, penetration(model, self.weight, speed))
+            found = modes(model, self.count, kind=self.kind)
+        except SolveError:
+            return Point(speed, self.weight, np.nan, np.nan, "none", np.nan)
+        worst = largest(found)
+        if worst is None:
+            return Point(speed, self.weight, np.nan, np.nan, "none", found.imbalance)
+        return Point(
+            speed,
+            self.weight,
+            float(found.growth[worst]),
+            float(found.frequency[worst]),
+            found.kind[worst],
+            found.imbalance,
+        )
+
+
+def largest(found: Modes) -> int | None:
+    """Number of the mode that grows fastest, those at zero left out; None without one."""
+    growth = np.where(np.abs(found.eigenvalue) > found.zero, found.growth, -np.inf)
+    return int(growth.argmax()) if np.isfinite(growth).any() else None
+
+
+def penetration(model: DrillingModel, weight: float, speed: float) -> float | None:
+    """Rate of penetration [m/s] at which drilling with ``weight`` [N] is steady; None without a bit that drills."""
+    bit = model.drilling
+    if bit is None or model.well is None:
+        return None
+    axis = np.asarray(model.tangent[-1]) / np.linalg.norm(model.tangent[-1])
+    return float(bit.rate_under(weight * axis, axis, speed) @ axis)
+
+
+def boundaries(growth: StateGrowth, speeds: tuple[float, ...]) -> list[Boundary]:
+    """Find the speeds between ``speeds`` at which the largest growth changes its sign, within ``SPEED_TOLERANCE``."""
+    out = []
+    for low, high in zip(speeds, speeds[1:], strict=False):
+        first, last = growth.at(low).growth, growth.at(high).growth
+        if not (np.isfinite(first) and np.isfinite(last)) or (first > 0) == (last > 0):
+            continue
+        try:
+            speed = brentq(lambda w: _finite(growth.at(w).growth), low, high, xtol=SPEED_TOLERANCE)
+        except SolveError:
+            continue
+        out.append(Boundary(growth.weight, float(speed), bool(first > 0)))
+    return out
+
+
+def _finite(value: float) -> float:
+    if not np.isfinite(value):
+        raise SolveError("no steady state beside the stability boundary")
+    return value
+
+
+# ---------------------------------------------------------------------- command
+def run_stability(
+    case: Case,
+    speeds: tuple[float, ...],
+    weights: tuple[float, ...],
+    out: str | Path | None = None,
+    count: int = 20,
+    kind: str | None = None,
+    overwrite: bool = False,
+    name: str = "case",
+    comm: PETSc.Comm | None = None,
+    without_control: bool = False,
+) -> RunResult:
+    """Compute the largest growth over rotary speeds [rad/s] and weights on bit [N]; collective.
+
+    Writes stability_map.csv, stability_boundary.csv and summary.json.
+    case: the user's case, with a bit on bottom; count, kind: of modes, as in ``modes``.
+    out: run folder, None: a new one named after ``name``; overwrite: replace an existing one.
+    comm: communicator, all ranks by default.
+    without_control: leave out motor and controller, and hold the top at the rotation.
+
+    Returns folder, summary and the lines to show.  Raises CaseError for wrong arguments.
+    """
+    turning = turning_case(case, "stability", without_control)
+    comm = comm or PETSc.COMM_WORLD
+    if not isinstance(case.bottom, BitBottom):
+        raise CaseError(at="bottom", got=case.bottom.kind, want="a bit on bottom, which carries the weight")
+    if turning.top.force is not None or turning.top.lowering is None:
+        raise CaseError(at="top.force", want="a top with a lowering: its position meets the weight on bit")
+    if count < 1:
+        raise CaseError(at="--count", got=count, want="a number of modes, at least 1")
+    points: list[Point] = []
+    edges: list[Boundary] = []
+    with options.applied(case.petsc):
+        folder = make_folder(comm, name, out, False, overwrite)
+        for weight in weights:
+            growth = StateGrowth(turning, weight, count, kind, comm)
+            points += [growth.at(speed) for speed in speeds]
+            edges += boundaries(growth, speeds)
+    summary = _summary(case, points, edges, speeds, weights, kind)
+    if comm.rank == 0:
+        write_case_folder(case, folder.path)
+        rows = [[rpm_of(p.speed), p.weight, p.growth, p.frequency, p.kind, p.imbalance] for p in points]
+        write_table(folder.path / STABILITY_TABLE, [q.column for q in STABILITY_MAP], _columns(rows, 6))
+        rows = [[b.weight, rpm_of(b.speed), "above" if b.stable_above else "below"] for b in edges]
+        write_table(folder.path / BOUNDARY_TABLE, [q.column for q in STABILITY_BOUNDARY], _columns(rows, 3))
+        write_summary(folder.summary, summary)
+    return RunResult(folder.path, summary, _lines(case, folder.path, points, edges, summary))
+
+
+def _columns(rows: list[list[Any]], count: int) -> list[np.ndarray]:
+    return [np.array(column) for column in zip(*rows, strict=True)] if rows else [np.zeros(0)] * count
+
+
+def _summary(
+    case: Case,
+    points: list[Point],
+    edges: list[Boundary],
+    speeds: tuple[float, ...],
+    weights: tuple[float, ...],
+    kind: str | None,
+) -> dict[str, Any]:
+    warnings = []
+    missing = [p for p in points if not np.isfinite(p.growth)]
+    if missing:
+        warnings.append(
+            f"no steady state or no mode at {len(missing)} of {len(points)} points: nan in the table"
+        )
+    rough = [p for p in points if p.imbalance > IMBALANCE_SHARE * p.weight]
+    if rough:
+        worst = max(rough, key=lambda p: p.imbalance / p.weight)
+        warnings.append(
+            f"the state is not steady at {len(rough)} of {len(points)} points: unbalanced force up to {worst.imbalance:.3g} N "
+            f"at {rpm_of(worst.speed):g} rpm and {worst.weight:g} N"
+        )
+    return {
+        "title": case.title,
+        "speeds": [rpm_of(s) for s in speeds],
+        "weights": list(weights),
+        "searched": kind or "all kinds",
+        "unstable": sum(p.growth > 0 for p in points),
+        "boundaries": len(edges),
+        "warnings": warnings,
+    }
+
+
+def _lines(
+    case: Case, folder: Path, points: list[Point], edges: list[Boundary], summary: dict[str, Any]
+) -> list[str]:
+    size, _, text = display_unit("force", case.output.units or "metric")
+    lines = [
+        f"{case.title or 'case'}: steady motion at {len(summary['speeds'])} speeds and {len(summary['weights'])} weights on bit, "
+        f"unstable at {summary['unstable']} of {len(points)} points"
+    ]
+    for weight in summary["weights"]:
+        own = [p for p in points if p.weight == weight]
+        worst = max((p for p in own if np.isfinite(p.growth)), key=lambda p: p.growth, default=None)
+        crossed = [b for b in edges if b.weight == weight]
+        shown = ", ".join(
+            f"{b.speed / RPM:.2f} rpm (stable {'above' if b.stable_above else 'below'})" for b in crossed
+        )
+        if not shown:
+            shown = (
+                "none"
+                if worst is None
+                else "unstable at all speeds"
+                if all(p.growth > 0 for p in own)
+                else "stable at all speeds"
+            )
+        line = f"  {weight / size:>8.4g} {text}  boundary: {shown}"
+        if worst is not None:
+            line += f"; largest growth {worst.growth:.3g} 1/s at {rpm_of(worst.speed):g} rpm ({worst.kind}, {worst.frequency:.4g} Hz)"
+        lines.append(line)
+    lines += [f"  note: {w}" for w in summary["warnings"]]
+    lines.append(f"  results: {folder}")
+    return lines

@@ -1,0 +1,239 @@
+"""The mud's viscous force across the hole at the frequency of a mode, `fluid.added_mass: stokes` (manual: sec-eigen-nonlinear)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import scipy.sparse as sparse
+
+from drillpetsc.arrays import FloatArray
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.model.fluid import lateral_viscosity
+from drillpetsc.physics.fluid.added_mass import stokes_coefficients, stokes_force
+from drillpetsc.solvers.linearization import Linearised, linearise
+from drillpetsc.solvers.nonlinear_eigenvalue import refine
+from drillpetsc.solvers.quadratic_eigenproblem import Eigenvalues
+
+DIGITS = 6  # significant digits by which diameters and viscosities are told apart
+SAME_SHAPE = 0.5  # squared cosine between the shapes before and after below which another mode was reached
+SAME_MODE = 0.999  # the same between two modes above which they are one
+
+
+def present(model: DrillingModel) -> bool:
+    """Whether the mud's force across the hole depends on the frequency."""
+    fluid = model.case.fluid
+    return (
+        fluid is not None
+        and fluid.added_mass == "stokes"
+        and model.fluid is not None
+        and model.fluid.annulus is not None
+        and not model.case.hold_string
+    )
+
+
+@dataclass
+class StokesForces:
+    """Coefficients of the force by kinds of elements: those of one diameter, hole and viscosity.
+
+    radius: (k,) of the string [m]; ratio: (k,) hole over string diameter [-]; viscosity: (k,) kinematic [m2/s].
+    kind: (nc,) kind of each local element.
+    density: [kg/m3]; given: damping of the case [N s/m2], None: from the viscous flow.
+    reference: frequency of runs [rad/s].
+    """
+
+    model: DrillingModel
+    radius: FloatArray = field(init=False)
+    ratio: FloatArray = field(init=False)
+    viscosity: FloatArray = field(init=False)
+    kind: np.ndarray = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Tell the elements apart; collective."""
+        model, f = self.model, self.model.case.fluid
+        assert f is not None and model.fluid is not None and model.fluid.annulus is not None
+        self.density, self.reference = f.density, f.lateral_damping_speed
+        self.given = None if f.lateral_damping == "stokes" else float(f.lateral_damping)
+        sizes = model.fluid.annulus.lateral_sizes()
+        viscosity = lateral_viscosity(model.case, sizes[:, 0], sizes[:, 1]) / f.density
+        own = _rounded(np.column_stack([sizes, viscosity]))
+        comm = model.system.comm
+        whole = own if comm.size == 1 else np.concatenate(comm.tompi4py().allgather(own))
+        kinds = np.unique(whole, axis=0)
+        self.radius, self.ratio, self.viscosity = 0.5 * kinds[:, 0], kinds[:, 1] / kinds[:, 0], kinds[:, 2]
+        self.kind = np.array([int(np.flatnonzero((kinds == row).all(axis=1))[0]) for row in own], dtype=int)
+
+    @property
+    def displaced(self) -> FloatArray:
+        """(k,) displaced mass per length [kg/m]."""
+        return self.density * np.pi * self.radius**2
+
+    def coefficients(self, s: complex) -> tuple[FloatArray, FloatArray]:
+        """Compute added mass (k,) [-] and damping (k,) [N s/m2] whose force is that of a motion exp(s t), Im s > 0.
+
+        s chi + k_v/m_d = s H(s) (manual: eq-eigen-stokes).
+        """
+        chi = (self.ratio**2 + 1) / (self.ratio**2 - 1)
+        damping = np.zeros(len(chi)) if self.given is None else np.full(len(chi), self.given)
+        viscous = self.viscosity > 0
+        if not viscous.any():
+            return chi, damping
+        radius, ratio, nu = self.radius[viscous], self.ratio[viscous], self.viscosity[viscous]
+        if self.given is not None:
+            chi[viscous] = stokes_coefficients(s.imag * radius**2 / nu, ratio)[0]
+            return chi, damping
+        force = s * stokes_force(s, radius, nu, ratio)
+        chi[viscous] = force.imag / s.imag
+        damping[viscous] = self.displaced[viscous] * (force.real - s.real * chi[viscous])
+        return chi, damping
+
+    def set(self, chi: FloatArray, damping: FloatArray) -> None:
+        """Give the elements the coefficients (k,) of their kinds."""
+        assert self.model.fluid is not None and self.model.fluid.annulus is not None
+        self.model.fluid.annulus.set_lateral(chi[self.kind], damping[self.kind])
+
+    def set_frequency(self, omega: float) -> None:
+        """Give the elements the coefficients at a frequency [rad/s]."""
+        self.set(*self.coefficients(1j * omega))
+
+    def stokes_number(self, omega: FloatArray, weight: FloatArray) -> FloatArray:
+        """Stokes numbers (m,) of modes at frequencies (m,) [rad/s], inf without viscosity.
+
+        weight: (m, k) share of each kind of element in the lateral motion.
+        """
+        with np.errstate(divide="ignore"):
+            number = omega[:, None] * (self.radius**2 / self.viscosity)[None]
+        return np.asarray(np.sum(np.where(weight > 0, number * weight, 0.0), axis=1))
+
+
+def _rounded(values: FloatArray) -> FloatArray:
+    """Values with ``DIGITS`` significant digits."""
+    size = 10.0 ** (DIGITS - 1 - np.floor(np.log10(np.maximum(np.abs(values), 1e-300))))
+    return np.asarray(np.where(values == 0, 0.0, np.round(values * size) / size))
+
+
+@dataclass
+class FrequencyDependent:
+    """The linearised system as a function of s, in the free motions; on the rank that has it.
+
+    base: without the force across the hole; by_mass, by_damping: per kind of element, for coefficients of 1.
+    """
+
+    forces: StokesForces
+    base: Linearised
+    by_mass: list[tuple[sparse.csr_matrix, ...]]
+    by_damping: list[tuple[sparse.csr_matrix, ...]]
+    element_kind: np.ndarray
+
+    def matrix(self, s: complex) -> sparse.csr_matrix:
+        """K + s C + s^2 M with the mud's force at s, columns scaled."""
+        chi, damping = self.forces.coefficients(s)
+        total = self._sum(self._base, s)
+        for k in range(len(chi)):
+            total = (
+                total + chi[k] * self._sum(self.by_mass[k], s) + damping[k] * self._sum(self.by_damping[k], s)
+            )
+        return sparse.csr_matrix(total)
+
+    @staticmethod
+    def _sum(parts: tuple[sparse.csr_matrix, ...], s: complex) -> sparse.csr_matrix:
+        K, C, M = parts
+        return K + s * C + s**2 * M
+
+    def __post_init__(self) -> None:
+        T = self.base.T
+        parent = np.asarray(abs(T).argmax(axis=0)).ravel()
+        self.scale = self.base.scale[parent]
+        columns = T @ sparse.diags(self.scale)
+        self._base = tuple(
+            sparse.csr_matrix(T.T @ A @ columns) for A in (self.base.K, self.base.C, self.base.M)
+        )
+        for parts in (self.by_mass, self.by_damping):
+            parts[:] = [tuple(sparse.csr_matrix(T.T @ A @ columns) for A in part) for part in parts]
+
+
+def frequency_dependent(model: DrillingModel) -> FrequencyDependent | None:
+    """Linearise the model as a function of s, where its mud asks for it; None away from rank 0; collective."""
+    if not present(model):
+        return None
+    forces = StokesForces(model)
+    count = len(forces.radius)
+    nothing = np.zeros(count)
+
+    def matrices(chi: FloatArray, damping: FloatArray) -> Linearised | None:
+        forces.set(chi, damping)
+        return linearise(model.system)
+
+    base = matrices(nothing, nothing)
+    by_mass: list[tuple[sparse.csr_matrix, ...]] = []
+    by_damping: list[tuple[sparse.csr_matrix, ...]] = []
+    for k in range(count):
+        unit = np.zeros(count)
+        unit[k] = 1.0
+        for chi, damping, parts in ((unit, nothing, by_mass), (nothing, unit, by_damping)):
+            one = matrices(chi, damping)
+            if one is not None and base is not None:
+                parts.append((one.K - base.K, one.C - base.C, one.M - base.M))
+    forces.set_frequency(forces.reference)
+    elements = model.system.gather(forces.kind[:, None].astype(float), "cell")
+    if base is None or elements is None:
+        return None
+    return FrequencyDependent(forces, base, by_mass, by_damping, elements[:, 0].astype(int))
+
+
+@dataclass(frozen=True)
+class AtOwnFrequency:
+    """Modes with the mud's force at their own frequencies: eigenvalues, and how many kept the reference frequency."""
+
+    found: Eigenvalues
+    kept: int
+
+
+def at_own_frequencies(system: FrequencyDependent, found: Eigenvalues, lateral: FloatArray) -> AtOwnFrequency:
+    """Refine oscillating eigenvalues that were found at the reference frequency.
+
+    lateral: (m,) share of lateral motion; modes without any are left.
+    Modes that do not converge, jump to another shape or meet another mode keep the value at the reference frequency.
+    """
+    s, u, error = found.s.copy(), found.u.copy(), found.error.copy()
+    kept, reached = 0, list[int]()
+    for m in range(len(s)):
+        if s[m].imag <= 0 or lateral[m] < 1e-6:
+            continue
+        start = np.asarray(u[:, m] / system.scale, dtype=complex)
+        new = refine(system.matrix, complex(s[m]), start)
+        same = new.converged and new.s.imag > 0 and _cosine(start, new.u) > SAME_SHAPE
+        twice = same and any(
+            abs(s[j] - new.s) < 1e-6 * abs(new.s) and _cosine(u[:, j] / system.scale, new.u) > SAME_MODE
+            for j in reached
+        )
+        if not same or twice:
+            kept += 1
+            continue
+        s[m], u[:, m] = new.s, system.scale * new.u
+        T = system.matrix(new.s)
+        rows = np.asarray(abs(T).max(axis=1).toarray(), dtype=float).ravel()
+        rows[rows == 0] = 1.0
+        error[m] = float(np.abs((T @ new.u) / rows).max() / np.abs(new.u).max())
+        reached.append(m)
+    order = np.lexsort((-s.real, s.imag))
+    return AtOwnFrequency(replace(found, s=s, u=u, error=error).subset(order), kept)
+
+
+def _cosine(a: np.ndarray, b: np.ndarray) -> float:
+    """Squared cosine between two complex vectors."""
+    return float(abs(np.vdot(a, b)) ** 2 / (np.vdot(a, a).real * np.vdot(b, b).real))
+
+
+def stokes_numbers(system: FrequencyDependent, s: np.ndarray, position: np.ndarray) -> FloatArray:
+    """Stokes numbers (m,) of modes; nan for those that do not oscillate.
+
+    position: (m, nodes, 3) shapes across the string and along it.
+    """
+    motion = np.sum(np.abs(position) ** 2, axis=2)
+    each = 0.5 * (motion[:, :-1] + motion[:, 1:])
+    count = len(system.forces.radius)
+    weight = np.stack([each[:, system.element_kind == k].sum(axis=1) for k in range(count)], axis=1)
+    weight = weight / np.maximum(weight.sum(axis=1, keepdims=True), 1e-300)
+    number = system.forces.stokes_number(s.imag, weight)
+    return np.where(s.imag > 0, number, np.nan)

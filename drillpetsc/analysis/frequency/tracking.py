@@ -1,0 +1,167 @@
+"""Modes that belong together at successive rotary speeds, by the assurance criterion (manual: sec-campbell-tracking)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from drillpetsc.arrays import FloatArray
+from drillpetsc.solvers.quadratic_eigenproblem import NEUTRAL_GROWTH
+
+LEAST_MAC = 0.9  # below which two modes are not the same
+CLUSTER = 2e-3  # relative distance of eigenvalues below which their shapes may be any of their span
+OWN_SHAPE = 0.1  # weight of a mode's own shape beside that of its cluster
+FAR = 0.5  # relative change of an eigenvalue between two speeds beyond which modes are not compared
+
+
+@dataclass(frozen=True)
+class SpeedModes:
+    """Modes at one rotary speed, the same on all ranks.
+
+    speed: [rad/s]; s: (m,) eigenvalues [1/s].
+    x, wx: (n, m) energy vectors, and the metric applied to them: x_i* W x_j is an energy [J]; x_j* W x_j = 1.
+    kind: (m,) kinds; whirl: (m,) ``forward``, ``mixed``, ``backward``; ``none`` for modes that are not lateral.
+    counted: (m,) whether a mode belongs to the lowest that were asked for.
+    stuck: the string is at rest without friction, which it has at any speed above: another state.
+    zero: eigenvalues of this size or smaller count as zero [1/s].
+    """
+
+    speed: float
+    s: np.ndarray
+    x: np.ndarray
+    wx: np.ndarray
+    kind: tuple[str, ...]
+    whirl: tuple[str, ...]
+    counted: np.ndarray
+    stuck: bool = False
+    zero: float = 0.0
+
+    @property
+    def grows(self) -> np.ndarray:
+        """(m,) mask of the modes that grow, eigenvalues at zero left out."""
+        size = np.abs(self.s)
+        return (self.s.real > NEUTRAL_GROWTH * size) & (size > self.zero)
+
+    @property
+    def damping_ratio(self) -> FloatArray:
+        """(m,) [-]."""
+        size = np.abs(self.s)
+        return np.divide(-self.s.real, size, out=np.full(len(size), np.nan), where=size > 0)
+
+
+def assurance(before: SpeedModes, after: SpeedModes) -> FloatArray:
+    """Compute the modal assurance criterion (m, k) [-] of the modes at two speeds.
+
+    |x_i* W x_j|^2/((x_i* W x_i)(x_j* W x_j)) {cite}`allemang2003`; 0 for eigenvalues far from each other.
+    """
+    mac = np.abs(before.x.conj().T @ after.wx) ** 2
+    size = np.maximum(np.abs(before.s)[:, None], np.abs(after.s)[None])
+    return np.asarray(np.where(np.abs(before.s[:, None] - after.s[None]) < FAR * size, mac, 0.0))
+
+
+def clusters(s: np.ndarray) -> list[np.ndarray]:
+    """Groups of nearly equal eigenvalues (m,)."""
+    left, out = list(np.argsort(s.imag, kind="stable")), []
+    while left:
+        group = [left.pop(0)]
+        for j in list(left):
+            if abs(s[j] - s[group[-1]]) <= CLUSTER * abs(s[j]):
+                group.append(j)
+                left.remove(j)
+        out.append(np.array(group))
+    return out
+
+
+def _span(modes: SpeedModes, group: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Vectors orthonormal in the metric that span the modes of a group, and the metric applied to them."""
+    x, wx = modes.x[:, group], modes.wx[:, group]
+    gram = x.conj().T @ wx
+    values, vectors = np.linalg.eigh(0.5 * (gram + gram.conj().T))
+    kept = values > 1e-8 * values.max()
+    turn = vectors[:, kept] / np.sqrt(values[kept])
+    return x @ turn, wx @ turn
+
+
+def similarity(before: SpeedModes, after: SpeedModes) -> FloatArray:
+    """How well the modes at two speeds agree (m, k) [-]: the assurance criterion with the span of each cluster.
+
+    A mode of a cluster may be any combination of the cluster: two planes of a round string, or two branches that cross.
+    """
+    near = assurance(before, after) > 0
+    best = assurance(before, after)
+    for group in clusters(before.s):
+        if len(group) > 1:
+            basis, _ = _span(before, group)
+            share = np.sum(np.abs(basis.conj().T @ after.wx) ** 2, axis=0)
+            best[group] = np.maximum(best[group], np.where(near[group], share[None], 0.0))
+    for group in clusters(after.s):
+        if len(group) > 1:
+            _, basis = _span(after, group)
+            share = np.sum(np.abs(before.x.conj().T @ basis) ** 2, axis=1)
+            best[:, group] = np.maximum(best[:, group], np.where(near[:, group], share[:, None], 0.0))
+    return np.minimum(best, 1.0)
+
+
+@dataclass(frozen=True)
+class Pairing:
+    """Pairs of modes at two speeds: ``after[i]`` is the partner of mode i, -1 for none; ``mac[i]`` how well it agrees."""
+
+    after: np.ndarray
+    mac: FloatArray
+
+
+def pair(before: SpeedModes, after: SpeedModes) -> Pairing:
+    """Find the best pairs of the modes at two speeds."""
+    similar = similarity(before, after)
+    change = np.abs(before.s[:, None] - after.s[None]) / np.maximum(np.abs(before.s)[:, None], 1e-300)
+    score = similar + OWN_SHAPE * assurance(before, after) - 1e-3 * np.minimum(change, 1.0)
+    rows, columns = linear_sum_assignment(-score)
+    partner, mac = np.full(len(before.s), -1), np.zeros(len(before.s))
+    for i, j in zip(rows, columns, strict=True):
+        mac[i] = similar[i, j]
+        if similar[i, j] >= LEAST_MAC:
+            partner[i] = j
+    return Pairing(partner, mac)
+
+
+@dataclass
+class Branch:
+    """A mode over the rotary speeds.
+
+    number: from 1; points: number of the speed and of the mode at it; mac: agreement with the point before (1 at the first).
+    end: why it ends before the last speed: ``lost``, ``outside`` (above the modes that were computed), ``rest`` (the
+    string at rest has no friction), or empty.
+    """
+
+    number: int
+    points: list[tuple[int, int]] = field(default_factory=list)
+    mac: list[float] = field(default_factory=list)
+    end: str = ""
+
+
+def track(speeds: list[SpeedModes], pairings: list[Pairing]) -> list[Branch]:
+    """Join the modes of successive speeds to branches; ``pairings[k]`` is between the speeds k and k + 1."""
+    branches: list[Branch] = []
+    open_branches: dict[int, Branch] = {}
+    for k, here in enumerate(speeds):
+        if k:
+            pairing, moved = pairings[k - 1], dict[int, Branch]()
+            highest = here.s.imag.max(initial=0.0)
+            for mode, branch in open_branches.items():
+                partner = int(pairing.after[mode])
+                if partner >= 0:
+                    branch.points.append((k, partner))
+                    branch.mac.append(float(pairing.mac[mode]))
+                    moved[partner] = branch
+                else:
+                    top = speeds[k - 1].s[mode].imag > 0.95 * highest
+                    branch.end = "rest" if speeds[k - 1].stuck else "outside" if top else "lost"
+            open_branches = moved
+        for mode in np.flatnonzero(here.counted & (here.s.imag > 0)):
+            if int(mode) not in open_branches:
+                branch = Branch(len(branches) + 1, [(k, int(mode))], [1.0])
+                branches.append(branch)
+                open_branches[int(mode)] = branch
+    return branches

@@ -1,0 +1,169 @@
+"""Options of the commands of the frequency domain: rotary speeds, excitation, excitation lines, weights on bit."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from drillpetsc.case.flow_options import Numbers, read_numbers
+from drillpetsc.case.quantities import Quantity
+from drillpetsc.errors import CaseError
+from drillpetsc.unit_systems import System
+from drillpetsc.units import UnitError, to_si
+
+MAX_SPEEDS = 2000
+SPEED = Quantity("rad/s", at_least=0, at_most=1e3, kind="none")
+WEIGHT = Quantity("N", above=0, at_most=1e8)
+EXAMPLE = "0:240:10 rpm"
+_STEPS = re.compile(r"\s*([^:\s]+)\s*:\s*([^:\s]+)\s*:\s*([^:\s]+?)\s*([a-zA-Z/%]*)\s*")
+_WITH_UNIT = re.compile(r".*\d\.?\s*[a-zA-Z].*")
+
+
+def read_speeds(text: Numbers, at: str, lowest_above_zero: bool = False) -> tuple[float, ...]:
+    """Read rotary speeds [rad/s], ascending, from text such as ``0:240:10 rpm`` (first:last:step) or ``60,90,120 rpm``.
+
+    text: speeds with a unit; from Python also numbers in rad/s.
+    at: name of the option, for messages.
+    lowest_above_zero: a speed of zero is refused.
+    Raises CaseError.
+    """
+    if isinstance(text, str):
+        if not _WITH_UNIT.fullmatch(text):
+            raise CaseError(
+                at=at, got=text, want=f"rotary speeds with a unit, such as {EXAMPLE} or 60,90 rpm"
+            )
+        values = _steps(text, at) if ":" in text else read_numbers(text, SPEED, at, "60,90,120 rpm")
+    else:
+        values = read_numbers(text, SPEED, at, "60,90,120 rpm")
+    if any(b <= a for a, b in zip(values, values[1:], strict=False)):
+        raise CaseError(at=at, got=_shown(text), want="speeds in ascending order, each once")
+    if lowest_above_zero and values[0] == 0:
+        raise CaseError(at=at, got=_shown(text), want="speeds above 0: at rest nothing is excited")
+    return values
+
+
+def _shown(text: Numbers) -> str:
+    return text if isinstance(text, str) else str(text)
+
+
+def _steps(text: str, at: str) -> tuple[float, ...]:
+    """Speeds of first:last:step unit."""
+    found = _STEPS.fullmatch(text)
+    if found is None:
+        raise CaseError(at=at, got=text, want=f"FIRST:LAST:STEP unit, such as {EXAMPLE}")
+    *words, unit = found.groups()
+    try:
+        first, last, step = (to_si(f"{word} {unit}", SPEED.unit) for word in words)
+    except UnitError as error:
+        raise CaseError(at=at, got=text, want=error.want, hint=error.hint) from None
+    if not all(SPEED.inside(v) for v in (first, last)):
+        raise CaseError(at=at, got=text, want=f"speeds {SPEED.allowed()}: the string turns clockwise")
+    if last <= first:
+        raise CaseError(
+            at=at, got=text, want="a range from a smaller to a larger speed", hint="one speed: 60 rpm"
+        )
+    if not 0 < step <= (last - first) * (1 + 1e-9):
+        raise CaseError(at=at, got=text, want="a step above 0, not larger than the range")
+    count = round((last - first) / step)
+    if count + 1 > MAX_SPEEDS:
+        raise CaseError(at=at, got=text, want=f"at most {MAX_SPEEDS} speeds")
+    values = first + step * np.arange(int(np.floor((last - first) / step * (1 + 1e-9))) + 1)
+    return tuple(float(f"{v:.12g}") for v in values)
+
+
+# ---------------------------------------------------------------------- excitation
+@dataclass(frozen=True)
+class Excitation:
+    """A harmonic excitation.
+
+    kind: ``unbalance``, or ``bit``.
+    what: of the bit: ``displacement`` along the string [m], ``force`` along it [N] or ``torque`` [N m]; else empty.
+    amplitude: [m], [N] or [N m], 0 with unbalance.
+    order: cycles per turn.
+    """
+
+    kind: str
+    what: str = ""
+    amplitude: float = 0.0
+    order: float = 1.0
+
+    @property
+    def words(self) -> str:
+        """For people."""
+        if self.kind == "unbalance":
+            return "unbalance, once per turn"
+        unit = {"displacement": "m", "force": "N", "torque": "N m"}[self.what]
+        return f"{self.what} of {self.amplitude:g} {unit} at the lower end, {self.order:g} per turn"
+
+
+KINDS = ("unbalance", "bit")
+AMPLITUDES = {
+    "displacement": Quantity("m", above=0, at_most=1, kind="none"),
+    "force": Quantity("N", above=0, at_most=1e8, kind="none"),
+    "torque": Quantity("N m", above=0, at_most=1e7, kind="none"),
+}
+
+
+def read_excitation(kind: str, amplitude: str | None = None, order: float | None = None) -> Excitation:
+    """Read the excitation of `response`.
+
+    kind: ``unbalance`` or ``bit``.
+    amplitude: of a motion (``3 mm``), force (``5 kN``) or torque (``1 kN m``) of the bit; its unit tells which.
+    order: cycles per turn of the bit, None: 3 (the lobes that a roller-cone bit cuts).
+    Raises CaseError.
+    """
+    if kind not in KINDS:
+        raise CaseError(at="--excite", got=kind, want=f"one of {', '.join(KINDS)}")
+    if kind == "unbalance":
+        for name, value in (("--amplitude", amplitude), ("--order", order)):
+            if value is not None:
+                want = "no such option with --excite unbalance: the case has the unbalance, which turns once per turn"
+                raise CaseError(at=name, got=value, want=want)
+        return Excitation("unbalance")
+    want = "the amplitude of a motion (3 mm), a force (5 kN) or a torque (1 kN m), with its unit"
+    if amplitude is None:
+        raise CaseError(at="--amplitude", want=want)
+    for what, quantity in AMPLITUDES.items():
+        try:
+            value = to_si(str(amplitude), quantity.unit) if _WITH_UNIT.fullmatch(str(amplitude)) else None
+        except UnitError:
+            continue
+        if value is None:
+            break
+        if not quantity.inside(value):
+            raise CaseError(at="--amplitude", got=amplitude, want=f"a number {quantity.allowed()}")
+        order = 3.0 if order is None else float(order)
+        if not 0 < order <= 1000:
+            raise CaseError(at="--order", got=order, want="cycles per turn, above 0, at most 1000")
+        return Excitation("bit", what, value, order)
+    raise CaseError(at="--amplitude", got=amplitude, want=want)
+
+
+# ---------------------------------------------------------------------- weights
+def read_weights(text: Numbers, units: System = "SI") -> tuple[float, ...]:
+    """Read weights on bit [N], ascending, such as ``50,100,150 kN``; CaseError."""
+    values = read_numbers(text, WEIGHT, "--wob", "50,100,150 kN", units)
+    if any(b <= a for a, b in zip(values, values[1:], strict=False)):
+        raise CaseError(at="--wob", got=_shown(text), want="weights in ascending order, each once")
+    return values
+
+
+# ---------------------------------------------------------------------- lines
+def read_lines(text: str | Sequence[float], at: str = "--lines") -> tuple[float, ...]:
+    """Read excitation lines: cycles per turn, such as ``1,2,3,6``; CaseError for a number that is not above 0."""
+    parts = text.split(",") if isinstance(text, str) else list(text) if isinstance(text, Iterable) else [text]
+    out = []
+    for part in parts:
+        try:
+            value = float(part)
+        except ValueError:
+            value = -1.0
+        if not 0 < value <= 1000:
+            raise CaseError(
+                at=at, got=str(part).strip(), want="cycles per turn, above 0, at most 1000, such as 1,2,3"
+            )
+        out.append(value)
+    return tuple(sorted(set(out)))

@@ -1,0 +1,208 @@
+"""Modes over the rotary speed and critical speeds against closed forms (manual: verif-campbell)."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+import drillpetsc
+from drillpetsc import Case
+from drillpetsc.analysis.frequency.tracking import SpeedModes, pair, track
+from drillpetsc.errors import CaseError
+from drillpetsc.output import read_table
+from tests.helpers import frequency_models as m
+
+
+def tables(case: dict, folder: Path, **options) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Columns of campbell.csv and critical.csv."""
+    drillpetsc.campbell(Case(**case), folder, overwrite=True, **options)
+    return tuple(
+        {name.split(" [")[0]: values for name, values in read_table(folder / file).items()}
+        for file in ("campbell.csv", "critical.csv")
+    )
+
+
+# ---------------------------------------------------------------------- disc
+#: backward and forward frequencies [Hz] at rotary speeds [rpm], as computed for this check (C21) before the code was written
+DISC = {
+    0: (6.15608, 6.15608, 72.69546, 72.69546),
+    120: (6.11884, 6.19325, 71.08594, 74.34486),
+    600: (5.96945, 6.34122, 65.04485, 81.33975),
+    3000: (5.22658, 7.05106, 43.47923, 124.98809),
+}
+
+
+def quartic(rpm: float) -> np.ndarray:
+    """Frequencies [Hz] of the disc on a massless cantilever: positive forward, negative backward.
+
+    (K - w^2 diag(m, It) + w Omega diag(0, Ip)) (u, theta) = 0 with K = EI/L^3 [[12, -6L], [-6L, 4L^2]].
+    """
+    L, mass, transverse, axial = 2.0, 300.0, 12.0, 20.0
+    k = m.EI / L**3 * np.array([12.0, -6.0 * L, 4.0 * L**2])
+    spin = rpm * m.RPM
+    # (k0 - m w^2)(k2 - It w^2 + Ip Omega w) - k1^2 = 0
+    one, two = np.array([-mass, 0, k[0]]), np.array([-transverse, axial * spin, k[2]])
+    return np.sort(np.roots(np.polysub(np.polymul(one, two), [k[1] ** 2])).real) / (2 * np.pi)
+
+
+def test_gyroscopic_split_of_a_disc(tmp_path):
+    """Frequencies and whirl at 0, 120, 600, 3000 rpm within 0.2 %; synchronous critical speeds 376.346 rpm forward, 362.605
+    and 2720.80 rpm backward (C21); the second forward branch never crosses.  Through a case file and the command line."""
+    from drillpetsc.cli import main
+
+    for rpm, values in DISC.items():
+        assert np.sort(np.abs(quartic(rpm))) == pytest.approx(values, rel=2e-6)
+    file = tmp_path / "disc.yaml"
+    file.write_text(yaml.safe_dump(m.disc()))
+    words = ["campbell", str(file), "--speeds", "0:3000:120 rpm", "--count", "6", "--lines", "1"]
+    assert main([*words, "--out", str(tmp_path / "run")]) == 0
+    found = read_table(tmp_path / "run" / "campbell.csv")
+    lateral = (found["kind [-]"] == "lateral") & (found["frequency [Hz]"] < 1000)
+    for rpm, values in DISC.items():
+        rows = lateral & (found["rotary_speed [rpm]"] == rpm)
+        assert np.sort(found["frequency [Hz]"][rows]) == pytest.approx(values, rel=2e-3)
+        if rpm:
+            order = np.argsort(found["frequency [Hz]"][rows])
+            assert list(found["whirl_sense [-]"][rows][order]) == ["backward", "forward"] * 2
+    critical = read_table(tmp_path / "run" / "critical.csv")
+    rows = critical["kind [-]"] == "lateral"
+    assert critical["critical_rotary_speed [rpm]"][rows] == pytest.approx(
+        [362.605, 376.346, 2720.80], rel=2e-3
+    )
+    assert list(critical["whirl_sense [-]"][rows]) == ["backward", "forward", "backward"]
+    assert np.isinf(critical["amplification [-]"][rows]).all()
+    assert critical["speed_margin [%]"][rows][1] == pytest.approx(100 * (376.346 - 600) / 600, abs=0.05)
+    assert (tmp_path / "run" / "plots" / "campbell.png").exists()
+
+
+def test_branches_that_cross(tmp_path):
+    """Pinned shaft with a large polar inertia J: the forward branch of the first mode crosses the backward branch of the
+    second.  Both follow mu q^2 -+ J Omega k^2 q - EI k^4 = 0, k = n pi/L, at every speed, and keep their sense."""
+    L, EI, mass, J, n = 10.0, 1.2e5, 27.0, 8.0, 64
+    section = {
+        "axial_stiffness": 1e9,
+        "bending_stiffness": EI,
+        "torsional_stiffness": 1e8,
+        "mass": mass,
+        "polar_inertia": J,
+    }
+    case = {
+        "string": [{"kind": "beam", "length": L, "element_length": L / n, **section}],
+        "top": {"kind": "top_drive", "hinged": True},
+        "bottom": "pinned",
+        "gravity": 0.0,
+        "initial": {"from": "straight"},
+    }
+    speeds = np.linspace(50.0, 1000.0, 20)
+    found, _ = tables(case, tmp_path, speeds=list(speeds), count=6, lines="1")
+    assert json.loads((tmp_path / "summary.json").read_text())["lost"] == 0
+    seen = []
+    for mode in (1, 2):
+        for sign in (1, -1):
+            half = J * speeds * (mode * np.pi / L) ** 2 / (2 * mass)
+            exact = np.hypot(half, np.sqrt(EI / mass) * (mode * np.pi / L) ** 2) + sign * half
+            start = found["rotary_speed"] == found["rotary_speed"].min()
+            nearest = np.abs(2 * np.pi * found["frequency"][start] - exact[0]).argmin()
+            rows = found["branch"] == found["branch"][start][nearest]
+            got = np.interp(speeds, found["rotary_speed"][rows] * m.RPM, 2 * np.pi * found["frequency"][rows])
+            assert got == pytest.approx(exact, rel=4e-3 * mode**2)  # lumped spin: second order in kh
+            assert set(found["whirl_sense"][rows]) == {"forward" if sign > 0 else "backward"}
+            seen.append(exact)
+    assert seen[0][0] < seen[3][0] and seen[0][-1] > seen[3][-1]  # they do cross
+
+
+def test_lines_and_damping(tmp_path):
+    """Axial modes of a pipe held at the top, (2k - 1) c/4L: critical speeds 60 f/n, damping ratio w b/2, amplification 1/(w b)."""
+    b, L = 1e-4, 1000.0
+    section = {"axial_stiffness": m.YOUNG * m.AREA, "bending_stiffness": 1e12, "torsional_stiffness": 1e12}
+    inertia = {"mass": m.MASS, "polar_inertia": 1.0, "damping": {"stiffness": b}}
+    case = m.two_part_string() | {
+        "string": [{"kind": "beam", "length": L, "element_length": 20.0, **section, **inertia}]
+    }
+    case["top"] = {"kind": "top_drive", "rotation": "40 rpm"}
+    _, critical = tables(case, tmp_path, speeds="0:120:20 rpm", count=2, kind="axial", lines="2,3")
+    f = np.array([1, 3]) * m.AXIAL_SPEED / (4 * L)
+    expected = sorted((60 * q / n, n, q) for q in f for n in (2, 3) if 60 * q / n < 120)
+    assert critical["critical_rotary_speed"] == pytest.approx([e[0] for e in expected], rel=1e-3)
+    assert list(critical["excitation_line"]) == [e[1] for e in expected]
+    w = 2 * np.pi * np.array([e[2] for e in expected])
+    assert critical["damping_ratio"] == pytest.approx(w * b / 2, rel=2e-3)
+    assert critical["amplification"] == pytest.approx(1 / (w * b), rel=2e-3)
+    near = json.loads((tmp_path / "summary.json").read_text())["warnings"]
+    assert any("within 15 %" in w for w in near)  # 38.4 rpm of 40 rpm
+
+
+# ---------------------------------------------------------------------- tracking
+def modes_of(speed: float, s: list[complex], x: np.ndarray) -> SpeedModes:
+    s_ = np.array(s, dtype=complex)
+    x = x / np.linalg.norm(x, axis=0)
+    count = len(s_)
+    return SpeedModes(
+        speed, s_, x, x.copy(), ("lateral",) * count, ("mixed",) * count, np.ones(count, dtype=bool)
+    )
+
+
+def test_a_degenerate_pair_may_turn_its_axes():
+    """Two planes at rest become a forward and a backward circle: each agrees with the span of both (1), with neither plane
+    alone (0.5).  A mode of another shape is not taken."""
+    at_rest = modes_of(0.0, [5j, 5j], np.array([[1, 0], [0, 1], [0, 0]], dtype=complex))
+    turning = modes_of(1.0, [4.9j, 5.1j], np.array([[1, 1], [1j, -1j], [0, 0]]))
+    found = pair(at_rest, turning)
+    assert sorted(found.after) == [0, 1] and found.mac == pytest.approx([1.0, 1.0])
+    other = modes_of(1.0, [4.9j, 5.1j], np.array([[1, 0], [1j, 0], [0, 1]]))
+    assert sorted(pair(at_rest, other).after) == [-1, 0]
+
+
+def test_a_lost_branch_is_not_swapped():
+    """A mode without a partner ends its branch, and the mode at its frequency begins another one."""
+    before = modes_of(0.0, [5j, 9j], np.eye(3)[:, :2].astype(complex))
+    after = modes_of(1.0, [5j, 9j], np.eye(3)[:, [2, 1]].astype(complex))
+    branches = track([before, after], [pair(before, after)])
+    assert [b.points for b in branches] == [[(0, 0)], [(0, 1), (1, 1)], [(1, 0)]]
+    assert [b.end for b in branches] == ["lost", "", ""]
+
+
+# ---------------------------------------------------------------------- unlucky inputs
+@pytest.mark.parametrize(
+    ("changes", "options", "words"),
+    [
+        ({"top": "free"}, {}, ("top", "turn")),
+        ({"bottom": "clamped"}, {}, ("bottom", "turn")),
+        (
+            {"beam": {"formulation": "quaternion"}, "string": [m.drill_pipe(9.0, 3)]},
+            {},
+            ("beam.formulation", "campbell"),
+        ),
+        ({}, {"speeds": "60 rpm"}, ("--speeds", "two speeds")),
+        ({}, {"speeds": "-10:60:10 rpm"}, ("--speeds", "at least 0")),
+        ({}, {"speeds": "0:60:100 rpm"}, ("--speeds", "step")),
+        ({}, {"lines": "1,0"}, ("--lines", "above 0")),
+        ({}, {"lines": "one"}, ("--lines", "cycles per turn")),
+        ({}, {"count": 0}, ("--count", "at least 1")),
+    ],
+)
+def test_bad_input_is_refused(changes, options, words, tmp_path):
+    case = Case(**(m.disc() | changes))
+    with pytest.raises(CaseError) as error:
+        drillpetsc.campbell(case, tmp_path / "run", **({"speeds": "0:120:60 rpm"} | options))
+    assert all(word in str(error.value) for word in words), str(error.value)
+
+
+def test_rest_without_friction_is_told(tmp_path):
+    """A string that hangs against the wall of an inclined hole: at 0 rpm another state, which is said; no crash, no loss."""
+    well = {
+        "survey": {"md": [0, 60], "inclination": [0.6, 0.6], "azimuth": [0, 0]},
+        "sections": [{"to": 60, "kind": "casing", "diameter": 0.2159, "friction": 0.25}],
+    }
+    case = {
+        "string": [m.drill_pipe(50.0, 10, 1e-3)],
+        "well": well,
+        "top": {"kind": "top_drive", "rotation": 6.0},
+    }
+    tables(case, tmp_path, speeds="0:60:30 rpm", count=6)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert any("without friction" in w for w in summary["warnings"])

@@ -1,0 +1,244 @@
+"""Forced harmonic response against closed forms (manual: verif-response)."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+import drillpetsc
+from drillpetsc import Case
+from drillpetsc.analysis.modal import modes, prepare_state
+from drillpetsc.errors import CaseError
+from drillpetsc.model.drilling_model import build_model
+from drillpetsc.output import read_table
+from tests.helpers import frequency_models as m
+
+
+def table(case: dict, folder: Path, place: str, **options) -> dict[str, np.ndarray]:
+    """Columns of response.csv at a place."""
+    drillpetsc.response(Case(**case), folder, overwrite=True, **options)
+    found = read_table(folder / "response.csv")
+    rows = found["place [-]"] == place
+    return {name.split(" [")[0]: values[rows] for name, values in found.items()}
+
+
+# ---------------------------------------------------------------------- unbalance
+SPEEDS = np.array([15, 30, 40, 60, 90, 120.0])
+#: amplitudes [mm], as computed for this check (C20) before the code was written
+SPAN = np.array([0.19109, 1.30490, 8.83669, 2.79329, 1.72606, 1.48203])
+
+
+def rotor_amplitude(rpm: np.ndarray) -> np.ndarray:
+    """Signed amplitude [m] in the middle: 4 EI k^3/(tan(kL/2) - tanh(kL/2)) - M w^2, k^4 = m w^2/EI."""
+    w = rpm * m.RPM
+    k = (m.MASS * w**2 / m.EI) ** 0.25
+    stiffness = 4 * m.EI * k**3 / (np.tan(10 * k) - np.tanh(10 * k)) - 100.0 * w**2
+    return 0.5 * w**2 / stiffness
+
+
+@pytest.mark.parametrize("damping", [0.0, 1e-3])
+def test_unbalanced_rotor(damping, tmp_path):
+    """Amplitude, forward circles and the turn of the phase at the critical speed.  Damping in the material turns with the
+    pipe and does not limit it (C20)."""
+    assert np.abs(rotor_amplitude(SPEEDS)) * 1e3 == pytest.approx(SPAN, rel=1e-4)
+    rpm = "15,30,40,60,90,120 rpm"
+    found = table(m.rotor(damping=damping), tmp_path, "body", excite="unbalance", speeds=rpm)
+    assert found["rotary_speed"] == pytest.approx(SPEEDS)
+    assert found["lateral_amplitude"] * 1e3 == pytest.approx(SPAN, rel=5e-3)
+    assert found["whirl"] == pytest.approx(np.ones(6), abs=1e-6)
+    assert np.abs(found["lateral_phase"]) == pytest.approx([0, 0, 0, 180, 180, 180], abs=1e-6)
+    assert set(found["validity"]) == {"linear"}
+
+
+def test_order_of_the_rotor(tmp_path):
+    """Error at 40 rpm falls at least with the square of the element (2, 4, 8 elements a half)."""
+    exact = rotor_amplitude(np.array([40.0]))[0]
+    errors = [
+        abs(
+            table(m.rotor(n), tmp_path, "body", excite="unbalance", speeds="40 rpm")["lateral_amplitude"][0]
+            / exact
+            - 1
+        )
+        for n in (2, 4, 8)
+    ]
+    assert np.log2(errors[0] / errors[1]) > 1.8 and errors[2] < 1e-3
+
+
+def test_critical_speed_of_the_rotor(tmp_path):
+    """42.9907 rpm: the phase turns within 0.5 % of it, and the amplitude is more than 100 times that at 30 rpm."""
+    found = table(m.rotor(), tmp_path, "body", excite="unbalance", speeds="42.776, 43.206 rpm")
+    assert np.abs(found["lateral_phase"]) == pytest.approx([0, 180], abs=1e-3)
+    assert found["lateral_amplitude"].min() > 0.1
+
+
+def test_a_hinged_top_drive_is_a_pinned_top(tmp_path):
+    case = m.rotor()
+    pinned = table(case, tmp_path, "body", excite="unbalance", speeds="30,60 rpm")
+    case["top"] = {"kind": "top_drive", "rotation": "10 rpm", "hinged": True}
+    hinged = table(case, tmp_path, "body", excite="unbalance", speeds="30,60 rpm")
+    assert hinged["lateral_amplitude"] == pytest.approx(pinned["lateral_amplitude"], rel=1e-12)
+
+
+def test_eccentric_and_bent_pipe(tmp_path):
+    """Pinned pipe of 20 m whose centre of mass is off by e, or with a stress-free curvature: with q = kL/2, k^4 = m w^2/EI,
+
+    -e + e/2 (1/cos q + 1/cosh q), and (1/cosh q - 1/cos q)/(2 k^2) times the curvature, in the middle; bending moment of
+    the eccentric pipe there: EI e k^2/2 (1/cos q - 1/cosh q) (from EI w'''' - m w^2 (w + e) = 0)."""
+    rpm = np.array([20.0, 35.0, 90.0])
+    k = (m.MASS * (rpm * m.RPM) ** 2 / m.EI) ** 0.25
+    q = 10.0 * k
+    half = {"eccentricity": 0.003}, {"curvature": 2e-4}
+    expected = (
+        np.abs(-0.003 + 0.0015 * (1 / np.cos(q) + 1 / np.cosh(q))),
+        np.abs((1 / np.cosh(q) - 1 / np.cos(q)) / (2 * k**2)) * 2e-4,
+    )
+    for more, amplitude in zip(half, expected, strict=True):
+        case = m.rotor() | {"string": [m.drill_pipe(20.0, 20, **more)], "output": {"probes": [10.0]}}
+        found = table(case, tmp_path, "probe 10 m", excite="unbalance", speeds="20,35,90 rpm")
+        assert found["lateral_amplitude"] == pytest.approx(amplitude, rel=2e-3)
+        if "eccentricity" in more:
+            moment = m.EI * 0.0015 * k**2 * np.abs(1 / np.cos(q) - 1 / np.cosh(q))
+            assert found["bending_moment_amplitude"] == pytest.approx(moment, rel=5e-3)
+
+
+# ---------------------------------------------------------------------- the bit
+def test_bit_that_moves_three_times_a_turn(tmp_path):
+    """Axial force at a lower end that moves by 3 mm, from the wave equation of drill pipe and collars: 14.811, 76.071, 307.98,
+    931.28 kN at 60, 90, 120, 150 rpm (C23); tolerance 0.5 %.  Through a case file and the command line."""
+    from drillpetsc.cli import main
+
+    file = tmp_path / "string.yaml"
+    file.write_text(yaml.safe_dump(m.two_part_string()))
+    words = ["response", str(file), "--excite", "bit", "--amplitude", "3 mm", "--speeds", "60,90,120,150 rpm"]
+    assert main([*words, "--out", str(tmp_path / "run")]) == 0
+    found = read_table(tmp_path / "run" / "response.csv")
+    end = found["place [-]"] == "lower end"
+    expected = np.array([14.811e3, 76.071e3, 307.98e3, 931.28e3])
+    assert found["axial_force_amplitude [N]"][end] == pytest.approx(expected, rel=1e-4)
+    assert found["axial_amplitude [m]"][end] == pytest.approx(np.full(4, 3e-3))
+    assert (tmp_path / "run" / "plots" / "response.png").exists()
+    peaks = json.loads((tmp_path / "run" / "summary.json").read_text())["peaks"]
+    assert peaks[-1]["axial_force_amplitude"] == pytest.approx([931.28e3, 150.0], rel=1e-4)
+
+
+def test_resonance_of_the_collars(tmp_path):
+    """The force has a pole at c/(4 x 200 m) x 20 rpm = 128.067: large on both sides, of opposite sign (C23)."""
+    speeds = "128.003, 128.131 rpm"  # 0.05 % below and above
+    found = table(m.two_part_string(2), tmp_path, "top", excite="bit", amplitude="3 mm", speeds=speeds)
+    assert found["axial_force_amplitude"].min() > 5e6
+    wave = 3 * 128.067 / 60 * 2 * np.pi / m.AXIAL_SPEED
+    assert wave * 200 == pytest.approx(np.pi / 2, rel=1e-5)
+
+
+def test_damped_force_and_torque(tmp_path):
+    """A pipe of 1000 m held at the top, with Kelvin-Voigt damping b, under a force or torque at its free end:
+    motion F/(E' A k) tan(k L), force at the top F/cos(k L), k = w/c', c'^2 = c^2 (1 + i w b), E' = E (1 + i w b)."""
+    b, L = 2e-3, 1000.0
+    case = m.two_part_string() | {"string": [m.drill_pipe(L, 200, damping=b)]}
+    rpm = np.array([40.0, 75.0, 160.0])
+    for what, stiffness, speed, motion, force in (
+        ("5 kN", m.YOUNG * m.AREA, m.AXIAL_SPEED, "axial", "axial_force"),
+        ("1 kN m", m.GJ, m.TORSIONAL_SPEED, "twist", "torque"),
+    ):
+        load = 5e3 if what == "5 kN" else 1e3
+        options = {"excite": "bit", "amplitude": what, "order": 2.0, "speeds": "40,75,160 rpm"}
+        w = 2 * rpm * m.RPM
+        complex_part = 1 + 1j * w * b
+        k = w / (speed * np.sqrt(complex_part))
+        end = table(case, tmp_path, "lower end", **options)
+        exact = load / (stiffness * complex_part * k) * np.tan(k * L)
+        assert end[f"{motion}_amplitude"] == pytest.approx(np.abs(exact), rel=2e-3)
+        assert end[f"{motion}_phase"] == pytest.approx(np.degrees(np.angle(exact)), abs=0.3)
+        top = table(case, tmp_path, "top", **options)
+        assert top[f"{force}_amplitude"] == pytest.approx(np.abs(load / np.cos(k * L)), rel=2e-3)
+
+
+# ---------------------------------------------------------------------- unlucky inputs
+def test_an_undamped_resonance_is_infinite(tmp_path):
+    """At a frequency of the undamped model the amplitude is infinite, said so, and not a number; damped it is finite."""
+    case = m.two_part_string() | {"string": [m.drill_pipe(1000.0, 50)]}
+    model = build_model(Case(**case))
+    prepare_state(model)
+    speed = 2 * np.pi * modes(model, 1, kind="axial").frequency[0] / 3
+    options = {"excite": "bit", "amplitude": "1 kN", "speeds": [0.9 * speed, speed]}
+    found = table(case, tmp_path, "lower end", **options)
+    assert list(found["validity"]) == ["linear", "infinite"]
+    assert np.isfinite(found["axial_amplitude"][0]) and np.isinf(found["axial_amplitude"][1])
+    assert found["lateral_amplitude"][1] == 0 and np.isinf(found["axial_force_amplitude"][1])
+    warnings = json.loads((tmp_path / "summary.json").read_text())["warnings"]
+    assert any("infinite" in w for w in warnings) and any("dissipates" in w for w in warnings)
+    case["string"] = [m.drill_pipe(1000.0, 50, damping=1e-4)]
+    assert list(table(case, tmp_path, "lower end", **options)["validity"]) == ["linear", "linear"]
+
+
+HOLE = {
+    "survey": {"md": [0, 20], "inclination": [0, 0], "azimuth": [0, 0]},
+    "sections": [{"to": 20, "kind": "casing", "diameter": 0.131, "friction": 0.0}],
+}
+
+
+def test_an_amplitude_beyond_the_clearance_is_marked(tmp_path):
+    """Radial clearance 2 mm: linear at 30 rpm (1.305 mm), beyond it at 40 rpm (8.837 mm)."""
+    case = m.rotor() | {"well": HOLE, "output": {"probes": [10.0]}}
+    found = table(case, tmp_path, "probe 10 m", excite="unbalance", speeds="30,40 rpm")
+    assert list(found["validity"]) == ["linear", "touches"]
+    assert found["clearance_use"] == pytest.approx(np.array([1.30490, 8.83669]) / 2.0, rel=5e-3)
+
+
+def test_a_bit_that_lifts_off_is_marked(tmp_path):
+    """A bit on bottom with 1 kN: a moving bottom of the hole with more force than that is beyond the linear result."""
+    string = [m.drill_pipe(99.5, 20, damping=1e-3), {"kind": "bit", "length": 0.5, "od": 0.131, "mass": 20}]
+    well = {
+        "survey": {"md": [0, 100], "inclination": [0, 0], "azimuth": [0, 0]},
+        "sections": [{"to": 100, "kind": "open_hole", "diameter": 0.131, "friction": 0.2}],
+    }
+    case = {
+        "string": string,
+        "well": well,
+        "top": {"kind": "top_drive", "rotation": "60 rpm"},
+        "bottom": "bit",
+    }
+    case["initial"] = {"wob": 1e3}
+    for amplitude, word in (("0.01 mm", "linear"), ("1 mm", "lifts")):
+        found = table(case, tmp_path, "bit", excite="bit", amplitude=amplitude, speeds="60 rpm")
+        assert list(found["validity"]) == [word]
+
+
+@pytest.mark.parametrize(
+    ("changes", "options", "words"),
+    [
+        ({"top": "free"}, {}, ("top", "turn")),
+        ({"bottom": "clamped"}, {}, ("bottom", "turn")),
+        (
+            {"beam": {"formulation": "quaternion"}, "string": [m.drill_pipe(20.0, 4, eccentricity=1e-3)]},
+            {},
+            ("beam.formulation", "response"),
+        ),
+        ({"string": [m.drill_pipe(20.0, 4)]}, {}, ("--excite", "unbalance")),
+        ({}, {"speeds": "0:60:10 rpm"}, ("--speeds", "above 0")),
+        ({}, {"speeds": "-30 rpm"}, ("--speeds", "at least 0")),
+        ({}, {"speeds": "60:60:10 rpm"}, ("--speeds", "smaller")),
+        ({}, {"speeds": "60:30:10 rpm"}, ("--speeds", "smaller")),
+        ({}, {"speeds": "30:60:0 rpm"}, ("--speeds", "step")),
+        ({}, {"speeds": "30:60:-5 rpm"}, ("--speeds", "step")),
+        ({}, {"speeds": "30:60:5"}, ("--speeds", "unit")),
+        ({}, {"speeds": "30:60:5 m"}, ("--speeds", "rad/s")),
+        ({}, {"speeds": "60,30 rpm"}, ("--speeds", "ascending")),
+        ({}, {"excite": "motor"}, ("--excite", "unbalance, bit")),
+        ({}, {"excite": "unbalance", "amplitude": "3 mm"}, ("--amplitude", "unbalance")),
+        ({}, {"excite": "bit"}, ("--amplitude", "3 mm")),
+        ({}, {"excite": "bit", "amplitude": "3"}, ("--amplitude", "unit")),
+        ({}, {"excite": "bit", "amplitude": "3 s"}, ("--amplitude", "unit")),
+        ({}, {"excite": "bit", "amplitude": "0 mm"}, ("--amplitude", "above 0")),
+        ({}, {"excite": "bit", "amplitude": "3 mm", "order": 0.0}, ("--order", "above 0")),
+    ],
+)  # fmt: skip
+def test_bad_input_is_refused(changes, options, words, tmp_path):
+    case = Case(**(m.rotor() | changes))
+    with pytest.raises(CaseError) as error:
+        drillpetsc.response(case, tmp_path / "run", **({"excite": "unbalance", "speeds": "30 rpm"} | options))
+    assert all(word in str(error.value) for word in words), str(error.value)
