@@ -440,7 +440,7 @@ class FrictionPath:
         self._friction_at_end()
         held = self.solver.rows()
         for f in self.model.system.assembly.row_replacements:
-            held[f.rows] = f.complement @ held[f.rows]
+            held[f.rows] = f.row_complement @ held[f.rows]
         return held
 
     def _close(self, held: FloatArray) -> int:

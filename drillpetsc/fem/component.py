@@ -120,6 +120,8 @@ class PrescribedMotion:
     (7,); None: the directions are constant.
     advance(x): change (7,) of the vertex' unknowns x (7,) by the length of path that an end is moved down;
     None: the end does not move.
+    spin_reference(): direction (3,) from which the spin angle counts, where the spin is prescribed, last, and the slope is
+    free; None: the slope is prescribed, too, or the spin is not (manual: eq-prescribed-lean).
     """
 
     vertex: int
@@ -129,6 +131,7 @@ class PrescribedMotion:
     names: tuple[str, ...]
     along_path: Callable[[float, FloatArray], tuple[FloatArray, FloatArray, FloatArray]] | None = None
     advance: Callable[[FloatArray], FloatArray] | None = None
+    spin_reference: Callable[[], FloatArray] | None = None
 
 
 @dataclass(frozen=True)
