@@ -9,6 +9,7 @@ from drillpetsc import Case, run
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
+from tests.helpers.component_models import SHIFT, dense, differences, residual
 
 ROD = {
     "kind": "beam",
@@ -29,6 +30,11 @@ def loads(end: float) -> list[dict]:
         {"at": 2.0, "force": [60.0, 80.0, -20.0], "value_over": ramp},
         {"at": 2.0, "moment": [0.0, 0.0, 30.0], "value_over": ramp},
     ]
+
+
+def steady() -> list[dict]:
+    """The same loads, which do not change."""
+    return [{key: value for key, value in q.items() if key != "value_over"} for q in loads(1.0)]
 
 
 def swinging(form: str, folder) -> tuple[dict, dict, dict]:
@@ -68,12 +74,7 @@ def test_both_elements_hold_the_same_spin(tmp_path):
 def test_moments_about_the_pin_at_rest():
     """Equilibrium of the whole rod: the moment of weight and loads about the pin is along the bisector of the pin's axis and
     the tangent, and the torque on the string is its part along the tangent."""
-    case = Case(
-        string=[ROD],
-        top="pinned",
-        bottom="free",
-        loads=[{k: v for k, v in q.items() if k != "value_over"} for q in loads(1.0)],
-    )
+    case = Case(string=[ROD], top="pinned", bottom="free", loads=steady())
     model = build_model(case)
     assert find_equilibrium(model).stable
     place, slope = model.system.field("string.position"), model.system.field("string.tangent")
@@ -88,3 +89,22 @@ def test_moments_about_the_pin_at_rest():
     assert np.arccos(tangent[2]) > np.radians(40)
     assert moment == pytest.approx((moment @ bisector) * bisector, abs=1e-5 * np.linalg.norm(moment))
     assert model.system.reaction("top.torque_reaction") == pytest.approx(-moment @ tangent, rel=1e-5)
+
+
+def test_jacobian_at_a_tilted_end_under_torque():
+    """Condensed Jacobian against differences of fourth order, in a tilted state in motion with a torque on the end."""
+    model = build_model(Case(string=[ROD], top="pinned", bottom="free", loads=steady()))
+    find_equilibrium(model)
+    system, rng = model.system, np.random.default_rng(1)
+    asm = system.assembly
+    asm.condense(SHIFT)
+    asm.v0[:], asm.v1[:] = rng.uniform(-0.1, 0.1, (2, system.layout.size))
+    free = np.eye(system.layout.size)
+    for f in asm.row_replacements:
+        free[np.ix_(f.rows, f.rows)] = f.complement
+    x = asm.x[:-1].copy()
+    residual(system, x, 0.0)
+    assert abs(system.reaction("top.torque_reaction")) > 5, "the state does not show what is tested"
+    asm.jacobian(0.0, (1.0, SHIFT, SHIFT**2), condensed=True)
+    J, F = dense(system), differences(system, x, 0.0, 1e-5)
+    assert np.abs((J - F) @ free).max() < 1e-8 * np.abs(J[np.abs(J) < 1e5]).max()
