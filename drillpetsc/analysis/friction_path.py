@@ -469,7 +469,7 @@ class FrictionPath:
         """Forces (n,) on free unknowns that the state lacks to be an equilibrium."""
         out = self.solver.rows()
         for f in self.model.system.assembly.row_replacements:
-            out[f.rows] = f.complement @ out[f.rows]
+            out[f.rows] = f.row_complement @ out[f.rows]
         return out
 
     def _close(self, held: FloatArray) -> int:

@@ -220,6 +220,10 @@ class Assembly:
         for f in self.row_replacements:
             f.evaluate(t, self.x, self.y)
             _fix_rates(*f.head, f.rate_at, sigma, self._history[1], y, a)
+            if f.leans:
+                spin = f.rows[6]
+                self.y[spin] += f.lean_at(self.x) @ self.y[f.rows[3:6]]
+                self.a[spin] = sigma * self.y[spin] + self.v1[spin]
 
     def invalidate_prescribed_values(self) -> None:
         """Evaluate prescribed values anew at the next call, for example after an end was moved at constant time."""
@@ -327,6 +331,8 @@ class Assembly:
                     pointer(owned),
                     f.reaction_at,
                 )
+                if f.leans:
+                    owned[f.owned_rows[3:6]] += f.lean_at(self.x) * f.reaction[-1]
 
     def jacobian(self, t: float, c: tuple[float, float, float], condensed: bool) -> None:
         """Compute all entries c0 dR/dx + c1 dR/dy + c2 dR/da into ``values`` (manual: eq-time-jacobian).
@@ -387,11 +393,16 @@ class Assembly:
     def _replace_jacobian_rows(self, by_position: float) -> None:
         """Replace the rows along prescribed directions; ``by_position``: 1 with dR/dx in the sum, else 0."""
         for f in self.row_replacements:
+            if f.leans:
+                f.lean_at(self.x)
             _fix_matrix(*f.matrix_head, self._values_at)
         start = self.bound_blocks[-1].span.stop if self.bound_blocks else 0
         for f in self.row_replacements:
             if f.owned:
                 np.multiply(f.projector, by_position * ROW_SCALE, out=self.values[start : start + 49])
+                if f.leans:
+                    own = self.values[start : start + 49].reshape(7, 7)
+                    own[3:6, 3:6] += by_position * f.reaction[-1] * f.lean_derivative(self.x)
                 start += 49
 
     def index_of(self, block: ElementBlock) -> np.ndarray:

@@ -84,6 +84,8 @@ class RowReplacement:
 
     D: (m, 7) prescribed directions over the node's unknowns; complement: I - D^T D.  On a curved path both
     are those of the last evaluation.
+    rate_directions: (m, 7) prescribed directions over the node's rates; row_complement: (7, 7) what remains of the node's
+    rows.  They are D and complement but for a spin that is held where the slope is free, there after ``lean_at``.
     rows: (7,) local dofs of the node.
     elements: (block, element, slots of the seven dofs in the element) of every element at the node.
     value [m, -, rad], rate [per second], reaction [N, N m]: (m,) each.
@@ -119,6 +121,8 @@ class RowReplacement:
         self.width = np.array([item.width for item, _, _ in self.elements], dtype=np.int32)
         self.slots = np.ascontiguousarray([s for *_, s in self.elements], dtype=np.int32).reshape(-1, 7)
         self.complement = np.ascontiguousarray(self.complement)
+        self.row_complement, self.rate_directions = self.complement.copy(), self.D.copy()
+        self.leans = condition.spin_reference is not None
         self.head = (len(self.D), pointer(self.D), pointer(self.rows))
         self.rate_at, self.value_at, self.reaction_at = (
             pointer(self.rate),
@@ -129,7 +133,7 @@ class RowReplacement:
         self.owned_rows: np.ndarray | None = None  # (7,) the rows' indices in the owned part of a vector
         self.matrix_head = (
             len(self.first_entries),
-            pointer(self.complement),
+            pointer(self.row_complement),
             pointer(self.first_entries),
             pointer(self.width),
             pointer(self.slots),
@@ -165,6 +169,30 @@ class RowReplacement:
         projector = self.D.T @ self.D
         self.projector[:] = projector.ravel()
         self.complement[:] = np.eye(7) - projector
+        self.row_complement[:], self.rate_directions[:] = self.complement, self.D
+
+    def lean_at(self, x: FloatArray) -> FloatArray:
+        """Set the directions of a spin that is held where the slope is free to those at ``x``; returns c(v) (3,).
+
+        The spin rate is that of the angle plus c(v).w, so a torque on the angle is one on the spin and -c(v) times it on the
+        slope (manual: eq-prescribed-lean).
+        """
+        assert self.condition.spin_reference is not None
+        v, a = x[self.rows[3:6]], self.condition.spin_reference()
+        n = np.linalg.norm(v)
+        lean = np.array([v[1] * a[2] - v[2] * a[1], v[2] * a[0] - v[0] * a[2], v[0] * a[1] - v[1] * a[0]])
+        lean /= n * (n + v @ a)
+        self.row_complement[3:6, 6], self.rate_directions[-1, 3:6] = lean, -lean
+        return lean
+
+    def lean_derivative(self, x: FloatArray) -> FloatArray:
+        """Derivative (3, 3) of c(v) by v at ``x``."""
+        assert self.condition.spin_reference is not None
+        v, a = x[self.rows[3:6]], self.condition.spin_reference()
+        n = np.linalg.norm(v)
+        s = n * (n + v @ a)
+        across = np.array([[0.0, a[2], -a[1]], [-a[2], 0.0, a[0]], [a[1], -a[0], 0.0]])  # of v x a
+        return across / s - np.outer(np.cross(v, a), 2 * v + (v @ a) / n * v + n * a) / s**2
 
 
 class BoundStabilization:

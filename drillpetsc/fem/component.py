@@ -121,6 +121,8 @@ class PrescribedMotion:
     zero is free.
     advance(x): change (7,) of the vertex' unknowns x (7,) by the length of path that an end is moved down;
     None: the end does not move.
+    spin_reference(): direction (3,) from which the spin angle counts, where the spin is prescribed, last, and the slope is
+    free; None: the slope is prescribed, too, or the spin is not (manual: eq-prescribed-lean).
     """
 
     vertex: int
@@ -132,6 +134,7 @@ class PrescribedMotion:
         Callable[[float, FloatArray, FloatArray | None], tuple[FloatArray, FloatArray, FloatArray]] | None
     ) = None
     advance: Callable[[FloatArray], FloatArray] | None = None
+    spin_reference: Callable[[], FloatArray] | None = None
 
 
 @dataclass(frozen=True)

@@ -105,7 +105,13 @@ class PathEnd(Top):
             tuple(f"{where}.{n}" for n in names),
             along_path=None if path is None else self._at,
             advance=None if path is None else self._advance,
+            spin_reference=self._reference if spin and not tilt and frames is not None else None,
         )
+
+    def _reference(self) -> FloatArray:
+        """Direction (3,) from which the spin angle of the end counts."""
+        assert self._frames is not None
+        return self._frames.reference[self._vertex]
 
     def _spin_about_reference(self, here: PathPoint) -> float:
         """Compute the spin angle [rad] of a section whose first director is the path's first normal."""
@@ -199,7 +205,7 @@ class PathEnd(Top):
 
 
 class FixedEnd(PathEnd):
-    """Fixed end: clamped (position, direction, spin) or pinned (position).
+    """Fixed end: clamped (position, direction, spin) or pinned (position; at the top also spin).
 
     vertex: its node; kind: ``clamped`` or ``pinned``.
     position: (3,) [m]; tangent: (3,) unit.

@@ -199,7 +199,9 @@ class FirstOrderSystem:
             xs, ys = layout.x_owned[node_index], layout.y_owned[node_index]
             c.evaluate(t, asm.x, asm.y)
             out[xs] = c.complement @ out[xs] + c.D.T @ (c.D @ asm.x[c.rows] - c.value)
-            out[ys] = c.complement @ out[ys] + c.D.T @ (c.D @ asm.y[c.rows] - c.rate)
+            if c.leans:
+                c.lean_at(asm.x)
+            out[ys] = c.row_complement @ out[ys] + c.D.T @ (c.rate_directions @ asm.y[c.rows] - c.rate)
 
     def jacobian(self, ts, t, state, rate, shift, J, P) -> None:
         """Assemble the Jacobian (TS IJacobian) at ``shift`` [1/s] (manual: eq-time-first-order-jacobian)."""
@@ -222,7 +224,7 @@ class FirstOrderSystem:
             kin_x, kin_y = shift * np.eye(7), -np.eye(7)
             node = int(np.flatnonzero(self._spin_nodes == c.rows[6])[0])
             kin_x[6, 3:6], kin_y[6, 3:6] = by_v[node], by_w[node]
-            parts += [c.complement @ kin_x + projector, c.complement @ kin_y, projector]
+            parts += [c.complement @ kin_x + projector, c.complement @ kin_y, c.D.T @ c.rate_directions]
         np.concatenate([p.ravel() for p in parts], out=self._values)
         petsc_compat.set_values_coo(self.matrix, self._values)
         if P != self.matrix:

@@ -65,7 +65,7 @@ class ResidualWork:
         power: float = _product(len(self._rows), self._rows_at, pointer(rows), self._rates_at, pointer(asm.y))
         for f in asm.row_replacements:
             if f.owned and f.owned_rows is not None:
-                power -= float((f.D @ rows[f.owned_rows]) @ (f.D @ asm.y[f.rows]))
+                power -= float((f.D @ rows[f.owned_rows]) @ (f.rate_directions @ asm.y[f.rows]))
         return power
 
     def start(self, t: float) -> None:

@@ -122,7 +122,7 @@ class OverdampedMotion:
         """Work [J] of ``rows`` (n,) along ``p`` (n,), without that of prescribed components."""
         free = rows.copy()
         for f in self.system.assembly.row_replacements:
-            free[f.rows] = f.complement @ free[f.rows]
+            free[f.rows] = f.row_complement @ free[f.rows]
         return sum_of(self.system, float(free[self._owned] @ p[self._owned]))
 
     # ------------------------------------------------------------------ step

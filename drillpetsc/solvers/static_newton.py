@@ -155,7 +155,9 @@ class StaticNewton:
         """
         asm, g = self.system.assembly, rows.copy()
         for f in asm.row_replacements:
-            g[f.rows] = f.complement @ g[f.rows]
+            if f.leans:
+                f.lean_at(asm.x)
+            g[f.rows] = f.row_complement @ g[f.rows]
         phi, v = asm.spin_at[:, 0], asm.spin_at[:, 1:2] + np.arange(3)
         g[v] += self._spin_potential() * g[phi][:, None]
         return g

@@ -61,7 +61,8 @@ class HeldTop(TopEnd):
     """A top end without a drive."""
 
     kind: Literal["clamped", "pinned", "free"] = Field(
-        description="clamped: position, direction and spin held; pinned: position held; free: nothing held"
+        description="clamped: position, direction and spin held; pinned: position and spin held, it bends freely; "
+        "free: nothing held"
     )
 
 

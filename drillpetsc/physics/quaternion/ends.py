@@ -229,7 +229,12 @@ class ConstrainedEnd(Top):
         """
         if name not in self.names or not len(self._block.points):
             return 0.0
-        return float(state.x[state.index_of(self._block)[0, 7 + self.names.index(name)]])
+        index = state.index_of(self._block)[0]
+        multiplier = float(state.x[index[7 + self.names.index(name)]])
+        if self.prescribed_rotations != 1 or not name.endswith("torque_reaction"):
+            return multiplier
+        # a section whose direction is free tilts by an angle b: the moment about the tangent is cos(b/2) of the multiplier
+        return multiplier * abs(float(self._goal[0] @ state.x[index[3:7]]))
 
     def powers(self, t: float, state) -> Powers:
         if not len(self._block.points):
