@@ -1,4 +1,4 @@
-"""Rows of the catalogue for people: the command `drillpetsc catalogue` and the function of the same name."""
+"""Rows of the catalogue to read: the command `drillpetsc catalogue` and the function of the same name."""
 
 from __future__ import annotations
 
