@@ -99,6 +99,10 @@ class Jointed(Tubular):
     )
 
     @property
+    def widest_od(self) -> float | None:
+        return self.od if self.tool_joint is None else self.tool_joint.od
+
+    @property
     def contact_od(self) -> float | None:
         return self.od if self.contact_on == "body" or self.tool_joint is None else self.tool_joint.od
 
