@@ -42,6 +42,12 @@ METRIC: dict[str, tuple[str, float]] = {
 }
 
 
+UNVERIFIED = (
+    "Rows marked NO hold figures that nobody has compared with a copy of their source: compare them with the maker's sheet, or give\n"
+    "your own (od, id, tool_joint, adjusted_weight in the case, or a CSV file with the key catalogue)."
+)
+
+
 class CatalogueRows(Sequence[Row]):
     """Rows that were found; printed as tables in field and metric units with their sources.
 
@@ -66,11 +72,12 @@ class CatalogueRows(Sequence[Row]):
             units = {column.lstrip("?"): unit for column, unit in TABLES[table].items() if column != "source"}
             cells = []
             for row in rows:
-                cells.append([*(_field(row[c], unit) for c, unit in units.items()), row.source])
+                mark = "yes" if row.verified else "NO"
+                cells.append([*(_field(row[c], unit) for c, unit in units.items()), mark, row.source])
                 cells.append(
-                    [*(_metric(row[c], unit) for c, unit in units.items()), f"{row.file} line {row.line}"]
+                    [*(_metric(row[c], unit) for c, unit in units.items()), "", f"{row.file} line {row.line}"]
                 )
-            yield TITLES[table], [*units, "source"], cells
+            yield TITLES[table], [*units, "verified", "source"], cells
 
     def __str__(self) -> str:
         if not self._rows:
@@ -83,6 +90,8 @@ class CatalogueRows(Sequence[Row]):
                 for line in [columns, *cells]
             ]
             blocks.append("\n".join([title, *lines]))
+        if not all(row.verified for row in self._rows):
+            blocks.append(UNVERIFIED)
         return "\n\n".join(blocks)
 
     __repr__ = __str__

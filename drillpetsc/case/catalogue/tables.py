@@ -97,10 +97,14 @@ class Row:
         return self.cells.get(column)
 
     @property
+    def verified(self) -> bool:
+        """Whether the figures were seen in a copy of their source, or follow from others by a formula."""
+        return "unverified" not in self.source
+
+    @property
     def place(self) -> str:
         """`catalogue drill_pipe.csv line 16`, for a list of sources; says so where the row is not verified."""
-        unverified = " (unverified)" if "unverified" in self.source else ""
-        return f"catalogue {self.file} line {self.line}{unverified}"
+        return f"catalogue {self.file} line {self.line}{'' if self.verified else ' (unverified)'}"
 
     @property
     def source(self) -> str:

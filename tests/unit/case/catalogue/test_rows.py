@@ -180,4 +180,4 @@ def test_every_row_names_a_source(table):
     for row in BUILT_IN.rows[table]:
         assert row.source and "no source" not in row.source
         assert "as recalled" not in row.source or "unverified" in row.source
-        assert ("(unverified)" in row.place) == ("unverified" in row.source)
+        assert ("(unverified)" in row.place) == ("unverified" in row.source) == (not row.verified)
