@@ -14,6 +14,7 @@ from drillpetsc.case.section import ring, tubular_section
 
 #: SI unit -> unit of the trade, value of one of it in SI
 FIELD = {
+    "N m": ("ft-lbf", FT_LBF),
     "kg/m": ("lb/ft", LB_PER_FT),
     "Pa": ("ksi", KSI),
     "m^2": ("in2", INCH**2),

@@ -44,6 +44,7 @@ class Strength:
     outer: diameter of the worn tube, inner: bore [m]; yield_strength [Pa]; joint_length [m].
     tension_limit: (n,) pull that is allowed [N].
     half_joint: (n,) [m], nan where bending does not gather beside tool joints.
+    make_up: (n,) make-up torque of the tool joints [N m].
     """
 
     def __init__(self, model: DrillingModel, choices: Choices) -> None:
@@ -59,6 +60,10 @@ class Strength:
         touches = [isinstance(item, Jointed) and item.contact_on == "tool_joint" for item in items]
         self.half_joint = np.where(np.array(touches)[mesh.item], 0.5 * mesh.joint_length, np.nan)
         grades = [item.grade if isinstance(item, Tubular) else None for item in items]
+        made_up = [item.tool_joint.make_up_torque if isinstance(item, Jointed) else None for item in items]
+        self.make_up = np.array(
+            [np.nan if made_up[i] is None else made_up[i] for i in mesh.item], dtype=float
+        )
         rules = [
             fatigue.rule_of(g) if isinstance(i, DrillPipe) else None
             for i, g in zip(items, grades, strict=True)
@@ -118,6 +123,9 @@ def element_values(
     )
     if choices.sn is not None:
         more["damage_per_hour"] = choices.sn.damage_per_hour(s.bending, rotation)
+    if np.isfinite(pipe.make_up).any():
+        make_up = np.broadcast_to(pipe.make_up[:, None], nothing.shape)
+        more |= {"make_up_torque": make_up, "make_up_ratio": np.abs(state.torque) / make_up}
     with np.errstate(divide="ignore", invalid="ignore"):
         return {
             "md": hole.md,

@@ -27,6 +27,7 @@ TITLES = {
     "tool_joint": "Drill pipe, tool joints",
     "hwdp": "Heavy-wall drill pipe",
     "drill_collar": "Drill collars",
+    "connection": "Threads of connections",
     "casing": "Casing",
     "grade": "Grades",
     "class": "Classes of used drill pipe",
@@ -43,7 +44,7 @@ METRIC: dict[str, tuple[str, float]] = {
 
 
 UNVERIFIED = (
-    "Rows marked NO hold figures that nobody has compared with a copy of their source: compare them with the maker's sheet, or give\n"
+    "Rows marked NO hold figures that were not compared with a copy of their source: compare them with the maker's sheet, or give\n"
     "your own (od, id, tool_joint, adjusted_weight in the case, or a CSV file with the key catalogue)."
 )
 

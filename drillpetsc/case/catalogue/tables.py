@@ -46,6 +46,18 @@ TABLES: dict[str, dict[str, str]] = {
         "?upset_od": "in",
         "?upset_weight": "lb",
         "?adjusted": "lb/ft",
+        "?make_up": "ft-lbf",
+        "source": "",
+    },
+    "connection": {
+        "connection": "",
+        "taper": "in/ft",
+        "threads": "1/in",
+        "thread_height": "in",
+        "root": "in",
+        "pitch_diameter": "in",
+        "pin_length": "in",
+        "counterbore": "in",
         "source": "",
     },
     "hwdp": {
@@ -314,5 +326,7 @@ def _complete(path: Path, row: Row, cells: dict[str, Any]) -> None:
         if cells["id"] >= cells["od"]:
             raise refuse("id", f"an inner diameter below the outer, {cells['od']:g} in")
         agree("weight", formulas.plain_end_weight(cells["od"], cells["id"]))
+    if row.table == "connection" and not cells["pitch_diameter"] < cells["counterbore"]:
+        raise refuse("pitch_diameter", f"less than the counterbore, {cells['counterbore']:g} in")
     if row.table == "class" and not 0 < cells["wall"] <= 1:
         raise refuse("wall", "a fraction of the wall, above 0 and at most 1")

@@ -125,6 +125,20 @@ LIMITS: tuple[Quantity, ...] = (
         f"Axial force over tension limit; {_WHERE_KNOWN}",
         "tension positive",
     ),
+    _node(
+        "make_up_torque",
+        "N m",
+        "Make-up torque",
+        "MUTQ",
+        "Torque with which the tool joints are made up; empty where the threads are not known.",
+    ),
+    _node(
+        "make_up_ratio",
+        "-",
+        "Torque over make-up torque",
+        "MRAT",
+        "Torque over make-up torque; a connection turns further in the hole where it is above 1.",
+    ),
     _node("torque_ratio", "-", "Torque over limit", "QRAT", f"Torque over torque limit; {_WHERE_KNOWN}"),
     _node(
         "sinusoidal_limit",
