@@ -307,6 +307,23 @@ def test_rows_where_items_meet_and_around_rigid_items(tmp_path):
     assert found.summary["hook_load"] == pytest.approx(weight * math.cos(0.9) + drag, rel=1e-3)
 
 
+def test_wear_of_casing_below_a_string_that_turns(tmp_path):
+    """Level pipe of 315 N/m and 140 mm at 100 rpm: 315 N/m times 0.733 m/s in casing, nothing below it."""
+    well = hole(600, math.pi / 2, 0.222, friction=0.1)
+    open_hole = {"to": 600, "kind": "open_hole", "diameter": 0.222, "friction": 0.1}
+    well["sections"] = [open_hole | {"to": 300, "kind": "casing"}, open_hole]
+    top = {"kind": "top_drive", "rotation": "100 rpm"}
+    found = run_limits(case([level_pipe(600.0, element_length=10.0)], well, top=top), out=tmp_path / "r")
+    table = read_table(found.folder / "limits.csv")
+    inner = (table["md [m]"] > 100) & (table["md [m]"] < 290)
+    expected = 315 * 100 * math.pi / 30 * 0.07
+    assert table["casing_wear_rate [W/m]"][inner] == pytest.approx(expected, rel=0.02)
+    assert np.isnan(table["casing_wear_rate [W/m]"][table["md [m]"] > 310]).all()
+    assert any("Rate of casing wear" in line for line in found.lines)
+    still = run_limits(case([level_pipe(600.0, element_length=10.0)], well), out=tmp_path / "still")
+    assert "casing_wear_rate [W/m]" not in read_table(still.folder / "limits.csv")
+
+
 def test_make_up_torque(tmp_path):
     """60 % of the torque at which an NC50 tool joint of 6 5/8 x 2 3/4 in yields: 63,406 ft-lbf (API RP 7G, table 8).
 

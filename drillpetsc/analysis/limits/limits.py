@@ -49,6 +49,7 @@ WEAKEST = (
     ("burst_ratio", True, "Inside pressure over burst"),
     ("collapse_ratio", True, "Outside pressure over collapse"),
     ("damage_per_hour", True, "Miner's damage per hour"),
+    ("casing_wear_rate", True, "Rate of casing wear"),
 )
 
 
@@ -430,6 +431,8 @@ def _lines(case: Case, summary: dict[str, Any], units: System) -> list[str]:
             value = (
                 shown(worst["value"], "force", units)
                 if name == "side_force_per_joint"
+                else f"{worst['value']:.3g} W/m"
+                if name == "casing_wear_rate"
                 else f"{worst['value']:.3g}"
             )
             add(label, f"{value} {place(worst)}")

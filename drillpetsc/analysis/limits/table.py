@@ -102,7 +102,7 @@ def element_values(
     """Columns of numbers of limits.csv, (n, 2) at both ends of each element.
 
     Forces that two elements of one item have at their node are the mean of both.
-    rotation: of the string [rad/s], for the damage by an S-N curve.
+    rotation: of the string [rad/s], for the damage by an S-N curve and the wear of casing.
     """
     state = _smoothed(model, state)
     outer, inner, strong = pipe.outer[:, None], pipe.inner[:, None], pipe.yield_strength[:, None]
@@ -123,6 +123,9 @@ def element_values(
     )
     if choices.sn is not None:
         more["damage_per_hour"] = choices.sn.damage_per_hour(s.bending, rotation)
+    if (cased := _in_casing(model, hole.md)).any() and rotation:
+        slip = abs(rotation) * 0.5 * model.mesh.contact_diameter[:, None]
+        more["casing_wear_rate"] = np.where(cased, state.side_force * slip, np.nan)
     if np.isfinite(pipe.make_up).any():
         make_up = np.broadcast_to(pipe.make_up[:, None], nothing.shape)
         more |= {"make_up_torque": make_up, "make_up_ratio": np.abs(state.torque) / make_up}
@@ -157,6 +160,16 @@ def element_values(
             "fatigue_ratio": state.dls / dogleg,
             **more,
         }
+
+
+def _in_casing(model: DrillingModel, md: FloatArray) -> np.ndarray:
+    """(n, 2) whether the hole around measured depths (n, 2) [m] is cased; elements end where casing does, or beside it."""
+    sections = () if model.case.well is None else model.case.well.sections
+    if not sections:
+        return np.zeros(md.shape, dtype=bool)
+    middle = np.searchsorted([s.to for s in sections], md.mean(axis=1)).clip(max=len(sections) - 1)
+    cased = np.array([s.kind == "casing" for s in sections])[middle]
+    return np.broadcast_to(cased[:, None], md.shape)
 
 
 def _force_on_joint(md: FloatArray, state: State, joint: FloatArray) -> FloatArray:

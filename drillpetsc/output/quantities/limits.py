@@ -194,6 +194,13 @@ LIMITS: tuple[Quantity, ...] = (
         "DMGH",
         "Damage of an hour of rotation by the S-N curve of --sn, 1 at failure; nan above the curve. Only with --sn.",
     ),
+    _node(
+        "casing_wear_rate",
+        "W/m",
+        "Rate of casing wear",
+        "CWRT",
+        "Side force per length of casing times the speed at which the turning string slides on it; nan below the casing. Times a wear factor and time it is the worn volume per length.",
+    ),
 )
 
 CONTACTS: tuple[Quantity, ...] = (
