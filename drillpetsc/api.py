@@ -206,6 +206,7 @@ def surge(
     bit_depth: measured depths of the bit, as text or in m; by default that of the case
     window: limits of the open hole, as text ("11.2,13.8 ppg") or in kg/m3; by default the window of the case
     flow: flow rate of a pumping pipe, as text or in m3/s; by default that of the case
+    dynamic: True for a run of string and mud from rest for each speed, too
     units: field, metric or SI, of `lines` of the result and of plots; by default metric
     overwrite: True to replace the results in an existing folder
     name: name of the case in the default folder

@@ -114,6 +114,10 @@ def _rig(rig: Rig, units: System) -> str:
         ("largest standpipe pressure", rig.max_spp, "pressure"),
     )
     parts = [f"{name} {shown(value, kind, units, 6)}" for name, value, kind in given if value is not None]
+    if rig.elevation is not None:
+        parts.insert(
+            0, f"datum {shown(rig.elevation, 'length', units, 6)} above {rig.elevation_ref or 'MSL'}"
+        )
     return "  rig: " + "; ".join(
         [*([f"depths from {rig.datum}"] if rig.datum else []), *parts] or ["nothing given"]
     )

@@ -14,6 +14,7 @@ from drillpetsc.case.section import ring, tubular_section
 
 #: SI unit -> unit of the trade, value of one of it in SI
 FIELD = {
+    "N m": ("ft-lbf", FT_LBF),
     "kg/m": ("lb/ft", LB_PER_FT),
     "Pa": ("ksi", KSI),
     "m^2": ("in2", INCH**2),
@@ -106,8 +107,7 @@ def _section_lines(case: Case, item: Tubular) -> list[str]:
     if case.fluid is not None and s.joint_share > 0:
         extra = s.joint_share * ((item.id / s.joint_bore) ** TURBULENT - 1)
         lines.append(
-            f"friction of the mud: in the bore tube and tool joints in series ({100 * extra:+.0f} % over the tube in turbulent "
-            "flow); in the annulus the tube only"
+            f"friction of the mud: tube and tool joints in series (bore: {100 * extra:+.0f} % over the tube in turbulent flow)"
         )
     return lines
 

@@ -129,6 +129,7 @@ class Trips:
     speeds: [m/s]; operations: of OPERATIONS; pipes: of PIPES.
     bit_depths: measured [m], None: the case's own and, with a window, some along the open hole.
     window: instead of the case's; flow: rate of the pump while pumping [m3/s], None: that of the case.
+    dynamic: a run from rest for each speed, too.
     """
 
     speeds: tuple[float, ...]
@@ -137,6 +138,7 @@ class Trips:
     bit_depths: tuple[float, ...] | None = None
     window: Window | None = None
     flow: float | None = None
+    dynamic: bool = False
 
 
 def read_flows(
@@ -158,6 +160,7 @@ def read_trips(
     bit_depth: Numbers | None = None,
     window: Numbers | None = None,
     flow: str | float | None = None,
+    dynamic: bool = False,
     units: System = "SI",
 ) -> Trips:
     """Read the options of `surge`; CaseError names the option.  units: of bare numbers in text."""
@@ -171,6 +174,7 @@ def read_trips(
         None if bit_depth is None else read_numbers(bit_depth, DEPTH, "--bit-depth", "1000,2000 m", units),
         None if window is None else _window(window, units),
         None if flow is None else read_number(flow, FLOW, "--flow", "400 gpm", units),
+        dynamic,
     )
 
 

@@ -22,7 +22,7 @@ class TubularSection:
     bore_area, outer_area [m2]: for the weight of the mud and for buoyancy.
     contact_diameter; clearance_diameter: for buckling loads [m]; worn_diameter: outer diameter of the worn tube, for limits [m].
     joint_length [m], yield_strength [Pa]: nan where not known.
-    joint_share: f [-]; joint_bore: inner diameter of the tool joint [m].
+    joint_share: f [-]; joint_bore, joint_od: diameters of the tool joint [m].
     """
 
     axial_stiffness: float
@@ -39,6 +39,7 @@ class TubularSection:
     yield_strength: float
     joint_share: float
     joint_bore: float
+    joint_od: float
 
 
 def ring(outer: float, inner: float) -> tuple[float, float]:
@@ -51,11 +52,11 @@ def tubular_section(item: Tubular) -> TubularSection:
     m = item.material
     shear = m.young / (2 * (1 + m.poisson))
     area, moment = ring(item.od, item.id)
-    share, joint_bore = 0.0, item.id
+    share, joint_bore, joint_od = 0.0, item.id, item.od
     joint_area, joint_moment = area, moment
     if isinstance(item, Jointed):
         joint = item.tool_joint
-        share, joint_bore = joint.length / item.joint_length, joint.id
+        share, joint_bore, joint_od = joint.length / item.joint_length, joint.id, joint.od
         joint_area, joint_moment = ring(joint.od, joint.id)
 
     def mean(tube: float, joint: float) -> float:
@@ -86,6 +87,7 @@ def tubular_section(item: Tubular) -> TubularSection:
         yield_strength=math.nan if item.yield_strength is None else item.yield_strength,
         joint_share=share,
         joint_bore=joint_bore,
+        joint_od=joint_od,
     )
 
 

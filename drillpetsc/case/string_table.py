@@ -1,4 +1,4 @@
-"""The string of a case as a table for people: an item a row, from the top down."""
+"""The string of a case as a table to read: an item a row, from the top down."""
 
 from __future__ import annotations
 

@@ -34,9 +34,10 @@ from drillpetsc.case.catalogue.reference import (
     find_grade,
     find_heavy_pipe,
     find_pipe,
+    find_threads,
     find_tube,
 )
-from drillpetsc.case.catalogue.sizes import INCH, KSI, LB_PER_FT, size_at_start
+from drillpetsc.case.catalogue.sizes import FT_LBF, INCH, KSI, LB_PER_FT, size_at_start
 from drillpetsc.case.catalogue.tables import Catalogue, Row
 from drillpetsc.case.figures import Figure, Figures
 from drillpetsc.case.key_paths import refuse, suggestion
@@ -337,7 +338,38 @@ class _Completion:
                     want="this key: {od: .., id: .., length: ..}, or a pipe from the catalogue",
                     hint="a tube without tool joints is kind: pipe",
                 )
+        joint["make_up_torque"] = own.make_up_torque or self._make_up(joint, own, row)
         self.values["tool_joint"] = ToolJoint(**joint)
+
+    def _make_up(self, joint: dict[str, Any], own: ToolJoint, row: Row | None) -> float | None:
+        """Make-up torque [N m]: that of the row for its own tool joint, else by the formula for new ones; None: unknown threads."""
+        key, place = "tool_joint.make_up_torque", "" if row is None else row.place
+        if row is not None and row["make_up"] is not None and own.od is None and own.id is None:
+            torque = row["make_up"] * FT_LBF
+        else:
+            threads = find_threads(self.catalogue, joint["connection"]) if joint["connection"] else None
+            if threads is None:
+                return None
+            columns = (
+                "taper",
+                "threads",
+                "thread_height",
+                "root",
+                "pitch_diameter",
+                "pin_length",
+                "counterbore",
+            )
+            yields = formulas.tool_joint_torque(
+                **{column: threads[column] for column in columns},
+                joint_outer=joint["od"] / INCH,
+                joint_inner=joint["id"] / INCH,
+            )
+            if yields == 0.0:
+                return None  # the tool joint has no room for these threads
+            torque = formulas.MAKE_UP * yields * FT_LBF
+            place = f"{threads.place}, {formulas.MAKE_UP:.0%} of the torque at which the new tool joint yields (API RP 7G)"
+        self.note(key, torque, "N m", place)
+        return torque
 
     def _joint_length(self, item: Jointed) -> None:
         if item.range is not None and item.joint_length is not None:

@@ -103,6 +103,11 @@ def _surge_arguments(command: argparse.ArgumentParser) -> None:
         help="limits of the open hole, such as '11.2,13.8 ppg' (default: the case's window)",
     )
     command.add_argument("--flow", metavar="Q", help="flow rate of --pipe pumping (default: the case's)")
+    command.add_argument(
+        "--dynamic",
+        action="store_true",
+        help="for each speed also a run of string and mud from rest, with 0.3 m/s2 at the top (seconds to minutes each)",
+    )
     units_argument(command)
 
 
@@ -118,6 +123,7 @@ def _surge(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
         arguments.bit_depth,
         arguments.window,
         arguments.flow,
+        arguments.dynamic,
         units=case.output.units or "SI",
     )
     start_job(petsc_options)

@@ -264,7 +264,7 @@ COMMANDS = (
     ),
     Command(
         "export",
-        "tables of a run folder for other programs: CSV, xlsx or LAS, with words and units of people",
+        "tables of a run folder for other programs: CSV, xlsx or LAS, with units and headers as engineers write them",
         _export_arguments,
         _export,
         takes_petsc_options=False,

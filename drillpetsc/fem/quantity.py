@@ -27,7 +27,7 @@ _PLACES = {DEPTH: r"([-+.\deE]+)", NAME: r"([A-Za-z0-9_-]+)"}
 
 @dataclass(frozen=True)
 class Quantity:
-    """One output: its name and unit in files, its words for people, and how it is evaluated.
+    """One output: its name and unit in files, the words that reports show, and how it is evaluated.
 
     name: column or array in files; ``NNN`` in it stands for the measured depth [m] of a joint, probe or rigid item, ``NAME`` for
     the name of a sensor.

@@ -15,7 +15,7 @@ from drillpetsc.case.blocks.string import Rigid, Stabilizer, Tube
 from drillpetsc.case.blocks.tubulars import Jointed
 from drillpetsc.case.blocks.well import Section
 from drillpetsc.case.case import Case
-from drillpetsc.case.section import metal_past, tubular_section
+from drillpetsc.case.section import TubularSection, metal_past, tubular_section
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
@@ -396,7 +396,7 @@ def build_bore(case: Case, mesh: StringMesh) -> Bore:
         wall = 2 / young * ((outer**2 + inner**2) / (outer**2 - inner**2) + nu)
     runs, _ = _rigid_runs(case, mesh)
     above = np.where(mesh.rigid_above > 0, runs[:-1, 0], area)
-    sections = {k: tubular_section(item) for k, item in enumerate(case.string) if isinstance(item, Jointed)}
+    sections = _joint_sections(case)
     tool = tool_losses(case, mesh)
     if not sections:
         return Bore(area, wall, above, tool=tool)
@@ -407,6 +407,11 @@ def build_bore(case: Case, mesh: StringMesh) -> Bore:
         ]
     )
     return Bore(area, wall, above, np.pi * inner**2, joints[:, 0], np.pi / 4 * joints[:, 1] ** 2, tool)
+
+
+def _joint_sections(case: Case) -> dict[int, TubularSection]:
+    """Sections of the items with tool joints, by their number."""
+    return {k: tubular_section(item) for k, item in enumerate(case.string) if isinstance(item, Jointed)}
 
 
 def tool_losses(case: Case, mesh: StringMesh) -> FloatArray | None:
@@ -437,6 +442,12 @@ def build_walls(case: Case, mesh: StringMesh) -> AnnulusWalls:
     young, nu = np.array([_constants(case, k) for k in mesh.item]).T
     runs, _ = _rigid_runs(case, mesh)
     above = np.where(mesh.rigid_above > 0, runs[:-1].sum(axis=1), mesh.outer_area)
+    joints, share, joint_area = _joint_sections(case), None, None
+    if joints:
+        share, joint_od = np.array(
+            [(joints[k].joint_share, joints[k].joint_od) if k in joints else (0.0, 0.0) for k in mesh.item]
+        ).T
+        joint_area = np.pi / 4 * joint_od**2
     return AnnulusWalls(
         outer,
         0.5 * mesh.inner_diameter,
@@ -448,6 +459,8 @@ def build_walls(case: Case, mesh: StringMesh) -> AnnulusWalls:
         np.array([_give(q) for q in sections]),
         case.fluid.elastic_walls,
         mesh.outer_area,
+        share,
+        joint_area,
     )
 
 

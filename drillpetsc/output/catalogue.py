@@ -141,7 +141,7 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
         "dial_readings.csv": _listed(hydraulics.DIAL_READINGS, where.DIAL),
         "rheology_fits.csv": _listed(hydraulics.RHEOLOGY_FITS, where.DIAL),
         "summary.json of hydraulics": _listed(hydraulics.HYDRAULICS_SUMMARY),
-        "surge.csv": _listed(hydraulics.SURGE),
+        "surge.csv": _listed((*hydraulics.SURGE, *hydraulics.DYNAMIC_SURGE)),
         "max_trip_speed.csv": _listed(hydraulics.MAX_TRIP_SPEED),
         "calibration.csv": _listed(torque_drag.MEASURED),
         "roadmap.csv": _listed(torque_drag.ROADMAP, hook_load_total=where.BLOCK, ff_groups=where.GROUPS),

@@ -268,6 +268,7 @@ def _surge(table: Table, summary: dict[str, Any], title: str, system: System) ->
     """Surge pressure and density at the bit over the speed, a line for each operation, pipe and bit depth."""
     speed, pressure = _Axis("trip_speed [m/s]", system), _Axis("surge_pressure [Pa]", system)
     density, depth = _Axis("ecd_bit [kg/m3]", system), _Axis("bit_depth [m]", system)
+    start = _Axis("dynamic_surge_pressure [Pa]", system)
     drawing = style.figure(11.0, 5.0, dpi=110)
     top = style.heading(drawing, f"{title}: surge and swab")
     grid = drawing.subplots(1, 2)
@@ -289,9 +290,14 @@ def _surge(table: Table, summary: dict[str, Any], title: str, system: System) ->
                 for axes, column in ((grid[0], pressure), (grid[1], density)):
                     x, y = speed.values(table)[part][order], column.values(table)[part][order]
                     axes.plot(x, y, marker=".", color=color, linestyle=dash, label=name)
+                if start.title in table:
+                    x, y = speed.values(table)[part][order], start.values(table)[part][order]
+                    grid[0].plot(x, y, "x", color=color)
     for axes, column in ((grid[0], pressure), (grid[1], density)):
         axes.set(xlabel=speed.label(), ylabel=column.label(), xlim=(0, None))
         axes.ticklabel_format(axis="y", useOffset=False)
+    if start.title in table:
+        grid[1].plot([], [], "x", color="0.35", label="left: while the string starts")
     grid[0].axhline(0.0, color="0.35", linewidth=0.8)
     window = summary.get("window") or {}
     if window and not window.get("tvd"):

@@ -75,6 +75,11 @@ def _limits(table: Table, title: str, summary: dict[str, Any], system: System) -
         "Torque",
         (table["torque [N m]"], "torque", blue, "-"),
         (table["torque_limit [N m]"], "limit under this tension", LIMIT, DASH),
+        *(
+            [(table["make_up_torque [N m]"], "make-up torque", LIMIT, (0, (1, 1.5)))]
+            if "make_up_torque [N m]" in table
+            else []
+        ),
     )
     strong = table["yield_strength [Pa]"]
     factor = float(choices.get("design_factor", 1.0))

@@ -31,7 +31,7 @@ class Path:
 class Piece:
     """A cylinder along the hole: an item of the string, or a section of the hole.
 
-    top, bottom: measured depths [m]; diameter, outer or of the hole [m]; bore [m]; name for people.
+    top, bottom: measured depths [m]; diameter, outer or of the hole [m]; bore [m]; name as pictures show it.
     """
 
     kind: str

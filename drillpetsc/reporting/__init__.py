@@ -1,4 +1,4 @@
-"""Reports and exports: results of run folders as one HTML file, or in the units and words of people.
+"""Reports and exports: results of run folders as one HTML file, or tables with units and headers as engineers write them.
 
 Reads files and the plain data of a case, draws with ``drillpetsc.plotting``; solves nothing.
 """

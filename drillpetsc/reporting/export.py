@@ -1,4 +1,4 @@
-"""`drillpetsc export`: tables of a run folder for other programs, in the units and words of people.
+"""`drillpetsc export`: tables of a run folder for other programs, with units and headers as engineers write them.
 
 - csv: a file for each table, with headings such as `Hook load [klbf]`
 - xlsx: one workbook, a sheet for each table

@@ -35,11 +35,13 @@ def survey_table(case: Case) -> dict[str, np.ndarray]:
         at.append(at[-1] + minimum_curvature_step(length, *ends))
         severity.append(math.degrees(dogleg(*ends)) * COURSE / length)
     north, east, tvd = np.array(at).T
+    elevation = None if case.rig is None else case.rig.elevation
     return {
         "md [m]": np.array(q.md),
         "inclination [deg]": np.degrees(q.inclination),
         "azimuth [deg]": np.degrees(q.azimuth) % 360.0,
         "tvd [m]": tvd,
+        **({} if elevation is None else {"tvd_below_reference [m]": tvd - elevation}),
         "north [m]": north,
         "east [m]": east,
         "dogleg_severity [deg/30m]": np.array(severity),
@@ -61,6 +63,11 @@ def well_section(case: Case, system: System, title: str) -> Section:
         ("Largest inclination", f"{deepest:.2f}", "deg"),
         ("Largest dogleg severity between stations", *_largest(table, system)),
     ]
+    if case.rig is not None and case.rig.elevation is not None:
+        above = (
+            f"Height of the datum above {case.rig.elevation_ref or 'MSL'}, the reference of the survey table"
+        )
+        rows.append((above, *number(case.rig.elevation, "tvd_below_reference [m]", system)))
     north = case.well.survey.north
     if north is not None:
         rows.append(("Azimuths are measured from", f"{north} north", ""))

@@ -321,6 +321,7 @@ MARGINS = (
     ("weakest.safety_factor", "value", "-"),
     ("weakest.tension_ratio", "value", "-"),
     ("weakest.torque_ratio", "value", "-"),
+    ("weakest.make_up_ratio", "value", "-"),
     ("weakest.fatigue_ratio", "value", "-"),
     ("weakest.side_force_per_joint", "value", "N"),
     ("neutral_point.effective", "md", "m"),

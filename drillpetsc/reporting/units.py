@@ -1,4 +1,4 @@
-"""Figures in the units of people, with the label of their quantity."""
+"""Figures in the units of the case, with the label of their quantity."""
 
 from __future__ import annotations
 

@@ -52,7 +52,8 @@ def test_the_screen_names_places_units_and_what_is_missing(folder: Path):
 
 def test_tables_and_summary_are_those_of_the_catalogue(folder: Path):
     for file in ("limits.csv", "contacts.csv"):
-        listed = [q.title for q in outputs_by_file()[file] if q.name != "damage_per_hour"]  # with --sn only
+        absent = ("damage_per_hour", "casing_wear_rate")  # with --sn, and where a string turns in casing
+        listed = [q.title for q in outputs_by_file()[file] if q.name not in absent]
         assert list(read_table(folder / "r" / file)) == listed
     summary = json.loads((folder / "r" / "summary.json").read_text())
     assert set(summary) == {r["name"] for r in records() if r["file"] == "summary.json of limits"}

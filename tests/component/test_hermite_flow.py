@@ -74,7 +74,15 @@ def build(kind: str, seed: int = 5) -> DiscreteSystem:
         )
         pipe = HermiteBore(mesh, bore, fluid, 0.3 * n, pump, "closed" in kind, held)
     if "annulus" in kind:
-        sizes = Annulus(0.126 * n, np.array([0.28, 0.28, 0.3, 0.3]), 2e-3 * n, 0.15 * n)
+        sizes = Annulus(
+            0.126 * n,
+            np.array([0.28, 0.28, 0.3, 0.3]),
+            2e-3 * n,
+            0.15 * n,
+            0.12 * n,
+            np.array([0.0, 0.06, 0.0, 0.2]),
+            0.2 * n,
+        )
         side = LateralCoefficients(np.array([2.0, 2.0, 1.5, 1.5]), 0.3 * n, 0.2 * n)
         annulus = HermiteAnnulus(
             mesh, sizes, well, fluid, 0.3 * n, side, Constant(0.4), 0.1, None, held, pump=pump

@@ -93,7 +93,15 @@ def build(
         np.array([0.0, 0.06, 0.0, 0.2]),
         0.03 * n,
     )
-    sizes = Annulus(0.126 * n, np.array([0.28, 0.28, 0.3, 0.3]), 2e-3 * n, 0.15 * n)
+    sizes = Annulus(
+        0.126 * n,
+        np.array([0.28, 0.28, 0.3, 0.3]),
+        2e-3 * n,
+        0.15 * n,
+        0.12 * n,
+        np.array([0.0, 0.06, 0.0, 0.2]),
+        0.2 * n,
+    )
     if "pipe" in kind:
         pressure = Ramp(0.5, 1.0) if "pump" in kind else None
         components.append(

@@ -9,6 +9,7 @@ import pytest
 from drillpetsc import Case, run, statics
 from drillpetsc.analysis.initial_state import find_equilibrium
 from drillpetsc.analysis.statics import static_summary
+from drillpetsc.analysis.torque_drag.circulation import circulation
 from drillpetsc.case.section import ring, tubular_section
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.model.mesh import _section, build_mesh
@@ -238,9 +239,10 @@ def test_block_weight_is_reported(tmp_path):
 @pytest.mark.parametrize(("viscosity", "flow"), [(0.5, 0.002), (0.02, 0.03)])
 @pytest.mark.parametrize("formulation", ["mixed", "hermite"])
 def test_friction_of_tube_and_tool_joints_in_series(viscosity, flow, formulation):
-    """Loss in the bore of a horizontal string (manual: eq-tubulars-friction).
+    """Loss in bore and annulus of a horizontal string (manual: eq-tubulars-friction, eq-tubulars-annulus).
 
-    Laminar: Hagen and Poiseuille, 128 mu Q/pi [(1 - f)/d^4 + f/d_t^4]; turbulent: the law of the program for each of the two bores.
+    Laminar: Hagen and Poiseuille, 128 mu Q/pi [(1 - f)/d^4 + f/d_t^4], and the narrow slot, 48 mu v/(D_w - D)^2; turbulent: the law of
+    the program for tube and tool joint each.
     """
     length = 300.0
     case = Case(
@@ -278,6 +280,52 @@ def test_friction_of_tube_and_tool_joints_in_series(viscosity, flow, formulation
     expected = length * ((1 - f) * gradients[0] + f * gradients[1])
     assert loss == pytest.approx(expected, rel=2e-4)
     assert loss > 1.2 * length * gradients[0]
+    outers = (5 * INCH, 6.625 * INCH)
+    speeds = [4 * flow / (np.pi * (0.3**2 - d**2)) for d in outers]
+    if viscosity == 0.5:
+        gradients = [48 * viscosity * v / (0.3 - d) ** 2 for v, d in zip(speeds, outers, strict=True)]
+    else:
+        law = Rheology.herschel_bulkley(viscosity, 1.0, 0.0, law="exact", shear_rate_eps=1e-3)
+        gradients = [
+            float(pressure_gradient(law, v, 0.3 - d, True, 1200.0))
+            for v, d in zip(speeds, outers, strict=True)
+        ]
+    expected = length * ((1 - f) * gradients[0] + f * gradients[1])
+    assert summary["bit_pressure"] == pytest.approx(expected, rel=2e-4)
+    assert summary["bit_pressure"] > 1.01 * length * gradients[0]
+
+
+@pytest.mark.parametrize("hole", [0.2, 0.3])
+def test_lift_of_the_flow_past_tool_joints(hole):
+    """Lift of the friction on tube and tool joints, shoulders included: pi/4 D_w (D dp + D_t dp_t) with the loss of each part.
+
+    That is the balance of a slot, pi/4 D_w D dp for each part; the hook load falls by it and by the thrust of the jets, rho Q^2/A_n.
+    The weight is that of the dimensions, so that mean areas are exact.
+    """
+    f, viscosity, flow, length = 17 / 372, 0.05, 0.01, 300.0
+    outers, bores = (5 * INCH, 6.625 * INCH), (4.276 * INCH, 2.75 * INCH)
+    areas = [np.pi / 4 * (D**2 - d**2) for D, d in zip(outers, bores, strict=True)]
+    weight = 7850 * ((1 - f) * areas[0] + f * areas[1])
+    bit = {"kind": "bit", "length": 0.0, "od": 0.19, "mass": 50, "nozzle_area": 400e-6}
+    law = {"model": "bingham", "yield_stress": 0.0, "plastic_viscosity": viscosity, "law": "exact"}
+    still, case = (
+        Case(
+            string=[PIPE | {"length": length, "adjusted_weight": weight}, bit],
+            top="clamped",
+            well=well(length + 1, 0.0, hole),
+            contact=None,
+            fluid=mud(1200.0) | {"rheology": law, "flow_rate": q},
+        )
+        for q in (0.0, flow)
+    )
+    speeds = [4 * flow / (np.pi * (hole**2 - d**2)) for d in outers]
+    losses = [48 * viscosity * v / (hole - d) ** 2 for v, d in zip(speeds, outers, strict=True)]
+    shares = (length * (1 - f), length * f)
+    lift = np.pi / 4 * hole * sum(D * p * s for D, p, s in zip(outers, losses, shares, strict=True))
+    found = circulation(case, length, flow, "flow_rate")
+    assert found.below[0] == pytest.approx(lift, rel=1e-3)
+    loads = [static_summary(m, find_equilibrium(m))["hook_load"] for m in map(build_model, (still, case))]
+    assert loads[0] - loads[1] == pytest.approx(lift + 1200 * flow**2 / 400e-6, rel=1e-3)
 
 
 def test_automatic_element_lengths_use_weight_and_clearance_of_tool_joints():

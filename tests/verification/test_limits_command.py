@@ -307,6 +307,51 @@ def test_rows_where_items_meet_and_around_rigid_items(tmp_path):
     assert found.summary["hook_load"] == pytest.approx(weight * math.cos(0.9) + drag, rel=1e-3)
 
 
+def test_wear_of_casing_below_a_string_that_turns(tmp_path):
+    """Level pipe of 315 N/m and 140 mm at 100 rpm: 315 N/m times 0.733 m/s in casing, nothing below it."""
+    well = hole(600, math.pi / 2, 0.222, friction=0.1)
+    open_hole = {"to": 600, "kind": "open_hole", "diameter": 0.222, "friction": 0.1}
+    well["sections"] = [open_hole | {"to": 300, "kind": "casing"}, open_hole]
+    top = {"kind": "top_drive", "rotation": "100 rpm"}
+    found = run_limits(case([level_pipe(600.0, element_length=10.0)], well, top=top), out=tmp_path / "r")
+    table = read_table(found.folder / "limits.csv")
+    inner = (table["md [m]"] > 100) & (table["md [m]"] < 290)
+    expected = 315 * 100 * math.pi / 30 * 0.07
+    assert table["casing_wear_rate [W/m]"][inner] == pytest.approx(expected, rel=0.02)
+    assert np.isnan(table["casing_wear_rate [W/m]"][table["md [m]"] > 310]).all()
+    assert any("Rate of casing wear" in line for line in found.lines)
+    still = run_limits(case([level_pipe(600.0, element_length=10.0)], well), out=tmp_path / "still")
+    assert "casing_wear_rate [W/m]" not in read_table(still.folder / "limits.csv")
+
+
+def test_make_up_torque(tmp_path):
+    """60 % of the torque at which an NC50 tool joint of 6 5/8 x 2 3/4 in yields: 63,406 ft-lbf (API RP 7G, table 8).
+
+    A pipe in the vertical that is turned at its lower end has this torque all along; a warning from 38,044 ft-lbf on.
+    """
+    pipe = {"kind": "drill_pipe", "length": 100, "pipe": "5in 19.50 S-135 NC50", "element_length": 10}
+    made_up = 0.6 * 63_406 * 12 * INCH * LBF
+    for share, name in ((0.9, "below"), (1.1, "above")):
+        torque = share * made_up
+        found = run_limits(case([pipe], loads=[{"at": 100.0, "moment": [0, 0, torque]}]), out=tmp_path / name)
+        table = read_table(found.folder / "limits.csv")
+        assert table["make_up_torque [N m]"] == pytest.approx(made_up, rel=1e-4)
+        assert table["make_up_ratio [-]"] == pytest.approx(share, rel=1e-4)
+        assert any("times the make-up torque" in w for w in found.summary["warnings"]) == (share > 1)
+    own = pipe | {"tool_joint": {"make_up_torque": "30 kft-lbf"}}
+    unknown = pipe | {
+        "name": "pipe with other threads",
+        "tool_joint": {"connection": "HT55", "od": "7 in", "id": "4 in", "length": "25 in"},
+    }
+    small = pipe | {"name": "slim pipe", "tool_joint": {"od": "5.2 in"}}  # no metal outside the box
+    found = run_limits(case([own, unknown, small]), out=tmp_path / "own")
+    table = read_table(found.folder / "limits.csv")
+    first = table["md [m]"] < 99
+    assert table["make_up_torque [N m]"][first] == pytest.approx(30e3 * 12 * INCH * LBF)
+    assert np.isnan(table["make_up_torque [N m]"][table["md [m]"] > 101]).all()
+    assert any("pipe with other threads, slim pipe" in note for note in found.summary["notes"])
+
+
 def test_limits_that_are_passed_are_warnings(tmp_path):
     """Pulled beyond: safety factor and tension flagged at the top. Pushed beyond both limits: state helical."""
     pipe = {"kind": "drill_pipe", "pipe": "5in 19.50 E-75 NC50 class_2", "length": 4500.0}

@@ -154,15 +154,15 @@ def need_mud(case: Case, command: str) -> Fluid:
     return case.fluid
 
 
-def _ending_below(case: Case, depth: float) -> WellCase:
-    """The well with a straight end ``BELOW_BIT`` metres below a measured depth [m].
+def _ending_below(case: Case, depth: float, below: float) -> WellCase:
+    """The well with a straight end ``below`` metres below a measured depth [m].
 
     The flow at the bit takes the direction of the hole's end for that at the bit (manual: sec-mud-bit), so the end of
     a hole in which the string moves must lie right below it.
     """
     well, path = case.well, build_well(case)
     assert well is not None and path is not None
-    survey, end = well.survey, depth + BELOW_BIT
+    survey, end = well.survey, depth + below
     kept = [i for i, md in enumerate(survey.md) if md < depth - SHORTEST_PIECE]
     tangent = np.asarray(path.at(np.array([depth]))[1])[0]
     inclination = float(np.arctan2(np.hypot(tangent[0], tangent[1]), tangent[2]))
@@ -180,19 +180,19 @@ def _ending_below(case: Case, depth: float) -> WellCase:
 
 
 def flow_case(
-    case: Case, string: PlacedString, pipe: Pipe, moving: bool = False
+    case: Case, string: PlacedString, pipe: Pipe, moving: bool = False, below: float = BELOW_BIT
 ) -> tuple[Case, PlacedString]:
     """The case of the flow alone, and its string with pipes cut at the ends of hole sections.
 
     pipe: closed: no flow through the bit; open: the bore is open at the top, filled to the height of the flow line;
     pumping: a flow rate into the bore, given as the time of the solution.
-    moving: the hole ends a little below the bit, so that a bit on bottom displaces mud.
+    moving: the hole ends ``below`` metres below the bit, so that a bit on bottom displaces mud.
     """
     fluid, well = need_mud(case, "hydraulics"), case.well
     if well is not None:
         string = _split(string, [section.to for section in well.sections[:-1]])
     if well is not None and moving:
-        well = _ending_below(case, string.depth)
+        well = _ending_below(case, string.depth, below)
     gravity = np.array(case.gravity, dtype=float)
     if not gravity.any():
         raise CaseError(

@@ -90,6 +90,24 @@ def critical_speed(law: Rheology, gap: float, slot: bool, density: float) -> flo
     return float(np.exp(brentq(excess, np.log(1e-6), np.log(1e4), xtol=1e-10)))
 
 
+def annulus_stress(
+    channel: ChannelFlow, law: Rheology, speed: FloatArray, density: FloatArray, drift: float = 0.0
+) -> tuple[FloatArray, FloatArray]:
+    """Compute stresses (n,) [Pa] of the flow past tube and tool joints in series, as kernels/fluid/annulus_flow.hpp does.
+
+    speed: (n,) in the mean area, relative to the string [m/s]; density: (n,) [kg/m3].
+    drift: what the motion of the string adds to the speed at its wall [m/s].
+    Returns the stress of the loss, 4 stress/gap per length, and that of the force on the string, stress pi D per length.
+    """
+    p = {name: channel.parameter(name) for name in ("gap", "joint_gap", "joint_share", "tube_speed")}
+    tube = wall_shear(law, speed * p["tube_speed"] + drift, p["gap"], True, density)
+    if not p["joint_share"].any():
+        return tube, tube
+    joint = wall_shear(law, speed * channel.parameter("joint_speed") + drift, p["joint_gap"], True, density)
+    loss = (1 - p["joint_share"]) * tube + p["joint_share"] * p["gap"] / p["joint_gap"] * joint
+    return loss, channel.parameter("tube_pull") * tube + channel.parameter("joint_pull") * joint
+
+
 # ---------------------------------------------------------------------- elements
 @dataclass(frozen=True)
 class ElementLosses:
@@ -403,10 +421,9 @@ def blend_excess(flow: FlowModel, speed: float = 0.0) -> float:
         return 0.0
     results = annulus.element_results(flow.system.assembly)
     w, density = (results[:, RESULT_NAMES.index(name)] for name in ("speed", "density"))
-    w = w + speed * (1.0 - flow.fluid.constants.clinging)
-    gap = annulus.parameter("gap")
+    drift, gap = speed * (1.0 - flow.fluid.constants.clinging), annulus.parameter("gap")
     sums = [
-        float(np.abs(wall_shear(q, w, gap, True, density) / gap * flow.mesh.length).sum())
+        float(np.abs(annulus_stress(annulus, q, w, density, drift)[0] / gap * flow.mesh.length).sum())
         for q in (law, replace(law, law="exact"))
     ]
     return sums[0] / sums[1] - 1.0 if sums[1] > 0 else 0.0

@@ -64,7 +64,7 @@ class OpenHole:
 
 
 def in_units(limit: str, system: System) -> str:
-    """A text of ``limited_by`` with its depth in the units of people."""
+    """A text of ``limited_by`` with its depth in the units of the case."""
     size, unit = shown_unit("tvd", "m", system)
     return re.sub(r"TVD (\d+) m", lambda found: f"TVD {float(found[1]) / size:.0f} {unit}", limit)
 

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import re
 import shlex
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
 
+from drillpetsc.analysis.hydraulics.dynamic_surge import ACCELERATION, dynamic_surge
 from drillpetsc.analysis.hydraulics.flow_model import (
     FlowModel,
     Pipe,
@@ -41,7 +42,7 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.fluid import build_rheology
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE
-from drillpetsc.output.quantities.hydraulics import MAX_TRIP_SPEED, SURGE
+from drillpetsc.output.quantities.hydraulics import DYNAMIC_SURGE, MAX_TRIP_SPEED, SURGE
 from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.physics.fluid.rheology import wall_shear
@@ -61,6 +62,7 @@ class SurgeRow:
     """One row of surge.csv, SI; None where absent.
 
     trip_speed, surge_pressure: signs as in the table; warnings: what makes the row invalid.
+    dynamic_surge_pressure, dynamic_surge_time: of the start from rest; nan where it was not run or failed.
     """
 
     operation: str
@@ -75,6 +77,8 @@ class SurgeRow:
     outlet_flow: float
     limited_by: str
     warnings: tuple[str, ...]
+    dynamic_surge_pressure: float = np.nan
+    dynamic_surge_time: float = np.nan
 
     def value(self, name: str) -> Any:
         """The value of a column."""
@@ -205,6 +209,7 @@ def run_surge(
                 at="--flow", want="a flow rate for --pipe pumping", hint="the case has a pump_pressure"
             )
     notes += _notes(case, plan, hole)
+    quantities = (*SURGE, *DYNAMIC_SURGE) if plan.dynamic else SURGE
     rows: list[SurgeRow] = []
     fastest: list[dict[str, Any]] = []
     by_area: list[dict[str, Any]] = []
@@ -215,7 +220,8 @@ def run_surge(
             for string in strings:
                 trip = Tripping(case, string, pipe, hole, flow)  # type: ignore[arg-type]
                 for operation in plan.operations:
-                    rows += [_row(trip, operation, speed) for speed in plan.speeds]
+                    found = [_row(trip, operation, speed) for speed in plan.speeds]
+                    rows += [_with_start(case, trip, row) for row in found] if plan.dynamic else found
                     if pipe == "open":
                         by_area.append(_by_area(trip, operation, max(plan.speeds), rows[-1]))
         if hole is not None:
@@ -230,7 +236,7 @@ def run_surge(
             "window": window_table(window),
             "window_from": None if window is None else ("--window" if plan.window is not None else "case"),
             "surge": [
-                {q.name: _plain(row.value(q.name)) for q in SURGE} | {"warnings": list(row.warnings)}
+                {q.name: _plain(row.value(q.name)) for q in quantities} | {"warnings": list(row.warnings)}
                 for row in rows
             ],
             "max_trip_speed": [{k: _plain(v) for k, v in row.items()} for row in fastest],
@@ -239,8 +245,8 @@ def run_surge(
         }
         if comm.rank == 0:
             case.dump(folder.case)
-            columns = [[_cell(row.value(q.name)) for row in rows] for q in SURGE]
-            write_table(folder.path / SURGE_TABLE, [q.column for q in SURGE], columns)
+            columns = [[_cell(row.value(q.name)) for row in rows] for q in quantities]
+            write_table(folder.path / SURGE_TABLE, [q.column for q in quantities], columns)
             if fastest:
                 table = [[row[q.name] for row in fastest] for q in MAX_TRIP_SPEED]
                 write_table(folder.path / TRIP_SPEED_TABLE, [q.column for q in MAX_TRIP_SPEED], table)
@@ -266,6 +272,11 @@ def _check(case: Case, plan: Trips) -> None:
 
 def _notes(case: Case, plan: Trips, hole: OpenHole | None) -> list[str]:
     notes = ["steady: the pressure that accelerates the mud is left out"]
+    if plan.dynamic:
+        notes = [
+            f"pressure of the start: from rest with {ACCELERATION:g} m/s2 at the top, elastic string and compressible mud, friction of "
+            "the case; no gels, no stop; window and largest trip speeds are compared with the steady pressure"
+        ]
     assert case.fluid is not None
     if "open" in plan.pipes and case.fluid.check_valve:
         notes.append("open pipe with fluid.check_valve: the valve stays shut while running in")
@@ -290,6 +301,17 @@ def _row(trip: Tripping, operation: str, speed: float) -> SurgeRow:
         return trip.at(operation, speed)
     except SolveError as error:
         return trip.failed(operation, speed, error)
+
+
+def _with_start(case: Case, trip: Tripping, row: SurgeRow) -> SurgeRow:
+    """The row with the pressure of the start; one whose run fails says why."""
+    velocity = OPERATIONS[row.operation] * row.trip_speed
+    try:
+        start = dynamic_surge(case, trip.flow.string, trip.pipe, velocity, trip.pump)
+    except SolveError as error:
+        text = f"{row.operation}, {row.pipe} pipe, {row.trip_speed:g} m/s: no pressure of the start: {error.what}"
+        return replace(row, warnings=(*row.warnings, text))
+    return replace(row, dynamic_surge_pressure=start.pressure, dynamic_surge_time=start.time)
 
 
 def _by_area(trip: Tripping, operation: str, speed: float, row: SurgeRow) -> dict[str, Any]:
@@ -379,6 +401,14 @@ def _lines(case: Case, rows: list[SurgeRow], summary: dict[str, Any]) -> list[st
             f"  {row.operation:<10}{row.pipe:<9}{row.bit_depth / d:>12.6g}{row.trip_speed / v:>12.4g}"
             f"{row.surge_pressure / p:>12.5g}{'-' if ecd is None else format(ecd / e, '.5g'):>12}  {in_units(row.limited_by, system)}"
         )
+    started = [row for row in rows if np.isfinite(row.dynamic_surge_pressure)]
+    if started:
+        lines.append("  while the string starts: surge, at the time")
+    lines += [
+        f"  {row.operation:<10}{row.pipe:<9}{row.bit_depth / d:>12.6g}{row.trip_speed / v:>12.4g}"
+        f"{row.dynamic_surge_pressure / p:>12.5g}{row.dynamic_surge_time:>10.3g} s"
+        for row in started
+    ]
     if summary["max_trip_speed"]:
         lines.append("  largest trip speed within the window")
     for found in summary["max_trip_speed"]:

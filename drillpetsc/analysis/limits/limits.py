@@ -43,11 +43,13 @@ WEAKEST = (
     ("safety_factor", False, "Safety factor"),
     ("tension_ratio", True, "Tension over limit"),
     ("torque_ratio", True, "Torque over limit"),
+    ("make_up_ratio", True, "Torque over make-up torque"),
     ("fatigue_ratio", True, "Dogleg over permissible"),
     ("side_force_per_joint", True, "Side force per joint"),
     ("burst_ratio", True, "Inside pressure over burst"),
     ("collapse_ratio", True, "Outside pressure over collapse"),
     ("damage_per_hour", True, "Miner's damage per hour"),
+    ("casing_wear_rate", True, "Rate of casing wear"),
 )
 
 
@@ -216,7 +218,16 @@ def _notes(model: DrillingModel) -> list[str]:
         )
     if model.contact is None:
         out.append("no wall: no side forces and no buckling limits")
-    out.append("connections are not checked: torque limits are those of the tube")
+    joints = [item for item in case.string if isinstance(item, Jointed)]
+    loose = [item for item in joints if item.tool_joint.make_up_torque is None]
+    if loose:
+        names = ", ".join(sorted({item.name for item in loose}))
+        out.append(f"no make-up torque of {names}: give tool_joint.make_up_torque")
+    out.append(
+        "torque limits are those of the tube; of the connections only the make-up torque of tool joints is compared"
+        if len(loose) < len(joints)
+        else "connections are not checked: torque limits are those of the tube"
+    )
     return out
 
 
@@ -334,6 +345,12 @@ def _flags(table: dict[str, Any], summary: dict[str, Any], choices: Choices, uni
         f"pull at yield over tension {factor:.3g}, below {choices.tension_design_factor:g},",
     )
     flag("torque_ratio", value["torque_ratio"] > 1, f"torque {value['torque_ratio']:.3g} times its limit")
+    made_up = value.get("make_up_ratio", np.nan)
+    flag(
+        "make_up_ratio",
+        made_up > 1,
+        f"torque {made_up:.3g} times the make-up torque, connections make up further in the hole,",
+    )
     flag(
         "fatigue_ratio",
         value["fatigue_ratio"] > 1,
@@ -414,6 +431,8 @@ def _lines(case: Case, summary: dict[str, Any], units: System) -> list[str]:
             value = (
                 shown(worst["value"], "force", units)
                 if name == "side_force_per_joint"
+                else f"{worst['value']:.3g} W/m"
+                if name == "casing_wear_rate"
                 else f"{worst['value']:.3g}"
             )
             add(label, f"{value} {place(worst)}")

@@ -21,7 +21,7 @@ WORDS = {"slackoff": "trip_in", "pickup": "trip_out", "rob": "rotate_off_bottom"
 class Operation:
     """What the string does.
 
-    words: for people. motion: axial velocity [m/s, down positive] and rotation [rad/s], whose ratio shares out friction.
+    words: as reports show them. motion: axial velocity [m/s, down positive] and rotation [rad/s], whose ratio shares out friction.
     on_bottom: the bit carries the weight of `initial.wob`.
     """
 

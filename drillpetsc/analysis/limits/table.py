@@ -44,6 +44,7 @@ class Strength:
     outer: diameter of the worn tube, inner: bore [m]; yield_strength [Pa]; joint_length [m].
     tension_limit: (n,) pull that is allowed [N].
     half_joint: (n,) [m], nan where bending does not gather beside tool joints.
+    make_up: (n,) make-up torque of the tool joints [N m].
     """
 
     def __init__(self, model: DrillingModel, choices: Choices) -> None:
@@ -59,6 +60,10 @@ class Strength:
         touches = [isinstance(item, Jointed) and item.contact_on == "tool_joint" for item in items]
         self.half_joint = np.where(np.array(touches)[mesh.item], 0.5 * mesh.joint_length, np.nan)
         grades = [item.grade if isinstance(item, Tubular) else None for item in items]
+        made_up = [item.tool_joint.make_up_torque if isinstance(item, Jointed) else None for item in items]
+        self.make_up = np.array(
+            [np.nan if made_up[i] is None else made_up[i] for i in mesh.item], dtype=float
+        )
         rules = [
             fatigue.rule_of(g) if isinstance(i, DrillPipe) else None
             for i, g in zip(items, grades, strict=True)
@@ -97,7 +102,7 @@ def element_values(
     """Columns of numbers of limits.csv, (n, 2) at both ends of each element.
 
     Forces that two elements of one item have at their node are the mean of both.
-    rotation: of the string [rad/s], for the damage by an S-N curve.
+    rotation: of the string [rad/s], for the damage by an S-N curve and the wear of casing.
     """
     state = _smoothed(model, state)
     outer, inner, strong = pipe.outer[:, None], pipe.inner[:, None], pipe.yield_strength[:, None]
@@ -118,6 +123,12 @@ def element_values(
     )
     if choices.sn is not None:
         more["damage_per_hour"] = choices.sn.damage_per_hour(s.bending, rotation)
+    if (cased := _in_casing(model, hole.md)).any() and rotation:
+        slip = abs(rotation) * 0.5 * model.mesh.contact_diameter[:, None]
+        more["casing_wear_rate"] = np.where(cased, state.side_force * slip, np.nan)
+    if np.isfinite(pipe.make_up).any():
+        make_up = np.broadcast_to(pipe.make_up[:, None], nothing.shape)
+        more |= {"make_up_torque": make_up, "make_up_ratio": np.abs(state.torque) / make_up}
     with np.errstate(divide="ignore", invalid="ignore"):
         return {
             "md": hole.md,
@@ -149,6 +160,16 @@ def element_values(
             "fatigue_ratio": state.dls / dogleg,
             **more,
         }
+
+
+def _in_casing(model: DrillingModel, md: FloatArray) -> np.ndarray:
+    """(n, 2) whether the hole around measured depths (n, 2) [m] is cased; elements end where casing does, or beside it."""
+    sections = () if model.case.well is None else model.case.well.sections
+    if not sections:
+        return np.zeros(md.shape, dtype=bool)
+    middle = np.searchsorted([s.to for s in sections], md.mean(axis=1)).clip(max=len(sections) - 1)
+    cased = np.array([s.kind == "casing" for s in sections])[middle]
+    return np.broadcast_to(cased[:, None], md.shape)
 
 
 def _force_on_joint(md: FloatArray, state: State, joint: FloatArray) -> FloatArray:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at
-from drillpetsc.analysis.hydraulics.losses import element_losses
+from drillpetsc.analysis.hydraulics.losses import annulus_stress, element_losses
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
@@ -54,9 +54,11 @@ def circulation(case: Case, depth: float, flow: float, at: str) -> Circulation:
     count = len(model.md) - 1
     force, channel, mesh = np.zeros(count), model.fluid.annulus, model.mesh
     if channel is not None:
-        losses = element_losses(model, channel, build_rheology(model.case, annulus=True))
+        law = build_rheology(model.case, annulus=True)
+        losses = element_losses(model, channel, law)
         pressure = np.diff(channel.pressures(model.system)) - losses.weight  # by friction and velocity head
-        drag = np.abs(losses.friction - losses.above) * channel.parameter("gap") / 4
+        stress = annulus_stress(channel, law, losses.speed, losses.density)[1]
+        drag = np.abs(stress) * mesh.length
         share = mesh.length / (mesh.length + mesh.rigid_above)
         outer, above = channel.parameter("outer"), channel.parameter("outer_above")
         force = pressure * (share * outer + (1 - share) * above) + drag * np.pi * channel.parameter(

@@ -37,6 +37,12 @@ class Rig(Block):
     datum: str = Field(
         default="", description="point that measured depths count from, such as RKB; shown in reports"
     )
+    elevation: Annotated[float, Quantity("m", at_least=-1000, at_most=10e3)] | None = Field(
+        default=None, description="height of the datum above elevation_ref, for depths of reports below it"
+    )
+    elevation_ref: str | None = Field(
+        default=None, description="what elevation counts from; default MSL, mean sea level"
+    )
     block_weight: Annotated[float, Weight("N", at_least=0, at_most=1e8)] | None = Field(
         default=None,
         description="weight of block and top drive, a force or a mass; hook_load_total is reported with it",
@@ -56,4 +62,6 @@ class Rig(Block):
         if self.max_hookload is not None and (self.block_weight or 0.0) >= self.max_hookload:
             want = f"above the weight of the block, {self.block_weight:g} N"
             raise refuse("max_hookload", got=self.max_hookload, want=want)
+        if self.elevation_ref is not None and self.elevation is None:
+            raise refuse("elevation", want=f"the height of the datum above {self.elevation_ref}")
         return self

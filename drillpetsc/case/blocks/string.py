@@ -168,6 +168,11 @@ class Item(Block):
         return self.od
 
     @property
+    def widest_od(self) -> float | None:
+        """Diameter that has to pass the hole [m]: that of the tool joints, or the one that touches it."""
+        return self.contact_od
+
+    @property
     def clearance_od(self) -> float | None:
         """Diameter that the clearance of buckling loads goes by [m]: the one that touches the hole, unless the item says otherwise."""
         return self.contact_od

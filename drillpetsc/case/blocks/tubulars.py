@@ -28,6 +28,7 @@ JointLength = Annotated[float, Quantity("m", above=0, at_most=100)]
 UpsetLength = Annotated[float, Quantity("m", above=0, at_most=100, kind="none")]  # feet or inches?
 Weight = Annotated[float, Quantity("kg/m", above=0, at_most=1e5)]
 Stress = Annotated[float, Quantity("Pa", at_least=1e6, at_most=1e11, kind="stress")]
+Torque = Annotated[float, Quantity("N m", above=0, at_most=1e7)]
 Share = Annotated[float, Quantity("", above=0, at_most=1)]
 
 
@@ -38,6 +39,11 @@ class ToolJoint(Block):
     od: Diameter = derived_default("outer diameter")
     id: Bore = derived_default("inner diameter")
     length: UpsetLength = derived_default("pin tong and box tong of one joint, together")
+    make_up_torque: Torque | None = Field(
+        default=None,
+        description="torque with which the connection is made up, for limits; default: the catalogue's, else 60 % of "
+        "the torque at which the tool joint yields (API RP 7G)",
+    )
 
 
 class CenterUpset(Block):
@@ -97,6 +103,10 @@ class Jointed(Tubular):
         default="tool_joint",
         description="diameter from which the clearance of buckling loads is measured: that of the tool joints (API RP 7G), or the body's",
     )
+
+    @property
+    def widest_od(self) -> float | None:
+        return self.od if self.tool_joint is None else self.tool_joint.od
 
     @property
     def contact_od(self) -> float | None:

@@ -6,6 +6,11 @@ import math
 
 PLAIN_END = 3.3996  # weight per length of steel [lb/ft] over its section [in2] (API RP 7G, table 13)
 TORSION = 0.096167  # 2 x 0.577/12: shear over tensile yield (von Mises), inch pounds to foot pounds (API RP 7G, A.9.1)
+JOINT_YIELD = 120_000.0  # least yield strength of tool joints [psi] (API Spec 5DP)
+MAKE_UP = (
+    0.6  # recommended make-up torque over the torque at which the tool joint yields (API RP 7G, table 10)
+)
+THREAD_FRICTION = 0.08  # of threads and shoulders with dope (API RP 7G, A.8.2)
 SPIRAL = 0.96  # weight of a spiral collar over that of a round one (Smith, Drilling Assembly Handbook)
 
 
@@ -65,3 +70,31 @@ def adjusted_weight(
     )
     length = (joint_length + 2.253 * taper) / 12  # [ft]
     return (29.4 * plain_end + upset_weight + joint) / (29.4 + length)
+
+
+def tool_joint_torque(
+    taper: float,
+    threads: float,
+    thread_height: float,
+    root: float,
+    pitch_diameter: float,
+    pin_length: float,
+    counterbore: float,
+    joint_outer: float,
+    joint_inner: float,
+) -> float:
+    """Torque at which pin or box of a tool joint yields [ft-lbf] (API RP 7G, A.8.2); 0 where no metal is left.
+
+    (Y A/12) [p/(2 pi) + R_t f/cos 30 deg + R_s f], A the smaller section of pin and box, 3/4 in and 3/8 in from the shoulder.
+
+    taper: of the thread on the diameter [in/ft]; threads: [1/in]; thread_height: of the sharp thread, root: its truncation [in].
+    pitch_diameter: at the gauge point, pin_length, counterbore: of the box [in]; joint_outer, joint_inner: of the tool joint [in].
+    """
+    slope = taper / 12
+    depth = 2 * (0.5 * thread_height - root) + slope / 8
+    pin = section(pitch_diameter - depth, joint_inner)
+    box = section(joint_outer, counterbore - 0.375 * slope)
+    thread = (2 * pitch_diameter - (pin_length - 0.625) * slope) / 4  # mean radius of the thread [in]
+    shoulder = (joint_outer + counterbore) / 4
+    lever = 1 / (2 * math.pi * threads) + THREAD_FRICTION * (thread / math.cos(math.radians(30.0)) + shoulder)
+    return max(JOINT_YIELD * min(pin, box) / 12 * lever, 0.0)

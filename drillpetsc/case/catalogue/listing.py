@@ -1,4 +1,4 @@
-"""Rows of the catalogue for people: the command `drillpetsc catalogue` and the function of the same name."""
+"""Rows of the catalogue to read: the command `drillpetsc catalogue` and the function of the same name."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ TITLES = {
     "tool_joint": "Drill pipe, tool joints",
     "hwdp": "Heavy-wall drill pipe",
     "drill_collar": "Drill collars",
+    "connection": "Threads of connections",
     "casing": "Casing",
     "grade": "Grades",
     "class": "Classes of used drill pipe",
@@ -40,6 +41,12 @@ METRIC: dict[str, tuple[str, float]] = {
     "lb": ("kg", 0.45359237),
     "ksi": ("MPa", KSI / 1e6),
 }
+
+
+UNVERIFIED = (
+    "Rows marked NO hold figures that were not compared with a copy of their source: compare them with the maker's sheet, or give\n"
+    "your own (od, id, tool_joint, adjusted_weight in the case, or a CSV file with the key catalogue)."
+)
 
 
 class CatalogueRows(Sequence[Row]):
@@ -66,11 +73,12 @@ class CatalogueRows(Sequence[Row]):
             units = {column.lstrip("?"): unit for column, unit in TABLES[table].items() if column != "source"}
             cells = []
             for row in rows:
-                cells.append([*(_field(row[c], unit) for c, unit in units.items()), row.source])
+                mark = "yes" if row.verified else "NO"
+                cells.append([*(_field(row[c], unit) for c, unit in units.items()), mark, row.source])
                 cells.append(
-                    [*(_metric(row[c], unit) for c, unit in units.items()), f"{row.file} line {row.line}"]
+                    [*(_metric(row[c], unit) for c, unit in units.items()), "", f"{row.file} line {row.line}"]
                 )
-            yield TITLES[table], [*units, "source"], cells
+            yield TITLES[table], [*units, "verified", "source"], cells
 
     def __str__(self) -> str:
         if not self._rows:
@@ -83,6 +91,8 @@ class CatalogueRows(Sequence[Row]):
                 for line in [columns, *cells]
             ]
             blocks.append("\n".join([title, *lines]))
+        if not all(row.verified for row in self._rows):
+            blocks.append(UNVERIFIED)
         return "\n\n".join(blocks)
 
     __repr__ = __str__

@@ -108,6 +108,12 @@ def same_connection(catalogue: Catalogue, one: str, other: str) -> bool:
     return names.get(_bare(one), _bare(one)) == names.get(_bare(other), _bare(other))
 
 
+def find_threads(catalogue: Catalogue, name: str) -> Row | None:
+    """Threads of a connection; None where the catalogue has none of this name."""
+    rows = catalogue.rows["connection"]
+    return next((row for row in rows if same_connection(catalogue, name, row["connection"])), None)
+
+
 def parse(catalogue: Catalogue, text: str) -> Reference:
     """Read a text reference; raises ReferenceProblem."""
     at_start = size_at_start(text.strip())

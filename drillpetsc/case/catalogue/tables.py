@@ -46,6 +46,18 @@ TABLES: dict[str, dict[str, str]] = {
         "?upset_od": "in",
         "?upset_weight": "lb",
         "?adjusted": "lb/ft",
+        "?make_up": "ft-lbf",
+        "source": "",
+    },
+    "connection": {
+        "connection": "",
+        "taper": "in/ft",
+        "threads": "1/in",
+        "thread_height": "in",
+        "root": "in",
+        "pitch_diameter": "in",
+        "pin_length": "in",
+        "counterbore": "in",
         "source": "",
     },
     "hwdp": {
@@ -97,10 +109,14 @@ class Row:
         return self.cells.get(column)
 
     @property
+    def verified(self) -> bool:
+        """Whether the figures were seen in a copy of their source, or follow from others by a formula."""
+        return "unverified" not in self.source
+
+    @property
     def place(self) -> str:
         """`catalogue drill_pipe.csv line 16`, for a list of sources; says so where the row is not verified."""
-        unverified = " (unverified)" if "unverified" in self.source else ""
-        return f"catalogue {self.file} line {self.line}{unverified}"
+        return f"catalogue {self.file} line {self.line}{'' if self.verified else ' (unverified)'}"
 
     @property
     def source(self) -> str:
@@ -310,5 +326,7 @@ def _complete(path: Path, row: Row, cells: dict[str, Any]) -> None:
         if cells["id"] >= cells["od"]:
             raise refuse("id", f"an inner diameter below the outer, {cells['od']:g} in")
         agree("weight", formulas.plain_end_weight(cells["od"], cells["id"]))
+    if row.table == "connection" and not cells["pitch_diameter"] < cells["counterbore"]:
+        raise refuse("pitch_diameter", f"less than the counterbore, {cells['counterbore']:g} in")
     if row.table == "class" and not 0 < cells["wall"] <= 1:
         raise refuse("wall", "a fraction of the wall, above 0 and at most 1")

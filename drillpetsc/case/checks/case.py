@@ -86,8 +86,9 @@ def _string_in_hole(case: CaseBlocks) -> None:
                 "string", i, "od", want="an outer diameter: the case has a well", hint="or contact: none"
             )
         if isinstance(item, (Tube, Beam)):
-            key = ("od",) if item.contact_od == item.od else ("tool_joint", "od")
-            _fits(case.well, i, item.contact_od, above, below, key)
+            widest = item.widest_od
+            key = ("od",) if widest == item.od else ("tool_joint", "od")
+            _fits(case.well, i, widest, above, below, key)
 
 
 def _fits(

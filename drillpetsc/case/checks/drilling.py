@@ -94,8 +94,8 @@ def _new_hole(case: CaseBlocks) -> None:
     if not isinstance(bit, Bit) or (case.contact is None and not case.has_annulus):
         return
     for i, item in enumerate(case.string[:-1]):
-        outer = item.contact_od
-        if isinstance(item, Flexible) and outer is not None and outer >= diameter + 2 * wider:
+        outer = item.widest_od if isinstance(item, Flexible) else None
+        if outer is not None and outer >= diameter + 2 * wider:
             want = f"less than the diameter of the hole that the bit makes, {diameter + 2 * wider:g} m"
             key = ("od",) if outer == item.od else ("tool_joint", "od")
             raise refuse(

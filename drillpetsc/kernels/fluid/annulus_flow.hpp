@@ -12,6 +12,25 @@ namespace dp {
 
 constexpr double SLOWEST = 1e-3;  // flow speed below which the drag across the pipe by the axial flow fades [m/s]
 
+// Stresses of the flow past a string whose tool joints have a share of its length, tube and tool joints in series: `loss`, times 4/gap of
+// the tube, is the loss per length; `pull`, times pi D_o, the force on the string along the hole, with that on the shoulders of the tool joints;
+// `drag`, times pi D_o, the damping across the hole [N s/m3].
+template <class T> struct StringShear { T loss, pull, drag; };
+
+// w: speed in the mean area, relative to the string; drift: what the motion of the string adds to it at its wall; sheared: their sum.
+template <class At, class T, class S>
+inline StringShear<T> string_shear(const Fluid& f, const T& w, const T& sheared, const T& drift, const T& density, const S* p) {
+    const auto by_speed = [](const T& tau, const T& speed) -> T { return tau * speed / (speed * speed + SLOWEST * SLOWEST); };
+    if (!has_joints(p[At::JOINT_SHARE])) {
+        const T tau = shear(f, sheared, density, p[At::GAP], 1.0);
+        return {tau, tau, by_speed(tau, sheared)};
+    }
+    const T u = w * p[At::TUBE_SPEED] + drift, v = w * p[At::JOINT_SPEED] + drift;
+    const T tube = shear(f, u, density, p[At::GAP], 1.0), joint = shear(f, v, density, p[At::JOINT_GAP], 1.0);
+    return {tube * (S(1.0) - p[At::JOINT_SHARE]) + joint * (p[At::JOINT_SHARE] * p[At::GAP] / p[At::JOINT_GAP]),
+            tube * p[At::TUBE_PULL] + joint * p[At::JOINT_PULL], by_speed(tube, u) * p[At::TUBE_PULL] + by_speed(joint, v) * p[At::JOINT_PULL]};
+}
+
 template <bool JUNCTION, bool HELD>
 struct AnnulusFlow {
     static constexpr int F = HELD ? 0 : JUNCTION ? 15 : 14, D = F + 3, NSPIN = HELD ? 0 : 2;
@@ -22,7 +41,10 @@ struct AnnulusFlow {
         POISSON,                   // 0: the string does not narrow by stretch
         OUTER, HOLE, OUTER_ABOVE,  // areas A_o, A_w; that of the rigid item [m2]
         WALL,                      // d(ln A)/dp [1/Pa]
-        DIAMETER, GAP, GAP_ABOVE,  // D_o, D_w - D_o; the gap about the rigid item [m]
+        DIAMETER, GAP, GAP_ABOVE,  // D_o; D_w less the tube's diameter; the gap about the rigid item [m]
+        JOINT_SHARE, JOINT_GAP,    // share of the length that tool joints have; D_w less their diameter [m]
+        TUBE_SPEED, JOINT_SPEED,   // mean area of the flow over that about the tube, about the tool joints
+        TUBE_PULL, JOINT_PULL,     // force along the string per pi D_o and stress at the tube, at the tool joints
         CHI, DAMPING, TURNING,     // added mass / (rho A_o); k_v [N s/m2]; drag torque per length and spin [N s]
         STEP, LOSS,                // as in fluid/bore_flow.hpp
         CONTROL, CONTROLLED,       // CONTROL 1: the upper node has the pressure CONTROLLED + rho0 (g.t_w)(t_w.r) [Pa]
@@ -45,7 +67,7 @@ struct AnnulusFlow {
         const Compressed<T> c(f, mean, p[WALL]);
         if constexpr (HELD) {
             const T content = T(1.0) * (p[HOLE] - p[OUTER]), area = c.density * content * (1.0 / f.density), w = q / area;
-            const T resistance = shear(f, w, c.density, p[GAP], 1.0) * (L * 4.0 / p[GAP]), mass = c.density * L / area;
+            const T resistance = string_shear<AnnulusFlow>(f, w, w, T(0.0), c.density, p).loss * (L * 4.0 / p[GAP]), mass = c.density * L / area;
             rows<RESULTS>(x, y, c, p, f, content * L, T(0.0), T(0.0), p[CONTROLLED], q, mass * flow - c.density * p[DROP] + resistance, r, results);
             if constexpr (RESULTS) {
                 results->dissipated += q * (f.density / c.density) * resistance;
@@ -114,8 +136,8 @@ struct AnnulusFlow {
         swept1 += widens;
         swept2 += widens;
         const T wall = w + V, sheared = wall - V * f.clinging;
-        const T tau = shear(f, sheared, c.density, p[GAP], 1.0);
-        T resistance = tau * (lam * L * 4.0 / p[GAP]), mass = c.density * lam * lam * L / area, volume = content * L;
+        const StringShear<T> tau = string_shear<AnnulusFlow>(f, w, sheared, T(V - V * f.clinging), c.density, p);
+        T resistance = tau.loss * (lam * L * 4.0 / p[GAP]), mass = c.density * lam * lam * L / area, volume = content * L;
         T momentum = c.density * w * dot(d_rate, tw) + c.density * lam * L * V1 - c.density * gw * dot(on.x.r2 - on.above, tw);
         const T gradient = (p2 - p1) * (S(1.0) / (L + p[RIGID]));
         const Vec<T> weight = (g - tw * gw) * (c.density * lam), bend = vec(p + BEND) * (c.density * lam * wall * wall);
@@ -128,14 +150,14 @@ struct AnnulusFlow {
             volume += T(0.0) + (AW - p[OUTER_ABOVE]) * p[RIGID];
         }
         // static part: pressure along the hole and buoyancy across
-        const T along = gradient * outer - tau * (p[DIAMETER] * 3.14159265358979324);
+        const T along = gradient * outer - tau.pull * (p[DIAMETER] * 3.14159265358979324);
         const Vec<T> at1 = tw1 * along, at2 = tw2 * along;
         Four<T> F4 = {(at1 * 0.35 + at2 * 0.15 + side * 0.5) * L - Qd, (at1 * 0.05 + at2 * (1.0 / 30) + side * (1.0 / 12)) * (L * L) + Q1,
                       (at1 * 0.15 + at2 * 0.35 + side * 0.5) * L + Qd, (at1 * (-1.0 / 30) - at2 * 0.05 - side * (1.0 / 12)) * (L * L) + Q2};
         if constexpr (JUNCTION) F4.r1 += (tw1 * gradient + (g - tw * gw) * c.density) * (p[OUTER_ABOVE] * p[RIGID]);
         // motion across the hole
         const T M = c.density * lam * (p[CHI] * AO);
-        const T drag = tau * sheared / (sheared * sheared + SLOWEST * SLOWEST) * (p[DIAMETER] * 3.14159265358979324), damping = drag + p[DAMPING];
+        const T drag = tau.drag * (p[DIAMETER] * 3.14159265358979324), damping = drag + p[DAMPING];
         const Four<T> carried = {on.a.r1 * M + on.y.r1 * damping, on.a.v1 * M + on.y.v1 * damping, on.a.r2 * M + on.y.r2 * damping, on.a.v2 * M + on.y.v2 * damping};
         Four<T> C = {zero, zero, zero, zero};
         accumulate(C, consistent(carried, L), L * (1.0 / 420));
@@ -151,7 +173,7 @@ struct AnnulusFlow {
         r[13] = (y[13] * 2.0 + y[6]) * (p[TURNING] * L * (1.0 / 6));
         const T head = dot(on.above, tw) * (gw * f.density);  // at the hole's axis, wherever in the hole the string is held
         rows<RESULTS>(x, y, c, p, f, volume, swept1 * (c.theta * L), swept2 * (c.theta * L), head + p[CONTROLLED], q, mass * flow + momentum + resistance, r, results);
-        if constexpr (RESULTS) energies(on, y, c, p, f, area, M, across, w, wall, V, tau, resistance, q, drag, (swept1 + swept2) * L, (p1 + p2) * 0.5, volume, p1, p2, results);
+        if constexpr (RESULTS) energies(on, y, c, p, f, area, M, across, w, wall, V, tau.pull, resistance, q, drag, (swept1 + swept2) * L, (p1 + p2) * 0.5, volume, p1, p2, results);
     }
 
     // of the mud: half m (w + V)^2 along, M_a |P(V + c r_s)|^2/2 across; weight at the hole's axis, less what the pipe displaces sideways

@@ -9,12 +9,44 @@
 
 namespace dp {
 
+// StringShear with its derivatives by w, by the string's speed V and by the density.
+struct StringShears { Pack loss, loss_w, loss_v, loss_density, pull, pull_w, pull_v, pull_density, drag, drag_w, drag_v, drag_density; };
+
+DP_APART StringShears string_shears(const Fluid& f, const Pack& w, const Pack& sheared, const Pack& drift, const Pack& kept, const Pack& density, const Pack* p) {
+    typedef AnnulusFlow<false, false> At;
+    struct Part { WallShears tau; Pack drag, by_speed, by_density; };
+    const auto part = [&](const Pack& speed, const Pack& gap) -> Part {
+        const WallShears s = wall_shears(f.rheology, speed, gap, 1.0, density);
+        const Pack slow = 1.0 / (speed * speed + SLOWEST * SLOWEST), share = speed * slow;
+        return {s, s.stress * share, s.slope * share + s.stress * slow * (1.0 - 2.0 * speed * share), s.by_density * share};
+    };
+    const Pack share = p[At::JOINT_SHARE];
+    if (!has_joints(share)) {
+        const Part a = part(sheared, p[At::GAP]);
+        return {a.tau.stress, a.tau.slope, a.tau.slope * kept, a.tau.by_density, a.tau.stress, a.tau.slope, a.tau.slope * kept, a.tau.by_density,
+                a.drag, a.by_speed, a.by_speed * kept, a.by_density};
+    }
+    const Pack tube_speed = p[At::TUBE_SPEED], joint_speed = p[At::JOINT_SPEED], tube_pull = p[At::TUBE_PULL], joint_pull = p[At::JOINT_PULL];
+    const Part a = part(w * tube_speed + drift, p[At::GAP]), b = part(w * joint_speed + drift, p[At::JOINT_GAP]);
+    const Pack tube_loss = 1.0 - share, joint_loss = share * p[At::GAP] / p[At::JOINT_GAP];
+    return {a.tau.stress * tube_loss + b.tau.stress * joint_loss, a.tau.slope * (tube_loss * tube_speed) + b.tau.slope * (joint_loss * joint_speed),
+            (a.tau.slope * tube_loss + b.tau.slope * joint_loss) * kept,
+            a.tau.by_density * tube_loss + b.tau.by_density * joint_loss,
+            a.tau.stress * tube_pull + b.tau.stress * joint_pull, a.tau.slope * (tube_pull * tube_speed) + b.tau.slope * (joint_pull * joint_speed),
+            (a.tau.slope * tube_pull + b.tau.slope * joint_pull) * kept,
+            a.tau.by_density * tube_pull + b.tau.by_density * joint_pull,
+            a.drag * tube_pull + b.drag * joint_pull, a.by_speed * (tube_pull * tube_speed) + b.by_speed * (joint_pull * joint_speed),
+            (a.by_speed * tube_pull + b.by_speed * joint_pull) * kept,
+            a.by_density * tube_pull + b.by_density * joint_pull};
+}
+
 // What rows on the string and along the hole both need.
 struct AnnulusState {
     PackVec tw1, tw2, tw, g;
     PackFour x, y, a;
     Walls walls;
-    Pack L, gw, lam, content, outer, density, thin, w, across, speed, wall, sheared, kept, tau, tau_speed, tau_density;  // thin: 1/area; speed: of the string, V; kept: d(sheared)/dV
+    Pack L, gw, lam, content, outer, density, thin, w, across, speed, wall;  // thin: 1/area; speed: of the string, V
+    StringShears tau;
     Gradient by_content, by_outer;
     AnnulusState(const Pack* X, const Pack* Y, const Pack* A, const Pack* p, const Fluid& f, const Pack& rho, const double* c)
         : tw1(vec(p + At::TANGENT1)), tw2(vec(p + At::TANGENT2)), x(nodal(X)), y(nodal(Y)), a(nodal(A)), L(p[At::LENGTH]), density(rho) {
@@ -34,10 +66,8 @@ struct AnnulusState {
         w = across * lam;
         speed = mean_along(y);
         wall = w + speed;
-        kept = Pack(1.0 - f.clinging);
-        sheared = wall - speed * f.clinging;
-        const WallShears s = wall_shears(f.rheology, sheared, p[At::GAP], 1.0, density);
-        tau = s.stress; tau_speed = s.slope; tau_density = s.by_density;
+        const Pack kept = Pack(1.0 - f.clinging);
+        tau = string_shears(f, w, wall - speed * f.clinging, speed * kept, kept, density, p);
     }
     // along the hole, mean over the element
     Pack mean_along(const PackFour& u) const { return dot((u.r1 + u.r2) * 0.5 + (u.v1 - u.v2) * (L * (1.0 / 12)), tw); }
@@ -60,22 +90,20 @@ DP_APART void annulus_rows(const AnnulusState& s, const Pack* X, const Pack* Y, 
     const PackFour mass = cut(consistent(s.a, L)) * (L * (1.0 / 420)), damped = cut(consistent(s.y, L)) * (L * (1.0 / 420));
     const PackFour slope = cut(slopes(s.x.r2 - s.x.r1, s.x.v1, s.x.v2, L)), curve = cut(stiffness(s.x.r2 - s.x.r1, s.x.v1, s.x.v2, L)) * -1.0;
     const PackFour swing = cut(slopes(s.y.r2 - s.y.r1, s.y.v1, s.y.v2, L) * 2.0 + at_ends(s.y));
-    const Pack round = p[At::DIAMETER] * 3.14159265358979324, slow = 1.0 / (s.sheared * s.sheared + SLOWEST * SLOWEST), share = s.sheared * slow * round;
-    const Pack drag = s.tau * share, M = s.density * s.lam * (p[At::CHI] * p[At::OUTER]), carried = M * s.thin * Y[AT_Q], gradient = (X[AT_P2] - X[AT_P1]) / L;
+    const Pack round = p[At::DIAMETER] * 3.14159265358979324, drag = s.tau.drag * round, M = s.density * s.lam * (p[At::CHI] * p[At::OUTER]), carried = M * s.thin * Y[AT_Q], gradient = (X[AT_P2] - X[AT_P1]) / L;
     damping = drag + p[At::DAMPING];
     k1 = carried + drag * s.across;
     k2 = M * s.across;
     k3 = k2 * s.across;
     // by the speed at the wall, through the stress and the drag it makes; and through the centrifugal force
-    const PackFour dragged = damped + slope * s.across, stress = dragged * share - push * round;
-    const PackFour shear = stress * s.tau_speed + dragged * (s.tau * round * slow * (1.0 - 2.0 * s.sheared * s.sheared * slow));
-    const PackFour turned = guide * (2.0 * lift * s.wall), by_w = shear + turned, lifted = (weight + guide * (s.wall * s.wall)) * lift;
+    const PackFour dragged = damped + slope * s.across, turned = guide * (2.0 * lift * s.wall);
+    const PackFour by_w = dragged * (s.tau.drag_w * round) - push * (s.tau.pull_w * round) + turned, lifted = (weight + guide * (s.wall * s.wall)) * lift;
     const Pack il = 1.0 / s.lam, ic = 1.0 / s.content, ir = 1.0 / s.density;
     by.lam = by_w * s.across + (lifted + mass * M + slope * carried + swing * k2 + curve * k3) * il;
     by.content = (by_w * s.w + slope * k1 + swing * k2 + curve * (2.0 * k3)) * -ic;
     by.outer = push * gradient + lifted * (1.0 / s.outer);
-    by.speed = shear * s.kept + turned;
-    by.density = (lifted + mass * M - by_w * s.w - slope * (drag * s.across) - curve * k3) * ir + stress * s.tau_density;
+    by.speed = dragged * (s.tau.drag_v * round) - push * (s.tau.pull_v * round) + turned;
+    by.density = (lifted + mass * M - by_w * s.w - slope * (drag * s.across) - curve * k3) * ir + dragged * (s.tau.drag_density * round) - push * (s.tau.pull_density * round);
     by.flow = (by_w * s.lam + slope * drag + swing * M + curve * (2.0 * k2)) * s.thin;
     by.flow_rate = slope * (M * s.thin);
     by.gradient = push * s.outer;
@@ -126,11 +154,11 @@ DP_APART void annulus_along(const AnnulusState& s, const Pack* X, const Pack* Y,
     put_mass_rows(storage, fluid, by, L, Y[AT_P1], Y[AT_P2], p[At::CONTROL], c[0], c[1], K);
     const PackVec head = s.tw * (s.gw * p[At::CONTROL] * (f.density * 1e-7 * MASS_ROW * c[0]));
     K[AT_P1][0] -= head.x; K[AT_P1][1] -= head.y; K[AT_P1][2] -= head.z;
-    const Pack round = L * 4.0 / p[At::GAP], wet = s.lam * round, drag = s.tau_speed * wet, mass = f.density * s.lam * s.lam * L * ic, started = mass * Y[AT_Q];
+    const Pack round = L * 4.0 / p[At::GAP], wet = s.lam * round, drag = s.tau.loss_w * wet, mass = f.density * s.lam * s.lam * L * ic, started = mass * Y[AT_Q];
     const Pack carried = rho * s.w, pulled = L * (s.mean_along(s.a) - s.gw);  // acceleration less gravity
-    const Pack by_lam = (started * 2.0 + carried * opened) / s.lam + rho * pulled + s.tau * round + drag * s.across;
-    const Pack by_content = (started + carried * opened + drag * s.w) * -ic, by_speed = drag * s.kept;
-    const Pack by_density = s.lam * pulled - drag * s.w / rho + s.tau_density * wet, by_q = f.density * s.lam * ic * opened + drag * s.lam * s.thin;
+    const Pack by_lam = (started * 2.0 + carried * opened) / s.lam + rho * pulled + s.tau.loss * round + drag * s.across;
+    const Pack by_content = (started + carried * opened + drag * s.w) * -ic, by_speed = s.tau.loss_v * wet;
+    const Pack by_density = s.lam * pulled - drag * s.w / rho + s.tau.loss_density * wet, by_q = f.density * s.lam * ic * opened + drag * s.lam * s.thin;
     // along the hole: change of chord, speed and acceleration
     const Pack chords = by_lam * (c[0] / L) + carried * c[1], means = by_speed * c[1] + rho * s.lam * L * c[2], arm = means * L * (1.0 / 12);
     const PackVec turn = s.tw * arm, by_r1 = s.tw * (means * 0.5 - chords), by_r2 = s.tw * (means * 0.5 + chords);

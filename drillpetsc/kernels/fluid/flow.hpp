@@ -30,6 +30,7 @@ inline double shear(const Fluid& f, double w, double density, double d, double a
 template <int N> inline Dual<N> shear(const Fluid& f, const Dual<N>& w, const Dual<N>& density, double d, double alpha) { return wall_shear(f.rheology, w, d, alpha, density); }
 inline Pack shear(const Fluid& f, const Pack& w, const Pack& density, const Pack& d, double alpha) { return wall_shears(f.rheology, w, d, alpha, density).stress; }
 
+// whether tool joints have a share of an element's length, or of that of one of several
 inline bool has_joints(double share) { return share > 0.0; }
 inline bool has_joints(const Pack& share) { return share.v[0] > 0.0 || share.v[1] > 0.0 || share.v[2] > 0.0 || share.v[3] > 0.0; }
 

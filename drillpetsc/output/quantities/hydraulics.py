@@ -272,6 +272,25 @@ SURGE: tuple[Quantity, ...] = (
         "Limit of the window that is passed, with its vertical depth; or none.",
     ),
 )
+#: further columns of surge.csv with --dynamic
+DYNAMIC_SURGE: tuple[Quantity, ...] = (
+    _sum(
+        "dynamic_surge_pressure",
+        "Pa",
+        "Surge pressure of the start",
+        "SURD",
+        "Largest pressure under the bit while the string starts from rest, less that at rest and the weight of the depth gained.",
+        "surge positive, swab negative",
+    ),
+    _sum(
+        "dynamic_surge_time",
+        "s",
+        "Time of the surge pressure of the start",
+        "SURT",
+        "Time from the start at which that pressure is reached.",
+        "not negative",
+    ),
+)
 MAX_TRIP_SPEED: tuple[Quantity, ...] = (
     SURGE[0],
     SURGE[1],

@@ -125,6 +125,20 @@ LIMITS: tuple[Quantity, ...] = (
         f"Axial force over tension limit; {_WHERE_KNOWN}",
         "tension positive",
     ),
+    _node(
+        "make_up_torque",
+        "N m",
+        "Make-up torque",
+        "MUTQ",
+        "Torque with which the tool joints are made up; empty where the threads are not known.",
+    ),
+    _node(
+        "make_up_ratio",
+        "-",
+        "Torque over make-up torque",
+        "MRAT",
+        "Torque over make-up torque; a connection turns further in the hole where it is above 1.",
+    ),
     _node("torque_ratio", "-", "Torque over limit", "QRAT", f"Torque over torque limit; {_WHERE_KNOWN}"),
     _node(
         "sinusoidal_limit",
@@ -179,6 +193,13 @@ LIMITS: tuple[Quantity, ...] = (
         "Miner's damage per hour",
         "DMGH",
         "Damage of an hour of rotation by the S-N curve of --sn, 1 at failure; nan above the curve. Only with --sn.",
+    ),
+    _node(
+        "casing_wear_rate",
+        "W/m",
+        "Rate of casing wear",
+        "CWRT",
+        "Side force per length of casing times the speed at which the turning string slides on it; nan below the casing. Times a wear factor and time it is the worn volume per length.",
     ),
 )
 

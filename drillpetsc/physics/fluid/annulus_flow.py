@@ -121,6 +121,7 @@ class AnnulusFlow(ChannelFlow):
             "chi": s.added[e],
             "damping": s.damping[e],
             "turning": s.turning[e],
+            **{name: value[e] for name, value in a.friction().items()},
             "controlled": zero,
             "drop": drop,
             "head": head,
@@ -216,6 +217,8 @@ class AnnulusFlow(ChannelFlow):
         params["hole"][rows], params["widening"][rows] = around.sizes(nodes)
         params["wall"][rows] = own.wall
         params["gap"][rows], params["gap_above"][rows] = own.gap, own.gap_above
+        for name, value in own.friction().items():
+            params[name][rows] = value
         params["step"][rows] = np.where(
             e > 0, 0.5 * (1 / (own.hole - own.outer) ** 2 - 1 / (other.hole - other.outer) ** 2), 0.0
         )

@@ -6,7 +6,7 @@ density, reduces the space in hole and bore, independent of the shape of its bla
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -68,6 +68,7 @@ class Annulus:
     wall: compliance d(ln area)/dp [1/Pa] (manual: eq-mud-wall-annulus).
     outer_above: area of the rigid item above the element [m2].
     body: area of the tube between tool joints [m2], for friction; None: ``outer``.
+    joint_share: share of the length that tool joints have [-], joint_area: their area [m2]; None: no tool joints.
     """
 
     outer: FloatArray
@@ -75,6 +76,8 @@ class Annulus:
     wall: FloatArray
     outer_above: FloatArray
     body: FloatArray | None = None
+    joint_share: FloatArray | None = None
+    joint_area: FloatArray | None = None
 
     @property
     def outer_diameter(self) -> FloatArray:
@@ -94,10 +97,45 @@ class Annulus:
     def gap_above(self) -> FloatArray:
         return self.hole_diameter - np.sqrt(4 / np.pi * self.outer_above)
 
+    def friction(self) -> dict[str, FloatArray]:
+        """Parameters (n,) of the friction past tube and tool joints in series (manual: sec-tubulars)."""
+        tube, count = self.outer if self.body is None else self.body, len(self.outer)
+        if self.joint_share is None or self.joint_area is None:
+            none, same = np.zeros(count), np.ones(count)
+            return {
+                "joint_share": none,
+                "joint_gap": self.gap,
+                "tube_speed": same,
+                "joint_speed": same,
+                "tube_pull": same,
+                "joint_pull": none,
+            }
+        share = self.joint_share
+        joint = np.where(share > 0, self.joint_area, tube)
+        hole, tube_d, joint_d = self.hole_diameter, np.sqrt(4 / np.pi * tube), np.sqrt(4 / np.pi * joint)
+        open_area, shoulder = self.hole - self.outer, 4 / np.pi * share * (1 - share) * (joint - tube)
+        # kernels work on several elements at once: those without tool joints have the speed in their area
+        return {
+            "joint_share": share,
+            "joint_gap": hole - joint_d,
+            "tube_speed": np.where(share > 0, open_area / (self.hole - tube), 1.0),
+            "joint_speed": np.where(share > 0, open_area / (self.hole - joint), 1.0),
+            "tube_pull": np.where(
+                share > 0,
+                ((1 - share) * tube_d - shoulder / (hole - tube_d)) / self.outer_diameter,
+                1.0,
+            ),
+            "joint_pull": (share * joint_d + shoulder / (hole - joint_d)) / self.outer_diameter,
+        }
+
     def only(self, which: np.ndarray) -> Annulus:
         """Return the annulus of the elements ``which`` (mask or numbers)."""
-        body = None if self.body is None else self.body[which]
-        return Annulus(self.outer[which], self.hole[which], self.wall[which], self.outer_above[which], body)
+        return Annulus(
+            *(
+                None if value is None else value[which]
+                for value in (getattr(self, f.name) for f in fields(self))
+            )  # type: ignore[arg-type]
+        )
 
 
 class HoleVolume:
@@ -139,6 +177,7 @@ class AnnulusWalls:
     section_to: (m,) lower end of each hole section [m]; give: (m,) compliance of its rock, (1 + nu)/E [1/Pa].
     elastic: the walls are elastic, else rigid.
     section: (n,) mean outer area of the elements with tool joints [m2]; None: that of ``outer``.
+    joint_share: (n,) share of the length that tool joints have [-], joint_area: (n,) their area [m2]; None: no tool joints.
     """
 
     outer: FloatArray
@@ -151,6 +190,8 @@ class AnnulusWalls:
     give: FloatArray
     elastic: bool
     section: FloatArray | None = None
+    joint_share: FloatArray | None = None
+    joint_area: FloatArray | None = None
 
     def annulus(self, hole: HoleVolume, e: np.ndarray, upper: FloatArray, lower: FloatArray) -> Annulus:
         """Create the annulus of the elements ``e`` (k,) between measured depths ``upper`` and ``lower`` (k,) [m].
@@ -175,4 +216,9 @@ class AnnulusWalls:
             wall = 2 / (square - outer) * (square * self.give[section] + steel)
         tube = np.pi * outer
         section = tube if self.section is None else self.section[e]
-        return Annulus(section, area, wall, self.outer_above[e], tube)
+        joints = (
+            ()
+            if self.joint_share is None or self.joint_area is None
+            else (self.joint_share[e], self.joint_area[e])
+        )
+        return Annulus(section, area, wall, self.outer_above[e], tube, *joints)

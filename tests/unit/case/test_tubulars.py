@@ -376,6 +376,10 @@ def test_tool_joints_pass_the_hole() -> None:
     assert error.at == "string[0].tool_joint.od"
     assert "less than the diameter of the casing" in error.want
     case(PIPE, well=well("6.7 in"))
+    error = refused(
+        PIPE | {"contact_on": "body"}, well=well("6.5 in")
+    )  # touches with its body, and does not pass
+    assert error.at == "string[0].tool_joint.od"
 
 
 def test_bit_in_its_hole() -> None:

@@ -1,4 +1,4 @@
-"""Tables of a run folder for other programs: CSV, xlsx and LAS in the units of people."""
+"""Tables of a run folder for other programs: CSV, xlsx and LAS with units and headers as engineers write them."""
 
 from __future__ import annotations
 

@@ -11,7 +11,8 @@ struct HermiteAnnulus {
     static constexpr bool PACKED = true;
     static constexpr int SPINS[2][2] = {{6, 3}, {13, 10}};
     DP_ENUM(Parameter,
-        LENGTH, RIGID, POISSON, OUTER, HOLE, OUTER_ABOVE, WALL, DIAMETER, GAP, GAP_ABOVE, CHI, DAMPING, TURNING,  // as in fluid/annulus_flow.hpp
+        LENGTH, RIGID, POISSON, OUTER, HOLE, OUTER_ABOVE, WALL, DIAMETER, GAP, GAP_ABOVE, JOINT_SHARE, JOINT_GAP, TUBE_SPEED, JOINT_SPEED, TUBE_PULL, JOINT_PULL,
+        CHI, DAMPING, TURNING,  // as in fluid/annulus_flow.hpp
         HEADS, REFERENCE_FLOW,  // as in fluid/hermite/hermite_bore.hpp
         OPEN, CONTROLLED,       // OPEN 1: the upper end has the pressure CONTROLLED + rho0 (g.t_w)(t_w.r) [Pa]
         DROP,                   // as in fluid/bore_flow.hpp
@@ -36,7 +37,7 @@ struct HermiteAnnulus {
                 const CubicShape at(XI4[k]);
                 const T q = line.flow(at) + p[REFERENCE_FLOW], head = pressure_of(f, T(line.slope(at, il) / A * -1.0), p[WALL]);
                 const T thick = exp((head - heads(f, q, head, p[HEADS])) * f.compressibility), w = q / (thick * A);
-                const T drag = shear(f, w, T(thick * f.density), p[GAP], 1.0) * (S(4.0) / p[GAP]);
+                const T drag = string_shear<HermiteAnnulus>(f, w, w, T(0.0), T(thick * f.density), p).loss * (S(4.0) / p[GAP]);
                 line.add(at, W4[k], (line.surge(at) + p[SURGE]) * (S(f.density) / A) - thick * f.density * (p[DROP] * il) + drag, head);
                 if constexpr (std::is_same_v<T, double>) if (results) {
                     const double part = W4[k] * L, lost = q / thick;
@@ -90,27 +91,28 @@ struct HermiteAnnulus {
         const T head = pressure_of(f, T((line.slope(at, il) + less) / content * -1.0), p[WALL]), speed = heads(f, q, head, p[HEADS]);
         const T thick = exp((head - speed) * f.compressibility), density = thick * f.density, area = thick * content;
         const T w = q * lam / area, across = q / area, across1 = q1 / area, Va = dot(V, tw), wall = w + Va, sheared = wall - Va * f.clinging;
-        const T tau = shear(f, sheared, density, p[GAP], 1.0), outer = narrow * AO, M = density * lam * (p[CHI] * AO);
-        const T drag = tau * sheared / (sheared * sheared + SLOWEST * SLOWEST) * (p[DIAMETER] * 3.14159265358979324);
+        const StringShear<T> tau = string_shear<HermiteAnnulus>(f, w, sheared, T(Va - Va * f.clinging), density, p);
+        const T outer = narrow * AO, M = density * lam * (p[CHI] * AO);
+        const T drag = tau.drag * (p[DIAMETER] * 3.14159265358979324);
         // along the hole and buoyancy; pressure straight between the nodes, as it loads the string
         const T push = (line.p1.x * (1 - xi) + line.p2.x * xi - speed) * bulge * AO;
         const Vec<T> side = ((g - tw * gw) * (density * lam) - vec(p + BEND) * (density * lam * wall * wall)) * outer;
         const auto cut = [&tw](const Vec<T>& u) { return u - tw * dot(u, tw); };
-        const Vec<T> N = here * (gradient * outer - tau * (p[DIAMETER] * 3.14159265358979324)) + side +
+        const Vec<T> N = here * (gradient * outer - tau.pull * (p[DIAMETER] * 3.14159265358979324)) + side +
                          cut(Vt * M + V * (drag + p[DAMPING]) + rs * (M * across1 + drag * across) + Vs * (M * across));
         const Vec<T> B = rs * (push / local) - cut((V + rs * across) * (M * across));
         rows.r1 += N * (L * (at.N[0] * weight)) + B * (at.B[0] * weight);
         rows.v1 += N * (L * L * (at.N[1] * weight)) + B * (L * (at.B[1] * weight));
         rows.r2 += N * (L * (at.N[2] * weight)) + B * (at.B[2] * weight);
         rows.v2 += N * (L * L * (at.N[3] * weight)) + B * (L * (at.B[3] * weight));
-        const T resistance = tau * lam * (S(4.0) / p[GAP]);
+        const T resistance = tau.loss * lam * (S(4.0) / p[GAP]);
         line.add(at, weight, density * lam * lam / area * q1 + density * w * dot(Vs, tw) + density * lam * (dot(Vt, tw) - gw) + resistance, head);
         if constexpr (std::is_same_v<T, double>) if (results) {
             const double part = weight * L, m = f.density * area, volume = q / thick;
             const Vec<double> X = value(at, on.x, L), moved = cut(V + rs * across), sideways = cut(V);
             results->kinetic += part * 0.5 * (m * wall * wall + M * dot(moved, moved));
             results->potential -= part * (m * gw * dot(X, tw) - density * AO * dot(X, g - tw * gw));
-            results->dissipated += part * (resistance * (volume + Va * content) - tau * p[DIAMETER] * 3.14159265358979324 * Va + drag * dot(sideways, moved) +
+            results->dissipated += part * (resistance * (volume + Va * content) - tau.pull * p[DIAMETER] * 3.14159265358979324 * Va + drag * dot(sideways, moved) +
                                           p[DAMPING] * dot(sideways, sideways));
             stored(line, content, w, thick, head, weight, p, f, results);
         }

@@ -11,6 +11,7 @@ from drillpetsc.case.catalogue.formulas import (
     adjusted_weight,
     plain_end_weight,
     tensile_strength,
+    tool_joint_torque,
     torsional_strength,
     worn_diameter,
 )
@@ -125,6 +126,38 @@ def test_adjusted_weights_mostly_within_a_quarter_percent():
     assert close >= 18
 
 
+@pytest.mark.parametrize(
+    ("name", "outer", "inner", "torque"),
+    [
+        ("NC26", 3.375, 1.75, 6_875),
+        ("NC46", 6.0, 3.25, 33_625),
+        ("NC50", 6.375, 3.75, 37_676),
+        ("NC50", 6.625, 2.75, 63_406),
+        ("6 5/8 FH", 8.0, 5.0, 73_661),
+        ("5 1/2 FH", 7.5, 3.0, 52_302 / 0.6),
+    ],
+)
+def test_torque_of_tool_joints(name, outer, inner, torque):
+    """API RP 7G: table 8, torsional yield of tool joints (as recalled), and the make-up torque of 5 1/2 in 21.90 S-135 pipe with
+    5 1/2 FH tool joints, 52,302 ft-lbf (errata of May 2000 to table 10), which is 60 % of it."""
+    row = next(row for row in BUILT_IN.rows["connection"] if row["connection"] == name)
+    columns = ("taper", "threads", "thread_height", "root", "pitch_diameter", "pin_length", "counterbore")
+    found = tool_joint_torque(*(row[c] for c in columns), outer, inner)
+    assert found == pytest.approx(torque, rel=2e-4)
+
+
+@rows("connection")
+def test_connection(row):
+    """The number of a connection is its pitch diameter in tenths of an inch (API Spec 7-2), cut off; the pin ends inside the box."""
+    if row["connection"].startswith("NC"):
+        assert int(row["connection"][2:]) == int(10 * row["pitch_diameter"])
+    assert 0 < row["counterbore"] - row["pitch_diameter"] < 0.36
+    height = (
+        math.cos(math.atan(row["taper"] / 24)) / row["threads"] * math.sqrt(3) / 2
+    )  # of a sharp 60-degree thread
+    assert row["thread_height"] == pytest.approx(height, rel=5e-3)
+
+
 @rows("hwdp")
 def test_heavy_pipe(row):
     """Weight of tube, tool joints and centre upset of a joint of 30.5 ft, 3.3996 lb/ft per square inch of section: 1.2 %."""
@@ -180,4 +213,4 @@ def test_every_row_names_a_source(table):
     for row in BUILT_IN.rows[table]:
         assert row.source and "no source" not in row.source
         assert "as recalled" not in row.source or "unverified" in row.source
-        assert ("(unverified)" in row.place) == ("unverified" in row.source)
+        assert ("(unverified)" in row.place) == ("unverified" in row.source) == (not row.verified)

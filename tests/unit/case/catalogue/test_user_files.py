@@ -132,6 +132,10 @@ def test_search_from_python() -> None:
     assert "395,595 lbf" in text and "1760 kN" in text and "drill_pipe.csv line 19" in text
     assert "<td>19.50 lb/ft</td>" in drillpetsc.catalogue("5in")._repr_html_()
     assert len(drillpetsc.catalogue()) > 100
+    assert "Rows marked NO" in text
+    marks = [line.split("  ") for line in text.splitlines() if "as recalled: unverified" in line]
+    assert marks and all("NO" in cells for cells in marks)
+    assert "Rows marked NO" not in str(drillpetsc.catalogue("8 x 3"))
     with pytest.raises(CaseError, match="sizes of drill pipe"):
         drillpetsc.catalogue("5.2in")
 
