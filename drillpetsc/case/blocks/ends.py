@@ -157,6 +157,8 @@ class TopDrive(TopEnd):
             return
         if self.force is not None:
             raise refuse("force", want="a hoist or a force, not both: the block hangs on the line")
+        if self.hinged:
+            raise refuse("hinged", got=True, want="no hinge with a hoist: the block guides the string")
         most = self.hoist.max_speed
         for t in (0.0, *self.lowering.breaks()):
             for value in (self.lowering.value(t, True), self.lowering.value(t)):

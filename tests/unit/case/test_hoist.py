@@ -54,6 +54,7 @@ def made(hoist: Any = HOIST, autodriller: Any = None, top: dict[str, Any] | None
         ({"hoist": {**HOIST, "blockmass": 1}}, "blockmass", "one of these keys"),
         ({"hoist": {**HOIST, "heave": {"amplitude": 1}}}, "heave.period", ""),
         ({"top": {"force": 1e5}}, "top.force", "a hoist or a force"),
+        ({"top": {"hinged": True}}, "top.hinged", "no hinge with a hoist"),
         ({"top": {"lowering": 2.0}}, "top.lowering", "at most hoist.max_speed, 1.5 m/s"),
         ({"top": {"lowering": {"time": [0, 1], "value": [0, -2]}}}, "top.lowering", "1.5 m/s"),
         ({"hoist": None, "autodriller": DRILL}, "top.autodriller", "a hoist with a line"),
