@@ -125,7 +125,7 @@ CRITICAL: tuple[Quantity, ...] = (
 )  # fmt: skip
 
 WEIGHT = _column(
-    "weight_on_bit", "N", "Weight on bit of the state", "SWOB", "Weight on bit of the steady state."
+    "weight_on_bit", "N", "Weight on bit of the state", "WOBS", "Weight on bit of the steady state."
 )
 STABILITY_MAP: tuple[Quantity, ...] = (
     ROTARY_SPEED,
