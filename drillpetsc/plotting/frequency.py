@@ -142,7 +142,15 @@ def draw_stability(folder: Path, title: str) -> Any:
     drawn = axes.pcolormesh(
         _edges(speeds), _edges(weights / unit), growth, cmap="RdBu_r", norm=norm, shading="flat"
     )
-    drawing.colorbar(drawn, ax=axes, label="Largest growth rate [1/s]  (red: unstable)")
+    bar = drawing.colorbar(drawn, ax=axes, label="Largest growth rate [1/s]  (red: unstable)")
+    ticks = [
+        norm.vmin,
+        0.5 * norm.vmin,
+        0.0,
+        0.5 * norm.vmax,
+        norm.vmax,
+    ]  # those of matplotlib leave out a narrow side
+    bar.set_ticks(ticks, labels=[f"{tick:.2g}" for tick in ticks])
     if (folder / BOUNDARY_TABLE).exists():
         found = read_table(folder / BOUNDARY_TABLE)
         if len(found["weight_on_bit [N]"]):
