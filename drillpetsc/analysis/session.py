@@ -302,7 +302,9 @@ class Session:
         """
         self._check_open()
         if not isinstance(state, SessionState):
-            raise TypeError(f"set_state: {type(state).__name__} is not a state; allowed: what state() returned")
+            raise TypeError(
+                f"set_state: {type(state).__name__} is not a state; allowed: what state() returned"
+            )
         if state.inputs.keys() != self._live.keys():
             raise ValueError(
                 f"set_state: the state has the inputs {', '.join(state.inputs) or 'none'}; "

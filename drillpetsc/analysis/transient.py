@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sys
 import time as clock
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -42,6 +44,7 @@ from drillpetsc.output.result import RunResult
 from drillpetsc.output.run_writer import RunWriter, after, missing_output, passed
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.parallel import first_rank_does
+from drillpetsc.solvers import generalized_alpha
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.local_error import LocalErrorEstimate
 from drillpetsc.solvers.time_integrator import TimeIntegrator
@@ -125,14 +128,45 @@ def run(
 
 def make_integrator(model: DrillingModel, quasi: QuasiStatic | None = None) -> TimeIntegrator:
     """The integrator of a case: with inertia, with mud that follows the string at once, or quasi-static."""
+    with _chosen_integrator(model.case):
+        return _make_integrator(model, quasi)
+
+
+@contextmanager
+def _chosen_integrator(case: Case) -> Iterator[None]:
+    """Set ``time.integrator`` as PETSc options, unless -ts_type is given, while an integrator is made."""
+    options, time = PETSc.Options(), case.time
+    alpha = time is not None and time.integrator == "generalized_alpha"
+    chosen: dict[str, str] = {}
+    if time is not None and alpha and not options.hasName("ts_type"):
+        chosen["ts_type"] = generalized_alpha.NAMES[0]
+        if time.spectral_radius is not None and not options.hasName("ts_alpha_radius"):
+            chosen["ts_alpha_radius"] = repr(time.spectral_radius)
+    for name, value in chosen.items():
+        options.setValue(name, value)
+    try:
+        yield
+    finally:
+        for name in chosen:
+            options.delValue(name)
+
+
+def _make_integrator(model: DrillingModel, quasi: QuasiStatic | None) -> TimeIntegrator:
     if quasi is not None:
+        if generalized_alpha.selected():
+            raise CaseError(
+                at="petsc.ts_type",
+                got=PETSc.Options().getString("ts_type"),
+                want="no -ts_type with time.mode: quasi_static",
+                hint="a string without inertia has no accelerations to average",
+            )
         return quasi.integrator()
     system, mud = model.system, model.case.fluid
-    kept = _step_limits(model)
+    kept, kind = _step_limits(model), generalized_alpha.integrator_class()
     if mud is not None and mud.dynamics == "quasi_steady":  # the mud follows the string without delay
         system.assembly.set_imposed_rates(np.zeros(system.layout.size + 1), fluid_unknowns(system))
-        return TimeIntegrator(system, controlled=lambda field: field.physics != "fluid", defaults=kept)
-    return TimeIntegrator(system, defaults=kept)
+        return kind(system, controlled=lambda field: field.physics != "fluid", defaults=kept)
+    return kind(system, defaults=kept)
 
 
 def _step_limits(model: DrillingModel) -> dict[str, Any]:
@@ -472,6 +506,9 @@ class TransientRun:
         if "error_estimate" in result and self.recorder.time_error is not None:
             result["error_estimate"]["outputs"] = self.recorder.time_error.summary()
             result["error_estimate"]["damped_above"] = self.recorder.time_error.damped_above()
+        frequency = self.integrator.damped_above()
+        if frequency is not None:
+            result["error_estimate"] = (result.get("error_estimate") or {}) | {"damped_above": frequency}
         if self.classes is not None:
             result["motion"] = self.classes.summary()
         result["warnings"] = [*result["warnings"], *self.boiling.warnings()]

@@ -76,7 +76,7 @@ class BdfHistory:
         if not self.states:
             return {}
         states = self.states if self.half is None else [*self.states, self.half]
-        columns = [_nodal(system, part) for state in states for part in state]
+        columns = [nodal(system, part) for state in states for part in state]
         gathered = system.gather(np.stack(columns, axis=1))
         if gathered is None:
             return {}
@@ -91,14 +91,14 @@ class BdfHistory:
         """Restore the record from a checkpoint: ``state`` as returned by ``get_state``."""
         self.times, self.steps = state["times"].tolist(), state["steps"].tolist()
         states = [
-            (_local(system, x, system.assembly.x), _local(system, y, system.assembly.y))
+            (of_nodal(system, x, system.assembly.x), of_nodal(system, y, system.assembly.y))
             for x, y in state["states"]
         ]
         self.states, last = states[: len(self.times)], states[len(self.times) :]
         self.half, self._stages = (last[0] if last else None), []
 
 
-def _nodal(system: DiscreteSystem, values: FloatArray) -> FloatArray:
+def nodal(system: DiscreteSystem, values: FloatArray) -> FloatArray:
     """Arrange local values (array_length,) by node: (nv, m) components of all fields.
 
     Zero where a field is absent.
@@ -107,7 +107,7 @@ def _nodal(system: DiscreteSystem, values: FloatArray) -> FloatArray:
     return np.where(dofs >= 0, values[np.maximum(dofs, 0)], 0.0)
 
 
-def _local(system: DiscreteSystem, nodal: FloatArray, like: FloatArray) -> FloatArray:
+def of_nodal(system: DiscreteSystem, nodal: FloatArray, like: FloatArray) -> FloatArray:
     """Return local values (array_length,) from ``nodal`` (nodes, m).
 
     Entries that are no unknowns are those of ``like``.
