@@ -28,7 +28,7 @@ from drillpetsc.analysis.run_control import (
     RunControl,
 )
 from drillpetsc.analysis.steady_flow import fluid_unknowns
-from drillpetsc.analysis.time_scales import longest_strict_step, step_warnings
+from drillpetsc.analysis.time_scales import longest_strict_step, step_warnings, time_scales
 from drillpetsc.case.case import Case
 from drillpetsc.errors import LONGEST, RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
@@ -49,6 +49,8 @@ from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.local_error import LocalErrorEstimate
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 
+#: largest spectral radius at which long fixed steps across impacts lose energy; larger ones gain
+STEADY_RADIUS = 0.5
 ROUNDING = 1e-9  # output times closer than this fraction of the end time are one
 
 
@@ -162,11 +164,28 @@ def _make_integrator(model: DrillingModel, quasi: QuasiStatic | None) -> TimeInt
             )
         return quasi.integrator()
     system, mud = model.system, model.case.fluid
+    _refuse_long_fixed_steps(model)
     kept, kind = _step_limits(model), generalized_alpha.integrator_class()
     if mud is not None and mud.dynamics == "quasi_steady":  # the mud follows the string without delay
         system.assembly.set_imposed_rates(np.zeros(system.layout.size + 1), fluid_unknowns(system))
         return kind(system, controlled=lambda field: field.physics != "fluid", defaults=kept)
     return kind(system, defaults=kept)
+
+
+def _refuse_long_fixed_steps(model: DrillingModel) -> None:
+    """Raise CaseError for fixed steps with which generalised-alpha makes energy in impacts (manual: sec-time-alpha-steps)."""
+    options = PETSc.Options()
+    if not generalized_alpha.selected() or options.getString("ts_adapt_type", "basic") != "none":
+        return
+    radius = options.getReal("ts_alpha_radius", generalized_alpha.RADIUS)
+    step, longest = options.getReal(petsc_compat.time_step_option(), 0.0), time_scales(model).impact
+    if radius > STEADY_RADIUS and step > longest:
+        raise CaseError(
+            at="petsc.ts_dt",
+            got=f"{step:g} s",
+            want=f"at most {longest:.3g} s, the shortest impact, with generalised-alpha at a spectral radius above {STEADY_RADIUS:g}",
+            hint="longer fixed steps make energy there; let -ts_rtol control the steps, or take spectral_radius: 0.5",
+        )
 
 
 def _step_limits(model: DrillingModel) -> dict[str, Any]:
