@@ -90,6 +90,7 @@ class GeneralizedAlpha(TimeIntegrator):
         factor = CONSTRAINT_TOLERANCE_FACTOR if system.multipliers else 1.0
         self.newton = CondensedNewton(system, tolerance=0.02 * self.tolerance * factor, work=self.work)
         self.begin = ConsistentStart(self.newton)
+        self._restoring = [c for c in system.components if c.restores_constraints]
         layout = system.layout
         two = np.array([f.second_order for f in layout.fields])[layout.field_of]
         self.alpha = AlphaHistory(self.formula, two)
@@ -128,6 +129,8 @@ class GeneralizedAlpha(TimeIntegrator):
         reason = self.newton.solve(self._t, *self.formula.shifts(h))
         if reason < 0:
             return reason, None
+        for component in self._restoring:
+            component.restore_constraints(asm)
         return reason, self.alpha.advanced(h, asm.x[:n], asm.y[:n], asm.a[:n])
 
     def _load(self) -> None:

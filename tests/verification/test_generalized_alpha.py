@@ -48,8 +48,8 @@ def test_order_two_of_positions_spins_and_rates(radius):
         assert observed_order(values) == pytest.approx(2.0, abs=0.1), name
 
 
-def test_start_without_consistent_accelerations_would_have_order_one():
-    """The accelerations of the start are those of the equations: of a rod that hangs free, gravity."""
+def test_start_has_the_accelerations_of_the_equations():
+    """A rod without ends falls: every node has the acceleration of gravity."""
     model = straight(string=[beam(2.0, 2, 1e5, 10.0, 10.0, 3.0, 1e-3)], top="free", gravity=[0.0, 0.0, 9.81])
     system = model.system
     integrator = integrate(system, 1e-3, fixed(1e-3, **TIGHT))

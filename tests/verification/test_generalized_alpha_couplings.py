@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from drillpetsc import Case, run
 from drillpetsc.analysis.initial_state import initial_state
+from drillpetsc.case import load_case
+from drillpetsc.case.blocks.settings import BeamTheory
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from tests.helpers.joint_models import body, chain_of_bodies, place
@@ -27,6 +31,8 @@ from tests.verification.test_joints import (
 )
 
 ALPHA = {"ts_type": "alpha2"}
+TIGHT = {"ts_type": "alpha2", "q_snes_stol": 1e-9, "drillpetsc_newton_work": 0}
+FLYING = Path(__file__).parents[2] / "cases" / "verification" / "study-flying-beam.yaml"
 
 
 # ---------------------------------------------------------------------- mud and rock
@@ -130,6 +136,22 @@ def test_constraints_do_not_drift(constraint, speed):
 
     integrate(model.system, 4.0, fixed(0.01, **ALPHA), sample)
     assert worst[0] < 1e-9 and worst[1] < speed
+
+
+# ---------------------------------------------------------------------- the quaternion element
+@pytest.mark.parametrize("constraint", ["index3", "index2", "stabilized"])
+def test_order_two_of_the_quaternion_element(constraint):
+    """A beam that flies in space after a push (cases/verification/study-flying-beam.yaml), by differences."""
+    found = []
+    for h in (4e-3, 2e-3, 1e-3):
+        case = load_case(FLYING)
+        keys = case.model_copy(update={"beam": BeamTheory(formulation="quaternion", constraint=constraint)})
+        model = build_model(keys)
+        initial_state(model, keys, None, None)
+        integrate(model.system, 0.5, fixed(h, **TIGHT), breaks=model.breaks)
+        found.append(model.system.field("string.position").copy())
+    order = np.log2(np.linalg.norm(found[0] - found[1]) / np.linalg.norm(found[1] - found[2]))
+    assert order == pytest.approx(2.0, abs=0.1)
 
 
 # ---------------------------------------------------------------------- controller of the top drive
