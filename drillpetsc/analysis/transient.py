@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sys
 import time as clock
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,7 +29,7 @@ from drillpetsc.analysis.run_control import (
     RunControl,
 )
 from drillpetsc.analysis.steady_flow import fluid_unknowns
-from drillpetsc.analysis.time_scales import longest_strict_step, step_warnings
+from drillpetsc.analysis.time_scales import longest_strict_step, step_warnings, time_scales
 from drillpetsc.case.case import Case
 from drillpetsc.errors import LONGEST, RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
@@ -44,10 +46,13 @@ from drillpetsc.output.result import RunResult
 from drillpetsc.output.run_writer import RunWriter, after, missing_output, passed
 from drillpetsc.output.well_files import write_well_files
 from drillpetsc.parallel import first_rank_does
+from drillpetsc.solvers import generalized_alpha
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.local_error import LocalErrorEstimate
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 
+#: largest spectral radius at which long fixed steps across impacts lose energy; larger ones gain
+STEADY_RADIUS = 0.5
 ROUNDING = 1e-9  # output times closer than this fraction of the end time are one
 
 
@@ -127,14 +132,62 @@ def run(
 
 def make_integrator(model: DrillingModel, quasi: QuasiStatic | None = None) -> TimeIntegrator:
     """The integrator of a case: with inertia, with mud that follows the string at once, or quasi-static."""
+    with _chosen_integrator(model.case):
+        return _make_integrator(model, quasi)
+
+
+@contextmanager
+def _chosen_integrator(case: Case) -> Iterator[None]:
+    """Set ``time.integrator`` as PETSc options, unless -ts_type is given, while an integrator is made."""
+    options, time = PETSc.Options(), case.time
+    alpha = time is not None and time.integrator == "generalized_alpha"
+    chosen: dict[str, str] = {}
+    if time is not None and alpha and not options.hasName("ts_type"):
+        chosen["ts_type"] = generalized_alpha.NAMES[0]
+        if time.spectral_radius is not None and not options.hasName("ts_alpha_radius"):
+            chosen["ts_alpha_radius"] = repr(time.spectral_radius)
+    for name, value in chosen.items():
+        options.setValue(name, value)
+    try:
+        yield
+    finally:
+        for name in chosen:
+            options.delValue(name)
+
+
+def _make_integrator(model: DrillingModel, quasi: QuasiStatic | None) -> TimeIntegrator:
     if quasi is not None:
+        if generalized_alpha.selected():
+            raise CaseError(
+                at="petsc.ts_type",
+                got=PETSc.Options().getString("ts_type"),
+                want="no -ts_type with time.mode: quasi_static",
+                hint="a string without inertia has no accelerations to average",
+            )
         return quasi.integrator()
     system, mud = model.system, model.case.fluid
-    kept = _step_limits(model)
+    _refuse_long_fixed_steps(model)
+    kept, kind = _step_limits(model), generalized_alpha.integrator_class()
     if mud is not None and mud.dynamics == "quasi_steady":  # the mud follows the string without delay
         system.assembly.set_imposed_rates(np.zeros(system.layout.size + 1), fluid_unknowns(system))
-        return TimeIntegrator(system, controlled=lambda field: field.physics != "fluid", defaults=kept)
-    return TimeIntegrator(system, defaults=kept)
+        return kind(system, controlled=lambda field: field.physics != "fluid", defaults=kept)
+    return kind(system, defaults=kept)
+
+
+def _refuse_long_fixed_steps(model: DrillingModel) -> None:
+    """Raise CaseError for fixed steps with which generalised-alpha makes energy in impacts (manual: sec-time-alpha-steps)."""
+    options = PETSc.Options()
+    if not generalized_alpha.selected() or options.getString("ts_adapt_type", "basic") != "none":
+        return
+    radius = options.getReal("ts_alpha_radius", generalized_alpha.RADIUS)
+    step, longest = options.getReal(petsc_compat.time_step_option(), 0.0), time_scales(model).impact
+    if radius > STEADY_RADIUS and step > longest:
+        raise CaseError(
+            at="petsc.ts_dt",
+            got=f"{step:g} s",
+            want=f"at most {longest:.3g} s, the shortest impact, with generalised-alpha at a spectral radius above {STEADY_RADIUS:g}",
+            hint="longer fixed steps make energy there; let -ts_rtol control the steps, or take spectral_radius: 0.5",
+        )
 
 
 def _step_limits(model: DrillingModel) -> dict[str, Any]:
@@ -483,6 +536,9 @@ class TransientRun:
         if "error_estimate" in result and self.recorder.time_error is not None:
             result["error_estimate"]["outputs"] = self.recorder.time_error.summary()
             result["error_estimate"]["damped_above"] = self.recorder.time_error.damped_above()
+        frequency = self.integrator.damped_above()
+        if frequency is not None:
+            result["error_estimate"] = (result.get("error_estimate") or {}) | {"damped_above": frequency}
         if self.classes is not None:
             result["motion"] = self.classes.summary()
         result["warnings"] = [*result["warnings"], *self.boiling.warnings()]

@@ -20,7 +20,8 @@ EPILOG = f"""Words that start with a dash and are PETSc options go to PETSc: -ts
 The time integrator is TS BDF with the condensed Newton solver (prefix q_): -ts_rtol (default 1e-4, relative to the usual size
 of each unknown), -ts_bdf_order, -ts_dt, -ts_adapt_type none, -q_snes_stol, -q_snes_linesearch_type bt, -q_pc_type lu ...;
 Newton also goes on while what it leaves does more work than -drillpetsc_newton_work (default 1e-3) of the power exchanged;
--snes_type newtonls solves the whole assembled system instead, -ts_type arkimex, theta integrate it.
+-ts_type alpha2 is generalised-alpha (time.integrator) with -ts_alpha_radius; -snes_type newtonls solves the whole assembled
+system instead, -ts_type arkimex, theta integrate it.
 {EXIT_STATUS}"""
 
 RENAMED_OPTIONS = {"--companion": "--mesh-error"}  # old -> new

@@ -21,7 +21,7 @@ from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import structure
 
-_rates = function("condensed_rates", "ipdppippp" + "p")
+_rates = function("condensed_rates", "ipddppippp" + "p")
 _transport = function("spin_transport", "ippppp")
 _fix_rates = function("constraint_rates", "ipppdppp")
 _fix_rows = function("constraint_rows", "ippppp" + "dpp")
@@ -42,7 +42,7 @@ class Assembly:
     x, y, a: (array_length,) unknowns, rates and accelerations [SI of each field].  Entry n stands for absent
     fields; the derived fields follow it (``DofLayout.derived``; ``derive`` computes them).
     r: (array_length,) residual, not summed over ranks.
-    v0, v1: (n,) constants of the time formula, y = shift x + v0 and a = shift y + v1.
+    v0, v1: (n,) constants of the time formula, y = shift x + v0 and a = second shift y + v1.
     values: all Jacobian entries, in the order of ``rows`` and ``columns`` (local dofs, -1: left out).
     reference: (nv, 3) reference directions of the local nodes.
     """
@@ -172,6 +172,15 @@ class Assembly:
         other = {b.span.start: np.flatnonzero(~by_column[b.span]) for b in self.bound_blocks}
         self._imposed = np.flatnonzero(mask), rates, other
 
+    @property
+    def imposed(self) -> np.ndarray | None:
+        """Unknowns (n,) with imposed rates, as a mask; None where there are none."""
+        if self._imposed is None:
+            return None
+        mask = np.zeros(self.layout.size, dtype=bool)
+        mask[self._imposed[0]] = True
+        return mask
+
     def apply_imposed_rates(self) -> None:
         """Overwrite the integrator's rates by the imposed ones."""
         if self._imposed is not None:
@@ -199,22 +208,23 @@ class Assembly:
         return self._kept[key]
 
     # ------------------------------------------------------------------ state
-    def condense(self, sigma: float) -> None:
+    def condense(self, sigma: float, second: float | None = None) -> None:
         """Compute rates and accelerations of a step from ``x`` (manual: eq-time-condensed).
 
-        y = sigma x + v0, then the transport of the spin rates, then a = sigma y + v1.
+        y = sigma x + v0, then the transport of the spin rates, then a = second y + v1.
 
-        sigma: shift of the time formula [1/s].
+        sigma: shift of the time formula [1/s]; second: da/dy [1/s], ``sigma`` unless given.
         """
+        second = sigma if second is None else second
         x, y, a, _ = self._state
-        _rates(self.layout.size, x, sigma, *self._history, *self._nodes, y, a)
+        _rates(self.layout.size, x, sigma, second, *self._history, *self._nodes, y, a)
         for c in self.stabilized:
-            c.apply(self, sigma)
+            c.apply(self, second)
 
     def apply_prescribed_rates(self, t: float, sigma: float) -> None:
         """Set rates along prescribed directions to the given ones (manual: eq-prescribed-rates).
 
-        t: time [s]; sigma: shift of the time formula [1/s].
+        t: time [s]; sigma: da/dy of the time formula [1/s].
         """
         _, y, a, _ = self._state
         for f in self.row_replacements:

@@ -250,7 +250,7 @@ class BoundStabilization:
     def apply(self, asm: Assembly, sigma: float) -> None:
         """Correct the rates and accelerations of ``Assembly.condense`` (manual: eq-joint-corrected-rates).
 
-        sigma: shift of the time formula [1/s].
+        sigma: da/dy of the time formula [1/s].
         """
         B = self.stabilization.directions(self.rates, asm.x)
         asm.y[self.rates] += np.einsum("kij,kj->ki", B, asm.x[self.multipliers])
@@ -259,7 +259,7 @@ class BoundStabilization:
     def fill(self, asm: Assembly, c: tuple[float, float, float], out: np.ndarray) -> None:
         """Write the entries by the multipliers mu into ``out`` (len(rows),).
 
-        c: weights of dR/dx, dR/dy, dR/da; c2/c1 is the shift [1/s].
+        c: weights of dR/dx, dR/dy, dR/da; c2/c1 is da/dy [1/s].
         """
         B = self.stabilization.directions(self.rates, asm.x)
         weights = np.array([0.0, 1.0, c[2] / c[1]]) if c[1] else np.zeros(3)

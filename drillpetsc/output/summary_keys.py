@@ -202,7 +202,7 @@ RUN: tuple[SummaryKey, ...] = (
     SummaryKey(
         "error_estimate.damped_above",
         "Hz",
-        "Frequency above which the BDF formula takes more than 1 % of an amplitude in a period, at the median of the steps by time.",
+        "Frequency above which the time formula takes more than 1 % of an amplitude in a period, at the median of the steps by time.",
         INERTIA,
     ),
     SummaryKey(

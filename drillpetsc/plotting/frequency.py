@@ -138,7 +138,8 @@ def draw_stability(folder: Path, title: str) -> Any:
 
     finite = growth[np.isfinite(growth)]
     low, high = float(finite.min(initial=0.0)), float(finite.max(initial=0.0))
-    norm = TwoSlopeNorm(0.0, vmin=min(low, -1e-6), vmax=max(high, 1e-6))  # each side to its own extreme
+    low, high = min(low, -1e-6), max(high, 1e-6)
+    norm = TwoSlopeNorm(0.0, vmin=low, vmax=high)  # each side to its own extreme
     drawn = axes.pcolormesh(
         _edges(speeds), _edges(weights / unit), growth, cmap="RdBu_r", norm=norm, shading="flat"
     )

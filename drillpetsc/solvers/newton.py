@@ -78,7 +78,7 @@ class CondensedNewton:
         work: ResidualWork | None = None,
     ):
         self.system, self.tolerance, self.work = system, tolerance, work
-        self.t, self.shift = 0.0, 0.0
+        self.t, self.shift, self.second_shift = 0.0, 0.0, 0.0
         self.lag = Lag() if lag else None
         self._turns_with_string = any(component.turns_with_string for component in system.components)
         self.jacobians = self.iterations = self.linear_iterations = self.failures = 0
@@ -155,9 +155,9 @@ class CondensedNewton:
     def _evaluate(self) -> None:
         """Compute rates and accelerations from the assembly's x (manual: eq-time-condensed)."""
         asm = self.system.assembly
-        asm.condense(self.shift)
+        asm.condense(self.shift, self.second_shift)
         if asm.row_replacements:
-            asm.apply_prescribed_rates(self.t, self.shift)
+            asm.apply_prescribed_rates(self.t, self.second_shift)
         asm.apply_imposed_rates()
 
     def _function(self, snes, q, f) -> None:
@@ -187,7 +187,9 @@ class CondensedNewton:
 
     def update_jacobian(self) -> None:
         """Compute the Jacobian's entries at the assembly's state (manual: eq-time-jacobian)."""
-        self.system.assembly.jacobian(self.t, (1.0, self.shift, self.shift**2), condensed=True)
+        shift, second = self.shift, self.second_shift
+        by_acceleration = shift**2 if second == shift else shift * second
+        self.system.assembly.jacobian(self.t, (1.0, shift, by_acceleration), condensed=True)
         self.jacobians += 1
         if self.lag:
             self.lag.shift, self.lag.good, self.lag.signature = (
@@ -332,12 +334,14 @@ class CondensedNewton:
         else:
             self.matrix.assemble()
 
-    def solve(self, t: float, shift: float) -> int:
+    def solve(self, t: float, shift: float, second_shift: float | None = None) -> int:
         """Solve at time ``t`` [s] with rates y = ``shift`` x + v0, shift in 1/s; collective.
 
+        second_shift: da/dy [1/s] of the accelerations a = second_shift y + v1, ``shift`` unless given.
         Returns the SNES reason; it is negative where the iteration did not converge.
         """
         self.t, self.shift = t, shift
+        self.second_shift = shift if second_shift is None else second_shift
         if self.lag and self._turns_with_string:  # the Jacobian turns with the string
             self.lag.good = False
         # the convergence factor of one step counts less in the next one (Hairer and Wanner, Solving ODEs II,

@@ -15,7 +15,7 @@ from drillpetsc import petsc_compat
 from drillpetsc.errors import OptionError
 
 #: integrators that are offered
-INTEGRATORS = "bdf | beuler | cn | theta | alpha | arkimex | dirk"
+INTEGRATORS = "bdf | alpha2 | beuler | cn | theta | alpha | arkimex | dirk"
 #: parts of names of options that PETSc reads late (views, logs) or at its own start
 READ_LATE = (
     "view",
@@ -69,6 +69,7 @@ NUMBERS: dict[str, tuple[float, bool, float, bool]] = {
     "ts_adapt_dt_max": (0, True, math.inf, False),
     "ts_adapt_dt_min": (0, True, math.inf, False),
     "ts_bdf_order": (1, False, 6, True),
+    "ts_alpha_radius": (0, False, 1, False),
     "ts_max_steps": (1, False, 2**31 - 1, True),
     "ts_max_reject": (-1, False, 2**31 - 1, True),
     "ts_max_step_rejections": (-1, False, 2**31 - 1, True),
@@ -97,7 +98,6 @@ SET_ELSEWHERE = {
 #: integrators that PETSc has and that are refused, with the reason
 REFUSED_INTEGRATORS = {
     "rosw": "its stages do not fulfil the equations of motion, so that hook load and surface torque would be wrong; take arkimex",
-    "alpha2": "it is for second-order systems without prescribed motion; take theta",
 }
 
 
@@ -218,6 +218,7 @@ def not_an_option(name: str, where: str) -> OptionError:
 KNOWN_OPTIONS = (
     "ts_type",
     "ts_bdf_order",
+    "ts_alpha_radius",
     "ts_rtol",
     "ts_dt",
     "ts_time_step",

@@ -297,6 +297,10 @@ class TimeIntegrator:
         """Number of linear iterations so far."""
         return self.newton.linear_iterations if self.condensed else self.ts.getKSPIterations()
 
+    def damped_above(self) -> float | None:
+        """Frequency [Hz] above which the formula damps; None: the estimate of the outputs has it."""
+        return None
+
     # ------------------------------------------------------------------ run
     def _post_step(self, ts) -> None:
         """Finish an accepted step: history, callbacks, reference frames (manual: sec-time-update)."""

@@ -10,6 +10,7 @@ from drillpetsc import Case
 from drillpetsc.analysis.placement import move_rigidly, place_along_hole, release
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.model.drilling_model import DrillingModel, build_model
+from drillpetsc.solvers.generalized_alpha import integrator_class
 from drillpetsc.solvers.petsc_options import applied
 from drillpetsc.solvers.time_integrator import TimeIntegrator
 
@@ -29,7 +30,7 @@ def integrate(
 ) -> TimeIntegrator:
     """Run ``model`` from its present state at ``start`` to ``end`` [s]; call(t, dt) after every step."""
     with applied({} if petsc is None else petsc):
-        integrator = TimeIntegrator(system)
+        integrator = integrator_class()(system)
         if call is not None:
             integrator.after_step.append(call)
         integrator.run(start, end, breaks)

@@ -86,6 +86,8 @@ KINDS = {
     "cut fixed steps": {"ts_adapt_type": "none", "ts_dt": 1e-2},
     "assembled newton": {"q_pc_type": "lu"},
     "plain system": {"snes_type": "newtonls"},
+    "generalised alpha": {"ts_type": "alpha2"},
+    "generalised alpha with fixed steps": {"ts_type": "alpha2", "ts_adapt_type": "none", "ts_dt": 1e-3},
 }
 
 

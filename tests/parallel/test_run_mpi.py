@@ -11,9 +11,28 @@ import pytest
 
 from drillpetsc.output import read_table
 from tests.helpers.mpi import run_mpi
+from tests.parallel.test_restart import CASE as WHIRL
 
 ROOT = Path(__file__).parents[2]
 EXACT = ["-ts_adapt_type", "none", "-ts_dt", "2e-3", "-q_snes_stol", "1e-12"]
+
+
+@pytest.mark.parallel
+def test_generalised_alpha_is_the_same_on_1_2_and_3_ranks(tmp_path):
+    """Contact, mud, a bend and a jump of the top's motion (tests/parallel/test_restart.py), with fixed steps."""
+    (tmp_path / "case.yaml").write_text(WHIRL)
+    exact = ["1e-3" if word == "2e-3" else word for word in EXACT] + ["-ts_type", "alpha2"]
+    tables = []
+    for n in (1, 2, 3):
+        out = tmp_path / f"ranks{n}"
+        run_mpi(
+            n, ROOT / "tests" / "parallel" / "run_case.py", [str(tmp_path / "case.yaml"), str(out), *exact]
+        )
+        tables.append(read_table(out / "history.csv"))
+    for other in tables[1:]:
+        for column, values in tables[0].items():
+            if not column.startswith(("energy_error", "newton", "step")):
+                assert np.abs(other[column] - values).max() <= 5e-8 * np.abs(values).max(), column
 
 
 @pytest.mark.parallel

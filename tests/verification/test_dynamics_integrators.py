@@ -130,9 +130,9 @@ def test_options_of_the_condensed_newton(reference, name):
     assert np.abs(end - reference).max() < (5e-3 if "order" in key else 1e-4)
 
 
-@pytest.mark.parametrize("kind", ["rk", "euler", "ssp", "alpha2", "basicsymplectic"])
+@pytest.mark.parametrize("kind", ["rk", "euler", "ssp", "basicsymplectic"])
 def test_integrators_that_cannot_treat_prescribed_rows_are_refused(kind, tmp_path):
-    """Explicit and second-order integrators are bad input: the message lists allowed ones, and nothing is
+    """Explicit integrators are bad input: the message lists allowed ones, and nothing is
     written."""
     case = Case(
         string=[beam(10.0, 1, 1e8, 1e6, 1e6, 10.0, 0.1)],

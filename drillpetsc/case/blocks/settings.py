@@ -112,6 +112,26 @@ class Time(Block):
         description="first and largest step of a quasi-static run; the solver's choice when not given",
     )
 
+    integrator: Literal["bdf", "generalized_alpha"] = Field(
+        default="bdf",
+        description="bdf: backward differences; generalized_alpha: keeps the energy of vibrations that the steps resolve",
+    )
+    spectral_radius: Annotated[float, Quantity("", at_least=0, at_most=1)] | None = Field(
+        default=None,
+        description="of generalized_alpha: 1 keeps fast vibrations, 0 damps them within one step; 0.8 when not given",
+    )
+
+    @model_validator(mode="after")
+    def _integrator(self) -> Time:
+        alpha = self.integrator == "generalized_alpha"
+        if alpha and self.mode == "quasi_static":
+            hint = "a string without inertia has no accelerations to average"
+            raise refuse("integrator", got=self.integrator, want="bdf with mode: quasi_static", hint=hint)
+        if self.spectral_radius is not None and not alpha:
+            want = "no spectral_radius without integrator: generalized_alpha"
+            raise refuse("spectral_radius", got=self.spectral_radius, want=want)
+        return self
+
     @model_validator(mode="after")
     def _step_of_a_quasi_static_run(self) -> Time:
         if self.step is not None and self.mode == "dynamic":

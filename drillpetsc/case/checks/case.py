@@ -36,6 +36,7 @@ def check_case(case: CaseBlocks) -> None:
     _start(case)
     check_time(case)
     check_hoist(case)
+    _integrator(case)
     check_joints(case)
     _on_string(case)
     check_sensors(case)
@@ -51,6 +52,17 @@ def _bit_last(case: CaseBlocks) -> None:
             )
     if not any(isinstance(item, (Tube, Beam)) for item in case.string):
         raise refuse("string", got=f"{len(case.string)} rigid items", want="at least one pipe or beam")
+
+
+def _integrator(case: CaseBlocks) -> None:
+    kind = str(case.petsc.get("ts_type", "alpha2"))
+    chosen = case.time is not None and case.time.integrator == "generalized_alpha"
+    if chosen and kind not in ("alpha2", "genalpha"):
+        want = "no ts_type with time.integrator: generalized_alpha"
+        raise refuse("petsc", "ts_type", got=kind, want=want)
+    if chosen and case.time.spectral_radius is not None and "ts_alpha_radius" in case.petsc:  # type: ignore[union-attr]
+        want = "either time.spectral_radius or petsc.ts_alpha_radius"
+        raise refuse("petsc", "ts_alpha_radius", got=case.petsc["ts_alpha_radius"], want=want)
 
 
 def _well_or_none(case: CaseBlocks) -> None:

@@ -5,14 +5,14 @@ using namespace dp;
 
 // y = sigma x + v0 and a = sigma y + v1 for n unknowns (v1 only where a rate is an unknown); then, at each of k nodes with a spin
 // angle, omega = phi' + c(v).w replaces the rate of the angle.  where: (k, 2) positions of phi and v; reference: (k, 3).
-extern "C" void condensed_rates(int n, const double* x, double sigma, const double* v0, const double* v1, int k, const int* where,
-                                const double* reference, double* y, double* a) {
+extern "C" void condensed_rates(int n, const double* x, double sigma, double second, const double* v0, const double* v1, int k,
+                                const int* where, const double* reference, double* y, double* a) {
     for (int i = 0; i < n; ++i) y[i] = sigma * x[i] + v0[i];
     for (int j = 0; j < k; ++j) {
         const int phi = where[2 * j], v = where[2 * j + 1];
         y[phi] += dot(spin_potential(vec(reference + 3 * j), vec(x + v)), vec(y + v));
     }
-    for (int i = 0; i < n; ++i) a[i] = sigma * y[i] + v1[i];
+    for (int i = 0; i < n; ++i) a[i] = second * y[i] + v1[i];
 }
 
 // c(v).w at each node: what omega has beyond the rate of the angle

@@ -39,7 +39,7 @@ INTEGRATORS: dict[str, tuple[Options, bool]] = {
     "cn": ({"ts_type": "cn"}, False),
     "beuler": ({"ts_type": "beuler"}, False),
     "alpha": ({"ts_type": "alpha"}, False),
-    "alpha2": ({"ts_type": "alpha2"}, False),
+    "alpha2": ({"ts_type": "alpha2"}, True),
 }
 SOLVERS: dict[str, Options] = {
     "condensed": {},
@@ -49,7 +49,7 @@ SOLVERS: dict[str, Options] = {
     "assembled": {"snes_type": "newtonls"},
 }
 DEFAULT_SOLVERS = ("condensed", "petsc-lu", "line-search-bt", "assembled")
-DEFAULT_INTEGRATORS = ("bdf1", "bdf2", "bdf3", "arkimex", "cn")
+DEFAULT_INTEGRATORS = ("bdf1", "bdf2", "bdf3", "alpha2", "arkimex", "cn")
 FORMULATIONS = ("ancf", "quaternion")
 #: curves of --curves: name -> (integrator, whether it controls its step size, formulation; empty for that of
 #: the case)
@@ -59,6 +59,8 @@ CURVES: dict[str, tuple[str, bool, str]] = {
     "bdf3-fixed": ("bdf3", False, ""),
     "bdf2": ("bdf2", True, ""),
     "bdf3": ("bdf3", True, ""),
+    "alpha2-fixed": ("alpha2", False, ""),
+    "alpha2": ("alpha2", True, ""),
     "arkimex": ("arkimex", True, ""),
     "quaternion-bdf1-fixed": ("bdf1", False, "quaternion"),
     "quaternion-bdf2-fixed": ("bdf2", False, "quaternion"),
@@ -164,13 +166,15 @@ def case_of(base: Base, point: Point) -> Case:
 def _fitting(petsc: dict[str, Any]) -> dict[str, Any]:
     """Options without those that the chosen integrator and solver do not read, which a run would refuse."""
     kind = str(petsc.get("ts_type", "bdf"))
-    condensed = kind == "bdf" and str(petsc.get("snes_type", "python")) == "python"
+    condensed = kind in ("bdf", "alpha2", "genalpha") and str(petsc.get("snes_type", "python")) == "python"
 
     def fits(name: str) -> bool:
         if name.startswith("q_"):
             return condensed
         if name.startswith("ts_bdf_"):
             return kind == "bdf"
+        if name.startswith("ts_alpha_"):
+            return kind in ("alpha", "alpha2", "genalpha")
         return not (name == "ts_adapt_clip" and petsc.get("ts_adapt_type") == "none")
 
     return {name: value for name, value in petsc.items() if fits(name)}

@@ -1,0 +1,260 @@
+"""Generalised-alpha in end-point form: coefficients, and the history of one run on plain arrays.
+
+Manual: sec-time-alpha.  The equations hold at the end of each step; only accelerations are averaged.
+
+Sources: Chung and Hulbert, J. Appl. Mech. 60 (1993) 371 (coefficients); Arnold and Bruels, Multibody Syst.
+Dyn. 18 (2007) 185 (end-point form, with an algorithmic acceleration beside the true one); Jansen, Whiting and
+Hulbert, Comput. Methods Appl. Mech. Eng. 190 (2000) 305 (first-order rows).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from drillpetsc.arrays import FloatArray
+
+#: arrays of ``AlphaHistory`` that a checkpoint contains
+ARRAYS = ("x", "y", "w", "rate", "second", "ax", "ay", "dw", "dsecond", "du")
+LOSS = 0.01  # of an amplitude in a period, from which on a vibration is called damped
+
+
+@dataclass(frozen=True)
+class AlphaFormula:
+    """Coefficients at the spectral radius ``radius`` of infinite frequency, 0 to 1 (manual: eq-time-alpha).
+
+    The averages are weighted in the order of Chung and Hulbert: ``mean_mass`` and ``mean_force`` multiply the
+    values at the start of the step.
+    """
+
+    radius: float
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.radius <= 1.0:
+            raise ValueError(f"spectral radius {self.radius:g} is not from 0 to 1")
+
+    @property
+    def mean_mass(self) -> float:
+        """Weight of the earlier algorithmic acceleration."""
+        return (2 * self.radius - 1) / (1 + self.radius)
+
+    @property
+    def mean_force(self) -> float:
+        """Weight of the earlier true acceleration, and of the earlier rate of first-order unknowns."""
+        return self.radius / (1 + self.radius)
+
+    @property
+    def gamma(self) -> float:
+        """Weight of the later acceleration in the velocity; 1/2 + shift of the acceleration gives order 2."""
+        return 0.5 - self.mean_mass + self.mean_force
+
+    @property
+    def beta(self) -> float:
+        """Weight of the later acceleration in the position."""
+        return 0.25 * (1 - self.mean_mass + self.mean_force) ** 2
+
+    @property
+    def mean_rate(self) -> float:
+        """Weight of the earlier algorithmic rate of first-order unknowns."""
+        return (3 * self.radius - 1) / (2 * (1 + self.radius))
+
+    @property
+    def gamma_rate(self) -> float:
+        """Weight of the later algorithmic rate in a first-order unknown."""
+        return 0.5 - self.mean_rate + self.mean_force
+
+    @property
+    def lead(self) -> float:
+        """Time by which an algorithmic acceleration is ahead of its step's end, as a fraction of the step."""
+        return self.mean_mass - self.mean_force
+
+    @property
+    def lead_rate(self) -> float:
+        """The same for the algorithmic rate of first-order unknowns."""
+        return self.mean_rate - self.mean_force
+
+    def shifts(self, step: float) -> tuple[float, float]:
+        """Return dy/dx and da/dy [1/s] for a ``step`` [s].
+
+        The first is the same for unknowns of first and second order: gamma/beta =
+        (1 - mean_rate)/((1 - mean_force) gamma_rate) = (3 - radius)(1 + radius)/2.
+        """
+        first = self.gamma / (self.beta * step)
+        return first, (1 - self.mean_mass) / ((1 - self.mean_force) * self.gamma * step)
+
+    @property
+    def error_constants(self) -> tuple[float, float]:
+        """Local error of a position over step^3 x''', and of a first-order unknown over step^3 x'''.
+
+        Taylor series, with the algorithmic values ahead of the steps' ends by their leads.
+        """
+        position = 1 / 6 - self.beta - 0.5 * self.lead
+        return abs(position), abs(0.5 * self.lead_rate**2 - 1 / 12)
+
+    def amplification(self, product: float) -> complex:
+        """Return the factor of an undamped vibration in a step, at angular frequency times step ``product``.
+
+        Its modulus is that of the amplitude, its angle the phase of a step: the eigenvalue of the vibration.  The
+        third one is real.
+        """
+        g, b, m, f, o = self.gamma, self.beta, self.mean_mass, self.mean_force, product**2
+        # unknowns x, h v, h^2 a, h^2 w = -o x; (1 - m) a1 + m a0 = (1 - f) w1 + f w0
+        left = np.array([[1.0, 0.0, -b], [0.0, 1.0, -g], [(1 - f) * o, 0.0, 1 - m]])
+        right = np.array([[1.0, 1.0, 0.5 - b], [0.0, 1.0, 1 - g], [-f * o, 0.0, -m]])
+        values = np.linalg.eigvals(np.linalg.solve(left, right))
+        return complex(values[values.imag.argmax()])
+
+    def damped_product(self, loss: float = LOSS) -> float | None:
+        """Angular frequency times step above which a period takes more than ``loss`` of the amplitude.
+
+        None where no frequency loses as much.
+        """
+        products = np.geomspace(1e-2, 1e2, 800)
+        factors = np.array([self.amplification(p) for p in products])
+        kept = np.abs(factors) ** (2 * np.pi / np.maximum(np.abs(np.angle(factors)), 1e-9))
+        found = np.flatnonzero(kept < 1 - loss)
+        return float(products[found[0]]) if len(found) else None
+
+
+def radius_of(alpha_m: float, alpha_f: float, gamma: float | None = None, beta: float | None = None) -> float:
+    """Return the spectral radius of PETSc's parameters, whose averages multiply the later values.
+
+    alpha_m = (2 - radius)/(1 + radius), alpha_f = 1/(1 + radius), gamma = 1/2 + alpha_m - alpha_f, beta =
+    (1 + alpha_m - alpha_f)^2/4.  Raises ValueError, with the reason, for values off this family.
+    """
+    if not 0.5 <= alpha_f <= 1.0:
+        raise ValueError(f"alpha_f = {alpha_f:g} belongs to no spectral radius from 0 to 1 (0.5 to 1 does)")
+    radius = 1 / alpha_f - 1
+    wanted = (2 - radius) / (1 + radius)
+    if abs(alpha_m - wanted) > 1e-6:
+        raise ValueError(
+            f"alpha_m = {alpha_m:g} does not belong to alpha_f = {alpha_f:g}: it must be {wanted:.9g}"
+        )
+    if gamma is not None and abs(gamma - (0.5 + alpha_m - alpha_f)) > 1e-6:
+        raise ValueError(f"gamma = {gamma:g} gives order 1; order 2 needs {0.5 + alpha_m - alpha_f:.9g}")
+    if beta is not None and abs(beta - 0.25 * (1 + alpha_m - alpha_f) ** 2) > 1e-6:
+        raise ValueError(
+            f"beta = {beta:g} does not belong to them: it must be {0.25 * (1 + alpha_m - alpha_f) ** 2:.9g}"
+        )
+    return radius
+
+
+@dataclass
+class AlphaHistory:
+    """What the formula carries from step to step, for n unknowns; all arrays (n,).
+
+    formula: the coefficients.
+    second_order: mask of unknowns of second order; the others are of first order, or algebraic.
+
+    x, y: unknowns and the rates that the equations contain.
+    w: true accelerations.
+    rate, second: first and second derivative of x by the formula.  They are y and w, but for spin angles,
+    whose rate is only part of the spin rate, and for prescribed and corrected components.
+    ax, ay: algorithmic accelerations of x and of y; of a first-order unknown ``ax`` is its algorithmic rate.
+    dw, dsecond, du: change of w, of ``second`` and of a first-order unknown's rate over the last step, by its
+    length.
+    step: length of the last step [s]; 0 before the first one, when ``ax`` and ``ay`` do not lead.
+    """
+
+    formula: AlphaFormula
+    second_order: np.ndarray
+    step: float = 0.0
+    arrays: dict[str, FloatArray] = field(default_factory=dict)
+
+    def start(
+        self, x: FloatArray, y: FloatArray, w: FloatArray, rate: FloatArray, second: FloatArray
+    ) -> None:
+        """Begin at a state (n,), consistent with the equations: y of a first-order unknown is its rate."""
+        two = self.second_order
+        zero = np.zeros_like(x)
+        self.step = 0.0
+        self.arrays = {
+            "x": x.copy(),
+            "y": y.copy(),
+            "w": np.where(two, w, 0.0),
+            "rate": np.where(two, rate, 0.0),
+            "second": np.where(two, second, 0.0),
+            "ax": np.where(two, second, y),
+            "ay": np.where(two, w, 0.0),
+            "dw": zero,
+            "dsecond": zero.copy(),
+            "du": zero.copy(),
+        }
+
+    def _led(self, step: float) -> tuple[FloatArray, FloatArray]:
+        """Return ax and ay, shifted to their lead at a ``step`` [s] (manual: eq-time-alpha-shift)."""
+        q, f = self.arrays, self.formula
+        if step == self.step:
+            return q["ax"], q["ay"]
+        change = step - self.step
+        slope = np.where(self.second_order, f.lead * q["dsecond"], f.lead_rate * q["du"])
+        return q["ax"] + change * slope, q["ay"] + (f.lead * change) * q["dw"]
+
+    def constants(self, step: float) -> tuple[FloatArray, FloatArray]:
+        """Return v0 and v1 of y = shift x + v0 (without transport) and a = second shift y + v1."""
+        f, q, h = self.formula, self.arrays, step
+        g, b, m, k = f.gamma, f.beta, f.mean_mass, f.mean_force
+        ax, ay = self._led(h)
+        s, s2 = f.shifts(h)
+        of_second = q["rate"] + h * (1 - g) * ax - s * (q["x"] + h * q["rate"] + h * h * (0.5 - b) * ax)
+        of_first = -s * (q["x"] + h * (1 - f.gamma_rate) * ax) + (f.mean_rate * ax - k * q["y"]) / (1 - k)
+        v1 = -s2 * (q["y"] + h * (1 - g) * ay) + (m * ay - k * q["w"]) / (1 - k)
+        return np.where(self.second_order, of_second, of_first), np.where(self.second_order, v1, 0.0)
+
+    def predict(self, step: float) -> FloatArray:
+        """Return a first guess of x after a ``step`` [s]: the true acceleration stays, or the algorithmic rate."""
+        f, q, h = self.formula, self.arrays, step
+        ax, _ = self._led(h)
+        # with the same true acceleration at both ends: (1 - m) a1 + m a0 = w
+        later = (q["second"] - f.mean_mass * ax) / (1 - f.mean_mass)
+        position = q["x"] + h * q["rate"] + h * h * ((0.5 - f.beta) * ax + f.beta * later)
+        return np.where(self.second_order, position, q["x"] + h * ax)
+
+    def advanced(self, step: float, x: FloatArray, y: FloatArray, w: FloatArray) -> AlphaHistory:
+        """Return the history after a ``step`` [s] to the state x, y, w (n,)."""
+        f, q, h, two = self.formula, self.arrays, step, self.second_order
+        g, b, m, k = f.gamma, f.beta, f.mean_mass, f.mean_force
+        ax0, ay0 = self._led(h)
+        later = (x - q["x"] - h * q["rate"] - h * h * (0.5 - b) * ax0) / (b * h * h)
+        later_rate = (x - q["x"] - h * (1 - f.gamma_rate) * ax0) / (f.gamma_rate * h)
+        ax = np.where(two, later, later_rate)
+        second = np.where(two, ((1 - m) * ax + m * ax0 - k * q["second"]) / (1 - k), 0.0)
+        w = np.where(two, w, 0.0)
+        return AlphaHistory(
+            f,
+            two,
+            h,
+            {
+                "x": x.copy(),
+                "y": y.copy(),
+                "w": w,
+                "rate": np.where(two, q["rate"] + h * ((1 - g) * ax0 + g * ax), 0.0),
+                "second": second,
+                "ax": ax,
+                "ay": np.where(two, (y - q["y"] - h * (1 - g) * ay0) / (g * h), 0.0),
+                "dw": (w - q["w"]) / h,
+                "dsecond": (second - q["second"]) / h,
+                "du": np.where(two, 0.0, (y - q["y"]) / h),
+            },
+        )
+
+    def begun_with(self, trial: AlphaHistory) -> AlphaHistory:
+        """Return this history at a start, with the derivatives of a ``trial`` first step.
+
+        They shift the algorithmic accelerations of the first step to their lead.
+        """
+        slopes = {key: trial.arrays[key] for key in ("dw", "dsecond", "du")}
+        return AlphaHistory(self.formula, self.second_order, self.step, self.arrays | slopes)
+
+    def local_error(self, later: AlphaHistory) -> FloatArray:
+        """Return the local error (n,) of the step that led to ``later`` (manual: eq-time-alpha-error)."""
+        h = later.step
+        ax, _ = self._led(h)
+        position, first = self.formula.error_constants
+        curvature = (later.arrays["du"] - self.arrays["du"]) * (2 * h / (h + self.step)) if self.step else 0.0
+        return np.where(
+            self.second_order,
+            position * h * h * (later.arrays["ax"] - ax),
+            first * h * h * curvature,
+        )
