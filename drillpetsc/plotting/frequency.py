@@ -144,13 +144,7 @@ def draw_stability(folder: Path, title: str) -> Any:
         _edges(speeds), _edges(weights / unit), growth, cmap="RdBu_r", norm=norm, shading="flat"
     )
     bar = drawing.colorbar(drawn, ax=axes, label="Largest growth rate [1/s]  (red: unstable)")
-    ticks = [
-        norm.vmin,
-        0.5 * norm.vmin,
-        0.0,
-        0.5 * norm.vmax,
-        norm.vmax,
-    ]  # those of matplotlib leave out a narrow side
+    ticks = [low, 0.5 * low, 0.0, 0.5 * high, high]  # those of matplotlib leave out a narrow side
     bar.set_ticks(ticks, labels=[f"{tick:.2g}" for tick in ticks])
     if (folder / BOUNDARY_TABLE).exists():
         found = read_table(folder / BOUNDARY_TABLE)
