@@ -269,10 +269,9 @@ class GeneralizedAlpha(TimeIntegrator):
         if self.work is not None:
             self.work.start(start)
         at_break = any(abs(b - start) <= near for b in breaks)
-        if self._restored is not None and not at_break:
+        if self._restored is not None:
             self._restore(self._restored)
-            resume = True
-        self._restored = None
+            resume, self._restored = True, None
         t, first = start, not resume
         for stop in stops:
             if at_break:
