@@ -16,10 +16,11 @@ from drillpetsc.solvers.newton import CondensedNewton, static_factor
 #: time [s] that weighs position and rate against acceleration in the matrix of the linear solve; it regularises
 #: the matrix and does not enter the solution
 REGULARISATION = 1.0e-6
-ITERATIONS, ACCURACY = 12, 1.0e-10
-#: steps [s] of the start with constraints, and of its jump of rates: short against the motion, long enough for
-#: the rounding of positions of 1000 m
-CONSTRAINED_STEP, IMPULSE_STEP = 1.0e-4, 1.0e-6
+ITERATIONS, ACCURACY = 30, 1.0e-10
+#: steps [s] of the start with constraints, the first that Newton solves: short against the motion, long enough
+#: for the rounding of positions of 1000 m
+CONSTRAINED_STEPS = (1.0e-4, 1.0e-5, 1.0e-6)
+IMPULSE_STEP = 1.0e-6  # of a jump of rates with constraints [s]
 CONSTRAINED_TOLERANCE = 1.0e-12  # Newton's, in those steps
 ALONG = 1.0e-6  # difference [s] for the acceleration of a prescribed motion
 
@@ -146,8 +147,11 @@ class ConsistentStart:
     # ------------------------------------------------------------------ with multipliers: short implicit steps
     def _short_step(
         self, t: float, rate: FloatArray, start: tuple[FloatArray, FloatArray], shifts: tuple[float, float]
-    ) -> None:
-        """Solve at ``t`` [s] from x, y ``start`` with the given rate of x at the start and the two shifts."""
+    ) -> bool:
+        """Solve at ``t`` [s] from x, y ``start`` with the given rate of x at the start and the two shifts.
+
+        False where Newton's method does not converge.
+        """
         newton, asm, n = self.newton, self.system.assembly, self.system.layout.size
         x, y = start
         asm.v0[:n] = np.where(self.second, rate, 0.0) - shifts[0] * x
@@ -160,8 +164,7 @@ class ConsistentStart:
         finally:
             newton.tolerance, newton.work = tolerance, work
             newton.discard_factor()
-        if reason < 0:
-            raise SolveError("no accelerations fulfil the equations of motion and the constraints", time=t)
+        return reason >= 0
 
     def _by_small_steps(self, t: float) -> None:
         """Accelerations, first-order rates and multipliers at two later times, extrapolated to ``t`` [s].
@@ -175,11 +178,17 @@ class ConsistentStart:
             y0[f.rows] += f.D.T @ (f.rate - f.D @ y0[f.rows])
         asm.y[:n] = y0
         rate = self.rate_of_unknowns()
-        found = []
-        for tau in (CONSTRAINED_STEP, 2 * CONSTRAINED_STEP):
-            asm.x[:n] = np.where(self.second, x0 + tau * rate, x0)
-            self._short_step(t + tau, -rate, (x0, y0), (2 / tau, 1 / tau))
-            found.append(np.where(self.second, asm.a[:n], np.where(self.first, asm.y[:n], asm.x[:n])).copy())
+        for step in CONSTRAINED_STEPS:
+            found = []
+            for tau in (step, 2 * step):
+                asm.x[:n] = np.where(self.second, x0 + tau * rate, x0)
+                if not self._short_step(t + tau, -rate, (x0, y0), (2 / tau, 1 / tau)):
+                    break
+                found.append(np.where(self.second, asm.a[:n], np.where(self.first, asm.y[:n], asm.x[:n])))
+            if len(found) == 2:
+                break
+        else:
+            raise SolveError("no accelerations fulfil the equations of motion and the constraints", time=t)
         value = 2 * found[0] - found[1]
         asm.x[:n] = np.where(self.second | self.first, x0, value)
         asm.y[:n] = np.where(self.first, value, y0)
@@ -190,7 +199,8 @@ class ConsistentStart:
         asm, n = self.system.assembly, self.system.layout.size
         x0, y0 = asm.x[:n].copy(), asm.y[:n].copy()
         shift = 1 / IMPULSE_STEP
-        self._short_step(t + IMPULSE_STEP, np.zeros(n), (x0, y0), (shift, shift))
+        if not self._short_step(t + IMPULSE_STEP, np.zeros(n), (x0, y0), (shift, shift)):
+            raise SolveError("no impulse fulfils the constraints where a prescribed velocity jumps", time=t)
         y = asm.y[:n].copy()
         asm.x[:n] = np.where(self.first, asm.x[:n], x0)
         asm.y[:n] = np.where(self.second, y, y0)

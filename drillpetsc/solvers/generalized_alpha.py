@@ -95,6 +95,7 @@ class GeneralizedAlpha(TimeIntegrator):
         two = np.array([f.second_order for f in layout.fields])[layout.field_of]
         self.alpha = AlphaHistory(self.formula, two)
         self._tolerances = self._row_tolerances()
+        self._monitored = options.hasName("ts_monitor") and system.comm.rank == 0
         self._step_time = np.zeros((2, CLASSES))  # sums of h [s] and of h^2 by class
         self._rows = system.new_state().getSize()  # PETSc's norm divides by all rows of the state
         self.options = dict(options.getAll())
@@ -213,6 +214,8 @@ class GeneralizedAlpha(TimeIntegrator):
         self._step_number += 1
         k = int((np.log2(dt) - FIRST_OCTAVE) * CLASSES_PER_OCTAVE)
         self._step_time[:, min(max(k, 0), CLASSES - 1)] += dt, dt * dt
+        if self._monitored:
+            print(f"{self.counters.steps} TS dt {dt:g} time {t:g}", flush=True)
         self.system.accept()
         if self.work is not None:
             self.work.after_step(t, dt, self.newton.last_rows(), self.input_time(t), self.jumped)
@@ -266,10 +269,9 @@ class GeneralizedAlpha(TimeIntegrator):
         if self.work is not None:
             self.work.start(start)
         at_break = any(abs(b - start) <= near for b in breaks)
-        if self._restored is not None and not at_break:
+        if self._restored is not None:
             self._restore(self._restored)
-            resume = True
-        self._restored = None
+            resume, self._restored = True, None
         t, first = start, not resume
         for stop in stops:
             if at_break:

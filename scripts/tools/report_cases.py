@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-FIXED = ("bdf1-fixed", "bdf2-fixed", "bdf3-fixed")
+FIXED = ("bdf1-fixed", "bdf2-fixed", "bdf3-fixed", "alpha2-fixed")
 QUATERNION = ("quaternion-bdf1-fixed", "quaternion-bdf2-fixed")
-ADAPTIVE = ("bdf2", "bdf3")
+ADAPTIVE = ("bdf2", "bdf3", "alpha2")
 
 
 @dataclass(frozen=True)

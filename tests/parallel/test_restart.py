@@ -106,6 +106,23 @@ def test_a_run_restarted_from_any_checkpoint_is_bit_identical(kind, tmp_path, mo
             assert content == whole[name], (copy, name)
 
 
+@pytest.mark.parametrize("kind", ["bdf", "alpha2"])
+def test_a_run_restarted_at_a_bend_or_jump_of_an_input_is_bit_identical(kind, tmp_path, monkeypatch, options):
+    """Checkpoints at the bend of the rotation and at the jump of the lowering themselves."""
+    options(ts_type=kind)
+    text = CASE.replace("checkpoint_every: 3 ms", "checkpoint_every: 20 ms")
+    (tmp_path / "case.yaml").write_text(text)
+    copies = run_with_copies(tmp_path / "case.yaml", tmp_path / "run", monkeypatch)
+    times = [checkpoint.read(copy / "checkpoint.h5").time for copy in copies]
+    assert {0.04, 0.06} <= set(times)
+    whole = files(tmp_path / "run")
+    for copy, time in zip(copies, times, strict=True):
+        if time in (0.04, 0.06):
+            run(load_case(tmp_path / "case.yaml"), copy, restart=True, progress="silent")
+            for name, content in files(copy).items():
+                assert content == whole[name], (time, name)
+
+
 def test_checkpoints_change_no_number(tmp_path):
     """With a checkpoint every 3 ms and with the first and the last only."""
     results = []
