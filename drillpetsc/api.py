@@ -33,6 +33,7 @@ from drillpetsc.case.items import (
 from drillpetsc.parallel import initialise_petsc
 
 if TYPE_CHECKING:
+    from drillpetsc.analysis.linearise import LinearResult
     from drillpetsc.results import Result
     from drillpetsc.studies.convergence.study import StudyResult
     from drillpetsc.studies.sweep.sweep import SweepResult
@@ -54,6 +55,7 @@ __all__ = [
     "freepoint",
     "hydraulics",
     "limits",
+    "linearise",
     "load_case",
     "modes",
     "open_run",
@@ -392,6 +394,39 @@ def modes(
     from drillpetsc.results.result import result_of
 
     return result_of(run_modes(case, out, count, shift, kind, about, overwrite, name, comm, without_control))
+
+
+def linearise(
+    case: Case | str | Path,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    out: str | Path | None = None,
+    *,
+    reduce: Literal["balanced", "modal"] | None = None,
+    order: int = 20,
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+) -> LinearResult:
+    """Form x' = A x + B u, y = C x + D u of a case about its steady state; writes linear.npz and linear.mat (collective).
+
+    case: a Case, or the path of a case file
+    inputs: keys that may vary over time, such as top.torque, as in Session.inputs
+    outputs: columns of history.csv, such as bit_speed, as in Session.outputs
+    out: run folder; by default results/<case>-NNN
+    reduce: balanced, by balanced truncation, or modal, to the dominant modes; None: the whole model alone
+    order: states of the reduced model
+    overwrite: True to replace the results in an existing folder
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+
+    The result has `system` and `reduced`, with the matrices A, B, C, D and F, and `to_control()` for python-control.
+    """
+    case, name = _loaded(case, name)
+    initialise_petsc()
+    from drillpetsc.analysis.linearise import run_linearise
+
+    return run_linearise(case, inputs, outputs, out, reduce, order, overwrite, name, comm)
 
 
 def top_drive(

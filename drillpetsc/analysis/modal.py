@@ -182,7 +182,7 @@ def reference_rate(model: DrillingModel) -> float:
     return float(np.sqrt(bending + np.linalg.norm(model.case.gravity) / length))
 
 
-def _imbalance(model: DrillingModel) -> float:
+def unbalanced_force(model: DrillingModel) -> float:
     """Compute the largest unbalanced force on a node [N], 0 without unknown positions; collective."""
     system = model.system
     rows = system.new_condensed()
@@ -217,7 +217,7 @@ def modes(
     Raises SolveError where no eigenvalue converges.
     """
     system, reference = model.system, reference_rate(model)
-    imbalance, linearised = _imbalance(model), linearise(system)
+    imbalance, linearised = unbalanced_force(model), linearise(system)
     answer: Any = None
     if linearised is not None:
         try:

@@ -5,64 +5,32 @@ Manual: sec-session.
 
 from __future__ import annotations
 
-import difflib
 import time as clock
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis import checkpoint
+from drillpetsc.analysis.case_inputs import SessionInput, describe, inputs_of, with_inputs
 from drillpetsc.analysis.drive_report import drive_warnings
 from drillpetsc.analysis.initial_state import initial_state
 from drillpetsc.analysis.live_input import LiveInput
+from drillpetsc.analysis.live_outputs import LiveOutputs, SessionOutput, unknown
 from drillpetsc.analysis.transient import make_integrator
-from drillpetsc.case.blocks.fluid import Fluid
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
-from drillpetsc.fem.quantity import Quantity, Sample
 from drillpetsc.model.drilling_model import build_model, is_quasi_static
-from drillpetsc.output.recorder import Recorder, TableRow
+from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers import petsc_options as options
-from drillpetsc.unit_tables import DIMENSIONS
 from drillpetsc.units import UnitError, to_si
 
 #: jump of an input, as a fraction of its largest value so far, from which the time formula restarts
 JUMP = 0.05
-#: columns of history.csv on the row itself; the energies, of which a session keeps no account, are left out, too
-LEFT_OUT = ("time", "step", "newton")
 FACTOR_WINDOW = 1.0  # simulated time over which ``Session.factor`` is measured [s]
-INPUTS = {
-    "top": ("rotation", "lowering", "force", "torque"),
-    "fluid": ("flow_rate", "pump_pressure", "outlet_pressure"),
-}
-
-
-@dataclass(frozen=True)
-class SessionInput:
-    """An input of a session.
-
-    name: key path of the case; unit: SI; minimum, maximum: allowed values, None: any; description.
-    """
-
-    name: str
-    unit: str
-    minimum: float | None
-    maximum: float | None
-    description: str
-
-
-@dataclass(frozen=True)
-class SessionOutput:
-    """An output of a session: a column of history.csv, in SI."""
-
-    name: str
-    unit: str
-    description: str
 
 
 @dataclass(frozen=True)
@@ -103,10 +71,10 @@ class Session:
         if case.time is not None and is_quasi_static(case):
             raise CaseError(at="time.mode", got="quasi_static", want="dynamic in a session")
         self._linear, self._waiting = interpolate == "linear", dict[str, float]()
-        self._live: dict[str, LiveInput] = {}
-        self._given: dict[str, Any] = {}
         with options.applied(case.petsc):
-            self._model = build_model(self._with_live_inputs(case), comm)
+            self._given = inputs_of(case)
+            self._live = {name: LiveInput(given) for name, given in self._given.items()}
+            self._model = build_model(with_inputs(case, self._live), comm)
             self._recorder = Recorder(self._model)
             self._model.case = case  # checkpoints hold the case as it was given
             self._integrator = make_integrator(self._model)
@@ -119,58 +87,19 @@ class Session:
         self._started, self._jumped = False, False
         self._wall: deque[tuple[float, float]] = deque()
         self._deadline, self._closed = np.inf, False
-        self._sample: tuple[float, np.ndarray, Sample] | None = None
+        self._outputs = LiveOutputs(self._recorder)
         self._integrator.on_step_end.append(self._watch)
-        self._rows: dict[tuple[int, ...], TableRow] = {}
-        self._columns = {
-            c.title[0]: c for c in self._recorder.history_columns if c.source is not self._recorder.energy
-        }
-        for name in LEFT_OUT:
-            self._columns.pop(name, None)
-
-    def _with_live_inputs(self, case: Case) -> Case:
-        """The case with inputs that can be set in place of those that vary over time."""
-        changed: dict[str, Any] = {}
-        for block_name, keys in INPUTS.items():
-            block = getattr(case, block_name)
-            if block is None:
-                continue
-            update = {}
-            for key in keys:
-                given = getattr(block, key, None) if key in type(block).model_fields else None
-                if given is None or (key == "lowering" and case.top.force is not None):
-                    continue
-                if key == "rotation" and case.top.torque is not None:
-                    continue
-                name = f"{block_name}.{key}"
-                self._given[name], self._live[name] = given, LiveInput(given)
-                update[key] = self._live[name]
-            changed[block_name] = block.model_copy(update=update)
-        return case.model_copy(update=changed)
 
     # ------------------------------------------------------------------ what there is
     @property
     def inputs(self) -> tuple[SessionInput, ...]:
         """Inputs that ``set`` takes."""
-        return tuple(self._describe(name) for name in self._live)
-
-    def _describe(self, name: str) -> SessionInput:
-        block_name, key = name.split(".")
-        block = type(getattr(self._model.case, block_name))
-        field = block.model_fields[key]
-        metadata = [m for m in field.metadata if hasattr(m, "unit")]
-        unit = metadata[0].unit if metadata else _UNITS[key]
-        least = 0.0 if block is Fluid else None
-        return SessionInput(name, unit, least, None, field.description or "")
+        return tuple(describe(self._model.case, name) for name in self._live)
 
     @property
     def outputs(self) -> tuple[SessionOutput, ...]:
         """Outputs that ``get`` gives."""
-        out = []
-        for name, column in self._columns.items():
-            q: Quantity = column.quantity
-            out.append(SessionOutput(name, column.title[1], q.doc))
-        return tuple(out)
+        return self._outputs.described()
 
     @property
     def factor(self) -> float:
@@ -189,8 +118,8 @@ class Session:
         self._check_open()
         live = self._live.get(name)
         if live is None:
-            raise LookupError(_unknown("set", "input", name, self._live))
-        about = self._describe(name)
+            raise LookupError(unknown("set", "input", name, self._live))
+        about = describe(self._model.case, name)
         try:
             value = to_si(value, about.unit)
         except UnitError as error:
@@ -204,7 +133,7 @@ class Session:
         jump = live.set(self.time, value)
         self._jumped |= abs(jump) > JUMP * max(self._largest[name], abs(value))
         self._largest[name] = max(self._largest[name], abs(value))
-        self._sample = None
+        self._outputs.changed()
 
     def get(self, name: str) -> float:
         """An output at the present time, in SI.  Raises LookupError for an unknown name."""
@@ -213,28 +142,7 @@ class Session:
     def get_many(self, names: Iterable[str]) -> list[float]:
         """Several outputs at the present time, in SI.  Raises LookupError for an unknown name."""
         self._check_open()
-        columns = []
-        for name in names:
-            if name not in self._columns:
-                raise LookupError(_unknown("get", "output", name, self._columns))
-            columns.append(self._columns[name])
-        if self._sample is None or self._sample[0] != self.time:
-            recorder, v = self._recorder, np.full(self._recorder.layout.width, np.nan)
-            self._sample = (self.time, v, Sample(recorder.system, self.time))
-        _, v, sample = self._sample
-        wanted = {
-            c.slot.start: c.slot for c in columns if c.slot is not None and np.isnan(v[c.slot.span]).all()
-        }
-        mpi = self._recorder.comm
-        with self._model.system.assembly.unchanged():
-            for slot in wanted.values():
-                values = slot.value(slot.source, sample)
-                part = np.atleast_1d(np.asarray(values, dtype=float)).ravel()
-                v[slot.span] = part if mpi.size == 1 else mpi.allreduce(part)
-        key = tuple(id(c) for c in columns)
-        if key not in self._rows:
-            self._rows[key] = self._recorder.row_of(columns)
-        return self._rows[key].numbers(v)
+        return self._outputs.read(self._outputs.find(names), self.time)
 
     # ------------------------------------------------------------------ time
     def step(self, dt: float) -> None:
@@ -277,7 +185,8 @@ class Session:
         if self._jumped:
             breaks = (*breaks, start)
         integrator.run(start, end, breaks, resume=self._started)
-        self._started, self._jumped, self._sample = True, False, None
+        self._started, self._jumped = True, False
+        self._outputs.changed()
         if not integrator.stopped:
             self.time = end
         self._wall.append((self.time - start, clock.perf_counter() - began))
@@ -302,7 +211,9 @@ class Session:
         """
         self._check_open()
         if not isinstance(state, SessionState):
-            raise TypeError(f"set_state: {type(state).__name__} is not a state; allowed: what state() returned")
+            raise TypeError(
+                f"set_state: {type(state).__name__} is not a state; allowed: what state() returned"
+            )
         if state.inputs.keys() != self._live.keys():
             raise ValueError(
                 f"set_state: the state has the inputs {', '.join(state.inputs) or 'none'}; "
@@ -314,7 +225,8 @@ class Session:
         for name, live in self._live.items():
             live.set_state(state.inputs[name], self._given[name])
         self.time, self._largest = c.time, dict(state.largest)
-        self._started, self._jumped, self._sample = False, False, None
+        self._started, self._jumped = False, False
+        self._outputs.changed()
         self._waiting.clear()
 
     def close(self) -> None:
@@ -323,8 +235,7 @@ class Session:
             return
         self._closed = True
         self._integrator.close()
-        del self._integrator, self._recorder, self._model, self._columns, self._rows
-        self._sample = None
+        del self._integrator, self._recorder, self._model, self._outputs
 
     def _check_open(self) -> None:
         if self._closed:
@@ -335,19 +246,6 @@ class Session:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-
-_UNITS = {"force": "N", "torque": "N m", "pump_pressure": "Pa"}
-assert set(_UNITS.values()) <= set(DIMENSIONS)
-
-
-def _unknown(call: str, what: str, name: str, known: Iterable[str]) -> str:
-    """Message on an unknown name."""
-    names = list(known)
-    near = difflib.get_close_matches(name, names, 1, 0.4)
-    return f"{call}: no {what} {name!r}; " + (
-        f"nearest: {near[0]}" if near else f"there are {', '.join(names)}"
-    )
 
 
 def _loaded(case: Case | str | Path, comm: PETSc.Comm) -> tuple[Case, checkpoint.Checkpoint | None]:

@@ -17,6 +17,7 @@ from drillpetsc.cli.command import (
     show,
     units_argument,
 )
+from drillpetsc.errors import CaseError
 from drillpetsc.parallel import start_job
 
 
@@ -346,6 +347,61 @@ def _top_drive(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     return 0
 
 
+def _names(text: str) -> list[str]:
+    """Names of a list with commas."""
+    return [word.strip() for word in text.split(",") if word.strip()]
+
+
+def _linearise_arguments(command: argparse.ArgumentParser) -> None:
+    case_argument(command)
+    command.add_argument(
+        "--inputs",
+        metavar="A,B",
+        required=True,
+        help="keys that may vary over time, such as top.torque,top.lowering",
+    )
+    command.add_argument(
+        "--outputs",
+        metavar="A,B",
+        required=True,
+        help="columns of history.csv, such as bit_speed,surface_torque",
+    )
+    command.add_argument(
+        "--reduce",
+        choices=("balanced", "modal"),
+        help="write a model with fewer states, too: by balanced truncation, or by the dominant modes",
+    )
+    command.add_argument(
+        "--order", type=int, metavar="N", help="states of the reduced model (default: 20); only with --reduce"
+    )
+
+
+def _linearise(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case import load_case
+
+    case = load_case(arguments.case)
+    if arguments.order is not None and arguments.reduce is None:
+        raise CaseError(
+            at="--order", got=arguments.order, want="only together with --reduce balanced or modal"
+        )
+    start_job(petsc_options)
+    print_warnings(case)
+    from drillpetsc.analysis.linearise import run_linearise
+
+    result = run_linearise(
+        case,
+        _names(arguments.inputs),
+        _names(arguments.outputs),
+        arguments.out,
+        arguments.reduce,
+        20 if arguments.order is None else arguments.order,
+        arguments.overwrite,
+        Path(arguments.case).stem,
+    )
+    print_once(result.lines)
+    return 0
+
+
 COMMANDS = (
     Command(
         "statics",
@@ -401,6 +457,13 @@ COMMANDS = (
         "eigenvalues about the static or steady state: frequencies, damping, stability, mode shapes",
         _modes_arguments,
         _modes,
+        parents=(output_folder(),),
+    ),
+    Command(
+        "linearise",
+        "state space x' = A x + B u, y = C x + D u about the steady state, in full and with fewer states",
+        _linearise_arguments,
+        _linearise,
         parents=(output_folder(),),
     ),
     Command(

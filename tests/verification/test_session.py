@@ -131,7 +131,10 @@ def test_wrong_calls_are_answered():
             s.set("top.rotation", "60 furlong")
         with pytest.raises(TypeError, match="bytes is not a state"):
             s.set_state(b"state")
-        with drillpetsc.Session(LYING) as other, pytest.raises(CaseError, match="checkpoint of the same string"):
+        with (
+            drillpetsc.Session(LYING) as other,
+            pytest.raises(CaseError, match="checkpoint of the same string"),
+        ):
             s.set_state(other.state())
         for dt in (0.0, -1.0, float("inf")):
             with pytest.raises(ValueError, match="above 0"):
