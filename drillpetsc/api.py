@@ -52,6 +52,7 @@ __all__ = [
     "Stabilizer",
     "calibrate",
     "catalogue",
+    "fmu",
     "freepoint",
     "hydraulics",
     "limits",
@@ -394,6 +395,32 @@ def modes(
     from drillpetsc.results.result import result_of
 
     return result_of(run_modes(case, out, count, shift, kind, about, overwrite, name, comm, without_control))
+
+
+def fmu(
+    case: Case | str | Path,
+    out: str | Path,
+    *,
+    inputs: Sequence[str] | None = None,
+    outputs: Sequence[str] | None = None,
+    overwrite: bool = False,
+    interpolate: Literal["held", "linear"] = "held",
+    name: str | None = None,
+) -> Path:
+    """Write a case as a co-simulation unit of FMI 2.0, and return its path; needs pythonfmu (one process).
+
+    case: a Case, or the path of a case file
+    out: file to write, NAME.fmu
+    inputs, outputs: names as of Session.inputs and Session.outputs; None: all
+    overwrite: True to replace an existing file
+    interpolate: held or linear, as of Session
+    name: of the model
+    """
+    case, name = _loaded(case, name)
+    initialise_petsc()
+    from drillpetsc.analysis.fmu import build_fmu
+
+    return build_fmu(case, out, inputs, outputs, overwrite, interpolate, name)
 
 
 def linearise(

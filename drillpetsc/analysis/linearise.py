@@ -110,14 +110,14 @@ def run_linearise(
     if order < 1:
         raise CaseError(at="--order", got=order, want="a number of states, at least 1")
     given = inputs_of(case)
-    _refuse_unknown("--inputs", inputs, list(given))
+    refuse_unknown("--inputs", inputs, list(given))
     with options.applied(case.petsc):
         disturbed = {key: DisturbedInput(given[key]) for key in inputs}
         model = build_model(with_inputs(case, disturbed), comm)
         model.case = case
         live = LiveOutputs(Recorder(model))
         units = {q.name: q.unit for q in live.described()}
-        _refuse_unknown("--outputs", outputs, list(units))
+        refuse_unknown("--outputs", outputs, list(units))
         folder = make_folder(comm, name, out, False, overwrite)
         state = steady_state(model)
         notes = [*state.warnings, *_notes(model, live)]
@@ -142,7 +142,7 @@ def run_linearise(
     return LinearResult(system, reduced, tuple(inputs), tuple(outputs), folder.path, summary, lines)
 
 
-def _refuse_unknown(option: str, names: Sequence[str], known: list[str]) -> None:
+def refuse_unknown(option: str, names: Sequence[str], known: list[str]) -> None:
     """Refuse an empty list, a name given twice, and one that does not exist."""
     there = ", ".join(known) or "none in this case"
     if not names:

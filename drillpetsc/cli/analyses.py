@@ -18,7 +18,7 @@ from drillpetsc.cli.command import (
     units_argument,
 )
 from drillpetsc.errors import CaseError
-from drillpetsc.parallel import start_job
+from drillpetsc.parallel import start_job, world_rank
 
 
 def _statics_arguments(command: argparse.ArgumentParser) -> None:
@@ -402,6 +402,46 @@ def _linearise(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     return 0
 
 
+def _fmu_arguments(command: argparse.ArgumentParser) -> None:
+    case_argument(command)
+    command.add_argument("-o", "--out", metavar="FILE.fmu", required=True, help="file to write")
+    command.add_argument("--overwrite", action="store_true", help="replace an existing file")
+    command.add_argument(
+        "--inputs", metavar="A,B", help="keys that the host sets, such as top.rotation (default: all)"
+    )
+    command.add_argument("--outputs", metavar="A,B", help="columns of history.csv (default: all)")
+    command.add_argument(
+        "--interpolate",
+        choices=("held", "linear"),
+        default="held",
+        help="an input that the host changes: held from then on, or on a straight line over the next step (default: held)",
+    )
+
+
+def _fmu(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case import load_case
+
+    case = load_case(arguments.case)
+    inputs, outputs = (None if q is None else _names(q) for q in (arguments.inputs, arguments.outputs))
+    start_job(petsc_options)
+    print_warnings(case)
+    if world_rank() != 0:
+        return 0
+    from drillpetsc.analysis.fmu import build_fmu
+
+    path = build_fmu(
+        case,
+        arguments.out,
+        inputs,
+        outputs,
+        arguments.overwrite,
+        arguments.interpolate,
+        Path(arguments.case).stem,
+    )
+    print(f"written: {path}")
+    return 0
+
+
 COMMANDS = (
     Command(
         "statics",
@@ -465,6 +505,12 @@ COMMANDS = (
         _linearise_arguments,
         _linearise,
         parents=(output_folder(),),
+    ),
+    Command(
+        "fmu",
+        "the case as a co-simulation unit (FMI 2.0) for Simulink, OpenModelica and others; needs pythonfmu",
+        _fmu_arguments,
+        _fmu,
     ),
     Command(
         "top-drive",
