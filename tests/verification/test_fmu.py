@@ -63,7 +63,7 @@ def test_the_file_holds_case_and_flags(unit, tmp_path):
         assert words in xml
     case = Case(**CASE)
     for keywords, words in [
-        ({"inputs": ["top.rotaton"]}, "nearest: top.rotation"),
+        ({"inputs": ["top.rotatoin"]}, "nearest: top.rotation"),
         ({"outputs": []}, "at least one of"),
         ({"outputs": ["bit_sped"]}, "nearest: bit_speed"),
     ]:
