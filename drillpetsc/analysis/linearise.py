@@ -172,6 +172,8 @@ def _notes(model: DrillingModel, live: LiveOutputs) -> list[str]:
             notes.append(
                 f"{key} varies over time: the state is that of its value at time 0, {value.value(0.0):g}"
             )
+    if any(getattr(q, "kind", "") == "python" for q in getattr(model.case.top, "control", ())):
+        notes.append("the controller in Python is left out: its torque stays what it is")
     mpi = model.system.comm.tompi4py()
     left = unbalanced_force(model)
     if left > REPORTED_IMBALANCE:

@@ -14,7 +14,7 @@ bent or eccentric one.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -401,6 +401,11 @@ def run_modes(
             if shift is None
             else f"{count} nearest to {shift:g} Hz"
         )
+        if not without_control and any(
+            getattr(q, "kind", "") == "python" for q in getattr(case.top, "control", ())
+        ):
+            left_out = "the controller in Python is left out: its torque stays what it is"
+            state = replace(state, warnings=[*state.warnings, left_out])
         summary = {
             "title": case.title,
             "searched": searched,

@@ -25,6 +25,7 @@ from drillpetsc.analysis.run_control import (
     STOP,
     RunControl,
 )
+from drillpetsc.analysis.sampled_control import sampled_control
 from drillpetsc.analysis.steady_flow import fluid_unknowns
 from drillpetsc.analysis.time_scales import longest_strict_step, step_warnings
 from drillpetsc.case.case import Case
@@ -123,16 +124,25 @@ def run(
             folder.release()
 
 
+#: least steps from sample to sample of a controller: a jump of the torque acts half a step late, since the formula goes on
+STEPS_PER_SAMPLE = 4
+
+
 def make_integrator(model: DrillingModel, quasi: QuasiStatic | None = None) -> TimeIntegrator:
     """The integrator of a case: with inertia, with mud that follows the string at once, or quasi-static."""
     if quasi is not None:
         return quasi.integrator()
     system, mud = model.system, model.case.fluid
-    kept = _step_limits(model)
+    kept, sampler = _step_limits(model), sampled_control(model)
+    if sampler is not None:
+        longest = sampler.period / STEPS_PER_SAMPLE
+        kept = {"ts_adapt_dt_max": min(longest, kept.get("ts_adapt_dt_max", np.inf))}
     if mud is not None and mud.dynamics == "quasi_steady":  # the mud follows the string without delay
         system.assembly.set_imposed_rates(np.zeros(system.layout.size + 1), fluid_unknowns(system))
-        return TimeIntegrator(system, controlled=lambda field: field.physics != "fluid", defaults=kept)
-    return TimeIntegrator(system, defaults=kept)
+        return TimeIntegrator(
+            system, controlled=lambda field: field.physics != "fluid", defaults=kept, sampler=sampler
+        )
+    return TimeIntegrator(system, defaults=kept, sampler=sampler)
 
 
 def _step_limits(model: DrillingModel) -> dict[str, Any]:
