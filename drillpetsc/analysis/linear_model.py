@@ -276,7 +276,7 @@ def _driven(q: Linearised | None, by_rows: list[FloatArray], p: FloatArray, rate
     none = np.zeros((0, m))
     all_read = np.ones((1, n))
     everywhere = Exchange(f[0], f[1], f[2], all_read, all_read, all_read, none, none, none)
-    mask = connected(K, C, M, scale, rate, everywhere)
+    mask = connected(K, C, M, scale, everywhere)
     moved = np.asarray(abs(q.T) @ mask.astype(float)).ravel() > 0
     return np.flatnonzero(moved | (p != 0).any(axis=1))
 
@@ -302,7 +302,7 @@ def _form(model, q: Linearised, by_rows, p, direct, Y, rate: float) -> LinearMod
         *(np.asarray(A @ q.T) for A in (by_position, by_rate, by_acceleration)),
         *(A @ p + d for A, d in zip((by_position, by_rate, by_acceleration), direct, strict=True)),
     )
-    used = connected(K, C, M, scale, rate, ex)
+    used = connected(K, C, M, scale, ex)
     fields = [f.name for f in model.system.layout.fields]
     # corrections of the kinematic equation are zero in the exact motion (manual: eq-joint-ggl)
     used &= np.array([fields[k] != "joint.correction" for k in q.field[parents]], dtype=bool)

@@ -22,7 +22,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 
 RANK_TOLERANCE = 1e-9  # singular values below this fraction of the largest are zero
-RELATIVE_ZERO = 1e-10  # entries below this fraction of the largest of their row, in usual units, are zero
+RELATIVE_ZERO = 1e-10  # couplings below this fraction of the largest of their row, in usual units, are none
 
 
 @dataclass(frozen=True)
@@ -87,21 +87,22 @@ class StateSpace:
         return out + self.D + (s * self.F if rates else 0.0)
 
 
-def connected(K, C, M, scale: FloatArray, rate: float, ex: Exchange) -> np.ndarray:
+def connected(K, C, M, scale: FloatArray, ex: Exchange) -> np.ndarray:
     """Select the unknowns (n,) that inputs act on and outputs read, directly or through others.
 
-    scale: (n,) usual sizes of the unknowns; rate: usual rate [1/s].
-    Couplings below ``RELATIVE_ZERO`` of the largest entry of a row are rounding.
+    scale: (n,) usual sizes of the unknowns.
+    Couplings below ``RELATIVE_ZERO`` of the largest entry of a row of the same matrix are rounding.
     """
     n = len(scale)
-    size = sparse.csr_matrix((n, n))
-    for A, factor in ((K, 1.0), (C, rate), (M, rate**2)):
-        size = size + abs(sparse.csr_matrix(A @ sparse.diags(scale * factor)))
-    largest = np.maximum(size.max(axis=1).toarray().ravel(), 1e-300)
-    relative = sparse.csr_matrix(sparse.diags(1.0 / largest) @ size)
-    relative.data[relative.data < RELATIVE_ZERO] = 0.0
-    relative.eliminate_zeros()
-    _, part = sparse.csgraph.connected_components(relative, directed=False)
+    coupled = sparse.csr_matrix((n, n))
+    for A in (K, C, M):
+        size = abs(sparse.csr_matrix(A @ sparse.diags(scale)))
+        largest = np.maximum(size.max(axis=1).toarray().ravel(), 1e-300)
+        relative = sparse.csr_matrix(sparse.diags(1.0 / largest) @ size)
+        relative.data[relative.data < RELATIVE_ZERO] = 0.0
+        relative.eliminate_zeros()
+        coupled = coupled + relative
+    _, part = sparse.csgraph.connected_components(coupled, directed=False)
     driven = (ex.f0 != 0).any(axis=1) | (ex.f1 != 0).any(axis=1) | (ex.f2 != 0).any(axis=1)
     read = (ex.Y0 != 0).any(axis=0) | (ex.Y1 != 0).any(axis=0) | (ex.Y2 != 0).any(axis=0)
     return np.isin(part, np.intersect1d(part[driven], part[read]))
@@ -151,10 +152,6 @@ def eliminate(
     K, C, M = (np.asarray(A / size[:, None]) for A in (K, C, M))
     f0, f1, f2 = (f / size[:, None] for f in (ex.f0, ex.f1, ex.f2))
 
-    def used(A: FloatArray, factor: float) -> np.ndarray:
-        return np.abs(A) * (scale * factor) > RELATIVE_ZERO
-
-    C, M = np.where(used(C, rate), C, 0.0), np.where(used(M, rate**2), M, 0.0)
     S = np.flatnonzero(second_order)
     stored = C != 0
     F = np.flatnonzero(~second_order & stored.any(axis=0))

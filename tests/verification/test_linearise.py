@@ -239,3 +239,25 @@ def test_files_and_wrong_input(tmp_path):
     quasi = Case(**dry, time={"end": 1.0, "mode": "quasi_static"})
     with pytest.raises(CaseError, match="inertia"):
         drillpetsc.linearise(quasi, ["top.rotation"], ["bit_speed"], tmp_path / "w")
+
+
+def test_the_root_that_decays_least_in_an_inclined_hole_is_one_of_the_modes(tmp_path):
+    """Sliding friction, tension and damping of very different sizes: no small entry of the matrices is lost."""
+    case = Case(
+        well={
+            "survey": {"md": [0, 450], "inclination": [0, 0.6], "azimuth": [0, 0]},
+            "sections": [{"to": 450, "kind": "open_hole", "diameter": 0.216, "friction": 0.3}],
+        },
+        string=[{"kind": "pipe", "length": 400.0, "od": 0.127, "id": 0.1086, "element_length": 20.0}],
+        material={"damping": {"stiffness": 1e-3, "mass": 0.05}},
+        top={"kind": "top_drive", "rotation": 6.0, "lowering": 0.01},
+    )
+    system = drillpetsc.linearise(case, ["top.rotation"], ["bit_speed"], tmp_path / "l").system
+    s = np.linalg.eigvals(system.A)
+    for low in (50.0, 300.0, 800.0):  # the least decaying root above some frequencies [rad/s]
+        above = s[s.imag > low]
+        root = above[above.real.argmax()]
+        shift = root.imag / (2 * np.pi)
+        found = drillpetsc.modes(case, tmp_path / f"m{low:g}", count=1, shift=shift).summary
+        assert found["frequency"][0] == pytest.approx(shift, rel=1e-5)
+        assert found["growth"][0] == pytest.approx(root.real, abs=1e-5 * abs(root))
