@@ -33,6 +33,7 @@ from drillpetsc.case.items import (
 from drillpetsc.parallel import initialise_petsc
 
 if TYPE_CHECKING:
+    from drillpetsc.analysis.linearise import LinearResult
     from drillpetsc.results import Result
     from drillpetsc.studies.convergence.study import StudyResult
     from drillpetsc.studies.sweep.sweep import SweepResult
@@ -52,9 +53,11 @@ __all__ = [
     "calibrate",
     "campbell",
     "catalogue",
+    "fmu",
     "freepoint",
     "hydraulics",
     "limits",
+    "linearise",
     "load_case",
     "modes",
     "open_run",
@@ -514,6 +517,65 @@ def response(
     from drillpetsc.results.result import result_of
 
     return result_of(run_response(case, excitation, values, out, overwrite, name, comm, without_control))
+
+
+def fmu(
+    case: Case | str | Path,
+    out: str | Path,
+    *,
+    inputs: Sequence[str] | None = None,
+    outputs: Sequence[str] | None = None,
+    overwrite: bool = False,
+    interpolate: Literal["held", "linear"] = "held",
+    name: str | None = None,
+) -> Path:
+    """Write a case as a co-simulation unit of FMI 2.0, and return its path; needs pythonfmu (one process).
+
+    case: a Case, or the path of a case file
+    out: file to write, NAME.fmu
+    inputs, outputs: names as of Session.inputs and Session.outputs; None: all
+    overwrite: True to replace an existing file
+    interpolate: held or linear, as of Session
+    name: of the model
+    """
+    case, name = _loaded(case, name)
+    initialise_petsc()
+    from drillpetsc.analysis.fmu import build_fmu
+
+    return build_fmu(case, out, inputs, outputs, overwrite, interpolate, name)
+
+
+def linearise(
+    case: Case | str | Path,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    out: str | Path | None = None,
+    *,
+    reduce: Literal["balanced", "modal"] | None = None,
+    order: int = 20,
+    overwrite: bool = False,
+    name: str | None = None,
+    comm: Any = None,
+) -> LinearResult:
+    """Form x' = A x + B u, y = C x + D u of a case about its steady state; writes linear.npz and linear.mat (collective).
+
+    case: a Case, or the path of a case file
+    inputs: keys that may vary over time, such as top.torque, as in Session.inputs
+    outputs: columns of history.csv, such as bit_speed, as in Session.outputs
+    out: run folder; by default results/<case>-NNN
+    reduce: balanced, by balanced truncation, or modal, to the dominant modes; None: the whole model alone
+    order: states of the reduced model
+    overwrite: True to replace the results in an existing folder
+    name: name of the case in the default folder
+    comm: PETSc communicator; by default all ranks
+
+    The result has `system` and `reduced`, with the matrices A, B, C, D and F, and `to_control()` for python-control.
+    """
+    case, name = _loaded(case, name)
+    initialise_petsc()
+    from drillpetsc.analysis.linearise import run_linearise
+
+    return run_linearise(case, inputs, outputs, out, reduce, order, overwrite, name, comm)
 
 
 def top_drive(

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.case.blocks.top_drive import PythonController
 from drillpetsc.case.case import Case
 from drillpetsc.model.drilling_model import DrillingModel, is_quasi_static
 from drillpetsc.physics.control import Law, Motor, reflection
@@ -98,6 +99,9 @@ def drive_lines(model: DrillingModel) -> list[str]:
     if not isinstance(drive, MotorDrive):
         return []
     lines = control_lines(drive.laws, drive.motor, drive.impedance)
+    for q in model.case.top.control:
+        if isinstance(q, PythonController):
+            lines.append(f"  python: {q.function} every {q.sample:g} s")
     return [
         *lines,
         *(f"  WARNING: {text}" for text in control_warnings(model.case, drive.laws, drive.impedance)),

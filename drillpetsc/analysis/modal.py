@@ -14,7 +14,7 @@ bent or eccentric one.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -203,7 +203,7 @@ def reference_rate(model: DrillingModel) -> float:
     return float(np.sqrt(bending + np.linalg.norm(model.case.gravity) / length))
 
 
-def _imbalance(model: DrillingModel) -> float:
+def unbalanced_force(model: DrillingModel) -> float:
     """Compute the largest unbalanced force on a node [N], 0 without unknown positions; collective."""
     system = model.system
     rows = system.new_condensed()
@@ -238,7 +238,7 @@ def modes(
     Raises SolveError where no eigenvalue converges.
     """
     system, reference = model.system, reference_rate(model)
-    imbalance, own = _imbalance(model), frequency_dependent(model)
+    imbalance, own = unbalanced_force(model), frequency_dependent(model)
     linearised = linearise(system)
     answer: Any = None
     if linearised is not None:
@@ -448,6 +448,11 @@ def run_modes(
             if shift is None
             else f"{count} nearest to {shift:g} Hz"
         )
+        if not without_control and any(
+            getattr(q, "kind", "") == "python" for q in getattr(case.top, "control", ())
+        ):
+            left_out = "the controller in Python is left out: its torque stays what it is"
+            state = replace(state, warnings=[*state.warnings, left_out])
         summary = {
             "title": case.title,
             "searched": searched,

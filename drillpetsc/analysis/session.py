@@ -5,73 +5,39 @@ Manual: sec-session.
 
 from __future__ import annotations
 
-import difflib
 import time as clock
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis import checkpoint
+from drillpetsc.analysis.case_inputs import SessionInput, describe, inputs_of, with_inputs
 from drillpetsc.analysis.drive_report import drive_warnings
 from drillpetsc.analysis.hoist_report import hoist_warnings
 from drillpetsc.analysis.initial_state import initial_state
 from drillpetsc.analysis.live_input import LiveInput
+from drillpetsc.analysis.live_outputs import LiveOutputs, SessionOutput, unknown
 from drillpetsc.analysis.live_sensors import LiveSensors
 from drillpetsc.analysis.transient import make_integrator
-from drillpetsc.case.blocks.fluid import Fluid
-from drillpetsc.case.blocks.hoist import AutodrillerBlock
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
-from drillpetsc.fem.quantity import Quantity, Sample
 from drillpetsc.model.drilling_model import build_model, is_quasi_static
-from drillpetsc.output.recorder import Recorder, TableRow
+from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers import petsc_options as options
-from drillpetsc.unit_tables import DIMENSIONS
 from drillpetsc.units import UnitError, to_si
 
 #: jump of an input, as a fraction of its largest value so far, from which the time formula restarts
 JUMP = 0.05
-#: columns of history.csv on the row itself; the energies, of which a session keeps no account, are left out, too
-LEFT_OUT = ("time", "step", "newton")
 FACTOR_WINDOW = 1.0  # simulated time over which ``Session.factor`` is measured [s]
-INPUTS = {
-    "top": ("rotation", "lowering", "force", "torque"),
-    "fluid": ("flow_rate", "pump_pressure", "outlet_pressure"),
-}
-AUTODRILLER_INPUTS = ("wob", "rop", "torque", "differential_pressure")
-
-
-@dataclass(frozen=True)
-class SessionInput:
-    """An input of a session.
-
-    name: key path of the case; unit: SI; minimum, maximum: allowed values, None: any; description.
-    """
-
-    name: str
-    unit: str
-    minimum: float | None
-    maximum: float | None
-    description: str
-
-
-@dataclass(frozen=True)
-class SessionOutput:
-    """An output of a session: a column of history.csv, in SI."""
-
-    name: str
-    unit: str
-    description: str
 
 
 @dataclass(frozen=True)
 class SessionState:
-    """State of a session: a checkpoint with the inputs that were set and the latest samples of the sensors."""
+    """State of a session: a checkpoint with the inputs that were set."""
 
     checkpoint: checkpoint.Checkpoint
     inputs: dict[str, list[float] | None]
@@ -109,10 +75,10 @@ class Session:
         if case.time is not None and is_quasi_static(case):
             raise CaseError(at="time.mode", got="quasi_static", want="dynamic in a session")
         self._linear, self._waiting = interpolate == "linear", dict[str, float]()
-        self._live: dict[str, LiveInput] = {}
-        self._given: dict[str, Any] = {}
         with options.applied(case.petsc):
-            self._model = build_model(self._with_live_inputs(case), comm)
+            self._given = inputs_of(case)
+            self._live = {name: LiveInput(given) for name, given in self._given.items()}
+            self._model = build_model(with_inputs(case, self._live), comm)
             self._recorder = Recorder(self._model)
             self._model.case = case  # checkpoints hold the case as it was given
             self._integrator = make_integrator(self._model)
@@ -127,83 +93,22 @@ class Session:
         self._started, self._jumped = False, False
         self._wall: deque[tuple[float, float]] = deque()
         self._deadline, self._closed = np.inf, False
-        self._sample: tuple[float, np.ndarray, Sample] | None = None
+        self._outputs = LiveOutputs(self._recorder)
         if self._senses is not None:
             self._integrator.after_step.append(self._sense)
         self._integrator.on_step_end.append(self._watch)
-        self._rows: dict[tuple[int, ...], TableRow] = {}
-        self._columns = {
-            c.title[0]: c for c in self._recorder.history_columns if c.source is not self._recorder.energy
-        }
-        for name in LEFT_OUT:
-            self._columns.pop(name, None)
-
-    def _with_live_inputs(self, case: Case) -> Case:
-        """The case with inputs that can be set in place of those that vary over time."""
-        changed: dict[str, Any] = {}
-        for block_name, keys in INPUTS.items():
-            block = getattr(case, block_name)
-            if block is None:
-                continue
-            update: dict[str, Any] = {}
-            for key in keys:
-                given = getattr(block, key, None) if key in type(block).model_fields else None
-                if given is None or (key == "lowering" and case.top.force is not None):
-                    continue
-                if key == "rotation" and case.top.torque is not None:
-                    continue
-                name = f"{block_name}.{key}"
-                self._given[name], self._live[name] = given, LiveInput(given)
-                update[key] = self._live[name]
-            drill = case.top.autodriller if block_name == "top" else None
-            if drill is not None:
-                live = self._live_set_points(drill)
-                update["autodriller"] = drill.model_copy(update=live)
-                if drill.from_ == 0 and "top.lowering" in self._live:  # it never acts
-                    update.pop("lowering")
-                    del self._live["top.lowering"], self._given["top.lowering"]
-            changed[block_name] = block.model_copy(update=update)
-        return case.model_copy(update=changed)
-
-    def _live_set_points(self, drill: AutodrillerBlock) -> dict[str, Any]:
-        """Inputs in place of the set points of an autodriller."""
-        live: dict[str, Any] = {}
-        for key in AUTODRILLER_INPUTS:
-            given = getattr(drill, key)
-            if given is not None:
-                name = f"top.autodriller.{key}"
-                self._given[name] = given
-                live[key] = self._live[name] = LiveInput(given)
-        return live
 
     # ------------------------------------------------------------------ what there is
     @property
     def inputs(self) -> tuple[SessionInput, ...]:
         """Inputs that ``set`` takes."""
-        return tuple(self._describe(name) for name in self._live)
-
-    def _describe(self, name: str) -> SessionInput:
-        *path, key = name.split(".")
-        here: Any = self._model.case
-        for part in path:
-            here = getattr(here, part)
-        block = type(here)
-        field = block.model_fields[key]
-        metadata = [m for m in field.metadata if hasattr(m, "unit")]
-        unit = metadata[0].unit if metadata else _UNITS[key]
-        least = 0.0 if block is Fluid else None
-        return SessionInput(name, unit, least, None, field.description or "")
+        return tuple(describe(self._model.case, name) for name in self._live)
 
     @property
     def outputs(self) -> tuple[SessionOutput, ...]:
         """Outputs that ``get`` gives."""
-        out = []
-        for name, column in self._columns.items():
-            q: Quantity = column.quantity
-            out.append(SessionOutput(name, column.title[1], q.doc))
-        if self._senses is not None:
-            out += [SessionOutput(name, unit, doc) for name, (unit, doc) in self._senses.outputs.items()]
-        return tuple(out)
+        sensed = self._senses.outputs if self._senses is not None else {}
+        return self._outputs.described() + tuple(SessionOutput(n, *about) for n, about in sensed.items())
 
     @property
     def factor(self) -> float:
@@ -222,8 +127,8 @@ class Session:
         self._check_open()
         live = self._live.get(name)
         if live is None:
-            raise LookupError(_unknown("set", "input", name, self._live))
-        about = self._describe(name)
+            raise LookupError(unknown("set", "input", name, self._live))
+        about = describe(self._model.case, name)
         try:
             value = to_si(value, about.unit)
         except UnitError as error:
@@ -237,7 +142,7 @@ class Session:
         jump = live.set(self.time, value)
         self._jumped |= abs(jump) > JUMP * max(self._largest[name], abs(value))
         self._largest[name] = max(self._largest[name], abs(value))
-        self._sample = None
+        self._outputs.changed()
 
     def get(self, name: str) -> float:
         """An output at the present time, in SI.  Raises LookupError for an unknown name."""
@@ -246,34 +151,10 @@ class Session:
     def get_many(self, names: Iterable[str]) -> list[float]:
         """Several outputs at the present time, in SI.  Raises LookupError for an unknown name."""
         self._check_open()
-        names = list(names)
-        sensed = set() if self._senses is None else self._senses.outputs.keys() & set(names)
-        for name in names:
-            if name not in self._columns and name not in sensed:
-                known = [*self._columns, *(self._senses.outputs if self._senses is not None else ())]
-                raise LookupError(_unknown("get", "output", name, known))
-        if sensed:
-            assert self._senses is not None
-            others = iter(self.get_many([name for name in names if name not in sensed]))
-            return [self._senses.latest[name] if name in sensed else next(others) for name in names]
-        columns = [self._columns[name] for name in names]
-        if self._sample is None or self._sample[0] != self.time:
-            recorder, v = self._recorder, np.full(self._recorder.layout.width, np.nan)
-            self._sample = (self.time, v, Sample(recorder.system, self.time))
-        _, v, sample = self._sample
-        wanted = {
-            c.slot.start: c.slot for c in columns if c.slot is not None and np.isnan(v[c.slot.span]).all()
-        }
-        mpi = self._recorder.comm
-        with self._model.system.assembly.unchanged():
-            for slot in wanted.values():
-                values = slot.value(slot.source, sample)
-                part = np.atleast_1d(np.asarray(values, dtype=float)).ravel()
-                v[slot.span] = part if mpi.size == 1 else mpi.allreduce(part)
-        key = tuple(id(c) for c in columns)
-        if key not in self._rows:
-            self._rows[key] = self._recorder.row_of(columns)
-        return self._rows[key].numbers(v)
+        names, latest = list(names), {} if self._senses is None else self._senses.latest
+        others = [name for name in names if name not in latest]
+        found = iter(self._outputs.read(self._outputs.find(others, latest), self.time))
+        return [latest[name] if name in latest else next(found) for name in names]
 
     # ------------------------------------------------------------------ time
     def step(self, dt: float) -> None:
@@ -323,7 +204,8 @@ class Session:
         if self._jumped:
             breaks = (*breaks, start)
         integrator.run(start, end, breaks, resume=self._started)
-        self._started, self._jumped, self._sample = True, False, None
+        self._started, self._jumped = True, False
+        self._outputs.changed()
         if self._senses is not None:
             self._senses.take()
         if not integrator.stopped:
@@ -369,7 +251,8 @@ class Session:
         for name, live in self._live.items():
             live.set_state(state.inputs[name], self._given[name])
         self.time, self._largest = c.time, dict(state.largest)
-        self._started, self._jumped, self._sample = False, state.jumped, None
+        self._started, self._jumped = False, state.jumped
+        self._outputs.changed()
         self._waiting.clear()
 
     def close(self) -> None:
@@ -378,8 +261,7 @@ class Session:
             return
         self._closed = True
         self._integrator.close()
-        del self._integrator, self._recorder, self._model, self._columns, self._rows, self._senses
-        self._sample = None
+        del self._integrator, self._recorder, self._model, self._outputs, self._senses
 
     def _check_open(self) -> None:
         if self._closed:
@@ -390,26 +272,6 @@ class Session:
 
     def __exit__(self, *_: object) -> None:
         self.close()
-
-
-_UNITS = {
-    "force": "N",
-    "torque": "N m",
-    "pump_pressure": "Pa",
-    "wob": "N",
-    "rop": "m/s",
-    "differential_pressure": "Pa",
-}
-assert set(_UNITS.values()) <= set(DIMENSIONS)
-
-
-def _unknown(call: str, what: str, name: str, known: Iterable[str]) -> str:
-    """Message on an unknown name."""
-    names = list(known)
-    near = difflib.get_close_matches(name, names, 1, 0.4)
-    return f"{call}: no {what} {name!r}; " + (
-        f"nearest: {near[0]}" if near else f"there are {', '.join(names)}"
-    )
 
 
 def _loaded(case: Case | str | Path, comm: PETSc.Comm) -> tuple[Case, checkpoint.Checkpoint | None]:

@@ -44,6 +44,10 @@ def run_top_drive(
             at="top.control",
             want="a motor and its controller, such as motor: {inertia: 2900 kg m2} and control: stiff",
         )
+    if any(q.kind == "python" for q in case.top.control):
+        raise CaseError(
+            at="top.control.kind", got="python", want="another: a function in Python has no known reflection"
+        )
     comm = comm or PETSc.COMM_WORLD
     mesh = build_mesh(case, build_well(case), None)
     motor, laws, impedance = motor_of(case), laws_of(case, mesh), pipe_impedance(mesh)

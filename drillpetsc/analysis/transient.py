@@ -28,6 +28,7 @@ from drillpetsc.analysis.run_control import (
     STOP,
     RunControl,
 )
+from drillpetsc.analysis.sampled_control import sampled_control
 from drillpetsc.analysis.steady_flow import fluid_unknowns
 from drillpetsc.analysis.time_scales import longest_strict_step, step_warnings, time_scales
 from drillpetsc.case.case import Case
@@ -130,6 +131,10 @@ def run(
             folder.release()
 
 
+#: least steps from sample to sample of a controller: a jump of the torque acts half a step late, since the formula goes on
+STEPS_PER_SAMPLE = 4
+
+
 def make_integrator(model: DrillingModel, quasi: QuasiStatic | None = None) -> TimeIntegrator:
     """The integrator of a case: with inertia, with mud that follows the string at once, or quasi-static."""
     with _chosen_integrator(model.case):
@@ -167,11 +172,21 @@ def _make_integrator(model: DrillingModel, quasi: QuasiStatic | None) -> TimeInt
         return quasi.integrator()
     system, mud = model.system, model.case.fluid
     _refuse_long_fixed_steps(model)
-    kept, kind = _step_limits(model), generalized_alpha.integrator_class()
+    kept, sampler, kind = _step_limits(model), sampled_control(model), generalized_alpha.integrator_class()
+    if sampler is not None:
+        if generalized_alpha.selected():
+            raise CaseError(
+                at="top.control.kind",
+                got="python",
+                want="a controller in Python with BDF",
+                hint="generalised-alpha does not end its steps at a controller's samples: leave time.integrator out",
+            )
+        longest = sampler.period / STEPS_PER_SAMPLE
+        kept = {"ts_adapt_dt_max": min(longest, kept.get("ts_adapt_dt_max", np.inf))}
     if mud is not None and mud.dynamics == "quasi_steady":  # the mud follows the string without delay
         system.assembly.set_imposed_rates(np.zeros(system.layout.size + 1), fluid_unknowns(system))
-        return kind(system, controlled=lambda field: field.physics != "fluid", defaults=kept)
-    return kind(system, defaults=kept)
+        return kind(system, controlled=lambda field: field.physics != "fluid", defaults=kept, sampler=sampler)
+    return kind(system, defaults=kept, sampler=sampler)
 
 
 def _refuse_long_fixed_steps(model: DrillingModel) -> None:

@@ -17,7 +17,8 @@ from drillpetsc.cli.command import (
     show,
     units_argument,
 )
-from drillpetsc.parallel import start_job
+from drillpetsc.errors import CaseError
+from drillpetsc.parallel import start_job, world_rank
 
 
 def _statics_arguments(command: argparse.ArgumentParser) -> None:
@@ -514,6 +515,101 @@ def _top_drive(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
     return 0
 
 
+def _names(text: str) -> list[str]:
+    """Names of a list with commas."""
+    return [word.strip() for word in text.split(",") if word.strip()]
+
+
+def _linearise_arguments(command: argparse.ArgumentParser) -> None:
+    case_argument(command)
+    command.add_argument(
+        "--inputs",
+        metavar="A,B",
+        required=True,
+        help="keys that may vary over time, such as top.torque,top.lowering",
+    )
+    command.add_argument(
+        "--outputs",
+        metavar="A,B",
+        required=True,
+        help="columns of history.csv, such as bit_speed,surface_torque",
+    )
+    command.add_argument(
+        "--reduce",
+        choices=("balanced", "modal"),
+        help="write a model with fewer states, too: by balanced truncation, or by the dominant modes",
+    )
+    command.add_argument(
+        "--order", type=int, metavar="N", help="states of the reduced model (default: 20); only with --reduce"
+    )
+
+
+def _linearise(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case import load_case
+
+    case = load_case(arguments.case)
+    if arguments.order is not None and arguments.reduce is None:
+        raise CaseError(
+            at="--order", got=arguments.order, want="only together with --reduce balanced or modal"
+        )
+    start_job(petsc_options)
+    print_warnings(case)
+    from drillpetsc.analysis.linearise import run_linearise
+
+    result = run_linearise(
+        case,
+        _names(arguments.inputs),
+        _names(arguments.outputs),
+        arguments.out,
+        arguments.reduce,
+        20 if arguments.order is None else arguments.order,
+        arguments.overwrite,
+        Path(arguments.case).stem,
+    )
+    print_once(result.lines)
+    return 0
+
+
+def _fmu_arguments(command: argparse.ArgumentParser) -> None:
+    case_argument(command)
+    command.add_argument("-o", "--out", metavar="FILE.fmu", required=True, help="file to write")
+    command.add_argument("--overwrite", action="store_true", help="replace an existing file")
+    command.add_argument(
+        "--inputs", metavar="A,B", help="keys that the host sets, such as top.rotation (default: all)"
+    )
+    command.add_argument("--outputs", metavar="A,B", help="columns of history.csv (default: all)")
+    command.add_argument(
+        "--interpolate",
+        choices=("held", "linear"),
+        default="held",
+        help="an input that the host changes: held from then on, or on a straight line over the next step (default: held)",
+    )
+
+
+def _fmu(arguments: argparse.Namespace, petsc_options: list[str]) -> int:
+    from drillpetsc.case import load_case
+
+    case = load_case(arguments.case)
+    inputs, outputs = (None if q is None else _names(q) for q in (arguments.inputs, arguments.outputs))
+    start_job(petsc_options)
+    print_warnings(case)
+    if world_rank() != 0:
+        return 0
+    from drillpetsc.analysis.fmu import build_fmu
+
+    path = build_fmu(
+        case,
+        arguments.out,
+        inputs,
+        outputs,
+        arguments.overwrite,
+        arguments.interpolate,
+        Path(arguments.case).stem,
+    )
+    print(f"written: {path}")
+    return 0
+
+
 COMMANDS = (
     Command(
         "statics",
@@ -591,6 +687,19 @@ COMMANDS = (
         _response_arguments,
         _response,
         parents=(output_folder(), report_option()),
+    ),
+    Command(
+        "linearise",
+        "state space x' = A x + B u, y = C x + D u about the steady state, in full and with fewer states",
+        _linearise_arguments,
+        _linearise,
+        parents=(output_folder(),),
+    ),
+    Command(
+        "fmu",
+        "the case as a co-simulation unit (FMI 2.0) for Simulink, OpenModelica and others; needs pythonfmu",
+        _fmu_arguments,
+        _fmu,
     ),
     Command(
         "top-drive",

@@ -108,7 +108,7 @@ def split_words(words: list[str]) -> tuple[list[str], list[str]]:
         if (
             word.startswith("-")
             and not word.startswith("--")
-            and word not in ("-h",)
+            and word not in ("-h", "-o")
             and not _is_number(word)
             and len(word) > 1
         ):

@@ -11,6 +11,7 @@ from drillpetsc.case.blocks.ends import TopDrive as TopDriveCase
 from drillpetsc.case.blocks.top_drive import (
     AnyController,
     PiController,
+    PythonController,
     SoftTorqueController,
     StiffController,
     ZTorqueController,
@@ -19,6 +20,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.physics.control import Law, Motor
+from drillpetsc.physics.sampled_torque import SampledTorque
 from drillpetsc.physics.top_drive import MotorDrive
 
 
@@ -95,10 +97,13 @@ def motor_of(case: Case) -> Motor:
 def laws_of(case: Case, mesh: StringMesh) -> tuple[Law, ...]:
     """The controllers of the case with their gains."""
     zeta, inertia = pipe_impedance(mesh), motor_of(case).inertia
+    if any(isinstance(q, PythonController) for q in case.top.control):
+        return ()  # a function of the user has no gains that are known here
     return tuple(_law(q, case, mesh, zeta, inertia) for q in case.top.control)
 
 
 def _law(q: AnyController, case: Case, mesh: StringMesh, zeta: float, inertia: float) -> Law:
+    assert not isinstance(q, PythonController)
     common: dict[str, Any] = {"start": q.from_, "delay": q.delay}
     if isinstance(q, PiController):
         return Law("pi", p=q.p, i=q.i, **common)
@@ -129,6 +134,8 @@ def build_drive(case: Case, mesh: StringMesh) -> MotorDrive:
     """Create the drive of a case with a motor."""
     top = case.top
     assert isinstance(top, TopDriveCase)
+    sampled = any(isinstance(q, PythonController) for q in top.control)
+    torque = SampledTorque() if sampled else top.torque
     return MotorDrive(
-        top.rotation, top.torque, laws_of(case, mesh), motor_of(case), pipe_impedance(mesh), mesh.nodes
+        top.rotation, torque, laws_of(case, mesh), motor_of(case), pipe_impedance(mesh), mesh.nodes
     )

@@ -12,7 +12,7 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 
 #: numbers of the kinds in the output ``control_mode``; 0: the torque is prescribed
-MODES = {"torque": 0, "pi": 1, "stiff": 2, "soft_torque": 3, "z_torque": 4}
+MODES = {"torque": 0, "pi": 1, "stiff": 2, "soft_torque": 3, "z_torque": 4, "python": 5}
 
 
 @dataclass(frozen=True)

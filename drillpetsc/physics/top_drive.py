@@ -20,6 +20,7 @@ from drillpetsc.physics.control import MODES, Law, Motor
 from drillpetsc.physics.end_conditions import Input
 from drillpetsc.physics.interfaces import Drive
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
+from drillpetsc.physics.sampled_torque import SampledTorque
 
 _results = function("top_motor_results", "ippppp" + "p")
 RESULTS = columns("top_motor_results")
@@ -232,6 +233,15 @@ class MotorDrive(Drive):
         """Number of the law just before ``t`` [s]."""
         return self._phase_at(float(np.nextafter(t, -np.inf))) if self.laws else 0
 
+    # ------------------------------------------------------------------ history
+    def get_state(self) -> dict[str, FloatArray]:
+        """Held torque and memory of a controller in Python; empty without one."""
+        return self.torque_input.get_state() if isinstance(self.torque_input, SampledTorque) else {}
+
+    def set_state(self, state: dict[str, FloatArray]) -> None:
+        if isinstance(self.torque_input, SampledTorque):
+            self.torque_input.set_state(state)
+
     # ------------------------------------------------------------------ outputs
     def results(self, state: Any) -> FloatArray:
         """(5,) results of the drive by the names of ``RESULTS``; zero on ranks without the top."""
@@ -257,9 +267,10 @@ class MotorDrive(Drive):
             return np.zeros(7)
         speed = state.y[state.index_of(self._block)[0, SPIN]]
         r = self.results(state)
-        mode = MODES[self.laws[self._phase].kind] if self.laws else 0
+        sampled = isinstance(self.torque_input, SampledTorque)
+        mode = MODES[self.laws[self._phase].kind] if self.laws else MODES["python" if sampled else "torque"]
         torque, pipe, limited = (r[RESULTS[name]] for name in ("torque", "pipe", "limited"))
-        error = self._speed[0] - speed if self.laws else 0.0
+        error = self._speed[0] - speed if self.laws or sampled else 0.0
         return np.array([speed, self._speed[0], torque, pipe, error, float(mode), limited])
 
     def quantities(self) -> tuple[Quantity, ...]:

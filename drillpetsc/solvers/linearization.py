@@ -38,6 +38,7 @@ class Linearised:
     component.
     scale: (n,) usual size of each unknown [SI].
     second_order: (n,) whether the rate of the unknown is a further unknown.
+    P, G: (n, n) sparse: the rates are y = P u' + G u, and a = y'.
     """
 
     K: sparse.csr_matrix
@@ -49,6 +50,8 @@ class Linearised:
     component: IntArray
     scale: FloatArray
     second_order: np.ndarray
+    P: sparse.csr_matrix
+    G: sparse.csr_matrix
 
     def eigenproblem(self, reference: float) -> QuadraticEigenproblem:
         """Form the eigenvalue problem in the free motions; ``reference``: a slow rate of the system [1/s].
@@ -144,7 +147,7 @@ def _join(pieces) -> Linearised:
     G = sparse.csr_matrix((by_v, (spin, tangent)), shape=(n, n))
     T = _free_motions(n, [h for p in pieces for h in p[2]])
     # manual: eq-eigen-problem
-    return Linearised(K + C @ G, C @ P + M @ G, M @ P, T, field, node, component, scale, second_order)
+    return Linearised(K + C @ G, C @ P + M @ G, M @ P, T, field, node, component, scale, second_order, P, G)
 
 
 def _free_motions(n: int, prescribed: list[tuple[IntArray, list[np.ndarray]]]) -> sparse.csr_matrix:

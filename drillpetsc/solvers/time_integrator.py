@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from petsc4py import PETSc
@@ -50,6 +50,14 @@ class Counters:
     rejected: int = 0
 
 
+class Sampler(Protocol):
+    """What is called at regular times of a run."""
+
+    period: float
+
+    def __call__(self, t: float) -> None: ...
+
+
 @dataclass
 class TimeIntegrator:
     """Time integrator of a discrete system, from the state in its assembly.
@@ -62,6 +70,8 @@ class TimeIntegrator:
     first_step: length of the first step [s].
     controlled(field): whether a field takes part in the error control.
     defaults: further PETSc options, below those of the user.
+    sampler(t): called at the multiples of ``sampler.period`` [s], where a step ends, with the state before the step that follows;
+    the formula does not restart there.
     inertia: whether the string has inertia; without it, forces have no power to which Newton's remainder could
     be compared.
 
@@ -80,6 +90,7 @@ class TimeIntegrator:
     first_step: float = 1.0e-4
     controlled: Callable[[Field], bool] = field(default=lambda field: True)
     defaults: dict[str, Any] = field(default_factory=dict)
+    sampler: Sampler | None = None
     inertia: bool = True
 
     def __post_init__(self) -> None:
@@ -379,6 +390,7 @@ class TimeIntegrator:
         near = END_TOLERANCE * max(1.0, abs(end))
         stops = sorted({b for b in breaks if start + near < b < end - near} | {end})
         jumps = {s for s in stops if any(abs(b - s) <= near for b in breaks)}
+        stops = self._with_samples(start, end, near, stops)
         if not resume:
             ts.setTime(start)
             ts.setTimeStep(self.first_step)
@@ -391,13 +403,14 @@ class TimeIntegrator:
         for stop in stops:
             if at_break:
                 self._change_states(begin)
+            self._sample(begin, near)
             self._stop, self._jump = stop, stop if stop in jumps else np.inf
             if continued:
                 self._replay_history()
             elif not resume or at_break:
                 self._restored = None
                 self._start_formula(stop)
-            begin, at_break, continued, resume = stop, True, False, False
+            begin, at_break, continued, resume = stop, stop in jumps, False, True
             ts.setMaxTime(stop)
             rejected = ts.getStepRejections()
             with petsc_compat.own_errors():
@@ -409,6 +422,23 @@ class TimeIntegrator:
             self.counters.rejected += ts.getStepRejections() - rejected
             if self.stopped:
                 return
+
+    def _with_samples(self, start: float, end: float, near: float, stops: list[float]) -> list[float]:
+        """The ``stops``, and the samples between start and end [s] that do not coincide with one."""
+        if self.sampler is None:
+            return stops
+        period = self.sampler.period
+        first, last = int(np.floor(start / period)) + 1, int(np.ceil(end / period))
+        samples = [k * period for k in range(first, last)]
+        apart = [s for s in samples if s > start + near and all(abs(s - q) > near for q in stops)]
+        return sorted({*stops, *apart})
+
+    def _sample(self, t: float, near: float) -> None:
+        """Call the sampler where ``t`` [s] is one of its times."""
+        if self.sampler is not None:
+            period = self.sampler.period
+            if abs(t - round(t / period) * period) <= near:
+                self.sampler(t)
 
     def _change_states(self, t: float) -> None:
         """Let components change their states where an input jumps or bends at ``t`` [s]."""

@@ -181,6 +181,9 @@ class TopDrive(TopEnd):
     def _times(self) -> None:
         """Raise where controllers do not follow each other from time 0 on."""
         for i, q in enumerate(self.control):
+            if q.kind == "python" and len(self.control) > 1:
+                want = "a single controller: a function in Python changes its law by itself"
+                raise refuse("control", i, "kind", got=q.kind, want=want)
             if i == 0 and q.from_ != 0:
                 raise refuse("control", 0, "from", got=q.from_, want="0 for the first controller")
             if i and q.from_ <= self.control[i - 1].from_:

@@ -159,14 +159,36 @@ class ZTorqueController(Controller):
     )
 
 
-_kinds = (PiController, StiffController, SoftTorqueController, ZTorqueController)
+class PythonController(Block):
+    """A function of the user that gives the torque at every sample; between two samples the torque is held."""
+
+    kind: Literal["python"] = Field(description="a function in Python")
+    function: str = Field(
+        description="module.function, of the time [s], of what is measured (a dictionary) and of a memory; returns the torque [N m]"
+    )
+    sample: Annotated[float, Quantity("s", above=0)] = Field(description="time between two samples")
+
+    @property
+    def from_(self) -> float:
+        """Time from which it acts [s]."""
+        return 0.0
+
+    @model_validator(mode="after")
+    def _path(self) -> PythonController:
+        if "." not in self.function or not all(word.isidentifier() for word in self.function.split(".")):
+            raise refuse("function", got=self.function, want="module.function, such as my_controller.torque")
+        return self
+
+
+_kinds = (PiController, StiffController, SoftTorqueController, ZTorqueController, PythonController)
 _check, _tag = tagged_union(*_kinds, short=("stiff", "soft_torque", "soft_speed", "z_torque"))
 
 AnyController = Annotated[
     Annotated[PiController, Tag("kind:PiController")]
     | Annotated[StiffController, Tag("kind:StiffController")]
     | Annotated[SoftTorqueController, Tag("kind:SoftTorqueController")]
-    | Annotated[ZTorqueController, Tag("kind:ZTorqueController")],
+    | Annotated[ZTorqueController, Tag("kind:ZTorqueController")]
+    | Annotated[PythonController, Tag("kind:PythonController")],
     Discriminator(_tag),
     BeforeValidator(
         _check,
@@ -174,7 +196,8 @@ AnyController = Annotated[
         | PiController
         | StiffController
         | SoftTorqueController
-        | ZTorqueController,
+        | ZTorqueController
+        | PythonController,
     ),
 ]
 

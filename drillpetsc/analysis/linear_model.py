@@ -1,0 +1,363 @@
+"""A model about its steady state as x' = A x + B u, y = C x + D u (manual: sec-linear).
+
+Matrices of the string come from ``solvers.linearization``.  What inputs do to the equations, and what outputs read from the
+state, are central differences of the residual and of the outputs themselves, so every input of a session and every column
+of history.csv can be used.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sparse
+
+from drillpetsc.analysis.equilibrium import StaticState
+from drillpetsc.analysis.live_outputs import LiveOutputs
+from drillpetsc.analysis.modal import prepare_state, reference_rate
+from drillpetsc.arrays import FloatArray
+from drillpetsc.errors import CaseError, DrillError
+from drillpetsc.fem.component import DRIVE
+from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.output.recorder import Recorder, TableColumn
+from drillpetsc.solvers.linearization import Linearised, linearise
+from drillpetsc.solvers.model_reduction import LARGEST_DENSE
+from drillpetsc.solvers.state_space import Exchange, StateSpace, connected, eliminate
+
+#: usual sizes of the inputs, by which differences are taken and models are reduced [SI]
+USUAL = {
+    "top.rotation": 10.0,
+    "top.lowering": 0.01,
+    "top.force": 1e5,
+    "top.torque": 1e4,
+    "fluid.flow_rate": 0.03,
+    "fluid.pump_pressure": 1e7,
+    "fluid.outlet_pressure": 1e6,
+}
+STEP = 1e-3  # differences, in usual sizes
+ACCELERATION_STEP = 1e2  # of accelerations [1/s2], in usual sizes: rows are linear in them
+ROUNDINGS = 4  # random changes of the last digit, from which the rounding of the outputs is estimated
+NOISE = 1e-7  # derivatives below this fraction of the largest, in usual sizes, are rounding
+
+
+class DisturbedInput:
+    """An input over time with an offset of its integral, its value and its rate."""
+
+    def __init__(self, given: Any) -> None:
+        self.given, self.offset = given, [0.0, 0.0, 0.0]
+
+    def value(self, t: float, before: bool = False) -> float:
+        return float(self.given.value(t, before)) + self.offset[1]
+
+    def rate(self, t: float, before: bool = False) -> float:
+        return float(self.given.rate(t, before)) + self.offset[2]
+
+    def integral(self, t: float) -> float:
+        return float(self.given.integral(t)) + self.offset[0]
+
+    def breaks(self) -> tuple[float, ...]:
+        return tuple(self.given.breaks())
+
+    def jumps(self) -> tuple[float, ...]:
+        return tuple(self.given.jumps())
+
+
+@dataclass(frozen=True)
+class LinearModel:
+    """The model with all its states, on the rank that has it.
+
+    system: the state space; linearised: the equations; used: (n,) unknowns of these that inputs move and outputs read.
+    constant: outputs that no input changes.
+    """
+
+    system: StateSpace
+    linearised: Linearised
+    used: np.ndarray
+    constant: tuple[int, ...]
+
+    def shapes(self, states: np.ndarray) -> np.ndarray:
+        """Unknowns of the linearised system (n, k) in states (order, k)."""
+        assert self.system.motions is not None
+        q = np.zeros((self.linearised.T.shape[1], states.shape[1]), dtype=complex)
+        q[np.flatnonzero(self.used)] = self.system.motions @ states
+        return np.asarray(self.linearised.T @ q)
+
+
+def steady_state(model: DrillingModel) -> StaticState:
+    """Set the model to its steady state (``modal.prepare_state``), with a drive that inputs act on; collective."""
+    state = prepare_state(model)
+    if model.drive is not None:
+        model.drive.start(model.system.assembly)
+    return state
+
+
+class _Differences:
+    """Central differences about the present state of a model; every call is collective."""
+
+    def __init__(
+        self,
+        model: DrillingModel,
+        inputs: Sequence[DisturbedInput],
+        sizes: FloatArray,
+        outputs: Sequence[str],
+    ) -> None:
+        self.system, self.inputs, self.sizes = model.system, inputs, sizes
+        self.asm, self.layout = model.system.assembly, model.system.layout
+        self.live = LiveOutputs(Recorder(model))
+        self.columns: list[TableColumn] = self.live.find(outputs)
+        self.numbers = self.layout.condensed_dm.getLGMap().getIndices()
+        self.rows = self.system.new_condensed()
+        self.size = self.rows.getSize()
+        self.noise = self._noise()
+
+    def _noise(self) -> FloatArray:
+        """Changes of the outputs (p,) by the rounding of the unknowns."""
+        asm, start, n = self.asm, self.asm.x.copy(), self.layout.size
+        value, out = self.read(), np.zeros(len(self.columns))
+        rng = np.random.default_rng(2)
+        for _ in range(ROUNDINGS):
+            ulps = rng.choice([-1.0, 1.0], self.size)[self.numbers]
+            asm.x[:n] = start[:n] + ulps * np.spacing(start[:n])
+            out = np.maximum(out, np.abs(self.read() - value))
+        asm.x[:] = start
+        return 4.0 * out + 4e-16 * np.abs(value)
+
+    def read(self) -> FloatArray:
+        """Outputs (p,) now; the residual first, since reactions and contact forces are those of the last one."""
+        self.asm.invalidate_prescribed_values()
+        self.system.sum_residual(0.0, self.rows)
+        self.live.changed()
+        return np.array(self.live.read(self.columns, 0.0))
+
+    def _owned(self) -> FloatArray:
+        """Residual of the owned unknowns now."""
+        self.asm.invalidate_prescribed_values()
+        self.system.sum_residual(0.0, self.rows)
+        return np.array(self.rows.getArray(readonly=1))
+
+    def _whole(self, owned: FloatArray) -> FloatArray:
+        """All unknowns (n,) on every rank from the owned ones."""
+        return (
+            owned
+            if self.system.comm.size == 1
+            else np.concatenate(self.system.comm.tompi4py().allgather(owned))
+        )
+
+    def by_input(self, j: int, part: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Residual (n,), prescribed displacement (n,) and outputs (p,) by an input's integral, value or rate."""
+        h, offset = STEP * self.sizes[j], self.inputs[j].offset
+        found = []
+        for sign in (1.0, -1.0):
+            offset[part] = sign * h
+            rows, values = self._owned(), self.read()
+            found.append((rows, values, self._prescribed()))
+        offset[part] = 0.0
+        (r1, y1, p1), (r0, y0, p0) = found
+        y = np.where(np.abs(y1 - y0) > self.noise, y1 - y0, 0.0)
+        return self._whole(r1 - r0) / (2 * h), self._whole(p1 - p0) / (2 * h), y / (2 * h)
+
+    def _prescribed(self) -> FloatArray:
+        """Displacement of the owned unknowns that the prescribed values ask for."""
+        local = np.zeros(self.layout.size)
+        for f in self.asm.row_replacements:
+            if f.owned:
+                f.evaluate(0.0, self.asm.x)
+                local[f.rows] = np.linalg.pinv(f.D) @ (f.value - f.D @ self.asm.x[f.rows])
+        return local[self.layout.local_of_owned]
+
+    def by_state(self, array: FloatArray, steps: FloatArray, chosen: np.ndarray) -> FloatArray:
+        """Outputs (p, n) by the unknowns ``chosen`` of one of the arrays x, y, a of the assembly.
+
+        steps: (n,) of all unknowns.  A group is changed at once; where no output changes, none of it matters.
+        """
+        out = np.zeros((len(self.columns), self.size))
+        direction = np.random.default_rng(1).uniform(0.5, 1.0, self.size) * steps
+        start, n = array.copy(), self.layout.size
+        change = np.zeros(self.size)
+
+        def difference(group: np.ndarray) -> FloatArray:
+            change[group] = direction[group]
+            values = []
+            for sign in (1.0, -1.0):
+                array[:n] = start[:n] + sign * change[self.numbers]
+                values.append(self.read())
+            change[group], array[:] = 0.0, start
+            d = values[0] - values[1]
+            return np.where(np.abs(d) > self.noise, d, 0.0)
+
+        groups = [chosen] if len(chosen) else []
+        while groups:
+            group = groups.pop()
+            d = difference(group)
+            if not d.any():
+                continue
+            if len(group) == 1:
+                out[:, group[0]] = d / (2 * direction[group[0]])
+            else:
+                groups += [group[: len(group) // 2], group[len(group) // 2 :]]
+        relative = np.abs(out) * steps
+        out[relative < NOISE * relative.max(axis=1, initial=0.0)[:, None]] = 0.0
+        return out
+
+
+def linear_model(
+    model: DrillingModel, inputs: dict[str, DisturbedInput], outputs: Sequence[str]
+) -> LinearModel | None:
+    """Form the linear model at the present state of ``model``; None on all ranks but the first.  Collective.
+
+    model: built with the ``inputs``, in the state of ``modal.prepare_state``.
+    outputs: names of columns of history.csv.
+
+    Raises LookupError for an unknown output, CaseError for too many states and SolveError where there is no state space.
+    """
+    sizes = np.array([USUAL[name] for name in inputs])
+    d = _Differences(model, list(inputs.values()), sizes, outputs)
+    rate = reference_rate(model)
+    linearised = linearise(model.system)
+    m = len(inputs)
+    parts = [[d.by_input(j, part) for j in range(m)] for part in range(3)]
+    by_rows = [np.column_stack([q[0] for q in part]) for part in parts]
+    p = np.column_stack([q[1] for q in parts[0]])
+    direct = [np.column_stack([q[2] for q in part]) for part in parts]
+    chosen = on_first(model, lambda: _driven(linearised, by_rows, p, rate))
+    scale = d._whole(model.system.scale[model.system.layout.local_of_owned])
+    asm = model.system.assembly
+    Yx, Yy, Ya = (
+        d.by_state(array, step * scale, chosen)
+        for array, step in ((asm.x, STEP), (asm.y, STEP), (asm.a, ACCELERATION_STEP))
+    )
+    d.read()
+    if linearised is None:
+        on_first(model, lambda: None)
+        return None
+    found: list[LinearModel] = []
+
+    def form() -> None:
+        found.append(_form(model, linearised, by_rows, p, direct, (Yx, Yy, Ya), rate))
+
+    on_first(model, form)
+    return found[0]
+
+
+def on_first(model: DrillingModel, function: Callable[[], Any]) -> Any:
+    """The result of a function of the first rank, or its error, on all ranks."""
+    answer: Any = None
+    if model.system.comm.rank == 0:
+        try:
+            answer = function()
+        except DrillError as failure:
+            answer = failure
+    if model.system.comm.size > 1:
+        answer = model.system.comm.tompi4py().bcast(answer)
+    if isinstance(answer, DrillError):
+        raise answer
+    return answer
+
+
+def _forcing(q: Linearised, by_rows: list[FloatArray], p: FloatArray) -> list[FloatArray]:
+    """Rows of the free motions by integrals, values and rates of the inputs; p: (n, m) prescribed displacement."""
+    return [q.T.T @ (A @ p + f) for A, f in zip((q.K, q.C, q.M), by_rows, strict=True)]
+
+
+def _cleaned(f: list[FloatArray]) -> list[FloatArray]:
+    """Without entries that are rounding of the largest of their input."""
+    return [np.where(np.abs(A) > NOISE * np.abs(A).max(axis=0, initial=0.0), A, 0.0) for A in f]
+
+
+def _driven(q: Linearised | None, by_rows: list[FloatArray], p: FloatArray, rate: float) -> np.ndarray:
+    """Unknowns that inputs move, prescribed ones included."""
+    assert q is not None
+    n = q.T.shape[1]
+    K, C, M, scale = _free(q)
+    f = _cleaned(_forcing(q, by_rows, p))
+    m = p.shape[1]
+    none = np.zeros((0, m))
+    all_read = np.ones((1, n))
+    everywhere = Exchange(f[0], f[1], f[2], all_read, all_read, all_read, none, none, none)
+    mask = connected(K, C, M, scale, everywhere)
+    moved = np.asarray(abs(q.T) @ mask.astype(float)).ravel() > 0
+    return np.flatnonzero(moved | (p != 0).any(axis=1))
+
+
+def _free(q: Linearised):
+    """K, C, M and usual sizes in the free motions."""
+    K, C, M = (sparse.csr_matrix(q.T.T @ A @ q.T) for A in (q.K, q.C, q.M))
+    return K, C, M, q.scale[_parents(q)]
+
+
+def _parents(q: Linearised) -> np.ndarray:
+    """Unknown that each free motion stands for."""
+    return np.asarray(abs(q.T).argmax(axis=0)).ravel()
+
+
+def _form(model, q: Linearised, by_rows, p, direct, Y, rate: float) -> LinearModel:
+    Yx, Yy, Ya = Y
+    K, C, M, scale = _free(q)
+    parents = _parents(q)
+    by_position, by_rate, by_acceleration = Yx + Yy @ q.G, Yy @ q.P + Ya @ q.G, Ya @ q.P
+    ex = Exchange(
+        *_cleaned(_forcing(q, by_rows, p)),
+        *(np.asarray(A @ q.T) for A in (by_position, by_rate, by_acceleration)),
+        *(A @ p + d for A, d in zip((by_position, by_rate, by_acceleration), direct, strict=True)),
+    )
+    used = connected(K, C, M, scale, ex)
+    fields = [f.name for f in model.system.layout.fields]
+    # corrections of the kinematic equation are zero in the exact motion (manual: eq-joint-ggl)
+    used &= np.array([fields[k] != "joint.correction" for k in q.field[parents]], dtype=bool)
+    order = int(used.sum() + (used & q.second_order[parents]).sum())
+    if order > LARGEST_DENSE:
+        raise CaseError(
+            at="linearise",
+            got=f"{order} states",
+            want=f"at most {LARGEST_DENSE}, whose matrices are dense",
+            hint="longer elements (string[..].element_length) have fewer states",
+        )
+    names = [_name(fields[q.field[i]], q.node[i], q.component[i], model) for i in parents[used]]
+    at = np.flatnonzero(used)
+    system = eliminate(
+        K[at][:, at],
+        C[at][:, at],
+        M[at][:, at],
+        q.second_order[parents][at],
+        scale[at],
+        rate,
+        ex.of_unknowns(at),
+        names,
+    )
+    constant = np.flatnonzero(
+        ~(np.any([(A != 0).any(axis=1) for A in (system.C, system.D, system.F)], axis=0))
+    )
+    return LinearModel(system, q, used, tuple(int(i) for i in constant))
+
+
+def _name(field: str, node: int, component: int, model: DrillingModel) -> str:
+    """Name of an unknown: field, node from the top, component."""
+    size = next(f.size for f in model.system.layout.fields if f.name == field)
+    return f"{field}[{node}]" if size == 1 else f"{field}[{node},{component}]"
+
+
+def kind_of(model: DrillingModel, linear: LinearModel, state: np.ndarray) -> str:
+    """Word for the motion of a state vector (order,): lateral, axial, torsional, control or fluid."""
+    q = linear.linearised
+    u = linear.shapes(state[:, None])
+    share = np.zeros(5)
+    for i, field in enumerate(model.system.layout.fields):
+        at = np.flatnonzero(q.field == i)
+        weight = np.abs(u[at, 0]) / q.scale[at]
+        if field.name in ("string.position", "string.tangent"):
+            values = q.field_values(i, u, model.mesh.nodes, 3)[0]
+            along = np.abs(np.sum(values * model.tangent, axis=1))
+            across = np.linalg.norm(
+                values - np.sum(values * model.tangent, axis=1)[:, None] * model.tangent, axis=1
+            )
+            share[0] += float((across**2).sum()) / q.scale[at[0]] ** 2 if len(at) else 0.0
+            share[1] += float((along**2).sum()) / q.scale[at[0]] ** 2 if len(at) else 0.0
+        elif field.name.startswith("string."):
+            share[2] += float((weight**2).sum())
+        else:
+            share[3 if field.physics == DRIVE else 4] += float((weight**2).sum())
+    if not share.any():
+        return "of the input"
+    return ("lateral", "axial", "torsional", "control", "fluid")[int(share.argmax())]

@@ -1,0 +1,350 @@
+"""The `linearise` command: a model about its steady state as matrices, in full and with fewer states (manual: sec-linear)."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+
+from drillpetsc.analysis.case_inputs import describe, inputs_of, with_inputs
+from drillpetsc.analysis.linear_model import (
+    USUAL,
+    DisturbedInput,
+    LinearModel,
+    kind_of,
+    linear_model,
+    on_first,
+    steady_state,
+)
+from drillpetsc.analysis.live_outputs import LiveOutputs
+from drillpetsc.analysis.modal import REPORTED_IMBALANCE, ZERO_FRACTION, reference_rate, unbalanced_force
+from drillpetsc.analysis.placement import prescribed_motion
+from drillpetsc.analysis.transient import make_folder
+from drillpetsc.arrays import FloatArray
+from drillpetsc.case.case import Case
+from drillpetsc.case.checks.limits import refuse_quaternion
+from drillpetsc.errors import CaseError
+from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
+from drillpetsc.output import RunFolder, write_summary
+from drillpetsc.output.case_files import write_case
+from drillpetsc.output.files.atomic import replace_file
+from drillpetsc.output.recorder import Recorder
+from drillpetsc.solvers import petsc_options as options
+from drillpetsc.solvers.model_reduction import Reduced, not_decaying, reduce
+from drillpetsc.solvers.state_space import StateSpace
+
+METHODS = ("balanced", "modal")
+FREQUENCIES = 500  # at which a reduced model is compared with the whole one
+ROUNDING = 1e-6  # part of an output that follows the rate of an input is rounding below this fraction of the response
+PRINTED = 8  # Hankel values on the screen
+NPZ, MAT = "linear.npz", "linear.mat"
+
+
+@dataclass(frozen=True)
+class LinearResult:
+    """Result of ``linearise``, the same on all ranks.
+
+    system: the whole model; reduced: the model with fewer states, None where it was not asked for.
+    inputs, outputs: names.
+    folder, summary, lines: run folder, summary.json and the lines to show.
+    """
+
+    system: StateSpace
+    reduced: Reduced | None
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    folder: Path
+    summary: dict[str, Any]
+    lines: list[str]
+
+    def to_control(self, reduced: bool = False) -> Any:
+        """The model as ``control.StateSpace`` of python-control, which has to be installed.
+
+        Raises ImportError without it, and ValueError where an output follows the rate of an input.
+        """
+        try:
+            import control  # type: ignore
+        except ImportError:
+            raise ImportError("to_control needs python-control: pip install control") from None
+        q = self.reduced.system if reduced and self.reduced is not None else self.system
+        if q.F.any():
+            raise ValueError("an output follows the rate of an input (F): python-control has no such model")
+        return control.ss(q.A, q.B, q.C, q.D, inputs=list(self.inputs), outputs=list(self.outputs))
+
+
+def run_linearise(
+    case: Case,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    out: str | Path | None = None,
+    method: str | None = None,
+    order: int = 20,
+    overwrite: bool = False,
+    name: str = "case",
+    comm: PETSc.Comm | None = None,
+) -> LinearResult:
+    """Linearise a case about its steady state; writes linear.npz, linear.mat and summary.json; collective.
+
+    case: the user's case.
+    inputs: names as of ``Session.inputs``; outputs: columns of history.csv.
+    out: run folder, None: a new one named after ``name``.
+    method: ``balanced`` or ``modal`` reduction to ``order`` states; None: none.
+    overwrite: replace an existing run folder; comm: communicator, all ranks by default.
+
+    Raises CaseError for wrong arguments, SolveError where no equilibrium is found or no state space exists.
+    """
+    refuse_quaternion(case, "linearise")
+    if case.time is not None and is_quasi_static(case):
+        raise CaseError(
+            at="time.mode", got="quasi_static", want="dynamic: without inertia there is no linear model"
+        )
+    comm = comm or PETSc.COMM_WORLD
+    if method is not None and method not in METHODS:
+        raise CaseError(at="--reduce", got=method, want=" or ".join(METHODS))
+    if order < 1:
+        raise CaseError(at="--order", got=order, want="a number of states, at least 1")
+    given = inputs_of(case)
+    refuse_unknown("--inputs", inputs, list(given))
+    with options.applied(case.petsc):
+        disturbed = {key: DisturbedInput(given[key]) for key in inputs}
+        model = build_model(with_inputs(case, disturbed), comm)
+        model.case = case
+        live = LiveOutputs(Recorder(model))
+        units = {q.name: q.unit for q in live.described()}
+        refuse_unknown("--outputs", outputs, list(units))
+        folder = make_folder(comm, name, out, False, overwrite)
+        state = steady_state(model)
+        notes = [*state.warnings, *_notes(model, live)]
+        linear = linear_model(model, disturbed, outputs)
+        answer = on_first(model, partial(_reduced, model, linear, inputs, outputs, method, order))
+    system, reduced, found = answer
+    described = [describe(case, key) for key in inputs]
+    summary = {
+        "title": case.title,
+        "about": _about(model),
+        "inputs": {q.name: q.unit for q in described},
+        "outputs": {key: units[key] for key in outputs},
+        **found,
+        "warnings": notes + found["warnings"],
+    }
+    if comm.rank == 0:
+        write_case(case, folder)
+        _save(folder, system, reduced, summary)
+        write_summary(folder.summary, {k: v for k, v in summary.items() if k != "response"})
+    summary.pop("response")
+    lines = _lines(case, folder, system, reduced, summary)
+    return LinearResult(system, reduced, tuple(inputs), tuple(outputs), folder.path, summary, lines)
+
+
+def refuse_unknown(option: str, names: Sequence[str], known: list[str]) -> None:
+    """Refuse an empty list, a name given twice, and one that does not exist."""
+    there = ", ".join(known) or "none in this case"
+    if not names:
+        raise CaseError(at=option, want=f"at least one of {there}")
+    for i, key in enumerate(names):
+        if key not in known:
+            near = difflib.get_close_matches(key, known, 1, 0.4)
+            raise CaseError(
+                at=option, got=key, want=f"one of {there}", hint=f"nearest: {near[0]}" if near else ""
+            )
+        if key in names[:i]:
+            raise CaseError(at=option, got=key, want="each name once")
+
+
+def _about(model: DrillingModel) -> str:
+    lowering, rotation = prescribed_motion(model)
+    moves = [f"rotation at {rotation:g} rad/s"] if rotation else []
+    moves += [f"lowering at {lowering:g} m/s"] if lowering else []
+    return " and ".join(moves) or "rest"
+
+
+def _notes(model: DrillingModel, live: LiveOutputs) -> list[str]:
+    """What the linear model holds: contacts, friction and the bit as they are; and what is left out of balance."""
+    notes = []
+    for key, value in inputs_of(model.case).items():
+        if value.breaks():
+            notes.append(
+                f"{key} varies over time: the state is that of its value at time 0, {value.value(0.0):g}"
+            )
+    if any(getattr(q, "kind", "") == "python" for q in getattr(model.case.top, "control", ())):
+        notes.append("the controller in Python is left out: its torque stays what it is")
+    mpi = model.system.comm.tompi4py()
+    left = unbalanced_force(model)
+    if left > REPORTED_IMBALANCE:
+        notes.append(f"unbalanced forces up to {left:.3g} N are left: the state is not exactly steady")
+    if model.contact is not None:
+        cells, items = model.contact.element_results(model.system.assembly)
+        closed = mpi.allreduce(int((cells[:, 0] > 0).sum() + (items[:, 0] > 0).sum()))
+        moves = prescribed_motion(model) != (0.0, 0.0)
+        friction = (
+            "friction has its slope at the present sliding speed" if moves else "without friction at rest"
+        )
+        what = f"{closed} contacts with the wall are closed and stay springs, open ones stay open"
+        notes.append(
+            f"{what}; {friction}" if closed else "no contact with the wall is closed, and none will close"
+        )
+    columns = [q.name for q in live.described()]
+    if model.bit is not None and "wob" in columns:
+        live.changed()
+        on_bottom = live.read(live.find(["wob"]), 0.0)[0] > 0
+        notes.append(
+            "the bit stays on the bottom, its law has its slope at the present speed"
+            if on_bottom
+            else "the bit is off the bottom and stays there: neither rock nor bit law acts"
+        )
+    if prescribed_motion(model)[1] and model.case.string and model.contact is not None:
+        notes.append("a bent or eccentric string that rotates is linearised at one angle of rotation")
+    return notes
+
+
+def _reduced(
+    model: DrillingModel,
+    linear: LinearModel | None,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    method: str | None,
+    order: int,
+) -> tuple[StateSpace, Reduced | None, dict[str, Any]]:
+    """The whole model, the reduced one, and entries of the summary; on the first rank."""
+    assert linear is not None
+    system, notes = linear.system, []
+    zero = ZERO_FRACTION * reference_rate(model)
+    kept = not_decaying(system, zero)
+    s = np.linalg.eigvals(system.A) if system.order else np.zeros(0, dtype=complex)
+    rigid, growing = [], []
+    for root, vector in zip(kept.s, kept.vectors.T, strict=True):
+        kind = kind_of(model, linear, vector)
+        if abs(root) <= max(zero, np.sqrt(np.finfo(float).eps) * np.abs(s).max()):
+            rigid.append(kind)
+        else:
+            growing.append({"kind": kind, "growth": root.real, "frequency": root.imag / (2 * np.pi)})
+    if rigid:
+        notes.append(f"rigid motions, which nothing holds: {', '.join(sorted(set(rigid)))}")
+    rising = [
+        g for g in growing if g["growth"] > 1e-6 * abs(complex(g["growth"], 2 * np.pi * g["frequency"]))
+    ]
+    if rising:
+        worst = max(rising, key=lambda g: g["growth"])
+        notes.append(
+            f"the steady state is unstable: motions that grow: {len(rising)}, the fastest ({worst['kind']}, "
+            f"{worst['frequency']:.4g} Hz) by {worst['growth']:.4g} 1/s"
+        )
+    if len(growing) > len(rising):
+        notes.append(f"motions that neither decay nor grow, without damping: {len(growing) - len(rising)}")
+    for i in linear.constant:
+        notes.append(f"{outputs[i]} does not depend on the inputs: its rows of C and D are zero")
+    frequency = _frequencies(s, zero)
+    response = system.response(frequency)
+    feed = np.abs(system.F) * 2 * np.pi * frequency[-1]
+    system = replace(
+        system, F=np.where(feed > ROUNDING * np.abs(response).max(axis=0, initial=0.0), system.F, 0.0)
+    )
+    follows = [(outputs[i], inputs[j]) for i, j in zip(*np.nonzero(system.F), strict=True)]
+    for y, u in follows:
+        notes.append(f"{y} follows the rate of {u}, too: y = C x + D u + F u'")
+    found: dict[str, Any] = {
+        "states": system.order,
+        "rigid": rigid,
+        "not_decaying": growing,
+        "stable": not rising and not rigid,
+        "largest_growth": float(s.real.max(initial=-np.inf)) if len(s) else None,
+    }
+    data: dict[str, Any] = {"frequency": frequency, "full": response}
+    result = None
+    if method is not None:
+        sizes = np.array([USUAL[key] for key in inputs])
+        result = reduce(system, method, order, zero, sizes)
+        if system.order <= order:
+            notes.append(
+                f"--order {order}: the whole model has {system.order} states, and nothing is left out"
+            )
+        data["reduced"] = result.system.response(frequency)
+        found["reduction"] = {
+            "method": method,
+            "states": result.system.order,
+            "kept": result.kept,
+            "bound": None if np.isnan(result.bound) else result.bound,
+            "error": result.error(response, data["reduced"]),
+            "frequencies": [frequency[0], frequency[-1]],
+            "input_size": dict(zip(inputs, result.input_size, strict=True)),
+            "output_size": dict(zip(outputs, result.output_size, strict=True)),
+            "hankel": result.hankel[: 2 * order],
+        }
+    found["warnings"], found["response"] = notes, data
+    return replace(system, motions=None), result, found
+
+
+def _frequencies(s: np.ndarray, zero: float) -> FloatArray:
+    """Frequencies (k,) [Hz] from a tenth of the slowest root to the fastest oscillation."""
+    size = np.abs(s[np.abs(s) > max(zero, 1e-8 * np.abs(s).max(initial=0.0))])
+    if not len(size):
+        return np.geomspace(1e-2, 1e2, FREQUENCIES)
+    high = max(float(np.abs(s.imag).max()), 10 * float(size.min()))
+    return np.geomspace(size.min() / 10, high, FREQUENCIES) / (2 * np.pi)
+
+
+def _save(folder: RunFolder, system: StateSpace, reduced: Reduced | None, summary: dict[str, Any]) -> None:
+    """Write linear.npz and linear.mat; names in both are lists of words."""
+    words = {
+        "inputs": list(summary["inputs"]),
+        "input_units": list(summary["inputs"].values()),
+        "outputs": list(summary["outputs"]),
+        "output_units": list(summary["outputs"].values()),
+        "states": list(system.names),
+    }
+    response = summary["response"]
+    arrays = {key: getattr(system, key) for key in "ABCDF"}
+    arrays |= {"frequency": response["frequency"], "response": response["full"]}
+    if reduced is not None:
+        arrays |= {f"{key}_reduced": getattr(reduced.system, key) for key in "ABCDF"}
+        arrays |= {
+            "response_reduced": response["reduced"],
+            "hankel": reduced.hankel,
+            "bound": np.array(reduced.bound),
+        }
+
+    def npz(file: Path) -> None:
+        with open(file, "wb") as f:
+            np.savez_compressed(f, **arrays, **{k: np.array(v, dtype=str) for k, v in words.items()})
+
+    def mat(file: Path) -> None:
+        from scipy.io import savemat
+
+        cells = {k: np.array(v, dtype=object).reshape(-1, 1) for k, v in words.items()}
+        with open(file, "wb") as f:
+            savemat(f, {**arrays, **cells})
+
+    replace_file(folder.path / NPZ, npz)
+    replace_file(folder.path / MAT, mat)
+
+
+def _lines(
+    case: Case, folder: RunFolder, system: StateSpace, reduced: Reduced | None, summary: dict[str, Any]
+) -> list[str]:
+    lines = [f"{case.title or 'case'}: linear model about {summary['about']}, {system.order} states"]
+    lines.append("  inputs:  " + ", ".join(f"{k} [{u}]" for k, u in summary["inputs"].items()))
+    lines.append("  outputs: " + ", ".join(f"{k} [{u}]" for k, u in summary["outputs"].items()))
+    if reduced is not None:
+        r = summary["reduction"]
+        lines.append(
+            f"  {r['method']} reduction: {r['states']} states, {r['kept']} of them of motions that do not decay"
+        )
+        if len(reduced.hankel):
+            shown = ", ".join(f"{q:.4g}" for q in reduced.hankel[:PRINTED])
+            lines.append(f"    Hankel values: {shown}{', ...' if len(reduced.hankel) > PRINTED else ''}")
+        sizes = ", ".join(f"{k} {v:.4g}" for k, v in {**r["input_size"], **r["output_size"]}.items())
+        lines.append(f"    in units of: {sizes}")
+        bound = "" if r["bound"] is None else f", bound {r['bound']:.4g}"
+        low, high = r["frequencies"]
+        lines.append(
+            f"    largest error at {FREQUENCIES} frequencies, {low:.3g} to {high:.3g} Hz: {r['error']:.4g}{bound}"
+        )
+    lines += [f"  note: {text}" for text in summary["warnings"]]
+    lines.append(f"  results: {folder.path}")
+    return lines

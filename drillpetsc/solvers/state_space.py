@@ -1,0 +1,330 @@
+"""State-space form of a linearised system: x' = A x + B u, y = C x + D u + F u'.
+
+Manual: sec-linear-elimination.  The equations are
+
+    K q + C q' + M q'' + f0 I + f1 u + f2 u' = 0,  I' = u,
+    y = Y0 q + Y1 q' + Y2 q'' + d0 I + d1 u + d2 u'.
+
+Unknowns q are of second order, of first order, or algebraic.  Algebraic ones follow from their rows; where these rows do not
+have them (multipliers of constraints), the rows are constraints, and motions and equations are projected on what they
+leave free.  The rate u' leaves the state by x = z - E^-1 b u (manual: eq-linear-shift).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sparse
+
+from drillpetsc.arrays import FloatArray
+from drillpetsc.errors import SolveError
+
+RANK_TOLERANCE = 1e-9  # singular values below this fraction of the largest are zero
+RELATIVE_ZERO = 1e-10  # couplings below this fraction of the largest of their row, in usual units, are none
+
+
+@dataclass(frozen=True)
+class Exchange:
+    """How inputs act and what outputs read, in the unknowns q (n,).
+
+    f0, f1, f2: (n, m) rows by the inputs' integrals, values and rates.
+    Y0, Y1, Y2: (p, n) outputs by unknowns, their rates and accelerations.
+    d0, d1, d2: (p, m) outputs by the inputs' integrals, values and rates.
+    """
+
+    f0: FloatArray
+    f1: FloatArray
+    f2: FloatArray
+    Y0: FloatArray
+    Y1: FloatArray
+    Y2: FloatArray
+    d0: FloatArray
+    d1: FloatArray
+    d2: FloatArray
+
+    def of_unknowns(self, which: np.ndarray) -> Exchange:
+        """The same for some of the unknowns."""
+        rows = {k: getattr(self, k)[which] for k in ("f0", "f1", "f2")}
+        columns = {k: getattr(self, k)[:, which] for k in ("Y0", "Y1", "Y2")}
+        return replace(self, **rows, **columns)
+
+
+@dataclass(frozen=True)
+class StateSpace:
+    """x' = A x + B u, y = C x + D u + F u'.
+
+    A: (n, n); B: (n, m); C: (p, n); D, F: (p, m) [SI].
+    names: (n,) of the states.
+    motions: (q, n) unknowns of the eliminated system by states; None after a reduction.
+    """
+
+    A: FloatArray
+    B: FloatArray
+    C: FloatArray
+    D: FloatArray
+    F: FloatArray
+    names: tuple[str, ...] = ()
+    motions: FloatArray | None = None
+
+    @property
+    def order(self) -> int:
+        """Number of states."""
+        return len(self.A)
+
+    def response(self, frequency: FloatArray, rates: bool = True) -> np.ndarray:
+        """Compute the response (k, p, m) at frequencies (k,) above 0 [Hz]; ``rates``: with F."""
+        out = np.zeros((len(frequency), *self.D.shape), dtype=complex)
+        if self.order:
+            T, Z = scipy.linalg.rsf2csf(*scipy.linalg.schur(self.A, output="real"))
+            B, C, diagonal = Z.conj().T @ self.B, self.C @ Z, np.diag_indices(self.order)
+            for k, f in enumerate(frequency):
+                shifted = -T
+                shifted[diagonal] += 2j * np.pi * f
+                out[k] = C @ scipy.linalg.solve_triangular(shifted, B)
+        s = 2j * np.pi * np.asarray(frequency)[:, None, None]
+        return out + self.D + (s * self.F if rates else 0.0)
+
+
+def connected(K, C, M, scale: FloatArray, ex: Exchange) -> np.ndarray:
+    """Select the unknowns (n,) that inputs act on and outputs read, directly or through others.
+
+    scale: (n,) usual sizes of the unknowns.
+    Couplings below ``RELATIVE_ZERO`` of the largest entry of a row of the same matrix are rounding.
+    """
+    n = len(scale)
+    coupled = sparse.csr_matrix((n, n))
+    for A in (K, C, M):
+        size = abs(sparse.csr_matrix(A @ sparse.diags(scale)))
+        largest = np.maximum(size.max(axis=1).toarray().ravel(), 1e-300)
+        relative = sparse.csr_matrix(sparse.diags(1.0 / largest) @ size)
+        relative.data[relative.data < RELATIVE_ZERO] = 0.0
+        relative.eliminate_zeros()
+        coupled = coupled + relative
+    _, part = sparse.csgraph.connected_components(coupled, directed=False)
+    driven = (ex.f0 != 0).any(axis=1) | (ex.f1 != 0).any(axis=1) | (ex.f2 != 0).any(axis=1)
+    read = (ex.Y0 != 0).any(axis=0) | (ex.Y1 != 0).any(axis=0) | (ex.Y2 != 0).any(axis=0)
+    return np.isin(part, np.intersect1d(part[driven], part[read]))
+
+
+@dataclass(frozen=True)
+class _Affine:
+    """A quantity as z (k, n), z' (k, n), u and u' (k, m)."""
+
+    z: FloatArray
+    dz: FloatArray
+    u: FloatArray
+    du: FloatArray
+
+    def __rmatmul__(self, A: FloatArray) -> _Affine:
+        return _Affine(A @ self.z, A @ self.dz, A @ self.u, A @ self.du)
+
+    __array_ufunc__ = None  # let ``matrix @ affine`` come here
+
+    def __add__(self, other: _Affine) -> _Affine:
+        return _Affine(self.z + other.z, self.dz + other.dz, self.u + other.u, self.du + other.du)
+
+    def rate(self) -> _Affine:
+        """Its rate in time, where it has neither z' nor u'."""
+        if self.dz.any() or self.du.any():
+            raise SolveError("an output follows a second rate: it has no state-space model")
+        return _Affine(self.dz, self.z, self.du, self.u)
+
+
+def eliminate(
+    K, C, M, second_order: np.ndarray, scale: FloatArray, rate: float, ex: Exchange, names: list[str]
+) -> StateSpace:
+    """Form the state space; algebraic unknowns and constraints are eliminated (manual: sec-linear-elimination).
+
+    K, C, M: (n, n) sparse.
+    second_order: (n,) whether the rate of the unknown is a state.
+    scale: (n,) usual sizes; rate: usual rate [1/s]; names: of the unknowns.
+    Raises SolveError where the equations have no state-space form.
+    """
+    K, C, M = (np.asarray(sparse.csr_matrix(A).todense()) for A in (K, C, M))
+    weights = [scale * f for f in (1.0, rate, rate**2)]
+    size = np.max(
+        [np.abs(A * w).max(axis=1, initial=0.0) for A, w in zip((K, C, M), weights, strict=True)], axis=0
+    )
+    if (size == 0).any():
+        raise SolveError("a row of the linearised system is empty")
+    K, C, M = (np.asarray(A / size[:, None]) for A in (K, C, M))
+    f0, f1, f2 = (f / size[:, None] for f in (ex.f0, ex.f1, ex.f2))
+
+    S = np.flatnonzero(second_order)
+    stored = C != 0
+    F = np.flatnonzero(~second_order & stored.any(axis=0))
+    L = np.flatnonzero(~second_order & ~stored.any(axis=0))
+    dynamic = M.any(axis=1) | stored[:, F].any(axis=1)
+    rd, ra = np.flatnonzero(dynamic), np.flatnonzero(~dynamic)
+    free = _constraints(K, C, S, F, L, rd, ra, scale, rate, (f0, f1, f2))
+    motions, left, stores = free.motions, free.left, free.stores
+    m, nP, nF = f0.shape[1], motions.shape[1], stores.shape[1]
+    held = np.flatnonzero((ex.f0 != 0).any(axis=0) | (ex.d0 != 0).any(axis=0))  # inputs whose integral acts
+    n = 2 * nP + nF + len(held)
+    zero = np.zeros
+
+    def state(start: int, count: int) -> FloatArray:
+        out = zero((count, n))
+        out[:, start : start + count] = np.eye(count)
+        return out
+
+    def affine(z: FloatArray) -> _Affine:
+        return _Affine(z, zero(z.shape), zero((len(z), m)), zero((len(z), m)))
+
+    p, w = state(0, nP), affine(state(nP, nP))
+    q_s = affine(motions @ p)
+    v_s = motions @ w
+    a_s = v_s.rate()
+    integral = zero((m, n))
+    integral[held] = state(2 * nP + nF, len(held))
+    inputs = affine(integral)
+    value = _Affine(zero((m, n)), zero((m, n)), np.eye(m), zero((m, m)))
+    slope = _Affine(zero((m, n)), zero((m, n)), zero((m, m)), np.eye(m))
+    f = affine(stores @ state(2 * nP, nF)) + (free.by_integral @ inputs) + (free.by_value @ value)
+    forcing = (f0 @ inputs) + (f1 @ value) + (f2 @ slope)
+
+    def rows(which: np.ndarray) -> _Affine:
+        """Rows of the equations without algebraic unknowns."""
+        at_s, at_f = np.ix_(which, S), np.ix_(which, F)
+        pick = np.eye(len(K))[which]
+        total = (K[at_s] @ q_s) + (C[at_s] @ v_s) + (M[at_s] @ a_s)
+        return total + (K[at_f] @ f) + (C[at_f] @ f.rate()) + (pick @ forcing)
+
+    Z = free.multipliers
+    l_known = free.resolved @ (free.solved_rows @ rows(ra))  # algebraic unknowns, without multipliers
+    of_rows = rows(rd) + (K[np.ix_(rd, L)] @ l_known)
+    kept = left.T @ of_rows
+    E = np.vstack([np.hstack([np.eye(nP), zero((nP, n - nP))]), kept.dz, zero((len(held), n))])
+    Az = np.vstack([w.z, -kept.z, zero((len(held), n))])
+    Bv = np.vstack([zero((nP, m)), -kept.u, np.eye(m)[held]])
+    Bd = np.vstack([zero((nP, m)), -kept.du, zero((len(held), m))])
+    E[n - len(held) :, n - len(held) :] = np.eye(len(held))
+    # in usual units: rates of second-order unknowns are rate times their size
+    units = np.abs(motions.T) @ scale[S] if len(S) else zero(0)
+    of_stores = np.abs(stores.T) @ scale[F] if len(F) else zero(0)
+    units = np.concatenate([units, rate * units, of_stores, np.ones(len(held)) / rate])
+    A, B, G = _solved(E, units, Az, Bv, Bd)
+    l_all = l_known
+    if Z.shape[1]:
+        H = K[np.ix_(rd, L)] @ Z
+        l_all = l_known + (-(Z @ np.linalg.pinv(H)) @ of_rows)
+    y = (ex.Y0[:, S] @ q_s) + (ex.Y1[:, S] @ v_s) + (ex.Y2[:, S] @ a_s)
+    y = y + (ex.Y0[:, F] @ f) + (ex.Y1[:, F] @ f.rate()) + (ex.Y0[:, L] @ l_all)
+    if ex.Y1[:, L].any():
+        y = y + (ex.Y1[:, L] @ l_all.rate())
+    y = y + (ex.d0 @ inputs) + (ex.d1 @ value) + (ex.d2 @ slope)
+    # z' = A z + B u + G u'; z = x + G u
+    B = B + A @ G
+    Cz = y.z + y.dz @ A
+    D = y.u + y.dz @ B + y.z @ G
+    feed = y.du + y.dz @ G
+    every = zero((len(K), n))
+    every[S], every[F], every[L] = q_s.z, f.z, l_all.z
+    return StateSpace(A, B, Cz, D, feed, _state_names(names, motions, stores, S, F, held), every)
+
+
+@dataclass(frozen=True)
+class _Free:
+    """What algebraic rows leave free.
+
+    motions: (S, k) second-order unknowns by free ones; stores: (F, l) first-order unknowns by free ones, to which
+    by_integral and by_value (F, m) add what inputs prescribe.
+    left: (rows, k + l) combinations of the dynamic rows without multipliers; multipliers: (L, c) their basis.
+    resolved: (L, r) algebraic unknowns by the combinations solved_rows (r, rows) of algebraic rows.
+    """
+
+    motions: FloatArray
+    stores: FloatArray
+    by_integral: FloatArray
+    by_value: FloatArray
+    left: FloatArray
+    multipliers: FloatArray
+    resolved: FloatArray
+    solved_rows: FloatArray
+
+
+def _constraints(K, C, S, F, L, rd, ra, scale, rate, forcing) -> _Free:
+    """Split the algebraic rows ``ra`` into those that determine unknowns ``L``, and constraints of all others.
+
+    forcing: rows (n, m) by integrals, values and rates of the inputs.  Raises SolveError where a constraint is one of rates, or
+    of motions that an input changes.
+    """
+    m = forcing[0].shape[1]
+    A = K[np.ix_(ra, L)] * scale[L]
+    U, s, Vt = np.linalg.svd(A) if A.size else (np.eye(len(ra)), np.zeros(0), np.eye(len(L)))
+    rank = int((s > RANK_TOLERANCE * s.max()).sum()) if s.max(initial=0.0) > 0 else 0
+    resolved = -(scale[L][:, None] * Vt[:rank].T) / s[:rank]
+    Y, Z = U[:, rank:], scale[L][:, None] * Vt[rank:].T
+    motions, stores, left = np.eye(len(S)), np.eye(len(F)), np.eye(len(rd))
+    by_integral, by_value = np.zeros((len(F), m)), np.zeros((len(F), m))
+    if Y.shape[1]:
+        by_motion, by_store = Y.T @ K[np.ix_(ra, S)] * scale[S], Y.T @ K[np.ix_(ra, F)] * scale[F]
+        h0, h1, h2 = (Y.T @ f[ra] for f in forcing)
+        of_stores = scipy.linalg.null_space(by_motion.T, RANK_TOLERANCE) if len(S) else np.eye(Y.shape[1])
+        of_motions = scipy.linalg.null_space(of_stores.T) if of_stores.shape[1] else np.eye(Y.shape[1])
+        refused = [Y.T @ C[np.ix_(ra, S)] * scale[S] * rate, of_motions.T @ by_store, h2]
+        refused += [of_motions.T @ h0, of_motions.T @ h1]
+        size = max(np.abs(by_motion).max(initial=0.0), np.abs(by_store).max(initial=0.0))
+        if any(np.abs(o).max(initial=0.0) > 1e-6 * size for o in refused):
+            raise SolveError(
+                "a constraint of rates, or of a motion that an input changes, has no state-space form here"
+            )
+        motions = _null_space(of_motions.T @ by_motion, scale[S])
+        if of_stores.shape[1]:
+            G = of_stores.T @ by_store
+            stores = _null_space(G, scale[F])
+            inverse = -scale[F][:, None] * np.linalg.pinv(G)
+            by_integral, by_value = inverse @ of_stores.T @ h0, inverse @ of_stores.T @ h1
+    if Z.shape[1]:
+        left = scipy.linalg.null_space((K[np.ix_(rd, L)] @ Z).T)
+    return _Free(motions, stores, by_integral, by_value, left, Z, resolved, U[:, :rank].T)
+
+
+def _null_space(G: FloatArray, scale: FloatArray) -> FloatArray:
+    """Basis (n, k) of the unknowns with G u/scale = 0; unknowns that G does not touch stay single."""
+    n = len(scale)
+    touched = np.abs(G).max(axis=0, initial=0.0) > RELATIVE_ZERO * np.abs(G).max(initial=0.0)
+    if not touched.any():
+        return np.eye(n)
+    basis = scale[touched][:, None] * scipy.linalg.null_space(G[:, touched])
+    single = np.eye(n)[:, ~touched]
+    out = np.zeros((n, single.shape[1] + basis.shape[1]))
+    out[:, : single.shape[1]] = single
+    out[np.flatnonzero(touched), single.shape[1] :] = basis
+    return out
+
+
+def _solved(E, units, *right: FloatArray) -> list[FloatArray]:
+    """Solve E X = R for each R in usual units of the states; raises SolveError where E is singular."""
+    n = len(E)
+    if not n:
+        return [np.zeros_like(R) for R in right]
+    scaled = E * units
+    rows = np.maximum(np.abs(scaled).max(axis=1), 1e-300)
+    scaled = scaled / rows[:, None]
+    anorm = np.abs(scaled).sum(axis=0).max()
+    lu, pivots = scipy.linalg.lu_factor(scaled, check_finite=False)
+    rcond, _ = scipy.linalg.lapack.dgecon(lu, anorm)
+    if not rcond > 1e-15:
+        raise SolveError(
+            "an unknown of the linearised system has neither inertia nor storage: no state-space form"
+        )
+    return [units[:, None] * scipy.linalg.lu_solve((lu, pivots), R / rows[:, None]) for R in right]
+
+
+def _state_names(names: list[str], motions: FloatArray, stores: FloatArray, S, F, held) -> tuple[str, ...]:
+    """Names of the states: of single unknowns, or of combinations that constraints leave free."""
+
+    def named(basis: FloatArray, of: np.ndarray, word: str) -> list[str]:
+        out = []
+        for k, column in enumerate(basis.T):
+            at = np.flatnonzero(column)
+            out.append(names[of[at[0]]] if len(at) == 1 else f"{word} {k}")
+        return out
+
+    of_motions = named(motions, S, "motion within joints")
+    integrals = [f"integral of input {j + 1}" for j in held]
+    rates = [f"rate of {n}" for n in of_motions]
+    return (*of_motions, *rates, *named(stores, F, "combination"), *integrals)
