@@ -133,6 +133,13 @@ def read_base(
     case = case_from_data(data, path, lines)
     if case.time is None:
         raise CaseError(at="time", want="a block {end: ...}", file=path)
+    if case.time.integrator == "generalized_alpha":  # as options, which the points of a curve replace
+        radius = case.time.spectral_radius
+        chosen = {"ts_type": "alpha2"} | ({} if radius is None else {"ts_alpha_radius": radius})
+        time = {k: v for k, v in data["time"].items() if k not in ("integrator", "spectral_radius")}
+        data = {**data, "time": time, "petsc": {**data.get("petsc", {}), **chosen}}
+        case = case_from_data(data, path, lines)
+        assert case.time is not None
     every = float(case.output.with_intervals(case.time.end).history_every)  # type: ignore[arg-type]
     petsc = {**case.petsc, **options}
     return Base(
