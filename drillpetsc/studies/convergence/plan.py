@@ -133,16 +133,24 @@ def read_base(
     case = case_from_data(data, path, lines)
     if case.time is None:
         raise CaseError(at="time", want="a block {end: ...}", file=path)
-    every = float(case.output.with_intervals(case.time.end).history_every)  # type: ignore[arg-type]
+    end = case.time.end
+    if case.time.integrator == "generalized_alpha":  # as options, which the points of a curve replace
+        radius = case.time.spectral_radius
+        chosen: dict[str, Any] = {"ts_type": "alpha2"} | (
+            {} if radius is None else {"ts_alpha_radius": radius}
+        )
+        time = {k: v for k, v in data["time"].items() if k not in ("integrator", "spectral_radius")}
+        data = {**data, "time": time, "petsc": {**data.get("petsc", {}), **chosen}}
+    every = float(case.output.with_intervals(end).history_every)  # type: ignore[arg-type]
     petsc = {**case.petsc, **options}
     return Base(
         path,
         data,
         lines,
         options,
-        case.time.end,
+        end,
         float(petsc.get("ts_rtol", TOLERANCE)),
-        min(every, case.time.end / FEWEST_ROWS),
+        min(every, end / FEWEST_ROWS),
         steps=tuple(numbers("time-step", steps, "--steps")),
         tolerances=tuple(numbers("tolerance", tolerances, "--tolerances")),
     )

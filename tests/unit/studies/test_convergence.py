@@ -19,6 +19,7 @@ from drillpetsc.studies.convergence.error_norms import (
 )
 from drillpetsc.studies.convergence.exact_solutions import characteristics, exact_outputs
 from drillpetsc.studies.convergence.plan import (
+    case_of,
     default_steps,
     default_tolerances,
     newton_tolerance,
@@ -200,8 +201,6 @@ def test_every_default_curve_has_five_points_or_more(case_file):
 
 def test_options_of_one_integrator_do_not_reach_another(case_file):
     """The case sets ts_bdf_order, which ARKIMEX would not read, and the run would refuse."""
-    from drillpetsc.studies.convergence.plan import case_of
-
     base = read_base(case_file, {"q_snes_stol": "1e-8"})
     ark = case_of(base, plan_of("integrator", base, ["arkimex"])[0])
     assert "ts_bdf_order" not in ark.petsc
@@ -210,6 +209,22 @@ def test_options_of_one_integrator_do_not_reach_another(case_file):
     bdf = case_of(base, plan_of("integrator", base, ["bdf3"])[0])
     assert bdf.petsc["ts_bdf_order"] == "3"
     assert bdf.petsc["q_snes_stol"] == "1e-8"
+
+
+def test_points_of_a_case_with_generalised_alpha(tmp_path):
+    """The integrator of the case is an option that curves replace; its radius goes with it."""
+    path = tmp_path / "case.yaml"
+    text = "{string: [{kind: pipe, length: 10 m, od: 127 mm, id: 100 mm}], top: clamped, "
+    path.write_text(
+        text
+        + "time: {end: 1 s, integrator: generalized_alpha, spectral_radius: 0.5}, petsc: {ts_rtol: 1e-3}}"
+    )
+    base = read_base(path, {})
+    own = case_of(base, plan_of("tolerance", base, ["1e-3"])[0])
+    assert own.petsc["ts_type"] == "alpha2" and own.petsc["ts_alpha_radius"] == 0.5
+    bdf = case_of(base, plan_of("integrator", base, ["bdf3"])[0])
+    assert bdf.petsc["ts_type"] == "bdf" and "ts_alpha_radius" not in bdf.petsc
+    assert bdf.time is not None and bdf.time.integrator == "bdf"
 
 
 def test_options_from_the_command_line():
