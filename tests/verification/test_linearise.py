@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import scipy.signal
 
 import drillpetsc
-from drillpetsc import Case
+from drillpetsc import Case, load_case
 from drillpetsc.errors import CaseError, SolveError
 from tests.helpers import top_drive_models as m
 
+CASES = Path(__file__).parents[2] / "cases"
 FREQUENCY = np.array([0.1, 0.5, 1.0, 2.0])
 #: C30: |omega_top/torque| [rad/s per N m] and phase [deg] of a drive of 2900 kg m2 with 2000 m of pipe
 C30 = [5.139077e-4, 1.187224e-4, 5.395235e-5, 2.975324e-5], [-90.0, -89.953, -89.979, -85.519]
@@ -261,3 +264,13 @@ def test_the_root_that_decays_least_in_an_inclined_hole_is_one_of_the_modes(tmp_
         found = drillpetsc.modes(case, tmp_path / f"m{low:g}", count=1, shift=shift).summary
         assert found["frequency"][0] == pytest.approx(shift, rel=1e-5)
         assert found["growth"][0] == pytest.approx(root.real, abs=1e-5 * abs(root))
+
+
+def test_an_autodriller_is_refused(tmp_path):
+    """Its measurements follow each step, so no loop of it stands in the matrices; the block on its line does."""
+    case = load_case(CASES / "autodriller.yaml")
+    with pytest.raises(CaseError, match="no autodriller in a linear model"):
+        drillpetsc.linearise(case, ["top.lowering"], ["wob"], tmp_path / "with")
+    hoist = case.model_copy(update={"top": case.top.model_copy(update={"autodriller": None})})
+    system = drillpetsc.linearise(hoist, ["top.lowering"], ["wob"], tmp_path / "without").system
+    assert np.isfinite(system.A).all() and np.abs(system.B).max() > 0
