@@ -89,6 +89,8 @@ def assumptions(case: Case, plan: Roadmap) -> list[str]:
             notes.append(
                 f"the mud stands still in {', '.join(still)}: forces of the flow on the string are left out"
             )
+    if plan.hole_grows:
+        notes.append("the open hole ends at the bit (hole_grows): the same rows as with the hole of the case")
     if any(item.friction is not None for item in case.string):
         notes.append("items with a friction of their own keep it for given friction factors")
     return notes

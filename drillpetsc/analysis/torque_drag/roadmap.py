@@ -286,6 +286,7 @@ def _inputs(
             for point in points or ()
         ],
         "hookload_excludes_block": plan.hookload_excludes_block,
+        "hole_grows": plan.hole_grows,
     }
 
 
