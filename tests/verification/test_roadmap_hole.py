@@ -62,3 +62,19 @@ def test_hole_grows_is_recorded(tmp_path):
 def test_hole_grows_is_true_or_false():
     with pytest.raises(CaseError, match=r"roadmap\.hole_grows"):
         build(6, hole_grows="yes")
+
+
+@pytest.mark.parametrize(
+    "depths, told", [([400, 500], ""), ([700], "bit at 700 m"), ([400, 600, 700], "bit at 600 m to 700 m")]
+)
+def test_a_lengthened_string_is_told(depths, told, tmp_path):
+    """500 m of pipe with the bit at 700 m: the weight is that of 700 m, and a note says so; not where the string is cut."""
+    plan = {"bit_depth": depths, "operations": ["rob"]}
+    made = case([0, 1000], [0, 0], length=500, roadmap=plan)
+    result = run_roadmap(made, tmp_path / "run")
+    notes = [note for note in result.summary["notes"] if "is lengthened" in note]
+    assert bool(notes) == bool(told) and len(notes) <= 1
+    if told:
+        assert notes[0].startswith(told) and "the string of the case is 500 m long" in notes[0]
+    found = rows(made, tmp_path)["rotate_off_bottom", 0.3, depths[-1]]
+    assert found["hook_load"] == pytest.approx(242 * depths[-1], rel=1e-6)
